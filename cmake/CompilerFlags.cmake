@@ -1,0 +1,19 @@
+# colmap_ext_flags: how our own targets are compiled. Linked privately, so that
+# nothing of it reaches COLMAP. No -march: Eigen's alignment is part of COLMAP's
+# ABI.
+
+add_library(colmap_ext_flags INTERFACE)
+target_compile_features(colmap_ext_flags INTERFACE cxx_std_20)
+target_compile_options(colmap_ext_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow
+  $<$<BOOL:${COLMAP_EXT_WERROR}>:-Werror>
+  # Same rounding with and without fused multiply-add: same mesh everywhere.
+  -ffp-contract=off)
+
+if(COLMAP_EXT_SANITIZE)
+  target_compile_options(colmap_ext_flags INTERFACE
+    -fsanitize=${COLMAP_EXT_SANITIZE} -fno-sanitize-recover=all
+    -fno-omit-frame-pointer)
+  target_link_options(colmap_ext_flags INTERFACE
+    -fsanitize=${COLMAP_EXT_SANITIZE})
+endif()

@@ -1,0 +1,33 @@
+# A room is a folder under src/ and a static library colmap_ext_<name>.
+#
+#   add_room(<name> [DEPENDS <room>...] [LIBS <target>...]
+#            [PRIVATE_LIBS <target>...])
+#
+# Its files are included as "<name>/file.h". The include folder of a room holds
+# nothing but a link to that room, so that including one that is not among
+# DEPENDS (or their own dependencies) fails at build.
+function(add_room name)
+  cmake_parse_arguments(ROOM "" "" "DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+  set(dir ${PROJECT_SOURCE_DIR}/src/${name})
+  set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
+  set(target colmap_ext_${name})
+
+  file(MAKE_DIRECTORY ${include_dir})
+  file(CREATE_LINK ${dir} ${include_dir}/${name} SYMBOLIC)
+
+  file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cc)
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE colmap_ext_flags
+                                            ${ROOM_PRIVATE_LIBS})
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  else()  # Headers only.
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+
+  list(TRANSFORM ROOM_DEPENDS PREPEND colmap_ext_)
+  target_include_directories(${target} ${scope} ${include_dir})
+  target_link_libraries(${target} ${scope} ${ROOM_DEPENDS} ${ROOM_LIBS})
+endfunction()
