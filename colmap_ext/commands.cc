@@ -1,0 +1,12 @@
+#include "colmap_ext/commands.h"
+
+namespace colmap_ext {
+
+const std::vector<Command>& Commands() {
+  static const std::vector<Command> commands = {
+      {"delaunay_manifold_mesher", &RunDelaunayManifoldMesher},
+  };
+  return commands;
+}
+
+}  // namespace colmap_ext

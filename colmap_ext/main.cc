@@ -1,0 +1,67 @@
+// The stand-alone program: the same commands for an unpatched COLMAP.
+
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "colmap_ext/colmap_compat.h"
+#include "colmap_ext/commands.h"
+
+namespace {
+
+int ShowHelp() {
+  std::cout << "colmap_ext " COLMAP_EXT_VERSION
+               " -- Surface reconstruction commands for COLMAP\n\n"
+               "Usage:\n"
+               "  colmap_ext [command] [options]\n\n"
+               "Example usage:\n"
+               "  colmap_ext help [ -h, --help ]\n"
+               "  colmap_ext delaunay_manifold_mesher -h [ --help ]\n"
+               "  colmap_ext delaunay_manifold_mesher --workspace_path "
+               "WORKSPACE\n"
+               "  ...\n\n"
+               "Available commands:\n"
+               "  help\n";
+  for (const colmap_ext::Command& command : colmap_ext::Commands()) {
+    std::cout << "  " << command.name << "\n";
+  }
+  std::cout << std::endl;
+  return EXIT_SUCCESS;
+}
+
+int RunCommand(int argc, char** argv) {
+  const std::string name = argv[1];
+  for (const colmap_ext::Command& command : colmap_ext::Commands()) {
+    if (name == command.name) {
+      argv[1] = argv[0];
+      return command.run(argc - 1, argv + 1);
+    }
+  }
+  std::cerr << "ERROR: Command `" << name
+            << "` not recognized. To list the available commands, run "
+               "`colmap_ext help`."
+            << std::endl;
+  return EXIT_FAILURE;
+}
+
+bool WantsHelp(int argc, char** argv) {
+  return argc < 2 || std::strcmp(argv[1], "help") == 0 ||
+         std::strcmp(argv[1], "-h") == 0 || std::strcmp(argv[1], "--help") == 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    if (WantsHelp(argc, argv)) {
+      return ShowHelp();
+    }
+    colmap_ext::InitializeLogging(argv);
+    return RunCommand(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "ERROR: " << error.what() << std::endl;
+    return EXIT_FAILURE;
+  }
+}
