@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace colmap_ext {
+
+// A file or folder that is missing, damaged, or does not fit the others. The
+// message is one line for the user: what is wrong where, and what to do.
+class FileError : public std::runtime_error {
+ public:
+  FileError(const std::filesystem::path& path, const std::string& message)
+      : std::runtime_error(path.string() + ": " + message) {}
+};
+
+// A command line that asks for something impossible.
+class OptionError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace colmap_ext
