@@ -1,0 +1,81 @@
+#include "colmap_ext/colmap_compat.h"
+
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <type_traits>
+
+#if __has_include(<colmap/sensor/bitmap.h>)
+#include <colmap/sensor/bitmap.h>
+#include <colmap/util/logging.h>
+#else
+#include "util/bitmap.h"
+#include "util/logging.h"
+#endif
+
+namespace colmap_ext {
+
+namespace {
+
+// OptionManager::Parse returns nothing up to 3.12, and ends the program where
+// the options are wrong.
+template <typename Options>
+bool Parse(int argc, char** argv, Options* options) {
+  if constexpr (std::is_void_v<decltype(options->Parse(argc, argv))>) {
+    options->Parse(argc, argv);
+    return true;
+  } else {
+    return options->Parse(argc, argv);
+  }
+}
+
+// COLMAP aborts on a project file that exists but can not be read.
+bool IsProjectFileReadable(int argc, char** argv) {
+  for (int i = 1; i + 1 < argc; ++i) {
+    if (std::strcmp(argv[i], "--project_path") == 0 &&
+        !std::ifstream(argv[i + 1]).is_open()) {
+      std::cerr << "ERROR: " << argv[i + 1] << ": can not be read" << std::endl;
+      return false;
+    }
+  }
+  return true;
+}
+
+// Bitmap::GetPixel fills in a colour up to 3.x, and returns one from 4.0.
+template <typename Bitmap>
+Color GetPixel(const Bitmap& bitmap, int x, int y) {
+  colmap::BitmapColor<uint8_t> color(0, 0, 0);
+  if constexpr (requires { bitmap.GetPixel(x, y, &color); }) {
+    bitmap.GetPixel(x, y, &color);
+  } else {
+    color = bitmap.GetPixel(x, y).value_or(color);
+  }
+  return {color.r, color.g, color.b};
+}
+
+}  // namespace
+
+void InitializeLogging(char** argv) { colmap::InitializeGlog(argv); }
+
+bool ParseOptions(int argc, char** argv, colmap::OptionManager* options) {
+  return IsProjectFileReadable(argc, argv) && Parse(argc, argv, options);
+}
+
+std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path) {
+  colmap::Bitmap bitmap;
+  if (!std::filesystem::is_regular_file(path) || !bitmap.Read(path.string())) {
+    return std::nullopt;
+  }
+  ColorImage image;
+  image.width = bitmap.Width();
+  image.height = bitmap.Height();
+  image.pixels.reserve(size_t{1} * image.width * image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      image.pixels.push_back(GetPixel(bitmap, x, y));
+    }
+  }
+  return image;
+}
+
+}  // namespace colmap_ext

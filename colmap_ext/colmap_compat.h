@@ -1,0 +1,43 @@
+#pragma once
+
+// The only place that knows how COLMAP's headers and interfaces moved between
+// 3.8 and 4.x. What moved is detected, not looked up by version, so that
+// development versions work as well.
+
+#if __has_include(<colmap/controllers/option_manager.h>)
+#include <colmap/controllers/option_manager.h>
+#elif __has_include(<colmap/util/option_manager.h>) && \
+    __has_include(<colmap/scene/reconstruction.h>)
+#include <colmap/util/option_manager.h>
+#else
+#include "util/option_manager.h"
+#endif
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/point_cloud.h"
+
+namespace colmap_ext {
+
+// Starts COLMAP's logging (glog). To be called once, by main().
+void InitializeLogging(char** argv);
+
+// Parses a command's options. As all of COLMAP's commands do, `-h` prints the
+// help and ends the program.
+// \return false if the options are wrong, which has been said then.
+bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
+
+// A picture as COLMAP reads it.
+struct ColorImage {
+  int width = 0;              // px
+  int height = 0;             // px
+  std::vector<Color> pixels;  // [height * width], rows from the top
+};
+
+// \return nothing if there is no such picture, or COLMAP can not read it.
+std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path);
+
+}  // namespace colmap_ext
