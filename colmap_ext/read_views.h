@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "colmap_ext/sparse_model.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+struct Views {
+  std::vector<View> views;  // as the model's images
+  // [views] size of each depth map over the size of its picture; 1 where there
+  // is no depth map.
+  std::vector<double> depth_map_scales;
+  size_t num_missing_images = 0;   // their camera's size was taken instead
+  size_t num_rescaled_images = 0;  // of another size than their camera's
+};
+
+// The cameras and poses of the model's images, with the intrinsics scaled to
+// the pictures in DENSE_PATH/images: COLMAP's image_undistorter scales the
+// pictures of a pinhole camera and leaves the camera as it was.
+//
+// \param allow_distortion  take the pinhole part of distorted cameras.
+// \throw FileError if a camera is distorted, or the aspect of a picture is not
+//        its camera's.
+Views ReadViews(const std::filesystem::path& dense_path,
+                const SparseModel& model, bool allow_distortion);
+
+}  // namespace colmap_ext

@@ -1,0 +1,138 @@
+#include "colmap_ext/workspace.h"
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "colmap_ext/errors.h"
+#include "colmap_ext/find_workspace.h"
+#include "colmap_ext/read_ply_cloud.h"
+#include "colmap_ext/read_views.h"
+#include "colmap_ext/read_visibility.h"
+#include "colmap_ext/sparse_model.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// More than this share of the points with image indices out of range, and the
+// .vis belongs to another model.
+constexpr double kMaxOutOfRange = 0.01;
+
+template <typename T>
+std::vector<T> Reorder(const std::vector<T>& values,
+                       const std::vector<size_t>& order) {
+  std::vector<T> reordered;
+  for (const size_t index : order) {
+    reordered.push_back(values[index]);
+  }
+  return reordered;
+}
+
+void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
+                          const std::filesystem::path& path) {
+  const size_t num_out_of_range = CountOutOfRange(visibility, num_images);
+  const size_t num_points = visibility.offsets.size() - 1;
+  if (num_out_of_range > kMaxOutOfRange * num_points) {
+    throw FileError(path, std::to_string(num_out_of_range) + " of " +
+                              std::to_string(num_points) +
+                              " points list images beyond the " +
+                              std::to_string(num_images) +
+                              " of sparse/, so that it belongs to another "
+                              "model; run `colmap stereo_fusion` again");
+  }
+}
+
+void ReadDenseCloud(const SparseModel& model, const Views& views,
+                    const WorkspaceOptions& options, Workspace* workspace) {
+  const std::filesystem::path& folder = workspace->report.path;
+  const std::filesystem::path visibility_path = folder / "fused.ply.vis";
+  const std::filesystem::path images_path = folder / "images";
+  PlyCloud cloud = ReadPlyCloud(folder / "fused.ply");
+  Visibility visibility =
+      ReadVisibility(visibility_path, cloud.positions.size());
+  if (visibility.image_indices.empty()) {
+    throw FileError(folder / "fused.ply", "no points that any image sees");
+  }
+  ExpectIndicesInRange(visibility, model.images.size(), visibility_path);
+  workspace->report.order = FindImageOrder(
+      {cloud, visibility, model, views.views, images_path, visibility_path},
+      options.image_order);
+  workspace->report.is_order_verified = true;
+  const std::vector<size_t>& order = workspace->report.order.order.images;
+  workspace->views = Reorder(views.views, order);
+  workspace->depth_map_scales = Reorder(views.depth_map_scales, order);
+  cloud.normals = {};
+  workspace->cloud = FilterCloud(std::move(cloud), std::move(visibility),
+                                 order.size(), &workspace->report.points);
+}
+
+void MakeSparseCloud(const SparseModel& model, const Views& views,
+                     Workspace* workspace) {
+  std::map<uint32_t, uint32_t> index_of_id;
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    index_of_id[model.images[i].image_id] = static_cast<uint32_t>(i);
+  }
+  Visibility visibility;
+  visibility.offsets = model.track_offsets;
+  for (const uint32_t image_id : model.track_image_ids) {
+    const auto it = index_of_id.find(image_id);
+    visibility.image_indices.push_back(
+        it != index_of_id.end() ? it->second
+                                : std::numeric_limits<uint32_t>::max());
+  }
+  workspace->views = views.views;
+  workspace->depth_map_scales = views.depth_map_scales;
+  workspace->cloud = FilterCloud(
+      {model.point_positions, {}, model.point_colors}, std::move(visibility),
+      model.images.size(), &workspace->report.points);
+}
+
+}  // namespace
+
+std::string WorkspaceOptions::Check() const {
+  if (input_type != "dense" && input_type != "sparse") {
+    return "input_type is '" + input_type + "'; it has to be dense or sparse";
+  }
+  for (const char* name : {"auto", "file", "image_id", "frame", "frame_id"}) {
+    if (image_order == name) {
+      return "";
+    }
+  }
+  return "image_order is '" + image_order +
+         "'; it has to be auto, file, image_id, frame or frame_id";
+}
+
+Workspace ReadWorkspace(const std::filesystem::path& path,
+                        const WorkspaceOptions& options) {
+  const bool is_dense = options.input_type == "dense";
+  Workspace workspace;
+  WorkspaceReport& report = workspace.report;
+  report.path = is_dense ? FindDenseFolder(path) : path;
+  report.sparse_path = FindSparseFolder(report.path);
+  const SparseModel model = ReadSparseModel(report.sparse_path);
+  if (model.images.empty()) {
+    throw FileError(report.sparse_path, "the model has no images");
+  }
+  const Views views = ReadViews(report.path, model, !is_dense);
+  report.num_missing_images = views.num_missing_images;
+  report.num_rescaled_images = views.num_rescaled_images;
+  report.num_sparse_points = model.point_positions.size();
+  if (is_dense) {
+    ReadDenseCloud(model, views, options, &workspace);
+  } else {
+    MakeSparseCloud(model, views, &workspace);
+  }
+  if (workspace.cloud.size() == 0) {
+    throw FileError(report.path, "no points that can be meshed");
+  }
+  for (const Eigen::Vector3f& point : model.point_positions) {
+    if (point.allFinite()) {
+      workspace.sparse_points.push_back(point);
+    }
+  }
+  return workspace;
+}
+
+}  // namespace colmap_ext
