@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+#include "delaunay/vertex_attributes.h"
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+// PATH.vis, the per-vertex visibility beside a mesh.
+std::filesystem::path VisibilityPath(const std::filesystem::path& path);
+
+// Writes a mesh as other tools read it: binary little-endian PLY with float x,
+// y, z, uchar red, green, blue (if it has colours) and the list uchar int
+// vertex_index of the triangles; and beside it PATH.vis, which images see each
+// vertex, in the format of fused.ply.vis. Both appear complete or not at all,
+// the mesh last.
+//
+// \throw FileError if they can not be written.
+void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
+               const VertexAttributes& attributes);
+
+}  // namespace colmap_ext
