@@ -1,0 +1,51 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <iosfwd>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace colmap_ext {
+
+struct StageTime {
+  std::string stage;
+  double seconds = 0;  // wall time
+};
+
+// Shows long work as it goes, and remembers how long each stage took: on a
+// terminal one line that moves, in a log a line where a stage ends and every
+// few seconds. Its Update() is a Progress (scene/progress.h).
+class ProgressReporter {
+ public:
+  ProgressReporter(std::ostream& stream, bool is_terminal);
+
+  // \param share  of the stage that is done, 0 ... 1.
+  void Update(std::string_view stage, double share);
+
+  // Ends the last stage. A new one may follow.
+  void Finish();
+
+  // Of the stages that have ended, in their order; one that came again later
+  // is added to its first time.
+  const std::vector<StageTime>& StageTimes() const { return stage_times_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void Show(double share);
+
+  std::ostream& stream_;
+  bool is_terminal_;
+  std::string stage_;  // empty between stages
+  Clock::time_point stage_start_;
+  Clock::time_point last_shown_;
+  size_t shown_length_ = 0;  // of the moving line, characters
+  std::vector<StageTime> stage_times_;
+};
+
+// Of this process up to now, bytes.
+size_t PeakMemory();
+
+}  // namespace colmap_ext
