@@ -1,0 +1,116 @@
+#include <unistd.h>
+
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <stdexcept>
+
+#include "colmap_ext/atomic_file.h"
+#include "colmap_ext/colmap_compat.h"
+#include "colmap_ext/commands.h"
+#include "colmap_ext/errors.h"
+#include "colmap_ext/find_workspace.h"
+#include "colmap_ext/meshing_options.h"
+#include "colmap_ext/print_report.h"
+#include "colmap_ext/progress_reporter.h"
+#include "colmap_ext/workspace.h"
+#include "colmap_ext/write_mesh.h"
+#include "delaunay/manifold_meshing.h"
+#include "scene/half_pixel.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// A mesh that failed the gate, or any other broken promise of our own code.
+constexpr const char* kOurBug =
+    "; nothing was written. This is a bug of colmap_ext, not of your data: "
+    "please report it with this message, the command line and, if you can, "
+    "fused.ply, fused.ply.vis and sparse/";
+
+void CorrectHalfPixel(Workspace* workspace) {
+  const std::vector<Eigen::Vector3f> offsets = HalfPixelOffsets(
+      workspace->cloud, workspace->views, workspace->depth_map_scales);
+  PrintReport(
+      RegressHalfPixel(workspace->cloud, offsets, workspace->sparse_points),
+      std::cout);
+  for (size_t i = 0; i < offsets.size(); ++i) {
+    workspace->cloud.positions[i] += offsets[i];
+  }
+}
+
+// Before the points are read, so that nobody waits for a mesh that can not be
+// written.
+std::filesystem::path FindOutputPath(const MesherOptions& options) {
+  const std::filesystem::path input_path = options.InputPath();
+  const std::filesystem::path output_path = options.OutputPath(
+      options.workspace.input_type == "dense" ? FindDenseFolder(input_path)
+                                              : input_path);
+  ExpectWritable(output_path);
+  ExpectWritable(VisibilityPath(output_path));
+  return output_path;
+}
+
+void MeshWorkspace(const MesherOptions& options) {
+  const std::filesystem::path output_path = FindOutputPath(options);
+  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+  const auto progress = [&reporter](std::string_view stage, double share) {
+    reporter.Update(stage, share);
+  };
+  Report(progress, "Reading the workspace", 0);
+  Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace);
+  reporter.Finish();
+  PrintReport(workspace.report, workspace.views.size(), std::cout);
+  // Sparse points come from features, which do not have the error.
+  if (options.half_pixel_correction &&
+      options.workspace.input_type == "dense") {
+    CorrectHalfPixel(&workspace);
+  }
+  std::cout << std::endl;
+  const ManifoldMesh mesh =
+      MeshManifold(options.meshing, workspace.cloud, workspace.views, progress);
+  Report(progress, "Writing the mesh", 0);
+  WriteMesh(output_path, mesh.mesh, mesh.attributes);
+  reporter.Finish();
+  PrintReport(mesh.report, std::cout);
+  PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);
+  std::cout << "\nWrote " << output_path.string() << " and "
+            << VisibilityPath(output_path).string() << std::endl;
+}
+
+int Fail(const std::string& message) {
+  std::cout << std::flush;
+  std::cerr << "ERROR: " << message << std::endl;
+  return EXIT_FAILURE;
+}
+
+}  // namespace
+
+int RunDelaunayManifoldMesher(int argc, char** argv) {
+  try {
+    MesherOptions options;
+    colmap::OptionManager manager;
+    AddMesherOptions(&manager, &options);
+    if (!ParseOptions(argc, argv, &manager)) {
+      return EXIT_FAILURE;
+    }
+    if (const std::string error = options.Check(); !error.empty()) {
+      throw OptionError(error);
+    }
+    MeshWorkspace(options);
+    return EXIT_SUCCESS;
+  } catch (const std::bad_alloc&) {
+    return Fail(
+        "out of memory; a larger --DelaunayManifoldMeshing."
+        "max_proj_dist keeps fewer points");
+  } catch (const std::invalid_argument& error) {
+    return Fail(error.what());
+  } catch (const std::logic_error& error) {
+    return Fail(error.what() + std::string(kOurBug));
+  } catch (const std::exception& error) {
+    return Fail(error.what());
+  }
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <iosfwd>
+#include <vector>
+
+#include "colmap_ext/progress_reporter.h"
+#include "colmap_ext/workspace.h"
+#include "delaunay/manifold_meshing.h"
+#include "scene/half_pixel.h"
+
+namespace colmap_ext {
+
+// For the user, on the screen: one fact a line, numbers in one column.
+
+// What was read, and what was dropped and why.
+void PrintReport(const WorkspaceReport& report, size_t num_images,
+                 std::ostream& stream);
+
+// How far the workspace itself shows the half pixel.
+void PrintReport(const HalfPixelSlope& slope, std::ostream& stream);
+
+// What was made of it.
+void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream);
+
+// What it took.
+void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,
+                 std::ostream& stream);
+
+}  // namespace colmap_ext
