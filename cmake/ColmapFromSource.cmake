@@ -81,28 +81,26 @@ if(NOT colmap_copied STREQUAL colmap_digest
   file(GLOB_RECURSE colmap_files ${colmap_copy}/*)
   file(TOUCH ${colmap_files})
 
-  find_program(PATCH_PROGRAM patch)
-  mark_as_advanced(PATCH_PROGRAM)
-  foreach(file IN LISTS colmap_patches)
-    if(NOT PATCH_PROGRAM)
-      message(FATAL_ERROR "The program `patch` is needed to patch COLMAP; "
-                          "install it (Debian: patch).")
-    endif()
-    execute_process(
-      # The names in the patch are of 3.8; the file is given, so one patch
-      # serves both layouts.
-      COMMAND ${PATCH_PROGRAM} --batch --forward --no-backup-if-mismatch
-              ${colmap_copy}/${colmap_main} ${file}
-      RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
-    if(NOT result EQUAL 0)
-      message(FATAL_ERROR
-        "${file} does not apply to COLMAP ${COLMAP_EXT_COLMAP_VERSION_STRING} "
-        "in ${COLMAP_SOURCE_DIR}:\n${output}\n"
-        "If that tree is already patched, pass a clean one. If it is a version "
-        "that the patch does not know, pass -DCOLMAP_EXT_PATCH_COLMAP=OFF: "
-        "the stand-alone program colmap_ext runs the same commands.")
-    endif()
-  endforeach()
+  file(READ ${colmap_copy}/${colmap_main} colmap_main_text)
+  if(colmap_patches AND NOT colmap_main_text MATCHES "colmap_ext/commands.h")
+    find_program(PATCH_PROGRAM patch REQUIRED)
+    mark_as_advanced(PATCH_PROGRAM)
+    foreach(file IN LISTS colmap_patches)
+      # The patch names the file as in 3.8. Naming it here serves both layouts.
+      execute_process(
+        COMMAND ${PATCH_PROGRAM} --batch --forward --fuzz=0 --no-backup-if-mismatch
+                ${colmap_copy}/${colmap_main} ${file}
+        RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+      if(NOT result EQUAL 0)
+        message(FATAL_ERROR
+          "${file} does not apply to COLMAP ${COLMAP_EXT_COLMAP_VERSION_STRING} "
+          "in ${COLMAP_SOURCE_DIR}:\n${output}\n"
+          "Pass unchanged sources of COLMAP. If this is a version that the "
+          "patch does not know, pass -DCOLMAP_EXT_PATCH_COLMAP=OFF: the "
+          "stand-alone program colmap_ext runs the same commands.")
+      endif()
+    endforeach()
+  endif()
   file(WRITE ${colmap_stamp} ${colmap_digest})
 endif()
 
@@ -135,17 +133,15 @@ if(COLMAP_EXT_PATCH_COLMAP)
 endif()
 
 # COLMAP's definitions and, in 3.8, include directories are set on its folders
-# rather than on its targets.
+# rather than on its targets. Later ones are repeated to make them SYSTEM.
 find_package(OpenMP QUIET)
 get_directory_property(colmap_definitions DIRECTORY ${colmap_copy}
                        COMPILE_DEFINITIONS)
+get_directory_property(colmap_includes DIRECTORY ${colmap_copy}
+                       INCLUDE_DIRECTORIES)
 target_compile_definitions(colmap_ext_colmap INTERFACE ${colmap_definitions})
+target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
+                           ${colmap_includes})
 target_link_libraries(colmap_ext_colmap INTERFACE
                       colmap CGAL::CGAL
                       $<TARGET_NAME_IF_EXISTS:OpenMP::OpenMP_CXX>)
-if(colmap_main STREQUAL src/exe/colmap.cc)
-  get_directory_property(colmap_includes DIRECTORY ${colmap_copy}
-                         INCLUDE_DIRECTORIES)
-  target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
-                             ${colmap_includes})
-endif()

@@ -7,6 +7,8 @@ target_compile_features(colmap_ext_flags INTERFACE cxx_std_20)
 target_compile_options(colmap_ext_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow
   $<$<BOOL:${COLMAP_EXT_WERROR}>:-Werror>
+  # GCC 12 sees overlaps in std::string's operator+ (GCC bug 105329).
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # Same rounding with and without fused multiply-add: same mesh everywhere.
   -ffp-contract=off)
 
