@@ -93,12 +93,13 @@ void SyncFolder(const std::filesystem::path& folder) {
 void ExpectWritable(const std::filesystem::path& path) {
   const std::filesystem::path resolved = Resolve(path);
   const std::filesystem::path folder = FolderOf(resolved);
-  if (!std::filesystem::is_directory(folder)) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) {
     throw FileError(
         path, "can not be written: " + folder.string() + " is not a folder");
   }
-  if (std::filesystem::exists(resolved) &&
-      !std::filesystem::is_regular_file(resolved)) {
+  if (std::filesystem::exists(resolved, error) &&
+      !std::filesystem::is_regular_file(resolved, error)) {
     throw FileError(path, "can not be written: it is not a regular file");
   }
   if (access(folder.c_str(), W_OK | X_OK) != 0) {

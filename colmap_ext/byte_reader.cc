@@ -33,7 +33,7 @@ ByteReader::ByteReader(const std::filesystem::path& path) : path_(path) {
   if (!file_ || error) {
     throw FileError(path, "can not be read");
   }
-  buffer_.resize(kBufferSize);
+  buffer_.resize(std::min<uint64_t>(kBufferSize, size_));
 }
 
 void ByteReader::Skip(uint64_t num_bytes, const char* what) {

@@ -63,7 +63,9 @@ bool ParseOptions(int argc, char** argv, colmap::OptionManager* options) {
 
 std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path) {
   colmap::Bitmap bitmap;
-  if (!std::filesystem::is_regular_file(path) || !bitmap.Read(path.string())) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) ||
+      !bitmap.Read(path.string())) {
     return std::nullopt;
   }
   ColorImage image;

@@ -57,7 +57,8 @@ bool ScaleToPicture(const ImageSize& size, const std::filesystem::path& path,
 // The width of a depth map of patch_match_stereo, whose header is the text
 // "WIDTH&HEIGHT&CHANNELS&".
 std::optional<int> ReadDepthMapWidth(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
     return std::nullopt;
   }
   ByteReader reader(path);

@@ -1,0 +1,232 @@
+// The commands as a user runs them: exit codes, messages, files.
+
+#include <stdlib.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "colmap_ext/read_ply_cloud.h"
+#include "colmap_ext/read_visibility.h"
+#include "tests/colmap_ext/sphere_workspace.h"
+#include "tests/colmap_ext/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMeshName = "meshed-delaunay-manifold.ply";
+
+struct Outcome {
+  int exit_code = -1;  // 134 is an abort
+  std::string out;
+  std::string err;
+};
+
+class CommandTest : public testing::TestWithParam<const char*> {
+ protected:
+  Outcome RunProgram(const std::string& arguments) {
+    const fs::path out = folder_.Path() / "out";
+    const fs::path err = folder_.Path() / "err";
+    const std::string command = std::string("\"") + GetParam() + "\" " +
+                                arguments + " >\"" + out.string() + "\" 2>\"" +
+                                err.string() + "\" </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(out),
+            ReadFile(err)};
+  }
+
+  Outcome Run(const std::string& arguments) {
+    return RunProgram("delaunay_manifold_mesher " + arguments);
+  }
+
+  // One line that says what is wrong, exit code 1, and no mesh.
+  void ExpectRefused(const std::string& arguments, const std::string& message) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << arguments;
+    EXPECT_NE(outcome.err.find("ERROR: "), std::string::npos) << outcome.err;
+    EXPECT_NE(outcome.err.find(message), std::string::npos)
+        << "expected: " << message << "\nfound: " << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1)
+        << outcome.err;
+    EXPECT_FALSE(fs::exists(path_ / kMeshName)) << arguments;
+  }
+
+  std::string Workspace() const {
+    return "--workspace_path \"" + path_.string() + "\"";
+  }
+
+  TemporaryFolder folder_;
+  fs::path path_ = folder_.Path() / "a workspace";
+  SphereWorkspace sphere_;
+};
+
+TEST_P(CommandTest, ListsItselfInTheHelp) {
+  for (const char* arguments : {"", "help", "-h"}) {
+    const Outcome outcome = RunProgram(arguments);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_NE(outcome.out.find("delaunay_manifold_mesher"), std::string::npos);
+  }
+  EXPECT_EQ(RunProgram("no_such_command").exit_code, 1);
+}
+
+TEST_P(CommandTest, ExplainsItsOptions) {
+  for (const char* arguments : {"-h", "--help"}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0);
+    for (const char* option :
+         {"--workspace_path", "--input_path", "--output_path", "--input_type",
+          "--project_path", "--image_order",
+          "--DelaunayManifoldMeshing.max_proj_dist",
+          "--DelaunayManifoldMeshing.half_pixel_correction",
+          "--DelaunayManifoldMeshing.num_threads"}) {
+      EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
+    }
+  }
+}
+
+TEST_P(CommandTest, MeshesAWorkspace) {
+  sphere_.Write(path_);
+  const Outcome outcome = Run(Workspace());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(List(path_), "fused.ply fused.ply.vis images " +
+                             std::string(kMeshName) + " " + kMeshName +
+                             ".vis sparse");
+  const PlyCloud mesh = ReadPlyCloud(path_ / kMeshName);
+  EXPECT_GT(mesh.positions.size(), 100);
+  EXPECT_EQ(mesh.colors.size(), mesh.positions.size());
+  EXPECT_NO_THROW(ReadVisibility(path_ / (std::string(kMeshName) + ".vis"),
+                                 mesh.positions.size()));
+  for (const char* text :
+       {"points read", "rays walked", "maximum flow", "minimum cut",
+        "Singular vertices", "genus", "peak memory", "half pixel"}) {
+    EXPECT_NE(outcome.out.find(text), std::string::npos) << text;
+  }
+}
+
+TEST_P(CommandTest, IsADropInForDelaunayMesher) {
+  sphere_.Write(path_);
+  const fs::path mesh_path = folder_.Path() / "mesh.ply";
+  const std::string paths = "--input_path \"" + path_.string() +
+                            "\" --output_path \"" + mesh_path.string() + "\"";
+  EXPECT_EQ(Run(paths).exit_code, 0);
+  EXPECT_TRUE(fs::exists(mesh_path));
+  EXPECT_FALSE(fs::exists(path_ / kMeshName));
+  EXPECT_EQ(Run(paths + " --input_type sparse").exit_code, 0);
+}
+
+TEST_P(CommandTest, FindsTheWorkspaceOfAutomaticReconstructor) {
+  sphere_.Write(path_ / "dense" / "0");
+  const Outcome outcome = Run(Workspace());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(fs::exists(path_ / "dense" / "0" / kMeshName));
+  EXPECT_NE(outcome.out.find("dense/0"), std::string::npos);
+  sphere_.Write(path_ / "dense" / "1");
+  ExpectRefused(Workspace(), "which workspace?");
+}
+
+TEST_P(CommandTest, TakesAProjectFile) {
+  sphere_.Write(path_);
+  const fs::path project = folder_.Path() / "project.ini";
+  WriteFile(project, "workspace_path=" + path_.string() +
+                         "\n[DelaunayManifoldMeshing]\nmax_proj_dist=5\n");
+  EXPECT_EQ(Run("--project_path \"" + project.string() + "\"").exit_code, 0);
+  EXPECT_TRUE(fs::exists(path_ / kMeshName));
+  EXPECT_EQ(Run("--project_path /none").exit_code, 1);
+}
+
+TEST_P(CommandTest, GivesTheSameBytesOnAnyNumberOfThreads) {
+  sphere_.Write(path_);
+  std::string first;
+  for (const char* num_threads : {"1", "2", "3", "-1"}) {
+    ASSERT_EQ(Run(Workspace() + " --DelaunayManifoldMeshing.num_threads " +
+                  num_threads)
+                  .exit_code,
+              0);
+    const std::string bytes = ReadFile(path_ / kMeshName);
+    EXPECT_EQ(bytes, first.empty() ? bytes : first);
+    first = bytes;
+  }
+}
+
+TEST_P(CommandTest, RefusesBadOptions) {
+  sphere_.Write(path_);
+  ExpectRefused("", "--workspace_path or --input_path");
+  ExpectRefused(Workspace() + " --input_path .",
+                "--workspace_path or --input_path");
+  ExpectRefused("--input_path .", "--output_path is required");
+  ExpectRefused(Workspace() + " --no_such_option 1", "no_such_option");
+  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.num_threads abc",
+                "abc");
+  ExpectRefused(Workspace() + " --input_type fuzzy", "input_type");
+  ExpectRefused(Workspace() + " --image_order random", "image_order");
+  ExpectRefused(Workspace() + " --image_order frame", "image_order");
+  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.max_depth_dist 2",
+                "max_depth_dist");
+  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.max_proj_dist nan",
+                "max_proj_dist");
+}
+
+TEST_P(CommandTest, RefusesMissingFiles) {
+  ExpectRefused(Workspace(), "no such folder");
+  fs::create_directory(path_);
+  ExpectRefused(Workspace(), "stereo_fusion");
+  for (const char* name : {"fused.ply", "fused.ply.vis", "sparse/images.bin",
+                           "sparse/cameras.bin", "sparse/points3D.bin"}) {
+    sphere_.Write(path_);
+    fs::remove(path_ / name);
+    ExpectRefused(Workspace(), path_.string());
+  }
+}
+
+TEST_P(CommandTest, RefusesTruncatedFiles) {
+  sphere_.frames = {{4, 9, 2, 7, 5, 1, 8}};
+  for (const char* name :
+       {"fused.ply", "fused.ply.vis", "sparse/images.bin", "sparse/cameras.bin",
+        "sparse/points3D.bin", "sparse/frames.bin"}) {
+    sphere_.Write(path_);
+    const std::string bytes = ReadFile(path_ / name);
+    for (const size_t size : {size_t{0}, size_t{4}, size_t{8}, size_t{20},
+                              bytes.size() / 2, bytes.size() - 1}) {
+      WriteFile(path_ / name, bytes.substr(0, size));
+      ExpectRefused(Workspace(), fs::path(name).filename().string());
+    }
+  }
+}
+
+TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
+  sphere_.Write(path_);
+  const std::string input = "--input_path \"" + path_.string() + "\" ";
+  for (const char* output : {"/proc/mesh.ply", "/dev/null/mesh.ply", "/tmp"}) {
+    ExpectRefused(input + "--output_path " + output, "can not be written");
+  }
+  if (geteuid() == 0) {
+    GTEST_SKIP() << "root may write to read-only folders";
+  }
+  fs::permissions(path_, fs::perms::owner_read | fs::perms::owner_exec);
+  ExpectRefused(Workspace(), "can not be written");
+  fs::permissions(path_, fs::perms::owner_all);
+}
+
+TEST_P(CommandTest, RefusesPointsWithoutVolume) {
+  for (Eigen::Vector3f& point : sphere_.points) {
+    point.z() = 0;
+  }
+  sphere_.write_normals = false;
+  sphere_.Write(path_);
+  ExpectRefused(Workspace() + " --image_order file", "");
+}
+
+#ifdef COLMAP_EXT_PROGRAM
+INSTANTIATE_TEST_SUITE_P(StandAlone, CommandTest,
+                         testing::Values(COLMAP_EXT_PROGRAM));
+#endif
+#ifdef COLMAP_EXT_COLMAP_PROGRAM
+INSTANTIATE_TEST_SUITE_P(PatchedColmap, CommandTest,
+                         testing::Values(COLMAP_EXT_COLMAP_PROGRAM));
+#endif
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(CommandTest);
+
+}  // namespace
+}  // namespace colmap_ext
