@@ -1,0 +1,235 @@
+#include "delaunay/manifold_meshing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <tbb/global_control.h>
+
+#include "delaunay/edge_lengths.h"
+#include "delaunay/surface_extraction.h"
+#include "delaunay/tetrahedralization.h"
+#include "delaunay/vertex_star.h"
+#include "delaunay/visibility_weights.h"
+#include "mesh/facet_filters.h"
+#include "mesh/singular_vertices.h"
+#include "optim/min_cut.h"
+
+namespace colmap_ext {
+namespace {
+
+// The weight of each observation of a point, by the number of its views.
+std::vector<float> Alphas(const ManifoldMeshingOptions& options,
+                          const PointCloud& cloud) {
+  std::vector<float> alphas(cloud.size(),
+                            static_cast<float>(options.alpha_vis));
+  if (options.alpha_kind == "tracks") {
+    for (size_t point = 0; point < cloud.size(); ++point) {
+      const double ratio = static_cast<double>(cloud.Views(point).size()) /
+                           options.visibility_sigma;
+      alphas[point] = static_cast<float>(1 - std::exp(-0.5 * ratio * ratio));
+    }
+  }
+  return alphas;
+}
+
+FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra) {
+  FlowGraph graph;
+  const size_t num_cells = tetrahedra.cells.size();
+  graph.neighbors.reserve(num_cells);
+  for (const auto& cell : tetrahedra.cells) {
+    graph.neighbors.push_back(cell.neighbors);
+  }
+  graph.capacities.resize(num_cells, {0, 0, 0, 0});
+  graph.source.resize(num_cells, 0);
+  graph.sink.resize(num_cells, 0);
+  return graph;
+}
+
+// Section 1 of the method: the graph whose minimum cut is the surface.
+FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
+                    const PointCloud& cloud, const std::vector<View>& views,
+                    const ThinnedTetrahedralization& thinned,
+                    const Progress& progress, ManifoldMeshingReport* report) {
+  const Tetrahedralization& tetrahedra = thinned.tetrahedra;
+  Report(progress, "Weighing facets", 0);
+  FlowGraph graph = EmptyGraph(tetrahedra);
+  AddQualityWeights(tetrahedra, options.quality_regularization, &graph);
+  constexpr double kSigmaPercentile = 25;
+  report->distance_sigma = options.distance_sigma_factor *
+                           EdgeLengthPercentile(tetrahedra, kSigmaPercentile);
+  std::vector<Eigen::Vector3d> centers;
+  for (const View& view : views) {
+    centers.push_back(view.Center());
+  }
+  const std::vector<float> alphas = Alphas(options, cloud);
+  report->rays = AddVisibilityWeights(
+      tetrahedra, {cloud, thinned.point_vertices, alphas, centers},
+      {report->distance_sigma, options.behind_sigma}, &graph, progress);
+  return graph;
+}
+
+std::vector<uint8_t> CutGraph(const FlowGraph& graph, const Progress& progress,
+                              ManifoldMeshingReport* report) {
+  Report(progress, "Cutting the graph", 0);
+  MinCut cut = ComputeMinCut(graph);
+  report->flow = cut.flow;
+  report->cut = CutValue(graph, cut.on_source_side);
+  report->num_free_cells = static_cast<size_t>(
+      std::count(cut.on_source_side.begin(), cut.on_source_side.end(), 1));
+  if (report->flow != report->cut) {
+    throw std::logic_error("the minimum cut differs from the maximum flow");
+  }
+  return std::move(cut.on_source_side);
+}
+
+FixingReport Fix(const ManifoldMeshingOptions& options,
+                 Tetrahedralization* tetrahedra, FlowGraph* graph,
+                 std::vector<uint8_t>* is_free, const Progress& progress) {
+  Report(progress, "Fixing singular vertices", 0);
+  if (options.preemptive_fixing) {
+    return FixSingularVertices(options.fixing_rule == "paper"
+                                   ? FixingRule::kPaper
+                                   : FixingRule::kEnergy,
+                               tetrahedra, graph, is_free);
+  }
+  FixingReport report;
+  report.num_singular_raw = SingularVertices(*tetrahedra, *is_free).size();
+  report.num_singular_fixed = report.num_singular_raw;
+  return report;
+}
+
+// Drops what the options want dropped from the surface and makes what is left
+// manifold again.
+void Filter(const ManifoldMeshingOptions& options, FanSplit* surface,
+            ManifoldMeshingReport* report) {
+  report->num_long_facets =
+      DropLongFacets(options.max_side_length_factor,
+                     options.max_side_length_percentile, &surface->mesh);
+  report->small_components = DropSmallComponents(
+      static_cast<size_t>(options.min_component_faces), &surface->mesh);
+  if (report->num_long_facets + report->small_components.num_facets == 0) {
+    return;
+  }
+  FanSplit split =
+      SplitFans(surface->mesh, PairHalfEdges(surface->mesh.facets));
+  for (auto& [a, b] : split.sources) {
+    a = surface->sources[a][0];
+    b = surface->sources[b][1];
+  }
+  split.num_split_vertices += surface->num_split_vertices;
+  split.num_midpoints += surface->num_midpoints;
+  *surface = std::move(split);
+}
+
+FanSplit Extract(const ManifoldMeshingOptions& options,
+                 const Tetrahedralization& tetrahedra,
+                 const std::vector<uint8_t>& is_free, const Progress& progress,
+                 ManifoldMeshingReport* report) {
+  Report(progress, "Extracting the surface", 0);
+  FanSplit surface;
+  {
+    const ExtractedSurface extracted = ExtractSurface(tetrahedra, is_free);
+    surface = SplitFans(extracted.mesh, extracted.partners);
+  }
+  Filter(options, &surface, report);
+  report->num_split_vertices = surface.num_split_vertices;
+  report->num_midpoints = surface.num_midpoints;
+  if (surface.mesh.facets.empty()) {
+    throw std::invalid_argument(
+        "the points and views enclose no surface: nothing to mesh");
+  }
+  return surface;
+}
+
+// The fused points that the surface's vertices come from.
+std::vector<std::array<uint32_t, 2>> PointsOf(
+    const std::vector<std::array<uint32_t, 2>>& vertices,
+    const std::vector<uint32_t>& vertex_points) {
+  const auto point = [&](uint32_t vertex) {
+    // Centroids of split cells come after the vertices that are points.
+    return vertex < vertex_points.size() ? vertex_points[vertex] : kNoPoint;
+  };
+  std::vector<std::array<uint32_t, 2>> points;
+  points.reserve(vertices.size());
+  for (const auto& [a, b] : vertices) {
+    points.push_back({point(a), point(b)});
+  }
+  return points;
+}
+
+}  // namespace
+
+std::string ManifoldMeshingOptions::Check() const {
+  const std::pair<bool, const char*> rules[] = {
+      {max_proj_dist >= 0, "max_proj_dist must not be negative"},
+      {max_depth_dist >= 0 && max_depth_dist <= 1,
+       "max_depth_dist must lie in [0, 1]"},
+      {alpha_kind == "tracks" || alpha_kind == "constant",
+       "alpha_kind must be tracks or constant"},
+      {visibility_sigma > 0, "visibility_sigma must be positive"},
+      {alpha_vis > 0 && alpha_vis <= 1, "alpha_vis must lie in (0, 1]"},
+      {distance_sigma_factor > 0, "distance_sigma_factor must be positive"},
+      {behind_sigma > 0, "behind_sigma must be positive"},
+      {quality_regularization >= 0 && quality_regularization <= 1e4,
+       "quality_regularization must lie in [0, 10000]"},
+      {fixing_rule == "paper" || fixing_rule == "energy",
+       "fixing_rule must be paper or energy"},
+      {max_side_length_factor >= 0,
+       "max_side_length_factor must not be negative"},
+      {max_side_length_percentile >= 0 && max_side_length_percentile <= 100,
+       "max_side_length_percentile must lie in [0, 100]"},
+      {min_component_faces >= 0, "min_component_faces must not be negative"},
+      {num_threads == -1 || num_threads > 0,
+       "num_threads must be positive, or -1 for all threads"}};
+  for (const auto& [holds, message] : rules) {
+    if (!holds) {
+      return message;
+    }
+  }
+  return "";
+}
+
+ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
+                          const PointCloud& cloud,
+                          const std::vector<View>& views,
+                          const Progress& progress) {
+  std::optional<tbb::global_control> max_threads;
+  if (options.num_threads > 0) {
+    max_threads.emplace(tbb::global_control::max_allowed_parallelism,
+                        options.num_threads);
+  }
+  if (cloud.view_indices.empty()) {
+    throw std::invalid_argument("no view sees any point: nothing to mesh");
+  }
+  ManifoldMesh result;
+  ManifoldMeshingReport& report = result.report;
+  report.num_points = cloud.size();
+  report.num_observations = cloud.view_indices.size();
+  ThinnedTetrahedralization thinned = Tetrahedralize(
+      cloud, views, {options.max_proj_dist, options.max_depth_dist}, progress);
+  report.num_duplicate_points = thinned.num_duplicate_points;
+  report.num_vertices = thinned.tetrahedra.points.size();
+  report.num_cells = thinned.tetrahedra.cells.size();
+  FlowGraph graph =
+      MakeGraph(options, cloud, views, thinned, progress, &report);
+  std::vector<uint8_t> is_free = CutGraph(graph, progress, &report);
+  report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
+  graph = FlowGraph();
+  FanSplit surface =
+      Extract(options, thinned.tetrahedra, is_free, progress, &report);
+  result.attributes = InheritAttributes(
+      surface.mesh, cloud, PointsOf(surface.sources, thinned.vertex_points));
+  result.mesh = std::move(surface.mesh);
+  Report(progress, "Checking the mesh", 0);
+  report.mesh = Analyze(result.mesh);
+  if (!report.mesh.IsManifold()) {
+    throw std::logic_error("the mesh is not manifold: " +
+                           report.mesh.Defects());
+  }
+  return result;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,40 @@
+#include "delaunay/predicates.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+namespace colmap_ext {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+Kernel::Point_3 ToCgal(const Eigen::Vector3d& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+// The sign of the component `axis` of the cross product (u - o) x (v - o).
+int CrossSign(const Eigen::Vector3d& o, const Eigen::Vector3d& u,
+              const Eigen::Vector3d& v, int axis) {
+  const int i = (axis + 1) % 3;
+  const int j = (axis + 2) % 3;
+  return CGAL::orientation(Kernel::Point_2(o[i], o[j]),
+                           Kernel::Point_2(u[i], u[j]),
+                           Kernel::Point_2(v[i], v[j]));
+}
+
+}  // namespace
+
+int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                const Eigen::Vector3d& c, const Eigen::Vector3d& d) {
+  return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
+}
+
+int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
+                 const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+  int sign = Orientation(origin, target, u, v);
+  for (int axis = 0; sign == 0 && axis < 3; ++axis) {
+    sign = CrossSign(origin, u, v, axis);
+  }
+  return sign;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,56 @@
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
+
+#include "delaunay/visibility_weights.h"
+
+namespace colmap_ext {
+
+double CosFacetSphereAngle(const Tetrahedralization& tetrahedra,
+                           uint32_t cell_index, int facet) {
+  if (tetrahedra.IsInfinite(cell_index)) {
+    return 1;
+  }
+  const auto& cell = tetrahedra.cells[cell_index];
+  const auto& corners = kFacetCorners[facet];
+  const auto corner = [&](int k) -> Eigen::Vector3d {
+    return tetrahedra.points[cell.vertices[k]].cast<double>();
+  };
+  const Eigen::Vector3d origin = corner(corners[0]);
+  const Eigen::Vector3d a = corner(corners[1]) - origin;
+  const Eigen::Vector3d b = corner(corners[2]) - origin;
+  const Eigen::Vector3d c = corner(facet) - origin;
+  const Eigen::Vector3d normal = a.cross(b);  // into the cell
+  // The sphere's centre relative to the origin is this over twice the volume's
+  // six-fold, which is positive: the cosine needs its direction alone.
+  const Eigen::Vector3d center = a.squaredNorm() * b.cross(c) +
+                                 b.squaredNorm() * c.cross(a) +
+                                 c.squaredNorm() * normal;
+  const double length = center.norm() * normal.norm();
+  return length > 0 ? std::clamp(normal.dot(center) / length, -1.0, 1.0) : 0;
+}
+
+void AddQualityWeights(const Tetrahedralization& tetrahedra, double weight,
+                       FlowGraph* graph) {
+  const auto num_cells = static_cast<uint32_t>(tetrahedra.cells.size());
+  std::vector<std::array<float, 4>> cosines(num_cells);
+  tbb::parallel_for(uint32_t{0}, num_cells, [&](uint32_t cell) {
+    for (int i = 0; i < 4; ++i) {
+      cosines[cell][i] =
+          static_cast<float>(CosFacetSphereAngle(tetrahedra, cell, i));
+    }
+  });
+  tbb::parallel_for(uint32_t{0}, num_cells, [&](uint32_t cell) {
+    for (int i = 0; i < 4; ++i) {
+      const uint32_t other = tetrahedra.cells[cell].neighbors[i];
+      const float cosine = std::min(
+          cosines[cell][i], cosines[other][tetrahedra.FacetTo(other, cell)]);
+      graph->capacities[cell][i] += static_cast<uint32_t>(
+          std::lround(kWeightUnit * weight * (1 - cosine)));
+    }
+  });
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "delaunay/tetrahedralization.h"
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+// The facets between matter and free space, vertices still those of the
+// tetrahedralization.
+struct ExtractedSurface {
+  TriangleMesh mesh;  // all of the tetrahedralization's points, used or not
+  // [3 F] the half-edge with which each forms one surface: of the two facets
+  // that the matter between them connects around the edge. kNoPartner at a
+  // border, where the surface goes on to the vertex at infinity.
+  std::vector<uint32_t> partners;
+};
+
+ExtractedSurface ExtractSurface(const Tetrahedralization& tetrahedra,
+                                const std::vector<uint8_t>& is_free);
+
+}  // namespace colmap_ext

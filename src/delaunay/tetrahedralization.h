@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scene/point_cloud.h"
+#include "scene/progress.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// The vertex at infinity, which closes the hull: every facet of the hull and
+// this vertex make an infinite cell.
+inline constexpr uint32_t kInfiniteVertex = UINT32_MAX;
+inline constexpr uint32_t kNoCell = UINT32_MAX;
+
+// Corners of a cell's facet i, the one opposite to its corner i. Their normal
+// (right-handed) points into the cell.
+inline constexpr std::array<std::array<int, 3>, 4> kFacetCorners = {
+    {{{1, 3, 2}}, {{0, 2, 3}}, {{0, 3, 1}}, {{0, 1, 2}}}};
+
+// A tetrahedralization of points in flat arrays. Cells are positively oriented:
+// det(v1 - v0, v2 - v0, v3 - v0) > 0, for infinite cells with the infinite
+// vertex beyond the hull.
+struct Tetrahedralization {
+  struct alignas(32) Cell {
+    std::array<uint32_t, 4> vertices;   // index into points, or kInfiniteVertex
+    std::array<uint32_t, 4> neighbors;  // [i]: the cell opposite to vertex i
+  };
+
+  std::vector<Eigen::Vector3f> points;  // [V], world frame
+  std::vector<Cell> cells;              // [C], finite and infinite
+  std::vector<uint32_t> vertex_cells;   // [V], a finite cell of each vertex
+
+  bool IsInfinite(uint32_t cell) const {
+    const auto& v = cells[cell].vertices;
+    return v[0] == kInfiniteVertex || v[1] == kInfiniteVertex ||
+           v[2] == kInfiniteVertex || v[3] == kInfiniteVertex;
+  }
+
+  // Which corner of the cell the vertex is.
+  // \pre it is one of them
+  int IndexOf(uint32_t cell, uint32_t vertex) const {
+    const auto& v = cells[cell].vertices;
+    return v[0] == vertex ? 0 : v[1] == vertex ? 1 : v[2] == vertex ? 2 : 3;
+  }
+
+  // Which facet of the cell leads to the neighbor.
+  // \pre it is one of them
+  int FacetTo(uint32_t cell, uint32_t neighbor) const {
+    const auto& n = cells[cell].neighbors;
+    return n[0] == neighbor   ? 0
+           : n[1] == neighbor ? 1
+           : n[2] == neighbor ? 2
+                              : 3;
+  }
+};
+
+// All cells around a vertex, in an order that depends on the tetrahedralization
+// alone.
+void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
+                   std::vector<uint32_t>* cells);
+
+// Which points become vertices, as in COLMAP's delaunay_mesher: a point is left
+// out when it falls into a cell whose four vertices all lie, in all of its
+// views, within max_proj_dist pixels of it and within max_depth_dist of its
+// depth (relative).
+struct ThinningOptions {
+  double max_proj_dist = 20.0;   // px; 0 keeps every point
+  double max_depth_dist = 0.05;  // in [0, 1]
+};
+
+struct ThinnedTetrahedralization {
+  Tetrahedralization tetrahedra;
+  std::vector<uint32_t> vertex_points;  // [V], the cloud's point of each vertex
+  // [P], the vertex of each point: its own, or for a point that was left out
+  // one of those that it was found near to.
+  std::vector<uint32_t> point_vertices;
+  size_t num_duplicate_points = 0;  // at the very position of another
+};
+
+// Delaunay tetrahedralization of the cloud's points, thinned. Vertices and
+// cells are numbered along a space-filling curve. The result depends neither on
+// the number of threads nor on anything but the input. Points are inserted in
+// parallel where all are kept, else one after the other (biased randomized
+// insertion order, Amenta et al. 2003).
+//
+// \pre all positions are finite
+// \throw std::invalid_argument where the points do not span a volume, or are
+//        too many for 32-bit cell indices.
+ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,
+                                         const std::vector<View>& views,
+                                         const ThinningOptions& options,
+                                         const Progress& progress = {});
+
+}  // namespace colmap_ext

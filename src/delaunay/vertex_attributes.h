@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+#include "scene/point_cloud.h"
+
+namespace colmap_ext {
+
+inline constexpr uint32_t kNoPoint = UINT32_MAX;
+
+struct VertexAttributes {
+  std::vector<Color> colors;              // [V], or empty as the cloud's are
+  std::vector<uint64_t> view_offsets{0};  // [V + 1], into view_indices
+  std::vector<uint32_t> view_indices;     // ascending in each row
+};
+
+// Colours and views of a mesh's vertices from the fused points that they come
+// from. A vertex that comes from none inherits them from its neighbors: their
+// mean colour, and the views that at least half of them have.
+// \param points [V] two points a vertex, which may be the same, or kNoPoint
+VertexAttributes InheritAttributes(
+    const TriangleMesh& mesh, const PointCloud& cloud,
+    const std::vector<std::array<uint32_t, 2>>& points);
+
+}  // namespace colmap_ext

@@ -1,0 +1,335 @@
+#include "optim/min_cut.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace colmap_ext {
+namespace {
+
+constexpr uint32_t kNone = UINT32_MAX;
+
+// Where a node hangs in its tree: the arc to its parent, or one of these.
+constexpr uint8_t kTerminal = 4;  // the source or the sink itself
+constexpr uint8_t kOrphan = 5;
+constexpr uint8_t kFree = 6;  // in no tree
+
+int32_t Clamp(uint32_t capacity) {
+  return static_cast<int32_t>(std::min(capacity, kMaxCapacity));
+}
+
+struct alignas(64) Node {
+  std::array<uint32_t, 4> neighbors;
+  std::array<int32_t, 4> residual;  // of the arcs to the neighbors
+  int32_t terminal;                 // > 0: from the source, < 0: to the sink
+  uint32_t next_active;             // itself: last in the queue; kNone: not in
+  uint32_t distance;                // to the terminal, at the time `stamp`
+  uint32_t stamp;
+  std::array<uint8_t, 4> mirror;  // which arc of the neighbor leads back
+  uint8_t parent;
+  bool in_sink_tree;
+};
+
+class Solver {
+ public:
+  explicit Solver(const FlowGraph& graph) : nodes_(graph.size()) {
+    for (uint32_t i = 0; i < nodes_.size(); ++i) {
+      InitializeNode(graph, i);
+    }
+    for (uint32_t i = 0; i < nodes_.size(); ++i) {
+      if (nodes_[i].terminal != 0) {
+        Activate(i);
+      }
+    }
+  }
+
+  int64_t Run() {
+    while (first_active_ != kNone) {
+      const uint32_t node = first_active_;
+      if (nodes_[node].parent == kFree || !Grow(node)) {
+        PopActive();
+      }
+    }
+    return flow_;
+  }
+
+  std::vector<uint8_t> SourceSide() const {
+    std::vector<uint8_t> side(nodes_.size());
+    std::transform(nodes_.begin(), nodes_.end(), side.begin(),
+                   [](const Node& node) {
+                     return node.parent != kFree && !node.in_sink_tree;
+                   });
+    return side;
+  }
+
+ private:
+  void InitializeNode(const FlowGraph& graph, uint32_t index) {
+    Node& node = nodes_[index];
+    node.neighbors = graph.neighbors[index];
+    for (int k = 0; k < 4; ++k) {
+      node.residual[k] = Clamp(graph.capacities[index][k]);
+      node.mirror[k] = 0;
+      if (node.neighbors[k] != kNoNeighbor) {
+        const auto& back = graph.neighbors[node.neighbors[k]];
+        while (back[node.mirror[k]] != index) {
+          ++node.mirror[k];
+          assert(node.mirror[k] < 4);
+        }
+      }
+    }
+    const int32_t source = Clamp(graph.source[index]);
+    const int32_t sink = Clamp(graph.sink[index]);
+    flow_ += std::min(source, sink);
+    node.terminal = source - sink;
+    node.in_sink_tree = node.terminal < 0;
+    node.parent = node.terminal != 0 ? kTerminal : kFree;
+    node.distance = 1;
+    node.stamp = 0;
+    node.next_active = kNone;
+  }
+
+  void Activate(uint32_t index) {
+    if (nodes_[index].next_active != kNone) {
+      return;
+    }
+    nodes_[index].next_active = index;
+    if (last_active_ == kNone) {
+      first_active_ = index;
+    } else {
+      nodes_[last_active_].next_active = index;
+    }
+    last_active_ = index;
+  }
+
+  void PopActive() {
+    Node& node = nodes_[first_active_];
+    const bool is_last = node.next_active == first_active_;
+    const uint32_t next = is_last ? kNone : node.next_active;
+    node.next_active = kNone;
+    first_active_ = next;
+    if (is_last) {
+      last_active_ = kNone;
+    }
+  }
+
+  // The residual capacity between a node and its neighbor k in the direction in
+  // which flow passes in the node's tree from the node to the neighbor's side:
+  // away from the source, or from the neighbor towards the sink.
+  int32_t Outward(const Node& node, int k) const {
+    return node.in_sink_tree
+               ? nodes_[node.neighbors[k]].residual[node.mirror[k]]
+               : node.residual[k];
+  }
+
+  int32_t Inward(const Node& node, int k) const {
+    return node.in_sink_tree
+               ? node.residual[k]
+               : nodes_[node.neighbors[k]].residual[node.mirror[k]];
+  }
+
+  // Lets the tree grow from an active node. Where it meets the other tree, flow
+  // is augmented and the trees are repaired.
+  // \return whether it met the other tree; the node stays active then.
+  bool Grow(uint32_t index) {
+    Node& node = nodes_[index];
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t other = node.neighbors[k];
+      if (other == kNoNeighbor || Outward(node, k) == 0) {
+        continue;
+      }
+      Node& neighbor = nodes_[other];
+      if (neighbor.parent == kFree) {
+        neighbor.in_sink_tree = node.in_sink_tree;
+        Adopt(&neighbor, node, k);
+        Activate(other);
+      } else if (neighbor.in_sink_tree != node.in_sink_tree) {
+        if (node.in_sink_tree) {
+          Augment(other, node.mirror[k]);
+        } else {
+          Augment(index, k);
+        }
+        return true;
+      } else if (neighbor.stamp <= node.stamp &&
+                 neighbor.distance > node.distance + 1) {
+        Adopt(&neighbor, node, k);  // a shorter way to the terminal
+      }
+    }
+    return false;
+  }
+
+  static void Adopt(Node* child, const Node& parent, int arc_of_parent) {
+    child->parent = parent.mirror[arc_of_parent];
+    child->distance = parent.distance + 1;
+    child->stamp = parent.stamp;
+  }
+
+  // Pushes as much as fits from the source to the sink over the arc from a node
+  // of the source's tree to one of the sink's.
+  void Augment(uint32_t from, int arc) {
+    const uint32_t to = nodes_[from].neighbors[arc];
+    int32_t amount = nodes_[from].residual[arc];
+    amount = std::min(amount, Bottleneck(from));
+    amount = std::min(amount, Bottleneck(to));
+    nodes_[from].residual[arc] -= amount;
+    nodes_[to].residual[nodes_[from].mirror[arc]] += amount;
+    Push(from, amount);
+    Push(to, amount);
+    flow_ += amount;
+    ++time_;
+    for (size_t i = 0; i < orphans_.size(); ++i) {
+      FindParent(orphans_[i]);
+    }
+    orphans_.clear();
+  }
+
+  int32_t Bottleneck(uint32_t index) const {
+    int32_t amount = std::numeric_limits<int32_t>::max();
+    for (;;) {
+      const Node& node = nodes_[index];
+      if (node.parent == kTerminal) {
+        return std::min(amount, std::abs(node.terminal));
+      }
+      amount = std::min(amount, Inward(node, node.parent));
+      index = node.neighbors[node.parent];
+    }
+  }
+
+  // Pushes along the path between a node and its tree's terminal. Nodes whose
+  // arc to the parent is then full become orphans.
+  void Push(uint32_t index, int32_t amount) {
+    for (;;) {
+      Node& node = nodes_[index];
+      const uint8_t arc = node.parent;
+      if (arc == kTerminal) {
+        node.terminal += node.in_sink_tree ? amount : -amount;
+        if (node.terminal == 0) {
+          MakeOrphan(index);
+        }
+        return;
+      }
+      const uint32_t parent = node.neighbors[arc];
+      int32_t& towards_parent = node.residual[arc];
+      int32_t& from_parent = nodes_[parent].residual[node.mirror[arc]];
+      towards_parent += node.in_sink_tree ? -amount : amount;
+      from_parent += node.in_sink_tree ? amount : -amount;
+      if ((node.in_sink_tree ? towards_parent : from_parent) == 0) {
+        MakeOrphan(index);
+      }
+      index = parent;
+    }
+  }
+
+  void MakeOrphan(uint32_t index) {
+    nodes_[index].parent = kOrphan;
+    orphans_.push_back(index);
+  }
+
+  // Hangs an orphan to the neighbor that is nearest to the terminal; without
+  // one it leaves the tree, and its children are orphans.
+  void FindParent(uint32_t index) {
+    Node& node = nodes_[index];
+    uint32_t nearest = kNone;
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t other = node.neighbors[k];
+      if (other == kNoNeighbor || nodes_[other].parent == kFree ||
+          nodes_[other].in_sink_tree != node.in_sink_tree ||
+          Inward(node, k) == 0) {
+        continue;
+      }
+      const uint32_t distance = DistanceToTerminal(other);
+      if (distance < nearest) {
+        nearest = distance;
+        node.parent = static_cast<uint8_t>(k);
+      }
+    }
+    if (nearest != kNone) {
+      node.distance = nearest + 1;
+      node.stamp = time_;
+      return;
+    }
+    node.parent = kFree;
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t other = node.neighbors[k];
+      if (other == kNoNeighbor || nodes_[other].parent == kFree ||
+          nodes_[other].in_sink_tree != node.in_sink_tree) {
+        continue;
+      }
+      if (Inward(node, k) > 0) {
+        Activate(other);
+      }
+      if (nodes_[other].parent == node.mirror[k]) {
+        MakeOrphan(other);
+      }
+    }
+  }
+
+  // The length of the way to the terminal, or kNone where it ends in an orphan.
+  // What is found is noted along the way, for the next one who asks.
+  uint32_t DistanceToTerminal(uint32_t index) {
+    uint32_t distance = 0;
+    uint32_t at = index;
+    for (;;) {
+      const Node& node = nodes_[at];
+      if (node.stamp == time_) {
+        distance += node.distance;
+        break;
+      }
+      if (node.parent == kTerminal) {
+        ++distance;
+        nodes_[at].stamp = time_;
+        nodes_[at].distance = 1;
+        break;
+      }
+      if (node.parent == kOrphan) {
+        return kNone;
+      }
+      ++distance;
+      at = node.neighbors[node.parent];
+    }
+    uint32_t remaining = distance;
+    for (at = index; nodes_[at].stamp != time_;
+         at = nodes_[at].neighbors[nodes_[at].parent]) {
+      nodes_[at].stamp = time_;
+      nodes_[at].distance = remaining--;
+    }
+    return distance;
+  }
+
+  std::vector<Node> nodes_;
+  std::vector<uint32_t> orphans_;
+  uint32_t first_active_ = kNone;
+  uint32_t last_active_ = kNone;
+  uint32_t time_ = 0;
+  int64_t flow_ = 0;
+};
+
+}  // namespace
+
+MinCut ComputeMinCut(const FlowGraph& graph) {
+  Solver solver(graph);
+  MinCut cut;
+  cut.flow = solver.Run();
+  cut.on_source_side = solver.SourceSide();
+  return cut;
+}
+
+int64_t CutValue(const FlowGraph& graph,
+                 const std::vector<uint8_t>& on_source_side) {
+  int64_t value = 0;
+  for (size_t i = 0; i < graph.size(); ++i) {
+    if (!on_source_side[i]) {
+      value += Clamp(graph.source[i]);
+      continue;
+    }
+    value += Clamp(graph.sink[i]);
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t other = graph.neighbors[i][k];
+      if (other != kNoNeighbor && !on_source_side[other]) {
+        value += Clamp(graph.capacities[i][k]);
+      }
+    }
+  }
+  return value;
+}
+
+}  // namespace colmap_ext

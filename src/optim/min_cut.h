@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace colmap_ext {
+
+inline constexpr uint32_t kNoNeighbor = UINT32_MAX;
+
+// Capacities above this one count as this one, so that 32 bits hold the
+// residual capacity of an arc and of its reverse together.
+inline constexpr uint32_t kMaxCapacity = 1u << 30;
+
+// A directed graph with a source and a sink, whose nodes have at most four
+// neighbors: the cells of a tetrahedralization. Capacities are integers, so
+// that sums do not depend on their order and a cut equals its flow exactly.
+struct FlowGraph {
+  std::vector<std::array<uint32_t, 4>> neighbors;   // [N], or kNoNeighbor;
+                                                    // symmetric, no repeats
+  std::vector<std::array<uint32_t, 4>> capacities;  // [N], of the arc to each
+                                                    // neighbor
+  std::vector<uint32_t> source;                     // [N], from the source
+  std::vector<uint32_t> sink;                       // [N], to the sink
+
+  size_t size() const { return neighbors.size(); }
+};
+
+struct MinCut {
+  std::vector<uint8_t> on_source_side;  // [N], 1 or 0
+  int64_t flow = 0;
+};
+
+// Maximum flow and minimum s-t cut: augmenting paths along two search trees
+// that are kept and repaired (Boykov and Kolmogorov 2004). Among the minimum
+// cuts the one with the fewest nodes on the source's side, which is unique.
+MinCut ComputeMinCut(const FlowGraph& graph);
+
+// The sum of the capacities of the arcs that lead from the source's side to the
+// sink's.
+int64_t CutValue(const FlowGraph& graph,
+                 const std::vector<uint8_t>& on_source_side);
+
+}  // namespace colmap_ext

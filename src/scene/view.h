@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+namespace colmap_ext {
+
+// A pinhole camera with its pose. Pixel coordinates follow COLMAP's camera
+// models: the centre of the first (upper left) pixel is (0.5, 0.5).
+struct View {
+  std::string name;  // of the image, relative to the folder of the images
+  int width = 0;     // of the image, px
+  int height = 0;    // of the image, px
+  double fx = 1;     // px, of the image's size
+  double fy = 1;     // px
+  double cx = 0;     // px
+  double cy = 0;     // px
+  Eigen::Matrix3d cam_from_world_rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();
+
+  Eigen::Vector3d CamFromWorld(const Eigen::Vector3d& point) const {
+    return cam_from_world_rotation * point + cam_from_world_translation;
+  }
+
+  // Camera centre in the world frame.
+  Eigen::Vector3d Center() const {
+    return -(cam_from_world_rotation.transpose() * cam_from_world_translation);
+  }
+
+  // Pixel coordinates of a point in the camera's frame.
+  // \pre point.z() > 0
+  Eigen::Vector2d ImageFromCam(const Eigen::Vector3d& point) const {
+    return {fx * point.x() / point.z() + cx, fy * point.y() / point.z() + cy};
+  }
+};
+
+}  // namespace colmap_ext
