@@ -1,6 +1,5 @@
 #include "colmap_ext/colmap_compat.h"
 
-#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <type_traits>
@@ -31,10 +30,16 @@ bool Parse(int argc, char** argv, Options* options) {
 
 // COLMAP aborts on a project file that exists but can not be read.
 bool IsProjectFileReadable(int argc, char** argv) {
-  for (int i = 1; i + 1 < argc; ++i) {
-    if (std::strcmp(argv[i], "--project_path") == 0 &&
-        !std::ifstream(argv[i + 1]).is_open()) {
-      std::cerr << "ERROR: " << argv[i + 1] << ": can not be read" << std::endl;
+  const std::string option = "--project_path";
+  for (int i = 1; i < argc; ++i) {
+    std::string path;
+    if (argv[i] == option && i + 1 < argc) {
+      path = argv[i + 1];
+    } else if (std::string(argv[i]).starts_with(option + "=")) {
+      path = argv[i] + option.size() + 1;
+    }
+    if (!path.empty() && !std::ifstream(path).is_open()) {
+      std::cerr << "ERROR: " << path << ": can not be read" << std::endl;
       return false;
     }
   }

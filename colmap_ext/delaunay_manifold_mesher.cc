@@ -4,6 +4,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <optional>
 #include <stdexcept>
 
 #include "colmap_ext/atomic_file.h"
@@ -29,15 +30,16 @@ constexpr const char* kOurBug =
     "please report it with this message, the command line and, if you can, "
     "fused.ply, fused.ply.vis and sparse/";
 
-void CorrectHalfPixel(Workspace* workspace) {
+// Moves the points, and tells how far off they were.
+HalfPixelSlope CorrectHalfPixel(Workspace* workspace) {
   const std::vector<Eigen::Vector3f> offsets = HalfPixelOffsets(
       workspace->cloud, workspace->views, workspace->depth_map_scales);
-  PrintReport(
-      RegressHalfPixel(workspace->cloud, offsets, workspace->sparse_points),
-      std::cout);
+  const HalfPixelSlope slope =
+      RegressHalfPixel(workspace->cloud, offsets, workspace->sparse_points);
   for (size_t i = 0; i < offsets.size(); ++i) {
     workspace->cloud.positions[i] += offsets[i];
   }
+  return slope;
 }
 
 // Before the points are read, so that nobody waits for a mesh that can not be
@@ -60,13 +62,15 @@ void MeshWorkspace(const MesherOptions& options) {
   };
   Report(progress, "Reading the workspace", 0);
   Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace);
-  reporter.Finish();
-  PrintReport(workspace.report, workspace.views.size(), std::cout);
+  std::optional<HalfPixelSlope> slope;
   // Sparse points come from features, which do not have the error.
   if (options.half_pixel_correction &&
       options.workspace.input_type == "dense") {
-    CorrectHalfPixel(&workspace);
+    Report(progress, "Correcting the half pixel", 0);
+    slope = CorrectHalfPixel(&workspace);
   }
+  reporter.Finish();
+  PrintReport(workspace.report, workspace.views.size(), slope, std::cout);
   std::cout << std::endl;
   const ManifoldMesh mesh =
       MeshManifold(options.meshing, workspace.cloud, workspace.views, progress);

@@ -42,13 +42,21 @@ std::string Format(const char* format, double a, double b = 0) {
   return text;
 }
 
+void PrintOrder(const VerifiedOrder& verified, std::ostream& stream) {
+  PrintText("image order of fused.ply.vis", verified.order.meaning, stream);
+  PrintText("  told by", verified.told_by, stream);
+  PrintText("  points inside their images",
+            Format("%12.2f %%", 100 * verified.evidence.inside), stream);
+  PrintText("  ... and facing them",
+            Format("%12.2f %%", 100 * verified.evidence.facing), stream);
+}
+
 void PrintCells(const ManifoldMeshingReport& report, std::ostream& stream) {
   PrintHeading("Cells", stream);
   Print("points in", static_cast<int64_t>(report.num_points), stream);
-  Print("their observations", static_cast<int64_t>(report.num_observations),
-        stream);
   Print("  at the place of another",
         static_cast<int64_t>(report.num_duplicate_points), stream);
+  Print("observations", static_cast<int64_t>(report.num_observations), stream);
   Print("vertices, after thinning", static_cast<int64_t>(report.num_vertices),
         stream);
   Print("cells", static_cast<int64_t>(report.num_cells), stream);
@@ -97,6 +105,7 @@ void PrintMesh(const ManifoldMeshingReport& report, std::ostream& stream) {
 }  // namespace
 
 void PrintReport(const WorkspaceReport& report, size_t num_images,
+                 const std::optional<HalfPixelSlope>& slope,
                  std::ostream& stream) {
   PrintHeading("Workspace", stream);
   PrintText("folder", report.path.string(), stream);
@@ -117,23 +126,15 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
              stream);
   PrintIfAny("  list an image twice", report.points.num_with_repeats, stream);
   if (report.is_order_verified) {
-    const OrderEvidence& evidence = report.order.evidence;
-    PrintText("image order of fused.ply.vis", report.order.order.meaning,
-              stream);
-    PrintText("  told by", report.order.told_by, stream);
-    PrintText("  points inside their images",
-              Format("%12.2f %%", 100 * evidence.inside), stream);
-    PrintText("  ... and facing them",
-              Format("%12.2f %%", 100 * evidence.facing), stream);
+    PrintOrder(report.order, stream);
   }
-}
-
-void PrintReport(const HalfPixelSlope& slope, std::ostream& stream) {
-  PrintText("half pixel, corrected; its slope here",
-            slope.num_points > 0
-                ? Format("%14.2f +- %.2f", slope.slope, slope.standard_error)
-                : "       unknown, too few sparse points",
-            stream);
+  if (slope) {
+    PrintText("half pixel corrected; seen here",
+              slope->num_points > 0 ? Format("%14.2f +- %.2f", slope->slope,
+                                             slope->standard_error)
+                                    : "       unknown, too few sparse points",
+              stream);
+  }
 }
 
 void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <iosfwd>
+#include <optional>
 #include <vector>
 
 #include "colmap_ext/progress_reporter.h"
@@ -13,11 +15,11 @@ namespace colmap_ext {
 // For the user, on the screen: one fact a line, numbers in one column.
 
 // What was read, and what was dropped and why.
+// \param slope  how far the workspace itself shows the half pixel, if that was
+//        corrected.
 void PrintReport(const WorkspaceReport& report, size_t num_images,
+                 const std::optional<HalfPixelSlope>& slope,
                  std::ostream& stream);
-
-// How far the workspace itself shows the half pixel.
-void PrintReport(const HalfPixelSlope& slope, std::ostream& stream);
 
 // What was made of it.
 void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream);

@@ -34,6 +34,13 @@ double Seconds(std::chrono::steady_clock::duration duration) {
 ProgressReporter::ProgressReporter(std::ostream& stream, bool is_terminal)
     : stream_(stream), is_terminal_(is_terminal) {}
 
+// Where work was given up, what comes next shall not run into its line.
+ProgressReporter::~ProgressReporter() {
+  if (is_terminal_ && !stage_.empty()) {
+    stream_ << std::endl;
+  }
+}
+
 void ProgressReporter::Update(std::string_view stage, double share) {
   if (stage != stage_) {
     Finish();

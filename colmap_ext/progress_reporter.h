@@ -20,6 +20,9 @@ struct StageTime {
 class ProgressReporter {
  public:
   ProgressReporter(std::ostream& stream, bool is_terminal);
+  ~ProgressReporter();
+  ProgressReporter(const ProgressReporter&) = delete;
+  ProgressReporter& operator=(const ProgressReporter&) = delete;
 
   // \param share  of the stage that is done, 0 ... 1.
   void Update(std::string_view stage, double share);

@@ -215,7 +215,10 @@ TEST_P(CommandTest, RefusesPointsWithoutVolume) {
   }
   sphere_.write_normals = false;
   sphere_.Write(path_);
-  ExpectRefused(Workspace() + " --image_order file", "");
+  ExpectRefused(Workspace() +
+                    " --image_order file "
+                    "--DelaunayManifoldMeshing.half_pixel_correction 0",
+                "volume");
 }
 
 #ifdef COLMAP_EXT_PROGRAM
