@@ -1,10 +1,63 @@
 #include "delaunay/vertex_star.h"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
+#include <span>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
 namespace colmap_ext {
+namespace {
+
+using Facet = std::array<uint32_t, 3>;
+
+// An edge of a vertex's link, the sphere of the facets opposite to it in its
+// cells, where free space and matter meet; run with matter on the same side.
+using LinkEdge = std::pair<uint32_t, uint32_t>;
+
+// All facets between matter and free space, those at infinity, too.
+std::vector<Facet> BoundaryFacets(const Tetrahedralization& tetrahedra,
+                                  const std::vector<uint8_t>& is_free) {
+  std::vector<Facet> facets;
+  for (size_t index = 0; index < tetrahedra.cells.size(); ++index) {
+    const auto& cell = tetrahedra.cells[index];
+    for (int i = 0; i < 4 && !is_free[index]; ++i) {
+      if (is_free[cell.neighbors[i]]) {
+        const auto& corners = kFacetCorners[i];
+        facets.push_back({cell.vertices[corners[0]], cell.vertices[corners[1]],
+                          cell.vertices[corners[2]]});
+      }
+    }
+  }
+  return facets;
+}
+
+// Whether the edges form one simple cycle, or are none at all. A planar graph
+// whose vertices all have as many edges in as out divides the sphere into two
+// regions just then, so that this is VertexStar::IsSingular the other way
+// about.
+bool IsAtMostOneCycle(std::span<LinkEdge> edges) {
+  if (edges.empty()) {
+    return true;
+  }
+  std::sort(edges.begin(), edges.end());
+  size_t length = 0;
+  uint32_t at = edges.front().first;
+  do {
+    const auto edge =
+        std::lower_bound(edges.begin(), edges.end(), LinkEdge{at, 0});
+    if (edge + 1 != edges.end() && (edge + 1)->first == at) {
+      return false;
+    }
+    at = edge->second;
+    ++length;
+  } while (at != edges.front().first);
+  return length == edges.size();
+}
+
+}  // namespace
 
 void MakeVertexStar(const Tetrahedralization& tetrahedra,
                     const std::vector<uint8_t>& is_free, uint32_t vertex,
@@ -52,25 +105,30 @@ bool IsSingular(const Tetrahedralization& tetrahedra,
 
 std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
                                        const std::vector<uint8_t>& is_free) {
-  // Only a vertex of a facet between the two labels can be singular.
-  std::vector<uint8_t> is_on_boundary(tetrahedra.points.size(), 0);
-  for (size_t index = 0; index < tetrahedra.cells.size(); ++index) {
-    const auto& cell = tetrahedra.cells[index];
-    for (int i = 0; i < 4; ++i) {
-      if (is_free[index] && !is_free[cell.neighbors[i]]) {
-        for (const int corner : kFacetCorners[i]) {
-          if (cell.vertices[corner] != kInfiniteVertex) {
-            is_on_boundary[cell.vertices[corner]] = 1;
-          }
-        }
+  const std::vector<Facet> facets = BoundaryFacets(tetrahedra, is_free);
+  // The boundary facets' corners around each vertex, compressed sparse rows.
+  std::vector<uint32_t> offsets(tetrahedra.points.size() + 1, 0);
+  for (const Facet& facet : facets) {
+    for (const uint32_t vertex : facet) {
+      if (vertex != kInfiniteVertex) {
+        ++offsets[vertex + 1];
+      }
+    }
+  }
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+  std::vector<LinkEdge> edges(offsets.back());
+  std::vector<uint32_t> next(offsets.begin(), offsets.end() - 1);
+  for (const Facet& facet : facets) {
+    for (int k = 0; k < 3; ++k) {
+      if (facet[k] != kInfiniteVertex) {
+        edges[next[facet[k]]++] = {facet[(k + 1) % 3], facet[(k + 2) % 3]};
       }
     }
   }
   std::vector<uint8_t> is_singular(tetrahedra.points.size(), 0);
   tbb::parallel_for(size_t{0}, is_singular.size(), [&](size_t vertex) {
-    is_singular[vertex] =
-        is_on_boundary[vertex] &&
-        IsSingular(tetrahedra, is_free, static_cast<uint32_t>(vertex));
+    is_singular[vertex] = !IsAtMostOneCycle(
+        {edges.data() + offsets[vertex], edges.data() + offsets[vertex + 1]});
   });
   std::vector<uint32_t> singular;
   for (uint32_t vertex = 0; vertex < is_singular.size(); ++vertex) {
