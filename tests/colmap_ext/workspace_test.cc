@@ -1,6 +1,7 @@
 #include "colmap_ext/workspace.h"
 
 #include <limits>
+#include <random>
 
 #include "colmap_ext/find_workspace.h"
 #include "colmap_ext/image_size.h"
@@ -186,6 +187,38 @@ TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
   sphere_.vis_order.clear();
   sphere_.Write(path_);
   EXPECT_NE(Error().find("no images"), std::string::npos);
+}
+
+// Whatever is in the files, they are read or refused.
+TEST_F(WorkspaceTest, SurvivesRandomDamage) {
+  sphere_.frames = {{8, 4}, {9, 7, 1}, {2}, {5}};
+  sphere_.points.resize(60);
+  sphere_.point_images.resize(60);
+  sphere_.Write(path_);
+  std::mt19937 random(1);
+  size_t num_refused = 0;
+  for (const char* name :
+       {"fused.ply", "fused.ply.vis", "sparse/cameras.bin", "sparse/images.bin",
+        "sparse/points3D.bin", "sparse/frames.bin"}) {
+    const std::string bytes = ReadFile(path_ / name);
+    for (int i = 0; i < 100; ++i) {
+      std::string damaged = bytes;
+      for (int j = 0; j < 3; ++j) {
+        damaged[random() % damaged.size()] = static_cast<char>(random());
+      }
+      WriteFile(path_ / name, damaged);
+      try {
+        const Workspace workspace = ReadWorkspace(path_, {});
+        for (const uint32_t index : workspace.cloud.view_indices) {
+          ASSERT_LT(index, workspace.views.size());
+        }
+      } catch (const FileError&) {
+        ++num_refused;
+      }
+    }
+    WriteFile(path_ / name, bytes);
+  }
+  EXPECT_GT(num_refused, 100);
 }
 
 TEST(FilterCloudTest, SortsRows) {
