@@ -11,7 +11,7 @@ inline constexpr uint32_t kNoNeighbor = UINT32_MAX;
 
 // Capacities above this one count as this one, so that 32 bits hold the
 // residual capacity of an arc and of its reverse together.
-inline constexpr uint32_t kMaxCapacity = 1u << 30;
+inline constexpr uint32_t kMaxCapacity = (1u << 30) - 1;
 
 // A directed graph with a source and a sink, whose nodes have at most four
 // neighbors: the cells of a tetrahedralization. Capacities are integers, so
