@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <nanoflann.hpp>
+
+#include "scene/half_pixel.h"
+
+namespace colmap_ext {
+namespace {
+
+// The plane through this many fused points stands for the surface at a sparse
+// point.
+constexpr size_t kNumNeighbors = 16;
+
+// More sparse points than this do not make the slope any more certain.
+constexpr size_t kMaxSparsePoints = 20000;
+
+// Fewer say nothing.
+constexpr size_t kMinSparsePoints = 30;
+
+struct FusedPoints {
+  const std::vector<Eigen::Vector3f>& positions;
+  size_t kdtree_get_point_count() const { return positions.size(); }
+  float kdtree_get_pt(size_t point, size_t axis) const {
+    return positions[point][static_cast<Eigen::Index>(axis)];
+  }
+  template <typename Box>
+  bool kdtree_get_bbox(Box& /*box*/) const {
+    return false;
+  }
+};
+
+using KdTree = nanoflann::KDTreeSingleIndexAdaptor<
+    nanoflann::L2_Simple_Adaptor<float, FusedPoints>, FusedPoints, 3, uint32_t>;
+
+// A sparse point's distance from the fused surface along its normal, and the
+// distance that the half pixel predicts there.
+struct Sample {
+  double predicted;
+  double observed;
+};
+
+Sample SampleAt(const KdTree& tree, const PointCloud& cloud,
+                const std::vector<Eigen::Vector3f>& offsets,
+                const Eigen::Vector3f& sparse_point) {
+  std::array<uint32_t, kNumNeighbors> neighbors;
+  std::array<float, kNumNeighbors> distances_squared;
+  const size_t count =
+      tree.knnSearch(sparse_point.data(), kNumNeighbors, neighbors.data(),
+                     distances_squared.data());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (size_t i = 0; i < count; ++i) {
+    mean += cloud.positions[neighbors[i]].cast<double>();
+    offset += offsets[neighbors[i]].cast<double>();
+  }
+  mean /= static_cast<double>(count);
+  offset /= static_cast<double>(count);
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d d =
+        cloud.positions[neighbors[i]].cast<double>() - mean;
+    scatter += d * d.transpose();
+  }
+  const Eigen::Vector3d normal =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter)
+          .eigenvectors()
+          .col(0);
+  return {normal.dot(offset), normal.dot(sparse_point.cast<double>() - mean)};
+}
+
+// Leaves out sparse points that lie far from the fused surface: more than three
+// standard deviations, estimated by the median.
+void DropOutliers(std::vector<Sample>* samples) {
+  std::vector<double> distances;
+  for (const Sample& sample : *samples) {
+    distances.push_back(std::abs(sample.observed));
+  }
+  const auto median =
+      distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), median, distances.end());
+  constexpr double kSigmasOfMedian = 3 * 1.4826;
+  const double max_distance = kSigmasOfMedian * *median;
+  std::erase_if(*samples, [&](const Sample& sample) {
+    return std::abs(sample.observed) > max_distance;
+  });
+}
+
+}  // namespace
+
+HalfPixelSlope RegressHalfPixel(
+    const PointCloud& cloud, const std::vector<Eigen::Vector3f>& offsets,
+    const std::vector<Eigen::Vector3f>& sparse_points) {
+  HalfPixelSlope result;
+  if (cloud.size() < kNumNeighbors || sparse_points.size() < kMinSparsePoints) {
+    return result;
+  }
+  const FusedPoints fused{cloud.positions};
+  const KdTree tree(3, fused);
+  const size_t stride =
+      (sparse_points.size() + kMaxSparsePoints - 1) / kMaxSparsePoints;
+  std::vector<Sample> samples;
+  for (size_t i = 0; i < sparse_points.size(); i += stride) {
+    samples.push_back(SampleAt(tree, cloud, offsets, sparse_points[i]));
+  }
+  DropOutliers(&samples);
+  double predicted_squared = 0;
+  double product = 0;
+  for (const Sample& sample : samples) {
+    predicted_squared += sample.predicted * sample.predicted;
+    product += sample.predicted * sample.observed;
+  }
+  if (samples.size() < kMinSparsePoints || !(predicted_squared > 0)) {
+    return result;
+  }
+  result.num_points = samples.size();
+  result.slope = product / predicted_squared;
+  double residual_squared = 0;
+  for (const Sample& sample : samples) {
+    const double residual = sample.observed - result.slope * sample.predicted;
+    residual_squared += residual * residual;
+  }
+  result.standard_error =
+      std::sqrt(residual_squared / static_cast<double>(samples.size() - 1) /
+                predicted_squared);
+  return result;
+}
+
+}  // namespace colmap_ext
