@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scene/view.h"
+#include "tests/synthetic/fuse.h"
+#include "tests/synthetic/render.h"
+#include "tests/synthetic/stereo.h"
+
+// What COLMAP itself reads and writes, whatever its version from 3.8 on.
+namespace colmap_ext::synthetic {
+
+// \throw std::runtime_error where the file cannot be written.
+void WriteImage(const std::string& path, const ColorImage& image);
+
+// Reads a sparse model as text, with COLMAP, and writes it in binary form.
+// \return the positions of the images in the order that COLMAP reads them from
+//         the latter, by name: what fused.ply.vis refers to.
+std::map<std::string, int> ConvertModel(const std::string& text_path,
+                                        const std::string& binary_path);
+
+// The cameras of a sparse model in any form that COLMAP reads, in its order.
+// \throw std::runtime_error for cameras other than pinhole ones.
+std::vector<View> ReadViews(const std::string& sparse_path);
+
+// fused.ply and fused.ply.vis.
+// \param positions [views] of the images in COLMAP's order
+void WriteFusedPoints(const std::string& ply_path, const FusedPoints& points,
+                      const std::vector<int>& positions);
+
+// COLMAP's files of a depth map and its normals.
+void WriteDepthMap(const std::string& depth_path,
+                   const std::string& normal_path, const DepthMap& map,
+                   const View& view);
+
+}  // namespace colmap_ext::synthetic

@@ -1,0 +1,238 @@
+#include "tests/synthetic/fuse.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+namespace colmap_ext::synthetic {
+namespace {
+
+using Eigen::Vector3f;
+
+// Other images, those with the closest directions of view first.
+std::vector<std::vector<uint32_t>> Neighbors(const std::vector<View>& views) {
+  std::vector<std::vector<uint32_t>> neighbors(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    std::vector<std::pair<double, uint32_t>> others;
+    for (size_t j = 0; j < views.size(); ++j) {
+      if (j != i) {
+        others.emplace_back(-views[i].cam_from_world_rotation.row(2).dot(
+                                views[j].cam_from_world_rotation.row(2)),
+                            j);
+      }
+    }
+    std::sort(others.begin(), others.end());
+    for (const auto& [cosine, j] : others) {
+      neighbors[i].push_back(j);
+    }
+  }
+  return neighbors;
+}
+
+float Median(std::vector<float>* values) {
+  const auto middle = values->begin() + values->size() / 2;
+  std::nth_element(values->begin(), middle, values->end());
+  if (values->size() % 2 == 1) {
+    return *middle;
+  }
+  return 0.5f * (*middle + *std::max_element(values->begin(), middle));
+}
+
+struct Camera {
+  Eigen::Matrix3f image_from_world;  // projection without its last column
+  Vector3f offset;                   // its last column
+  Eigen::Matrix3f world_from_image;  // inverse of image_from_world
+};
+
+struct Pixel {
+  uint32_t view;
+  int row, col;
+  int depth;  // how many pixels it is away from the reference; 0: it is it
+};
+
+// Positions, normals and colours of the pixels of one point.
+struct Samples {
+  std::array<std::vector<float>, 9> values;
+  std::vector<uint32_t> views;
+
+  void Clear() {
+    for (auto& v : values) {
+      v.clear();
+    }
+    views.clear();
+  }
+  size_t size() const { return values[0].size(); }
+  Vector3f MedianOf(int first) {
+    return {Median(&values[first]), Median(&values[first + 1]),
+            Median(&values[first + 2])};
+  }
+};
+
+class Fusion {
+ public:
+  Fusion(const std::vector<View>& views, const std::vector<DepthMap>& maps,
+         const std::vector<ColorImage>& images, const FusionOptions& options)
+      : maps_(maps),
+        images_(images),
+        options_(options),
+        min_cos_normal_(
+            std::cos(options.max_normal_error * std::numbers::pi / 180)),
+        neighbors_(Neighbors(views)),
+        is_done_(views.size(), false) {
+    for (size_t i = 0; i < views.size(); ++i) {
+      const View& view = views[i];
+      Eigen::Matrix3d calibration;
+      calibration << view.fx, 0, view.cx, 0, view.fy, view.cy, 0, 0, 1;
+      const Eigen::Matrix3d matrix = calibration * view.cam_from_world_rotation;
+      cameras_.push_back(
+          {matrix.cast<float>(),
+           (calibration * view.cam_from_world_translation).cast<float>(),
+           matrix.inverse().cast<float>()});
+      is_used_.emplace_back(maps[i].depths.size(), false);
+    }
+  }
+
+  FusedPoints Run() {
+    for (uint32_t view = 0; view < maps_.size(); ++view) {
+      for (int row = 0; row < maps_[view].height; ++row) {
+        for (int col = 0; col < maps_[view].width; ++col) {
+          FusePixel({view, row, col, 0});
+        }
+      }
+      is_done_[view] = true;
+    }
+    points_.is_outlier.resize(points_.cloud.size(), false);
+    return std::move(points_);
+  }
+
+ private:
+  // World point of a pixel with depth; its index is taken as its position.
+  Vector3f Point(const Pixel& pixel, float depth) const {
+    const Camera& camera = cameras_[pixel.view];
+    return camera.world_from_image *
+           (Vector3f(pixel.col * depth, pixel.row * depth, depth) -
+            camera.offset);
+  }
+
+  bool Agrees(const Pixel& pixel, float depth, const Vector3f& normal) const {
+    const Camera& camera = cameras_[pixel.view];
+    const Vector3f p = camera.image_from_world * reference_ + camera.offset;
+    const float dx = p.x() / p.z() - pixel.col;
+    const float dy = p.y() / p.z() - pixel.row;
+    return std::abs(p.z() - depth) <= options_.max_depth_error * depth &&
+           dx * dx + dy * dy <=
+               options_.max_reproj_error * options_.max_reproj_error &&
+           normal.dot(reference_normal_) >= min_cos_normal_;
+  }
+
+  void FusePixel(const Pixel& reference) {
+    samples_.Clear();
+    queue_.assign(1, reference);
+    while (!queue_.empty()) {
+      const Pixel pixel = queue_.back();
+      queue_.pop_back();
+      const DepthMap& map = maps_[pixel.view];
+      const size_t index = map.Index(pixel.row, pixel.col);
+      const float depth = map.depths[index];
+      if (is_used_[pixel.view][index] || depth <= 0) {
+        continue;
+      }
+      const Vector3f& normal = map.normals[index];
+      if (pixel.depth == 0) {
+        reference_ = Point(pixel, depth);
+        reference_normal_ = normal;
+      } else if (!Agrees(pixel, depth, normal)) {
+        continue;
+      }
+      is_used_[pixel.view][index] = true;
+      const Vector3f point = Point(pixel, depth);
+      AddSample(pixel, point, normal);
+      if (pixel.depth + 1 < kMaxTraversalDepth) {
+        Enqueue(pixel, point);
+      }
+    }
+    if (samples_.size() >= static_cast<size_t>(options_.min_num_pixels)) {
+      AddPoint();
+    }
+  }
+
+  void Enqueue(const Pixel& from, const Vector3f& point) {
+    for (const uint32_t view : neighbors_[from.view]) {
+      if (is_done_[view]) {
+        continue;
+      }
+      const Camera& camera = cameras_[view];
+      const Vector3f p = camera.image_from_world * point + camera.offset;
+      if (p.z() <= 0) {
+        continue;
+      }
+      const float col = std::round(p.x() / p.z());
+      const float row = std::round(p.y() / p.z());
+      if (col >= 0 && row >= 0 && col < maps_[view].width &&
+          row < maps_[view].height) {
+        queue_.push_back({view, static_cast<int>(row), static_cast<int>(col),
+                          from.depth + 1});
+      }
+    }
+  }
+
+  void AddSample(const Pixel& pixel, const Vector3f& point,
+                 const Vector3f& normal) {
+    for (int i = 0; i < 3; ++i) {
+      samples_.values[i].push_back(point[i]);
+      samples_.values[3 + i].push_back(normal[i]);
+      if (!images_.empty()) {
+        samples_.values[6 + i].push_back(
+            images_[pixel.view].At(pixel.row, pixel.col)[i]);
+      }
+    }
+    samples_.views.push_back(pixel.view);
+  }
+
+  void AddPoint() {
+    PointCloud& cloud = points_.cloud;
+    cloud.positions.push_back(samples_.MedianOf(0));
+    points_.normals.push_back(samples_.MedianOf(3).normalized());
+    if (!images_.empty()) {
+      const Vector3f color = samples_.MedianOf(6);
+      cloud.colors.push_back({static_cast<uint8_t>(std::lround(color[0])),
+                              static_cast<uint8_t>(std::lround(color[1])),
+                              static_cast<uint8_t>(std::lround(color[2]))});
+    }
+    std::vector<uint32_t>& views = samples_.views;
+    std::sort(views.begin(), views.end());
+    views.erase(std::unique(views.begin(), views.end()), views.end());
+    cloud.view_indices.insert(cloud.view_indices.end(), views.begin(),
+                              views.end());
+    cloud.view_offsets.push_back(cloud.view_indices.size());
+  }
+
+  static constexpr int kMaxTraversalDepth = 100;
+
+  const std::vector<DepthMap>& maps_;
+  const std::vector<ColorImage>& images_;
+  const FusionOptions& options_;
+  const float min_cos_normal_;
+  const std::vector<std::vector<uint32_t>> neighbors_;
+  std::vector<Camera> cameras_;
+  std::vector<char> is_done_;               // [views]
+  std::vector<std::vector<char>> is_used_;  // [views][pixels]
+  std::vector<Pixel> queue_;
+  Samples samples_;
+  Vector3f reference_, reference_normal_;
+  FusedPoints points_;
+};
+
+}  // namespace
+
+FusedPoints FuseDepthMaps(const std::vector<View>& views,
+                          const std::vector<DepthMap>& maps,
+                          const std::vector<ColorImage>& images,
+                          const FusionOptions& options) {
+  return Fusion(views, maps, images, options).Run();
+}
+
+}  // namespace colmap_ext::synthetic

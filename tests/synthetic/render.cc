@@ -1,0 +1,137 @@
+#include "tests/synthetic/render.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "tests/synthetic/noise.h"
+#include "tests/synthetic/parallel.h"
+
+namespace colmap_ext::synthetic {
+namespace {
+
+using Eigen::Vector3f;
+
+const Vector3f kBackground(0.16f, 0.17f, 0.19f);
+
+// Weights of a facet's vertices at a point of its plane; they add up to one.
+Vector3f Barycentric(const TriangleMesh& mesh, const Facet& facet,
+                     const Vector3f& point) {
+  const Vector3f& a = mesh.vertices[facet[0]];
+  const Vector3f ab = mesh.vertices[facet[1]] - a;
+  const Vector3f ac = mesh.vertices[facet[2]] - a;
+  const Vector3f normal = ab.cross(ac);
+  const float scale = 1 / normal.squaredNorm();
+  const float v = (point - a).cross(ac).dot(normal) * scale;
+  const float w = ab.cross(point - a).dot(normal) * scale;
+  return {1 - v - w, v, w};
+}
+
+// Light that a ray brings to the camera, 1 for a white surface in full light.
+Vector3f Radiance(const Scene& scene, const Vector3f& point, int32_t facet) {
+  const Facet& vertices = scene.surface.facets[facet];
+  const Vector3f weights = Barycentric(scene.surface, vertices, point);
+  float irradiance = 0;
+  for (int i = 0; i < 3; ++i) {
+    irradiance += weights[i] * scene.irradiance[vertices[i]];
+  }
+  return Albedo(scene, point) * (0.12f + 1.1f * irradiance);
+}
+
+// Mean over 2 x 2 rays through a pixel.
+Vector3f PixelRadiance(const Scene& scene, const Bvh& bvh, const View& view,
+                       const Vector3f& eye, int row, int col) {
+  RayPacket rays;
+  rays.origin = eye;
+  for (int i = 0; i < 4; ++i) {
+    rays.SetDirection(i, RayDirection(view, col + 0.25 + 0.5 * (i % 2),
+                                      row + 0.25 + 0.5 * (i / 2)));
+  }
+  const HitPacket hits = bvh.Intersect(rays);
+  Vector3f sum = Vector3f::Zero();
+  for (int i = 0; i < 4; ++i) {
+    if (hits.facet[i] < 0) {
+      sum += kBackground;
+      continue;
+    }
+    const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
+    sum += Radiance(scene, eye + hits.distance[i] * direction, hits.facet[i]);
+  }
+  return sum / 4;
+}
+
+Color Expose(const Vector3f& radiance, double exposure,
+             const RenderOptions& options, uint64_t hash) {
+  Color color;
+  for (int i = 0; i < 3; ++i) {
+    const double ideal = std::clamp(radiance[i] * exposure, 0.0, 1.0);
+    const double deviation = std::hypot(
+        options.sensor_noise, options.photon_noise * std::sqrt(ideal));
+    const double value = 255 * ideal + deviation * Gaussian(Hash(hash, i));
+    color[i] = static_cast<uint8_t>(std::clamp(std::lround(value), 0L, 255L));
+  }
+  return color;
+}
+
+}  // namespace
+
+Vector3f RayDirection(const View& view, double u, double v) {
+  const Eigen::Vector3d in_camera((u - view.cx) / view.fx,
+                                  (v - view.cy) / view.fy, 1);
+  return (view.cam_from_world_rotation.transpose() * in_camera).cast<float>();
+}
+
+Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads) {
+  Visible visible;
+  visible.width = view.width;
+  visible.height = view.height;
+  const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
+  visible.depths.resize(num_pixels, 0);
+  visible.facets.resize(num_pixels, -1);
+  const Vector3f eye = view.Center().cast<float>();
+  ParallelFor((view.height + 1) / 2, num_threads, [&](size_t row_pair) {
+    for (int col = 0; col < view.width; col += 2) {
+      const int row = 2 * row_pair;
+      RayPacket rays;
+      rays.origin = eye;
+      for (int i = 0; i < 4; ++i) {
+        rays.SetDirection(
+            i, RayDirection(view, col + i % 2 + 0.5, row + i / 2 + 0.5));
+      }
+      const HitPacket hits = bvh.Intersect(rays);
+      for (int i = 0; i < 4; ++i) {
+        if (hits.facet[i] >= 0 && row + i / 2 < view.height &&
+            col + i % 2 < view.width) {
+          const size_t index = visible.Index(row + i / 2, col + i % 2);
+          visible.depths[index] = hits.distance[i];
+          visible.facets[index] = hits.facet[i];
+        }
+      }
+    }
+  });
+  return visible;
+}
+
+ColorImage RenderImage(const Scene& scene, const Bvh& bvh, size_t view_index,
+                       const RenderOptions& options, uint64_t seed,
+                       int num_threads) {
+  const View& view = scene.views[view_index];
+  ColorImage image;
+  image.width = view.width;
+  image.height = view.height;
+  image.pixels.resize(static_cast<size_t>(view.width) * view.height);
+  const Vector3f eye = view.Center().cast<float>();
+  ParallelFor(view.height, num_threads, [&](size_t row) {
+    for (int col = 0; col < view.width; ++col) {
+      const size_t index = row * view.width + col;
+      image.pixels[index] =
+          Expose(PixelRadiance(scene, bvh, view, eye, row, col),
+                 scene.exposures[view_index], options,
+                 Hash(seed, 6, view_index, index));
+    }
+  });
+  return image;
+}
+
+}  // namespace colmap_ext::synthetic

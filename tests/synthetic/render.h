@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/point_cloud.h"
+#include "scene/view.h"
+#include "tests/synthetic/bvh.h"
+#include "tests/synthetic/scene.h"
+
+namespace colmap_ext::synthetic {
+
+struct RenderOptions {
+  // Deviation of the sensor's noise, in steps of 1/255.
+  double sensor_noise = 1.5;
+
+  // Deviation of the photon noise at full intensity, in steps of 1/255.
+  double photon_noise = 2.0;
+};
+
+struct ColorImage {
+  int width = 0;              // px
+  int height = 0;             // px
+  std::vector<Color> pixels;  // [height * width], row by row
+
+  const Color& At(int row, int col) const { return pixels[row * width + col]; }
+};
+
+// What the pixel centres (col + 0.5, row + 0.5) of an image see of a surface.
+struct Visible {
+  int width = 0;
+  int height = 0;
+  std::vector<float> depths;    // [height * width], along the camera's z axis,
+                                // scene units; 0 where there is nothing
+  std::vector<int32_t> facets;  // [height * width]; -1 where there is nothing
+
+  size_t Index(int row, int col) const {
+    return static_cast<size_t>(row) * width + col;
+  }
+};
+
+// Direction in the world frame of the ray through an image point, with a
+// z of 1 in the camera's frame, so that distances along it are depths.
+// \param u, v pixel coordinates in COLMAP's convention
+Eigen::Vector3f RayDirection(const View& view, double u, double v);
+
+// Casts a ray through every pixel's centre.
+Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads);
+
+// Photograph of the scene by one of its views: 2 x 2 rays a pixel, diffuse
+// light, exposure, noise.
+ColorImage RenderImage(const Scene& scene, const Bvh& bvh, size_t view,
+                       const RenderOptions& options, uint64_t seed,
+                       int num_threads);
+
+}  // namespace colmap_ext::synthetic

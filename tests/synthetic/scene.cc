@@ -1,0 +1,150 @@
+#include "tests/synthetic/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+
+#include "tests/synthetic/bvh.h"
+#include "tests/synthetic/noise.h"
+#include "tests/synthetic/parallel.h"
+#include "tests/synthetic/vertex_spreading.h"
+
+namespace colmap_ext::synthetic {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr size_t kChunk = 1024;  // vertices
+constexpr int kNumSkyRays = 8;   // a multiple of four
+constexpr float kSky = 0.45f;    // share of the light that comes from all over
+constexpr float kSkyReach =
+    0.6f;  // scene units; what is farther shades nothing
+
+// Direction of the sky's k-th ray at a point, distributed by the cosine around
+// the normal.
+Vector3f SkyDirection(const Vector3f& normal, uint64_t hash, int k) {
+  const double height = 2 * (k + Uniform(hash)) / kNumSkyRays - 1;
+  const double turn = 6.283185307 * (0.618034 * k + Uniform(hash ^ 1));
+  const double radius = std::sqrt(1 - height * height);
+  const Vector3f on_sphere(radius * std::cos(turn), radius * std::sin(turn),
+                           height);
+  return (normal + 0.99f * on_sphere).normalized();
+}
+
+// Light at a point: sun with soft shadows, and the sky as far as it is seen.
+float Irradiance(const Bvh& bvh, const Vector3f& sun, const Vector3f& point,
+                 const Vector3f& normal, float offset, uint64_t hash) {
+  RayPacket rays;
+  rays.origin = point + offset * normal;
+  int num_sun = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Vector3f jitter(Uniform(Hash(hash, i, 0)), Uniform(Hash(hash, i, 1)),
+                          Uniform(Hash(hash, i, 2)));
+    rays.SetDirection(i, sun + 0.06f * (jitter - Vector3f::Constant(0.5f)));
+  }
+  const Int4 sun_hit = bvh.Intersect(rays).facet;
+  for (int i = 0; i < 4; ++i) {
+    num_sun += sun_hit[i] < 0;
+  }
+  int num_sky = 0;
+  rays.max_distance = kSkyReach;
+  for (int k = 0; k < kNumSkyRays; k += 4) {
+    for (int i = 0; i < 4; ++i) {
+      rays.SetDirection(i, SkyDirection(normal, hash, k + i));
+    }
+    const Int4 sky_hit = bvh.Intersect(rays).facet;
+    for (int i = 0; i < 4; ++i) {
+      num_sky += sky_hit[i] < 0;
+    }
+  }
+  const float cosine = std::max(0.0f, sun.dot(normal));
+  return kSky * num_sky / kNumSkyRays + (1 - kSky) * cosine * num_sun / 4;
+}
+
+std::vector<float> AllIrradiance(const Scene& scene,
+                                 const SceneOptions& options) {
+  const Bvh bvh(scene.surface);
+  const Vector3f sun = options.shape == "wall"
+                           ? Vector3f(-0.5f, -0.75f, 0.5f).normalized()
+                           : Vector3f(0.5f, -0.35f, 0.8f).normalized();
+  const size_t num_vertices = scene.surface.vertices.size();
+  std::vector<float> irradiance(num_vertices);
+  ParallelFor(num_vertices / kChunk + 1, options.num_threads, [&](size_t c) {
+    const size_t end = std::min((c + 1) * kChunk, num_vertices);
+    for (size_t v = c * kChunk; v < end; ++v) {
+      irradiance[v] =
+          Irradiance(bvh, sun, scene.surface.vertices[v], scene.normals[v],
+                     0.5f * scene.footprint, Hash(options.seed, 3, v));
+    }
+  });
+  return irradiance;
+}
+
+}  // namespace
+
+std::string SceneOptions::Check() const {
+  if (shape != "statue" && shape != "wall") {
+    return "scene must be `statue` or `wall`";
+  }
+  if (num_images < 1 || num_images > 10000) {
+    return "num_images must be in [1, 10000]";
+  }
+  if (width < 16 || height < 16 || width > 20000 || height > 20000) {
+    return "width and height must be in [16, 20000]";
+  }
+  if (!(relief >= 0 && relief <= 2)) {
+    return "relief must be in [0, 2]";
+  }
+  if (!(cell_size >= 0.5 && cell_size <= 100)) {
+    return "cell_size must be in [0.5, 100]";
+  }
+  return "";
+}
+
+Scene MakeScene(const SceneOptions& options) {
+  if (const std::string error = options.Check(); !error.empty()) {
+    throw std::invalid_argument(error);
+  }
+  const bool is_wall = options.shape == "wall";
+  Scene scene;
+  scene.views = is_wall ? MakeWallViews(options) : MakeStatueViews(options);
+  double distance = 0;
+  for (size_t i = 0; i < scene.views.size(); ++i) {
+    char name[32];
+    std::snprintf(name, sizeof(name), "%04d.png", static_cast<int>(i));
+    scene.views[i].name = name;
+    scene.exposures.push_back(
+        1 + 0.1 * (2 * Uniform(Hash(options.seed, 4, i)) - 1));
+    distance += scene.views[i].Center().norm() / scene.views.size();
+  }
+  scene.footprint = distance / scene.views[0].fx;
+  scene.texture_seed = Hash(options.seed, 5);
+  const Solid solid = is_wall ? MakeWall(options) : MakeStatue(options);
+  scene.surface = MeshSolid(solid, options.cell_size * scene.footprint,
+                            options.num_threads);
+  scene.normals = VertexNormals(scene.surface);
+  scene.irradiance = AllIrradiance(scene, options);
+  return scene;
+}
+
+Vector3f Albedo(const Scene& scene, const Vector3f& point) {
+  // The first octave is three cells to the unit, the last one or two pixels.
+  constexpr float kFirst = 3.0f;
+  const int num_octaves = std::clamp(
+      static_cast<int>(std::log(1 / (1.6f * kFirst * scene.footprint)) /
+                       std::log(1.9f)) +
+          1,
+      2, 10);
+  const uint32_t seed = scene.texture_seed;
+  const float grey =
+      0.50f + 0.17f * FractalNoise(kFirst * point, num_octaves, 0.72f, seed);
+  const float warm = FractalNoise(4.0f * point, 3, 0.7f, seed + 100);
+  const float green = FractalNoise(5.0f * point, 2, 0.7f, seed + 200);
+  const Vector3f tint(1 + 0.14f * warm, 1 + 0.10f * green, 1 - 0.16f * warm);
+  return (grey * tint).cwiseMax(0.03f).cwiseMin(1.0f);
+}
+
+}  // namespace colmap_ext::synthetic

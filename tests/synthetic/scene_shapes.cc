@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tests/synthetic/noise.h"
+#include "tests/synthetic/scene.h"
+
+namespace colmap_ext::synthetic {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double kFocalLength = 1.2;  // in widths of the image
+
+// Smallest of two, rounded off where they differ by less than `width`.
+float SmoothMin(float a, float b, float width) {
+  const float h = std::max(width - std::abs(a - b), 0.0f) / width;
+  return std::min(a, b) - h * h * width * 0.25f;
+}
+
+// About the distance to an ellipsoid.
+float Ellipsoid(const Vector3f& p, const Vector3f& center,
+                const Vector3f& radii) {
+  const Vector3f q = (p - center).cwiseQuotient(radii);
+  return (q.norm() - 1) * radii.minCoeff();
+}
+
+// Distance to a box with rounded edges.
+float RoundBox(const Vector3f& p, const Vector3f& center, const Vector3f& half,
+               float radius) {
+  const Vector3f q =
+      (p - center).cwiseAbs() - half + Vector3f::Constant(radius);
+  return q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0f) - radius;
+}
+
+// Distance to the tube of radius `tube` around a circle that stands upright.
+float Ring(const Vector3f& p, const Vector3f& center, float radius,
+           float tube) {
+  const Vector3f q = p - center;
+  const float from_circle = std::hypot(q.x(), q.z()) - radius;
+  return std::hypot(from_circle, q.y()) - tube;
+}
+
+// Rounded relief of several sizes, and ridges; in [-1, 1].
+float Relief(const Vector3f& p, uint32_t seed) {
+  const float grain = FractalNoise(p * 9, 4, 0.5f, seed);
+  const float ridges = 1 - 2 * std::abs(ValueNoise(p * 14, seed + 50));
+  return std::clamp(0.36f * grain + 0.3f * ridges, -1.0f, 1.0f);
+}
+
+uint32_t SurfaceSeed(const SceneOptions& options) {
+  return static_cast<uint32_t>(Hash(options.seed, 1));
+}
+
+// A camera that looks from `eye` to `target`, z up in the world, turned by
+// `roll` (rad) around its axis.
+View LookAt(const SceneOptions& options, const Vector3d& eye,
+            const Vector3d& target, double roll) {
+  View view;
+  view.width = options.width;
+  view.height = options.height;
+  view.fx = view.fy = kFocalLength * options.width;
+  view.cx = 0.5 * options.width;
+  view.cy = 0.5 * options.height;
+  const Vector3d forward = (target - eye).normalized();
+  const Vector3d level = forward.cross(Vector3d::UnitZ()).normalized();
+  const Vector3d down = forward.cross(level);
+  Eigen::Matrix3d& rotation = view.cam_from_world_rotation;
+  rotation.row(0) = std::cos(roll) * level + std::sin(roll) * down;
+  rotation.row(1) = std::cos(roll) * down - std::sin(roll) * level;
+  rotation.row(2) = forward;
+  view.cam_from_world_translation = -rotation * eye;
+  return view;
+}
+
+// Uniform in [-1, 1], for the k-th number of a camera.
+double Jitter(const SceneOptions& options, int camera, int k) {
+  return 2 * Uniform(Hash(options.seed, 2, camera, k)) - 1;
+}
+
+}  // namespace
+
+Solid MakeStatue(const SceneOptions& options) {
+  const uint32_t seed = SurfaceSeed(options);
+  Solid solid;
+  solid.box = {Vector3f(-1.25f, -1.25f, -0.16f), Vector3f(1.25f, 1.25f, 1.25f)};
+  solid.shape = [seed](const Vector3f& p) {
+    const float tube = 0.13f + 0.035f * std::sin(5 * p.x() + 4 * p.z());
+    const float ring = Ring(p, {0, 0, 0.50f}, 0.33f, tube);
+    const float head = Ellipsoid(p, {0.1f, 0.05f, 0.95f}, {0.2f, 0.22f, 0.19f});
+    const float foot = Ellipsoid(p, {0, 0, 0.05f}, {0.42f, 0.34f, 0.17f});
+    const float knob =
+        Ellipsoid(p, {-0.42f, -0.1f, 0.6f}, {0.13f, 0.2f, 0.12f});
+    const float body = SmoothMin(SmoothMin(ring, head, 0.08f),
+                                 SmoothMin(foot, knob, 0.05f), 0.06f);
+    const float ground = p.z() - 0.045f * ValueNoise(p * 2.3f, seed + 90);
+    return SmoothMin(body, ground, 0.05f);
+  };
+  solid.max_detail = static_cast<float>(0.013 * options.relief);
+  solid.detail = [seed, scale = solid.max_detail](const Vector3f& p) {
+    return -scale * Relief(p, seed);
+  };
+  return solid;
+}
+
+Solid MakeWall(const SceneOptions& options) {
+  const uint32_t seed = SurfaceSeed(options);
+  Solid solid;
+  // The wall is the plane y = 0, its outside is where y < 0.
+  solid.box = {Vector3f(-1.4f, -0.62f, -0.95f), Vector3f(1.4f, 0.42f, 0.95f)};
+  solid.shape = [](const Vector3f& p) {
+    const float x = std::abs(p.x());
+    const Vector3f q(x, p.y(), p.z());
+    float wall = -RoundBox(q, {0.5f, 0, 0.12f}, {0.25f, 0.25f, 0.5f}, 0.12f);
+    wall = std::max(-p.y(), wall);
+    const float column =
+        std::hypot(x - 0.98f, p.y() + 0.05f) - 0.13f +
+        0.012f * std::sin(9 * std::atan2(p.y() + 0.05f, x - 0.98f));
+    const float cornice = RoundBox(q, {0, 0, 0.76f}, {2, 0.2f, 0.07f}, 0.04f);
+    const float basin =
+        RoundBox(q, {0, -0.1f, -0.75f}, {0.85f, 0.32f, 0.12f}, 0.06f);
+    const float bust =
+        Ellipsoid(q, {0.5f, 0.14f, -0.1f}, {0.14f, 0.14f, 0.25f});
+    const float head = Ellipsoid(q, {0.5f, 0.1f, 0.2f}, {0.08f, 0.09f, 0.1f});
+    const float boss = Ellipsoid(q, {0, 0, 0.2f}, {0.14f, 0.16f, 0.2f});
+    float solid_value = SmoothMin(wall, SmoothMin(bust, head, 0.05f), 0.04f);
+    solid_value =
+        SmoothMin(solid_value, SmoothMin(column, cornice, 0.02f), 0.03f);
+    return SmoothMin(solid_value, SmoothMin(basin, boss, 0.02f), 0.03f);
+  };
+  solid.max_detail = static_cast<float>(0.012 * options.relief);
+  solid.detail = [seed, scale = solid.max_detail](const Vector3f& p) {
+    return -scale * Relief(p, seed);
+  };
+  return solid;
+}
+
+std::vector<View> MakeStatueViews(const SceneOptions& options) {
+  std::vector<View> views;
+  for (int i = 0; i < options.num_images; ++i) {
+    const double turn = 2 * std::numbers::pi *
+                        (i + 0.2 * Jitter(options, i, 0)) / options.num_images;
+    const double elevation =
+        (i % 2 == 0 ? 0.38 : 0.72) + 0.05 * Jitter(options, i, 1);
+    const double distance = 3.1 + 0.15 * Jitter(options, i, 2);
+    const Vector3d target(0.05 * Jitter(options, i, 3),
+                          0.05 * Jitter(options, i, 4),
+                          0.40 + 0.04 * Jitter(options, i, 5));
+    const Vector3d direction(std::cos(elevation) * std::cos(turn),
+                             std::cos(elevation) * std::sin(turn),
+                             std::sin(elevation));
+    views.push_back(LookAt(options, target + distance * direction, target,
+                           0.05 * Jitter(options, i, 6)));
+  }
+  return views;
+}
+
+std::vector<View> MakeWallViews(const SceneOptions& options) {
+  std::vector<View> views;
+  for (int i = 0; i < options.num_images; ++i) {
+    const double share =
+        options.num_images == 1 ? 0.5 : i / (options.num_images - 1.0);
+    const double turn = 1.5 * (share - 0.5) + 0.03 * Jitter(options, i, 0);
+    const double distance = 2.7 + 0.15 * Jitter(options, i, 1);
+    const Vector3d target(0.12 * Jitter(options, i, 2), 0,
+                          -0.05 + 0.05 * Jitter(options, i, 3));
+    const Vector3d eye(distance * std::sin(turn), -distance * std::cos(turn),
+                       (i % 2 == 0 ? -0.1 : 0.3) + 0.1 * Jitter(options, i, 4));
+    views.push_back(LookAt(options, eye, target, 0.04 * Jitter(options, i, 5)));
+  }
+  return views;
+}
+
+}  // namespace colmap_ext::synthetic

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tests/synthetic/dense_scene.h"
+
+namespace colmap_ext::synthetic {
+
+// Writes the scene as a COLMAP dense workspace, through COLMAP's own writers:
+// images/, sparse/*.bin, fused.ply, fused.ply.vis; with the depth maps also
+// stereo/{depth_maps,normal_maps,fusion.cfg}; and what is true: truth/mesh.ply,
+// truth/cameras.txt, truth/images.txt. Files that are there are overwritten.
+// Image ids are in random order, as an incremental reconstruction leaves them.
+// \throw std::runtime_error where a folder or file cannot be written.
+void WriteWorkspace(const DenseScene& scene, uint64_t seed,
+                    const std::string& path);
+
+}  // namespace colmap_ext::synthetic
