@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+
+#include "mesh/triangle_mesh.h"
+
+// Meshes whose topology is known.
+namespace colmap_ext {
+
+TriangleMesh MakeTetrahedron();
+
+TriangleMesh MakeCube();
+
+// A sheet of quads, each of them two facets, of num_rows x num_cols quads,
+// closed to a ring along the columns or the rows where it wraps.
+// \pre at least 3 quads where it wraps
+TriangleMesh MakeSheet(uint32_t num_rows, uint32_t num_cols,
+                       bool wraps_rows = false, bool wraps_cols = false);
+
+TriangleMesh MakeTorus();
+TriangleMesh MakeDisc();
+TriangleMesh MakeAnnulus();
+
+// One-sided: some edge is run twice in one direction, however it is oriented.
+TriangleMesh MakeMoebiusStrip();
+
+// Both meshes side by side.
+TriangleMesh Union(const TriangleMesh& a, const TriangleMesh& b);
+
+// Lets all facets use vertex `to` instead of `from`, which is then unreferenced
+// and removed.
+void MergeVertices(uint32_t from, uint32_t to, TriangleMesh* mesh);
+
+// Drops the vertices that no facet uses.
+void DropUnreferenced(TriangleMesh* mesh);
+
+}  // namespace colmap_ext

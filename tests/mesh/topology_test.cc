@@ -1,0 +1,328 @@
+#include "mesh/topology.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/manifold_links.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+struct KnownMesh {
+  const char* name;
+  TriangleMesh mesh;
+  size_t num_components;
+  size_t num_border_edges;
+  size_t num_border_loops;
+  int64_t euler;
+  int64_t genus;
+};
+
+std::vector<KnownMesh> KnownManifolds() {
+  TriangleMesh torus_with_hole = MakeTorus();
+  torus_with_hole.facets.erase(torus_with_hole.facets.begin() + 20);
+  return {
+      {"triangle", {MakeDisc().vertices, {{0, 1, 9}}}, 1, 3, 1, 1, 0},
+      {"tetrahedron", MakeTetrahedron(), 1, 0, 0, 2, 0},
+      {"cube", MakeCube(), 1, 0, 0, 2, 0},
+      {"torus", MakeTorus(), 1, 0, 0, 0, 1},
+      {"torus with a hole", torus_with_hole, 1, 3, 1, -1, 1},
+      {"disc", MakeDisc(), 1, 24, 1, 1, 0},
+      {"annulus", MakeAnnulus(), 1, 10, 2, 0, 0},
+      {"two tori", Union(MakeTorus(), MakeTorus()), 2, 0, 0, 0, 2},
+      {"torus, cube and disc",
+       Union(MakeTorus(), Union(MakeCube(), MakeDisc())), 3, 24, 1, 3, 1},
+  };
+}
+
+TEST(Topology, KnownManifolds) {
+  for (KnownMesh& known : KnownManifolds()) {
+    SCOPED_TRACE(known.name);
+    DropUnreferenced(&known.mesh);
+    const MeshReport report = Analyze(known.mesh);
+    EXPECT_TRUE(report.IsManifold()) << report.Defects();
+    EXPECT_EQ(report.Defects(), "");
+    EXPECT_TRUE(HasManifoldLinks(known.mesh));
+    EXPECT_EQ(report.num_vertices, known.mesh.vertices.size());
+    EXPECT_EQ(report.num_facets, known.mesh.facets.size());
+    EXPECT_EQ(2 * report.num_edges,
+              3 * report.num_facets + known.num_border_edges);
+    EXPECT_EQ(report.num_components, known.num_components);
+    EXPECT_EQ(report.num_border_edges, known.num_border_edges);
+    EXPECT_EQ(report.num_border_loops, known.num_border_loops);
+    EXPECT_EQ(report.euler, known.euler);
+    EXPECT_EQ(report.genus, known.genus);
+  }
+}
+
+TEST(Topology, EmptyMeshIsManifold) {
+  const MeshReport report = Analyze(TriangleMesh());
+  EXPECT_TRUE(report.IsManifold());
+  EXPECT_EQ(report.num_components, 0u);
+}
+
+TEST(Topology, MoebiusStripIsMisoriented) {
+  const MeshReport report = Analyze(MakeMoebiusStrip());
+  EXPECT_FALSE(report.IsManifold());
+  EXPECT_EQ(report.num_misoriented_edges, 1u);
+  EXPECT_EQ(report.num_border_loops, 1u);
+  EXPECT_EQ(report.euler, 0);
+  EXPECT_EQ(report.num_singular_vertices, 0u);
+}
+
+TEST(Topology, CubesThatShareAVertex) {
+  TriangleMesh mesh = Union(MakeCube(), MakeCube());
+  MergeVertices(8, 7, &mesh);
+  const MeshReport report = Analyze(mesh);
+  EXPECT_EQ(report.num_singular_vertices, 1u);
+  EXPECT_EQ(report.num_non_manifold_edges, 0u);
+  EXPECT_EQ(report.num_components, 2u);
+  EXPECT_EQ(report.Defects(), "1 singular vertices");
+}
+
+TEST(Topology, CubesThatShareAnEdge) {
+  TriangleMesh mesh = Union(MakeCube(), MakeCube());
+  MergeVertices(9, 7, &mesh);  // the second's edge 0 - 1 is the first's 6 - 7
+  MergeVertices(8, 6, &mesh);
+  const MeshReport report = Analyze(mesh);
+  EXPECT_EQ(report.num_non_manifold_edges, 1u);
+  EXPECT_EQ(report.num_singular_vertices, 2u);
+  EXPECT_EQ(report.num_components, 1u);
+  EXPECT_FALSE(report.IsManifold());
+}
+
+TEST(Topology, BowTie) {
+  const TriangleMesh mesh = {
+      {{0, 0, 0}, {1, 1, 0}, {1, -1, 0}, {-1, 1, 0}, {-1, -1, 0}},
+      {{0, 2, 1}, {0, 3, 4}}};
+  const MeshReport report = Analyze(mesh);
+  EXPECT_EQ(report.num_singular_vertices, 1u);
+  EXPECT_EQ(report.num_border_edges, 6u);
+  EXPECT_EQ(report.Defects(), "1 singular vertices");
+}
+
+// A defect that is planted into a good mesh, and the count and words in the
+// report that must show it.
+struct Planted {
+  const char* name;
+  size_t MeshReport::*count;
+  size_t expected;
+  const char* words;
+  void (*plant)(TriangleMesh* mesh);
+};
+
+void Corrupt(float value, TriangleMesh* mesh) { mesh->vertices[3].y() = value; }
+
+class PlantedDefect : public testing::TestWithParam<Planted> {};
+
+TEST_P(PlantedDefect, IsCaught) {
+  const Planted& planted = GetParam();
+  TriangleMesh mesh = MakeTorus();
+  ASSERT_TRUE(Analyze(mesh).IsManifold());
+  planted.plant(&mesh);
+  const MeshReport report = Analyze(mesh);
+  EXPECT_EQ(report.*planted.count, planted.expected);
+  EXPECT_FALSE(report.IsManifold());
+  EXPECT_NE(report.Defects().find(std::to_string(planted.expected) + " " +
+                                  planted.words),
+            std::string::npos)
+      << report.Defects();
+  EXPECT_FALSE(HasManifoldLinks(mesh));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Topology, PlantedDefect,
+    testing::Values(
+        Planted{"NotANumber", &MeshReport::num_non_finite_vertices, 1,
+                "vertices that are not finite",
+                [](TriangleMesh* mesh) {
+                  Corrupt(std::numeric_limits<float>::quiet_NaN(), mesh);
+                }},
+        Planted{"Infinite", &MeshReport::num_non_finite_vertices, 1,
+                "vertices that are not finite",
+                [](TriangleMesh* mesh) {
+                  Corrupt(-std::numeric_limits<float>::infinity(), mesh);
+                }},
+        Planted{"Unreferenced", &MeshReport::num_unreferenced_vertices, 2,
+                "vertices without a facet",
+                [](TriangleMesh* mesh) {
+                  mesh->vertices.insert(mesh->vertices.end(), 2, {1, 2, 3});
+                }},
+        Planted{"IndexOutOfRange", &MeshReport::num_invalid_facets, 1,
+                "facets with an index out of range",
+                [](TriangleMesh* mesh) {
+                  mesh->facets[5][1] =
+                      static_cast<uint32_t>(mesh->vertices.size());
+                }},
+        Planted{"LargestIndex", &MeshReport::num_invalid_facets, 1,
+                "facets with an index out of range",
+                [](TriangleMesh* mesh) { mesh->facets[5][2] = UINT32_MAX; }},
+        Planted{"Degenerate", &MeshReport::num_degenerate_facets, 1,
+                "facets that repeat a vertex",
+                [](TriangleMesh* mesh) {
+                  mesh->facets[5][2] = mesh->facets[5][0];
+                }},
+        Planted{"DegenerateAdded", &MeshReport::num_degenerate_facets, 2,
+                "facets that repeat a vertex",
+                [](TriangleMesh* mesh) {
+                  mesh->facets.push_back({3, 4, 4});
+                  mesh->facets.push_back({3, 3, 3});
+                }},
+        Planted{"Duplicate", &MeshReport::num_duplicate_facets, 1,
+                "facets that are there twice",
+                [](TriangleMesh* mesh) {
+                  const auto [a, b, c] = mesh->facets[7];
+                  mesh->facets.push_back({b, c, a});
+                }},
+        Planted{"DuplicateTurnedOver", &MeshReport::num_duplicate_facets, 1,
+                "facets that are there twice",
+                [](TriangleMesh* mesh) {
+                  const auto [a, b, c] = mesh->facets[7];
+                  mesh->facets.push_back({b, a, c});
+                }},
+        // Closed and oriented, but without a volume.
+        Planted{"Pillow", &MeshReport::num_duplicate_facets, 1,
+                "facets that are there twice",
+                [](TriangleMesh* mesh) {
+                  mesh->facets = {{0, 1, 2}, {0, 2, 1}};
+                  mesh->vertices.resize(3);
+                }},
+        Planted{"ThirdFacetAtAnEdge", &MeshReport::num_non_manifold_edges, 1,
+                "edges with more than two facets",
+                [](TriangleMesh* mesh) {
+                  mesh->vertices.emplace_back(1, 2, 3);
+                  const auto [a, b, c] = mesh->facets[7];
+                  mesh->facets.push_back(
+                      {a, b, static_cast<uint32_t>(mesh->vertices.size() - 1)});
+                }},
+        Planted{"Misoriented", &MeshReport::num_misoriented_edges, 3,
+                "edges run twice in one direction",
+                [](TriangleMesh* mesh) {
+                  std::swap(mesh->facets[7][0], mesh->facets[7][1]);
+                }},
+        Planted{"PinchedVertex", &MeshReport::num_singular_vertices, 1,
+                "singular vertices",
+                [](TriangleMesh* mesh) { MergeVertices(34, 16, mesh); }},
+        Planted{"TouchingFacet", &MeshReport::num_singular_vertices, 1,
+                "singular vertices",
+                [](TriangleMesh* mesh) {
+                  const auto size =
+                      static_cast<uint32_t>(mesh->vertices.size());
+                  mesh->vertices.emplace_back(1, 2, 3);
+                  mesh->vertices.emplace_back(4, 2, 3);
+                  mesh->facets.push_back({9, size, size + 1});
+                }}),
+    [](const auto& planted) { return std::string(planted.param.name); });
+
+// What a mesh of few vertices and many facets is, from the definitions.
+struct BruteForce {
+  explicit BruteForce(const TriangleMesh& mesh) {
+    std::map<std::set<uint32_t>, std::vector<bool>> edges;  // runs upwards
+    std::map<std::set<uint32_t>, size_t> triples;
+    for (const Facet& facet : mesh.facets) {
+      ++triples[{facet.begin(), facet.end()}];
+      for (int k = 0; k < 3; ++k) {
+        const uint32_t u = facet[k];
+        const uint32_t v = facet[(k + 1) % 3];
+        edges[{u, v}].push_back(u < v);
+      }
+    }
+    for (const auto& [triple, count] : triples) {
+      num_duplicate_facets += count - 1;
+    }
+    num_edges = edges.size();
+    std::set<uint32_t> singular;
+    for (const auto& [edge, runs] : edges) {
+      const auto up = std::count(runs.begin(), runs.end(), true);
+      const auto down = std::count(runs.begin(), runs.end(), false);
+      num_border_edges += runs.size() == 1;
+      num_non_manifold_edges += runs.size() > 2;
+      num_misoriented_edges += up > 1 || down > 1;
+      if (runs.size() > 2) {
+        singular.insert(edge.begin(), edge.end());
+      }
+    }
+    for (uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+      const size_t num_fans = CountFans(mesh, vertex);
+      num_unreferenced_vertices += num_fans == 0;
+      if (num_fans > 1) {
+        singular.insert(vertex);
+      }
+    }
+    num_singular_vertices = singular.size();
+  }
+
+  // Facets of a vertex that share another vertex, again and again.
+  static size_t CountFans(const TriangleMesh& mesh, uint32_t vertex) {
+    std::vector<std::set<uint32_t>> fans;
+    for (const Facet& facet : mesh.facets) {
+      std::set<uint32_t> fan(facet.begin(), facet.end());
+      if (fan.erase(vertex) == 0) {
+        continue;
+      }
+      std::erase_if(fans, [&](const std::set<uint32_t>& other) {
+        const bool touches =
+            std::any_of(other.begin(), other.end(),
+                        [&](uint32_t v) { return fan.contains(v); });
+        if (touches) {
+          fan.insert(other.begin(), other.end());
+        }
+        return touches;
+      });
+      fans.push_back(fan);
+    }
+    return fans.size();
+  }
+
+  size_t num_edges = 0;
+  size_t num_border_edges = 0;
+  size_t num_duplicate_facets = 0;
+  size_t num_non_manifold_edges = 0;
+  size_t num_misoriented_edges = 0;
+  size_t num_singular_vertices = 0;
+  size_t num_unreferenced_vertices = 0;
+};
+
+TEST(Topology, RandomSoups) {
+  Random random(1);
+  size_t num_manifold = 0;
+  for (int trial = 0; trial < 5000; ++trial) {
+    const uint32_t num_vertices = 4 + random.Below(8);
+    TriangleMesh mesh;
+    mesh.vertices.resize(num_vertices, Eigen::Vector3f::Zero());
+    const uint32_t num_facets = 1 + random.Below(2 * num_vertices);
+    while (mesh.facets.size() < num_facets) {
+      const Facet facet = {random.Below(num_vertices),
+                           random.Below(num_vertices),
+                           random.Below(num_vertices)};
+      if (std::set<uint32_t>(facet.begin(), facet.end()).size() == 3) {
+        mesh.facets.push_back(facet);
+      }
+    }
+    if (random.Chance(0.5)) {
+      DropUnreferenced(&mesh);
+    }
+    const BruteForce expected(mesh);
+    const MeshReport report = Analyze(mesh);
+    ASSERT_EQ(report.num_edges, expected.num_edges);
+    ASSERT_EQ(report.num_border_edges, expected.num_border_edges);
+    ASSERT_EQ(report.num_duplicate_facets, expected.num_duplicate_facets);
+    ASSERT_EQ(report.num_non_manifold_edges, expected.num_non_manifold_edges);
+    ASSERT_EQ(report.num_misoriented_edges, expected.num_misoriented_edges);
+    ASSERT_EQ(report.num_singular_vertices, expected.num_singular_vertices);
+    ASSERT_EQ(report.num_unreferenced_vertices,
+              expected.num_unreferenced_vertices);
+    ASSERT_EQ(report.IsManifold(), HasManifoldLinks(mesh)) << report.Defects();
+    num_manifold += report.IsManifold();
+  }
+  EXPECT_GT(num_manifold, 20u);  // or nothing would have been compared
+}
+
+}  // namespace
+}  // namespace colmap_ext
