@@ -9,7 +9,7 @@
 
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/random.h"
+#include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
 namespace {
@@ -294,17 +294,9 @@ TEST(Topology, RandomSoups) {
   size_t num_manifold = 0;
   for (int trial = 0; trial < 5000; ++trial) {
     const uint32_t num_vertices = 4 + random.Below(8);
-    TriangleMesh mesh;
-    mesh.vertices.resize(num_vertices, Eigen::Vector3f::Zero());
-    const uint32_t num_facets = 1 + random.Below(2 * num_vertices);
-    while (mesh.facets.size() < num_facets) {
-      const Facet facet = {random.Below(num_vertices),
-                           random.Below(num_vertices),
-                           random.Below(num_vertices)};
-      if (std::set<uint32_t>(facet.begin(), facet.end()).size() == 3) {
-        mesh.facets.push_back(facet);
-      }
-    }
+    TriangleMesh mesh =
+        RandomSoup(num_vertices, 1 + random.Below(2 * num_vertices),
+                   /*allow_duplicates=*/true, &random);
     if (random.Chance(0.5)) {
       DropUnreferenced(&mesh);
     }
