@@ -29,7 +29,7 @@ class CommandTest : public testing::TestWithParam<const char*> {
   Outcome RunProgram(const std::string& arguments) {
     const fs::path out = folder_.Path() / "out";
     const fs::path err = folder_.Path() / "err";
-    const std::string command = std::string("\"") + GetParam() + "\" " +
+    const std::string command = prefix_ + "\"" + GetParam() + "\" " +
                                 arguments + " >\"" + out.string() + "\" 2>\"" +
                                 err.string() + "\" </dev/null";
     const int status = std::system(command.c_str());
@@ -60,6 +60,7 @@ class CommandTest : public testing::TestWithParam<const char*> {
   TemporaryFolder folder_;
   fs::path path_ = folder_.Path() / "a workspace";
   SphereWorkspace sphere_;
+  std::string prefix_;  // of the command line
 };
 
 TEST_P(CommandTest, ListsItselfInTheHelp) {
@@ -201,10 +202,21 @@ TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   for (const char* output : {"/proc/mesh.ply", "/dev/null/mesh.ply", "/tmp"}) {
     ExpectRefused(input + "--output_path " + output, "can not be written");
   }
-  if (geteuid() == 0) {
-    GTEST_SKIP() << "root may write to read-only folders";
+}
+
+TEST_P(CommandTest, RefusesReadOnlyWorkspaces) {
+  sphere_.Write(path_);
+  constexpr fs::perms kReadOnly =
+      fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
+      fs::perms::others_exec;
+  fs::permissions(folder_.Path(), kReadOnly | fs::perms::owner_write);
+  fs::permissions(path_, kReadOnly);
+  if (geteuid() == 0) {  // who may write everywhere
+    prefix_ = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
+    if (RunProgram("help").exit_code != 0) {
+      GTEST_SKIP() << "root can not run the program as another user here";
+    }
   }
-  fs::permissions(path_, fs::perms::owner_read | fs::perms::owner_exec);
   ExpectRefused(Workspace(), "can not be written");
   fs::permissions(path_, fs::perms::owner_all);
 }
