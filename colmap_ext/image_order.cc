@@ -233,8 +233,9 @@ VerifiedOrder FindImageOrder(const OrderQuestion& question,
     ThrowNoneFits(question, all);
   }
   if (passing.size() == 1) {
-    return WithReason(passing[0], all.size() == 1 ? "the only one there is"
-                                                  : "the only one that fits");
+    return WithReason(passing[0], wanted != "auto"  ? "--image_order"
+                                  : all.size() == 1 ? "the only one there is"
+                                                    : "the only one that fits");
   }
   if (const auto best = FindOrderByPositions(passing)) {
     return WithReason(passing[*best], "the best fit of the points");

@@ -69,6 +69,7 @@ TEST_F(ImageOrderTest, RefusesToGuess) {
   EXPECT_NE(FileErrorOf([&] { Find(id_order_); }).find("--image_order"),
             std::string::npos);
   EXPECT_EQ(Find(id_order_, "image_id").order.images, id_order_);
+  EXPECT_EQ(Find(id_order_, "image_id").told_by, "--image_order");
   EXPECT_THROW(Find(id_order_, "frame"), OptionError);
 }
 
