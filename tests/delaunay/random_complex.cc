@@ -1,0 +1,237 @@
+#include "tests/delaunay/random_complex.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "tests/delaunay/exact.h"
+
+namespace colmap_ext {
+namespace {
+
+// The corners of a cell's facet, sorted.
+std::array<uint32_t, 3> FacetOf(const Tetrahedralization::Cell& cell, int i) {
+  std::array<uint32_t, 3> facet;
+  for (int k = 0; k < 3; ++k) {
+    facet[k] = cell.vertices[kFacetCorners[i][k]];
+  }
+  std::sort(facet.begin(), facet.end());
+  return facet;
+}
+
+// Whether the corners of a facet, as kFacetCorners orders them, are an odd
+// permutation of the sorted ones.
+bool IsOdd(const Tetrahedralization::Cell& cell, int i) {
+  const auto& corners = kFacetCorners[i];
+  const uint32_t a = cell.vertices[corners[0]];
+  const uint32_t b = cell.vertices[corners[1]];
+  const uint32_t c = cell.vertices[corners[2]];
+  return (a > b) ^ (b > c) ^ (a > c);
+}
+
+std::vector<Eigen::Vector3f> SpherePoints(int radius_squared) {
+  std::vector<Eigen::Vector3f> points;
+  const int bound = static_cast<int>(std::sqrt(radius_squared));
+  for (int x = -bound; x <= bound; ++x) {
+    for (int y = -bound; y <= bound; ++y) {
+      for (int z = -bound; z <= bound; ++z) {
+        if (x * x + y * y + z * z == radius_squared) {
+          points.emplace_back(x, y, z);
+        }
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3f> RandomPoints(uint32_t num_points, int range,
+                                          Random* random) {
+  std::vector<Eigen::Vector3f> points;
+  for (uint32_t i = 0; i < num_points; ++i) {
+    const int x = random->Integer(-range, range);
+    const int y = random->Integer(-range, range);
+    const int z = random->Integer(-range, range);
+    points.emplace_back(x, y, z);
+  }
+  return points;
+}
+
+std::vector<Eigen::Vector3f> GridPoints(int size) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < size * size * size; ++i) {
+    points.emplace_back(i % size, i / size % size, i / (size * size));
+  }
+  return points;
+}
+
+std::vector<NamedPoints> DifficultPoints() {
+  Random random(7);
+  std::vector<NamedPoints> sets = {
+      {"four points", {{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {0, 0, 8}}},
+      {"random", RandomPoints(150, 1 << 18, &random)},
+      {"few integers", RandomPoints(120, 3, &random)},
+      {"cube grid", GridPoints(5)},
+      {"sphere", SpherePoints(9 * 9 * 9)},
+      {"sphere and centre", SpherePoints(81)},
+      {"plane and a point", {{3, 2, 40}}},
+      {"two planes", {}},
+      {"two lines", {}},
+      {"cone", {{0, 0, 1000}}},
+  };
+  sets[5].points.emplace_back(0, 0, 0);
+  for (int i = 0; i < 100; ++i) {
+    sets[6].points.emplace_back(i % 10, i / 10, 0);
+    sets[7].points.emplace_back(i % 7, i / 7 % 7, i < 50 ? 0 : 3);
+  }
+  for (int i = 0; i < 12; ++i) {
+    sets[8].points.emplace_back(i, 0, 0);
+    sets[8].points.emplace_back(5, i - 6, 4);
+  }
+  // A vertex of very many cells.
+  const std::vector<Eigen::Vector3f> disc = RandomPoints(200, 1000, &random);
+  for (const Eigen::Vector3f& point : disc) {
+    sets[9].points.emplace_back(point.x(), point.y(),
+                                point.z() > 990 ? 1.0f : 0.0f);
+  }
+  return sets;
+}
+
+PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points) {
+  PointCloud cloud;
+  cloud.positions = points;
+  cloud.view_offsets.assign(points.size() + 1, 0);
+  return cloud;
+}
+
+Tetrahedralization DelaunayOf(const std::vector<Eigen::Vector3f>& points) {
+  ThinningOptions options;
+  options.max_proj_dist = 0;
+  return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
+}
+
+FlowGraph EmptyGraphOf(const Tetrahedralization& tetrahedra) {
+  FlowGraph graph;
+  for (const auto& cell : tetrahedra.cells) {
+    graph.neighbors.push_back(cell.neighbors);
+  }
+  graph.capacities.resize(graph.size(), {0, 0, 0, 0});
+  graph.source.resize(graph.size(), 0);
+  graph.sink.resize(graph.size(), 0);
+  return graph;
+}
+
+FlowGraph RandomGraphOf(const Tetrahedralization& tetrahedra,
+                        uint32_t max_capacity, Random* random) {
+  FlowGraph graph = EmptyGraphOf(tetrahedra);
+  for (size_t i = 0; i < graph.size(); ++i) {
+    for (uint32_t& capacity : graph.capacities[i]) {
+      capacity = random->Below(max_capacity + 1);
+    }
+    graph.source[i] = random->Below(max_capacity + 1);
+    graph.sink[i] = random->Below(max_capacity + 1);
+  }
+  return graph;
+}
+
+std::vector<uint8_t> RandomLabels(const Tetrahedralization& tetrahedra,
+                                  Random* random) {
+  const size_t num_cells = tetrahedra.cells.size();
+  std::vector<uint8_t> labels(num_cells);
+  constexpr std::array<double, 6> kDensities = {0.02, 0.1, 0.3, 0.5, 0.8, 0.97};
+  const uint32_t kind = random->Below(10);
+  if (kind < kDensities.size()) {
+    for (uint8_t& label : labels) {
+      label = random->Chance(kDensities[kind]);
+    }
+  } else if (kind < 8) {
+    // Cells of either side of a wave, by one of their vertices, and noise.
+    const Eigen::Vector3f wave(static_cast<float>(random->Unit()),
+                               static_cast<float>(random->Unit()),
+                               static_cast<float>(random->Unit()));
+    const double noise = kind == 6 ? 0 : 0.1;
+    for (size_t i = 0; i < num_cells; ++i) {
+      const uint32_t vertex =
+          *std::min_element(tetrahedra.cells[i].vertices.begin(),
+                            tetrahedra.cells[i].vertices.end());
+      const float phase =
+          4 * wave.dot(tetrahedra.points[vertex].stableNormalized());
+      labels[i] = (std::sin(phase) > 0) ^ random->Chance(noise);
+    }
+  } else {
+    for (size_t i = 0; i < num_cells; ++i) {
+      labels[i] = (kind == 8 ? i : i / 3) % 2 == 0;
+    }
+  }
+  return labels;
+}
+
+void LabelInfinite(const Tetrahedralization& tetrahedra, bool is_free,
+                   std::vector<uint8_t>* labels) {
+  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+    if (tetrahedra.IsInfinite(cell)) {
+      (*labels)[cell] = is_free;
+    }
+  }
+}
+
+std::string DefectOf(const Tetrahedralization& tetrahedra, bool has_geometry) {
+  std::set<std::array<uint32_t, 2>> edges;
+  std::set<std::array<uint32_t, 4>> cells;
+  std::vector<uint8_t> is_used(tetrahedra.points.size(), 0);
+  bool has_infinite = false;
+  for (uint32_t index = 0; index < tetrahedra.cells.size(); ++index) {
+    const auto& cell = tetrahedra.cells[index];
+    auto sorted = cell.vertices;
+    std::sort(sorted.begin(), sorted.end());
+    if (!cells.insert(sorted).second) return "a cell is there twice";
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < i; ++j) {
+        if (sorted[i] == sorted[j]) return "a cell repeats a vertex";
+        edges.insert({sorted[j], sorted[i]});
+      }
+      has_infinite |= sorted[i] == kInfiniteVertex;
+      if (sorted[i] != kInfiniteVertex) {
+        if (sorted[i] >= is_used.size()) return "a vertex is out of range";
+        is_used[sorted[i]] = 1;
+      }
+      const uint32_t neighbor = cell.neighbors[i];
+      if (neighbor >= tetrahedra.cells.size()) return "a neighbor is missing";
+      const auto& other = tetrahedra.cells[neighbor];
+      const int back = tetrahedra.FacetTo(neighbor, index);
+      if (other.neighbors[back] != index) return "neighbors are not mutual";
+      if (FacetOf(cell, i) != FacetOf(other, back)) return "facets differ";
+      if (IsOdd(cell, i) == IsOdd(other, back)) return "orientations differ";
+    }
+    if (has_geometry && !tetrahedra.IsInfinite(index)) {
+      std::array<IntVector, 4> p;
+      for (int i = 0; i < 4; ++i) {
+        p[i] = ToIntegers(tetrahedra.points[cell.vertices[i]]);
+      }
+      if (ExactOrientation(p[0], p[1], p[2], p[3]) <= 0) {
+        return "a cell is not positively oriented";
+      }
+    }
+  }
+  if (!has_infinite) return "there is no infinite cell";
+  if (std::count(is_used.begin(), is_used.end(), 0) > 0) {
+    return "a vertex has no cell";
+  }
+  // V - E + F - C of a 3-sphere, with F = 2 C.
+  if (tetrahedra.points.size() + 1 + tetrahedra.cells.size() != edges.size()) {
+    return "Euler's formula does not hold";
+  }
+  for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
+    const uint32_t cell = tetrahedra.vertex_cells[vertex];
+    if (cell >= tetrahedra.cells.size() || tetrahedra.IsInfinite(cell) ||
+        tetrahedra.cells[cell].vertices[tetrahedra.IndexOf(cell, vertex)] !=
+            vertex) {
+      return "a vertex's cell is wrong";
+    }
+  }
+  return "";
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,286 @@
+#include "delaunay/tetrahedralization.h"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "tests/delaunay/exact.h"
+#include "tests/delaunay/random_complex.h"
+
+namespace colmap_ext {
+namespace {
+
+bool SameCells(const Tetrahedralization& a, const Tetrahedralization& b) {
+  return a.points == b.points && a.vertex_cells == b.vertex_cells &&
+         std::equal(a.cells.begin(), a.cells.end(), b.cells.begin(),
+                    b.cells.end(), [](const auto& c, const auto& d) {
+                      return c.vertices == d.vertices &&
+                             c.neighbors == d.neighbors;
+                    });
+}
+
+ThinnedTetrahedralization KeepAll(const std::vector<Eigen::Vector3f>& points) {
+  ThinningOptions options;
+  options.max_proj_dist = 0;
+  return Tetrahedralize(CloudOf(points), {}, options);
+}
+
+std::array<IntVector, 4> CornersOf(const Tetrahedralization& tetrahedra,
+                                   uint32_t cell) {
+  std::array<IntVector, 4> corners;
+  for (int i = 0; i < 4; ++i) {
+    corners[i] =
+        ToIntegers(tetrahedra.points[tetrahedra.cells[cell].vertices[i]]);
+  }
+  return corners;
+}
+
+TEST(Tetrahedralization, IsAClosedOrientedComplex) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    EXPECT_EQ(DefectOf(DelaunayOf(points), true), "") << name;
+  }
+}
+
+TEST(Tetrahedralization, IsDelaunay) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+      if (tetrahedra.IsInfinite(cell)) {
+        continue;
+      }
+      const auto p = CornersOf(tetrahedra, cell);
+      for (const Eigen::Vector3f& point : tetrahedra.points) {
+        ASSERT_LE(ExactInSphere(p[0], p[1], p[2], p[3], ToIntegers(point)), 0);
+      }
+    }
+  }
+}
+
+TEST(Tetrahedralization, HasAConvexHull) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    for (const auto& cell : tetrahedra.cells) {
+      for (int i = 0; i < 4; ++i) {
+        if (cell.vertices[i] != kInfiniteVertex) {
+          continue;
+        }
+        // The infinite cell's hull facet, seen from without.
+        std::array<IntVector, 3> p;
+        for (int k = 0; k < 3; ++k) {
+          p[k] =
+              ToIntegers(tetrahedra.points[cell.vertices[kFacetCorners[i][k]]]);
+        }
+        for (const Eigen::Vector3f& point : tetrahedra.points) {
+          ASSERT_LE(ExactOrientation(p[0], p[1], p[2], ToIntegers(point)), 0);
+        }
+      }
+    }
+  }
+}
+
+TEST(Tetrahedralization, EveryPointHasItsVertex) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    const ThinnedTetrahedralization result = KeepAll(points);
+    ASSERT_EQ(result.point_vertices.size(), points.size());
+    ASSERT_EQ(result.vertex_points.size(), result.tetrahedra.points.size());
+    EXPECT_EQ(result.num_duplicate_points,
+              points.size() - result.tetrahedra.points.size());
+    for (size_t i = 0; i < points.size(); ++i) {
+      EXPECT_EQ(result.tetrahedra.points[result.point_vertices[i]], points[i]);
+    }
+    for (uint32_t vertex = 0; vertex < result.vertex_points.size(); ++vertex) {
+      const uint32_t point = result.vertex_points[vertex];
+      EXPECT_EQ(result.point_vertices[point], vertex);
+      // Of duplicates the first.
+      EXPECT_EQ(std::find(points.begin(), points.end(), points[point]),
+                points.begin() + point);
+    }
+  }
+}
+
+TEST(Tetrahedralization, DependsOnThePositionsAlone) {
+  Random random(2);
+  std::vector<NamedPoints> sets = DifficultPoints();
+  sets.push_back({"many", RandomPoints(20000, 1 << 18, &random)});
+  sets.push_back({"large grid", GridPoints(16)});
+  for (auto& [name, points] : sets) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization expected = [&, &all = points] {
+      const tbb::global_control one(
+          tbb::global_control::max_allowed_parallelism, 1);
+      return DelaunayOf(all);
+    }();
+    {
+      const tbb::global_control two(
+          tbb::global_control::max_allowed_parallelism, 2);
+      EXPECT_TRUE(SameCells(DelaunayOf(points), expected));
+    }
+    std::vector<Eigen::Vector3f> shuffled = points;
+    shuffled.insert(shuffled.end(), points.begin(),
+                    points.begin() + static_cast<int>(points.size() / 3));
+    random.Shuffle(&shuffled);
+    EXPECT_TRUE(SameCells(DelaunayOf(shuffled), expected));
+  }
+}
+
+TEST(Tetrahedralization, RefusesWhatSpansNoVolume) {
+  std::vector<Eigen::Vector3f> plane;
+  for (int i = 0; i < 50; ++i) {
+    plane.emplace_back(i % 7, i / 7, i % 7 - i / 7);
+  }
+  const std::vector<Eigen::Vector3f> line = {
+      {0, 0, 0}, {1, 2, 3}, {2, 4, 6}, {3, 6, 9}, {4, 8, 12}};
+  for (const auto& points :
+       {plane, line, std::vector<Eigen::Vector3f>(9, {1, 2, 3}),
+        std::vector<Eigen::Vector3f>{},
+        std::vector<Eigen::Vector3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+        // The fourth is at another's position.
+        std::vector<Eigen::Vector3f>{
+            {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}}}) {
+    for (const double max_proj_dist : {0.0, 20.0}) {
+      ThinningOptions options;
+      options.max_proj_dist = max_proj_dist;
+      EXPECT_THROW(Tetrahedralize(CloudOf(points), {}, options),
+                   std::invalid_argument);
+    }
+  }
+}
+
+TEST(Tetrahedralization, TellsZerosOfEitherSignNotApart) {
+  std::vector<Eigen::Vector3f> points = GridPoints(3);
+  const Tetrahedralization expected = DelaunayOf(points);
+  points.emplace_back(-0.0f, 0.0f, -0.0f);
+  const ThinnedTetrahedralization result = KeepAll(points);
+  EXPECT_EQ(result.num_duplicate_points, 1u);
+  EXPECT_TRUE(SameCells(result.tetrahedra, expected));
+}
+
+TEST(IncidentCells, AreAllThatHaveTheVertex) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    std::vector<std::vector<uint32_t>> expected(tetrahedra.points.size());
+    size_t most = 0;
+    for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+      for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
+        if (vertex != kInfiniteVertex) {
+          expected[vertex].push_back(cell);
+          most = std::max(most, expected[vertex].size());
+        }
+      }
+    }
+    if (name == "cone") {
+      EXPECT_GT(most, 200u);
+    }
+    std::vector<uint32_t> cells = {1, 2, 3};  // of the last call
+    for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
+      IncidentCells(tetrahedra, vertex, &cells);
+      std::sort(cells.begin(), cells.end());
+      ASSERT_EQ(cells, expected[vertex]);
+    }
+  }
+}
+
+// Points on a wavy sheet, before two views that see each of them, some of them
+// one, or none.
+struct SeenSheet {
+  SeenSheet() {
+    views.resize(2);
+    for (View& view : views) {
+      view.width = view.height = 1000;
+      view.fx = view.fy = 1000;
+      view.cx = view.cy = 500;
+      view.cam_from_world_translation.z() = 10;
+    }
+    views[1].cam_from_world_translation.x() = 1;
+    Random random(3);
+    for (int i = 0; i < 4000; ++i) {
+      const double x = 6 * random.Unit() - 3;
+      const double y = 6 * random.Unit() - 3;
+      cloud.positions.push_back(
+          Eigen::Vector3d(
+              x, y, std::sin(3 * x) * std::cos(2 * y) + 0.05 * random.Unit())
+              .cast<float>());
+      for (uint32_t view = 0; view < 2; ++view) {
+        if (random.Chance(0.9)) {
+          cloud.view_indices.push_back(view);
+        }
+      }
+      cloud.view_offsets.push_back(cloud.view_indices.size());
+    }
+  }
+
+  PointCloud cloud;
+  std::vector<View> views;
+};
+
+TEST(Thinning, PointsLeftOutLieNearTheirVertexInAllTheirViews) {
+  const SeenSheet sheet;
+  for (const double max_proj_dist : {5.0, 20.0, 60.0}) {
+    const ThinningOptions options = {max_proj_dist, 0.05};
+    const auto result = Tetrahedralize(sheet.cloud, sheet.views, options);
+    EXPECT_EQ(DefectOf(result.tetrahedra, false), "");
+    size_t num_left_out = 0;
+    for (uint32_t point = 0; point < sheet.cloud.size(); ++point) {
+      const uint32_t vertex = result.point_vertices[point];
+      if (result.vertex_points[vertex] == point) {
+        continue;
+      }
+      ++num_left_out;
+      for (const uint32_t index : sheet.cloud.Views(point)) {
+        const View& view = sheet.views[index];
+        const Eigen::Vector3d a =
+            view.CamFromWorld(sheet.cloud.positions[point].cast<double>());
+        const Eigen::Vector3d b =
+            view.CamFromWorld(result.tetrahedra.points[vertex].cast<double>());
+        EXPECT_LE((view.ImageFromCam(a) - view.ImageFromCam(b)).norm(),
+                  max_proj_dist);
+        EXPECT_LE(std::abs(a.z() / b.z() - 1), 0.05);
+      }
+    }
+    EXPECT_EQ(num_left_out + result.vertex_points.size(), sheet.cloud.size());
+    EXPECT_GT(num_left_out, 0u);
+  }
+}
+
+TEST(Thinning, LargerDistancesKeepFewerPoints) {
+  const SeenSheet sheet;
+  const auto num_kept = [&](double max_proj_dist, double max_depth_dist) {
+    return Tetrahedralize(sheet.cloud, sheet.views,
+                          {max_proj_dist, max_depth_dist})
+        .vertex_points.size();
+  };
+  EXPECT_EQ(num_kept(0, 0.05), sheet.cloud.size());
+  EXPECT_LT(num_kept(10, 0.05), num_kept(1, 0.05));
+  EXPECT_LT(num_kept(40, 0.05), num_kept(10, 0.05));
+  EXPECT_LT(num_kept(160, 0.05), num_kept(40, 0.05));
+  EXPECT_LT(num_kept(40, 0.05), num_kept(40, 0.005));
+}
+
+TEST(Thinning, IsTheSameEveryTime) {
+  const SeenSheet sheet;
+  const auto first = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism,
+                                1);
+  const auto second = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
+  EXPECT_TRUE(SameCells(first.tetrahedra, second.tetrahedra));
+  EXPECT_EQ(first.vertex_points, second.vertex_points);
+  EXPECT_EQ(first.point_vertices, second.point_vertices);
+}
+
+// What is kept is Delaunay of what is kept.
+TEST(Thinning, MakesWhatKeepingTheSamePointsWouldMake) {
+  const SeenSheet sheet;
+  const auto thinned = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
+  EXPECT_TRUE(
+      SameCells(thinned.tetrahedra, DelaunayOf(thinned.tetrahedra.points)));
+}
+
+}  // namespace
+}  // namespace colmap_ext
