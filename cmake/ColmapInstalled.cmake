@@ -23,6 +23,11 @@ set(COLMAP_EXT_COLMAP_VERSION_STRING ${COLMAP_VERSION})
 
 if(TARGET colmap::colmap)
   target_link_libraries(colmap_ext_colmap INTERFACE colmap::colmap)
+  # The target names the prefix that COLMAP was configured for, wherever it was
+  # then installed.
+  get_filename_component(colmap_prefix ${COLMAP_DIR}/../.. ABSOLUTE)
+  target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
+                             ${colmap_prefix}/include)
 else()  # 3.8: variables, without CGAL and OpenMP.
   find_package(OpenMP QUIET)
   target_compile_definitions(colmap_ext_colmap INTERFACE CGAL_ENABLED)
