@@ -30,16 +30,22 @@ constexpr const char* kOurBug =
     "please report it with this message, the command line and, if you can, "
     "fused.ply, fused.ply.vis and sparse/";
 
-// Moves the points, and tells how far off they were.
-HalfPixelSlope CorrectHalfPixel(Workspace* workspace) {
+// Moves the points.
+HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
+                                 Workspace* workspace) {
   const std::vector<Eigen::Vector3f> offsets = HalfPixelOffsets(
       workspace->cloud, workspace->views, workspace->depth_map_scales);
-  const HalfPixelSlope slope =
+  HalfPixelReport report;
+  report.slope =
       RegressHalfPixel(workspace->cloud, offsets, workspace->sparse_points);
-  for (size_t i = 0; i < offsets.size(); ++i) {
-    workspace->cloud.positions[i] += offsets[i];
+  if (options.half_pixel_calibration) {
+    report.scale = CalibratedScale(report.slope);
   }
-  return slope;
+  for (size_t i = 0; i < offsets.size(); ++i) {
+    workspace->cloud.positions[i] +=
+        static_cast<float>(report.scale) * offsets[i];
+  }
+  return report;
 }
 
 // Before the points are read, so that nobody waits for a mesh that can not be
@@ -62,15 +68,15 @@ void MeshWorkspace(const MesherOptions& options) {
   };
   Report(progress, "Reading the workspace", 0);
   Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace);
-  std::optional<HalfPixelSlope> slope;
+  std::optional<HalfPixelReport> half_pixel;
   // Sparse points come from features, which do not have the error.
   if (options.half_pixel_correction &&
       options.workspace.input_type == "dense") {
     Report(progress, "Correcting the half pixel", 0);
-    slope = CorrectHalfPixel(&workspace);
+    half_pixel = CorrectHalfPixel(options, &workspace);
   }
   reporter.Finish();
-  PrintReport(workspace.report, workspace.views.size(), slope, std::cout);
+  PrintReport(workspace.report, workspace.views.size(), half_pixel, std::cout);
   std::cout << std::endl;
   const ManifoldMesh mesh =
       MeshManifold(options.meshing, workspace.cloud, workspace.views, progress);

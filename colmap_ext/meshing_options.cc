@@ -79,6 +79,11 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "DelaunayManifoldMeshing.half_pixel_correction",
       &mesher->half_pixel_correction,
       "Move fused points by the half pixel that COLMAP's stereo is off");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.half_pixel_calibration",
+      &mesher->half_pixel_calibration,
+      "... times what the sparse points show them to be off, 1 for half a "
+      "pixel");
   manager->AddDefaultOption("DelaunayManifoldMeshing.num_threads",
                             &meshing->num_threads,
                             "-1 for all; the result does not depend on it");

@@ -17,8 +17,10 @@ struct MesherOptions {
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 
-  // Add HalfPixelOffsets to fused points (METHOD.md 1.0, scene/half_pixel.h).
+  // Add HalfPixelOffsets to fused points (scene/half_pixel.h) ...
   bool half_pixel_correction = true;
+  // ... times what the sparse points show them to be off.
+  bool half_pixel_calibration = true;
 
   // Where to read, and where the mesh goes.
   std::filesystem::path InputPath() const;

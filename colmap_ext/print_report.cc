@@ -105,7 +105,7 @@ void PrintMesh(const ManifoldMeshingReport& report, std::ostream& stream) {
 }  // namespace
 
 void PrintReport(const WorkspaceReport& report, size_t num_images,
-                 const std::optional<HalfPixelSlope>& slope,
+                 const std::optional<HalfPixelReport>& half_pixel,
                  std::ostream& stream) {
   PrintHeading("Workspace", stream);
   PrintText("folder", report.path.string(), stream);
@@ -128,11 +128,14 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   if (report.is_order_verified) {
     PrintOrder(report.order, stream);
   }
-  if (slope) {
-    PrintText("half pixel corrected; seen here",
-              slope->num_points > 0 ? Format("%14.2f +- %.2f", slope->slope,
-                                             slope->standard_error)
-                                    : "       unknown, too few sparse points",
+  if (half_pixel) {
+    const HalfPixelSlope& slope = half_pixel->slope;
+    PrintText("half pixel, times, corrected",
+              Format("%14.2f", half_pixel->scale), stream);
+    PrintText("  seen in the sparse points",
+              slope.num_points > 0
+                  ? Format("%14.2f +- %.2f", slope.slope, slope.standard_error)
+                  : "             -  too few of them",
               stream);
   }
 }

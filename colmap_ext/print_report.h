@@ -14,11 +14,15 @@ namespace colmap_ext {
 
 // For the user, on the screen: one fact a line, numbers in one column.
 
+struct HalfPixelReport {
+  HalfPixelSlope slope;
+  double scale = 1;  // of the correction
+};
+
 // What was read, and what was dropped and why.
-// \param slope  how far the workspace itself shows the half pixel, if that was
-//        corrected.
+// \param half_pixel  if it was corrected.
 void PrintReport(const WorkspaceReport& report, size_t num_images,
-                 const std::optional<HalfPixelSlope>& slope,
+                 const std::optional<HalfPixelReport>& half_pixel,
                  std::ostream& stream);
 
 // What was made of it.

@@ -48,7 +48,7 @@ FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra) {
   return graph;
 }
 
-// Section 1 of the method: the graph whose minimum cut is the surface.
+// The graph whose minimum cut is the surface (section III-A).
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
                     const PointCloud& cloud, const std::vector<View>& views,
                     const ThinnedTetrahedralization& thinned,

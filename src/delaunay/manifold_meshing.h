@@ -43,8 +43,10 @@ struct ManifoldMeshingOptions {
   // value will increase the smoothness of the surface.
   double distance_sigma_factor = 1.0;
 
-  // How far behind a point its ray looks for matter, in distance sigmas.
-  double behind_sigma = 3.0;
+  // How far behind a point its ray looks for matter, in distance sigmas. Vu et
+  // al. have 3; but the sigma here is an edge length, and three of them reach
+  // through thin parts and out of them again.
+  double behind_sigma = 1.0;
 
   // A higher quality regularization leads to a smoother surface.
   double quality_regularization = 1.0;

@@ -18,7 +18,7 @@ inline constexpr double kWeightUnit = 4096;
 
 struct VisibilityWeightOptions {
   double distance_sigma = 1;  // scene units
-  double behind_sigma = 3;    // in distance sigmas
+  double behind_sigma = 1;    // in distance sigmas
 };
 
 // What votes: all points of the cloud, those that were thinned out, too.
@@ -38,7 +38,7 @@ struct RayReport {
 };
 
 // The votes of all observations for free space and matter (Labatut et al. 2009;
-// METHOD: section 1.3). For a ray from the camera centre c to the point p, seen
+// Vu et al. 2012). For a ray from the camera centre c to the point p, seen
 // with weight alpha:
 //   - the cell of c, or the infinite one through which the ray enters the hull:
 //     alpha from the source;

@@ -38,4 +38,9 @@ HalfPixelSlope RegressHalfPixel(
     const PointCloud& cloud, const std::vector<Eigen::Vector3f>& offsets,
     const std::vector<Eigen::Vector3f>& sparse_points);
 
+// By how much the offsets are to be multiplied: the slope that was measured and
+// the nominal one, weighted by how certain they are. A cloud that other stereo
+// made, with a whole pixel off or none, is so put right as well.
+double CalibratedScale(const HalfPixelSlope& slope);
+
 }  // namespace colmap_ext
