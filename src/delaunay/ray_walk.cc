@@ -204,7 +204,7 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
     if (crossings->size() > max_crossings) {
       return kNoCell;
     }
-    if (distance <= near_distance) {
+    if (end == kNoCell || distance <= near_distance) {
       distance = walk.ExitDistance();
       if (end == kNoCell && distance >= walk.length()) {
         break;

@@ -32,7 +32,8 @@ struct Crossing {
 //
 // All turns are exact and consistent with one ray in general position, so that
 // every walk ends, through vertices, along edges and within facets alike.
-// Distances are computed up to the first one beyond `near_distance`.
+// Distances are computed up to the first one beyond `near_distance`, and all of
+// them where `end` is kNoCell.
 //
 // \pre Delaunay: a walk around a vertex relies on it to end.
 // \return the cell where the walk ended, or kNoCell where it had to be given up
