@@ -1,0 +1,69 @@
+#include "delaunay/predicates.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "tests/delaunay/exact.h"
+#include "tests/delaunay/random_complex.h"
+
+namespace colmap_ext {
+namespace {
+
+Eigen::Vector3d RandomPoint(int range, Random* random) {
+  return RandomPoints(1, range, random).front().cast<double>();
+}
+
+IntVector ToInt(const Eigen::Vector3d& point) { return point.cast<int64_t>(); }
+
+TEST(Orientation, IsExact) {
+  Random random(1);
+  for (const int range : {1, 3, 1 << 20}) {
+    for (int trial = 0; trial < 2000; ++trial) {
+      std::array<Eigen::Vector3d, 4> p;
+      for (auto& point : p) {
+        point = RandomPoint(range, &random);
+      }
+      if (random.Chance(0.5)) {
+        p[3] = p[1] + p[2] - p[0];  // coplanar
+        p[3].z() += random.Integer(-1, 1);
+      }
+      ASSERT_EQ(
+          Orientation(p[0], p[1], p[2], p[3]),
+          ExactOrientation(ToInt(p[0]), ToInt(p[1]), ToInt(p[2]), ToInt(p[3])));
+    }
+  }
+}
+
+// With a number for the infinitesimal: e = 1 / 1024 and all multiplied by
+// 1024^3, which is small enough for coordinates up to 3.
+int SideWithSmallStep(const Eigen::Vector3d& origin,
+                      const Eigen::Vector3d& target, const Eigen::Vector3d& u,
+                      const Eigen::Vector3d& v) {
+  constexpr int64_t kScale = 1024;
+  const IntVector step(kScale * kScale, kScale, 1);
+  const IntVector direction =
+      kScale * kScale * kScale * ToInt(target - origin) + step;
+  return Sign(Determinant(direction, ToInt(u - origin), ToInt(v - origin)));
+}
+
+TEST(RaySideExact, IsThatOfALineMovedALittle) {
+  Random random(2);
+  size_t num_degenerate = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Eigen::Vector3d origin = RandomPoint(2, &random);
+    const Eigen::Vector3d target = RandomPoint(2, &random);
+    const Eigen::Vector3d u = RandomPoint(2, &random);
+    const Eigen::Vector3d v = RandomPoint(2, &random);
+    const int side = RaySideExact(origin, target, u, v);
+    ASSERT_EQ(side, SideWithSmallStep(origin, target, u, v));
+    ASSERT_EQ(side, -RaySideExact(origin, target, v, u));
+    const bool is_collinear =
+        ToInt(u - origin).cross(ToInt(v - origin)).isZero();
+    ASSERT_EQ(side == 0, is_collinear);
+    num_degenerate += !is_collinear && Orientation(origin, target, u, v) == 0;
+  }
+  EXPECT_GT(num_degenerate, 1000u);
+}
+
+}  // namespace
+}  // namespace colmap_ext

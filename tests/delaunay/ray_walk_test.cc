@@ -1,0 +1,478 @@
+#include "delaunay/ray_walk.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/delaunay/exact.h"
+#include "tests/delaunay/random_complex.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+
+// A facet by its corners, sorted.
+using Corners = std::set<uint32_t>;
+
+Corners CornersOf(const Tetrahedralization& tetrahedra, uint32_t arc) {
+  Corners corners;
+  for (const int k : kFacetCorners[arc % 4]) {
+    corners.insert(tetrahedra.cells[arc / 4].vertices[k]);
+  }
+  return corners;
+}
+
+std::array<IntVector, 3> PointsOf(const Tetrahedralization& tetrahedra,
+                                  const Corners& corners) {
+  std::array<IntVector, 3> points;
+  std::transform(
+      corners.begin(), corners.end(), points.begin(),
+      [&](uint32_t vertex) { return ToIntegers(tetrahedra.points[vertex]); });
+  return points;
+}
+
+RayOrigin AtVertex(const Tetrahedralization& tetrahedra, uint32_t vertex) {
+  RayOrigin origin;
+  origin.position = tetrahedra.points[vertex].cast<double>();
+  origin.vertex = vertex;
+  return origin;
+}
+
+// What holds for every walk.
+void ExpectPath(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
+                const std::vector<Crossing>& crossings, uint32_t last_cell) {
+  ASSERT_NE(last_cell, kNoCell);
+  std::set<uint32_t> visited;
+  for (size_t i = 0; i < crossings.size(); ++i) {
+    const uint32_t cell = crossings[i].exit_arc / 4;
+    const uint32_t next = crossings[i].entry_arc / 4;
+    ASSERT_FALSE(tetrahedra.IsInfinite(cell));
+    ASSERT_EQ(tetrahedra.cells[cell].neighbors[crossings[i].exit_arc % 4],
+              next);
+    ASSERT_EQ(tetrahedra.cells[next].neighbors[crossings[i].entry_arc % 4],
+              cell);
+    ASSERT_EQ(next, i + 1 < crossings.size() ? crossings[i + 1].exit_arc / 4
+                                             : last_cell);
+    ASSERT_TRUE(visited.insert(cell).second) << "a cell is entered twice";
+    if (i > 0) {
+      ASSERT_GE(crossings[i].distance, crossings[i - 1].distance * (1 - 1e-4f));
+    } else {
+      ASSERT_GE(crossings[i].distance, 0);
+    }
+  }
+  if (crossings.empty()) {
+    return;
+  }
+  const uint32_t first = crossings.front().exit_arc / 4;
+  if (origin.vertex == kInfiniteVertex) {
+    ASSERT_EQ(first, origin.cell);
+  } else {
+    // Out through the facet opposite to the vertex.
+    ASSERT_EQ(tetrahedra.cells[first].vertices[crossings.front().exit_arc % 4],
+              origin.vertex);
+  }
+}
+
+// Which facets the open segment crosses, exactly; nothing where it touches an
+// edge, or a facet with its end.
+std::optional<std::set<Corners>> CrossedFacets(
+    const Tetrahedralization& tetrahedra, const IntVector& origin,
+    const IntVector& target) {
+  std::set<Corners> crossed;
+  for (uint32_t arc = 0; arc < 4 * tetrahedra.cells.size(); ++arc) {
+    const Corners corners = CornersOf(tetrahedra, arc);
+    if (corners.contains(kInfiniteVertex) || crossed.contains(corners)) {
+      continue;
+    }
+    const auto [a, b, c] = PointsOf(tetrahedra, corners);
+    const int side = ExactOrientation(a, b, c, origin);
+    const int other_side = ExactOrientation(a, b, c, target);
+    if (side == 0 || side == other_side) {
+      continue;
+    }
+    const std::array<int, 3> turns = {ExactOrientation(origin, target, a, b),
+                                      ExactOrientation(origin, target, b, c),
+                                      ExactOrientation(origin, target, c, a)};
+    const auto [low, high] = std::minmax_element(turns.begin(), turns.end());
+    if (*low * *high < 0) {
+      continue;
+    }
+    if (other_side == 0 || *low == 0 || *high == 0) {
+      return std::nullopt;
+    }
+    crossed.insert(corners);
+  }
+  return crossed;
+}
+
+// Whether the closed segment touches the closed facet, or is in its plane.
+bool Touches(const std::array<IntVector, 3>& facet, const IntVector& origin,
+             const IntVector& target) {
+  const auto& [a, b, c] = facet;
+  if (ExactOrientation(a, b, c, origin) * ExactOrientation(a, b, c, target) >
+      0) {
+    return false;
+  }
+  const std::array<int, 3> turns = {ExactOrientation(origin, target, a, b),
+                                    ExactOrientation(origin, target, b, c),
+                                    ExactOrientation(origin, target, c, a)};
+  const auto [low, high] = std::minmax_element(turns.begin(), turns.end());
+  return *low * *high >= 0;
+}
+
+// Whether the closed cell holds the point. The region of an infinite cell is
+// what lies beyond the plane of its facet.
+bool Holds(const Tetrahedralization& tetrahedra, uint32_t cell_index,
+           const IntVector& point) {
+  const auto& cell = tetrahedra.cells[cell_index];
+  for (uint32_t i = 0; i < 4; ++i) {
+    std::array<uint32_t, 3> corners;
+    for (int k = 0; k < 3; ++k) {
+      corners[k] = cell.vertices[kFacetCorners[i][k]];
+    }
+    if (std::count(corners.begin(), corners.end(), kInfiniteVertex) > 0) {
+      continue;
+    }
+    if (ExactOrientation(ToIntegers(tetrahedra.points[corners[0]]),
+                         ToIntegers(tetrahedra.points[corners[1]]),
+                         ToIntegers(tetrahedra.points[corners[2]]),
+                         point) < 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::set<Corners> FacetsOf(const Tetrahedralization& tetrahedra,
+                           const std::vector<Crossing>& crossings) {
+  std::set<Corners> facets;
+  for (const Crossing& crossing : crossings) {
+    facets.insert(CornersOf(tetrahedra, crossing.exit_arc));
+  }
+  return facets;
+}
+
+class GenericRayWalk : public testing::Test {
+ protected:
+  static constexpr int kRange = 1 << 16;
+
+  Eigen::Vector3d RandomTarget(int range) {
+    return RandomPoints(1, range, &random_).front().cast<double>();
+  }
+
+  // At a vertex, or strictly within a cell.
+  RayOrigin RandomOrigin() {
+    while (random_.Chance(0.5)) {
+      RayOrigin origin;
+      origin.position = RandomTarget(kRange);
+      origin.cell = Locate(tetrahedra_, origin.position, hint_);
+      if (!tetrahedra_.IsInfinite(origin.cell) &&
+          IsStrictlyInside(tetrahedra_, origin.cell, origin.position)) {
+        return origin;
+      }
+    }
+    return AtVertex(
+        tetrahedra_,
+        random_.Below(static_cast<uint32_t>(tetrahedra_.points.size())));
+  }
+
+  Random random_{1};
+  const Tetrahedralization tetrahedra_ =
+      DelaunayOf(RandomPoints(100, kRange, &random_));
+  const uint32_t hint_ = tetrahedra_.vertex_cells[0];
+  std::vector<Crossing> crossings_;
+};
+
+TEST_F(GenericRayWalk, CrossesTheFacetsThatBruteForceFinds) {
+  size_t num_inside = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const RayOrigin origin = RandomOrigin();
+    const Eigen::Vector3d target = RandomTarget(2 * kRange);
+    const auto expected = CrossedFacets(
+        tetrahedra_, origin.position.cast<int64_t>(), target.cast<int64_t>());
+    ASSERT_TRUE(expected.has_value());
+    const uint32_t cell =
+        WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
+    ExpectPath(tetrahedra_, origin, crossings_, cell);
+    ASSERT_EQ(FacetsOf(tetrahedra_, crossings_), *expected);
+    if (!tetrahedra_.IsInfinite(cell)) {
+      ++num_inside;
+      ASSERT_TRUE(Holds(tetrahedra_, cell, target.cast<int64_t>()));
+      // The same when the end is known.
+      std::vector<Crossing> to_end;
+      ASSERT_EQ(
+          WalkRay(tetrahedra_, origin, target, cell, kEverywhere, &to_end),
+          cell);
+      ASSERT_EQ(to_end.size(), crossings_.size());
+    }
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(num_inside, 100u);
+}
+
+TEST_F(GenericRayWalk, DistancesAreThoseOfTheFacetsPlanes) {
+  for (int trial = 0; trial < 300; ++trial) {
+    const RayOrigin origin = RandomOrigin();
+    const Eigen::Vector3d target = RandomTarget(2 * kRange);
+    WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
+    for (const Crossing& crossing : crossings_) {
+      const auto [a, b, c] =
+          PointsOf(tetrahedra_, CornersOf(tetrahedra_, crossing.exit_arc));
+      const IntVector o = origin.position.cast<int64_t>();
+      const IntVector t = target.cast<int64_t>();
+      const auto before = static_cast<double>(Determinant(b - a, c - a, o - a));
+      const auto after = static_cast<double>(Determinant(b - a, c - a, t - a));
+      const double length = (target - origin.position).norm();
+      ASSERT_NEAR(crossing.distance, length * before / (before - after),
+                  1e-6 * length);
+    }
+  }
+}
+
+TEST_F(GenericRayWalk, DistancesEndBeyondTheNearOnes) {
+  constexpr double kNear = 0.3 * kRange;
+  for (int trial = 0; trial < 300; ++trial) {
+    const RayOrigin origin = RandomOrigin();
+    const Eigen::Vector3d target =
+        origin.position + 4 * (RandomTarget(kRange) - origin.position);
+    // Through the hull, or to the target where it is the end.
+    const auto no_cell = static_cast<uint32_t>(tetrahedra_.cells.size());
+    const uint32_t hull =
+        WalkRay(tetrahedra_, origin, target, no_cell, kEverywhere, &crossings_);
+    ASSERT_TRUE(tetrahedra_.IsInfinite(hull));
+    std::vector<Crossing> near;
+    ASSERT_EQ(WalkRay(tetrahedra_, origin, target, no_cell, kNear, &near),
+              hull);
+    ASSERT_EQ(near.size(), crossings_.size());
+    bool is_beyond = false;
+    for (size_t i = 0; i < near.size(); ++i) {
+      ASSERT_EQ(near[i].exit_arc, crossings_[i].exit_arc);
+      ASSERT_EQ(near[i].distance,
+                is_beyond ? kEverywhere : crossings_[i].distance);
+      is_beyond |= crossings_[i].distance > kNear;
+    }
+  }
+}
+
+TEST_F(GenericRayWalk, EndsAtTheTargetHoweverFewDistancesAreAskedFor) {
+  for (int trial = 0; trial < 300; ++trial) {
+    const RayOrigin origin = RandomOrigin();
+    const Eigen::Vector3d target = RandomTarget(kRange);
+    const uint32_t cell =
+        WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
+    std::vector<Crossing> near;
+    ASSERT_EQ(WalkRay(tetrahedra_, origin, target, kNoCell, 100, &near), cell);
+    ASSERT_EQ(near.size(), crossings_.size());
+  }
+}
+
+TEST_F(GenericRayWalk, TheWayBackCrossesTheSameFacets) {
+  const auto num_points = static_cast<uint32_t>(tetrahedra_.points.size());
+  for (uint32_t u = 0; u < num_points; ++u) {
+    const uint32_t v = random_.Below(num_points);
+    if (u == v) {
+      continue;
+    }
+    std::array<std::set<Corners>, 2> facets;
+    for (const bool is_back : {false, true}) {
+      const RayOrigin origin = AtVertex(tetrahedra_, is_back ? v : u);
+      const RayOrigin end = AtVertex(tetrahedra_, is_back ? u : v);
+      const uint32_t cell = WalkRay(tetrahedra_, origin, end.position, kNoCell,
+                                    kEverywhere, &crossings_);
+      ExpectPath(tetrahedra_, origin, crossings_, cell);
+      facets[is_back] = FacetsOf(tetrahedra_, crossings_);
+      // Facets that meet at the end may or may not be crossed.
+      std::erase_if(facets[is_back], [&](const Corners& corners) {
+        return corners.contains(end.vertex);
+      });
+    }
+    ASSERT_EQ(facets[0], facets[1]);
+  }
+}
+
+// Rays through vertices, along edges and within facets.
+TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
+  Random random(2);
+  size_t num_degenerate = 0;
+  for (auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    for (Eigen::Vector3f& point : points) {
+      point *= 2;  // so that midpoints are integers, too
+    }
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
+    std::vector<Crossing> crossings;
+    for (int trial = 0; trial < 400; ++trial) {
+      const RayOrigin origin = AtVertex(tetrahedra, random.Below(num_points));
+      const Eigen::Vector3f a = tetrahedra.points[random.Below(num_points)];
+      const Eigen::Vector3f b = tetrahedra.points[random.Below(num_points)];
+      Eigen::Vector3d target;
+      switch (random.Below(4)) {
+        case 0:  // another vertex
+          target = a.cast<double>();
+          break;
+        case 1:  // on an edge, within a facet or between
+          target = (0.5f * (a + b)).cast<double>();
+          break;
+        case 2:  // parallel to an axis, beyond the hull
+          target = origin.position;
+          target[random.Below(3)] += random.Chance(0.5) ? 10000 : -10000;
+          break;
+        default:  // through another vertex, and beyond
+          target = 3 * a.cast<double>() - 2 * origin.position;
+      }
+      const uint32_t cell =
+          WalkRay(tetrahedra, origin, target, kNoCell, kEverywhere, &crossings);
+      const IntVector o = origin.position.cast<int64_t>();
+      const IntVector t = target.cast<int64_t>();
+      if (o == t) {
+        ASSERT_EQ(cell, kNoCell);
+        continue;
+      }
+      num_degenerate += !CrossedFacets(tetrahedra, o, t).has_value();
+      ExpectPath(tetrahedra, origin, crossings, cell);
+      ASSERT_FALSE(testing::Test::HasFailure());
+      if (!tetrahedra.IsInfinite(cell)) {
+        ASSERT_TRUE(Holds(tetrahedra, cell, t));
+      }
+      for (const Crossing& crossing : crossings) {
+        ASSERT_TRUE(Touches(
+            PointsOf(tetrahedra, CornersOf(tetrahedra, crossing.exit_arc)), o,
+            t));
+      }
+    }
+  }
+  EXPECT_GT(num_degenerate, 1000u);
+}
+
+// All turns are exact: a cell that strictly holds the target is found, whatever
+// the coordinates are.
+TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
+  Random random(3);
+  std::vector<NamedPoints> sets = DifficultPoints();
+  for (auto& [name, points] : sets) {
+    for (Eigen::Vector3f& point : points) {
+      // Not as exact as before, and far from the origin: nearly degenerate.
+      point = 0.1f * point + Eigen::Vector3f(1000, 2000, -3000);
+    }
+  }
+  for (const auto& [name, points] : sets) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    const auto num_cells = static_cast<uint32_t>(tetrahedra.cells.size());
+    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
+    std::vector<Crossing> crossings;
+    for (int trial = 0; trial < 500; ++trial) {
+      const uint32_t cell = random.Below(num_cells);
+      if (tetrahedra.IsInfinite(cell)) {
+        continue;
+      }
+      Eigen::Vector3d target = Eigen::Vector3d::Zero();
+      double sum = 0;
+      for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
+        const double weight = random.Chance(0.3) ? 1e-7 : random.Unit();
+        target += weight * tetrahedra.points[vertex].cast<double>();
+        sum += weight;
+      }
+      target /= sum;
+      if (!IsStrictlyInside(tetrahedra, cell, target)) {
+        continue;
+      }
+      const uint32_t vertex = random.Below(num_points);
+      const RayOrigin origin = AtVertex(tetrahedra, vertex);
+      ASSERT_EQ(Locate(tetrahedra, target, tetrahedra.vertex_cells[vertex]),
+                cell);
+      ASSERT_EQ(WalkRay(tetrahedra, origin, target, cell, 0, &crossings), cell);
+      // And back to a cell of the vertex, to which the walk has no end.
+      RayOrigin inside;
+      inside.position = target;
+      inside.cell = cell;
+      const auto no_cell = static_cast<uint32_t>(tetrahedra.cells.size());
+      const uint32_t hull =
+          WalkRay(tetrahedra, inside, origin.position, no_cell, 0, &crossings);
+      ASSERT_TRUE(hull != kNoCell && tetrahedra.IsInfinite(hull));
+    }
+  }
+}
+
+TEST(WalkRay, GivesUpWhereTheTargetIsTheOrigin) {
+  const Tetrahedralization tetrahedra = DelaunayOf(GridPoints(3));
+  const RayOrigin origin = AtVertex(tetrahedra, 5);
+  std::vector<Crossing> crossings;
+  EXPECT_EQ(
+      WalkRay(tetrahedra, origin, origin.position, kNoCell, 1, &crossings),
+      kNoCell);
+}
+
+TEST(WalkRay, LeavesTheHullAtOnceFromAVertexOnIt) {
+  const Tetrahedralization tetrahedra =
+      DelaunayOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}});
+  std::vector<Crossing> crossings;
+  for (uint32_t vertex = 0; vertex < 4; ++vertex) {
+    const RayOrigin origin = AtVertex(tetrahedra, vertex);
+    const Eigen::Vector3d center(1, 1, 1);
+    const uint32_t cell =
+        WalkRay(tetrahedra, origin, 2 * origin.position - center, kNoCell,
+                kEverywhere, &crossings);
+    EXPECT_TRUE(tetrahedra.IsInfinite(cell));
+    EXPECT_TRUE(crossings.empty());
+    // It is one of the vertex's.
+    EXPECT_EQ(tetrahedra.cells[cell].vertices[tetrahedra.IndexOf(cell, vertex)],
+              vertex);
+  }
+}
+
+TEST(Locate, FindsACellThatHoldsThePoint) {
+  Random random(4);
+  for (auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    for (Eigen::Vector3f& point : points) {
+      point *= 2;
+    }
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
+    for (int trial = 0; trial < 400; ++trial) {
+      const Eigen::Vector3f a = tetrahedra.points[random.Below(num_points)];
+      const Eigen::Vector3f b = tetrahedra.points[random.Below(num_points)];
+      const Eigen::Vector3f point = random.Chance(0.5)
+                                        ? Eigen::Vector3f(0.5f * (a + b))
+                                        : Eigen::Vector3f(2 * a - b);
+      const uint32_t cell =
+          Locate(tetrahedra, point.cast<double>(),
+                 tetrahedra.vertex_cells[random.Below(num_points)]);
+      ASSERT_TRUE(Holds(tetrahedra, cell, ToIntegers(point)));
+      if (tetrahedra.IsInfinite(cell)) {
+        // Beyond the hull, not on it.
+        for (uint32_t other = 0; other < tetrahedra.cells.size(); ++other) {
+          ASSERT_TRUE(tetrahedra.IsInfinite(other) ||
+                      !Holds(tetrahedra, other, ToIntegers(point)));
+        }
+      }
+    }
+  }
+}
+
+TEST(IsStrictlyInside, IsFalseOnTheFacets) {
+  const Tetrahedralization tetrahedra =
+      DelaunayOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}});
+  const uint32_t cell = tetrahedra.vertex_cells[0];
+  EXPECT_TRUE(IsStrictlyInside(tetrahedra, cell, {1, 1, 1}));
+  EXPECT_TRUE(IsStrictlyInside(tetrahedra, cell, {1e-300, 1, 1}));
+  for (const Eigen::Vector3d& point :
+       std::vector<Eigen::Vector3d>{{0, 1, 1},
+                                    {2, 1, 1},
+                                    {0, 0, 0},
+                                    {0, 0, 2},
+                                    {2, 2, 0},
+                                    {-1, 1, 1},
+                                    {2, 2, 1},
+                                    {1, 1, 2.0000000000000004}}) {
+    EXPECT_FALSE(IsStrictlyInside(tetrahedra, cell, point));
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
