@@ -1,62 +1,22 @@
 // make_workspace: writes a synthetic COLMAP dense workspace with known truth.
 
+#include <algorithm>
 #include <chrono>
-#include <cstdint>
 #include <exception>
-#include <functional>
 #include <iomanip>
 #include <iostream>
-#include <map>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "tests/synthetic/arguments.h"
 #include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
 
 namespace {
 
+using colmap_ext::synthetic::Arguments;
 using colmap_ext::synthetic::DenseScene;
 using colmap_ext::synthetic::DenseSceneOptions;
-
-// The program's options by name, each bound to where its value goes.
-class Arguments {
- public:
-  template <typename T>
-  void Add(const std::string& name, T* value, const std::string& help) {
-    std::ostringstream usual;
-    usual << *value;
-    help_ << "  --" << std::left << std::setw(20) << name << help;
-    if (!usual.str().empty()) {
-      help_ << " [" << usual.str() << "]";
-    }
-    help_ << "\n";
-    setters_["--" + name] = [value](const std::string& text) {
-      std::istringstream stream(text);
-      return stream >> *value && (stream >> std::ws).eof();
-    };
-  }
-
-  // \throw std::invalid_argument for unknown options and unreadable values.
-  void Parse(int argc, char** argv) const {
-    for (int i = 1; i < argc; i += 2) {
-      const auto setter = setters_.find(argv[i]);
-      if (setter == setters_.end()) {
-        throw std::invalid_argument(std::string("unknown option ") + argv[i]);
-      }
-      if (i + 1 == argc || !setter->second(argv[i + 1])) {
-        throw std::invalid_argument(std::string(argv[i]) +
-                                    " lacks a proper value");
-      }
-    }
-  }
-
-  std::string Help() const { return help_.str(); }
-
- private:
-  std::map<std::string, std::function<bool(const std::string&)>> setters_;
-  std::ostringstream help_;
-};
 
 Arguments Bind(DenseSceneOptions* options, std::string* output_path) {
   Arguments arguments;
@@ -101,15 +61,14 @@ int main(int argc, char** argv) {
   DenseSceneOptions options;
   std::string output_path;
   const Arguments arguments = Bind(&options, &output_path);
-  const std::string first = argc > 1 ? argv[1] : "-h";
-  if (first == "-h" || first == "--help" || first == "help") {
+  if (Arguments::AsksForHelp(argc, argv)) {
     std::cout << "Writes a synthetic COLMAP dense workspace with known truth.\n"
               << "Usage: make_workspace --output_path DIR [options]\n"
               << arguments.Help();
     return 0;
   }
   try {
-    arguments.Parse(argc, argv);
+    arguments.Read(argc, argv);
     if (output_path.empty()) {
       throw std::invalid_argument("output_path is missing");
     }

@@ -24,6 +24,12 @@ float NodeValue(uint32_t x, uint32_t y, uint32_t z, uint32_t seed) {
   return static_cast<float>(static_cast<int32_t>(h)) * 0x1p-31f;
 }
 
+// As std::floor, which is a call of a function on old machines.
+int32_t Floor(float value) {
+  const auto truncated = static_cast<int32_t>(value);
+  return truncated - (value < truncated);
+}
+
 // Weight with vanishing first and second derivative at both ends.
 float Fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 
@@ -46,19 +52,16 @@ double Gaussian(uint64_t hash) {
 }
 
 float ValueNoise(const Eigen::Vector3f& point, uint32_t seed) {
-  const float floor_x = std::floor(point.x());
-  const float floor_y = std::floor(point.y());
-  const float floor_z = std::floor(point.z());
-  const uint32_t x = static_cast<int32_t>(floor_x);
-  const uint32_t y = static_cast<int32_t>(floor_y);
-  const uint32_t z = static_cast<int32_t>(floor_z);
+  const int32_t x = Floor(point.x());
+  const int32_t y = Floor(point.y());
+  const int32_t z = Floor(point.z());
   std::array<float, 8> v;
   for (uint32_t i = 0; i < 8; ++i) {
     v[i] = NodeValue(x + (i & 1), y + ((i >> 1) & 1), z + (i >> 2), seed);
   }
-  const float s = Fade(point.x() - floor_x);
-  const float t = Fade(point.y() - floor_y);
-  const float r = Fade(point.z() - floor_z);
+  const float s = Fade(point.x() - x);
+  const float t = Fade(point.y() - y);
+  const float r = Fade(point.z() - z);
   return Lerp(r, Lerp(t, Lerp(s, v[0], v[1]), Lerp(s, v[2], v[3])),
               Lerp(t, Lerp(s, v[4], v[5]), Lerp(s, v[6], v[7])));
 }

@@ -160,6 +160,9 @@ void ReadElement(const Element& element, NumberReader* reader, PlyMesh* ply) {
       AddVertex(values, ply);
     } else if (element.name == "face") {
       AddPolygon(corners, ply);
+      if (values.contains("label")) {
+        ply->labels.resize(ply->mesh.facets.size(), values["label"]);
+      }
     }
   }
 }

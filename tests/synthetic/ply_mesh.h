@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct PlyMesh {
   TriangleMesh mesh;                     // polygons cut into triangles
   std::vector<Eigen::Vector3f> normals;  // [V] or empty
   std::vector<Color> colors;             // [V] or empty
+  std::vector<int32_t> labels;  // [F] or empty: the facets' property `label`
 };
 
 // Reads a PLY file in any of its three formats, whatever else it holds.

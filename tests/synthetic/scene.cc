@@ -140,10 +140,10 @@ Vector3f Albedo(const Scene& scene, const Vector3f& point) {
       2, 10);
   const uint32_t seed = scene.texture_seed;
   const float grey =
-      0.50f + 0.17f * FractalNoise(kFirst * point, num_octaves, 0.72f, seed);
-  const float warm = FractalNoise(4.0f * point, 3, 0.7f, seed + 100);
+      0.50f + 0.14f * FractalNoise(kFirst * point, num_octaves, 0.84f, seed);
+  const float warm = FractalNoise(4.0f * point, 2, 0.8f, seed + 100);
   const float green = FractalNoise(5.0f * point, 2, 0.7f, seed + 200);
-  const Vector3f tint(1 + 0.14f * warm, 1 + 0.10f * green, 1 - 0.16f * warm);
+  const Vector3f tint(1 + 0.11f * warm, 1 + 0.08f * green, 1 - 0.13f * warm);
   return (grey * tint).cwiseMax(0.03f).cwiseMin(1.0f);
 }
 

@@ -44,7 +44,7 @@ float Ring(const Vector3f& p, const Vector3f& center, float radius,
 
 // Rounded relief of several sizes, and ridges; in [-1, 1].
 float Relief(const Vector3f& p, uint32_t seed) {
-  const float grain = FractalNoise(p * 9, 4, 0.5f, seed);
+  const float grain = FractalNoise(p * 11, 4, 0.55f, seed);
   const float ridges = 1 - 2 * std::abs(ValueNoise(p * 14, seed + 50));
   return std::clamp(0.36f * grain + 0.3f * ridges, -1.0f, 1.0f);
 }
@@ -84,7 +84,7 @@ double Jitter(const SceneOptions& options, int camera, int k) {
 Solid MakeStatue(const SceneOptions& options) {
   const uint32_t seed = SurfaceSeed(options);
   Solid solid;
-  solid.box = {Vector3f(-1.25f, -1.25f, -0.16f), Vector3f(1.25f, 1.25f, 1.25f)};
+  solid.box = {Vector3f(-1.02f, -1.02f, -0.16f), Vector3f(1.02f, 1.02f, 1.25f)};
   solid.shape = [seed](const Vector3f& p) {
     const float tube = 0.13f + 0.035f * std::sin(5 * p.x() + 4 * p.z());
     const float ring = Ring(p, {0, 0, 0.50f}, 0.33f, tube);
@@ -97,7 +97,7 @@ Solid MakeStatue(const SceneOptions& options) {
     const float ground = p.z() - 0.045f * ValueNoise(p * 2.3f, seed + 90);
     return SmoothMin(body, ground, 0.05f);
   };
-  solid.max_detail = static_cast<float>(0.013 * options.relief);
+  solid.max_detail = static_cast<float>(0.018 * options.relief);
   solid.detail = [seed, scale = solid.max_detail](const Vector3f& p) {
     return -scale * Relief(p, seed);
   };
@@ -129,7 +129,7 @@ Solid MakeWall(const SceneOptions& options) {
         SmoothMin(solid_value, SmoothMin(column, cornice, 0.02f), 0.03f);
     return SmoothMin(solid_value, SmoothMin(basin, boss, 0.02f), 0.03f);
   };
-  solid.max_detail = static_cast<float>(0.012 * options.relief);
+  solid.max_detail = static_cast<float>(0.015 * options.relief);
   solid.detail = [seed, scale = solid.max_detail](const Vector3f& p) {
     return -scale * Relief(p, seed);
   };
@@ -143,7 +143,7 @@ std::vector<View> MakeStatueViews(const SceneOptions& options) {
                         (i + 0.2 * Jitter(options, i, 0)) / options.num_images;
     const double elevation =
         (i % 2 == 0 ? 0.38 : 0.72) + 0.05 * Jitter(options, i, 1);
-    const double distance = 3.1 + 0.15 * Jitter(options, i, 2);
+    const double distance = 3.35 + 0.15 * Jitter(options, i, 2);
     const Vector3d target(0.05 * Jitter(options, i, 3),
                           0.05 * Jitter(options, i, 4),
                           0.40 + 0.04 * Jitter(options, i, 5));

@@ -12,6 +12,7 @@
 
 #include "tests/synthetic/colmap_workspace.h"
 #include "tests/synthetic/noise.h"
+#include "tests/synthetic/parallel.h"
 #include "tests/synthetic/ply_mesh.h"
 
 namespace colmap_ext::synthetic {
@@ -114,6 +115,22 @@ std::vector<int> WriteSparseModel(const fs::path& path, const DenseScene& scene,
   return positions;
 }
 
+void WriteImages(const fs::path& path, const DenseScene& scene) {
+  std::vector<std::string> errors(scene.images.size());
+  ParallelFor(scene.images.size(), -1, [&](size_t i) {
+    try {
+      WriteImage((path / scene.scene.views[i].name).string(), scene.images[i]);
+    } catch (const std::exception& error) {
+      errors[i] = error.what();
+    }
+  });
+  for (const std::string& error : errors) {
+    if (!error.empty()) {
+      throw std::runtime_error(error);
+    }
+  }
+}
+
 void WriteStereo(const fs::path& path, const DenseScene& scene) {
   fs::create_directories(path / "depth_maps");
   fs::create_directories(path / "normal_maps");
@@ -139,9 +156,7 @@ void WriteWorkspace(const DenseScene& scene, uint64_t seed,
   fs::create_directories(path / "images");
   fs::create_directories(path / "sparse");
   fs::create_directories(path / "truth");
-  for (size_t i = 0; i < scene.images.size(); ++i) {
-    WriteImage((path / "images" / views[i].name).string(), scene.images[i]);
-  }
+  WriteImages(path / "images", scene);
   const std::vector<int> positions =
       WriteSparseModel(path / "sparse", scene, ids);
   WriteFusedPoints((path / "fused.ply").string(), scene.fused, positions);

@@ -1,0 +1,239 @@
+#include "tests/synthetic/dense_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "scene/half_pixel.h"
+#include "tests/synthetic/bvh.h"
+
+namespace colmap_ext::synthetic {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+DenseSceneOptions Small(const std::string& shape) {
+  DenseSceneOptions options;
+  options.scene.shape = shape;
+  options.scene.num_images = 8;
+  options.scene.width = 240;
+  options.scene.height = 180;
+  options.sparse.num_points = 500;
+  return options;
+}
+
+// Signed distances of points from the surface along their normals, in pixels;
+// 1e9 where there is no surface within 30.
+std::vector<float> Distances(const DenseScene& scene,
+                             const std::vector<Vector3f>& points) {
+  const Bvh bvh(scene.scene.surface);
+  const float pixel = scene.scene.footprint;
+  std::vector<float> distances;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vector3f& normal = scene.fused.normals[i];
+    RayPacket rays;
+    rays.origin = points[i] - 30 * pixel * normal;
+    rays.max_distance = 60;
+    float nearest = 1e9f;
+    for (int k = 0; k < 4; ++k) {
+      rays.SetDirection(k, pixel * normal);
+    }
+    while (rays.min_distance < 60) {
+      const HitPacket hit = bvh.Intersect(rays);
+      if (hit.facet[0] < 0) {
+        break;
+      }
+      const float distance = 30 - hit.distance[0];
+      nearest = std::abs(distance) < std::abs(nearest) ? distance : nearest;
+      rays.min_distance = hit.distance[0] + 1e-3f;
+    }
+    distances.push_back(nearest);
+  }
+  return distances;
+}
+
+double MedianSize(std::vector<float> values) {
+  for (float& value : values) {
+    value = std::abs(value);
+  }
+  std::nth_element(values.begin(), values.begin() + values.size() / 2,
+                   values.end());
+  return values[values.size() / 2];
+}
+
+// Least squares solution for the slope of a line through the origin.
+double Slope(const std::vector<float>& x, const std::vector<float>& y) {
+  double xx = 0, xy = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    if (std::abs(y[i]) < 5) {
+      xx += x[i] * x[i];
+      xy += x[i] * y[i];
+    }
+  }
+  return xy / xx;
+}
+
+bool AreEqual(const std::vector<SparsePoint>& a,
+              const std::vector<SparsePoint>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const SparsePoint& p, const SparsePoint& q) {
+                      return p.position == q.position && p.color == q.color &&
+                             p.error == q.error &&
+                             p.track.size() == q.track.size();
+                    });
+}
+
+TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
+  for (const char* shape : {"statue", "wall"}) {
+    DenseSceneOptions options = Small(shape);
+    options.scene.num_images = 7;
+    options.keep_depth_maps = true;
+    options.scene.num_threads = 1;
+    const DenseScene a = MakeDenseScene(options);
+    options.scene.num_threads = 3;
+    const DenseScene b = MakeDenseScene(options);
+    EXPECT_EQ(a.scene.surface.vertices, b.scene.surface.vertices);
+    EXPECT_EQ(a.scene.surface.facets, b.scene.surface.facets);
+    EXPECT_EQ(a.scene.irradiance, b.scene.irradiance);
+    for (size_t i = 0; i < a.images.size(); ++i) {
+      EXPECT_EQ(a.images[i].pixels, b.images[i].pixels);
+      EXPECT_EQ(a.depth_maps[i].depths, b.depth_maps[i].depths);
+      EXPECT_EQ(a.depth_maps[i].normals, b.depth_maps[i].normals);
+    }
+    EXPECT_GT(a.fused.cloud.size(), 1000);
+    EXPECT_EQ(a.fused.cloud.positions, b.fused.cloud.positions);
+    EXPECT_EQ(a.fused.cloud.colors, b.fused.cloud.colors);
+    EXPECT_EQ(a.fused.cloud.view_offsets, b.fused.cloud.view_offsets);
+    EXPECT_EQ(a.fused.cloud.view_indices, b.fused.cloud.view_indices);
+    EXPECT_TRUE(AreEqual(a.sparse_points, b.sparse_points));
+    options.scene.seed = 2;
+    const DenseScene c = MakeDenseScene(options);
+    EXPECT_NE(a.fused.cloud.positions, c.fused.cloud.positions);
+    EXPECT_NE(a.images[0].pixels, c.images[0].pixels);
+  }
+}
+
+TEST(MakeDenseScene, RowsOfViewsAreAscendingAndInRange) {
+  const DenseScene scene = MakeDenseScene(Small("statue"));
+  const PointCloud& cloud = scene.fused.cloud;
+  ASSERT_EQ(cloud.view_offsets.size(), cloud.size() + 1);
+  EXPECT_EQ(cloud.view_offsets.front(), 0);
+  EXPECT_EQ(cloud.view_offsets.back(), cloud.view_indices.size());
+  EXPECT_EQ(cloud.colors.size(), cloud.size());
+  EXPECT_EQ(scene.fused.normals.size(), cloud.size());
+  EXPECT_EQ(scene.fused.is_outlier.size(), cloud.size());
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const auto views = cloud.Views(i);
+    ASSERT_GE(views.size(), 1);
+    EXPECT_LT(views.back(), scene.scene.views.size());
+    EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
+    EXPECT_EQ(std::adjacent_find(views.begin(), views.end()), views.end());
+  }
+}
+
+TEST(MakeDenseScene, PointsLieOnTheSurfaceUpToNoiseAndHalfPixel) {
+  for (const char* shape : {"statue", "wall"}) {
+    DenseSceneOptions options = Small(shape);
+    options.render_images = false;
+    options.fusion.outliers = 0;
+    const DenseScene noisy = MakeDenseScene(options);
+    EXPECT_LT(MedianSize(Distances(noisy, noisy.fused.cloud.positions)), 0.7);
+    options.stereo.noise = 0;
+    const DenseScene clean = MakeDenseScene(options);
+    const std::vector<Vector3f>& points = clean.fused.cloud.positions;
+    const std::vector<Vector3f> offsets =
+        HalfPixelOffsets(clean.fused.cloud, clean.scene.views);
+    std::vector<Vector3f> corrected;
+    std::vector<float> predicted;
+    for (size_t i = 0; i < points.size(); ++i) {
+      corrected.push_back(points[i] + offsets[i]);
+      predicted.push_back(-offsets[i].dot(clean.fused.normals[i]) /
+                          clean.scene.footprint);
+    }
+    const std::vector<float> distances = Distances(clean, points);
+    EXPECT_LT(MedianSize(Distances(clean, corrected)), 0.25);
+    EXPECT_LT(MedianSize(Distances(clean, corrected)),
+              0.75 * MedianSize(distances));
+    // The prediction is of first order, and a mean; the offset is larger where
+    // all views look from one side.
+    EXPECT_GT(Slope(predicted, distances), 0.7);
+    EXPECT_LT(Slope(predicted, distances), 1.8);
+  }
+}
+
+TEST(MakeDenseScene, PointsAreSeenByTheirViews) {
+  for (const char* shape : {"statue", "wall"}) {
+    DenseSceneOptions options = Small(shape);
+    options.render_images = false;
+    options.fusion.outliers = 0;
+    const DenseScene scene = MakeDenseScene(options);
+    const PointCloud& cloud = scene.fused.cloud;
+    const Bvh bvh(scene.scene.surface);
+    size_t num_observations = 0, num_occluded = 0;
+    for (size_t i = 0; i < cloud.size(); i += 7) {
+      for (const uint32_t index : cloud.Views(i)) {
+        const View& view = scene.scene.views[index];
+        const Vector3d p = view.CamFromWorld(cloud.positions[i].cast<double>());
+        ASSERT_GT(p.z(), 0);
+        const Eigen::Vector2d pixel = view.ImageFromCam(p);
+        EXPECT_GT(pixel.minCoeff(), -3);
+        EXPECT_LT(pixel.x(), view.width + 3);
+        EXPECT_LT(pixel.y(), view.height + 3);
+        ++num_observations;
+        num_occluded +=
+            bvh.IsOccluded(view.Center().cast<float>(), cloud.positions[i],
+                           5 * scene.scene.footprint);
+      }
+    }
+    EXPECT_LT(num_occluded, 0.01 * num_observations);
+  }
+}
+
+TEST(MakeDenseScene, OutliersAreOffTheSurface) {
+  DenseSceneOptions options = Small("statue");
+  options.render_images = false;
+  options.fusion.outliers = 0.1;
+  const DenseScene scene = MakeDenseScene(options);
+  const std::vector<char>& is_outlier = scene.fused.is_outlier;
+  const size_t num_outliers =
+      std::count(is_outlier.begin(), is_outlier.end(), 1);
+  EXPECT_NEAR(num_outliers, 0.1 * (is_outlier.size() - num_outliers), 1);
+  const std::vector<float> distances =
+      Distances(scene, scene.fused.cloud.positions);
+  size_t num_off = 0;
+  for (size_t i = 0; i < distances.size(); ++i) {
+    num_off += is_outlier[i] && std::abs(distances[i]) > 1;
+  }
+  EXPECT_GT(num_off, 0.7 * num_outliers);
+}
+
+TEST(MakeDenseScene, SparsePointsFitTheirFeatures) {
+  const DenseScene scene = MakeDenseScene(Small("wall"));
+  ASSERT_GT(scene.sparse_points.size(), 200);
+  for (const SparsePoint& point : scene.sparse_points) {
+    EXPECT_GE(point.track.size(), 3);
+    EXPECT_LT(point.error, 2);
+    for (const Feature& feature : point.track) {
+      const View& view = scene.scene.views[feature.view];
+      const Eigen::Vector2d pixel =
+          view.ImageFromCam(view.CamFromWorld(point.position));
+      EXPECT_LT((pixel - feature.position).norm(), 3);
+    }
+  }
+}
+
+TEST(MakeDenseScene, RefusesBadOptions) {
+  DenseSceneOptions options = Small("statue");
+  options.fusion.outliers = 2;
+  EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
+  options = Small("statue");
+  options.stereo.noise = std::nan("");
+  EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace colmap_ext::synthetic

@@ -1,0 +1,98 @@
+#include "tests/synthetic/isosurface.h"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "mesh/topology.h"
+#include "tests/synthetic/noise.h"
+#include "tests/synthetic/scene.h"
+
+namespace colmap_ext::synthetic {
+namespace {
+
+using Eigen::Vector3f;
+
+// Signed: positive where facets are seen counter-clockwise from outside.
+double Volume(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const Facet& facet : mesh.facets) {
+    volume += mesh.vertices[facet[0]]
+                  .cross(mesh.vertices[facet[1]])
+                  .dot(mesh.vertices[facet[2]]) /
+              6;
+  }
+  return volume;
+}
+
+TEST(MeshSolid, BallIsASphere) {
+  Solid ball;
+  ball.box = {Vector3f(-1, -1, -1), Vector3f(1, 1, 1)};
+  ball.shape = [](const Vector3f& p) { return p.norm() - 0.7f; };
+  ball.detail = [](const Vector3f&) { return 0.0f; };
+  const TriangleMesh mesh = MeshSolid(ball, 0.06f, 2);
+  const MeshReport report = Analyze(mesh);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_EQ(report.num_border_edges, 0);
+  EXPECT_EQ(report.euler, 2);
+  for (const Vector3f& vertex : mesh.vertices) {
+    EXPECT_NEAR(vertex.norm(), 0.7f, 1e-3f);
+  }
+  EXPECT_NEAR(Volume(mesh), 4 / 3.0 * std::numbers::pi * 0.343, 0.01);
+}
+
+TEST(MeshSolid, NoiseIsManifold) {
+  for (uint32_t seed = 0; seed < 10; ++seed) {
+    Solid solid;
+    solid.box = {Vector3f(-1, -1, -1), Vector3f(1, 1, 1)};
+    solid.shape = [seed](const Vector3f& p) {
+      return 0.3f * ValueNoise(3 * p, seed);
+    };
+    solid.max_detail = 0.1f;
+    solid.detail = [seed](const Vector3f& p) {
+      return 0.1f * ValueNoise(20 * p, seed + 1);
+    };
+    const MeshReport report = Analyze(MeshSolid(solid, 0.1f, 2));
+    EXPECT_GT(report.num_facets, 100);
+    EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  }
+}
+
+SceneOptions Small(const std::string& shape) {
+  SceneOptions options;
+  options.shape = shape;
+  options.width = 160;
+  options.height = 120;
+  options.cell_size = 2;
+  return options;
+}
+
+TEST(MakeScene, StatueHasOneHandleAndStandsOnGroundWithABorder) {
+  const MeshReport report = Analyze(MakeScene(Small("statue")).surface);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_EQ(report.num_components, 1);
+  EXPECT_EQ(report.num_border_loops, 1);
+  EXPECT_EQ(report.genus, 1);
+}
+
+TEST(MakeScene, WallIsOnePieceWithABorder) {
+  const MeshReport report = Analyze(MakeScene(Small("wall")).surface);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_EQ(report.num_components, 1);
+  EXPECT_EQ(report.num_border_loops, 1);
+}
+
+TEST(MakeScene, RefusesBadOptions) {
+  SceneOptions options;
+  options.shape = "teapot";
+  EXPECT_THROW(MakeScene(options), std::invalid_argument);
+  options = SceneOptions();
+  options.num_images = 0;
+  EXPECT_THROW(MakeScene(options), std::invalid_argument);
+  options = SceneOptions();
+  options.cell_size = 0;
+  EXPECT_THROW(MakeScene(options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace colmap_ext::synthetic
