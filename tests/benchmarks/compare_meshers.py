@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+"""Compares delaunay_manifold_mesher with COLMAP's delaunay_mesher.
+
+Runs both, one after the other, on copies of dense workspaces, and prints
+Markdown tables: time, memory and what was written; singular vertices by rule;
+accuracy where the truth is known; time per stage over the number of points.
+A figure that could not be measured is left out as '-'.
+
+  compare_meshers.py --colmap build/release/bin/colmap \
+      [--check mesh_check.py] [--evaluate mesh_eval] [--threads 2] \
+      [--parts] [--no_thinning SECONDS] WORKSPACE...
+
+--check     a program that prints `singular_vertices: N` and
+            `nonmanifold_edges: N` for a mesh
+--evaluate  a program called as `P MESH TRUTH CAMERAS 0.001` that prints JSON
+            with mean_acc, med_acc, mean_comp, med_comp; for workspaces with
+            truth/mesh.ply
+--parts     also 1/8, 1/4 and 1/2 of the points of the first workspace
+--no_thinning  also with max_proj_dist 0, given up after so many seconds
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+OURS = "delaunay_manifold_mesher"
+THEIRS = "delaunay_mesher"
+
+
+def run(command, seconds=None):
+    """Runs a command; returns its output, wall s, CPU s and peak MB."""
+    start = time.monotonic()
+    with tempfile.TemporaryFile("w+") as log:
+        process = subprocess.Popen(
+            command, stdout=log, stderr=subprocess.STDOUT, text=True)
+        if seconds:
+            signal.signal(signal.SIGALRM, lambda *_: process.kill())
+            signal.alarm(seconds)
+        _, status, usage = os.wait4(process.pid, 0)
+        signal.alarm(0)
+        log.seek(0)
+        output = log.read()
+    return {
+        "ok": status == 0,
+        "output": output,
+        "wall": time.monotonic() - start,
+        "cpu": usage.ru_utime + usage.ru_stime,
+        "peak": usage.ru_maxrss / 1024,
+    }
+
+
+def mesh(args, command, workspace, output, options=(), seconds=None):
+    prefix = ("DelaunayManifoldMeshing" if command == OURS
+              else "DelaunayMeshing")
+    line = [args.colmap, command, "--input_path", str(workspace),
+            "--output_path", str(output),
+            f"--{prefix}.num_threads", str(args.threads)]
+    for name, value in options:
+        line += [f"--{prefix}.{name}", str(value)]
+    result = run(line, seconds)
+    if not result["ok"] and not seconds:
+        sys.exit(f"{' '.join(line)} failed:\n{result['output']}")
+    return result
+
+
+def counted(output, name):
+    """The number in the line of a report that starts with a name."""
+    match = re.search(rf"^\s*{re.escape(name)}\s+([\d.]+)", output,
+                      re.MULTILINE)
+    return match.group(1) if match else "-"
+
+
+def ply_counts(path):
+    counts = {}
+    with open(path, "rb") as file:
+        for line in file:
+            words = line.split()
+            if words[:1] == [b"element"]:
+                counts[words[1].decode()] = int(words[2])
+            if words[:1] == [b"end_header"]:
+                return counts
+    return counts
+
+
+def topology(args, path):
+    if not args.check:
+        return "-", "-"
+    output = subprocess.run([sys.executable, args.check, str(path)],
+                            capture_output=True, text=True).stdout
+    return (counted(output, "singular_vertices:"),
+            counted(output, "nonmanifold_edges:"))
+
+
+def accuracy(args, workspace, path):
+    truth = workspace / "truth"
+    if not args.evaluate or not (truth / "mesh.ply").exists():
+        return None
+    output = subprocess.run(
+        [args.evaluate, str(path), str(truth / "mesh.ply"), str(truth),
+         "0.001"], capture_output=True, text=True).stdout
+    return json.loads(output)
+
+
+def pixel_ratio(workspace):
+    """How much larger a camera is than its image: delaunay_mesher measures
+    max_proj_dist in the camera's pixels, ours in the image's."""
+    with open(workspace / "sparse" / "cameras.bin", "rb") as file:
+        width = struct.unpack("<QIiQQ", file.read(32))[3]
+    image = next((workspace / "images").iterdir())
+    data = image.read_bytes()
+    if data[:4] == b"\x89PNG":
+        return width / struct.unpack(">I", data[16:20])[0]
+    at = 2
+    while data[at + 1] not in (0xC0, 0xC1, 0xC2):
+        at += 2 + struct.unpack(">H", data[at + 2:at + 4])[0]
+    return width / struct.unpack(">H", data[at + 7:at + 9])[0]
+
+
+def take_part(workspace, part, stride):
+    """A workspace of every stride-th fused point."""
+    part.mkdir()
+    for name in ("sparse", "images"):
+        (part / name).symlink_to((workspace / name).resolve())
+    cloud = (workspace / "fused.ply").read_bytes()
+    end = cloud.index(b"end_header\n") + len(b"end_header\n")
+    header = cloud[:end].decode()
+    count = int(re.search(r"element vertex (\d+)", header).group(1))
+    size = (len(cloud) - end) // count
+    rows, views, at = [], [], 8
+    vis = (workspace / "fused.ply.vis").read_bytes()
+    for i in range(count):
+        length = 4 + 4 * struct.unpack_from("<I", vis, at)[0]
+        if i % stride == 0:
+            rows.append(cloud[end + i * size:end + (i + 1) * size])
+            views.append(vis[at:at + length])
+        at += length
+    header = header.replace(f"element vertex {count}",
+                            f"element vertex {len(rows)}")
+    (part / "fused.ply").write_bytes(header.encode() + b"".join(rows))
+    (part / "fused.ply.vis").write_bytes(
+        struct.pack("<Q", len(rows)) + b"".join(views))
+
+
+def print_table(title, head, rows):
+    print(f"\n### {title}\n")
+    print("| " + " | ".join(head) + " |")
+    print("|" + "---|" * len(head))
+    for row in rows:
+        print("| " + " | ".join(str(cell) for cell in row) + " |")
+    sys.stdout.flush()
+
+
+def compare(args, workspace, folder):
+    name = workspace.name
+    ratio = pixel_ratio(workspace)
+    same = [("max_proj_dist", round(20 / ratio, 4))]
+    jobs = [("`delaunay_mesher`", THEIRS, []),
+            ("ours, same thinning", OURS, same)]
+    if abs(ratio - 1) > 0.01:
+        jobs.append(("ours, default", OURS, []))
+    if args.no_thinning:
+        jobs += [("`delaunay_mesher`, every point", THEIRS,
+                  [("max_proj_dist", 0)]),
+                 ("ours, every point", OURS, [("max_proj_dist", 0)])]
+    uncalibrated = ("half_pixel_calibration", 0)
+    if args.evaluate and (workspace / "truth").exists():
+        jobs += [("ours, half a pixel, not calibrated", OURS, [uncalibrated]),
+                 ("ours, no half pixel", OURS, [("half_pixel_correction", 0)])]
+    rows, scores, baseline = [], [], None
+    for title, command, options in jobs:
+        output = folder / f"{name}-{len(rows)}.ply"
+        seconds = args.no_thinning if ("max_proj_dist", 0) in options else None
+        result = mesh(args, command, workspace, output, options, seconds)
+        if not result["ok"]:
+            rows.append([title, f"> {args.no_thinning}", "-",
+                         f"{result['peak']:.0f}", "-", "-", "-", "-", "-"])
+            continue
+        baseline = baseline or result
+        vertices = (counted(result["output"], "vertices, after thinning")
+                    if command == OURS else
+                    re.search(r"Triangulation has (\d+)|$",
+                              result["output"]).group(1) or "-")
+        rows.append([
+            title, f"{result['wall']:.1f}", f"{result['cpu']:.1f}",
+            f"{result['peak']:.0f}",
+            f"{baseline['wall'] / result['wall']:.1f}x, "
+            f"{baseline['peak'] / result['peak']:.1f}x",
+            vertices, ply_counts(output)["face"], *topology(args, output)])
+        score = accuracy(args, workspace, output)
+        if score:
+            scores.append([title] + [
+                f"{score[key]:.2f}" for key in
+                ("mean_acc", "med_acc", "mean_comp", "med_comp")])
+    print_table(f"{name}: {args.threads} threads",
+                ["", "wall s", "CPU s", "peak MB", "faster, smaller",
+                 "vertices in", "faces", "singular vertices",
+                 "non-manifold edges"], rows)
+    if scores:
+        print_table(f"{name}: accuracy, 1e-3 units",
+                    ["", "mean acc.", "median acc.", "mean compl.",
+                     "median compl."], scores)
+
+
+def compare_rules(args, workspaces, folder):
+    rows = []
+    for workspace in workspaces:
+        for rule in ("paper", "energy"):
+            output = folder / "rule.ply"
+            report = mesh(args, OURS, workspace, output,
+                          [("fixing_rule", rule)])["output"]
+            raw = counted(report, "of the cut")
+            fixed = counted(report, "after fixing")
+            avoided = (f"{100 * (1 - int(fixed) / int(raw)):.1f} %"
+                       if int(raw) else "-")
+            rows.append([workspace.name, rule, raw, fixed, avoided,
+                         counted(report, "after the split"),
+                         counted(report, "cells relabelled"),
+                         counted(report, "cells split"),
+                         topology(args, output)[0]])
+    print_table("Singular vertices (the paper's Table II)",
+                ["", "rule", "of the cut", "after fixing", "avoided",
+                 "after the split", "cells relabelled", "cells split",
+                 "written, by an independent check"], rows)
+
+
+def compare_parts(args, workspace, folder):
+    stages, columns = [], []
+    for stride in (8, 4, 2, 1):
+        part = folder / f"part-{stride}"
+        take_part(workspace, part, stride)
+        result = mesh(args, OURS, part, folder / "part.ply")
+        times = re.findall(r"^\s\s(\S.*?)\s+([\d.]+) s$", result["output"],
+                           re.MULTILINE)
+        stages = [name for name, _ in times]
+        columns.append([f"{float(seconds):.2f}" for _, seconds in times]
+                       + [f"{result['peak']:.0f}"])
+    rows = [[name, *values] for name, values in
+            zip(stages + ["peak MB"], zip(*columns))]
+    print_table(f"{workspace.name}: seconds per stage, by share of the points",
+                ["", "1/8", "1/4", "1/2", "all"], rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--colmap", required=True)
+    parser.add_argument("--check")
+    parser.add_argument("--evaluate")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--parts", action="store_true")
+    parser.add_argument("--no_thinning", type=int, metavar="SECONDS")
+    parser.add_argument("workspaces", nargs="+", type=pathlib.Path)
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        workspaces = []
+        for workspace in args.workspaces:
+            workspaces.append(folder / workspace.name)
+            shutil.copytree(workspace, workspaces[-1])
+        for workspace in workspaces:
+            compare(args, workspace, folder)
+        compare_rules(args, workspaces, folder)
+        if args.parts:
+            compare_parts(args, workspaces[0], folder)
+
+
+if __name__ == "__main__":
+    main()
