@@ -1,0 +1,232 @@
+#include "delaunay/surface_extraction.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "mesh/half_edges.h"
+#include "mesh/singular_vertices.h"
+#include "mesh/topology.h"
+#include "mesh/union_find.h"
+#include "tests/delaunay/random_complex.h"
+#include "tests/mesh/manifold_links.h"
+
+namespace colmap_ext {
+namespace {
+
+// A few points in general position or on a small lattice.
+Tetrahedralization SmallComplex(Random* random) {
+  for (;;) {
+    const uint32_t num_points = 4 + random->Below(40);
+    const int range = random->Chance(0.3) ? 2 : 1000;
+    try {
+      return DelaunayOf(RandomPoints(num_points, range, random));
+    } catch (const std::invalid_argument&) {
+      // They lie in a plane.
+    }
+  }
+}
+
+double SignedVolume(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.facets) {
+    const Eigen::Vector3d p = mesh.vertices[a].cast<double>();
+    const Eigen::Vector3d q = mesh.vertices[b].cast<double>();
+    const Eigen::Vector3d r = mesh.vertices[c].cast<double>();
+    volume += p.dot(q.cross(r)) / 6;
+  }
+  return volume;
+}
+
+double MatterVolume(const Tetrahedralization& tetrahedra,
+                    const std::vector<uint8_t>& is_free) {
+  double volume = 0;
+  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+    if (is_free[cell] || tetrahedra.IsInfinite(cell)) {
+      continue;
+    }
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return tetrahedra.points[tetrahedra.cells[cell].vertices[k]]
+          .cast<double>();
+    };
+    volume += (corner(1) - corner(0))
+                  .cross(corner(2) - corner(0))
+                  .dot(corner(3) - corner(0)) /
+              6;
+  }
+  return volume;
+}
+
+// Oriented facets, the lowest vertex first.
+std::multiset<Facet> Oriented(const std::vector<Facet>& facets) {
+  std::multiset<Facet> oriented;
+  for (Facet facet : facets) {
+    std::rotate(facet.begin(), std::min_element(facet.begin(), facet.end()),
+                facet.end());
+    oriented.insert(facet);
+  }
+  return oriented;
+}
+
+TEST(ExtractSurface, HasTheFacetsBetweenMatterAndFreeSeenFromFree) {
+  Random random(1);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Tetrahedralization tetrahedra = SmallComplex(&random);
+    const std::vector<uint8_t> labels = RandomLabels(tetrahedra, &random);
+    std::vector<Facet> expected;
+    for (size_t index = 0; index < tetrahedra.cells.size(); ++index) {
+      const auto& cell = tetrahedra.cells[index];
+      for (int i = 0; i < 4; ++i) {
+        // Of a free cell: its facets' normals point into it.
+        if (!labels[index] || labels[cell.neighbors[i]]) {
+          continue;
+        }
+        const auto& corners = kFacetCorners[i];
+        const Facet facet = {cell.vertices[corners[0]],
+                             cell.vertices[corners[1]],
+                             cell.vertices[corners[2]]};
+        if (*std::max_element(facet.begin(), facet.end()) != kInfiniteVertex) {
+          expected.push_back(facet);
+        }
+      }
+    }
+    const ExtractedSurface surface = ExtractSurface(tetrahedra, labels);
+    ASSERT_EQ(surface.mesh.vertices, tetrahedra.points);
+    ASSERT_EQ(Oriented(surface.mesh.facets), Oriented(expected));
+  }
+}
+
+// Cells around an edge that matter connects, and the surface facets that bound
+// them there: always two, or one where the other goes to infinity.
+TEST(ExtractSurface, PartnersBoundTheSameMatterAroundTheirEdge) {
+  Random random(2);
+  size_t num_shared = 0;
+  for (int trial = 0; trial < 150; ++trial) {
+    const Tetrahedralization tetrahedra = SmallComplex(&random);
+    const std::vector<uint8_t> labels = RandomLabels(tetrahedra, &random);
+    const ExtractedSurface surface = ExtractSurface(tetrahedra, labels);
+    const std::vector<Facet>& facets = surface.mesh.facets;
+    ASSERT_EQ(surface.partners.size(), 3 * facets.size());
+    // The matter behind each facet.
+    std::map<Facet, uint32_t> matter;
+    for (uint32_t index = 0; index < tetrahedra.cells.size(); ++index) {
+      const auto& v = tetrahedra.cells[index].vertices;
+      for (int i = 0; i < 4 && !labels[index]; ++i) {
+        const auto& corners = kFacetCorners[i];
+        matter[*Oriented({{v[corners[0]], v[corners[2]], v[corners[1]]}})
+                    .begin()] = index;
+      }
+    }
+    ForEachEdge(SortedHalfEdges(facets), [&](auto first, auto last) {
+      const uint32_t u = FromVertex(facets, first->second);
+      const uint32_t v = ToVertex(facets, first->second);
+      const auto has_edge = [&](uint32_t cell) {
+        const auto& c = tetrahedra.cells[cell].vertices;
+        return std::count(c.begin(), c.end(), u) +
+                   std::count(c.begin(), c.end(), v) ==
+               2;
+      };
+      UnionFind components(tetrahedra.cells.size());
+      for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+        for (const uint32_t other : tetrahedra.cells[cell].neighbors) {
+          if (!labels[cell] && !labels[other] && has_edge(cell) &&
+              has_edge(other)) {
+            components.Join(cell, other);
+          }
+        }
+      }
+      const auto component = [&](uint32_t half) {
+        return components.Find(
+            matter.at(*Oriented({facets[half / 3]}).begin()));
+      };
+      for (auto half = first; half != last; ++half) {
+        uint32_t expected = kNoPartner;
+        for (auto other = first; other != last; ++other) {
+          if (other != half &&
+              component(other->second) == component(half->second)) {
+            ASSERT_EQ(expected, kNoPartner);
+            expected = other->second;
+          }
+        }
+        ASSERT_EQ(surface.partners[half->second], expected);
+        if (expected != kNoPartner) {
+          ASSERT_EQ(FromVertex(facets, expected),
+                    ToVertex(facets, half->second));
+        }
+      }
+      num_shared += last - first > 2;
+    });
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(num_shared, 100u);
+}
+
+TEST(ExtractSurface, EveryLabelingEndsManifold) {
+  Random random(3);
+  size_t num_midpoints = 0;
+  size_t num_borders = 0;
+  size_t num_surfaces = 0;
+  for (int complex = 0; complex < 100; ++complex) {
+    const Tetrahedralization tetrahedra = SmallComplex(&random);
+    for (int trial = 0; trial < 40; ++trial) {
+      std::vector<uint8_t> labels = RandomLabels(tetrahedra, &random);
+      const uint32_t beyond = random.Below(3);
+      if (beyond < 2) {
+        LabelInfinite(tetrahedra, beyond == 1, &labels);
+      }
+      const ExtractedSurface surface = ExtractSurface(tetrahedra, labels);
+      const FanSplit split = SplitFans(surface.mesh, surface.partners);
+      const MeshReport report = Analyze(split.mesh);
+      ASSERT_TRUE(report.IsManifold()) << report.Defects();
+      ASSERT_TRUE(HasManifoldLinks(split.mesh));
+      if (beyond < 2) {
+        ASSERT_EQ(report.num_border_edges, 0u);
+      }
+      if (beyond == 1) {
+        const double volume = MatterVolume(tetrahedra, labels);
+        ASSERT_NEAR(SignedVolume(split.mesh), volume, 1e-6 * volume);
+      }
+      const FanSplit again =
+          SplitFans(split.mesh, PairHalfEdges(split.mesh.facets));
+      ASSERT_EQ(again.num_split_vertices + again.num_midpoints, 0u);
+      ASSERT_EQ(again.mesh.facets.size(), split.mesh.facets.size());
+      if (split.num_midpoints == 0) {  // which are numbered last
+        ASSERT_EQ(again.mesh.facets, split.mesh.facets);
+        ASSERT_EQ(again.mesh.vertices, split.mesh.vertices);
+      }
+      num_midpoints += split.num_midpoints;
+      num_borders += report.num_border_edges > 0;
+      num_surfaces += report.num_facets > 0;
+    }
+  }
+  EXPECT_GT(num_surfaces, 3000u);
+  EXPECT_GT(num_midpoints, 100u);
+  EXPECT_GT(num_borders, 500u);
+}
+
+TEST(ExtractSurface, OneCellOfMatter) {
+  const Tetrahedralization tetrahedra =
+      DelaunayOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}});
+  std::vector<uint8_t> labels(tetrahedra.cells.size(), 1);
+  EXPECT_TRUE(ExtractSurface(tetrahedra, labels).mesh.facets.empty());
+  labels[tetrahedra.vertex_cells[0]] = 0;
+  const ExtractedSurface surface = ExtractSurface(tetrahedra, labels);
+  const MeshReport report = Analyze(surface.mesh);
+  EXPECT_TRUE(report.IsManifold());
+  EXPECT_EQ(report.num_facets, 4u);
+  EXPECT_EQ(report.num_border_edges, 0u);
+  EXPECT_FLOAT_EQ(static_cast<float>(SignedVolume(surface.mesh)), 64.0f / 6);
+  // The other way about it is turned inside out.
+  for (uint8_t& label : labels) {
+    label = !label;
+  }
+  EXPECT_FLOAT_EQ(
+      static_cast<float>(SignedVolume(ExtractSurface(tetrahedra, labels).mesh)),
+      -64.0f / 6);
+}
+
+}  // namespace
+}  // namespace colmap_ext
