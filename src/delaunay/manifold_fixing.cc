@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <tuple>
+#include <utility>
 
 #include "delaunay/vertex_star.h"
 
@@ -11,8 +11,8 @@ namespace {
 
 using Component = VertexStar::Component;
 
-// Passes of the energy rule end by themselves, since each removes singular
-// vertices; this bounds how many centroid splits are tried in a row.
+// Passes of the energy rule end by themselves, since each leaves fewer
+// components too many; this bounds how many centroid splits are tried in a row.
 constexpr int kMaxSplitRounds = 4;
 
 class Fixer {
@@ -58,14 +58,14 @@ class Fixer {
       return Singular();
     }
     for (;;) {
-      const size_t before = singular.size();
+      const size_t before = report_.num_relabeled_cells;
       for (const uint32_t vertex : singular) {
         RelabelByEnergy(vertex);
       }
-      singular = Singular();
-      if (singular.size() >= before) {
+      if (report_.num_relabeled_cells == before) {
         return singular;
       }
+      singular = Singular();
     }
   }
 
@@ -105,61 +105,54 @@ class Fixer {
     }
   }
 
-  // A way to make a vertex regular: of the components of one label only `first`
-  // stays; of those of the other label, as they are then, only `second`.
-  struct Way {
-    size_t first = 0;   // index into the star's components
-    size_t second = 0;  // the how-manieth of the other label
-  };
-
-  // Tries all ways and takes the best, if it is any good.
-  void RelabelByEnergy(uint32_t vertex) {
+  // Ways to make a vertex less singular, as cells to flip: each component
+  // alone, and all but one of one label, then all but one of those of the other
+  // label, as they are by then.
+  std::vector<std::vector<uint32_t>> Ways(uint32_t vertex) {
     MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
+    std::vector<std::vector<uint32_t>> ways;
     if (!star_.IsSingular()) {
-      return;
+      return ways;
     }
-    using Merit = std::tuple<int64_t, int64_t>;  // singular vertices, energy
-    Merit best{0, std::numeric_limits<int64_t>::min()};
-    Way best_way;
     const VertexStar star = star_;
-    for (Way way; way.first < star.components.size(); ++way.first) {
-      for (way.second = 0;; ++way.second) {
-        if (!Take(vertex, star, way)) {
-          break;
-        }
-        const Merit merit = MeritOf(flipped_);
-        Flip(flipped_);
-        if (merit < best) {
-          best = merit;
-          best_way = way;
+    for (const Component& first : star.components) {
+      ways.push_back(first.cells);
+      std::vector<uint32_t> flipped;
+      KeepOnly(star, &first, &flipped);
+      MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
+      const VertexStar then = star_;
+      for (const Component& second : then.components) {
+        if (second.is_free != first.is_free) {
+          std::vector<uint32_t> more;
+          KeepOnly(then, &second, &more);
+          Flip(more);
+          more.insert(more.end(), flipped.begin(), flipped.end());
+          ways.push_back(std::move(more));
         }
       }
+      Flip(flipped);
     }
-    if (std::get<0>(best) < 0) {
-      Take(vertex, star, best_way);
-      report_.num_relabeled_cells += flipped_.size();
+    for (std::vector<uint32_t>& way : ways) {
+      // A cell that is flipped twice is as it was.
+      std::sort(way.begin(), way.end());
+      RemovePairs(&way);
     }
+    return ways;
   }
 
-  // Relabels cells the given way and notes them in flipped_.
-  // \return false where there is no such way; nothing is relabeled then.
-  bool Take(uint32_t vertex, const VertexStar& star, const Way& way) {
-    flipped_.clear();
-    const Component& first = star.components[way.first];
-    KeepOnly(star, &first, &flipped_);
-    MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
-    size_t count = 0;
-    for (const Component& component : star_.components) {
-      if (component.is_free != first.is_free && count++ == way.second) {
-        KeepOnly(star_, &component, &flipped_);
-        // A cell that was flipped twice is as it was.
-        std::sort(flipped_.begin(), flipped_.end());
-        RemovePairs(&flipped_);
-        return true;
+  // Takes the best way, if it is any good.
+  void RelabelByEnergy(uint32_t vertex) {
+    Merit best{0, std::numeric_limits<int64_t>::min()};
+    std::vector<uint32_t> best_way;
+    for (std::vector<uint32_t>& way : Ways(vertex)) {
+      const Merit merit = MeritOf(way);
+      if (merit < best) {
+        best = merit;
+        best_way = std::move(way);
       }
     }
-    Flip(flipped_);
-    return false;
+    Flip(best_way);
+    report_.num_relabeled_cells += best_way.size();
   }
 
   static void RemovePairs(std::vector<uint32_t>* sorted) {
@@ -180,11 +173,14 @@ class Fixer {
     }
   }
 
-  // How the flip of these cells, which has been done, changed the number of
-  // singular vertices and the energy.
-  std::tuple<int64_t, int64_t> MeritOf(const std::vector<uint32_t>& flipped) {
+  // How the flip of cells changes the number of components too many around
+  // vertices, and the energy.
+  using Merit = std::pair<int64_t, int64_t>;
+
+  // \param cells sorted
+  Merit MeritOf(const std::vector<uint32_t>& cells) {
     std::vector<uint32_t> vertices;
-    for (const uint32_t cell : flipped) {
+    for (const uint32_t cell : cells) {
       for (const uint32_t vertex : tetrahedra_->cells[cell].vertices) {
         if (vertex != kInfiniteVertex) {
           vertices.push_back(vertex);
@@ -194,19 +190,21 @@ class Fixer {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()),
                    vertices.end());
-    const auto count = [&] {
-      return std::count_if(vertices.begin(), vertices.end(),
-                           [&](uint32_t vertex) {
-                             return IsSingular(*tetrahedra_, *is_free_, vertex);
-                           });
-    };
-    const int64_t singular_after = count();
-    const int64_t energy_after = EnergyAround(flipped);
-    Flip(flipped);
-    const int64_t singular_before = count();
-    const int64_t energy_before = EnergyAround(flipped);
-    Flip(flipped);
-    return {singular_after - singular_before, energy_after - energy_before};
+    const Merit before{ComponentsTooMany(vertices), EnergyAround(cells)};
+    Flip(cells);
+    const Merit after{ComponentsTooMany(vertices), EnergyAround(cells)};
+    Flip(cells);
+    return {after.first - before.first, after.second - before.second};
+  }
+
+  int64_t ComponentsTooMany(const std::vector<uint32_t>& vertices) {
+    int64_t count = 0;
+    for (const uint32_t vertex : vertices) {
+      MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
+      count += std::max<int64_t>(
+          0, static_cast<int64_t>(star_.components.size()) - 2);
+    }
+    return count;
   }
 
   // The part of the cut's value that depends on the labels of these cells.

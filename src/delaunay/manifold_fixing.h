@@ -13,9 +13,12 @@ enum class FixingRule {
   // The paper's three passes: relabel, split, relabel. Of the components around
   // a vertex those with the most cells keep their labels.
   kPaper,
-  // Passes until nothing changes. Of all ways to make a vertex regular the one
-  // that leaves the fewest singular vertices is taken, then the one that costs
-  // the least in the cut's energy; none that does not reduce their number.
+  // Passes until nothing changes. Of the ways to make a vertex less singular
+  // the
+  // one is taken that leaves the fewest components too many around the vertices
+  // that it touches, then the one that costs the least in the cut's energy;
+  // none
+  // that does not reduce their number.
   kEnergy,
 };
 
