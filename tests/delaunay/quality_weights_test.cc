@@ -1,0 +1,120 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "delaunay/visibility_weights.h"
+#include "tests/delaunay/random_complex.h"
+
+namespace colmap_ext {
+namespace {
+
+// From the circumscribing sphere's centre, which is equally far from all four
+// corners.
+double CosByCenter(const Tetrahedralization& tetrahedra, uint32_t cell,
+                   int facet) {
+  const auto corner = [&](int k) -> Eigen::Vector3d {
+    return tetrahedra.points[tetrahedra.cells[cell].vertices[k]].cast<double>();
+  };
+  Eigen::Matrix3d rows;
+  Eigen::Vector3d halves;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d edge = corner(k + 1) - corner(0);
+    rows.row(k) = edge.transpose();
+    halves[k] = edge.squaredNorm() / 2;
+  }
+  const Eigen::Vector3d offset = rows.fullPivLu().solve(halves);
+  const auto& [a, b, c] = kFacetCorners[facet];
+  const Eigen::Vector3d inward =
+      (corner(b) - corner(a)).cross(corner(c) - corner(a)).normalized();
+  return inward.dot(corner(0) + offset - corner(a)) / offset.norm();
+}
+
+uint32_t FiniteCell(const Tetrahedralization& tetrahedra) {
+  return tetrahedra.vertex_cells[0];
+}
+
+int FacetWithoutVertexAt(const Tetrahedralization& tetrahedra,
+                         const Eigen::Vector3f& position) {
+  int facet = 0;
+  while (
+      tetrahedra
+          .points[tetrahedra.cells[FiniteCell(tetrahedra)].vertices[facet]] !=
+      position) {
+    ++facet;
+  }
+  return facet;
+}
+
+TEST(CosFacetSphereAngle, IsTheCentersDistanceOverTheRadius) {
+  Random random(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Tetrahedralization tetrahedra =
+        DelaunayOf(RandomPoints(50, 1000, &random));
+    for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+      for (int i = 0; i < 4; ++i) {
+        const double cosine = CosFacetSphereAngle(tetrahedra, cell, i);
+        if (tetrahedra.IsInfinite(cell)) {
+          ASSERT_EQ(cosine, 1);
+        } else {
+          ASSERT_NEAR(cosine, CosByCenter(tetrahedra, cell, i), 1e-6);
+        }
+      }
+    }
+  }
+}
+
+TEST(CosFacetSphereAngle, OfARegularTetrahedronIsAThird) {
+  const Tetrahedralization tetrahedra =
+      DelaunayOf({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}});
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(CosFacetSphereAngle(tetrahedra, FiniteCell(tetrahedra), i),
+                1.0 / 3, 1e-12);
+  }
+}
+
+// An apex at a height h above the centre of a facet whose circumcircle has the
+// radius r: (h^2 - r^2) / (h^2 + r^2). Negative for flat cells.
+TEST(CosFacetSphereAngle, OfAnApexAboveTheCircumcenter) {
+  constexpr double kRadius = 5;
+  for (const float height : {0.01f, 1.0f, 4.9f, 5.0f, 6.0f, 100.0f}) {
+    const Tetrahedralization tetrahedra =
+        DelaunayOf({{5, 0, 0}, {-3, 4, 0}, {-4, -3, 0}, {0, 0, height}});
+    const double expected = (height * height - kRadius * kRadius) /
+                            (height * height + kRadius * kRadius);
+    EXPECT_NEAR(
+        CosFacetSphereAngle(tetrahedra, FiniteCell(tetrahedra),
+                            FacetWithoutVertexAt(tetrahedra, {0, 0, height})),
+        expected, 1e-6);
+  }
+}
+
+TEST(AddQualityWeights, AreThoseOfTheWorseCellInBothDirections) {
+  Random random(2);
+  const Tetrahedralization tetrahedra =
+      DelaunayOf(RandomPoints(200, 1000, &random));
+  for (const double weight : {0.0, 1.0, 2.5}) {
+    FlowGraph graph = EmptyGraphOf(tetrahedra);
+    for (auto& capacities : graph.capacities) {
+      capacities.fill(100);  // it adds
+    }
+    AddQualityWeights(tetrahedra, weight, &graph);
+    for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+      for (int i = 0; i < 4; ++i) {
+        const uint32_t other = tetrahedra.cells[cell].neighbors[i];
+        const int back = tetrahedra.FacetTo(other, cell);
+        const double cosine =
+            std::min(CosFacetSphereAngle(tetrahedra, cell, i),
+                     CosFacetSphereAngle(tetrahedra, other, back));
+        ASSERT_NEAR(graph.capacities[cell][i],
+                    100 + kWeightUnit * weight * (1 - cosine), 0.51);
+        ASSERT_EQ(graph.capacities[cell][i], graph.capacities[other][back]);
+      }
+      ASSERT_EQ(graph.source[cell] + graph.sink[cell], 0u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,106 @@
+#include "delaunay/vertex_attributes.h"
+
+#include <gtest/gtest.h>
+
+namespace colmap_ext {
+namespace {
+
+// Three points, seen by views {0, 1}, {1, 2} and {1}.
+PointCloud MakeCloud() {
+  PointCloud cloud;
+  cloud.positions.resize(3, {0, 0, 0});
+  cloud.colors = {{0, 10, 255}, {1, 20, 255}, {200, 30, 254}};
+  cloud.view_offsets = {0, 2, 4, 5};
+  cloud.view_indices = {0, 1, 1, 2, 1};
+  return cloud;
+}
+
+using Points = std::vector<std::array<uint32_t, 2>>;
+
+struct Row {
+  Color color;
+  std::vector<uint32_t> views;
+};
+
+void ExpectRows(const VertexAttributes& attributes,
+                const std::vector<Row>& rows) {
+  ASSERT_EQ(attributes.colors.size(), rows.size());
+  ASSERT_EQ(attributes.view_offsets.size(), rows.size() + 1);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(attributes.colors[i], rows[i].color) << i;
+    const std::vector<uint32_t> views(
+        attributes.view_indices.begin() +
+            static_cast<int>(attributes.view_offsets[i]),
+        attributes.view_indices.begin() +
+            static_cast<int>(attributes.view_offsets[i + 1]));
+    EXPECT_EQ(views, rows[i].views) << i;
+  }
+}
+
+TriangleMesh MakeMesh(uint32_t num_vertices, std::vector<Facet> facets) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(num_vertices, {0, 0, 0});
+  mesh.facets = std::move(facets);
+  return mesh;
+}
+
+TEST(InheritAttributes, OfThePointItself) {
+  const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
+  ExpectRows(
+      InheritAttributes(mesh, MakeCloud(), {{2, 2}, {0, 0}, {1, 1}}),
+      {{{200, 30, 254}, {1}}, {{0, 10, 255}, {0, 1}}, {{1, 20, 255}, {1, 2}}});
+}
+
+TEST(InheritAttributes, AMidpointHasTheMeanColourAndTheViewsOfBoth) {
+  const TriangleMesh mesh = MakeMesh(1, {});
+  ExpectRows(InheritAttributes(mesh, MakeCloud(), {{0, 1}}),
+             {{{1, 15, 255}, {0, 1, 2}}});
+}
+
+// A centroid between all three: views that at least half of them have.
+TEST(InheritAttributes, ACentroidInheritsFromItsNeighbors) {
+  const TriangleMesh mesh = MakeMesh(4, {{3, 0, 1}, {3, 1, 2}, {3, 2, 0}});
+  const Points points = {{0, 0}, {1, 1}, {2, 2}, {kNoPoint, kNoPoint}};
+  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+             {{{0, 10, 255}, {0, 1}},
+              {{1, 20, 255}, {1, 2}},
+              {{200, 30, 254}, {1}},
+              {{67, 20, 255}, {1}}});
+}
+
+// Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
+TEST(InheritAttributes, FromNeighborToNeighbor) {
+  const TriangleMesh mesh = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
+  const Points points = {{0, 0},        {1, 1},
+                         {2, 2},        {kNoPoint, kNoPoint},
+                         {0, kNoPoint}, {kNoPoint, kNoPoint}};
+  const VertexAttributes attributes =
+      InheritAttributes(mesh, MakeCloud(), points);
+  const Row first = {{0, 10, 255}, {0, 1}};
+  ExpectRows(attributes, {first,
+                          {{1, 20, 255}, {1, 2}},
+                          {{200, 30, 254}, {1}},
+                          first,
+                          first,
+                          first});
+}
+
+TEST(InheritAttributes, AnIslandOfUnknownVerticesStaysBlackAndUnseen) {
+  const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
+  const Points points(3, {kNoPoint, kNoPoint});
+  const Row none = {{0, 0, 0}, {}};
+  ExpectRows(InheritAttributes(mesh, MakeCloud(), points), {none, none, none});
+}
+
+TEST(InheritAttributes, WithoutColours) {
+  PointCloud cloud = MakeCloud();
+  cloud.colors.clear();
+  const VertexAttributes attributes =
+      InheritAttributes(MakeMesh(2, {}), cloud, {{0, 0}, {2, 1}});
+  EXPECT_TRUE(attributes.colors.empty());
+  EXPECT_EQ(attributes.view_offsets, (std::vector<uint64_t>{0, 2, 4}));
+  EXPECT_EQ(attributes.view_indices, (std::vector<uint32_t>{0, 1, 1, 2}));
+}
+
+}  // namespace
+}  // namespace colmap_ext

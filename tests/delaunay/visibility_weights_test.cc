@@ -1,0 +1,331 @@
+#include "delaunay/visibility_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "delaunay/ray_walk.h"
+#include "tests/delaunay/random_complex.h"
+
+namespace colmap_ext {
+namespace {
+
+// Two cells, one above the other, that share the triangle z = 0. The apexes are
+// at z = 3 and z = -3.
+class TwoCells : public testing::Test {
+ protected:
+  static constexpr float kAlpha = 0.75f;
+
+  TwoCells() : graph_(EmptyGraphOf(tetrahedra_)) {
+    top_ = VertexAt({0, 0, 3});
+    bottom_ = VertexAt({0, 0, -3});
+    for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
+      if (!tetrahedra_.IsInfinite(cell)) {
+        const auto& v = tetrahedra_.cells[cell].vertices;
+        (std::count(v.begin(), v.end(), top_) > 0 ? upper_ : lower_) = cell;
+      }
+    }
+  }
+
+  uint32_t VertexAt(const Eigen::Vector3f& position) const {
+    const auto found = std::find(tetrahedra_.points.begin(),
+                                 tetrahedra_.points.end(), position);
+    return static_cast<uint32_t>(found - tetrahedra_.points.begin());
+  }
+
+  // The infinite cell beyond the hull's facet without this vertex, or kNoCell.
+  uint32_t Beyond(uint32_t cell, uint32_t vertex) const {
+    return tetrahedra_.cells[cell].neighbors[tetrahedra_.IndexOf(cell, vertex)];
+  }
+
+  // One observation of a point by a camera.
+  RayReport Observe(const Eigen::Vector3f& point, uint32_t near_vertex,
+                    const Eigen::Vector3d& center, double sigma,
+                    double behind_sigma) {
+    PointCloud cloud;
+    cloud.positions = {point};
+    cloud.view_offsets = {0, 1};
+    cloud.view_indices = {0};
+    const std::vector<uint32_t> vertices = {near_vertex};
+    const std::vector<float> alphas = {kAlpha};
+    const std::vector<Eigen::Vector3d> centers = {center};
+    return AddVisibilityWeights(tetrahedra_, {cloud, vertices, alphas, centers},
+                                {sigma, behind_sigma}, &graph_);
+  }
+
+  // Takes a capacity out of the graph, so that what is left must be zero.
+  static double Take(uint32_t* capacity) {
+    return std::exchange(*capacity, 0) / kWeightUnit;
+  }
+  double TakeArc(uint32_t from, uint32_t to) {
+    return Take(&graph_.capacities[from][tetrahedra_.FacetTo(from, to)]);
+  }
+
+  void ExpectNothingLeft() const {
+    for (size_t i = 0; i < graph_.size(); ++i) {
+      EXPECT_EQ(graph_.source[i], 0u);
+      EXPECT_EQ(graph_.sink[i], 0u);
+      EXPECT_EQ(graph_.capacities[i], (std::array<uint32_t, 4>{}));
+    }
+  }
+
+  static double Soft(double distance, double sigma) {
+    return kAlpha * (1 - std::exp(-distance * distance / (2 * sigma * sigma)));
+  }
+
+  static constexpr double kRounding = 0.51 / kWeightUnit;
+
+  const Tetrahedralization tetrahedra_ = DelaunayOf(
+      {{2, 0, 0}, {-1, 1.75, 0}, {-1, -1.75, 0}, {0, 0, 3}, {0, 0, -3}});
+  FlowGraph graph_;
+  uint32_t top_ = 0;
+  uint32_t bottom_ = 0;
+  uint32_t upper_ = kNoCell;
+  uint32_t lower_ = kNoCell;
+};
+
+TEST_F(TwoCells, AreTwo) {
+  EXPECT_EQ(tetrahedra_.cells.size(), 8u);
+  ASSERT_NE(upper_, kNoCell);
+  ASSERT_NE(lower_, kNoCell);
+  EXPECT_EQ(Beyond(upper_, top_), lower_);
+}
+
+TEST_F(TwoCells, CameraWithinACell) {
+  // From the bottom through the triangle into the upper cell. Behind the bottom
+  // there is nothing.
+  const RayReport report = Observe({0, 0, -3}, bottom_, {0, 0, 1}, 2.0, 3.0);
+  EXPECT_EQ(report.num_rays, 1u);
+  EXPECT_EQ(report.num_lost_rays, 0u);
+  EXPECT_EQ(report.num_steps, 1u);
+  EXPECT_NEAR(Take(&graph_.source[upper_]), kAlpha, kRounding);
+  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, 2), kRounding);
+  double sink = 0;
+  for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
+    const auto& v = tetrahedra_.cells[cell].vertices;
+    if (tetrahedra_.IsInfinite(cell) &&
+        std::count(v.begin(), v.end(), bottom_) > 0) {
+      sink += Take(&graph_.sink[cell]);
+    }
+  }
+  EXPECT_NEAR(sink, kAlpha, kRounding);
+  ExpectNothingLeft();
+}
+
+TEST_F(TwoCells, CameraBeyondTheHull) {
+  // Parallel to the axis x the ray leaves the upper cell at x = 2 (1 - z / 3),
+  // opposite to the corners at x = -1, through the facet opposite to one that
+  // the camera's y tells.
+  const Eigen::Vector3f point(0, 0, 1);
+  const RayReport report = Observe(point, top_, {100, 100 * 0.1, 1}, 2.0, 1e-3);
+  EXPECT_EQ(report.num_steps, 1u);
+  const uint32_t corner = VertexAt({-1, -1.75, 0});
+  const uint32_t beyond = Beyond(upper_, corner);
+  ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
+  EXPECT_NEAR(Take(&graph_.source[beyond]), kAlpha, kRounding);
+  // The facet's plane goes through (2, 0, 0), (-1, 1.75, 0) and (0, 0, 3):
+  // x / 2 + (12 / 14) y + z / 3 = 1.
+  const double t = (1 - 1.0 / 3) / (100.0 / 2 + 12.0 / 14 * 10);
+  EXPECT_NEAR(TakeArc(beyond, upper_), Soft(t * std::hypot(100, 10), 2),
+              kRounding);
+  EXPECT_NEAR(Take(&graph_.sink[upper_]), kAlpha, kRounding);
+  ExpectNothingLeft();
+}
+
+TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
+  // The camera above the top: nothing before the point. Behind it the ray
+  // crosses the triangle at a distance of 3 where it is long enough.
+  struct Case {
+    double sigma;
+    double behind_sigma;
+    bool reaches_lower;
+  };
+  for (const Case& expected :
+       {Case{1, 2.99, false}, Case{1, 3.01, true}, Case{2, 2, true},
+        // Beyond where soft weights are one.
+        Case{0.5, 5.9, false}, Case{0.5, 6.1, true}, Case{0.1, 31, true},
+        Case{0.1, 29, false}}) {
+    SCOPED_TRACE(testing::Message()
+                 << expected.sigma << " " << expected.behind_sigma);
+    Observe({0, 0, 3}, top_, {0, 0, 50}, expected.sigma, expected.behind_sigma);
+    double source = 0;
+    for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
+      if (tetrahedra_.IsInfinite(cell)) {
+        source += Take(&graph_.source[cell]);
+      }
+    }
+    EXPECT_NEAR(source, kAlpha, kRounding);
+    if (expected.reaches_lower) {
+      EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, expected.sigma), kRounding);
+    }
+    EXPECT_NEAR(Take(&graph_.sink[expected.reaches_lower ? lower_ : upper_]),
+                kAlpha, kRounding);
+    ExpectNothingLeft();
+  }
+}
+
+TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
+  Observe({0, 0, 3}, top_, {0, 0, 50}, 3, 3);
+  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, 3), kRounding);
+  double arc = 0;
+  double sink = 0;
+  for (const uint32_t beyond : tetrahedra_.cells[lower_].neighbors) {
+    if (beyond != upper_) {
+      arc += TakeArc(lower_, beyond);
+      sink += Take(&graph_.sink[beyond]);
+    }
+    Take(&graph_.source[beyond]);
+  }
+  EXPECT_NEAR(arc, Soft(6, 3), kRounding);  // at the bottom
+  EXPECT_NEAR(sink, kAlpha, kRounding);
+}
+
+TEST_F(TwoCells, PointsThatWereThinnedOutVoteFromTheirOwnPlace) {
+  // Before the triangle, seen from within the upper cell; the vertex that it
+  // was found near to is none of its cell's.
+  Observe({0.25, 0, 0.5}, bottom_, {0.25, 0, 1}, 1, 1);
+  EXPECT_NEAR(Take(&graph_.source[upper_]), kAlpha, kRounding);
+  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(0.5, 1), kRounding);
+  EXPECT_NEAR(Take(&graph_.sink[lower_]), kAlpha, kRounding);
+  ExpectNothingLeft();
+}
+
+TEST_F(TwoCells, CameraAtThePoint) {
+  const RayReport report = Observe({0, 0, 3}, top_, {0, 0, 3}, 1, 1);
+  EXPECT_EQ(report.num_rays, 1u);
+  const uint64_t sources =
+      std::accumulate(graph_.source.begin(), graph_.source.end(), uint64_t{0});
+  const uint64_t sinks =
+      std::accumulate(graph_.sink.begin(), graph_.sink.end(), uint64_t{0});
+  EXPECT_EQ(sources, sinks);
+  EXPECT_EQ(sources > 0, report.num_lost_rays == 0);
+}
+
+TEST_F(TwoCells, SumsDoNotWrapAround) {
+  for (size_t i = 0; i < graph_.size(); ++i) {
+    graph_.source[i] = graph_.sink[i] = kMaxCapacity;
+    graph_.capacities[i].fill(kMaxCapacity);
+  }
+  for (int i = 0; i < 3; ++i) {
+    Observe({0, 0, -3}, bottom_, {0, 0, 1}, 2.0, 3.0);
+  }
+  EXPECT_GE(graph_.source[upper_], kMaxCapacity);
+  EXPECT_LE(graph_.source[upper_], kMaxCapacity + 4096);
+  const uint32_t arc =
+      graph_.capacities[upper_][tetrahedra_.FacetTo(upper_, lower_)];
+  EXPECT_GE(arc, kMaxCapacity);
+  EXPECT_LE(arc, kMaxCapacity + 4096);
+}
+
+// A cloud around the origin and cameras around it and within it.
+struct Scenery {
+  Scenery() {
+    Random random(1);
+    thinned = Tetrahedralize(CloudOf(RandomPoints(1500, 300, &random)), {},
+                             {0, 0.05});
+    // Every third point is no vertex.
+    const Tetrahedralization& tetrahedra = thinned.tetrahedra;
+    for (uint32_t i = 0; i < 2000; ++i) {
+      const uint32_t vertex =
+          random.Below(static_cast<uint32_t>(tetrahedra.points.size()));
+      vertices.push_back(vertex);
+      cloud.positions.push_back(tetrahedra.points[vertex]);
+      if (i % 3 == 0) {
+        cloud.positions.back() += Eigen::Vector3f(0.5f, 0.25f, -0.5f);
+      }
+      for (uint32_t view = 0; view < 8; ++view) {
+        if (random.Chance(0.5)) {
+          cloud.view_indices.push_back(view);
+        }
+      }
+      cloud.view_offsets.push_back(cloud.view_indices.size());
+      alphas.push_back(static_cast<float>(random.Unit()));
+    }
+    for (int view = 0; view < 8; ++view) {
+      const int range = view < 4 ? 200 : 2000;
+      centers.push_back(RandomPoints(1, range, &random).front().cast<double>());
+    }
+  }
+
+  // Votes of every stride-th point.
+  RayReport Vote(size_t first, size_t stride, FlowGraph* graph) const {
+    PointCloud part;
+    std::vector<uint32_t> part_vertices;
+    std::vector<float> part_alphas;
+    for (size_t i = first; i < cloud.size(); i += stride) {
+      part.positions.push_back(cloud.positions[i]);
+      const auto views = cloud.Views(i);
+      part.view_indices.insert(part.view_indices.end(), views.begin(),
+                               views.end());
+      part.view_offsets.push_back(part.view_indices.size());
+      part_vertices.push_back(vertices[i]);
+      part_alphas.push_back(alphas[i]);
+    }
+    return AddVisibilityWeights(thinned.tetrahedra,
+                                {part, part_vertices, part_alphas, centers},
+                                {20, 3}, graph);
+  }
+
+  ThinnedTetrahedralization thinned;
+  PointCloud cloud;
+  std::vector<uint32_t> vertices;
+  std::vector<float> alphas;
+  std::vector<Eigen::Vector3d> centers;
+};
+
+void ExpectSame(const FlowGraph& a, const FlowGraph& b) {
+  EXPECT_EQ(a.capacities, b.capacities);
+  EXPECT_EQ(a.source, b.source);
+  EXPECT_EQ(a.sink, b.sink);
+}
+
+TEST(VisibilityWeights, DependNeitherOnThreadsNorOnTheOrder) {
+  const Scenery scenery;
+  std::vector<FlowGraph> graphs(3, EmptyGraphOf(scenery.thinned.tetrahedra));
+  for (const int num_threads : {1, 2}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism,
+        static_cast<size_t>(num_threads));
+    const RayReport report =
+        scenery.Vote(0, 1, &graphs[static_cast<size_t>(num_threads) - 1]);
+    EXPECT_EQ(report.num_rays, scenery.cloud.view_indices.size());
+    EXPECT_EQ(report.num_lost_rays, 0u);
+    EXPECT_GT(report.num_steps, report.num_rays);
+  }
+  for (size_t first : {2, 0, 1}) {
+    scenery.Vote(first, 3, &graphs[2]);
+  }
+  ExpectSame(graphs[0], graphs[1]);
+  ExpectSame(graphs[0], graphs[2]);
+}
+
+TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
+  const Scenery scenery;
+  FlowGraph graph = EmptyGraphOf(scenery.thinned.tetrahedra);
+  scenery.Vote(0, 1, &graph);
+  uint64_t expected = 0;
+  for (size_t i = 0; i < scenery.cloud.size(); ++i) {
+    expected +=
+        scenery.cloud.Views(i).size() *
+        static_cast<uint64_t>(std::lround(kWeightUnit * scenery.alphas[i]));
+  }
+  EXPECT_EQ(
+      std::accumulate(graph.source.begin(), graph.source.end(), uint64_t{0}),
+      expected);
+  EXPECT_EQ(std::accumulate(graph.sink.begin(), graph.sink.end(), uint64_t{0}),
+            expected);
+  // Cameras within the hull have theirs in their cells.
+  for (const Eigen::Vector3d& center : scenery.centers) {
+    const Tetrahedralization& tetrahedra = scenery.thinned.tetrahedra;
+    const uint32_t cell = Locate(tetrahedra, center, 0);
+    if (!tetrahedra.IsInfinite(cell)) {
+      EXPECT_GT(graph.source[cell], 0u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
