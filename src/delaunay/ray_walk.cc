@@ -85,14 +85,11 @@ class Walk {
   }
 
   // Crosses the facet.
-  Crossing Leave() {
-    Crossing crossing;
-    crossing.exit_arc = 4 * cell_ + exit_;
+  void Leave(float distance, std::vector<Crossing>* crossings) {
     const uint32_t next = tetrahedra_.cells[cell_].neighbors[exit_];
     entry_ = tetrahedra_.FacetTo(next, cell_);
-    crossing.entry_arc = 4 * next + entry_;
+    crossings->push_back({4 * cell_ + exit_, 4 * next + entry_, distance});
     cell_ = next;
-    return crossing;
   }
 
   // Finds the facet through which the ray leaves the cell that it just entered.
@@ -157,7 +154,7 @@ class Walk {
   unsigned TurnsAround(const Corner& u, const Corner& v) const {
     constexpr double kErrorBound = 40 * 0x1p-53;
     const double determinant = u.x * v.y - u.y * v.x;
-    if (std::abs(determinant) > kErrorBound * u.size * v.size) {
+    if (std::abs(determinant) > kErrorBound * u.size * v.size) [[likely]] {
       return determinant > 0;
     }
     return RaySideExact(origin_, target_,
@@ -174,8 +171,8 @@ class Walk {
   Eigen::Vector3d axis_y_;
 
   uint32_t cell_ = kNoCell;
-  int entry_ = 0;
-  int exit_ = 0;
+  uint32_t entry_ = 0;
+  uint32_t exit_ = 0;
   std::array<Corner, 3> corners_;  // of the exit, normal along the ray
 };
 
@@ -196,29 +193,26 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
   } else if (!walk.StartInCell(origin.cell)) {
     return kNoCell;
   }
-  double distance = 0;
   // A line crosses a cell once; more crossings would be a bug of ours, which
   // must not hang.
   const size_t max_crossings = tetrahedra.cells.size();
-  while (walk.cell() != end) {
-    if (crossings->size() > max_crossings) {
-      return kNoCell;
-    }
-    if (end == kNoCell || distance <= near_distance) {
-      distance = walk.ExitDistance();
-      if (end == kNoCell && distance >= walk.length()) {
-        break;
+  bool is_near = true;
+  while (walk.cell() != end && crossings->size() <= max_crossings) {
+    float distance = std::numeric_limits<float>::infinity();
+    if (is_near) {
+      const double exit_distance = walk.ExitDistance();
+      if (end == kNoCell && exit_distance >= walk.length()) {
+        return walk.cell();
       }
-    } else {
-      distance = std::numeric_limits<double>::infinity();
+      distance = static_cast<float>(exit_distance);
+      is_near = end == kNoCell || exit_distance <= near_distance;
     }
-    crossings->push_back(walk.Leave());
-    crossings->back().distance = static_cast<float>(distance);
+    walk.Leave(distance, crossings);
     if (!walk.FindExit()) {
-      break;
+      return walk.cell();
     }
   }
-  return walk.cell();
+  return walk.cell() == end ? end : kNoCell;
 }
 
 uint32_t Locate(const Tetrahedralization& tetrahedra,

@@ -44,14 +44,14 @@ struct Tetrahedralization {
 
   // Which corner of the cell the vertex is.
   // \pre it is one of them
-  int IndexOf(uint32_t cell, uint32_t vertex) const {
+  uint32_t IndexOf(uint32_t cell, uint32_t vertex) const {
     const auto& v = cells[cell].vertices;
     return v[0] == vertex ? 0 : v[1] == vertex ? 1 : v[2] == vertex ? 2 : 3;
   }
 
   // Which facet of the cell leads to the neighbor.
   // \pre it is one of them
-  int FacetTo(uint32_t cell, uint32_t neighbor) const {
+  uint32_t FacetTo(uint32_t cell, uint32_t neighbor) const {
     const auto& n = cells[cell].neighbors;
     return n[0] == neighbor   ? 0
            : n[1] == neighbor ? 1
