@@ -25,6 +25,17 @@ struct Problem {
     return SingularVertices(tetrahedra, labels);
   }
   int64_t Energy() const { return CutValue(graph, labels); }
+
+  // How many components there are too many around all vertices.
+  size_t Excess() const {
+    size_t excess = 0;
+    for (const uint32_t vertex : Singular()) {
+      VertexStar star;
+      MakeVertexStar(tetrahedra, labels, vertex, &star);
+      excess += star.components.size() - 2;
+    }
+    return excess;
+  }
 };
 
 Problem RandomProblem(const std::vector<Eigen::Vector3f>& points,
@@ -127,7 +138,7 @@ TEST_P(FixSingularVerticesTest, LeavesNothingThatTheSplitCannotRepair) {
       ASSERT_EQ(problem.labels, before.labels);
     }
     if (GetParam() == FixingRule::kEnergy) {
-      ASSERT_LE(report.num_singular_fixed, report.num_singular_raw);
+      ASSERT_LE(problem.Excess(), before.Excess());
     }
     if (report.num_split_cells == 0) {
       size_t num_changed = 0;
@@ -147,7 +158,9 @@ TEST_P(FixSingularVerticesTest, LeavesNothingThatTheSplitCannotRepair) {
     num_fixed += report.num_singular_fixed;
     num_split_cells += report.num_split_cells;
   }
-  EXPECT_GT(num_split_cells, 0u);
+  if (GetParam() == FixingRule::kPaper) {
+    EXPECT_GT(num_split_cells, 0u);  // the energy rule hardly ever needs it
+  }
   // Noise as labels is harder than any surface.
   EXPECT_LT(num_fixed, 0.6 * static_cast<double>(num_raw));
 }
@@ -174,43 +187,54 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(rule.param == FixingRule::kPaper ? "Paper" : "Energy");
     });
 
-// Flips all components of one label around a vertex but the how-manieth.
-// \return false where there are not as many
-bool KeepOne(uint32_t vertex, bool is_free, size_t kept, Problem* problem) {
+// The components of one label around a vertex.
+std::vector<VertexStar::Component> ComponentsOf(const Problem& problem,
+                                                uint32_t vertex, bool is_free) {
   VertexStar star;
-  MakeVertexStar(problem->tetrahedra, problem->labels, vertex, &star);
+  MakeVertexStar(problem.tetrahedra, problem.labels, vertex, &star);
   std::erase_if(star.components, [&](const VertexStar::Component& component) {
     return component.is_free != is_free;
   });
-  if (kept >= star.components.size()) {
-    return false;
-  }
-  star.components.erase(star.components.begin() + static_cast<int>(kept));
-  for (const VertexStar::Component& component : star.components) {
-    for (const uint32_t cell : component.cells) {
-      problem->labels[cell] = !is_free;
-    }
-  }
-  return true;
+  return star.components;
 }
 
-// The fewest singular vertices, and the least energy among the ways that leave
-// as many, where one vertex is made regular: of one label a component is kept,
-// and then one of the other label.
+void Flip(const VertexStar::Component& component, Problem* problem) {
+  for (const uint32_t cell : component.cells) {
+    problem->labels[cell] = !component.is_free;
+  }
+}
+
+// Flips all components of one label around a vertex but the how-manieth.
+Problem KeepOne(const Problem& problem, uint32_t vertex, bool is_free,
+                size_t kept) {
+  Problem result = problem;
+  const auto components = ComponentsOf(problem, vertex, is_free);
+  for (size_t i = 0; i < components.size(); ++i) {
+    if (i != kept) {
+      Flip(components[i], &result);
+    }
+  }
+  return result;
+}
+
+// The fewest components too many, and the least energy among the ways that
+// leave as many: where one component around the vertex is flipped, and where of
+// either label one is kept, one label after the other.
 std::tuple<size_t, int64_t> BestWay(const Problem& problem, uint32_t vertex) {
   std::tuple<size_t, int64_t> best = {SIZE_MAX, 0};
-  for (const bool first_label : {false, true}) {
-    for (size_t first = 0;; ++first) {
-      Problem once = problem;
-      if (!KeepOne(vertex, first_label, first, &once)) {
-        break;
-      }
-      for (size_t second = 0;; ++second) {
-        Problem twice = once;
-        if (!KeepOne(vertex, !first_label, second, &twice)) {
-          break;
-        }
-        best = std::min(best, {twice.Singular().size(), twice.Energy()});
+  const auto try_out = [&](const Problem& way) {
+    best = std::min(best, {way.Excess(), way.Energy()});
+  };
+  for (const bool label : {false, true}) {
+    const auto components = ComponentsOf(problem, vertex, label);
+    for (size_t first = 0; first < components.size(); ++first) {
+      Problem way = problem;
+      Flip(components[first], &way);
+      try_out(way);
+      const Problem once = KeepOne(problem, vertex, label, first);
+      const size_t count = ComponentsOf(once, vertex, !label).size();
+      for (size_t second = 0; second < count; ++second) {
+        try_out(KeepOne(once, vertex, !label, second));
       }
     }
   }
@@ -259,19 +283,14 @@ TEST(PaperRule, KeepsTheLargestComponents) {
   ForEachSingleVertex(5, [&](Problem problem, uint32_t vertex) {
     Problem expected = problem;
     for (const bool is_free : {false, true}) {
-      VertexStar star;
-      MakeVertexStar(expected.tetrahedra, expected.labels, vertex, &star);
-      std::erase_if(star.components, [&](const auto& component) {
-        return component.is_free != is_free;
-      });
+      const auto components = ComponentsOf(expected, vertex, is_free);
       const auto largest =
-          std::max_element(star.components.begin(), star.components.end(),
+          std::max_element(components.begin(), components.end(),
                            [](const auto& a, const auto& b) {
                              return a.cells.size() < b.cells.size();
                            });
-      KeepOne(vertex, is_free,
-              static_cast<size_t>(largest - star.components.begin()),
-              &expected);
+      expected = KeepOne(expected, vertex, is_free,
+                         static_cast<size_t>(largest - components.begin()));
     }
     const FixingReport report =
         FixSingularVertices(FixingRule::kPaper, &problem.tetrahedra,
