@@ -1,0 +1,395 @@
+#include "delaunay/manifold_meshing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "tests/delaunay/random_complex.h"
+#include "tests/mesh/manifold_links.h"
+
+namespace colmap_ext {
+namespace {
+
+struct BadOption {
+  const char* name;
+  void (*spoil)(ManifoldMeshingOptions* options);
+};
+
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(ManifoldMeshingOptions, DefaultsAreWell) {
+  EXPECT_EQ(ManifoldMeshingOptions().Check(), "");
+}
+
+TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
+  using Options = ManifoldMeshingOptions;
+  const BadOption bad_options[] = {
+      {"max_proj_dist", [](Options* o) { o->max_proj_dist = -1; }},
+      {"max_proj_dist", [](Options* o) { o->max_proj_dist = kNaN; }},
+      {"max_depth_dist", [](Options* o) { o->max_depth_dist = -0.1; }},
+      {"max_depth_dist", [](Options* o) { o->max_depth_dist = 1.1; }},
+      {"max_depth_dist", [](Options* o) { o->max_depth_dist = kNaN; }},
+      {"alpha_kind", [](Options* o) { o->alpha_kind = "track"; }},
+      {"visibility_sigma", [](Options* o) { o->visibility_sigma = 0; }},
+      {"visibility_sigma", [](Options* o) { o->visibility_sigma = kNaN; }},
+      {"alpha_vis", [](Options* o) { o->alpha_vis = 0; }},
+      {"alpha_vis", [](Options* o) { o->alpha_vis = 1.01; }},
+      {"alpha_vis", [](Options* o) { o->alpha_vis = kNaN; }},
+      {"distance_sigma_factor",
+       [](Options* o) { o->distance_sigma_factor = 0; }},
+      {"distance_sigma_factor",
+       [](Options* o) { o->distance_sigma_factor = kNaN; }},
+      {"behind_sigma", [](Options* o) { o->behind_sigma = 0; }},
+      {"behind_sigma", [](Options* o) { o->behind_sigma = kNaN; }},
+      {"quality_regularization",
+       [](Options* o) { o->quality_regularization = -1; }},
+      {"quality_regularization",
+       [](Options* o) { o->quality_regularization = 1e6; }},
+      {"quality_regularization",
+       [](Options* o) { o->quality_regularization = kNaN; }},
+      {"fixing_rule", [](Options* o) { o->fixing_rule = ""; }},
+      {"max_side_length_factor",
+       [](Options* o) { o->max_side_length_factor = -1; }},
+      {"max_side_length_factor",
+       [](Options* o) { o->max_side_length_factor = kNaN; }},
+      {"max_side_length_percentile",
+       [](Options* o) { o->max_side_length_percentile = 101; }},
+      {"max_side_length_percentile",
+       [](Options* o) { o->max_side_length_percentile = -1; }},
+      {"max_side_length_percentile",
+       [](Options* o) { o->max_side_length_percentile = kNaN; }},
+      {"min_component_faces", [](Options* o) { o->min_component_faces = -1; }},
+      {"num_threads", [](Options* o) { o->num_threads = 0; }},
+      {"num_threads", [](Options* o) { o->num_threads = -2; }}};
+  for (const BadOption& bad : bad_options) {
+    ManifoldMeshingOptions options;
+    bad.spoil(&options);
+    EXPECT_NE(options.Check().find(bad.name), std::string::npos)
+        << bad.name << ": " << options.Check();
+  }
+}
+
+View LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
+  View view;
+  view.width = view.height = 1000;
+  view.fx = view.fy = 1000;
+  view.cx = view.cy = 500;
+  const Eigen::Vector3d z = (target - center).normalized();
+  const Eigen::Vector3d x = z.unitOrthogonal();
+  view.cam_from_world_rotation << x.transpose(), z.cross(x).transpose(),
+      z.transpose();
+  view.cam_from_world_translation = -view.cam_from_world_rotation * center;
+  return view;
+}
+
+// A unit sphere with noise, seen by the cameras that are before it. They also
+// see some of the corners of the room that they are in, past the sphere.
+struct SphereScene {
+  static constexpr double kNoise = 0.005;
+
+  explicit SphereScene(uint32_t num_points = 4000) {
+    Random random(1);
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::Vector3d center = 4 * OnSphere(&random);
+      views.push_back(LookAt(center, Eigen::Vector3d::Zero()));
+    }
+    for (const Eigen::Vector3f& corner : GridPoints(2)) {
+      const Eigen::Vector3d point =
+          20 * (corner.cast<double>().array() - 0.5).matrix();
+      Add(point, [&](const Eigen::Vector3d& center) {
+        const Eigen::Vector3d ray = (point - center).normalized();
+        return center.cross(ray).norm() > 1.1 || center.dot(ray) > 0;
+      });
+    }
+    for (uint32_t i = 0; i < num_points; ++i) {
+      const Eigen::Vector3d normal = OnSphere(&random);
+      const Eigen::Vector3d point =
+          normal * (1 + kNoise * (2 * random.Unit() - 1));
+      Add(point, [&](const Eigen::Vector3d& center) {
+        return (center - point).dot(normal) > 1;
+      });
+    }
+  }
+
+  template <typename IsSeen>
+  void Add(const Eigen::Vector3d& point, const IsSeen& is_seen) {
+    cloud.colors.push_back({static_cast<uint8_t>(cloud.size()), 100, 200});
+    cloud.positions.push_back(point.cast<float>());
+    for (uint32_t view = 0; view < views.size(); ++view) {
+      if (is_seen(views[view].Center())) {
+        cloud.view_indices.push_back(view);
+      }
+    }
+    cloud.view_offsets.push_back(cloud.view_indices.size());
+  }
+
+  static Eigen::Vector3d OnSphere(Random* random) {
+    for (;;) {
+      const Eigen::Vector3d point(2 * random->Unit() - 1,
+                                  2 * random->Unit() - 1,
+                                  2 * random->Unit() - 1);
+      if (point.norm() > 0.1 && point.norm() < 1) {
+        return point.normalized();
+      }
+    }
+  }
+
+  // All of it, cameras included, scaled by a power of two.
+  void Scale(float factor) {
+    for (Eigen::Vector3f& position : cloud.positions) {
+      position *= factor;
+    }
+    for (View& view : views) {
+      view.cam_from_world_translation *= factor;
+    }
+  }
+
+  PointCloud cloud;
+  std::vector<View> views;
+};
+
+void ExpectSame(const ManifoldMesh& a, const ManifoldMesh& b) {
+  EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
+  EXPECT_EQ(a.mesh.facets, b.mesh.facets);
+  EXPECT_EQ(a.attributes.colors, b.attributes.colors);
+  EXPECT_EQ(a.attributes.view_offsets, b.attributes.view_offsets);
+  EXPECT_EQ(a.attributes.view_indices, b.attributes.view_indices);
+  EXPECT_EQ(a.report.flow, b.report.flow);
+}
+
+std::vector<ManifoldMeshingOptions> Variants() {
+  std::vector<ManifoldMeshingOptions> variants(6);
+  variants[1].max_proj_dist = 0;
+  variants[2].preemptive_fixing = false;
+  variants[3].fixing_rule = "paper";
+  variants[4].alpha_kind = "constant";
+  variants[4].alpha_vis = 0.5;
+  variants[4].behind_sigma = 8;
+  variants[5].max_side_length_factor = 1;
+  variants[5].max_side_length_percentile = 60;
+  variants[5].min_component_faces = 20;
+  return variants;
+}
+
+TEST(MeshManifold, OfASphereIsOneSphere) {
+  const SphereScene scene;
+  for (const double max_proj_dist : {0.0, 20.0}) {
+    ManifoldMeshingOptions options;
+    options.max_proj_dist = max_proj_dist;
+    const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+    EXPECT_TRUE(HasManifoldLinks(result.mesh));
+    const MeshReport& report = result.report.mesh;
+    EXPECT_EQ(report.num_components, 1u);
+    EXPECT_EQ(report.num_border_edges, 0u);
+    EXPECT_EQ(report.genus, 0);
+    double volume = 0;
+    double mean_error = 0;
+    for (const auto& [a, b, c] : result.mesh.facets) {
+      const Eigen::Vector3f& p = result.mesh.vertices[a];
+      volume += p.dot(result.mesh.vertices[b].cross(result.mesh.vertices[c]));
+      const Eigen::Vector3f centroid =
+          (p + result.mesh.vertices[b] + result.mesh.vertices[c]) / 3;
+      EXPECT_NEAR(centroid.norm(), 1, 0.1);
+      mean_error += std::abs(centroid.norm() - 1) /
+                    static_cast<double>(result.mesh.facets.size());
+    }
+    EXPECT_LT(mean_error, SphereScene::kNoise);
+    EXPECT_NEAR(volume / 6, 4.19, 0.1);  // positive: seen from outside
+  }
+}
+
+TEST(MeshManifold, ReportsWhatItDid) {
+  const SphereScene scene;
+  for (const ManifoldMeshingOptions& options : Variants()) {
+    const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+    const ManifoldMeshingReport& report = result.report;
+    EXPECT_TRUE(HasManifoldLinks(result.mesh));
+    EXPECT_TRUE(report.mesh.IsManifold());
+    EXPECT_EQ(report.num_points, scene.cloud.size());
+    EXPECT_EQ(report.num_observations, scene.cloud.view_indices.size());
+    EXPECT_EQ(report.rays.num_rays, report.num_observations);
+    EXPECT_EQ(report.rays.num_lost_rays, 0u);
+    EXPECT_EQ(report.flow, report.cut);
+    EXPECT_GT(report.flow, 0);
+    EXPECT_GT(report.num_free_cells, 0u);
+    EXPECT_LT(report.num_free_cells, report.num_cells);
+    EXPECT_GT(report.distance_sigma, 0);
+    EXPECT_EQ(report.num_vertices == scene.cloud.size(),
+              options.max_proj_dist == 0);
+    EXPECT_EQ(report.mesh.num_vertices, result.mesh.vertices.size());
+    EXPECT_EQ(report.mesh.num_facets, result.mesh.facets.size());
+    EXPECT_EQ(result.attributes.colors.size(), result.mesh.vertices.size());
+    EXPECT_EQ(result.attributes.view_offsets.size(),
+              result.mesh.vertices.size() + 1);
+    EXPECT_EQ(result.attributes.view_offsets.back(),
+              result.attributes.view_indices.size());
+    EXPECT_GT(report.num_long_facets, 0u);  // of the room
+  }
+}
+
+// Vertices are points, and have their colours and views.
+TEST(MeshManifold, VerticesHaveWhatTheirPointsHave) {
+  const SphereScene scene;
+  ManifoldMeshingOptions options;
+  options.preemptive_fixing = false;  // no centroids
+  const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+  ASSERT_EQ(result.report.num_midpoints, 0u);
+  for (size_t i = 0; i < result.mesh.vertices.size(); ++i) {
+    const auto found =
+        std::find(scene.cloud.positions.begin(), scene.cloud.positions.end(),
+                  result.mesh.vertices[i]);
+    ASSERT_NE(found, scene.cloud.positions.end());
+    const auto point =
+        static_cast<size_t>(found - scene.cloud.positions.begin());
+    ASSERT_EQ(result.attributes.colors[i], scene.cloud.colors[point]);
+    const auto views = scene.cloud.Views(point);
+    const auto first = result.attributes.view_indices.begin() +
+                       static_cast<int>(result.attributes.view_offsets[i]);
+    const auto last = result.attributes.view_indices.begin() +
+                      static_cast<int>(result.attributes.view_offsets[i + 1]);
+    ASSERT_TRUE(std::equal(views.begin(), views.end(), first, last));
+  }
+}
+
+TEST(MeshManifold, DoesNotDependOnThreads) {
+  const SphereScene scene(2500);
+  for (ManifoldMeshingOptions options : Variants()) {
+    options.num_threads = 1;
+    const ManifoldMesh expected =
+        MeshManifold(options, scene.cloud, scene.views);
+    options.num_threads = 2;
+    ExpectSame(MeshManifold(options, scene.cloud, scene.views), expected);
+  }
+}
+
+TEST(MeshManifold, ScalesWithTheScene) {
+  const SphereScene scene(1500);
+  for (const ManifoldMeshingOptions& options : Variants()) {
+    ManifoldMesh expected = MeshManifold(options, scene.cloud, scene.views);
+    for (const float factor : {1024.0f, 1.0f / 1024}) {
+      SphereScene scaled = scene;
+      scaled.Scale(factor);
+      const ManifoldMesh result =
+          MeshManifold(options, scaled.cloud, scaled.views);
+      ManifoldMesh expected_scaled = expected;
+      for (Eigen::Vector3f& vertex : expected_scaled.mesh.vertices) {
+        vertex *= factor;
+      }
+      ExpectSame(result, expected_scaled);
+    }
+  }
+}
+
+TEST(MeshManifold, DuplicatesChangeNothingButTheirVotes) {
+  SphereScene scene(1000);
+  ManifoldMeshingOptions options;
+  options.max_proj_dist = 0;
+  const ManifoldMesh expected = MeshManifold(options, scene.cloud, scene.views);
+  // Duplicates without views.
+  for (int i = 0; i < 100; ++i) {
+    scene.cloud.positions.push_back(scene.cloud.positions[7 * i]);
+    scene.cloud.colors.push_back({1, 2, 3});
+    scene.cloud.view_offsets.push_back(scene.cloud.view_offsets.back());
+  }
+  const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+  ExpectSame(result, expected);
+  EXPECT_EQ(result.report.num_duplicate_points, 100u);
+}
+
+TEST(MeshManifold, ReportsItsProgress) {
+  const SphereScene scene(1000);
+  std::vector<std::string> stages;
+  double last_share = 0;
+  MeshManifold({}, scene.cloud, scene.views,
+               [&](std::string_view stage, double share) {
+                 if (stages.empty() || stages.back() != stage) {
+                   EXPECT_EQ(share, 0) << stage;
+                   stages.emplace_back(stage);
+                 } else {
+                   EXPECT_GE(share, last_share) << stage;
+                 }
+                 EXPECT_LE(share, 1) << stage;
+                 last_share = share;
+               });
+  EXPECT_GT(stages.size(), 4u);
+  // No stage comes twice.
+  std::sort(stages.begin(), stages.end());
+  EXPECT_EQ(std::unique(stages.begin(), stages.end()), stages.end());
+}
+
+// Whether the input is refused with a message, rather than meshed.
+bool IsRefused(const PointCloud& cloud, const std::vector<View>& views) {
+  for (const double max_proj_dist : {0.0, 20.0}) {
+    ManifoldMeshingOptions options;
+    options.max_proj_dist = max_proj_dist;
+    try {
+      MeshManifold(options, cloud, views);
+      return false;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_STRNE(error.what(), "");
+    }
+  }
+  return true;
+}
+
+// Points that one camera sees.
+PointCloud SeenCloud(const std::vector<Eigen::Vector3f>& points) {
+  PointCloud cloud;
+  for (const Eigen::Vector3f& point : points) {
+    cloud.positions.push_back(point);
+    cloud.view_indices.push_back(0);
+    cloud.view_offsets.push_back(cloud.view_indices.size());
+  }
+  return cloud;
+}
+
+TEST(MeshManifold, RefusesWhatCannotBeMeshed) {
+  const std::vector<View> views = {LookAt({0, 0, -10}, {0, 0, 0})};
+  std::vector<Eigen::Vector3f> plane;
+  for (int i = 0; i < 100; ++i) {
+    plane.emplace_back(i % 10, i / 10, 0);
+  }
+  EXPECT_TRUE(IsRefused(PointCloud(), views));
+  EXPECT_TRUE(IsRefused(PointCloud(), {}));
+  EXPECT_TRUE(IsRefused(SeenCloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), views));
+  EXPECT_TRUE(IsRefused(SeenCloud(plane), views));
+  EXPECT_TRUE(
+      IsRefused(SeenCloud(std::vector<Eigen::Vector3f>(50, {1, 2, 3})), views));
+  // Nobody sees any.
+  EXPECT_TRUE(IsRefused(CloudOf(GridPoints(4)), views));
+}
+
+// Difficult points and cameras in bad places: a manifold mesh, or a refusal.
+TEST(MeshManifold, NeverCrashes) {
+  size_t num_meshes = 0;
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    for (const Eigen::Vector3d& offset :
+         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1e-9, 0, 0),
+          Eigen::Vector3d(0.5, 0, 0), Eigen::Vector3d(0, 0, -1e7)}) {
+      const Eigen::Vector3d center = points.back().cast<double>() + offset;
+      const std::vector<View> views = {
+          LookAt(center, center + Eigen::Vector3d(0.1, 0.2, 1))};
+      for (ManifoldMeshingOptions options : Variants()) {
+        options.max_side_length_factor = 0;
+        try {
+          const ManifoldMesh result =
+              MeshManifold(options, SeenCloud(points), views);
+          EXPECT_TRUE(HasManifoldLinks(result.mesh));
+          EXPECT_FALSE(result.mesh.facets.empty());
+          ++num_meshes;
+        } catch (const std::invalid_argument& error) {
+          EXPECT_STRNE(error.what(), "");
+        }
+      }
+    }
+  }
+  EXPECT_GT(num_meshes, 20u);
+}
+
+}  // namespace
+}  // namespace colmap_ext
