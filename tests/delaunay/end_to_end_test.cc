@@ -1,0 +1,81 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "delaunay/manifold_meshing.h"
+#include "scene/half_pixel.h"
+#include "tests/mesh/manifold_links.h"
+#include "tests/synthetic/dense_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+using synthetic::DenseScene;
+using synthetic::Scene;
+
+DenseScene MakeSmallScene(const std::string& shape) {
+  synthetic::DenseSceneOptions options;
+  options.scene.shape = shape;
+  options.scene.width = 256;
+  options.scene.height = 192;
+  options.render_images = false;
+  return synthetic::MakeDenseScene(options);
+}
+
+// Distance from the plane of the nearest of the true surface's vertices.
+double DistanceFromTruth(const Scene& scene, const Eigen::Vector3f& point) {
+  float least = std::numeric_limits<float>::infinity();
+  double distance = 0;
+  for (size_t i = 0; i < scene.surface.vertices.size(); ++i) {
+    const Eigen::Vector3f offset = point - scene.surface.vertices[i];
+    if (offset.squaredNorm() < least) {
+      least = offset.squaredNorm();
+      distance = std::abs(offset.dot(scene.normals[i]));
+    }
+  }
+  return distance;
+}
+
+// In pixels' footprints.
+double MedianError(const Scene& scene, const TriangleMesh& mesh) {
+  std::vector<double> errors;
+  const size_t stride = std::max<size_t>(1, mesh.vertices.size() / 400);
+  for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
+    errors.push_back(DistanceFromTruth(scene, mesh.vertices[i]) /
+                     scene.footprint);
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors[errors.size() / 2];
+}
+
+class EndToEnd : public testing::TestWithParam<const char*> {};
+
+TEST_P(EndToEnd, TheMeshIsTheScenesSurface) {
+  DenseScene dense = MakeSmallScene(GetParam());
+  PointCloud& cloud = dense.fused.cloud;
+  ManifoldMeshingOptions options;
+  options.max_proj_dist = 2;
+  const TriangleMesh shifted =
+      MeshManifold(options, cloud, dense.scene.views).mesh;
+  const auto offsets = HalfPixelOffsets(cloud, dense.scene.views);
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    cloud.positions[i] += offsets[i];
+  }
+  const ManifoldMesh result = MeshManifold(options, cloud, dense.scene.views);
+  EXPECT_TRUE(HasManifoldLinks(result.mesh));
+  EXPECT_EQ(result.report.rays.num_lost_rays, 0u);
+  // Most of the raw cut's singular vertices are avoided.
+  EXPECT_LE(20 * result.report.fixing.num_singular_fixed,
+            result.report.fixing.num_singular_raw);
+  const double error = MedianError(dense.scene, result.mesh);
+  EXPECT_LT(error, 0.5);
+  EXPECT_LT(error, 0.9 * MedianError(dense.scene, shifted));
+  RecordProperty("median_error_in_pixels", std::to_string(error));
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EndToEnd, testing::Values("statue", "wall"));
+
+}  // namespace
+}  // namespace colmap_ext
