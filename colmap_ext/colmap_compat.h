@@ -16,9 +16,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "scene/point_cloud.h"
+#include "scene/color_image.h"
 
 namespace colmap_ext {
 
@@ -30,13 +29,7 @@ void InitializeLogging(char** argv);
 // \return false if the options are wrong, which has been said then.
 bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
 
-// A picture as COLMAP reads it.
-struct ColorImage {
-  int width = 0;              // px
-  int height = 0;             // px
-  std::vector<Color> pixels;  // [height * width], rows from the top
-};
-
+// Reads a picture with COLMAP.
 // \return nothing if there is no such picture, or COLMAP can not read it.
 std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path);
 

@@ -35,4 +35,13 @@ struct View {
   }
 };
 
+// Direction in the world frame of the ray through an image point, with a z of 1
+// in the camera's frame, so that distances along it are depths.
+// \param u, v pixel coordinates
+inline Eigen::Vector3f RayDirection(const View& view, double u, double v) {
+  const Eigen::Vector3d in_camera((u - view.cx) / view.fx,
+                                  (v - view.cy) / view.fy, 1);
+  return (view.cam_from_world_rotation.transpose() * in_camera).cast<float>();
+}
+
 }  // namespace colmap_ext

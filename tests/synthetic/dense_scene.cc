@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tests/synthetic/bvh.h"
+#include "mesh/bvh.h"
 
 namespace colmap_ext::synthetic {
 

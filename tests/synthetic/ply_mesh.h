@@ -1,23 +1,15 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
-#include <Eigen/Core>
-
+#include "evaluation/mesh_renderer.h"
 #include "mesh/triangle_mesh.h"
-#include "scene/point_cloud.h"
 
 namespace colmap_ext::synthetic {
 
-// A mesh as a PLY file holds it; a point cloud is one without facets.
-struct PlyMesh {
-  TriangleMesh mesh;                     // polygons cut into triangles
-  std::vector<Eigen::Vector3f> normals;  // [V] or empty
-  std::vector<Color> colors;             // [V] or empty
-  std::vector<int32_t> labels;  // [F] or empty: the facets' property `label`
-};
+// A mesh as a PLY file holds it, its polygons cut into triangles, its facets'
+// property `label` as labels.
+using PlyMesh = DrawnMesh;
 
 // Reads a PLY file in any of its three formats, whatever else it holds.
 // \throw std::runtime_error for what is not a PLY file, ends early, or has

@@ -76,12 +76,6 @@ Color Expose(const Vector3f& radiance, double exposure,
 
 }  // namespace
 
-Vector3f RayDirection(const View& view, double u, double v) {
-  const Eigen::Vector3d in_camera((u - view.cx) / view.fx,
-                                  (v - view.cy) / view.fy, 1);
-  return (view.cam_from_world_rotation.transpose() * in_camera).cast<float>();
-}
-
 Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads) {
   Visible visible;
   visible.width = view.width;

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/point_cloud.h"
+#include "mesh/bvh.h"
+#include "scene/color_image.h"
 #include "scene/view.h"
-#include "tests/synthetic/bvh.h"
 #include "tests/synthetic/scene.h"
 
 namespace colmap_ext::synthetic {
@@ -16,14 +16,6 @@ struct RenderOptions {
 
   // Deviation of the photon noise at full intensity, in steps of 1/255.
   double photon_noise = 2.0;
-};
-
-struct ColorImage {
-  int width = 0;              // px
-  int height = 0;             // px
-  std::vector<Color> pixels;  // [height * width], row by row
-
-  const Color& At(int row, int col) const { return pixels[row * width + col]; }
 };
 
 // What the pixel centres (col + 0.5, row + 0.5) of an image see of a surface.
@@ -38,11 +30,6 @@ struct Visible {
     return static_cast<size_t>(row) * width + col;
   }
 };
-
-// Direction in the world frame of the ray through an image point, with a
-// z of 1 in the camera's frame, so that distances along it are depths.
-// \param u, v pixel coordinates in COLMAP's convention
-Eigen::Vector3f RayDirection(const View& view, double u, double v);
 
 // Casts a ray through every pixel's centre.
 Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads);

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "evaluation/mesh_renderer.h"
 #include "tests/synthetic/arguments.h"
 #include "tests/synthetic/colmap_workspace.h"
-#include "tests/synthetic/mesh_renderer.h"
 #include "tests/synthetic/ply_mesh.h"
 
 namespace {
 
-using colmap_ext::View;
+using namespace colmap_ext;             // NOLINT: a program
 using namespace colmap_ext::synthetic;  // NOLINT: a program
 
 struct Options {

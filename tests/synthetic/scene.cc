@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "tests/synthetic/bvh.h"
+#include "mesh/bvh.h"
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/parallel.h"
 #include "tests/synthetic/vertex_spreading.h"

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh/bvh.h"
 #include "scene/half_pixel.h"
-#include "tests/synthetic/bvh.h"
 
 namespace colmap_ext::synthetic {
 namespace {

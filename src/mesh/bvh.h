@@ -7,7 +7,7 @@
 
 #include "mesh/triangle_mesh.h"
 
-namespace colmap_ext::synthetic {
+namespace colmap_ext {
 
 // Four values side by side, one for each ray of a packet (GCC and Clang).
 using Float4 = float __attribute__((vector_size(16)));
@@ -37,7 +37,8 @@ struct HitPacket {
 // meet the facets by the test of Moeller and Trumbore (1997).
 class Bvh {
  public:
-  // \pre facet indices < mesh.vertices.size()
+  // Facets may be degenerate: one that repeats a vertex three times is a point.
+  // \pre facet indices < mesh.vertices.size(), their vertices are finite
   explicit Bvh(const TriangleMesh& mesh);
 
   HitPacket Intersect(const RayPacket& rays) const;
@@ -47,7 +48,14 @@ class Bvh {
   bool IsOccluded(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                   float margin) const;
 
+  // Distance from a point to the nearest facet, scene units: exact but for the
+  // rounding of the facets' edges to floats.
+  // \return max_distance if there is none nearer.
+  double Distance(const Eigen::Vector3f& point, double max_distance) const;
+
  private:
+  static constexpr int kMaxDepth = 64;  // of the tree
+
   struct Node {
     Eigen::Vector3f min, max;  // of the facets' bounding box
     uint32_t next;             // leaf: its first facet; else the far child
@@ -59,9 +67,13 @@ class Bvh {
   };
   struct Builder;
 
+  static double DistanceSquared(const Corner& corner,
+                                const Eigen::Vector3d& point);
+  static double DistanceSquared(const Node& node, const Eigen::Vector3d& point);
+
   std::vector<Node> nodes_;
   std::vector<Corner> corners_;   // [F], in the order of the leaves
   std::vector<uint32_t> facets_;  // [F], in the order of the leaves
 };
 
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext

@@ -1,16 +1,15 @@
-#include "tests/synthetic/mesh_renderer.h"
+#include "evaluation/mesh_renderer.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
-#include "tests/synthetic/bvh.h"
-#include "tests/synthetic/noise.h"
-#include "tests/synthetic/parallel.h"
+#include "mesh/bvh.h"
 
-namespace colmap_ext::synthetic {
+namespace colmap_ext {
 namespace {
 
 using Eigen::Vector3f;
@@ -20,10 +19,14 @@ const Vector3f kFront(0.78f, 0.78f, 0.76f);
 const Vector3f kBack(0.85f, 0.25f, 0.2f);
 constexpr float kLineWidth = 0.8f;  // px
 
+// Far apart for labels that follow each other: the R3 sequence of Roberts, "The
+// unreasonable effectiveness of quasirandom sequences" (2018).
 Vector3f LabelColor(int32_t label) {
+  constexpr double kSteps[] = {0.8191725134, 0.6710436067, 0.5497004779};
   Vector3f color;
   for (int i = 0; i < 3; ++i) {
-    color[i] = 0.25f + 0.7f * static_cast<float>(Uniform(Hash(7, label, i)));
+    const double t = kSteps[i] * label;
+    color[i] = static_cast<float>(0.25 + 0.7 * (t - std::floor(t)));
   }
   return color;
 }
@@ -53,10 +56,10 @@ std::vector<int32_t> Components(const TriangleMesh& mesh) {
 
 class Renderer {
  public:
-  Renderer(const PlyMesh& ply, const View& view, RenderMode mode)
-      : ply_(ply), view_(view), mode_(mode), bvh_(ply.mesh) {
+  Renderer(const DrawnMesh& drawn, const View& view, RenderMode mode)
+      : drawn_(drawn), view_(view), mode_(mode), bvh_(drawn.mesh) {
     if (mode == RenderMode::kLabels) {
-      labels_ = ply.labels.empty() ? Components(ply.mesh) : ply.labels;
+      labels_ = drawn.labels.empty() ? Components(drawn.mesh) : drawn.labels;
     }
     eye_ = view.Center().cast<float>();
     // From above and to the left of the camera.
@@ -90,10 +93,10 @@ class Renderer {
 
  private:
   Vector3f Shade(int32_t index, float depth, const Vector3f& direction) const {
-    const Facet& facet = ply_.mesh.facets[index];
-    const Vector3f& a = ply_.mesh.vertices[facet[0]];
-    const Vector3f& b = ply_.mesh.vertices[facet[1]];
-    const Vector3f& c = ply_.mesh.vertices[facet[2]];
+    const Facet& facet = drawn_.mesh.facets[index];
+    const Vector3f& a = drawn_.mesh.vertices[facet[0]];
+    const Vector3f& b = drawn_.mesh.vertices[facet[1]];
+    const Vector3f& c = drawn_.mesh.vertices[facet[2]];
     const Vector3f cross = (b - a).cross(c - a);
     const Vector3f normal = cross.normalized();
     const bool is_back = normal.dot(direction) > 0;
@@ -106,10 +109,10 @@ class Renderer {
     if (mode_ == RenderMode::kNormals && !is_back) {
       return 0.5f * (normal + Vector3f::Ones());
     }
-    if (mode_ == RenderMode::kColor && !is_back && !ply_.colors.empty()) {
+    if (mode_ == RenderMode::kColor && !is_back && !drawn_.colors.empty()) {
       base.setZero();
       for (int i = 0; i < 3; ++i) {
-        const Color& color = ply_.colors[facet[i]];
+        const Color& color = drawn_.colors[facet[i]];
         base += areas[i] / areas.sum() / 255 *
                 Vector3f(color[0], color[1], color[2]);
       }
@@ -131,7 +134,7 @@ class Renderer {
     return base * light;
   }
 
-  const PlyMesh& ply_;
+  const DrawnMesh& drawn_;
   const View& view_;
   const RenderMode mode_;
   const Bvh bvh_;
@@ -149,11 +152,11 @@ Color ToColor(const Vector3f& value) {
 }
 
 // The points as discs in a depth buffer of the picture's size.
-void DrawPoints(const PlyMesh& ply, const View& view, const Renderer& renderer,
-                double radius, ColorImage* image) {
+void DrawPoints(const DrawnMesh& drawn, const View& view,
+                const Renderer& renderer, double radius, ColorImage* image) {
   std::vector<float> depths(image->pixels.size(), 1e30f);
-  for (size_t p = 0; p < ply.mesh.vertices.size(); ++p) {
-    const Vector3f& point = ply.mesh.vertices[p];
+  for (size_t p = 0; p < drawn.mesh.vertices.size(); ++p) {
+    const Vector3f& point = drawn.mesh.vertices[p];
     const Eigen::Vector3d in_camera = view.CamFromWorld(point.cast<double>());
     if (!(in_camera.z() > 0)) {
       continue;
@@ -163,12 +166,13 @@ void DrawPoints(const PlyMesh& ply, const View& view, const Renderer& renderer,
       continue;
     }
     Vector3f color = kFront;
-    if (!ply.colors.empty()) {
+    if (!drawn.colors.empty()) {
       color =
-          Vector3f(ply.colors[p][0], ply.colors[p][1], ply.colors[p][2]) / 255;
-    } else if (!ply.normals.empty()) {
+          Vector3f(drawn.colors[p][0], drawn.colors[p][1], drawn.colors[p][2]) /
+          255;
+    } else if (!drawn.normals.empty()) {
       color *=
-          renderer.Light(ply.normals[p], point - view.Center().cast<float>());
+          renderer.Light(drawn.normals[p], point - view.Center().cast<float>());
     }
     const int first_row = std::max(0.0, std::ceil(at.y() - radius - 0.5));
     const int first_col = std::max(0.0, std::ceil(at.x() - radius - 0.5));
@@ -189,25 +193,25 @@ void DrawPoints(const PlyMesh& ply, const View& view, const Renderer& renderer,
 
 }  // namespace
 
-ColorImage RenderMesh(const PlyMesh& ply, const View& view, RenderMode mode,
+ColorImage RenderMesh(const DrawnMesh& drawn, const View& view, RenderMode mode,
                       double point_radius) {
   ColorImage image;
   image.width = view.width;
   image.height = view.height;
   image.pixels.resize(static_cast<size_t>(view.width) * view.height,
                       ToColor(kBackground));
-  const Renderer renderer(ply, view, mode);
-  if (ply.mesh.facets.empty()) {
-    DrawPoints(ply, view, renderer, point_radius, &image);
+  const Renderer renderer(drawn, view, mode);
+  if (drawn.mesh.facets.empty()) {
+    DrawPoints(drawn, view, renderer, point_radius, &image);
     return image;
   }
-  ParallelFor(view.height, -1, [&](size_t row) {
+  tbb::parallel_for(0, view.height, [&](int row) {
     for (int col = 0; col < view.width; ++col) {
-      image.pixels[row * view.width + col] =
-          ToColor(renderer.Pixel(static_cast<int>(row), col));
+      image.pixels[static_cast<size_t>(row) * view.width + col] =
+          ToColor(renderer.Pixel(row, col));
     }
   });
   return image;
 }
 
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext

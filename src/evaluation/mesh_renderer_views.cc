@@ -5,9 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "tests/synthetic/mesh_renderer.h"
+#include "evaluation/mesh_renderer.h"
 
-namespace colmap_ext::synthetic {
+namespace colmap_ext {
 namespace {
 
 using Eigen::Vector3d;
@@ -16,11 +16,11 @@ constexpr double kFocalLength = 1.5;  // in widths of the picture
 constexpr double kKept = 0.98;        // share of the vertices that is in it
 
 // Sum of the facets' normals, weighted by area, or of the points'.
-Vector3d SumOfNormals(const PlyMesh& ply) {
-  const TriangleMesh& mesh = ply.mesh;
+Vector3d SumOfNormals(const DrawnMesh& drawn) {
+  const TriangleMesh& mesh = drawn.mesh;
   Vector3d sum = Vector3d::Zero();
   if (mesh.facets.empty()) {
-    for (const Eigen::Vector3f& normal : ply.normals) {
+    for (const Eigen::Vector3f& normal : drawn.normals) {
       sum += normal.cast<double>();
     }
   }
@@ -63,8 +63,8 @@ View LookAtView(const Vector3d& eye, const Vector3d& target, const Vector3d& up,
   return view;
 }
 
-View AutomaticView(const PlyMesh& ply, int width, int height) {
-  const TriangleMesh& mesh = ply.mesh;
+View AutomaticView(const DrawnMesh& drawn, int width, int height) {
+  const TriangleMesh& mesh = drawn.mesh;
   std::vector<double> coordinates[3];
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     for (int i = 0; i < 3; ++i) {
@@ -91,7 +91,7 @@ View AutomaticView(const PlyMesh& ply, int width, int height) {
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   Vector3d broad_side = solver.eigenvectors().col(0);
-  if (broad_side.dot(SumOfNormals(ply)) < 0) {
+  if (broad_side.dot(SumOfNormals(drawn)) < 0) {
     broad_side = -broad_side;
   }
   const Vector3d up = solver.eigenvectors().col(1);
@@ -119,4 +119,4 @@ View CropView(const View& view, double zoom, double u, double v, int width,
   return crop;
 }
 
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "tests/synthetic/bvh.h"
+#include "mesh/bvh.h"
 
 #include <algorithm>
 #include <array>
@@ -7,12 +7,11 @@
 
 #include <Eigen/Geometry>
 
-namespace colmap_ext::synthetic {
+namespace colmap_ext {
 namespace {
 
 constexpr int kNumBins = 16;
 constexpr uint32_t kMaxLeafFacets = 4;
-constexpr int kMaxDepth = 64;
 
 using Box = Eigen::AlignedBox3f;
 
@@ -200,4 +199,4 @@ bool Bvh::IsOccluded(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
   return Intersect(rays).facet[0] >= 0;
 }
 
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext

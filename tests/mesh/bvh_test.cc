@@ -1,12 +1,15 @@
-#include "tests/synthetic/bvh.h"
+#include "mesh/bvh.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
 #include "tests/synthetic/noise.h"
 
-namespace colmap_ext::synthetic {
+namespace colmap_ext {
 namespace {
+
+using synthetic::Hash;
+using synthetic::Uniform;
 
 using Eigen::Vector3f;
 
@@ -89,4 +92,4 @@ TEST(Bvh, OccludesBetweenThePointsOnly) {
 }
 
 }  // namespace
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext

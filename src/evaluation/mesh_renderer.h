@@ -1,10 +1,24 @@
 #pragma once
 
-#include "scene/view.h"
-#include "tests/synthetic/ply_mesh.h"
-#include "tests/synthetic/render.h"
+#include <cstdint>
+#include <vector>
 
-namespace colmap_ext::synthetic {
+#include <Eigen/Core>
+
+#include "mesh/triangle_mesh.h"
+#include "scene/color_image.h"
+#include "scene/point_cloud.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// A mesh and what belongs to its parts; a point cloud is one without facets.
+struct DrawnMesh {
+  TriangleMesh mesh;
+  std::vector<Eigen::Vector3f> normals;  // [V] or empty
+  std::vector<Color> colors;             // [V] or empty
+  std::vector<int32_t> labels;           // [F] or empty
+};
 
 enum class RenderMode {
   kShaded,     // grey, facet by facet
@@ -18,12 +32,12 @@ enum class RenderMode {
 // are lit; those seen from behind are red, so that holes and flipped facets
 // show. What has no facets is drawn as discs, one a point.
 // \param point_radius of the discs, px
-ColorImage RenderMesh(const PlyMesh& ply, const View& view, RenderMode mode,
+ColorImage RenderMesh(const DrawnMesh& drawn, const View& view, RenderMode mode,
                       double point_radius);
 
 // A camera of the given size that has all of the mesh but stray vertices in
 // its picture, and looks at its broad side from above.
-View AutomaticView(const PlyMesh& ply, int width, int height);
+View AutomaticView(const DrawnMesh& drawn, int width, int height);
 
 // A camera at `eye` that looks at `target`, with `up` upwards in its picture.
 View LookAtView(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
@@ -34,4 +48,4 @@ View LookAtView(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
 View CropView(const View& view, double zoom, double u, double v, int width,
               int height);
 
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext
