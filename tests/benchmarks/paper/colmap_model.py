@@ -42,7 +42,7 @@ def distinct_cameras(views):
 
 def write_model(folder, views):
     """Writes cameras.txt, images.txt and an empty points3D.txt. Image ids
-    count from 1 in the order of the names, as feature_extractor's do."""
+    count from 1 in the order of the names."""
     folder.mkdir(parents=True, exist_ok=True)
     views = sorted(views, key=lambda view: view.name)
     camera_ids, cameras = distinct_cameras(views)
@@ -60,10 +60,9 @@ def write_model(folder, views):
 
 
 def link(target, path):
-    """Makes path a symbolic link to target, whatever was linked there."""
+    """Makes path a symbolic link to target, whatever file was there."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    if path.is_symlink():
-        path.unlink()
+    path.unlink(missing_ok=True)
     path.symlink_to(target.resolve())
 
 

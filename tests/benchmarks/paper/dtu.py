@@ -48,29 +48,18 @@ def load_mat(path):
 
 
 def convert_mask(source, target):
-    """Writes ObsMaskN_10.mat as .npy, uint8 [x, y, z], 1 where DTU's cameras
-    and scanner see. Returns the box (x0, y0, z0, x1, y1, z1) in mm.
-
-    DTU's code takes cell round((X - BB[0]) / Res), counted from 0: centres of
-    cells, not corners, lie at BB[0] + i Res. The box goes from the corner of
-    the first cell to the corner of the last.
-    """
+    """Writes ObsMaskN_10.mat as .npy, uint8 [x, y, z], 1 where DTU's scanner
+    sees. Returns (x, y, z) of the centre of the first voxel and the side of a
+    voxel, in mm: DTU's code takes voxel round((X - BB[0]) / Res), from 0."""
     variables = load_mat(source)
     mask = np.ascontiguousarray(variables["ObsMask"] != 0, dtype=np.uint8)
-    first = np.asarray(variables["BB"], dtype=float)[0]
-    resolution = float(np.squeeze(variables["Res"]))
     target.parent.mkdir(parents=True, exist_ok=True)
     np.save(target, mask)
-    corner = first - resolution / 2
-    return (*corner, *(corner + resolution * np.array(mask.shape)))
+    return (*np.asarray(variables["BB"], dtype=float)[0].tolist(),
+            float(np.squeeze(variables["Res"])))
 
 
 def read_plane(path):
     """The plane P [4] of PlaneN.mat: points of the truth with P . (X, 1) > 0
     count towards the completeness, the table below them does not."""
-    return np.asarray(load_mat(path)["P"], dtype=float).reshape(4)
-
-
-def above_plane(points, plane):
-    """Which of points [n, 3] lie above a plane [4]; [n], bool."""
-    return points @ plane[:3] + plane[3] > 0
+    return np.asarray(load_mat(path)["P"], dtype=float).reshape(4).tolist()

@@ -1,6 +1,5 @@
 """Small scenes for the tests, laid out as DTU and EPFL are."""
 
-import functools
 import os
 import pathlib
 import struct
@@ -18,7 +17,7 @@ def colmap_program():
     default = (pathlib.Path(__file__).resolve().parents[3]
                / "build" / "release" / "bin" / "colmap")
     program = pathlib.Path(os.environ.get("COLMAP_EXT_COLMAP", default))
-    return program if program.exists() else None
+    return program if program.is_file() else None
 
 
 def rotation_about(axis, angle):
@@ -78,12 +77,6 @@ def render_plane(camera, pixel_center, size=SIZE):
     return grey.reshape(size[::-1])
 
 
-@functools.lru_cache(maxsize=None)
-def image_of_plane(i, pixel_center):
-    """The image that the i-th of cameras_above_plane() takes."""
-    return render_plane(cameras_above_plane()[i], pixel_center)
-
-
 def write_png(path, image):
     """Writes an image [height, width], uint8."""
     def chunk(kind, data):
@@ -98,14 +91,17 @@ def write_png(path, image):
         + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
-def write_dtu(root, scan, pixel_center=0.0):
-    """The images of the plane and their matrices, without truth; returns the
+def blank(_):
+    return np.zeros(SIZE[::-1], np.uint8)
+
+
+def write_dtu(root, scan, render=blank):
+    """Images, render(camera), and their matrices, without truth; returns the
     cameras, by position from 1."""
     cameras = cameras_above_plane()
     for i, camera in enumerate(cameras, start=1):
         write_png(root / "Rectified" / f"scan{scan}" /
-                  f"rect_{i:03d}_3_r5000.png",
-                  image_of_plane(i - 1, pixel_center))
+                  f"rect_{i:03d}_3_r5000.png", render(camera))
         path = root / "Calibration" / "cal18" / f"pos_{i:03d}.txt"
         path.parent.mkdir(parents=True, exist_ok=True)
         np.savetxt(path, -1.7 * camera.projection(), fmt="%.17g")
@@ -122,10 +118,10 @@ def strecha_text(camera, size):
 
 
 def write_epfl(folder, count=3):
-    """The images of the plane and their .camera files; returns the cameras."""
+    """Blank images and their .camera files; returns the cameras."""
     cameras = cameras_above_plane()[:count]
     for i, camera in enumerate(cameras):
-        write_png(folder / "images" / f"{i:04d}.png", image_of_plane(i, 0.5))
+        write_png(folder / "images" / f"{i:04d}.png", blank(camera))
         path = folder / "cameras" / f"{i:04d}.png.camera"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(strecha_text(camera, SIZE))
