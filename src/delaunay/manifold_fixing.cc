@@ -12,8 +12,9 @@ namespace {
 using Component = VertexStar::Component;
 
 // Passes of the energy rule end by themselves, since each leaves fewer
-// components too many; this bounds how many centroid splits are tried in a row.
-constexpr int kMaxSplitRounds = 4;
+// components too many; this bounds how often what is left is split at centroids
+// and, so that another vertex may be easier to fix, moved on.
+constexpr int kMaxSplitRounds = 6;
 
 class Fixer {
  public:
@@ -29,15 +30,19 @@ class Fixer {
     report_.num_singular_raw = singular.size();
     const int max_rounds = rule_ == FixingRule::kPaper ? 1 : kMaxSplitRounds;
     singular = RelabelAll(std::move(singular));
-    for (int round = 0; round < max_rounds && !singular.empty(); ++round) {
+    std::vector<uint32_t> before;
+    for (int round = 0; round < max_rounds && singular != before; ++round) {
+      before = singular;
       for (const uint32_t vertex : singular) {
         SplitSmallComponents(vertex);
       }
-      const size_t before = singular.size();
-      singular = RelabelAll(std::move(singular));
-      if (singular.size() >= before) {
-        break;
+      if (rule_ == FixingRule::kEnergy) {
+        for (const uint32_t vertex : singular) {
+          RelabelByEnergy(vertex, /*max_change=*/0);
+        }
+        singular = Singular();
       }
+      singular = RelabelAll(std::move(singular));
     }
     report_.num_singular_fixed = singular.size();
     return report_;
@@ -60,7 +65,7 @@ class Fixer {
     for (;;) {
       const size_t before = report_.num_relabeled_cells;
       for (const uint32_t vertex : singular) {
-        RelabelByEnergy(vertex);
+        RelabelByEnergy(vertex, /*max_change=*/-1);
       }
       if (report_.num_relabeled_cells == before) {
         return singular;
@@ -140,9 +145,10 @@ class Fixer {
     return ways;
   }
 
-  // Takes the best way, if it is any good.
-  void RelabelByEnergy(uint32_t vertex) {
-    Merit best{0, std::numeric_limits<int64_t>::min()};
+  // Takes the best way, unless it changes the number of components too many by
+  // more than max_change.
+  void RelabelByEnergy(uint32_t vertex, int64_t max_change) {
+    Merit best{max_change + 1, std::numeric_limits<int64_t>::min()};
     std::vector<uint32_t> best_way;
     for (std::vector<uint32_t>& way : Ways(vertex)) {
       const Merit merit = MeritOf(way);

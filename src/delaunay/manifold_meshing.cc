@@ -64,10 +64,12 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   for (const View& view : views) {
     centers.push_back(view.Center());
   }
-  const std::vector<float> alphas = Alphas(options, cloud);
   report->rays = AddVisibilityWeights(
-      tetrahedra, {cloud, thinned.point_vertices, alphas, centers},
-      {report->distance_sigma, options.behind_sigma}, &graph, progress);
+      tetrahedra,
+      ObserveVertices(cloud, tetrahedra.points.size(), thinned.point_vertices,
+                      Alphas(options, cloud)),
+      centers, {report->distance_sigma, options.behind_sigma}, &graph,
+      progress);
   return graph;
 }
 

@@ -24,12 +24,12 @@ struct Corner {
 // leaves.
 class Walk {
  public:
-  Walk(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
+  Walk(const Tetrahedralization& tetrahedra, uint32_t origin,
        const Eigen::Vector3d& target)
       : tetrahedra_(tetrahedra),
-        origin_(origin.position),
+        origin_(tetrahedra.points[origin].cast<double>()),
         target_(target),
-        direction_(target - origin.position),
+        direction_(target - origin_),
         length_(direction_.norm()) {
     if (length_ > 0) {
       // Right-handed: axis_x x axis_y is the direction.
@@ -60,19 +60,6 @@ class Walk {
         return false;
       }
     }
-  }
-
-  // \return false where the ray leaves through no facet of its cell: its origin
-  //         does not lie within.
-  bool StartInCell(uint32_t cell) {
-    cell_ = cell;
-    for (exit_ = 0; exit_ < 4; ++exit_) {
-      SetExitCorners(tetrahedra_.cells[cell]);
-      if (FirstEdgePassedOutside() < 0) {
-        return true;
-      }
-    }
-    return false;
   }
 
   // From the origin to the facet through which the ray leaves the cell, scene
@@ -178,7 +165,7 @@ class Walk {
 
 }  // namespace
 
-uint32_t WalkRay(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
+uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  const Eigen::Vector3d& target, uint32_t end,
                  double near_distance, std::vector<Crossing>* crossings) {
   crossings->clear();
@@ -186,12 +173,8 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
   if (!(walk.length() > 0)) {
     return kNoCell;
   }
-  if (origin.vertex != kInfiniteVertex) {
-    if (!walk.StartAtVertex(origin.vertex)) {
-      return walk.cell();
-    }
-  } else if (!walk.StartInCell(origin.cell)) {
-    return kNoCell;
+  if (!walk.StartAtVertex(origin)) {
+    return walk.cell();
   }
   // A line crosses a cell once; more crossings would be a bug of ours, which
   // must not hang.

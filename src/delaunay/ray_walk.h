@@ -10,13 +10,6 @@
 
 namespace colmap_ext {
 
-// Where a ray starts: at a vertex, or strictly within a finite cell.
-struct RayOrigin {
-  Eigen::Vector3d position;           // world frame
-  uint32_t vertex = kInfiniteVertex;  // at the position, or kInfiniteVertex
-  uint32_t cell = kNoCell;            // that holds it, where there is no vertex
-};
-
 // A facet that a ray crosses, as the two arcs through it: 4 * cell + facet of
 // the cell that the ray leaves, and of the cell that it enters.
 struct Crossing {
@@ -38,7 +31,7 @@ struct Crossing {
 // \pre Delaunay: a walk around a vertex relies on it to end.
 // \return the cell where the walk ended, or kNoCell where it had to be given up
 //         (the target is the origin); then *crossings means nothing.
-uint32_t WalkRay(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
+uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  const Eigen::Vector3d& target, uint32_t end,
                  double near_distance, std::vector<Crossing>* crossings);
 

@@ -130,6 +130,22 @@ class ThinningRule {
   double max_depth_dist_;
 };
 
+// The point of that vertex of a cell which is nearest to a point.
+template <typename CellHandle>
+uint32_t NearestVertex(const CellHandle& cell, const PointCloud& cloud,
+                       uint32_t point) {
+  uint32_t nearest = cell->vertex(0)->info();
+  for (int i = 1; i < 4; ++i) {
+    const uint32_t other = cell->vertex(i)->info();
+    const auto& position = cloud.positions[point];
+    if ((cloud.positions[other] - position).squaredNorm() <
+        (cloud.positions[nearest] - position).squaredNorm()) {
+      nearest = other;
+    }
+  }
+  return nearest;
+}
+
 constexpr char kStage[] = "Triangulating points";
 
 // A vertex's info is its point.
@@ -157,7 +173,7 @@ SerialDelaunay InsertThinned(const PointCloud& cloud,
     const bool inside =
         delaunay.dimension() == 3 && !delaunay.is_infinite(cell);
     if (inside && rule.IsRedundant(order[i], cell)) {
-      (*stand_ins)[order[i]] = cell->vertex(0)->info();
+      (*stand_ins)[order[i]] = NearestVertex(cell, cloud, order[i]);
       hint = cell;
       continue;
     }

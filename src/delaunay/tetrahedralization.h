@@ -78,7 +78,7 @@ struct ThinnedTetrahedralization {
   Tetrahedralization tetrahedra;
   std::vector<uint32_t> vertex_points;  // [V], the cloud's point of each vertex
   // [P], the vertex of each point: its own, or for a point that was left out
-  // one of those that it was found near to.
+  // the nearest one of those that it was found near to.
   std::vector<uint32_t> point_vertices;
   size_t num_duplicate_points = 0;  // at the very position of another
 };

@@ -19,9 +19,9 @@ constexpr char kStage[] = "Walking rays";
 // Beyond this many sigmas the soft weight is one to within the weights' unit.
 constexpr double kNearSigmas = 5;
 
-// Rays of this many points are walked by one thread, camera after camera, so
+// Rays of this many vertices are walked by one thread, camera after camera, so
 // that neighboring rays find their cells in the cache.
-constexpr size_t kBlock = 256;
+constexpr uint32_t kBlock = 256;
 
 // Adds atomically, up to a little above kMaxCapacity. Whether the sum ends
 // above it does not depend on the order, and above it all sums count the same.
@@ -35,7 +35,7 @@ void Add(uint32_t weight, uint32_t* sum) {
 // A camera's centre and the cell that holds it.
 struct Center {
   Eigen::Vector3d position;
-  uint32_t cell = kNoCell;  // kNoCell: beyond the hull
+  uint32_t cell = 0;  // no cell's index where it lies beyond the hull
 };
 
 // A centre on a facet would lie in no cell, or not in that of the walk, which
@@ -46,6 +46,7 @@ std::vector<Center> LocateCenters(const Tetrahedralization& tetrahedra,
   std::vector<Center> located(centers.size());
   for (size_t i = 0; i < centers.size(); ++i) {
     constexpr int kMaxTries = 64;
+    located[i].cell = static_cast<uint32_t>(tetrahedra.cells.size());
     for (int k = 0; k < kMaxTries; ++k) {
       located[i].position =
           centers[i] + 1e-6 * sigma * k * Eigen::Vector3d(1, 0.618, 0.382);
@@ -63,7 +64,7 @@ std::vector<Center> LocateCenters(const Tetrahedralization& tetrahedra,
   return located;
 }
 
-// Walks the rays of points and collects their votes.
+// Walks the rays of vertices and counts their votes.
 class Voter {
  public:
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
@@ -78,74 +79,45 @@ class Voter {
                        (options.distance_sigma * options.distance_sigma)),
         graph_(graph) {}
 
-  void VoteBlock(size_t begin, size_t end) {
-    std::vector<std::pair<uint32_t, size_t>> rays;  // view, point
-    std::vector<RayOrigin> origins;
-    for (size_t point = begin; point < end; ++point) {
-      origins.push_back(OriginOf(point));
-      for (const uint32_t view : observations_.cloud.Views(point)) {
-        rays.emplace_back(view, point);
+  // \param begin, end  vertices
+  void VoteBlock(uint32_t begin, uint32_t end) {
+    struct Observation {
+      uint32_t view;
+      uint32_t vertex;
+      float alpha;
+    };
+    std::vector<Observation> block;
+    for (uint32_t vertex = begin; vertex < end; ++vertex) {
+      for (uint64_t k = observations_.offsets[vertex];
+           k < observations_.offsets[vertex + 1]; ++k) {
+        block.push_back(
+            {observations_.views[k], vertex, observations_.alphas[k]});
       }
     }
-    std::sort(rays.begin(), rays.end());
-    for (const auto& [view, point] : rays) {
-      Vote(origins[point - begin], centers_[view], observations_.alphas[point]);
+    std::stable_sort(block.begin(), block.end(),
+                     [](const Observation& a, const Observation& b) {
+                       return a.view < b.view;
+                     });
+    for (const auto& [view, vertex, alpha] : block) {
+      Vote(vertex, centers_[view], alpha);
     }
   }
 
   const RayReport& report() const { return report_; }
 
  private:
-  // A point that was thinned out has to lie strictly within its cell for the
-  // walk: from a facet it is moved inwards, and to a vertex where even that
-  // fails.
-  RayOrigin OriginOf(size_t point) const {
-    RayOrigin origin;
-    origin.position = observations_.cloud.positions[point].cast<double>();
-    const uint32_t near = observations_.point_vertices[point];
-    if (tetrahedra_.points[near] == observations_.cloud.positions[point]) {
-      origin.vertex = near;
-      return origin;
-    }
-    origin.cell =
-        Locate(tetrahedra_, origin.position, tetrahedra_.vertex_cells[near]);
-    if (!tetrahedra_.IsInfinite(origin.cell)) {
-      Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-      for (const uint32_t vertex : tetrahedra_.cells[origin.cell].vertices) {
-        centroid += 0.25 * tetrahedra_.points[vertex].cast<double>();
-      }
-      const Eigen::Vector3d position = origin.position;
-      for (const double share : {0.0, 1e-6, 1e-3, 1e-1}) {
-        origin.position = position + share * (centroid - position);
-        if (IsStrictlyInside(tetrahedra_, origin.cell, origin.position)) {
-          return origin;
-        }
-      }
-    }
-    origin.position = tetrahedra_.points[near].cast<double>();
-    origin.vertex = near;
-    return origin;
-  }
-
-  void Vote(const RayOrigin& origin, const Center& center, double alpha) {
+  void Vote(uint32_t vertex, const Center& center, double alpha) {
     ++report_.num_rays;
-    // The end of a front walk is never kNoCell, which would stop it at its
-    // target: an index that no cell has lets it go on to the hull.
-    const uint32_t end = center.cell == kNoCell
-                             ? static_cast<uint32_t>(tetrahedra_.cells.size())
-                             : center.cell;
-    const uint32_t source_cell = WalkRay(tetrahedra_, origin, center.position,
-                                         end, near_distance_, &front_);
-    const Eigen::Vector3d direction =
-        (origin.position - center.position).normalized();
+    const uint32_t source_cell = WalkRay(tetrahedra_, vertex, center.position,
+                                         center.cell, near_distance_, &front_);
+    const Eigen::Vector3d position = tetrahedra_.points[vertex].cast<double>();
+    const Eigen::Vector3d direction = (position - center.position).normalized();
     const Eigen::Vector3d target =
-        origin.position +
-        options_.behind_sigma * options_.distance_sigma * direction;
-    const uint32_t sink_cell =
-        options_.behind_sigma > 0 && source_cell != kNoCell
-            ? WalkRay(tetrahedra_, origin, target, kNoCell, near_distance_,
-                      &behind_)
-            : kNoCell;
+        position + options_.behind_sigma * options_.distance_sigma * direction;
+    const uint32_t sink_cell = source_cell != kNoCell
+                                   ? WalkRay(tetrahedra_, vertex, target,
+                                             kNoCell, near_distance_, &behind_)
+                                   : kNoCell;
     if (sink_cell == kNoCell) {
       ++report_.num_lost_rays;
       return;
@@ -186,27 +158,66 @@ class Voter {
 
 }  // namespace
 
+Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
+                             const std::vector<uint32_t>& point_vertices,
+                             const std::vector<float>& point_alphas) {
+  // The points of each vertex, compressed sparse rows.
+  std::vector<uint64_t> offsets(num_vertices + 1, 0);
+  for (const uint32_t vertex : point_vertices) {
+    ++offsets[vertex + 1];
+  }
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+  std::vector<uint32_t> points(cloud.size());
+  std::vector<uint64_t> next(offsets.begin(), offsets.end() - 1);
+  for (uint32_t point = 0; point < cloud.size(); ++point) {
+    points[next[point_vertices[point]]++] = point;
+  }
+  Observations observations;
+  std::vector<std::pair<uint32_t, float>> row;  // view, alpha
+  for (size_t vertex = 0; vertex < num_vertices; ++vertex) {
+    row.clear();
+    for (uint64_t k = offsets[vertex]; k < offsets[vertex + 1]; ++k) {
+      for (const uint32_t view : cloud.Views(points[k])) {
+        row.emplace_back(view, point_alphas[points[k]]);
+      }
+    }
+    std::sort(row.begin(), row.end());
+    for (size_t i = 0; i < row.size(); ++i) {
+      if (i > 0 && row[i].first == row[i - 1].first) {
+        observations.alphas.back() += row[i].second;
+      } else {
+        observations.views.push_back(row[i].first);
+        observations.alphas.push_back(row[i].second);
+      }
+    }
+    observations.offsets.push_back(observations.size());
+  }
+  return observations;
+}
+
 RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
+                               const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
                                FlowGraph* graph, const Progress& progress) {
   Report(progress, kStage, 0);
   const std::vector<Center> located =
-      LocateCenters(tetrahedra, observations.centers, options.distance_sigma);
-  const size_t num_points = observations.cloud.size();
-  const size_t num_blocks = (num_points + kBlock - 1) / kBlock;
+      LocateCenters(tetrahedra, centers, options.distance_sigma);
+  const auto num_vertices =
+      static_cast<uint32_t>(observations.offsets.size() - 1);
+  const uint32_t num_blocks = (num_vertices + kBlock - 1) / kBlock;
   std::mutex mutex;
   size_t num_done = 0;
   RayReport report;
-  tbb::parallel_for(size_t{0}, num_blocks, [&](size_t block) {
+  tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
     Voter voter(tetrahedra, observations, located, options, graph);
-    voter.VoteBlock(block * kBlock, std::min(num_points, (block + 1) * kBlock));
+    voter.VoteBlock(block * kBlock,
+                    std::min(num_vertices, (block + 1) * kBlock));
     const std::lock_guard lock(mutex);
     report.num_rays += voter.report().num_rays;
     report.num_lost_rays += voter.report().num_lost_rays;
     report.num_steps += voter.report().num_steps;
-    Report(progress, kStage,
-           static_cast<double>(++num_done) / static_cast<double>(num_blocks));
+    Report(progress, kStage, static_cast<double>(++num_done) / num_blocks);
   });
   return report;
 }

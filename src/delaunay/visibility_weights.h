@@ -21,15 +21,24 @@ struct VisibilityWeightOptions {
   double behind_sigma = 1;    // in distance sigmas
 };
 
-// What votes: all points of the cloud, those that were thinned out, too.
+// What votes: each view of each vertex, compressed sparse rows.
 struct Observations {
-  const PointCloud& cloud;
-  // [P] the vertex at the point, or one near it where its cell is searched
-  // from.
-  const std::vector<uint32_t>& point_vertices;
-  const std::vector<float>& alphas;  // [P], weight of each observation
-  const std::vector<Eigen::Vector3d>& centers;  // [views], world frame
+  std::vector<uint64_t> offsets{0};  // [V + 1], into views and alphas
+  std::vector<uint32_t> views;       // ascending in each row
+  std::vector<float> alphas;         // weight of each observation
+
+  size_t size() const { return views.size(); }
 };
+
+// The observations of a cloud, each at the vertex of its point. Those of one
+// vertex by one view are one, and their weights add up. (Labatut et al.
+// have no thinning, and COLMAP lets every point vote by a ray of its own.
+// Within the reach of the thinning these rays run side by side: on scenes with
+// known truth the surface is as accurate without them, from half to a third of
+// the rays.) \param point_vertices [P] \param point_alphas   [P]
+Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
+                             const std::vector<uint32_t>& point_vertices,
+                             const std::vector<float>& point_alphas);
 
 struct RayReport {
   size_t num_rays = 0;       // walked, before and behind their points
@@ -51,8 +60,11 @@ struct RayReport {
 // Adds to graph->capacities, source and sink. Sums of integers: the result does
 // not depend on the number of threads. Sums stop growing a little above
 // kMaxCapacity.
+//
+// \param centers [views] camera centres, world frame
 RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
+                               const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
                                FlowGraph* graph, const Progress& progress = {});
 

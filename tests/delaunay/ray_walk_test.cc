@@ -34,15 +34,13 @@ std::array<IntVector, 3> PointsOf(const Tetrahedralization& tetrahedra,
   return points;
 }
 
-RayOrigin AtVertex(const Tetrahedralization& tetrahedra, uint32_t vertex) {
-  RayOrigin origin;
-  origin.position = tetrahedra.points[vertex].cast<double>();
-  origin.vertex = vertex;
-  return origin;
+Eigen::Vector3d PositionOf(const Tetrahedralization& tetrahedra,
+                           uint32_t vertex) {
+  return tetrahedra.points[vertex].cast<double>();
 }
 
 // What holds for every walk.
-void ExpectPath(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
+void ExpectPath(const Tetrahedralization& tetrahedra, uint32_t origin,
                 const std::vector<Crossing>& crossings, uint32_t last_cell) {
   ASSERT_NE(last_cell, kNoCell);
   std::set<uint32_t> visited;
@@ -66,14 +64,9 @@ void ExpectPath(const Tetrahedralization& tetrahedra, const RayOrigin& origin,
   if (crossings.empty()) {
     return;
   }
-  const uint32_t first = crossings.front().exit_arc / 4;
-  if (origin.vertex == kInfiniteVertex) {
-    ASSERT_EQ(first, origin.cell);
-  } else {
-    // Out through the facet opposite to the vertex.
-    ASSERT_EQ(tetrahedra.cells[first].vertices[crossings.front().exit_arc % 4],
-              origin.vertex);
-  }
+  // Out through the facet opposite to the vertex.
+  const uint32_t first = crossings.front().exit_arc;
+  ASSERT_EQ(tetrahedra.cells[first / 4].vertices[first % 4], origin);
 }
 
 // Which facets the open segment crosses, exactly; nothing where it touches an
@@ -163,36 +156,24 @@ class GenericRayWalk : public testing::Test {
     return RandomPoints(1, range, &random_).front().cast<double>();
   }
 
-  // At a vertex, or strictly within a cell.
-  RayOrigin RandomOrigin() {
-    while (random_.Chance(0.5)) {
-      RayOrigin origin;
-      origin.position = RandomTarget(kRange);
-      origin.cell = Locate(tetrahedra_, origin.position, hint_);
-      if (!tetrahedra_.IsInfinite(origin.cell) &&
-          IsStrictlyInside(tetrahedra_, origin.cell, origin.position)) {
-        return origin;
-      }
-    }
-    return AtVertex(
-        tetrahedra_,
-        random_.Below(static_cast<uint32_t>(tetrahedra_.points.size())));
+  uint32_t RandomOrigin() {
+    return random_.Below(static_cast<uint32_t>(tetrahedra_.points.size()));
   }
 
   Random random_{1};
   const Tetrahedralization tetrahedra_ =
       DelaunayOf(RandomPoints(100, kRange, &random_));
-  const uint32_t hint_ = tetrahedra_.vertex_cells[0];
   std::vector<Crossing> crossings_;
 };
 
 TEST_F(GenericRayWalk, CrossesTheFacetsThatBruteForceFinds) {
   size_t num_inside = 0;
   for (int trial = 0; trial < 1500; ++trial) {
-    const RayOrigin origin = RandomOrigin();
+    const uint32_t origin = RandomOrigin();
     const Eigen::Vector3d target = RandomTarget(2 * kRange);
     const auto expected = CrossedFacets(
-        tetrahedra_, origin.position.cast<int64_t>(), target.cast<int64_t>());
+        tetrahedra_, PositionOf(tetrahedra_, origin).cast<int64_t>(),
+        target.cast<int64_t>());
     ASSERT_TRUE(expected.has_value());
     const uint32_t cell =
         WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
@@ -215,17 +196,17 @@ TEST_F(GenericRayWalk, CrossesTheFacetsThatBruteForceFinds) {
 
 TEST_F(GenericRayWalk, DistancesAreThoseOfTheFacetsPlanes) {
   for (int trial = 0; trial < 300; ++trial) {
-    const RayOrigin origin = RandomOrigin();
+    const uint32_t origin = RandomOrigin();
     const Eigen::Vector3d target = RandomTarget(2 * kRange);
     WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
     for (const Crossing& crossing : crossings_) {
       const auto [a, b, c] =
           PointsOf(tetrahedra_, CornersOf(tetrahedra_, crossing.exit_arc));
-      const IntVector o = origin.position.cast<int64_t>();
+      const IntVector o = PositionOf(tetrahedra_, origin).cast<int64_t>();
       const IntVector t = target.cast<int64_t>();
       const auto before = static_cast<double>(Determinant(b - a, c - a, o - a));
       const auto after = static_cast<double>(Determinant(b - a, c - a, t - a));
-      const double length = (target - origin.position).norm();
+      const double length = (target - PositionOf(tetrahedra_, origin)).norm();
       ASSERT_NEAR(crossing.distance, length * before / (before - after),
                   1e-6 * length);
     }
@@ -235,9 +216,9 @@ TEST_F(GenericRayWalk, DistancesAreThoseOfTheFacetsPlanes) {
 TEST_F(GenericRayWalk, DistancesEndBeyondTheNearOnes) {
   constexpr double kNear = 0.3 * kRange;
   for (int trial = 0; trial < 300; ++trial) {
-    const RayOrigin origin = RandomOrigin();
+    const uint32_t origin = RandomOrigin();
     const Eigen::Vector3d target =
-        origin.position + 4 * (RandomTarget(kRange) - origin.position);
+        4 * RandomTarget(kRange) - 3 * PositionOf(tetrahedra_, origin);
     // Through the hull, or to the target where it is the end.
     const auto no_cell = static_cast<uint32_t>(tetrahedra_.cells.size());
     const uint32_t hull =
@@ -259,7 +240,7 @@ TEST_F(GenericRayWalk, DistancesEndBeyondTheNearOnes) {
 
 TEST_F(GenericRayWalk, EndsAtTheTargetHoweverFewDistancesAreAskedFor) {
   for (int trial = 0; trial < 300; ++trial) {
-    const RayOrigin origin = RandomOrigin();
+    const uint32_t origin = RandomOrigin();
     const Eigen::Vector3d target = RandomTarget(kRange);
     const uint32_t cell =
         WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
@@ -278,15 +259,16 @@ TEST_F(GenericRayWalk, TheWayBackCrossesTheSameFacets) {
     }
     std::array<std::set<Corners>, 2> facets;
     for (const bool is_back : {false, true}) {
-      const RayOrigin origin = AtVertex(tetrahedra_, is_back ? v : u);
-      const RayOrigin end = AtVertex(tetrahedra_, is_back ? u : v);
-      const uint32_t cell = WalkRay(tetrahedra_, origin, end.position, kNoCell,
-                                    kEverywhere, &crossings_);
+      const uint32_t origin = is_back ? v : u;
+      const uint32_t end = is_back ? u : v;
+      const uint32_t cell =
+          WalkRay(tetrahedra_, origin, PositionOf(tetrahedra_, end), kNoCell,
+                  kEverywhere, &crossings_);
       ExpectPath(tetrahedra_, origin, crossings_, cell);
       facets[is_back] = FacetsOf(tetrahedra_, crossings_);
       // Facets that meet at the end may or may not be crossed.
       std::erase_if(facets[is_back], [&](const Corners& corners) {
-        return corners.contains(end.vertex);
+        return corners.contains(end);
       });
     }
     ASSERT_EQ(facets[0], facets[1]);
@@ -306,7 +288,7 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
     const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
     std::vector<Crossing> crossings;
     for (int trial = 0; trial < 400; ++trial) {
-      const RayOrigin origin = AtVertex(tetrahedra, random.Below(num_points));
+      const uint32_t origin = random.Below(num_points);
       const Eigen::Vector3f a = tetrahedra.points[random.Below(num_points)];
       const Eigen::Vector3f b = tetrahedra.points[random.Below(num_points)];
       Eigen::Vector3d target;
@@ -318,15 +300,15 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
           target = (0.5f * (a + b)).cast<double>();
           break;
         case 2:  // parallel to an axis, beyond the hull
-          target = origin.position;
+          target = PositionOf(tetrahedra, origin);
           target[random.Below(3)] += random.Chance(0.5) ? 10000 : -10000;
           break;
         default:  // through another vertex, and beyond
-          target = 3 * a.cast<double>() - 2 * origin.position;
+          target = 3 * a.cast<double>() - 2 * PositionOf(tetrahedra, origin);
       }
       const uint32_t cell =
           WalkRay(tetrahedra, origin, target, kNoCell, kEverywhere, &crossings);
-      const IntVector o = origin.position.cast<int64_t>();
+      const IntVector o = PositionOf(tetrahedra, origin).cast<int64_t>();
       const IntVector t = target.cast<int64_t>();
       if (o == t) {
         ASSERT_EQ(cell, kNoCell);
@@ -382,28 +364,18 @@ TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
         continue;
       }
       const uint32_t vertex = random.Below(num_points);
-      const RayOrigin origin = AtVertex(tetrahedra, vertex);
       ASSERT_EQ(Locate(tetrahedra, target, tetrahedra.vertex_cells[vertex]),
                 cell);
-      ASSERT_EQ(WalkRay(tetrahedra, origin, target, cell, 0, &crossings), cell);
-      // And back to a cell of the vertex, to which the walk has no end.
-      RayOrigin inside;
-      inside.position = target;
-      inside.cell = cell;
-      const auto no_cell = static_cast<uint32_t>(tetrahedra.cells.size());
-      const uint32_t hull =
-          WalkRay(tetrahedra, inside, origin.position, no_cell, 0, &crossings);
-      ASSERT_TRUE(hull != kNoCell && tetrahedra.IsInfinite(hull));
+      ASSERT_EQ(WalkRay(tetrahedra, vertex, target, cell, 0, &crossings), cell);
     }
   }
 }
 
 TEST(WalkRay, GivesUpWhereTheTargetIsTheOrigin) {
   const Tetrahedralization tetrahedra = DelaunayOf(GridPoints(3));
-  const RayOrigin origin = AtVertex(tetrahedra, 5);
   std::vector<Crossing> crossings;
   EXPECT_EQ(
-      WalkRay(tetrahedra, origin, origin.position, kNoCell, 1, &crossings),
+      WalkRay(tetrahedra, 5, PositionOf(tetrahedra, 5), kNoCell, 1, &crossings),
       kNoCell);
 }
 
@@ -412,11 +384,10 @@ TEST(WalkRay, LeavesTheHullAtOnceFromAVertexOnIt) {
       DelaunayOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}});
   std::vector<Crossing> crossings;
   for (uint32_t vertex = 0; vertex < 4; ++vertex) {
-    const RayOrigin origin = AtVertex(tetrahedra, vertex);
     const Eigen::Vector3d center(1, 1, 1);
     const uint32_t cell =
-        WalkRay(tetrahedra, origin, 2 * origin.position - center, kNoCell,
-                kEverywhere, &crossings);
+        WalkRay(tetrahedra, vertex, 2 * PositionOf(tetrahedra, vertex) - center,
+                kNoCell, kEverywhere, &crossings);
     EXPECT_TRUE(tetrahedra.IsInfinite(cell));
     EXPECT_TRUE(crossings.empty());
     // It is one of the vertex's.

@@ -41,18 +41,15 @@ class TwoCells : public testing::Test {
     return tetrahedra_.cells[cell].neighbors[tetrahedra_.IndexOf(cell, vertex)];
   }
 
-  // One observation of a point by a camera.
-  RayReport Observe(const Eigen::Vector3f& point, uint32_t near_vertex,
-                    const Eigen::Vector3d& center, double sigma,
-                    double behind_sigma) {
-    PointCloud cloud;
-    cloud.positions = {point};
-    cloud.view_offsets = {0, 1};
-    cloud.view_indices = {0};
-    const std::vector<uint32_t> vertices = {near_vertex};
-    const std::vector<float> alphas = {kAlpha};
-    const std::vector<Eigen::Vector3d> centers = {center};
-    return AddVisibilityWeights(tetrahedra_, {cloud, vertices, alphas, centers},
+  // One observation of a vertex by a camera.
+  RayReport Observe(uint32_t vertex, const Eigen::Vector3d& center,
+                    double sigma, double behind_sigma) {
+    Observations observations;
+    observations.offsets.resize(vertex + 1, 0);
+    observations.offsets.resize(tetrahedra_.points.size() + 1, 1);
+    observations.views = {0};
+    observations.alphas = {kAlpha};
+    return AddVisibilityWeights(tetrahedra_, observations, {center},
                                 {sigma, behind_sigma}, &graph_);
   }
 
@@ -62,6 +59,19 @@ class TwoCells : public testing::Test {
   }
   double TakeArc(uint32_t from, uint32_t to) {
     return Take(&graph_.capacities[from][tetrahedra_.FacetTo(from, to)]);
+  }
+
+  // Of the infinite cells around the bottom.
+  double TakeSinkBelow() {
+    double sink = 0;
+    for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
+      const auto& v = tetrahedra_.cells[cell].vertices;
+      if (tetrahedra_.IsInfinite(cell) &&
+          std::count(v.begin(), v.end(), bottom_) > 0) {
+        sink += Take(&graph_.sink[cell]);
+      }
+    }
+    return sink;
   }
 
   void ExpectNothingLeft() const {
@@ -97,41 +107,34 @@ TEST_F(TwoCells, AreTwo) {
 TEST_F(TwoCells, CameraWithinACell) {
   // From the bottom through the triangle into the upper cell. Behind the bottom
   // there is nothing.
-  const RayReport report = Observe({0, 0, -3}, bottom_, {0, 0, 1}, 2.0, 3.0);
+  const RayReport report = Observe(bottom_, {0, 0, 1}, 2.0, 3.0);
   EXPECT_EQ(report.num_rays, 1u);
   EXPECT_EQ(report.num_lost_rays, 0u);
   EXPECT_EQ(report.num_steps, 1u);
   EXPECT_NEAR(Take(&graph_.source[upper_]), kAlpha, kRounding);
   EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, 2), kRounding);
-  double sink = 0;
-  for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
-    const auto& v = tetrahedra_.cells[cell].vertices;
-    if (tetrahedra_.IsInfinite(cell) &&
-        std::count(v.begin(), v.end(), bottom_) > 0) {
-      sink += Take(&graph_.sink[cell]);
-    }
-  }
-  EXPECT_NEAR(sink, kAlpha, kRounding);
+  EXPECT_NEAR(TakeSinkBelow(), kAlpha, kRounding);
   ExpectNothingLeft();
 }
 
 TEST_F(TwoCells, CameraBeyondTheHull) {
-  // Parallel to the axis x the ray leaves the upper cell at x = 2 (1 - z / 3),
-  // opposite to the corners at x = -1, through the facet opposite to one that
-  // the camera's y tells.
-  const Eigen::Vector3f point(0, 0, 1);
-  const RayReport report = Observe(point, top_, {100, 100 * 0.1, 1}, 2.0, 1e-3);
-  EXPECT_EQ(report.num_steps, 1u);
-  const uint32_t corner = VertexAt({-1, -1.75, 0});
-  const uint32_t beyond = Beyond(upper_, corner);
+  // From the bottom through the triangle and out of the upper cell, opposite to
+  // the corner that x and y are furthest from.
+  const Eigen::Vector3d direction(0.3, 0.03, 1);
+  const RayReport report =
+      Observe(bottom_, Eigen::Vector3d(0, 0, -3) + 100 * direction, 2.0, 1e-3);
+  EXPECT_EQ(report.num_steps, 2u);
+  const uint32_t beyond = Beyond(upper_, VertexAt({-1, -1.75, 0}));
   ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
   EXPECT_NEAR(Take(&graph_.source[beyond]), kAlpha, kRounding);
+  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3 * direction.norm(), 2),
+              kRounding);
   // The facet's plane goes through (2, 0, 0), (-1, 1.75, 0) and (0, 0, 3):
   // x / 2 + (12 / 14) y + z / 3 = 1.
-  const double t = (1 - 1.0 / 3) / (100.0 / 2 + 12.0 / 14 * 10);
-  EXPECT_NEAR(TakeArc(beyond, upper_), Soft(t * std::hypot(100, 10), 2),
+  const double t = 2 / (0.3 / 2 + 0.03 * 12 / 14 + 1.0 / 3);
+  EXPECT_NEAR(TakeArc(beyond, upper_), Soft(t * direction.norm(), 2),
               kRounding);
-  EXPECT_NEAR(Take(&graph_.sink[upper_]), kAlpha, kRounding);
+  EXPECT_NEAR(TakeSinkBelow(), kAlpha, kRounding);
   ExpectNothingLeft();
 }
 
@@ -150,7 +153,7 @@ TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
         Case{0.1, 29, false}}) {
     SCOPED_TRACE(testing::Message()
                  << expected.sigma << " " << expected.behind_sigma);
-    Observe({0, 0, 3}, top_, {0, 0, 50}, expected.sigma, expected.behind_sigma);
+    Observe(top_, {0, 0, 50}, expected.sigma, expected.behind_sigma);
     double source = 0;
     for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
       if (tetrahedra_.IsInfinite(cell)) {
@@ -168,7 +171,7 @@ TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
 }
 
 TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
-  Observe({0, 0, 3}, top_, {0, 0, 50}, 3, 3);
+  Observe(top_, {0, 0, 50}, 3, 3);
   EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, 3), kRounding);
   double arc = 0;
   double sink = 0;
@@ -183,18 +186,8 @@ TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
   EXPECT_NEAR(sink, kAlpha, kRounding);
 }
 
-TEST_F(TwoCells, PointsThatWereThinnedOutVoteFromTheirOwnPlace) {
-  // Before the triangle, seen from within the upper cell; the vertex that it
-  // was found near to is none of its cell's.
-  Observe({0.25, 0, 0.5}, bottom_, {0.25, 0, 1}, 1, 1);
-  EXPECT_NEAR(Take(&graph_.source[upper_]), kAlpha, kRounding);
-  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(0.5, 1), kRounding);
-  EXPECT_NEAR(Take(&graph_.sink[lower_]), kAlpha, kRounding);
-  ExpectNothingLeft();
-}
-
 TEST_F(TwoCells, CameraAtThePoint) {
-  const RayReport report = Observe({0, 0, 3}, top_, {0, 0, 3}, 1, 1);
+  const RayReport report = Observe(top_, {0, 0, 3}, 1, 1);
   EXPECT_EQ(report.num_rays, 1u);
   const uint64_t sources =
       std::accumulate(graph_.source.begin(), graph_.source.end(), uint64_t{0});
@@ -210,7 +203,7 @@ TEST_F(TwoCells, SumsDoNotWrapAround) {
     graph_.capacities[i].fill(kMaxCapacity);
   }
   for (int i = 0; i < 3; ++i) {
-    Observe({0, 0, -3}, bottom_, {0, 0, 1}, 2.0, 3.0);
+    Observe(bottom_, {0, 0, 1}, 2.0, 3.0);
   }
   EXPECT_GE(graph_.source[upper_], kMaxCapacity);
   EXPECT_LE(graph_.source[upper_], kMaxCapacity + 4096);
@@ -220,29 +213,18 @@ TEST_F(TwoCells, SumsDoNotWrapAround) {
   EXPECT_LE(arc, kMaxCapacity + 4096);
 }
 
-// A cloud around the origin and cameras around it and within it.
+// Points, all of them vertices, and cameras around and within them.
 struct Scenery {
   Scenery() {
     Random random(1);
-    thinned = Tetrahedralize(CloudOf(RandomPoints(1500, 300, &random)), {},
-                             {0, 0.05});
-    // Every third point is no vertex.
-    const Tetrahedralization& tetrahedra = thinned.tetrahedra;
-    for (uint32_t i = 0; i < 2000; ++i) {
-      const uint32_t vertex =
-          random.Below(static_cast<uint32_t>(tetrahedra.points.size()));
-      vertices.push_back(vertex);
-      cloud.positions.push_back(tetrahedra.points[vertex]);
-      if (i % 3 == 0) {
-        cloud.positions.back() += Eigen::Vector3f(0.5f, 0.25f, -0.5f);
-      }
+    for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
       for (uint32_t view = 0; view < 8; ++view) {
         if (random.Chance(0.5)) {
-          cloud.view_indices.push_back(view);
+          observations.views.push_back(view);
+          observations.alphas.push_back(3 * static_cast<float>(random.Unit()));
         }
       }
-      cloud.view_offsets.push_back(cloud.view_indices.size());
-      alphas.push_back(static_cast<float>(random.Unit()));
+      observations.offsets.push_back(observations.size());
     }
     for (int view = 0; view < 8; ++view) {
       const int range = view < 4 ? 200 : 2000;
@@ -250,29 +232,28 @@ struct Scenery {
     }
   }
 
-  // Votes of every stride-th point.
+  // Votes of every stride-th vertex.
   RayReport Vote(size_t first, size_t stride, FlowGraph* graph) const {
-    PointCloud part;
-    std::vector<uint32_t> part_vertices;
-    std::vector<float> part_alphas;
-    for (size_t i = first; i < cloud.size(); i += stride) {
-      part.positions.push_back(cloud.positions[i]);
-      const auto views = cloud.Views(i);
-      part.view_indices.insert(part.view_indices.end(), views.begin(),
-                               views.end());
-      part.view_offsets.push_back(part.view_indices.size());
-      part_vertices.push_back(vertices[i]);
-      part_alphas.push_back(alphas[i]);
+    Observations part;
+    for (size_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
+      for (uint64_t k = observations.offsets[vertex];
+           vertex % stride == first && k < observations.offsets[vertex + 1];
+           ++k) {
+        part.views.push_back(observations.views[k]);
+        part.alphas.push_back(observations.alphas[k]);
+      }
+      part.offsets.push_back(part.size());
     }
-    return AddVisibilityWeights(thinned.tetrahedra,
-                                {part, part_vertices, part_alphas, centers},
-                                {20, 3}, graph);
+    return AddVisibilityWeights(tetrahedra, part, centers, {20, 3}, graph);
   }
 
-  ThinnedTetrahedralization thinned;
-  PointCloud cloud;
-  std::vector<uint32_t> vertices;
-  std::vector<float> alphas;
+  static Tetrahedralization MakeTetrahedra() {
+    Random random(2);
+    return DelaunayOf(RandomPoints(1500, 300, &random));
+  }
+
+  const Tetrahedralization tetrahedra = MakeTetrahedra();
+  Observations observations;
   std::vector<Eigen::Vector3d> centers;
 };
 
@@ -284,14 +265,14 @@ void ExpectSame(const FlowGraph& a, const FlowGraph& b) {
 
 TEST(VisibilityWeights, DependNeitherOnThreadsNorOnTheOrder) {
   const Scenery scenery;
-  std::vector<FlowGraph> graphs(3, EmptyGraphOf(scenery.thinned.tetrahedra));
+  std::vector<FlowGraph> graphs(3, EmptyGraphOf(scenery.tetrahedra));
   for (const int num_threads : {1, 2}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism,
         static_cast<size_t>(num_threads));
     const RayReport report =
         scenery.Vote(0, 1, &graphs[static_cast<size_t>(num_threads) - 1]);
-    EXPECT_EQ(report.num_rays, scenery.cloud.view_indices.size());
+    EXPECT_EQ(report.num_rays, scenery.observations.size());
     EXPECT_EQ(report.num_lost_rays, 0u);
     EXPECT_GT(report.num_steps, report.num_rays);
   }
@@ -302,15 +283,26 @@ TEST(VisibilityWeights, DependNeitherOnThreadsNorOnTheOrder) {
   ExpectSame(graphs[0], graphs[2]);
 }
 
+TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
+  PointCloud cloud;
+  cloud.positions.resize(4);
+  cloud.view_offsets = {0, 2, 3, 3, 5};
+  cloud.view_indices = {1, 5, 5, 0, 5};
+  const Observations observations =
+      ObserveVertices(cloud, 3, {2, 2, 0, 1}, {0.5f, 0.25f, 1.0f, 0.75f});
+  EXPECT_EQ(observations.offsets, (std::vector<uint64_t>{0, 0, 2, 4}));
+  EXPECT_EQ(observations.views, (std::vector<uint32_t>{0, 5, 1, 5}));
+  EXPECT_EQ(observations.alphas,
+            (std::vector<float>{0.75f, 0.75f, 0.5f, 0.75f}));
+}
+
 TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
   const Scenery scenery;
-  FlowGraph graph = EmptyGraphOf(scenery.thinned.tetrahedra);
+  FlowGraph graph = EmptyGraphOf(scenery.tetrahedra);
   scenery.Vote(0, 1, &graph);
   uint64_t expected = 0;
-  for (size_t i = 0; i < scenery.cloud.size(); ++i) {
-    expected +=
-        scenery.cloud.Views(i).size() *
-        static_cast<uint64_t>(std::lround(kWeightUnit * scenery.alphas[i]));
+  for (const float alpha : scenery.observations.alphas) {
+    expected += static_cast<uint64_t>(std::lround(kWeightUnit * alpha));
   }
   EXPECT_EQ(
       std::accumulate(graph.source.begin(), graph.source.end(), uint64_t{0}),
@@ -319,7 +311,7 @@ TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
             expected);
   // Cameras within the hull have theirs in their cells.
   for (const Eigen::Vector3d& center : scenery.centers) {
-    const Tetrahedralization& tetrahedra = scenery.thinned.tetrahedra;
+    const Tetrahedralization& tetrahedra = scenery.tetrahedra;
     const uint32_t cell = Locate(tetrahedra, center, 0);
     if (!tetrahedra.IsInfinite(cell)) {
       EXPECT_GT(graph.source[cell], 0u);
