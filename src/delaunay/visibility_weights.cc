@@ -134,7 +134,8 @@ class Voter {
   }
 
   static uint32_t Quantize(double weight) {
-    return static_cast<uint32_t>(kWeightUnit * weight + 0.5);
+    return static_cast<uint32_t>(
+        std::min<double>(kWeightUnit * weight + 0.5, kMaxCapacity));
   }
 
   void AddSoft(double alpha, double distance, uint32_t arc) {
