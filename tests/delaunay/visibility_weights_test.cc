@@ -43,12 +43,12 @@ class TwoCells : public testing::Test {
 
   // One observation of a vertex by a camera.
   RayReport Observe(uint32_t vertex, const Eigen::Vector3d& center,
-                    double sigma, double behind_sigma) {
+                    double sigma, double behind_sigma, float alpha = kAlpha) {
     Observations observations;
     observations.offsets.resize(vertex + 1, 0);
     observations.offsets.resize(tetrahedra_.points.size() + 1, 1);
     observations.views = {0};
-    observations.alphas = {kAlpha};
+    observations.alphas = {alpha};
     return AddVisibilityWeights(tetrahedra_, observations, {center},
                                 {sigma, behind_sigma}, &graph_);
   }
@@ -211,6 +211,23 @@ TEST_F(TwoCells, SumsDoNotWrapAround) {
       graph_.capacities[upper_][tetrahedra_.FacetTo(upper_, lower_)];
   EXPECT_GE(arc, kMaxCapacity);
   EXPECT_LE(arc, kMaxCapacity + 4096);
+}
+
+TEST_F(TwoCells, AVertexMayStandForMillionsOfPoints) {
+  for (const float alpha : {2e5f, 3e5f, 2e6f, 1e30f}) {
+    Observe(bottom_, {0, 0, 1}, 1.0, 1.0, alpha);
+    const auto expected = static_cast<uint32_t>(
+        std::min<double>(kWeightUnit * alpha, kMaxCapacity));
+    for (uint32_t* capacity :
+         {&graph_.source[upper_],
+          &graph_.capacities[upper_][tetrahedra_.FacetTo(upper_, lower_)]}) {
+      EXPECT_LE(*capacity, expected);
+      EXPECT_GT(*capacity, 0.98 * expected);  // soft at three sigmas
+      *capacity = 0;
+    }
+    TakeSinkBelow();
+    ExpectNothingLeft();
+  }
 }
 
 // Points, all of them vertices, and cameras around and within them.
