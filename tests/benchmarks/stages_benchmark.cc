@@ -1,0 +1,121 @@
+// The stages of meshing on a synthetic statue, by the number of its images'
+// pixels: time a point shows whether they grow linearly.
+
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "delaunay/edge_lengths.h"
+#include "delaunay/manifold_meshing.h"
+#include "delaunay/tetrahedralization.h"
+#include "delaunay/vertex_star.h"
+#include "delaunay/visibility_weights.h"
+#include "optim/min_cut.h"
+#include "tests/synthetic/dense_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+// A scene and what the stages make of it, each of the one before.
+struct Stages {
+  explicit Stages(int width) {
+    synthetic::DenseSceneOptions options;
+    options.scene.width = width;
+    options.scene.height = width * 3 / 4;
+    options.render_images = false;
+    scene = synthetic::MakeDenseScene(options);
+    thinned = Tetrahedralize(scene.fused.cloud, scene.scene.views, {});
+    for (const View& view : scene.scene.views) {
+      centers.push_back(view.Center());
+    }
+    observations =
+        ObserveVertices(scene.fused.cloud, thinned.tetrahedra.points.size(),
+                        thinned.point_vertices,
+                        std::vector<float>(scene.fused.cloud.size(), 1.0f));
+    sigma = EdgeLengthPercentile(thinned.tetrahedra, 25);
+    for (const auto& cell : thinned.tetrahedra.cells) {
+      graph.neighbors.push_back(cell.neighbors);
+    }
+    graph.capacities.resize(graph.size(), {0, 0, 0, 0});
+    graph.source.resize(graph.size(), 0);
+    graph.sink.resize(graph.size(), 0);
+    empty_graph = graph;
+    AddQualityWeights(thinned.tetrahedra, 1, &graph);
+    AddVisibilityWeights(thinned.tetrahedra, observations, centers, {sigma, 1},
+                         &graph);
+  }
+
+  static const Stages& OfWidth(int64_t width) {
+    static Stages stages(320);
+    static int64_t made = 320;
+    if (made != width) {
+      stages = Stages(static_cast<int>(width));
+      made = width;
+    }
+    return stages;
+  }
+
+  synthetic::DenseScene scene;
+  ThinnedTetrahedralization thinned;
+  std::vector<Eigen::Vector3d> centers;
+  Observations observations;
+  double sigma = 0;
+  FlowGraph empty_graph;
+  FlowGraph graph;
+};
+
+void CountPoints(const Stages& stages, benchmark::State* state) {
+  state->SetItemsProcessed(
+      state->iterations() *
+      static_cast<int64_t>(stages.scene.fused.cloud.size()));
+}
+
+void BM_Tetrahedralize(benchmark::State& state) {
+  const Stages& stages = Stages::OfWidth(state.range(0));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        Tetrahedralize(stages.scene.fused.cloud, stages.scene.scene.views, {}));
+  }
+  CountPoints(stages, &state);
+}
+
+void BM_WalkRays(benchmark::State& state) {
+  const Stages& stages = Stages::OfWidth(state.range(0));
+  for (auto _ : state) {
+    FlowGraph graph = stages.empty_graph;
+    AddVisibilityWeights(stages.thinned.tetrahedra, stages.observations,
+                         stages.centers, {stages.sigma, 1}, &graph);
+    benchmark::DoNotOptimize(graph);
+  }
+  CountPoints(stages, &state);
+}
+
+void BM_MinCut(benchmark::State& state) {
+  const Stages& stages = Stages::OfWidth(state.range(0));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(ComputeMinCut(stages.graph));
+  }
+  CountPoints(stages, &state);
+}
+
+void BM_MeshManifold(benchmark::State& state) {
+  const Stages& stages = Stages::OfWidth(state.range(0));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        MeshManifold({}, stages.scene.fused.cloud, stages.scene.scene.views));
+  }
+  CountPoints(stages, &state);
+}
+
+void Widths(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Arg(320)->Arg(640)->Arg(1280);
+  benchmark->Unit(benchmark::kMillisecond)->UseRealTime();
+}
+
+BENCHMARK(BM_Tetrahedralize)->Apply(Widths);
+BENCHMARK(BM_WalkRays)->Apply(Widths);
+BENCHMARK(BM_MinCut)->Apply(Widths);
+BENCHMARK(BM_MeshManifold)->Apply(Widths);
+
+}  // namespace
+}  // namespace colmap_ext
