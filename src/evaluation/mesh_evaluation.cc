@@ -1,0 +1,272 @@
+#include "evaluation/mesh_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
+
+#include "evaluation/surface_samples.h"
+#include "evaluation/thinning.h"
+#include "mesh/bvh.h"
+
+namespace colmap_ext {
+namespace {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+constexpr double kMaxDistanceShare = 0.05;  // of the diagonal
+constexpr double kSpacingShare = 0.001;     // likewise
+
+struct Samples {
+  Points mesh;
+  Points truth;
+};
+
+double Diagonal(const Points& points) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& point : points) {
+    box.extend(point);
+  }
+  return box.isEmpty() ? 0 : box.diagonal().cast<double>().norm();
+}
+
+void Append(const Points& points, Points* all) {
+  all->insert(all->end(), points.begin(), points.end());
+}
+
+// Without the facets and points that are not finite. Points become facets
+// without area, so that one tree serves both.
+TriangleMesh FinitePart(const TriangleMesh& surface, bool is_points) {
+  TriangleMesh part;
+  if (is_points) {
+    std::copy_if(
+        surface.vertices.begin(), surface.vertices.end(),
+        std::back_inserter(part.vertices),
+        [](const Eigen::Vector3f& point) { return point.allFinite(); });
+    for (uint32_t i = 0; i < part.vertices.size(); ++i) {
+      part.facets.push_back({i, i, i});
+    }
+    return part;
+  }
+  part.vertices = surface.vertices;
+  std::copy_if(surface.facets.begin(), surface.facets.end(),
+               std::back_inserter(part.facets), [&](const Facet& facet) {
+                 return std::all_of(
+                     facet.begin(), facet.end(), [&](uint32_t vertex) {
+                       return surface.vertices[vertex].allFinite();
+                     });
+               });
+  return part;
+}
+
+bool IsInImage(const View& view, const Eigen::Vector3f& point) {
+  const Eigen::Vector3d in_camera = view.CamFromWorld(point.cast<double>());
+  if (!(in_camera.z() > 0)) {
+    return false;
+  }
+  const Eigen::Vector2d at = view.ImageFromCam(in_camera);
+  return at.x() >= 0 && at.y() >= 0 && at.x() < view.width &&
+         at.y() < view.height;
+}
+
+Points PointsInImages(const Points& points, const std::vector<View>& views) {
+  Points inside;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(inside),
+               [&](const Eigen::Vector3f& point) {
+                 return std::any_of(
+                     views.begin(), views.end(),
+                     [&](const View& view) { return IsInImage(view, point); });
+               });
+  return inside;
+}
+
+std::vector<double> Distances(const Points& points, const Bvh& surface,
+                              double max_distance) {
+  std::vector<double> distances(points.size());
+  tbb::parallel_for(size_t{0}, points.size(), [&](size_t i) {
+    distances[i] = points[i].allFinite()
+                       ? surface.Distance(points[i], max_distance)
+                       : max_distance;
+  });
+  return distances;
+}
+
+class Evaluator {
+ public:
+  Evaluator(const MeshEvaluationOptions& options, const TriangleMesh& mesh,
+            const Truth& truth, const std::vector<View>& views,
+            const Progress& progress)
+      : options_(options),
+        truth_(truth),
+        views_(views),
+        progress_(progress),
+        mesh_(FinitePart(mesh, false)),
+        surface_(FinitePart(truth.surface, truth.IsPoints())) {
+    Report(progress_, "Building trees", 0);
+    mesh_tree_.emplace(mesh_);
+    truth_tree_.emplace(surface_);
+  }
+
+  MeshEvaluation Evaluate(const TriangleMesh& mesh,
+                          const Observability& observability) {
+    evaluation_.topology = Analyze(mesh);
+    evaluation_.num_dropped_facets = mesh.facets.size() - mesh_.facets.size();
+    evaluation_.num_views = views_.size();
+    Samples samples;
+    if (!views_.empty()) {
+      CastViews(&samples);
+    }
+    if (!truth_.depth_maps) {
+      MeasureDistances(observability, std::move(samples));
+    }
+    return evaluation_;
+  }
+
+ private:
+  void CastViews(Samples* samples) {
+    DepthErrors errors;
+    errors.thresholds = options_.depth_thresholds;
+    errors.num_within.resize(errors.thresholds.size(), 0);
+    for (size_t i = 0; i < views_.size(); ++i) {
+      Report(progress_, "Casting rays",
+             static_cast<double>(i) / static_cast<double>(views_.size()));
+      CastView(i, samples, &errors);
+    }
+    if (truth_.IsPoints()) {
+      samples->truth = PointsInImages(surface_.vertices, views_);
+      return;
+    }
+    if (errors.num_depths == 0) {
+      throw std::invalid_argument(
+          "no image sees the truth: are mesh, truth and workspace in the same "
+          "frame?");
+    }
+    evaluation_.depths = errors;
+  }
+
+  void CastView(size_t index, Samples* samples, DepthErrors* errors) {
+    View view = views_[index];
+    DepthMap true_depths;
+    if (truth_.depth_maps) {
+      const DepthMap map = truth_.depth_maps(index);
+      if (map.depths.empty()) {
+        ++evaluation_.num_views_without_depths;
+        return;
+      }
+      view = ResizeView(view, map.width, map.height);
+      true_depths = Subsample(map, options_.stride);
+    } else if (!truth_.IsPoints()) {
+      true_depths = RenderDepths(*truth_tree_, view, options_.stride);
+    }
+    const DepthMap depths = RenderDepths(*mesh_tree_, view, options_.stride);
+    if (truth_.IsPoints()) {
+      Append(PointsWhere(depths, depths, view), &samples->mesh);
+      return;
+    }
+    AddDepthErrors(true_depths, depths, errors);
+    if (!truth_.depth_maps) {
+      Append(PointsWhere(depths, true_depths, view), &samples->mesh);
+      Append(PointsWhere(true_depths, true_depths, view), &samples->truth);
+    }
+  }
+
+  void SampleWhole(double spacing, Samples* samples) const {
+    samples->mesh = SampleSurface(mesh_, spacing);
+    samples->truth = truth_.IsPoints() ? surface_.vertices
+                                       : SampleSurface(surface_, spacing);
+  }
+
+  void MeasureDistances(const Observability& observability, Samples samples) {
+    const double diagonal =
+        Diagonal(views_.empty() ? surface_.vertices : samples.truth);
+    SurfaceDistances result;
+    result.spacing =
+        options_.spacing > 0 ? options_.spacing : kSpacingShare * diagonal;
+    result.max_distance = options_.max_distance > 0
+                              ? options_.max_distance
+                              : kMaxDistanceShare * diagonal;
+    if (!(result.spacing > 0 && result.max_distance > 0)) {
+      throw std::invalid_argument(
+          "the truth has no extent to take the spacing of the samples and the "
+          "maximum distance from");
+    }
+    Report(progress_, "Measuring distances", 0);
+    if (views_.empty()) {
+      SampleWhole(result.spacing, &samples);
+    }
+    observability.RestrictMesh(&samples.mesh);
+    observability.RestrictTruth(&samples.truth);
+    Thin(result.spacing, &samples.mesh);
+    Thin(result.spacing, &samples.truth);
+    const auto measure = [&](const Points& points, const Bvh& surface) {
+      return Summarize(Distances(points, surface, result.max_distance),
+                       result.max_distance, options_.drop_beyond);
+    };
+    result.accuracy = measure(samples.mesh, *truth_tree_);
+    result.completeness = measure(samples.truth, *mesh_tree_);
+    evaluation_.distances = result;
+  }
+
+  const MeshEvaluationOptions& options_;
+  const Truth& truth_;
+  const std::vector<View>& views_;
+  const Progress& progress_;
+  const TriangleMesh mesh_;     // its finite part
+  const TriangleMesh surface_;  // likewise, of the truth
+  std::optional<Bvh> mesh_tree_;
+  std::optional<Bvh> truth_tree_;
+  MeshEvaluation evaluation_;
+};
+
+}  // namespace
+
+std::string MeshEvaluationOptions::Check() const {
+  const auto is_length = [](double value) {
+    return std::isfinite(value) && value >= 0;
+  };
+  if (stride < 1 || stride > 1000) {
+    return "stride must be 1 to 1000 pixels";
+  }
+  if (!is_length(spacing)) {
+    return "spacing must be a length, or 0";
+  }
+  if (!is_length(max_distance)) {
+    return "max_distance must be a length, or 0";
+  }
+  for (const double threshold : depth_thresholds) {
+    if (!is_length(threshold) || threshold == 0) {
+      return "depth_thresholds must be positive lengths";
+    }
+  }
+  return "";
+}
+
+double SurfaceDistances::AverageScore() const {
+  return (accuracy.mean + accuracy.median + completeness.mean +
+          completeness.median) /
+         4;
+}
+
+MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,
+                            const TriangleMesh& mesh, const Truth& truth,
+                            const std::vector<View>& views,
+                            const Observability& observability,
+                            const Progress& progress) {
+  if (truth.depth_maps && views.empty()) {
+    throw std::invalid_argument("depth maps need the views they belong to");
+  }
+  return Evaluator(options, mesh, truth, views, progress)
+      .Evaluate(mesh, observability);
+}
+
+std::vector<double> VertexErrors(const TriangleMesh& mesh, const Truth& truth,
+                                 double max_distance) {
+  const Bvh tree(FinitePart(truth.surface, truth.IsPoints()));
+  return Distances(mesh.vertices, tree, max_distance);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace colmap_ext {
+
+// The part of space in which DTU's scanner would have seen a surface (Jensen
+// et al. 2014): a grid of voxels, as in ObsMask*.mat.
+struct ObservabilityMask {
+  std::array<size_t, 3> size{};  // X, Y, Z
+  std::vector<uint8_t> voxels;   // [X, Y, Z], z fastest; not 0: observable
+  Eigen::Vector3d origin =
+      Eigen::Vector3d::Zero();  // centre of the first voxel
+  double resolution = 1;        // side of a voxel, scene units
+
+  // What the nearest voxel says; false outside of the grid.
+  bool Contains(const Eigen::Vector3f& point) const;
+};
+
+// Where a mesh and the truth are compared.
+struct Observability {
+  // Samples of the mesh outside are not counted.
+  std::optional<ObservabilityMask> mask;
+
+  // Samples of the truth with a x + b y + c z + d <= 0 are not counted: what
+  // the object stands on. (a, b, c, d), as in DTU's Plane*.mat.
+  std::optional<Eigen::Vector4d> ground_plane;
+
+  void RestrictMesh(std::vector<Eigen::Vector3f>* samples) const;
+  void RestrictTruth(std::vector<Eigen::Vector3f>* samples) const;
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,217 @@
+#include "evaluation/mesh_evaluation.h"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "evaluation/mesh_renderer.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+// The square [0, 1] x [0, 1] at a height, of 2 n^2 facets, without those of
+// x > end.
+TriangleMesh Square(float height, uint32_t n = 10, float end = 1) {
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i <= n; ++i) {
+    for (uint32_t j = 0; j <= n; ++j) {
+      mesh.vertices.emplace_back(static_cast<float>(i) / static_cast<float>(n),
+                                 static_cast<float>(j) / static_cast<float>(n),
+                                 height);
+      const uint32_t at = i * (n + 1) + j;
+      if (i < n && j < n &&
+          static_cast<float>(i + 1) <= end * static_cast<float>(n)) {
+        mesh.facets.push_back({at, at + n + 1, at + 1});
+        mesh.facets.push_back({at + 1, at + n + 1, at + n + 2});
+      }
+    }
+  }
+  return mesh;
+}
+
+// From above, all of the square and more.
+std::vector<View> Cameras() {
+  return {LookAtView({0.5, 0.4, 3}, {0.5, 0.5, 0}, {0, 1, 0}, 100, 80),
+          LookAtView({0.3, 0.5, 4}, {0.5, 0.5, 0}, {0, 1, 0}, 90, 110)};
+}
+
+MeshEvaluation Evaluate(const TriangleMesh& mesh, const TriangleMesh& truth,
+                        const std::vector<View>& views,
+                        const MeshEvaluationOptions& options = {}) {
+  return EvaluateMesh(options, mesh, {truth, nullptr}, views, {});
+}
+
+void ExpectAll(const DistanceStatistics& statistics, double distance) {
+  EXPECT_NEAR(statistics.mean, distance, 1e-6);
+  EXPECT_NEAR(statistics.median, distance, 1e-6);
+  EXPECT_NEAR(statistics.percentile90, distance, 1e-6);
+  EXPECT_GT(statistics.num_samples, 100);
+}
+
+TEST(EvaluateMesh, OfAShiftedPlaneIsTheShift) {
+  for (const float shift : {0.0f, 0.01f, -0.03f}) {
+    const MeshEvaluation evaluation = Evaluate(Square(shift, 7), Square(0), {});
+    ASSERT_TRUE(evaluation.distances);
+    ExpectAll(evaluation.distances->accuracy, std::abs(shift));
+    ExpectAll(evaluation.distances->completeness, std::abs(shift));
+    EXPECT_NEAR(evaluation.distances->AverageScore(), std::abs(shift), 1e-6);
+    EXPECT_FALSE(evaluation.depths);
+    EXPECT_TRUE(evaluation.topology.IsManifold());
+    EXPECT_NEAR(evaluation.distances->spacing, 0.001 * std::sqrt(2), 1e-9);
+    EXPECT_NEAR(evaluation.distances->max_distance, 0.05 * std::sqrt(2), 1e-7);
+  }
+}
+
+TEST(EvaluateMesh, OfAShiftedPlaneThatCamerasSeeIsTheShift) {
+  MeshEvaluationOptions options;
+  options.stride = 2;
+  options.depth_thresholds = {0.005, 0.02};
+  const MeshEvaluation evaluation =
+      Evaluate(Square(-0.01f, 7), Square(0), Cameras(), options);
+  ASSERT_TRUE(evaluation.distances && evaluation.depths);
+  EXPECT_EQ(evaluation.num_views, 2);
+  EXPECT_NEAR(evaluation.distances->accuracy.median, 0.01, 1e-6);
+  EXPECT_NEAR(evaluation.distances->completeness.median, 0.01, 1e-6);
+  EXPECT_EQ(evaluation.depths->num_within[0], 0);
+  EXPECT_GT(evaluation.depths->Share(1), 0.97);
+}
+
+TEST(EvaluateMesh, CountsHolesAsIncomplete) {
+  MeshEvaluationOptions options;
+  options.max_distance = 0.1;
+  options.spacing = 0.004;
+  const MeshEvaluation clipped =
+      Evaluate(Square(0, 10, 0.5f), Square(0), {}, options);
+  ASSERT_TRUE(clipped.distances);
+  EXPECT_NEAR(clipped.distances->accuracy.mean, 0, 1e-7);
+  // Half is there; distances grow to 0.1 over the next tenth and stay there.
+  EXPECT_NEAR(clipped.distances->completeness.mean, 0.1 * 0.05 + 0.4 * 0.1,
+              1e-3);
+  options.drop_beyond = true;
+  const MeshEvaluation dropped =
+      Evaluate(Square(0, 10, 0.5f), Square(0), {}, options);
+  EXPECT_NEAR(dropped.distances->completeness.mean, 0.1 * 0.05 / 0.6, 1e-3);
+  EXPECT_EQ(dropped.distances->completeness.num_beyond,
+            clipped.distances->completeness.num_beyond);
+}
+
+TEST(EvaluateMesh, CountsOnlyWhatIsObservable) {
+  Observability observability;
+  observability.ground_plane = Eigen::Vector4d(-1, 0, 0, 0.5);  // x < 0.5
+  ObservabilityMask& mask = observability.mask.emplace();
+  mask.size = {6, 11, 1};
+  mask.voxels.resize(66, 1);
+  mask.resolution = 0.1;
+  TriangleMesh mesh = Square(0);
+  for (Eigen::Vector3f& vertex : mesh.vertices) {
+    vertex.z() = vertex.x() > 0.55f ? 0.04f : 0;
+  }
+  MeshEvaluationOptions options;
+  options.spacing = 0.004;
+  const MeshEvaluation evaluation =
+      EvaluateMesh(options, mesh, {Square(0), nullptr}, {}, observability);
+  EXPECT_LT(evaluation.distances->accuracy.mean, 2e-3);
+  EXPECT_LT(evaluation.distances->completeness.mean, 1e-7);
+  EXPECT_GT(Evaluate(mesh, Square(0), {}, options).distances->accuracy.mean,
+            0.01);
+}
+
+TEST(EvaluateMesh, TakesPointsAsTheTruth) {
+  TriangleMesh points = {Square(0, 200).vertices, {}};
+  points.vertices.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
+  points.vertices.emplace_back(0.5f, 0.5f, 100);  // behind the cameras
+  MeshEvaluationOptions options;
+  options.max_distance = 0.05;
+  options.spacing = 0.002;
+  const MeshEvaluation evaluation =
+      Evaluate(Square(0.01f), points, Cameras(), options);
+  ASSERT_TRUE(evaluation.distances);
+  EXPECT_FALSE(evaluation.depths);
+  ExpectAll(evaluation.distances->completeness, 0.01);
+  EXPECT_NEAR(evaluation.distances->accuracy.mean, 0.01, 5e-4);
+  EXPECT_EQ(Evaluate(Square(0.01f), points, {}, options)
+                .distances->completeness.num_beyond,
+            1);
+}
+
+TEST(EvaluateMesh, TakesDepthMapsAsTheTruth) {
+  const std::vector<View> views = Cameras();
+  const Bvh truth(Square(0));
+  const auto depth_maps = [&](size_t view) {
+    return view == 0 ? DepthMap()
+                     : RenderDepths(truth, ResizeView(views[1], 45, 55), 1);
+  };
+  MeshEvaluationOptions options;
+  options.depth_thresholds = {0.009, 0.011};
+  const MeshEvaluation evaluation = EvaluateMesh(
+      options, Square(-0.01f, 10, 0.8f), {{}, depth_maps}, views, {});
+  EXPECT_FALSE(evaluation.distances);
+  ASSERT_TRUE(evaluation.depths);
+  EXPECT_EQ(evaluation.num_views_without_depths, 1);
+  EXPECT_EQ(evaluation.depths->num_within[0], 0);
+  EXPECT_NEAR(evaluation.depths->Share(1), 0.8, 0.05);
+  EXPECT_EQ(evaluation.depths->num_within[1] + evaluation.depths->num_missing,
+            evaluation.depths->num_depths);
+}
+
+TEST(EvaluateMesh, DoesNotDependOnThreadsOrTheOrderOfFacets) {
+  Random random(3);
+  TriangleMesh mesh = Square(0, 30);
+  for (Eigen::Vector3f& vertex : mesh.vertices) {
+    vertex.z() += 0.01f * static_cast<float>(random.Unit());
+  }
+  const SurfaceDistances first =
+      *Evaluate(mesh, Square(0), Cameras()).distances;
+  for (const size_t num_threads : {1, 2, 5}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    random.Shuffle(&mesh.facets);
+    const SurfaceDistances again =
+        *Evaluate(mesh, Square(0), Cameras()).distances;
+    EXPECT_EQ(again.accuracy.mean, first.accuracy.mean);
+    EXPECT_EQ(again.accuracy.median, first.accuracy.median);
+    EXPECT_EQ(again.completeness.mean, first.completeness.mean);
+    EXPECT_EQ(again.completeness.num_samples, first.completeness.num_samples);
+  }
+}
+
+TEST(EvaluateMesh, RefusesWhatDoesNotFitTogether) {
+  const std::vector<View> away = {
+      LookAtView({0.5, 0.5, 3}, {0.5, 0.5, 6}, {0, 1, 0}, 100, 80)};
+  EXPECT_THROW(Evaluate(Square(0), Square(0), away), std::invalid_argument);
+  EXPECT_THROW(Evaluate(Square(0), {{{1, 1, 1}}, {}}, {}),
+               std::invalid_argument);
+}
+
+TEST(EvaluateMesh, LeavesOutFacetsThatAreNotFinite) {
+  TriangleMesh mesh = Square(0);
+  mesh.vertices[5].x() = std::numeric_limits<float>::infinity();
+  const MeshEvaluation evaluation = Evaluate(mesh, Square(0), Cameras());
+  EXPECT_GT(evaluation.num_dropped_facets, 0);
+  EXPECT_EQ(evaluation.topology.num_non_finite_vertices, 1);
+  EXPECT_NEAR(evaluation.distances->accuracy.mean, 0, 1e-6);
+  EXPECT_EQ(VertexErrors(mesh, {Square(0), nullptr}, 0.5)[5], 0.5);
+}
+
+TEST(MeshEvaluationOptions, AreChecked) {
+  EXPECT_EQ(MeshEvaluationOptions().Check(), "");
+  MeshEvaluationOptions options;
+  options.stride = 0;
+  EXPECT_NE(options.Check(), "");
+  options = {};
+  options.spacing = -1;
+  EXPECT_NE(options.Check(), "");
+  options = {};
+  options.max_distance = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(options.Check(), "");
+  options = {};
+  options.depth_thresholds = {0.02, 0};
+  EXPECT_NE(options.Check(), "");
+}
+
+}  // namespace
+}  // namespace colmap_ext
