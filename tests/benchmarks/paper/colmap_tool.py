@@ -38,5 +38,6 @@ class Colmap:
                                 stderr=subprocess.STDOUT, check=False)
         log.write_text(" ".join(line) + "\n" + result.stdout)
         if result.returncode != 0:
-            raise CommandFailed(f"{command} failed, see {log}.")
+            last_line = (result.stdout.strip().splitlines() or ["failed"])[-1]
+            raise CommandFailed(f"{command}: {last_line} (more in {log})")
         return result.stdout

@@ -44,7 +44,8 @@ def load_mat(path):
         import scipy.io
     except ImportError as error:
         raise ImportError(f"scipy.io is needed to read {path}.") from error
-    return scipy.io.loadmat(path)
+    with open(path, "rb") as file:
+        return scipy.io.loadmat(file)
 
 
 def convert_mask(source, target):

@@ -28,7 +28,7 @@ import tables
 from cameras import DTU_PIXEL_CENTER, EPFL_PIXEL_CENTER
 from colmap_tool import Colmap, CommandFailed
 
-CAN_NOT = (CommandFailed, FileNotFoundError, ImportError, ValueError)
+CAN_NOT = (CommandFailed, OSError, ImportError, ValueError)
 
 
 def say(text):
@@ -45,6 +45,15 @@ def prepare(colmap, workspace, views, fused):
     dense.make_dense(colmap, workspace, views)
 
 
+def attempt(name, function, *arguments):
+    """What a function returns; None if it fails for a reason that is said."""
+    try:
+        return function(*arguments)
+    except CAN_NOT as error:
+        say(f"{name}: {error}")
+        return None
+
+
 def measure(colmap, workspace, setting, ablation, evaluator):
     """{"singular": (of the cut, after fixing), "figures": [...] or None} of
     an ablation, computed once; None if it can not be."""
@@ -57,20 +66,13 @@ def measure(colmap, workspace, setting, ablation, evaluator):
     if not meshes.can_make(colmap, ablation):
         return None
     mesh, report = meshes.make_mesh(colmap, workspace, setting, ablation)
+    figures = can_evaluate and attempt(f"{workspace.name}, {mesh.name}",
+                                       evaluator, mesh)
     result = {"singular": meshes.singular_vertices(report),
-              "figures": evaluator(mesh) if can_evaluate else None}
+              "figures": figures or None}
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(result))
     return result
-
-
-def attempt(name, function, *arguments):
-    """What a function returns; None if it fails for a reason that is said."""
-    try:
-        return function(*arguments)
-    except CAN_NOT as error:
-        say(f"{name}: {error}")
-        return None
 
 
 def measure_scene(colmap, workspace, ablations, setting_names, fused,

@@ -171,6 +171,17 @@ class Reproduce(unittest.TestCase):
         out = self.run_dtu()[0].split("### Table II:")[0]
         self.assertEqual(rows_of(out)[title][-1], "1")
 
+    @unittest.skipUnless(HAS_SCIPY, "scipy.io is missing")
+    def test_without_the_truth_table_2_is_filled_still(self):
+        self.make_dtu(4, np.zeros((1, 3)))
+        (self.folder / "dtu" / "ObsMask" / "Plane4.mat").unlink()
+        self.make_stand_in(settings.MESHER, "mesh_evaluator")
+        out, err = self.run_dtu("--settings", "paper")
+        self.assertIn("Plane4.mat", err)
+        first, second = (rows_of(part) for part in out.split("### Table II:"))
+        self.assertEqual(first["ours, paper: initial mesh"], ["-"] * 5 + ["0"])
+        self.assertEqual(second["ours, paper: fixing"][0], "4")
+
     def test_epfl(self):
         self.make_epfl()
         self.make_stand_in(settings.MESHER, "mesh_evaluator")
