@@ -20,5 +20,6 @@ struct Command {
 const std::vector<Command>& Commands();
 
 int RunDelaunayManifoldMesher(int argc, char** argv);
+int RunMeshEvaluator(int argc, char** argv);
 
 }  // namespace colmap_ext

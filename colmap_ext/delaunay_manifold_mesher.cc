@@ -1,11 +1,8 @@
 #include <unistd.h>
 
-#include <cstdlib>
-#include <exception>
 #include <iostream>
-#include <new>
 #include <optional>
-#include <stdexcept>
+#include <string>
 
 #include "colmap_ext/atomic_file.h"
 #include "colmap_ext/colmap_compat.h"
@@ -15,6 +12,7 @@
 #include "colmap_ext/meshing_options.h"
 #include "colmap_ext/print_report.h"
 #include "colmap_ext/progress_reporter.h"
+#include "colmap_ext/run_command.h"
 #include "colmap_ext/workspace.h"
 #include "colmap_ext/write_mesh.h"
 #include "delaunay/manifold_meshing.h"
@@ -24,11 +22,9 @@ namespace colmap_ext {
 
 namespace {
 
-// A mesh that failed the gate, or any other broken promise of our own code.
-constexpr const char* kOurBug =
-    "; nothing was written. This is a bug of colmap_ext, not of your data: "
-    "please report it with this message, the command line and, if you can, "
-    "fused.ply, fused.ply.vis and sparse/";
+constexpr CommandAdvice kAdvice = {
+    "a larger --DelaunayManifoldMeshing.max_proj_dist keeps fewer points",
+    "fused.ply, fused.ply.vis and sparse/"};
 
 // Moves the points.
 HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
@@ -89,38 +85,19 @@ void MeshWorkspace(const MesherOptions& options) {
             << VisibilityPath(output_path).string() << std::endl;
 }
 
-int Fail(const std::string& message) {
-  std::cout << std::flush;
-  std::cerr << "ERROR: " << message << std::endl;
-  return EXIT_FAILURE;
-}
-
 }  // namespace
 
 int RunDelaunayManifoldMesher(int argc, char** argv) {
-  try {
-    MesherOptions options;
-    colmap::OptionManager manager;
-    AddMesherOptions(&manager, &options);
-    if (!ParseOptions(argc, argv, &manager)) {
-      return EXIT_FAILURE;
-    }
+  MesherOptions options;
+  colmap::OptionManager manager;
+  AddMesherOptions(&manager, &options);
+  const auto command = [&options] {
     if (const std::string error = options.Check(); !error.empty()) {
       throw OptionError(error);
     }
     MeshWorkspace(options);
-    return EXIT_SUCCESS;
-  } catch (const std::bad_alloc&) {
-    return Fail(
-        "out of memory; a larger --DelaunayManifoldMeshing."
-        "max_proj_dist keeps fewer points");
-  } catch (const std::invalid_argument& error) {
-    return Fail(error.what());
-  } catch (const std::logic_error& error) {
-    return Fail(error.what() + std::string(kOurBug));
-  } catch (const std::exception& error) {
-    return Fail(error.what());
-  }
+  };
+  return RunCommand(argc, argv, &manager, command, kAdvice);
 }
 
 }  // namespace colmap_ext

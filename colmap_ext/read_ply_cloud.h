@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "colmap_ext/ply_header.h"
+#include "colmap_ext/ply_numbers.h"
 #include "scene/point_cloud.h"
 
 namespace colmap_ext {
@@ -26,5 +28,11 @@ struct PlyCloud {
 // \throw FileError if the file is missing, truncated, or not such a PLY. Never
 //        allocates more than the file's size justifies.
 PlyCloud ReadPlyCloud(const std::filesystem::path& path);
+
+// Reads the vertices where the reader has come to them.
+// \throw FileError if they have no x, y, z, or are truncated or damaged.
+PlyCloud ReadPlyVertices(const PlyElement& vertex,
+                         const std::filesystem::path& path,
+                         PlyNumberReader* numbers);
 
 }  // namespace colmap_ext

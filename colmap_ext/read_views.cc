@@ -7,6 +7,7 @@
 #include "colmap_ext/byte_reader.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/image_size.h"
+#include "colmap_ext/read_depth_map.h"
 
 namespace colmap_ext {
 
@@ -54,37 +55,15 @@ bool ScaleToPicture(const ImageSize& size, const std::filesystem::path& path,
   return true;
 }
 
-// The width of a depth map of patch_match_stereo, whose header is the text
-// "WIDTH&HEIGHT&CHANNELS&".
-std::optional<int> ReadDepthMapWidth(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    return std::nullopt;
-  }
-  ByteReader reader(path);
-  int width = 0;
-  for (int i = 0; i < 9 && reader.Remaining() > 0; ++i) {
-    const char c = reader.Read<char>("the header");
-    if (c == '&' && width > 0) {
-      return width;
-    }
-    if (c < '0' || c > '9') {
-      break;
-    }
-    width = 10 * width + (c - '0');
-  }
-  throw FileError(path, "not a depth map of COLMAP");
-}
-
 double ReadDepthMapScale(const std::filesystem::path& dense_path,
                          const View& view) {
-  const std::filesystem::path folder = dense_path / "stereo" / "depth_maps";
-  for (const char* type : {".geometric.bin", ".photometric.bin"}) {
-    if (const auto width = ReadDepthMapWidth(folder / (view.name + type))) {
-      return 1.0 * *width / view.width;
-    }
+  const std::filesystem::path path =
+      FindDepthMap(dense_path / "stereo" / "depth_maps", view.name);
+  if (path.empty()) {
+    return 1;
   }
-  return 1;
+  ByteReader reader(path);
+  return 1.0 * ReadDepthMapHeader(&reader).width / view.width;
 }
 
 }  // namespace

@@ -53,6 +53,12 @@ void WriteVisibility(const VertexAttributes& attributes, AtomicFile* file) {
   }
 }
 
+void CheckSize(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  if (mesh.vertices.size() > std::numeric_limits<int32_t>::max()) {
+    throw FileError(path, "the mesh has more vertices than a PLY can index");
+  }
+}
+
 }  // namespace
 
 std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
@@ -61,14 +67,22 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
 
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                const VertexAttributes& attributes) {
-  if (mesh.vertices.size() > std::numeric_limits<int32_t>::max()) {
-    throw FileError(path, "the mesh has more vertices than a PLY can index");
-  }
+  CheckSize(path, mesh);
   AtomicFile visibility_file(VisibilityPath(path));
   AtomicFile mesh_file(path);
   WriteVisibility(attributes, &visibility_file);
   WritePly(mesh, attributes.colors, &mesh_file);
   AtomicFile* const files[] = {&visibility_file, &mesh_file};
+  Commit(files);
+}
+
+void WriteColoredMesh(const std::filesystem::path& path,
+                      const TriangleMesh& mesh,
+                      const std::vector<Color>& colors) {
+  CheckSize(path, mesh);
+  AtomicFile file(path);
+  WritePly(mesh, colors, &file);
+  AtomicFile* const files[] = {&file};
   Commit(files);
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "delaunay/vertex_attributes.h"
 #include "mesh/triangle_mesh.h"
+#include "scene/point_cloud.h"
 
 namespace colmap_ext {
 
@@ -19,5 +21,11 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path);
 // \throw FileError if they can not be written.
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                const VertexAttributes& attributes);
+
+// The same without visibility.
+// \param colors  [V] or empty
+void WriteColoredMesh(const std::filesystem::path& path,
+                      const TriangleMesh& mesh,
+                      const std::vector<Color>& colors);
 
 }  // namespace colmap_ext

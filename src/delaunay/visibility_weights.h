@@ -30,12 +30,14 @@ struct Observations {
   size_t size() const { return views.size(); }
 };
 
-// The observations of a cloud, each at the vertex of its point. Those of one
-// vertex by one view are one, and their weights add up. (Labatut et al.
-// have no thinning, and COLMAP lets every point vote by a ray of its own.
-// Within the reach of the thinning these rays run side by side: on scenes with
-// known truth the surface is as accurate without them, from half to a third of
-// the rays.) \param point_vertices [P] \param point_alphas   [P]
+// The observations of a cloud, each at the vertex of its point; those of one
+// vertex by one view are one, and their weights add up. COLMAP lets points that
+// were thinned out vote by rays of their own. Within the reach of the thinning
+// these run side by side: on a scene with known truth the surface is as
+// accurate without them, from half to a third of the rays.
+//
+// \param point_vertices [P]
+// \param point_alphas [P]
 Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
                              const std::vector<uint32_t>& point_vertices,
                              const std::vector<float>& point_alphas);

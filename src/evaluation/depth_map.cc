@@ -25,15 +25,14 @@ DepthMap RenderDepths(const Bvh& surface, const View& view, int stride) {
       RayPacket rays;
       rays.origin = eye;
       for (int i = 0; i < 4; ++i) {
-        rays.SetDirection(i, RayDirection(view, map.Pixel(col + i % 2),
-                                          map.Pixel(row + i / 2)));
+        rays.SetDirection(i, RayDirection(view, map.Pixel(col + i % 2) + 0.5,
+                                          map.Pixel(row + i / 2) + 0.5));
       }
       const HitPacket hits = surface.Intersect(rays);
       for (int i = 0; i < 4; ++i) {
         if (hits.facet[i] >= 0 && row + i / 2 < map.height &&
             col + i % 2 < map.width) {
-          map.depths[static_cast<size_t>(row + i / 2) * map.width + col +
-                     i % 2] = hits.distance[i];
+          map.depths[map.Index(row + i / 2, col + i % 2)] = hits.distance[i];
         }
       }
     }
@@ -45,9 +44,8 @@ DepthMap Subsample(const DepthMap& map, int stride) {
   DepthMap samples = EmptyMap(map.width, map.height, stride);
   for (int row = 0; row < samples.height; ++row) {
     for (int col = 0; col < samples.width; ++col) {
-      const auto source_row = static_cast<size_t>(row * stride + stride / 2);
-      samples.depths[static_cast<size_t>(row) * samples.width + col] =
-          map.depths[source_row * map.width + col * stride + stride / 2];
+      samples.depths[samples.Index(row, col)] =
+          map.depths[map.Index(samples.Pixel(row), samples.Pixel(col))];
     }
   }
   return samples;
@@ -73,7 +71,7 @@ std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
   std::vector<Eigen::Vector3f> points;
   for (int row = 0; row < depths.height; ++row) {
     for (int col = 0; col < depths.width; ++col) {
-      const size_t index = static_cast<size_t>(row) * depths.width + col;
+      const size_t index = depths.Index(row, col);
       if (depths.depths[index] > 0 && mask.depths[index] > 0) {
         points.emplace_back(
             eye + depths.depths[index] *

@@ -19,8 +19,12 @@ struct DepthMap {
   int stride = 1;             // px
   std::vector<float> depths;  // [height * width], scene units; 0: nothing seen
 
-  // Pixel coordinates, of either axis, of a row's or column's samples.
-  double Pixel(int sample) const { return sample * stride + stride / 2 + 0.5; }
+  // The pixel, on either axis, of a row's or column's samples.
+  int Pixel(int sample) const { return sample * stride + stride / 2; }
+
+  size_t Index(int row, int col) const {
+    return static_cast<size_t>(row) * width + col;
+  }
 };
 
 // What a view sees of a surface, a ray through the centre of each sampled

@@ -1,13 +1,10 @@
 // The commands as a user runs them: exit codes, messages, files.
 
-#include <stdlib.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-#include <algorithm>
 
 #include "colmap_ext/read_ply_cloud.h"
 #include "colmap_ext/read_visibility.h"
+#include "tests/colmap_ext/run_shell.h"
 #include "tests/colmap_ext/sphere_workspace.h"
 #include "tests/colmap_ext/test_files.h"
 
@@ -18,23 +15,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMeshName = "meshed-delaunay-manifold.ply";
 
-struct Outcome {
-  int exit_code = -1;  // 134 is an abort
-  std::string out;
-  std::string err;
-};
-
 class CommandTest : public testing::TestWithParam<const char*> {
  protected:
   Outcome RunProgram(const std::string& arguments) {
-    const fs::path out = folder_.Path() / "out";
-    const fs::path err = folder_.Path() / "err";
-    const std::string command = prefix_ + "\"" + GetParam() + "\" " +
-                                arguments + " >\"" + out.string() + "\" 2>\"" +
-                                err.string() + "\" </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(out),
-            ReadFile(err)};
+    return RunShell(prefix_ + "\"" + GetParam() + "\" " + arguments);
   }
 
   Outcome Run(const std::string& arguments) {
@@ -43,13 +27,7 @@ class CommandTest : public testing::TestWithParam<const char*> {
 
   // One line that says what is wrong, exit code 1, and no mesh.
   void ExpectRefused(const std::string& arguments, const std::string& message) {
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 1) << arguments;
-    EXPECT_NE(outcome.err.find("ERROR: "), std::string::npos) << outcome.err;
-    EXPECT_NE(outcome.err.find(message), std::string::npos)
-        << "expected: " << message << "\nfound: " << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1)
-        << outcome.err;
+    ExpectRefusal(Run(arguments), message);
     EXPECT_FALSE(fs::exists(path_ / kMeshName)) << arguments;
   }
 
