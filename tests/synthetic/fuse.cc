@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include <Eigen/LU>
+
 namespace colmap_ext::synthetic {
 namespace {
 

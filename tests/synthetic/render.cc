@@ -29,14 +29,20 @@ Vector3f Barycentric(const TriangleMesh& mesh, const Facet& facet,
 }
 
 // Light that a ray brings to the camera, 1 for a white surface in full light.
-Vector3f Radiance(const Scene& scene, const Vector3f& point, int32_t facet) {
+Vector3f Radiance(const Scene& scene, const Vector3f& eye,
+                  const Vector3f& point, int32_t facet) {
   const Facet& vertices = scene.surface.facets[facet];
   const Vector3f weights = Barycentric(scene.surface, vertices, point);
   float irradiance = 0;
+  Vector3f normal = Vector3f::Zero();
   for (int i = 0; i < 3; ++i) {
     irradiance += weights[i] * scene.irradiance[vertices[i]];
+    normal += weights[i] * scene.normals[vertices[i]];
   }
-  return Albedo(scene, point) * (0.12f + 1.1f * irradiance);
+  const float highlight =
+      irradiance * Highlight(scene, point, normal.normalized(), eye);
+  return Albedo(scene, point) * (0.12f + 1.1f * irradiance) +
+         Vector3f::Constant(highlight);
 }
 
 // Mean over 2 x 2 rays through a pixel.
@@ -45,8 +51,9 @@ Vector3f PixelRadiance(const Scene& scene, const Bvh& bvh, const View& view,
   RayPacket rays;
   rays.origin = eye;
   for (int i = 0; i < 4; ++i) {
-    rays.SetDirection(i, RayDirection(view, col + 0.25 + 0.5 * (i % 2),
-                                      row + 0.25 + 0.5 * (i / 2)));
+    const int right = i % 2, down = i / 2;
+    rays.SetDirection(i, RayDirection(view, col + 0.25 + 0.5 * right,
+                                      row + 0.25 + 0.5 * down));
   }
   const HitPacket hits = bvh.Intersect(rays);
   Vector3f sum = Vector3f::Zero();
@@ -56,7 +63,8 @@ Vector3f PixelRadiance(const Scene& scene, const Bvh& bvh, const View& view,
       continue;
     }
     const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
-    sum += Radiance(scene, eye + hits.distance[i] * direction, hits.facet[i]);
+    sum +=
+        Radiance(scene, eye, eye + hits.distance[i] * direction, hits.facet[i]);
   }
   return sum / 4;
 }
@@ -90,8 +98,9 @@ Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads) {
       RayPacket rays;
       rays.origin = eye;
       for (int i = 0; i < 4; ++i) {
+        const int right = i % 2, down = i / 2;
         rays.SetDirection(
-            i, RayDirection(view, col + i % 2 + 0.5, row + i / 2 + 0.5));
+            i, RayDirection(view, col + right + 0.5, row + down + 0.5));
       }
       const HitPacket hits = bvh.Intersect(rays);
       for (int i = 0; i < 4; ++i) {

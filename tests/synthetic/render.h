@@ -11,7 +11,7 @@
 namespace colmap_ext::synthetic {
 
 struct RenderOptions {
-  // Deviation of the sensor's noise, in steps of 1/255.
+  // Deviation of the sensor's noise in the dark, in steps of 1/255.
   double sensor_noise = 1.5;
 
   // Deviation of the photon noise at full intensity, in steps of 1/255.
@@ -35,7 +35,7 @@ struct Visible {
 Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads);
 
 // Photograph of the scene by one of its views: 2 x 2 rays a pixel, diffuse
-// light, exposure, noise.
+// light and highlights, exposure, noise.
 ColorImage RenderImage(const Scene& scene, const Bvh& bvh, size_t view,
                        const RenderOptions& options, uint64_t seed,
                        int num_threads);

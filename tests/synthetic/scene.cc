@@ -10,6 +10,7 @@
 #include "mesh/bvh.h"
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/parallel.h"
+#include "tests/synthetic/scene_shapes.h"
 #include "tests/synthetic/vertex_spreading.h"
 
 namespace colmap_ext::synthetic {
@@ -19,14 +20,17 @@ using Eigen::Vector3f;
 
 constexpr size_t kChunk = 1024;  // vertices
 constexpr int kNumSkyRays = 8;   // a multiple of four
-constexpr float kSky = 0.45f;    // share of the light that comes from all over
+// Where there is no texture, the grain of so few rays must not be one.
+constexpr int kNumBlankSkyRays = 64;
+constexpr float kSky = 0.45f;  // share of the light that comes from all over
 constexpr float kSkyReach =
     0.6f;  // scene units; what is farther shades nothing
 
-// Direction of the sky's k-th ray at a point, distributed by the cosine around
-// the normal.
-Vector3f SkyDirection(const Vector3f& normal, uint64_t hash, int k) {
-  const double height = 2 * (k + Uniform(hash)) / kNumSkyRays - 1;
+// Direction of the sky's k-th of num_rays rays at a point, distributed by the
+// cosine around the normal.
+Vector3f SkyDirection(const Vector3f& normal, uint64_t hash, int k,
+                      int num_rays) {
+  const double height = 2 * (k + Uniform(hash)) / num_rays - 1;
   const double turn = 6.283185307 * (0.618034 * k + Uniform(hash ^ 1));
   const double radius = std::sqrt(1 - height * height);
   const Vector3f on_sphere(radius * std::cos(turn), radius * std::sin(turn),
@@ -34,60 +38,77 @@ Vector3f SkyDirection(const Vector3f& normal, uint64_t hash, int k) {
   return (normal + 0.99f * on_sphere).normalized();
 }
 
-// Light at a point: sun with soft shadows, and the sky as far as it is seen.
-float Irradiance(const Bvh& bvh, const Vector3f& sun, const Vector3f& point,
-                 const Vector3f& normal, float offset, uint64_t hash) {
+// Light at a vertex: sun with soft shadows, and the sky as far as it is seen.
+float Irradiance(const Scene& scene, const Bvh& bvh, size_t vertex,
+                 uint64_t hash) {
+  const Vector3f& point = scene.surface.vertices[vertex];
+  const Vector3f& normal = scene.normals[vertex];
   RayPacket rays;
-  rays.origin = point + offset * normal;
+  rays.origin = point + 0.5f * scene.footprint * normal;
   int num_sun = 0;
   for (int i = 0; i < 4; ++i) {
     const Vector3f jitter(Uniform(Hash(hash, i, 0)), Uniform(Hash(hash, i, 1)),
                           Uniform(Hash(hash, i, 2)));
-    rays.SetDirection(i, sun + 0.06f * (jitter - Vector3f::Constant(0.5f)));
+    rays.SetDirection(
+        i, scene.to_sun + 0.06f * (jitter - Vector3f::Constant(0.5f)));
   }
   const Int4 sun_hit = bvh.Intersect(rays).facet;
   for (int i = 0; i < 4; ++i) {
     num_sun += sun_hit[i] < 0;
   }
+  const int num_rays =
+      scene.blank.At(point) > 0 ? kNumBlankSkyRays : kNumSkyRays;
   int num_sky = 0;
   rays.max_distance = kSkyReach;
-  for (int k = 0; k < kNumSkyRays; k += 4) {
+  for (int k = 0; k < num_rays; k += 4) {
     for (int i = 0; i < 4; ++i) {
-      rays.SetDirection(i, SkyDirection(normal, hash, k + i));
+      rays.SetDirection(i, SkyDirection(normal, hash, k + i, num_rays));
     }
     const Int4 sky_hit = bvh.Intersect(rays).facet;
     for (int i = 0; i < 4; ++i) {
       num_sky += sky_hit[i] < 0;
     }
   }
-  const float cosine = std::max(0.0f, sun.dot(normal));
-  return kSky * num_sky / kNumSkyRays + (1 - kSky) * cosine * num_sun / 4;
+  const float cosine = std::max(0.0f, scene.to_sun.dot(normal));
+  return kSky * num_sky / num_rays + (1 - kSky) * cosine * num_sun / 4;
 }
 
 std::vector<float> AllIrradiance(const Scene& scene,
                                  const SceneOptions& options) {
   const Bvh bvh(scene.surface);
-  const Vector3f sun = options.shape == "wall"
-                           ? Vector3f(-0.5f, -0.75f, 0.5f).normalized()
-                           : Vector3f(0.5f, -0.35f, 0.8f).normalized();
   const size_t num_vertices = scene.surface.vertices.size();
   std::vector<float> irradiance(num_vertices);
   ParallelFor(num_vertices / kChunk + 1, options.num_threads, [&](size_t c) {
     const size_t end = std::min((c + 1) * kChunk, num_vertices);
     for (size_t v = c * kChunk; v < end; ++v) {
-      irradiance[v] =
-          Irradiance(bvh, sun, scene.surface.vertices[v], scene.normals[v],
-                     0.5f * scene.footprint, Hash(options.seed, 3, v));
+      irradiance[v] = Irradiance(scene, bvh, v, Hash(options.seed, 3, v));
     }
   });
   return irradiance;
 }
 
+// The solid of the shape, without relief where it is blank.
+Solid SolidOf(const SceneShape& shape, const SceneOptions& options,
+              const Patch& blank) {
+  Solid solid = shape.make_solid(options);
+  if (blank.strength > 0) {
+    solid.detail = [relief = solid.detail, blank](const Vector3f& point) {
+      return (1 - blank.At(point)) * relief(point);
+    };
+  }
+  return solid;
+}
+
 }  // namespace
 
+float Patch::At(const Vector3f& point) const {
+  const float border = 4 * (1 - (point - center).norm() / radius);
+  return strength > 0 ? strength * std::clamp(border, 0.0f, 1.0f) : 0;
+}
+
 std::string SceneOptions::Check() const {
-  if (shape != "statue" && shape != "wall") {
-    return "scene must be `statue` or `wall`";
+  if (FindSceneShape(shape) == nullptr) {
+    return "scene must be `statue`, `wall` or `grid`";
   }
   if (num_images < 1 || num_images > 10000) {
     return "num_images must be in [1, 10000]";
@@ -97,6 +118,18 @@ std::string SceneOptions::Check() const {
   }
   if (!(relief >= 0 && relief <= 2)) {
     return "relief must be in [0, 2]";
+  }
+  if (!(thickness >= 0.2 && thickness <= 3)) {
+    return "thickness must be in [0.2, 3]";
+  }
+  if (!(untextured >= 0 && untextured <= 1)) {
+    return "untextured must be in [0, 1]";
+  }
+  if (!(gloss >= 0 && gloss <= 2)) {
+    return "gloss must be in [0, 2]";
+  }
+  if (!(exposure_change >= 0 && exposure_change <= 0.9)) {
+    return "exposure_change must be in [0, 0.9]";
   }
   if (!(cell_size >= 0.5 && cell_size <= 100)) {
     return "cell_size must be in [0.5, 100]";
@@ -108,23 +141,29 @@ Scene MakeScene(const SceneOptions& options) {
   if (const std::string error = options.Check(); !error.empty()) {
     throw std::invalid_argument(error);
   }
-  const bool is_wall = options.shape == "wall";
+  const SceneShape& shape = *FindSceneShape(options.shape);
   Scene scene;
-  scene.views = is_wall ? MakeWallViews(options) : MakeStatueViews(options);
+  scene.views = shape.make_views(options);
   double distance = 0;
   for (size_t i = 0; i < scene.views.size(); ++i) {
     char name[32];
     std::snprintf(name, sizeof(name), "%04d.png", static_cast<int>(i));
     scene.views[i].name = name;
-    scene.exposures.push_back(
-        1 + 0.1 * (2 * Uniform(Hash(options.seed, 4, i)) - 1));
+    scene.exposures.push_back(1 +
+                              options.exposure_change *
+                                  (2 * Uniform(Hash(options.seed, 4, i)) - 1));
     distance += scene.views[i].Center().norm() / scene.views.size();
   }
   scene.footprint = distance / scene.views[0].fx;
   scene.texture_seed = Hash(options.seed, 5);
-  const Solid solid = is_wall ? MakeWall(options) : MakeStatue(options);
-  scene.surface = MeshSolid(solid, options.cell_size * scene.footprint,
-                            options.num_threads);
+  scene.to_sun = shape.to_sun.normalized();
+  scene.blank = shape.blank;
+  scene.blank.strength = static_cast<float>(options.untextured);
+  scene.shiny = shape.shiny;
+  scene.shiny.strength = static_cast<float>(options.gloss);
+  scene.surface =
+      MeshSolid(SolidOf(shape, options, scene.blank),
+                options.cell_size * scene.footprint, options.num_threads);
   scene.normals = VertexNormals(scene.surface);
   scene.irradiance = AllIrradiance(scene, options);
   return scene;
@@ -133,6 +172,7 @@ Scene MakeScene(const SceneOptions& options) {
 Vector3f Albedo(const Scene& scene, const Vector3f& point) {
   // The first octave is three cells to the unit, the last one or two pixels.
   constexpr float kFirst = 3.0f;
+  const Vector3f kBlank(0.62f, 0.60f, 0.56f);
   const int num_octaves = std::clamp(
       static_cast<int>(std::log(1 / (1.6f * kFirst * scene.footprint)) /
                        std::log(1.9f)) +
@@ -143,8 +183,23 @@ Vector3f Albedo(const Scene& scene, const Vector3f& point) {
       0.50f + 0.14f * FractalNoise(kFirst * point, num_octaves, 0.84f, seed);
   const float warm = FractalNoise(4.0f * point, 2, 0.8f, seed + 100);
   const float green = FractalNoise(5.0f * point, 2, 0.7f, seed + 200);
+  const float blank = scene.blank.At(point);
   const Vector3f tint(1 + 0.11f * warm, 1 + 0.08f * green, 1 - 0.13f * warm);
-  return (grey * tint).cwiseMax(0.03f).cwiseMin(1.0f);
+  return ((1 - blank) * grey * tint + blank * kBlank)
+      .cwiseMax(0.03f)
+      .cwiseMin(1.0f);
+}
+
+float Highlight(const Scene& scene, const Vector3f& point,
+                const Vector3f& normal, const Vector3f& eye) {
+  constexpr float kShininess = 24;
+  const float strength = scene.shiny.At(point);
+  if (strength <= 0) {
+    return 0;
+  }
+  const Vector3f half =
+      (scene.to_sun + (eye - point).normalized()).normalized();
+  return strength * std::pow(std::max(normal.dot(half), 0.0f), kShininess);
 }
 
 }  // namespace colmap_ext::synthetic

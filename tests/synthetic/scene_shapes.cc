@@ -1,85 +1,14 @@
+#include "tests/synthetic/scene_shapes.h"
+
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/scene.h"
+#include "tests/synthetic/scene_parts.h"
 
 namespace colmap_ext::synthetic {
-namespace {
 
-using Eigen::Vector3d;
 using Eigen::Vector3f;
-
-constexpr double kFocalLength = 1.2;  // in widths of the image
-
-// Smallest of two, rounded off where they differ by less than `width`.
-float SmoothMin(float a, float b, float width) {
-  const float h = std::max(width - std::abs(a - b), 0.0f) / width;
-  return std::min(a, b) - h * h * width * 0.25f;
-}
-
-// About the distance to an ellipsoid.
-float Ellipsoid(const Vector3f& p, const Vector3f& center,
-                const Vector3f& radii) {
-  const Vector3f q = (p - center).cwiseQuotient(radii);
-  return (q.norm() - 1) * radii.minCoeff();
-}
-
-// Distance to a box with rounded edges.
-float RoundBox(const Vector3f& p, const Vector3f& center, const Vector3f& half,
-               float radius) {
-  const Vector3f q =
-      (p - center).cwiseAbs() - half + Vector3f::Constant(radius);
-  return q.cwiseMax(0).norm() + std::min(q.maxCoeff(), 0.0f) - radius;
-}
-
-// Distance to the tube of radius `tube` around a circle that stands upright.
-float Ring(const Vector3f& p, const Vector3f& center, float radius,
-           float tube) {
-  const Vector3f q = p - center;
-  const float from_circle = std::hypot(q.x(), q.z()) - radius;
-  return std::hypot(from_circle, q.y()) - tube;
-}
-
-// Rounded relief of several sizes, and ridges; in [-1, 1].
-float Relief(const Vector3f& p, uint32_t seed) {
-  const float grain = FractalNoise(p * 11, 4, 0.55f, seed);
-  const float ridges = 1 - 2 * std::abs(ValueNoise(p * 14, seed + 50));
-  return std::clamp(0.36f * grain + 0.3f * ridges, -1.0f, 1.0f);
-}
-
-uint32_t SurfaceSeed(const SceneOptions& options) {
-  return static_cast<uint32_t>(Hash(options.seed, 1));
-}
-
-// A camera that looks from `eye` to `target`, z up in the world, turned by
-// `roll` (rad) around its axis.
-View LookAt(const SceneOptions& options, const Vector3d& eye,
-            const Vector3d& target, double roll) {
-  View view;
-  view.width = options.width;
-  view.height = options.height;
-  view.fx = view.fy = kFocalLength * options.width;
-  view.cx = 0.5 * options.width;
-  view.cy = 0.5 * options.height;
-  const Vector3d forward = (target - eye).normalized();
-  const Vector3d level = forward.cross(Vector3d::UnitZ()).normalized();
-  const Vector3d down = forward.cross(level);
-  Eigen::Matrix3d& rotation = view.cam_from_world_rotation;
-  rotation.row(0) = std::cos(roll) * level + std::sin(roll) * down;
-  rotation.row(1) = std::cos(roll) * down - std::sin(roll) * level;
-  rotation.row(2) = forward;
-  view.cam_from_world_translation = -rotation * eye;
-  return view;
-}
-
-// Uniform in [-1, 1], for the k-th number of a camera.
-double Jitter(const SceneOptions& options, int camera, int k) {
-  return 2 * Uniform(Hash(options.seed, 2, camera, k)) - 1;
-}
-
-}  // namespace
 
 Solid MakeStatue(const SceneOptions& options) {
   const uint32_t seed = SurfaceSeed(options);
@@ -136,40 +65,18 @@ Solid MakeWall(const SceneOptions& options) {
   return solid;
 }
 
-std::vector<View> MakeStatueViews(const SceneOptions& options) {
-  std::vector<View> views;
-  for (int i = 0; i < options.num_images; ++i) {
-    const double turn = 2 * std::numbers::pi *
-                        (i + 0.2 * Jitter(options, i, 0)) / options.num_images;
-    const double elevation =
-        (i % 2 == 0 ? 0.38 : 0.72) + 0.05 * Jitter(options, i, 1);
-    const double distance = 3.35 + 0.15 * Jitter(options, i, 2);
-    const Vector3d target(0.05 * Jitter(options, i, 3),
-                          0.05 * Jitter(options, i, 4),
-                          0.40 + 0.04 * Jitter(options, i, 5));
-    const Vector3d direction(std::cos(elevation) * std::cos(turn),
-                             std::cos(elevation) * std::sin(turn),
-                             std::sin(elevation));
-    views.push_back(LookAt(options, target + distance * direction, target,
-                           0.05 * Jitter(options, i, 6)));
-  }
-  return views;
-}
-
-std::vector<View> MakeWallViews(const SceneOptions& options) {
-  std::vector<View> views;
-  for (int i = 0; i < options.num_images; ++i) {
-    const double share =
-        options.num_images == 1 ? 0.5 : i / (options.num_images - 1.0);
-    const double turn = 1.5 * (share - 0.5) + 0.03 * Jitter(options, i, 0);
-    const double distance = 2.7 + 0.15 * Jitter(options, i, 1);
-    const Vector3d target(0.12 * Jitter(options, i, 2), 0,
-                          -0.05 + 0.05 * Jitter(options, i, 3));
-    const Vector3d eye(distance * std::sin(turn), -distance * std::cos(turn),
-                       (i % 2 == 0 ? -0.1 : 0.3) + 0.1 * Jitter(options, i, 4));
-    views.push_back(LookAt(options, eye, target, 0.04 * Jitter(options, i, 5)));
-  }
-  return views;
+const SceneShape* FindSceneShape(const std::string& name) {
+  static const std::vector<SceneShape> kShapes = {
+      {"statue", MakeStatue, MakeViewsAround, Vector3f(0.5f, -0.35f, 0.8f),
+       Patch{{-0.45f, -0.1f, 0.6f}, 0.24f}, Patch{{0.1f, 0.05f, 1.0f}, 0.25f}},
+      {"wall", MakeWall, MakeViewsBefore, Vector3f(-0.5f, -0.75f, 0.5f),
+       Patch{{0, 0, -0.3f}, 0.24f}, Patch{{-0.5f, 0, 0}, 0.4f}},
+      {"grid", MakeGrid, MakeViewsBefore, Vector3f(-0.5f, -0.75f, 0.5f),
+       Patch{{-0.55f, 0, 0.25f}, 0.24f}, Patch{{0.75f, -0.2f, 0}, 0.4f}}};
+  const auto shape =
+      std::find_if(kShapes.begin(), kShapes.end(),
+                   [&](const SceneShape& s) { return s.name == name; });
+  return shape == kShapes.end() ? nullptr : &*shape;
 }
 
 }  // namespace colmap_ext::synthetic

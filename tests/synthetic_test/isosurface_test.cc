@@ -42,7 +42,7 @@ TEST(MeshSolid, BallIsASphere) {
 }
 
 TEST(MeshSolid, NoiseIsManifold) {
-  for (uint32_t seed = 0; seed < 10; ++seed) {
+  for (uint32_t seed = 0; seed < 5; ++seed) {
     Solid solid;
     solid.box = {Vector3f(-1, -1, -1), Vector3f(1, 1, 1)};
     solid.shape = [seed](const Vector3f& p) {
@@ -61,9 +61,10 @@ TEST(MeshSolid, NoiseIsManifold) {
 SceneOptions Small(const std::string& shape) {
   SceneOptions options;
   options.shape = shape;
-  options.width = 160;
-  options.height = 120;
-  options.cell_size = 2;
+  options.num_images = 1;
+  options.width = 120;
+  options.height = 90;
+  options.cell_size = 2.5;
   return options;
 }
 
@@ -82,6 +83,19 @@ TEST(MakeScene, WallIsOnePieceWithABorder) {
   EXPECT_EQ(report.num_border_loops, 1);
 }
 
+TEST(MakeScene, GridIsOnePieceWithAHandleForEachLoopOfItsRods) {
+  SceneOptions options = Small("grid");
+  options.thickness = 3;  // as the cells are large
+  options.cell_size = 2;
+  const MeshReport report = Analyze(MakeScene(options).surface);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_EQ(report.num_components, 1);
+  EXPECT_EQ(report.num_border_loops, 1);
+  // Six meshes of the lattice; four posts, the first of which closes none; the
+  // gable.
+  EXPECT_EQ(report.genus, 6 + 3 + 1);
+}
+
 TEST(MakeScene, RefusesBadOptions) {
   SceneOptions options;
   options.shape = "teapot";
@@ -91,6 +105,12 @@ TEST(MakeScene, RefusesBadOptions) {
   EXPECT_THROW(MakeScene(options), std::invalid_argument);
   options = SceneOptions();
   options.cell_size = 0;
+  EXPECT_THROW(MakeScene(options), std::invalid_argument);
+  options = SceneOptions();
+  options.gloss = -1;
+  EXPECT_THROW(MakeScene(options), std::invalid_argument);
+  options = SceneOptions();
+  options.exposure_change = 1;
   EXPECT_THROW(MakeScene(options), std::invalid_argument);
 }
 
