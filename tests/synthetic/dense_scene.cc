@@ -11,8 +11,12 @@ std::string DenseSceneOptions::Check() const {
   if (const std::string error = scene.Check(); !error.empty()) {
     return error;
   }
-  if (!(stereo.noise >= 0 && stereo.noise <= 10)) {
-    return "noise must be in [0, 10]";
+  if (const std::string error = stereo.Check(); !error.empty()) {
+    return error;
+  }
+  if (!(render.sensor_noise >= 0 && render.sensor_noise <= 100 &&
+        render.photon_noise >= 0 && render.photon_noise <= 100)) {
+    return "sensor_noise and photon_noise must be in [0, 100]";
   }
   if (!(fusion.outliers >= 0 && fusion.outliers <= 1)) {
     return "outliers must be in [0, 1]";
@@ -22,6 +26,9 @@ std::string DenseSceneOptions::Check() const {
   }
   if (sparse.num_points < 0) {
     return "num_sparse_points must not be negative";
+  }
+  if (!(sparse.noise >= 0 && sparse.noise <= 10)) {
+    return "feature_noise must be in [0, 10]";
   }
   return "";
 }
@@ -56,6 +63,9 @@ DenseScene MakeDenseScene(const DenseSceneOptions& options) {
       MakeSparsePoints(scene, visible, result.images, options.sparse, seed);
   if (options.keep_depth_maps) {
     result.depth_maps = std::move(maps);
+  }
+  if (options.keep_true_depths) {
+    result.visible = std::move(visible);
   }
   return result;
 }

@@ -20,8 +20,11 @@ struct DenseSceneOptions {
   // Whether the photographs are made; without them points have no colours.
   bool render_images = true;
 
-  // Whether the depth maps are kept.
+  // Whether the depth maps of the stereo are kept.
   bool keep_depth_maps = false;
+
+  // Whether what the pixels' centres see is kept.
+  bool keep_true_depths = true;
 
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
@@ -33,6 +36,7 @@ struct DenseScene {
   Scene scene;
   std::vector<ColorImage> images;    // [views] or empty
   std::vector<DepthMap> depth_maps;  // [views] or empty
+  std::vector<Visible> visible;      // [views] or empty, the truth
   FusedPoints fused;
   std::vector<SparsePoint> sparse_points;
 };

@@ -20,6 +20,12 @@ using Eigen::Vector3f;
 // relative to its depth.
 constexpr float kSameDepth = 0.006f;
 
+// How much nearer than what is beside it foreground is, relative to the latter.
+constexpr float kSilhouette = 0.02f;
+
+// How much of a highlight may differ between two images that are matched.
+constexpr float kSameHighlight = 0.1f;
+
 struct Camera {
   Matrix3f rotation;  // camera from world
   Vector3f translation, center;
@@ -37,6 +43,18 @@ struct Camera {
   }
 };
 
+struct PixelIndex {
+  int row, col;
+};
+
+// A point of the surface that a pixel sees.
+struct SurfacePoint {
+  Vector3f position, normal;
+  float depth;      // in the reference view
+  float blank;      // how much texture is missing, [0, 1]
+  float highlight;  // as the reference view has it
+};
+
 struct Matcher {
   const Scene& scene;
   const std::vector<Visible>& visible;
@@ -47,16 +65,19 @@ struct Matcher {
   float min_cos_incidence;
   float min_cos_angle;
 
-  // Whether the point is seen, from not too flat an angle, by view `source`.
-  bool Sees(size_t source, const Vector3f& point, const Vector3f& normal,
-            const Vector3f& to_reference) const {
+  // Whether the point is seen, from not too flat an angle and in the same
+  // light, by view `source`.
+  bool Sees(size_t source, const SurfacePoint& point) const {
     const Camera& camera = cameras[source];
-    const Vector3f to_source = (camera.center - point).normalized();
-    if (to_source.dot(normal) < min_cos_incidence ||
+    const Vector3f to_source = (camera.center - point.position).normalized();
+    const Vector3f to_reference =
+        (cameras[reference].center - point.position).normalized();
+    if (to_source.dot(point.normal) < min_cos_incidence ||
         to_source.dot(to_reference) < min_cos_angle) {
       return false;
     }
-    const Vector3f in_camera = camera.rotation * point + camera.translation;
+    const Vector3f in_camera =
+        camera.rotation * point.position + camera.translation;
     if (in_camera.z() <= 0) {
       return false;
     }
@@ -68,8 +89,18 @@ struct Matcher {
     }
     const float depth = seen.depths[seen.Index(static_cast<int>(pixel.y()),
                                                static_cast<int>(pixel.x()))];
-    return std::abs(depth - in_camera.z()) < kSameDepth * in_camera.z();
+    return std::abs(depth - in_camera.z()) < kSameDepth * in_camera.z() &&
+           std::abs(HighlightIn(source, point.position, point.normal) -
+                    point.highlight) < kSameHighlight;
   }
+
+  float HighlightIn(size_t view, const Vector3f& position,
+                    const Vector3f& normal) const {
+    return Highlight(scene, position, normal, cameras[view].center);
+  }
+
+  PixelIndex Content(PixelIndex pixel) const;
+  SurfacePoint PointAt(PixelIndex pixel, int32_t facet) const;
 
   // The error of a pixel's depth in deviations: what its neighbourhood shares,
   // in two sizes, and what is its own.
@@ -79,22 +110,23 @@ struct Matcher {
     const float fine = SmoothNoise(col / 6.0f, row / 6.0f, key + 1);
     const float own = Gaussian(Hash(seed, 11, reference, row * 65536ull + col));
     const float shared = options.correlated_share;
-    return std::sqrt(shared) * (0.8f * fine + 0.6f * coarse) +
+    return std::sqrt(shared) * (0.6f * fine + 0.8f * coarse) +
            std::sqrt(1 - shared) * own;
   }
 
-  bool DropsOut(int row, int col) const {
+  bool DropsOut(int row, int col, float blank) const {
     const auto key = static_cast<uint32_t>(Hash(seed, 12, reference));
     const float patch = SmoothNoise(col / 8.0f, row / 8.0f, key);
     // About one in twelve lies above 1.4 deviations.
-    return patch > 1.4f &&
+    return patch > 1.4f - 1.6f * blank &&
            Uniform(Hash(seed, 13, reference, row * 65536ull + col)) <
-               12 * options.dropout;
+               12 * options.dropout + blank;
   }
 
-  Vector3f NoisyNormal(const Vector3f& normal, int row, int col) const {
+  Vector3f NoisyNormal(const Vector3f& normal, float factor, int row,
+                       int col) const {
     const auto key = static_cast<uint32_t>(Hash(seed, 14, reference));
-    const float scale = options.normal_noise * std::numbers::pi / 180;
+    const float scale = factor * options.normal_noise * std::numbers::pi / 180;
     const float x = col / 5.0f, y = row / 5.0f;
     return (normal + scale * Vector3f(SmoothNoise(x, y, key),
                                       SmoothNoise(x, y, key + 1),
@@ -105,34 +137,82 @@ struct Matcher {
   void MatchPixel(int row, int col, DepthMap* map) const;
 };
 
+// The pixel whose content stereo takes for that of `pixel`: itself, or beside a
+// silhouette one a little inside of the foreground.
+PixelIndex Matcher::Content(PixelIndex pixel) const {
+  const Visible& seen = visible[reference];
+  const auto depth_at = [&](int row, int col) {
+    const bool is_inside =
+        row >= 0 && col >= 0 && row < seen.height && col < seen.width;
+    const float depth = is_inside ? seen.depths[seen.Index(row, col)] : 0;
+    return depth > 0 ? depth : 1e30f;
+  };
+  const float behind = (1 - kSilhouette) * depth_at(pixel.row, pixel.col);
+  for (int step = 1; step <= options.fattening; ++step) {
+    for (int i = 0; i < 9; ++i) {
+      const int down = i / 3 - 1, right = i % 3 - 1;
+      const float depth =
+          depth_at(pixel.row + step * down, pixel.col + step * right);
+      if (depth >= behind) {
+        continue;
+      }
+      const auto key = static_cast<uint32_t>(Hash(seed, 15, reference));
+      const float reach =
+          0.8f * std::abs(SmoothNoise(pixel.col / 7.0f, pixel.row / 7.0f, key));
+      if (step > std::min(reach, 1.0f) * options.fattening) {
+        return pixel;
+      }
+      const PixelIndex inner = {pixel.row + (step + 2) * down,
+                                pixel.col + (step + 2) * right};
+      return depth_at(inner.row, inner.col) < behind
+                 ? inner
+                 : PixelIndex{pixel.row + step * down,
+                              pixel.col + step * right};
+    }
+  }
+  return pixel;
+}
+
+SurfacePoint Matcher::PointAt(PixelIndex pixel, int32_t facet) const {
+  const Visible& seen = visible[reference];
+  SurfacePoint point;
+  point.depth = seen.depths[seen.Index(pixel.row, pixel.col)];
+  point.position = cameras[reference].center +
+                   point.depth * RayDirection(scene.views[reference],
+                                              pixel.col + 0.5, pixel.row + 0.5);
+  point.normal = Vector3f::Zero();
+  for (const uint32_t vertex : scene.surface.facets[facet]) {
+    point.normal += scene.normals[vertex];
+  }
+  point.normal.normalize();
+  point.blank = scene.blank.At(point.position);
+  point.highlight = HighlightIn(reference, point.position, point.normal);
+  return point;
+}
+
 void Matcher::MatchPixel(int row, int col, DepthMap* map) const {
-  const View& view = scene.views[reference];
-  const size_t index = map->Index(row, col);
-  const int32_t facet = visible[reference].facets[index];
-  if (facet < 0 || DropsOut(row, col)) {
+  const PixelIndex content = Content({row, col});
+  const int32_t facet =
+      visible[reference].facets[map->Index(content.row, content.col)];
+  if (facet < 0) {
     return;
   }
+  const SurfacePoint point = PointAt(content, facet);
   const Camera& camera = cameras[reference];
-  const float depth = visible[reference].depths[index];
-  const Vector3f point =
-      camera.center + depth * RayDirection(view, col + 0.5, row + 0.5);
-  Vector3f normal = Vector3f::Zero();
-  for (const uint32_t vertex : scene.surface.facets[facet]) {
-    normal += scene.normals[vertex];
-  }
-  normal.normalize();
-  const Vector3f to_reference = (camera.center - point).normalized();
-  if (to_reference.dot(normal) < min_cos_incidence) {
+  const Vector3f to_reference = (camera.center - point.position).normalized();
+  if (DropsOut(row, col, point.blank) ||
+      to_reference.dot(point.normal) < min_cos_incidence) {
     return;
   }
   // Where COLMAP looks for the point: on the ray of the pixel's corner.
-  const Vector3f direction = RayDirection(view, col, row);
-  const Vector3f start = camera.center + depth * direction;
+  const Vector3f direction =
+      RayDirection(scene.views[reference], content.col, content.row);
+  const Vector3f start = camera.center + point.depth * direction;
   int num_sources = 0;
   float sum_squares = 0;  // of the pixels that a unit of depth moves a match
   float sum_errors = 0;
   for (size_t source = 0; source < cameras.size(); ++source) {
-    if (source == reference || !Sees(source, point, normal, to_reference)) {
+    if (source == reference || !Sees(source, point)) {
       continue;
     }
     ++num_sources;
@@ -141,22 +221,43 @@ void Matcher::MatchPixel(int row, int col, DepthMap* map) const {
     const Vector3f d = other.rotation * direction;
     const Vector2f slope = other.focal.cwiseProduct(
         (d.head<2>() - p.head<2>() * (d.z() / p.z())) / p.z());
-    const Vector2f match =
-        other.ImageFromCam(other.rotation * point + other.translation) -
-        Vector2f::Constant(0.5f);
+    const Vector2f match = other.ImageFromCam(other.rotation * point.position +
+                                              other.translation) -
+                           Vector2f::Constant(0.5f);
     sum_squares += slope.squaredNorm();
     sum_errors += slope.dot(match - other.ImageFromCam(p));
   }
   if (num_sources < options.min_num_sources || !(sum_squares > 0)) {
     return;
   }
-  map->depths[index] =
-      depth + sum_errors / sum_squares +
-      options.noise / std::sqrt(sum_squares) * DepthNoise(row, col);
-  map->normals[index] = NoisyNormal(normal, row, col);
+  const float noise = (1 + 4 * point.blank) * options.noise;
+  const size_t index = map->Index(row, col);
+  map->depths[index] = point.depth + sum_errors / sum_squares +
+                       noise / std::sqrt(sum_squares) * DepthNoise(row, col);
+  map->normals[index] =
+      NoisyNormal(point.normal, 1 + 2 * point.blank, row, col);
 }
 
 }  // namespace
+
+std::string StereoOptions::Check() const {
+  if (!(noise >= 0 && noise <= 10)) {
+    return "noise must be in [0, 10]";
+  }
+  if (!(correlated_share >= 0 && correlated_share <= 1)) {
+    return "correlated_share must be in [0, 1]";
+  }
+  if (!(normal_noise >= 0 && normal_noise <= 45)) {
+    return "normal_noise must be in [0, 45]";
+  }
+  if (!(dropout >= 0 && dropout <= 1)) {
+    return "dropout must be in [0, 1]";
+  }
+  if (!(fattening >= 0 && fattening <= 20)) {
+    return "fattening must be in [0, 20]";
+  }
+  return "";
+}
 
 DepthMap SimulateStereo(const Scene& scene, const std::vector<Visible>& visible,
                         size_t view, const StereoOptions& options,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,7 +17,7 @@ struct StereoOptions {
   double noise = 0.5;
 
   // Share of the error's variance that neighbouring pixels have in common.
-  double correlated_share = 0.75;
+  double correlated_share = 0.9;
 
   // Deviation of the normals, degrees.
   double normal_noise = 4.0;
@@ -32,6 +33,12 @@ struct StereoOptions {
 
   // Share of the pixels without depth, in patches, though all is seen.
   double dropout = 0.04;
+
+  // How far the foreground may grow over what is behind it at silhouettes, px.
+  double fattening = 5.0;
+
+  // What is wrong with the options, in one line; empty when all is well.
+  std::string Check() const;
 };
 
 // What multi-view stereo finds for one image, in COLMAP's form: pixel
@@ -51,7 +58,9 @@ struct DepthMap {
 // Simulates COLMAP's patch_match_stereo on one view. The content of a pixel is
 // what its centre sees, but COLMAP takes it for what the pixel's upper left
 // corner sees, in this image and in all others. The depth is the one that fits
-// those shifted observations best, in least squares; noise is added to it.
+// those shifted observations best, in least squares; noise is added to it. What
+// has no texture gets holes and more noise; images whose highlights differ are
+// not matched; windows that hold a silhouette are matched by the foreground.
 // \param visible of all views
 DepthMap SimulateStereo(const Scene& scene, const std::vector<Visible>& visible,
                         size_t view, const StereoOptions& options,

@@ -20,9 +20,10 @@ DenseSceneOptions Small(const std::string& shape) {
   DenseSceneOptions options;
   options.scene.shape = shape;
   options.scene.num_images = 8;
-  options.scene.width = 240;
-  options.scene.height = 180;
-  options.sparse.num_points = 500;
+  options.scene.width = 100;
+  options.scene.height = 75;
+  options.scene.cell_size = 5;
+  options.sparse.num_points = 300;
   return options;
 }
 
@@ -88,9 +89,11 @@ bool AreEqual(const std::vector<SparsePoint>& a,
 }
 
 TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
-  for (const char* shape : {"statue", "wall"}) {
+  for (const char* shape : {"statue", "wall", "grid"}) {
     DenseSceneOptions options = Small(shape);
-    options.scene.num_images = 7;
+    options.scene.width = 80;
+    options.scene.height = 60;
+    options.scene.untextured = options.scene.gloss = 0.8;
     options.keep_depth_maps = true;
     options.scene.num_threads = 1;
     const DenseScene a = MakeDenseScene(options);
@@ -101,10 +104,11 @@ TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
     EXPECT_EQ(a.scene.irradiance, b.scene.irradiance);
     for (size_t i = 0; i < a.images.size(); ++i) {
       EXPECT_EQ(a.images[i].pixels, b.images[i].pixels);
+      EXPECT_EQ(a.visible[i].depths, b.visible[i].depths);
       EXPECT_EQ(a.depth_maps[i].depths, b.depth_maps[i].depths);
       EXPECT_EQ(a.depth_maps[i].normals, b.depth_maps[i].normals);
     }
-    EXPECT_GT(a.fused.cloud.size(), 1000);
+    EXPECT_GT(a.fused.cloud.size(), 50);
     EXPECT_EQ(a.fused.cloud.positions, b.fused.cloud.positions);
     EXPECT_EQ(a.fused.cloud.colors, b.fused.cloud.colors);
     EXPECT_EQ(a.fused.cloud.view_offsets, b.fused.cloud.view_offsets);
@@ -138,11 +142,13 @@ TEST(MakeDenseScene, RowsOfViewsAreAscendingAndInRange) {
 TEST(MakeDenseScene, PointsLieOnTheSurfaceUpToNoiseAndHalfPixel) {
   for (const char* shape : {"statue", "wall"}) {
     DenseSceneOptions options = Small(shape);
+    options.scene.width = 160;
+    options.scene.height = 120;
     options.render_images = false;
     options.fusion.outliers = 0;
     const DenseScene noisy = MakeDenseScene(options);
     EXPECT_LT(MedianSize(Distances(noisy, noisy.fused.cloud.positions)), 0.7);
-    options.stereo.noise = 0;
+    options.stereo.noise = options.stereo.fattening = 0;
     const DenseScene clean = MakeDenseScene(options);
     const std::vector<Vector3f>& points = clean.fused.cloud.positions;
     const std::vector<Vector3f> offsets =
@@ -213,7 +219,7 @@ TEST(MakeDenseScene, OutliersAreOffTheSurface) {
 
 TEST(MakeDenseScene, SparsePointsFitTheirFeatures) {
   const DenseScene scene = MakeDenseScene(Small("wall"));
-  ASSERT_GT(scene.sparse_points.size(), 200);
+  ASSERT_GT(scene.sparse_points.size(), 120);
   for (const SparsePoint& point : scene.sparse_points) {
     EXPECT_GE(point.track.size(), 3);
     EXPECT_LT(point.error, 2);
@@ -226,12 +232,90 @@ TEST(MakeDenseScene, SparsePointsFitTheirFeatures) {
   }
 }
 
+TEST(MakeDenseScene, ForegroundGrowsOverWhatIsBehindIt) {
+  DenseSceneOptions options = Small("grid");
+  options.render_images = false;
+  options.keep_depth_maps = true;
+  options.stereo.noise = 0;
+  for (const double fattening : {0.0, 5.0}) {
+    options.stereo.fattening = fattening;
+    const DenseScene scene = MakeDenseScene(options);
+    size_t num_depths = 0, num_nearer = 0, num_farther = 0;
+    for (size_t i = 0; i < scene.visible.size(); ++i) {
+      const std::vector<float>& truth = scene.visible[i].depths;
+      for (size_t k = 0; k < truth.size(); ++k) {
+        const float depth = scene.depth_maps[i].depths[k];
+        if (depth > 0 && truth[k] > 0) {
+          ++num_depths;
+          num_nearer += depth < 0.95f * truth[k];
+          num_farther += depth > 1.05f * truth[k];
+        }
+      }
+    }
+    EXPECT_EQ(num_farther, 0);
+    EXPECT_EQ(num_nearer > 0.01 * num_depths, fattening > 0);
+    EXPECT_LT(num_nearer, 0.15 * num_depths);
+  }
+}
+
+// The share of the pixels that see a patch that get a depth.
+double ShareOfDepths(const DenseScene& scene, Patch patch) {
+  patch.strength = 1;
+  size_t num_pixels = 0, num_depths = 0;
+  for (size_t i = 0; i < scene.visible.size(); ++i) {
+    const View& view = scene.scene.views[i];
+    const Visible& visible = scene.visible[i];
+    for (int row = 0; row < visible.height; ++row) {
+      for (int col = 0; col < visible.width; ++col) {
+        const size_t index = visible.Index(row, col);
+        const Vector3f point =
+            view.Center().cast<float>() +
+            visible.depths[index] * RayDirection(view, col + 0.5, row + 0.5);
+        if (patch.At(point) >= 1) {
+          ++num_pixels;
+          num_depths += scene.depth_maps[i].depths[index] > 0;
+        }
+      }
+    }
+  }
+  return static_cast<double>(num_depths) / num_pixels;
+}
+
+TEST(MakeDenseScene, StereoFailsWhereItIsBlankOrShines) {
+  for (const char* shape : {"wall", "grid"}) {
+    DenseSceneOptions options = Small(shape);
+    options.render_images = false;
+    options.keep_depth_maps = true;
+    const DenseScene plain = MakeDenseScene(options);
+    options.scene.untextured = 1;
+    options.scene.gloss = 2;
+    const DenseScene hard = MakeDenseScene(options);
+    EXPECT_LT(ShareOfDepths(hard, hard.scene.blank),
+              0.6 * ShareOfDepths(plain, plain.scene.blank));
+    EXPECT_LT(ShareOfDepths(hard, hard.scene.shiny),
+              0.99 * ShareOfDepths(plain, plain.scene.shiny));
+  }
+}
+
+TEST(MakeDenseScene, HighlightsMoveWithTheEye) {
+  Scene scene;
+  scene.shiny = {Vector3f::Zero(), 1, 0.5f};
+  const Vector3f normal = Vector3f::UnitZ();
+  scene.to_sun = Vector3f(-1, 0, 1).normalized();
+  EXPECT_FLOAT_EQ(Highlight(scene, {0, 0, 0}, normal, {5, 0, 5}), 0.5f);
+  EXPECT_LT(Highlight(scene, {0, 0, 0}, normal, {0, 0, 5}), 0.1f);
+  EXPECT_EQ(Highlight(scene, {2, 0, 0}, normal, {7, 0, 5}), 0);
+}
+
 TEST(MakeDenseScene, RefusesBadOptions) {
   DenseSceneOptions options = Small("statue");
   options.fusion.outliers = 2;
   EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
   options = Small("statue");
   options.stereo.noise = std::nan("");
+  EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
+  options = Small("statue");
+  options.render.sensor_noise = -1;
   EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
 }
 
