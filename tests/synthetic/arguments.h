@@ -18,7 +18,7 @@ class Arguments {
   void Add(const std::string& name, T* value, const std::string& help) {
     const std::string usual = Format(*value);
     std::string column = "  --" + name + " ";
-    column.resize(std::max<size_t>(column.size(), 24), ' ');
+    column.resize(std::max<size_t>(column.size(), 27), ' ');
     help_ += column + help + (usual.empty() ? "" : " [" + usual + "]") + "\n";
     setters_["--" + name] = [value](const std::string& text) {
       return Parse(text, value);

@@ -135,31 +135,38 @@ void WriteFusedPoints(const std::string& ply_path, const FusedPoints& points,
   colmap::mvs::WritePointsVisibility(ply_path + ".vis", visibility);
 }
 
-void WriteDepthMap(const std::string& depth_path,
-                   const std::string& normal_path, const DepthMap& map,
-                   const View& view) {
+void WriteDepths(const std::string& path, int width, int height,
+                 const std::vector<float>& depths) {
   float nearest = 0, farthest = 0;
-  for (const float depth : map.depths) {
+  for (const float depth : depths) {
     if (depth > 0) {
       nearest = nearest > 0 ? std::min(nearest, depth) : depth;
       farthest = std::max(farthest, depth);
     }
   }
-  colmap::mvs::DepthMap depths(map.width, map.height, nearest, farthest);
+  colmap::mvs::DepthMap map(width, height, nearest, farthest);
+  for (int row = 0; row < height; ++row) {
+    for (int col = 0; col < width; ++col) {
+      map.Set(row, col, depths[static_cast<size_t>(row) * width + col]);
+    }
+  }
+  map.Write(path);
+}
+
+void WriteNormals(const std::string& path, const DepthMap& map,
+                  const View& view) {
   colmap::mvs::NormalMap normals(map.width, map.height);
   for (int row = 0; row < map.height; ++row) {
     for (int col = 0; col < map.width; ++col) {
-      const size_t index = map.Index(row, col);
       const Eigen::Vector3f normal =
-          view.cam_from_world_rotation.cast<float>() * map.normals[index];
-      depths.Set(row, col, map.depths[index]);
+          view.cam_from_world_rotation.cast<float>() *
+          map.normals[map.Index(row, col)];
       for (int i = 0; i < 3; ++i) {
         normals.Set(row, col, i, normal[i]);
       }
     }
   }
-  depths.Write(depth_path);
-  normals.Write(normal_path);
+  normals.Write(path);
 }
 
 }  // namespace colmap_ext::synthetic

@@ -30,9 +30,13 @@ std::vector<View> ReadViews(const std::string& sparse_path);
 void WriteFusedPoints(const std::string& ply_path, const FusedPoints& points,
                       const std::vector<int>& positions);
 
-// COLMAP's files of a depth map and its normals.
-void WriteDepthMap(const std::string& depth_path,
-                   const std::string& normal_path, const DepthMap& map,
-                   const View& view);
+// COLMAP's file of a depth map.
+// \param depths [height * width], row by row, scene units; 0 for none
+void WriteDepths(const std::string& path, int width, int height,
+                 const std::vector<float>& depths);
+
+// COLMAP's file of a depth map's normals.
+void WriteNormals(const std::string& path, const DepthMap& map,
+                  const View& view);
 
 }  // namespace colmap_ext::synthetic

@@ -17,29 +17,64 @@ namespace {
 using colmap_ext::synthetic::Arguments;
 using colmap_ext::synthetic::DenseScene;
 using colmap_ext::synthetic::DenseSceneOptions;
+using colmap_ext::synthetic::SceneOptions;
+
+void AddSceneArguments(SceneOptions* options, Arguments* arguments) {
+  arguments->Add("scene", &options->shape,
+                 "statue, wall or grid (thin rods before a backdrop)");
+  arguments->Add("num_images", &options->num_images, "1 - 10000");
+  arguments->Add("width", &options->width, "of the images, px, 16 - 20000");
+  arguments->Add("height", &options->height, "of the images, px, 16 - 20000");
+  arguments->Add("relief", &options->relief,
+                 "height of the fine relief, as a factor, 0 - 2");
+  arguments->Add("thickness", &options->thickness,
+                 "of the grid's rods and blades, as a factor, 0.2 - 3");
+  arguments->Add("untextured", &options->untextured,
+                 "how blank a patch of the surface is, 0 - 1");
+  arguments->Add("gloss", &options->gloss,
+                 "intensity of highlights on another patch, 0 - 2");
+  arguments->Add("exposure_change", &options->exposure_change,
+                 "at most, between images, as a share, 0 - 0.9");
+  arguments->Add("cell_size", &options->cell_size,
+                 "of the true surface's lattice, px, 0.5 - 100");
+  arguments->Add("seed", &options->seed, "of everything random");
+  arguments->Add("num_threads", &options->num_threads, "-1: all");
+}
+
+void AddPointArguments(DenseSceneOptions* options, Arguments* arguments) {
+  arguments->Add("noise", &options->stereo.noise,
+                 "of stereo matches, px, 0 - 10");
+  arguments->Add("correlated_share", &options->stereo.correlated_share,
+                 "of its variance, between neighbours, 0 - 1");
+  arguments->Add("normal_noise", &options->stereo.normal_noise,
+                 "degrees, 0 - 45");
+  arguments->Add("dropout", &options->stereo.dropout,
+                 "share of pixels without depth, 0 - 1");
+  arguments->Add("fattening", &options->stereo.fattening,
+                 "of the foreground at silhouettes, px, 0 - 20");
+  arguments->Add("outliers", &options->fusion.outliers,
+                 "as a share of the fused points, 0 - 1");
+  arguments->Add("min_num_pixels", &options->fusion.min_num_pixels,
+                 "of a fused point, 1 or more");
+  arguments->Add("num_sparse_points", &options->sparse.num_points,
+                 "at most, 0 or more");
+  arguments->Add("feature_noise", &options->sparse.noise,
+                 "of sparse points, px, 0 - 10");
+}
 
 Arguments Bind(DenseSceneOptions* options, std::string* output_path) {
   Arguments arguments;
   arguments.Add("output_path", output_path, "folder of the workspace");
-  arguments.Add("scene", &options->scene.shape, "statue or wall");
-  arguments.Add("num_images", &options->scene.num_images, "");
-  arguments.Add("width", &options->scene.width, "of the images, px");
-  arguments.Add("height", &options->scene.height, "of the images, px");
-  arguments.Add("relief", &options->scene.relief, "height of the fine relief");
-  arguments.Add("cell_size", &options->scene.cell_size,
-                "of the true surface, px");
-  arguments.Add("noise", &options->stereo.noise, "of stereo matches, px");
-  arguments.Add("outliers", &options->fusion.outliers,
-                "as a share of the fused points");
-  arguments.Add("dropout", &options->stereo.dropout,
-                "share of pixels without depth");
-  arguments.Add("min_num_pixels", &options->fusion.min_num_pixels,
-                "of a fused point");
-  arguments.Add("num_sparse_points", &options->sparse.num_points, "at most");
+  AddSceneArguments(&options->scene, &arguments);
+  arguments.Add("sensor_noise", &options->render.sensor_noise,
+                "of the images in the dark, steps of 1/255, 0 - 100");
+  arguments.Add("photon_noise", &options->render.photon_noise,
+                "added in full light, steps of 1/255, 0 - 100");
+  AddPointArguments(options, &arguments);
   arguments.Add("write_depth_maps", &options->keep_depth_maps,
-                "stereo/ as well, 0 or 1");
-  arguments.Add("seed", &options->scene.seed, "of everything random");
-  arguments.Add("num_threads", &options->scene.num_threads, "-1: all");
+                "the stereo's, with normals, to stereo/, 0 or 1");
+  arguments.Add("write_true_depth_maps", &options->keep_true_depths,
+                "of the pixels' centres, to truth/depth_maps/, 0 or 1");
   return arguments;
 }
 

@@ -137,13 +137,31 @@ void WriteStereo(const fs::path& path, const DenseScene& scene) {
   fs::create_directories(path / "consistency_graphs");
   std::ofstream fusion = Open(path / "fusion.cfg");
   for (size_t i = 0; i < scene.depth_maps.size(); ++i) {
-    const std::string name = scene.scene.views[i].name;
-    fusion << name << '\n';
-    WriteDepthMap((path / "depth_maps" / (name + ".geometric.bin")).string(),
-                  (path / "normal_maps" / (name + ".geometric.bin")).string(),
-                  scene.depth_maps[i], scene.scene.views[i]);
+    const View& view = scene.scene.views[i];
+    const DepthMap& map = scene.depth_maps[i];
+    const std::string name = view.name + ".geometric.bin";
+    fusion << view.name << '\n';
+    WriteDepths((path / "depth_maps" / name).string(), map.width, map.height,
+                map.depths);
+    WriteNormals((path / "normal_maps" / name).string(), map, view);
   }
   Close(path / "fusion.cfg", &fusion);
+}
+
+void WriteTruth(const fs::path& path, const DenseScene& scene,
+                const std::vector<uint32_t>& ids) {
+  const std::vector<View>& views = scene.scene.views;
+  fs::create_directories(path / "depth_maps");
+  WritePlyMesh((path / "mesh.ply").string(), scene.scene.surface);
+  WriteCamerasText(path / "cameras.txt", views[0]);
+  WriteImagesText(path / "images.txt", views, ids,
+                  std::vector<std::string>(views.size()));
+  for (size_t i = 0; i < scene.visible.size(); ++i) {
+    const Visible& visible = scene.visible[i];
+    WriteDepths(
+        (path / "depth_maps" / (views[i].name + ".geometric.bin")).string(),
+        visible.width, visible.height, visible.depths);
+  }
 }
 
 }  // namespace
@@ -155,7 +173,6 @@ void WriteWorkspace(const DenseScene& scene, uint64_t seed,
   const std::vector<uint32_t> ids = ImageIds(views.size(), seed);
   fs::create_directories(path / "images");
   fs::create_directories(path / "sparse");
-  fs::create_directories(path / "truth");
   WriteImages(path / "images", scene);
   const std::vector<int> positions =
       WriteSparseModel(path / "sparse", scene, ids);
@@ -163,10 +180,7 @@ void WriteWorkspace(const DenseScene& scene, uint64_t seed,
   if (!scene.depth_maps.empty()) {
     WriteStereo(path / "stereo", scene);
   }
-  WritePlyMesh((path / "truth" / "mesh.ply").string(), scene.scene.surface);
-  WriteCamerasText(path / "truth" / "cameras.txt", views[0]);
-  WriteImagesText(path / "truth" / "images.txt", views, ids,
-                  std::vector<std::string>(views.size()));
+  WriteTruth(path / "truth", scene, ids);
 }
 
 }  // namespace colmap_ext::synthetic
