@@ -73,9 +73,10 @@ std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
     for (int col = 0; col < depths.width; ++col) {
       const size_t index = depths.Index(row, col);
       if (depths.depths[index] > 0 && mask.depths[index] > 0) {
-        points.emplace_back(
-            eye + depths.depths[index] *
-                      RayDirection(view, depths.Pixel(col), depths.Pixel(row)));
+        points.emplace_back(eye + depths.depths[index] *
+                                      RayDirection(view,
+                                                   depths.Pixel(col) + 0.5,
+                                                   depths.Pixel(row) + 0.5));
       }
     }
   }

@@ -72,8 +72,10 @@ class Renderer {
     RayPacket rays;
     rays.origin = eye_;
     for (int i = 0; i < 4; ++i) {
-      rays.SetDirection(i, RayDirection(view_, col + 0.25 + 0.5 * (i % 2),
-                                        row + 0.25 + 0.5 * (i / 2)));
+      const int sub_row = i / 2;
+      const int sub_col = i % 2;
+      rays.SetDirection(i, RayDirection(view_, col + 0.25 + 0.5 * sub_col,
+                                        row + 0.25 + 0.5 * sub_row));
     }
     const HitPacket hits = bvh_.Intersect(rays);
     Vector3f sum = Vector3f::Zero();
