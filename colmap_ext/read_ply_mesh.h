@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+// Reads a triangle mesh, or a point cloud, which is one without facets, from a
+// PLY file: ASCII or binary of either byte order, numbers of any type, faces as
+// the list vertex_index or vertex_indices. Other properties and elements are
+// skipped. Vertices may be NaN or infinite.
+//
+// \throw FileError if the file is missing, truncated, or not such a PLY; if it
+//        has no vertices; if a face has not three corners, or a vertex that is
+//        not there.
+TriangleMesh ReadPlyMesh(const std::filesystem::path& path);
+
+}  // namespace colmap_ext
