@@ -1,0 +1,195 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tbb/global_control.h>
+
+#include "colmap_ext/atomic_file.h"
+#include "colmap_ext/commands.h"
+#include "colmap_ext/error_picture.h"
+#include "colmap_ext/errors.h"
+#include "colmap_ext/evaluation_options.h"
+#include "colmap_ext/evaluation_report.h"
+#include "colmap_ext/find_workspace.h"
+#include "colmap_ext/print_report.h"
+#include "colmap_ext/progress_reporter.h"
+#include "colmap_ext/read_depth_map.h"
+#include "colmap_ext/read_ply_mesh.h"
+#include "colmap_ext/read_views.h"
+#include "colmap_ext/run_command.h"
+#include "colmap_ext/write_mesh.h"
+#include "evaluation/error_colors.h"
+#include "evaluation/mesh_evaluation.h"
+#include "evaluation/mesh_renderer.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr CommandAdvice kAdvice = {
+    "a larger --MeshEvaluation.stride or --MeshEvaluation.spacing takes fewer "
+    "samples",
+    "the mesh and the truth"};
+
+// Before the work.
+void CheckOutputs(const EvaluatorOptions& options) {
+  for (const std::string& path :
+       {options.json_path, options.error_mesh_path, options.picture_path}) {
+    if (!path.empty()) {
+      ExpectWritable(path);
+    }
+  }
+}
+
+std::vector<View> ReadEvaluatedViews(const EvaluatorOptions& options) {
+  if (options.workspace_path.empty()) {
+    return {};
+  }
+  const fs::path sparse_path = FindSparseFolder(options.workspace_path);
+  const SparseModel model = ReadSparseModel(sparse_path);
+  std::vector<View> views =
+      ReadViews(options.workspace_path, model, false).views;
+  if (views.empty()) {
+    throw FileError(sparse_path, "it has no images");
+  }
+  return views;
+}
+
+// \pre views outlive what is returned
+Truth ReadDepthMaps(const fs::path& folder, const std::vector<View>& views) {
+  if (views.empty()) {
+    throw OptionError(
+        "a --truth_path of depth maps needs --workspace_path, which has their "
+        "cameras");
+  }
+  if (std::all_of(views.begin(), views.end(), [&](const View& view) {
+        return FindDepthMap(folder, view.name).empty();
+      })) {
+    throw FileError(folder, "it has no depth map of any image, such as " +
+                                views[0].name + ".geometric.bin");
+  }
+  Truth truth;
+  truth.depth_maps = [folder, &views](size_t view) {
+    const fs::path path = FindDepthMap(folder, views[view].name);
+    return path.empty() ? DepthMap() : ReadDepthMap(path);
+  };
+  return truth;
+}
+
+Truth ReadTruth(const EvaluatorOptions& options,
+                const std::vector<View>& views) {
+  if (!fs::is_directory(options.truth_path)) {
+    return {ReadPlyMesh(options.truth_path), nullptr};
+  }
+  if (!options.error_mesh_path.empty() || !options.picture_path.empty()) {
+    throw OptionError(
+        "--error_mesh_path and --picture_path need a mesh or points as the "
+        "truth, not depth maps");
+  }
+  return ReadDepthMaps(options.truth_path, views);
+}
+
+TriangleMesh ReadMesh(const EvaluatorOptions& options) {
+  TriangleMesh mesh = ReadPlyMesh(options.mesh_path);
+  if (mesh.facets.empty()) {
+    throw FileError(options.mesh_path, "it has no faces: not a mesh");
+  }
+  return mesh;
+}
+
+View PictureView(const EvaluatorOptions& options, const TriangleMesh& mesh,
+                 const std::vector<View>& views) {
+  constexpr int kWidth = 1024;  // px
+  constexpr int kHeight = 768;  // px
+  if (options.picture_image.empty()) {
+    return AutomaticView({mesh, {}, {}, {}}, kWidth, kHeight);
+  }
+  const auto view =
+      std::find_if(views.begin(), views.end(), [&](const View& candidate) {
+        return candidate.name == options.picture_image;
+      });
+  if (view == views.end()) {
+    throw OptionError("--picture_image: the workspace has no image " +
+                      options.picture_image);
+  }
+  return CropView(*view, 1, 0.5, 0.5, kWidth, kHeight);
+}
+
+void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
+                 const Truth& truth, const View& view, double max_distance) {
+  const std::vector<double> errors = VertexErrors(mesh, truth, max_distance);
+  const double scale =
+      options.error_scale > 0 ? options.error_scale : ErrorScale(errors);
+  std::vector<Color> colors;
+  colors.reserve(errors.size());
+  for (const double error : errors) {
+    colors.push_back(ErrorColor(error, scale));
+  }
+  if (!options.error_mesh_path.empty()) {
+    WriteColoredMesh(options.error_mesh_path, mesh, colors);
+  }
+  if (!options.picture_path.empty()) {
+    WritePng(options.picture_path, DrawErrors(mesh, colors, view, scale));
+  }
+}
+
+void WriteJson(const fs::path& path, const std::string& json) {
+  AtomicFile file(path);
+  file.Write(json.data(), json.size());
+  AtomicFile* const files[] = {&file};
+  Commit(files);
+}
+
+void Evaluate(const EvaluatorOptions& options) {
+  CheckOutputs(options);
+  std::optional<tbb::global_control> max_threads;
+  if (options.num_threads > 0) {
+    max_threads.emplace(tbb::global_control::max_allowed_parallelism,
+                        options.num_threads);
+  }
+  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+  const auto progress = [&reporter](std::string_view stage, double share) {
+    reporter.Update(stage, share);
+  };
+  Report(progress, "Reading", 0);
+  const std::vector<View> views = ReadEvaluatedViews(options);
+  const TriangleMesh mesh = ReadMesh(options);
+  const Truth truth = ReadTruth(options, views);
+  const View picture_view = PictureView(options, mesh, views);
+  const MeshEvaluation evaluation =
+      EvaluateMesh(options.evaluation, mesh, truth, views,
+                   options.ReadObservability(), progress);
+  if (!options.error_mesh_path.empty() || !options.picture_path.empty()) {
+    Report(progress, "Colouring the errors", 0);
+    WriteErrors(options, mesh, truth, picture_view,
+                evaluation.distances->max_distance);
+  }
+  if (!options.json_path.empty()) {
+    WriteJson(options.json_path, EvaluationJson(options, evaluation));
+  }
+  reporter.Finish();
+  PrintEvaluation(options, evaluation, std::cout);
+  PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);
+}
+
+}  // namespace
+
+int RunMeshEvaluator(int argc, char** argv) {
+  EvaluatorOptions options;
+  colmap::OptionManager manager;
+  AddEvaluatorOptions(&manager, &options);
+  const auto command = [&options] {
+    options.Finish();
+    Evaluate(options);
+  };
+  return RunCommand(argc, argv, &manager, command, kAdvice);
+}
+
+}  // namespace colmap_ext
