@@ -1,20 +1,18 @@
 #!/usr/bin/env python3
-"""Compares delaunay_manifold_mesher with COLMAP's delaunay_mesher.
+"""Compares delaunay_manifold_mesher with the meshers that others use.
 
-Runs both, one after the other, on copies of dense workspaces, and prints
-Markdown tables: time, memory and what was written; singular vertices by rule;
-accuracy where the truth is known; time per stage over the number of points.
-A figure that could not be measured is left out as '-'.
+Runs COLMAP's delaunay_mesher, ours and, where its programs are on the PATH,
+OpenMVS' ReconstructMesh one after the other on copies of dense workspaces, and
+prints Markdown tables: time, memory and what was written; accuracy where the
+truth is known (truth/mesh.ply in the workspace), by mesh_evaluator; singular
+vertices by rule; time per stage over the number of points. A figure that could
+not be measured is left out as '-'.
 
-  compare_meshers.py --colmap build/release/bin/colmap \
-      [--check mesh_check.py] [--evaluate mesh_eval] [--threads 2] \
-      [--parts] [--no_thinning SECONDS] WORKSPACE...
+  compare_meshers.py --colmap build/release/bin/colmap [--threads 2] \\
+      [--check mesh_check.py] [--parts] [--no_thinning SECONDS] WORKSPACE...
 
---check     a program that prints `singular_vertices: N` and
+--check     a script of one's own that prints `singular_vertices: N` and
             `nonmanifold_edges: N` for a mesh
---evaluate  a program called as `P MESH TRUTH CAMERAS 0.001` that prints JSON
-            with mean_acc, med_acc, mean_comp, med_comp; for workspaces with
-            truth/mesh.ply
 --parts     also 1/8, 1/4 and 1/2 of the points of the first workspace
 --no_thinning  also with max_proj_dist 0, given up after so many seconds
 """
@@ -101,13 +99,35 @@ def topology(args, path):
 
 
 def accuracy(args, workspace, path):
-    truth = workspace / "truth"
-    if not args.evaluate or not (truth / "mesh.ply").exists():
+    """Mean and median accuracy and completeness, 1e-3 units, or None."""
+    truth = workspace / "truth" / "mesh.ply"
+    if not truth.exists():
         return None
-    output = subprocess.run(
-        [args.evaluate, str(path), str(truth / "mesh.ply"), str(truth),
-         "0.001"], capture_output=True, text=True).stdout
-    return json.loads(output)
+    report = path.with_suffix(".json")
+    subprocess.run(
+        [args.colmap, "mesh_evaluator", "--mesh_path", str(path),
+         "--truth_path", str(truth), "--workspace_path", str(workspace),
+         "--json_path", str(report)], check=True, capture_output=True)
+    figures = json.loads(report.read_text())
+    return [f"{1000 * figures[side][kind]:.2f}"
+            for side in ("accuracy", "completeness")
+            for kind in ("mean", "median")]
+
+
+def reconstruct_with_openmvs(args, workspace, output):
+    """OpenMVS' mesher on the same points: what run() returns, for both of its
+    programs together; not ok where they fail."""
+    scene = output.with_suffix(".mvs")
+    steps = [
+        run(["InterfaceCOLMAP", "-i", str(workspace), "-o", str(scene),
+             "--image-folder", str(workspace / "images")]),
+        run(["ReconstructMesh", str(scene), "-o", str(output),
+             "--max-threads", str(args.threads)]),
+    ]
+    return {"ok": all(step["ok"] for step in steps) and output.exists(),
+            "output": "", "wall": sum(step["wall"] for step in steps),
+            "cpu": sum(step["cpu"] for step in steps),
+            "peak": max(step["peak"] for step in steps)}
 
 
 def pixel_ratio(workspace):
@@ -171,24 +191,27 @@ def compare(args, workspace, folder):
         jobs += [("`delaunay_mesher`, every point", THEIRS,
                   [("max_proj_dist", 0)]),
                  ("ours, every point", OURS, [("max_proj_dist", 0)])]
-    uncalibrated = ("half_pixel_calibration", 0)
-    if args.evaluate and (workspace / "truth").exists():
-        jobs += [("ours, half a pixel, not calibrated", OURS, [uncalibrated]),
+    if (workspace / "truth").exists():
+        jobs += [("ours, half a pixel, not calibrated", OURS,
+                  [("half_pixel_calibration", 0)]),
                  ("ours, no half pixel", OURS, [("half_pixel_correction", 0)])]
+    if shutil.which("InterfaceCOLMAP") and shutil.which("ReconstructMesh"):
+        jobs.append(("OpenMVS `ReconstructMesh`", None, []))
     rows, scores, baseline = [], [], None
     for title, command, options in jobs:
         output = folder / f"{name}-{len(rows)}.ply"
         seconds = args.no_thinning if ("max_proj_dist", 0) in options else None
-        result = mesh(args, command, workspace, output, options, seconds)
+        if command:
+            result = mesh(args, command, workspace, output, options, seconds)
+        else:
+            result = reconstruct_with_openmvs(args, workspace, output)
         if not result["ok"]:
-            rows.append([title, f"> {args.no_thinning}", "-",
-                         f"{result['peak']:.0f}", "-", "-", "-", "-", "-"])
+            wall = f"> {seconds}" if seconds else "failed"
+            rows.append([title, wall] + ["-"] * 7)
             continue
         baseline = baseline or result
-        vertices = (counted(result["output"], "vertices, after thinning")
-                    if command == OURS else
-                    re.search(r"Triangulation has (\d+)|$",
-                              result["output"]).group(1) or "-")
+        vertices = counted(result["output"], "vertices, after thinning"
+                           if command == OURS else "Triangulation has")
         rows.append([
             title, f"{result['wall']:.1f}", f"{result['cpu']:.1f}",
             f"{result['peak']:.0f}",
@@ -197,9 +220,7 @@ def compare(args, workspace, folder):
             vertices, ply_counts(output)["face"], *topology(args, output)])
         score = accuracy(args, workspace, output)
         if score:
-            scores.append([title] + [
-                f"{score[key]:.2f}" for key in
-                ("mean_acc", "med_acc", "mean_comp", "med_comp")])
+            scores.append([title, *score])
     print_table(f"{name}: {args.threads} threads",
                 ["", "wall s", "CPU s", "peak MB", "faster, smaller",
                  "vertices in", "faces", "singular vertices",
@@ -254,7 +275,6 @@ def main():
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--colmap", required=True)
     parser.add_argument("--check")
-    parser.add_argument("--evaluate")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--parts", action="store_true")
     parser.add_argument("--no_thinning", type=int, metavar="SECONDS")
