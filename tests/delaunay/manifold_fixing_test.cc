@@ -246,7 +246,7 @@ std::tuple<size_t, int64_t> BestWay(const Problem& problem, uint32_t vertex) {
 template <typename Function>
 void ForEachSingleVertex(uint64_t seed, const Function& function) {
   Random random(seed);
-  for (int complex = 0; complex < 100; ++complex) {
+  for (int complex = 0; complex < 300; ++complex) {
     Problem problem = RandomProblem(
         RandomPoints(10 + random.Below(30), 1000, &random), &random);
     for (int trial = 0; trial < 60; ++trial) {

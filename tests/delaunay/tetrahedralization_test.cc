@@ -223,7 +223,8 @@ struct SeenSheet {
 TEST(Thinning, PointsLeftOutLieNearTheirVertexInAllTheirViews) {
   const SeenSheet sheet;
   for (const double max_proj_dist : {5.0, 20.0, 60.0}) {
-    const ThinningOptions options = {max_proj_dist, 0.05};
+    constexpr double kMaxDepthDist = 0.01;
+    const ThinningOptions options = {max_proj_dist, kMaxDepthDist};
     const auto result = Tetrahedralize(sheet.cloud, sheet.views, options);
     EXPECT_EQ(DefectOf(result.tetrahedra, false), "");
     size_t num_left_out = 0;
@@ -241,7 +242,7 @@ TEST(Thinning, PointsLeftOutLieNearTheirVertexInAllTheirViews) {
             view.CamFromWorld(result.tetrahedra.points[vertex].cast<double>());
         EXPECT_LE((view.ImageFromCam(a) - view.ImageFromCam(b)).norm(),
                   max_proj_dist);
-        EXPECT_LE(std::abs(a.z() / b.z() - 1), 0.05);
+        EXPECT_LE(std::abs(a.z() / b.z() - 1), kMaxDepthDist);
       }
     }
     EXPECT_EQ(num_left_out + result.vertex_points.size(), sheet.cloud.size());

@@ -68,6 +68,16 @@ TEST(InheritAttributes, ACentroidInheritsFromItsNeighbors) {
               {{67, 20, 255}, {1}}});
 }
 
+TEST(InheritAttributes, HalfOfTheNeighborsAreEnough) {
+  const TriangleMesh mesh =
+      MakeMesh(5, {{4, 0, 1}, {4, 1, 2}, {4, 2, 3}, {4, 3, 0}});
+  const Points points = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNoPoint, kNoPoint}};
+  const Row first = {{0, 10, 255}, {0, 1}};
+  const Row second = {{1, 20, 255}, {1, 2}};
+  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+             {first, first, second, second, {{1, 15, 255}, {0, 1, 2}}});
+}
+
 // Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
 TEST(InheritAttributes, FromNeighborToNeighbor) {
   const TriangleMesh mesh = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
