@@ -58,6 +58,18 @@ Color GetPixel(const Bitmap& bitmap, int x, int y) {
   return {color.r, color.g, color.b};
 }
 
+// Before COLMAP 4.0 an empty bitmap is given a size, later it is made with one.
+template <typename Bitmap>
+Bitmap MakeBitmap(int width, int height) {
+  if constexpr (requires(Bitmap b) { b.Allocate(width, height, true); }) {
+    Bitmap bitmap;
+    bitmap.Allocate(width, height, true);
+    return bitmap;
+  } else {
+    return Bitmap(width, height, true);
+  }
+}
+
 }  // namespace
 
 void InitializeLogging(char** argv) { colmap::InitializeGlog(argv); }
@@ -83,6 +95,19 @@ std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path) {
     }
   }
   return image;
+}
+
+bool WriteColorImage(const std::filesystem::path& path,
+                     const ColorImage& image) {
+  auto bitmap = MakeBitmap<colmap::Bitmap>(image.width, image.height);
+  for (int row = 0; row < image.height; ++row) {
+    for (int col = 0; col < image.width; ++col) {
+      const Color& color = image.At(row, col);
+      bitmap.SetPixel(
+          col, row, colmap::BitmapColor<uint8_t>(color[0], color[1], color[2]));
+    }
+  }
+  return bitmap.Write(path.string());
 }
 
 }  // namespace colmap_ext

@@ -33,4 +33,9 @@ bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
 // \return nothing if there is no such picture, or COLMAP can not read it.
 std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path);
 
+// Writes a picture with COLMAP, in the format that the path's extension names.
+// \return whether it is written.
+bool WriteColorImage(const std::filesystem::path& path,
+                     const ColorImage& image);
+
 }  // namespace colmap_ext

@@ -1,12 +1,15 @@
 #include "colmap_ext/error_picture.h"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <system_error>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "colmap_ext/atomic_file.h"
+#include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/print_lines.h"
 #include "evaluation/error_colors.h"
@@ -70,13 +73,18 @@ ColorImage DrawErrors(const TriangleMesh& mesh,
 }
 
 void WritePng(const std::filesystem::path& path, const ColorImage& image) {
-  ColorImage copy = image;
-  for (Color& color : copy.pixels) {
-    std::swap(color[0], color[2]);
+  // COLMAP writes to a path of its own choice of format, not to our file.
+  const std::filesystem::path draft =
+      std::filesystem::path(path).replace_extension(".draft.png");
+  std::vector<char> bytes;
+  if (WriteColorImage(draft, image)) {
+    std::ifstream stream(draft, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(stream), {});
   }
-  std::vector<uchar> bytes;
-  if (!cv::imencode(".png", AsMat(&copy), bytes)) {
-    throw FileError(path, "can not be written: OpenCV makes no PNG of it");
+  std::error_code ignored;
+  std::filesystem::remove(draft, ignored);
+  if (bytes.empty()) {
+    throw FileError(path, "can not be written");
   }
   AtomicFile file(path);
   file.Write(bytes.data(), bytes.size());

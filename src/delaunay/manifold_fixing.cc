@@ -11,10 +11,8 @@ namespace {
 
 using Component = VertexStar::Component;
 
-// Passes of the energy rule end by themselves, since each leaves fewer
-// components too many; this bounds how often what is left is split at centroids
-// and, so that another vertex may be easier to fix, moved on.
-constexpr int kMaxSplitRounds = 6;
+// How often the energy rule splits what it could not fix.
+constexpr int kMaxSplitRounds = 3;
 
 class Fixer {
  public:
@@ -28,21 +26,12 @@ class Fixer {
   FixingReport Run() {
     std::vector<uint32_t> singular = Singular();
     report_.num_singular_raw = singular.size();
-    const int max_rounds = rule_ == FixingRule::kPaper ? 1 : kMaxSplitRounds;
     singular = RelabelAll(std::move(singular));
-    std::vector<uint32_t> before;
-    for (int round = 0; round < max_rounds && singular != before; ++round) {
-      before = singular;
-      for (const uint32_t vertex : singular) {
-        SplitSmallComponents(vertex);
-      }
-      if (rule_ == FixingRule::kEnergy) {
-        for (const uint32_t vertex : singular) {
-          RelabelByEnergy(vertex, /*max_change=*/0);
-        }
-        singular = Singular();
-      }
+    if (rule_ == FixingRule::kPaper) {
+      SplitAll(singular);
       singular = RelabelAll(std::move(singular));
+    } else {
+      singular = FixWhatIsLeft(std::move(singular));
     }
     report_.num_singular_fixed = singular.size();
     return report_;
@@ -56,10 +45,7 @@ class Fixer {
   // \return the vertices that are singular afterwards
   std::vector<uint32_t> RelabelAll(std::vector<uint32_t> singular) {
     if (rule_ == FixingRule::kPaper) {
-      for (const uint32_t vertex : singular) {
-        KeepLargest(vertex, /*is_free=*/false);
-        KeepLargest(vertex, /*is_free=*/true);
-      }
+      KeepLargest(singular);
       return Singular();
     }
     for (;;) {
@@ -71,6 +57,48 @@ class Fixer {
         return singular;
       }
       singular = Singular();
+    }
+  }
+
+  // Where no way is better any more: splits the cells, and has the vertices
+  // take a way that is no worse, or that of the paper, in the hope that the
+  // next ones are better. Labels that do not come out better are put back.
+  std::vector<uint32_t> FixWhatIsLeft(std::vector<uint32_t> singular) {
+    for (int round = 0; round < kMaxSplitRounds && !singular.empty(); ++round) {
+      SplitAll(singular);
+      const std::vector<uint8_t> labels = *is_free_;
+      const size_t num_relabeled = report_.num_relabeled_cells;
+      for (const bool as_the_paper : {false, true}) {
+        if (as_the_paper) {
+          KeepLargest(singular);
+        } else {
+          for (const uint32_t vertex : singular) {
+            RelabelByEnergy(vertex, /*max_change=*/0);
+          }
+        }
+        std::vector<uint32_t> left = RelabelAll(Singular());
+        if (left.size() < singular.size()) {
+          singular = std::move(left);
+          break;
+        }
+        *is_free_ = labels;
+        report_.num_relabeled_cells = num_relabeled;
+      }
+    }
+    return singular;
+  }
+
+  // The paper's relabeling.
+  void KeepLargest(const std::vector<uint32_t>& singular) {
+    for (const uint32_t vertex : singular) {
+      KeepLargest(vertex, /*is_free=*/false);
+      KeepLargest(vertex, /*is_free=*/true);
+    }
+  }
+
+  void SplitAll(const std::vector<uint32_t>& singular) {
+    for (const uint32_t vertex : singular) {
+      SplitSmallComponents(vertex);
     }
   }
 

@@ -14,7 +14,8 @@ not be measured is left out as '-'.
 --check     a script of one's own that prints `singular_vertices: N` and
             `nonmanifold_edges: N` for a mesh
 --parts     also 1/8, 1/4 and 1/2 of the points of the first workspace
---no_thinning  also with max_proj_dist 0, given up after so many seconds
+--no_thinning  the first workspace also with max_proj_dist 0, given up after so
+            many seconds
 """
 
 import argparse
@@ -179,7 +180,7 @@ def print_table(title, head, rows):
     sys.stdout.flush()
 
 
-def compare(args, workspace, folder):
+def compare(args, workspace, folder, seconds_unthinned):
     name = workspace.name
     ratio = pixel_ratio(workspace)
     same = [("max_proj_dist", round(20 / ratio, 4))]
@@ -187,7 +188,7 @@ def compare(args, workspace, folder):
             ("ours, same thinning", OURS, same)]
     if abs(ratio - 1) > 0.01:
         jobs.append(("ours, default", OURS, []))
-    if args.no_thinning:
+    if seconds_unthinned:
         jobs += [("`delaunay_mesher`, every point", THEIRS,
                   [("max_proj_dist", 0)]),
                  ("ours, every point", OURS, [("max_proj_dist", 0)])]
@@ -200,7 +201,8 @@ def compare(args, workspace, folder):
     rows, scores, baseline = [], [], None
     for title, command, options in jobs:
         output = folder / f"{name}-{len(rows)}.ply"
-        seconds = args.no_thinning if ("max_proj_dist", 0) in options else None
+        seconds = (seconds_unthinned if ("max_proj_dist", 0) in options
+                   else None)
         if command:
             result = mesh(args, command, workspace, output, options, seconds)
         else:
@@ -287,7 +289,8 @@ def main():
             workspaces.append(folder / workspace.name)
             shutil.copytree(workspace, workspaces[-1])
         for workspace in workspaces:
-            compare(args, workspace, folder)
+            compare(args, workspace, folder,
+                    args.no_thinning if workspace == workspaces[0] else None)
         compare_rules(args, workspaces, folder)
         if args.parts:
             compare_parts(args, workspaces[0], folder)

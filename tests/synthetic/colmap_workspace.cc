@@ -20,20 +20,10 @@
 #include "util/ply.h"
 #endif
 
+#include "colmap_ext/colmap_compat.h"
+
 namespace colmap_ext::synthetic {
 namespace {
-
-// Before COLMAP 4.0 an empty bitmap is given a size, later it is made with one.
-template <typename Bitmap>
-Bitmap MakeBitmap(int width, int height) {
-  if constexpr (requires(Bitmap b) { b.Allocate(width, height, true); }) {
-    Bitmap bitmap;
-    bitmap.Allocate(width, height, true);
-    return bitmap;
-  } else {
-    return Bitmap(width, height, true);
-  }
-}
 
 template <typename Image>
 void SetPose(const Image& image, View* view) {
@@ -61,15 +51,7 @@ void SetSize(const Camera& camera, View* view) {
 }  // namespace
 
 void WriteImage(const std::string& path, const ColorImage& image) {
-  auto bitmap = MakeBitmap<colmap::Bitmap>(image.width, image.height);
-  for (int row = 0; row < image.height; ++row) {
-    for (int col = 0; col < image.width; ++col) {
-      const Color& color = image.At(row, col);
-      bitmap.SetPixel(
-          col, row, colmap::BitmapColor<uint8_t>(color[0], color[1], color[2]));
-    }
-  }
-  if (!bitmap.Write(path)) {
+  if (!WriteColorImage(path, image)) {
     throw std::runtime_error(path + ": cannot be written");
   }
 }
