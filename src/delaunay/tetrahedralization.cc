@@ -12,6 +12,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
+#include <tbb/parallel_sort.h>
 
 #include "delaunay/space_filling_curve.h"
 
@@ -40,7 +41,7 @@ std::vector<uint32_t> DistinctPoints(
   const std::vector<uint64_t> keys = MortonKeys(positions);
   std::vector<uint32_t> points(positions.size());
   std::iota(points.begin(), points.end(), 0);
-  std::sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
+  tbb::parallel_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
     if (keys[a] != keys[b]) return keys[a] < keys[b];
     const auto& p = positions[a];
     const auto& q = positions[b];
@@ -232,7 +233,7 @@ void Canonicalize(Tetrahedralization::Cell* cell) {
 void SortCells(std::vector<Tetrahedralization::Cell>* cells) {
   std::vector<uint32_t> order(cells->size());
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+  tbb::parallel_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return (*cells)[a].vertices < (*cells)[b].vertices;
   });
   std::vector<uint32_t> rank(cells->size());

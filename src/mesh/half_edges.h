@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include <tbb/parallel_sort.h>
+
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
@@ -27,7 +29,7 @@ inline std::vector<std::pair<uint64_t, uint32_t>> SortedHalfEdges(
     const uint64_t to = ToVertex(facets, half);
     halves[half] = {std::min(from, to) << 32 | std::max(from, to), half};
   }
-  std::sort(halves.begin(), halves.end());
+  tbb::parallel_sort(halves.begin(), halves.end());
   return halves;
 }
 

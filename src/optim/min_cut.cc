@@ -4,6 +4,8 @@
 #include <cassert>
 #include <limits>
 
+#include <tbb/parallel_for.h>
+
 namespace colmap_ext {
 namespace {
 
@@ -33,10 +35,12 @@ struct alignas(64) Node {
 class Solver {
  public:
   explicit Solver(const FlowGraph& graph) : nodes_(graph.size()) {
-    for (uint32_t i = 0; i < nodes_.size(); ++i) {
-      InitializeNode(graph, i);
-    }
-    for (uint32_t i = 0; i < nodes_.size(); ++i) {
+    const auto num_nodes = static_cast<uint32_t>(nodes_.size());
+    tbb::parallel_for(uint32_t{0}, num_nodes,
+                      [&](uint32_t i) { InitializeNode(graph, i); });
+    for (uint32_t i = 0; i < num_nodes; ++i) {
+      // What goes straight through the node.
+      flow_ += std::min(Clamp(graph.source[i]), Clamp(graph.sink[i]));
       if (nodes_[i].terminal != 0) {
         Activate(i);
       }
@@ -77,10 +81,7 @@ class Solver {
         }
       }
     }
-    const int32_t source = Clamp(graph.source[index]);
-    const int32_t sink = Clamp(graph.sink[index]);
-    flow_ += std::min(source, sink);
-    node.terminal = source - sink;
+    node.terminal = Clamp(graph.source[index]) - Clamp(graph.sink[index]);
     node.in_sink_tree = node.terminal < 0;
     node.parent = node.terminal != 0 ? kTerminal : kFree;
     node.distance = 1;
