@@ -33,6 +33,7 @@ import time
 
 OURS = "delaunay_manifold_mesher"
 THEIRS = "delaunay_mesher"
+SHORT = 20  # s
 
 
 def run(command, seconds=None):
@@ -66,6 +67,10 @@ def mesh(args, command, workspace, output, options=(), seconds=None):
     for name, value in options:
         line += [f"--{prefix}.{name}", str(value)]
     result = run(line, seconds)
+    if result["ok"] and result["wall"] < SHORT:
+        # The median of three, since other processes cost short runs most.
+        runs = [result, run(line), run(line)]
+        result = sorted(runs, key=lambda each: each["wall"])[1]
     if not result["ok"] and not seconds:
         sys.exit(f"{' '.join(line)} failed:\n{result['output']}")
     return result
