@@ -35,19 +35,6 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
   return alphas;
 }
 
-FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra) {
-  FlowGraph graph;
-  const size_t num_cells = tetrahedra.cells.size();
-  graph.neighbors.reserve(num_cells);
-  for (const auto& cell : tetrahedra.cells) {
-    graph.neighbors.push_back(cell.neighbors);
-  }
-  graph.capacities.resize(num_cells, {0, 0, 0, 0});
-  graph.source.resize(num_cells, 0);
-  graph.sink.resize(num_cells, 0);
-  return graph;
-}
-
 // The graph whose minimum cut is the surface (section III-A).
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
                     const PointCloud& cloud, const std::vector<View>& views,

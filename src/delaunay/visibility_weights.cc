@@ -196,6 +196,19 @@ Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
   return observations;
 }
 
+FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra) {
+  FlowGraph graph;
+  const size_t num_cells = tetrahedra.cells.size();
+  graph.neighbors.reserve(num_cells);
+  for (const auto& cell : tetrahedra.cells) {
+    graph.neighbors.push_back(cell.neighbors);
+  }
+  graph.capacities.resize(num_cells, {0, 0, 0, 0});
+  graph.source.resize(num_cells, 0);
+  graph.sink.resize(num_cells, 0);
+  return graph;
+}
+
 RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,

@@ -48,6 +48,9 @@ struct RayReport {
   size_t num_steps = 0;      // facets crossed by all rays
 };
 
+// The graph of the cells, whose capacities are all zero.
+FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra);
+
 // The votes of all observations for free space and matter (Labatut et al. 2009;
 // Vu et al. 2012). For a ray from the camera centre c to the point p, seen
 // with weight alpha:

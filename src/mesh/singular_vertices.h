@@ -34,12 +34,10 @@ struct FanSplit {
 // midpoint cuts off come last.
 //
 // \param partners [3 F] from PairHalfEdges, or better: where more than two
-// facets
-//        share an edge it takes more than the mesh to tell which two are one
-//        surface.
+//        facets share an edge it takes more than the mesh to tell which two
+//        are one surface.
 // \pre facet indices are in range, no facet repeats a vertex, partners run
-// their
-//      edge in opposite directions
+//      their edge in opposite directions
 FanSplit SplitFans(const TriangleMesh& mesh,
                    const std::vector<uint32_t>& partners);
 

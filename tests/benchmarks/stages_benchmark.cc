@@ -33,12 +33,7 @@ struct Stages {
                         thinned.point_vertices,
                         std::vector<float>(scene.fused.cloud.size(), 1.0f));
     sigma = EdgeLengthPercentile(thinned.tetrahedra, 25);
-    for (const auto& cell : thinned.tetrahedra.cells) {
-      graph.neighbors.push_back(cell.neighbors);
-    }
-    graph.capacities.resize(graph.size(), {0, 0, 0, 0});
-    graph.source.resize(graph.size(), 0);
-    graph.sink.resize(graph.size(), 0);
+    graph = EmptyGraph(thinned.tetrahedra);
     empty_graph = graph;
     AddQualityWeights(thinned.tetrahedra, 1, &graph);
     AddVisibilityWeights(thinned.tetrahedra, observations, centers, {sigma, 1},

@@ -1,5 +1,7 @@
 #include "tests/delaunay/random_complex.h"
 
+#include "delaunay/visibility_weights.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -112,20 +114,9 @@ Tetrahedralization DelaunayOf(const std::vector<Eigen::Vector3f>& points) {
   return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
 }
 
-FlowGraph EmptyGraphOf(const Tetrahedralization& tetrahedra) {
-  FlowGraph graph;
-  for (const auto& cell : tetrahedra.cells) {
-    graph.neighbors.push_back(cell.neighbors);
-  }
-  graph.capacities.resize(graph.size(), {0, 0, 0, 0});
-  graph.source.resize(graph.size(), 0);
-  graph.sink.resize(graph.size(), 0);
-  return graph;
-}
-
 FlowGraph RandomGraphOf(const Tetrahedralization& tetrahedra,
                         uint32_t max_capacity, Random* random) {
-  FlowGraph graph = EmptyGraphOf(tetrahedra);
+  FlowGraph graph = EmptyGraph(tetrahedra);
   for (size_t i = 0; i < graph.size(); ++i) {
     for (uint32_t& capacity : graph.capacities[i]) {
       capacity = random->Below(max_capacity + 1);

@@ -35,9 +35,6 @@ PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points);
 // Of all points.
 Tetrahedralization DelaunayOf(const std::vector<Eigen::Vector3f>& points);
 
-// No capacity at all.
-FlowGraph EmptyGraphOf(const Tetrahedralization& tetrahedra);
-
 // Capacities up to a maximum.
 FlowGraph RandomGraphOf(const Tetrahedralization& tetrahedra,
                         uint32_t max_capacity, Random* random);

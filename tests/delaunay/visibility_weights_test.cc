@@ -19,7 +19,7 @@ class TwoCells : public testing::Test {
  protected:
   static constexpr float kAlpha = 0.75f;
 
-  TwoCells() : graph_(EmptyGraphOf(tetrahedra_)) {
+  TwoCells() : graph_(EmptyGraph(tetrahedra_)) {
     top_ = VertexAt({0, 0, 3});
     bottom_ = VertexAt({0, 0, -3});
     for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
@@ -282,7 +282,7 @@ void ExpectSame(const FlowGraph& a, const FlowGraph& b) {
 
 TEST(VisibilityWeights, DependNeitherOnThreadsNorOnTheOrder) {
   const Scenery scenery;
-  std::vector<FlowGraph> graphs(3, EmptyGraphOf(scenery.tetrahedra));
+  std::vector<FlowGraph> graphs(3, EmptyGraph(scenery.tetrahedra));
   for (const int num_threads : {1, 2}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism,
@@ -315,7 +315,7 @@ TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
 
 TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
   const Scenery scenery;
-  FlowGraph graph = EmptyGraphOf(scenery.tetrahedra);
+  FlowGraph graph = EmptyGraph(scenery.tetrahedra);
   scenery.Vote(0, 1, &graph);
   uint64_t expected = 0;
   for (const float alpha : scenery.observations.alphas) {
