@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "delaunay/vertex_attributes.h"
 #include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
 #include "scene/point_cloud.h"
 
 namespace colmap_ext {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "delaunay/inherit_attributes.h"
 #include "delaunay/manifold_fixing.h"
-#include "delaunay/vertex_attributes.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/facet_filters.h"
 #include "mesh/topology.h"

@@ -51,19 +51,6 @@ DepthMap Subsample(const DepthMap& map, int stride) {
   return samples;
 }
 
-View ResizeView(const View& view, int width, int height) {
-  const double scale_x = 1.0 * width / view.width;
-  const double scale_y = 1.0 * height / view.height;
-  View resized = view;
-  resized.width = width;
-  resized.height = height;
-  resized.fx *= scale_x;
-  resized.cx *= scale_x;
-  resized.fy *= scale_y;
-  resized.cy *= scale_y;
-  return resized;
-}
-
 std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
                                          const DepthMap& mask,
                                          const View& view) {

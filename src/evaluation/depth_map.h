@@ -36,9 +36,6 @@ DepthMap RenderDepths(const Bvh& surface, const View& view, int stride);
 // \pre map.stride == 1
 DepthMap Subsample(const DepthMap& map, int stride);
 
-// The view with its image scaled to another size.
-View ResizeView(const View& view, int width, int height);
-
 // World points of the samples of `depths` at which `mask` has a depth as well,
 // row by row.
 // \pre both are of the same size

@@ -44,4 +44,18 @@ inline Eigen::Vector3f RayDirection(const View& view, double u, double v) {
   return (view.cam_from_world_rotation.transpose() * in_camera).cast<float>();
 }
 
+// The view with its image scaled to another size.
+inline View ResizeView(const View& view, int width, int height) {
+  const double scale_x = 1.0 * width / view.width;
+  const double scale_y = 1.0 * height / view.height;
+  View resized = view;
+  resized.width = width;
+  resized.height = height;
+  resized.fx *= scale_x;
+  resized.cx *= scale_x;
+  resized.fy *= scale_y;
+  resized.cy *= scale_y;
+  return resized;
+}
+
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "delaunay/vertex_attributes.h"
+#include "delaunay/inherit_attributes.h"
 
 #include <gtest/gtest.h>
 

@@ -5,17 +5,12 @@
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
 #include "scene/point_cloud.h"
 
 namespace colmap_ext {
 
 inline constexpr uint32_t kNoPoint = UINT32_MAX;
-
-struct VertexAttributes {
-  std::vector<Color> colors;              // [V], or empty as the cloud's are
-  std::vector<uint64_t> view_offsets{0};  // [V + 1], into view_indices
-  std::vector<uint32_t> view_indices;     // ascending in each row
-};
 
 // Colours and views of a mesh's vertices from the fused points that they come
 // from. A vertex that comes from none inherits them from its neighbors: their

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace colmap_ext {
+
+// Two views that are compared, first < second.
+struct ViewPair {
+  uint32_t first = 0;
+  uint32_t second = 0;
+
+  bool operator==(const ViewPair&) const = default;
+};
+
+// By which pairs of views each facet is refined: the labels of the paper's
+// Markov random field, one or several a facet, or none.
+struct FacetLabels {
+  std::vector<ViewPair> pairs;       // [L], ascending
+  std::vector<uint64_t> offsets{0};  // [F + 1], into labels
+  std::vector<uint32_t> labels;      // index into pairs, the best first, no
+                                     // repeats in a row
+
+  size_t NumFacets() const { return offsets.size() - 1; }
+
+  std::span<const uint32_t> Labels(size_t facet) const {
+    return {labels.data() + offsets[facet], labels.data() + offsets[facet + 1]};
+  }
+};
+
+}  // namespace colmap_ext

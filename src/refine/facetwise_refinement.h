@@ -1,0 +1,135 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
+#include "refine/facet_labels.h"
+#include "refine/photometric_energy.h"
+#include "scene/point_cloud.h"
+#include "scene/progress.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+enum class PairSelection {
+  kFacetwise,  // each facet by its best pairs (the paper)
+  kClassical,  // each facet by every pair that sees it (Vu 2012)
+};
+
+enum class RefinementSolver {
+  kGaussNewton,  // all vertices at once, by the normal equations
+  kDescent,      // along the gradient, each vertex by itself
+};
+
+struct FacetwiseRefinementOptions {
+  // Image levels, coarse to fine: 3 is a quarter of the size, half, full.
+  int levels = 3;
+
+  // Of the solver, at most, at each level.
+  int iterations = 15;
+
+  RefinementSolver solver = RefinementSolver::kGaussNewton;
+
+  // Weight of the smoothness against the photometric energy.
+  double smoothness_weight = 0.02;
+
+  // Facets that cover more in an image of their pair are subdivided before a
+  // level starts, px^2 of the level's images.
+  double max_face_area = 16;
+
+  PairSelection pair_selection = PairSelection::kFacetwise;
+
+  // Partners of each view, those with which it shares the most points.
+  int pairs_per_image = 2;
+
+  // Labels of each facet: 1 is the paper's.
+  int pairs_per_facet = 1;
+
+  // Cost of two neighbors' having different labels.
+  double potts_weight = 2.1972245773362196;  // log 9
+
+  PhotometricOptions photometric;
+
+  // What is wrong with the options, in one line; empty when all is well.
+  std::string Check() const;
+};
+
+// One iteration of the solver, for the log and the report.
+struct RefinementStep {
+  int level = 0;      // the images are 2^level times smaller
+  int iteration = 0;  // from 1; 0 is the state the level starts from
+  double energy = 0;  // photometric and smoothness
+  double photometric_energy = 0;
+  double mean_zncc = 0;  // over the pixels that are compared, weighted
+  double mean_step = 0;  // of a vertex, px of the level's images
+  double seconds = 0;    // since the start of the refinement
+  size_t num_vertices = 0;
+  size_t num_facets = 0;
+};
+
+struct LabelingReport {
+  int level = 0;
+  size_t num_pairs = 0;             // there are to choose from
+  size_t num_unlabeled_facets = 0;  // that no pair sees
+  double initial_energy = 0;
+  double final_energy = 0;
+};
+
+struct RefinementReport {
+  std::vector<RefinementStep> steps;
+  std::vector<LabelingReport> labelings;
+  bool is_stopped = false;            // by RefinementHooks::should_stop
+  size_t num_shortened_steps = 0;     // of vertices, that would have flipped a
+                                      // facet
+  size_t num_flipped_facets = 0;      // against the surface they came from
+  size_t num_self_intersections = 0;  // of the result, pairs of facets
+};
+
+struct RefinedMesh {
+  TriangleMesh mesh;            // manifold if the input is
+  VertexAttributes attributes;  // [V]
+  FacetLabels labels;           // [F] of the last level
+  RefinementReport report;
+};
+
+// What the caller wants to know while it goes on; all may be empty. Called by
+// the thread that called RefineFacetwise().
+struct RefinementHooks {
+  Progress progress;
+
+  // After each iteration, and before the first one of a level.
+  std::function<void(const RefinementStep& step, const RefinedMesh& state)>
+      on_step;
+
+  // After each level, `state` as it would be returned.
+  std::function<void(int level, const RefinedMesh& state)> on_level;
+
+  // Asked between iterations; what is returned then is the last complete
+  // level's mesh (the input's, if none is).
+  std::function<bool()> should_stop;
+};
+
+// The paper's facetwise refinement (Romanoni and Matteucci 2019, sections 5 and
+// 6): at each level of the images, coarse to fine, facets are subdivided, each
+// gets the pairs of views that see it best, and the vertices move so that what
+// the two views of a pair show on its facets looks alike.
+//
+// \param attributes  colours and views of the vertices; a vertex without views
+//        gets those that see it in the drawn depths.
+// \param points  whose views tell which views have most in common.
+// \param first_level  the level to start from, below options.levels: to go on
+//        with what was stopped.
+// \pre options checked, mesh manifold
+RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
+                            const TriangleMesh& mesh,
+                            const VertexAttributes& attributes,
+                            const std::vector<View>& views,
+                            const PointCloud& points, int first_level,
+                            PhotometricEnergy* energy,
+                            const RefinementHooks& hooks);
+
+}  // namespace colmap_ext

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace colmap_ext {
+
+struct GrayImage {
+  int width = 0;                // px
+  int height = 0;               // px
+  std::vector<uint8_t> pixels;  // [height * width], rows from the top
+
+  const uint8_t* Row(int row) const {
+    return pixels.data() + static_cast<size_t>(row) * width;
+  }
+};
+
+}  // namespace colmap_ext
