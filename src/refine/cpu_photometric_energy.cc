@@ -1,0 +1,335 @@
+#include "refine/cpu_photometric_energy.h"
+
+#include <algorithm>
+#include <list>
+#include <mutex>
+#include <utility>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "refine/facet_frames.h"
+#include "refine/facet_id_buffer.h"
+#include "refine/pair_warp.h"
+#include "refine/pair_work.h"
+#include "refine/window_correlation.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Depths at two pixels of one surface differ by less than this many footprints
+// of a pixel for each pixel between them: a slope of 76 degrees.
+constexpr float kMaxSlope = 4;
+
+// The mesh drawn into the views, as many at a time as memory allows.
+class DrawnFacets {
+ public:
+  DrawnFacets(std::shared_ptr<ImagePyramid> images, size_t max_memory)
+      : images_(std::move(images)), max_memory_(max_memory) {}
+
+  void Draw(const TriangleMesh& mesh) {
+    mesh_ = mesh;
+    entries_.clear();
+    memory_ = 0;
+    size_t memory = 0;
+    size_t num_views = 0;
+    for (; num_views < images_->Views().size(); ++num_views) {
+      memory += Memory(images_->Views()[num_views]);
+      if (memory > max_memory_) {
+        break;
+      }
+    }
+    tbb::parallel_for(size_t{0}, num_views, [&](size_t i) { Get(i); });
+  }
+
+  std::shared_ptr<const FacetIdBuffer> Get(size_t view) {
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found =
+          std::find_if(entries_.begin(), entries_.end(),
+                       [&](const Entry& entry) { return entry.view == view; });
+      if (found != entries_.end()) {
+        entries_.splice(entries_.begin(), entries_, found);
+        return found->drawn;
+      }
+    }
+    const View& size = images_->Views()[view];
+    auto drawn = std::make_shared<const FacetIdBuffer>(DrawFacets(size, mesh_));
+    const std::scoped_lock lock(mutex_);
+    memory_ += Memory(size);
+    while (!entries_.empty() && memory_ > max_memory_) {
+      memory_ -= Memory(images_->Views()[entries_.back().view]);
+      entries_.pop_back();
+    }
+    entries_.push_front({view, drawn});
+    return drawn;
+  }
+
+ private:
+  struct Entry {
+    size_t view;
+    std::shared_ptr<const FacetIdBuffer> drawn;
+  };
+
+  static size_t Memory(const View& view) {
+    return static_cast<size_t>(view.width) * view.height *
+           (sizeof(uint32_t) + sizeof(float));
+  }
+
+  std::shared_ptr<ImagePyramid> images_;
+  size_t max_memory_;
+  TriangleMesh mesh_;
+  std::mutex mutex_;
+  std::list<Entry> entries_;  // the last used first
+  size_t memory_ = 0;         // bytes
+};
+
+// What one direction of a pair adds to a facet.
+struct FacetSums {
+  float energy = 0;
+  float weight = 0;
+  float num_pixels = 0;
+  std::array<float, 3> slopes{};
+  std::array<float, 6> curvatures{};
+};
+
+// A direction of a pair, i <- j, and what comes of it.
+struct Direction {
+  uint32_t pair = 0;
+  uint32_t i = 0;
+  uint32_t j = 0;
+  std::vector<PixelRectangle> tiles;
+  std::vector<FacetSums> sums;  // of the pair's facets
+};
+
+// Of one thread.
+struct Scratch {
+  Scratch(const PhotometricOptions& options, size_t num_facets)
+      : correlation(options), places(num_facets, UINT32_MAX) {}
+
+  WindowCorrelation correlation;
+  CorrelationTile tile;
+  TileGeometry geometry;
+  std::vector<uint32_t> places;  // [F] of the pair's facets in its sums
+};
+
+class CpuPhotometricEnergy : public PhotometricEnergy {
+ public:
+  CpuPhotometricEnergy(const PhotometricOptions& options,
+                       std::shared_ptr<ImagePyramid> images, size_t max_memory)
+      : options_(options),
+        images_(std::move(images)),
+        drawn_facets_(images_, max_memory) {}
+
+  void SetLevel(int level) override { images_->SetLevel(level); }
+
+  void Render(const TriangleMesh& mesh) override { drawn_facets_.Draw(mesh); }
+
+  PhotometricTerms Evaluate(const TriangleMesh& mesh,
+                            const FacetLabels& labels) override;
+
+  std::string Description() const override {
+    const int num_threads = tbb::this_task_arena::max_concurrency();
+    return "CPU, " + std::to_string(num_threads) +
+           (num_threads == 1 ? " thread" : " threads");
+  }
+
+ private:
+  std::vector<Direction> FindDirections(const FacetLabels& labels);
+  void EvaluateDirection(const std::vector<FacetFrame>& frames,
+                         const PairFacets& pair_facets, Direction* direction,
+                         Scratch* scratch);
+  void AddTile(const std::vector<FacetFrame>& frames, const PairWarp& warp,
+               const Scratch& scratch, std::vector<FacetSums>* sums) const;
+
+  PhotometricOptions options_;
+  std::shared_ptr<ImagePyramid> images_;
+  DrawnFacets drawn_facets_;
+};
+
+// By their view i, so that few views are in use at a time.
+std::vector<Direction> CpuPhotometricEnergy::FindDirections(
+    const FacetLabels& labels) {
+  std::vector<std::vector<Direction>> by_view(images_->Views().size());
+  tbb::parallel_for(size_t{0}, by_view.size(), [&](size_t view) {
+    const bool is_used = std::any_of(
+        labels.pairs.begin(), labels.pairs.end(), [&](const ViewPair& pair) {
+          return pair.first == view || pair.second == view;
+        });
+    if (!is_used) {
+      return;
+    }
+    const auto i = static_cast<uint32_t>(view);
+    std::vector<std::vector<PixelRectangle>> tiles =
+        FindTiles(*drawn_facets_.Get(view), i, labels);
+    for (uint32_t pair = 0; pair < tiles.size(); ++pair) {
+      if (!tiles[pair].empty()) {
+        const auto [first, second] = labels.pairs[pair];
+        by_view[view].push_back({pair, i, first == i ? second : first,
+                                 std::move(tiles[pair]), {}});
+      }
+    }
+  });
+  std::vector<Direction> directions;
+  for (std::vector<Direction>& row : by_view) {
+    std::move(row.begin(), row.end(), std::back_inserter(directions));
+  }
+  return directions;
+}
+
+// What the correlation of a tile says about the pair's facets on it. Pixels of
+// other facets take part in the windows, but nothing is known of them here.
+void CpuPhotometricEnergy::AddTile(const std::vector<FacetFrame>& frames,
+                                   const PairWarp& warp, const Scratch& scratch,
+                                   std::vector<FacetSums>* sums) const {
+  const CorrelationTile& tile = scratch.tile;
+  const TileGeometry& geometry = scratch.geometry;
+  for (int row = 0; row < tile.height; ++row) {
+    for (int col = 0; col < tile.width; ++col) {
+      const size_t at = tile.Index(row, col);
+      const uint32_t facet = geometry.facets[at];
+      if (facet == kNoFacet || scratch.places[facet] == UINT32_MAX) {
+        continue;
+      }
+      FacetSums& sum = (*sums)[scratch.places[facet]];
+      if (tile.weights[at] > 0) {
+        sum.energy += tile.energies[at];
+        sum.weight += tile.weights[at];
+        sum.num_pixels += 1;
+      }
+      const float slope = tile.derivatives[at] * geometry.motion[at];
+      const float curvature =
+          tile.curvatures[at] * geometry.motion[at] * geometry.motion[at];
+      const Eigen::Vector3f phi =
+          frames[facet]
+              .Barycentric(warp.Point(frames[facet], geometry.first_row + row,
+                                      geometry.first_col + col))
+              .cast<float>();
+      for (int k = 0, m = 0; k < 3; ++k) {
+        sum.slopes[k] += phi[k] * slope;
+        for (int l = k; l < 3; ++l, ++m) {
+          sum.curvatures[m] += phi[k] * phi[l] * curvature;
+        }
+      }
+    }
+  }
+}
+
+void CpuPhotometricEnergy::EvaluateDirection(
+    const std::vector<FacetFrame>& frames, const PairFacets& pair_facets,
+    Direction* direction, Scratch* scratch) {
+  const std::shared_ptr<const GrayImage> image_i = images_->Image(direction->i);
+  const std::shared_ptr<const GrayImage> image_j = images_->Image(direction->j);
+  const std::shared_ptr<const FacetIdBuffer> drawn_i =
+      drawn_facets_.Get(direction->i);
+  const std::shared_ptr<const FacetIdBuffer> drawn_j =
+      drawn_facets_.Get(direction->j);
+  const View& view_i = images_->Views()[direction->i];
+  const View& view_j = images_->Views()[direction->j];
+  const PairWarp warp(options_, {view_i, *image_i, *drawn_i},
+                      {view_j, *image_j, *drawn_j}, frames);
+  const uint32_t* first =
+      pair_facets.facets.data() + pair_facets.offsets[direction->pair];
+  const uint32_t* last =
+      pair_facets.facets.data() + pair_facets.offsets[direction->pair + 1];
+  for (const uint32_t* facet = first; facet != last; ++facet) {
+    scratch->places[*facet] = static_cast<uint32_t>(facet - first);
+  }
+  direction->sums.resize(last - first);
+  const int radius = options_.window_radius;
+  const auto max_relative_depth = static_cast<float>(
+      kMaxSlope * radius / std::min(view_i.fx, view_i.fy));
+  CorrelationTile& tile = scratch->tile;
+  TileGeometry& geometry = scratch->geometry;
+  for (const PixelRectangle& rectangle : direction->tiles) {
+    tile.Resize(rectangle.last_col - rectangle.first_col + 1 + 2 * radius,
+                rectangle.last_row - rectangle.first_row + 1 + 2 * radius);
+    geometry.first_row = rectangle.first_row - radius;
+    geometry.first_col = rectangle.first_col - radius;
+    warp.Compute(&tile, &geometry);
+    std::fill(tile.is_center.begin(), tile.is_center.end(), 0);
+    for (int row = radius; row < tile.height - radius; ++row) {
+      for (int col = radius; col < tile.width - radius; ++col) {
+        const uint32_t facet = geometry.facets[tile.Index(row, col)];
+        tile.is_center[tile.Index(row, col)] =
+            facet != kNoFacet && scratch->places[facet] != UINT32_MAX;
+      }
+    }
+    scratch->correlation.Compute(max_relative_depth, &tile);
+    AddTile(frames, warp, *scratch, &direction->sums);
+  }
+  for (const uint32_t* facet = first; facet != last; ++facet) {
+    scratch->places[*facet] = UINT32_MAX;
+  }
+}
+
+PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
+                                                const FacetLabels& labels) {
+  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+  const PairFacets pair_facets = GroupByPair(labels);
+  std::vector<Direction> directions = FindDirections(labels);
+  tbb::enumerable_thread_specific<Scratch> scratches(
+      [&] { return Scratch(options_, mesh.facets.size()); });
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, directions.size(), 1),
+      [&](const tbb::blocked_range<size_t>& range) {
+        Scratch& scratch = scratches.local();
+        for (size_t i = range.begin(); i != range.end(); ++i) {
+          EvaluateDirection(frames, pair_facets, &directions[i], &scratch);
+        }
+      });
+  // In the directions' order, whoever computed them.
+  std::vector<std::array<const Direction*, 2>> by_pair(
+      labels.pairs.size(), std::array<const Direction*, 2>{});
+  for (const Direction& direction : directions) {
+    by_pair[direction.pair][direction.i == labels.pairs[direction.pair].second] =
+        &direction;
+  }
+  const size_t num_facets = mesh.facets.size();
+  PhotometricTerms terms;
+  terms.energies.assign(num_facets, 0);
+  terms.weights.assign(num_facets, 0);
+  terms.num_pixels.assign(num_facets, 0);
+  terms.slopes.assign(num_facets, {});
+  terms.curvatures.assign(num_facets, {});
+  tbb::parallel_for(size_t{0}, num_facets, [&](size_t facet) {
+    for (uint64_t i = labels.offsets[facet]; i < labels.offsets[facet + 1];
+         ++i) {
+      const uint32_t pair = labels.labels[i];
+      for (const Direction* direction : by_pair[pair]) {
+        if (direction == nullptr) {
+          continue;
+        }
+        const FacetSums& sums =
+            direction->sums[pair_facets.places[i] - pair_facets.offsets[pair]];
+        terms.energies[facet] += sums.energy;
+        terms.weights[facet] += sums.weight;
+        terms.num_pixels[facet] += sums.num_pixels;
+        for (int k = 0; k < 3; ++k) {
+          terms.slopes[facet][k] += sums.slopes[k];
+        }
+        for (int k = 0; k < 6; ++k) {
+          terms.curvatures[facet][k] += sums.curvatures[k];
+        }
+      }
+    }
+  });
+  for (const float energy : terms.energies) {
+    terms.energy += energy;
+  }
+  return terms;
+}
+
+}  // namespace
+
+std::unique_ptr<PhotometricEnergy> MakeCpuPhotometricEnergy(
+    const PhotometricOptions& options, std::shared_ptr<ImagePyramid> images,
+    size_t max_memory) {
+  return std::make_unique<CpuPhotometricEnergy>(options, std::move(images),
+                                                max_memory);
+}
+
+}  // namespace colmap_ext

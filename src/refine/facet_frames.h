@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+// A facet's plane and the barycentric coordinates on it.
+struct FacetFrame {
+  Eigen::Vector3d normal;      // unit, towards free space; 0: degenerate
+  Eigen::Vector3d corner;      // the first, world frame
+  Eigen::Vector3d gradient_1;  // of the second corner's barycentric coordinate,
+                               // 1 / scene unit
+  Eigen::Vector3d gradient_2;  // of the third's
+
+  Eigen::Vector3d Barycentric(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d from_corner = point - corner;
+    const double second = gradient_1.dot(from_corner);
+    const double third = gradient_2.dot(from_corner);
+    return {1 - second - third, second, third};
+  }
+};
+
+std::vector<FacetFrame> ComputeFacetFrames(const TriangleMesh& mesh);
+
+}  // namespace colmap_ext

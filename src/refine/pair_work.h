@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "refine/facet_id_buffer.h"
+#include "refine/facet_labels.h"
+
+namespace colmap_ext {
+
+// The labels turned round: which facets each pair refines.
+struct PairFacets {
+  std::vector<uint64_t> offsets;  // [L + 1], into facets
+  std::vector<uint32_t> facets;   // ascending in each row
+  // [labels.labels] for each label of a facet its place in `facets`.
+  std::vector<uint64_t> places;
+};
+
+PairFacets GroupByPair(const FacetLabels& labels);
+
+// Pixels of a view that are labelled with a pair: the smallest rectangle around
+// those in one square of kTileSize^2 pixels.
+struct PixelRectangle {
+  int first_row = 0, last_row = -1;
+  int first_col = 0, last_col = -1;
+};
+
+inline constexpr int kTileSize = 32;  // px
+
+// [L] the rectangles of the pixels of a view that show facets labelled with
+// each pair: empty for pairs that the view is not of.
+std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
+                                                   uint32_t view,
+                                                   const FacetLabels& labels);
+
+}  // namespace colmap_ext
