@@ -1,0 +1,74 @@
+#include "tests/mesh/shapes.h"
+
+#include <cmath>
+
+#include "mesh/singular_vertices.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/random_soup.h"
+#include "tests/synthetic/isosurface.h"
+#include "tests/synthetic/noise.h"
+
+namespace colmap_ext {
+namespace {
+
+synthetic::Solid BumpySphere(float height) {
+  synthetic::Solid solid;
+  solid.box.extend(Eigen::Vector3f::Constant(-1.3f));
+  solid.box.extend(Eigen::Vector3f::Constant(1.3f));
+  solid.shape = [](const Eigen::Vector3f& point) { return point.norm() - 1; };
+  solid.detail = [height](const Eigen::Vector3f& point) {
+    return height * synthetic::ValueNoise(4 * point, 5);
+  };
+  solid.max_detail = height;
+  return solid;
+}
+
+}  // namespace
+
+TriangleMesh MakeBumpySphere(float cell_size, float height) {
+  return synthetic::MeshSolid(BumpySphere(height), cell_size, 2);
+}
+
+TriangleMesh MakeBumpyCap(float cell_size, float height) {
+  synthetic::Solid solid = BumpySphere(height);
+  solid.box.min().z() = -0.3f;
+  return synthetic::MeshSolid(solid, cell_size, 2);
+}
+
+TriangleMesh MakeRoundTorus(float cell_size) {
+  synthetic::Solid solid = BumpySphere(0);
+  solid.shape = [](const Eigen::Vector3f& point) {
+    return std::hypot(point.head<2>().norm() - 0.7f, point.z()) - 0.3f;
+  };
+  return synthetic::MeshSolid(solid, cell_size, 2);
+}
+
+TriangleMesh MakeFineCube(float cell_size) {
+  synthetic::Solid solid = BumpySphere(0);
+  solid.shape = [](const Eigen::Vector3f& point) {
+    return point.cwiseAbs().maxCoeff() - 1;
+  };
+  return synthetic::MeshSolid(solid, cell_size, 2);
+}
+
+TriangleMesh MakeJitteredSquare(uint32_t num_quads, Random* random) {
+  TriangleMesh mesh = MakeSheet(num_quads, num_quads);
+  const auto size = static_cast<float>(num_quads);
+  for (Eigen::Vector3f& vertex : mesh.vertices) {
+    if (vertex.head<2>().minCoeff() > 0 && vertex.head<2>().maxCoeff() < size) {
+      vertex.x() += static_cast<float>((random->Unit() - 0.5) * 2 / 3);
+      vertex.y() += static_cast<float>((random->Unit() - 0.5) * 2 / 3);
+    }
+    vertex /= size;
+  }
+  return mesh;
+}
+
+TriangleMesh MakeRandomManifold(Random* random) {
+  const uint32_t num_vertices = 4 + random->Below(12);
+  const TriangleMesh soup = RandomSoup(
+      num_vertices, 1 + random->Below(3 * num_vertices), false, random);
+  return SplitFans(soup, PairHalfEdges(soup.facets)).mesh;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,241 @@
+#include "mesh/subdivision.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <Eigen/Geometry>
+
+#include "mesh/topology.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/manifold_links.h"
+#include "tests/mesh/random_soup.h"
+#include "tests/mesh/shapes.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d AreaVector(const TriangleMesh& mesh, const Facet& facet) {
+  const Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const Vector3d b = mesh.vertices[facet[1]].cast<double>();
+  const Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  return (b - a).cross(c - a) / 2;
+}
+
+std::vector<uint8_t> RandomFlags(size_t size, double share, Random* random) {
+  std::vector<uint8_t> flags(size);
+  for (uint8_t& flag : flags) {
+    flag = random->Chance(share);
+  }
+  return flags;
+}
+
+// The parts of a facet have its area together, and its direction each.
+void ExpectPartsOfFacets(const TriangleMesh& mesh,
+                         const std::vector<uint8_t>& is_to_split,
+                         const Subdivision& result) {
+  ASSERT_EQ(result.facet_sources.size(), result.mesh.facets.size());
+  EXPECT_TRUE(
+      std::is_sorted(result.facet_sources.begin(), result.facet_sources.end()));
+  std::vector<double> areas(mesh.facets.size(), 0);
+  std::vector<int> num_parts(mesh.facets.size(), 0);
+  for (size_t i = 0; i < result.facet_sources.size(); ++i) {
+    const uint32_t source = result.facet_sources[i];
+    const Vector3d whole = AreaVector(mesh, mesh.facets[source]);
+    const Vector3d part = AreaVector(result.mesh, result.mesh.facets[i]);
+    EXPECT_NEAR(part.dot(whole), part.norm() * whole.norm(),
+                1e-5 * whole.squaredNorm() + 1e-12);
+    areas[source] += part.norm();
+    ++num_parts[source];
+  }
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    const double area = AreaVector(mesh, mesh.facets[i]).norm();
+    EXPECT_NEAR(areas[i], area, 1e-4 * area + 1e-7);
+    EXPECT_GE(num_parts[i], 1);
+    EXPECT_LE(num_parts[i], 4);
+    EXPECT_TRUE(!is_to_split[i] || num_parts[i] == 4);
+  }
+}
+
+void ExpectSources(const TriangleMesh& mesh, const Subdivision& result) {
+  ASSERT_EQ(result.sources.size(), result.mesh.vertices.size());
+  for (uint32_t i = 0; i < result.sources.size(); ++i) {
+    const auto [a, b] = result.sources[i];
+    EXPECT_EQ(a == b, i < mesh.vertices.size());
+    EXPECT_TRUE(a != b || a == i);
+    EXPECT_EQ(result.mesh.vertices[i],
+              0.5f * (mesh.vertices[a] + mesh.vertices[b]));
+  }
+}
+
+void ExpectSameTopology(const TriangleMesh& mesh, const TriangleMesh& result) {
+  const MeshReport before = Analyze(mesh);
+  const MeshReport after = Analyze(result);
+  EXPECT_TRUE(after.IsManifold()) << after.Defects();
+  EXPECT_TRUE(HasManifoldLinks(result));
+  EXPECT_EQ(after.euler, before.euler);
+  EXPECT_EQ(after.genus, before.genus);
+  EXPECT_EQ(after.num_components, before.num_components);
+  EXPECT_EQ(after.num_border_loops, before.num_border_loops);
+}
+
+void ExpectGood(const TriangleMesh& mesh,
+                const std::vector<uint8_t>& is_to_split) {
+  const Subdivision result = Subdivide(mesh, is_to_split);
+  ExpectPartsOfFacets(mesh, is_to_split, result);
+  ExpectSources(mesh, result);
+  ExpectSameTopology(mesh, result.mesh);
+}
+
+std::vector<TriangleMesh> Shapes() {
+  Random random(1);
+  return {MakeTetrahedron(),     MakeCube(),
+          MakeTorus(),           MakeDisc(),
+          MakeAnnulus(),         Union(MakeTorus(), MakeCube()),
+          MakeBumpySphere(0.2f), MakeBumpyCap(0.2f),
+          MakeRoundTorus(0.2f),  MakeJitteredSquare(12, &random)};
+}
+
+TEST(Subdivide, KeepsTheSurfaceAndItsTopology) {
+  Random random(2);
+  for (const TriangleMesh& mesh : Shapes()) {
+    for (const double share : {0.01, 0.1, 0.5, 0.9, 1.0}) {
+      ExpectGood(mesh, RandomFlags(mesh.facets.size(), share, &random));
+    }
+  }
+}
+
+TEST(Subdivide, KeepsTheTopologyOfRandomMeshes) {
+  Random random(3);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const TriangleMesh mesh = MakeRandomManifold(&random);
+    ExpectGood(mesh, RandomFlags(mesh.facets.size(), random.Unit(), &random));
+    ASSERT_FALSE(HasFailure());
+  }
+}
+
+TEST(Subdivide, CutsWithoutCracksWhereMoreThanTwoFacetsMeet) {
+  Random random(4);
+  for (int trial = 0; trial < 300; ++trial) {
+    const TriangleMesh mesh = RandomSoup(8, 14, false, &random);
+    const std::vector<uint8_t> flags =
+        RandomFlags(mesh.facets.size(), 0.3, &random);
+    const Subdivision result = Subdivide(mesh, flags);
+    ExpectPartsOfFacets(mesh, flags, result);
+    ExpectSources(mesh, result);
+    std::vector<std::array<uint32_t, 2>> sources = result.sources;
+    std::sort(sources.begin(), sources.end());
+    EXPECT_EQ(std::unique(sources.begin(), sources.end()), sources.end());
+  }
+}
+
+TEST(Subdivide, OfAllFacetsMakesFourOfEach) {
+  for (const TriangleMesh& mesh : Shapes()) {
+    const MeshReport before = Analyze(mesh);
+    const Subdivision result =
+        Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 1));
+    EXPECT_EQ(result.mesh.facets.size(), 4 * mesh.facets.size());
+    EXPECT_EQ(result.mesh.vertices.size(),
+              before.num_vertices + before.num_edges);
+    EXPECT_EQ(Analyze(result.mesh).num_border_edges,
+              2 * before.num_border_edges);
+  }
+}
+
+TEST(Subdivide, OfNoFacetChangesNothing) {
+  std::vector<TriangleMesh> meshes = Shapes();
+  meshes.emplace_back();
+  for (const TriangleMesh& mesh : meshes) {
+    const Subdivision result =
+        Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 0));
+    EXPECT_EQ(result.mesh.vertices, mesh.vertices);
+    EXPECT_EQ(result.mesh.facets, mesh.facets);
+  }
+}
+
+// One facet of a sheet of quads, all of whose longest edges are the diagonals.
+TEST(Subdivide, OfOneFacetCutsFewOthers) {
+  const TriangleMesh mesh = MakeDisc();
+  std::vector<uint8_t> flags(mesh.facets.size(), 0);
+  flags[2 * (2 * 7 + 3)] = 1;  // an inner quad's
+  const Subdivision result = Subdivide(mesh, flags);
+  // The two at its other edges are cut in three, across their diagonals one
+  // each in two.
+  EXPECT_EQ(result.mesh.vertices.size(), mesh.vertices.size() + 3 + 2);
+  EXPECT_EQ(result.mesh.facets.size(), mesh.facets.size() + 3 + 1 + 2 * 3);
+  EXPECT_EQ(Analyze(result.mesh).num_border_edges,
+            Analyze(mesh).num_border_edges);
+}
+
+// Of the two diagonals of what is left of a facet cut at two edges.
+TEST(Subdivide, TakesTheShorterDiagonal) {
+  // Beside the first facet, at its longest edge 0 1 and its shortest 1 2.
+  const TriangleMesh mesh = {
+      {{0, 0, 0}, {4, 0, 0}, {3, 2, 0}, {2, -3, 0}, {6, 3, 0}},
+      {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}}};
+  const Subdivision result = Subdivide(mesh, {0, 1, 1});
+  // From the middle of 1 2 (3.5, 1) to 0 is farther than from the middle of 0 1
+  // (2, 0) to 2.
+  EXPECT_EQ(result.sources.size(), mesh.vertices.size() + 6);
+  const auto middle = [&](uint32_t a, uint32_t b) {
+    const auto at = std::find(result.sources.begin(), result.sources.end(),
+                              std::array<uint32_t, 2>{a, b});
+    return static_cast<uint32_t>(at - result.sources.begin());
+  };
+  const std::vector<Facet> parts(result.mesh.facets.begin(),
+                                 result.mesh.facets.begin() + 3);
+  EXPECT_EQ(parts, (std::vector<Facet>{{middle(0, 1), 1, middle(1, 2)},
+                                       {0, middle(0, 1), 2},
+                                       {middle(0, 1), middle(1, 2), 2}}));
+}
+
+double SmallestAngle(const TriangleMesh& mesh) {
+  double smallest = 4;
+  for (const Facet& facet : mesh.facets) {
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d p = mesh.vertices[facet[k]].cast<double>();
+      const Vector3d a = mesh.vertices[facet[(k + 1) % 3]].cast<double>() - p;
+      const Vector3d b = mesh.vertices[facet[(k + 2) % 3]].cast<double>() - p;
+      smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
+    }
+  }
+  return smallest;
+}
+
+TEST(Subdivide, KeepsAnglesFromBecomingEverSharper) {
+  TriangleMesh mesh = MakeDisc();
+  const double before = SmallestAngle(mesh);
+  for (int round = 0; round < 12; ++round) {  // towards a point
+    std::vector<uint8_t> flags(mesh.facets.size(), 0);
+    for (size_t i = 0; i < flags.size(); ++i) {
+      const Eigen::Vector3f& vertex = mesh.vertices[mesh.facets[i][0]];
+      flags[i] = (vertex - Eigen::Vector3f(3.3f, 2.7f, 0)).norm() <
+                 2 * std::pow(0.5f, static_cast<float>(round));
+    }
+    mesh = Subdivide(mesh, flags).mesh;
+  }
+  EXPECT_GT(SmallestAngle(mesh), before / 2 - 1e-3);
+}
+
+TEST(Subdivide, IsTheSameForAnyNumberOfThreads) {
+  Random random(6);
+  const TriangleMesh mesh = MakeBumpySphere(0.03f);
+  const std::vector<uint8_t> flags =
+      RandomFlags(mesh.facets.size(), 0.3, &random);
+  const Subdivision expected = Subdivide(mesh, flags);
+  for (const size_t num_threads : {1, 2, 7}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    const Subdivision result = Subdivide(mesh, flags);
+    EXPECT_EQ(result.mesh.vertices, expected.mesh.vertices);
+    EXPECT_EQ(result.mesh.facets, expected.mesh.facets);
+    EXPECT_EQ(result.sources, expected.sources);
+    EXPECT_EQ(result.facet_sources, expected.facet_sources);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
