@@ -1,0 +1,118 @@
+#version 450 core
+
+// I_ij: image I_j seen from i by way of the surface, see refine/pair_warp.h.
+
+layout(local_size_x = kTileWidth, local_size_y = kTileHeight) in;
+
+#include "tiles.glsl"
+
+layout(std430, binding = 1) readonly buffer Facets { uint facets[]; };
+layout(std430, binding = 2) readonly buffer Normals { double normals[]; };
+layout(std430, binding = 7) readonly buffer Vertices { float vertices[]; };
+
+layout(binding = 0) uniform usampler2D facets_i;
+layout(binding = 1) uniform usampler2D image_i;
+layout(binding = 2) uniform usampler2D facets_j;
+layout(binding = 3) uniform usampler2D image_j;
+layout(binding = 4) uniform sampler2D depths_j;  // inverse, scaled
+
+// I_i, I_ij, inverse depth in i, motion: the derivative of I_ij by the distance
+// that the surface moves along its normal. An inverse depth of 0: not valid.
+layout(binding = 0, rgba32f) writeonly uniform image2D warped;
+
+uniform ivec2 size_i;  // px
+uniform ivec2 size_j;  // px
+uniform float min_cosine;
+uniform dvec3 center_i;
+uniform dmat3 ray_from_pixel_i;      // (u, v, 1) -> world ray with z 1
+uniform dmat3 pixel_j_from_pixel_i;  // of points at infinity, homogeneous
+uniform dvec3 epipole;               // of camera i in j, homogeneous
+uniform vec3 i_from_j;               // between the centres, world frame
+uniform mat3 rotation_j;             // camera j from world
+uniform vec2 focal_j;                // px
+uniform float depth_scale_j;
+
+const uint kNoFacet = 0xffffffffu;
+
+// IsNearest() of refine/facet_id_buffer.h.
+bool IsNearest(uint facet, vec3 normal, float distance_j, ivec2 nearest,
+               float inverse_depth) {
+  if (texelFetch(facets_j, nearest, 0).x == facet) {
+    return true;
+  }
+  vec2 by_pixel = abs((rotation_j * normal).xy / focal_j);
+  float slope = (by_pixel.x + by_pixel.y) / abs(distance_j);
+  float footprint = inverse_depth / min(focal_j.x, focal_j.y);
+  float drawn = texelFetch(depths_j, nearest, 0).x / depth_scale_j;
+  return drawn <= inverse_depth + 2 * (slope + footprint);
+}
+
+bool FacesCamera(float cosine, vec3 ray) {  // Times the ray's length.
+  return cosine > 0 && cosine * cosine >= min_cosine * min_cosine * dot(ray, ray);
+}
+
+dvec3 Normal(uint facet) {
+  return dvec3(normals[3 * facet], normals[3 * facet + 1],
+               normals[3 * facet + 2]);
+}
+
+dvec3 Corner(uint facet) {  // relative to camera i
+  uint vertex = 3 * facets[3 * facet];
+  return dvec3(vertices[vertex], vertices[vertex + 1], vertices[vertex + 2]) -
+         center_i;
+}
+
+// I_ij, inverse depth, motion. In double precision up to the pixel in j: the
+// derivative by it jumps from pixel to pixel.
+vec3 Warp(ivec2 pixel_i) {
+  uint facet = texelFetch(facets_i, pixel_i, 0).x;
+  if (facet == kNoFacet) {
+    return vec3(0);
+  }
+  dvec3 pixel = dvec3(dvec2(pixel_i) + 0.5, 1);
+  dvec3 ray = ray_from_pixel_i * pixel;
+  dvec3 normal = Normal(facet);
+  double distance_i = dot(normal, Corner(facet));
+  double along = dot(normal, ray);
+  double inverse_depth = along / distance_i;
+  if (!(inverse_depth > 0) || !FacesCamera(float(-along), vec3(ray))) {
+    return vec3(0);
+  }
+  dvec3 ray_in_j = pixel_j_from_pixel_i * pixel;
+  dvec3 p = ray_in_j + epipole * inverse_depth;
+  if (!(p.z > 0)) {
+    return vec3(0);
+  }
+  dvec2 pixel_j = p.xy / p.z;
+  if (!(pixel_j.x >= 0.5 && pixel_j.y >= 0.5 && pixel_j.x < size_j.x - 0.5 &&
+        pixel_j.y < size_j.y - 0.5)) {
+    return vec3(0);
+  }
+  vec3 from_j = i_from_j + vec3(ray / inverse_depth);
+  float distance_j = dot(vec3(normal), from_j);
+  if (!FacesCamera(-distance_j, from_j) ||
+      !IsNearest(facet, vec3(normal), distance_j, ivec2(pixel_j),
+                 float(inverse_depth / p.z))) {
+    return vec3(0);
+  }
+  ivec2 first = min(ivec2(pixel_j - 0.5), size_j - 2);
+  vec2 share = vec2(pixel_j - 0.5 - dvec2(first));
+  vec2 upper = vec2(texelFetch(image_j, first, 0).x,
+                    texelFetch(image_j, first + ivec2(1, 0), 0).x);
+  vec2 lower = vec2(texelFetch(image_j, first + ivec2(0, 1), 0).x,
+                    texelFetch(image_j, first + ivec2(1, 1), 0).x);
+  vec2 column = mix(upper, lower, share.y);
+  float by_u = column.y - column.x;
+  float by_v = mix(lower.x - upper.x, lower.y - upper.y, share.x);
+  vec2 shift = vec2((ray_in_j.xy - pixel_j * ray_in_j.z) / (p.z * distance_i));
+  float motion = dot(vec2(by_u, by_v), shift);
+  return vec3(mix(column.x, column.y, share.x), float(inverse_depth), motion);
+}
+
+void main() {
+  ivec2 pixel = TilePixel();
+  if (pixel.x < size_i.x && pixel.y < size_i.y) {
+    float value = float(texelFetch(image_i, pixel, 0).x);
+    imageStore(warped, pixel, vec4(value, Warp(pixel)));
+  }
+}

@@ -1,0 +1,209 @@
+#include "gl/egl_context.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <dlfcn.h>
+
+#define EGL_NO_X11
+#define MESA_EGL_NO_X11_HEADERS
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include "gl/debug_output.h"
+#include "gl/gl_error.h"
+
+namespace colmap_ext {
+
+namespace {
+
+#ifdef NDEBUG
+constexpr bool kIsDebug = false;
+#else
+constexpr bool kIsDebug = true;
+#endif
+
+bool IsInstalled(const char* library) {
+  return dlopen(library, RTLD_LAZY | RTLD_LOCAL) != nullptr;  // Kept open.
+}
+
+// The loader of OpenGL's functions ends the program where these are missing.
+void CheckLibraries() {
+  if (!IsInstalled("libEGL.so.1")) {
+    throw NoGlError("No OpenGL: libEGL.so.1 is not installed");
+  }
+  if (!IsInstalled("libOpenGL.so.0") && !IsInstalled("libGL.so.1")) {
+    throw NoGlError("No OpenGL: libOpenGL.so.0 is not installed");
+  }
+}
+
+bool HasExtension(const char* extensions, std::string_view name) {
+  const std::string_view list = extensions == nullptr ? "" : extensions;
+  for (size_t begin = 0; begin < list.size();) {
+    const size_t end = std::min(list.find(' ', begin), list.size());
+    if (list.substr(begin, end - begin) == name) {
+      return true;
+    }
+    begin = end + 1;
+  }
+  return false;
+}
+
+// The devices that are graphics cards.
+std::vector<EGLDeviceEXT> GraphicsCards() {
+  const char* extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  if (!HasExtension(extensions, "EGL_EXT_platform_device") ||
+      !(HasExtension(extensions, "EGL_EXT_device_base") ||
+        HasExtension(extensions, "EGL_EXT_device_enumeration"))) {
+    return {};
+  }
+  EGLint count = 0;
+  if (!eglQueryDevicesEXT(0, nullptr, &count) || count == 0) {
+    return {};
+  }
+  std::vector<EGLDeviceEXT> devices(count);
+  eglQueryDevicesEXT(count, devices.data(), &count);
+  devices.resize(count);
+  std::erase_if(devices, [](EGLDeviceEXT device) {
+    return HasExtension(eglQueryDeviceStringEXT(device, EGL_EXTENSIONS),
+                        "EGL_MESA_device_software");
+  });
+  return devices;
+}
+
+EGLContext CreateContext(EGLDisplay display) {
+  const std::array<EGLint, 9> attributes = {EGL_CONTEXT_MAJOR_VERSION,
+                                            4,
+                                            EGL_CONTEXT_MINOR_VERSION,
+                                            5,
+                                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                            EGL_CONTEXT_OPENGL_DEBUG,
+                                            kIsDebug ? EGL_TRUE : EGL_FALSE,
+                                            EGL_NONE};
+  eglBindAPI(EGL_OPENGL_API);
+  return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
+                          attributes.data());
+}
+
+bool IsSoftwareRenderer(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return name.find("llvmpipe") != std::string::npos ||
+         name.find("softpipe") != std::string::npos ||
+         name.find("swrast") != std::string::npos ||
+         name.find("software") != std::string::npos;
+}
+
+}  // namespace
+
+// \return what is missing; empty if the context has been made.
+std::string EglContext::TryPlatform(unsigned int platform, void* native) {
+  // EGL has one display for a platform and device. It is never terminated: that
+  // would be for all who use it, and drivers leak when they are unloaded.
+  display_ = eglGetPlatformDisplayEXT(platform, native, nullptr);
+  if (display_ == EGL_NO_DISPLAY ||
+      !eglInitialize(display_, nullptr, nullptr)) {
+    return "its EGL display can not be opened";
+  }
+  const char* extensions = eglQueryString(display_, EGL_EXTENSIONS);
+  if (!HasExtension(extensions, "EGL_KHR_surfaceless_context") ||
+      !(HasExtension(extensions, "EGL_KHR_no_config_context") ||
+        HasExtension(extensions, "EGL_MESA_configless_context"))) {
+    return "it can not do without a window";
+  }
+  context_ = CreateContext(display_);
+  if (context_ == EGL_NO_CONTEXT) {
+    return "it has no OpenGL 4.5";
+  }
+  try {
+    const Scope scope = MakeCurrent();
+    if (kIsDebug) {
+      EnableDebugOutput();
+    }
+    renderer_name_ = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    is_software_ = IsSoftwareRenderer(renderer_name_);
+  } catch (const GlError& error) {
+    eglDestroyContext(display_, context_);
+    return error.what();
+  }
+  return "";
+}
+
+EglContext::EglContext(int gpu_index) {
+  CheckLibraries();
+  const std::vector<EGLDeviceEXT> cards = GraphicsCards();
+  const int num_cards = static_cast<int>(cards.size());
+  if (gpu_index >= num_cards) {
+    throw NoGlError("No graphics card " + std::to_string(gpu_index) +
+                    ": EGL lists " + std::to_string(num_cards));
+  }
+  std::string tried;
+  for (int i = std::max(gpu_index, 0); i < num_cards; ++i) {
+    const std::string missing = TryPlatform(EGL_PLATFORM_DEVICE_EXT, cards[i]);
+    if (missing.empty()) {
+      return;
+    }
+    tried += "; graphics card " + std::to_string(i) + ": " + missing;
+    if (gpu_index >= 0) {
+      throw NoGlError("No OpenGL 4.5" + tried);
+    }
+  }
+  if (!HasExtension(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS),
+                    "EGL_MESA_platform_surfaceless")) {
+    throw NoGlError("No OpenGL 4.5" + tried + "; no Mesa either");
+  }
+  const std::string missing =
+      TryPlatform(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY);
+  if (!missing.empty()) {
+    throw NoGlError("No OpenGL 4.5" + tried + "; Mesa: " + missing);
+  }
+}
+
+EglContext::~EglContext() {
+  if (context_ != nullptr) {
+    eglDestroyContext(display_, context_);
+  }
+}
+
+EglContext::EglContext(EglContext&& other) noexcept
+    : display_(other.display_),
+      context_(std::exchange(other.context_, nullptr)),
+      renderer_name_(std::move(other.renderer_name_)),
+      is_software_(other.is_software_) {}
+
+EglContext& EglContext::operator=(EglContext&& other) noexcept {
+  std::swap(display_, other.display_);
+  std::swap(context_, other.context_);
+  std::swap(renderer_name_, other.renderer_name_);
+  std::swap(is_software_, other.is_software_);
+  return *this;
+}
+
+EglContext::Scope EglContext::MakeCurrent() const {
+  return Scope(display_, context_);
+}
+
+EglContext::Scope::Scope(void* display, void* context)
+    : display_(display),
+      previous_display_(eglGetCurrentDisplay()),
+      previous_context_(eglGetCurrentContext()) {
+  eglBindAPI(EGL_OPENGL_API);
+  if (!eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) {
+    throw GlError(
+        "OpenGL can not be used by this thread: the context is "
+        "current in another one");
+  }
+}
+
+EglContext::Scope::~Scope() {
+  const bool had_context = previous_context_ != EGL_NO_CONTEXT;
+  eglMakeCurrent(had_context ? previous_display_ : display_, EGL_NO_SURFACE,
+                 EGL_NO_SURFACE, previous_context_);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,91 @@
+#include "gl/facet_drawer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "gl/gl_error.h"
+#include "refine/facet_id_buffer.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Of the vertices before the camera, 1 / scene unit; 0 if there is none.
+double MaxInverseDepth(const View& view, const TriangleMesh& mesh) {
+  const Eigen::RowVector3d axis = view.cam_from_world_rotation.row(2);
+  const double offset = view.cam_from_world_translation.z();
+  return tbb::parallel_reduce(
+      tbb::blocked_range<size_t>(0, mesh.vertices.size(), 1 << 14), 0.0,
+      [&](const tbb::blocked_range<size_t>& range, double max) {
+        for (size_t i = range.begin(); i != range.end(); ++i) {
+          const double z = axis * mesh.vertices[i].cast<double>() + offset;
+          max = z > 0 ? std::max(max, 1 / z) : max;
+        }
+        return max;
+      },
+      [](double a, double b) { return std::max(a, b); });
+}
+
+// Scaled with it, inverse depths are below 1, without being rounded.
+double DepthScale(double max_inverse_depth) {
+  return max_inverse_depth > 0 ? std::exp2(-std::ilogb(max_inverse_depth) - 1)
+                               : 1.0;
+}
+
+}  // namespace
+
+FacetTextures::FacetTextures(int width, int height)
+    : facets(GL_R32UI, width, height),
+      depths(GL_DEPTH_COMPONENT32F, width, height) {}
+
+FacetDrawer::FacetDrawer() : program_({"facet_ids.vert", "facet_ids.frag"}) {
+  constexpr GLuint kPosition = 0;
+  glEnableVertexArrayAttrib(vertex_array_.Name(), kPosition);
+  glVertexArrayAttribFormat(vertex_array_.Name(), kPosition, 3, GL_FLOAT,
+                            GL_FALSE, 0);
+  glVertexArrayAttribBinding(vertex_array_.Name(), kPosition, 0);
+}
+
+void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
+                       const GlBuffer& vertices, const GlBuffer& facets,
+                       FacetTextures* textures) {
+  const double depth_scale = DepthScale(MaxInverseDepth(view, mesh));
+  textures->depth_scale = static_cast<float>(depth_scale);
+  framebuffer_.Attach(GL_COLOR_ATTACHMENT0, textures->facets);
+  framebuffer_.Attach(GL_DEPTH_ATTACHMENT, textures->depths);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.Name());
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw GlError("This OpenGL can not draw into images of numbers");
+  }
+  glViewport(0, 0, view.width, view.height);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_CLIP_DISTANCE0);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_DITHER);
+  const GLuint nothing[4] = {kNoFacet, 0, 0, 0};
+  const GLfloat far_away = 0;
+  glClearBufferuiv(GL_COLOR, 0, nothing);
+  glClearBufferfv(GL_DEPTH, 0, &far_away);
+
+  program_.Set("cam_from_world_rotation", view.cam_from_world_rotation);
+  program_.Set("cam_from_world_translation", view.cam_from_world_translation);
+  program_.Set("focal", Eigen::Vector2d(view.fx, view.fy));
+  program_.Set("principal", Eigen::Vector2d(view.cx, view.cy));
+  program_.Set("size", Eigen::Vector2d(view.width, view.height));
+  program_.Set("depth_scale", textures->depth_scale);
+  program_.Use();
+  glVertexArrayVertexBuffer(vertex_array_.Name(), 0, vertices.Name(), 0,
+                            sizeof(Eigen::Vector3f));
+  glVertexArrayElementBuffer(vertex_array_.Name(), facets.Name());
+  glBindVertexArray(vertex_array_.Name());
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * mesh.facets.size()),
+                 GL_UNSIGNED_INT, nullptr);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "gl/gl_objects.h"
+#include "gl/program.h"
+#include "mesh/triangle_mesh.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// Which facet each pixel of a view shows, and how near.
+struct FacetTextures {
+  FacetTextures(int width, int height);
+
+  GlTexture facets;       // R32UI, or kNoFacet
+  GlTexture depths;       // 32 bit depth; inverse ones times depth_scale
+  float depth_scale = 1;  // scene units, a power of two
+};
+
+// Draws a mesh into views, as DrawFacets() of refine/facet_id_buffer.h does.
+class FacetDrawer {
+ public:
+  FacetDrawer();
+
+  // \param vertices, facets  the arrays of `mesh`.
+  void Draw(const View& view, const TriangleMesh& mesh,
+            const GlBuffer& vertices, const GlBuffer& facets,
+            FacetTextures* textures);
+
+ private:
+  Program program_;
+  GlFramebuffer framebuffer_;
+  GlVertexArray vertex_array_;
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <epoxy/gl.h>
+
+namespace colmap_ext {
+
+// The name of an OpenGL object, which is deleted with it; 0: none. The context
+// that it was made in has to be current whenever it is used.
+template <typename Deleter>
+class GlName {
+ public:
+  GlName() = default;
+  explicit GlName(GLuint name) : name_(name) {}
+  ~GlName() {
+    if (name_ != 0) {
+      Deleter()(name_);
+    }
+  }
+  GlName(GlName&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+  GlName& operator=(GlName&& other) noexcept {
+    std::swap(name_, other.name_);
+    return *this;
+  }
+
+  GLuint Get() const { return name_; }
+
+ private:
+  GLuint name_ = 0;
+};
+
+struct DeleteBuffer {
+  void operator()(GLuint name) const { glDeleteBuffers(1, &name); }
+};
+struct DeleteTexture {
+  void operator()(GLuint name) const { glDeleteTextures(1, &name); }
+};
+struct DeleteFramebuffer {
+  void operator()(GLuint name) const { glDeleteFramebuffers(1, &name); }
+};
+struct DeleteVertexArray {
+  void operator()(GLuint name) const { glDeleteVertexArrays(1, &name); }
+};
+
+// A run of bytes on the graphics card. Like a pointer's, its constness is not
+// that of the bytes.
+class GlBuffer {
+ public:
+  GlBuffer();
+
+  // What was in it is lost; of another size it is made anew.
+  void Resize(size_t num_bytes);
+  // All bytes.
+  void SetZero() const;
+
+  template <typename T>
+  void Assign(const std::vector<T>& values) {
+    Resize(values.size() * sizeof(T));
+    Write(values.data(), values.size() * sizeof(T));
+  }
+
+  // The first bytes.
+  // \pre the buffer is as large as that, at least
+  void Write(const void* data, size_t num_bytes) const;
+
+  // \pre the buffer is as large as that, at least
+  template <typename T>
+  std::vector<T> Read(size_t count) const {
+    std::vector<T> values(count);
+    ReadBytes(values.data(), count * sizeof(T));
+    return values;
+  }
+
+  size_t NumBytes() const { return num_bytes_; }
+  GLuint Name() const { return name_.Get(); }
+
+  // For `layout(std430, binding = index) buffer`.
+  // \throw GlError if it is larger than shaders can use.
+  void BindToStorage(GLuint index) const;
+
+ private:
+  void ReadBytes(void* data, size_t num_bytes) const;
+
+  GlName<DeleteBuffer> name_;
+  size_t num_bytes_ = 0;
+};
+
+// A two-dimensional texture of a single level, read pixel by pixel.
+class GlTexture {
+ public:
+  // \param format  how it is kept, e.g. GL_R32F
+  GlTexture(GLenum format, int width, int height);
+
+  // All pixels, rows from the first.
+  // \param format, type  of `pixels`, e.g. GL_RED, GL_FLOAT
+  void Write(GLenum format, GLenum type, const void* pixels) const;
+  template <typename T>
+  std::vector<T> Read(GLenum format, GLenum type) const {
+    std::vector<T> pixels(static_cast<size_t>(width_) * height_);
+    ReadBytes(format, type, pixels.data(), pixels.size() * sizeof(T));
+    return pixels;
+  }
+
+  int Width() const { return width_; }
+  int Height() const { return height_; }
+  GLuint Name() const { return name_.Get(); }
+
+  // For `layout(binding = index) uniform sampler2D`.
+  void BindToSampler(GLuint index) const;
+  // For `layout(binding = index, ...) uniform image2D`.
+  void BindToImage(GLuint index, GLenum access) const;
+
+ private:
+  void ReadBytes(GLenum format, GLenum type, void* pixels,
+                 size_t num_bytes) const;
+
+  GlName<DeleteTexture> name_;
+  GLenum format_ = 0;
+  int width_ = 0;
+  int height_ = 0;
+};
+
+class GlFramebuffer {
+ public:
+  GlFramebuffer();
+
+  // \param attachment  e.g. GL_COLOR_ATTACHMENT0
+  void Attach(GLenum attachment, const GlTexture& texture) const;
+  GLuint Name() const { return name_.Get(); }
+
+ private:
+  GlName<DeleteFramebuffer> name_;
+};
+
+class GlVertexArray {
+ public:
+  GlVertexArray();
+
+  GLuint Name() const { return name_.Get(); }
+
+ private:
+  GlName<DeleteVertexArray> name_;
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,181 @@
+#include "gl/gl_photometric_energy.h"
+
+#include <array>
+#include <cassert>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "gl/debug_output.h"
+#include "gl/egl_context.h"
+#include "gl/pair_passes.h"
+#include "gl/view_textures.h"
+#include "refine/pair_work.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// As gather.comp writes them.
+struct FacetSums {
+  float energy;
+  float weight;
+  float num_pixels;
+  std::array<float, 3> slopes;
+  std::array<float, 6> curvatures;
+};
+static_assert(sizeof(FacetSums) == 12 * sizeof(float));
+
+PhotometricTerms Terms(const std::vector<FacetSums>& sums) {
+  PhotometricTerms terms;
+  terms.energies.resize(sums.size());
+  terms.weights.resize(sums.size());
+  terms.num_pixels.resize(sums.size());
+  terms.slopes.resize(sums.size());
+  terms.curvatures.resize(sums.size());
+  tbb::parallel_for(size_t{0}, sums.size(), [&](size_t i) {
+    terms.energies[i] = sums[i].energy;
+    terms.weights[i] = sums[i].weight;
+    terms.num_pixels[i] = sums[i].num_pixels;
+    terms.slopes[i] = sums[i].slopes;
+    terms.curvatures[i] = sums[i].curvatures;
+  });
+  for (const float energy : terms.energies) {
+    terms.energy += energy;
+  }
+  return terms;
+}
+
+// All that needs the context to be current.
+class Evaluator {
+ public:
+  Evaluator(const PhotometricOptions& options,
+            std::shared_ptr<ImagePyramid> images, size_t max_memory)
+      : images_(std::move(images)),
+        views_(images_, max_memory),
+        facet_normals_({"facet_normals.comp"}),
+        passes_(options) {}
+
+  void SetLevel(int level) {
+    images_->SetLevel(level);
+    views_.Clear();
+  }
+
+  void Render(const TriangleMesh& mesh) { views_.SetMesh(mesh); }
+
+  std::vector<FacetSums> Evaluate(const TriangleMesh& mesh,
+                                  const FacetLabels& labels) {
+    const size_t num_facets = mesh.facets.size();
+    const PairFacets pair_facets = GroupByPair(labels);
+    vertices_.Assign(mesh.vertices);
+    pair_facets_.Assign(pair_facets.facets);
+    ComputeNormals(num_facets);
+    sums_.Resize(num_facets * sizeof(FacetSums));
+    sums_.SetZero();
+    for (size_t pair = 0; pair < labels.pairs.size(); ++pair) {
+      const auto first = static_cast<uint32_t>(pair_facets.offsets[pair]);
+      const auto last = static_cast<uint32_t>(pair_facets.offsets[pair + 1]);
+      if (first != last) {
+        AddPair(labels.pairs[pair], first, last - first);
+      }
+    }
+    return sums_.Read<FacetSums>(num_facets);
+  }
+
+ private:
+  void ComputeNormals(size_t num_facets) {
+    constexpr size_t kNormalBytes = 3 * sizeof(double);
+    constexpr int kGroupSize = 64;
+    normals_.Resize(num_facets * kNormalBytes);
+    vertices_.BindToStorage(0);
+    views_.Facets().BindToStorage(1);
+    normals_.BindToStorage(2);
+    facet_normals_.Set("num_facets", static_cast<unsigned int>(num_facets));
+    Dispatch(facet_normals_, num_facets, kGroupSize);
+  }
+
+  void AddPair(const ViewPair& pair, uint32_t first_facet,
+               uint32_t num_facets) {
+    const PairBuffers buffers = {views_.Vertices(), vertices_, views_.Facets(),
+                                 pair_facets_,      normals_,  sums_};
+    const ViewTextures& first = views_.Get(pair.first);
+    const ViewTextures& second = views_.Get(pair.second);
+    const View& first_view = images_->Views()[pair.first];
+    const View& second_view = images_->Views()[pair.second];
+    passes_.Run(
+        {first_view, second_view, first, second, first_facet, num_facets},
+        buffers);
+    passes_.Run(
+        {second_view, first_view, second, first, first_facet, num_facets},
+        buffers);
+  }
+
+  std::shared_ptr<ImagePyramid> images_;
+  ViewTextureCache views_;
+  Program facet_normals_;
+  PairPasses passes_;
+  GlBuffer vertices_;     // the present ones
+  GlBuffer pair_facets_;  // see PairFacets
+  GlBuffer normals_;      // [F][3] double
+  GlBuffer sums_;         // [F] FacetSums
+};
+
+class GlPhotometricEnergy : public PhotometricEnergy {
+ public:
+  GlPhotometricEnergy(const PhotometricOptions& options,
+                      std::shared_ptr<ImagePyramid> images, int gpu_index,
+                      size_t max_memory)
+      : context_(gpu_index) {
+    const EglContext::Scope scope = context_.MakeCurrent();
+    evaluator_.emplace(options, std::move(images), max_memory);
+    ThrowOnGlError("The photometric energy");
+  }
+
+  ~GlPhotometricEnergy() override {
+    const EglContext::Scope scope = context_.MakeCurrent();
+    evaluator_.reset();
+  }
+
+  void SetLevel(int level) override {
+    const EglContext::Scope scope = context_.MakeCurrent();
+    evaluator_->SetLevel(level);
+  }
+
+  void Render(const TriangleMesh& mesh) override {
+    const EglContext::Scope scope = context_.MakeCurrent();
+    evaluator_->Render(mesh);
+    ThrowOnGlError("Drawing the mesh");
+  }
+
+  PhotometricTerms Evaluate(const TriangleMesh& mesh,
+                            const FacetLabels& labels) override {
+    assert(labels.NumFacets() == mesh.facets.size());
+    const EglContext::Scope scope = context_.MakeCurrent();
+    const std::vector<FacetSums> sums = evaluator_->Evaluate(mesh, labels);
+    ThrowOnGlError("The photometric energy");
+    return Terms(sums);
+  }
+
+  std::string Description() const override {
+    return "OpenGL, " + context_.RendererName() +
+           (context_.IsSoftware() ? " (software)" : "");
+  }
+
+ private:
+  EglContext context_;
+  std::optional<Evaluator> evaluator_;
+};
+
+}  // namespace
+
+std::unique_ptr<PhotometricEnergy> MakeGlPhotometricEnergy(
+    const PhotometricOptions& options, std::shared_ptr<ImagePyramid> images,
+    int gpu_index, size_t max_memory) {
+  return std::make_unique<GlPhotometricEnergy>(options, std::move(images),
+                                               gpu_index, max_memory);
+}
+
+}  // namespace colmap_ext

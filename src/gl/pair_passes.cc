@@ -1,0 +1,227 @@
+#include "gl/pair_passes.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include <Eigen/LU>
+
+#include "gl/gl_error.h"
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr int kTileWidth = 32;   // px, threads of a workgroup
+constexpr int kTileHeight = 16;  // px
+constexpr int kGroupSize = 64;   // threads, of the passes over facets
+
+// The shaders' buffers.
+enum StorageBinding : GLuint {
+  kDrawnVertices = 0,
+  kFacets = 1,
+  kNormals = 2,
+  kPairFacets = 3,
+  kLabelStamps = 4,
+  kTiles = 5,
+  kTileStamps = 6,
+  kVertices = 7,
+  kSums = 8,
+};
+
+constexpr size_t kTileListHeader = 4;  // numbers before the tiles
+
+ShaderConstants TileConstants(const PhotometricOptions& options) {
+  return {{"kTileWidth", kTileWidth},
+          {"kTileHeight", kTileHeight},
+          {"kWindowRadius", options.window_radius}};
+}
+
+Eigen::Matrix3d Calibration(const View& view) {
+  Eigen::Matrix3d matrix;
+  matrix << view.fx, 0, view.cx, 0, view.fy, view.cy, 0, 0, 1;
+  return matrix;
+}
+
+Eigen::Matrix3d RayFromPixel(const View& view) {
+  return view.cam_from_world_rotation.transpose() * Calibration(view).inverse();
+}
+
+Eigen::Vector2i Size(const View& view) { return {view.width, view.height}; }
+
+int NumTileColumns(const View& view) {
+  return (view.width + kTileWidth - 1) / kTileWidth;
+}
+
+size_t NumTiles(const View& view) {
+  const int num_rows = (view.height + kTileHeight - 1) / kTileHeight;
+  return static_cast<size_t>(NumTileColumns(view)) * num_rows;
+}
+
+void CheckNumGroups(size_t num_groups) {
+  GLint max_groups = 0;
+  glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &max_groups);
+  if (num_groups > static_cast<size_t>(max_groups)) {
+    throw GlError("An image is too large for this OpenGL: it has " +
+                  std::to_string(num_groups) + " tiles, of " +
+                  std::to_string(max_groups));
+  }
+}
+
+}  // namespace
+
+PairPasses::Planes::Planes(int width, int height)
+    : warped(GL_RGBA32F, width, height),
+      windows(GL_RGBA32F, width, height),
+      energies(GL_RG32F, width, height),
+      derivatives(GL_RG32F, width, height) {}
+
+PairPasses::PairPasses(const PhotometricOptions& options)
+    : options_(options),
+      find_tiles_({"find_tiles.comp"}, TileConstants(options)),
+      warp_({"warp.comp"}, TileConstants(options)),
+      correlate_({"correlate.comp"}, TileConstants(options)),
+      differentiate_({"differentiate.comp"}, TileConstants(options)),
+      gather_({"gather.comp"}) {}
+
+// The windows' planes and the tiles are as large as the largest view was.
+void PairPasses::Reserve(const View& view_i, size_t num_facets) {
+  if (label_stamps_.NumBytes() != num_facets * sizeof(uint32_t)) {
+    label_stamps_.Resize(num_facets * sizeof(uint32_t));
+    label_stamps_.SetZero();
+  }
+  const size_t num_tiles = NumTiles(view_i);
+  if (tile_stamps_.NumBytes() < num_tiles * sizeof(uint32_t)) {
+    CheckNumGroups(num_tiles);
+    tile_stamps_.Resize(num_tiles * sizeof(uint32_t));
+    tile_stamps_.SetZero();
+    tiles_.Resize((kTileListHeader + num_tiles) * sizeof(uint32_t));
+  }
+  if (!planes_ || planes_->warped.Width() < view_i.width ||
+      planes_->warped.Height() < view_i.height) {
+    const int width = planes_ ? planes_->warped.Width() : 0;
+    const int height = planes_ ? planes_->warped.Height() : 0;
+    planes_.reset();  // Before the others are made.
+    planes_.emplace(std::max(width, view_i.width),
+                    std::max(height, view_i.height));
+  }
+}
+
+float PairPasses::MaxRelativeDepth(const View& view_i) const {
+  constexpr float kMaxSlope = 4;
+  constexpr float kAll = 1e30F;
+  return options_.occlusion_masking
+             ? static_cast<float>(kMaxSlope * options_.window_radius /
+                                  std::min(view_i.fx, view_i.fy))
+             : kAll;
+}
+
+void PairPasses::SetFacetBox(const PairDirection& direction,
+                             Program* program) const {
+  const View& view = direction.view_i;
+  const Eigen::Matrix3d pixel_from_world =
+      Calibration(view) * view.cam_from_world_rotation;
+  program->Set("first_facet", direction.first_facet);
+  program->Set("num_facets", direction.num_facets);
+  program->Set("pixel_from_world_i",
+               Eigen::Matrix3f(pixel_from_world.cast<float>()));
+  program->Set("size_i", Size(view));
+  program->Set("center_i", view.Center());
+}
+
+void PairPasses::FindTiles(const PairDirection& direction) {
+  SetFacetBox(direction, &find_tiles_);
+  find_tiles_.Set("stamp", stamp_);
+  find_tiles_.Set("num_tile_columns", NumTileColumns(direction.view_i));
+  const std::array<uint32_t, kTileListHeader> no_tiles = {0, 1, 1, 0};
+  tiles_.Write(no_tiles.data(), sizeof(no_tiles));
+  Dispatch(find_tiles_, direction.num_facets, kGroupSize);
+}
+
+void PairPasses::Warp(const PairDirection& direction) {
+  const View& i = direction.view_i;
+  const View& j = direction.view_j;
+  const Eigen::Matrix3d ray_from_pixel = RayFromPixel(i);
+  const Eigen::Matrix3d pixel_j_from_ray =
+      Calibration(j) * j.cam_from_world_rotation;
+  const Eigen::Vector3d epipole = Calibration(j) * j.CamFromWorld(i.Center());
+  const Eigen::Vector3d i_from_j = i.Center() - j.Center();
+  warp_.Set("num_tile_columns", NumTileColumns(i));
+  warp_.Set("size_i", Size(i));
+  warp_.Set("size_j", Size(j));
+  warp_.Set("min_cosine", static_cast<float>(options_.min_cosine));
+  warp_.Set("center_i", i.Center());
+  warp_.Set("ray_from_pixel_i", ray_from_pixel);
+  warp_.Set("pixel_j_from_pixel_i",
+            Eigen::Matrix3d(pixel_j_from_ray * ray_from_pixel));
+  warp_.Set("epipole", epipole);
+  warp_.Set("i_from_j", Eigen::Vector3f(i_from_j.cast<float>()));
+  warp_.Set("rotation_j",
+            Eigen::Matrix3f(j.cam_from_world_rotation.cast<float>()));
+  warp_.Set("focal_j", Eigen::Vector2f(j.fx, j.fy));
+  warp_.Set("depth_scale_j", direction.textures_j.drawn.depth_scale);
+  direction.textures_i.drawn.facets.BindToSampler(0);
+  direction.textures_i.image.BindToSampler(1);
+  direction.textures_j.drawn.facets.BindToSampler(2);
+  direction.textures_j.image.BindToSampler(3);
+  direction.textures_j.drawn.depths.BindToSampler(4);
+  planes_->warped.BindToImage(0, GL_WRITE_ONLY);
+  DispatchIndirect(warp_, tiles_);
+}
+
+void PairPasses::Correlate(const PairDirection& direction) {
+  correlate_.Set("stamp", stamp_);
+  correlate_.Set("num_tile_columns", NumTileColumns(direction.view_i));
+  correlate_.Set("size_i", Size(direction.view_i));
+  correlate_.Set("max_relative_depth", MaxRelativeDepth(direction.view_i));
+  correlate_.Set("noise_variance", static_cast<float>(options_.noise_variance));
+  direction.textures_i.drawn.facets.BindToSampler(0);
+  planes_->warped.BindToSampler(1);
+  planes_->windows.BindToImage(0, GL_WRITE_ONLY);
+  planes_->energies.BindToImage(1, GL_WRITE_ONLY);
+  DispatchIndirect(correlate_, tiles_);
+}
+
+void PairPasses::Differentiate(const PairDirection& direction) {
+  differentiate_.Set("stamp", stamp_);
+  differentiate_.Set("num_tile_columns", NumTileColumns(direction.view_i));
+  differentiate_.Set("size_i", Size(direction.view_i));
+  differentiate_.Set("max_relative_depth", MaxRelativeDepth(direction.view_i));
+  direction.textures_i.drawn.facets.BindToSampler(0);
+  planes_->warped.BindToSampler(1);
+  planes_->windows.BindToSampler(2);
+  planes_->derivatives.BindToImage(0, GL_WRITE_ONLY);
+  DispatchIndirect(differentiate_, tiles_);
+}
+
+void PairPasses::Gather(const PairDirection& direction) {
+  SetFacetBox(direction, &gather_);
+  gather_.Set("ray_from_pixel_i", RayFromPixel(direction.view_i));
+  direction.textures_i.drawn.facets.BindToSampler(0);
+  planes_->warped.BindToSampler(1);
+  planes_->energies.BindToSampler(2);
+  planes_->derivatives.BindToSampler(3);
+  Dispatch(gather_, direction.num_facets, kGroupSize);
+}
+
+void PairPasses::Run(const PairDirection& direction,
+                     const PairBuffers& buffers) {
+  Reserve(direction.view_i, buffers.facets.NumBytes() / sizeof(Facet));
+  ++stamp_;
+  buffers.drawn_vertices.BindToStorage(kDrawnVertices);
+  buffers.facets.BindToStorage(kFacets);
+  buffers.normals.BindToStorage(kNormals);
+  buffers.pair_facets.BindToStorage(kPairFacets);
+  buffers.vertices.BindToStorage(kVertices);
+  buffers.sums.BindToStorage(kSums);
+  label_stamps_.BindToStorage(kLabelStamps);
+  tiles_.BindToStorage(kTiles);
+  tile_stamps_.BindToStorage(kTileStamps);
+  FindTiles(direction);
+  Warp(direction);
+  Correlate(direction);
+  Differentiate(direction);
+  Gather(direction);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "gl/gl_objects.h"
+#include "gl/program.h"
+#include "gl/view_textures.h"
+#include "refine/photometric_energy.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// What the passes read and write of the mesh.
+struct PairBuffers {
+  const GlBuffer& drawn_vertices;  // [V][3] float, those that were drawn
+  const GlBuffer& vertices;        // [V][3] float, the present ones
+  const GlBuffer& facets;          // [F][3] uint
+  const GlBuffer& pair_facets;     // uint, all pairs', see PairFacets
+  const GlBuffer& normals;         // [F][3] double, the present ones
+  const GlBuffer& sums;            // [F][12] float, added to
+};
+
+// One direction of a pair, i <- j.
+struct PairDirection {
+  const View& view_i;
+  const View& view_j;
+  const ViewTextures& textures_i;
+  const ViewTextures& textures_j;
+  uint32_t first_facet = 0;  // of the pair's, in pair_facets
+  uint32_t num_facets = 0;
+};
+
+// What a direction of a pair adds to the sums of the facets labelled with it,
+// in passes over the tiles of image i that show them: warp image j, correlate
+// windows, differentiate; then gather facet by facet.
+class PairPasses {
+ public:
+  explicit PairPasses(const PhotometricOptions& options);
+
+  void Run(const PairDirection& direction, const PairBuffers& buffers);
+
+ private:
+  // What the passes hand on, pixel by pixel of image i.
+  struct Planes {
+    Planes(int width, int height);
+
+    GlTexture warped;       // I_i, I_ij, inverse depth, motion
+    GlTexture windows;      // see correlate.comp
+    GlTexture energies;     // energy, weight
+    GlTexture derivatives;  // first, second
+  };
+
+  void Reserve(const View& view_i, size_t num_facets);
+  void FindTiles(const PairDirection& direction);
+  void Warp(const PairDirection& direction);
+  void Correlate(const PairDirection& direction);
+  void Differentiate(const PairDirection& direction);
+  void Gather(const PairDirection& direction);
+  void SetFacetBox(const PairDirection& direction, Program* program) const;
+  float MaxRelativeDepth(const View& view_i) const;
+
+  PhotometricOptions options_;
+  Program find_tiles_;
+  Program warp_;
+  Program correlate_;
+  Program differentiate_;
+  Program gather_;
+  GlBuffer label_stamps_;  // [F] uint
+  GlBuffer tiles_;         // 4 uint, then [tiles] uint
+  GlBuffer tile_stamps_;   // [tiles] uint
+  std::optional<Planes> planes_;
+  uint32_t stamp_ = 0;  // of the direction at hand
+};
+
+}  // namespace colmap_ext

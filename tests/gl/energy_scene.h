@@ -1,0 +1,152 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "refine/facet_frames.h"
+#include "refine/facet_labels.h"
+#include "refine/image_pyramid.h"
+#include "refine/photometric_energy.h"
+#include "tests/synthetic/dense_scene.h"
+
+namespace colmap_ext {
+
+// A synthetic scene as the photometric energy takes it.
+class EnergyScene {
+ public:
+  EnergyScene(const std::string& shape, int num_images, int width) {
+    synthetic::DenseSceneOptions options;
+    options.scene.shape = shape;
+    options.scene.num_images = num_images;
+    options.scene.width = width;
+    options.scene.height = width * 3 / 4;
+    options.keep_true_depths = false;
+    options.sparse.num_points = 300;
+    dense_ = synthetic::MakeDenseScene(options);
+    for (const ColorImage& color : dense_.images) {
+      GrayImage gray{color.width, color.height, {}};
+      for (const Color& pixel : color.pixels) {
+        gray.pixels.push_back(static_cast<uint8_t>(
+            (299 * pixel[0] + 587 * pixel[1] + 114 * pixel[2] + 500) / 1000));
+      }
+      images_.push_back(std::move(gray));
+    }
+  }
+
+  const std::vector<View>& Views() const { return dense_.scene.views; }
+  const TriangleMesh& Truth() const { return dense_.scene.surface; }
+
+  // Of the scene's images; the scene has to outlive it.
+  // \param scale  of the views' positions.
+  std::shared_ptr<ImagePyramid> Pyramid(double scale = 1) const {
+    std::vector<View> views = Views();
+    for (View& view : views) {
+      view.cam_from_world_translation *= scale;
+    }
+    return std::make_shared<ImagePyramid>(
+        views, [this](size_t view) { return images_[view]; }, SIZE_MAX);
+  }
+
+  // The truth with each vertex moved along its normal.
+  // \param deviation  of the moves, px
+  TriangleMesh Perturbed(double deviation, uint32_t seed) const {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> noise(
+        0, static_cast<float>(deviation * dense_.scene.footprint));
+    TriangleMesh mesh = Truth();
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      mesh.vertices[i] += noise(random) * dense_.scene.normals[i];
+    }
+    return mesh;
+  }
+
+  // The `pairs_per_facet` pairs of neighbouring views that face each facet
+  // best; one facet of ten has none.
+  FacetLabels Labels(size_t pairs_per_facet) const {
+    FacetLabels labels;
+    for (uint32_t i = 0; i + 1 < Views().size(); ++i) {
+      labels.pairs.push_back({i, i + 1});
+    }
+    const std::vector<FacetFrame> frames = ComputeFacetFrames(Truth());
+    std::vector<uint32_t> order(labels.pairs.size());
+    for (size_t facet = 0; facet < frames.size(); ++facet) {
+      std::iota(order.begin(), order.end(), 0);
+      std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        return Cosine(frames[facet], labels.pairs[a]) >
+               Cosine(frames[facet], labels.pairs[b]);
+      });
+      if (facet % 10 != 0) {
+        labels.labels.insert(
+            labels.labels.end(), order.begin(),
+            order.begin() + std::min(pairs_per_facet, order.size()));
+      }
+      labels.offsets.push_back(labels.labels.size());
+    }
+    return labels;
+  }
+
+ private:
+  // The smaller one of two, of the angles between the normal and the rays.
+  double Cosine(const FacetFrame& frame, const ViewPair& pair) const {
+    double smaller = 1;
+    for (const uint32_t view : {pair.first, pair.second}) {
+      const Eigen::Vector3d ray = Views()[view].Center() - frame.corner;
+      smaller = std::min(smaller, frame.normal.dot(ray.normalized()));
+    }
+    return smaller;
+  }
+
+  synthetic::DenseScene dense_;
+  std::vector<GrayImage> images_;  // [views]
+};
+
+// How far two evaluations of the same energy are apart.
+struct TermsDifference {
+  double relative_energy = 0;
+  double gradient_cosine = 0;   // of the slopes, all facets' in one vector
+  double gradient_ratio = 0;    // of their lengths
+  double curvature_cosine = 0;  // likewise
+  double relative_weight = 0;
+  double relative_pixels = 0;
+};
+
+template <typename Array>
+double Dot(const std::vector<Array>& a, const std::vector<Array>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    for (size_t k = 0; k < a[i].size(); ++k) {
+      sum += static_cast<double>(a[i][k]) * b[i][k];
+    }
+  }
+  return sum;
+}
+
+inline TermsDifference Compare(const PhotometricTerms& terms,
+                               const PhotometricTerms& reference) {
+  const auto sum = [](const std::vector<float>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+  };
+  const auto cosine = [](const auto& a, const auto& b) {
+    return Dot(a, b) / std::sqrt(Dot(a, a) * Dot(b, b));
+  };
+  TermsDifference difference;
+  difference.relative_energy = terms.energy / reference.energy - 1;
+  difference.gradient_cosine = cosine(terms.slopes, reference.slopes);
+  difference.gradient_ratio =
+      std::sqrt(Dot(terms.slopes, terms.slopes) /
+                Dot(reference.slopes, reference.slopes));
+  difference.curvature_cosine = cosine(terms.curvatures, reference.curvatures);
+  difference.relative_weight = sum(terms.weights) / sum(reference.weights) - 1;
+  difference.relative_pixels =
+      sum(terms.num_pixels) / sum(reference.num_pixels) - 1;
+  return difference;
+}
+
+}  // namespace colmap_ext

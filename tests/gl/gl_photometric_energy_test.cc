@@ -1,0 +1,252 @@
+#include "gl/gl_photometric_energy.h"
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "gl/gl_error.h"
+#include "refine/cpu_photometric_energy.h"
+#include "refine/facet_id_buffer.h"
+#include "tests/gl/energy_scene.h"
+#include "tests/gl/gl_test.h"
+
+namespace colmap_ext {
+namespace {
+
+const EnergyScene& Statue() {
+  static const EnergyScene scene("statue", 4, 160);
+  return scene;
+}
+
+std::unique_ptr<PhotometricEnergy> MakeGl(
+    const EnergyScene& scene, const PhotometricOptions& options = {},
+    size_t max_memory = SIZE_MAX) {
+  return MakeGlPhotometricEnergy(options, scene.Pyramid(), -1, max_memory);
+}
+
+template <typename T>
+bool SameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+bool SameBytes(const PhotometricTerms& a, const PhotometricTerms& b) {
+  return a.energy == b.energy && SameBytes(a.energies, b.energies) &&
+         SameBytes(a.weights, b.weights) &&
+         SameBytes(a.num_pixels, b.num_pixels) &&
+         SameBytes(a.slopes, b.slopes) && SameBytes(a.curvatures, b.curvatures);
+}
+
+bool IsZero(const PhotometricTerms& terms, size_t facet) {
+  return terms.energies[facet] == 0 && terms.weights[facet] == 0 &&
+         terms.num_pixels[facet] == 0 &&
+         terms.slopes[facet] == std::array<float, 3>{} &&
+         terms.curvatures[facet] == std::array<float, 6>{};
+}
+
+void ExpectAgreement(const PhotometricTerms& terms,
+                     const PhotometricTerms& reference) {
+  const TermsDifference difference = Compare(terms, reference);
+  EXPECT_LT(reference.energy, -100);
+  EXPECT_NEAR(difference.relative_energy, 0, 1e-4);
+  EXPECT_NEAR(difference.relative_weight, 0, 1e-4);
+  EXPECT_NEAR(difference.relative_pixels, 0, 1e-4);
+  EXPECT_GT(difference.gradient_cosine, 0.9999);
+  EXPECT_NEAR(difference.gradient_ratio, 1, 1e-3);
+  EXPECT_GT(difference.curvature_cosine, 0.9999);
+}
+
+class GlPhotometricEnergyTest : public GlTest {};
+
+TEST(GlPhotometricEnergy, GraphicsCardThatIsNotThereThrows) {
+  EXPECT_THROW(MakeGlPhotometricEnergy({}, Statue().Pyramid(), 1000, 0),
+               NoGlError);
+}
+
+// Drawn at one place, evaluated at others.
+TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorAtAllLevels) {
+  const EnergyScene& scene = Statue();
+  const auto gl = MakeGl(scene);
+  const auto cpu = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
+  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  const FacetLabels labels = scene.Labels(2);
+  for (const int level : {2, 1, 0}) {
+    SCOPED_TRACE(level);
+    gl->SetLevel(level);
+    cpu->SetLevel(level);
+    gl->Render(mesh);
+    cpu->Render(mesh);
+    for (const uint32_t seed : {2, 3}) {
+      const TriangleMesh moved = scene.Perturbed(0.3, seed);
+      ExpectAgreement(gl->Evaluate(moved, labels),
+                      cpu->Evaluate(moved, labels));
+    }
+  }
+}
+
+TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorWhateverTheOptions) {
+  const EnergyScene scene("grid", 3, 160);
+  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  const FacetLabels labels = scene.Labels(1);
+  for (const int radius : {1, 2, 4}) {
+    for (const bool masking : {false, true}) {
+      PhotometricOptions options;
+      options.window_radius = radius;
+      options.occlusion_masking = masking;
+      options.noise_variance = 3;
+      options.min_cosine = 0.3;
+      const auto gl = MakeGl(scene, options);
+      const auto cpu =
+          MakeCpuPhotometricEnergy(options, scene.Pyramid(), SIZE_MAX);
+      gl->Render(mesh);
+      cpu->Render(mesh);
+      ExpectAgreement(gl->Evaluate(mesh, labels), cpu->Evaluate(mesh, labels));
+    }
+  }
+}
+
+TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
+  const EnergyScene& scene = Statue();
+  const auto energy = MakeGl(scene);
+  energy->Render(scene.Truth());
+  FacetLabels labels = scene.Labels(1);
+  const PhotometricTerms all = energy->Evaluate(scene.Truth(), labels);
+  // Every second facet of the others loses its label.
+  FacetLabels half{labels.pairs, {0}, {}};
+  for (size_t facet = 0; facet < labels.NumFacets(); ++facet) {
+    const auto row = labels.Labels(facet);
+    if (facet % 2 == 0) {
+      half.labels.insert(half.labels.end(), row.begin(), row.end());
+    }
+    half.offsets.push_back(half.labels.size());
+  }
+  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), half);
+  size_t num_lost = 0;
+  for (size_t facet = 0; facet < half.NumFacets(); ++facet) {
+    if (half.Labels(facet).empty()) {
+      EXPECT_TRUE(IsZero(terms, facet)) << facet;
+      num_lost += IsZero(all, facet) ? 0 : 1;
+    } else {
+      // What its windows reach is drawn for it, labelled or not.
+      EXPECT_EQ(terms.energies[facet], all.energies[facet]) << facet;
+    }
+  }
+  EXPECT_GT(num_lost, 1000);
+}
+
+TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
+  const EnergyScene scene("grid", 2, 160);
+  const auto energy = MakeGl(scene);
+  energy->Render(scene.Truth());
+  FacetLabels labels;
+  labels.pairs = {{0, 1}};
+  for (size_t facet = 0; facet < scene.Truth().facets.size(); ++facet) {
+    labels.labels.push_back(0);
+    labels.offsets.push_back(labels.labels.size());
+  }
+  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
+  std::vector<bool> is_visible(scene.Truth().facets.size(), false);
+  for (const View& view : scene.Views()) {
+    for (const uint32_t facet : DrawFacets(view, scene.Truth()).facets) {
+      if (facet != kNoFacet) {
+        is_visible[facet] = true;
+      }
+    }
+  }
+  size_t num_seen = 0;
+  size_t num_hidden = 0;
+  for (size_t facet = 0; facet < is_visible.size(); ++facet) {
+    if (is_visible[facet]) {
+      num_seen += IsZero(terms, facet) ? 0 : 1;
+    } else {
+      ++num_hidden;
+      EXPECT_TRUE(IsZero(terms, facet)) << facet;
+    }
+  }
+  EXPECT_GT(num_seen, 1000);
+  EXPECT_GT(num_hidden, 1000);
+}
+
+TEST_F(GlPhotometricEnergyTest, SameBytesFromRunToRunAndInLittleMemory) {
+  const EnergyScene& scene = Statue();
+  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  const FacetLabels labels = scene.Labels(2);
+  const auto first = MakeGl(scene);
+  const auto second = MakeGl(scene, {}, 0);
+  first->Render(mesh);
+  second->Render(mesh);
+  const PhotometricTerms terms = first->Evaluate(mesh, labels);
+  EXPECT_TRUE(SameBytes(first->Evaluate(mesh, labels), terms));
+  EXPECT_TRUE(SameBytes(second->Evaluate(mesh, labels), terms));
+  first->Render(scene.Truth());
+  first->Evaluate(scene.Truth(), labels);
+  first->SetLevel(1);
+  first->Render(mesh);
+  first->Evaluate(mesh, labels);
+  first->SetLevel(0);
+  first->Render(mesh);
+  EXPECT_TRUE(SameBytes(first->Evaluate(mesh, labels), terms));
+}
+
+TEST_F(GlPhotometricEnergyTest, ScaledSceneHasTheSameEnergy) {
+  const EnergyScene& scene = Statue();
+  const FacetLabels labels = scene.Labels(1);
+  const auto energy = MakeGl(scene);
+  energy->Render(scene.Truth());
+  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
+  for (const int exponent : {-10, 10}) {
+    const float scale = std::ldexp(1.0F, exponent);
+    TriangleMesh mesh = scene.Truth();
+    for (Eigen::Vector3f& vertex : mesh.vertices) {
+      vertex *= scale;
+    }
+    const auto scaled =
+        MakeGlPhotometricEnergy({}, scene.Pyramid(scale), -1, 0);
+    scaled->Render(mesh);
+    PhotometricTerms scaled_terms = scaled->Evaluate(mesh, labels);
+    for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+      for (float& slope : scaled_terms.slopes[facet]) {
+        slope *= scale;
+      }
+      for (float& curvature : scaled_terms.curvatures[facet]) {
+        curvature *= scale * scale;
+      }
+    }
+    EXPECT_TRUE(SameBytes(scaled_terms, terms)) << exponent;
+  }
+}
+
+TEST_F(GlPhotometricEnergyTest, AnyThreadMayUseIt) {
+  const EnergyScene& scene = Statue();
+  const FacetLabels labels = scene.Labels(1);
+  auto energy = MakeGl(scene);
+  energy->Render(scene.Truth());
+  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
+  std::thread([&] {
+    EXPECT_TRUE(SameBytes(energy->Evaluate(scene.Truth(), labels), terms));
+    energy.reset();
+  }).join();
+}
+
+TEST_F(GlPhotometricEnergyTest, NothingToCompareIsZero) {
+  const EnergyScene& scene = Statue();
+  const auto energy = MakeGl(scene);
+  FacetLabels labels;
+  labels.pairs = {{0, 1}};
+  energy->Render({});
+  EXPECT_EQ(energy->Evaluate({}, labels).energy, 0);
+  energy->Render(scene.Truth());
+  labels.offsets.assign(scene.Truth().facets.size() + 1, 0);
+  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
+  EXPECT_EQ(terms.energy, 0);
+  EXPECT_EQ(terms.energies.size(), scene.Truth().facets.size());
+}
+
+TEST_F(GlPhotometricEnergyTest, SaysWhatComputes) {
+  EXPECT_EQ(MakeGl(Statue())->Description().find("OpenGL, "), 0);
+}
+
+}  // namespace
+}  // namespace colmap_ext
