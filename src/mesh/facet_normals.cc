@@ -1,0 +1,57 @@
+#include "mesh/facet_normals.h"
+
+#include <functional>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+#include <Eigen/Geometry>
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// Twice the facet's area, along its normal.
+Vector3d AreaVector(const std::vector<Vector3f>& vertices, const Facet& facet) {
+  const Vector3d a = vertices[facet[0]].cast<double>();
+  const Vector3d b = vertices[facet[1]].cast<double>();
+  const Vector3d c = vertices[facet[2]].cast<double>();
+  return (b - a).cross(c - a);
+}
+
+// Of no length where the vector has none.
+Vector3d Unit(const Vector3d& vector) {
+  const double norm = vector.norm();
+  return norm > 0 ? Vector3d(vector / norm) : Vector3d::Zero();
+}
+
+}  // namespace
+
+std::vector<Vector3f> FacetNormals(const TriangleMesh& mesh) {
+  std::vector<Vector3f> normals(mesh.facets.size());
+  tbb::parallel_for(size_t{0}, normals.size(), [&](size_t facet) {
+    normals[facet] =
+        Unit(AreaVector(mesh.vertices, mesh.facets[facet])).cast<float>();
+  });
+  return normals;
+}
+
+size_t CountFlippedFacets(const std::vector<Facet>& facets,
+                          const std::vector<Vector3f>& before,
+                          const std::vector<Vector3f>& after) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<size_t>(0, facets.size()), size_t{0},
+      [&](const tbb::blocked_range<size_t>& range, size_t count) {
+        for (size_t i = range.begin(); i < range.end(); ++i) {
+          count +=
+              AreaVector(before, facets[i]).dot(AreaVector(after, facets[i])) <
+              0;
+        }
+        return count;
+      },
+      std::plus<>());
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+// [F] unit normals, to the side from which the corners run counter-clockwise;
+// zero where a facet has no area.
+std::vector<Eigen::Vector3f> FacetNormals(const TriangleMesh& mesh);
+
+// How many facets have turned their normals by more than a right angle from
+// one set of positions to another. Facets without area do not count.
+// \param before, after  [V]
+size_t CountFlippedFacets(const std::vector<Facet>& facets,
+                          const std::vector<Eigen::Vector3f>& before,
+                          const std::vector<Eigen::Vector3f>& after);
+
+}  // namespace colmap_ext
