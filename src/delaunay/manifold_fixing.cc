@@ -211,7 +211,6 @@ class Fixer {
   // vertices, and the energy.
   using Merit = std::pair<int64_t, int64_t>;
 
-  // \param cells sorted
   Merit MeritOf(const std::vector<uint32_t>& cells) {
     std::vector<uint32_t> vertices;
     for (const uint32_t cell : cells) {
@@ -241,8 +240,8 @@ class Fixer {
     return count;
   }
 
-  // The part of the cut's value that depends on the labels of these cells.
-  // \param cells sorted
+  // The part of the cut's value that depends on the labels of these cells,
+  // which share a vertex: two of them side by side have one label.
   int64_t EnergyAround(const std::vector<uint32_t>& cells) const {
     int64_t energy = 0;
     for (const uint32_t index : cells) {
@@ -253,12 +252,10 @@ class Fixer {
         if (is_free == static_cast<bool>((*is_free_)[other])) {
           continue;
         }
-        if (is_free) {
-          energy += graph_->capacities[index][i];
-        } else if (!std::binary_search(cells.begin(), cells.end(), other)) {
-          energy +=
-              graph_->capacities[other][tetrahedra_->FacetTo(other, index)];
-        }
+        energy +=
+            is_free
+                ? graph_->capacities[index][i]
+                : graph_->capacities[other][tetrahedra_->FacetTo(other, index)];
       }
     }
     return energy;
