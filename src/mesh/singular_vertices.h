@@ -30,8 +30,8 @@ struct FanSplit {
 // paired edges around the vertex. Where two sheets still share both ends of an
 // edge (a fan that touches itself along it), all but one get a midpoint of
 // their own. Vertices that no facet uses are dropped. Vertices come out in the
-// order in which the facets use them. Facets keep their order; those that a
-// midpoint cuts off come last.
+// order in which the facets use them, midpoints last. Facets keep their order;
+// those that a midpoint cuts off come last.
 //
 // \param partners [3 F] from PairHalfEdges, or better: where more than two
 //        facets share an edge it takes more than the mesh to tell which two
