@@ -15,9 +15,7 @@ layout(binding = 0, rgba32f) writeonly uniform image2D windows;
 layout(binding = 1, rg32f) writeonly uniform image2D energies;
 
 uniform float noise_variance;
-
-// Grey values squared. Below it a window's correlation is rounding.
-const float kMinVariance = 1e-2;
+uniform float min_variance;
 
 void Correlate(ivec2 center, vec4 center_value) {
   ivec2 first = max(center - kWindowRadius, 0);
@@ -42,7 +40,7 @@ void Correlate(ivec2 center, vec4 center_value) {
       products / count - vec3(mean * mean, mean.x * mean.y);
   float smaller = min(moments.x, moments.y);
   float side = 2 * kWindowRadius + 1;
-  if (!(count > 0.5 * side * side && smaller > kMinVariance)) {
+  if (!(count > 0.5 * side * side && smaller > min_variance)) {
     imageStore(windows, center, vec4(0));
     imageStore(energies, center, vec4(0));
     return;

@@ -29,7 +29,7 @@ void main() {
     for (int column = first.x; column <= last.x; ++column) {
       uint tile = uint(row * num_tile_columns + column);
       if (atomicExchange(tile_stamps[tile], stamp) != stamp) {
-        tiles[atomicAdd(num_tiles.x, 1)] = tile;
+        tiles[atomicAdd(num_tiles, 1u)] = tile;
       }
     }
   }

@@ -2,8 +2,10 @@
 // needs: pixels that may show its facets, and those that their windows reach.
 
 layout(std430, binding = 5) buffer Tiles {
-  uvec4 num_tiles;  // number, 1, 1, unused: of the workgroups
-  uint tiles[];     // in no order
+  uint num_tiles;       // The first three are numbers of workgroups.
+  uint one_and_one[2];
+  uint unused;
+  uint tiles[];         // in no order
 };
 
 uniform int num_tile_columns;

@@ -155,12 +155,13 @@ EglContext::EglContext(int gpu_index) {
   }
   if (!HasExtension(eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS),
                     "EGL_MESA_platform_surfaceless")) {
-    throw NoGlError("No OpenGL 4.5" + tried + "; no Mesa either");
+    throw NoGlError("No OpenGL 4.5" + tried +
+                    "; no other graphics card's driver, and no Mesa");
   }
   const std::string missing =
       TryPlatform(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY);
   if (!missing.empty()) {
-    throw NoGlError("No OpenGL 4.5" + tried + "; Mesa: " + missing);
+    throw NoGlError("No OpenGL 4.5" + tried + "; Mesa's software: " + missing);
   }
 }
 

@@ -4,9 +4,8 @@
 #include <array>
 #include <string>
 
-#include <Eigen/LU>
-
 #include "gl/gl_error.h"
+#include "refine/window_correlation.h"
 
 namespace colmap_ext {
 
@@ -35,16 +34,6 @@ ShaderConstants TileConstants(const PhotometricOptions& options) {
   return {{"kTileWidth", kTileWidth},
           {"kTileHeight", kTileHeight},
           {"kWindowRadius", options.window_radius}};
-}
-
-Eigen::Matrix3d Calibration(const View& view) {
-  Eigen::Matrix3d matrix;
-  matrix << view.fx, 0, view.cx, 0, view.fy, view.cy, 0, 0, 1;
-  return matrix;
-}
-
-Eigen::Matrix3d RayFromPixel(const View& view) {
-  return view.cam_from_world_rotation.transpose() * Calibration(view).inverse();
 }
 
 Eigen::Vector2i Size(const View& view) { return {view.width, view.height}; }
@@ -107,24 +96,13 @@ void PairPasses::Reserve(const View& view_i, size_t num_facets) {
   }
 }
 
-float PairPasses::MaxRelativeDepth(const View& view_i) const {
-  constexpr float kMaxSlope = 4;
-  constexpr float kAll = 1e30F;
-  return options_.occlusion_masking
-             ? static_cast<float>(kMaxSlope * options_.window_radius /
-                                  std::min(view_i.fx, view_i.fy))
-             : kAll;
-}
-
 void PairPasses::SetFacetBox(const PairDirection& direction,
                              Program* program) const {
   const View& view = direction.view_i;
-  const Eigen::Matrix3d pixel_from_world =
-      Calibration(view) * view.cam_from_world_rotation;
   program->Set("first_facet", direction.first_facet);
   program->Set("num_facets", direction.num_facets);
   program->Set("pixel_from_world_i",
-               Eigen::Matrix3f(pixel_from_world.cast<float>()));
+               Eigen::Matrix3f(view.PixelFromRay().cast<float>()));
   program->Set("size_i", Size(view));
   program->Set("center_i", view.Center());
 }
@@ -141,10 +119,8 @@ void PairPasses::FindTiles(const PairDirection& direction) {
 void PairPasses::Warp(const PairDirection& direction) {
   const View& i = direction.view_i;
   const View& j = direction.view_j;
-  const Eigen::Matrix3d ray_from_pixel = RayFromPixel(i);
-  const Eigen::Matrix3d pixel_j_from_ray =
-      Calibration(j) * j.cam_from_world_rotation;
-  const Eigen::Vector3d epipole = Calibration(j) * j.CamFromWorld(i.Center());
+  const Eigen::Matrix3d ray_from_pixel = i.RayFromPixel();
+  const Eigen::Matrix3d pixel_j_from_ray = j.PixelFromRay();
   const Eigen::Vector3d i_from_j = i.Center() - j.Center();
   warp_.Set("num_tile_columns", NumTileColumns(i));
   warp_.Set("size_i", Size(i));
@@ -154,7 +130,7 @@ void PairPasses::Warp(const PairDirection& direction) {
   warp_.Set("ray_from_pixel_i", ray_from_pixel);
   warp_.Set("pixel_j_from_pixel_i",
             Eigen::Matrix3d(pixel_j_from_ray * ray_from_pixel));
-  warp_.Set("epipole", epipole);
+  warp_.Set("epipole", Eigen::Vector3d(pixel_j_from_ray * i_from_j));
   warp_.Set("i_from_j", Eigen::Vector3f(i_from_j.cast<float>()));
   warp_.Set("rotation_j",
             Eigen::Matrix3f(j.cam_from_world_rotation.cast<float>()));
@@ -173,8 +149,10 @@ void PairPasses::Correlate(const PairDirection& direction) {
   correlate_.Set("stamp", stamp_);
   correlate_.Set("num_tile_columns", NumTileColumns(direction.view_i));
   correlate_.Set("size_i", Size(direction.view_i));
-  correlate_.Set("max_relative_depth", MaxRelativeDepth(direction.view_i));
+  correlate_.Set("max_relative_depth",
+                 MaxRelativeDepth(options_, direction.view_i));
   correlate_.Set("noise_variance", static_cast<float>(options_.noise_variance));
+  correlate_.Set("min_variance", kMinVariance);
   direction.textures_i.drawn.facets.BindToSampler(0);
   planes_->warped.BindToSampler(1);
   planes_->windows.BindToImage(0, GL_WRITE_ONLY);
@@ -186,7 +164,8 @@ void PairPasses::Differentiate(const PairDirection& direction) {
   differentiate_.Set("stamp", stamp_);
   differentiate_.Set("num_tile_columns", NumTileColumns(direction.view_i));
   differentiate_.Set("size_i", Size(direction.view_i));
-  differentiate_.Set("max_relative_depth", MaxRelativeDepth(direction.view_i));
+  differentiate_.Set("max_relative_depth",
+                     MaxRelativeDepth(options_, direction.view_i));
   direction.textures_i.drawn.facets.BindToSampler(0);
   planes_->warped.BindToSampler(1);
   planes_->windows.BindToSampler(2);
@@ -196,7 +175,7 @@ void PairPasses::Differentiate(const PairDirection& direction) {
 
 void PairPasses::Gather(const PairDirection& direction) {
   SetFacetBox(direction, &gather_);
-  gather_.Set("ray_from_pixel_i", RayFromPixel(direction.view_i));
+  gather_.Set("ray_from_pixel_i", direction.view_i.RayFromPixel());
   direction.textures_i.drawn.facets.BindToSampler(0);
   planes_->warped.BindToSampler(1);
   planes_->energies.BindToSampler(2);

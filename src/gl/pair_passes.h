@@ -59,7 +59,6 @@ class PairPasses {
   void Differentiate(const PairDirection& direction);
   void Gather(const PairDirection& direction);
   void SetFacetBox(const PairDirection& direction, Program* program) const;
-  float MaxRelativeDepth(const View& view_i) const;
 
   PhotometricOptions options_;
   Program find_tiles_;

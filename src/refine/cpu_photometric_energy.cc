@@ -20,10 +20,6 @@ namespace colmap_ext {
 
 namespace {
 
-// Depths at two pixels of one surface differ by less than this many footprints
-// of a pixel for each pixel between them: a slope of 76 degrees.
-constexpr float kMaxSlope = 4;
-
 // The mesh drawn into the views, as many at a time as memory allows.
 class DrawnFacets {
  public:
@@ -240,8 +236,7 @@ void CpuPhotometricEnergy::EvaluateDirection(
   }
   direction->sums.resize(last - first);
   const int radius = options_.window_radius;
-  const auto max_relative_depth = static_cast<float>(
-      kMaxSlope * radius / std::min(view_i.fx, view_i.fy));
+  const float max_relative_depth = MaxRelativeDepth(options_, view_i);
   CorrelationTile& tile = scratch->tile;
   TileGeometry& geometry = scratch->geometry;
   for (const PixelRectangle& rectangle : direction->tiles) {

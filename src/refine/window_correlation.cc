@@ -6,12 +6,15 @@
 
 namespace colmap_ext {
 
-namespace {
-
-// Grey values squared. Below it a window's correlation is rounding.
-constexpr float kMinVariance = 1e-2F;
-
-}  // namespace
+float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i) {
+  // Depths at two pixels of one surface differ by less than this many
+  // footprints of a pixel for each pixel between them: a slope of 76 degrees.
+  constexpr double kMaxSlope = 4;
+  return options.occlusion_masking
+             ? static_cast<float>(kMaxSlope * options.window_radius /
+                                  std::min(view_i.fx, view_i.fy))
+             : std::numeric_limits<float>::max();
+}
 
 void CorrelationTile::Resize(int new_width, int new_height) {
   width = new_width;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "refine/photometric_energy.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -36,6 +37,13 @@ struct CorrelationTile {
   }
 };
 
+// Grey values squared. Below it a window's correlation is rounding.
+inline constexpr float kMinVariance = 1e-2F;
+
+// By how much of its centre's the inverse depths in a window of image i may
+// differ from it; others belong to another surface.
+float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i);
+
 // Zero-normalised cross correlation of I_i and I_ij in the windows around the
 // centres, and its derivatives by I_ij (METHOD: M and dM).
 class WindowCorrelation {
@@ -43,8 +51,7 @@ class WindowCorrelation {
   explicit WindowCorrelation(const PhotometricOptions& options)
       : options_(options) {}
 
-  // \param max_relative_depth  by how much of the centre's the inverse depths
-  //        in a window may differ from it; others are left out.
+  // \param max_relative_depth  see MaxRelativeDepth().
   void Compute(float max_relative_depth, CorrelationTile* tile);
 
  private:

@@ -33,6 +33,22 @@ struct View {
   Eigen::Vector2d ImageFromCam(const Eigen::Vector3d& point) const {
     return {fx * point.x() / point.z() + cx, fy * point.y() / point.z() + cy};
   }
+
+  // From a direction in the world frame to the pixel coordinates where it is
+  // seen, homogeneous.
+  Eigen::Matrix3d PixelFromRay() const {
+    Eigen::Matrix3d pixel_from_cam;
+    pixel_from_cam << fx, 0, cx, 0, fy, cy, 0, 0, 1;
+    return pixel_from_cam * cam_from_world_rotation;
+  }
+
+  // From pixel coordinates (u, v, 1) to the direction in the world frame, with
+  // a z of 1 in the camera's frame.
+  Eigen::Matrix3d RayFromPixel() const {
+    Eigen::Matrix3d cam_from_pixel;
+    cam_from_pixel << 1 / fx, 0, -cx / fx, 0, 1 / fy, -cy / fy, 0, 0, 1;
+    return cam_from_world_rotation.transpose() * cam_from_pixel;
+  }
 };
 
 // Direction in the world frame of the ray through an image point, with a z of 1
