@@ -1,5 +1,6 @@
 #include "gl/gl_photometric_energy.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -136,37 +137,115 @@ TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
   EXPECT_GT(num_lost, 1000);
 }
 
-TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
-  const EnergyScene scene("grid", 2, 160);
-  const auto energy = MakeGl(scene);
-  energy->Render(scene.Truth());
-  FacetLabels labels;
-  labels.pairs = {{0, 1}};
-  for (size_t facet = 0; facet < scene.Truth().facets.size(); ++facet) {
-    labels.labels.push_back(0);
-    labels.offsets.push_back(labels.labels.size());
-  }
-  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
-  std::vector<bool> is_visible(scene.Truth().facets.size(), false);
-  for (const View& view : scene.Views()) {
-    for (const uint32_t facet : DrawFacets(view, scene.Truth()).facets) {
-      if (facet != kNoFacet) {
-        is_visible[facet] = true;
+// Whether something is well in front of all of a facet, and of the pixels
+// around it.
+bool IsHidden(const View& view, const FacetIdBuffer& drawn,
+              const TriangleMesh& mesh, size_t facet) {
+  constexpr int kMargin = 2;  // px
+  for (const uint32_t vertex : mesh.facets[facet]) {
+    const Eigen::Vector3d point =
+        view.CamFromWorld(mesh.vertices[vertex].cast<double>());
+    const Eigen::Vector2d pixel = view.ImageFromCam(point);
+    if (!(pixel.minCoeff() >= kMargin && pixel.x() < view.width - kMargin &&
+          pixel.y() < view.height - kMargin)) {
+      return false;
+    }
+    for (int row = -kMargin; row <= kMargin; ++row) {
+      for (int col = -kMargin; col <= kMargin; ++col) {
+        const size_t at = drawn.Index(static_cast<int>(pixel.y()) + row,
+                                      static_cast<int>(pixel.x()) + col);
+        if (!(drawn.inverse_depths[at] > 1.1 / point.z())) {
+          return false;
+        }
       }
     }
   }
-  size_t num_seen = 0;
-  size_t num_hidden = 0;
-  for (size_t facet = 0; facet < is_visible.size(); ++facet) {
-    if (is_visible[facet]) {
-      num_seen += IsZero(terms, facet) ? 0 : 1;
-    } else {
-      ++num_hidden;
-      EXPECT_TRUE(IsZero(terms, facet)) << facet;
+  return true;
+}
+
+TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
+  const EnergyScene scene("grid", 2, 160);
+  const TriangleMesh& mesh = scene.Truth();
+  const auto energy = MakeGl(scene);
+  energy->Render(mesh);
+  FacetLabels labels;
+  labels.pairs = {{0, 1}};
+  labels.labels.assign(mesh.facets.size(), 0);
+  for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+    labels.offsets.push_back(facet + 1);
+  }
+  const PhotometricTerms terms = energy->Evaluate(mesh, labels);
+  std::array<FacetIdBuffer, 2> drawn;
+  std::array<std::vector<bool>, 2> is_seen;
+  for (int i = 0; i < 2; ++i) {
+    drawn[i] = DrawFacets(scene.Views()[i], mesh);
+    is_seen[i].assign(mesh.facets.size(), false);
+    for (const uint32_t facet : drawn[i].facets) {
+      if (facet != kNoFacet) {
+        is_seen[i][facet] = true;
+      }
     }
   }
-  EXPECT_GT(num_seen, 1000);
-  EXPECT_GT(num_hidden, 1000);
+  std::array<size_t, 3> num_seen{};  // By none, one and two views.
+  for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+    const bool is_hidden = (!is_seen[0][facet] && !is_seen[1][facet]) ||
+                           IsHidden(scene.Views()[0], drawn[0], mesh, facet) ||
+                           IsHidden(scene.Views()[1], drawn[1], mesh, facet);
+    if (is_hidden) {
+      EXPECT_TRUE(IsZero(terms, facet)) << facet;
+      ++num_seen[is_seen[0][facet] + is_seen[1][facet]];
+    } else if (!IsZero(terms, facet)) {
+      ++num_seen[2];
+    }
+  }
+  EXPECT_GT(num_seen[0], 1000);
+  EXPECT_GT(num_seen[1], 100);
+  EXPECT_GT(num_seen[2], 1000);
+}
+
+// Every second image is half the size.
+TEST_F(GlPhotometricEnergyTest, ImagesMayBeOfSeveralSizes) {
+  const EnergyScene& scene = Statue();
+  const std::array<std::shared_ptr<ImagePyramid>, 2> pyramids = {
+      scene.Pyramid(), scene.Pyramid()};
+  pyramids[1]->SetLevel(1);
+  std::vector<View> views;
+  for (size_t i = 0; i < scene.Views().size(); ++i) {
+    views.push_back(pyramids[(i + 1) % 2]->Views()[i]);
+  }
+  const auto images = std::make_shared<ImagePyramid>(
+      views,
+      [&](size_t view) { return *pyramids[(view + 1) % 2]->Image(view); },
+      SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
+  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  gl->Render(mesh);
+  cpu->Render(mesh);
+  const FacetLabels labels = scene.Labels(2);
+  ExpectAgreement(gl->Evaluate(mesh, labels), cpu->Evaluate(mesh, labels));
+}
+
+TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorFarFromTheOrigin) {
+  const EnergyScene& scene = Statue();
+  const Eigen::Vector3d shift(1000, -2000, 500);
+  std::vector<View> views = scene.Views();
+  for (View& view : views) {
+    view.cam_from_world_translation -= view.cam_from_world_rotation * shift;
+  }
+  TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  for (Eigen::Vector3f& vertex : mesh.vertices) {
+    vertex += shift.cast<float>();
+  }
+  const std::shared_ptr<ImagePyramid> pyramid = scene.Pyramid();
+  const auto images = std::make_shared<ImagePyramid>(
+      views, [&](size_t view) { return *pyramid->Image(view); }, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
+  gl->Render(mesh);
+  cpu->Render(mesh);
+  const FacetLabels labels = scene.Labels(2);
+  ExpectAgreement(gl->Evaluate(mesh, labels), cpu->Evaluate(mesh, labels));
 }
 
 TEST_F(GlPhotometricEnergyTest, SameBytesFromRunToRunAndInLittleMemory) {
