@@ -25,20 +25,12 @@ char temporaries[kMaxTemporaries][kMaxPathLength];
 int num_temporaries = 0;
 struct sigaction previous_actions[std::size(kSignals)];
 
-extern "C" void RemoveTemporariesAndDie(int signal) {
-  for (const char* path : temporaries) {
-    if (path[0] != '\0') {
-      unlink(path);
-    }
-  }
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
-}
+extern "C" void HandleSignal(int signal) { DieOfSignal(signal); }
 
 int AddTemporary(const std::string& path) {
   if (num_temporaries++ == 0) {
     struct sigaction action = {};
-    action.sa_handler = &RemoveTemporariesAndDie;
+    action.sa_handler = &HandleSignal;
     for (size_t i = 0; i < std::size(kSignals); ++i) {
       sigaction(kSignals[i], nullptr, &previous_actions[i]);
       if (previous_actions[i].sa_handler == SIG_DFL) {
@@ -88,9 +80,7 @@ void SyncFolder(const std::filesystem::path& folder) {
   }
 }
 
-}  // namespace
-
-void ExpectWritable(const std::filesystem::path& path) {
+void CheckPlace(const std::filesystem::path& path) {
   const std::filesystem::path resolved = Resolve(path);
   const std::filesystem::path folder = FolderOf(resolved);
   std::error_code error;
@@ -107,9 +97,26 @@ void ExpectWritable(const std::filesystem::path& path) {
   }
 }
 
+}  // namespace
+
+void DieOfSignal(int signal) {
+  for (const char* path : temporaries) {
+    if (path[0] != '\0') {
+      unlink(path);
+    }
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+// Some folders say that they can be written, and can not, such as /proc.
+void ExpectWritable(const std::filesystem::path& path) {
+  const AtomicFile file(path);
+}
+
 AtomicFile::AtomicFile(const std::filesystem::path& path)
     : path_(Resolve(path)) {
-  ExpectWritable(path);
+  CheckPlace(path);
   buffer_.reserve(kBufferSize);
   const std::string prefix =
       (FolderOf(path_) / ("." + path_.filename().string())).string() + "." +
@@ -181,6 +188,13 @@ void Commit(std::span<AtomicFile* const> files) {
     file->Rename();
     SyncFolder(FolderOf(file->path_));
   }
+}
+
+void WriteText(const std::filesystem::path& path, const std::string& text) {
+  AtomicFile file(path);
+  file.Write(text.data(), text.size());
+  AtomicFile* const files[] = {&file};
+  Commit(files);
 }
 
 }  // namespace colmap_ext

@@ -48,6 +48,14 @@ class AtomicFile {
 // \throw FileError if that fails.
 void Commit(std::span<AtomicFile* const> files);
 
+// Writes a whole file.
+// \throw FileError if it can not be written.
+void WriteText(const std::filesystem::path& path, const std::string& text);
+
+// Ends the program as the signal does where nothing handles it, but removes the
+// temporary files before. May be called by a signal handler.
+void DieOfSignal(int signal);
+
 // To be asked before hours of work, not after them.
 // \throw FileError if an AtomicFile would.
 void ExpectWritable(const std::filesystem::path& path);

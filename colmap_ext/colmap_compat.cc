@@ -97,6 +97,23 @@ std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path) {
   return image;
 }
 
+std::optional<GrayImage> ReadGrayPicture(const std::filesystem::path& path) {
+  colmap::Bitmap bitmap;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) ||
+      !bitmap.Read(path.string(), false)) {
+    return std::nullopt;
+  }
+  GrayImage image{bitmap.Width(), bitmap.Height(), {}};
+  image.pixels.reserve(size_t{1} * image.width * image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      image.pixels.push_back(GetPixel(bitmap, x, y)[0]);
+    }
+  }
+  return image;
+}
+
 bool WriteColorImage(const std::filesystem::path& path,
                      const ColorImage& image) {
   auto bitmap = MakeBitmap<colmap::Bitmap>(image.width, image.height);

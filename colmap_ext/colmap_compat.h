@@ -18,6 +18,7 @@
 #include <string>
 
 #include "scene/color_image.h"
+#include "scene/gray_image.h"
 
 namespace colmap_ext {
 
@@ -32,6 +33,9 @@ bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
 // Reads a picture with COLMAP.
 // \return nothing if there is no such picture, or COLMAP can not read it.
 std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path);
+
+// The same in grey, 8 bits.
+std::optional<GrayImage> ReadGrayPicture(const std::filesystem::path& path);
 
 // Writes a picture with COLMAP, in the format that the path's extension names.
 // \return whether it is written.

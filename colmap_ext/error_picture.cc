@@ -1,16 +1,10 @@
 #include "colmap_ext/error_picture.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <string>
-#include <system_error>
 
 #include <opencv2/imgproc.hpp>
 
-#include "colmap_ext/atomic_file.h"
-#include "colmap_ext/colmap_compat.h"
-#include "colmap_ext/errors.h"
 #include "colmap_ext/print_lines.h"
 #include "evaluation/error_colors.h"
 #include "evaluation/mesh_renderer.h"
@@ -70,26 +64,6 @@ ColorImage DrawErrors(const TriangleMesh& mesh,
   cv::Mat picture = AsMat(&image);
   DrawScale(scale, top, &picture);
   return image;
-}
-
-void WritePng(const std::filesystem::path& path, const ColorImage& image) {
-  // COLMAP writes to a path of its own choice of format, not to our file.
-  const std::filesystem::path draft =
-      std::filesystem::path(path).replace_extension(".draft.png");
-  std::vector<char> bytes;
-  if (WriteColorImage(draft, image)) {
-    std::ifstream stream(draft, std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(stream), {});
-  }
-  std::error_code ignored;
-  std::filesystem::remove(draft, ignored);
-  if (bytes.empty()) {
-    throw FileError(path, "can not be written");
-  }
-  AtomicFile file(path);
-  file.Write(bytes.data(), bytes.size());
-  AtomicFile* const files[] = {&file};
-  Commit(files);
 }
 
 }  // namespace colmap_ext

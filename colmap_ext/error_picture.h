@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
@@ -15,8 +14,5 @@ namespace colmap_ext {
 ColorImage DrawErrors(const TriangleMesh& mesh,
                       const std::vector<Color>& colors, const View& view,
                       double scale);
-
-// \throw FileError if the file can not be written.
-void WritePng(const std::filesystem::path& path, const ColorImage& image);
 
 }  // namespace colmap_ext

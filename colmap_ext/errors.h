@@ -20,4 +20,16 @@ class OptionError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// A signal that ended the work before it was done.
+class Interruption : public std::runtime_error {
+ public:
+  Interruption(int signal, const std::string& message)
+      : std::runtime_error(message), signal_(signal) {}
+
+  int Signal() const { return signal_; }
+
+ private:
+  int signal_;
+};
+
 }  // namespace colmap_ext

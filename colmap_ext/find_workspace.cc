@@ -22,15 +22,18 @@ void ExpectFolder(const fs::path& path) {
   }
 }
 
-bool HasFusedCloud(const fs::path& folder) {
-  return fs::exists(folder / "fused.ply");
+bool HasAny(const std::vector<std::string>& files, const fs::path& folder) {
+  return std::any_of(files.begin(), files.end(), [&](const std::string& file) {
+    return fs::exists(folder / file);
+  });
 }
 
-std::vector<fs::path> SubfoldersWithFusedCloud(const fs::path& folder) {
+std::vector<fs::path> SubfoldersWith(const std::vector<std::string>& files,
+                                     const fs::path& folder) {
   std::vector<fs::path> found;
   if (fs::is_directory(folder)) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      if (entry.is_directory() && HasFusedCloud(entry.path())) {
+      if (entry.is_directory() && HasAny(files, entry.path())) {
         found.push_back(entry.path());
       }
     }
@@ -41,20 +44,19 @@ std::vector<fs::path> SubfoldersWithFusedCloud(const fs::path& folder) {
 
 }  // namespace
 
-fs::path FindDenseFolder(const fs::path& path) {
+std::vector<fs::path> FindFoldersWith(const std::vector<std::string>& files,
+                                      const fs::path& path) {
   ExpectFolder(path);
-  if (HasFusedCloud(path)) {
-    return path;
+  if (HasAny(files, path)) {
+    return {path};
   }
-  std::vector<fs::path> found = SubfoldersWithFusedCloud(path);
-  const std::vector<fs::path> deeper = SubfoldersWithFusedCloud(path / "dense");
+  std::vector<fs::path> found = SubfoldersWith(files, path);
+  const std::vector<fs::path> deeper = SubfoldersWith(files, path / "dense");
   found.insert(found.end(), deeper.begin(), deeper.end());
-  if (found.empty()) {
-    throw FileError(path,
-                    "no fused.ply here nor in dense/ or dense/0/; run `colmap "
-                    "stereo_fusion --workspace_path DIR --output_path "
-                    "DIR/fused.ply` first");
-  }
+  return found;
+}
+
+void ExpectOneFolder(const std::vector<fs::path>& found, const fs::path& path) {
   if (found.size() > 1) {
     std::string folders;
     for (const fs::path& folder : found) {
@@ -63,6 +65,17 @@ fs::path FindDenseFolder(const fs::path& path) {
     throw FileError(path, "which workspace? There are " +
                               std::to_string(found.size()) + ": " + folders);
   }
+}
+
+fs::path FindDenseFolder(const fs::path& path) {
+  const std::vector<fs::path> found = FindFoldersWith({"fused.ply"}, path);
+  if (found.empty()) {
+    throw FileError(path,
+                    "no fused.ply here nor in dense/ or dense/0/; run `colmap "
+                    "stereo_fusion --workspace_path DIR --output_path "
+                    "DIR/fused.ply` first");
+  }
+  ExpectOneFolder(found, path);
   return found[0];
 }
 

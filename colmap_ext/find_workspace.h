@@ -1,8 +1,24 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace colmap_ext {
+
+// What delaunay_manifold_mesher writes.
+inline constexpr const char* kMesherOutput = "meshed-delaunay-manifold.ply";
+
+// The folders that have one of the files: the given one, else all below it in
+// the layouts of automatic_reconstructor (WS/dense/0) and of hand-made
+// workspaces (WS/dense).
+// \throw FileError if the path is that of no folder.
+std::vector<std::filesystem::path> FindFoldersWith(
+    const std::vector<std::string>& files, const std::filesystem::path& path);
+
+// \throw FileError if there are several: it lists them.
+void ExpectOneFolder(const std::vector<std::filesystem::path>& found,
+                     const std::filesystem::path& path);
 
 // The folder that has fused.ply: the given one or, in the layouts of
 // automatic_reconstructor (WS/dense/0) and of hand-made workspaces (WS/dense),

@@ -23,6 +23,7 @@
 #include "colmap_ext/read_views.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/write_mesh.h"
+#include "colmap_ext/write_png.h"
 #include "evaluation/error_colors.h"
 #include "evaluation/mesh_evaluation.h"
 #include "evaluation/mesh_renderer.h"
@@ -54,8 +55,7 @@ std::vector<View> ReadEvaluatedViews(const EvaluatorOptions& options) {
   }
   const fs::path sparse_path = FindSparseFolder(options.workspace_path);
   const SparseModel model = ReadSparseModel(sparse_path);
-  std::vector<View> views =
-      ReadViews(options.workspace_path, model, false).views;
+  std::vector<View> views = ReadViews(options.workspace_path, model, {}).views;
   if (views.empty()) {
     throw FileError(sparse_path, "it has no images");
   }
@@ -140,13 +140,6 @@ void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
   }
 }
 
-void WriteJson(const fs::path& path, const std::string& json) {
-  AtomicFile file(path);
-  file.Write(json.data(), json.size());
-  AtomicFile* const files[] = {&file};
-  Commit(files);
-}
-
 void Evaluate(const EvaluatorOptions& options) {
   CheckOutputs(options);
   std::optional<tbb::global_control> max_threads;
@@ -172,7 +165,7 @@ void Evaluate(const EvaluatorOptions& options) {
                 evaluation.distances->max_distance);
   }
   if (!options.json_path.empty()) {
-    WriteJson(options.json_path, EvaluationJson(options, evaluation));
+    WriteText(options.json_path, EvaluationJson(options, evaluation));
   }
   reporter.Finish();
   PrintEvaluation(options, evaluation, std::cout);

@@ -1,10 +1,10 @@
 #include "colmap_ext/meshing_options.h"
 
+#include "colmap_ext/find_workspace.h"
+
 namespace colmap_ext {
 
 namespace {
-
-constexpr const char* kMeshName = "meshed-delaunay-manifold.ply";
 
 void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
   manager->AddDefaultOption(
@@ -97,7 +97,7 @@ std::filesystem::path MesherOptions::InputPath() const {
 
 std::filesystem::path MesherOptions::OutputPath(
     const std::filesystem::path& dense_path) const {
-  return output_path.empty() ? dense_path / kMeshName
+  return output_path.empty() ? dense_path / kMesherOutput
                              : std::filesystem::path(output_path);
 }
 

@@ -57,6 +57,15 @@ void ProgressReporter::Update(std::string_view stage, double share) {
   }
 }
 
+void ProgressReporter::Note(const std::string& text) {
+  if (is_terminal_) {
+    note_ = text;
+    Show(share_);
+  } else {
+    stream_ << text << std::endl;
+  }
+}
+
 void ProgressReporter::Finish() {
   if (stage_.empty()) {
     return;
@@ -75,9 +84,11 @@ void ProgressReporter::Finish() {
     stage_times_.push_back({stage_, seconds});
   }
   stage_.clear();
+  note_.clear();
 }
 
 void ProgressReporter::Show(double share) {
+  share_ = share;
   const Clock::time_point now = Clock::now();
   const double elapsed = Seconds(now - stage_start_);
   char percent[16];
@@ -85,6 +96,9 @@ void ProgressReporter::Show(double share) {
   std::string line = stage_ + " ... " + percent;
   if (share > 0.02 && elapsed > 2) {
     line += ", " + FormatSeconds(elapsed * (1 - share) / share) + " left";
+  }
+  if (!note_.empty()) {
+    line += ", " + note_;
   }
   if (is_terminal_) {
     const size_t length = line.size();

@@ -1,6 +1,7 @@
 #include "colmap_ext/read_ply_mesh.h"
 
 #include <string>
+#include <utility>
 
 #include "colmap_ext/byte_reader.h"
 #include "colmap_ext/errors.h"
@@ -75,15 +76,18 @@ void CheckFacets(const TriangleMesh& mesh, const std::filesystem::path& path) {
 
 }  // namespace
 
-TriangleMesh ReadPlyMesh(const std::filesystem::path& path) {
+ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
   ByteReader reader(path);
   const PlyHeader header = ReadPlyHeader(&reader);
   PlyNumberReader numbers(&reader, header.format, "the mesh");
   TriangleMesh mesh;
+  std::vector<Color> colors;
   for (const PlyElement& element : header.elements) {
     numbers.ExpectRoomFor(element);
     if (element.name == "vertex") {
-      mesh.vertices = ReadPlyVertices(element, path, &numbers).positions;
+      PlyCloud vertices = ReadPlyVertices(element, path, &numbers);
+      mesh.vertices = std::move(vertices.positions);
+      colors = std::move(vertices.colors);
     } else if (element.name == "face") {
       mesh.facets = ReadFacets(element, path, &numbers);
     } else {
@@ -94,7 +98,11 @@ TriangleMesh ReadPlyMesh(const std::filesystem::path& path) {
     throw FileError(path, "it has no vertices");
   }
   CheckFacets(mesh, path);
-  return mesh;
+  return {std::move(mesh), std::move(colors)};
+}
+
+TriangleMesh ReadPlyMesh(const std::filesystem::path& path) {
+  return ReadColoredPlyMesh(path).mesh;
 }
 
 }  // namespace colmap_ext

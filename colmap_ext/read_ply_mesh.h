@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "mesh/triangle_mesh.h"
+#include "scene/point_cloud.h"
 
 namespace colmap_ext {
 
@@ -15,5 +17,13 @@ namespace colmap_ext {
 //        has no vertices; if a face has not three corners, or a vertex that is
 //        not there.
 TriangleMesh ReadPlyMesh(const std::filesystem::path& path);
+
+struct ColoredMesh {
+  TriangleMesh mesh;
+  std::vector<Color> colors;  // [V] or empty
+};
+
+// The same with the vertices' colours, if they have uchar ones.
+ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path);
 
 }  // namespace colmap_ext

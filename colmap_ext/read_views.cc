@@ -28,31 +28,43 @@ View MakeView(const SparseImage& image, const SparseCamera& camera) {
   return view;
 }
 
-// \return whether the sizes differ.
-bool ScaleToPicture(const ImageSize& size, const std::filesystem::path& path,
-                    View* view) {
-  if (size.width == view->width && size.height == view->height) {
-    return false;
+bool HasAspectOf(const View& view, const ImageSize& size) {
+  const double scale_x = 1.0 * size.width / view.width;
+  const double scale_y = 1.0 * size.height / view.height;
+  return std::abs(view.height * scale_x - size.height) <= 1 ||
+         std::abs(view.width * scale_y - size.width) <= 1;
+}
+
+std::string OtherSizeError(const View& view, const ImageSize& size) {
+  return "is " + std::to_string(size.width) + " x " +
+         std::to_string(size.height) + " pixels, but its camera is " +
+         std::to_string(view.width) + " x " + std::to_string(view.height);
+}
+
+// Scales the view to its picture.
+// \return what is wrong with the picture
+std::string FitToPicture(const std::filesystem::path& path,
+                         const ViewRules& rules, View* view, Views* result) {
+  const std::optional<ImageSize> size = ReadImageSize(path);
+  if (!size) {
+    ++result->num_missing_images;
+    return std::filesystem::exists(path) ? "can not be read" : "no such file";
   }
-  const double scale_x = 1.0 * size.width / view->width;
-  const double scale_y = 1.0 * size.height / view->height;
-  if (std::abs(view->height * scale_x - size.height) > 1 &&
-      std::abs(view->width * scale_y - size.width) > 1) {
-    throw FileError(
-        path, "is " + std::to_string(size.width) + " x " +
-                  std::to_string(size.height) + " pixels, but its camera is " +
-                  std::to_string(view->width) + " x " +
-                  std::to_string(view->height) +
-                  ", which is not the same picture scaled; run `colmap "
-                  "image_undistorter` again");
+  if (size->width == view->width && size->height == view->height) {
+    return "";
   }
-  view->width = size.width;
-  view->height = size.height;
-  view->fx *= scale_x;
-  view->cx *= scale_x;
-  view->fy *= scale_y;
-  view->cy *= scale_y;
-  return true;
+  if (!HasAspectOf(*view, *size)) {
+    const std::string error = OtherSizeError(*view, *size);
+    if (!rules.allow_other_sizes) {
+      throw FileError(path, error +
+                                ", which is not the same picture scaled; run "
+                                "`colmap image_undistorter` again");
+    }
+    return error;
+  }
+  *view = ResizeView(*view, size->width, size->height);
+  ++result->num_rescaled_images;
+  return "";
 }
 
 double ReadDepthMapScale(const std::filesystem::path& dense_path,
@@ -69,23 +81,19 @@ double ReadDepthMapScale(const std::filesystem::path& dense_path,
 }  // namespace
 
 Views ReadViews(const std::filesystem::path& dense_path,
-                const SparseModel& model, bool allow_distortion) {
+                const SparseModel& model, const ViewRules& rules) {
   Views result;
   for (const SparseImage& image : model.images) {
     const SparseCamera& camera = model.cameras.at(image.camera_id);
-    if (!camera.is_pinhole && !allow_distortion) {
+    if (!camera.is_pinhole && !rules.allow_distortion) {
       throw FileError(dense_path, "camera " + std::to_string(image.camera_id) +
                                       " is distorted (" + camera.model_name +
                                       "), which no dense workspace's is; run "
                                       "`colmap image_undistorter` first");
     }
     View view = MakeView(image, camera);
-    const std::filesystem::path path = dense_path / "images" / image.name;
-    if (const std::optional<ImageSize> size = ReadImageSize(path)) {
-      result.num_rescaled_images += ScaleToPicture(*size, path, &view);
-    } else {
-      ++result.num_missing_images;
-    }
+    result.picture_errors.push_back(FitToPicture(
+        dense_path / "images" / image.name, rules, &view, &result));
     result.depth_map_scales.push_back(ReadDepthMapScale(dense_path, view));
     result.views.push_back(std::move(view));
   }

@@ -1,35 +1,28 @@
 #include "colmap_ext/read_visibility.h"
 
+#include <string>
+
 #include "colmap_ext/byte_reader.h"
 #include "colmap_ext/errors.h"
 
 namespace colmap_ext {
 
-namespace {
-
-// What users bring: a cloud that was cropped or cleaned in an editor, which
-// leaves the .vis behind (COLMAP's issue 592), or that never had one (966).
-constexpr const char* kWhatToDo =
-    "; run `colmap stereo_fusion` again, whose two files belong together, or "
-    "crop with a tool that drops the same points from both, or mesh the "
-    "sparse points with --input_type sparse";
-
-}  // namespace
-
-Visibility ReadVisibility(const std::filesystem::path& path,
-                          size_t num_points) {
+Visibility ReadVisibility(const std::filesystem::path& path, size_t num_points,
+                          const VisibilityOwner& owner) {
+  const std::string what_to_do = std::string("; ") + owner.what_to_do;
   if (!std::filesystem::exists(path)) {
-    throw FileError(path, std::string("no such file, so it is not known which "
-                                      "images see the points") +
-                              kWhatToDo);
+    throw FileError(path,
+                    "no such file, so it is not known which images see the "
+                    "points" +
+                        what_to_do);
   }
   ByteReader reader(path);
   const uint64_t count = reader.Read<uint64_t>("the number of points");
   if (count != num_points) {
     throw FileError(path, "is about " + std::to_string(count) +
-                              " points, but the cloud has " +
-                              std::to_string(num_points) +
-                              ": was the cloud edited?" + kWhatToDo);
+                              " points, but the " + owner.name + " has " +
+                              std::to_string(num_points) + ": was the " +
+                              owner.name + " edited?" + what_to_do);
   }
   if (count > reader.Remaining() / sizeof(uint32_t)) {
     throw FileError(path, "truncated or damaged: no room for " +

@@ -1,5 +1,6 @@
 #include "colmap_ext/run_command.h"
 
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
@@ -7,9 +8,20 @@
 #include <stdexcept>
 #include <string>
 
+#include "colmap_ext/errors.h"
+
 namespace colmap_ext {
 
 namespace {
+
+// COLMAP's logging takes SIGTERM for a crash and prints a stack trace.
+void RestoreTermination() {
+  struct sigaction action = {};
+  sigaction(SIGTERM, nullptr, &action);
+  if (action.sa_handler != SIG_IGN) {
+    std::signal(SIGTERM, SIG_DFL);
+  }
+}
 
 int Fail(const std::string& message) {
   std::cout << std::flush;
@@ -26,8 +38,13 @@ int RunCommand(int argc, char** argv, colmap::OptionManager* manager,
     if (!ParseOptions(argc, argv, manager)) {
       return EXIT_FAILURE;
     }
+    RestoreTermination();
     command();
     return EXIT_SUCCESS;
+  } catch (const Interruption& interruption) {
+    std::cout << std::flush;
+    std::cerr << "Interrupted: " << interruption.what() << std::endl;
+    return 128 + interruption.Signal();
   } catch (const std::bad_alloc&) {
     return Fail("out of memory; " + std::string(advice.out_of_memory));
   } catch (const std::invalid_argument& error) {

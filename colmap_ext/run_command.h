@@ -15,7 +15,7 @@ struct CommandAdvice {
 // Parses the options and runs a command: whatever it throws becomes one line on
 // the screen.
 // \param manager  has the command's options.
-// \return the exit status.
+// \return the exit status: 128 + its number if a signal interrupted it.
 int RunCommand(int argc, char** argv, colmap::OptionManager* manager,
                const std::function<void()>& command,
                const CommandAdvice& advice);

@@ -1,6 +1,7 @@
 #include "colmap_ext/workspace.h"
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -15,6 +16,8 @@
 namespace colmap_ext {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 // More than this share of the points with image indices out of range, and the
 // .vis belongs to another model.
@@ -31,7 +34,7 @@ std::vector<T> Reorder(const std::vector<T>& values,
 }
 
 void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
-                          const std::filesystem::path& path) {
+                          const fs::path& path) {
   const size_t num_out_of_range = CountOutOfRange(visibility, num_images);
   const size_t num_points = visibility.offsets.size() - 1;
   if (num_out_of_range > kMaxOutOfRange * num_points) {
@@ -44,28 +47,43 @@ void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
   }
 }
 
-void ReadDenseCloud(const SparseModel& model, const Views& views,
-                    const WorkspaceOptions& options, Workspace* workspace) {
-  const std::filesystem::path& folder = workspace->report.path;
-  const std::filesystem::path visibility_path = folder / "fused.ply.vis";
-  const std::filesystem::path images_path = folder / "images";
-  PlyCloud cloud = ReadPlyCloud(folder / "fused.ply");
-  Visibility visibility =
-      ReadVisibility(visibility_path, cloud.positions.size());
-  if (visibility.image_indices.empty()) {
+// A cloud, which images see each point, and where that was read.
+struct SeenCloud {
+  PlyCloud cloud;
+  Visibility visibility;
+  fs::path visibility_path;
+};
+
+SeenCloud ReadFusedCloud(const fs::path& folder) {
+  SeenCloud seen{
+      ReadPlyCloud(folder / "fused.ply"), {}, folder / "fused.ply.vis"};
+  seen.visibility =
+      ReadVisibility(seen.visibility_path, seen.cloud.positions.size());
+  if (seen.visibility.image_indices.empty()) {
     throw FileError(folder / "fused.ply", "no points that any image sees");
   }
-  ExpectIndicesInRange(visibility, model.images.size(), visibility_path);
-  workspace->report.order = FindImageOrder(
-      {cloud, visibility, model, views.views, images_path, visibility_path},
-      options.image_order);
+  return seen;
+}
+
+void OrderImages(const SparseModel& model, const Views& views,
+                 const WorkspaceOptions& options, SeenCloud seen,
+                 Workspace* workspace) {
+  const fs::path images_path = workspace->report.path / "images";
+  ExpectIndicesInRange(seen.visibility, model.images.size(),
+                       seen.visibility_path);
+  workspace->report.order =
+      FindImageOrder({seen.cloud, seen.visibility, model, views.views,
+                      images_path, seen.visibility_path},
+                     options.image_order);
   workspace->report.is_order_verified = true;
   const std::vector<size_t>& order = workspace->report.order.order.images;
   workspace->views = Reorder(views.views, order);
   workspace->depth_map_scales = Reorder(views.depth_map_scales, order);
-  cloud.normals = {};
-  workspace->cloud = FilterCloud(std::move(cloud), std::move(visibility),
-                                 order.size(), &workspace->report.points);
+  workspace->picture_errors = Reorder(views.picture_errors, order);
+  seen.cloud.normals = {};
+  workspace->cloud =
+      FilterCloud(std::move(seen.cloud), std::move(seen.visibility),
+                  order.size(), &workspace->report.points);
 }
 
 void MakeSparseCloud(const SparseModel& model, const Views& views,
@@ -84,9 +102,43 @@ void MakeSparseCloud(const SparseModel& model, const Views& views,
   }
   workspace->views = views.views;
   workspace->depth_map_scales = views.depth_map_scales;
+  workspace->picture_errors = views.picture_errors;
   workspace->cloud = FilterCloud(
       {model.point_positions, {}, model.point_colors}, std::move(visibility),
       model.images.size(), &workspace->report.points);
+}
+
+// \param read_cloud  empty for the sparse points.
+Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
+                   const std::function<SeenCloud()>& read_cloud) {
+  const bool is_dense = read_cloud != nullptr;
+  Workspace workspace;
+  WorkspaceReport& report = workspace.report;
+  report.path = folder;
+  report.sparse_path = FindSparseFolder(report.path);
+  const SparseModel model = ReadSparseModel(report.sparse_path);
+  if (model.images.empty()) {
+    throw FileError(report.sparse_path, "the model has no images");
+  }
+  const Views views =
+      ReadViews(report.path, model, {!is_dense, options.allow_other_sizes});
+  report.num_missing_images = views.num_missing_images;
+  report.num_rescaled_images = views.num_rescaled_images;
+  report.num_sparse_points = model.point_positions.size();
+  if (is_dense) {
+    OrderImages(model, views, options, read_cloud(), &workspace);
+  } else {
+    MakeSparseCloud(model, views, &workspace);
+  }
+  if (workspace.cloud.size() == 0) {
+    throw FileError(report.path, "no points that can be meshed");
+  }
+  for (const Eigen::Vector3f& point : model.point_positions) {
+    if (point.allFinite()) {
+      workspace.sparse_points.push_back(point);
+    }
+  }
+  return workspace;
 }
 
 }  // namespace
@@ -104,35 +156,23 @@ std::string WorkspaceOptions::Check() const {
          "'; it has to be auto, file, image_id, frame or frame_id";
 }
 
-Workspace ReadWorkspace(const std::filesystem::path& path,
-                        const WorkspaceOptions& options) {
-  const bool is_dense = options.input_type == "dense";
-  Workspace workspace;
-  WorkspaceReport& report = workspace.report;
-  report.path = is_dense ? FindDenseFolder(path) : path;
-  report.sparse_path = FindSparseFolder(report.path);
-  const SparseModel model = ReadSparseModel(report.sparse_path);
-  if (model.images.empty()) {
-    throw FileError(report.sparse_path, "the model has no images");
+Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options) {
+  if (options.input_type == "dense") {
+    const fs::path folder = FindDenseFolder(path);
+    return Assemble(folder, options,
+                    [&folder] { return ReadFusedCloud(folder); });
   }
-  const Views views = ReadViews(report.path, model, !is_dense);
-  report.num_missing_images = views.num_missing_images;
-  report.num_rescaled_images = views.num_rescaled_images;
-  report.num_sparse_points = model.point_positions.size();
-  if (is_dense) {
-    ReadDenseCloud(model, views, options, &workspace);
-  } else {
-    MakeSparseCloud(model, views, &workspace);
-  }
-  if (workspace.cloud.size() == 0) {
-    throw FileError(report.path, "no points that can be meshed");
-  }
-  for (const Eigen::Vector3f& point : model.point_positions) {
-    if (point.allFinite()) {
-      workspace.sparse_points.push_back(point);
-    }
-  }
-  return workspace;
+  return Assemble(path, options, nullptr);
+}
+
+Workspace ReadMeshWorkspace(const fs::path& folder,
+                            const WorkspaceOptions& options, PlyCloud vertices,
+                            Visibility visibility,
+                            const fs::path& visibility_path) {
+  return Assemble(folder, options, [&] {
+    return SeenCloud{std::move(vertices), std::move(visibility),
+                     visibility_path};
+  });
 }
 
 }  // namespace colmap_ext

@@ -22,6 +22,9 @@ struct WorkspaceOptions {
   // (image_order.h).
   std::string image_order = "auto";
 
+  // Take pictures of another aspect than their camera's: their error tells.
+  bool allow_other_sizes = false;
+
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
 };
@@ -41,6 +44,7 @@ struct WorkspaceReport {
 struct Workspace {
   std::vector<View> views;  // by the image indices of fused.ply.vis
   std::vector<double> depth_map_scales;        // [views]
+  std::vector<std::string> picture_errors;     // [views] as Views has them
   PointCloud cloud;                            // view indices < views.size()
   std::vector<Eigen::Vector3f> sparse_points;  // finite
   WorkspaceReport report;
@@ -52,5 +56,12 @@ struct Workspace {
 // \throw FileError for whatever is missing, damaged, or does not fit together.
 Workspace ReadWorkspace(const std::filesystem::path& path,
                         const WorkspaceOptions& options);
+
+// The same with the vertices of a mesh in place of the fused points.
+// \param folder  the workspace itself.
+Workspace ReadMeshWorkspace(const std::filesystem::path& folder,
+                            const WorkspaceOptions& options, PlyCloud vertices,
+                            Visibility visibility,
+                            const std::filesystem::path& visibility_path);
 
 }  // namespace colmap_ext

@@ -21,11 +21,14 @@ constexpr float kLineWidth = 0.8f;  // px
 
 // Far apart for labels that follow each other: the R3 sequence of Roberts, "The
 // unreasonable effectiveness of quasirandom sequences" (2018).
-Vector3f LabelColor(int32_t label) {
+Vector3f BaseOfLabel(int32_t label) {
+  if (label < 0) {
+    return kFront;
+  }
   constexpr double kSteps[] = {0.8191725134, 0.6710436067, 0.5497004779};
   Vector3f color;
   for (int i = 0; i < 3; ++i) {
-    const double t = kSteps[i] * label;
+    const double t = kSteps[i] * (label + 1.0);
     color[i] = static_cast<float>(0.25 + 0.7 * (t - std::floor(t)));
   }
   return color;
@@ -121,7 +124,7 @@ class Renderer {
       return base;
     }
     if (mode_ == RenderMode::kLabels && !is_back) {
-      base = LabelColor(labels_[index]);
+      base = BaseOfLabel(labels_[index]);
     }
     const float light = Light(is_back ? Vector3f(-normal) : normal, direction);
     if (mode_ == RenderMode::kWireframe) {
@@ -194,6 +197,8 @@ void DrawPoints(const DrawnMesh& drawn, const View& view,
 }
 
 }  // namespace
+
+Color LabelColor(int32_t label) { return ToColor(BaseOfLabel(label)); }
 
 ColorImage RenderMesh(const DrawnMesh& drawn, const View& view, RenderMode mode,
                       double point_radius) {

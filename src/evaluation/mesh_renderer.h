@@ -28,6 +28,10 @@ enum class RenderMode {
   kLabels,     // a colour for each label, else for each component
 };
 
+// The colour of a label in pictures, far from those of the labels beside it; a
+// negative one stands for none and is plain.
+Color LabelColor(int32_t label);
+
 // Picture of a mesh from a camera, 2 x 2 rays a pixel. Both sides of a facet
 // are lit; those seen from behind are red, so that holes and flipped facets
 // show. What has no facets is drawn as discs, one a point.

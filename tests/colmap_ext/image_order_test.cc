@@ -23,7 +23,7 @@ class ImageOrderTest : public testing::Test {
     const PlyCloud cloud = ReadPlyCloud(path_ / "fused.ply");
     const Visibility visibility =
         ReadVisibility(path_ / "fused.ply.vis", cloud.positions.size());
-    const Views views = ReadViews(path_, model, false);
+    const Views views = ReadViews(path_, model, {});
     return FindImageOrder({cloud, visibility, model, views.views,
                            path_ / "images", path_ / "fused.ply.vis"},
                           wanted);

@@ -33,6 +33,21 @@ TEST(ProgressReporterTest, MovesOneLineOnATerminal) {
   EXPECT_TRUE(stream.str().ends_with("s \n") || stream.str().ends_with("s\n"));
 }
 
+TEST(ProgressReporterTest, NotesHowItGoes) {
+  for (const bool is_terminal : {false, true}) {
+    std::ostringstream stream;
+    ProgressReporter reporter(stream, is_terminal);
+    reporter.Update("First", 0.5);
+    reporter.Note("energy -7");
+    EXPECT_NE(stream.str().find(is_terminal ? "\rFirst ... 50 %, energy -7"
+                                            : "energy -7\n"),
+              std::string::npos)
+        << stream.str();
+    reporter.Update("Second", 0);
+    EXPECT_EQ(stream.str().find("Second ... 0 %, energy"), std::string::npos);
+  }
+}
+
 TEST(ProgressReporterTest, AddsUpStagesThatComeAgain) {
   std::ostringstream stream;
   ProgressReporter reporter(stream, false);

@@ -40,6 +40,7 @@ TEST_F(ReadPlyMeshTest, ReadsWhatIsWritten) {
     const TriangleMesh mesh = ReadPlyMesh(path_);
     EXPECT_EQ(mesh.vertices, mesh_.vertices);
     EXPECT_EQ(mesh.facets, mesh_.facets);
+    EXPECT_EQ(ReadColoredPlyMesh(path_).colors, colors);
   }
   ExpectEveryTruncationRefused(path_, 0, [this] { ReadPlyMesh(path_); });
 }

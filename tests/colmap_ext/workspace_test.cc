@@ -1,8 +1,10 @@
 #include "colmap_ext/workspace.h"
 
 #include <limits>
+#include <optional>
 #include <random>
 
+#include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/find_workspace.h"
 #include "colmap_ext/image_size.h"
 #include "colmap_ext/read_views.h"
@@ -114,6 +116,43 @@ TEST_F(WorkspaceTest, DoesWithoutPictures) {
   sphere_.write_images = false;
   sphere_.Write(path_);
   EXPECT_EQ(ReadWorkspace(path_, {}).report.num_missing_images, 7);
+}
+
+TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
+  sphere_.vis_order = {5, 2, 0, 4, 3, 6, 1};
+  sphere_.Write(path_);
+  fs::remove(path_ / "images" / sphere_.images[0].view.name);
+  WriteFile(path_ / "images" / sphere_.images[1].view.name, "no picture");
+  WriteFile(path_ / "images" / sphere_.images[2].view.name,
+            "P6\n9 2\n255\n" + std::string(54, 'x'));
+  WorkspaceOptions options;
+  options.allow_other_sizes = true;
+  const Workspace workspace = ReadWorkspace(path_, options);
+  ASSERT_EQ(workspace.picture_errors.size(), 7);
+  EXPECT_EQ(workspace.picture_errors[2], "no such file");
+  EXPECT_EQ(workspace.picture_errors[6], "can not be read");
+  EXPECT_NE(workspace.picture_errors[1].find("is 9 x 2 pixels"),
+            std::string::npos);
+  EXPECT_EQ(workspace.views[1].width, 80) << "its camera's";
+  for (const size_t i : {0, 3, 4, 5}) {
+    EXPECT_EQ(workspace.picture_errors[i], "");
+  }
+  EXPECT_NE(Error().find("is 9 x 2 pixels"), std::string::npos);
+}
+
+TEST_F(WorkspaceTest, ReadsPicturesInGrey) {
+  WriteFile(path_ / "gray.pgm", std::string("P5\n3 2\n255\n\x01\x02\x03"
+                                            "\x04\x05\x06"));
+  const std::optional<GrayImage> image = ReadGrayPicture(path_ / "gray.pgm");
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->width, 3);
+  EXPECT_EQ(image->height, 2);
+  EXPECT_EQ(image->pixels, (std::vector<uint8_t>{1, 2, 3, 4, 5, 6}));
+  WriteFile(path_ / "color.ppm", "P6\n1 1\n255\n@@@");
+  const std::optional<GrayImage> color = ReadGrayPicture(path_ / "color.ppm");
+  ASSERT_TRUE(color);
+  EXPECT_EQ(color->pixels, std::vector<uint8_t>{'@'});
+  EXPECT_FALSE(ReadGrayPicture(path_ / "none.png"));
 }
 
 TEST_F(WorkspaceTest, ReadsTheSizeOfDepthMaps) {
