@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,5 +21,12 @@ struct VertexAttributes {
             view_indices.data() + view_offsets[vertex + 1]};
   }
 };
+
+// Of new vertices that lie in the middle between two old ones, or are old ones
+// (both the same): mean colours, and the views of either.
+// \param sources [V] two old vertices each
+VertexAttributes InterpolateAttributes(
+    const VertexAttributes& attributes,
+    const std::vector<std::array<uint32_t, 2>>& sources);
 
 }  // namespace colmap_ext

@@ -23,8 +23,11 @@ namespace {
 // The mesh drawn into the views, as many at a time as memory allows.
 class DrawnFacets {
  public:
-  DrawnFacets(std::shared_ptr<ImagePyramid> images, size_t max_memory)
-      : images_(std::move(images)), max_memory_(max_memory) {}
+  DrawnFacets(std::shared_ptr<ImagePyramid> images, double min_cosine,
+              size_t max_memory)
+      : images_(std::move(images)),
+        min_cosine_(min_cosine),
+        max_memory_(max_memory) {}
 
   void Draw(const TriangleMesh& mesh) {
     mesh_ = mesh;
@@ -53,7 +56,8 @@ class DrawnFacets {
       }
     }
     const View& size = images_->Views()[view];
-    auto drawn = std::make_shared<const FacetIdBuffer>(DrawFacets(size, mesh_));
+    auto drawn = std::make_shared<const FacetIdBuffer>(
+        DrawFacets(size, mesh_, min_cosine_));
     const std::scoped_lock lock(mutex_);
     memory_ += Memory(size);
     while (!entries_.empty() && memory_ > max_memory_) {
@@ -76,6 +80,7 @@ class DrawnFacets {
   }
 
   std::shared_ptr<ImagePyramid> images_;
+  double min_cosine_;
   size_t max_memory_;
   TriangleMesh mesh_;
   std::mutex mutex_;
@@ -118,7 +123,7 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
                        std::shared_ptr<ImagePyramid> images, size_t max_memory)
       : options_(options),
         images_(std::move(images)),
-        drawn_facets_(images_, max_memory) {}
+        drawn_facets_(images_, options.min_cosine, max_memory) {}
 
   void SetLevel(int level) override { images_->SetLevel(level); }
 
@@ -164,8 +169,8 @@ std::vector<Direction> CpuPhotometricEnergy::FindDirections(
     for (uint32_t pair = 0; pair < tiles.size(); ++pair) {
       if (!tiles[pair].empty()) {
         const auto [first, second] = labels.pairs[pair];
-        by_view[view].push_back({pair, i, first == i ? second : first,
-                                 std::move(tiles[pair]), {}});
+        by_view[view].push_back(
+            {pair, i, first == i ? second : first, std::move(tiles[pair]), {}});
       }
     }
   });
@@ -225,7 +230,7 @@ void CpuPhotometricEnergy::EvaluateDirection(
       drawn_facets_.Get(direction->j);
   const View& view_i = images_->Views()[direction->i];
   const View& view_j = images_->Views()[direction->j];
-  const PairWarp warp(options_, {view_i, *image_i, *drawn_i},
+  const PairWarp warp({view_i, *image_i, *drawn_i},
                       {view_j, *image_j, *drawn_j}, frames);
   const uint32_t* first =
       pair_facets.facets.data() + pair_facets.offsets[direction->pair];
@@ -268,20 +273,20 @@ PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
   std::vector<Direction> directions = FindDirections(labels);
   tbb::enumerable_thread_specific<Scratch> scratches(
       [&] { return Scratch(options_, mesh.facets.size()); });
-  tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, directions.size(), 1),
-      [&](const tbb::blocked_range<size_t>& range) {
-        Scratch& scratch = scratches.local();
-        for (size_t i = range.begin(); i != range.end(); ++i) {
-          EvaluateDirection(frames, pair_facets, &directions[i], &scratch);
-        }
-      });
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, directions.size(), 1),
+                    [&](const tbb::blocked_range<size_t>& range) {
+                      Scratch& scratch = scratches.local();
+                      for (size_t i = range.begin(); i != range.end(); ++i) {
+                        EvaluateDirection(frames, pair_facets, &directions[i],
+                                          &scratch);
+                      }
+                    });
   // In the directions' order, whoever computed them.
   std::vector<std::array<const Direction*, 2>> by_pair(
       labels.pairs.size(), std::array<const Direction*, 2>{});
   for (const Direction& direction : directions) {
-    by_pair[direction.pair][direction.i == labels.pairs[direction.pair].second] =
-        &direction;
+    by_pair[direction.pair]
+           [direction.i == labels.pairs[direction.pair].second] = &direction;
   }
   const size_t num_facets = mesh.facets.size();
   PhotometricTerms terms;

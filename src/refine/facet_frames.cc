@@ -1,7 +1,7 @@
 #include "refine/facet_frames.h"
 
-#include <Eigen/Geometry>
 #include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
 
 namespace colmap_ext {
 

@@ -33,8 +33,7 @@ std::vector<Projected> Project(const View& view, const TriangleMesh& mesh) {
       continue;
     }
     projected[i] = {std::llround(image_point.x() * kSubpixels),
-                    std::llround(image_point.y() * kSubpixels),
-                    1 / point.z()};
+                    std::llround(image_point.y() * kSubpixels), 1 / point.z()};
   }
   return projected;
 }
@@ -49,8 +48,7 @@ struct EdgeFunction {
     const int64_t u = col * kSubpixels + kSubpixels / 2;
     const int64_t v = row * kSubpixels + kSubpixels / 2;
     value = (to.u - from.u) * (v - from.v) - (to.v - from.v) * (u - from.u);
-    const bool is_top_left =
-        to.v < from.v || (to.v == from.v && to.u > from.u);
+    const bool is_top_left = to.v < from.v || (to.v == from.v && to.u > from.u);
     value -= is_top_left ? 0 : 1;
   }
 
@@ -71,8 +69,8 @@ struct InverseDepth {
     value = a.inverse_depth +
             (col + 0.5 - a.u * (1.0 / kSubpixels)) * col_step +
             (row + 0.5 - a.v * (1.0 / kSubpixels)) * row_step;
-    const auto [low, high] = std::minmax(
-        {a.inverse_depth, b.inverse_depth, c.inverse_depth});
+    const auto [low, high] =
+        std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
     min = low;
     max = high;
   }
@@ -97,9 +95,8 @@ std::array<int, 2> PixelRange(int64_t low, int64_t high, int size) {
 
 void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
                FacetIdBuffer* buffer) {
-  int64_t area =
-      (corners[1].u - corners[0].u) * (corners[2].v - corners[0].v) -
-      (corners[1].v - corners[0].v) * (corners[2].u - corners[0].u);
+  int64_t area = (corners[1].u - corners[0].u) * (corners[2].v - corners[0].v) -
+                 (corners[1].v - corners[0].v) * (corners[2].u - corners[0].u);
   if (area == 0) {
     return;
   }
@@ -144,22 +141,52 @@ void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
   }
 }
 
+bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
+              const Eigen::Vector3d& camera, double min_cosine) {
+  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const Eigen::Vector3d cross = (b - a).cross(c - a);
+  const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
+  return cross.dot(to_camera) > min_cosine * cross.norm() * to_camera.norm();
+}
+
 }  // namespace
 
-FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh) {
-  FacetIdBuffer buffer{view.width, view.height, {}, {}};
+FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
+                         double min_cosine) {
+  FacetIdBuffer buffer{view.width, view.height, {}, {}, {}};
   const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
   buffer.facets.assign(num_pixels, kNoFacet);
   buffer.inverse_depths.assign(num_pixels, 0);
+  buffer.is_facing.assign(mesh.facets.size(), false);
   const std::vector<Projected> projected = Project(view, mesh);
+  const Eigen::Vector3d center = view.Center();
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
     const auto [a, b, c] = mesh.facets[i];
     if (projected[a].inverse_depth > 0 && projected[b].inverse_depth > 0 &&
         projected[c].inverse_depth > 0) {
       DrawFacet(i, {projected[a], projected[b], projected[c]}, &buffer);
+      buffer.is_facing[i] = IsFacing(mesh, mesh.facets[i], center, min_cosine);
     }
   }
   return buffer;
+}
+
+bool IsNearest(const View& view, const FacetIdBuffer& drawn, uint32_t facet,
+               const FacetFrame& frame, double u, double v,
+               double inverse_depth) {
+  const size_t pixel = drawn.Index(static_cast<int>(v), static_cast<int>(u));
+  if (drawn.facets[pixel] == facet) {
+    return true;
+  }
+  const double distance = frame.normal.dot(frame.corner - view.Center());
+  const Eigen::Vector3d normal = view.cam_from_world_rotation * frame.normal;
+  const double slope =
+      (std::abs(normal.x() / view.fx) + std::abs(normal.y() / view.fy)) /
+      std::abs(distance);
+  const double footprint = inverse_depth / std::min(view.fx, view.fy);
+  return drawn.inverse_depths[pixel] <= inverse_depth + 2 * (slope + footprint);
 }
 
 }  // namespace colmap_ext

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
+#include "refine/facet_frames.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -18,6 +19,7 @@ struct FacetIdBuffer {
   std::vector<uint32_t> facets;       // [height * width] or kNoFacet
   std::vector<float> inverse_depths;  // [height * width], 1 / scene unit; 0
                                       // where there is no facet
+  std::vector<bool> is_facing;        // [F] the camera, enough to be compared
 
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * width + col;
@@ -28,6 +30,17 @@ struct FacetIdBuffer {
 // equally near ones the first. As graphics cards do, vertices are moved to the
 // nearest 1/256 of a pixel, so that no pixel falls between neighbors. Facets
 // with a vertex behind the camera are not drawn.
-FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh);
+// \param min_cosine  between its normal and the ray to the camera a facet faces
+//        the camera above this.
+FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
+                         double min_cosine);
+
+// Whether a view sees a point of a facet: the pixel shows the facet, or nothing
+// nearer than its plane comes within two pixels around, and two pixels'
+// footprints more.
+// \param u, v, inverse_depth  of the point in the view, inside the image.
+bool IsNearest(const View& view, const FacetIdBuffer& drawn, uint32_t facet,
+               const FacetFrame& frame, double u, double v,
+               double inverse_depth);
 
 }  // namespace colmap_ext

@@ -7,6 +7,7 @@
 
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
+#include "refine/facet_labeling.h"
 #include "refine/facet_labels.h"
 #include "refine/photometric_energy.h"
 #include "scene/point_cloud.h"
@@ -14,11 +15,6 @@
 #include "scene/view.h"
 
 namespace colmap_ext {
-
-enum class PairSelection {
-  kFacetwise,  // each facet by its best pairs (the paper)
-  kClassical,  // each facet by every pair that sees it (Vu 2012)
-};
 
 enum class RefinementSolver {
   kGaussNewton,  // all vertices at once, by the normal equations
@@ -34,23 +30,18 @@ struct FacetwiseRefinementOptions {
 
   RefinementSolver solver = RefinementSolver::kGaussNewton;
 
-  // Weight of the smoothness against the photometric energy.
-  double smoothness_weight = 0.02;
+  // Weight of the smoothness (refine/thin_plate.h) against the photometric
+  // energy.
+  double smoothness_weight = 150;
 
   // Facets that cover more in an image of their pair are subdivided before a
   // level starts, px^2 of the level's images.
   double max_face_area = 16;
 
-  PairSelection pair_selection = PairSelection::kFacetwise;
-
   // Partners of each view, those with which it shares the most points.
-  int pairs_per_image = 2;
+  int pairs_per_image = 4;
 
-  // Labels of each facet: 1 is the paper's.
-  int pairs_per_facet = 1;
-
-  // Cost of two neighbors' having different labels.
-  double potts_weight = 2.1972245773362196;  // log 9
+  FacetLabelingOptions labeling;
 
   PhotometricOptions photometric;
 
@@ -75,14 +66,15 @@ struct LabelingReport {
   int level = 0;
   size_t num_pairs = 0;             // there are to choose from
   size_t num_unlabeled_facets = 0;  // that no pair sees
-  double initial_energy = 0;
+  double initial_energy = 0;        // see FacetLabeling
   double final_energy = 0;
+  double lower_bound = 0;
 };
 
 struct RefinementReport {
   std::vector<RefinementStep> steps;
-  std::vector<LabelingReport> labelings;
-  bool is_stopped = false;            // by RefinementHooks::should_stop
+  std::vector<LabelingReport> labelings;  // one a level
+  bool is_stopped = false;                // by RefinementHooks::should_stop
   size_t num_shortened_steps = 0;     // of vertices, that would have flipped a
                                       // facet
   size_t num_flipped_facets = 0;      // against the surface they came from

@@ -1,7 +1,7 @@
 #include "refine/pair_warp.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include <Eigen/Geometry>
 
@@ -16,25 +16,69 @@ Eigen::Matrix3d Calibration(const View& view) {
 }
 
 Eigen::Matrix3d RayFromPixel(const View& view) {
-  return view.cam_from_world_rotation.transpose() *
-         Calibration(view).inverse();
+  return view.cam_from_world_rotation.transpose() * Calibration(view).inverse();
+}
+
+// Weights of the four samples around a point a fraction `x` behind the second
+// one, and their derivatives (Catmull and Rom 1974).
+struct CubicWeights {
+  explicit CubicWeights(float x)
+      : values{x * (-0.5F + x * (1 - 0.5F * x)), 1 + x * x * (-2.5F + 1.5F * x),
+               x * (0.5F + x * (2 - 1.5F * x)), x * x * (-0.5F + 0.5F * x)},
+        slopes{-0.5F + x * (2 - 1.5F * x), x * (-5 + 4.5F * x),
+               0.5F + x * (4 - 4.5F * x), x * (-1 + 1.5F * x)} {}
+
+  std::array<float, 4> values;
+  std::array<float, 4> slopes;
+};
+
+// An image between its pixels' centres, and its gradient.
+struct Interpolated {
+  float value = 0;
+  float by_u = 0;
+  float by_v = 0;
+};
+
+// Bicubic: what bilinear interpolation blurs, the correlation would miss.
+// Beyond the border the image goes on as its last pixel. \pre (u, v) is not
+// outside of the border pixels' centres
+Interpolated Interpolate(const GrayImage& image, double u, double v) {
+  const int col = std::min(static_cast<int>(u - 0.5), image.width - 2);
+  const int row = std::min(static_cast<int>(v - 0.5), image.height - 2);
+  const CubicWeights by_col(static_cast<float>(u - 0.5 - col));
+  const CubicWeights by_row(static_cast<float>(v - 0.5 - row));
+  const bool is_inside = col >= 1 && col + 2 < image.width;
+  Interpolated result;
+  for (int k = 0; k < 4; ++k) {
+    const uint8_t* line =
+        image.Row(std::clamp(row + k - 1, 0, image.height - 1));
+    float value = 0;
+    float slope = 0;
+    for (int l = 0; l < 4; ++l) {
+      const int at = col + l - 1;
+      const float gray =
+          line[is_inside ? at : std::clamp(at, 0, image.width - 1)];
+      value += by_col.values[l] * gray;
+      slope += by_col.slopes[l] * gray;
+    }
+    result.value += by_row.values[k] * value;
+    result.by_u += by_row.values[k] * slope;
+    result.by_v += by_row.slopes[k] * value;
+  }
+  return result;
 }
 
 }  // namespace
 
-PairWarp::PairWarp(const PhotometricOptions& options, const DrawnView& i,
-                   const DrawnView& j, const std::vector<FacetFrame>& frames)
-    : min_cosine_squared_(options.min_cosine * options.min_cosine),
-      i_(i),
+PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
+                   const std::vector<FacetFrame>& frames)
+    : i_(i),
       j_(j),
       frames_(frames),
       center_i_(i.view.Center()),
-      center_j_(j.view.Center()),
       ray_from_pixel_i_(RayFromPixel(i.view)),
-      ray_from_pixel_j_(RayFromPixel(j.view)),
       pixel_j_from_pixel_i_(Calibration(j.view) *
-                            j.view.cam_from_world_rotation *
-                            ray_from_pixel_i_),
+                            j.view.cam_from_world_rotation * ray_from_pixel_i_),
       epipole_(Calibration(j.view) * j.view.CamFromWorld(center_i_)) {}
 
 Eigen::Vector3d PairWarp::Point(const FacetFrame& frame, int row,
@@ -46,38 +90,14 @@ Eigen::Vector3d PairWarp::Point(const FacetFrame& frame, int row,
   return center_i_ + depth * ray;
 }
 
-// By the depths that are drawn at the pixel: nothing may be nearer than the
-// facet's plane goes within two pixels around, and two pixels' footprints more.
-bool PairWarp::IsSeenByJ(uint32_t facet, double u, double v,
-                         double inverse_depth) const {
-  const size_t pixel =
-      j_.drawn.Index(static_cast<int>(v), static_cast<int>(u));
-  if (j_.drawn.facets[pixel] == facet) {
-    return true;
-  }
-  const FacetFrame& frame = frames_[facet];
-  const double distance = frame.normal.dot(frame.corner - center_j_);
-  const Eigen::Vector3d slopes =
-      ray_from_pixel_j_.transpose() * frame.normal / distance;
-  const double footprint =
-      inverse_depth / std::min(j_.view.fx, j_.view.fy);
-  const double bound =
-      2 * (std::abs(slopes.x()) + std::abs(slopes.y()) + footprint);
-  return j_.drawn.inverse_depths[pixel] <= inverse_depth + bound;
-}
-
 // With inverse depth w, p = H (u, v, 1) + e w is the pixel in j, homogeneous,
 // in units of the depth in i. It moves with the point along the ray by
 // (H_u - u_j H_z, H_v - v_j H_z) / p_z a depth of i; n . d is the plane's
 // distance from camera i.
-PairWarp::Sample PairWarp::Warp(uint32_t facet, const Eigen::Vector3d& ray,
-                                const Eigen::Vector3d& ray_in_j,
+PairWarp::Sample PairWarp::Warp(uint32_t facet, const Eigen::Vector3d& ray_in_j,
                                 double inverse_depth, double distance) const {
   Sample sample;
-  // Towards i?
-  const double cosine = -distance * inverse_depth;  // times the ray's length
-  if (!(cosine > 0) ||
-      cosine * cosine < min_cosine_squared_ * ray.squaredNorm()) {
+  if (!i_.drawn.is_facing[facet] || !j_.drawn.is_facing[facet]) {
     return sample;
   }
   const Eigen::Vector3d p = ray_in_j + epipole_ * inverse_depth;
@@ -91,33 +111,16 @@ PairWarp::Sample PairWarp::Warp(uint32_t facet, const Eigen::Vector3d& ray,
   if (!(u >= 0.5 && v >= 0.5 && u < width - 0.5 && v < height - 0.5)) {
     return sample;
   }
-  // Towards j?
-  const FacetFrame& frame = frames_[facet];
-  const Eigen::Vector3d from_j = center_i_ + ray / inverse_depth - center_j_;
-  const double cosine_j = -frame.normal.dot(from_j);
-  if (!(cosine_j > 0) ||
-      cosine_j * cosine_j < min_cosine_squared_ * from_j.squaredNorm()) {
+  if (!IsNearest(j_.view, j_.drawn, facet, frames_[facet], u, v,
+                 inverse_depth / p.z())) {
     return sample;
   }
-  if (!IsSeenByJ(facet, u, v, inverse_depth / p.z())) {
-    return sample;
-  }
-  const int col = std::min(static_cast<int>(u - 0.5), width - 2);
-  const int row = std::min(static_cast<int>(v - 0.5), height - 2);
-  const auto x = static_cast<float>(u - 0.5 - col);
-  const auto y = static_cast<float>(v - 0.5 - row);
-  const uint8_t* upper = j_.image.Row(row) + col;
-  const uint8_t* lower = upper + width;
-  const float top = upper[0] + x * (upper[1] - upper[0]);
-  const float bottom = lower[0] + x * (lower[1] - lower[0]);
-  const float by_u = (1 - y) * static_cast<float>(upper[1] - upper[0]) +
-                     y * static_cast<float>(lower[1] - lower[0]);
-  const float by_v = bottom - top;
+  const Interpolated interpolated = Interpolate(j_.image, u, v);
   sample.is_valid = true;
-  sample.value = top + y * by_v;
+  sample.value = interpolated.value;
   sample.motion = static_cast<float>(
-      (by_u * (ray_in_j.x() - u * ray_in_j.z()) +
-       by_v * (ray_in_j.y() - v * ray_in_j.z())) /
+      (interpolated.by_u * (ray_in_j.x() - u * ray_in_j.z()) +
+       interpolated.by_v * (ray_in_j.y() - v * ray_in_j.z())) /
       (p.z() * distance));
   return sample;
 }
@@ -126,8 +129,8 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
   const size_t size = static_cast<size_t>(tile->width) * tile->height;
   geometry->facets.assign(size, kNoFacet);
   geometry->motion.assign(size, 0);
-  for (auto* plane : {&tile->image, &tile->warped, &tile->is_valid,
-                      &tile->inverse_depths}) {
+  for (auto* plane :
+       {&tile->image, &tile->warped, &tile->is_valid, &tile->inverse_depths}) {
     plane->assign(size, 0);
   }
   const int first_col = std::max(0, -geometry->first_col);
@@ -154,8 +157,8 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
       if (!(inverse_depth > 0)) {
         continue;
       }
-      const Sample sample = Warp(facet, ray, pixel_j_from_pixel_i_ * pixel,
-                                 inverse_depth, distance);
+      const Sample sample =
+          Warp(facet, pixel_j_from_pixel_i_ * pixel, inverse_depth, distance);
       if (!sample.is_valid) {
         continue;
       }

@@ -34,8 +34,8 @@ struct TileGeometry {
 // Image I_j seen from i by way of the surface.
 class PairWarp {
  public:
-  PairWarp(const PhotometricOptions& options, const DrawnView& i,
-           const DrawnView& j, const std::vector<FacetFrame>& frames);
+  PairWarp(const DrawnView& i, const DrawnView& j,
+           const std::vector<FacetFrame>& frames);
 
   // Fills the tile's image, warped image, validity and inverse depths, and the
   // geometry's arrays, of tile.width and height from geometry.first_row and
@@ -54,19 +54,14 @@ class PairWarp {
     float motion = 0;
   };
 
-  Sample Warp(uint32_t facet, const Eigen::Vector3d& ray,
-              const Eigen::Vector3d& ray_in_j, double inverse_depth,
-              double distance) const;
-  bool IsSeenByJ(uint32_t facet, double u, double v,
-                 double inverse_depth) const;
+  Sample Warp(uint32_t facet, const Eigen::Vector3d& ray_in_j,
+              double inverse_depth, double distance) const;
 
-  double min_cosine_squared_;
   DrawnView i_;
   DrawnView j_;
   const std::vector<FacetFrame>& frames_;
-  Eigen::Vector3d center_i_, center_j_;
-  Eigen::Matrix3d ray_from_pixel_i_;  // (u, v, 1) -> world ray with z 1
-  Eigen::Matrix3d ray_from_pixel_j_;
+  Eigen::Vector3d center_i_;
+  Eigen::Matrix3d ray_from_pixel_i_;      // (u, v, 1) -> world ray with z 1
   Eigen::Matrix3d pixel_j_from_pixel_i_;  // of points at infinity, homogeneous
   Eigen::Vector3d epipole_;               // of camera i in j, homogeneous
 };

@@ -16,7 +16,12 @@ struct PhotometricOptions {
   // Of the grey values (0 ... 255) in a window, squared: a window whose
   // variance is as small as this counts half, for the images' noise could make
   // it.
-  double noise_variance = 10;
+  double noise_variance = 2;
+
+  // Share of a window's variance that is left unexplained at best. The smaller,
+  // the more those windows count that match well; with a large one, all count
+  // alike, which is the paper's energy.
+  double residual_floor = 0.05;
 
   // Leave pixels out of a window that lie across a depth discontinuity from
   // its centre.
@@ -32,14 +37,17 @@ struct PhotometricOptions {
 
 // The photometric energy of a mesh under a labelling of its facets,
 //
-//   E = - sum over pairs {i, j}, over both of their directions, over the pixels
-//         x of image i that show a facet labelled with the pair
-//         of w(x) ZNCC(I_i, I_ij; window of x),
+//   E = sum over pairs {i, j}, over both of their directions, over the pixels
+//       x of image i that show a facet labelled with the pair
+//       of w(x) c(ZNCC(I_i, I_ij; window of x)),   c(Z) = s log(1 - Z / s),
 //
-// I_ij being the image I_j seen from i by way of the surface, and w = m / (m +
-// noise_variance), m the smaller of the window's two variances. Sums are kept
-// facet by facet, so that the caller can gather them for vertices and judge
-// facets by themselves.
+// I_ij being the image I_j seen from i by way of the surface, w = m / (m +
+// noise_variance), m the smaller of the window's two variances, and s = 1 +
+// residual_floor. The paper has c(Z) = -Z, the limit for large s. The logarithm
+// is the likelihood of a window whose noise is not known: pairs that match well
+// are the more certain, those that a highlight or an edge disturbs say little
+// (docs/benchmarks.md has both). Sums are kept facet by facet, so that the
+// caller can gather them for vertices and judge facets by themselves.
 struct PhotometricTerms {
   double energy = 0;              // the sum of `energies`
   std::vector<float> energies;    // [F] 0 where a facet is not seen or labelled
@@ -49,7 +57,8 @@ struct PhotometricTerms {
 
   // [F] For each corner k, the derivative of E by the distance that the corner
   // moves along the facet's unit normal: sum over the pixels x of the facet of
-  // phi_k(x) f(x) / (n . d), see METHOD in the docs. 1 / scene unit.
+  // phi_k(x) f(x) / (n . d), f the derivative
+  // along the ray d, n the normal. 1 / scene unit.
   std::vector<std::array<float, 3>> slopes;
 
   // [F] Gauss-Newton's second derivatives by two of these distances, corners
@@ -66,8 +75,8 @@ class PhotometricEnergy {
   virtual void SetLevel(int level) = 0;
 
   // Draws the mesh into every view; until it is called again Evaluate() takes
-  // what is visible where from this mesh: facets that a pixel of view i shows,
-  // and depths at which view j sees something in front. Evaluate() of a moved
+  // what is visible where from this mesh: which facet a pixel of view i shows,
+  // which facets face a view, and how deep view j sees. The energy of a moved
   // mesh stays differentiable that way.
   virtual void Render(const TriangleMesh& mesh) = 0;
 

@@ -28,10 +28,13 @@ void CorrelationTile::Resize(int new_width, int new_height) {
 }
 
 // With N pixels, means I' and J', variances A and B, covariance C:
+//   M = w c(ZNCC), c(Z) = s log(1 - Z / s), dc / dZ = -s / (s - Z)
 //   ZNCC = C / sqrt(A B)
 //   dZNCC / dJ(y) = ((I(y) - I') / sqrt(A B) - ZNCC (J(y) - J') / B) / N
 //   w = m / (m + e), m = min(A, B)
 //   dw / dJ(y) = e / (m + e)^2 * 2 (J(y) - J') / N if B < A, else 0.
+// Gauss-Newton's second derivative is that of |I - J|^2 / 2, I and J
+// normalised, times dc / dZ.
 inline WindowCorrelation::Window WindowCorrelation::Correlate(
     const Sums& sums) const {
   const int side = 2 * options_.window_radius + 1;
@@ -49,19 +52,22 @@ inline WindowCorrelation::Window WindowCorrelation::Correlate(
   const bool is_good = sums.count > min_count && smaller > kMinVariance;
   const float safe_b = is_good ? b : 1.0F;
   const float root = is_good ? std::sqrt(a * b) : 1.0F;
-  const float zncc = covariance / root;
+  // Rounding can leave the range.
+  const float zncc = std::clamp(covariance / root, -1.0F, 1.0F);
   const float weight = is_good ? smaller / (smaller + noise) : 0.0F;
   const float weight_slope =
       is_good && b < a ? noise / ((smaller + noise) * (smaller + noise)) : 0.0F;
   Window window;
   window.weight = weight;
-  window.energy = -weight * zncc;
-  window.by_image = -weight * scale / root;
+  const float slope = saturation_ / (saturation_ - zncc);
+  const float cost = saturation_ * std::log1p(-zncc / saturation_);
+  window.energy = weight * cost;
+  window.by_image = -weight * slope * scale / root;
   window.by_warped =
-      zncc * scale * (weight / safe_b - 2 * weight_slope);
+      scale * (zncc * weight * slope / safe_b + 2 * cost * weight_slope);
   window.constant =
       -window.by_image * mean_image - window.by_warped * mean_warped;
-  window.curvature = weight * scale / safe_b;
+  window.curvature = weight * slope * scale / safe_b;
   return window;
 }
 
@@ -145,9 +151,8 @@ void WindowCorrelation::FindDiscontinuities(float max_relative_depth,
         lowest = std::min(lowest, low[begin + col + k]);
         highest = std::max(highest, high[begin + col + k]);
       }
-      is_broken_[begin + col] =
-          std::max(highest - center, center - lowest) >
-          max_relative_depth * center;
+      is_broken_[begin + col] = std::max(highest - center, center - lowest) >
+                                max_relative_depth * center;
     }
   }
 }
@@ -177,8 +182,8 @@ void WindowCorrelation::CorrelateWhole(CorrelationTile* tile) {
     const Window window = Correlate({count_[i], sum_image_[i], sum_warped_[i],
                                      sum_image_squared_[i],
                                      sum_warped_squared_[i], sum_product_[i]});
-    const bool counts = tile->is_center[i] != 0 && is_broken_[i] == 0 &&
-                        tile->is_valid[i] > 0;
+    const bool counts =
+        tile->is_center[i] != 0 && is_broken_[i] == 0 && tile->is_valid[i] > 0;
     tile->weights[i] = counts ? window.weight : 0.0F;
     tile->energies[i] = counts ? window.energy : 0.0F;
     by_image_[i] = counts ? window.by_image : 0.0F;

@@ -25,7 +25,7 @@ struct CorrelationTile {
 
   std::vector<float> weights;      // w at the centres, 0 elsewhere and where
                                    // too little of the window is valid
-  std::vector<float> energies;     // -w ZNCC at the centres, likewise
+  std::vector<float> energies;     // w c(ZNCC) at the centres, likewise
   std::vector<float> derivatives;  // of their sum by I_ij of each pixel
   std::vector<float> curvatures;   // likewise the second ones, Gauss-Newton's
 
@@ -49,7 +49,8 @@ float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i);
 class WindowCorrelation {
  public:
   explicit WindowCorrelation(const PhotometricOptions& options)
-      : options_(options) {}
+      : options_(options),
+        saturation_(static_cast<float>(1 + options.residual_floor)) {}
 
   // \param max_relative_depth  see MaxRelativeDepth().
   void Compute(float max_relative_depth, CorrelationTile* tile);
@@ -87,6 +88,7 @@ class WindowCorrelation {
               std::vector<float>* out);
 
   PhotometricOptions options_;
+  float saturation_;  // s
 
   // Scratch, [height * width].
   std::vector<float> image_, warped_;  // without their means; 0 where invalid

@@ -1,0 +1,32 @@
+#include "mesh/vertex_attributes.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace colmap_ext {
+
+VertexAttributes InterpolateAttributes(
+    const VertexAttributes& attributes,
+    const std::vector<std::array<uint32_t, 2>>& sources) {
+  VertexAttributes interpolated;
+  interpolated.view_offsets.reserve(sources.size() + 1);
+  for (const auto& [a, b] : sources) {
+    const auto views_a = attributes.Views(a);
+    const auto views_b = attributes.Views(b);
+    std::set_union(views_a.begin(), views_a.end(), views_b.begin(),
+                   views_b.end(),
+                   std::back_inserter(interpolated.view_indices));
+    interpolated.view_offsets.push_back(interpolated.view_indices.size());
+    if (!attributes.colors.empty()) {
+      Color color;
+      for (int k = 0; k < 3; ++k) {
+        color[k] = static_cast<uint8_t>(
+            (attributes.colors[a][k] + attributes.colors[b][k] + 1) / 2);
+      }
+      interpolated.colors.push_back(color);
+    }
+  }
+  return interpolated;
+}
+
+}  // namespace colmap_ext

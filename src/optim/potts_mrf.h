@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace colmap_ext {
+
+inline constexpr uint32_t kNoChoice = std::numeric_limits<uint32_t>::max();
+
+// A Markov random field whose nodes choose one label each, every node among a
+// few of its own: the sum of the chosen labels' costs, and `weight` for each
+// two neighbors with different labels.
+struct PottsProblem {
+  std::vector<uint64_t> offsets{0};  // [N + 1], into labels and costs
+  std::vector<uint32_t> labels;      // ascending in each node's row
+  std::vector<float> costs;          // of each label at its node, >= 0
+  // [N] at most three, as facets have; UINT32_MAX: none. Symmetric, no repeats.
+  std::vector<std::array<uint32_t, 3>> neighbors;
+  double weight = 0;  // >= 0
+
+  size_t NumNodes() const { return neighbors.size(); }
+};
+
+struct PottsSolution {
+  // [N] which of a node's labels, its place in the row; kNoChoice where there
+  // are none: such nodes and their edges are no part of the energy.
+  std::vector<uint32_t> choices;
+  double initial_energy = 0;  // of the cheapest label everywhere
+  double energy = 0;          // never above the initial one
+  double lower_bound = 0;     // of all labelings' energies
+  int iterations = 0;
+};
+
+// Sequential tree-reweighted message passing (Kolmogorov 2006), whose messages
+// keep to the labels of the node that they go to, until the energy is within
+// `max_gap` of the lower bound, the bound no longer rises, or
+// `max_iterations`; then each node takes what is best beside its neighbors'
+// labels, as long as that helps. Time of an iteration and memory follow the sum
+// of the nodes' labels.
+PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
+                         int max_iterations = 20);
+
+// Of any choice.
+double PottsEnergy(const PottsProblem& problem,
+                   const std::vector<uint32_t>& choices);
+
+}  // namespace colmap_ext

@@ -1,0 +1,148 @@
+#include "refine/facetwise_refinement.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "mesh/facet_normals.h"
+#include "mesh/self_intersections.h"
+#include "refine/adaptive_subdivision.h"
+#include "refine/facet_visibility.h"
+#include "refine/image_pyramid.h"
+#include "refine/level_refinement.h"
+#include "refine/view_pairs.h"
+
+namespace colmap_ext {
+
+namespace {
+
+class Refinement {
+ public:
+  Refinement(const FacetwiseRefinementOptions& options,
+             const std::vector<View>& views, const PointCloud& points,
+             PhotometricEnergy* energy, const RefinementHooks& hooks)
+      : options_(options),
+        views_(views),
+        pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
+        energy_(energy),
+        hooks_(hooks) {}
+
+  // Whether the level is complete; else `state` is of no use.
+  bool RefineAtLevel(int level, RefinedMesh* state) {
+    std::vector<View> views;
+    for (const View& view : views_) {
+      views.push_back(ViewAtLevel(view, level));
+    }
+    Prepare(level, views, state);
+    const std::string stage = "Refining, level " + std::to_string(level);
+    Report(hooks_.progress, stage, 0);
+    energy_->SetLevel(level);
+    const std::vector<Eigen::Vector3f> before = state->mesh.vertices;
+    bool is_stopped = false;
+    TriangleMesh mesh = state->mesh;
+    const auto on_step = [&](RefinementStep step) {
+      step.seconds = std::chrono::duration<double>(
+                         std::chrono::steady_clock::now() - start_)
+                         .count();
+      state->mesh.vertices = mesh.vertices;
+      state->report.steps.push_back(step);
+      Report(hooks_.progress, stage,
+             static_cast<double>(step.iteration) / options_.iterations);
+      if (hooks_.on_step) {
+        hooks_.on_step(step, *state);
+      }
+      is_stopped = hooks_.should_stop && hooks_.should_stop();
+      return !is_stopped;
+    };
+    state->report.num_shortened_steps += RefineLevel(
+        options_, level, state->labels, views, energy_, &mesh, on_step);
+    state->report.num_flipped_facets +=
+        CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
+    return !is_stopped;
+  }
+
+ private:
+  // Subdivides and labels.
+  void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
+    const double min_cosine = options_.photometric.min_cosine;
+    Report(hooks_.progress, "Subdividing facets", 0);
+    SubdivideLargeFacets(options_.max_face_area, min_cosine, views,
+                         &state->mesh, &state->attributes);
+    Report(hooks_.progress, "Labelling facets", 0);
+    const FacetVisibility visibility =
+        FindVisibleFacets({min_cosine}, state->mesh, views);
+    FacetLabeling labeling =
+        LabelFacets(options_.labeling, state->mesh, state->attributes, pairs_,
+                    visibility, views);
+    state->report.labelings.push_back(
+        {level, pairs_.size(), labeling.num_unlabeled_facets,
+         labeling.initial_energy, labeling.final_energy, labeling.lower_bound});
+    state->labels = std::move(labeling.labels);
+  }
+
+  const FacetwiseRefinementOptions& options_;
+  const std::vector<View>& views_;
+  std::vector<ViewPair> pairs_;
+  PhotometricEnergy* energy_;
+  const RefinementHooks& hooks_;
+  std::chrono::steady_clock::time_point start_ =
+      std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+std::string FacetwiseRefinementOptions::Check() const {
+  if (levels < 1 || levels > 8) {
+    return "FacetwiseRefinement.levels has to be from 1 to 8";
+  }
+  if (iterations < 1) {
+    return "FacetwiseRefinement.iterations has to be positive";
+  }
+  if (!(smoothness_weight >= 0)) {
+    return "FacetwiseRefinement.smoothness_weight must not be negative";
+  }
+  if (!(max_face_area > 0)) {
+    return "FacetwiseRefinement.max_face_area has to be positive";
+  }
+  if (pairs_per_image < 1) {
+    return "FacetwiseRefinement.pairs_per_image has to be positive";
+  }
+  if (labeling.pairs_per_facet < 1) {
+    return "FacetwiseRefinement.pairs_per_facet has to be positive";
+  }
+  if (!(labeling.potts_weight >= 0)) {
+    return "FacetwiseRefinement.potts_weight must not be negative";
+  }
+  return photometric.Check();
+}
+
+RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
+                            const TriangleMesh& mesh,
+                            const VertexAttributes& attributes,
+                            const std::vector<View>& views,
+                            const PointCloud& points, int first_level,
+                            PhotometricEnergy* energy,
+                            const RefinementHooks& hooks) {
+  Report(hooks.progress, "Selecting pairs of views", 0);
+  Refinement refinement(options, views, points, energy, hooks);
+  RefinedMesh complete{mesh, attributes, {}, {}};
+  for (int level = first_level; level >= 0; --level) {
+    RefinedMesh state = complete;
+    if (!refinement.RefineAtLevel(level, &state)) {
+      complete.report = std::move(state.report);
+      complete.report.is_stopped = true;
+      break;
+    }
+    complete = std::move(state);
+    if (hooks.on_level) {
+      hooks.on_level(level, complete);
+    }
+  }
+  Report(hooks.progress, "Looking for self-intersections", 0);
+  complete.report.num_self_intersections =
+      FindSelfIntersections(complete.mesh).size();
+  return complete;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,293 @@
+#include "refine/level_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "mesh/facet_normals.h"
+#include "mesh/vertex_normals.h"
+#include "mesh/vertex_rings.h"
+#include "refine/normal_equations.h"
+#include "refine/thin_plate.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Of the energy, that an iteration has to gain for another one to follow.
+constexpr double kMinGain = 2e-4;
+
+// Px, that the vertices may have moved on average before the mesh is drawn
+// again.
+constexpr double kMaxDrift = 0.1;
+
+// A surface with what its energy is.
+struct Surface {
+  TriangleMesh mesh;
+  std::vector<Eigen::Vector3f> normals;  // [V]
+  PhotometricTerms terms;
+  ThinPlate plate;
+
+  double Energy() const { return terms.energy + plate.Energy(); }
+};
+
+class LevelRefiner {
+ public:
+  LevelRefiner(const FacetwiseRefinementOptions& options, int level,
+               const FacetLabels& labels, const std::vector<View>& views,
+               PhotometricEnergy* energy, const TriangleMesh& mesh)
+      : options_(options),
+        level_(level),
+        labels_(labels),
+        energy_(energy),
+        rings_(MakeVertexRings(mesh)) {
+    FindFootprints(views, mesh);
+    rest_.assign(mesh.vertices.size(), 0);
+    num_pixels_.assign(mesh.vertices.size(), 0);
+    energy_->Render(mesh);
+    surface_.terms = energy_->Evaluate(mesh, labels_);
+    for (size_t i = 0; i < mesh.facets.size(); ++i) {
+      for (const uint32_t vertex : mesh.facets[i]) {
+        num_pixels_[vertex] += surface_.terms.num_pixels[i] / 3;
+      }
+    }
+    surface_ = WithPlate(mesh, std::move(surface_.terms));
+    for (size_t i = 0; i < rest_.size(); ++i) {
+      if (level_ > 0 || !(num_pixels_[i] > 0)) {
+        rest_[i] = std::exchange(surface_.plate.residuals[i], 0);
+      }
+    }
+  }
+
+  void Run(const OnLevelStep& on_step, TriangleMesh* mesh) {
+    if (!Report(0, 0, on_step, mesh)) {
+      return;
+    }
+    for (int iteration = 1; iteration <= options_.iterations; ++iteration) {
+      const double before = surface_.Energy();
+      const double step = Step();
+      if (!(step > 0)) {
+        break;
+      }
+      const double gain = before - surface_.Energy();
+      drift_ += step;
+      if (drift_ > kMaxDrift) {
+        drift_ = 0;
+        energy_->Render(surface_.mesh);
+        surface_.terms = energy_->Evaluate(surface_.mesh, labels_);
+      }
+      if (!Report(iteration, step, on_step, mesh) ||
+          gain < kMinGain * std::abs(before)) {
+        break;
+      }
+    }
+  }
+
+  size_t NumShortenedSteps() const { return num_shortened_steps_; }
+
+ private:
+  Surface WithPlate(TriangleMesh mesh, PhotometricTerms terms) const {
+    Surface surface;
+    surface.normals = VertexNormals(mesh, rings_);
+    surface.plate =
+        MakeThinPlate(options_.smoothness_weight, mesh.vertices,
+                      surface.normals, rings_, footprints_, num_pixels_, rest_);
+    surface.mesh = std::move(mesh);
+    surface.terms = std::move(terms);
+    return surface;
+  }
+
+  void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
+  std::vector<double> SolveForMotion() const;
+  void LimitMotion(std::vector<double>* motion) const;
+  TriangleMesh Move(std::vector<double>* motion);
+  double Step();
+  bool Report(int iteration, double step, const OnLevelStep& on_step,
+              TriangleMesh* mesh) const;
+
+  const FacetwiseRefinementOptions& options_;
+  int level_;
+  const FacetLabels& labels_;
+  PhotometricEnergy* energy_;
+  VertexRings rings_;
+  std::vector<float> footprints_;  // [V] of a pixel, scene units
+  std::vector<float> num_pixels_;  // [V] compared
+  std::vector<double> rest_;       // [V] see ThinPlate
+  Surface surface_;
+  double drift_ = 0;  // px, since the mesh was drawn
+  size_t num_shortened_steps_ = 0;
+};
+
+// In the views of the best pairs around a vertex; the median of all where there
+// are none.
+void LevelRefiner::FindFootprints(const std::vector<View>& views,
+                                  const TriangleMesh& mesh) {
+  footprints_.assign(mesh.vertices.size(), 0);
+  std::vector<float> known;
+  for (size_t i = 0; i < footprints_.size(); ++i) {
+    const Eigen::Vector3d point = mesh.vertices[i].cast<double>();
+    double sum = 0;
+    int count = 0;
+    for (const uint32_t corner : rings_.Corners(i)) {
+      const auto labels = labels_.Labels(corner / 3);
+      if (labels.empty()) {
+        continue;
+      }
+      const ViewPair& pair = labels_.pairs[labels.front()];
+      for (const uint32_t view : {pair.first, pair.second}) {
+        sum += views[view].CamFromWorld(point).z() / views[view].fx;
+        ++count;
+      }
+    }
+    if (count > 0) {
+      footprints_[i] = static_cast<float>(sum / count);
+      known.push_back(footprints_[i]);
+    }
+  }
+  if (known.empty()) {
+    return;
+  }
+  const auto median = known.begin() + static_cast<ptrdiff_t>(known.size() / 2);
+  std::nth_element(known.begin(), median, known.end());
+  for (float& footprint : footprints_) {
+    if (!(footprint > 0)) {
+      footprint = *median;
+    }
+  }
+}
+
+// [V] along the normals, scene units.
+std::vector<double> LevelRefiner::SolveForMotion() const {
+  constexpr double kTolerance = 0.03;
+  constexpr int kMaxIterations = 100;
+  const NormalEquations equations(surface_.mesh, surface_.normals, rings_,
+                                  surface_.terms, surface_.plate);
+  if (options_.solver == RefinementSolver::kGaussNewton) {
+    return equations.Solve(kTolerance, kMaxIterations);
+  }
+  std::vector<double> motion(surface_.mesh.vertices.size(), 0);
+  for (size_t i = 0; i < motion.size(); ++i) {
+    if (equations.Diagonal()[i] > 0) {
+      motion[i] = -equations.Gradient()[i] / equations.Diagonal()[i];
+    }
+  }
+  return motion;
+}
+
+void LevelRefiner::LimitMotion(std::vector<double>* motion) const {
+  constexpr double kMaxEdgeShare = 0.4;  // of the edges' mean length
+  const std::vector<Eigen::Vector3f>& vertices = surface_.mesh.vertices;
+  tbb::parallel_for(size_t{0}, motion->size(), [&](size_t i) {
+    const auto ring = rings_.Neighbors(i);
+    double length = 0;
+    for (const uint32_t neighbor : ring) {
+      length += (vertices[neighbor] - vertices[i]).norm();
+    }
+    length *=
+        kMaxEdgeShare / std::max<double>(1, static_cast<double>(ring.size()));
+    const double limit = std::min<double>(length, footprints_[i]);
+    (*motion)[i] = std::clamp((*motion)[i], -limit, limit);
+  });
+}
+
+// Vertices of facets that would turn by more than 60 degrees go half as far,
+// or, after four times, not at all.
+TriangleMesh LevelRefiner::Move(std::vector<double>* motion) {
+  constexpr float kMinCosine = 0.5F;
+  constexpr int kMaxHalvings = 4;
+  const TriangleMesh& mesh = surface_.mesh;
+  const std::vector<Eigen::Vector3f> before = FacetNormals(mesh);
+  TriangleMesh moved = mesh;
+  std::vector<uint8_t> is_shortened(mesh.vertices.size(), 0);
+  for (int halving = 0;; ++halving) {
+    tbb::parallel_for(size_t{0}, mesh.vertices.size(), [&](size_t i) {
+      moved.vertices[i] = mesh.vertices[i] + static_cast<float>((*motion)[i]) *
+                                                 surface_.normals[i];
+    });
+    const std::vector<Eigen::Vector3f> after = FacetNormals(moved);
+    std::vector<uint8_t> is_turned(mesh.vertices.size(), 0);
+    for (size_t i = 0; i < mesh.facets.size(); ++i) {
+      if (before[i].dot(after[i]) < kMinCosine * before[i].squaredNorm()) {
+        for (const uint32_t vertex : mesh.facets[i]) {
+          is_turned[vertex] = (*motion)[vertex] != 0;
+        }
+      }
+    }
+    if (std::find(is_turned.begin(), is_turned.end(), 1) == is_turned.end()) {
+      break;
+    }
+    for (size_t i = 0; i < is_turned.size(); ++i) {
+      if (is_turned[i] != 0) {
+        (*motion)[i] *= halving < kMaxHalvings ? 0.5 : 0.0;
+        is_shortened[i] = 1;
+      }
+    }
+  }
+  num_shortened_steps_ +=
+      std::count(is_shortened.begin(), is_shortened.end(), 1);
+  return moved;
+}
+
+// One iteration. Returns the mean motion, px; 0 if the energy can not be made
+// to fall.
+double LevelRefiner::Step() {
+  constexpr int kMaxTrials = 3;
+  std::vector<double> motion = SolveForMotion();
+  LimitMotion(&motion);
+  for (int trial = 0; trial < kMaxTrials; ++trial) {
+    const TriangleMesh moved = Move(&motion);
+    Surface next = WithPlate(moved, energy_->Evaluate(moved, labels_));
+    if (next.Energy() < surface_.Energy()) {
+      surface_ = std::move(next);
+      double sum = 0;
+      for (size_t i = 0; i < motion.size(); ++i) {
+        sum += std::abs(motion[i]) / footprints_[i];
+      }
+      return sum / static_cast<double>(motion.size());
+    }
+    for (double& distance : motion) {
+      distance /= 2;
+    }
+  }
+  return 0;
+}
+
+bool LevelRefiner::Report(int iteration, double step,
+                          const OnLevelStep& on_step,
+                          TriangleMesh* mesh) const {
+  mesh->vertices = surface_.mesh.vertices;
+  RefinementStep report;
+  report.level = level_;
+  report.iteration = iteration;
+  report.energy = surface_.Energy();
+  report.photometric_energy = surface_.terms.energy;
+  double weight = 0;
+  for (const float facet_weight : surface_.terms.weights) {
+    weight += facet_weight;
+  }
+  const double saturation = 1 + options_.photometric.residual_floor;
+  report.mean_zncc =
+      weight > 0 ? -saturation *
+                       std::expm1(surface_.terms.energy / weight / saturation)
+                 : 0;
+  report.mean_step = step;
+  report.num_vertices = mesh->vertices.size();
+  report.num_facets = mesh->facets.size();
+  return on_step(report);
+}
+
+}  // namespace
+
+size_t RefineLevel(const FacetwiseRefinementOptions& options, int level,
+                   const FacetLabels& labels, const std::vector<View>& views,
+                   PhotometricEnergy* energy, TriangleMesh* mesh,
+                   const OnLevelStep& on_step) {
+  LevelRefiner refiner(options, level, labels, views, energy, *mesh);
+  refiner.Run(on_step, mesh);
+  return refiner.NumShortenedSteps();
+}
+
+}  // namespace colmap_ext

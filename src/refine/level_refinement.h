@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "mesh/triangle_mesh.h"
+#include "refine/facet_labels.h"
+#include "refine/facetwise_refinement.h"
+#include "refine/photometric_energy.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// Called with each step, the mesh as it is then; whether to go on.
+using OnLevelStep = std::function<bool(const RefinementStep& step)>;
+
+// Moves a mesh's vertices along their normals until the energy, photometric and
+// smoothness, no longer falls: each step is Gauss-Newton's (or each vertex's by
+// itself), limited to a part of the edges' lengths and a pixel, shortened where
+// it would turn a facet over, and halved until the energy falls.
+//
+// The surface is to be smooth (refine/thin_plate.h) at the finest level, where
+// it is seen. Elsewhere, and at the coarser levels, it is the motion that is to
+// be smooth: coarse images can not tell fine relief from noise, and must not
+// flatten it; and what no pair sees follows what lies around it.
+//
+// \param energy  set to the level.
+// \param views  of the level's images' sizes.
+// \return how many vertices' steps were shortened.
+size_t RefineLevel(const FacetwiseRefinementOptions& options, int level,
+                   const FacetLabels& labels, const std::vector<View>& views,
+                   PhotometricEnergy* energy, TriangleMesh* mesh,
+                   const OnLevelStep& on_step);
+
+}  // namespace colmap_ext

@@ -1,0 +1,189 @@
+#include "refine/normal_equations.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "refine/facet_frames.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Where corners k <= l of a facet stand in its curvatures.
+int CurvatureIndex(int k, int l) {
+  constexpr int kIndex[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  return kIndex[k][l];
+}
+
+double Dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    sum += a[i] * b[i];
+  }
+  return sum;
+}
+
+}  // namespace
+
+NormalEquations::NormalEquations(const TriangleMesh& mesh,
+                                 const std::vector<Eigen::Vector3f>& normals,
+                                 const VertexRings& rings,
+                                 const PhotometricTerms& terms,
+                                 const ThinPlate& plate)
+    : normals_(normals), rings_(rings), plate_(plate) {
+  AddPhotometric(mesh, terms);
+  AddSmoothness();
+}
+
+void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
+                                     const PhotometricTerms& terms) {
+  const size_t size = mesh.vertices.size();
+  gradient_.assign(size, 0);
+  photometric_diagonal_.assign(size, 0);
+  photometric_.assign(rings_.neighbors.size(), 0);
+  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+  tbb::parallel_for(size_t{0}, size, [&](size_t vertex) {
+    const auto ring = rings_.Neighbors(vertex);
+    const size_t row = ring.data() - rings_.neighbors.data();
+    const Eigen::Vector3d normal = normals_[vertex].cast<double>();
+    for (const uint32_t corner : rings_.Corners(vertex)) {
+      const uint32_t facet = corner / 3;
+      const int k = static_cast<int>(corner % 3);
+      // How far the facet moves along its normal as its corners do.
+      const Eigen::Vector3d& facet_normal = frames[facet].normal;
+      const double along = facet_normal.dot(normal);
+      gradient_[vertex] += terms.slopes[facet][k] * along;
+      photometric_diagonal_[vertex] +=
+          terms.curvatures[facet][CurvatureIndex(k, k)] * along * along;
+      for (int l = 0; l < 3; ++l) {
+        const uint32_t other = mesh.facets[facet][l];
+        if (l == k) {
+          continue;
+        }
+        const size_t place =
+            row +
+            (std::lower_bound(ring.begin(), ring.end(), other) - ring.begin());
+        photometric_[place] += static_cast<float>(
+            terms.curvatures[facet][CurvatureIndex(k, l)] * along *
+            facet_normal.dot(normals_[other].cast<double>()));
+      }
+    }
+  });
+}
+
+// Its residuals are N_V . (weighted mean of the neighbors - V).
+void NormalEquations::AddSmoothness() {
+  outgoing_.resize(rings_.neighbors.size());
+  incoming_.resize(rings_.neighbors.size());
+  tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
+    const auto ring = rings_.Neighbors(vertex);
+    const size_t row = ring.data() - rings_.neighbors.data();
+    for (size_t i = 0; i < ring.size(); ++i) {
+      const auto other_ring = rings_.Neighbors(ring[i]);
+      const size_t back =
+          std::lower_bound(other_ring.begin(), other_ring.end(), vertex) -
+          other_ring.begin() + (other_ring.data() - rings_.neighbors.data());
+      const float cosine = normals_[vertex].dot(normals_[ring[i]]);
+      outgoing_[row + i] = plate_.shares[row + i] * cosine;
+      incoming_[row + i] = plate_.shares[back] * cosine;
+    }
+  });
+  diagonal_ = photometric_diagonal_;
+  tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
+    double gradient = -plate_.coefficients[vertex] * plate_.residuals[vertex];
+    double diagonal = plate_.coefficients[vertex];
+    const auto ring = rings_.Neighbors(vertex);
+    const size_t row = ring.data() - rings_.neighbors.data();
+    for (size_t i = 0; i < ring.size(); ++i) {
+      const uint32_t other = ring[i];
+      const double share = incoming_[row + i];
+      gradient += plate_.coefficients[other] * plate_.residuals[other] * share;
+      diagonal += plate_.coefficients[other] * share * share;
+    }
+    gradient_[vertex] += gradient;
+    diagonal_[vertex] += diagonal;
+  });
+}
+
+void NormalEquations::Multiply(const std::vector<double>& in,
+                               std::vector<double>* bent,
+                               std::vector<double>* out) const {
+  const tbb::blocked_range<size_t> all(0, in.size(), 4096);
+  tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
+    for (size_t i = range.begin(); i != range.end(); ++i) {
+      const auto ring = rings_.Neighbors(i);
+      const size_t row = ring.data() - rings_.neighbors.data();
+      double photometric = photometric_diagonal_[i] * in[i];
+      double mean = 0;
+      for (size_t k = 0; k < ring.size(); ++k) {
+        photometric += photometric_[row + k] * in[ring[k]];
+        mean += outgoing_[row + k] * in[ring[k]];
+      }
+      (*out)[i] = photometric;
+      (*bent)[i] = plate_.coefficients[i] * (mean - in[i]);
+    }
+  });
+  tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
+    for (size_t i = range.begin(); i != range.end(); ++i) {
+      const auto ring = rings_.Neighbors(i);
+      const size_t row = ring.data() - rings_.neighbors.data();
+      double sum = -(*bent)[i];
+      for (size_t k = 0; k < ring.size(); ++k) {
+        sum += incoming_[row + k] * (*bent)[ring[k]];
+      }
+      (*out)[i] += sum;
+    }
+  });
+}
+
+std::vector<double> NormalEquations::Solve(double tolerance,
+                                           int max_iterations) const {
+  const size_t size = gradient_.size();
+  std::vector<double> solution(size, 0);
+  std::vector<double> residual(size);
+  std::vector<double> preconditioned(size);
+  std::vector<double> image(size);
+  std::vector<double> bent(size);
+  // An upper bound on the curvature of the diagonal keeps what nothing
+  // determines where it is.
+  const auto precondition = [&] {
+    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+      preconditioned[i] = diagonal_[i] > 0 ? residual[i] / diagonal_[i] : 0.0;
+    });
+  };
+  for (size_t i = 0; i < size; ++i) {
+    residual[i] = -gradient_[i];
+  }
+  precondition();
+  std::vector<double> direction = preconditioned;
+  double product = Dot(residual, preconditioned);
+  const double first = product;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    if (!(product > tolerance * tolerance * first)) {
+      break;
+    }
+    Multiply(direction, &bent, &image);
+    const double curvature = Dot(direction, image);
+    if (!(curvature > 0)) {
+      break;
+    }
+    const double step = product / curvature;
+    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+      solution[i] += step * direction[i];
+      residual[i] -= step * image[i];
+    });
+    precondition();
+    const double next = Dot(residual, preconditioned);
+    const double ratio = next / product;
+    product = next;
+    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+      direction[i] = preconditioned[i] + ratio * direction[i];
+    });
+  }
+  return solution;
+}
+
+}  // namespace colmap_ext
