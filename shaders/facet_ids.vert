@@ -4,24 +4,20 @@
 // perspective is done with here: w is 1, and z the inverse depth, scaled to
 // [0, 1).
 
+#include "projection.glsl"
+
 layout(location = 0) in vec3 position;  // world frame
 
-uniform dmat3 cam_from_world_rotation;
-uniform dvec3 cam_from_world_translation;
-uniform dvec2 focal;      // px
-uniform dvec2 principal;  // px
-uniform dvec2 size;       // of the image, px
+uniform dvec2 size;  // of the image, px
 uniform float depth_scale;
 
-const double kFar = 1048576;     // px
 const double kSubpixels = 256;
 
 void main() {
   dvec3 point =
       cam_from_world_rotation * dvec3(position) + cam_from_world_translation;
-  bool is_behind = !(point.z > 0);
-  dvec2 pixel = focal * point.xy / (is_behind ? 1 : point.z) + principal;
-  if (is_behind || !(max(abs(pixel.x), abs(pixel.y)) < kFar)) {
+  dvec2 pixel;
+  if (!Project(point, pixel)) {
     // Nothing is left of the vertex' facets but the edges of the others, which
     // have no area.
     gl_Position = vec4(0, 0, 0, 1);
@@ -30,6 +26,7 @@ void main() {
   }
   // As the rasterizer does, but with the same result everywhere.
   pixel = floor(pixel * kSubpixels + 0.5) / kSubpixels;
-  gl_Position = vec4(vec2(2 * pixel / size - 1), float(depth_scale / point.z), 1);
+  gl_Position =
+      vec4(vec2(2 * pixel / size - 1), float(depth_scale / point.z), 1);
   gl_ClipDistance[0] = 1e-20;
 }

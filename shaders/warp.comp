@@ -10,6 +10,10 @@ layout(std430, binding = 1) readonly buffer Facets { uint facets[]; };
 layout(std430, binding = 2) readonly buffer Normals { double normals[]; };
 layout(std430, binding = 7) readonly buffer Vertices { float vertices[]; };
 
+// See facing.comp.
+layout(std430, binding = 9) readonly buffer FacingI { uint facing_i[]; };
+layout(std430, binding = 10) readonly buffer FacingJ { uint facing_j[]; };
+
 layout(binding = 0) uniform usampler2D facets_i;
 layout(binding = 1) uniform usampler2D image_i;
 layout(binding = 2) uniform usampler2D facets_j;
@@ -22,12 +26,11 @@ layout(binding = 0, rgba32f) writeonly uniform image2D warped;
 
 uniform ivec2 size_i;  // px
 uniform ivec2 size_j;  // px
-uniform float min_cosine;
 uniform dvec3 center_i;
 uniform dmat3 ray_from_pixel_i;      // (u, v, 1) -> world ray with z 1
 uniform dmat3 pixel_j_from_pixel_i;  // of points at infinity, homogeneous
 uniform dvec3 epipole;               // of camera i in j, homogeneous
-uniform vec3 i_from_j;               // between the centres, world frame
+uniform dvec3 i_from_j;              // between the centres, world frame
 uniform mat3 rotation_j;             // camera j from world
 uniform vec2 focal_j;                // px
 uniform float depth_scale_j;
@@ -47,8 +50,22 @@ bool IsNearest(uint facet, vec3 normal, float distance_j, ivec2 nearest,
   return drawn <= inverse_depth + 2 * (slope + footprint);
 }
 
-bool FacesCamera(float cosine, vec3 ray) {  // Times the ray's length.
-  return cosine > 0 && cosine * cosine >= min_cosine * min_cosine * dot(ray, ray);
+bool FacesBoth(uint facet) {
+  return (facing_i[facet / 32] & facing_j[facet / 32] & 1u << facet % 32) != 0;
+}
+
+// The grey value of image j, and its derivatives by u and v.
+vec3 SampleJ(dvec2 pixel) {
+  ivec2 first = min(ivec2(pixel - 0.5), size_j - 2);
+  vec2 share = vec2(pixel - 0.5 - dvec2(first));
+  vec2 upper = vec2(texelFetch(image_j, first, 0).x,
+                    texelFetch(image_j, first + ivec2(1, 0), 0).x);
+  vec2 lower = vec2(texelFetch(image_j, first + ivec2(0, 1), 0).x,
+                    texelFetch(image_j, first + ivec2(1, 1), 0).x);
+  vec2 column = mix(upper, lower, share.y);
+  vec2 slopes = lower - upper;
+  return vec3(mix(column.x, column.y, share.x), column.y - column.x,
+              mix(slopes.x, slopes.y, share.x));
 }
 
 dvec3 Normal(uint facet) {
@@ -66,16 +83,15 @@ dvec3 Corner(uint facet) {  // relative to camera i
 // derivative by it jumps from pixel to pixel.
 vec3 Warp(ivec2 pixel_i) {
   uint facet = texelFetch(facets_i, pixel_i, 0).x;
-  if (facet == kNoFacet) {
+  if (facet == kNoFacet || !FacesBoth(facet)) {
     return vec3(0);
   }
   dvec3 pixel = dvec3(dvec2(pixel_i) + 0.5, 1);
   dvec3 ray = ray_from_pixel_i * pixel;
   dvec3 normal = Normal(facet);
   double distance_i = dot(normal, Corner(facet));
-  double along = dot(normal, ray);
-  double inverse_depth = along / distance_i;
-  if (!(inverse_depth > 0) || !FacesCamera(float(-along), vec3(ray))) {
+  double inverse_depth = dot(normal, ray) / distance_i;
+  if (!(inverse_depth > 0)) {
     return vec3(0);
   }
   dvec3 ray_in_j = pixel_j_from_pixel_i * pixel;
@@ -88,25 +104,15 @@ vec3 Warp(ivec2 pixel_i) {
         pixel_j.y < size_j.y - 0.5)) {
     return vec3(0);
   }
-  vec3 from_j = i_from_j + vec3(ray / inverse_depth);
-  float distance_j = dot(vec3(normal), from_j);
-  if (!FacesCamera(-distance_j, from_j) ||
-      !IsNearest(facet, vec3(normal), distance_j, ivec2(pixel_j),
+  float distance_j = float(distance_i + dot(normal, i_from_j));
+  if (!IsNearest(facet, vec3(normal), distance_j, ivec2(pixel_j),
                  float(inverse_depth / p.z))) {
     return vec3(0);
   }
-  ivec2 first = min(ivec2(pixel_j - 0.5), size_j - 2);
-  vec2 share = vec2(pixel_j - 0.5 - dvec2(first));
-  vec2 upper = vec2(texelFetch(image_j, first, 0).x,
-                    texelFetch(image_j, first + ivec2(1, 0), 0).x);
-  vec2 lower = vec2(texelFetch(image_j, first + ivec2(0, 1), 0).x,
-                    texelFetch(image_j, first + ivec2(1, 1), 0).x);
-  vec2 column = mix(upper, lower, share.y);
-  float by_u = column.y - column.x;
-  float by_v = mix(lower.x - upper.x, lower.y - upper.y, share.x);
+  vec3 sampled = SampleJ(pixel_j);
   vec2 shift = vec2((ray_in_j.xy - pixel_j * ray_in_j.z) / (p.z * distance_i));
-  float motion = dot(vec2(by_u, by_v), shift);
-  return vec3(mix(column.x, column.y, share.x), float(inverse_depth), motion);
+  float motion = dot(sampled.yz, shift);
+  return vec3(sampled.x, float(inverse_depth), motion);
 }
 
 void main() {

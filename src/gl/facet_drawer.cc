@@ -35,13 +35,24 @@ double DepthScale(double max_inverse_depth) {
                                : 1.0;
 }
 
+// For projection.glsl.
+void SetProjection(const View& view, Program* program) {
+  program->Set("cam_from_world_rotation", view.cam_from_world_rotation);
+  program->Set("cam_from_world_translation", view.cam_from_world_translation);
+  program->Set("focal", Eigen::Vector2d(view.fx, view.fy));
+  program->Set("principal", Eigen::Vector2d(view.cx, view.cy));
+}
+
 }  // namespace
 
 FacetTextures::FacetTextures(int width, int height)
     : facets(GL_R32UI, width, height),
       depths(GL_DEPTH_COMPONENT32F, width, height) {}
 
-FacetDrawer::FacetDrawer() : program_({"facet_ids.vert", "facet_ids.frag"}) {
+FacetDrawer::FacetDrawer(double min_cosine)
+    : min_cosine_(min_cosine),
+      ids_({"facet_ids.vert", "facet_ids.frag"}),
+      facing_({"facing.comp"}) {
   constexpr GLuint kPosition = 0;
   glEnableVertexArrayAttrib(vertex_array_.Name(), kPosition);
   glVertexArrayAttribFormat(vertex_array_.Name(), kPosition, 3, GL_FLOAT,
@@ -52,8 +63,15 @@ FacetDrawer::FacetDrawer() : program_({"facet_ids.vert", "facet_ids.frag"}) {
 void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
                        const GlBuffer& vertices, const GlBuffer& facets,
                        FacetTextures* textures) {
-  const double depth_scale = DepthScale(MaxInverseDepth(view, mesh));
-  textures->depth_scale = static_cast<float>(depth_scale);
+  textures->depth_scale =
+      static_cast<float>(DepthScale(MaxInverseDepth(view, mesh)));
+  DrawImages(view, mesh.facets.size(), vertices, facets, textures);
+  FindFacing(view, mesh.facets.size(), vertices, facets, textures);
+}
+
+void FacetDrawer::DrawImages(const View& view, size_t num_facets,
+                             const GlBuffer& vertices, const GlBuffer& facets,
+                             FacetTextures* textures) {
   framebuffer_.Attach(GL_COLOR_ATTACHMENT0, textures->facets);
   framebuffer_.Attach(GL_DEPTH_ATTACHMENT, textures->depths);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.Name());
@@ -72,20 +90,33 @@ void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
   glClearBufferuiv(GL_COLOR, 0, nothing);
   glClearBufferfv(GL_DEPTH, 0, &far_away);
 
-  program_.Set("cam_from_world_rotation", view.cam_from_world_rotation);
-  program_.Set("cam_from_world_translation", view.cam_from_world_translation);
-  program_.Set("focal", Eigen::Vector2d(view.fx, view.fy));
-  program_.Set("principal", Eigen::Vector2d(view.cx, view.cy));
-  program_.Set("size", Eigen::Vector2d(view.width, view.height));
-  program_.Set("depth_scale", textures->depth_scale);
-  program_.Use();
+  SetProjection(view, &ids_);
+  ids_.Set("size", Eigen::Vector2d(view.width, view.height));
+  ids_.Set("depth_scale", textures->depth_scale);
+  ids_.Use();
   glVertexArrayVertexBuffer(vertex_array_.Name(), 0, vertices.Name(), 0,
                             sizeof(Eigen::Vector3f));
   glVertexArrayElementBuffer(vertex_array_.Name(), facets.Name());
   glBindVertexArray(vertex_array_.Name());
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * mesh.facets.size()),
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * num_facets),
                  GL_UNSIGNED_INT, nullptr);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+void FacetDrawer::FindFacing(const View& view, size_t num_facets,
+                             const GlBuffer& vertices, const GlBuffer& facets,
+                             FacetTextures* textures) {
+  constexpr int kGroupSize = 64;
+  const size_t num_words = (num_facets + 31) / 32;
+  textures->facing.Resize(num_words * sizeof(uint32_t));
+  vertices.BindToStorage(0);
+  facets.BindToStorage(1);
+  textures->facing.BindToStorage(2);
+  SetProjection(view, &facing_);
+  facing_.Set("num_facets", static_cast<unsigned int>(num_facets));
+  facing_.Set("center", view.Center());
+  facing_.Set("min_cosine", min_cosine_);
+  Dispatch(facing_, num_words, kGroupSize);
 }
 
 }  // namespace colmap_ext

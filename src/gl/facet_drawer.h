@@ -17,12 +17,14 @@ struct FacetTextures {
   GlTexture facets;       // R32UI, or kNoFacet
   GlTexture depths;       // 32 bit depth; inverse ones times depth_scale
   float depth_scale = 1;  // scene units, a power of two
+  GlBuffer facing;        // [F] bits, see facing.comp
 };
 
 // Draws a mesh into views, as DrawFacets() of refine/facet_id_buffer.h does.
 class FacetDrawer {
  public:
-  FacetDrawer();
+  // \param min_cosine  see DrawFacets().
+  explicit FacetDrawer(double min_cosine);
 
   // \param vertices, facets  the arrays of `mesh`.
   void Draw(const View& view, const TriangleMesh& mesh,
@@ -30,7 +32,14 @@ class FacetDrawer {
             FacetTextures* textures);
 
  private:
-  Program program_;
+  void DrawImages(const View& view, size_t num_facets, const GlBuffer& vertices,
+                  const GlBuffer& facets, FacetTextures* textures);
+  void FindFacing(const View& view, size_t num_facets, const GlBuffer& vertices,
+                  const GlBuffer& facets, FacetTextures* textures);
+
+  double min_cosine_;
+  Program ids_;
+  Program facing_;
   GlFramebuffer framebuffer_;
   GlVertexArray vertex_array_;
 };

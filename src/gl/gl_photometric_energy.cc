@@ -55,7 +55,7 @@ class Evaluator {
   Evaluator(const PhotometricOptions& options,
             std::shared_ptr<ImagePyramid> images, size_t max_memory)
       : images_(std::move(images)),
-        views_(images_, max_memory),
+        views_(images_, options.min_cosine, max_memory),
         facet_normals_({"facet_normals.comp"}),
         passes_(options) {}
 

@@ -26,6 +26,8 @@ enum StorageBinding : GLuint {
   kTileStamps = 6,
   kVertices = 7,
   kSums = 8,
+  kFacingI = 9,
+  kFacingJ = 10,
 };
 
 constexpr size_t kTileListHeader = 4;  // numbers before the tiles
@@ -125,13 +127,12 @@ void PairPasses::Warp(const PairDirection& direction) {
   warp_.Set("num_tile_columns", NumTileColumns(i));
   warp_.Set("size_i", Size(i));
   warp_.Set("size_j", Size(j));
-  warp_.Set("min_cosine", static_cast<float>(options_.min_cosine));
   warp_.Set("center_i", i.Center());
   warp_.Set("ray_from_pixel_i", ray_from_pixel);
   warp_.Set("pixel_j_from_pixel_i",
             Eigen::Matrix3d(pixel_j_from_ray * ray_from_pixel));
   warp_.Set("epipole", Eigen::Vector3d(pixel_j_from_ray * i_from_j));
-  warp_.Set("i_from_j", Eigen::Vector3f(i_from_j.cast<float>()));
+  warp_.Set("i_from_j", i_from_j);
   warp_.Set("rotation_j",
             Eigen::Matrix3f(j.cam_from_world_rotation.cast<float>()));
   warp_.Set("focal_j", Eigen::Vector2f(j.fx, j.fy));
@@ -141,6 +142,8 @@ void PairPasses::Warp(const PairDirection& direction) {
   direction.textures_j.drawn.facets.BindToSampler(2);
   direction.textures_j.image.BindToSampler(3);
   direction.textures_j.drawn.depths.BindToSampler(4);
+  direction.textures_i.drawn.facing.BindToStorage(kFacingI);
+  direction.textures_j.drawn.facing.BindToStorage(kFacingJ);
   planes_->warped.BindToImage(0, GL_WRITE_ONLY);
   DispatchIndirect(warp_, tiles_);
 }

@@ -123,6 +123,10 @@ void Program::Set(std::string_view uniform, float value) {
   glProgramUniform1f(name_.Get(), Location(uniform), value);
 }
 
+void Program::Set(std::string_view uniform, double value) {
+  glProgramUniform1d(name_.Get(), Location(uniform), value);
+}
+
 void Program::Set(std::string_view uniform, const Eigen::Vector2i& value) {
   glProgramUniform2iv(name_.Get(), Location(uniform), 1, value.data());
 }

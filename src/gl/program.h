@@ -33,6 +33,7 @@ class Program {
   void Set(std::string_view uniform, int value);
   void Set(std::string_view uniform, unsigned int value);
   void Set(std::string_view uniform, float value);
+  void Set(std::string_view uniform, double value);
   void Set(std::string_view uniform, const Eigen::Vector2i& value);
   void Set(std::string_view uniform, const Eigen::Vector2f& value);
   void Set(std::string_view uniform, const Eigen::Vector3f& value);

@@ -22,8 +22,10 @@ ViewTextures::ViewTextures(const GrayImage& gray_image, int width, int height)
 }
 
 ViewTextureCache::ViewTextureCache(std::shared_ptr<ImagePyramid> images,
-                                   size_t max_memory)
-    : images_(std::move(images)), max_memory_(max_memory) {}
+                                   double min_cosine, size_t max_memory)
+    : images_(std::move(images)),
+      max_memory_(max_memory),
+      drawer_(min_cosine) {}
 
 void ViewTextureCache::Clear() {
   entries_.clear();

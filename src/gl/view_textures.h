@@ -24,8 +24,10 @@ struct ViewTextures {
 // were not used for the longest time make room.
 class ViewTextureCache {
  public:
+  // \param min_cosine  see DrawFacets().
   // \param max_memory  bytes; two views are kept whatever they take.
-  ViewTextureCache(std::shared_ptr<ImagePyramid> images, size_t max_memory);
+  ViewTextureCache(std::shared_ptr<ImagePyramid> images, double min_cosine,
+                   size_t max_memory);
 
   // Drops all views; their size has changed.
   void Clear();

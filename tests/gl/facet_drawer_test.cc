@@ -22,7 +22,7 @@ Drawn Draw(const View& view, const TriangleMesh& mesh) {
   GlBuffer vertices, facets;
   vertices.Assign(mesh.vertices);
   facets.Assign(mesh.facets);
-  FacetDrawer drawer;
+  FacetDrawer drawer(0.1);
   FacetTextures textures(view.width, view.height);
   drawer.Draw(view, mesh, vertices, facets, &textures);
   Drawn drawn = {
@@ -70,7 +70,7 @@ TEST_F(FacetDrawerTest, DrawsWhatTheProcessorDraws) {
     const TriangleMesh mesh = scene.Perturbed(0.3, 1);
     for (const View& view : scene.Views()) {
       const Drawn drawn = Draw(view, mesh);
-      const FacetIdBuffer reference = DrawFacets(view, mesh);
+      const FacetIdBuffer reference = DrawFacets(view, mesh, 0.1);
       num_pixels += drawn.facets.size();
       for (size_t i = 0; i < drawn.facets.size(); ++i) {
         if (drawn.facets[i] != reference.facets[i]) {
@@ -136,7 +136,7 @@ TEST_F(FacetDrawerTest, FacetsThatReachBehindTheCameraAreLeftOut) {
     mesh.vertices.emplace_back(0.0F, 0.0F, 5.0F);
     const Drawn drawn = Draw(SmallView(), mesh);
     EXPECT_EQ(drawn.facets, std::vector<uint32_t>(48, kNoFacet)) << z;
-    EXPECT_EQ(DrawFacets(SmallView(), mesh).facets, drawn.facets) << z;
+    EXPECT_EQ(DrawFacets(SmallView(), mesh, 0.1).facets, drawn.facets) << z;
   }
 }
 

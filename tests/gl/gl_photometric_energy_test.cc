@@ -178,7 +178,7 @@ TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
   std::array<FacetIdBuffer, 2> drawn;
   std::array<std::vector<bool>, 2> is_seen;
   for (int i = 0; i < 2; ++i) {
-    drawn[i] = DrawFacets(scene.Views()[i], mesh);
+    drawn[i] = DrawFacets(scene.Views()[i], mesh, 0.1);
     is_seen[i].assign(mesh.facets.size(), false);
     for (const uint32_t facet : drawn[i].facets) {
       if (facet != kNoFacet) {

@@ -1,0 +1,57 @@
+#version 450 core
+
+// Which facets face the camera, enough to be compared: DrawFacets() of
+// refine/facet_id_buffer.h.
+
+layout(local_size_x = 64) in;
+
+#include "projection.glsl"
+#include "thread_index.glsl"
+
+layout(std430, binding = 0) readonly buffer Vertices { float vertices[]; };
+layout(std430, binding = 1) readonly buffer Facets { uint facets[]; };
+
+// One bit a facet, the lowest bits first; one thread for each number.
+layout(std430, binding = 2) writeonly buffer Facing { uint facing[]; };
+
+uniform uint num_facets;
+uniform dvec3 center;  // of the camera, world frame
+uniform double min_cosine;
+
+dvec3 Vertex(uint index) {
+  return dvec3(vertices[3 * index], vertices[3 * index + 1],
+               vertices[3 * index + 2]);
+}
+
+bool IsDrawn(dvec3 vertex) {
+  dvec2 pixel;
+  return Project(cam_from_world_rotation * vertex + cam_from_world_translation,
+                 pixel);
+}
+
+bool IsFacing(uint facet) {
+  dvec3 a = Vertex(facets[3 * facet]);
+  dvec3 b = Vertex(facets[3 * facet + 1]);
+  dvec3 c = Vertex(facets[3 * facet + 2]);
+  if (!IsDrawn(a) || !IsDrawn(b) || !IsDrawn(c)) {
+    return false;
+  }
+  dvec3 normal = cross(b - a, c - a);
+  dvec3 to_camera = center - (a + b + c) / 3;
+  return dot(normal, to_camera) >
+         min_cosine * sqrt(dot(normal, normal) * dot(to_camera, to_camera));
+}
+
+void main() {
+  uint word = ThreadIndex();
+  uint first = 32 * word;
+  uint bits = 0;
+  for (uint bit = 0; bit < 32 && first + bit < num_facets; ++bit) {
+    if (IsFacing(first + bit)) {
+      bits |= 1u << bit;
+    }
+  }
+  if (first < num_facets) {
+    facing[word] = bits;
+  }
+}
