@@ -54,18 +54,34 @@ bool FacesBoth(uint facet) {
   return (facing_i[facet / 32] & facing_j[facet / 32] & 1u << facet % 32) != 0;
 }
 
+// Catmull-Rom's weights of the four values around a place between the middle
+// two, and their derivatives by the place.
+void Weights(float t, out vec4 weights, out vec4 slopes) {
+  weights = vec4(t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
+                 t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t));
+  slopes = vec4(-0.5 + t * (2 - 1.5 * t), t * (-5 + 4.5 * t),
+                0.5 + t * (4 - 4.5 * t), t * (-1 + 1.5 * t));
+}
+
 // The grey value of image j, and its derivatives by u and v.
 vec3 SampleJ(dvec2 pixel) {
   ivec2 first = min(ivec2(pixel - 0.5), size_j - 2);
   vec2 share = vec2(pixel - 0.5 - dvec2(first));
-  vec2 upper = vec2(texelFetch(image_j, first, 0).x,
-                    texelFetch(image_j, first + ivec2(1, 0), 0).x);
-  vec2 lower = vec2(texelFetch(image_j, first + ivec2(0, 1), 0).x,
-                    texelFetch(image_j, first + ivec2(1, 1), 0).x);
-  vec2 column = mix(upper, lower, share.y);
-  vec2 slopes = lower - upper;
-  return vec3(mix(column.x, column.y, share.x), column.y - column.x,
-              mix(slopes.x, slopes.y, share.x));
+  vec4 by_column, by_row, column_slopes, row_slopes;
+  Weights(share.x, by_column, column_slopes);
+  Weights(share.y, by_row, row_slopes);
+  vec3 sampled = vec3(0);
+  for (int k = 0; k < 4; ++k) {
+    vec4 row;
+    for (int l = 0; l < 4; ++l) {
+      ivec2 at = clamp(first + ivec2(l, k) - 1, ivec2(0), size_j - 1);
+      row[l] = float(texelFetch(image_j, at, 0).x);
+    }
+    float value = dot(by_column, row);
+    sampled += vec3(by_row[k] * value, by_row[k] * dot(column_slopes, row),
+                    row_slopes[k] * value);
+  }
+  return sampled;
 }
 
 dvec3 Normal(uint facet) {
