@@ -15,6 +15,7 @@ layout(binding = 0, rgba32f) writeonly uniform image2D windows;
 layout(binding = 1, rg32f) writeonly uniform image2D energies;
 
 uniform float noise_variance;
+uniform float saturation;  // s
 uniform float min_variance;
 
 void Correlate(ivec2 center, vec4 center_value) {
@@ -46,19 +47,22 @@ void Correlate(ivec2 center, vec4 center_value) {
     return;
   }
   float root = sqrt(moments.x * moments.y);
-  float zncc = moments.z / root;
+  float zncc = clamp(moments.z / root, -1, 1);
   float noisy = smaller + noise_variance;
   float weight = smaller / noisy;
   float weight_slope =
       moments.y < moments.x ? noise_variance / (noisy * noisy) : 0;
-  float by_image = -weight / (count * root);
-  float by_warped = zncc / count * (weight / moments.y - 2 * weight_slope);
+  float slope = saturation / (saturation - zncc);
+  float cost = saturation * log(1 - zncc / saturation);
+  float by_image = -weight * slope / (count * root);
+  float by_warped =
+      (zncc * weight * slope / moments.y + 2 * cost * weight_slope) / count;
   vec2 means = center_value.xy + mean;
   imageStore(windows, center,
              vec4(by_image, by_warped,
                   -by_image * means.x - by_warped * means.y,
-                  weight / (count * moments.y)));
-  imageStore(energies, center, vec4(-weight * zncc, weight, 0, 0));
+                  weight * slope / (count * moments.y)));
+  imageStore(energies, center, vec4(weight * cost, weight, 0, 0));
 }
 
 void main() {

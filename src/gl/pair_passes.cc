@@ -155,6 +155,7 @@ void PairPasses::Correlate(const PairDirection& direction) {
   correlate_.Set("max_relative_depth",
                  MaxRelativeDepth(options_, direction.view_i));
   correlate_.Set("noise_variance", static_cast<float>(options_.noise_variance));
+  correlate_.Set("saturation", static_cast<float>(1 + options_.residual_floor));
   correlate_.Set("min_variance", kMinVariance);
   direction.textures_i.drawn.facets.BindToSampler(0);
   planes_->warped.BindToSampler(1);
