@@ -5,6 +5,7 @@ namespace colmap_ext {
 const std::vector<Command>& Commands() {
   static const std::vector<Command> commands = {
       {"delaunay_manifold_mesher", &RunDelaunayManifoldMesher},
+      {"facetwise_refiner", &RunFacetwiseRefiner},
       {"mesh_evaluator", &RunMeshEvaluator},
   };
   return commands;

@@ -20,6 +20,7 @@ struct Command {
 const std::vector<Command>& Commands();
 
 int RunDelaunayManifoldMesher(int argc, char** argv);
+int RunFacetwiseRefiner(int argc, char** argv);
 int RunMeshEvaluator(int argc, char** argv);
 
 }  // namespace colmap_ext

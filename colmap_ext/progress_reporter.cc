@@ -1,6 +1,8 @@
 #include "colmap_ext/progress_reporter.h"
 
+#include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -12,6 +14,12 @@ namespace {
 
 constexpr double kTerminalInterval = 0.1;  // seconds
 constexpr double kLogInterval = 10;        // seconds
+
+// Of the terminal, characters; 0 if it is not known.
+size_t TerminalWidth() {
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
 
 std::string FormatSeconds(double seconds) {
   char text[32];
@@ -101,6 +109,10 @@ void ProgressReporter::Show(double share) {
     line += ", " + note_;
   }
   if (is_terminal_) {
+    // A line that wraps can not be written over.
+    if (const size_t width = TerminalWidth(); width > 0) {
+      line.resize(std::min(line.size(), width - 1));
+    }
     const size_t length = line.size();
     line.resize(std::max(length, shown_length_), ' ');
     shown_length_ = length;

@@ -45,7 +45,10 @@ TEST_P(CommandTest, ListsItselfInTheHelp) {
   for (const char* arguments : {"", "help", "-h"}) {
     const Outcome outcome = RunProgram(arguments);
     EXPECT_EQ(outcome.exit_code, 0);
-    EXPECT_NE(outcome.out.find("delaunay_manifold_mesher"), std::string::npos);
+    for (const char* command :
+         {"delaunay_manifold_mesher", "facetwise_refiner", "mesh_evaluator"}) {
+      EXPECT_NE(outcome.out.find(command), std::string::npos) << command;
+    }
   }
   EXPECT_EQ(RunProgram("no_such_command").exit_code, 1);
 }

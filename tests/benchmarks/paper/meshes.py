@@ -35,7 +35,7 @@ def refine(colmap, workspace, mesh, name, options):
     """Runs the refiner on a mesh; returns the refined one."""
     refined = workspace / "meshes" / f"{name}.ply"
     colmap.run(settings.REFINER, {
-        "workspace_path": workspace, "input_mesh_path": mesh,
+        "workspace_path": workspace, "input_path": mesh,
         "output_path": refined, **options,
     }, workspace / "logs" / f"{name}.txt")
     return refined
@@ -45,8 +45,6 @@ def can_make(colmap, ablation):
     """Whether this colmap has what an ablation needs."""
     if settings.MESHER not in colmap.commands:
         return False
-    if ablation == "whole_mesh":
-        return colmap.has_option(settings.REFINER, settings.WHOLE_MESH_OPTION)
     return ablation == "initial" or settings.REFINER in colmap.commands
 
 
@@ -59,8 +57,7 @@ def make_mesh(colmap, workspace, setting, ablation):
     mesh, report = make_initial_mesh(
         colmap, workspace, meshing, f"{setting}-{start}")
     if ablation != "initial":
-        options = ({settings.WHOLE_MESH_OPTION: 1}
-                   if ablation == "whole_mesh" else {})
+        options = settings.WHOLE_MESH if ablation == "whole_mesh" else {}
         mesh = refine(colmap, workspace, mesh, f"{setting}-{ablation}",
                       options)
     return mesh, report

@@ -21,9 +21,8 @@ PAPER_MESHING = {
 MESHING = {"paper": PAPER_MESHING, "default": {}}
 NO_FIXING = {_MESHING + "preemptive_fixing": 0}
 
-# The classical refinement, every pair on the whole mesh: an option of the
-# refiner. Where the refiner does not list it, nothing is computed.
-WHOLE_MESH_OPTION = "FacetwiseRefinement.whole_mesh_pairs"
+# The classical refinement, every pair on the whole mesh.
+WHOLE_MESH = {"FacetwiseRefinement.pair_selection": "classical"}
 
 # By ablation: what is left out of the method.
 ABLATIONS = {

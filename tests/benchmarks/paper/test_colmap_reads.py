@@ -59,6 +59,10 @@ class ReadByColmap(unittest.TestCase):
             self.assertTrue(self.colmap.has_option(settings.MESHER, option),
                             option)
         self.assertFalse(self.colmap.has_option(settings.MESHER, "no_such"))
+        for option in ("workspace_path", "input_path", "output_path",
+                       *settings.WHOLE_MESH):
+            self.assertTrue(self.colmap.has_option(settings.REFINER, option),
+                            option)
 
     def test_model_is_the_same_after_conversion(self):
         views = self.views()

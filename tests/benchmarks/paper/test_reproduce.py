@@ -29,8 +29,6 @@ command, options = sys.argv[1], sys.argv[2:]
 if command == "help":
     print("COLMAP 0 (without CUDA)\\n\\nAvailable commands:")
     print("".join("  %s\\n" % name for name in COMMANDS))
-elif options == ["-h"]:
-    print("  --{whole_mesh} arg (=0)")
 else:
     options = dict(zip([o[2:] for o in options[::2]], options[1::2]))
     with open(__file__ + ".calls", "a") as calls:
@@ -58,8 +56,7 @@ class Reproduce(unittest.TestCase):
 
     def make_stand_in(self, *commands):
         self.program.write_text(STAND_IN.format(
-            python=sys.executable, commands=commands, figures=FIGURES,
-            whole_mesh=settings.WHOLE_MESH_OPTION))
+            python=sys.executable, commands=commands, figures=FIGURES))
         self.program.chmod(0o755)
 
     def calls(self):
@@ -140,8 +137,11 @@ class Reproduce(unittest.TestCase):
         self.assertEqual([o.get(fixing) for o in meshing], [None, "0"])
         refining = [o for c, o in calls if c == settings.REFINER]
         self.assertEqual(
-            [o.get(settings.WHOLE_MESH_OPTION) for o in refining],
-            [None, "1", None])
+            [o.get("FacetwiseRefinement.pair_selection") for o in refining],
+            [None, "classical", None])
+        for options in refining:
+            self.assertIn("meshes", options["input_path"])
+            self.assertIn("workspace_path", options)
         evaluation = [o for c, o in calls if c == "mesh_evaluator"][0]
         self.assertEqual(evaluation["observability_box"], "-1.5,-1.5,-1.0,1.0")
         self.assertEqual(evaluation["ground_plane"], "0.0,0.0,1.0,5.0")

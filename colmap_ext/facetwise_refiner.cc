@@ -1,0 +1,256 @@
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <tbb/global_control.h>
+
+#include "colmap_ext/atomic_file.h"
+#include "colmap_ext/colmap_compat.h"
+#include "colmap_ext/commands.h"
+#include "colmap_ext/errors.h"
+#include "colmap_ext/print_lines.h"
+#include "colmap_ext/print_report.h"
+#include "colmap_ext/progress_reporter.h"
+#include "colmap_ext/refinement_backend.h"
+#include "colmap_ext/refinement_input.h"
+#include "colmap_ext/refinement_options.h"
+#include "colmap_ext/refinement_report.h"
+#include "colmap_ext/refinement_state.h"
+#include "colmap_ext/run_command.h"
+#include "colmap_ext/stop_signal.h"
+#include "colmap_ext/usable_pictures.h"
+#include "colmap_ext/write_labels.h"
+#include "colmap_ext/write_mesh.h"
+#include "mesh/topology.h"
+#include "refine/facetwise_refinement.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr CommandAdvice kAdvice = {
+    "a smaller --FacetwiseRefinement.max_memory_gb keeps fewer images, and a "
+    "larger --FacetwiseRefinement.max_face_area makes fewer faces",
+    "the mesh, fused.ply.vis, sparse/ and images/"};
+
+// Before anything is read, so that nobody waits for what can not be written.
+void CheckOutputs(const RefinerOptions& options, const fs::path& output) {
+  ExpectWritable(output);
+  ExpectWritable(VisibilityPath(output));
+  ExpectWritable(StatePath(output));
+  if (!options.report_path.empty()) {
+    ExpectWritable(options.report_path);
+    ExpectWritable(options.PlotPath());
+  }
+  if (!options.labels_path.empty()) {
+    ExpectWritable(options.labels_path);
+    ExpectWritable(options.LabelsPicturePath());
+  }
+}
+
+// One run of the command, from its files to its files.
+class Refiner {
+ public:
+  Refiner(const RefinerOptions& options, const RefinementPaths& paths)
+      : options_(options),
+        paths_(paths),
+        identity_(IdentityOf(options, paths)),
+        reporter_(std::cout, isatty(STDOUT_FILENO) != 0),
+        progress_([this](std::string_view stage, double share) {
+          reporter_.Update(stage, share);
+        }) {}
+
+  void Run() {
+    Read();
+    RefinedMesh refined = Refine();
+    if (refined.report.is_stopped) {
+      GiveUp(refined.report);
+    }
+    Write(refined);
+    Print(refined);
+  }
+
+ private:
+  void Read() {
+    input_ = ReadRefinementInput(options_, paths_, progress_);
+    level_ = options_.refinement.levels;
+    if (options_.resume && fs::exists(StatePath(paths_.output))) {
+      RefinementState state = ReadState(paths_.output, identity_);
+      level_ = state.level;
+      input_.mesh = std::move(state.mesh);
+      input_.attributes = std::move(state.attributes);
+      earlier_ = std::move(state.report);
+      is_state_ours_ = true;
+    }
+    reporter_.Finish();
+    PrintReport(input_, std::cout);
+    PrintStart();
+  }
+
+  void PrintStart() const {
+    const std::string state_path = StatePath(paths_.output).string();
+    if (is_state_ours_) {
+      PrintText("goes on after", LevelName(level_) + ", by " + state_path,
+                std::cout);
+    } else if (options_.resume) {
+      PrintText("starts from the beginning", "there is no " + state_path,
+                std::cout);
+    } else if (fs::exists(state_path)) {
+      PrintText("starts from the beginning",
+                "--resume 1 would go on by " + state_path, std::cout);
+    }
+  }
+
+  RefinedMesh Refine() {
+    const auto images = std::make_shared<ImagePyramid>(
+        input_.views, PictureReader(paths_.folder / "images", input_.views),
+        options_.MaxImageMemory());
+    const RefinementBackend backend = MakeBackend(options_, images);
+    PrintText("computed by", backend.description, std::cout);
+    if (!backend.warning.empty()) {
+      std::cout << "WARNING: " << backend.warning << "\n";
+    }
+    std::cout << std::endl;
+    const StopSignal stop_signal;
+    RefinementHooks hooks;
+    hooks.progress = progress_;
+    hooks.on_step = [this](const RefinementStep& step,
+                           const RefinedMesh& state) { OnStep(step, state); };
+    hooks.on_level = [this](int level, const RefinedMesh& state) {
+      OnLevel(level, state);
+    };
+    hooks.should_stop = [] { return StopSignal::Received() != 0; };
+    RefinedMesh refined = RefineFacetwise(
+        options_.refinement, input_.mesh, input_.attributes, input_.views,
+        input_.points, level_ - 1, backend.energy.get(), hooks);
+    signal_ = StopSignal::Received();
+    refined.report = WithEarlier(std::move(refined.report));
+    return refined;
+  }
+
+  void OnStep(const RefinementStep& step, const RefinedMesh& state) {
+    reporter_.Note(Describe(step));
+    if (options_.snapshot_interval > 0 && step.iteration > 0 &&
+        step.iteration % options_.snapshot_interval == 0) {
+      WriteColoredMesh(
+          fs::path(paths_.output)
+              .replace_extension("." + std::to_string(step.level) + "." +
+                                 std::to_string(step.iteration) + ".ply"),
+          state.mesh, state.attributes.colors);
+    }
+  }
+
+  void OnLevel(int level, const RefinedMesh& state) {
+    if (level > 0) {
+      WriteState(
+          paths_.output, identity_,
+          {level, state.mesh, state.attributes, WithEarlier(state.report)});
+      is_state_ours_ = true;
+      level_ = level;
+    }
+  }
+
+  // A report of this run, with what an interrupted one did before it.
+  RefinementReport WithEarlier(RefinementReport report) const {
+    const double seconds =
+        earlier_.steps.empty() ? 0 : earlier_.steps.back().seconds;
+    for (RefinementStep& step : report.steps) {
+      step.seconds += seconds;
+    }
+    report.steps.insert(report.steps.begin(), earlier_.steps.begin(),
+                        earlier_.steps.end());
+    report.labelings.insert(report.labelings.begin(),
+                            earlier_.labelings.begin(),
+                            earlier_.labelings.end());
+    report.num_shortened_steps += earlier_.num_shortened_steps;
+    report.num_flipped_facets += earlier_.num_flipped_facets;
+    return report;
+  }
+
+  [[noreturn]] void GiveUp(const RefinementReport& report) {
+    reporter_.Finish();
+    WriteReport(report);
+    if (!is_state_ours_) {
+      throw Interruption(signal_,
+                         "no level was complete, and nothing was written");
+    }
+    throw Interruption(signal_,
+                       "the mesh refined up to " + LevelName(level_) + " is " +
+                           LevelMeshPath(paths_.output, level_).string() +
+                           "; --resume 1 goes on from it");
+  }
+
+  void Write(const RefinedMesh& refined) {
+    Report(progress_, "Writing the mesh", 0);
+    ExpectManifold(refined.mesh);
+    WriteMesh(paths_.output, refined.mesh, refined.attributes);
+    if (is_state_ours_) {
+      RemoveState(paths_.output, level_);
+    }
+    WriteReport(refined.report);
+    if (!options_.labels_path.empty()) {
+      Report(progress_, "Drawing the labels", 0);
+      WriteLabels(options_.labels_path, options_.LabelsPicturePath(),
+                  refined.mesh, refined.labels, input_.views);
+    }
+    reporter_.Finish();
+  }
+
+  void WriteReport(const RefinementReport& report) const {
+    if (!options_.report_path.empty()) {
+      WriteText(options_.report_path, StepsCsv(report.steps));
+      WriteText(options_.PlotPath(), StepsPlot(report.steps));
+    }
+  }
+
+  void Print(const RefinedMesh& refined) const {
+    PrintReport(refined.report, Analyze(refined.mesh), std::cout);
+    PrintReport(reporter_.StageTimes(), PeakMemory(), std::cout);
+    std::cout << "\nWrote " << paths_.output.string() << " and "
+              << VisibilityPath(paths_.output).string() << std::endl;
+  }
+
+  const RefinerOptions& options_;
+  const RefinementPaths& paths_;
+  const RunIdentity identity_;
+  ProgressReporter reporter_;
+  Progress progress_;
+  RefinementInput input_;
+  RefinementReport earlier_;  // of the run that is gone on with
+  int level_ = 0;  // the last complete one; above all before the first
+  bool is_state_ours_ = false;  // the state on the disk is that of level_
+  int signal_ = 0;
+};
+
+void RefineWorkspace(const RefinerOptions& options) {
+  const RefinementPaths paths = FindRefinementPaths(options);
+  CheckOutputs(options, paths.output);
+  std::optional<tbb::global_control> max_threads;
+  if (options.num_threads > 0) {
+    max_threads.emplace(tbb::global_control::max_allowed_parallelism,
+                        options.num_threads);
+  }
+  Refiner(options, paths).Run();
+}
+
+}  // namespace
+
+int RunFacetwiseRefiner(int argc, char** argv) {
+  RefinerOptions options;
+  colmap::OptionManager manager;
+  AddRefinerOptions(&manager, &options);
+  const auto command = [&options] {
+    options.Finish();
+    RefineWorkspace(options);
+  };
+  return RunCommand(argc, argv, &manager, command, kAdvice);
+}
+
+}  // namespace colmap_ext

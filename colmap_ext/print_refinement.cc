@@ -1,0 +1,133 @@
+#include <cstdint>
+#include <optional>
+#include <ostream>
+
+#include "colmap_ext/print_lines.h"
+#include "colmap_ext/print_report.h"
+#include "colmap_ext/refinement_report.h"
+#include "colmap_ext/usable_pictures.h"
+
+namespace colmap_ext {
+
+namespace {
+
+void PrintCount(const char* label, size_t count, std::ostream& stream) {
+  Print(label, static_cast<int64_t>(count), stream);
+}
+
+void PrintRepair(const ManifoldRepair& repair, std::ostream& stream) {
+  PrintText("not manifold, so it was split", "", stream);
+  PrintIfAny("  faces dropped, vertex not finite", repair.num_invalid_facets,
+             stream);
+  PrintIfAny("  faces dropped, repeat a vertex", repair.num_degenerate_facets,
+             stream);
+  PrintIfAny("  faces dropped, there twice", repair.num_duplicate_facets,
+             stream);
+  PrintIfAny("  vertices dropped, of no face", repair.num_unused_vertices,
+             stream);
+  PrintCount("  vertices split off", repair.num_split_vertices, stream);
+  PrintIfAny("  edges split", repair.num_midpoints, stream);
+}
+
+// First and last step of each level, in their order.
+template <typename Function>
+void ForEachLevel(const std::vector<RefinementStep>& steps,
+                  const Function& function) {
+  for (size_t begin = 0; begin < steps.size();) {
+    size_t last = begin;
+    while (last + 1 < steps.size() &&
+           steps[last + 1].level == steps[begin].level) {
+      ++last;
+    }
+    function(steps[begin], steps[last]);
+    begin = last + 1;
+  }
+}
+
+void PrintLabelings(const RefinementReport& report, std::ostream& stream) {
+  PrintHeading("Labels", stream);
+  PrintText("", "         pairs  faces without        energy ->", stream);
+  for (const LabelingReport& labeling : report.labelings) {
+    PrintText(LevelName(labeling.level),
+              Format("%14.0f%15.0f", static_cast<double>(labeling.num_pairs),
+                     static_cast<double>(labeling.num_unlabeled_facets)) +
+                  Format("%14.6g -> %.6g", labeling.initial_energy,
+                         labeling.final_energy) +
+                  Format(" (>= %.6g)", labeling.lower_bound),
+              stream);
+  }
+  if (!report.labelings.empty() && !report.steps.empty() &&
+      2 * report.labelings.back().num_unlabeled_facets >
+          report.steps.back().num_facets) {
+    stream << "WARNING: no pair of images sees most of the faces; is the mesh "
+              "of another workspace, or inside out?\n";
+  }
+}
+
+void PrintLevels(const RefinementReport& report, std::ostream& stream) {
+  PrintHeading("Refinement", stream);
+  PrintText("", "    iterations         faces", stream);
+  ForEachLevel(report.steps, [&stream](const RefinementStep& first,
+                                       const RefinementStep& last) {
+    PrintText(LevelName(last.level),
+              Format("%14.0f%14.0f", last.iteration,
+                     static_cast<double>(last.num_facets)),
+              stream);
+    PrintText("  energy", Format("%14.6g -> %.6g", first.energy, last.energy),
+              stream);
+    PrintText("  mean ZNCC",
+              Format("%14.4f -> %.4f", first.mean_zncc, last.mean_zncc),
+              stream);
+  });
+  PrintCount("steps shortened", report.num_shortened_steps, stream);
+}
+
+}  // namespace
+
+std::string LevelName(int level) {
+  return level == 0 ? "full size"
+                    : "1/" + std::to_string(int64_t{1} << level) + " size";
+}
+
+std::string Describe(const RefinementStep& step) {
+  return LevelName(step.level) +
+         Format(", iteration %.0f: energy %.6g", step.iteration, step.energy) +
+         Format(", ZNCC %.4f, step %.3f px", step.mean_zncc, step.mean_step);
+}
+
+void PrintReport(const RefinementInput& input, std::ostream& stream) {
+  PrintReport(input.workspace, input.views.size(), std::nullopt, stream);
+  const std::string errors = DescribeErrors(input.views, input.picture_errors);
+  if (!errors.starts_with("0 ")) {
+    PrintText("images left out", errors, stream);
+  }
+  PrintHeading("Input mesh", stream);
+  if (input.repair) {
+    PrintRepair(*input.repair, stream);
+  }
+  PrintCount("faces", input.mesh.facets.size(), stream);
+  PrintCount("vertices", input.mesh.vertices.size(), stream);
+  PrintText("images that see them, from",
+            input.has_visibility ? "its .vis" : "the nearest fused points",
+            stream);
+  PrintText("colours, from", input.colors_from, stream);
+  if (!input.has_fused_points) {
+    PrintText("no fused.ply", "pairs of images by the mesh's vertices", stream);
+  }
+}
+
+void PrintReport(const RefinementReport& report, const MeshReport& mesh,
+                 std::ostream& stream) {
+  PrintLabelings(report, stream);
+  PrintLevels(report, stream);
+  PrintHeading("Mesh", stream);
+  PrintCount("faces", mesh.num_facets, stream);
+  PrintCount("vertices", mesh.num_vertices, stream);
+  PrintCount("components", mesh.num_components, stream);
+  PrintCount("border edges", mesh.num_border_edges, stream);
+  Print("genus", mesh.genus, stream);
+  PrintCount("flipped faces", report.num_flipped_facets, stream);
+  PrintCount("self-intersections", report.num_self_intersections, stream);
+}
+
+}  // namespace colmap_ext
