@@ -50,6 +50,7 @@ ProgressReporter::~ProgressReporter() {
 }
 
 void ProgressReporter::Update(std::string_view stage, double share) {
+  share_ = share;
   if (stage != stage_) {
     Finish();
     stage_ = stage;
@@ -96,7 +97,6 @@ void ProgressReporter::Finish() {
 }
 
 void ProgressReporter::Show(double share) {
-  share_ = share;
   const Clock::time_point now = Clock::now();
   const double elapsed = Seconds(now - stage_start_);
   char percent[16];

@@ -37,6 +37,7 @@ TEST(ProgressReporterTest, NotesHowItGoes) {
   for (const bool is_terminal : {false, true}) {
     std::ostringstream stream;
     ProgressReporter reporter(stream, is_terminal);
+    reporter.Update("First", 0);
     reporter.Update("First", 0.5);
     reporter.Note("energy -7");
     EXPECT_NE(stream.str().find(is_terminal ? "\rFirst ... 50 %, energy -7"
