@@ -30,9 +30,9 @@ struct FacetwiseRefinementOptions {
 
   RefinementSolver solver = RefinementSolver::kGaussNewton;
 
-  // Weight of the smoothness (refine/thin_plate.h) against the photometric
-  // energy.
-  double smoothness_weight = 150;
+  // Smoothness (refine/thin_plate.h), as a factor of what the roughness of the
+  // surface itself calls for: larger is smoother, 0 is none.
+  double smoothness_weight = 1;
 
   // Facets that cover more in an image of their pair are subdivided before a
   // level starts, px^2 of the level's images.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -16,6 +17,15 @@ namespace {
 int CurvatureIndex(int k, int l) {
   constexpr int kIndex[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   return kIndex[k][l];
+}
+
+// 1 or -1, as the bits of the index say when they are well mixed (Steele 2014,
+// SplitMix).
+double RandomSign(uint64_t index) {
+  uint64_t bits = index + 0x9e3779b97f4a7c15;
+  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9;
+  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111eb;
+  return (bits >> 63) != 0 ? 1 : -1;
 }
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -109,8 +119,10 @@ void NormalEquations::AddSmoothness() {
 }
 
 void NormalEquations::Multiply(const std::vector<double>& in,
-                               std::vector<double>* bent,
+                               bool is_smoothness_only,
                                std::vector<double>* out) const {
+  std::vector<double> bent(in.size());
+  const double share = is_smoothness_only ? 0 : 1;
   const tbb::blocked_range<size_t> all(0, in.size(), 4096);
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
@@ -122,17 +134,17 @@ void NormalEquations::Multiply(const std::vector<double>& in,
         photometric += photometric_[row + k] * in[ring[k]];
         mean += outgoing_[row + k] * in[ring[k]];
       }
-      (*out)[i] = photometric;
-      (*bent)[i] = plate_.coefficients[i] * (mean - in[i]);
+      (*out)[i] = share * photometric;
+      bent[i] = plate_.coefficients[i] * (mean - in[i]);
     }
   });
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = rings_.Neighbors(i);
       const size_t row = ring.data() - rings_.neighbors.data();
-      double sum = -(*bent)[i];
+      double sum = -bent[i];
       for (size_t k = 0; k < ring.size(); ++k) {
-        sum += incoming_[row + k] * (*bent)[ring[k]];
+        sum += incoming_[row + k] * bent[ring[k]];
       }
       (*out)[i] += sum;
     }
@@ -141,22 +153,43 @@ void NormalEquations::Multiply(const std::vector<double>& in,
 
 std::vector<double> NormalEquations::Solve(double tolerance,
                                            int max_iterations) const {
+  std::vector<double> descent(gradient_.size());
+  for (size_t i = 0; i < descent.size(); ++i) {
+    descent[i] = -gradient_[i];
+  }
+  return Solve(std::move(descent), tolerance, max_iterations);
+}
+
+double NormalEquations::NumDetermined(double tolerance,
+                                      int max_iterations) const {
+  std::vector<double> signs(gradient_.size());
+  for (size_t i = 0; i < signs.size(); ++i) {
+    signs[i] = RandomSign(i);
+  }
+  std::vector<double> image(signs.size());
+  Multiply(signs, true, &image);
+  const double trace =
+      Dot(signs, Solve(std::move(image), tolerance, max_iterations));
+  size_t num_movable = 0;
+  for (const double diagonal : diagonal_) {
+    num_movable += diagonal > 0 ? 1 : 0;
+  }
+  return std::max(static_cast<double>(num_movable) - trace, 0.0);
+}
+
+std::vector<double> NormalEquations::Solve(std::vector<double> right_hand_side,
+                                           double tolerance,
+                                           int max_iterations) const {
   const size_t size = gradient_.size();
   std::vector<double> solution(size, 0);
-  std::vector<double> residual(size);
+  std::vector<double> residual = std::move(right_hand_side);
   std::vector<double> preconditioned(size);
   std::vector<double> image(size);
-  std::vector<double> bent(size);
-  // An upper bound on the curvature of the diagonal keeps what nothing
-  // determines where it is.
   const auto precondition = [&] {
     tbb::parallel_for(size_t{0}, size, [&](size_t i) {
       preconditioned[i] = diagonal_[i] > 0 ? residual[i] / diagonal_[i] : 0.0;
     });
   };
-  for (size_t i = 0; i < size; ++i) {
-    residual[i] = -gradient_[i];
-  }
   precondition();
   std::vector<double> direction = preconditioned;
   double product = Dot(residual, preconditioned);
@@ -165,7 +198,7 @@ std::vector<double> NormalEquations::Solve(double tolerance,
     if (!(product > tolerance * tolerance * first)) {
       break;
     }
-    Multiply(direction, &bent, &image);
+    Multiply(direction, false, &image);
     const double curvature = Dot(direction, image);
     if (!(curvature > 0)) {
       break;

@@ -33,13 +33,24 @@ class NormalEquations {
   // units. Where nothing says anything, 0.
   std::vector<double> Solve(double tolerance, int max_iterations) const;
 
+  // How many of the vertices' positions the images determine, rather than the
+  // smoothness (MacKay 1992): V minus the trace of matrix^-1 times the
+  // smoothness' part of the matrix, estimated from one vector of random signs
+  // (Hutchinson 1990).
+  double NumDetermined(double tolerance, int max_iterations) const;
+
  private:
   void AddPhotometric(const TriangleMesh& mesh, const PhotometricTerms& terms);
   void AddSmoothness();
 
-  // out = matrix * in, all [V].
-  void Multiply(const std::vector<double>& in, std::vector<double>* bent,
+  // out = matrix * in, all [V]; of the smoothness' part alone where
+  // `is_smoothness_only`.
+  void Multiply(const std::vector<double>& in, bool is_smoothness_only,
                 std::vector<double>* out) const;
+
+  // matrix^-1 * right_hand_side
+  std::vector<double> Solve(std::vector<double> right_hand_side,
+                            double tolerance, int max_iterations) const;
 
   const std::vector<Eigen::Vector3f>& normals_;
   const VertexRings& rings_;
