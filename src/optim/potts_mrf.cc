@@ -298,7 +298,7 @@ double PottsEnergy(const PottsProblem& problem,
 
 PottsSolution SolvePotts(const PottsProblem& problem, double max_gap,
                          int max_iterations) {
-  constexpr double kMinRise = 1e-4;  // of the bound, from pass to pass
+  constexpr double kMinRise = 2e-4;  // of the bound, from pass to pass
   PottsSolution solution;
   solution.choices = CheapestLabels(problem);
   solution.initial_energy = PottsEnergy(problem, solution.choices);
