@@ -19,9 +19,11 @@ layout(binding = 1) uniform usampler2D image_i;
 layout(binding = 2) uniform usampler2D facets_j;
 layout(binding = 3) uniform usampler2D image_j;
 layout(binding = 4) uniform sampler2D depths_j;  // inverse, scaled
+layout(binding = 5) uniform sampler2D depths_i;
 
-// I_i, I_ij, inverse depth in i, motion: the derivative of I_ij by the distance
-// that the surface moves along its normal. An inverse depth of 0: not valid.
+// I_i, I_ij, inverse depth drawn in i, motion: the derivative of I_ij by the
+// distance that the surface moves along its normal. An inverse depth of 0: not
+// valid.
 layout(binding = 0, rgba32f) writeonly uniform image2D warped;
 
 uniform ivec2 size_i;  // px
@@ -33,6 +35,7 @@ uniform dvec3 epipole;               // of camera i in j, homogeneous
 uniform dvec3 i_from_j;              // between the centres, world frame
 uniform mat3 rotation_j;             // camera j from world
 uniform vec2 focal_j;                // px
+uniform float depth_scale_i;
 uniform float depth_scale_j;
 
 const uint kNoFacet = 0xffffffffu;
@@ -95,7 +98,7 @@ dvec3 Corner(uint facet) {  // relative to camera i
          center_i;
 }
 
-// I_ij, inverse depth, motion. In double precision up to the pixel in j: the
+// I_ij, inverse depth drawn in i, motion. In double precision up to the pixel in j: the
 // derivative by it jumps from pixel to pixel.
 vec3 Warp(ivec2 pixel_i) {
   uint facet = texelFetch(facets_i, pixel_i, 0).x;
@@ -128,7 +131,8 @@ vec3 Warp(ivec2 pixel_i) {
   vec3 sampled = SampleJ(pixel_j);
   vec2 shift = vec2((ray_in_j.xy - pixel_j * ray_in_j.z) / (p.z * distance_i));
   float motion = dot(sampled.yz, shift);
-  return vec3(sampled.x, float(inverse_depth), motion);
+  float drawn = texelFetch(depths_i, pixel_i, 0).x / depth_scale_i;
+  return vec3(sampled.x, drawn, motion);
 }
 
 void main() {

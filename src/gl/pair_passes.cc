@@ -136,12 +136,14 @@ void PairPasses::Warp(const PairDirection& direction) {
   warp_.Set("rotation_j",
             Eigen::Matrix3f(j.cam_from_world_rotation.cast<float>()));
   warp_.Set("focal_j", Eigen::Vector2f(j.fx, j.fy));
+  warp_.Set("depth_scale_i", direction.textures_i.drawn.depth_scale);
   warp_.Set("depth_scale_j", direction.textures_j.drawn.depth_scale);
   direction.textures_i.drawn.facets.BindToSampler(0);
   direction.textures_i.image.BindToSampler(1);
   direction.textures_j.drawn.facets.BindToSampler(2);
   direction.textures_j.image.BindToSampler(3);
   direction.textures_j.drawn.depths.BindToSampler(4);
+  direction.textures_i.drawn.depths.BindToSampler(5);
   direction.textures_i.drawn.facing.BindToStorage(kFacingI);
   direction.textures_j.drawn.facing.BindToStorage(kFacingJ);
   planes_->warped.BindToImage(0, GL_WRITE_ONLY);

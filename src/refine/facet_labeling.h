@@ -18,7 +18,7 @@ enum class PairSelection {
 
 struct FacetLabelingOptions {
   PairSelection pair_selection = PairSelection::kFacetwise;
-  int pairs_per_facet = 4;  // 1 is the paper's
+  int pairs_per_facet = 4;                   // 1 is the paper's
   double potts_weight = 2.1972245773362196;  // log 9
 };
 

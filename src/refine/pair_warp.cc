@@ -167,7 +167,9 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
       tile->image[at] = i_.image.Row(image_row)[image_col];
       tile->warped[at] = sample.value;
       tile->is_valid[at] = 1;
-      tile->inverse_depths[at] = static_cast<float>(inverse_depth);
+      // As drawn, so that no mask changes as the surface moves.
+      tile->inverse_depths[at] =
+          i_.drawn.inverse_depths[i_.drawn.Index(image_row, image_col)];
     }
   }
 }

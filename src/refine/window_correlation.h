@@ -19,7 +19,7 @@ struct CorrelationTile {
   std::vector<float> image;           // I_i, grey values
   std::vector<float> warped;          // I_ij
   std::vector<float> is_valid;        // 1 where I_ij is known, else 0
-  std::vector<float> inverse_depths;  // in i; where it is valid
+  std::vector<float> inverse_depths;  // drawn in i; where it is valid
   std::vector<uint8_t> is_center;     // 1: windows whose energy counts; 0 in
                                       // the margins
 

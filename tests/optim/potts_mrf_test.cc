@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "optim/potts_mrf.h"
+
+namespace colmap_ext {
+namespace {
+
+using Edges = std::vector<std::array<uint32_t, 2>>;
+
+// Every node gets each of `num_labels` labels with the given probability.
+PottsProblem RandomProblem(uint32_t num_nodes, const Edges& edges,
+                           uint32_t num_labels, double probability,
+                           double weight, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform;
+  PottsProblem problem;
+  problem.weight = weight;
+  problem.neighbors.assign(num_nodes, {UINT32_MAX, UINT32_MAX, UINT32_MAX});
+  for (const auto& [a, b] : edges) {
+    *std::find(problem.neighbors[a].begin(), problem.neighbors[a].end(),
+               UINT32_MAX) = b;
+    *std::find(problem.neighbors[b].begin(), problem.neighbors[b].end(),
+               UINT32_MAX) = a;
+  }
+  for (uint32_t node = 0; node < num_nodes; ++node) {
+    for (uint32_t label = 0; label < num_labels; ++label) {
+      if (uniform(random) < probability) {
+        problem.labels.push_back(label);
+        problem.costs.push_back(3 * uniform(random));
+      }
+    }
+    problem.offsets.push_back(problem.labels.size());
+  }
+  return problem;
+}
+
+// A prism: two rings and what joins them; every node has three neighbors.
+Edges Prism(uint32_t size) {
+  Edges edges;
+  for (uint32_t i = 0; i < size; ++i) {
+    edges.push_back({i, (i + 1) % size});
+    edges.push_back({size + i, size + (i + 1) % size});
+    edges.push_back({i, size + i});
+  }
+  return edges;
+}
+
+Edges Chain(uint32_t size) {
+  Edges edges;
+  for (uint32_t i = 0; i + 1 < size; ++i) {
+    edges.push_back({i, i + 1});
+  }
+  return edges;
+}
+
+// The least energy of all choices.
+double BruteForce(const PottsProblem& problem) {
+  std::vector<uint32_t> choices(problem.NumNodes(), 0);
+  const auto count = [&](size_t node) {
+    return static_cast<uint32_t>(problem.offsets[node + 1] -
+                                 problem.offsets[node]);
+  };
+  for (size_t i = 0; i < choices.size(); ++i) {
+    choices[i] = count(i) == 0 ? kNoChoice : 0;
+  }
+  double least = INFINITY;
+  while (true) {
+    least = std::min(least, PottsEnergy(problem, choices));
+    size_t node = 0;
+    while (node < choices.size() &&
+           (choices[node] == kNoChoice || ++choices[node] == count(node))) {
+      choices[node] = choices[node] == kNoChoice ? kNoChoice : 0;
+      ++node;
+    }
+    if (node == choices.size()) {
+      return least;
+    }
+  }
+}
+
+TEST(SolvePotts, ComesCloseToTheLeastEnergy) {
+  int num_exact = 0;
+  for (uint32_t seed = 0; seed < 40; ++seed) {
+    const PottsProblem problem =
+        RandomProblem(8, Prism(4), 4, 0.7, 0.1 + 0.05 * seed, seed);
+    const PottsSolution solution = SolvePotts(problem, 0, 50);
+    const double least = BruteForce(problem);
+    EXPECT_GE(solution.energy, least - 1e-5);
+    EXPECT_LE(solution.energy, 1.1 * least + 1e-5) << seed;
+    EXPECT_LE(solution.lower_bound, least + 1e-4) << seed;
+    num_exact += solution.energy < least + 1e-5 ? 1 : 0;
+  }
+  EXPECT_GE(num_exact, 30);
+}
+
+TEST(SolvePotts, IsExactOnChains) {
+  for (uint32_t seed = 0; seed < 20; ++seed) {
+    const PottsProblem problem = RandomProblem(8, Chain(8), 4, 0.8, 0.6, seed);
+    const PottsSolution solution = SolvePotts(problem, 0, 50);
+    EXPECT_NEAR(solution.energy, BruteForce(problem), 1e-4) << seed;
+  }
+}
+
+TEST(SolvePotts, ReportsItsEnergies) {
+  for (const double weight : {0.0, 0.3, 2.2}) {
+    const PottsProblem problem =
+        RandomProblem(4000, Prism(2000), 50, 0.3, weight, 7);
+    const PottsSolution solution = SolvePotts(problem);
+    EXPECT_DOUBLE_EQ(solution.energy, PottsEnergy(problem, solution.choices));
+    EXPECT_LE(solution.energy, solution.initial_energy);
+    EXPECT_LE(solution.lower_bound, solution.energy * (1 + 1e-6));
+    EXPECT_GT(solution.lower_bound, 0);
+    EXPECT_EQ(SolvePotts(problem).choices, solution.choices);
+  }
+}
+
+TEST(SolvePotts, TakesTheCheapestLabelsWhereNeighborsDoNotMatter) {
+  const PottsProblem problem = RandomProblem(200, Prism(100), 9, 0.5, 0, 3);
+  const PottsSolution solution = SolvePotts(problem);
+  EXPECT_NEAR(solution.energy, solution.initial_energy, 1e-4);
+}
+
+TEST(SolvePotts, TakesOneLabelWhereNeighborsAreAll) {
+  const PottsProblem problem = RandomProblem(200, Prism(100), 9, 1, 1e3, 3);
+  const PottsSolution solution = SolvePotts(problem);
+  EXPECT_EQ(std::count(solution.choices.begin(), solution.choices.end(),
+                       solution.choices[0]),
+            200);
+}
+
+TEST(SolvePotts, LeavesNodesWithoutLabelsOut) {
+  PottsProblem problem;
+  problem.neighbors = {{1, UINT32_MAX, UINT32_MAX},
+                       {0, 2, UINT32_MAX},
+                       {1, UINT32_MAX, UINT32_MAX}};
+  problem.offsets = {0, 2, 2, 3};
+  problem.labels = {4, 8, 8};
+  problem.costs = {1, 2, 3};
+  problem.weight = 100;
+  const PottsSolution solution = SolvePotts(problem);
+  EXPECT_EQ(solution.choices, (std::vector<uint32_t>{0, kNoChoice, 0}));
+  EXPECT_DOUBLE_EQ(solution.energy, 4);
+}
+
+TEST(SolvePotts, SolvesNothing) { EXPECT_TRUE(SolvePotts({}).choices.empty()); }
+
+}  // namespace
+}  // namespace colmap_ext

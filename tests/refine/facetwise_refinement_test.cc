@@ -1,0 +1,233 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "mesh/bvh.h"
+#include "mesh/topology.h"
+#include "refine/cpu_photometric_energy.h"
+#include "refine/facetwise_refinement.h"
+#include "tests/refine/refinement_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+const RefinementScene& Scene() {
+  static const RefinementScene scene = MakeRefinementScene();
+  return scene;
+}
+
+// The truth moved along its normals by smooth waves of a pixel.
+TriangleMesh PerturbedTruth() {
+  const synthetic::Scene& scene = Scene().dense.scene;
+  TriangleMesh mesh = scene.surface;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3f wave =
+        (mesh.vertices[i] / (6 * scene.footprint)).array().sin();
+    mesh.vertices[i] += scene.footprint * wave.sum() * scene.normals[i];
+  }
+  return mesh;
+}
+
+VertexAttributes NoAttributes(const TriangleMesh& mesh) {
+  VertexAttributes attributes;
+  attributes.view_offsets.assign(mesh.vertices.size() + 1, 0);
+  return attributes;
+}
+
+FacetwiseRefinementOptions SmallOptions() {
+  FacetwiseRefinementOptions options;
+  options.levels = 2;
+  options.iterations = 6;
+  return options;
+}
+
+// By the pictures of `scene`, whatever the views' scale.
+RefinedMesh Refine(const FacetwiseRefinementOptions& options,
+                   const TriangleMesh& mesh, const VertexAttributes& attributes,
+                   int first_level, const RefinementHooks& hooks = {},
+                   double scale = 1) {
+  std::vector<View> views = Scene().Views();
+  PointCloud points = Scene().dense.fused.cloud;
+  TriangleMesh scaled = mesh;
+  for (View& view : views) {
+    view.cam_from_world_translation *= scale;
+  }
+  for (Eigen::Vector3f& vertex : scaled.vertices) {
+    vertex *= static_cast<float>(scale);
+  }
+  const auto images = std::make_shared<ImagePyramid>(
+      views, [](size_t view) { return Scene().images[view]; }, SIZE_MAX);
+  const auto energy =
+      MakeCpuPhotometricEnergy(options.photometric, images, SIZE_MAX);
+  return RefineFacetwise(options, scaled, attributes, views, points,
+                         first_level, energy.get(), hooks);
+}
+
+// From the vertices that some view sees to the truth, px, median.
+double MedianError(const TriangleMesh& mesh) {
+  const Bvh truth(Scene().Truth());
+  const FacetVisibility visibility =
+      FindVisibleFacets({}, mesh, Scene().Views());
+  std::vector<double> errors;
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    if (visibility.Views(i).size() >= 2) {
+      const auto [a, b, c] = mesh.facets[i];
+      errors.push_back(truth.Distance(
+          (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3, 1));
+    }
+  }
+  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2,
+                   errors.end());
+  return errors[errors.size() / 2] / Scene().dense.scene.footprint;
+}
+
+void ExpectSameMesh(const TriangleMesh& a, const TriangleMesh& b) {
+  EXPECT_EQ(a.facets, b.facets);
+  ASSERT_EQ(a.vertices.size(), b.vertices.size());
+  for (size_t i = 0; i < a.vertices.size(); ++i) {
+    ASSERT_EQ(a.vertices[i], b.vertices[i]) << i;
+  }
+}
+
+TEST(RefineFacetwise, FindsTheTruthAgain) {
+  const TriangleMesh mesh = PerturbedTruth();
+  const RefinedMesh refined =
+      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1);
+  EXPECT_LT(MedianError(refined.mesh), 0.35 * MedianError(mesh));
+}
+
+TEST(RefineFacetwise, StaysNearTheTruth) {
+  const TriangleMesh& mesh = Scene().Truth();
+  const RefinedMesh refined =
+      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1);
+  EXPECT_LT(MedianError(refined.mesh), 0.2);
+}
+
+TEST(RefineFacetwise, FindsTheTruthByDescentToo) {
+  FacetwiseRefinementOptions options = SmallOptions();
+  options.solver = RefinementSolver::kDescent;
+  options.iterations = 12;
+  const TriangleMesh mesh = PerturbedTruth();
+  const RefinedMesh refined = Refine(options, mesh, NoAttributes(mesh), 1);
+  EXPECT_LT(MedianError(refined.mesh), 0.6 * MedianError(mesh));
+}
+
+TEST(RefineFacetwise, KeepsTheTopology) {
+  const TriangleMesh mesh = PerturbedTruth();
+  FacetwiseRefinementOptions options = SmallOptions();
+  options.max_face_area = 3;
+  const RefinedMesh refined = Refine(options, mesh, NoAttributes(mesh), 1);
+  EXPECT_GT(refined.mesh.facets.size(), mesh.facets.size());
+  const MeshReport before = Analyze(mesh);
+  const MeshReport after = Analyze(refined.mesh);
+  EXPECT_TRUE(after.IsManifold()) << after.Defects();
+  EXPECT_EQ(after.num_components, before.num_components);
+  EXPECT_EQ(after.euler, before.euler);
+  EXPECT_EQ(after.num_border_loops, before.num_border_loops);
+  EXPECT_EQ(refined.attributes.view_offsets.size(),
+            refined.mesh.vertices.size() + 1);
+  EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());
+}
+
+TEST(RefineFacetwise, LowersTheEnergyFromStepToStep) {
+  const TriangleMesh mesh = PerturbedTruth();
+  FacetwiseRefinementOptions options = SmallOptions();
+  options.levels = 1;
+  const RefinedMesh refined = Refine(options, mesh, NoAttributes(mesh), 0);
+  const std::vector<RefinementStep>& steps = refined.report.steps;
+  ASSERT_GE(steps.size(), 3);
+  EXPECT_LT(steps.back().photometric_energy, steps.front().photometric_energy);
+  EXPECT_GT(steps.back().mean_zncc, steps.front().mean_zncc);
+  for (size_t i = 0; i < steps.size(); ++i) {
+    EXPECT_EQ(steps[i].iteration, i);
+    EXPECT_EQ(steps[i].level, 0);
+  }
+}
+
+TEST(RefineFacetwise, DoesNotDependOnThreads) {
+  const TriangleMesh mesh = PerturbedTruth();
+  std::vector<RefinedMesh> results;
+  for (const int num_threads : {1, 2, 3}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    results.push_back(Refine(SmallOptions(), mesh, NoAttributes(mesh), 1));
+  }
+  ExpectSameMesh(results[1].mesh, results[0].mesh);
+  ExpectSameMesh(results[2].mesh, results[0].mesh);
+}
+
+TEST(RefineFacetwise, ScalesWithTheScene) {
+  const TriangleMesh mesh = PerturbedTruth();
+  const RefinedMesh refined =
+      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1);
+  for (const double scale : {1024.0, 1 / 1024.0}) {
+    TriangleMesh scaled =
+        Refine(SmallOptions(), mesh, NoAttributes(mesh), 1, {}, scale).mesh;
+    for (Eigen::Vector3f& vertex : scaled.vertices) {
+      vertex /= static_cast<float>(scale);
+    }
+    ExpectSameMesh(scaled, refined.mesh);
+  }
+}
+
+TEST(RefineFacetwise, GoesOnFromACompleteLevel) {
+  const TriangleMesh mesh = PerturbedTruth();
+  RefinedMesh first;
+  RefinementHooks hooks;
+  hooks.on_level = [&](int level, const RefinedMesh& state) {
+    if (level == 1) {
+      first = state;
+    }
+  };
+  const RefinedMesh refined =
+      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1, hooks);
+  const RefinedMesh resumed =
+      Refine(SmallOptions(), first.mesh, first.attributes, 0);
+  ExpectSameMesh(resumed.mesh, refined.mesh);
+}
+
+TEST(RefineFacetwise, StopsWithTheLastCompleteLevel) {
+  const TriangleMesh mesh = PerturbedTruth();
+  TriangleMesh complete;
+  bool is_last = false;
+  RefinementHooks hooks;
+  hooks.on_level = [&](int level, const RefinedMesh& state) {
+    EXPECT_EQ(level, 1);
+    complete = state.mesh;
+    is_last = true;
+  };
+  hooks.should_stop = [&] { return is_last; };
+  const RefinedMesh stopped =
+      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1, hooks);
+  EXPECT_TRUE(stopped.report.is_stopped);
+  ASSERT_FALSE(complete.vertices.empty());
+  ExpectSameMesh(stopped.mesh, complete);
+}
+
+TEST(FacetwiseRefinementOptions, ChecksThem) {
+  EXPECT_EQ(FacetwiseRefinementOptions().Check(), "");
+  const auto expect_refused = [](const auto& change, const std::string& name) {
+    FacetwiseRefinementOptions options;
+    change(&options);
+    EXPECT_NE(options.Check().find(name), std::string::npos) << name;
+  };
+  expect_refused([](auto* options) { options->levels = 0; }, "levels");
+  expect_refused([](auto* options) { options->iterations = 0; }, "iterations");
+  expect_refused([](auto* options) { options->smoothness_weight = -1; },
+                 "smoothness_weight");
+  expect_refused([](auto* options) { options->max_face_area = 0; },
+                 "max_face_area");
+  expect_refused([](auto* options) { options->pairs_per_image = 0; },
+                 "pairs_per_image");
+  expect_refused([](auto* options) { options->labeling.pairs_per_facet = 0; },
+                 "pairs_per_facet");
+  expect_refused([](auto* options) { options->labeling.potts_weight = -1; },
+                 "potts_weight");
+}
+
+}  // namespace
+}  // namespace colmap_ext
