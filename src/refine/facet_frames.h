@@ -24,6 +24,9 @@ struct FacetFrame {
   }
 };
 
+FacetFrame ComputeFacetFrame(const TriangleMesh& mesh, const Facet& facet);
+
+// [F]
 std::vector<FacetFrame> ComputeFacetFrames(const TriangleMesh& mesh);
 
 }  // namespace colmap_ext

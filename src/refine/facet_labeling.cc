@@ -62,7 +62,6 @@ class CandidateFinder {
                   const std::vector<View>& views, PairSelection selection)
       : selection_(selection),
         mesh_(mesh),
-        frames_(ComputeFacetFrames(mesh)),
         views_(views),
         attributes_(attributes),
         pairs_(pairs),
@@ -126,12 +125,13 @@ class CandidateFinder {
 
  private:
   void AddInformation(size_t facet, std::vector<Candidate>* candidates) const {
+    const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
     std::vector<double> information;
     double most = 0;
     for (const Candidate& candidate : *candidates) {
       const auto& [a, b] = pairs_[candidate.label];
-      information.push_back(Information(frames_[facet], views_[a], views_[b]) +
-                            Information(frames_[facet], views_[b], views_[a]));
+      information.push_back(Information(frame, views_[a], views_[b]) +
+                            Information(frame, views_[b], views_[a]));
       most = std::max(most, information.back());
     }
     for (size_t i = 0; i < candidates->size(); ++i) {
@@ -144,7 +144,6 @@ class CandidateFinder {
 
   PairSelection selection_;
   const TriangleMesh& mesh_;
-  std::vector<FacetFrame> frames_;
   const std::vector<View>& views_;
   const VertexAttributes& attributes_;
   const std::vector<ViewPair>& pairs_;
@@ -170,36 +169,28 @@ std::vector<std::array<uint32_t, 3>> FacetNeighbors(
   return neighbors;
 }
 
+// Candidates are found twice, to be counted and to be written: there are many.
 PottsProblem MakeProblem(const CandidateFinder& finder,
                          const TriangleMesh& mesh, double weight) {
   PottsProblem problem;
   const size_t num_facets = mesh.facets.size();
-  constexpr size_t kBlock = 4096;
-  const size_t num_blocks = (num_facets + kBlock - 1) / kBlock;
-  struct Block {
-    std::vector<uint32_t> counts;
-    std::vector<Candidate> candidates;
-  };
-  std::vector<Block> blocks(num_blocks);
-  tbb::parallel_for(size_t{0}, num_blocks, [&](size_t i) {
-    const size_t end = std::min((i + 1) * kBlock, num_facets);
-    for (size_t facet = i * kBlock; facet < end; ++facet) {
-      const std::vector<Candidate> found = finder.Find(facet);
-      blocks[i].counts.push_back(static_cast<uint32_t>(found.size()));
-      blocks[i].candidates.insert(blocks[i].candidates.end(), found.begin(),
-                                  found.end());
+  problem.offsets.assign(num_facets + 1, 0);
+  tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
+    problem.offsets[i + 1] = finder.Find(i).size();
+  });
+  for (size_t i = 0; i < num_facets; ++i) {
+    problem.offsets[i + 1] += problem.offsets[i];
+  }
+  problem.labels.resize(problem.offsets.back());
+  problem.costs.resize(problem.offsets.back());
+  tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
+    uint64_t at = problem.offsets[i];
+    for (const Candidate& candidate : finder.Find(i)) {
+      problem.labels[at] = candidate.label;
+      problem.costs[at] = candidate.cost;
+      ++at;
     }
   });
-  for (Block& block : blocks) {
-    for (const uint32_t count : block.counts) {
-      problem.offsets.push_back(problem.offsets.back() + count);
-    }
-    for (const Candidate& candidate : block.candidates) {
-      problem.labels.push_back(candidate.label);
-      problem.costs.push_back(candidate.cost);
-    }
-    block = {};
-  }
   problem.neighbors = FacetNeighbors(mesh.facets);
   problem.weight = weight;
   return problem;

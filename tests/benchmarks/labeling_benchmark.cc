@@ -1,0 +1,148 @@
+// The labelling of a sphere of a million facets by the pairs of 50 cameras
+// around it: time, peak memory, and how far the energy is above its lower
+// bound.
+
+#include <sys/resource.h>
+
+#include <cmath>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <Eigen/Geometry>
+
+#include "refine/facet_labeling.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr int kNumViews = 50;
+constexpr int kNumPairs = 100;
+
+// Points spread evenly over the unit sphere.
+Eigen::Vector3d SpiralPoint(int i, int count) {
+  const double z = 1 - (2 * i + 1.0) / count;
+  const double angle = i * M_PI * (3 - std::sqrt(5.0));
+  const double radius = std::sqrt(1 - z * z);
+  return {radius * std::cos(angle), radius * std::sin(angle), z};
+}
+
+TriangleMesh Sphere(uint32_t rings) {
+  const uint32_t sectors = 2 * rings;
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i <= rings; ++i) {
+    for (uint32_t k = 0; k < sectors; ++k) {
+      const double polar = M_PI * (i + 0.5) / (rings + 1);
+      const double angle = 2 * M_PI * k / sectors;
+      mesh.vertices.emplace_back(std::sin(polar) * std::cos(angle),
+                                 std::sin(polar) * std::sin(angle),
+                                 std::cos(polar));
+    }
+  }
+  for (uint32_t i = 0; i < rings; ++i) {
+    for (uint32_t k = 0; k < sectors; ++k) {
+      const uint32_t a = i * sectors + k;
+      const uint32_t b = i * sectors + (k + 1) % sectors;
+      mesh.facets.push_back({a, a + sectors, b});
+      mesh.facets.push_back({b, a + sectors, b + sectors});
+    }
+  }
+  return mesh;
+}
+
+struct LabeledSphere {
+  LabeledSphere() : mesh(Sphere(708)) {  // 1,002,528 facets
+    for (int i = 0; i < kNumViews; ++i) {
+      View view;
+      const Eigen::Vector3d center = 4 * SpiralPoint(i, kNumViews);
+      view.cam_from_world_rotation =
+          Eigen::Quaterniond::FromTwoVectors(-center, Eigen::Vector3d::UnitZ())
+              .toRotationMatrix();
+      view.cam_from_world_translation = -view.cam_from_world_rotation * center;
+      view.fx = view.fy = 1000;
+      views.push_back(view);
+    }
+    FindPairs();
+    // What looks less than 73 degrees away from a camera is seen by it.
+    attributes.view_offsets = {0};
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+      AddViews(vertex.cast<double>(), &attributes.view_indices);
+      attributes.view_offsets.push_back(attributes.view_indices.size());
+    }
+    for (const auto& [a, b, c] : mesh.facets) {
+      AddViews((mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c])
+                   .cast<double>()
+                   .normalized(),
+               &visibility.views);
+      visibility.offsets.push_back(visibility.views.size());
+    }
+  }
+
+  // The closest ones.
+  void FindPairs() {
+    std::vector<std::pair<double, ViewPair>> all;
+    for (uint32_t a = 0; a < kNumViews; ++a) {
+      for (uint32_t b = a + 1; b < kNumViews; ++b) {
+        all.push_back({(views[a].Center() - views[b].Center()).norm(), {a, b}});
+      }
+    }
+    std::sort(all.begin(), all.end(),
+              [](const auto& x, const auto& y) { return x.first < y.first; });
+    all.resize(kNumPairs);
+    for (const auto& [distance, pair] : all) {
+      pairs.push_back(pair);
+    }
+    std::sort(
+        pairs.begin(), pairs.end(), [](const ViewPair& x, const ViewPair& y) {
+          return std::pair(x.first, x.second) < std::pair(y.first, y.second);
+        });
+  }
+
+  void AddViews(const Eigen::Vector3d& point, std::vector<uint32_t>* to) const {
+    for (uint32_t i = 0; i < kNumViews; ++i) {
+      if ((views[i].Center() - point).normalized().dot(point) > 0.3) {
+        to->push_back(i);
+      }
+    }
+  }
+
+  TriangleMesh mesh;
+  std::vector<View> views;
+  std::vector<ViewPair> pairs;
+  VertexAttributes attributes;
+  FacetVisibility visibility;
+};
+
+// Peak of this process, MB.
+double PeakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+void LabelSphere(benchmark::State& state) {
+  const LabeledSphere sphere;
+  FacetLabelingOptions options;
+  options.pairs_per_facet = static_cast<int>(state.range(0));
+  const double memory_before = PeakMemory();
+  FacetLabeling labeling;
+  for (auto _ : state) {
+    labeling = LabelFacets(options, sphere.mesh, sphere.attributes,
+                           sphere.pairs, sphere.visibility, sphere.views);
+  }
+  state.counters["memory_MB"] = PeakMemory() - memory_before;
+  state.counters["gap_percent"] =
+      100 * (labeling.final_energy / labeling.lower_bound - 1);
+  state.counters["initial_over_final"] =
+      labeling.initial_energy / labeling.final_energy;
+  options.pair_selection = PairSelection::kClassical;
+  state.counters["candidates"] =
+      static_cast<double>(LabelFacets(options, sphere.mesh, sphere.attributes,
+                                      sphere.pairs, sphere.visibility,
+                                      sphere.views)
+                              .labels.labels.size()) /
+      static_cast<double>(sphere.mesh.facets.size());
+}
+BENCHMARK(LabelSphere)->Arg(1)->Arg(4)->Unit(benchmark::kSecond)->Iterations(1);
+
+}  // namespace
+}  // namespace colmap_ext
