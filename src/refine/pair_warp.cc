@@ -9,16 +9,6 @@ namespace colmap_ext {
 
 namespace {
 
-Eigen::Matrix3d Calibration(const View& view) {
-  Eigen::Matrix3d matrix;
-  matrix << view.fx, 0, view.cx, 0, view.fy, view.cy, 0, 0, 1;
-  return matrix;
-}
-
-Eigen::Matrix3d RayFromPixel(const View& view) {
-  return view.cam_from_world_rotation.transpose() * Calibration(view).inverse();
-}
-
 // Weights of the four samples around a point a fraction `x` behind the second
 // one, and their derivatives (Catmull and Rom 1974).
 struct CubicWeights {
@@ -76,10 +66,9 @@ PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
       j_(j),
       frames_(frames),
       center_i_(i.view.Center()),
-      ray_from_pixel_i_(RayFromPixel(i.view)),
-      pixel_j_from_pixel_i_(Calibration(j.view) *
-                            j.view.cam_from_world_rotation * ray_from_pixel_i_),
-      epipole_(Calibration(j.view) * j.view.CamFromWorld(center_i_)) {}
+      ray_from_pixel_i_(i.view.RayFromPixel()),
+      pixel_j_from_pixel_i_(j.view.PixelFromRay() * ray_from_pixel_i_),
+      epipole_(j.view.PixelFromRay() * (center_i_ - j.view.Center())) {}
 
 Eigen::Vector3d PairWarp::Point(const FacetFrame& frame, int row,
                                 int col) const {
