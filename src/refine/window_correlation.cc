@@ -71,6 +71,7 @@ inline WindowCorrelation::Window WindowCorrelation::Correlate(
   return window;
 }
 
+// Of the part of each pixel's window that lies on the tile.
 void WindowCorrelation::BoxSum(const std::vector<float>& in,
                                const CorrelationTile& tile,
                                std::vector<float>* out) {
@@ -78,17 +79,19 @@ void WindowCorrelation::BoxSum(const std::vector<float>& in,
   const int width = tile.width;
   out->assign(in.size(), 0);
   rows_.assign(in.size(), 0);
-  for (int row = radius; row < tile.height - radius; ++row) {
+  for (int row = 0; row < tile.height; ++row) {
     float* sum = rows_.data() + tile.Index(row, 0);
-    for (int k = -radius; k <= radius; ++k) {
-      const float* from = in.data() + tile.Index(row + k, 0);
+    const int first = std::max(row - radius, 0);
+    const int last = std::min(row + radius, tile.height - 1);
+    for (int other = first; other <= last; ++other) {
+      const float* from = in.data() + tile.Index(other, 0);
       for (int col = 0; col < width; ++col) {
         sum[col] += from[col];
       }
     }
     float* to = out->data() + tile.Index(row, 0);
     for (int k = -radius; k <= radius; ++k) {
-      for (int col = radius; col < width - radius; ++col) {
+      for (int col = std::max(-k, 0); col < width - std::max(k, 0); ++col) {
         to[col] += sum[col + k];
       }
     }
@@ -248,34 +251,10 @@ void WindowCorrelation::CorrelateMasked(float max_relative_depth,
 // Each pixel's from the windows that contain it. The sums run over the margins
 // too, where there are no centres.
 void WindowCorrelation::GatherDerivatives(CorrelationTile* tile) {
-  const int radius = options_.window_radius;
-  const int width = tile->width;
-  const auto spread = [&](const std::vector<float>& in,
-                          std::vector<float>* out) {
-    out->assign(in.size(), 0);
-    rows_.assign(in.size(), 0);
-    for (int row = 0; row < tile->height; ++row) {
-      float* sum = rows_.data() + tile->Index(row, 0);
-      const int first = std::max(row - radius, 0);
-      const int last = std::min(row + radius, tile->height - 1);
-      for (int other = first; other <= last; ++other) {
-        const float* from = in.data() + tile->Index(other, 0);
-        for (int col = 0; col < width; ++col) {
-          sum[col] += from[col];
-        }
-      }
-      float* to = out->data() + tile->Index(row, 0);
-      for (int k = -radius; k <= radius; ++k) {
-        for (int col = std::max(-k, 0); col < width - std::max(k, 0); ++col) {
-          to[col] += sum[col + k];
-        }
-      }
-    }
-  };
-  spread(by_image_, &sum_image_);
-  spread(by_warped_, &sum_warped_);
-  spread(constant_, &count_);
-  spread(curvature_, &sum_product_);
+  BoxSum(by_image_, *tile, &sum_image_);
+  BoxSum(by_warped_, *tile, &sum_warped_);
+  BoxSum(constant_, *tile, &count_);
+  BoxSum(curvature_, *tile, &sum_product_);
   for (size_t i = 0; i < tile->image.size(); ++i) {
     const float valid = tile->is_valid[i];
     tile->derivatives[i] =
