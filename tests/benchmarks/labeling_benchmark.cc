@@ -50,7 +50,7 @@ TriangleMesh Sphere(uint32_t rings) {
 }
 
 struct LabeledSphere {
-  LabeledSphere() : mesh(Sphere(708)) {  // 1,002,528 facets
+  LabeledSphere() : mesh(Sphere(500)) {  // a million facets
     for (int i = 0; i < kNumViews; ++i) {
       View view;
       const Eigen::Vector3d center = 4 * SpiralPoint(i, kNumViews);
