@@ -142,7 +142,13 @@ void LabelSphere(benchmark::State& state) {
                               .labels.labels.size()) /
       static_cast<double>(sphere.mesh.facets.size());
 }
-BENCHMARK(LabelSphere)->Arg(1)->Arg(4)->Unit(benchmark::kSecond)->Iterations(1);
+BENCHMARK(LabelSphere)
+    ->Arg(1)
+    ->Arg(4)
+    ->Unit(benchmark::kSecond)
+    ->Iterations(1)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace colmap_ext
