@@ -1,53 +1,14 @@
 #include "optim/potts_mrf.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "optim/label_expansion.h"
 #include "optim/message_passing.h"
 
 namespace colmap_ext {
 
 namespace {
-
-// What a label costs at a node whose neighbors have chosen.
-double CostBeside(const PottsProblem& problem,
-                  const std::vector<uint32_t>& choices, uint32_t node,
-                  uint32_t choice) {
-  const uint64_t at = problem.offsets[node] + choice;
-  double cost = problem.costs[at];
-  for (const uint32_t neighbor : problem.neighbors[node]) {
-    if (neighbor != UINT32_MAX && choices[neighbor] != kNoChoice &&
-        problem.labels[problem.offsets[neighbor] + choices[neighbor]] !=
-            problem.labels[at]) {
-      cost += problem.weight;
-    }
-  }
-  return cost;
-}
-
-// Iterated conditional modes (Besag 1986).
-void Polish(const PottsProblem& problem, std::vector<uint32_t>* choices) {
-  constexpr int kMaxRounds = 10;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    bool has_changed = false;
-    for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
-      if ((*choices)[node] == kNoChoice) {
-        continue;
-      }
-      double least = CostBeside(problem, *choices, node, (*choices)[node]);
-      for (uint32_t choice = 0; choice < problem.NumLabels(node); ++choice) {
-        const double cost = CostBeside(problem, *choices, node, choice);
-        if (cost < least) {
-          least = cost;
-          (*choices)[node] = choice;
-          has_changed = true;
-        }
-      }
-    }
-    if (!has_changed) {
-      return;
-    }
-  }
-}
 
 std::vector<uint32_t> CheapestLabels(const PottsProblem& problem) {
   std::vector<uint32_t> choices(problem.NumNodes(), kNoChoice);
@@ -60,6 +21,35 @@ std::vector<uint32_t> CheapestLabels(const PottsProblem& problem) {
     }
   }
   return choices;
+}
+
+// Takes the choices if they are better.
+void Offer(std::vector<uint32_t> choices, double energy,
+           PottsSolution* solution) {
+  if (energy < solution->energy) {
+    solution->energy = energy;
+    solution->choices = std::move(choices);
+  }
+}
+
+void PassMessages(const PottsProblem& problem, double max_gap,
+                  int max_iterations, PottsSolution* solution) {
+  constexpr double kMinRise = 1e-4;  // of the bound, from pass to pass
+  MessagePassing passing(problem);
+  std::vector<uint32_t> choices = solution->choices;
+  while (solution->iterations < max_iterations) {
+    ++solution->iterations;
+    const double energy = passing.Forward(&choices);
+    Offer(choices, energy, solution);
+    const double bound = passing.Backward();
+    const double rise = bound - solution->lower_bound;
+    solution->lower_bound = std::max(solution->lower_bound, bound);
+    if (solution->energy - solution->lower_bound <=
+            max_gap * solution->energy ||
+        (solution->iterations > 1 && rise < kMinRise * solution->lower_bound)) {
+      return;
+    }
+  }
 }
 
 }  // namespace
@@ -87,30 +77,15 @@ double PottsEnergy(const PottsProblem& problem,
 
 PottsSolution SolvePotts(const PottsProblem& problem, double max_gap,
                          int max_iterations) {
-  constexpr double kMinRise = 1e-4;  // of the bound, from pass to pass
   PottsSolution solution;
   solution.choices = CheapestLabels(problem);
   solution.initial_energy = PottsEnergy(problem, solution.choices);
   solution.energy = solution.initial_energy;
-  MessagePassing passing(problem);
-  std::vector<uint32_t> choices = solution.choices;
-  while (solution.iterations < max_iterations) {
-    ++solution.iterations;
-    const double energy = passing.Forward(&choices);
-    if (energy < solution.energy) {
-      solution.energy = energy;
-      solution.choices = choices;
-    }
-    const double bound = passing.Backward();
-    const double rise = bound - solution.lower_bound;
-    solution.lower_bound = std::max(solution.lower_bound, bound);
-    if (solution.energy - solution.lower_bound <= max_gap * solution.energy ||
-        (solution.iterations > 1 && rise < kMinRise * solution.lower_bound)) {
-      break;
-    }
-  }
-  Polish(problem, &solution.choices);
+  PassMessages(problem, max_gap, max_iterations, &solution);
   solution.energy = PottsEnergy(problem, solution.choices);
+  std::vector<uint32_t> expanded = ExpandLabels(problem, solution.choices);
+  const double energy = PottsEnergy(problem, expanded);
+  Offer(std::move(expanded), energy, &solution);
   return solution;
 }
 

@@ -48,12 +48,13 @@ struct PottsSolution {
 
 // Sequential tree-reweighted message passing (Kolmogorov 2006) until the energy
 // is within `max_gap` of the lower bound, the bound no longer rises, or
-// `max_iterations`; then each node takes what is best beside its neighbors'
-// labels, as long as that helps. Messages are passed in the nodes' order: nodes
-// in a SweepOrder let them run far, in parallel, and close in memory. Time of
-// an iteration and memory follow the sum of the nodes' labels.
+// `max_iterations`; then a round of alpha expansion, as messages alone take
+// very long to tell which label is best for a large area. Messages are passed
+// in the nodes' order: nodes in a SweepOrder let them run far, in parallel, and
+// close in memory. Time of an iteration and memory follow the sum of the nodes'
+// labels.
 PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
-                         int max_iterations = 40);
+                         int max_iterations = 12);
 
 // Of any choice.
 double PottsEnergy(const PottsProblem& problem,
