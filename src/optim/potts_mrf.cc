@@ -34,7 +34,7 @@ void Offer(std::vector<uint32_t> choices, double energy,
 
 void PassMessages(const PottsProblem& problem, double max_gap,
                   int max_iterations, PottsSolution* solution) {
-  constexpr double kMinRise = 1e-4;  // of the bound, from pass to pass
+  constexpr double kMinRise = 3e-4;  // of the bound, from pass to pass
   MessagePassing passing(problem);
   std::vector<uint32_t> choices = solution->choices;
   while (solution->iterations < max_iterations) {

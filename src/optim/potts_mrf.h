@@ -54,7 +54,7 @@ struct PottsSolution {
 // close in memory. Time of an iteration and memory follow the sum of the nodes'
 // labels.
 PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
-                         int max_iterations = 12);
+                         int max_iterations = 20);
 
 // Of any choice.
 double PottsEnergy(const PottsProblem& problem,
