@@ -22,6 +22,18 @@ struct PottsProblem {
   double weight = 0;  // >= 0
 
   size_t NumNodes() const { return neighbors.size(); }
+
+  uint32_t NumLabels(uint32_t node) const {
+    return static_cast<uint32_t>(offsets[node + 1] - offsets[node]);
+  }
+
+  const uint32_t* Labels(uint32_t node) const {
+    return labels.data() + offsets[node];
+  }
+
+  const float* Costs(uint32_t node) const {
+    return costs.data() + offsets[node];
+  }
 };
 
 struct PottsSolution {
@@ -34,12 +46,13 @@ struct PottsSolution {
   int iterations = 0;
 };
 
-// Sequential tree-reweighted message passing (Kolmogorov 2006), whose messages
-// keep to the labels of the node that they go to, until the energy is within
-// `max_gap` of the lower bound, the bound no longer rises, or
-// `max_iterations`; then each node takes what is best beside its neighbors'
-// labels, as long as that helps. Time of an iteration and memory follow the sum
-// of the nodes' labels.
+// Sequential tree-reweighted message passing (Kolmogorov 2006) until the energy
+// is within `max_gap` of the lower bound, the bound no longer rises, or
+// `max_iterations`; then a round of alpha expansion, as messages alone take
+// very long to tell which label is best for a large area. Messages are passed
+// in the nodes' order: nodes in a SweepOrder let them run far, in parallel, and
+// close in memory. Time of an iteration and memory follow the sum of the nodes'
+// labels.
 PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
                          int max_iterations = 20);
 

@@ -5,16 +5,12 @@
 
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
+#include "refine/candidate_pairs.h"
 #include "refine/facet_labels.h"
 #include "refine/facet_visibility.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
-
-enum class PairSelection {
-  kFacetwise,  // each facet by its best pairs (the paper)
-  kClassical,  // each facet by every pair that sees it (Vu 2012)
-};
 
 struct FacetLabelingOptions {
   PairSelection pair_selection = PairSelection::kFacetwise;

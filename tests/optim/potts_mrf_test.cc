@@ -1,86 +1,58 @@
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "optim/potts_mrf.h"
+#include "optim/sweep_order.h"
+#include "tests/optim/graphs.h"
+#include "tests/optim/random_potts.h"
 
 namespace colmap_ext {
 namespace {
 
-using Edges = std::vector<std::array<uint32_t, 2>>;
-
-// Every node gets each of `num_labels` labels with the given probability.
-PottsProblem RandomProblem(uint32_t num_nodes, const Edges& edges,
-                           uint32_t num_labels, double probability,
-                           double weight, uint32_t seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform;
-  PottsProblem problem;
-  problem.weight = weight;
-  problem.neighbors.assign(num_nodes, {UINT32_MAX, UINT32_MAX, UINT32_MAX});
-  for (const auto& [a, b] : edges) {
-    *std::find(problem.neighbors[a].begin(), problem.neighbors[a].end(),
-               UINT32_MAX) = b;
-    *std::find(problem.neighbors[b].begin(), problem.neighbors[b].end(),
-               UINT32_MAX) = a;
-  }
-  for (uint32_t node = 0; node < num_nodes; ++node) {
-    for (uint32_t label = 0; label < num_labels; ++label) {
-      if (uniform(random) < probability) {
-        problem.labels.push_back(label);
-        problem.costs.push_back(3 * uniform(random));
-      }
-    }
-    problem.offsets.push_back(problem.labels.size());
-  }
-  return problem;
-}
-
-// A prism: two rings and what joins them; every node has three neighbors.
-Edges Prism(uint32_t size) {
-  Edges edges;
-  for (uint32_t i = 0; i < size; ++i) {
-    edges.push_back({i, (i + 1) % size});
-    edges.push_back({size + i, size + (i + 1) % size});
-    edges.push_back({i, size + i});
-  }
-  return edges;
-}
-
-Edges Chain(uint32_t size) {
-  Edges edges;
-  for (uint32_t i = 0; i + 1 < size; ++i) {
-    edges.push_back({i, i + 1});
-  }
-  return edges;
-}
-
-// The least energy of all choices.
-double BruteForce(const PottsProblem& problem) {
-  std::vector<uint32_t> choices(problem.NumNodes(), 0);
-  const auto count = [&](size_t node) {
-    return static_cast<uint32_t>(problem.offsets[node + 1] -
-                                 problem.offsets[node]);
+// The least energy of a BinaryTree, from the leaves to the root.
+double LeastOfTree(const PottsProblem& problem) {
+  std::vector<double> costs(problem.costs.begin(), problem.costs.end());
+  const auto least = [&](uint32_t node) {
+    return *std::min_element(
+        costs.begin() + static_cast<ptrdiff_t>(problem.offsets[node]),
+        costs.begin() + static_cast<ptrdiff_t>(problem.offsets[node + 1]));
   };
-  for (size_t i = 0; i < choices.size(); ++i) {
-    choices[i] = count(i) == 0 ? kNoChoice : 0;
-  }
-  double least = INFINITY;
-  while (true) {
-    least = std::min(least, PottsEnergy(problem, choices));
-    size_t node = 0;
-    while (node < choices.size() &&
-           (choices[node] == kNoChoice || ++choices[node] == count(node))) {
-      choices[node] = choices[node] == kNoChoice ? kNoChoice : 0;
-      ++node;
+  double sum = 0;
+  for (auto node = static_cast<uint32_t>(problem.NumNodes()); node-- > 0;) {
+    if (problem.NumLabels(node) == 0) {
+      continue;
     }
-    if (node == choices.size()) {
-      return least;
+    const uint32_t parent = (node - 1) / 2;
+    if (node == 0 || problem.NumLabels(parent) == 0) {
+      sum += least(node);
+      continue;
+    }
+    uint64_t i = problem.offsets[node];
+    for (uint64_t j = problem.offsets[parent]; j < problem.offsets[parent + 1];
+         ++j) {
+      while (i < problem.offsets[node + 1] &&
+             problem.labels[i] < problem.labels[j]) {
+        ++i;
+      }
+      const double other = least(node) + problem.weight;
+      const bool is_common = i < problem.offsets[node + 1] &&
+                             problem.labels[i] == problem.labels[j];
+      costs[j] += is_common ? std::min(costs[i], other) : other;
     }
   }
+  return sum;
+}
+
+// A wall of 40,000 nodes in the order of a sweep, whose runs are long enough to
+// be cut.
+PottsProblem LargeWall(double weight) {
+  const Edges edges = Wall(200);
+  const std::vector<uint32_t> order = SweepOrder(MakeNeighbors(40000, edges));
+  return RandomProblem(40000, Renumber(edges, order), 30, 0.3, weight, 11);
 }
 
 TEST(SolvePotts, ComesCloseToTheLeastEnergy) {
@@ -103,6 +75,40 @@ TEST(SolvePotts, IsExactOnChains) {
     const PottsProblem problem = RandomProblem(8, Chain(8), 4, 0.8, 0.6, seed);
     const PottsSolution solution = SolvePotts(problem, 0, 50);
     EXPECT_NEAR(solution.energy, BruteForce(problem), 1e-4) << seed;
+  }
+}
+
+TEST(SolvePotts, IsExactOnLargeTrees) {
+  for (const double weight : {0.2, 1.0, 3.0}) {
+    const PottsProblem problem =
+        RandomProblem(4095, BinaryTree(4095), 12, 0.4, weight, 2);
+    const double least = LeastOfTree(problem);
+    const PottsSolution solution = SolvePotts(problem, 0, 100);
+    EXPECT_NEAR(solution.energy, least, 1e-3 * least) << weight;
+    EXPECT_NEAR(solution.lower_bound, least, 1e-3 * least) << weight;
+    EXPECT_LE(solution.lower_bound, least * (1 + 1e-6)) << weight;
+  }
+}
+
+TEST(SolvePotts, IsWithinTwoPercentOnALargeWall) {
+  for (const double weight : {0.1, 0.7, 3.0}) {
+    const PottsProblem problem = LargeWall(weight);
+    const PottsSolution solution = SolvePotts(problem);
+    EXPECT_LE(solution.energy, 1.02 * solution.lower_bound) << weight;
+    EXPECT_LE(solution.energy, solution.initial_energy) << weight;
+  }
+}
+
+TEST(SolvePotts, DoesNotDependOnTheNumberOfThreads) {
+  const PottsProblem problem = LargeWall(0.7);
+  std::vector<PottsSolution> solutions;
+  for (const int num_threads : {1, 2, 3}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    solutions.push_back(SolvePotts(problem));
+    EXPECT_EQ(solutions.back().choices, solutions[0].choices);
+    EXPECT_EQ(solutions.back().energy, solutions[0].energy);
+    EXPECT_EQ(solutions.back().lower_bound, solutions[0].lower_bound);
   }
 }
 

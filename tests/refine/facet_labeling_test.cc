@@ -2,6 +2,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "refine/facet_labeling.h"
 #include "refine/view_pairs.h"
@@ -112,6 +113,17 @@ TEST_F(LabelFacetsTest, LowersTheEnergyAndEvensTheLabelsOut) {
   EXPECT_NEAR(free.final_energy, free.initial_energy,
               1e-6 * free.initial_energy);
   EXPECT_LT(NumChanges(smooth.labels), NumChanges(free.labels) / 2);
+}
+
+TEST_F(LabelFacetsTest, DoesNotDependOnTheNumberOfThreads) {
+  const FacetLabels expected = Label({}).labels;
+  for (const int num_threads : {1, 3}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    const FacetLabels labels = Label({}).labels;
+    EXPECT_EQ(labels.labels, expected.labels);
+    EXPECT_EQ(labels.offsets, expected.offsets);
+  }
 }
 
 TEST_F(LabelFacetsTest, GivesAllPairsThatSeeTheFacetInTheClassicalWay) {

@@ -1,0 +1,212 @@
+#include "optim/message_passing.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+namespace colmap_ext {
+
+namespace {
+
+// Runs of consecutive nodes of which none is another's neighbor: [R + 1] into
+// the nodes.
+std::vector<uint32_t> IndependentRuns(const PottsProblem& problem) {
+  std::vector<uint32_t> runs{0};
+  for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+    for (const uint32_t neighbor : problem.neighbors[node]) {
+      if (neighbor >= runs.back() && neighbor < node) {
+        runs.push_back(node);
+        break;
+      }
+    }
+  }
+  runs.push_back(static_cast<uint32_t>(problem.NumNodes()));
+  return runs;
+}
+
+}  // namespace
+
+MessagePassing::MessagePassing(const PottsProblem& problem)
+    : problem_(problem),
+      weight_(static_cast<float>(problem.weight)),
+      runs_(IndependentRuns(problem)) {
+  AllocateMessages();
+}
+
+// The sum of visit(node, scratch) over the nodes with labels. Nodes of a run
+// write to their own edges only: the order of the visits does not matter.
+template <typename Visit>
+double MessagePassing::SumOverRun(size_t run, const Visit& visit) const {
+  constexpr uint32_t kGrain = 128;  // a few microseconds
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<uint32_t>(runs_[run], runs_[run + 1], kGrain), 0.0,
+      [&](const tbb::blocked_range<uint32_t>& nodes, double sum) {
+        Scratch scratch;
+        for (uint32_t node = nodes.begin(); node < nodes.end(); ++node) {
+          if (problem_.NumLabels(node) > 0) {
+            sum += visit(node, &scratch);
+          }
+        }
+        return sum;
+      },
+      std::plus<double>());
+}
+
+double MessagePassing::Forward(std::vector<uint32_t>* choices) {
+  double energy = 0;
+  for (size_t run = 0; run + 1 < runs_.size(); ++run) {
+    energy += SumOverRun(run, [&](uint32_t node, Scratch* scratch) {
+      const double cost = Choose(node, &scratch->belief, choices);
+      Collect(node, &scratch->belief);
+      Send(node, true, scratch);
+      return cost;
+    });
+  }
+  return energy;
+}
+
+double MessagePassing::Backward() {
+  double bound = 0;
+  for (size_t run = runs_.size() - 1; run-- > 0;) {
+    bound += SumOverRun(run, [&](uint32_t node, Scratch* scratch) {
+      std::vector<float>& belief = scratch->belief;
+      Collect(node, &belief);
+      const float least = *std::min_element(belief.begin(), belief.end());
+      for (float& value : belief) {
+        value -= least;
+      }
+      return least + Send(node, false, scratch);
+    });
+  }
+  return bound;
+}
+
+void MessagePassing::AllocateMessages() {
+  messages_of_.assign(problem_.NumNodes(), {});
+  uint64_t size = 0;
+  for (uint32_t node = 0; node < problem_.NumNodes(); ++node) {
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t neighbor = problem_.neighbors[node][k];
+      if (!IsUsed(neighbor) || neighbor < node) {
+        continue;
+      }
+      const auto& back = problem_.neighbors[neighbor];
+      const auto place =
+          std::find(back.begin(), back.end(), node) - back.begin();
+      messages_of_[node][k] = size;
+      messages_of_[neighbor][place] = size;
+      size += std::max(problem_.NumLabels(node), problem_.NumLabels(neighbor));
+    }
+  }
+  messages_.assign(size, 0);
+}
+
+// The node's costs and the messages of all its neighbors.
+void MessagePassing::Collect(uint32_t node, std::vector<float>* belief) const {
+  belief->assign(problem_.Costs(node),
+                 problem_.Costs(node) + problem_.NumLabels(node));
+  for (int k = 0; k < 3; ++k) {
+    if (IsUsed(problem_.neighbors[node][k])) {
+      AddMessage(messages_of_[node][k], belief);
+    }
+  }
+}
+
+void MessagePassing::AddMessage(uint64_t at, std::vector<float>* belief) const {
+  const float* message = messages_.data() + at;
+  for (size_t i = 0; i < belief->size(); ++i) {
+    (*belief)[i] += message[i];
+  }
+}
+
+// Returns what the choice costs, with the edges to the earlier neighbors.
+double MessagePassing::Choose(uint32_t node, std::vector<float>* belief,
+                              std::vector<uint32_t>* choices) const {
+  belief->assign(problem_.Costs(node),
+                 problem_.Costs(node) + problem_.NumLabels(node));
+  const uint32_t* labels = problem_.Labels(node);
+  std::array<uint32_t, 3> chosen{};  // by the earlier neighbors
+  int num_chosen = 0;
+  for (int k = 0; k < 3; ++k) {
+    const uint32_t neighbor = problem_.neighbors[node][k];
+    if (!IsUsed(neighbor)) {
+      continue;
+    }
+    if (neighbor > node) {
+      AddMessage(messages_of_[node][k], belief);
+      continue;
+    }
+    const uint32_t label = problem_.Labels(neighbor)[(*choices)[neighbor]];
+    for (size_t i = 0; i < belief->size(); ++i) {
+      (*belief)[i] += labels[i] == label ? 0 : weight_;
+    }
+    chosen[num_chosen++] = label;
+  }
+  const auto best = std::min_element(belief->begin(), belief->end());
+  const auto choice = static_cast<uint32_t>(best - belief->begin());
+  (*choices)[node] = choice;
+  const auto num_equal =
+      std::count(chosen.begin(), chosen.begin() + num_chosen, labels[choice]);
+  return problem_.Costs(node)[choice] +
+         problem_.weight * static_cast<double>(num_chosen - num_equal);
+}
+
+// Replaces the messages on the edges to the later (or earlier) neighbors by
+// those to them. Returns what is subtracted from these so that they are 0 at
+// least.
+double MessagePassing::Send(uint32_t node, bool is_forward, Scratch* scratch) {
+  int num_later = 0;
+  int num_earlier = 0;
+  for (const uint32_t neighbor : problem_.neighbors[node]) {
+    if (IsUsed(neighbor)) {
+      ++(neighbor > node ? num_later : num_earlier);
+    }
+  }
+  const float share =
+      1 / static_cast<float>(std::max({num_later, num_earlier, 1}));
+  double subtracted = 0;
+  for (int k = 0; k < 3; ++k) {
+    const uint32_t neighbor = problem_.neighbors[node][k];
+    if (IsUsed(neighbor) && (neighbor > node) == is_forward) {
+      subtracted += SendTo(node, neighbor, share, scratch,
+                           messages_.data() + messages_of_[node][k]);
+    }
+  }
+  return subtracted;
+}
+
+// The message to a label is the least of what the node's labels cost, plus
+// the weight for all but the same label.
+float MessagePassing::SendTo(uint32_t node, uint32_t neighbor, float share,
+                             Scratch* scratch, float* message) const {
+  const uint32_t num_labels = problem_.NumLabels(node);
+  std::vector<float>& reduced = scratch->reduced;
+  reduced.resize(num_labels);
+  float least = std::numeric_limits<float>::max();
+  for (uint32_t i = 0; i < num_labels; ++i) {
+    reduced[i] = share * scratch->belief[i] - message[i];
+    least = std::min(least, reduced[i]);
+  }
+  const float other = least + weight_;
+  const uint32_t* from = problem_.Labels(node);
+  const uint32_t* to = problem_.Labels(neighbor);
+  const uint32_t num_to = problem_.NumLabels(neighbor);
+  float lowest = other;
+  for (uint32_t i = 0, j = 0; j < num_to; ++j) {
+    while (i < num_labels && from[i] < to[j]) {
+      ++i;
+    }
+    const bool is_common = i < num_labels && from[i] == to[j];
+    message[j] = is_common ? std::min(reduced[i], other) : other;
+    lowest = std::min(lowest, message[j]);
+  }
+  for (uint32_t j = 0; j < num_to; ++j) {
+    message[j] -= lowest;
+  }
+  return lowest;
+}
+
+}  // namespace colmap_ext

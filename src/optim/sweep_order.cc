@@ -1,0 +1,78 @@
+#include "optim/sweep_order.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace colmap_ext {
+
+namespace {
+
+using Neighbors = std::vector<std::array<uint32_t, 3>>;
+
+struct Search {
+  std::vector<uint32_t> order;   // [N] nodes, one connected part after another
+  std::vector<uint32_t> levels;  // [N] edges from the part's first node
+};
+
+Search BreadthFirst(const Neighbors& neighbors) {
+  Search search;
+  search.order.reserve(neighbors.size());
+  search.levels.assign(neighbors.size(), UINT32_MAX);
+  for (uint32_t seed = 0; seed < neighbors.size(); ++seed) {
+    if (search.levels[seed] != UINT32_MAX) {
+      continue;
+    }
+    search.levels[seed] = 0;
+    search.order.push_back(seed);
+    for (size_t i = search.order.size() - 1; i < search.order.size(); ++i) {
+      const uint32_t node = search.order[i];
+      for (const uint32_t other : neighbors[node]) {
+        if (other != UINT32_MAX && search.levels[other] == UINT32_MAX) {
+          search.levels[other] = search.levels[node] + 1;
+          search.order.push_back(other);
+        }
+      }
+    }
+  }
+  return search;
+}
+
+// Nodes of the same class are not neighbors: 4 * level + color, the least that
+// no neighbor in the same level has got before; three neighbors take three.
+std::vector<uint32_t> Classes(const Neighbors& neighbors,
+                              const Search& search) {
+  std::vector<uint32_t> classes(neighbors.size(), UINT32_MAX);
+  for (const uint32_t node : search.order) {
+    uint32_t color = 4 * search.levels[node];
+    const auto& row = neighbors[node];
+    const auto is_taken = [&](uint32_t other) {
+      return other != UINT32_MAX && classes[other] == color;
+    };
+    while (std::any_of(row.begin(), row.end(), is_taken)) {
+      ++color;
+    }
+    classes[node] = color;
+  }
+  return classes;
+}
+
+}  // namespace
+
+std::vector<uint32_t> SweepOrder(const Neighbors& neighbors) {
+  const Search search = BreadthFirst(neighbors);
+  const std::vector<uint32_t> classes = Classes(neighbors, search);
+  // Sorted by counting: nodes of a class stay in the search's order.
+  std::vector<uint32_t> places;
+  for (const uint32_t c : classes) {
+    places.resize(std::max<size_t>(places.size(), c + 2), 0);
+    ++places[c + 1];
+  }
+  std::partial_sum(places.begin(), places.end(), places.begin());
+  std::vector<uint32_t> order(neighbors.size());
+  for (const uint32_t node : search.order) {
+    order[places[classes[node]]++] = node;
+  }
+  return order;
+}
+
+}  // namespace colmap_ext
