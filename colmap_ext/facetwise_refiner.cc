@@ -86,6 +86,7 @@ class Refiner {
       level_ = state.level;
       input_.mesh = std::move(state.mesh);
       input_.attributes = std::move(state.attributes);
+      origins_ = std::move(state.origins);
       earlier_ = std::move(state.report);
       is_state_ours_ = true;
     }
@@ -128,8 +129,10 @@ class Refiner {
     };
     hooks.should_stop = [] { return StopSignal::Received() != 0; };
     RefinedMesh refined = RefineFacetwise(
-        options_.refinement, input_.mesh, input_.attributes, input_.views,
-        input_.points, level_ - 1, backend.energy.get(), hooks);
+        options_.refinement,
+        {std::move(input_.mesh), std::move(input_.attributes),
+         std::move(origins_), level_ - 1},
+        input_.views, input_.points, backend.energy.get(), hooks);
     signal_ = StopSignal::Received();
     refined.report = WithEarlier(std::move(refined.report));
     return refined;
@@ -149,9 +152,9 @@ class Refiner {
 
   void OnLevel(int level, const RefinedMesh& state) {
     if (level > 0) {
-      WriteState(
-          paths_.output, identity_,
-          {level, state.mesh, state.attributes, WithEarlier(state.report)});
+      WriteState(paths_.output, identity_,
+                 {level, state.mesh, state.attributes, state.origins,
+                  WithEarlier(state.report)});
       is_state_ours_ = true;
       level_ = level;
     }
@@ -223,7 +226,8 @@ class Refiner {
   ProgressReporter reporter_;
   Progress progress_;
   RefinementInput input_;
-  RefinementReport earlier_;  // of the run that is gone on with
+  RefinementReport earlier_;              // of the run that is gone on with
+  std::vector<Eigen::Vector3f> origins_;  // see RefinementStart
   int level_ = 0;  // the last complete one; above all before the first
   bool is_state_ours_ = false;  // the state on the disk is that of level_
   int signal_ = 0;

@@ -71,7 +71,7 @@ void WriteSteps(const RefinementReport& report, std::ostream& stream) {
 }
 
 std::string StateText(const RunIdentity& identity, const RefinementState& state,
-                      const fs::path& mesh_path) {
+                      const fs::path& mesh_path, const fs::path& origin_path) {
   std::ostringstream stream;
   for (const auto& [name, value] : identity) {
     stream << name << " " << value << "\n";
@@ -79,6 +79,7 @@ std::string StateText(const RunIdentity& identity, const RefinementState& state,
   stream << "level " << state.level << "\n"
          << "mesh " << Fingerprint(mesh_path) << "\n"
          << "visibility " << Fingerprint(VisibilityPath(mesh_path)) << "\n"
+         << "origin " << Fingerprint(origin_path) << "\n"
          << "shortened_steps " << state.report.num_shortened_steps << "\n"
          << "flipped_facets " << state.report.num_flipped_facets << "\n";
   WriteSteps(state.report, stream);
@@ -170,7 +171,8 @@ class StateReader {
   std::ifstream file_;
 };
 
-void ReadLevelMesh(const fs::path& path, RefinementState* state) {
+void ReadLevelMesh(const fs::path& path, const fs::path& origin_path,
+                   RefinementState* state) {
   ColoredMesh read = ReadColoredPlyMesh(path);
   Visibility visibility =
       ReadVisibility(VisibilityPath(path), read.mesh.vertices.size(),
@@ -178,6 +180,7 @@ void ReadLevelMesh(const fs::path& path, RefinementState* state) {
   state->mesh = std::move(read.mesh);
   state->attributes = {std::move(read.colors), std::move(visibility.offsets),
                        std::move(visibility.image_indices)};
+  state->origins = ReadPlyMesh(origin_path).vertices;
 }
 
 void RemoveLevelMesh(const fs::path& output, int level) {
@@ -185,6 +188,7 @@ void RemoveLevelMesh(const fs::path& output, int level) {
   const fs::path path = LevelMeshPath(output, level);
   fs::remove(path, ignored);
   fs::remove(VisibilityPath(path), ignored);
+  fs::remove(LevelOriginPath(output, level), ignored);
 }
 
 }  // namespace
@@ -193,7 +197,7 @@ RunIdentity IdentityOf(const RefinerOptions& options,
                        const RefinementPaths& paths) {
   const FacetwiseRefinementOptions& refinement = options.refinement;
   return {
-      {"colmap_ext_facetwise_refiner_state", "1"},
+      {"colmap_ext_facetwise_refiner_state", "2"},
       {"--input_path", Fingerprint(paths.mesh)},
       {"--input_path.vis", Fingerprint(VisibilityPath(paths.mesh))},
       {"fused.ply.vis", Fingerprint(paths.folder / "fused.ply.vis")},
@@ -225,6 +229,10 @@ fs::path LevelMeshPath(const fs::path& output, int level) {
                                             ".ply");
 }
 
+fs::path LevelOriginPath(const fs::path& output, int level) {
+  return LevelMeshPath(output, level).replace_extension(".origin.ply");
+}
+
 void ExpectManifold(const TriangleMesh& mesh) {
   if (const MeshReport report = Analyze(mesh); !report.IsManifold()) {
     throw std::logic_error("the refined mesh has " + report.Defects());
@@ -236,7 +244,10 @@ void WriteState(const fs::path& output, const RunIdentity& identity,
   ExpectManifold(state.mesh);
   const fs::path mesh_path = LevelMeshPath(output, state.level);
   WriteMesh(mesh_path, state.mesh, state.attributes);
-  WriteText(StatePath(output), StateText(identity, state, mesh_path));
+  const fs::path origin_path = LevelOriginPath(output, state.level);
+  WriteColoredMesh(origin_path, {state.origins, state.mesh.facets}, {});
+  WriteText(StatePath(output),
+            StateText(identity, state, mesh_path, origin_path));
   RemoveLevelMesh(output, state.level + 1);
 }
 
@@ -252,8 +263,10 @@ RefinementState ReadState(const fs::path& output, const RunIdentity& identity) {
   RefinementState state;
   state.level = static_cast<int>(reader.TakeCount("level"));
   const fs::path mesh_path = LevelMeshPath(output, state.level);
+  const fs::path origin_path = LevelOriginPath(output, state.level);
   if (reader.Take("mesh") != Fingerprint(mesh_path) ||
-      reader.Take("visibility") != Fingerprint(VisibilityPath(mesh_path))) {
+      reader.Take("visibility") != Fingerprint(VisibilityPath(mesh_path)) ||
+      reader.Take("origin") != Fingerprint(origin_path)) {
     throw FileError(
         mesh_path,
         std::string("is not what the interrupted run wrote") + kStartAnew);
@@ -261,7 +274,7 @@ RefinementState ReadState(const fs::path& output, const RunIdentity& identity) {
   state.report.num_shortened_steps = reader.TakeCount("shortened_steps");
   state.report.num_flipped_facets = reader.TakeCount("flipped_facets");
   reader.TakeSteps(&state.report);
-  ReadLevelMesh(mesh_path, &state);
+  ReadLevelMesh(mesh_path, origin_path, &state);
   return state;
 }
 

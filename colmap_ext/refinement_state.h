@@ -14,10 +14,10 @@
 namespace colmap_ext {
 
 // What an interrupted refinement leaves, to go on from: the mesh of the last
-// complete level as OUTPUT.levelN.ply with its .vis, and OUTPUT.ply.resume,
-// which says what it belongs to and how it went so far. That is a text of lines
-// "name value"; those before "level" have to be the same when it is gone on
-// from.
+// complete level as OUTPUT.levelN.ply with its .vis, where its vertices come
+// from as OUTPUT.levelN.origin.ply, and OUTPUT.ply.resume, which says what it
+// belongs to and how it went so far. That is a text of lines "name value";
+// those before "level" have to be the same when it is gone on from.
 
 // What a refinement depends on, in words: the options, and the files.
 using RunIdentity = std::vector<std::pair<std::string, std::string>>;
@@ -29,14 +29,17 @@ struct RefinementState {
   int level = 0;  // the last one that is complete
   TriangleMesh mesh;
   VertexAttributes attributes;
-  RefinementReport report;  // up to there
+  std::vector<Eigen::Vector3f> origins;  // [V] see RefinedMesh
+  RefinementReport report;               // up to there
 };
 
 std::filesystem::path StatePath(const std::filesystem::path& output);
 std::filesystem::path LevelMeshPath(const std::filesystem::path& output,
                                     int level);
+std::filesystem::path LevelOriginPath(const std::filesystem::path& output,
+                                      int level);
 
-// Writes the three files, the mesh checked, and removes those of the level
+// Writes the four files, the mesh checked, and removes those of the level
 // before.
 // \throw FileError if they can not be written; std::logic_error if the mesh is
 //        not manifold.

@@ -27,11 +27,23 @@ double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
   return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
 }
 
+std::vector<Eigen::Vector3f> Midpoints(
+    const std::vector<Eigen::Vector3f>& points,
+    const std::vector<std::array<uint32_t, 2>>& sources) {
+  std::vector<Eigen::Vector3f> midpoints;
+  midpoints.reserve(sources.size());
+  for (const auto& [a, b] : sources) {
+    midpoints.emplace_back((points[a] + points[b]) / 2);
+  }
+  return midpoints;
+}
+
 }  // namespace
 
 void SubdivideLargeFacets(double max_area, double min_cosine,
                           const std::vector<View>& views, TriangleMesh* mesh,
-                          VertexAttributes* attributes) {
+                          VertexAttributes* attributes,
+                          std::vector<Eigen::Vector3f>* origins) {
   constexpr int kMaxRounds = 8;
   FacetVisibilityOptions options;
   options.min_cosine = min_cosine;
@@ -53,6 +65,7 @@ void SubdivideLargeFacets(double max_area, double min_cosine,
     }
     Subdivision subdivision = Subdivide(*mesh, is_large);
     *attributes = InterpolateAttributes(*attributes, subdivision.sources);
+    *origins = Midpoints(*origins, subdivision.sources);
     *mesh = std::move(subdivision.mesh);
   }
 }

@@ -55,8 +55,9 @@ class Refinement {
       is_stopped = hooks_.should_stop && hooks_.should_stop();
       return !is_stopped;
     };
-    state->report.num_shortened_steps += RefineLevel(
-        options_, level, state->labels, views, energy_, &mesh, on_step);
+    state->report.num_shortened_steps +=
+        RefineLevel(options_, level, state->labels, views, state->origins,
+                    energy_, &mesh, on_step);
     state->report.num_flipped_facets +=
         CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
     return !is_stopped;
@@ -68,7 +69,7 @@ class Refinement {
     const double min_cosine = options_.photometric.min_cosine;
     Report(hooks_.progress, "Subdividing facets", 0);
     SubdivideLargeFacets(options_.max_face_area, min_cosine, views,
-                         &state->mesh, &state->attributes);
+                         &state->mesh, &state->attributes, &state->origins);
     Report(hooks_.progress, "Labelling facets", 0);
     const FacetVisibility visibility =
         FindVisibleFacets({min_cosine}, state->mesh, views);
@@ -118,16 +119,17 @@ std::string FacetwiseRefinementOptions::Check() const {
 }
 
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
-                            const TriangleMesh& mesh,
-                            const VertexAttributes& attributes,
+                            const RefinementStart& start,
                             const std::vector<View>& views,
-                            const PointCloud& points, int first_level,
-                            PhotometricEnergy* energy,
+                            const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
   Refinement refinement(options, views, points, energy, hooks);
-  RefinedMesh complete{mesh, attributes, {}, {}};
-  for (int level = first_level; level >= 0; --level) {
+  RefinedMesh complete{start.mesh, start.attributes, start.origins, {}, {}};
+  if (complete.origins.empty()) {
+    complete.origins = start.mesh.vertices;
+  }
+  for (int level = start.first_level; level >= 0; --level) {
     RefinedMesh state = complete;
     if (!refinement.RefineAtLevel(level, &state)) {
       complete.report = std::move(state.report);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "refine/facet_labeling.h"
@@ -81,10 +83,22 @@ struct RefinementReport {
   size_t num_self_intersections = 0;  // of the result, pairs of facets
 };
 
+// What a refinement starts from: the input, or what a complete level left.
+struct RefinementStart {
+  TriangleMesh mesh;  // manifold
+  // Colours and views of the vertices; a vertex without views gets those that
+  // see it in the drawn depths.
+  VertexAttributes attributes;
+  std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
+  int first_level = 0;  // below FacetwiseRefinementOptions::levels
+};
+
 struct RefinedMesh {
-  TriangleMesh mesh;            // manifold if the input is
-  VertexAttributes attributes;  // [V]
-  FacetLabels labels;           // [F] of the last level
+  TriangleMesh mesh;                     // manifold
+  VertexAttributes attributes;           // [V]
+  std::vector<Eigen::Vector3f> origins;  // [V] on the input's surface, where
+                                         // the vertices come from
+  FacetLabels labels;                    // [F] of the last level
   RefinementReport report;
 };
 
@@ -110,18 +124,12 @@ struct RefinementHooks {
 // gets the pairs of views that see it best, and the vertices move so that what
 // the two views of a pair show on its facets looks alike.
 //
-// \param attributes  colours and views of the vertices; a vertex without views
-//        gets those that see it in the drawn depths.
 // \param points  whose views tell which views have most in common.
-// \param first_level  the level to start from, below options.levels: to go on
-//        with what was stopped.
-// \pre options checked, mesh manifold
+// \pre options checked
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
-                            const TriangleMesh& mesh,
-                            const VertexAttributes& attributes,
+                            const RefinementStart& start,
                             const std::vector<View>& views,
-                            const PointCloud& points, int first_level,
-                            PhotometricEnergy* energy,
+                            const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks);
 
 }  // namespace colmap_ext

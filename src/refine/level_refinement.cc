@@ -11,6 +11,7 @@
 #include "mesh/vertex_normals.h"
 #include "mesh/vertex_rings.h"
 #include "refine/normal_equations.h"
+#include "refine/relief.h"
 #include "refine/thin_plate.h"
 
 namespace colmap_ext {
@@ -45,6 +46,7 @@ class LevelRefiner {
  public:
   LevelRefiner(const FacetwiseRefinementOptions& options, int level,
                const FacetLabels& labels, const std::vector<View>& views,
+               const std::vector<Eigen::Vector3f>& origins,
                PhotometricEnergy* energy, const TriangleMesh& mesh)
       : options_(options),
         level_(level),
@@ -53,7 +55,6 @@ class LevelRefiner {
         energy_(energy),
         rings_(MakeVertexRings(mesh)) {
     FindFootprints(views, mesh);
-    rest_.assign(mesh.vertices.size(), 0);
     num_pixels_.assign(mesh.vertices.size(), 0);
     energy_->Render(mesh);
     surface_.terms = energy_->Evaluate(mesh, labels_);
@@ -62,12 +63,8 @@ class LevelRefiner {
         num_pixels_[vertex] += surface_.terms.num_pixels[i] / 3;
       }
     }
+    FindRest(origins, mesh);
     surface_ = WithPlate(mesh, std::move(surface_.terms));
-    for (size_t i = 0; i < rest_.size(); ++i) {
-      if (level_ > 0 || !(num_pixels_[i] > 0)) {
-        rest_[i] = std::exchange(surface_.plate.residuals[i], 0);
-      }
-    }
   }
 
   void Run(const OnLevelStep& on_step, TriangleMesh* mesh) {
@@ -111,6 +108,8 @@ class LevelRefiner {
   }
 
   void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
+  void FindRest(const std::vector<Eigen::Vector3f>& origins,
+                const TriangleMesh& mesh);
   void EstimateWeight();
   std::vector<double> SolveForMotion() const;
   void LimitMotion(std::vector<double>* motion) const;
@@ -167,6 +166,21 @@ void LevelRefiner::FindFootprints(const std::vector<View>& views,
   for (float& footprint : footprints_) {
     if (!(footprint > 0)) {
       footprint = *median;
+    }
+  }
+}
+
+void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
+                            const TriangleMesh& mesh) {
+  rest_ = Relief(mesh, rings_, footprints_);
+  if (level_ > 0) {
+    return;
+  }
+  const std::vector<double> trusted =
+      TrustedRelief({origins, mesh.facets}, rings_, footprints_);
+  for (size_t i = 0; i < rest_.size(); ++i) {
+    if (num_pixels_[i] > 0) {
+      rest_[i] = trusted[i];
     }
   }
 }
@@ -315,9 +329,10 @@ bool LevelRefiner::Report(int iteration, double step,
 
 size_t RefineLevel(const FacetwiseRefinementOptions& options, int level,
                    const FacetLabels& labels, const std::vector<View>& views,
+                   const std::vector<Eigen::Vector3f>& origins,
                    PhotometricEnergy* energy, TriangleMesh* mesh,
                    const OnLevelStep& on_step) {
-  LevelRefiner refiner(options, level, labels, views, energy, *mesh);
+  LevelRefiner refiner(options, level, labels, views, origins, energy, *mesh);
   refiner.Run(on_step, mesh);
   return refiner.NumShortenedSteps();
 }

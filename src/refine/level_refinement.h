@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <functional>
 
+#include <Eigen/Core>
+
 #include "mesh/triangle_mesh.h"
 #include "refine/facet_labels.h"
 #include "refine/facetwise_refinement.h"
@@ -19,10 +21,11 @@ using OnLevelStep = std::function<bool(const RefinementStep& step)>;
 // itself), limited to a part of the edges' lengths and a pixel, shortened where
 // it would turn a facet over, and halved until the energy falls.
 //
-// The surface is to be smooth (refine/thin_plate.h) at the finest level, where
-// it is seen. Elsewhere, and at the coarser levels, it is the motion that is to
+// At the finest level the surface is to have the relief of the one that it
+// comes from (refine/relief.h), unless the images say otherwise. At the coarser
+// levels, and where no pair sees it, it is the motion of the level that is to
 // be smooth: coarse images can not tell fine relief from noise, and must not
-// flatten it; and what no pair sees follows what lies around it.
+// flatten it; and what is not seen follows what lies around it.
 //
 // How much smoothness weighs there is taken from the surface (MacKay 1992): as
 // much as makes its roughness, where the images determine it, as likely as it
@@ -31,9 +34,11 @@ using OnLevelStep = std::function<bool(const RefinementStep& step)>;
 //
 // \param energy  set to the level.
 // \param views  of the level's images' sizes.
+// \param origins  [V] see RefinedMesh
 // \return how many vertices' steps were shortened.
 size_t RefineLevel(const FacetwiseRefinementOptions& options, int level,
                    const FacetLabels& labels, const std::vector<View>& views,
+                   const std::vector<Eigen::Vector3f>& origins,
                    PhotometricEnergy* energy, TriangleMesh* mesh,
                    const OnLevelStep& on_step);
 

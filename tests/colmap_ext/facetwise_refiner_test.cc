@@ -592,6 +592,8 @@ TEST_F(FacetwiseRefinerTest, GoesOnAfterAnInterruption) {
   EXPECT_FALSE(fs::exists(state));
   EXPECT_FALSE(fs::exists(level_mesh));
   EXPECT_FALSE(fs::exists(VisibilityPath(level_mesh)));
+  EXPECT_FALSE(
+      fs::exists(fs::path(level_mesh).replace_extension(".origin.ply")));
   EXPECT_EQ(num_steps(), num_steps_of_all);
 }
 

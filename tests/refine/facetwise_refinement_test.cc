@@ -47,24 +47,24 @@ FacetwiseRefinementOptions SmallOptions() {
 
 // By the pictures of `scene`, whatever the views' scale.
 RefinedMesh Refine(const FacetwiseRefinementOptions& options,
-                   const TriangleMesh& mesh, const VertexAttributes& attributes,
-                   int first_level, const RefinementHooks& hooks = {},
+                   RefinementStart start, const RefinementHooks& hooks = {},
                    double scale = 1) {
   std::vector<View> views = Scene().Views();
-  PointCloud points = Scene().dense.fused.cloud;
-  TriangleMesh scaled = mesh;
   for (View& view : views) {
     view.cam_from_world_translation *= scale;
   }
-  for (Eigen::Vector3f& vertex : scaled.vertices) {
-    vertex *= static_cast<float>(scale);
+  for (std::vector<Eigen::Vector3f>* points :
+       {&start.mesh.vertices, &start.origins}) {
+    for (Eigen::Vector3f& point : *points) {
+      point *= static_cast<float>(scale);
+    }
   }
   const auto images = std::make_shared<ImagePyramid>(
       views, [](size_t view) { return Scene().images[view]; }, SIZE_MAX);
   const auto energy =
       MakeCpuPhotometricEnergy(options.photometric, images, SIZE_MAX);
-  return RefineFacetwise(options, scaled, attributes, views, points,
-                         first_level, energy.get(), hooks);
+  return RefineFacetwise(options, start, views, Scene().dense.fused.cloud,
+                         energy.get(), hooks);
 }
 
 // From the vertices that some view sees to the truth, px, median.
@@ -96,14 +96,14 @@ void ExpectSameMesh(const TriangleMesh& a, const TriangleMesh& b) {
 TEST(RefineFacetwise, FindsTheTruthAgain) {
   const TriangleMesh mesh = PerturbedTruth();
   const RefinedMesh refined =
-      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1);
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1});
   EXPECT_LT(MedianError(refined.mesh), 0.35 * MedianError(mesh));
 }
 
 TEST(RefineFacetwise, StaysNearTheTruth) {
   const TriangleMesh& mesh = Scene().Truth();
   const RefinedMesh refined =
-      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1);
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1});
   EXPECT_LT(MedianError(refined.mesh), 0.2);
 }
 
@@ -112,7 +112,8 @@ TEST(RefineFacetwise, FindsTheTruthByDescentToo) {
   options.solver = RefinementSolver::kDescent;
   options.iterations = 12;
   const TriangleMesh mesh = PerturbedTruth();
-  const RefinedMesh refined = Refine(options, mesh, NoAttributes(mesh), 1);
+  const RefinedMesh refined =
+      Refine(options, {mesh, NoAttributes(mesh), {}, 1});
   EXPECT_LT(MedianError(refined.mesh), 0.6 * MedianError(mesh));
 }
 
@@ -120,7 +121,8 @@ TEST(RefineFacetwise, KeepsTheTopology) {
   const TriangleMesh mesh = PerturbedTruth();
   FacetwiseRefinementOptions options = SmallOptions();
   options.max_face_area = 3;
-  const RefinedMesh refined = Refine(options, mesh, NoAttributes(mesh), 1);
+  const RefinedMesh refined =
+      Refine(options, {mesh, NoAttributes(mesh), {}, 1});
   EXPECT_GT(refined.mesh.facets.size(), mesh.facets.size());
   const MeshReport before = Analyze(mesh);
   const MeshReport after = Analyze(refined.mesh);
@@ -137,7 +139,8 @@ TEST(RefineFacetwise, LowersTheEnergyFromStepToStep) {
   const TriangleMesh mesh = PerturbedTruth();
   FacetwiseRefinementOptions options = SmallOptions();
   options.levels = 1;
-  const RefinedMesh refined = Refine(options, mesh, NoAttributes(mesh), 0);
+  const RefinedMesh refined =
+      Refine(options, {mesh, NoAttributes(mesh), {}, 0});
   const std::vector<RefinementStep>& steps = refined.report.steps;
   ASSERT_GE(steps.size(), 3);
   EXPECT_LT(steps.back().photometric_energy, steps.front().photometric_energy);
@@ -154,7 +157,8 @@ TEST(RefineFacetwise, DoesNotDependOnThreads) {
   for (const int num_threads : {1, 2, 3}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
-    results.push_back(Refine(SmallOptions(), mesh, NoAttributes(mesh), 1));
+    results.push_back(
+        Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1}));
   }
   ExpectSameMesh(results[1].mesh, results[0].mesh);
   ExpectSameMesh(results[2].mesh, results[0].mesh);
@@ -163,10 +167,11 @@ TEST(RefineFacetwise, DoesNotDependOnThreads) {
 TEST(RefineFacetwise, ScalesWithTheScene) {
   const TriangleMesh mesh = PerturbedTruth();
   const RefinedMesh refined =
-      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1);
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1});
   for (const double scale : {1024.0, 1 / 1024.0}) {
     TriangleMesh scaled =
-        Refine(SmallOptions(), mesh, NoAttributes(mesh), 1, {}, scale).mesh;
+        Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1}, {}, scale)
+            .mesh;
     for (Eigen::Vector3f& vertex : scaled.vertices) {
       vertex /= static_cast<float>(scale);
     }
@@ -184,9 +189,9 @@ TEST(RefineFacetwise, GoesOnFromACompleteLevel) {
     }
   };
   const RefinedMesh refined =
-      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1, hooks);
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1}, hooks);
   const RefinedMesh resumed =
-      Refine(SmallOptions(), first.mesh, first.attributes, 0);
+      Refine(SmallOptions(), {first.mesh, first.attributes, first.origins, 0});
   ExpectSameMesh(resumed.mesh, refined.mesh);
 }
 
@@ -202,7 +207,7 @@ TEST(RefineFacetwise, StopsWithTheLastCompleteLevel) {
   };
   hooks.should_stop = [&] { return is_last; };
   const RefinedMesh stopped =
-      Refine(SmallOptions(), mesh, NoAttributes(mesh), 1, hooks);
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1}, hooks);
   EXPECT_TRUE(stopped.report.is_stopped);
   ASSERT_FALSE(complete.vertices.empty());
   ExpectSameMesh(stopped.mesh, complete);

@@ -1,0 +1,126 @@
+#include "refine/relief.h"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace colmap_ext {
+namespace {
+
+constexpr uint32_t kSize = 20;  // vertices a side
+constexpr float kFootprint = 0.5F;
+
+// A sheet z = height(x, y) of kSize x kSize vertices, one scene unit apart.
+template <typename Height>
+TriangleMesh Sheet(Height height) {
+  TriangleMesh mesh;
+  for (uint32_t y = 0; y < kSize; ++y) {
+    for (uint32_t x = 0; x < kSize; ++x) {
+      mesh.vertices.emplace_back(x, y, height(x, y));
+      if (x + 1 < kSize && y + 1 < kSize) {
+        const uint32_t i = y * kSize + x;
+        mesh.facets.push_back({i, i + 1, i + kSize + 1});
+        mesh.facets.push_back({i, i + kSize + 1, i + kSize});
+      }
+    }
+  }
+  return mesh;
+}
+
+std::vector<double> TrustedReliefOf(const TriangleMesh& mesh,
+                                    float footprint = kFootprint) {
+  return TrustedRelief(mesh, MakeVertexRings(mesh),
+                       std::vector<float>(mesh.vertices.size(), footprint));
+}
+
+std::vector<double> ReliefOf(const TriangleMesh& mesh) {
+  return Relief(mesh, MakeVertexRings(mesh),
+                std::vector<float>(mesh.vertices.size(), kFootprint));
+}
+
+constexpr uint32_t kMiddle = kSize / 2 * kSize + kSize / 2;
+
+TEST(Relief, OfAPlaneIsNone) {
+  const TriangleMesh mesh =
+      Sheet([](float x, float y) { return 0.5F * x - 0.25F * y; });
+  for (const double relief : ReliefOf(mesh)) {
+    EXPECT_NEAR(relief, 0, 1e-6);
+  }
+}
+
+TEST(Relief, PointsToTheSideOfTheNeighbors) {
+  const TriangleMesh bowl = Sheet(
+      [](float x, float y) { return 0.01F * (std::pow(x - 10, 2) + y * y); });
+  const TriangleMesh hill = Sheet(
+      [](float x, float y) { return -0.01F * (std::pow(x - 10, 2) + y * y); });
+  EXPECT_GT(ReliefOf(bowl)[kMiddle], 0.005);
+  EXPECT_NEAR(ReliefOf(hill)[kMiddle], -ReliefOf(bowl)[kMiddle], 1e-6);
+}
+
+TEST(TrustedRelief, IsThatOfAnEvenlyCurvedSurface) {
+  const TriangleMesh mesh = Sheet([](float x, float y) {
+    return 0.002F * (std::pow(x - 10, 2) + std::pow(y - 10, 2));
+  });
+  const double relief = ReliefOf(mesh)[kMiddle];
+  EXPECT_NEAR(TrustedReliefOf(mesh)[kMiddle], relief, 0.02 * relief);
+}
+
+TEST(TrustedRelief, IsLittleOfWhatDiffersFromVertexToVertex) {
+  const TriangleMesh mesh = Sheet([](float x, float y) {
+    return 0.05F * std::sin(12.9898F * x + 78.233F * y * y);
+  });
+  const std::vector<double> relief = ReliefOf(mesh);
+  const std::vector<double> trusted = TrustedReliefOf(mesh);
+  double sum = 0;
+  double sum_trusted = 0;
+  for (size_t i = 0; i < relief.size(); ++i) {
+    sum += relief[i] * relief[i];
+    sum_trusted += trusted[i] * trusted[i];
+  }
+  EXPECT_LT(sum_trusted, 0.3 * sum);
+}
+
+TEST(TrustedRelief, LeavesSpikesOut) {
+  const auto spike = [](float height) {
+    return Sheet([height](float x, float y) {
+      return x == 10 && y == 10 ? height : 0.0F;
+    });
+  };
+  // As much as its neighbors, on the other side of it, have to give.
+  const double low = TrustedReliefOf(spike(0.05F))[kMiddle];
+  EXPECT_LT(low, -0.01);
+  EXPECT_GE(TrustedReliefOf(spike(1.0F))[kMiddle], 0);
+}
+
+// Twice the scene, twice the relief; in finer pictures more of it counts.
+TEST(TrustedRelief, ScalesWithTheScene) {
+  const auto height = [](float x, float y) {
+    return 0.2F * std::sin(1.7F * x) * std::cos(0.9F * y);
+  };
+  const TriangleMesh mesh = Sheet(height);
+  TriangleMesh scaled = mesh;
+  for (Eigen::Vector3f& vertex : scaled.vertices) {
+    vertex *= 1024;
+  }
+  const std::vector<double> relief = TrustedReliefOf(mesh);
+  const std::vector<double> of_scaled =
+      TrustedReliefOf(scaled, 1024 * kFootprint);
+  for (size_t i = 0; i < relief.size(); ++i) {
+    EXPECT_EQ(of_scaled[i], 1024 * relief[i]);
+  }
+}
+
+TEST(TrustedRelief, IsNoneAtBorders) {
+  const TriangleMesh mesh =
+      Sheet([](float x, float y) { return 0.01F * x * y; });
+  const std::vector<double> relief = TrustedReliefOf(mesh);
+  for (uint32_t i = 0; i < kSize; ++i) {
+    EXPECT_EQ(relief[i], 0);
+    EXPECT_EQ(relief[i * kSize], 0);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
