@@ -15,15 +15,16 @@ struct DepthRange {
   double farthest;
 };
 
-// Of what rays meet first at the corners of the square of two pixels' width
-// around a place of an image.
+// Of what rays meet first at the corners of a square around a place of an
+// image, `reach` pixels to each side.
 inline DepthRange DepthsAround(const Bvh& mesh, const View& view,
-                               const Eigen::Vector2d& pixel) {
+                               const Eigen::Vector2d& pixel, double reach = 1) {
   RayPacket rays;
   rays.origin = view.Center().cast<float>();
   for (int i = 0; i < 4; ++i) {
-    rays.SetDirection(i, RayDirection(view, pixel.x() + (i % 2 == 0 ? -1 : 1),
-                                      pixel.y() + (i / 2 == 0 ? -1 : 1)));
+    rays.SetDirection(
+        i, RayDirection(view, pixel.x() + (i % 2 == 0 ? -reach : reach),
+                        pixel.y() + (i / 2 == 0 ? -reach : reach)));
   }
   const HitPacket hits = mesh.Intersect(rays);
   const auto [nearest, farthest] = std::minmax(
