@@ -69,6 +69,7 @@ class PullingEnergy : public PhotometricEnergy {
   }
 
   double stiffness = 10;
+  float num_pixels = 5;         // of a facet
   double slope_factor = 1;      // what is said of the slopes that they are
   double curvature_factor = 1;  // and of the curvatures
   int num_renders = 0;
@@ -77,7 +78,7 @@ class PullingEnergy : public PhotometricEnergy {
   void AddFacet(const TriangleMesh& mesh, size_t facet, const Vector3d& normal,
                 PhotometricTerms* terms) const {
     terms->weights[facet] = 1;
-    terms->num_pixels[facet] = 5;
+    terms->num_pixels[facet] = num_pixels;
     const double factor = stiffness / (kFootprint * kFootprint);
     for (int sample = 0; sample < 3; ++sample) {
       Vector3d shares = Vector3d::Constant(1.0 / 6);
@@ -171,7 +172,7 @@ FacetwiseRefinementOptions WithoutSmoothness() {
 // smooth waves of so many pixels.
 TriangleMesh WavySphere(double pixels, bool is_whole = true) {
   TriangleMesh mesh =
-      is_whole ? MakeBumpySphere(0.1f, 0) : MakeBumpyCap(0.1f, 0);
+      is_whole ? MakeBumpySphere(0.13f, 0) : MakeBumpyCap(0.1f, 0);
   for (Vector3f& vertex : mesh.vertices) {
     const double wave = (4 * vertex.array()).sin().sum() / 3;
     vertex *= static_cast<float>(1 + pixels * kFootprint * wave);
@@ -186,6 +187,33 @@ double SphereError(const TriangleMesh& mesh) {
     sum += std::pow((vertex.norm() - 1) / kFootprint, 2);
   }
   return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
+}
+
+// Half the sum of the squared curvatures, 1 / px^2.
+double Roughness(const TriangleMesh& mesh) {
+  const VertexRings rings = MakeVertexRings(mesh);
+  const size_t size = mesh.vertices.size();
+  return MakeThinPlate(1, mesh.vertices, VertexNormals(mesh, rings), rings,
+                       std::vector<float>(size, kFootprint),
+                       std::vector<float>(size, 0),
+                       std::vector<double>(size, 0))
+      .Energy();
+}
+
+// A sheet of edges of two pixels, with relief of a third of one.
+double Rubble(const Vector3d& point) {
+  const Vector3d place(point.x(), point.y(), 0);
+  return kFootprint / 3 *
+         synthetic::ValueNoise((place / (3 * kFootprint)).cast<float>(), 1);
+}
+
+TriangleMesh RubbleSheet() {
+  TriangleMesh mesh = MakeSheet(30, 30);
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex = 2 * kFootprint * (vertex - Vector3f(15, 15, 0));
+    vertex.z() = static_cast<float>(Rubble(vertex.cast<double>()));
+  }
+  return mesh;
 }
 
 TEST(RefineLevel, FindsTheSurfaceThatItIsPulledTo) {
@@ -251,10 +279,53 @@ TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
   const TriangleMesh mesh = MakeBumpyCap(0.1f);
   for (const int level : {0, 1}) {
     PullingEnergy energy(UnitSphere);
-    const FacetLabels labels =
-        LabelWhere(mesh, [](const Vector3f&) { return false; });
-    EXPECT_EQ(Refine({}, level, mesh, labels, &energy).Result().vertices,
+    energy.stiffness = 0;
+    energy.num_pixels = 0;
+    EXPECT_EQ(Refine({}, level, mesh, &energy).Result().vertices,
               mesh.vertices);
+    const FacetLabels none =
+        LabelWhere(mesh, [](const Vector3f&) { return false; });
+    EXPECT_EQ(Refine({}, level, mesh, none, &energy).Result().vertices,
+              mesh.vertices);
+  }
+}
+
+// What is seen, but has no texture: noise at the finest level, relief that is
+// not known yet before.
+TEST(RefineLevel, SmoothsWhatIsSeenAtTheFinestLevelAlone) {
+  const TriangleMesh mesh = RubbleSheet();
+  PullingEnergy energy(UnitSphere);
+  energy.stiffness = 0;
+  EXPECT_EQ(Refine({}, 1, mesh, &energy).Result().vertices, mesh.vertices);
+  EXPECT_LT(Roughness(Refine({}, 0, mesh, &energy).Result()),
+            0.2 * Roughness(mesh));
+}
+
+// In one step: those around what is pulled, or all.
+TEST(RefineLevel, MovesEachVertexByItselfInDescent) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
+  const FacetLabels labels =
+      LabelWhere(mesh, [](const Vector3f& corner) { return corner.z() > 0; });
+  for (const RefinementSolver solver :
+       {RefinementSolver::kGaussNewton, RefinementSolver::kDescent}) {
+    FacetwiseRefinementOptions options;
+    options.solver = solver;
+    options.iterations = 1;
+    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
+      return {point.norm() - 1 - kFootprint, point.normalized()};
+    });
+    const TriangleMesh refined =
+        Refine(options, 1, mesh, labels, &energy).Result();
+    int num_moved = 0;
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const bool is_moved = refined.vertices[i] != mesh.vertices[i];
+      if (mesh.vertices[i].z() > 0.1f) {
+        EXPECT_TRUE(is_moved);
+      } else if (mesh.vertices[i].z() < -0.3f) {
+        num_moved += is_moved;
+      }
+    }
+    EXPECT_EQ(num_moved > 0, solver == RefinementSolver::kGaussNewton);
   }
 }
 
@@ -336,7 +407,9 @@ TEST(RefineLevel, MovesByAPixelAndAPartOfTheEdgesAtMost) {
     const float cell_size = pixels < 10 ? 0.2f : 0.05f;
     const TriangleMesh mesh = MakeBumpySphere(cell_size, 0);
     const VertexRings rings = MakeVertexRings(mesh);
-    const Refined refined = Refine(WithoutSmoothness(), 1, mesh, &energy);
+    FacetwiseRefinementOptions options = WithoutSmoothness();
+    options.iterations = 4;
+    const Refined refined = Refine(options, 1, mesh, &energy);
     ASSERT_GT(refined.meshes.size(), 2);
     double largest = 0;
     for (size_t step = 1; step < refined.meshes.size(); ++step) {
@@ -427,48 +500,21 @@ TEST(RefineLevel, TellsTheMeanCorrelation) {
   }
 }
 
-// Of the sum of the squared curvatures.
-double Roughness(const TriangleMesh& mesh) {
-  const VertexRings rings = MakeVertexRings(mesh);
-  const size_t size = mesh.vertices.size();
-  return MakeThinPlate(1, mesh.vertices, VertexNormals(mesh, rings), rings,
-                       std::vector<float>(size, kFootprint),
-                       std::vector<float>(size, 0),
-                       std::vector<double>(size, 0))
-      .Energy();
-}
-
-// A sheet of edges of two pixels, with relief of a third of one.
-double Rubble(const Vector3d& point) {
-  const Vector3d place(point.x(), point.y(), 0);
-  return kFootprint / 3 *
-         synthetic::ValueNoise((place / (3 * kFootprint)).cast<float>(), 1);
-}
-
-TriangleMesh RubbleSheet() {
-  TriangleMesh mesh = MakeSheet(30, 30);
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex = 2 * kFootprint * (vertex - Vector3f(15, 15, 0));
-    vertex.z() = static_cast<float>(Rubble(vertex.cast<double>()));
-  }
-  return mesh;
-}
-
 TEST(RefineLevel, IsTheSmootherTheMoreItIsToBe) {
   const TriangleMesh mesh = RubbleSheet();
-  double last = Roughness(mesh);
-  for (const double weight : {0.01, 1.0, 100.0}) {
+  std::vector<double> roughness;
+  for (const double weight : {0.001, 0.01, 0.1, 0.2, 1.0}) {
     FacetwiseRefinementOptions options;
     options.smoothness_weight = weight;
     PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
       return {point.z() - Rubble(point), Vector3d::UnitZ()};
     });
-    energy.stiffness = 1;
-    const double roughness =
-        Roughness(Refine(options, 0, mesh, &energy).Result());
-    EXPECT_LT(roughness, last) << weight;
-    last = roughness;
+    energy.stiffness = 100;
+    roughness.push_back(Roughness(Refine(options, 0, mesh, &energy).Result()));
   }
+  EXPECT_GT(roughness.front(), Roughness(mesh));
+  EXPECT_TRUE(std::is_sorted(roughness.rbegin(), roughness.rend()));
+  EXPECT_LT(roughness.back(), 0.1 * Roughness(mesh));
 }
 
 // Relief that the images are sure of is no noise.
