@@ -1,5 +1,6 @@
 #include "refine/normal_equations.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -264,7 +265,22 @@ TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
   EXPECT_EQ(solution.back(), 0);
 }
 
-// Without borders, which have no smoothness.
+// Vertices at the border have no smoothness, but it is not the images that
+// determine them.
+TEST_F(NormalEquationsTest, DetermineNothingWhereTheImagesSayNothing) {
+  for (auto& curvatures : terms_.curvatures) {
+    for (float& curvature : curvatures) {
+      curvature *= 1e-4f;
+    }
+  }
+  SetWeight(10);
+  const auto num_border =
+      std::count(rings_.is_border.begin(), rings_.is_border.end(), 1);
+  EXPECT_LT(Equations().NumDetermined(1e-8, 100000),
+            0.3 * static_cast<double>(num_border));
+}
+
+// Without borders.
 class ClosedNormalEquationsTest : public NormalEquationsTest {
  protected:
   ClosedNormalEquationsTest() : NormalEquationsTest(MakeBumpySphere(0.3f)) {}
