@@ -186,17 +186,4 @@ HitPacket Bvh::Intersect(const RayPacket& rays) const {
   return hit;
 }
 
-bool Bvh::IsOccluded(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                     float margin) const {
-  const float length = (b - a).norm();
-  RayPacket rays;
-  rays.origin = a;
-  for (int i = 0; i < 4; ++i) {
-    rays.SetDirection(i, (b - a) / length);
-  }
-  rays.min_distance = margin;
-  rays.max_distance = length - margin;
-  return Intersect(rays).facet[0] >= 0;
-}
-
 }  // namespace colmap_ext

@@ -43,11 +43,6 @@ class Bvh {
 
   HitPacket Intersect(const RayPacket& rays) const;
 
-  // Whether anything lies on the open segment between two points, `margin`
-  // scene units at both ends left out.
-  bool IsOccluded(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                  float margin) const;
-
   // Distance from a point to the nearest facet, scene units: exact but for the
   // rounding of the facets' edges to floats.
   // \return max_distance if there is none nearer.

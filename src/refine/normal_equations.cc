@@ -170,11 +170,11 @@ double NormalEquations::NumDetermined(double tolerance,
   Multiply(signs, true, &image);
   const double trace =
       Dot(signs, Solve(std::move(image), tolerance, max_iterations));
-  size_t num_movable = 0;
-  for (const double diagonal : diagonal_) {
-    num_movable += diagonal > 0 ? 1 : 0;
+  size_t num_residuals = 0;
+  for (const double coefficient : plate_.coefficients) {
+    num_residuals += coefficient > 0 ? 1 : 0;
   }
-  return std::max(static_cast<double>(num_movable) - trace, 0.0);
+  return std::max(static_cast<double>(num_residuals) - trace, 0.0);
 }
 
 std::vector<double> NormalEquations::Solve(std::vector<double> right_hand_side,

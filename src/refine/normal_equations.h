@@ -33,10 +33,11 @@ class NormalEquations {
   // units. Where nothing says anything, 0.
   std::vector<double> Solve(double tolerance, int max_iterations) const;
 
-  // How many of the vertices' positions the images determine, rather than the
-  // smoothness (MacKay 1992): V minus the trace of matrix^-1 times the
-  // smoothness' part of the matrix, estimated from one vector of random signs
-  // (Hutchinson 1990).
+  // How many of the smoothness' residuals the images determine, rather than the
+  // smoothness itself (MacKay 1992): their number minus the trace of matrix^-1
+  // times the smoothness' part of the matrix, estimated from one vector of
+  // random signs (Hutchinson 1990). Vertices that the smoothness says nothing
+  // of, at borders, do not count: nothing is learned of its weight from them.
   double NumDetermined(double tolerance, int max_iterations) const;
 
  private:

@@ -81,18 +81,38 @@ TEST(Bvh, FindsTheNearestFacetAsASearchThroughAllDoes) {
 
 TEST(Bvh, SeesNothingInAnEmptyMesh) {
   const Bvh bvh{TriangleMesh()};
-  EXPECT_FALSE(bvh.IsOccluded({0, 0, 0}, {1, 0, 0}, 0));
+  RayPacket rays;
+  rays.max_distance = 7;
+  for (int i = 0; i < 4; ++i) {
+    rays.SetDirection(i, RandomVector(0, i));
+  }
+  const HitPacket hits = bvh.Intersect(rays);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(hits.facet[i], -1);
+    EXPECT_EQ(hits.distance[i], 7);
+  }
 }
 
-TEST(Bvh, OccludesBetweenThePointsOnly) {
+TEST(Bvh, SeesNothingBeyondTheDistances) {
   TriangleMesh mesh;
   mesh.vertices = {{0, -1, -1}, {0, 1, -1}, {0, 0, 1}};
   mesh.facets = {{0, 1, 2}};
   const Bvh bvh(mesh);
-  EXPECT_TRUE(bvh.IsOccluded({-1, 0, 0}, {1, 0, 0}, 0.1f));
-  EXPECT_TRUE(bvh.IsOccluded({1, 0, 0}, {-1, 0, 0}, 0.1f));
-  EXPECT_FALSE(bvh.IsOccluded({-1, 0, 0}, {-0.5f, 0, 0}, 0.1f));
-  EXPECT_FALSE(bvh.IsOccluded({-1, 0, 0}, {0, 0, 0}, 0.1f));
+  const auto is_hit = [&](float x, float direction, float min, float max) {
+    RayPacket rays;
+    rays.origin = {x, 0, 0};
+    for (int i = 0; i < 4; ++i) {
+      rays.SetDirection(i, {direction, 0, 0});
+    }
+    rays.min_distance = min;
+    rays.max_distance = max;
+    return bvh.Intersect(rays).facet[0] == 0;
+  };
+  EXPECT_TRUE(is_hit(-1, 1, 0.1f, 1.9f));
+  EXPECT_TRUE(is_hit(1, -1, 0.1f, 1.9f));
+  EXPECT_FALSE(is_hit(-1, 1, 0.1f, 0.4f));
+  EXPECT_FALSE(is_hit(-1, 1, 1.1f, 1.9f));
+  EXPECT_FALSE(is_hit(-1, -1, 0.1f, 1.9f));
 }
 
 Vector3d NearestOnSegment(const Vector3d& p, const Vector3d& a,

@@ -1,8 +1,12 @@
 #include "mesh/nearest_attributes.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "tests/mesh/known_meshes.h"
+#include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
 namespace {
@@ -39,6 +43,59 @@ TEST(NearestAttributesTest, TakesTheViewsOfAFew) {
     EXPECT_TRUE(std::binary_search(views.begin(), views.end(), i + 1));
     EXPECT_LE(views.size(), 8);
   }
+}
+
+// Of four, and of those within three mean lengths of the vertex's edges; an
+// edge counts as often as it has facets.
+TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
+  Random random(1);
+  TriangleMesh mesh = RandomSoup(30, 60, true, &random);
+  // Edges of all lengths.
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    mesh.vertices[i] *= i % 2 == 0 ? 0.1f : 1.0f;
+  }
+  PointCloud points;
+  for (uint32_t i = 0; i < 40; ++i) {
+    points.positions.emplace_back(8 * random.Unit() - 4, 8 * random.Unit() - 4,
+                                  8 * random.Unit() - 4);
+    points.colors.push_back({static_cast<uint8_t>(i), 0, 0});
+    points.view_indices.push_back(i);
+    points.view_offsets.push_back(points.view_indices.size());
+  }
+  const VertexAttributes attributes = NearestAttributes(mesh, points);
+  size_t num_out_of_reach = 0;
+  for (uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    double sum = 0;
+    double count = 0;
+    for (const Facet& facet : mesh.facets) {
+      if (std::find(facet.begin(), facet.end(), vertex) != facet.end()) {
+        for (const uint32_t other : facet) {
+          sum += (mesh.vertices[other] - mesh.vertices[vertex]).norm();
+          count += other != vertex;
+        }
+      }
+    }
+    std::vector<std::pair<double, uint32_t>> nearest;
+    for (uint32_t i = 0; i < points.size(); ++i) {
+      nearest.emplace_back((points.positions[i] - mesh.vertices[vertex]).norm(),
+                           i);
+    }
+    std::sort(nearest.begin(), nearest.end());
+    EXPECT_EQ(attributes.colors[vertex][0], nearest[0].second);
+    std::vector<uint32_t> expected;
+    for (int k = 0; k < 4; ++k) {
+      if (count > 0 && nearest[k].first < 3 * sum / count) {
+        expected.push_back(nearest[k].second);
+      } else {
+        ++num_out_of_reach;
+      }
+    }
+    std::sort(expected.begin(), expected.end());
+    const auto views = attributes.Views(vertex);
+    EXPECT_EQ(std::vector<uint32_t>(views.begin(), views.end()), expected);
+  }
+  EXPECT_GT(num_out_of_reach, 10);
+  EXPECT_LT(num_out_of_reach, 4 * mesh.vertices.size() - 10);
 }
 
 TEST(NearestAttributesTest, LeavesWhatIsFarFromAllPointsWithoutViews) {

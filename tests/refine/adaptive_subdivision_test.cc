@@ -1,0 +1,204 @@
+#include "refine/adaptive_subdivision.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "mesh/topology.h"
+#include "refine/facet_frames.h"
+#include "refine/facet_visibility.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/manifold_links.h"
+#include "tests/mesh/shapes.h"
+#include "tests/refine/look_at.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double kMinCosine = 0.1;
+
+// Two of the upper side, one of the lower.
+std::vector<View> Views() {
+  return {LookAt({0.5, 0.5, 4}, {0, 0, 0}, 160, 120, 150),
+          LookAt({-0.8, 0.1, 4}, {0, 0, 0}, 160, 120, 150),
+          LookAt({0.2, 0.1, -4}, {0, 0, 0}, 160, 120, 150)};
+}
+
+// The second largest of the areas in the views that see each facet, px^2.
+std::vector<double> SecondAreas(const TriangleMesh& mesh,
+                                const std::vector<View>& views) {
+  const FacetVisibility visibility =
+      FindVisibleFacets({kMinCosine}, mesh, views);
+  std::vector<double> seconds;
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    std::vector<double> areas(2, 0.0);
+    for (const uint32_t view : visibility.Views(i)) {
+      std::array<Vector3d, 3> corners;
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d in_camera = views[view].CamFromWorld(
+            mesh.vertices[mesh.facets[i][k]].cast<double>());
+        corners[k] << views[view].ImageFromCam(in_camera), 0;
+      }
+      areas.push_back(
+          (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() / 2);
+    }
+    std::sort(areas.rbegin(), areas.rend());
+    seconds.push_back(areas[1]);
+  }
+  return seconds;
+}
+
+double Area(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.facets) {
+    area += (mesh.vertices[b] - mesh.vertices[a])
+                .cross(mesh.vertices[c] - mesh.vertices[a])
+                .norm() /
+            2;
+  }
+  return area;
+}
+
+// Of view i % 3, and of view 7.
+VertexAttributes MakeAttributes(size_t num_vertices) {
+  VertexAttributes attributes;
+  for (uint32_t i = 0; i < num_vertices; ++i) {
+    attributes.colors.push_back({static_cast<uint8_t>(i % 3), 50, 200});
+    attributes.view_indices.insert(attributes.view_indices.end(), {i % 3, 7});
+    attributes.view_offsets.push_back(attributes.view_indices.size());
+  }
+  return attributes;
+}
+
+struct Subdivided {
+  TriangleMesh mesh;
+  VertexAttributes attributes;
+};
+
+Subdivided Subdivide(double max_area, const TriangleMesh& mesh,
+                     const std::vector<View>& views) {
+  Subdivided result{mesh, MakeAttributes(mesh.vertices.size())};
+  SubdivideLargeFacets(max_area, kMinCosine, views, &result.mesh,
+                       &result.attributes);
+  return result;
+}
+
+TEST(SubdivideLargeFacets, LeavesNoneThatIsLargerInTwoViews) {
+  for (const TriangleMesh& mesh :
+       {MakeBumpySphere(0.5f), MakeRoundTorus(0.3f), MakeBumpyCap(0.4f)}) {
+    const std::vector<double> before = SecondAreas(mesh, Views());
+    EXPECT_GT(*std::max_element(before.begin(), before.end()), 16);
+    for (const double max_area : {16.0, 3.0}) {
+      const Subdivided result = Subdivide(max_area, mesh, Views());
+      const std::vector<double> after = SecondAreas(result.mesh, Views());
+      EXPECT_LE(*std::max_element(after.begin(), after.end()), max_area);
+      // No more than is needed: not all are much smaller.
+      EXPECT_GT(*std::max_element(after.begin(), after.end()), max_area / 4);
+      EXPECT_GT(result.mesh.facets.size(), mesh.facets.size());
+    }
+  }
+}
+
+TEST(SubdivideLargeFacets, KeepsTheSurfaceAndItsTopology) {
+  for (const TriangleMesh& mesh :
+       {MakeBumpySphere(0.5f), MakeRoundTorus(0.3f), MakeBumpyCap(0.4f)}) {
+    const MeshReport before = Analyze(mesh);
+    const TriangleMesh subdivided = Subdivide(4, mesh, Views()).mesh;
+    const MeshReport after = Analyze(subdivided);
+    EXPECT_TRUE(after.IsManifold()) << after.Defects();
+    EXPECT_TRUE(HasManifoldLinks(subdivided));
+    EXPECT_EQ(after.euler, before.euler);
+    EXPECT_EQ(after.num_components, before.num_components);
+    EXPECT_EQ(after.num_border_loops, before.num_border_loops);
+    EXPECT_NEAR(Area(subdivided), Area(mesh), 1e-4 * Area(mesh));
+    EXPECT_TRUE(std::equal(mesh.vertices.begin(), mesh.vertices.end(),
+                           subdivided.vertices.begin()));
+  }
+}
+
+void ExpectUnchanged(const Subdivided& result, const TriangleMesh& mesh) {
+  EXPECT_EQ(result.mesh.facets, mesh.facets);
+  EXPECT_EQ(result.mesh.vertices, mesh.vertices);
+  EXPECT_EQ(result.attributes.view_indices,
+            MakeAttributes(mesh.vertices.size()).view_indices);
+}
+
+TEST(SubdivideLargeFacets, ChangesNothingWhereAllAreSmall) {
+  const TriangleMesh mesh = MakeBumpySphere(0.3f);
+  const std::vector<double> areas = SecondAreas(mesh, Views());
+  const double largest = *std::max_element(areas.begin(), areas.end());
+  ExpectUnchanged(Subdivide(1.001 * largest, mesh, Views()), mesh);
+  EXPECT_GT(Subdivide(0.999 * largest, mesh, Views()).mesh.facets.size(),
+            mesh.facets.size());
+}
+
+// Neither what no view sees, nor what a single one does.
+TEST(SubdivideLargeFacets, LeavesWhatFewerThanTwoViewsSee) {
+  const TriangleMesh mesh = MakeBumpySphere(0.3f);
+  ExpectUnchanged(Subdivide(1, mesh, {}), mesh);
+  ExpectUnchanged(Subdivide(1, mesh, {Views()[0]}), mesh);
+  ExpectUnchanged(Subdivide(1, mesh, {Views()[0], Views()[2]}), mesh);
+}
+
+TEST(SubdivideLargeFacets, HandsAttributesDown) {
+  const TriangleMesh mesh = MakeBumpyCap(0.4f);
+  const VertexAttributes before = MakeAttributes(mesh.vertices.size());
+  const auto& [subdivided, attributes] = Subdivide(4, mesh, Views());
+  ASSERT_EQ(attributes.view_offsets.size(), subdivided.vertices.size() + 1);
+  ASSERT_EQ(attributes.colors.size(), subdivided.vertices.size());
+  for (size_t i = 0; i < subdivided.vertices.size(); ++i) {
+    const auto views = attributes.Views(i);
+    EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
+    EXPECT_EQ(views.back(), 7);
+    EXPECT_EQ(attributes.colors[i][1], 50);
+    if (i < mesh.vertices.size()) {
+      EXPECT_EQ(attributes.colors[i], before.colors[i]);
+      EXPECT_TRUE(std::equal(views.begin(), views.end(),
+                             before.Views(i).begin(), before.Views(i).end()));
+    }
+  }
+}
+
+// Two facets of 800 px^2 in both views: cut in four until they are of 12.5.
+TEST(SubdivideLargeFacets, CutsASquareInQuarters) {
+  TriangleMesh square = {{{0, 0, 4}, {0, 1, 4}, {1, 1, 4}, {1, 0, 4}},
+                         {{0, 1, 2}, {0, 2, 3}}};
+  View view;
+  view.width = view.height = 100;
+  view.fx = view.fy = 160;
+  view.cx = view.cy = 30;
+  for (const auto& [max_area, num_facets] :
+       {std::pair(801.0, 2), {799.0, 8}, {201.0, 8}, {16.0, 128}}) {
+    EXPECT_EQ(Subdivide(max_area, square, {view, view}).mesh.facets.size(),
+              num_facets);
+  }
+}
+
+TEST(SubdivideLargeFacets, DoesNotDependOnTheScale) {
+  const TriangleMesh mesh = MakeRoundTorus(0.3f);
+  const TriangleMesh expected = Subdivide(4, mesh, Views()).mesh;
+  for (const float scale : {1024.0f, 1 / 1024.0f}) {
+    TriangleMesh scaled = mesh;
+    for (Vector3f& vertex : scaled.vertices) {
+      vertex *= scale;
+    }
+    std::vector<View> views = Views();
+    for (View& view : views) {
+      view.cam_from_world_translation *= scale;
+    }
+    scaled = Subdivide(4, scaled, views).mesh;
+    for (Vector3f& vertex : scaled.vertices) {
+      vertex /= scale;
+    }
+    EXPECT_EQ(scaled.facets, expected.facets);
+    EXPECT_EQ(scaled.vertices, expected.vertices);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

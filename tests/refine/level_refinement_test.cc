@@ -1,0 +1,543 @@
+#include "refine/level_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "mesh/facet_normals.h"
+#include "mesh/vertex_normals.h"
+#include "mesh/vertex_rings.h"
+#include "refine/facet_frames.h"
+#include "refine/thin_plate.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
+#include "tests/refine/look_at.h"
+#include "tests/synthetic/noise.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double kFootprint = 0.02;  // of a pixel, about, scene units
+
+// How far a point lies outside of a surface, and which way it is left fastest.
+struct SignedDistance {
+  double value;
+  Vector3d gradient;
+};
+using Surface = std::function<SignedDistance(const Vector3d& point)>;
+
+SignedDistance UnitSphere(const Vector3d& point) {
+  return {point.norm() - 1, point.normalized()};
+}
+
+// Pulls a mesh to a known surface: half the squared distances, px^2, at three
+// points of each facet.
+class PullingEnergy : public PhotometricEnergy {
+ public:
+  explicit PullingEnergy(Surface surface) : surface_(std::move(surface)) {}
+
+  void SetLevel(int /*level*/) override {}
+  void Render(const TriangleMesh& /*mesh*/) override { ++num_renders; }
+  std::string Description() const override { return "pulls"; }
+
+  PhotometricTerms Evaluate(const TriangleMesh& mesh,
+                            const FacetLabels& labels) override {
+    EXPECT_GT(num_renders, 0);
+    const size_t size = mesh.facets.size();
+    PhotometricTerms terms;
+    terms.energies.assign(size, 0);
+    terms.weights.assign(size, 0);
+    terms.num_pixels.assign(size, 0);
+    terms.slopes.assign(size, {});
+    terms.curvatures.assign(size, {});
+    const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+    for (size_t i = 0; i < size; ++i) {
+      if (!labels.Labels(i).empty()) {
+        AddFacet(mesh, i, frames[i].normal, &terms);
+      }
+      terms.energy += terms.energies[i];
+    }
+    return terms;
+  }
+
+  double stiffness = 10;
+  float num_pixels = 5;         // of a facet
+  double slope_factor = 1;      // what is said of the slopes that they are
+  double curvature_factor = 1;  // and of the curvatures
+  int num_renders = 0;
+
+ private:
+  void AddFacet(const TriangleMesh& mesh, size_t facet, const Vector3d& normal,
+                PhotometricTerms* terms) const {
+    terms->weights[facet] = 1;
+    terms->num_pixels[facet] = num_pixels;
+    const double factor = stiffness / (kFootprint * kFootprint);
+    for (int sample = 0; sample < 3; ++sample) {
+      Vector3d shares = Vector3d::Constant(1.0 / 6);
+      shares[sample] = 2.0 / 3;
+      Vector3d point = Vector3d::Zero();
+      for (int k = 0; k < 3; ++k) {
+        point +=
+            shares[k] * mesh.vertices[mesh.facets[facet][k]].cast<double>();
+      }
+      const auto [distance, gradient] = surface_(point);
+      const double along = gradient.dot(normal);
+      terms->energies[facet] +=
+          static_cast<float>(factor * distance * distance / 2);
+      int at = 0;
+      for (int k = 0; k < 3; ++k) {
+        terms->slopes[facet][k] += static_cast<float>(
+            slope_factor * factor * distance * along * shares[k]);
+        for (int l = k; l < 3; ++l) {
+          terms->curvatures[facet][at++] +=
+              static_cast<float>(curvature_factor * factor * along * along *
+                                 shares[k] * shares[l]);
+        }
+      }
+    }
+  }
+
+  Surface surface_;
+};
+
+// Seen by both views wherever `is_seen` says so of the facet's first corner.
+FacetLabels LabelWhere(const TriangleMesh& mesh,
+                       const std::function<bool(const Vector3f&)>& is_seen) {
+  FacetLabels labels;
+  labels.pairs = {{0, 1}};
+  for (const Facet& facet : mesh.facets) {
+    if (is_seen(mesh.vertices[facet[0]])) {
+      labels.labels.push_back(0);
+    }
+    labels.offsets.push_back(labels.labels.size());
+  }
+  return labels;
+}
+
+FacetLabels LabelAll(const TriangleMesh& mesh) {
+  return LabelWhere(mesh, [](const Vector3f&) { return true; });
+}
+
+// From afar, so that pixels have the same footprint everywhere.
+std::vector<View> FarViews() {
+  constexpr double kDistance = 100;
+  return {
+      LookAt({0, 0, kDistance}, {0, 0, 0}, 500, 500, kDistance / kFootprint),
+      LookAt({kDistance, 0, 0}, {0, 0, 0}, 500, 500, kDistance / kFootprint)};
+}
+
+struct Refined {
+  std::vector<TriangleMesh> meshes;  // at the start and after each step
+  std::vector<RefinementStep> steps;
+  size_t num_shortened = 0;
+
+  const TriangleMesh& Result() const { return meshes.back(); }
+};
+
+Refined Refine(const FacetwiseRefinementOptions& options, int level,
+               const TriangleMesh& mesh, const FacetLabels& labels,
+               PhotometricEnergy* energy) {
+  Refined result;
+  TriangleMesh refined = mesh;
+  result.num_shortened = RefineLevel(options, level, labels, FarViews(), energy,
+                                     &refined, [&](const RefinementStep& step) {
+                                       result.steps.push_back(step);
+                                       result.meshes.push_back(refined);
+                                       return true;
+                                     });
+  EXPECT_EQ(refined.vertices, result.Result().vertices);
+  return result;
+}
+
+Refined Refine(const FacetwiseRefinementOptions& options, int level,
+               const TriangleMesh& mesh, PhotometricEnergy* energy) {
+  return Refine(options, level, mesh, LabelAll(mesh), energy);
+}
+
+FacetwiseRefinementOptions WithoutSmoothness() {
+  FacetwiseRefinementOptions options;
+  options.smoothness_weight = 0;
+  return options;
+}
+
+// The unit sphere, or the part of it above z = -0.3, its radius changed by
+// smooth waves of so many pixels.
+TriangleMesh WavySphere(double pixels, bool is_whole = true) {
+  TriangleMesh mesh =
+      is_whole ? MakeBumpySphere(0.13f, 0) : MakeBumpyCap(0.1f, 0);
+  for (Vector3f& vertex : mesh.vertices) {
+    const double wave = (4 * vertex.array()).sin().sum() / 3;
+    vertex *= static_cast<float>(1 + pixels * kFootprint * wave);
+  }
+  return mesh;
+}
+
+// From the vertices to the unit sphere, px, root mean square.
+double SphereError(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const Vector3f& vertex : mesh.vertices) {
+    sum += std::pow((vertex.norm() - 1) / kFootprint, 2);
+  }
+  return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
+}
+
+// Half the sum of the squared curvatures, 1 / px^2.
+double Roughness(const TriangleMesh& mesh) {
+  const VertexRings rings = MakeVertexRings(mesh);
+  const size_t size = mesh.vertices.size();
+  return MakeThinPlate(1, mesh.vertices, VertexNormals(mesh, rings), rings,
+                       std::vector<float>(size, kFootprint),
+                       std::vector<float>(size, 0),
+                       std::vector<double>(size, 0))
+      .Energy();
+}
+
+// A sheet of edges of two pixels, with relief of a third of one.
+double Rubble(const Vector3d& point) {
+  const Vector3d place(point.x(), point.y(), 0);
+  return kFootprint / 3 *
+         synthetic::ValueNoise((place / (3 * kFootprint)).cast<float>(), 1);
+}
+
+TriangleMesh RubbleSheet() {
+  TriangleMesh mesh = MakeSheet(30, 30);
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex = 2 * kFootprint * (vertex - Vector3f(15, 15, 0));
+    vertex.z() = static_cast<float>(Rubble(vertex.cast<double>()));
+  }
+  return mesh;
+}
+
+TEST(RefineLevel, FindsTheSurfaceThatItIsPulledTo) {
+  const TriangleMesh mesh = WavySphere(2);
+  const double before = SphereError(mesh);
+  EXPECT_GT(before, 0.5);
+  FacetwiseRefinementOptions options = WithoutSmoothness();
+  options.iterations = 30;
+  for (const int level : {0, 1}) {
+    PullingEnergy energy(UnitSphere);
+    EXPECT_LT(SphereError(Refine(options, level, mesh, &energy).Result()), 0.1);
+  }
+  options.solver = RefinementSolver::kDescent;
+  PullingEnergy energy(UnitSphere);
+  EXPECT_LT(SphereError(Refine(options, 0, mesh, &energy).Result()), 0.1);
+}
+
+TEST(RefineLevel, FindsTheSurfaceSmoothlyToo) {
+  const TriangleMesh mesh = WavySphere(2);
+  for (const int level : {0, 1}) {
+    PullingEnergy energy(UnitSphere);
+    const Refined refined = Refine({}, level, mesh, &energy);
+    EXPECT_LT(SphereError(refined.Result()), 0.15) << level;
+    EXPECT_EQ(refined.num_shortened, 0);
+  }
+}
+
+// At level 0 the weight of the smoothness changes from step to step.
+TEST(RefineLevel, LowersTheEnergyWithEachStep) {
+  const TriangleMesh mesh = WavySphere(2);
+  for (const RefinementSolver solver :
+       {RefinementSolver::kGaussNewton, RefinementSolver::kDescent}) {
+    for (const double curvature_factor : {1.0, 0.1, 10.0}) {
+      FacetwiseRefinementOptions options;
+      options.solver = solver;
+      PullingEnergy energy(UnitSphere);
+      energy.curvature_factor = curvature_factor;
+      const std::vector<RefinementStep> steps =
+          Refine(options, 1, mesh, &energy).steps;
+      ASSERT_GT(steps.size(), 2);
+      EXPECT_LE(steps.size(), 1 + options.iterations);
+      for (size_t i = 1; i < steps.size(); ++i) {
+        EXPECT_LT(steps[i].energy, steps[i - 1].energy);
+      }
+      EXPECT_LT(steps.back().photometric_energy,
+                0.5 * steps.front().photometric_energy);
+    }
+  }
+}
+
+TEST(RefineLevel, StaysWhereNoStepLowersTheEnergy) {
+  const TriangleMesh mesh = WavySphere(1);
+  for (const int level : {0, 1}) {
+    PullingEnergy energy(UnitSphere);
+    energy.slope_factor = -1;
+    const Refined refined = Refine(WithoutSmoothness(), level, mesh, &energy);
+    EXPECT_EQ(refined.steps.size(), 1);
+    EXPECT_EQ(refined.Result().vertices, mesh.vertices);
+  }
+}
+
+TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
+  const TriangleMesh mesh = MakeBumpyCap(0.1f);
+  for (const int level : {0, 1}) {
+    PullingEnergy energy(UnitSphere);
+    energy.stiffness = 0;
+    energy.num_pixels = 0;
+    EXPECT_EQ(Refine({}, level, mesh, &energy).Result().vertices,
+              mesh.vertices);
+    const FacetLabels none =
+        LabelWhere(mesh, [](const Vector3f&) { return false; });
+    EXPECT_EQ(Refine({}, level, mesh, none, &energy).Result().vertices,
+              mesh.vertices);
+  }
+}
+
+// What is seen, but has no texture: noise at the finest level, relief that is
+// not known yet before.
+TEST(RefineLevel, SmoothsWhatIsSeenAtTheFinestLevelAlone) {
+  const TriangleMesh mesh = RubbleSheet();
+  PullingEnergy energy(UnitSphere);
+  energy.stiffness = 0;
+  EXPECT_EQ(Refine({}, 1, mesh, &energy).Result().vertices, mesh.vertices);
+  EXPECT_LT(Roughness(Refine({}, 0, mesh, &energy).Result()),
+            0.2 * Roughness(mesh));
+}
+
+// In one step: those around what is pulled, or all.
+TEST(RefineLevel, MovesEachVertexByItselfInDescent) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
+  const FacetLabels labels =
+      LabelWhere(mesh, [](const Vector3f& corner) { return corner.z() > 0; });
+  for (const RefinementSolver solver :
+       {RefinementSolver::kGaussNewton, RefinementSolver::kDescent}) {
+    FacetwiseRefinementOptions options;
+    options.solver = solver;
+    options.iterations = 1;
+    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
+      return {point.norm() - 1 - kFootprint, point.normalized()};
+    });
+    const TriangleMesh refined =
+        Refine(options, 1, mesh, labels, &energy).Result();
+    int num_moved = 0;
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const bool is_moved = refined.vertices[i] != mesh.vertices[i];
+      if (mesh.vertices[i].z() > 0.1f) {
+        EXPECT_TRUE(is_moved);
+      } else if (mesh.vertices[i].z() < -0.3f) {
+        num_moved += is_moved;
+      }
+    }
+    EXPECT_EQ(num_moved > 0, solver == RefinementSolver::kGaussNewton);
+  }
+}
+
+// The upper half is pulled outwards, the lower one goes with it at the seam.
+TEST(RefineLevel, LetsWhatIsNotSeenFollow) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
+  const FacetLabels labels =
+      LabelWhere(mesh, [](const Vector3f& corner) { return corner.z() > 0; });
+  for (const int level : {0, 1}) {
+    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
+      return {point.norm() - 1 - kFootprint, point.normalized()};
+    });
+    const TriangleMesh refined =
+        Refine({}, level, mesh, labels, &energy).Result();
+    int num_near = 0;
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      const double motion =
+          (refined.vertices[i].norm() - mesh.vertices[i].norm()) / kFootprint;
+      EXPECT_LT(std::abs(motion), 3);
+      if (mesh.vertices[i].z() < -0.1 && mesh.vertices[i].z() > -0.2) {
+        ++num_near;
+        EXPECT_GT(motion, 0.2);
+      }
+    }
+    EXPECT_GT(num_near, 20);
+  }
+}
+
+TEST(RefineLevel, DoesNotPullTheBorderInwards) {
+  const TriangleMesh mesh = WavySphere(1, /*is_whole=*/false);
+  const VertexRings rings = MakeVertexRings(mesh);
+  for (const int level : {0, 1}) {
+    PullingEnergy energy(UnitSphere);
+    const TriangleMesh refined = Refine({}, level, mesh, &energy).Result();
+    int num_border = 0;
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      if (rings.is_border[i] != 0) {
+        ++num_border;
+        const Vector3d before = mesh.vertices[i].cast<double>().normalized();
+        const Vector3d after = refined.vertices[i].cast<double>();
+        EXPECT_NEAR(after.norm(), 1, 0.5 * kFootprint);
+        EXPECT_LT((after.normalized() - before).norm(), 0.5 * kFootprint);
+      }
+    }
+    EXPECT_GT(num_border, 30);
+  }
+}
+
+// A narrow sheet whose rows are pulled to opposite sides.
+TEST(RefineLevel, ShortensStepsThatWouldTurnFacetsOver) {
+  constexpr double kSpacing = 0.1 * kFootprint;
+  TriangleMesh mesh = MakeSheet(10, 10);
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex.x() *= 2 * kFootprint;
+    vertex.y() *= kSpacing;
+  }
+  PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
+    const double wave = std::cos(point.y() / kSpacing * std::numbers::pi);
+    return {point.z() - 5 * kFootprint * wave, Vector3d::UnitZ()};
+  });
+  const Refined refined = Refine(WithoutSmoothness(), 0, mesh, &energy);
+  EXPECT_GT(refined.num_shortened, 0);
+  ASSERT_GT(refined.meshes.size(), 1);
+  for (size_t step = 1; step < refined.meshes.size(); ++step) {
+    const std::vector<Vector3f> before = FacetNormals(refined.meshes[step - 1]);
+    const std::vector<Vector3f> after = FacetNormals(refined.meshes[step]);
+    for (size_t i = 0; i < before.size(); ++i) {
+      EXPECT_GT(before[i].dot(after[i]), 0.499);
+    }
+  }
+}
+
+TEST(RefineLevel, MovesByAPixelAndAPartOfTheEdgesAtMost) {
+  for (const double pixels : {5.0, 40.0}) {
+    PullingEnergy energy([&](const Vector3d& point) -> SignedDistance {
+      return {point.norm() - 1 - pixels * kFootprint, point.normalized()};
+    });
+    // Edges of more than a pixel, and of less.
+    const float cell_size = pixels < 10 ? 0.2f : 0.05f;
+    const TriangleMesh mesh = MakeBumpySphere(cell_size, 0);
+    const VertexRings rings = MakeVertexRings(mesh);
+    FacetwiseRefinementOptions options = WithoutSmoothness();
+    options.iterations = 4;
+    const Refined refined = Refine(options, 1, mesh, &energy);
+    ASSERT_GT(refined.meshes.size(), 2);
+    double largest = 0;
+    for (size_t step = 1; step < refined.meshes.size(); ++step) {
+      const std::vector<Vector3f>& before = refined.meshes[step - 1].vertices;
+      double sum = 0;
+      for (size_t i = 0; i < before.size(); ++i) {
+        const auto ring = rings.Neighbors(i);
+        double length = 0;
+        for (const uint32_t neighbor : ring) {
+          length += (before[neighbor] - before[i]).norm();
+        }
+        length /= static_cast<double>(ring.size());
+        const double motion =
+            (refined.meshes[step].vertices[i] - before[i]).norm();
+        EXPECT_LT(motion, 1.03 * kFootprint);
+        EXPECT_LT(motion, 0.5 * length);
+        largest = std::max(largest, motion);
+        sum += motion / kFootprint;
+      }
+      EXPECT_NEAR(refined.steps[step].mean_step,
+                  sum / static_cast<double>(before.size()), 0.02);
+    }
+    EXPECT_GT(largest, 0.4 * kFootprint);
+  }
+}
+
+TEST(RefineLevel, DrawsTheMeshAgainWhenItHasMoved) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
+  for (const double pixels : {0.001, 3.0}) {
+    PullingEnergy energy([&](const Vector3d& point) -> SignedDistance {
+      return {point.norm() - 1 - pixels * kFootprint, point.normalized()};
+    });
+    const Refined refined = Refine(WithoutSmoothness(), 0, mesh, &energy);
+    EXPECT_GT(refined.steps.size(), 1);
+    EXPECT_EQ(energy.num_renders > 1, pixels > 1);
+  }
+}
+
+TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
+  const TriangleMesh mesh = WavySphere(2);
+  for (const int last : {0, 2}) {
+    PullingEnergy energy(UnitSphere);
+    TriangleMesh refined = mesh;
+    std::vector<RefinementStep> steps;
+    RefineLevel({}, 1, LabelAll(mesh), FarViews(), &energy, &refined,
+                [&](const RefinementStep& step) {
+                  steps.push_back(step);
+                  return step.iteration < last;
+                });
+    ASSERT_EQ(steps.size(), last + 1);
+    for (int i = 0; i <= last; ++i) {
+      EXPECT_EQ(steps[i].iteration, i);
+      EXPECT_EQ(steps[i].level, 1);
+      EXPECT_EQ(steps[i].num_vertices, mesh.vertices.size());
+      EXPECT_EQ(steps[i].num_facets, mesh.facets.size());
+      EXPECT_EQ(steps[i].mean_step > 0, i > 0);
+    }
+    EXPECT_EQ(refined.vertices == mesh.vertices, last == 0);
+  }
+}
+
+// All windows alike: their correlation is the mean.
+TEST(RefineLevel, TellsTheMeanCorrelation) {
+  class AlikeEnergy : public PullingEnergy {
+   public:
+    AlikeEnergy(double zncc, double saturation)
+        : PullingEnergy(UnitSphere), zncc_(zncc), saturation_(saturation) {}
+
+    PhotometricTerms Evaluate(const TriangleMesh& mesh,
+                              const FacetLabels& labels) override {
+      PhotometricTerms terms = PullingEnergy::Evaluate(mesh, labels);
+      const double weight =
+          std::accumulate(terms.weights.begin(), terms.weights.end(), 0.0);
+      terms.energy = weight * saturation_ * std::log(1 - zncc_ / saturation_);
+      return terms;
+    }
+
+   private:
+    double zncc_;
+    double saturation_;
+  };
+  const TriangleMesh mesh = MakeBumpySphere(0.3f, 0);
+  const FacetwiseRefinementOptions options;
+  for (const double zncc : {-0.5, 0.0, 0.8, 1.0}) {
+    AlikeEnergy energy(zncc, 1 + options.photometric.residual_floor);
+    EXPECT_NEAR(Refine(options, 0, mesh, &energy).steps[0].mean_zncc, zncc,
+                1e-6);
+  }
+}
+
+TEST(RefineLevel, IsTheSmootherTheMoreItIsToBe) {
+  const TriangleMesh mesh = RubbleSheet();
+  std::vector<double> roughness;
+  for (const double weight : {0.001, 0.01, 0.1, 0.2, 1.0}) {
+    FacetwiseRefinementOptions options;
+    options.smoothness_weight = weight;
+    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
+      return {point.z() - Rubble(point), Vector3d::UnitZ()};
+    });
+    energy.stiffness = 100;
+    roughness.push_back(Roughness(Refine(options, 0, mesh, &energy).Result()));
+  }
+  EXPECT_GT(roughness.front(), Roughness(mesh));
+  EXPECT_TRUE(std::is_sorted(roughness.rbegin(), roughness.rend()));
+  EXPECT_LT(roughness.back(), 0.1 * Roughness(mesh));
+}
+
+// Relief that the images are sure of is no noise.
+TEST(RefineLevel, KeepsReliefThatTheImagesShow) {
+  const TriangleMesh mesh = RubbleSheet();
+  const auto relief = [](const Vector3d& point) {
+    return 2 * kFootprint * std::sin(point.x() / (3 * kFootprint)) *
+           std::sin(point.y() / (3 * kFootprint));
+  };
+  PullingEnergy energy([&](const Vector3d& point) -> SignedDistance {
+    return {point.z() - relief(point), Vector3d::UnitZ()};
+  });
+  energy.stiffness = 100;
+  const TriangleMesh refined = Refine({}, 0, mesh, &energy).Result();
+  double error = 0;
+  double height = 0;
+  for (const Vector3f& vertex : refined.vertices) {
+    const Vector3d point = vertex.cast<double>();
+    error += std::pow(point.z() - relief(point), 2);
+    height += std::pow(relief(point), 2);
+  }
+  EXPECT_LT(std::sqrt(error / height), 0.3);
+}
+
+}  // namespace
+}  // namespace colmap_ext

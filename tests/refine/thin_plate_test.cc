@@ -1,0 +1,224 @@
+#include "refine/thin_plate.h"
+
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "mesh/vertex_normals.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3f;
+
+// A surface as ThinPlate takes it; footprints and pixels differ from vertex to
+// vertex.
+struct PlateScene {
+  explicit PlateScene(TriangleMesh surface)
+      : mesh(std::move(surface)),
+        rings(MakeVertexRings(mesh)),
+        normals(VertexNormals(mesh, rings)),
+        rest(mesh.vertices.size(), 0) {
+    Random random(1);
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      footprints.push_back(static_cast<float>(0.01 * (1 + random.Unit())));
+      num_pixels.push_back(static_cast<float>(random.Below(20)));
+    }
+  }
+
+  ThinPlate Plate(double weight) const {
+    return MakeThinPlate(weight, mesh.vertices, normals, rings, footprints,
+                         num_pixels, rest);
+  }
+
+  TriangleMesh mesh;
+  VertexRings rings;
+  std::vector<Vector3f> normals;
+  std::vector<float> footprints;
+  std::vector<float> num_pixels;
+  std::vector<double> rest;
+};
+
+// Leaning in space.
+TriangleMesh UnevenPlane() {
+  Random random(2);
+  TriangleMesh mesh = MakeJitteredSquare(20, &random);
+  const Eigen::Matrix3f rotation =
+      Eigen::AngleAxisf(1, Vector3f(1, 2, 3).normalized()).toRotationMatrix();
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex.x() = std::pow(vertex.x(), 1.7f);
+    vertex = rotation * vertex + Vector3f(0.5f, 0, 1);
+  }
+  return mesh;
+}
+
+TEST(ThinPlate, IsFlatOnAPlaneHoweverItIsCut) {
+  const PlateScene scene(UnevenPlane());
+  const ThinPlate plate = scene.Plate(1);
+  for (size_t i = 0; i < plate.residuals.size(); ++i) {
+    EXPECT_NEAR(plate.residuals[i], 0, 1e-6);
+    EXPECT_EQ(plate.coefficients[i] > 0, scene.rings.is_border[i] == 0);
+  }
+  EXPECT_LT(plate.Energy(), 1e-4);
+}
+
+// It is the sum of the two curvatures, in 1 / px, whatever the facets: on a
+// sphere of radius R a neighbor at distance l lies l^2 / 2 R below the plane.
+TEST(ThinPlate, MeasuresTheCurvatureOfASphereHoweverItIsCut) {
+  for (const float cell_size : {0.1f, 0.25f}) {
+    PlateScene scene(MakeBumpySphere(cell_size, 0));
+    constexpr float kRadius = 3;
+    for (size_t i = 0; i < scene.normals.size(); ++i) {
+      scene.normals[i] = scene.mesh.vertices[i].normalized();
+      scene.mesh.vertices[i] = kRadius * scene.normals[i];
+    }
+    const ThinPlate plate = scene.Plate(1);
+    double energy = 0;
+    for (size_t i = 0; i < plate.residuals.size(); ++i) {
+      const double curvature = 2 * scene.footprints[i] / kRadius;
+      const double expected =
+          (1 + scene.num_pixels[i]) * curvature * curvature / 2;
+      EXPECT_LT(plate.residuals[i], 0);
+      EXPECT_NEAR(
+          plate.coefficients[i] * plate.residuals[i] * plate.residuals[i] / 2,
+          expected, 1e-3 * expected);
+      energy += expected;
+    }
+    EXPECT_NEAR(plate.Energy(), energy, 1e-3 * energy);
+  }
+}
+
+TEST(ThinPlate, MeasuresTheCurvatureOfACylinder) {
+  // Of equilateral triangles, whose rings are alike in all directions.
+  constexpr float kRadius = 10;
+  constexpr float kEdge = 0.5f;
+  TriangleMesh mesh = MakeSheet(9, 9);
+  for (Vector3f& vertex : mesh.vertices) {
+    const float along = kEdge * (vertex.x() - 0.5f * vertex.y());
+    const float around = kEdge * std::sqrt(0.75f) * vertex.y() / kRadius;
+    vertex = {along, kRadius * std::sin(around), -kRadius * std::cos(around)};
+  }
+  PlateScene scene(mesh);
+  const ThinPlate plate = scene.Plate(1);
+  for (size_t i = 0; i < plate.residuals.size(); ++i) {
+    if (scene.rings.is_border[i] == 0) {
+      EXPECT_EQ(scene.rings.Neighbors(i).size(), 6);
+      EXPECT_NEAR(std::sqrt(plate.coefficients[i] / (1 + scene.num_pixels[i])) *
+                      std::abs(plate.residuals[i]),
+                  scene.footprints[i] / kRadius,
+                  0.01 * scene.footprints[i] / kRadius);
+    }
+  }
+}
+
+TEST(ThinPlate, DoesNotDependOnTheScale) {
+  const PlateScene scene(MakeBumpyCap(0.1f));
+  const ThinPlate expected = scene.Plate(3);
+  EXPECT_GT(expected.Energy(), 0);
+  for (const int exponent : {-10, 7}) {
+    PlateScene scaled = scene;
+    for (size_t i = 0; i < scaled.mesh.vertices.size(); ++i) {
+      scaled.mesh.vertices[i] *= std::ldexp(1.0f, exponent);
+      scaled.footprints[i] = std::ldexp(scaled.footprints[i], exponent);
+    }
+    const ThinPlate plate = scaled.Plate(3);
+    EXPECT_EQ(plate.Energy(), expected.Energy());
+    EXPECT_EQ(plate.shares, expected.shares);
+    for (size_t i = 0; i < plate.residuals.size(); ++i) {
+      EXPECT_EQ(plate.residuals[i],
+                std::ldexp(expected.residuals[i], exponent));
+      EXPECT_EQ(plate.coefficients[i],
+                std::ldexp(expected.coefficients[i], -2 * exponent));
+    }
+  }
+}
+
+// The shares are the weights that the residuals are means by.
+TEST(ThinPlate, TellsHowEachNeighborCounts) {
+  const PlateScene scene(MakeBumpyCap(0.15f));
+  const ThinPlate plate = scene.Plate(1);
+  for (size_t i = 0; i < plate.residuals.size(); ++i) {
+    const auto ring = scene.rings.Neighbors(i);
+    const float* shares = plate.shares.data() + scene.rings.neighbor_offsets[i];
+    const double sum = std::accumulate(shares, shares + ring.size(), 0.0);
+    EXPECT_NEAR(sum, scene.rings.is_border[i] != 0 ? 0 : 1, 1e-6);
+    Eigen::Vector3d umbrella = Eigen::Vector3d::Zero();
+    for (size_t k = 0; k < ring.size(); ++k) {
+      umbrella +=
+          shares[k] * (scene.mesh.vertices[ring[k]] - scene.mesh.vertices[i])
+                          .cast<double>();
+    }
+    EXPECT_NEAR(plate.residuals[i],
+                umbrella.dot(scene.normals[i].cast<double>()), 1e-6);
+  }
+}
+
+TEST(ThinPlate, LeavesBordersAndLooseVerticesAlone) {
+  PlateScene scene(MakeBumpyCap(0.2f));
+  scene.mesh.vertices.emplace_back(5, 5, 5);
+  scene = PlateScene(scene.mesh);
+  const ThinPlate plate = scene.Plate(1);
+  size_t num_alone = 0;
+  for (size_t i = 0; i < plate.residuals.size(); ++i) {
+    const bool is_alone =
+        scene.rings.is_border[i] != 0 || i + 1 == plate.residuals.size();
+    EXPECT_EQ(plate.coefficients[i] == 0, is_alone);
+    if (is_alone) {
+      ++num_alone;
+      EXPECT_EQ(plate.residuals[i], 0);
+    }
+  }
+  EXPECT_GT(num_alone, 10);
+}
+
+TEST(ThinPlate, IsAtRestWhereItIsToKeepItsShape) {
+  PlateScene scene(MakeBumpyCap(0.1f));
+  const ThinPlate plate = scene.Plate(1);
+  scene.rest = plate.residuals;
+  const ThinPlate resting = scene.Plate(1);
+  EXPECT_EQ(resting.Energy(), 0);
+  EXPECT_EQ(resting.coefficients, plate.coefficients);
+  for (double& rest : scene.rest) {
+    rest *= 3;
+  }
+  EXPECT_NEAR(scene.Plate(1).Energy(), 4 * plate.Energy(),
+              1e-9 * plate.Energy());
+}
+
+TEST(ThinPlate, CountsAsItsWeightAndThePixelsSay) {
+  PlateScene scene(MakeBumpyCap(0.2f));
+  const ThinPlate plate = scene.Plate(1);
+  EXPECT_NEAR(scene.Plate(5).Energy(), 5 * plate.Energy(),
+              1e-9 * plate.Energy());
+  EXPECT_EQ(scene.Plate(0).Energy(), 0);
+  const std::vector<float> num_pixels = scene.num_pixels;
+  for (float& pixels : scene.num_pixels) {
+    pixels = 2 * pixels + 1;
+  }
+  const ThinPlate doubled = scene.Plate(1);
+  for (size_t i = 0; i < num_pixels.size(); ++i) {
+    EXPECT_EQ(doubled.coefficients[i], 2 * plate.coefficients[i]);
+  }
+}
+
+// As if all edges were half a pixel long.
+TEST(ThinPlate, IsNoStifferForEdgesMuchShorterThanAPixel) {
+  for (const float cell_size : {0.06f, 0.12f}) {
+    PlateScene scene(MakeBumpySphere(cell_size));
+    constexpr float kFootprint = 0.5f;
+    scene.footprints.assign(scene.footprints.size(), kFootprint);
+    scene.num_pixels.assign(scene.num_pixels.size(), 0);
+    const ThinPlate plate = scene.Plate(1);
+    for (const double coefficient : plate.coefficients) {
+      const double scale = 4 * kFootprint / std::pow(kFootprint / 2, 2);
+      EXPECT_NEAR(coefficient, scale * scale, 1e-6 * coefficient);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
