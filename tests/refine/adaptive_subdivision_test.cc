@@ -75,16 +75,22 @@ VertexAttributes MakeAttributes(size_t num_vertices) {
   return attributes;
 }
 
+const Eigen::Vector3f kShift(0.5f, -1, 2);
+
 struct Subdivided {
   TriangleMesh mesh;
   VertexAttributes attributes;
+  std::vector<Eigen::Vector3f> origins;  // a shifted copy of the vertices
 };
 
 Subdivided Subdivide(double max_area, const TriangleMesh& mesh,
                      const std::vector<View>& views) {
-  Subdivided result{mesh, MakeAttributes(mesh.vertices.size())};
+  Subdivided result{mesh, MakeAttributes(mesh.vertices.size()), mesh.vertices};
+  for (Eigen::Vector3f& origin : result.origins) {
+    origin += kShift;
+  }
   SubdivideLargeFacets(max_area, kMinCosine, views, &result.mesh,
-                       &result.attributes);
+                       &result.attributes, &result.origins);
   return result;
 }
 
@@ -101,6 +107,16 @@ TEST(SubdivideLargeFacets, LeavesNoneThatIsLargerInTwoViews) {
       EXPECT_GT(*std::max_element(after.begin(), after.end()), max_area / 4);
       EXPECT_GT(result.mesh.facets.size(), mesh.facets.size());
     }
+  }
+}
+
+TEST(SubdivideLargeFacets, SubdividesTheOriginsAlike) {
+  const Subdivided result = Subdivide(3, MakeBumpySphere(0.5f), Views());
+  ASSERT_EQ(result.origins.size(), result.mesh.vertices.size());
+  for (size_t i = 0; i < result.origins.size(); ++i) {
+    EXPECT_LT((result.origins[i] - result.mesh.vertices[i] - kShift).norm(),
+              1e-5)
+        << i;
   }
 }
 
@@ -148,7 +164,7 @@ TEST(SubdivideLargeFacets, LeavesWhatFewerThanTwoViewsSee) {
 TEST(SubdivideLargeFacets, HandsAttributesDown) {
   const TriangleMesh mesh = MakeBumpyCap(0.4f);
   const VertexAttributes before = MakeAttributes(mesh.vertices.size());
-  const auto& [subdivided, attributes] = Subdivide(4, mesh, Views());
+  const auto& [subdivided, attributes, origins] = Subdivide(4, mesh, Views());
   ASSERT_EQ(attributes.view_offsets.size(), subdivided.vertices.size() + 1);
   ASSERT_EQ(attributes.colors.size(), subdivided.vertices.size());
   for (size_t i = 0; i < subdivided.vertices.size(); ++i) {

@@ -147,12 +147,13 @@ Refined Refine(const FacetwiseRefinementOptions& options, int level,
                PhotometricEnergy* energy) {
   Refined result;
   TriangleMesh refined = mesh;
-  result.num_shortened = RefineLevel(options, level, labels, FarViews(), energy,
-                                     &refined, [&](const RefinementStep& step) {
-                                       result.steps.push_back(step);
-                                       result.meshes.push_back(refined);
-                                       return true;
-                                     });
+  result.num_shortened =
+      RefineLevel(options, level, labels, FarViews(), mesh.vertices, energy,
+                  &refined, [&](const RefinementStep& step) {
+                    result.steps.push_back(step);
+                    result.meshes.push_back(refined);
+                    return true;
+                  });
   EXPECT_EQ(refined.vertices, result.Result().vertices);
   return result;
 }
@@ -298,7 +299,7 @@ TEST(RefineLevel, SmoothsWhatIsSeenAtTheFinestLevelAlone) {
   energy.stiffness = 0;
   EXPECT_EQ(Refine({}, 1, mesh, &energy).Result().vertices, mesh.vertices);
   EXPECT_LT(Roughness(Refine({}, 0, mesh, &energy).Result()),
-            0.2 * Roughness(mesh));
+            0.3 * Roughness(mesh));
 }
 
 // In one step: those around what is pulled, or all.
@@ -454,8 +455,8 @@ TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
     PullingEnergy energy(UnitSphere);
     TriangleMesh refined = mesh;
     std::vector<RefinementStep> steps;
-    RefineLevel({}, 1, LabelAll(mesh), FarViews(), &energy, &refined,
-                [&](const RefinementStep& step) {
+    RefineLevel({}, 1, LabelAll(mesh), FarViews(), mesh.vertices, &energy,
+                &refined, [&](const RefinementStep& step) {
                   steps.push_back(step);
                   return step.iteration < last;
                 });
@@ -514,7 +515,7 @@ TEST(RefineLevel, IsTheSmootherTheMoreItIsToBe) {
   }
   EXPECT_GT(roughness.front(), Roughness(mesh));
   EXPECT_TRUE(std::is_sorted(roughness.rbegin(), roughness.rend()));
-  EXPECT_LT(roughness.back(), 0.1 * Roughness(mesh));
+  EXPECT_LT(roughness.back(), 0.3 * Roughness(mesh));
 }
 
 // Relief that the images are sure of is no noise.
