@@ -66,7 +66,7 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "under a smaller one");
   manager->AddDefaultOption("FacetwiseRefinement.smoothness_weight",
                             &refinement->smoothness_weight,
-                            "Higher is smoother");
+                            "Higher keeps closer to the relief of the mesh");
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
       "Faces that cover more of an image are subdivided, px^2");

@@ -32,8 +32,8 @@ struct FacetwiseRefinementOptions {
 
   RefinementSolver solver = RefinementSolver::kGaussNewton;
 
-  // Smoothness (refine/thin_plate.h), as a factor of what the roughness of the
-  // surface itself calls for: larger is smoother, 0 is none.
+  // Of the smoothness (refine/thin_plate.h, refine/relief.h), as a factor of
+  // what the roughness of the surface itself calls for; 0 is none.
   double smoothness_weight = 1;
 
   // Facets that cover more in an image of their pair are subdivided before a

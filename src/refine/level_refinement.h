@@ -27,10 +27,10 @@ using OnLevelStep = std::function<bool(const RefinementStep& step)>;
 // be smooth: coarse images can not tell fine relief from noise, and must not
 // flatten it; and what is not seen follows what lies around it.
 //
-// How much smoothness weighs there is taken from the surface (MacKay 1992): as
-// much as makes its roughness, where the images determine it, as likely as it
-// is. A wall of rubble so keeps its relief, and a polished statue is rid of the
-// images' noise.
+// How much that relief weighs is taken from the surface (MacKay 1992): as much
+// as makes its departure from it, where the images determine it, as likely as
+// it is. A wall of rubble so gets what the mesh lacks of its relief, and a
+// polished statue is rid of the images' noise.
 //
 // \param energy  set to the level.
 // \param views  of the level's images' sizes.

@@ -21,8 +21,8 @@ namespace colmap_ext {
 // the footprint of a pixel on the surface, n the number of pixels that V
 // accounts for. It is the curvature in 1 / px, squared and summed over the
 // pixels: whatever the mesh's resolution and the scene's scale, it stands in
-// the same proportion to the photometric energy. r is what N . u
-// is to be: 0 is a smooth surface (see refine/relief.h).
+// the same proportion to the photometric energy. r is what
+// N . u is to be: 0 for a smooth surface, or see refine/relief.h.
 struct ThinPlate {
   std::vector<double> residuals;     // [V] N . u - r, scene units
   std::vector<double> coefficients;  // [V] of their squares / 2; 0 at borders

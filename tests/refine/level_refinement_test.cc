@@ -291,8 +291,8 @@ TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
   }
 }
 
-// What is seen, but has no texture: noise at the finest level, relief that is
-// not known yet before.
+// Where there is no texture, what differs from vertex to vertex is noise at the
+// finest level, and relief that is not known yet before.
 TEST(RefineLevel, SmoothsWhatIsSeenAtTheFinestLevelAlone) {
   const TriangleMesh mesh = RubbleSheet();
   PullingEnergy energy(UnitSphere);
