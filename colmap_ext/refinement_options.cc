@@ -66,7 +66,11 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "under a smaller one");
   manager->AddDefaultOption("FacetwiseRefinement.smoothness_weight",
                             &refinement->smoothness_weight,
-                            "Higher keeps closer to the relief of the mesh");
+                            "Higher is smoother");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.keep_relief", &refinement->keep_relief,
+      "Keep the mesh's fine relief where the images are too noisy to tell: for "
+      "meshes that are already accurate");
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
       "Faces that cover more of an image are subdivided, px^2");

@@ -176,11 +176,13 @@ void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
   if (level_ > 0) {
     return;
   }
-  const std::vector<double> trusted =
-      TrustedRelief({origins, mesh.facets}, rings_, footprints_);
+  const std::vector<double> wanted =
+      options_.keep_relief
+          ? TrustedRelief({origins, mesh.facets}, rings_, footprints_)
+          : std::vector<double>(rest_.size(), 0);
   for (size_t i = 0; i < rest_.size(); ++i) {
     if (num_pixels_[i] > 0) {
-      rest_[i] = trusted[i];
+      rest_[i] = wanted[i];
     }
   }
 }

@@ -21,16 +21,16 @@ using OnLevelStep = std::function<bool(const RefinementStep& step)>;
 // itself), limited to a part of the edges' lengths and a pixel, shortened where
 // it would turn a facet over, and halved until the energy falls.
 //
-// At the finest level the surface is to have the relief of the one that it
-// comes from (refine/relief.h), unless the images say otherwise. At the coarser
-// levels, and where no pair sees it, it is the motion of the level that is to
-// be smooth: coarse images can not tell fine relief from noise, and must not
-// flatten it; and what is not seen follows what lies around it.
+// The surface is to be smooth (refine/thin_plate.h) at the finest level, where
+// it is seen, or to have the relief that it comes with (options.keep_relief).
+// Elsewhere, and at the coarser levels, it is the motion of the level that is
+// to be smooth: coarse images can not tell fine relief from noise, and must not
+// flatten it; and what no pair sees follows what lies around it.
 //
-// How much that relief weighs is taken from the surface (MacKay 1992): as much
-// as makes its departure from it, where the images determine it, as likely as
-// it is. A wall of rubble so gets what the mesh lacks of its relief, and a
-// polished statue is rid of the images' noise.
+// How much smoothness weighs there is taken from the surface (MacKay 1992): as
+// much as makes its roughness, where the images determine it, as likely as it
+// is. A wall of rubble so keeps its relief, and a polished statue is rid of the
+// images' noise.
 //
 // \param energy  set to the level.
 // \param views  of the level's images' sizes.

@@ -19,7 +19,8 @@ std::vector<double> Relief(const TriangleMesh& mesh, const VertexRings& rings,
 // curved with a radius of a few pixels only is one of its spikes, and left out.
 //
 // A refined surface that is to have this relief, rather than none, keeps what
-// is fine but true where the pictures are too noisy to show it.
+// is fine but true where the pictures are too noisy to show it; and of the
+// noise of a mesh from noisy points, what several of its vertices share.
 std::vector<double> TrustedRelief(const TriangleMesh& mesh,
                                   const VertexRings& rings,
                                   const std::vector<float>& footprints);
