@@ -265,12 +265,16 @@ RefinementState ReadState(const fs::path& output, const RunIdentity& identity) {
   state.level = static_cast<int>(reader.TakeCount("level"));
   const fs::path mesh_path = LevelMeshPath(output, state.level);
   const fs::path origin_path = LevelOriginPath(output, state.level);
-  if (reader.Take("mesh") != Fingerprint(mesh_path) ||
-      reader.Take("visibility") != Fingerprint(VisibilityPath(mesh_path)) ||
-      reader.Take("origin") != Fingerprint(origin_path)) {
-    throw FileError(
-        mesh_path,
-        std::string("is not what the interrupted run wrote") + kStartAnew);
+  const std::pair<const char*, fs::path> files[] = {
+      {"mesh", mesh_path},
+      {"visibility", VisibilityPath(mesh_path)},
+      {"origin", origin_path}};
+  for (const auto& [name, file] : files) {
+    if (reader.Take(name) != Fingerprint(file)) {
+      throw FileError(
+          file,
+          std::string("is not what the interrupted run wrote") + kStartAnew);
+    }
   }
   state.report.num_shortened_steps = reader.TakeCount("shortened_steps");
   state.report.num_flipped_facets = reader.TakeCount("flipped_facets");

@@ -98,8 +98,8 @@ dvec3 Corner(uint facet) {  // relative to camera i
          center_i;
 }
 
-// I_ij, inverse depth drawn in i, motion. In double precision up to the pixel in j: the
-// derivative by it jumps from pixel to pixel.
+// I_ij, inverse depth drawn in i, motion. In double precision up to the pixel in
+// j: the derivative by it jumps from pixel to pixel.
 vec3 Warp(ivec2 pixel_i) {
   uint facet = texelFetch(facets_i, pixel_i, 0).x;
   if (facet == kNoFacet || !FacesBoth(facet)) {

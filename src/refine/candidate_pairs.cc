@@ -56,13 +56,8 @@ CandidatePairs::CandidatePairs(const TriangleMesh& mesh,
       views_(views),
       attributes_(attributes),
       pairs_(pairs),
-      visibility_(visibility) {
-  uint32_t num_views = 0;
-  for (const ViewPair& pair : pairs) {
-    num_views = std::max(num_views, pair.second + 1);
-  }
-  first_pairs_ = FirstPairs(pairs, num_views);
-}
+      visibility_(visibility),
+      first_pairs_(FirstPairs(pairs, views.size())) {}
 
 std::vector<CandidatePair> CandidatePairs::Find(size_t facet) const {
   const auto seen = visibility_.Views(facet);
@@ -82,9 +77,6 @@ std::vector<CandidatePair> CandidatePairs::Find(size_t facet) const {
   std::vector<CandidatePair> candidates;
   std::vector<CandidatePair> others;  // that nu_f does not have
   for (size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] + 1 >= first_pairs_.size()) {
-      break;
-    }
     size_t j = i + 1;
     for (uint32_t pair = first_pairs_[seen[i]];
          pair < first_pairs_[seen[i] + 1]; ++pair) {

@@ -119,16 +119,20 @@ std::string FacetwiseRefinementOptions::Check() const {
 }
 
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
-                            const RefinementStart& start,
+                            RefinementStart start,
                             const std::vector<View>& views,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
   Refinement refinement(options, views, points, energy, hooks);
-  RefinedMesh complete{start.mesh, start.attributes, start.origins, {}, {}};
-  if (complete.origins.empty()) {
-    complete.origins = start.mesh.vertices;
+  if (start.origins.empty()) {
+    start.origins = start.mesh.vertices;
   }
+  RefinedMesh complete{std::move(start.mesh),
+                       std::move(start.attributes),
+                       std::move(start.origins),
+                       {},
+                       {}};
   for (int level = start.first_level; level >= 0; --level) {
     RefinedMesh state = complete;
     if (!refinement.RefineAtLevel(level, &state)) {

@@ -132,7 +132,7 @@ struct RefinementHooks {
 // \param points  whose views tell which views have most in common.
 // \pre options checked
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
-                            const RefinementStart& start,
+                            RefinementStart start,
                             const std::vector<View>& views,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks);

@@ -9,8 +9,8 @@
 
 #include "mesh/topology.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/manifold_links.h"
 #include "tests/mesh/random_soup.h"
+#include "tests/mesh/same_topology.h"
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
@@ -69,17 +69,6 @@ void ExpectSources(const TriangleMesh& mesh, const Subdivision& result) {
     EXPECT_EQ(result.mesh.vertices[i],
               0.5f * (mesh.vertices[a] + mesh.vertices[b]));
   }
-}
-
-void ExpectSameTopology(const TriangleMesh& mesh, const TriangleMesh& result) {
-  const MeshReport before = Analyze(mesh);
-  const MeshReport after = Analyze(result);
-  EXPECT_TRUE(after.IsManifold()) << after.Defects();
-  EXPECT_TRUE(HasManifoldLinks(result));
-  EXPECT_EQ(after.euler, before.euler);
-  EXPECT_EQ(after.genus, before.genus);
-  EXPECT_EQ(after.num_components, before.num_components);
-  EXPECT_EQ(after.num_border_loops, before.num_border_loops);
 }
 
 void ExpectGood(const TriangleMesh& mesh,

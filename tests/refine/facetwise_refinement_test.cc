@@ -7,9 +7,9 @@
 #include <tbb/global_control.h>
 
 #include "mesh/bvh.h"
-#include "mesh/topology.h"
 #include "refine/cpu_photometric_energy.h"
 #include "refine/facetwise_refinement.h"
+#include "tests/mesh/same_topology.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
@@ -124,12 +124,7 @@ TEST(RefineFacetwise, KeepsTheTopology) {
   const RefinedMesh refined =
       Refine(options, {mesh, NoAttributes(mesh), {}, 1});
   EXPECT_GT(refined.mesh.facets.size(), mesh.facets.size());
-  const MeshReport before = Analyze(mesh);
-  const MeshReport after = Analyze(refined.mesh);
-  EXPECT_TRUE(after.IsManifold()) << after.Defects();
-  EXPECT_EQ(after.num_components, before.num_components);
-  EXPECT_EQ(after.euler, before.euler);
-  EXPECT_EQ(after.num_border_loops, before.num_border_loops);
+  ExpectSameTopology(mesh, refined.mesh);
   EXPECT_EQ(refined.attributes.view_offsets.size(),
             refined.mesh.vertices.size() + 1);
   EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());

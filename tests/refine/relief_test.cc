@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/mesh/known_meshes.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -15,16 +17,9 @@ constexpr float kFootprint = 0.5F;
 // A sheet z = height(x, y) of kSize x kSize vertices, one scene unit apart.
 template <typename Height>
 TriangleMesh Sheet(Height height) {
-  TriangleMesh mesh;
-  for (uint32_t y = 0; y < kSize; ++y) {
-    for (uint32_t x = 0; x < kSize; ++x) {
-      mesh.vertices.emplace_back(x, y, height(x, y));
-      if (x + 1 < kSize && y + 1 < kSize) {
-        const uint32_t i = y * kSize + x;
-        mesh.facets.push_back({i, i + 1, i + kSize + 1});
-        mesh.facets.push_back({i, i + kSize + 1, i + kSize});
-      }
-    }
+  TriangleMesh mesh = MakeSheet(kSize - 1, kSize - 1);
+  for (Eigen::Vector3f& vertex : mesh.vertices) {
+    vertex.z() = height(vertex.x(), vertex.y());
   }
   return mesh;
 }
@@ -94,7 +89,6 @@ TEST(TrustedRelief, LeavesSpikesOut) {
   EXPECT_GE(TrustedReliefOf(spike(1.0F))[kMiddle], 0);
 }
 
-// Twice the scene, twice the relief; in finer pictures more of it counts.
 TEST(TrustedRelief, ScalesWithTheScene) {
   const auto height = [](float x, float y) {
     return 0.2F * std::sin(1.7F * x) * std::cos(0.9F * y);
