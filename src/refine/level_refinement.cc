@@ -12,6 +12,7 @@
 #include "mesh/vertex_rings.h"
 #include "refine/normal_equations.h"
 #include "refine/relief.h"
+#include "refine/smoothness_weights.h"
 #include "refine/thin_plate.h"
 
 namespace colmap_ext {
@@ -51,6 +52,7 @@ class LevelRefiner {
       : options_(options),
         level_(level),
         weight_(kFirstWeight * options.smoothness_weight),
+        weights_(mesh.vertices.size(), weight_),
         labels_(labels),
         energy_(energy),
         rings_(MakeVertexRings(mesh)) {
@@ -73,7 +75,7 @@ class LevelRefiner {
     }
     for (int iteration = 1; iteration <= options_.iterations; ++iteration) {
       if (level_ == 0 && weight_ > 0) {
-        EstimateWeight();
+        EstimateWeights();
       }
       const double before = surface_.Energy();
       const double step = Step();
@@ -100,7 +102,7 @@ class LevelRefiner {
   Surface WithPlate(TriangleMesh mesh, PhotometricTerms terms) const {
     Surface surface;
     surface.normals = VertexNormals(mesh, rings_);
-    surface.plate = MakeThinPlate(weight_, mesh.vertices, surface.normals,
+    surface.plate = MakeThinPlate(weights_, mesh.vertices, surface.normals,
                                   rings_, footprints_, num_pixels_, rest_);
     surface.mesh = std::move(mesh);
     surface.terms = std::move(terms);
@@ -110,7 +112,7 @@ class LevelRefiner {
   void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
   void FindRest(const std::vector<Eigen::Vector3f>& origins,
                 const TriangleMesh& mesh);
-  void EstimateWeight();
+  void EstimateWeights();
   std::vector<double> SolveForMotion() const;
   void LimitMotion(std::vector<double>* motion) const;
   TriangleMesh Move(std::vector<double>* motion);
@@ -120,7 +122,8 @@ class LevelRefiner {
 
   const FacetwiseRefinementOptions& options_;
   int level_;
-  double weight_;  // of the smoothness
+  double weight_;                // of the smoothness, on the whole
+  std::vector<double> weights_;  // [V]
   const FacetLabels& labels_;
   PhotometricEnergy* energy_;
   VertexRings rings_;
@@ -187,25 +190,28 @@ void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
   }
 }
 
-// The weight for which what the images determine is as rough as the prior has
-// it: number determined / sum of the squares (MacKay 1992, Bayesian
-// interpolation, the evidence for alpha).
-void LevelRefiner::EstimateWeight() {
+// Of the whole surface first, and then of each part of it.
+void LevelRefiner::EstimateWeights() {
   // As often a pixel's noise is counted, in the windows of both directions and
   // of several pairs, as an energy of independent pixels would have it; found
   // by trial on rendered scenes.
   constexpr double kRedundancy = 8;
   constexpr double kMaxChange = 4;
+  const ThinPlate& plate = surface_.plate;
   const NormalEquations equations(surface_.mesh, surface_.normals, rings_,
-                                  surface_.terms, surface_.plate);
-  const double roughness = 2 * surface_.plate.Energy() / weight_;
-  if (!(roughness > 0)) {
-    return;
+                                  surface_.terms, plate);
+  SmoothnessEvidence evidence;
+  evidence.determined = equations.Determined(kTolerance, kMaxIterations);
+  evidence.roughness.resize(weights_.size());
+  const double factor = options_.smoothness_weight * kRedundancy;
+  for (size_t i = 0; i < weights_.size(); ++i) {
+    evidence.determined[i] *= factor;
+    evidence.roughness[i] = plate.coefficients[i] * plate.residuals[i] *
+                            plate.residuals[i] / weights_[i];
   }
-  const double weight = options_.smoothness_weight * kRedundancy *
-                        equations.NumDetermined(kTolerance, kMaxIterations) /
-                        roughness;
-  weight_ = std::clamp(weight, weight_ / kMaxChange, weight_ * kMaxChange);
+  weight_ = std::clamp(GlobalWeight(evidence), weight_ / kMaxChange,
+                       weight_ * kMaxChange);
+  weights_ = LocalWeights(rings_, std::move(evidence), weight_);
   surface_ = WithPlate(std::move(surface_.mesh), std::move(surface_.terms));
 }
 

@@ -27,10 +27,10 @@ using OnLevelStep = std::function<bool(const RefinementStep& step)>;
 // to be smooth: coarse images can not tell fine relief from noise, and must not
 // flatten it; and what no pair sees follows what lies around it.
 //
-// How much smoothness weighs there is taken from the surface (MacKay 1992): as
-// much as makes its roughness, where the images determine it, as likely as it
-// is. A wall of rubble so keeps its relief, and a polished statue is rid of the
-// images' noise.
+// How much smoothness weighs there is taken from the surface
+// (refine/smoothness_weights.h): as much as makes its roughness, where the
+// images determine it, as likely as it is. A wall of rubble so keeps its
+// relief, and a polished statue is rid of the images' noise.
 //
 // \param energy  set to the level.
 // \param views  of the level's images' sizes.

@@ -160,21 +160,21 @@ std::vector<double> NormalEquations::Solve(double tolerance,
   return Solve(std::move(descent), tolerance, max_iterations);
 }
 
-double NormalEquations::NumDetermined(double tolerance,
-                                      int max_iterations) const {
+std::vector<double> NormalEquations::Determined(double tolerance,
+                                                int max_iterations) const {
   std::vector<double> signs(gradient_.size());
   for (size_t i = 0; i < signs.size(); ++i) {
     signs[i] = RandomSign(i);
   }
   std::vector<double> image(signs.size());
   Multiply(signs, true, &image);
-  const double trace =
-      Dot(signs, Solve(std::move(image), tolerance, max_iterations));
-  size_t num_residuals = 0;
-  for (const double coefficient : plate_.coefficients) {
-    num_residuals += coefficient > 0 ? 1 : 0;
+  std::vector<double> determined =
+      Solve(std::move(image), tolerance, max_iterations);
+  for (size_t i = 0; i < determined.size(); ++i) {
+    determined[i] =
+        plate_.coefficients[i] > 0 ? 1 - signs[i] * determined[i] : 0.0;
   }
-  return std::max(static_cast<double>(num_residuals) - trace, 0.0);
+  return determined;
 }
 
 std::vector<double> NormalEquations::Solve(std::vector<double> right_hand_side,

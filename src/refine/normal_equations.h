@@ -33,12 +33,14 @@ class NormalEquations {
   // units. Where nothing says anything, 0.
   std::vector<double> Solve(double tolerance, int max_iterations) const;
 
-  // How many of the smoothness' residuals the images determine, rather than the
-  // smoothness itself (MacKay 1992): their number minus the trace of matrix^-1
-  // times the smoothness' part of the matrix, estimated from one vector of
-  // random signs (Hutchinson 1990). Vertices that the smoothness says nothing
-  // of, at borders, do not count: nothing is learned of its weight from them.
-  double NumDetermined(double tolerance, int max_iterations) const;
+  // How far the images determine each of the smoothness' residuals, rather than
+  // the smoothness itself: [V]. Their sum estimates how many are determined
+  // (MacKay 1992): their number minus the trace of matrix^-1 times the
+  // smoothness' part of the matrix, from one vector of random signs (Hutchinson
+  // 1990); each by itself estimates its element of the diagonal, with much
+  // noise. 0 for vertices that the smoothness says nothing of, at borders:
+  // nothing is learned of its weight from them.
+  std::vector<double> Determined(double tolerance, int max_iterations) const;
 
  private:
   void AddPhotometric(const TriangleMesh& mesh, const PhotometricTerms& terms);

@@ -15,8 +15,9 @@ namespace {
 ThinPlate PlateOf(const TriangleMesh& mesh, const VertexRings& rings,
                   const std::vector<float>& footprints) {
   const size_t size = mesh.vertices.size();
-  return MakeThinPlate(1, mesh.vertices, VertexNormals(mesh, rings), rings,
-                       footprints, std::vector<float>(size, 0),
+  return MakeThinPlate(std::vector<double>(size, 1), mesh.vertices,
+                       VertexNormals(mesh, rings), rings, footprints,
+                       std::vector<float>(size, 0),
                        std::vector<double>(size, 0));
 }
 

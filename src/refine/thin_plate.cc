@@ -12,7 +12,7 @@ double ThinPlate::Energy() const {
   return energy;
 }
 
-ThinPlate MakeThinPlate(double weight,
+ThinPlate MakeThinPlate(const std::vector<double>& weights,
                         const std::vector<Eigen::Vector3f>& vertices,
                         const std::vector<Eigen::Vector3f>& normals,
                         const VertexRings& rings,
@@ -51,7 +51,7 @@ ThinPlate MakeThinPlate(double weight,
     const double scale = 4 * footprints[i] * sum_inverse / sum_length;
     plate.residuals[i] =
         sum.dot(normals[i].cast<double>()) / sum_inverse - rest[i];
-    plate.coefficients[i] = weight * (1 + num_pixels[i]) * scale * scale;
+    plate.coefficients[i] = weights[i] * (1 + num_pixels[i]) * scale * scale;
   });
   return plate;
 }

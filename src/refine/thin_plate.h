@@ -12,17 +12,17 @@ namespace colmap_ext {
 
 // The smoothness of a surface,
 //
-//   E = weight / 2 sum over the vertices V inside the surface of
-//       (1 + n_V) (4 p_V (N_V . u_V - r_V) / h_V^2)^2,
+//   E = 1/2 sum over the vertices V inside the surface of
+//       a_V (1 + n_V) (4 p_V (N_V . u_V - r_V) / h_V^2)^2,
 //
-// u the umbrella operator, each neighbor weighted by the inverse of its
-// distance (Fujiwara 1995), so that uneven meshes do not count as curved;
-// N the normal, h^2 the edges' mean length over their mean inverse length, p
-// the footprint of a pixel on the surface, n the number of pixels that V
-// accounts for. It is the curvature in 1 / px, squared and summed over the
-// pixels: whatever the mesh's resolution and the scene's scale, it stands in
-// the same proportion to the photometric energy. r is what
-// N . u is to be: 0 for a smooth surface, or see refine/relief.h.
+// a the weight, u the umbrella operator, each neighbor weighted by the inverse
+// of its distance (Fujiwara 1995), so that uneven meshes do not count as
+// curved; N the normal, h^2 the edges' mean length over their mean inverse
+// length, p the footprint of a pixel on the surface, n the number of pixels
+// that V accounts for. It is the curvature in 1 / px, squared and summed over
+// the pixels: whatever the mesh's resolution and the scene's scale, it stands
+// in the same proportion to the photometric energy. r is what N . u is to be: 0
+// for a smooth surface, or see refine/relief.h.
 struct ThinPlate {
   std::vector<double> residuals;     // [V] N . u - r, scene units
   std::vector<double> coefficients;  // [V] of their squares / 2; 0 at borders
@@ -31,8 +31,8 @@ struct ThinPlate {
   double Energy() const;
 };
 
-// \param footprints, num_pixels, rest  [V] p, n and r
-ThinPlate MakeThinPlate(double weight,
+// \param weights, footprints, num_pixels, rest  [V] a, p, n and r
+ThinPlate MakeThinPlate(const std::vector<double>& weights,
                         const std::vector<Eigen::Vector3f>& vertices,
                         const std::vector<Eigen::Vector3f>& normals,
                         const VertexRings& rings,

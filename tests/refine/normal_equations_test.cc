@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -51,10 +52,16 @@ class NormalEquationsTest : public testing::Test {
 
   void SetWeight(double weight) {
     const size_t size = mesh_.vertices.size();
-    plate_ = MakeThinPlate(weight, mesh_.vertices, normals_, rings_,
-                           std::vector<float>(size, 0.05f),
+    plate_ = MakeThinPlate(std::vector<double>(size, weight), mesh_.vertices,
+                           normals_, rings_, std::vector<float>(size, 0.05f),
                            std::vector<float>(size, 10),
                            std::vector<double>(size, 0.003));
+  }
+
+  double NumDetermined(double tolerance, int max_iterations) const {
+    const std::vector<double> determined =
+        Equations().Determined(tolerance, max_iterations);
+    return std::accumulate(determined.begin(), determined.end(), 0.0);
   }
 
   NormalEquations Equations() const {
@@ -274,10 +281,15 @@ TEST_F(NormalEquationsTest, DetermineNothingWhereTheImagesSayNothing) {
     }
   }
   SetWeight(10);
+  const std::vector<double> determined = Equations().Determined(1e-8, 100000);
+  for (size_t i = 0; i < determined.size(); ++i) {
+    if (rings_.is_border[i] != 0) {
+      EXPECT_EQ(determined[i], 0);
+    }
+  }
   const auto num_border =
       std::count(rings_.is_border.begin(), rings_.is_border.end(), 1);
-  EXPECT_LT(Equations().NumDetermined(1e-8, 100000),
-            0.3 * static_cast<double>(num_border));
+  EXPECT_LT(NumDetermined(1e-8, 100000), 0.3 * static_cast<double>(num_border));
 }
 
 // Without borders.
@@ -288,7 +300,7 @@ class ClosedNormalEquationsTest : public NormalEquationsTest {
 
 TEST_F(ClosedNormalEquationsTest, DetermineAllWithoutSmoothness) {
   SetWeight(1e-12);
-  EXPECT_NEAR(Equations().NumDetermined(1e-6, 1000), Size(), 1e-3);
+  EXPECT_NEAR(NumDetermined(1e-6, 1000), Size(), 1e-3);
 }
 
 // MacKay's number, as the eigenvalues say; the estimate from one vector of
@@ -305,7 +317,7 @@ TEST_F(ClosedNormalEquationsTest, DetermineAsManyVerticesAsTheEigenvaluesSay) {
     symmetric.diagonal().setZero();
     const double deviation = std::sqrt(2 * symmetric.squaredNorm());
     EXPECT_LT(deviation, 0.1 * static_cast<double>(Size()));
-    const double estimate = Equations().NumDetermined(1e-8, 10000);
+    const double estimate = NumDetermined(1e-8, 10000);
     EXPECT_NEAR(estimate, expected, 3 * deviation) << weight;
     EXPECT_GE(estimate, 0);
     EXPECT_LE(estimate, Size());
@@ -314,6 +326,30 @@ TEST_F(ClosedNormalEquationsTest, DetermineAsManyVerticesAsTheEigenvaluesSay) {
     last = expected;
   }
   EXPECT_LT(last, 0.5 * static_cast<double>(Size()));
+}
+
+// Those of one half of a surface that the images do not show.
+TEST_F(ClosedNormalEquationsTest, DetermineWhatTheImagesShow) {
+  std::vector<bool> is_shown(mesh_.vertices.size(), false);
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+    const bool shows = mesh_.vertices[mesh_.facets[i][0]].x() > 0;
+    for (const uint32_t vertex : mesh_.facets[i]) {
+      is_shown[vertex] = is_shown[vertex] || shows;
+    }
+    for (float& curvature : terms_.curvatures[i]) {
+      curvature *= shows ? 1 : 1e-6f;
+    }
+  }
+  SetWeight(1e-3);
+  const std::vector<double> determined = Equations().Determined(1e-8, 100000);
+  double sums[2] = {};
+  double counts[2] = {};
+  for (size_t i = 0; i < determined.size(); ++i) {
+    sums[is_shown[i] ? 1 : 0] += determined[i];
+    counts[is_shown[i] ? 1 : 0] += 1;
+  }
+  EXPECT_GT(sums[1], 0.8 * counts[1]);
+  EXPECT_LT(sums[0], 0.3 * counts[0]);
 }
 
 class LargeNormalEquationsTest : public NormalEquationsTest {
@@ -325,7 +361,7 @@ TEST_F(LargeNormalEquationsTest, DoNotDependOnThreads) {
   ASSERT_GT(Size(), 2 * 4096);
   const NormalEquations equations = Equations();
   const std::vector<double> expected = equations.Solve(0, 8);
-  const double num_determined = equations.NumDetermined(0, 8);
+  const std::vector<double> determined = equations.Determined(0, 8);
   for (const int num_threads : {1, 2, 3}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
@@ -333,7 +369,7 @@ TEST_F(LargeNormalEquationsTest, DoNotDependOnThreads) {
     EXPECT_EQ(again.Gradient(), equations.Gradient());
     EXPECT_EQ(again.Diagonal(), equations.Diagonal());
     EXPECT_EQ(again.Solve(0, 8), expected);
-    EXPECT_EQ(again.NumDetermined(0, 8), num_determined);
+    EXPECT_EQ(again.Determined(0, 8), determined);
   }
 }
 

@@ -31,7 +31,11 @@ struct PlateScene {
   }
 
   ThinPlate Plate(double weight) const {
-    return MakeThinPlate(weight, mesh.vertices, normals, rings, footprints,
+    return Plate(std::vector<double>(mesh.vertices.size(), weight));
+  }
+
+  ThinPlate Plate(const std::vector<double>& weights) const {
+    return MakeThinPlate(weights, mesh.vertices, normals, rings, footprints,
                          num_pixels, rest);
   }
 
@@ -189,9 +193,17 @@ TEST(ThinPlate, IsAtRestWhereItIsToKeepItsShape) {
               1e-9 * plate.Energy());
 }
 
-TEST(ThinPlate, CountsAsItsWeightAndThePixelsSay) {
+TEST(ThinPlate, CountsAsItsWeightsAndThePixelsSay) {
   PlateScene scene(MakeBumpyCap(0.2f));
   const ThinPlate plate = scene.Plate(1);
+  std::vector<double> weights(plate.coefficients.size());
+  std::iota(weights.begin(), weights.end(), 1);
+  const ThinPlate weighted = scene.Plate(weights);
+  EXPECT_EQ(weighted.residuals, plate.residuals);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    EXPECT_NEAR(weighted.coefficients[i], weights[i] * plate.coefficients[i],
+                1e-9 * weighted.coefficients[i]);
+  }
   EXPECT_NEAR(scene.Plate(5).Energy(), 5 * plate.Energy(),
               1e-9 * plate.Energy());
   EXPECT_EQ(scene.Plate(0).Energy(), 0);

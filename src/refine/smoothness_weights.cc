@@ -1,0 +1,69 @@
+#include "refine/smoothness_weights.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+
+#include <tbb/parallel_for.h>
+
+namespace colmap_ext {
+
+namespace {
+
+double Sum(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+// Each vertex's value becomes the mean of its own and its neighbors', several
+// times over.
+void Spread(const VertexRings& rings, std::vector<double>* values) {
+  constexpr int kRounds = 10;
+  std::vector<double> means(values->size());
+  for (int round = 0; round < kRounds; ++round) {
+    tbb::parallel_for(size_t{0}, values->size(), [&](size_t i) {
+      const auto ring = rings.Neighbors(i);
+      double sum = (*values)[i];
+      for (const uint32_t neighbor : ring) {
+        sum += (*values)[neighbor];
+      }
+      means[i] = sum / static_cast<double>(1 + ring.size());
+    });
+    values->swap(means);
+  }
+}
+
+}  // namespace
+
+double GlobalWeight(const SmoothnessEvidence& evidence) {
+  const double roughness = Sum(evidence.roughness);
+  return roughness > 0 ? std::max(Sum(evidence.determined), 0.0) / roughness
+                       : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> LocalWeights(const VertexRings& rings,
+                                 SmoothnessEvidence evidence, double weight) {
+  // How much the weight of all counts beside the surroundings: as what this
+  // share of a vertex's mean evidence says.
+  constexpr double kPrior = 0.1;
+  constexpr double kMinFactor = 0.5;
+  constexpr double kMaxFactor = 16;
+  std::vector<double> weights(evidence.determined.size(), weight);
+  const auto num_residuals = static_cast<double>(
+      std::count_if(evidence.determined.begin(), evidence.determined.end(),
+                    [](double determined) { return determined != 0; }));
+  const double prior = kPrior * Sum(evidence.determined) / num_residuals;
+  if (!(prior > 0)) {
+    return weights;
+  }
+  Spread(rings, &evidence.determined);
+  Spread(rings, &evidence.roughness);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const double local = (std::max(evidence.determined[i], 0.0) + prior) /
+                         (evidence.roughness[i] + prior / weight);
+    weights[i] = std::clamp(local, kMinFactor * weight, kMaxFactor * weight);
+  }
+  return weights;
+}
+
+}  // namespace colmap_ext
