@@ -249,15 +249,17 @@ void CpuPhotometricEnergy::EvaluateDirection(
                 rectangle.last_row - rectangle.first_row + 1 + 2 * radius);
     geometry.first_row = rectangle.first_row - radius;
     geometry.first_col = rectangle.first_col - radius;
-    warp.Compute(&tile, &geometry);
     std::fill(tile.is_center.begin(), tile.is_center.end(), 0);
     for (int row = radius; row < tile.height - radius; ++row) {
       for (int col = radius; col < tile.width - radius; ++col) {
-        const uint32_t facet = geometry.facets[tile.Index(row, col)];
+        const uint32_t facet = drawn_i->facets[drawn_i->Index(
+            geometry.first_row + row, geometry.first_col + col)];
         tile.is_center[tile.Index(row, col)] =
             facet != kNoFacet && scratch->places[facet] != UINT32_MAX;
       }
     }
+    tile.FindReached(radius);
+    warp.Compute(&tile, &geometry);
     scratch->correlation.Compute(max_relative_depth, &tile);
     AddTile(frames, warp, *scratch, &direction->sums);
   }

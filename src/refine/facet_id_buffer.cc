@@ -173,20 +173,11 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
   return buffer;
 }
 
-bool IsNearest(const View& view, const FacetIdBuffer& drawn, uint32_t facet,
-               const FacetFrame& frame, double u, double v,
-               double inverse_depth) {
-  const size_t pixel = drawn.Index(static_cast<int>(v), static_cast<int>(u));
-  if (drawn.facets[pixel] == facet) {
-    return true;
-  }
+double PlaneSlope(const View& view, const FacetFrame& frame) {
   const double distance = frame.normal.dot(frame.corner - view.Center());
   const Eigen::Vector3d normal = view.cam_from_world_rotation * frame.normal;
-  const double slope =
-      (std::abs(normal.x() / view.fx) + std::abs(normal.y() / view.fy)) /
-      std::abs(distance);
-  const double footprint = inverse_depth / std::min(view.fx, view.fy);
-  return drawn.inverse_depths[pixel] <= inverse_depth + 2 * (slope + footprint);
+  return (std::abs(normal.x() / view.fx) + std::abs(normal.y() / view.fy)) /
+         std::abs(distance);
 }
 
 }  // namespace colmap_ext

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -35,12 +36,22 @@ struct FacetIdBuffer {
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine);
 
+// By how much the inverse depth of a facet's plane changes in a view, at most,
+// from a pixel to one of the eight around it.
+double PlaneSlope(const View& view, const FacetFrame& frame);
+
 // Whether a view sees a point of a facet: the pixel shows the facet, or nothing
 // nearer than its plane comes within two pixels around, and two pixels'
 // footprints more.
+// \param slope  PlaneSlope() of the facet.
 // \param u, v, inverse_depth  of the point in the view, inside the image.
-bool IsNearest(const View& view, const FacetIdBuffer& drawn, uint32_t facet,
-               const FacetFrame& frame, double u, double v,
-               double inverse_depth);
+inline bool IsNearest(const View& view, const FacetIdBuffer& drawn,
+                      uint32_t facet, double slope, double u, double v,
+                      double inverse_depth) {
+  const size_t pixel = drawn.Index(static_cast<int>(v), static_cast<int>(u));
+  const double footprint = inverse_depth / std::min(view.fx, view.fy);
+  return drawn.facets[pixel] == facet ||
+         drawn.inverse_depths[pixel] <= inverse_depth + 2 * (slope + footprint);
+}
 
 }  // namespace colmap_ext

@@ -34,8 +34,8 @@ std::vector<uint8_t> FindVisible(const FacetVisibilityOptions& options,
           pixel.y() < view.height - options.border)) {
       continue;
     }
-    is_visible[i] = IsNearest(view, drawn, i, frames[i], pixel.x(), pixel.y(),
-                              1 / in_camera.z());
+    is_visible[i] = IsNearest(view, drawn, i, PlaneSlope(view, frames[i]),
+                              pixel.x(), pixel.y(), 1 / in_camera.z());
   }
   return is_visible;
 }

@@ -1,7 +1,6 @@
 #include "refine/pair_warp.h"
 
 #include <algorithm>
-#include <array>
 
 #include <Eigen/Geometry>
 
@@ -18,8 +17,8 @@ struct CubicWeights {
         slopes{-0.5F + x * (2 - 1.5F * x), x * (-5 + 4.5F * x),
                0.5F + x * (4 - 4.5F * x), x * (-1 + 1.5F * x)} {}
 
-  std::array<float, 4> values;
-  std::array<float, 4> slopes;
+  Eigen::Array4f values;
+  Eigen::Array4f slopes;
 };
 
 // An image between its pixels' centres, and its gradient.
@@ -38,24 +37,22 @@ Interpolated Interpolate(const GrayImage& image, double u, double v) {
   const CubicWeights by_col(static_cast<float>(u - 0.5 - col));
   const CubicWeights by_row(static_cast<float>(v - 0.5 - row));
   const bool is_inside = col >= 1 && col + 2 < image.width;
-  Interpolated result;
+  // Of the four columns.
+  Eigen::Array4f values = Eigen::Array4f::Zero();
+  Eigen::Array4f slopes = Eigen::Array4f::Zero();
   for (int k = 0; k < 4; ++k) {
     const uint8_t* line =
         image.Row(std::clamp(row + k - 1, 0, image.height - 1));
-    float value = 0;
-    float slope = 0;
+    Eigen::Array4f grays;
     for (int l = 0; l < 4; ++l) {
       const int at = col + l - 1;
-      const float gray =
-          line[is_inside ? at : std::clamp(at, 0, image.width - 1)];
-      value += by_col.values[l] * gray;
-      slope += by_col.slopes[l] * gray;
+      grays[l] = line[is_inside ? at : std::clamp(at, 0, image.width - 1)];
     }
-    result.value += by_row.values[k] * value;
-    result.by_u += by_row.values[k] * slope;
-    result.by_v += by_row.slopes[k] * value;
+    values += by_row.values[k] * grays;
+    slopes += by_row.slopes[k] * grays;
   }
-  return result;
+  return {(by_col.values * values).sum(), (by_col.slopes * values).sum(),
+          (by_col.values * slopes).sum()};
 }
 
 }  // namespace
@@ -79,29 +76,39 @@ Eigen::Vector3d PairWarp::Point(const FacetFrame& frame, int row,
   return center_i_ + depth * ray;
 }
 
+PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
+  const FacetFrame& frame = frames_[facet];
+  Plane plane;
+  plane.facet = facet;
+  plane.is_facing = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
+  plane.distance = frame.normal.dot(frame.corner - center_i_);
+  plane.inverse_depth =
+      ray_from_pixel_i_.transpose() * frame.normal / plane.distance;
+  plane.slope = PlaneSlope(j_.view, frame);
+  return plane;
+}
+
 // With inverse depth w, p = H (u, v, 1) + e w is the pixel in j, homogeneous,
 // in units of the depth in i. It moves with the point along the ray by
-// (H_u - u_j H_z, H_v - v_j H_z) / p_z a depth of i; n . d is the plane's
-// distance from camera i.
-PairWarp::Sample PairWarp::Warp(uint32_t facet, const Eigen::Vector3d& ray_in_j,
-                                double inverse_depth, double distance) const {
+// (H_u - u_j H_z, H_v - v_j H_z) / p_z a depth of i.
+PairWarp::Sample PairWarp::Warp(const Plane& plane,
+                                const Eigen::Vector3d& ray_in_j,
+                                double inverse_depth) const {
   Sample sample;
-  if (!i_.drawn.is_facing[facet] || !j_.drawn.is_facing[facet]) {
-    return sample;
-  }
   const Eigen::Vector3d p = ray_in_j + epipole_ * inverse_depth;
   if (!(p.z() > 0)) {
     return sample;
   }
-  const double u = p.x() / p.z();
-  const double v = p.y() / p.z();
+  const double scale = 1 / p.z();
+  const double u = p.x() * scale;
+  const double v = p.y() * scale;
   const int width = j_.image.width;
   const int height = j_.image.height;
   if (!(u >= 0.5 && v >= 0.5 && u < width - 0.5 && v < height - 0.5)) {
     return sample;
   }
-  if (!IsNearest(j_.view, j_.drawn, facet, frames_[facet], u, v,
-                 inverse_depth / p.z())) {
+  if (!IsNearest(j_.view, j_.drawn, plane.facet, plane.slope, u, v,
+                 inverse_depth * scale)) {
     return sample;
   }
   const Interpolated interpolated = Interpolate(j_.image, u, v);
@@ -109,8 +116,8 @@ PairWarp::Sample PairWarp::Warp(uint32_t facet, const Eigen::Vector3d& ray_in_j,
   sample.value = interpolated.value;
   sample.motion = static_cast<float>(
       (interpolated.by_u * (ray_in_j.x() - u * ray_in_j.z()) +
-       interpolated.by_v * (ray_in_j.y() - v * ray_in_j.z())) /
-      (p.z() * distance));
+       interpolated.by_v * (ray_in_j.y() - v * ray_in_j.z())) *
+      scale / plane.distance);
   return sample;
 }
 
@@ -125,6 +132,7 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
   const int first_col = std::max(0, -geometry->first_col);
   const int last_col =
       std::min(tile->width, i_.image.width - geometry->first_col) - 1;
+  Plane plane;
   for (int row = 0; row < tile->height; ++row) {
     const int image_row = geometry->first_row + row;
     if (image_row < 0 || image_row >= i_.image.height) {
@@ -133,21 +141,21 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
     for (int col = first_col; col <= last_col; ++col) {
       const int image_col = geometry->first_col + col;
       const size_t at = tile->Index(row, col);
-      const uint32_t facet =
-          i_.drawn.facets[i_.drawn.Index(image_row, image_col)];
-      if (facet == kNoFacet) {
+      const size_t pixel = i_.drawn.Index(image_row, image_col);
+      const uint32_t facet = i_.drawn.facets[pixel];
+      if (tile->is_reached[at] == 0 || facet == kNoFacet) {
         continue;
       }
-      const FacetFrame& frame = frames_[facet];
-      const Eigen::Vector3d pixel(image_col + 0.5, image_row + 0.5, 1);
-      const Eigen::Vector3d ray = ray_from_pixel_i_ * pixel;
-      const double distance = frame.normal.dot(frame.corner - center_i_);
-      const double inverse_depth = frame.normal.dot(ray) / distance;
-      if (!(inverse_depth > 0)) {
+      if (facet != plane.facet) {
+        plane = PlaneOf(facet);
+      }
+      const Eigen::Vector3d place(image_col + 0.5, image_row + 0.5, 1);
+      const double inverse_depth = plane.inverse_depth.dot(place);
+      if (!plane.is_facing || !(inverse_depth > 0)) {
         continue;
       }
       const Sample sample =
-          Warp(facet, pixel_j_from_pixel_i_ * pixel, inverse_depth, distance);
+          Warp(plane, pixel_j_from_pixel_i_ * place, inverse_depth);
       if (!sample.is_valid) {
         continue;
       }
@@ -157,8 +165,7 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
       tile->warped[at] = sample.value;
       tile->is_valid[at] = 1;
       // As drawn, so that no mask changes as the surface moves.
-      tile->inverse_depths[at] =
-          i_.drawn.inverse_depths[i_.drawn.Index(image_row, image_col)];
+      tile->inverse_depths[at] = i_.drawn.inverse_depths[pixel];
     }
   }
 }

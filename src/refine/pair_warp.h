@@ -39,14 +39,24 @@ class PairWarp {
 
   // Fills the tile's image, warped image, validity and inverse depths, and the
   // geometry's arrays, of tile.width and height from geometry.first_row and
-  // first_col on. A pixel is valid if its facet, in its present position,
-  // faces both cameras, and j sees it: nothing is drawn there in front of it.
+  // first_col on. A pixel is valid if it is reached by a window and its facet,
+  // in its present position, faces both cameras, and j sees it: nothing is drawn
+  // there in front of it.
   void Compute(CorrelationTile* tile, TileGeometry* geometry) const;
 
   // The point on a facet's plane that pixel (row, col) of i shows.
   Eigen::Vector3d Point(const FacetFrame& frame, int row, int col) const;
 
  private:
+  // What the pixels of a facet have in common.
+  struct Plane {
+    uint32_t facet = kNoFacet;
+    bool is_facing = false;         // both cameras
+    Eigen::Vector3d inverse_depth;  // by (u, v, 1) in i
+    double distance = 0;            // of camera i from the plane, n . d
+    double slope = 0;               // in j, see PlaneSlope()
+  };
+
   // A sample of I_j.
   struct Sample {
     bool is_valid = false;
@@ -54,8 +64,9 @@ class PairWarp {
     float motion = 0;
   };
 
-  Sample Warp(uint32_t facet, const Eigen::Vector3d& ray_in_j,
-              double inverse_depth, double distance) const;
+  Plane PlaneOf(uint32_t facet) const;
+  Sample Warp(const Plane& plane, const Eigen::Vector3d& ray_in_j,
+              double inverse_depth) const;
 
   DrawnView i_;
   DrawnView j_;

@@ -25,6 +25,27 @@ void CorrelationTile::Resize(int new_width, int new_height) {
     plane->resize(size);
   }
   is_center.resize(size);
+  is_reached.resize(size);
+}
+
+void CorrelationTile::FindReached(int radius) {
+  std::fill(is_reached.begin(), is_reached.end(), 0);
+  std::vector<uint8_t> reached(width);
+  for (int row = radius; row < height - radius; ++row) {
+    const uint8_t* centers = is_center.data() + Index(row, 0);
+    std::fill(reached.begin(), reached.end(), 0);
+    for (int k = -radius; k <= radius; ++k) {
+      for (int col = radius; col < width - radius; ++col) {
+        reached[col + k] |= centers[col];
+      }
+    }
+    for (int other = row - radius; other <= row + radius; ++other) {
+      uint8_t* to = is_reached.data() + Index(other, 0);
+      for (int col = 0; col < width; ++col) {
+        to[col] |= reached[col];
+      }
+    }
+  }
 }
 
 // With N pixels, means I' and J', variances A and B, covariance C:
@@ -182,17 +203,19 @@ void WindowCorrelation::CorrelateWhole(CorrelationTile* tile) {
     plane->resize(size);
   }
   for (size_t i = 0; i < size; ++i) {
-    const Window window = Correlate({count_[i], sum_image_[i], sum_warped_[i],
-                                     sum_image_squared_[i],
-                                     sum_warped_squared_[i], sum_product_[i]});
-    const bool counts =
-        tile->is_center[i] != 0 && is_broken_[i] == 0 && tile->is_valid[i] > 0;
-    tile->weights[i] = counts ? window.weight : 0.0F;
-    tile->energies[i] = counts ? window.energy : 0.0F;
-    by_image_[i] = counts ? window.by_image : 0.0F;
-    by_warped_[i] = counts ? window.by_warped : 0.0F;
-    constant_[i] = counts ? window.constant : 0.0F;
-    curvature_[i] = counts ? window.curvature : 0.0F;
+    Window window;
+    if (tile->is_center[i] != 0 && is_broken_[i] == 0 &&
+        tile->is_valid[i] > 0) {
+      window = Correlate({count_[i], sum_image_[i], sum_warped_[i],
+                          sum_image_squared_[i], sum_warped_squared_[i],
+                          sum_product_[i]});
+    }
+    tile->weights[i] = window.weight;
+    tile->energies[i] = window.energy;
+    by_image_[i] = window.by_image;
+    by_warped_[i] = window.by_warped;
+    constant_[i] = window.constant;
+    curvature_[i] = window.curvature;
   }
 }
 

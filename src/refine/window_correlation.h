@@ -22,6 +22,7 @@ struct CorrelationTile {
   std::vector<float> inverse_depths;  // drawn in i; where it is valid
   std::vector<uint8_t> is_center;     // 1: windows whose energy counts; 0 in
                                       // the margins
+  std::vector<uint8_t> is_reached;    // 1: in the window of a centre
 
   std::vector<float> weights;      // w at the centres, 0 elsewhere and where
                                    // too little of the window is valid
@@ -31,6 +32,9 @@ struct CorrelationTile {
 
   // Sets all arrays' sizes, their values are left as they were.
   void Resize(int new_width, int new_height);
+
+  // Sets is_reached. \pre is_center is set
+  void FindReached(int radius);
 
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * width + col;

@@ -79,6 +79,7 @@ Warped Compute(const PairWarp& warp, int first_row, int first_col, int height,
                int width) {
   Warped warped;
   warped.tile.Resize(width, height);
+  std::fill(warped.tile.is_reached.begin(), warped.tile.is_reached.end(), 1);
   warped.geometry.first_row = first_row;
   warped.geometry.first_col = first_col;
   warp.Compute(&warped.tile, &warped.geometry);
