@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/singular_vertices.h"
+#include "optim/further_labels.h"
 #include "optim/potts_mrf.h"
 #include "optim/sweep_order.h"
 #include "refine/candidate_pairs.h"
@@ -108,27 +109,15 @@ FacetLabels AllLabels(const CandidatePairs& candidates,
   return {pairs, std::move(problem.offsets), std::move(problem.labels)};
 }
 
-// The chosen label of each facet, and the cheapest ones after it.
 FacetLabels BestLabels(const std::vector<ViewPair>& pairs,
                        const FacetField& field,
-                       const std::vector<uint32_t>& choices, size_t count) {
-  const PottsProblem& problem = field.problem;
+                       const std::vector<uint32_t>& choices, uint32_t count) {
+  const LabelSets sets = AddFurtherLabels(field.problem, choices, count);
   FacetLabels labels;
   labels.pairs = pairs;
-  std::vector<uint64_t> row;  // into the problem's labels
   for (const uint32_t node : field.nodes) {
-    row.resize(problem.NumLabels(node));
-    std::iota(row.begin(), row.end(), problem.offsets[node]);
-    if (!row.empty()) {
-      std::swap(row[0], row[choices[node]]);
-      std::sort(row.begin() + 1, row.end(), [&](uint64_t a, uint64_t b) {
-        return std::pair(problem.costs[a], a) < std::pair(problem.costs[b], b);
-      });
-      row.resize(std::min(row.size(), count));
-    }
-    for (const uint64_t at : row) {
-      labels.labels.push_back(problem.labels[at]);
-    }
+    labels.labels.insert(labels.labels.end(), sets.Labels(node),
+                         sets.Labels(node + 1));
     labels.offsets.push_back(labels.labels.size());
   }
   return labels;

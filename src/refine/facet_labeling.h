@@ -43,8 +43,8 @@ struct FacetLabeling {
 //
 // Candidates are pairs that both see the facet in the drawn depths, and both
 // occur in nu_f; where there is no such pair, all that see it, O_f / |nu_f|
-// being 1. Facets that no pair sees get none. Labels beyond the first, which is
-// that of the Markov random field, are the cheapest of the others.
+// being 1. Facets that no pair sees get none. The first label is that of the
+// Markov random field; see optim/further_labels.h for the others.
 //
 // \param views  of the images' sizes.
 FacetLabeling LabelFacets(const FacetLabelingOptions& options,

@@ -81,9 +81,9 @@ PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
   Plane plane;
   plane.facet = facet;
   plane.is_facing = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
-  plane.distance = frame.normal.dot(frame.corner - center_i_);
+  plane.nearness = 1 / frame.normal.dot(frame.corner - center_i_);
   plane.inverse_depth =
-      ray_from_pixel_i_.transpose() * frame.normal / plane.distance;
+      plane.nearness * (ray_from_pixel_i_.transpose() * frame.normal);
   plane.slope = PlaneSlope(j_.view, frame);
   return plane;
 }
@@ -117,7 +117,7 @@ PairWarp::Sample PairWarp::Warp(const Plane& plane,
   sample.motion = static_cast<float>(
       (interpolated.by_u * (ray_in_j.x() - u * ray_in_j.z()) +
        interpolated.by_v * (ray_in_j.y() - v * ray_in_j.z())) *
-      scale / plane.distance);
+      scale * plane.nearness);
   return sample;
 }
 

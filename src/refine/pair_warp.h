@@ -40,8 +40,8 @@ class PairWarp {
   // Fills the tile's image, warped image, validity and inverse depths, and the
   // geometry's arrays, of tile.width and height from geometry.first_row and
   // first_col on. A pixel is valid if it is reached by a window and its facet,
-  // in its present position, faces both cameras, and j sees it: nothing is drawn
-  // there in front of it.
+  // in its present position, faces both cameras, and j sees it: nothing is
+  // drawn there in front of it.
   void Compute(CorrelationTile* tile, TileGeometry* geometry) const;
 
   // The point on a facet's plane that pixel (row, col) of i shows.
@@ -53,7 +53,7 @@ class PairWarp {
     uint32_t facet = kNoFacet;
     bool is_facing = false;         // both cameras
     Eigen::Vector3d inverse_depth;  // by (u, v, 1) in i
-    double distance = 0;            // of camera i from the plane, n . d
+    double nearness = 0;            // 1 / (n . d), d to camera i's centre
     double slope = 0;               // in j, see PlaneSlope()
   };
 

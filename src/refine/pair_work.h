@@ -27,7 +27,7 @@ struct PixelRectangle {
   int first_col = 0, last_col = -1;
 };
 
-inline constexpr int kTileSize = 32;  // px
+inline constexpr int kTileSize = 48;  // px
 
 // [L] the rectangles of the pixels of a view that show facets labelled with
 // each pair: empty for pairs that the view is not of.

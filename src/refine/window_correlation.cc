@@ -81,7 +81,8 @@ inline WindowCorrelation::Window WindowCorrelation::Correlate(
   Window window;
   window.weight = weight;
   const float slope = saturation_ / (saturation_ - zncc);
-  const float cost = saturation_ * std::log1p(-zncc / saturation_);
+  const auto cost = static_cast<float>(
+      saturation_ * std::log(1 - zncc / static_cast<double>(saturation_)));
   window.energy = weight * cost;
   window.by_image = -weight * slope * scale / root;
   window.by_warped =

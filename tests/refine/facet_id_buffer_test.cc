@@ -306,8 +306,9 @@ TEST(IsNearest, SeesWhatNothingLiesInFrontOf) {
     point += b * mesh.vertices[mesh.facets[facet][2]].cast<double>();
     const Vector3d in_camera = view.CamFromWorld(point);
     const Vector2d pixel = view.ImageFromCam(in_camera);
-    const bool is_nearest = IsNearest(view, drawn, facet, frames[facet],
-                                      pixel.x(), pixel.y(), 1 / in_camera.z());
+    const bool is_nearest =
+        IsNearest(view, drawn, facet, PlaneSlope(view, frames[facet]),
+                  pixel.x(), pixel.y(), 1 / in_camera.z());
     const DepthRange first = DepthsAround(bvh, view, pixel);
     const Vector3d ray = (view.Center() - point).normalized();
     if (std::abs(frames[facet].normal.dot(ray)) < 0.2) {
@@ -341,10 +342,12 @@ TEST(IsNearest, LeavesRoomForTwoPixels) {
     const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
     const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
     EXPECT_EQ(drawn.facets[drawn.Index(15, 15)], 0);
-    EXPECT_TRUE(
-        IsNearest(StraightView(), drawn, 0, frames[0], 15.5, 15.5, 0.5));
+    EXPECT_TRUE(IsNearest(StraightView(), drawn, 0,
+                          PlaneSlope(StraightView(), frames[0]), 15.5, 15.5,
+                          0.5));
     EXPECT_EQ(
-        IsNearest(StraightView(), drawn, 1, frames[1], 15.5, 15.5, 1 / depth),
+        IsNearest(StraightView(), drawn, 1,
+                  PlaneSlope(StraightView(), frames[1]), 15.5, 15.5, 1 / depth),
         margin < 2);
   }
 }

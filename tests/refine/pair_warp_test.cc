@@ -343,5 +343,27 @@ TEST(PairWarp, OfATileIsThatPartOfTheWhole) {
   }
 }
 
+// The others are as if they showed nothing.
+TEST(PairWarp, LeavesOutWhatNoWindowReaches) {
+  const WarpScene scene = MakeScene();
+  const Warped expected = Compute(scene, 0, 1);
+  Warped warped;
+  warped.tile.Resize(expected.tile.width, expected.tile.height);
+  for (size_t i = 0; i < warped.tile.is_reached.size(); ++i) {
+    warped.tile.is_reached[i] = i % 3 == 0 ? 1 : 0;
+  }
+  scene.Warp(0, 1).Compute(&warped.tile, &warped.geometry);
+  for (size_t i = 0; i < warped.tile.is_reached.size(); ++i) {
+    const bool is_reached = i % 3 == 0;
+    EXPECT_EQ(warped.tile.is_valid[i],
+              is_reached ? expected.tile.is_valid[i] : 0);
+    EXPECT_EQ(warped.tile.warped[i], is_reached ? expected.tile.warped[i] : 0);
+    EXPECT_EQ(warped.geometry.motion[i],
+              is_reached ? expected.geometry.motion[i] : 0);
+    EXPECT_EQ(warped.geometry.facets[i],
+              is_reached ? expected.geometry.facets[i] : kNoFacet);
+  }
+}
+
 }  // namespace
 }  // namespace colmap_ext

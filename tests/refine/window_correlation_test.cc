@@ -402,6 +402,34 @@ TEST(WindowCorrelation, DoesNotDependOnHowTheImageIsCutInTiles) {
 }
 
 // The pixels of a plane that leans by less than 76 degrees belong together.
+TEST(CorrelationTile, FindsWhatTheWindowsReach) {
+  Random random(5);
+  for (const int radius : {1, 2, 3}) {
+    CorrelationTile tile;
+    tile.Resize(23, 17);
+    std::fill(tile.is_center.begin(), tile.is_center.end(), 0);
+    for (int row = radius; row < tile.height - radius; ++row) {
+      for (int col = radius; col < tile.width - radius; ++col) {
+        tile.is_center[tile.Index(row, col)] = random.Below(40) == 0 ? 1 : 0;
+      }
+    }
+    tile.FindReached(radius);
+    for (int row = 0; row < tile.height; ++row) {
+      for (int col = 0; col < tile.width; ++col) {
+        bool is_reached = false;
+        for (int y = 0; y < tile.height; ++y) {
+          for (int x = 0; x < tile.width; ++x) {
+            is_reached |= tile.is_center[tile.Index(y, x)] != 0 &&
+                          std::abs(y - row) <= radius &&
+                          std::abs(x - col) <= radius;
+          }
+        }
+        EXPECT_EQ(tile.is_reached[tile.Index(row, col)], is_reached ? 1 : 0);
+      }
+    }
+  }
+}
+
 TEST(MaxRelativeDepth, IsThatOfSteepPlanes) {
   View view;
   view.fx = 800;
