@@ -12,6 +12,7 @@ namespace colmap_ext {
 namespace {
 
 constexpr uint32_t kSide = 80;
+constexpr float kMiddle = 40;
 
 // A sheet whose vertices have x from 0 to kSide, and what they are told by
 // functions of x.
@@ -45,16 +46,16 @@ TEST(SmoothnessWeights, AreTheSameOfASurfaceThatIsTheSameEverywhere) {
 
 TEST(SmoothnessWeights, AreThoseOfEachPart) {
   const Sheet sheet([](float) { return 0.4; },
-                    [](float x) { return x < kSide / 2 ? 10.0 : 20.0; });
+                    [](float x) { return x < kMiddle ? 10.0 : 20.0; });
   const std::vector<double> weights = sheet.Weights();
   const double weight = GlobalWeight(sheet.evidence);
   EXPECT_GT(weight, 10);
   EXPECT_LT(weight, 20);
   for (size_t i = 0; i < weights.size(); ++i) {
     const float x = sheet.mesh.vertices[i].x();
-    if (std::abs(x - kSide / 2) > 10) {
+    if (std::abs(x - kMiddle) > 10) {
       // All that the weight of the whole changes is 1 / 11 of it.
-      const double own = x < kSide / 2 ? 10 : 20;
+      const double own = x < kMiddle ? 10 : 20;
       EXPECT_NEAR(1 / weights[i], (1 / own + 0.1 / weight) / 1.1, 1e-6);
     }
     EXPECT_GE(weights[i], 10);
@@ -63,12 +64,12 @@ TEST(SmoothnessWeights, AreThoseOfEachPart) {
 }
 
 TEST(SmoothnessWeights, AreThatOfAllWhereNothingIsDetermined) {
-  const Sheet sheet([](float x) { return x < kSide / 2 ? 0.4 : 0.0; },
-                    [](float x) { return x < kSide / 4 ? 5.0 : 20.0; });
+  const Sheet sheet([](float x) { return x < kMiddle ? 0.4 : 0.0; },
+                    [](float x) { return x < kMiddle / 2 ? 5.0 : 20.0; });
   const std::vector<double> weights = sheet.Weights();
   const double weight = GlobalWeight(sheet.evidence);
   for (size_t i = 0; i < weights.size(); ++i) {
-    if (sheet.mesh.vertices[i].x() > kSide / 2 + 10) {
+    if (sheet.mesh.vertices[i].x() > kMiddle + 10) {
       EXPECT_NEAR(weights[i], weight, 1e-9 * weight);
     }
   }
@@ -76,14 +77,14 @@ TEST(SmoothnessWeights, AreThatOfAllWhereNothingIsDetermined) {
 
 TEST(SmoothnessWeights, DoNotStrayFarFromThatOfAll) {
   const Sheet sheet([](float) { return 0.4; },
-                    [](float x) { return x < kSide / 4 ? 1e-4 : 1e4; });
+                    [](float x) { return x < kMiddle / 2 ? 1e-4 : 1e4; });
   const std::vector<double> weights = sheet.Weights();
   const double weight = GlobalWeight(sheet.evidence);
   for (size_t i = 0; i < weights.size(); ++i) {
     const float x = sheet.mesh.vertices[i].x();
-    if (x < kSide / 4 - 10) {
+    if (x < kMiddle / 2 - 10) {
       EXPECT_EQ(weights[i], 0.5 * weight);
-    } else if (x > kSide / 4 + 11) {
+    } else if (x > kMiddle / 2 + 11) {
       EXPECT_GT(weights[i], 10 * weight);
       EXPECT_LE(weights[i], 16 * weight);
     }
@@ -107,7 +108,7 @@ TEST(SmoothnessWeights, DoNotFollowTheNoiseOfTheEvidence) {
 
 TEST(SmoothnessWeights, StandInProportionToTheEvidence) {
   const Sheet sheet([](float) { return 0.4; },
-                    [](float x) { return x < kSide / 2 ? 10.0 : 20.0; });
+                    [](float x) { return x < kMiddle ? 10.0 : 20.0; });
   Sheet scaled = sheet;
   for (double& roughness : scaled.evidence.roughness) {
     roughness *= 1024;
