@@ -20,8 +20,8 @@ struct LabelSets {
 // Adds to each node's choice the cheapest others of its labels, `count` in all
 // where it has as many. As with the first label, those that neighbors have too
 // are preferred: for each neighbor that has not got it, a label costs a third
-// of the field's weight more. That is found by a few rounds, in each of which
-// all nodes choose anew by what their neighbors chose in the one before.
+// of the field's weight more. That is found in a few rounds, in each of which
+// half of the nodes choose anew by what their neighbors have.
 //
 // \param choices  [N] see PottsSolution
 // \pre count > 0

@@ -43,8 +43,8 @@ double GlobalWeight(const SmoothnessEvidence& evidence) {
 
 std::vector<double> LocalWeights(const VertexRings& rings,
                                  SmoothnessEvidence evidence, double weight) {
-  // How much the weight of all counts beside the surroundings: as what this
-  // share of a vertex's mean evidence says.
+  // The weight of all counts as much as this share of what a vertex has of
+  // evidence on average.
   constexpr double kPrior = 0.1;
   constexpr double kMinFactor = 0.5;
   constexpr double kMaxFactor = 16;
