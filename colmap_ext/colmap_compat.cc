@@ -101,14 +101,16 @@ std::optional<GrayImage> ReadGrayPicture(const std::filesystem::path& path) {
   colmap::Bitmap bitmap;
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error) ||
-      !bitmap.Read(path.string(), false)) {
+      !bitmap.Read(path.string())) {
     return std::nullopt;
   }
   GrayImage image{bitmap.Width(), bitmap.Height(), {}};
   image.pixels.reserve(size_t{1} * image.width * image.height);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      image.pixels.push_back(GetPixel(bitmap, x, y)[0]);
+      const Color color = GetPixel(bitmap, x, y);
+      image.pixels.push_back(
+          static_cast<uint8_t>((color[0] + 2 * color[1] + color[2] + 2) / 4));
     }
   }
   return image;

@@ -34,7 +34,9 @@ bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
 // \return nothing if there is no such picture, or COLMAP can not read it.
 std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path);
 
-// The same in grey, 8 bits.
+// The same in grey, 8 bits: (R + 2 G + B) / 4, as many of each as a camera's
+// sensor has photosites, which leaves the least of their noise; COLMAP's own
+// conversion weighs colours as the eye does.
 std::optional<GrayImage> ReadGrayPicture(const std::filesystem::path& path);
 
 // Writes a picture with COLMAP, in the format that the path's extension names.

@@ -148,10 +148,12 @@ TEST_F(WorkspaceTest, ReadsPicturesInGrey) {
   EXPECT_EQ(image->width, 3);
   EXPECT_EQ(image->height, 2);
   EXPECT_EQ(image->pixels, (std::vector<uint8_t>{1, 2, 3, 4, 5, 6}));
-  WriteFile(path_ / "color.ppm", "P6\n1 1\n255\n@@@");
+  // 10 20 30, 1 2 6 and 255 255 255.
+  WriteFile(path_ / "color.ppm",
+            "P6\n3 1\n255\n\x0a\x14\x1e\x01\x02\x06\xff\xff\xff");
   const std::optional<GrayImage> color = ReadGrayPicture(path_ / "color.ppm");
   ASSERT_TRUE(color);
-  EXPECT_EQ(color->pixels, std::vector<uint8_t>{'@'});
+  EXPECT_EQ(color->pixels, (std::vector<uint8_t>{20, 3, 255}));
   EXPECT_FALSE(ReadGrayPicture(path_ / "none.png"));
 }
 
