@@ -68,10 +68,6 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             &refinement->smoothness_weight,
                             "Higher is smoother");
   manager->AddDefaultOption(
-      "FacetwiseRefinement.keep_relief", &refinement->keep_relief,
-      "Keep the mesh's fine relief where the images are too noisy to tell: for "
-      "meshes that are already accurate");
-  manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
       "Faces that cover more of an image are subdivided, px^2");
   manager->AddDefaultOption("FacetwiseRefinement.pairs_per_image",

@@ -36,11 +36,6 @@ struct FacetwiseRefinementOptions {
   // what the roughness of the surface itself calls for; 0 is none.
   double smoothness_weight = 1;
 
-  // Where the images are too noisy to tell, the fine relief of the surface is
-  // that of the input (refine/relief.h), instead of none: for a mesh that is
-  // more accurate than what a mesher makes of noisy points.
-  bool keep_relief = false;
-
   // Facets that cover more in an image of their pair are subdivided before a
   // level starts, px^2 of the level's images.
   double max_face_area = 16;

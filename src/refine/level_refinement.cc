@@ -29,6 +29,10 @@ constexpr double kMaxDrift = 0.1;
 // Of the smoothness, before anything is known of the surface.
 constexpr double kFirstWeight = 20;
 
+// Iterations of the finest level without regard to the relief that the mesh
+// was given with.
+constexpr int kBlindIterations = 2;
+
 // Of the conjugate gradients.
 constexpr double kTolerance = 0.03;
 constexpr int kMaxIterations = 100;
@@ -58,6 +62,7 @@ class LevelRefiner {
         rings_(MakeVertexRings(mesh)) {
     FindFootprints(views, mesh);
     num_pixels_.assign(mesh.vertices.size(), 0);
+    confirmed_.assign(mesh.vertices.size(), 0);
     energy_->Render(mesh);
     surface_.terms = energy_->Evaluate(mesh, labels_);
     for (size_t i = 0; i < mesh.facets.size(); ++i) {
@@ -75,6 +80,9 @@ class LevelRefiner {
     }
     for (int iteration = 1; iteration <= options_.iterations; ++iteration) {
       if (level_ == 0 && weight_ > 0) {
+        if (iteration > kBlindIterations) {
+          AskForConfirmedRelief();
+        }
         EstimateWeights();
       }
       const double before = surface_.Energy();
@@ -112,6 +120,7 @@ class LevelRefiner {
   void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
   void FindRest(const std::vector<Eigen::Vector3f>& origins,
                 const TriangleMesh& mesh);
+  void AskForConfirmedRelief();
   void EstimateWeights();
   std::vector<double> SolveForMotion() const;
   void LimitMotion(std::vector<double>* motion) const;
@@ -130,6 +139,9 @@ class LevelRefiner {
   std::vector<float> footprints_;  // [V] of a pixel, scene units
   std::vector<float> num_pixels_;  // [V] compared
   std::vector<double> rest_;       // [V] see ThinPlate
+  // [V] 0 for what is not seen; at the finest level.
+  std::vector<double> relief_;     // trusted, that the mesh was given with
+  std::vector<double> confirmed_;  // how much of it the surface has
   Surface surface_;
   double drift_ = 0;  // px, since the mesh was drawn
   size_t num_shortened_steps_ = 0;
@@ -179,18 +191,34 @@ void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
   if (level_ > 0) {
     return;
   }
-  const std::vector<double> wanted =
-      options_.keep_relief
-          ? TrustedRelief({origins, mesh.facets}, rings_, footprints_)
-          : std::vector<double>(rest_.size(), 0);
+  relief_ = TrustedRelief({origins, mesh.facets}, rings_, footprints_);
   for (size_t i = 0; i < rest_.size(); ++i) {
+    (num_pixels_[i] > 0 ? rest_ : relief_)[i] = 0;
+  }
+}
+
+void LevelRefiner::AskForConfirmedRelief() {
+  const ThinPlate& plate = surface_.plate;
+  std::vector<double> importance(rest_.size());
+  std::vector<double> surface(rest_.size());
+  for (size_t i = 0; i < rest_.size(); ++i) {
+    importance[i] = plate.coefficients[i] / weights_[i];
+    surface[i] = plate.residuals[i] + rest_[i];
+  }
+  const std::vector<double> shares =
+      ReliefShares(rings_, importance, relief_, surface);
+  for (size_t i = 0; i < rest_.size(); ++i) {
+    confirmed_[i] = shares[i] * relief_[i];
     if (num_pixels_[i] > 0) {
-      rest_[i] = wanted[i];
+      rest_[i] = confirmed_[i];
     }
   }
 }
 
-// Of the whole surface first, and then of each part of it.
+// Of the whole surface first, and then of each part of it. Half of what is
+// confirmed counts as rough still: it is known but to a factor, and were the
+// weight that of what is left alone, what is wrong with the mesh in other ways
+// would weigh more than the images.
 void LevelRefiner::EstimateWeights() {
   // As often a pixel's noise is counted, in the windows of both directions and
   // of several pairs, as an energy of independent pixels would have it; found
@@ -206,8 +234,10 @@ void LevelRefiner::EstimateWeights() {
   const double factor = options_.smoothness_weight * kRedundancy;
   for (size_t i = 0; i < weights_.size(); ++i) {
     evidence.determined[i] *= factor;
-    evidence.roughness[i] = plate.coefficients[i] * plate.residuals[i] *
-                            plate.residuals[i] / weights_[i];
+    const double of_rest = plate.residuals[i];
+    const double of_none = plate.residuals[i] + confirmed_[i];
+    evidence.roughness[i] = plate.coefficients[i] / weights_[i] *
+                            (of_rest * of_rest + of_none * of_none) / 2;
   }
   weight_ = std::clamp(GlobalWeight(evidence), weight_ / kMaxChange,
                        weight_ * kMaxChange);

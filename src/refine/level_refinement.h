@@ -22,10 +22,15 @@ using OnLevelStep = std::function<bool(const RefinementStep& step)>;
 // it would turn a facet over, and halved until the energy falls.
 //
 // The surface is to be smooth (refine/thin_plate.h) at the finest level, where
-// it is seen, or to have the relief that it comes with (options.keep_relief).
-// Elsewhere, and at the coarser levels, it is the motion of the level that is
-// to be smooth: coarse images can not tell fine relief from noise, and must not
-// flatten it; and what no pair sees follows what lies around it.
+// it is seen. Elsewhere, and at the coarser levels, it is the motion of the
+// level that is to be smooth: coarse images can not tell fine relief from
+// noise, and must not flatten it; and what no pair sees follows what lies
+// around it.
+//
+// Once the finest images alone have had their say, the surface is to have what
+// they confirm of the relief that the mesh was given with (refine/relief.h):
+// where they are too noisy to show fine relief, that of an accurate mesh
+// remains, but not the noise of another one.
 //
 // How much smoothness weighs there is taken from the surface
 // (refine/smoothness_weights.h): as much as makes its roughness, where the

@@ -1,11 +1,14 @@
 #include "refine/relief.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 
 #include <tbb/parallel_for.h>
 
 #include "mesh/vertex_normals.h"
+#include "refine/surroundings.h"
 #include "refine/thin_plate.h"
 
 namespace colmap_ext {
@@ -53,6 +56,32 @@ std::vector<double> TrustedRelief(const TriangleMesh& mesh,
     relief[i] = (curvatures[i] + mean) / 2 / std::sqrt(plate.coefficients[i]);
   });
   return relief;
+}
+
+std::vector<double> ReliefShares(const VertexRings& rings,
+                                 const std::vector<double>& importance,
+                                 const std::vector<double>& relief,
+                                 const std::vector<double>& surface) {
+  // So much of the relief that a vertex has on average counts as not there, so
+  // that hardly any relief is not all there by chance.
+  constexpr double kPrior = 0.1;
+  std::vector<double> products(relief.size());
+  std::vector<double> squares(relief.size());
+  for (size_t i = 0; i < relief.size(); ++i) {
+    products[i] = importance[i] * surface[i] * relief[i];
+    squares[i] = importance[i] * relief[i] * relief[i];
+  }
+  const double prior = kPrior / static_cast<double>(relief.size()) *
+                       std::accumulate(squares.begin(), squares.end(), 0.0);
+  AverageOverSurroundings(rings, &products);
+  AverageOverSurroundings(rings, &squares);
+  std::vector<double> shares(relief.size(), 0);
+  for (size_t i = 0; i < shares.size(); ++i) {
+    if (products[i] > 0) {
+      shares[i] = std::min(products[i] / (squares[i] + prior), 1.0);
+    }
+  }
+  return shares;
 }
 
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include <tbb/parallel_for.h>
+#include "refine/surroundings.h"
 
 namespace colmap_ext {
 
@@ -13,24 +13,6 @@ namespace {
 
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
-}
-
-// Each vertex's value becomes the mean of its own and its neighbors', several
-// times over.
-void Spread(const VertexRings& rings, std::vector<double>* values) {
-  constexpr int kRounds = 10;
-  std::vector<double> means(values->size());
-  for (int round = 0; round < kRounds; ++round) {
-    tbb::parallel_for(size_t{0}, values->size(), [&](size_t i) {
-      const auto ring = rings.Neighbors(i);
-      double sum = (*values)[i];
-      for (const uint32_t neighbor : ring) {
-        sum += (*values)[neighbor];
-      }
-      means[i] = sum / static_cast<double>(1 + ring.size());
-    });
-    values->swap(means);
-  }
 }
 
 }  // namespace
@@ -56,8 +38,8 @@ std::vector<double> LocalWeights(const VertexRings& rings,
   if (!(prior > 0)) {
     return weights;
   }
-  Spread(rings, &evidence.determined);
-  Spread(rings, &evidence.roughness);
+  AverageOverSurroundings(rings, &evidence.determined);
+  AverageOverSurroundings(rings, &evidence.roughness);
   for (size_t i = 0; i < weights.size(); ++i) {
     const double local = (std::max(evidence.determined[i], 0.0) + prior) /
                          (evidence.roughness[i] + prior / weight);

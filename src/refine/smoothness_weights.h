@@ -23,10 +23,10 @@ struct SmoothnessEvidence {
 double GlobalWeight(const SmoothnessEvidence& evidence);
 
 // The same for the surroundings of each vertex, so that a plastered wall
-// becomes smooth although the cornice above it is not: [V]. The surroundings
-// are some rings of neighbors, the nearer ones counting more; where they
-// determine little, they have the weight of all. It is not much less than that
-// anywhere: where images match badly, their noise is as rough as true relief.
+// becomes smooth although the cornice above it is not: [V]. Where the
+// surroundings (refine/surroundings.h) determine little, they have the weight
+// of all. It is not much less than that anywhere: where images match badly,
+// their noise is as rough as true relief.
 //
 // \param weight  of all; positive.
 std::vector<double> LocalWeights(const VertexRings& rings,

@@ -33,7 +33,6 @@ SETTINGS = {
     "one level": ["levels", "1"],
     "half the smoothness": ["smoothness_weight", "0.5"],
     "twice the smoothness": ["smoothness_weight", "2"],
-    "relief kept": ["keep_relief", "1"],
     "descent": ["solver", "descent", "iterations", "60"],
 }
 SHORT = ["default: 4 pairs a face", "1 pair a face (the paper's)", "classical"]
@@ -178,7 +177,7 @@ def compare_fixed_point(args, workspace, folder):
     rows = []
     for start, mesh in (("the truth", truth), ("waves of one pixel", waves)):
         rows.append(row(start, None, evaluate(args, workspace, mesh)))
-        for name in ("default: 4 pairs a face", "relief kept", "classical"):
+        for name in ("default: 4 pairs a face", "classical"):
             output = folder / "refined.ply"
             result = refine(args, workspace, mesh, output, SETTINGS[name])
             rows.append(row(f"{start}, {name}", result,

@@ -1,5 +1,6 @@
 #include "refine/relief.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -113,6 +114,79 @@ TEST(TrustedRelief, IsNoneAtBorders) {
   for (uint32_t i = 0; i < kSize; ++i) {
     EXPECT_EQ(relief[i], 0);
     EXPECT_EQ(relief[i * kSize], 0);
+  }
+}
+
+double Waves(float x, float y) { return 0.2 * std::sin(x) * std::cos(y); }
+double Ripples(float x, float y) { return 0.1 * std::sin(2 * x + 3 * y); }
+
+std::vector<double> Values(double (*function)(float, float)) {
+  std::vector<double> values;
+  for (const Eigen::Vector3f& vertex :
+       MakeSheet(kSize - 1, kSize - 1).vertices) {
+    values.push_back(function(vertex.x(), vertex.y()));
+  }
+  return values;
+}
+
+// Of a sheet's vertices.
+std::vector<double> SharesOf(const std::vector<double>& relief,
+                             const std::vector<double>& surface) {
+  return ReliefShares(MakeVertexRings(MakeSheet(kSize - 1, kSize - 1)),
+                      std::vector<double>(relief.size(), 3), relief, surface);
+}
+
+TEST(ReliefShares, AreHowMuchOfItASurfaceHas) {
+  const std::vector<double> waves = Values(Waves);
+  for (const double share : {-0.5, 0.0, 0.3, 0.8, 1.0, 2.0}) {
+    std::vector<double> surface = Values(Ripples);
+    for (size_t i = 0; i < surface.size(); ++i) {
+      surface[i] += share * waves[i];
+    }
+    const double found = SharesOf(waves, surface)[kMiddle];
+    EXPECT_NEAR(found, std::clamp(share, 0.0, 1.0), 0.15) << share;
+    EXPECT_GE(found, 0);
+    EXPECT_LE(found, 1);
+  }
+}
+
+TEST(ReliefShares, AreThoseOfEachPart) {
+  const std::vector<double> waves = Values(Waves);
+  std::vector<double> surface = waves;
+  for (size_t i = 0; i < surface.size(); ++i) {
+    if (i % kSize < kSize / 2) {
+      surface[i] = 0;
+    }
+  }
+  const std::vector<double> shares = SharesOf(waves, surface);
+  const uint32_t row = kSize / 2 * kSize;
+  EXPECT_LT(shares[row], 0.1);
+  EXPECT_GT(shares[row + kSize - 1], 0.8);
+}
+
+TEST(ReliefShares, LeaveOutWhatHasNoImportance) {
+  const std::vector<double> waves = Values(Waves);
+  std::vector<double> surface = waves;
+  std::vector<double> importance(waves.size(), 1);
+  for (size_t i = 0; i < surface.size(); i += 3) {
+    surface[i] = -1e6 * waves[i];
+    importance[i] = 0;
+  }
+  const VertexRings rings = MakeVertexRings(MakeSheet(kSize - 1, kSize - 1));
+  EXPECT_GT(ReliefShares(rings, importance, waves, surface)[kMiddle], 0.8);
+}
+
+TEST(ReliefShares, AreNoneOfHardlyAnyRelief) {
+  std::vector<double> relief = Values(Waves);
+  for (size_t i = 0; i < relief.size() / 2; ++i) {
+    relief[i] *= 1e-3;
+  }
+  const std::vector<double> shares = SharesOf(relief, relief);
+  EXPECT_LT(shares[kSize / 2], 0.01);
+  EXPECT_GT(shares[(kSize - 1) * kSize + kSize / 2], 0.8);
+  for (const double share : SharesOf(std::vector<double>(relief.size(), 0),
+                                     std::vector<double>(relief.size(), 1))) {
+    EXPECT_EQ(share, 0);
   }
 }
 
