@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
 
 #include "mesh/facet_normals.h"
 #include "mesh/vertex_normals.h"
@@ -61,15 +62,9 @@ class LevelRefiner {
         energy_(energy),
         rings_(MakeVertexRings(mesh)) {
     FindFootprints(views, mesh);
-    num_pixels_.assign(mesh.vertices.size(), 0);
-    confirmed_.assign(mesh.vertices.size(), 0);
     energy_->Render(mesh);
     surface_.terms = energy_->Evaluate(mesh, labels_);
-    for (size_t i = 0; i < mesh.facets.size(); ++i) {
-      for (const uint32_t vertex : mesh.facets[i]) {
-        num_pixels_[vertex] += surface_.terms.num_pixels[i] / 3;
-      }
-    }
+    CountPixels(mesh);
     FindRest(origins, mesh);
     surface_ = WithPlate(mesh, std::move(surface_.terms));
   }
@@ -118,6 +113,7 @@ class LevelRefiner {
   }
 
   void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
+  void CountPixels(const TriangleMesh& mesh);
   void FindRest(const std::vector<Eigen::Vector3f>& origins,
                 const TriangleMesh& mesh);
   void AskForConfirmedRelief();
@@ -137,7 +133,8 @@ class LevelRefiner {
   PhotometricEnergy* energy_;
   VertexRings rings_;
   std::vector<float> footprints_;  // [V] of a pixel, scene units
-  std::vector<float> num_pixels_;  // [V] compared
+  std::vector<uint8_t> is_seen_;   // [V]
+  std::vector<float> num_pixels_;  // [V] see ThinPlate
   std::vector<double> rest_;       // [V] see ThinPlate
   // [V] 0 for what is not seen; at the finest level.
   std::vector<double> relief_;     // trusted, that the mesh was given with
@@ -185,6 +182,34 @@ void LevelRefiner::FindFootprints(const std::vector<View>& views,
   }
 }
 
+// Those compared, in both directions of all pairs, or those that the facets
+// cover, if that is more: large facets of which little is compared would have
+// next to no stiffness else, and the noise of a few pixels raise them to tents.
+void LevelRefiner::CountPixels(const TriangleMesh& mesh) {
+  is_seen_.assign(mesh.vertices.size(), 0);
+  num_pixels_.assign(mesh.vertices.size(), 0);
+  std::vector<float> areas(mesh.vertices.size(), 0);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    const auto& [a, b, c] = mesh.facets[i];
+    const Eigen::Vector3f ab = mesh.vertices[b] - mesh.vertices[a];
+    const Eigen::Vector3f ac = mesh.vertices[c] - mesh.vertices[a];
+    const float area = ab.cross(ac).norm() / 2;
+    for (const uint32_t vertex : mesh.facets[i]) {
+      num_pixels_[vertex] += surface_.terms.num_pixels[i] / 3;
+      areas[vertex] += area / 3;
+    }
+  }
+  for (size_t i = 0; i < num_pixels_.size(); ++i) {
+    if (num_pixels_[i] > 0) {
+      is_seen_[i] = 1;
+    }
+    if (footprints_[i] > 0) {
+      num_pixels_[i] = std::max(num_pixels_[i],
+                                areas[i] / (footprints_[i] * footprints_[i]));
+    }
+  }
+}
+
 void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
                             const TriangleMesh& mesh) {
   rest_ = Relief(mesh, rings_, footprints_);
@@ -192,8 +217,9 @@ void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
     return;
   }
   relief_ = TrustedRelief({origins, mesh.facets}, rings_, footprints_);
+  confirmed_.assign(rest_.size(), 0);
   for (size_t i = 0; i < rest_.size(); ++i) {
-    (num_pixels_[i] > 0 ? rest_ : relief_)[i] = 0;
+    (is_seen_[i] != 0 ? rest_ : relief_)[i] = 0;
   }
 }
 
@@ -209,7 +235,7 @@ void LevelRefiner::AskForConfirmedRelief() {
       ReliefShares(rings_, importance, relief_, surface);
   for (size_t i = 0; i < rest_.size(); ++i) {
     confirmed_[i] = shares[i] * relief_[i];
-    if (num_pixels_[i] > 0) {
+    if (is_seen_[i] != 0) {
       rest_[i] = confirmed_[i];
     }
   }

@@ -580,6 +580,33 @@ TEST(RefineLevel, KeepsReliefOfTheMeshThatTheImagesConfirm) {
       1.02 * of_none);
 }
 
+// Edges of 40 pixels, and each vertex pulled to another height.
+TEST(RefineLevel, RaisesNoTentsWhereLittleIsSeen) {
+  TriangleMesh mesh = SheetOf([](const Vector3d&) { return 0.0; });
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex *= 20;
+  }
+  const VertexRings rings = MakeVertexRings(mesh);
+  for (const int level : {0, 1}) {
+    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
+      return {point.z() - 12 * Rubble(point / 20), Vector3d::UnitZ()};
+    });
+    energy.num_pixels = 1;
+    energy.stiffness = 0.001;
+    const TriangleMesh refined = Refine({}, level, mesh, &energy).Result();
+    double sum = 0;
+    double sum_pulled = 0;
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      if (rings.is_border[i] == 0) {
+        sum += std::pow(refined.vertices[i].z(), 2);
+        sum_pulled +=
+            std::pow(12 * Rubble(mesh.vertices[i].cast<double>() / 20), 2);
+      }
+    }
+    EXPECT_LT(sum, 0.3 * sum_pulled);
+  }
+}
+
 // A plastered wall beside a carved one.
 TEST(RefineLevel, KeepsNoNoiseForTheSakeOfReliefElsewhere) {
   const TriangleMesh mesh = RubbleSheet(1);
