@@ -70,6 +70,26 @@ Bitmap MakeBitmap(int width, int height) {
   }
 }
 
+// \param pixel_of  what a color becomes in the image.
+template <typename Image, typename PixelOf>
+std::optional<Image> ReadImage(const std::filesystem::path& path,
+                               const PixelOf& pixel_of) {
+  colmap::Bitmap bitmap;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) ||
+      !bitmap.Read(path.string())) {
+    return std::nullopt;
+  }
+  Image image{bitmap.Width(), bitmap.Height(), {}};
+  image.pixels.reserve(size_t{1} * image.width * image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      image.pixels.push_back(pixel_of(GetPixel(bitmap, x, y)));
+    }
+  }
+  return image;
+}
+
 }  // namespace
 
 void InitializeLogging(char** argv) { colmap::InitializeGlog(argv); }
@@ -79,41 +99,13 @@ bool ParseOptions(int argc, char** argv, colmap::OptionManager* options) {
 }
 
 std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path) {
-  colmap::Bitmap bitmap;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) ||
-      !bitmap.Read(path.string())) {
-    return std::nullopt;
-  }
-  ColorImage image;
-  image.width = bitmap.Width();
-  image.height = bitmap.Height();
-  image.pixels.reserve(size_t{1} * image.width * image.height);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      image.pixels.push_back(GetPixel(bitmap, x, y));
-    }
-  }
-  return image;
+  return ReadImage<ColorImage>(path, [](const Color& color) { return color; });
 }
 
 std::optional<GrayImage> ReadGrayPicture(const std::filesystem::path& path) {
-  colmap::Bitmap bitmap;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) ||
-      !bitmap.Read(path.string())) {
-    return std::nullopt;
-  }
-  GrayImage image{bitmap.Width(), bitmap.Height(), {}};
-  image.pixels.reserve(size_t{1} * image.width * image.height);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const Color color = GetPixel(bitmap, x, y);
-      image.pixels.push_back(
-          static_cast<uint8_t>((color[0] + 2 * color[1] + color[2] + 2) / 4));
-    }
-  }
-  return image;
+  return ReadImage<GrayImage>(path, [](const Color& color) {
+    return static_cast<uint8_t>((color[0] + 2 * color[1] + color[2] + 2) / 4);
+  });
 }
 
 bool WriteColorImage(const std::filesystem::path& path,

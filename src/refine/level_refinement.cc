@@ -105,11 +105,15 @@ class LevelRefiner {
   Surface WithPlate(TriangleMesh mesh, PhotometricTerms terms) const {
     Surface surface;
     surface.normals = VertexNormals(mesh, rings_);
-    surface.plate = MakeThinPlate(weights_, mesh.vertices, surface.normals,
-                                  rings_, footprints_, num_pixels_, rest_);
     surface.mesh = std::move(mesh);
     surface.terms = std::move(terms);
+    surface.plate = PlateOf(surface);
     return surface;
+  }
+
+  ThinPlate PlateOf(const Surface& surface) const {
+    return MakeThinPlate(weights_, surface.mesh.vertices, surface.normals,
+                         rings_, footprints_, num_pixels_, rest_);
   }
 
   void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
@@ -136,9 +140,9 @@ class LevelRefiner {
   std::vector<uint8_t> is_seen_;   // [V]
   std::vector<float> num_pixels_;  // [V] see ThinPlate
   std::vector<double> rest_;       // [V] see ThinPlate
-  // [V] 0 for what is not seen; at the finest level.
-  std::vector<double> relief_;     // trusted, that the mesh was given with
-  std::vector<double> confirmed_;  // how much of it the surface has
+  // [V] trusted, that the mesh was given with; 0 for what is not seen. At the
+  // finest level.
+  std::vector<double> relief_;
   Surface surface_;
   double drift_ = 0;  // px, since the mesh was drawn
   size_t num_shortened_steps_ = 0;
@@ -217,7 +221,6 @@ void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
     return;
   }
   relief_ = TrustedRelief({origins, mesh.facets}, rings_, footprints_);
-  confirmed_.assign(rest_.size(), 0);
   for (size_t i = 0; i < rest_.size(); ++i) {
     (is_seen_[i] != 0 ? rest_ : relief_)[i] = 0;
   }
@@ -234,9 +237,8 @@ void LevelRefiner::AskForConfirmedRelief() {
   const std::vector<double> shares =
       ReliefShares(rings_, importance, relief_, surface);
   for (size_t i = 0; i < rest_.size(); ++i) {
-    confirmed_[i] = shares[i] * relief_[i];
     if (is_seen_[i] != 0) {
-      rest_[i] = confirmed_[i];
+      rest_[i] = shares[i] * relief_[i];
     }
   }
 }
@@ -261,14 +263,14 @@ void LevelRefiner::EstimateWeights() {
   for (size_t i = 0; i < weights_.size(); ++i) {
     evidence.determined[i] *= factor;
     const double of_rest = plate.residuals[i];
-    const double of_none = plate.residuals[i] + confirmed_[i];
+    const double of_none = of_rest + (is_seen_[i] != 0 ? rest_[i] : 0);
     evidence.roughness[i] = plate.coefficients[i] / weights_[i] *
                             (of_rest * of_rest + of_none * of_none) / 2;
   }
   weight_ = std::clamp(GlobalWeight(evidence), weight_ / kMaxChange,
                        weight_ * kMaxChange);
   weights_ = LocalWeights(rings_, std::move(evidence), weight_);
-  surface_ = WithPlate(std::move(surface_.mesh), std::move(surface_.terms));
+  surface_.plate = PlateOf(surface_);
 }
 
 // [V] along the normals, scene units.

@@ -401,7 +401,6 @@ TEST(WindowCorrelation, DoesNotDependOnHowTheImageIsCutInTiles) {
   }
 }
 
-// The pixels of a plane that leans by less than 76 degrees belong together.
 TEST(CorrelationTile, FindsWhatTheWindowsReach) {
   Random random(5);
   for (const int radius : {1, 2, 3}) {
@@ -430,6 +429,7 @@ TEST(CorrelationTile, FindsWhatTheWindowsReach) {
   }
 }
 
+// The pixels of a plane that leans by less than 76 degrees belong together.
 TEST(MaxRelativeDepth, IsThatOfSteepPlanes) {
   View view;
   view.fx = 800;
