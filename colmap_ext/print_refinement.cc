@@ -1,6 +1,8 @@
 #include <cstdint>
 #include <optional>
 #include <ostream>
+#include <string>
+#include <vector>
 
 #include "colmap_ext/print_lines.h"
 #include "colmap_ext/print_report.h"
@@ -29,21 +31,6 @@ void PrintRepair(const ManifoldRepair& repair, std::ostream& stream) {
   PrintIfAny("  edges split", repair.num_midpoints, stream);
 }
 
-// First and last step of each level, in their order.
-template <typename Function>
-void ForEachLevel(const std::vector<RefinementStep>& steps,
-                  const Function& function) {
-  for (size_t begin = 0; begin < steps.size();) {
-    size_t last = begin;
-    while (last + 1 < steps.size() &&
-           steps[last + 1].level == steps[begin].level) {
-      ++last;
-    }
-    function(steps[begin], steps[last]);
-    begin = last + 1;
-  }
-}
-
 void PrintLabelings(const RefinementReport& report, std::ostream& stream) {
   PrintHeading("Labels", stream);
   PrintText("", "         pairs  faces without        energy ->", stream);
@@ -64,13 +51,14 @@ void PrintLabelings(const RefinementReport& report, std::ostream& stream) {
   }
 }
 
-void PrintLevels(const RefinementReport& report, std::ostream& stream) {
+void PrintStages(const RefinementReport& report, std::ostream& stream) {
   PrintHeading("Refinement", stream);
   PrintText("", "    iterations         faces", stream);
-  ForEachLevel(report.steps, [&stream](const RefinementStep& first,
-                                       const RefinementStep& last) {
-    PrintText(LevelName(last.level),
-              Format("%14.0f%14.0f", last.iteration,
+  for (const auto& stage : SplitIntoStages(report.steps)) {
+    const RefinementStep& first = stage.front();
+    const RefinementStep& last = stage.back();
+    PrintText(StageName(last),
+              Format("%14.0f%14.0f", last.iteration - first.iteration,
                      static_cast<double>(last.num_facets)),
               stream);
     PrintText("  energy", Format("%14.6g -> %.6g", first.energy, last.energy),
@@ -78,7 +66,7 @@ void PrintLevels(const RefinementReport& report, std::ostream& stream) {
     PrintText("  mean ZNCC",
               Format("%14.4f -> %.4f", first.mean_zncc, last.mean_zncc),
               stream);
-  });
+  }
   PrintCount("steps shortened", report.num_shortened_steps, stream);
 }
 
@@ -89,8 +77,25 @@ std::string LevelName(int level) {
                     : "1/" + std::to_string(int64_t{1} << level) + " size";
 }
 
+std::vector<std::vector<RefinementStep>> SplitIntoStages(
+    const std::vector<RefinementStep>& steps) {
+  std::vector<std::vector<RefinementStep>> stages;
+  for (const RefinementStep& step : steps) {
+    if (stages.empty() || stages.back().back().level != step.level ||
+        stages.back().back().is_final != step.is_final) {
+      stages.emplace_back();
+    }
+    stages.back().push_back(step);
+  }
+  return stages;
+}
+
+std::string StageName(const RefinementStep& step) {
+  return LevelName(step.level) + (step.is_final ? ", final" : "");
+}
+
 std::string Describe(const RefinementStep& step) {
-  return LevelName(step.level) +
+  return StageName(step) +
          Format(", iteration %.0f: energy %.6g", step.iteration, step.energy) +
          Format(", ZNCC %.4f, step %.3f px", step.mean_zncc, step.mean_step);
 }
@@ -119,7 +124,7 @@ void PrintReport(const RefinementInput& input, std::ostream& stream) {
 void PrintReport(const RefinementReport& report, const MeshReport& mesh,
                  std::ostream& stream) {
   PrintLabelings(report, stream);
-  PrintLevels(report, stream);
+  PrintStages(report, stream);
   PrintHeading("Mesh", stream);
   PrintCount("faces", mesh.num_facets, stream);
   PrintCount("vertices", mesh.num_vertices, stream);

@@ -76,6 +76,10 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption("FacetwiseRefinement.pairs_per_facet",
                             &refinement->labeling.pairs_per_facet,
                             "Pairs of images that refine a face");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.final_pairs_per_facet",
+      &refinement->labeling.final_pairs_per_facet,
+      "Pairs of images that refine a face in the last iterations, if more");
   manager->AddDefaultOption("FacetwiseRefinement.potts_weight",
                             &refinement->labeling.potts_weight,
                             "Cost of refining neighboring faces by different "

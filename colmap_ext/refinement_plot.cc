@@ -21,17 +21,6 @@ constexpr double kPadding = 14;  // of a curve in its panel
 constexpr double kTop = 64;      // of the panels
 constexpr double kHeight = kTop + kPanelHeight + 48;
 
-std::vector<Steps> SplitByLevel(const Steps& steps) {
-  std::vector<Steps> levels;
-  for (const RefinementStep& step : steps) {
-    if (levels.empty() || levels.back().back().level != step.level) {
-      levels.emplace_back();
-    }
-    levels.back().push_back(step);
-  }
-  return levels;
-}
-
 double PanelWidth(const Steps& steps) {
   return std::max(
       kMinPanelWidth,
@@ -51,7 +40,7 @@ std::string Text(double x, double y, const char* anchor,
                  text);
 }
 
-// The curve of one level in a panel that starts at `left`.
+// The curve of one stage in a panel that starts at `left`.
 std::string Panel(const Steps& steps, double left) {
   const auto [low, high] = std::minmax_element(
       steps.begin(), steps.end(),
@@ -80,11 +69,12 @@ std::string Panel(const Steps& steps, double left) {
          "<polyline points=\"" + points +
          "\" fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"1.5\"/>\n" +
          "<g fill=\"#1f5fa8\">\n" + dots + "</g>\n" +
-         Text(left, kTop - 8, "start", LevelName(steps[0].level)) +
+         Text(left, kTop - 8, "start", StageName(steps[0])) +
          Text(left, below, "start", Format("%.5g", steps.front().energy)) +
          Text(right, below, "end", Format("%.5g", steps.back().energy)) +
          Text(left + width / 2, below + 16, "middle",
-              Format("%.0f iterations", steps.back().iteration));
+              Format("%.0f iterations",
+                     steps.back().iteration - steps.front().iteration));
 }
 
 }  // namespace
@@ -92,9 +82,9 @@ std::string Panel(const Steps& steps, double left) {
 std::string StepsPlot(const std::vector<RefinementStep>& steps) {
   double left = kMargin;
   std::string panels;
-  for (const Steps& level : SplitByLevel(steps)) {
-    panels += Panel(level, left);
-    left += PanelWidth(level) + kMargin;
+  for (const Steps& stage : SplitIntoStages(steps)) {
+    panels += Panel(stage, left);
+    left += PanelWidth(stage) + kMargin;
   }
   const double width = std::max(left, 2 * kMargin + kMinPanelWidth);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" " +

@@ -13,6 +13,14 @@ namespace colmap_ext {
 // How the images of a level are called: "full size", "1/2 size".
 std::string LevelName(int level);
 
+// The iterations of each level, the final ones by themselves: energies can be
+// compared within these alone.
+std::vector<std::vector<RefinementStep>> SplitIntoStages(
+    const std::vector<RefinementStep>& steps);
+
+// Of a stage that the step is of: "1/2 size, final".
+std::string StageName(const RefinementStep& step);
+
 // One iteration in one line.
 std::string Describe(const RefinementStep& step);
 
@@ -20,7 +28,7 @@ std::string Describe(const RefinementStep& step);
 std::string StepsCsv(const std::vector<RefinementStep>& steps);
 
 // A plot of the energy by iteration, SVG: a panel with a scale of its own for
-// each level, for the energies of different levels can not be compared.
+// each stage.
 std::string StepsPlot(const std::vector<RefinementStep>& steps);
 
 // On the screen: what is going to be refined ...

@@ -62,11 +62,11 @@ void WriteSteps(const RefinementReport& report, std::ostream& stream) {
            << "\n";
   }
   for (const RefinementStep& step : report.steps) {
-    stream << "step " << step.level << " " << step.iteration << " "
-           << Text(step.energy) << " " << Text(step.photometric_energy) << " "
-           << Text(step.mean_zncc) << " " << Text(step.mean_step) << " "
-           << Text(step.seconds) << " " << step.num_vertices << " "
-           << step.num_facets << "\n";
+    stream << "step " << step.level << " " << step.is_final << " "
+           << step.iteration << " " << Text(step.energy) << " "
+           << Text(step.photometric_energy) << " " << Text(step.mean_zncc)
+           << " " << Text(step.mean_step) << " " << Text(step.seconds) << " "
+           << step.num_vertices << " " << step.num_facets << "\n";
   }
 }
 
@@ -124,9 +124,12 @@ class StateReader {
                     &labeling.final_energy, &labeling.lower_bound);
       } else if (name == "step") {
         RefinementStep& step = report->steps.emplace_back();
-        TakeNumbers(items, &step.level, &step.iteration, &step.energy,
-                    &step.photometric_energy, &step.mean_zncc, &step.mean_step,
-                    &step.seconds, &step.num_vertices, &step.num_facets);
+        int is_final = 0;
+        TakeNumbers(items, &step.level, &is_final, &step.iteration,
+                    &step.energy, &step.photometric_energy, &step.mean_zncc,
+                    &step.mean_step, &step.seconds, &step.num_vertices,
+                    &step.num_facets);
+        step.is_final = is_final != 0;
       } else {
         Throw();
       }
@@ -211,6 +214,8 @@ RunIdentity IdentityOf(const RefinerOptions& options,
       {"max_face_area", Text(refinement.max_face_area)},
       {"pairs_per_image", std::to_string(refinement.pairs_per_image)},
       {"pairs_per_facet", std::to_string(refinement.labeling.pairs_per_facet)},
+      {"final_pairs_per_facet",
+       std::to_string(refinement.labeling.final_pairs_per_facet)},
       {"potts_weight", Text(refinement.labeling.potts_weight)},
       {"pair_selection", options.pair_selection},
       {"occlusion_masking",

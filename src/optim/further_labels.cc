@@ -10,8 +10,7 @@ namespace colmap_ext {
 
 namespace {
 
-// A label of a node, by its place in the problem's.
-using PricedLabel = std::pair<double, uint64_t>;
+using PricedLabel = std::pair<double, uint32_t>;
 
 // How many of a node's neighbors have not got a label.
 int NumWithout(const PottsProblem& problem, const LabelSets& sets,
@@ -34,37 +33,47 @@ bool ChoosesIn(int round, uint32_t node) {
   return ((node * 0x9e3779b1U) >> (31 - round) & 1) != 0;
 }
 
-// Into `labels`, where the node's begin.
-void ChooseCheapest(const PottsProblem& problem, const LabelSets& sets,
-                    uint32_t node, uint32_t choice, double weight,
-                    std::vector<PricedLabel>* row, uint32_t* labels) {
+// Writes the given labels and the cheapest others between `begin` and `end`.
+void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
+                    const LabelSets& sets, uint32_t node, double weight,
+                    std::vector<PricedLabel>* row, uint32_t* begin,
+                    const uint32_t* end) {
+  const uint32_t* given_begin = given.Labels(node);
+  const uint32_t* given_end = given.Labels(node + 1);
   row->clear();
   for (uint64_t i = problem.offsets[node]; i < problem.offsets[node + 1]; ++i) {
-    if (i == problem.offsets[node] + choice) {
+    const uint32_t label = problem.labels[i];
+    if (std::find(given_begin, given_end, label) != given_end) {
       continue;
     }
     double cost = problem.costs[i];
     if (weight > 0) {
-      cost += weight * NumWithout(problem, sets, node, problem.labels[i]);
+      cost += weight * NumWithout(problem, sets, node, label);
     }
-    row->emplace_back(cost, i);
+    row->emplace_back(cost, label);
   }
-  const size_t count = sets.offsets[node + 1] - sets.offsets[node];
-  if (count == 0) {
-    return;
-  }
-  const auto end = row->begin() + static_cast<ptrdiff_t>(count - 1);
-  std::partial_sort(row->begin(), end, row->end());
-  *labels++ = problem.Labels(node)[choice];
-  for (auto priced = row->begin(); priced != end; ++priced) {
-    *labels++ = problem.labels[priced->second];
+  begin = std::copy(given_begin, given_end, begin);
+  std::partial_sort(row->begin(), row->begin() + (end - begin), row->end());
+  for (auto priced = row->begin(); begin != end; ++priced) {
+    *begin++ = priced->second;
   }
 }
 
 }  // namespace
 
-LabelSets AddFurtherLabels(const PottsProblem& problem,
-                           const std::vector<uint32_t>& choices,
+LabelSets ChosenLabels(const PottsProblem& problem,
+                       const std::vector<uint32_t>& choices) {
+  LabelSets sets;
+  for (uint32_t node = 0; node < choices.size(); ++node) {
+    if (choices[node] != kNoChoice) {
+      sets.labels.push_back(problem.Labels(node)[choices[node]]);
+    }
+    sets.offsets.push_back(sets.labels.size());
+  }
+  return sets;
+}
+
+LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
                            uint32_t count) {
   constexpr int kRounds = 8;
   const auto num_nodes = static_cast<uint32_t>(problem.NumNodes());
@@ -73,10 +82,12 @@ LabelSets AddFurtherLabels(const PottsProblem& problem,
     sets.offsets.push_back(sets.offsets.back() +
                            std::min(problem.NumLabels(node), count));
   }
+  if (sets.offsets.back() == given.labels.size()) {
+    return given;
+  }
   sets.labels.resize(sets.offsets.back());
   std::vector<uint32_t> next(sets.labels.size());
-  const int num_rounds = count > 1 ? kRounds : 0;
-  for (int round = 0; round <= num_rounds; ++round) {
+  for (int round = 0; round <= kRounds; ++round) {
     // The first round knows nothing of the neighbors.
     const double weight = round > 0 ? problem.weight / 3 : 0;
     tbb::parallel_for(
@@ -84,12 +95,12 @@ LabelSets AddFurtherLabels(const PottsProblem& problem,
         [&](const tbb::blocked_range<uint32_t>& range) {
           std::vector<PricedLabel> row;
           for (uint32_t node = range.begin(); node != range.end(); ++node) {
-            uint32_t* labels = next.data() + sets.offsets[node];
+            uint32_t* begin = next.data() + sets.offsets[node];
             if (round == 0 || ChoosesIn(round, node)) {
-              ChooseCheapest(problem, sets, node, choices[node], weight, &row,
-                             labels);
+              ChooseCheapest(problem, given, sets, node, weight, &row, begin,
+                             next.data() + sets.offsets[node + 1]);
             } else {
-              std::copy(sets.Labels(node), sets.Labels(node + 1), labels);
+              std::copy(sets.Labels(node), sets.Labels(node + 1), begin);
             }
           }
         });

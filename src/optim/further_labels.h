@@ -7,7 +7,7 @@
 
 namespace colmap_ext {
 
-// Several labels of each node, the chosen one first.
+// Several labels of each node, or none.
 struct LabelSets {
   std::vector<uint64_t> offsets{0};  // [N + 1], into labels
   std::vector<uint32_t> labels;
@@ -17,16 +17,18 @@ struct LabelSets {
   }
 };
 
-// Adds to each node's choice the cheapest others of its labels, `count` in all
-// where it has as many. As with the first label, those that neighbors have too
-// are preferred: for each neighbor that has not got it, a label costs a third
-// of the field's weight more. That is found in a few rounds, in each of which
-// half of the nodes choose anew by what their neighbors have.
-//
 // \param choices  [N] see PottsSolution
-// \pre count > 0
-LabelSets AddFurtherLabels(const PottsProblem& problem,
-                           const std::vector<uint32_t>& choices,
+LabelSets ChosenLabels(const PottsProblem& problem,
+                       const std::vector<uint32_t>& choices);
+
+// Adds to each node's labels the cheapest others, `count` in all where it has
+// as many. As with the first label, those that neighbors have too are
+// preferred: for each neighbor that has not got it, a label costs a third of
+// the field's weight more. That is found in a few rounds, in each of which half
+// of the nodes choose anew by what their neighbors have.
+//
+// \param given  stay, and stay first; not more than `count` a node
+LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
                            uint32_t count);
 
 }  // namespace colmap_ext

@@ -145,6 +145,8 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
                          Scratch* scratch);
   void AddTile(const std::vector<FacetFrame>& frames, const PairWarp& warp,
                const Scratch& scratch, std::vector<FacetSums>* sums) const;
+  static void AddDirection(const PairFacets& pair_facets,
+                           const Direction& direction, PhotometricTerms* terms);
 
   PhotometricOptions options_;
   std::shared_ptr<ImagePyramid> images_;
@@ -268,6 +270,25 @@ void CpuPhotometricEnergy::EvaluateDirection(
   }
 }
 
+void CpuPhotometricEnergy::AddDirection(const PairFacets& pair_facets,
+                                        const Direction& direction,
+                                        PhotometricTerms* terms) {
+  const uint64_t first = pair_facets.offsets[direction.pair];
+  tbb::parallel_for(size_t{0}, direction.sums.size(), [&](size_t i) {
+    const uint32_t facet = pair_facets.facets[first + i];
+    const FacetSums& sums = direction.sums[i];
+    terms->energies[facet] += sums.energy;
+    terms->weights[facet] += sums.weight;
+    terms->num_pixels[facet] += sums.num_pixels;
+    for (int k = 0; k < 3; ++k) {
+      terms->slopes[facet][k] += sums.slopes[k];
+    }
+    for (int k = 0; k < 6; ++k) {
+      terms->curvatures[facet][k] += sums.curvatures[k];
+    }
+  });
+}
+
 PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
                                                 const FacetLabels& labels) {
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
@@ -275,21 +296,6 @@ PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
   std::vector<Direction> directions = FindDirections(labels);
   tbb::enumerable_thread_specific<Scratch> scratches(
       [&] { return Scratch(options_, mesh.facets.size()); });
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, directions.size(), 1),
-                    [&](const tbb::blocked_range<size_t>& range) {
-                      Scratch& scratch = scratches.local();
-                      for (size_t i = range.begin(); i != range.end(); ++i) {
-                        EvaluateDirection(frames, pair_facets, &directions[i],
-                                          &scratch);
-                      }
-                    });
-  // In the directions' order, whoever computed them.
-  std::vector<std::array<const Direction*, 2>> by_pair(
-      labels.pairs.size(), std::array<const Direction*, 2>{});
-  for (const Direction& direction : directions) {
-    by_pair[direction.pair]
-           [direction.i == labels.pairs[direction.pair].second] = &direction;
-  }
   const size_t num_facets = mesh.facets.size();
   PhotometricTerms terms;
   terms.energies.assign(num_facets, 0);
@@ -297,28 +303,26 @@ PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
   terms.num_pixels.assign(num_facets, 0);
   terms.slopes.assign(num_facets, {});
   terms.curvatures.assign(num_facets, {});
-  tbb::parallel_for(size_t{0}, num_facets, [&](size_t facet) {
-    for (uint64_t i = labels.offsets[facet]; i < labels.offsets[facet + 1];
-         ++i) {
-      const uint32_t pair = labels.labels[i];
-      for (const Direction* direction : by_pair[pair]) {
-        if (direction == nullptr) {
-          continue;
-        }
-        const FacetSums& sums =
-            direction->sums[pair_facets.places[i] - pair_facets.offsets[pair]];
-        terms.energies[facet] += sums.energy;
-        terms.weights[facet] += sums.weight;
-        terms.num_pixels[facet] += sums.num_pixels;
-        for (int k = 0; k < 3; ++k) {
-          terms.slopes[facet][k] += sums.slopes[k];
-        }
-        for (int k = 0; k < 6; ++k) {
-          terms.curvatures[facet][k] += sums.curvatures[k];
-        }
-      }
+  // A few at a time, for the memory of their sums, and added in their order,
+  // whoever computed them.
+  constexpr size_t kDirectionsOfThread = 16;
+  const size_t batch =
+      kDirectionsOfThread * tbb::this_task_arena::max_concurrency();
+  for (size_t begin = 0; begin < directions.size(); begin += batch) {
+    const size_t end = std::min(begin + batch, directions.size());
+    tbb::parallel_for(tbb::blocked_range<size_t>(begin, end, 1),
+                      [&](const tbb::blocked_range<size_t>& range) {
+                        Scratch& scratch = scratches.local();
+                        for (size_t i = range.begin(); i != range.end(); ++i) {
+                          EvaluateDirection(frames, pair_facets, &directions[i],
+                                            &scratch);
+                        }
+                      });
+    for (size_t i = begin; i < end; ++i) {
+      AddDirection(pair_facets, directions[i], &terms);
+      directions[i] = {};
     }
-  });
+  }
   for (const float energy : terms.energies) {
     terms.energy += energy;
   }

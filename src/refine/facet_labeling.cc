@@ -111,8 +111,12 @@ FacetLabels AllLabels(const CandidatePairs& candidates,
 
 FacetLabels BestLabels(const std::vector<ViewPair>& pairs,
                        const FacetField& field,
-                       const std::vector<uint32_t>& choices, uint32_t count) {
-  const LabelSets sets = AddFurtherLabels(field.problem, choices, count);
+                       const std::vector<uint32_t>& choices, uint32_t count,
+                       uint32_t final_count) {
+  const PottsProblem& problem = field.problem;
+  LabelSets sets = ChosenLabels(problem, choices);
+  sets = AddFurtherLabels(problem, sets, count);
+  sets = AddFurtherLabels(problem, sets, std::max(count, final_count));
   FacetLabels labels;
   labels.pairs = pairs;
   for (const uint32_t node : field.nodes) {
@@ -144,7 +148,8 @@ FacetLabeling LabelFacets(const FacetLabelingOptions& options,
     labeling.final_energy = solution.energy;
     labeling.lower_bound = solution.lower_bound;
     labeling.labels =
-        BestLabels(pairs, field, solution.choices, options.pairs_per_facet);
+        BestLabels(pairs, field, solution.choices, options.pairs_per_facet,
+                   options.final_pairs_per_facet);
   }
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     labeling.num_unlabeled_facets += labeling.labels.Labels(i).empty() ? 1 : 0;

@@ -14,7 +14,11 @@ namespace colmap_ext {
 
 struct FacetLabelingOptions {
   PairSelection pair_selection = PairSelection::kFacetwise;
-  int pairs_per_facet = 4;                   // 1 is the paper's
+  int pairs_per_facet = 1;  // 1 is the paper's
+
+  // With those that the last iterations are to have besides.
+  int final_pairs_per_facet = 12;
+
   double potts_weight = 2.1972245773362196;  // log 9
 };
 
@@ -44,7 +48,8 @@ struct FacetLabeling {
 // Candidates are pairs that both see the facet in the drawn depths, and both
 // occur in nu_f; where there is no such pair, all that see it, O_f / |nu_f|
 // being 1. Facets that no pair sees get none. The first label is that of the
-// Markov random field; see optim/further_labels.h for the others.
+// Markov random field; see optim/further_labels.h for the others, first those
+// up to pairs_per_facet, then those up to final_pairs_per_facet.
 //
 // \param views  of the images' sizes.
 FacetLabeling LabelFacets(const FacetLabelingOptions& options,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -27,6 +28,19 @@ struct FacetLabels {
 
   std::span<const uint32_t> Labels(size_t facet) const {
     return {labels.data() + offsets[facet], labels.data() + offsets[facet + 1]};
+  }
+
+  // The first `count` of each facet.
+  FacetLabels First(size_t count) const {
+    FacetLabels first;
+    first.pairs = pairs;
+    for (size_t i = 0; i < NumFacets(); ++i) {
+      const auto row = Labels(i);
+      first.labels.insert(first.labels.end(), row.begin(),
+                          row.begin() + std::min(row.size(), count));
+      first.offsets.push_back(first.labels.size());
+    }
+    return first;
   }
 };
 

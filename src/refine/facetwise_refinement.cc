@@ -48,7 +48,8 @@ class Refinement {
       state->mesh.vertices = mesh.vertices;
       state->report.steps.push_back(step);
       Report(hooks_.progress, stage,
-             static_cast<double>(step.iteration) / options_.iterations);
+             std::min(1.0, static_cast<double>(step.iteration) /
+                               options_.iterations));
       if (hooks_.on_step) {
         hooks_.on_step(step, *state);
       }
@@ -111,6 +112,9 @@ std::string FacetwiseRefinementOptions::Check() const {
   }
   if (labeling.pairs_per_facet < 1) {
     return "FacetwiseRefinement.pairs_per_facet has to be positive";
+  }
+  if (labeling.final_pairs_per_facet < 0) {
+    return "FacetwiseRefinement.final_pairs_per_facet must not be negative";
   }
   if (!(labeling.potts_weight >= 0)) {
     return "FacetwiseRefinement.potts_weight must not be negative";

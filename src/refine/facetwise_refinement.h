@@ -27,7 +27,7 @@ struct FacetwiseRefinementOptions {
   // Image levels, coarse to fine: 3 is a quarter of the size, half, full.
   int levels = 3;
 
-  // Of the solver, at most, at each level.
+  // Of the solver, at most, at each level, before the final ones.
   int iterations = 15;
 
   RefinementSolver solver = RefinementSolver::kGaussNewton;
@@ -53,9 +53,12 @@ struct FacetwiseRefinementOptions {
 
 // One iteration of the solver, for the log and the report.
 struct RefinementStep {
-  int level = 0;      // the images are 2^level times smaller
-  int iteration = 0;  // from 1; 0 is the state the level starts from
-  double energy = 0;  // photometric and smoothness
+  int level = 0;          // the images are 2^level times smaller
+  bool is_final = false;  // by all pairs of each facet, see level_refinement.h
+  int iteration = 0;      // of the level, from 1. 0 is the state that it starts
+                          // from, and the last number is repeated with that
+                          // which the final iterations start from.
+  double energy = 0;      // photometric and smoothness
   double photometric_energy = 0;
   double mean_zncc = 0;  // over the pixels that are compared, weighted
   double mean_step = 0;  // of a vertex, px of the level's images

@@ -34,6 +34,9 @@ constexpr double kFirstWeight = 20;
 // was given with.
 constexpr int kBlindIterations = 2;
 
+// Iterations by all labels, after those by the few.
+constexpr int kFinalIterations = 2;
+
 // Of the conjugate gradients.
 constexpr double kTolerance = 0.03;
 constexpr int kMaxIterations = 100;
@@ -58,43 +61,32 @@ class LevelRefiner {
         level_(level),
         weight_(kFirstWeight * options.smoothness_weight),
         weights_(mesh.vertices.size(), weight_),
-        labels_(labels),
+        all_labels_(labels),
+        labels_(options.labeling.pair_selection == PairSelection::kClassical
+                    ? labels
+                    : labels.First(options.labeling.pairs_per_facet)),
         energy_(energy),
         rings_(MakeVertexRings(mesh)) {
     FindFootprints(views, mesh);
     energy_->Render(mesh);
-    surface_.terms = energy_->Evaluate(mesh, labels_);
-    CountPixels(mesh);
+    PhotometricTerms terms = energy_->Evaluate(mesh, labels_);
+    FindSeen(mesh, terms);
+    CountPixels(mesh, terms);
     FindRest(origins, mesh);
-    surface_ = WithPlate(mesh, std::move(surface_.terms));
+    surface_ = WithPlate(mesh, std::move(terms));
   }
 
   void Run(const OnLevelStep& on_step, TriangleMesh* mesh) {
-    if (!Report(0, 0, on_step, mesh)) {
-      return;
-    }
-    for (int iteration = 1; iteration <= options_.iterations; ++iteration) {
-      if (level_ == 0 && weight_ > 0) {
-        if (iteration > kBlindIterations) {
-          AskForConfirmedRelief();
-        }
-        EstimateWeights();
-      }
-      const double before = surface_.Energy();
-      const double step = Step();
-      if (!(step > 0)) {
-        break;
-      }
-      const double gain = before - surface_.Energy();
-      drift_ += step;
-      if (drift_ > kMaxDrift) {
-        drift_ = 0;
-        energy_->Render(surface_.mesh);
-        surface_.terms = energy_->Evaluate(surface_.mesh, labels_);
-      }
-      if (!Report(iteration, step, on_step, mesh) ||
-          gain < kMinGain * std::abs(before)) {
-        break;
+    if (Report(0, on_step, mesh) &&
+        Iterate(options_.iterations, on_step, mesh) &&
+        labels_.labels.size() < all_labels_.labels.size()) {
+      labels_ = all_labels_;
+      Draw();
+      CountPixels(surface_.mesh, surface_.terms);
+      surface_.plate = PlateOf(surface_);
+      is_final_ = true;
+      if (Report(0, on_step, mesh)) {
+        Iterate(kFinalIterations, on_step, mesh);
       }
     }
   }
@@ -116,8 +108,45 @@ class LevelRefiner {
                          rings_, footprints_, num_pixels_, rest_);
   }
 
+  // So often at most; whether to go on.
+  bool Iterate(int max_iterations, const OnLevelStep& on_step,
+               TriangleMesh* mesh) {
+    for (int i = 0; i < max_iterations; ++i) {
+      if (drift_ > kMaxDrift) {
+        Draw();
+      }
+      if (level_ == 0 && weight_ > 0) {
+        if (iteration_ >= kBlindIterations) {
+          AskForConfirmedRelief();
+        }
+        EstimateWeights();
+      }
+      const double before = surface_.Energy();
+      const double step = Step();
+      if (!(step > 0)) {
+        break;
+      }
+      ++iteration_;
+      drift_ += step;
+      if (!Report(step, on_step, mesh)) {
+        return false;
+      }
+      if (before - surface_.Energy() < kMinGain * std::abs(before)) {
+        break;
+      }
+    }
+    return true;
+  }
+
+  void Draw() {
+    drift_ = 0;
+    energy_->Render(surface_.mesh);
+    surface_.terms = energy_->Evaluate(surface_.mesh, labels_);
+  }
+
   void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
-  void CountPixels(const TriangleMesh& mesh);
+  void FindSeen(const TriangleMesh& mesh, const PhotometricTerms& terms);
+  void CountPixels(const TriangleMesh& mesh, const PhotometricTerms& terms);
   void FindRest(const std::vector<Eigen::Vector3f>& origins,
                 const TriangleMesh& mesh);
   void AskForConfirmedRelief();
@@ -126,24 +155,27 @@ class LevelRefiner {
   void LimitMotion(std::vector<double>* motion) const;
   TriangleMesh Move(std::vector<double>* motion);
   double Step();
-  bool Report(int iteration, double step, const OnLevelStep& on_step,
+  bool Report(double step, const OnLevelStep& on_step,
               TriangleMesh* mesh) const;
 
   const FacetwiseRefinementOptions& options_;
   int level_;
   double weight_;                // of the smoothness, on the whole
   std::vector<double> weights_;  // [V]
-  const FacetLabels& labels_;
+  const FacetLabels& all_labels_;
+  FacetLabels labels_;  // in use
   PhotometricEnergy* energy_;
   VertexRings rings_;
   std::vector<float> footprints_;  // [V] of a pixel, scene units
-  std::vector<uint8_t> is_seen_;   // [V]
+  std::vector<uint8_t> is_seen_;   // [V] from the beginning
   std::vector<float> num_pixels_;  // [V] see ThinPlate
   std::vector<double> rest_;       // [V] see ThinPlate
   // [V] trusted, that the mesh was given with; 0 for what is not seen. At the
   // finest level.
   std::vector<double> relief_;
   Surface surface_;
+  int iteration_ = 0;
+  bool is_final_ = false;
   double drift_ = 0;  // px, since the mesh was drawn
   size_t num_shortened_steps_ = 0;
 };
@@ -186,11 +218,23 @@ void LevelRefiner::FindFootprints(const std::vector<View>& views,
   }
 }
 
+void LevelRefiner::FindSeen(const TriangleMesh& mesh,
+                            const PhotometricTerms& terms) {
+  is_seen_.assign(mesh.vertices.size(), 0);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    if (terms.num_pixels[i] > 0) {
+      for (const uint32_t vertex : mesh.facets[i]) {
+        is_seen_[vertex] = 1;
+      }
+    }
+  }
+}
+
 // Those compared, in both directions of all pairs, or those that the facets
 // cover, if that is more: large facets of which little is compared would have
 // next to no stiffness else, and the noise of a few pixels raise them to tents.
-void LevelRefiner::CountPixels(const TriangleMesh& mesh) {
-  is_seen_.assign(mesh.vertices.size(), 0);
+void LevelRefiner::CountPixels(const TriangleMesh& mesh,
+                               const PhotometricTerms& terms) {
   num_pixels_.assign(mesh.vertices.size(), 0);
   std::vector<float> areas(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
@@ -199,14 +243,11 @@ void LevelRefiner::CountPixels(const TriangleMesh& mesh) {
     const Eigen::Vector3f ac = mesh.vertices[c] - mesh.vertices[a];
     const float area = ab.cross(ac).norm() / 2;
     for (const uint32_t vertex : mesh.facets[i]) {
-      num_pixels_[vertex] += surface_.terms.num_pixels[i] / 3;
+      num_pixels_[vertex] += terms.num_pixels[i] / 3;
       areas[vertex] += area / 3;
     }
   }
   for (size_t i = 0; i < num_pixels_.size(); ++i) {
-    if (num_pixels_[i] > 0) {
-      is_seen_[i] = 1;
-    }
     if (footprints_[i] > 0) {
       num_pixels_[i] = std::max(num_pixels_[i],
                                 areas[i] / (footprints_[i] * footprints_[i]));
@@ -367,13 +408,13 @@ double LevelRefiner::Step() {
   return 0;
 }
 
-bool LevelRefiner::Report(int iteration, double step,
-                          const OnLevelStep& on_step,
+bool LevelRefiner::Report(double step, const OnLevelStep& on_step,
                           TriangleMesh* mesh) const {
   mesh->vertices = surface_.mesh.vertices;
   RefinementStep report;
   report.level = level_;
-  report.iteration = iteration;
+  report.is_final = is_final_;
+  report.iteration = iteration_;
   report.energy = surface_.Energy();
   report.photometric_energy = surface_.terms.energy;
   double weight = 0;

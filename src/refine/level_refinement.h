@@ -21,6 +21,11 @@ using OnLevelStep = std::function<bool(const RefinementStep& step)>;
 // itself), limited to a part of the edges' lengths and a pixel, shortened where
 // it would turn a facet over, and halved until the energy falls.
 //
+// That is done by the first `pairs_per_facet` labels of each facet; then two
+// more iterations are by all of them. How far the surface comes depends on the
+// number of steps, but the noise that remains on the last ones alone: the many
+// labels, which take their time, are best kept for the end.
+//
 // The surface is to be smooth (refine/thin_plate.h) at the finest level, where
 // it is seen. Elsewhere, and at the coarser levels, it is the motion of the
 // level that is to be smooth: coarse images can not tell fine relief from

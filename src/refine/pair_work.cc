@@ -16,13 +16,9 @@ PairFacets GroupByPair(const FacetLabels& labels) {
   std::vector<uint64_t> next(pair_facets.offsets.begin(),
                              pair_facets.offsets.end() - 1);
   pair_facets.facets.resize(labels.labels.size());
-  pair_facets.places.resize(labels.labels.size());
   for (uint32_t facet = 0; facet < labels.NumFacets(); ++facet) {
-    for (uint64_t i = labels.offsets[facet]; i < labels.offsets[facet + 1];
-         ++i) {
-      const uint64_t place = next[labels.labels[i]]++;
-      pair_facets.facets[place] = facet;
-      pair_facets.places[i] = place;
+    for (const uint32_t label : labels.Labels(facet)) {
+      pair_facets.facets[next[label]++] = facet;
     }
   }
   return pair_facets;

@@ -14,8 +14,6 @@ namespace colmap_ext {
 struct PairFacets {
   std::vector<uint64_t> offsets;  // [L + 1], into facets
   std::vector<uint32_t> facets;   // ascending in each row
-  // [labels.labels] for each label of a facet its place in `facets`.
-  std::vector<uint64_t> places;
 };
 
 PairFacets GroupByPair(const FacetLabels& labels);

@@ -308,7 +308,8 @@ TEST_F(FacetwiseRefinerTest, RefinesInOtherWays) {
   std::string before;
   for (const char* option :
        {"solver gauss_newton", "solver descent", "pair_selection classical",
-        "pairs_per_facet 3", "occlusion_masking 0", "window 7"}) {
+        "pairs_per_facet 3", "final_pairs_per_facet 1", "occlusion_masking 0",
+        "window 7"}) {
     const Outcome outcome =
         Run(prefix + " --FacetwiseRefinement." + std::string(option));
     ASSERT_EQ(outcome.exit_code, 0) << option << outcome.err;
@@ -342,7 +343,7 @@ TEST_F(FacetwiseRefinerTest, WritesReportLabelsAndSnapshots) {
           " --FacetwiseRefinement.levels 2 --FacetwiseRefinement.iterations 2");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::string csv = ReadFile(path_ / "energy.csv");
-  EXPECT_TRUE(csv.starts_with("level,iteration,energy,"));
+  EXPECT_TRUE(csv.starts_with("level,final,iteration,energy,"));
   for (const char* row : {"\n1,0,", "\n1,1,", "\n0,0,", "\n0,1,"}) {
     EXPECT_NE(csv.find(row), std::string::npos) << row;
   }

@@ -21,8 +21,8 @@ PottsProblem MakeProblem(double weight) {
   return RandomProblem(2500, Wall(50), 10, 0.7, weight, 3);
 }
 
-std::vector<uint32_t> Choose(const PottsProblem& problem) {
-  return SolvePotts(problem).choices;
+LabelSets Choose(const PottsProblem& problem) {
+  return ChosenLabels(problem, SolvePotts(problem).choices);
 }
 
 // What the sets' labels after the first cost, a third of the weight for each
@@ -50,9 +50,9 @@ double Cost(const PottsProblem& problem, const LabelSets& sets) {
 
 TEST(AddFurtherLabels, GivesEachNodeLabelsOfItsOwn) {
   const PottsProblem problem = MakeProblem(0.5);
-  const std::vector<uint32_t> choices = Choose(problem);
+  const LabelSets chosen = Choose(problem);
   for (const uint32_t count : {1, 2, 4, 20}) {
-    const LabelSets sets = AddFurtherLabels(problem, choices, count);
+    const LabelSets sets = AddFurtherLabels(problem, chosen, count);
     ASSERT_EQ(sets.offsets.size(), problem.NumNodes() + 1);
     for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
       const std::set<uint32_t> own(problem.Labels(node),
@@ -63,16 +63,32 @@ TEST(AddFurtherLabels, GivesEachNodeLabelsOfItsOwn) {
       EXPECT_TRUE(
           std::includes(own.begin(), own.end(), labels.begin(), labels.end()));
       if (!own.empty()) {
-        EXPECT_EQ(*sets.Labels(node), problem.Labels(node)[choices[node]]);
+        EXPECT_EQ(*sets.Labels(node), *chosen.Labels(node));
       }
     }
   }
 }
 
+TEST(AddFurtherLabels, KeepsTheGivenOnesFirst) {
+  const PottsProblem problem = MakeProblem(0.5);
+  const LabelSets few = AddFurtherLabels(problem, Choose(problem), 3);
+  const LabelSets many = AddFurtherLabels(problem, few, 6);
+  for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+    EXPECT_TRUE(
+        std::equal(few.Labels(node), few.Labels(node + 1), many.Labels(node)));
+    EXPECT_EQ(many.offsets[node + 1] - many.offsets[node],
+              std::min(problem.NumLabels(node), 6U));
+    EXPECT_EQ(
+        std::set<uint32_t>(many.Labels(node), many.Labels(node + 1)).size(),
+        many.offsets[node + 1] - many.offsets[node]);
+  }
+  EXPECT_EQ(AddFurtherLabels(problem, few, 3).labels, few.labels);
+}
+
 TEST(AddFurtherLabels, TakesTheCheapestWhereNeighborsDoNotCount) {
   const PottsProblem problem = MakeProblem(0);
-  const std::vector<uint32_t> choices = Choose(problem);
-  const LabelSets sets = AddFurtherLabels(problem, choices, 4);
+  const LabelSets chosen = Choose(problem);
+  const LabelSets sets = AddFurtherLabels(problem, chosen, 4);
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
     std::vector<std::pair<float, uint32_t>> row;
     for (uint32_t i = 0; i < problem.NumLabels(node); ++i) {
@@ -87,21 +103,21 @@ TEST(AddFurtherLabels, TakesTheCheapestWhereNeighborsDoNotCount) {
 
 TEST(AddFurtherLabels, PrefersWhatNeighborsHave) {
   const PottsProblem problem = MakeProblem(6);
-  const std::vector<uint32_t> choices = Choose(problem);
+  const LabelSets chosen = Choose(problem);
   PottsProblem alone = problem;
   alone.weight = 0;
-  const double cost = Cost(problem, AddFurtherLabels(problem, choices, 4));
-  EXPECT_LT(cost, 0.9 * Cost(problem, AddFurtherLabels(alone, choices, 4)));
+  const double cost = Cost(problem, AddFurtherLabels(problem, chosen, 4));
+  EXPECT_LT(cost, 0.9 * Cost(problem, AddFurtherLabels(alone, chosen, 4)));
 }
 
 TEST(AddFurtherLabels, DoesNotDependOnThreads) {
   const PottsProblem problem = MakeProblem(0.5);
-  const std::vector<uint32_t> choices = Choose(problem);
-  const LabelSets expected = AddFurtherLabels(problem, choices, 4);
+  const LabelSets chosen = Choose(problem);
+  const LabelSets expected = AddFurtherLabels(problem, chosen, 4);
   for (const int num_threads : {1, 2, 3}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
-    EXPECT_EQ(AddFurtherLabels(problem, choices, 4).labels, expected.labels);
+    EXPECT_EQ(AddFurtherLabels(problem, chosen, 4).labels, expected.labels);
   }
 }
 

@@ -84,6 +84,7 @@ class LabelFacetsTest : public testing::Test {
 TEST_F(LabelFacetsTest, GivesOnlyPairsThatSeeTheFacet) {
   FacetLabelingOptions options;
   options.pairs_per_facet = 3;
+  options.final_pairs_per_facet = 0;
   const FacetLabeling labeling = Label(options);
   ASSERT_EQ(labeling.labels.NumFacets(), mesh_.facets.size());
   size_t num_unlabeled = 0;
@@ -101,9 +102,24 @@ TEST_F(LabelFacetsTest, GivesOnlyPairsThatSeeTheFacet) {
   EXPECT_LT(num_unlabeled, mesh_.facets.size() / 2);
 }
 
+TEST_F(LabelFacetsTest, AddsFinalPairsToTheFirst) {
+  FacetLabelingOptions options;
+  options.pairs_per_facet = 2;
+  options.final_pairs_per_facet = 0;
+  const FacetLabels few = Label(options).labels;
+  options.final_pairs_per_facet = 5;
+  const FacetLabels many = Label(options).labels;
+  EXPECT_EQ(many.First(2).labels, few.labels);
+  EXPECT_EQ(many.First(2).offsets, few.offsets);
+  EXPECT_EQ(many.First(5).labels, many.labels);
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+    EXPECT_EQ(many.Labels(i).size(), std::min<size_t>(5, NumPairsThatSee(i)));
+  }
+}
+
 TEST_F(LabelFacetsTest, LowersTheEnergyAndEvensTheLabelsOut) {
   FacetLabelingOptions options;
-  options.pairs_per_facet = 1;
+  options.final_pairs_per_facet = 0;
   const FacetLabeling smooth = Label(options);
   options.potts_weight = 0;
   const FacetLabeling free = Label(options);
@@ -139,7 +155,7 @@ TEST_F(LabelFacetsTest, TakesWhatIsDrawnWhereNothingElseIsKnown) {
   attributes_ = {};
   attributes_.view_offsets.assign(mesh_.vertices.size() + 1, 0);
   FacetLabelingOptions options;
-  options.pairs_per_facet = 1;
+  options.final_pairs_per_facet = 0;
   const FacetLabeling labeling = Label(options);
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     EXPECT_EQ(labeling.labels.Labels(i).size(),
@@ -156,6 +172,7 @@ TEST_F(LabelFacetsTest, PrefersViewsThatTheVerticesAreKnownToBeSeenBy) {
   }
   FacetLabelingOptions options;
   options.pairs_per_facet = 4;
+  options.final_pairs_per_facet = 0;
   const FacetLabeling labeling = Label(options);
   size_t num_known = 0;
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {

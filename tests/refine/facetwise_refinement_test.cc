@@ -137,13 +137,24 @@ TEST(RefineFacetwise, LowersTheEnergyFromStepToStep) {
   const RefinedMesh refined =
       Refine(options, {mesh, NoAttributes(mesh), {}, 0});
   const std::vector<RefinementStep>& steps = refined.report.steps;
-  ASSERT_GE(steps.size(), 3);
-  EXPECT_LT(steps.back().photometric_energy, steps.front().photometric_energy);
-  EXPECT_GT(steps.back().mean_zncc, steps.front().mean_zncc);
-  for (size_t i = 0; i < steps.size(); ++i) {
-    EXPECT_EQ(steps[i].iteration, i);
-    EXPECT_EQ(steps[i].level, 0);
+  const auto is_final = [](const RefinementStep& step) {
+    return step.is_final;
+  };
+  const auto final = std::find_if(steps.begin(), steps.end(), is_final);
+  for (const std::vector<RefinementStep>& stage :
+       {std::vector(steps.begin(), final), std::vector(final, steps.end())}) {
+    ASSERT_GE(stage.size(), 2);
+    EXPECT_LT(stage.back().photometric_energy,
+              stage.front().photometric_energy);
+    EXPECT_GT(stage.back().mean_zncc, stage.front().mean_zncc);
+    for (size_t i = 0; i < stage.size(); ++i) {
+      EXPECT_EQ(stage[i].iteration, stage.front().iteration + i);
+      EXPECT_EQ(stage[i].level, 0);
+      EXPECT_EQ(stage[i].is_final, stage.front().is_final);
+    }
   }
+  EXPECT_EQ(steps.front().iteration, 0);
+  EXPECT_EQ(final->iteration, std::prev(final)->iteration);
 }
 
 TEST(RefineFacetwise, DoesNotDependOnThreads) {
@@ -225,6 +236,9 @@ TEST(FacetwiseRefinementOptions, ChecksThem) {
                  "pairs_per_image");
   expect_refused([](auto* options) { options->labeling.pairs_per_facet = 0; },
                  "pairs_per_facet");
+  expect_refused(
+      [](auto* options) { options->labeling.final_pairs_per_facet = -1; },
+      "final_pairs_per_facet");
   expect_refused([](auto* options) { options->labeling.potts_weight = -1; },
                  "potts_weight");
 }

@@ -51,6 +51,7 @@ class PullingEnergy : public PhotometricEnergy {
   PhotometricTerms Evaluate(const TriangleMesh& mesh,
                             const FacetLabels& labels) override {
     EXPECT_GT(num_renders, 0);
+    nums_labels.push_back(labels.labels.size());
     const size_t size = mesh.facets.size();
     PhotometricTerms terms;
     terms.energies.assign(size, 0);
@@ -73,6 +74,7 @@ class PullingEnergy : public PhotometricEnergy {
   double slope_factor = 1;      // what is said of the slopes that they are
   double curvature_factor = 1;  // and of the curvatures
   int num_renders = 0;
+  std::vector<size_t> nums_labels;  // of each evaluation
 
  private:
   void AddFacet(const TriangleMesh& mesh, size_t facet, const Vector3d& normal,
@@ -279,6 +281,32 @@ TEST(RefineLevel, LowersTheEnergyWithEachStep) {
       EXPECT_LT(steps.back().photometric_energy,
                 0.5 * steps.front().photometric_energy);
     }
+  }
+}
+
+TEST(RefineLevel, TakesAllLabelsInTheLastTwoIterations) {
+  const TriangleMesh mesh = WavySphere(2);
+  FacetLabels labels;
+  labels.pairs = {{0, 1}, {0, 1}, {0, 1}};
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    labels.labels.insert(labels.labels.end(), {2, 0, 1});
+    labels.offsets.push_back(labels.labels.size());
+  }
+  for (const int pairs_per_facet : {1, 2, 3}) {
+    FacetwiseRefinementOptions options;
+    options.labeling.pairs_per_facet = pairs_per_facet;
+    PullingEnergy energy(UnitSphere);
+    const Refined refined = Refine(options, 0, mesh, labels, &energy);
+    const std::vector<size_t>& nums = energy.nums_labels;
+    EXPECT_TRUE(std::is_sorted(nums.begin(), nums.end()));
+    EXPECT_EQ(nums.front(), pairs_per_facet * mesh.facets.size());
+    EXPECT_EQ(nums.back(), labels.labels.size());
+    const auto num_final =
+        std::count_if(refined.steps.begin(), refined.steps.end(),
+                      [](const auto& step) { return step.is_final; });
+    EXPECT_EQ(refined.steps.back().is_final, pairs_per_facet < 3);
+    EXPECT_LE(num_final, pairs_per_facet < 3 ? 3 : 0);
+    EXPECT_LT(SphereError(refined.Result()), 0.15);
   }
 }
 

@@ -77,23 +77,6 @@ TEST(GroupByPair, TurnsTheLabelsRound) {
   }
 }
 
-TEST(GroupByPair, TellsWhereEachLabelCameTo) {
-  Random random(2);
-  const uint32_t num_facets = 200;
-  const FacetLabels labels = RandomLabels(num_facets, &random);
-  const PairFacets by_pair = GroupByPair(labels);
-  ASSERT_EQ(by_pair.places.size(), labels.labels.size());
-  for (uint32_t facet = 0; facet < num_facets; ++facet) {
-    for (uint64_t i = labels.offsets[facet]; i < labels.offsets[facet + 1];
-         ++i) {
-      const uint64_t place = by_pair.places[i];
-      EXPECT_EQ(by_pair.facets[place], facet);
-      EXPECT_GE(place, by_pair.offsets[labels.labels[i]]);
-      EXPECT_LT(place, by_pair.offsets[labels.labels[i] + 1]);
-    }
-  }
-}
-
 // The squares with pixels of a pair, and the rectangles around those.
 using Squares = std::map<std::pair<int, int>, std::array<int, 4>>;
 
