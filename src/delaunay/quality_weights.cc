@@ -45,8 +45,13 @@ void AddQualityWeights(const Tetrahedralization& tetrahedra, double weight,
   tbb::parallel_for(uint32_t{0}, num_cells, [&](uint32_t cell) {
     for (int i = 0; i < 4; ++i) {
       const uint32_t other = tetrahedra.cells[cell].neighbors[i];
-      const float cosine = std::min(
-          cosines[cell][i], cosines[other][tetrahedra.FacetTo(other, cell)]);
+      const bool is_beyond_hull =
+          tetrahedra.IsInfinite(cell) && tetrahedra.IsInfinite(other);
+      const float cosine =
+          is_beyond_hull
+              ? -1
+              : std::min(cosines[cell][i],
+                         cosines[other][tetrahedra.FacetTo(other, cell)]);
       graph->capacities[cell][i] += static_cast<uint32_t>(
           std::lround(kWeightUnit * weight * (1 - cosine)));
     }

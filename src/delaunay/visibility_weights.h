@@ -76,7 +76,10 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
 // The surface quality term, in both directions of each facet (Labatut et al.
 // 2009, figure 9): weight (1 - min(cos phi, cos psi)), phi and psi the angles
 // between the facet's plane and the circumscribing spheres of its two cells. An
-// infinite cell's cosine is one.
+// infinite cell's cosine is one. Between two infinite cells it is -1: where
+// the object is its own hull, rays enter it by most infinite cells but not by
+// all, and what is known of those then holds for the others, which would be
+// holes.
 void AddQualityWeights(const Tetrahedralization& tetrahedra, double weight,
                        FlowGraph* graph);
 

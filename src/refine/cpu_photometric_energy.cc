@@ -5,9 +5,9 @@
 #include <mutex>
 #include <utility>
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include "refine/facet_frames.h"
@@ -273,9 +273,10 @@ void CpuPhotometricEnergy::EvaluateDirection(
 void CpuPhotometricEnergy::AddDirection(const PairFacets& pair_facets,
                                         const Direction& direction,
                                         PhotometricTerms* terms) {
-  const uint64_t first = pair_facets.offsets[direction.pair];
-  tbb::parallel_for(size_t{0}, direction.sums.size(), [&](size_t i) {
-    const uint32_t facet = pair_facets.facets[first + i];
+  const uint32_t* facets =
+      pair_facets.facets.data() + pair_facets.offsets[direction.pair];
+  for (size_t i = 0; i < direction.sums.size(); ++i) {
+    const uint32_t facet = facets[i];
     const FacetSums& sums = direction.sums[i];
     terms->energies[facet] += sums.energy;
     terms->weights[facet] += sums.weight;
@@ -286,7 +287,7 @@ void CpuPhotometricEnergy::AddDirection(const PairFacets& pair_facets,
     for (int k = 0; k < 6; ++k) {
       terms->curvatures[facet][k] += sums.curvatures[k];
     }
-  });
+  }
 }
 
 PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
@@ -303,26 +304,33 @@ PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
   terms.num_pixels.assign(num_facets, 0);
   terms.slopes.assign(num_facets, {});
   terms.curvatures.assign(num_facets, {});
-  // A few at a time, for the memory of their sums, and added in their order,
-  // whoever computed them.
-  constexpr size_t kDirectionsOfThread = 16;
-  const size_t batch =
-      kDirectionsOfThread * tbb::this_task_arena::max_concurrency();
-  for (size_t begin = 0; begin < directions.size(); begin += batch) {
-    const size_t end = std::min(begin + batch, directions.size());
-    tbb::parallel_for(tbb::blocked_range<size_t>(begin, end, 1),
-                      [&](const tbb::blocked_range<size_t>& range) {
-                        Scratch& scratch = scratches.local();
-                        for (size_t i = range.begin(); i != range.end(); ++i) {
-                          EvaluateDirection(frames, pair_facets, &directions[i],
-                                            &scratch);
-                        }
-                      });
-    for (size_t i = begin; i < end; ++i) {
-      AddDirection(pair_facets, directions[i], &terms);
-      directions[i] = {};
-    }
-  }
+  // Added in the directions' order, whoever computed them; no more of them than
+  // a few a thread wait for that.
+  constexpr size_t kMaxWaiting = 4;
+  size_t next = 0;
+  tbb::parallel_pipeline(
+      kMaxWaiting * tbb::this_task_arena::max_concurrency(),
+      tbb::make_filter<void, Direction*>(
+          tbb::filter_mode::serial_in_order,
+          [&](tbb::flow_control& control) -> Direction* {
+            if (next == directions.size()) {
+              control.stop();
+              return nullptr;
+            }
+            return &directions[next++];
+          }) &
+          tbb::make_filter<Direction*, Direction*>(
+              tbb::filter_mode::parallel,
+              [&](Direction* direction) {
+                EvaluateDirection(frames, pair_facets, direction,
+                                  &scratches.local());
+                return direction;
+              }) &
+          tbb::make_filter<Direction*, void>(
+              tbb::filter_mode::serial_in_order, [&](Direction* direction) {
+                AddDirection(pair_facets, *direction, &terms);
+                *direction = {};
+              }));
   for (const float energy : terms.energies) {
     terms.energy += energy;
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 #include <nanoflann.hpp>
@@ -42,9 +43,12 @@ struct Sample {
   double observed;
 };
 
-Sample SampleAt(const KdTree& tree, const PointCloud& cloud,
-                const std::vector<Eigen::Vector3f>& offsets,
-                const Eigen::Vector3f& sparse_point) {
+// Nothing where the sparse point lies beside the fused surface, or further from
+// it than any error of stereo: on what was left out of the fusion.
+std::optional<Sample> SampleAt(const KdTree& tree, const PointCloud& cloud,
+                               const std::vector<Eigen::Vector3f>& offsets,
+                               const Eigen::Vector3f& sparse_point) {
+  constexpr double kMaxOffsets = 10;  // 5 px
   std::array<uint32_t, kNumNeighbors> neighbors;
   std::array<float, kNumNeighbors> distances_squared;
   const size_t count =
@@ -68,7 +72,17 @@ Sample SampleAt(const KdTree& tree, const PointCloud& cloud,
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter)
           .eigenvectors()
           .col(0);
-  return {normal.dot(offset), normal.dot(sparse_point.cast<double>() - mean)};
+  const Eigen::Vector3d away = sparse_point.cast<double>() - mean;
+  const double observed = normal.dot(away);
+  const double beside_squared = (away - observed * normal).squaredNorm();
+  // Of a disk that the neighbors fill.
+  const double radius_squared =
+      2 * scatter.trace() / static_cast<double>(count);
+  if (beside_squared > radius_squared ||
+      std::abs(observed) > kMaxOffsets * offset.norm()) {
+    return std::nullopt;
+  }
+  return Sample{normal.dot(offset), observed};
 }
 
 // Leaves out sparse points that lie far from the fused surface: more than three
@@ -103,7 +117,12 @@ HalfPixelSlope RegressHalfPixel(
       (sparse_points.size() + kMaxSparsePoints - 1) / kMaxSparsePoints;
   std::vector<Sample> samples;
   for (size_t i = 0; i < sparse_points.size(); i += stride) {
-    samples.push_back(SampleAt(tree, cloud, offsets, sparse_points[i]));
+    if (const auto sample = SampleAt(tree, cloud, offsets, sparse_points[i])) {
+      samples.push_back(*sample);
+    }
+  }
+  if (samples.size() < kMinSparsePoints) {
+    return result;
   }
   DropOutliers(&samples);
   double predicted_squared = 0;

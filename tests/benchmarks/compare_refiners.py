@@ -19,15 +19,26 @@ import tempfile
 
 from compare_meshers import print_table, run
 
+DEFAULT = "default: 1 pair a face, then 12"
+PAPER = "1 pair (the paper's)"
+
+
+def pairs(count, final):
+    return ["pairs_per_facet", str(count), "final_pairs_per_facet", str(final)]
+
+
 SETTINGS = {
-    "default: 4 pairs a face": [],
-    "1 pair a face (the paper's)": ["pairs_per_facet", "1"],
-    "2 pairs": ["pairs_per_facet", "2"],
-    "3 pairs": ["pairs_per_facet", "3"],
-    "8 pairs": ["pairs_per_facet", "8"],
+    DEFAULT: [],
+    PAPER: pairs(1, 1),
+    "2 pairs": pairs(2, 2),
+    "3 pairs": pairs(3, 3),
+    "4 pairs": pairs(4, 4),
+    "12 pairs": pairs(12, 12),
+    "1 pair, then 8": pairs(1, 8),
+    "2 pairs, then 12": pairs(2, 12),
     "classical": ["pair_selection", "classical"],
     "1 pair, energy -ZNCC (the paper's)":
-        ["pairs_per_facet", "1", "residual_floor", "1000"],
+        pairs(1, 1) + ["residual_floor", "1000"],
     "energy -ZNCC": ["residual_floor", "1000"],
     "no occlusion masks": ["occlusion_masking", "0"],
     "one level": ["levels", "1"],
@@ -35,7 +46,7 @@ SETTINGS = {
     "twice the smoothness": ["smoothness_weight", "2"],
     "descent": ["solver", "descent", "iterations", "60"],
 }
-SHORT = ["default: 4 pairs a face", "1 pair a face (the paper's)", "classical"]
+SHORT = [DEFAULT, PAPER, "4 pairs", "classical"]
 PIXEL_WAVES = 8  # pixels of a wave, over 2 pi
 
 
@@ -61,7 +72,8 @@ def evaluate(args, workspace, mesh):
 
 
 def refine(args, workspace, mesh, output, setting):
-    """One run: CPU s, peak MB, s an iteration of the full size, vertices."""
+    """One run: CPU s, peak MB, s an iteration of the full size (the shortest
+    and the mean), vertices."""
     steps_path = output.with_suffix(".csv")
     result = run([args.colmap, "facetwise_refiner",
                   "--workspace_path", str(workspace),
@@ -74,24 +86,29 @@ def refine(args, workspace, mesh, output, setting):
     with open(steps_path, newline="") as file:
         steps = [row for row in csv.DictReader(file) if row["level"] == "0"]
     seconds = [float(row["seconds"]) for row in steps]
-    # The least is that of an iteration whose first step was accepted and after
-    # which nothing had to be drawn again.
+    # The least is that of an iteration by the few pairs, whose first step was
+    # accepted and before which nothing had to be drawn again; the mean is of
+    # all that happens between the first one's start and the last one's end.
     between = [b - a for a, b in zip(seconds, seconds[1:])]
     result["iteration"] = min(between) if between else math.nan
+    num_iterations = int(steps[-1]["iteration"])
+    result["mean"] = (sum(between) / num_iterations if num_iterations
+                      else math.nan)
     result["vertices"] = steps[-1]["vertices"]
     return result
 
 
 def row(name, result, figures):
     if result is None:
-        return [name] + [f"{x:.3f}" for x in figures] + ["-"] * 4
+        return [name] + [f"{x:.3f}" for x in figures] + ["-"] * 5
     return ([name] + [f"{x:.3f}" for x in figures]
             + [f"{result['cpu']:.0f}", f"{result['iteration']:.2f}",
+               f"{result['mean']:.2f}",
                f"{result['peak']:.0f}", result["vertices"]])
 
 
 HEAD = ["", "mean acc.", "median acc.", "mean compl.", "median compl.",
-        "CPU s", "s an iteration", "peak MB", "vertices"]
+        "CPU s", "s an iteration", "mean", "peak MB", "vertices"]
 
 
 def copy_workspace(workspace, folder):
@@ -177,7 +194,7 @@ def compare_fixed_point(args, workspace, folder):
     rows = []
     for start, mesh in (("the truth", truth), ("waves of one pixel", waves)):
         rows.append(row(start, None, evaluate(args, workspace, mesh)))
-        for name in ("default: 4 pairs a face", "classical"):
+        for name in (DEFAULT, "classical"):
             output = folder / "refined.ply"
             result = refine(args, workspace, mesh, output, SETTINGS[name])
             rows.append(row(f"{start}, {name}", result,
@@ -190,7 +207,7 @@ def time_workspace(args, workspace, folder):
     workspace = copy_workspace(workspace, folder)
     mesh = mesh_workspace(args, workspace)
     rows = []
-    for name in ("default: 4 pairs a face", "1 pair a face (the paper's)"):
+    for name in (DEFAULT, PAPER):
         result = refine(args, workspace, mesh, folder / "refined.ply",
                         SETTINGS[name])
         rows.append([name, f"{result['wall']:.0f}", f"{result['cpu']:.0f}",

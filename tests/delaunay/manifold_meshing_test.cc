@@ -87,17 +87,18 @@ View LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
 }
 
 // A unit sphere with noise, seen by the cameras that are before it. They also
-// see some of the corners of the room that they are in, past the sphere.
+// see some of the corners of the room that they are in, past the sphere, if
+// there is one.
 struct SphereScene {
   static constexpr double kNoise = 0.005;
 
-  explicit SphereScene(uint32_t num_points = 4000) {
+  explicit SphereScene(uint32_t num_points = 4000, bool has_room = true) {
     Random random(1);
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector3d center = 4 * OnSphere(&random);
       views.push_back(LookAt(center, Eigen::Vector3d::Zero()));
     }
-    for (const Eigen::Vector3f& corner : GridPoints(2)) {
+    for (const Eigen::Vector3f& corner : GridPoints(has_room ? 2 : 0)) {
       const Eigen::Vector3d point =
           20 * (corner.cast<double>().array() - 0.5).matrix();
       Add(point, [&](const Eigen::Vector3d& center) {
@@ -199,6 +200,22 @@ TEST(MeshManifold, OfASphereIsOneSphere) {
     }
     EXPECT_LT(mean_error, SphereScene::kNoise);
     EXPECT_NEAR(volume / 6, 4.19, 0.1);  // positive: seen from outside
+  }
+}
+
+TEST(MeshManifold, HasNoHolesWhereTheObjectIsTheHull) {
+  for (const uint32_t num_points : {500, 4000}) {
+    const SphereScene scene(num_points, false);
+    for (const double behind_sigma : {1.0, 3.0}) {
+      ManifoldMeshingOptions options;
+      options.max_proj_dist = 0;
+      options.behind_sigma = behind_sigma;
+      const MeshReport report =
+          MeshManifold(options, scene.cloud, scene.views).report.mesh;
+      EXPECT_EQ(report.num_components, 1u);
+      EXPECT_EQ(report.num_border_edges, 0u) << num_points << " " << behind_sigma;
+      EXPECT_EQ(report.genus, 0);
+    }
   }
 }
 

@@ -175,6 +175,24 @@ TEST(RegressHalfPixel, IsNotMovedByOutliers) {
   EXPECT_NEAR(result.slope, 1, 0.1);
 }
 
+// Sparse points of what was masked out of the fusion.
+TEST(RegressHalfPixel, IsNotMovedByWhatWasNotFused) {
+  Sphere sphere;
+  const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
+  for (size_t i = 0; i < sphere.cloud.size(); ++i) {
+    sphere.cloud.positions[i] -= offsets[i];
+  }
+  Random random(4);
+  for (int i = 0; i < 6000; ++i) {
+    sphere.sparse_points.emplace_back(4 * random.Unit() - 2, -1.2F,
+                                      4 * random.Unit() - 2);
+  }
+  const HalfPixelSlope result =
+      RegressHalfPixel(sphere.cloud, offsets, sphere.sparse_points);
+  EXPECT_GT(result.num_points, 1000u);
+  EXPECT_NEAR(result.slope, 1, 0.05);
+}
+
 TEST(RegressHalfPixel, SaysNothingOfTooFewPoints) {
   const Sphere sphere;
   const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
