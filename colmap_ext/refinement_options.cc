@@ -75,11 +75,12 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "Partners of each image");
   manager->AddDefaultOption("FacetwiseRefinement.pairs_per_facet",
                             &refinement->labeling.pairs_per_facet,
-                            "Pairs of images that refine a face");
+                            "Pairs of images that refine a face; 1 is the "
+                            "paper's method");
   manager->AddDefaultOption(
       "FacetwiseRefinement.final_pairs_per_facet",
       &refinement->labeling.final_pairs_per_facet,
-      "Pairs of images that refine a face in the last iterations, if more");
+      "The same in the last two iterations of each level, if more");
   manager->AddDefaultOption("FacetwiseRefinement.potts_weight",
                             &refinement->labeling.potts_weight,
                             "Cost of refining neighboring faces by different "

@@ -119,6 +119,8 @@ FacetLabels BestLabels(const std::vector<ViewPair>& pairs,
   sets = AddFurtherLabels(problem, sets, std::max(count, final_count));
   FacetLabels labels;
   labels.pairs = pairs;
+  labels.labels.reserve(sets.labels.size());
+  labels.offsets.reserve(sets.offsets.size());
   for (const uint32_t node : field.nodes) {
     labels.labels.insert(labels.labels.end(), sets.Labels(node),
                          sets.Labels(node + 1));

@@ -122,7 +122,7 @@ double PeakMemory() {
 void LabelSphere(benchmark::State& state) {
   const LabeledSphere sphere;
   FacetLabelingOptions options;
-  options.pairs_per_facet = static_cast<int>(state.range(0));
+  options.final_pairs_per_facet = static_cast<int>(state.range(0));
   const double memory_before = PeakMemory();
   FacetLabeling labeling;
   for (auto _ : state) {
@@ -144,7 +144,7 @@ void LabelSphere(benchmark::State& state) {
 }
 BENCHMARK(LabelSphere)
     ->Arg(1)
-    ->Arg(4)
+    ->Arg(12)
     ->Unit(benchmark::kSecond)
     ->Iterations(1)
     ->MeasureProcessCPUTime()
