@@ -1,7 +1,6 @@
 #include "refine/pair_warp.h"
 
 #include <algorithm>
-#include <array>
 
 #include <Eigen/Geometry>
 
@@ -133,9 +132,7 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
   const int first_col = std::max(0, -geometry->first_col);
   const int last_col =
       std::min(tile->width, i_.image.width - geometry->first_col) - 1;
-  // Of the facets met last: most are met again in the next row.
-  constexpr uint32_t kNumPlanes = 64;
-  std::array<Plane, kNumPlanes> planes;
+  Plane plane;
   for (int row = 0; row < tile->height; ++row) {
     const int image_row = geometry->first_row + row;
     if (image_row < 0 || image_row >= i_.image.height) {
@@ -149,7 +146,6 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
       if (tile->is_reached[at] == 0 || facet == kNoFacet) {
         continue;
       }
-      Plane& plane = planes[facet % kNumPlanes];
       if (facet != plane.facet) {
         plane = PlaneOf(facet);
       }
