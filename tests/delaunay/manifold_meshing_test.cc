@@ -213,7 +213,8 @@ TEST(MeshManifold, HasNoHolesWhereTheObjectIsTheHull) {
       const MeshReport report =
           MeshManifold(options, scene.cloud, scene.views).report.mesh;
       EXPECT_EQ(report.num_components, 1u);
-      EXPECT_EQ(report.num_border_edges, 0u) << num_points << " " << behind_sigma;
+      EXPECT_EQ(report.num_border_edges, 0u)
+          << num_points << " " << behind_sigma;
       EXPECT_EQ(report.genus, 0);
     }
   }
