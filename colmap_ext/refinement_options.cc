@@ -75,12 +75,12 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "Partners of each image");
   manager->AddDefaultOption("FacetwiseRefinement.pairs_per_facet",
                             &refinement->labeling.pairs_per_facet,
-                            "Pairs of images that refine a face; 1 is the "
-                            "paper's method");
+                            "Pairs of images that refine a face");
   manager->AddDefaultOption(
       "FacetwiseRefinement.final_pairs_per_facet",
       &refinement->labeling.final_pairs_per_facet,
-      "The same in the last two iterations of each level, if more");
+      "The same in the last two iterations of each level, if more; 0 leaves "
+      "these out: the paper's method");
   manager->AddDefaultOption("FacetwiseRefinement.potts_weight",
                             &refinement->labeling.potts_weight,
                             "Cost of refining neighboring faces by different "

@@ -106,6 +106,25 @@ struct Direction {
   std::vector<FacetSums> sums;  // of the pair's facets
 };
 
+void AddDirection(const PairFacets& pair_facets, const Direction& direction,
+                  PhotometricTerms* terms) {
+  const uint32_t* facets =
+      pair_facets.facets.data() + pair_facets.offsets[direction.pair];
+  for (size_t i = 0; i < direction.sums.size(); ++i) {
+    const uint32_t facet = facets[i];
+    const FacetSums& sums = direction.sums[i];
+    terms->energies[facet] += sums.energy;
+    terms->weights[facet] += sums.weight;
+    terms->num_pixels[facet] += sums.num_pixels;
+    for (int k = 0; k < 3; ++k) {
+      terms->slopes[facet][k] += sums.slopes[k];
+    }
+    for (int k = 0; k < 6; ++k) {
+      terms->curvatures[facet][k] += sums.curvatures[k];
+    }
+  }
+}
+
 // Of one thread.
 struct Scratch {
   Scratch(const PhotometricOptions& options, size_t num_facets)
@@ -145,8 +164,6 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
                          Scratch* scratch);
   void AddTile(const std::vector<FacetFrame>& frames, const PairWarp& warp,
                const Scratch& scratch, std::vector<FacetSums>* sums) const;
-  static void AddDirection(const PairFacets& pair_facets,
-                           const Direction& direction, PhotometricTerms* terms);
 
   PhotometricOptions options_;
   std::shared_ptr<ImagePyramid> images_;
@@ -267,26 +284,6 @@ void CpuPhotometricEnergy::EvaluateDirection(
   }
   for (const uint32_t* facet = first; facet != last; ++facet) {
     scratch->places[*facet] = UINT32_MAX;
-  }
-}
-
-void CpuPhotometricEnergy::AddDirection(const PairFacets& pair_facets,
-                                        const Direction& direction,
-                                        PhotometricTerms* terms) {
-  const uint32_t* facets =
-      pair_facets.facets.data() + pair_facets.offsets[direction.pair];
-  for (size_t i = 0; i < direction.sums.size(); ++i) {
-    const uint32_t facet = facets[i];
-    const FacetSums& sums = direction.sums[i];
-    terms->energies[facet] += sums.energy;
-    terms->weights[facet] += sums.weight;
-    terms->num_pixels[facet] += sums.num_pixels;
-    for (int k = 0; k < 3; ++k) {
-      terms->slopes[facet][k] += sums.slopes[k];
-    }
-    for (int k = 0; k < 6; ++k) {
-      terms->curvatures[facet][k] += sums.curvatures[k];
-    }
   }
 }
 

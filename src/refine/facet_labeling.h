@@ -14,9 +14,10 @@ namespace colmap_ext {
 
 struct FacetLabelingOptions {
   PairSelection pair_selection = PairSelection::kFacetwise;
-  int pairs_per_facet = 1;  // 1 is the paper's
+  int pairs_per_facet = 1;
 
-  // With those that the last iterations are to have besides.
+  // With those that the last iterations are to have besides; 0 for the paper's
+  // method, which has none.
   int final_pairs_per_facet = 12;
 
   double potts_weight = 2.1972245773362196;  // log 9

@@ -61,30 +61,31 @@ class LevelRefiner {
         level_(level),
         weight_(kFirstWeight * options.smoothness_weight),
         weights_(mesh.vertices.size(), weight_),
-        all_labels_(labels),
-        labels_(options.labeling.pair_selection == PairSelection::kClassical
-                    ? labels
-                    : labels.First(options.labeling.pairs_per_facet)),
+        labels_(labels),
+        few_labels_(labels.First(options.labeling.pair_selection ==
+                                         PairSelection::kClassical
+                                     ? SIZE_MAX
+                                     : options.labeling.pairs_per_facet)),
         energy_(energy),
         rings_(MakeVertexRings(mesh)) {
-    FindFootprints(views, mesh);
-    energy_->Render(mesh);
-    PhotometricTerms terms = energy_->Evaluate(mesh, labels_);
-    FindSeen(mesh, terms);
-    CountPixels(mesh, terms);
-    FindRest(origins, mesh);
-    surface_ = WithPlate(mesh, std::move(terms));
+    surface_.mesh = mesh;
+    surface_.normals = VertexNormals(mesh, rings_);
+    FindFootprints(views);
+    Draw();
+    FindSeen();
+    CountPixels();
+    FindRest(origins);
+    surface_.plate = PlateOf(surface_);
   }
 
   void Run(const OnLevelStep& on_step, TriangleMesh* mesh) {
     if (Report(0, on_step, mesh) &&
         Iterate(options_.iterations, on_step, mesh) &&
-        labels_.labels.size() < all_labels_.labels.size()) {
-      labels_ = all_labels_;
-      Draw();
-      CountPixels(surface_.mesh, surface_.terms);
-      surface_.plate = PlateOf(surface_);
+        few_labels_.labels.size() < labels_.labels.size()) {
       is_final_ = true;
+      Draw();
+      CountPixels();
+      surface_.plate = PlateOf(surface_);
       if (Report(0, on_step, mesh)) {
         Iterate(kFinalIterations, on_step, mesh);
       }
@@ -141,14 +142,17 @@ class LevelRefiner {
   void Draw() {
     drift_ = 0;
     energy_->Render(surface_.mesh);
-    surface_.terms = energy_->Evaluate(surface_.mesh, labels_);
+    surface_.terms = energy_->Evaluate(surface_.mesh, LabelsInUse());
   }
 
-  void FindFootprints(const std::vector<View>& views, const TriangleMesh& mesh);
-  void FindSeen(const TriangleMesh& mesh, const PhotometricTerms& terms);
-  void CountPixels(const TriangleMesh& mesh, const PhotometricTerms& terms);
-  void FindRest(const std::vector<Eigen::Vector3f>& origins,
-                const TriangleMesh& mesh);
+  const FacetLabels& LabelsInUse() const {
+    return is_final_ ? labels_ : few_labels_;
+  }
+
+  void FindFootprints(const std::vector<View>& views);
+  void FindSeen();
+  void CountPixels();
+  void FindRest(const std::vector<Eigen::Vector3f>& origins);
   void AskForConfirmedRelief();
   void EstimateWeights();
   std::vector<double> SolveForMotion() const;
@@ -162,8 +166,8 @@ class LevelRefiner {
   int level_;
   double weight_;                // of the smoothness, on the whole
   std::vector<double> weights_;  // [V]
-  const FacetLabels& all_labels_;
-  FacetLabels labels_;  // in use
+  const FacetLabels& labels_;
+  FacetLabels few_labels_;  // before the final iterations
   PhotometricEnergy* energy_;
   VertexRings rings_;
   std::vector<float> footprints_;  // [V] of a pixel, scene units
@@ -182,8 +186,8 @@ class LevelRefiner {
 
 // In the views of the best pairs around a vertex; the median of all where there
 // are none.
-void LevelRefiner::FindFootprints(const std::vector<View>& views,
-                                  const TriangleMesh& mesh) {
+void LevelRefiner::FindFootprints(const std::vector<View>& views) {
+  const TriangleMesh& mesh = surface_.mesh;
   footprints_.assign(mesh.vertices.size(), 0);
   std::vector<float> known;
   for (size_t i = 0; i < footprints_.size(); ++i) {
@@ -218,11 +222,11 @@ void LevelRefiner::FindFootprints(const std::vector<View>& views,
   }
 }
 
-void LevelRefiner::FindSeen(const TriangleMesh& mesh,
-                            const PhotometricTerms& terms) {
+void LevelRefiner::FindSeen() {
+  const TriangleMesh& mesh = surface_.mesh;
   is_seen_.assign(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    if (terms.num_pixels[i] > 0) {
+    if (surface_.terms.num_pixels[i] > 0) {
       for (const uint32_t vertex : mesh.facets[i]) {
         is_seen_[vertex] = 1;
       }
@@ -233,8 +237,8 @@ void LevelRefiner::FindSeen(const TriangleMesh& mesh,
 // Those compared, in both directions of all pairs, or those that the facets
 // cover, if that is more: large facets of which little is compared would have
 // next to no stiffness else, and the noise of a few pixels raise them to tents.
-void LevelRefiner::CountPixels(const TriangleMesh& mesh,
-                               const PhotometricTerms& terms) {
+void LevelRefiner::CountPixels() {
+  const TriangleMesh& mesh = surface_.mesh;
   num_pixels_.assign(mesh.vertices.size(), 0);
   std::vector<float> areas(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
@@ -243,7 +247,7 @@ void LevelRefiner::CountPixels(const TriangleMesh& mesh,
     const Eigen::Vector3f ac = mesh.vertices[c] - mesh.vertices[a];
     const float area = ab.cross(ac).norm() / 2;
     for (const uint32_t vertex : mesh.facets[i]) {
-      num_pixels_[vertex] += terms.num_pixels[i] / 3;
+      num_pixels_[vertex] += surface_.terms.num_pixels[i] / 3;
       areas[vertex] += area / 3;
     }
   }
@@ -255,8 +259,8 @@ void LevelRefiner::CountPixels(const TriangleMesh& mesh,
   }
 }
 
-void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins,
-                            const TriangleMesh& mesh) {
+void LevelRefiner::FindRest(const std::vector<Eigen::Vector3f>& origins) {
+  const TriangleMesh& mesh = surface_.mesh;
   rest_ = Relief(mesh, rings_, footprints_);
   if (level_ > 0) {
     return;
@@ -392,7 +396,7 @@ double LevelRefiner::Step() {
   LimitMotion(&motion);
   for (int trial = 0; trial < kMaxTrials; ++trial) {
     const TriangleMesh moved = Move(&motion);
-    Surface next = WithPlate(moved, energy_->Evaluate(moved, labels_));
+    Surface next = WithPlate(moved, energy_->Evaluate(moved, LabelsInUse()));
     if (next.Energy() < surface_.Energy()) {
       surface_ = std::move(next);
       double sum = 0;

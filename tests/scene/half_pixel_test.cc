@@ -136,6 +136,16 @@ struct Sphere {
     return {r * std::cos(angle), r * std::sin(angle), z};
   }
 
+  // The cloud with a share of the error.
+  PointCloud OffBy(float share) const {
+    const auto offsets = HalfPixelOffsets(cloud, views);
+    PointCloud off = cloud;
+    for (size_t i = 0; i < off.size(); ++i) {
+      off.positions[i] -= share * offsets[i];
+    }
+    return off;
+  }
+
   PointCloud cloud;
   std::vector<View> views;
   std::vector<Eigen::Vector3f> sparse_points;
@@ -145,12 +155,8 @@ TEST(RegressHalfPixel, SlopeIsTheShareOfTheOffsetThatIsThere) {
   const Sphere sphere;
   const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
   for (const float share : {0.0f, 0.5f, 1.0f}) {
-    PointCloud cloud = sphere.cloud;
-    for (size_t i = 0; i < cloud.size(); ++i) {
-      cloud.positions[i] -= share * offsets[i];
-    }
     const HalfPixelSlope result =
-        RegressHalfPixel(cloud, offsets, sphere.sparse_points);
+        RegressHalfPixel(sphere.OffBy(share), offsets, sphere.sparse_points);
     EXPECT_GT(result.num_points, 1000u);
     EXPECT_NEAR(result.slope, share, 0.05);
     EXPECT_GT(result.standard_error, 0);
@@ -163,15 +169,12 @@ TEST(RegressHalfPixel, SlopeIsTheShareOfTheOffsetThatIsThere) {
 TEST(RegressHalfPixel, IsNotMovedByOutliers) {
   Sphere sphere;
   const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
-  for (size_t i = 0; i < sphere.cloud.size(); ++i) {
-    sphere.cloud.positions[i] -= offsets[i];
-  }
   Random random(3);
   for (size_t i = 0; i < sphere.sparse_points.size(); i += 10) {
     sphere.sparse_points[i] *= static_cast<float>(0.5 + random.Unit());
   }
   const HalfPixelSlope result =
-      RegressHalfPixel(sphere.cloud, offsets, sphere.sparse_points);
+      RegressHalfPixel(sphere.OffBy(1), offsets, sphere.sparse_points);
   EXPECT_NEAR(result.slope, 1, 0.1);
 }
 
@@ -179,16 +182,13 @@ TEST(RegressHalfPixel, IsNotMovedByOutliers) {
 TEST(RegressHalfPixel, IsNotMovedByWhatWasNotFused) {
   Sphere sphere;
   const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
-  for (size_t i = 0; i < sphere.cloud.size(); ++i) {
-    sphere.cloud.positions[i] -= offsets[i];
-  }
   Random random(4);
   for (int i = 0; i < 6000; ++i) {
     sphere.sparse_points.emplace_back(4 * random.Unit() - 2, -1.2F,
                                       4 * random.Unit() - 2);
   }
   const HalfPixelSlope result =
-      RegressHalfPixel(sphere.cloud, offsets, sphere.sparse_points);
+      RegressHalfPixel(sphere.OffBy(1), offsets, sphere.sparse_points);
   EXPECT_GT(result.num_points, 1000u);
   EXPECT_NEAR(result.slope, 1, 0.05);
 }
