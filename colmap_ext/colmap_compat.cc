@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <type_traits>
 
 #if __has_include(<colmap/sensor/bitmap.h>)
@@ -98,14 +99,17 @@ bool ParseOptions(int argc, char** argv, colmap::OptionManager* options) {
   return IsProjectFileReadable(argc, argv) && Parse(argc, argv, options);
 }
 
-std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path) {
-  return ReadImage<ColorImage>(path, [](const Color& color) { return color; });
-}
-
-std::optional<GrayImage> ReadGrayPicture(const std::filesystem::path& path) {
-  return ReadImage<GrayImage>(path, [](const Color& color) {
-    return static_cast<uint8_t>((color[0] + 2 * color[1] + color[2] + 2) / 4);
-  });
+PictureDecoder ColmapPictureDecoder() {
+  return {[](const std::filesystem::path& path) {
+            return ReadImage<ColorImage>(
+                path, [](const Color& color) { return color; });
+          },
+          [](const std::filesystem::path& path) {
+            return ReadImage<GrayImage>(path, [](const Color& color) {
+              return static_cast<uint8_t>(
+                  (color[0] + 2 * color[1] + color[2] + 2) / 4);
+            });
+          }};
 }
 
 bool WriteColorImage(const std::filesystem::path& path,

@@ -14,11 +14,10 @@
 #endif
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "scene/color_image.h"
-#include "scene/gray_image.h"
+#include "scene/picture_decoder.h"
 
 namespace colmap_ext {
 
@@ -30,14 +29,10 @@ void InitializeLogging(char** argv);
 // \return false if the options are wrong, which has been said then.
 bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
 
-// Reads a picture with COLMAP.
-// \return nothing if there is no such picture, or COLMAP can not read it.
-std::optional<ColorImage> ReadColorImage(const std::filesystem::path& path);
-
-// The same in grey, 8 bits: (R + 2 G + B) / 4, as many of each as a camera's
-// sensor has photosites, which leaves the least of their noise; COLMAP's own
-// conversion weighs colours as the eye does.
-std::optional<GrayImage> ReadGrayPicture(const std::filesystem::path& path);
+// Decodes pictures by COLMAP. Grey is (R + 2 G + B) / 4, as many of each as a
+// camera's sensor has photosites, which leaves the least of their noise;
+// COLMAP's own conversion weighs colours as the eye does.
+PictureDecoder ColmapPictureDecoder();
 
 // Writes a picture with COLMAP, in the format that the path's extension names.
 // \return whether it is written.

@@ -4,19 +4,19 @@
 #include <optional>
 #include <string>
 
-#include "colmap_ext/atomic_file.h"
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
-#include "colmap_ext/find_workspace.h"
-#include "colmap_ext/meshing_options.h"
-#include "colmap_ext/print_report.h"
-#include "colmap_ext/progress_reporter.h"
+#include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/workspace.h"
-#include "colmap_ext/write_mesh.h"
+#include "colmap_ext/terminal/progress_reporter.h"
 #include "delaunay/manifold_meshing.h"
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+#include "formats/write_mesh.h"
 #include "scene/half_pixel.h"
+#include "workspace/find_workspace.h"
+#include "workspace/workspace.h"
 
 namespace colmap_ext {
 
@@ -63,7 +63,8 @@ void MeshWorkspace(const MesherOptions& options) {
     reporter.Update(stage, share);
   };
   Report(progress, "Reading the workspace", 0);
-  Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace);
+  Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace,
+                                      ColmapPictureDecoder());
   std::optional<HalfPixelReport> half_pixel;
   // Sparse points come from features, which do not have the error.
   if (options.half_pixel_correction &&

@@ -9,25 +9,25 @@
 
 #include <tbb/global_control.h>
 
-#include "colmap_ext/atomic_file.h"
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
-#include "colmap_ext/print_lines.h"
-#include "colmap_ext/print_report.h"
-#include "colmap_ext/progress_reporter.h"
-#include "colmap_ext/refinement_backend.h"
-#include "colmap_ext/refinement_input.h"
-#include "colmap_ext/refinement_options.h"
-#include "colmap_ext/refinement_report.h"
-#include "colmap_ext/refinement_state.h"
+#include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/refinement/refinement_backend.h"
+#include "colmap_ext/refinement/refinement_input.h"
+#include "colmap_ext/refinement/refinement_state.h"
+#include "colmap_ext/report/print_lines.h"
+#include "colmap_ext/report/print_report.h"
+#include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/stop_signal.h"
-#include "colmap_ext/usable_pictures.h"
+#include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/terminal/stop_signal.h"
 #include "colmap_ext/write_labels.h"
-#include "colmap_ext/write_mesh.h"
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+#include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
+#include "workspace/usable_pictures.h"
 
 namespace colmap_ext {
 
@@ -79,7 +79,7 @@ class Refiner {
 
  private:
   void Read() {
-    input_ = ReadRefinementInput(options_, paths_, progress_);
+    input_ = ReadRefinementInput(options_, paths_, decoder_, progress_);
     level_ = options_.refinement.levels;
     if (options_.resume && fs::exists(StatePath(paths_.output))) {
       RefinementState state = ReadState(paths_.output, identity_);
@@ -111,7 +111,8 @@ class Refiner {
 
   RefinedMesh Refine() {
     const auto images = std::make_shared<ImagePyramid>(
-        input_.views, PictureReader(paths_.folder / "images", input_.views),
+        input_.views,
+        PictureReader(paths_.folder / "images", input_.views, decoder_),
         options_.MaxImageMemory());
     const RefinementBackend backend = MakeBackend(options_, images);
     PrintText("computed by", backend.description, std::cout);
@@ -223,6 +224,7 @@ class Refiner {
   const RefinerOptions& options_;
   const RefinementPaths& paths_;
   const RunIdentity identity_;
+  const PictureDecoder decoder_ = ColmapPictureDecoder();
   ProgressReporter reporter_;
   Progress progress_;
   RefinementInput input_;

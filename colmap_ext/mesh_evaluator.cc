@@ -9,24 +9,24 @@
 
 #include <tbb/global_control.h>
 
-#include "colmap_ext/atomic_file.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/error_picture.h"
-#include "colmap_ext/errors.h"
-#include "colmap_ext/evaluation_options.h"
-#include "colmap_ext/evaluation_report.h"
-#include "colmap_ext/find_workspace.h"
-#include "colmap_ext/print_report.h"
-#include "colmap_ext/progress_reporter.h"
-#include "colmap_ext/read_depth_map.h"
-#include "colmap_ext/read_ply_mesh.h"
-#include "colmap_ext/read_views.h"
+#include "colmap_ext/options/add_evaluation_options.h"
+#include "colmap_ext/report/evaluation_report.h"
+#include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/write_mesh.h"
+#include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/write_png.h"
-#include "evaluation/error_colors.h"
 #include "evaluation/mesh_evaluation.h"
-#include "evaluation/mesh_renderer.h"
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+#include "formats/read_depth_map.h"
+#include "formats/read_ply_mesh.h"
+#include "formats/write_mesh.h"
+#include "pictures/error_colors.h"
+#include "pictures/error_picture.h"
+#include "pictures/mesh_renderer.h"
+#include "workspace/find_workspace.h"
+#include "workspace/read_views.h"
 
 namespace colmap_ext {
 
@@ -55,7 +55,9 @@ std::vector<View> ReadEvaluatedViews(const EvaluatorOptions& options) {
   }
   const fs::path sparse_path = FindSparseFolder(options.workspace_path);
   const SparseModel model = ReadSparseModel(sparse_path);
-  std::vector<View> views = ReadViews(options.workspace_path, model, {}).views;
+  std::vector<View> views =
+      ReadViews(options.workspace_path, model, {}, ColmapPictureDecoder())
+          .views;
   if (views.empty()) {
     throw FileError(sparse_path, "it has no images");
   }

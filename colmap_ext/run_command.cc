@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "colmap_ext/errors.h"
+#include "formats/errors.h"
 
 namespace colmap_ext {
 

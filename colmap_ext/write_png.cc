@@ -5,9 +5,9 @@
 #include <system_error>
 #include <vector>
 
-#include "colmap_ext/atomic_file.h"
 #include "colmap_ext/colmap_compat.h"
-#include "colmap_ext/errors.h"
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
 
 namespace colmap_ext {
 

@@ -1,7 +1,7 @@
 #version 450 core
 
 // Which facets face the camera, enough to be compared: DrawFacets() of
-// refine/facet_id_buffer.h.
+// raster/facet_id_buffer.h.
 
 layout(local_size_x = 64) in;
 

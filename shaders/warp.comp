@@ -1,6 +1,6 @@
 #version 450 core
 
-// I_ij: image I_j seen from i by way of the surface, see refine/pair_warp.h.
+// I_ij: image I_j seen from i by way of the surface, see photometry/pair_warp.h.
 
 layout(local_size_x = kTileWidth, local_size_y = kTileHeight) in;
 
@@ -40,7 +40,7 @@ uniform float depth_scale_j;
 
 const uint kNoFacet = 0xffffffffu;
 
-// IsNearest() of refine/facet_id_buffer.h.
+// IsNearest() of raster/facet_id_buffer.h.
 bool IsNearest(uint facet, vec3 normal, float distance_j, ivec2 nearest,
                float inverse_depth) {
   if (texelFetch(facets_j, nearest, 0).x == facet) {

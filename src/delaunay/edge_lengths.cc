@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "mesh/percentile.h"
+#include "base/percentile.h"
 
 namespace colmap_ext {
 namespace {

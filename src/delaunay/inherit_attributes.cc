@@ -20,8 +20,8 @@ Attributes OfPoints(const PointCloud& cloud, uint32_t a, uint32_t b) {
           (cloud.colors[a][k] + cloud.colors[b][k] + 1) / 2);
     }
   }
-  const auto views_a = cloud.Views(a);
-  const auto views_b = cloud.Views(b);
+  const auto views_a = cloud.views[a];
+  const auto views_b = cloud.views[b];
   std::set_union(views_a.begin(), views_a.end(), views_b.begin(), views_b.end(),
                  std::back_inserter(attributes.views));
   return attributes;
@@ -101,9 +101,9 @@ VertexAttributes InheritAttributes(
     if (!cloud.colors.empty()) {
       result.colors.push_back(attribute.color);
     }
-    result.view_indices.insert(result.view_indices.end(),
+    result.views.values.insert(result.views.values.end(),
                                attribute.views.begin(), attribute.views.end());
-    result.view_offsets.push_back(result.view_indices.size());
+    result.views.EndRow();
   }
   return result;
 }

@@ -14,7 +14,7 @@
 #include "delaunay/vertex_star.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/facet_filters.h"
-#include "mesh/singular_vertices.h"
+#include "mesh/fan_split.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {
@@ -27,7 +27,7 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
                             static_cast<float>(options.alpha_vis));
   if (options.alpha_kind == "tracks") {
     for (size_t point = 0; point < cloud.size(); ++point) {
-      const double ratio = static_cast<double>(cloud.Views(point).size()) /
+      const double ratio = static_cast<double>(cloud.views[point].size()) /
                            options.visibility_sigma;
       alphas[point] = static_cast<float>(1 - std::exp(-0.5 * ratio * ratio));
     }
@@ -190,13 +190,13 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
     max_threads.emplace(tbb::global_control::max_allowed_parallelism,
                         options.num_threads);
   }
-  if (cloud.view_indices.empty()) {
+  if (cloud.views.values.empty()) {
     throw std::invalid_argument("no view sees any point: nothing to mesh");
   }
   ManifoldMesh result;
   ManifoldMeshingReport& report = result.report;
   report.num_points = cloud.size();
-  report.num_observations = cloud.view_indices.size();
+  report.num_observations = cloud.views.values.size();
   ThinnedTetrahedralization thinned = Tetrahedralize(
       cloud, views, {options.max_proj_dist, options.max_depth_dist}, progress);
   report.num_duplicate_points = thinned.num_duplicate_points;

@@ -4,8 +4,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
-#include "mesh/singular_vertices.h"
 
 namespace colmap_ext {
 namespace {

@@ -99,7 +99,7 @@ class ThinningRule {
 
   template <typename CellHandle>
   bool IsRedundant(uint32_t point, const CellHandle& cell) const {
-    for (const uint32_t index : cloud_.Views(point)) {
+    for (const uint32_t index : cloud_.views[point]) {
       const View& view = views_[index];
       const Eigen::Vector3d local =
           view.CamFromWorld(cloud_.positions[point].cast<double>());

@@ -178,7 +178,7 @@ Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
   for (size_t vertex = 0; vertex < num_vertices; ++vertex) {
     row.clear();
     for (uint64_t k = offsets[vertex]; k < offsets[vertex + 1]; ++k) {
-      for (const uint32_t view : cloud.Views(points[k])) {
+      for (const uint32_t view : cloud.views[points[k]]) {
         row.emplace_back(view, point_alphas[points[k]]);
       }
     }

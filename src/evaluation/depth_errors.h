@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "evaluation/depth_map.h"
+#include "evaluation/depth_samples.h"
 
 namespace colmap_ext {
 

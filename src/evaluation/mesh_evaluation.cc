@@ -11,7 +11,7 @@
 
 #include "evaluation/surface_samples.h"
 #include "evaluation/thinning.h"
-#include "mesh/bvh.h"
+#include "spatial/bvh.h"
 
 namespace colmap_ext {
 namespace {

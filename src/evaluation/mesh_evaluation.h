@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 
 #include "evaluation/depth_errors.h"
-#include "evaluation/depth_map.h"
+#include "evaluation/depth_samples.h"
 #include "evaluation/distance_statistics.h"
 #include "evaluation/observability.h"
 #include "mesh/topology.h"

@@ -7,7 +7,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "gl/gl_error.h"
-#include "refine/facet_id_buffer.h"
+#include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {
 

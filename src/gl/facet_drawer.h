@@ -20,7 +20,7 @@ struct FacetTextures {
   GlBuffer facing;        // [F] bits, see facing.comp
 };
 
-// Draws a mesh into views, as DrawFacets() of refine/facet_id_buffer.h does.
+// Draws a mesh into views, as DrawFacets() of raster/facet_id_buffer.h does.
 class FacetDrawer {
  public:
   // \param min_cosine  see DrawFacets().

@@ -13,7 +13,7 @@
 #include "gl/egl_context.h"
 #include "gl/pair_passes.h"
 #include "gl/view_textures.h"
-#include "refine/pair_work.h"
+#include "photometry/pair_work.h"
 
 namespace colmap_ext {
 
@@ -69,9 +69,9 @@ class Evaluator {
   std::vector<FacetSums> Evaluate(const TriangleMesh& mesh,
                                   const FacetLabels& labels) {
     const size_t num_facets = mesh.facets.size();
-    const PairFacets pair_facets = GroupByPair(labels);
+    const Rows<uint32_t> pair_facets = GroupByPair(labels);
     vertices_.Assign(mesh.vertices);
-    pair_facets_.Assign(pair_facets.facets);
+    pair_facets_.Assign(pair_facets.values);
     ComputeNormals(num_facets);
     sums_.Resize(num_facets * sizeof(FacetSums));
     sums_.SetZero();
@@ -118,7 +118,7 @@ class Evaluator {
   Program facet_normals_;
   PairPasses passes_;
   GlBuffer vertices_;     // the present ones
-  GlBuffer pair_facets_;  // see PairFacets
+  GlBuffer pair_facets_;  // see GroupByPair()
   GlBuffer normals_;      // [F][3] double
   GlBuffer sums_;         // [F] FacetSums
 };

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <memory>
 
-#include "refine/image_pyramid.h"
-#include "refine/photometric_energy.h"
+#include "photometry/image_pyramid.h"
+#include "photometry/photometric_energy.h"
 
 namespace colmap_ext {
 

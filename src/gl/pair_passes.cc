@@ -5,7 +5,7 @@
 #include <string>
 
 #include "gl/gl_error.h"
-#include "refine/window_correlation.h"
+#include "photometry/window_correlation.h"
 
 namespace colmap_ext {
 

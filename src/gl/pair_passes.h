@@ -7,7 +7,7 @@
 #include "gl/gl_objects.h"
 #include "gl/program.h"
 #include "gl/view_textures.h"
-#include "refine/photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -17,9 +17,9 @@ struct PairBuffers {
   const GlBuffer& drawn_vertices;  // [V][3] float, those that were drawn
   const GlBuffer& vertices;        // [V][3] float, the present ones
   const GlBuffer& facets;          // [F][3] uint
-  const GlBuffer& pair_facets;     // uint, all pairs', see PairFacets
-  const GlBuffer& normals;         // [F][3] double, the present ones
-  const GlBuffer& sums;            // [F][12] float, added to
+  const GlBuffer& pair_facets;  // uint, all pairs', by pair: see GroupByPair()
+  const GlBuffer& normals;      // [F][3] double, the present ones
+  const GlBuffer& sums;         // [F][12] float, added to
 };
 
 // One direction of a pair, i <- j.

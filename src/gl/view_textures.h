@@ -7,7 +7,7 @@
 #include "gl/facet_drawer.h"
 #include "gl/gl_objects.h"
 #include "mesh/triangle_mesh.h"
-#include "refine/image_pyramid.h"
+#include "photometry/image_pyramid.h"
 
 namespace colmap_ext {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "base/percentile.h"
+#include "base/union_find.h"
 #include "mesh/half_edges.h"
-#include "mesh/percentile.h"
-#include "mesh/union_find.h"
 
 namespace colmap_ext {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <tbb/parallel_sort.h>
 
-#include "mesh/singular_vertices.h"
+#include "mesh/fan_split.h"
 
 namespace colmap_ext {
 

@@ -39,7 +39,7 @@ std::vector<uint32_t> UnionOfViews(const PointCloud& points,
                                    const std::vector<uint32_t>& indices) {
   std::vector<uint32_t> views;
   for (const uint32_t index : indices) {
-    const auto row = points.Views(index);
+    const auto row = points.views[index];
     views.insert(views.end(), row.begin(), row.end());
   }
   std::sort(views.begin(), views.end());
@@ -68,9 +68,9 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
     }
   });
   for (const std::vector<uint32_t>& row : views) {
-    attributes.view_indices.insert(attributes.view_indices.end(), row.begin(),
+    attributes.views.values.insert(attributes.views.values.end(), row.begin(),
                                    row.end());
-    attributes.view_offsets.push_back(attributes.view_indices.size());
+    attributes.views.EndRow();
   }
   return attributes;
 }

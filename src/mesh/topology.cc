@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/union_find.h"
 #include "mesh/half_edges.h"
-#include "mesh/union_find.h"
 
 namespace colmap_ext {
 namespace {

@@ -9,14 +9,14 @@ VertexAttributes InterpolateAttributes(
     const VertexAttributes& attributes,
     const std::vector<std::array<uint32_t, 2>>& sources) {
   VertexAttributes interpolated;
-  interpolated.view_offsets.reserve(sources.size() + 1);
+  interpolated.views.offsets.reserve(sources.size() + 1);
   for (const auto& [a, b] : sources) {
-    const auto views_a = attributes.Views(a);
-    const auto views_b = attributes.Views(b);
+    const auto views_a = attributes.views[a];
+    const auto views_b = attributes.views[b];
     std::set_union(views_a.begin(), views_a.end(), views_b.begin(),
                    views_b.end(),
-                   std::back_inserter(interpolated.view_indices));
-    interpolated.view_offsets.push_back(interpolated.view_indices.size());
+                   std::back_inserter(interpolated.views.values));
+    interpolated.views.EndRow();
     if (!attributes.colors.empty()) {
       Color color;
       for (int k = 0; k < 3; ++k) {

@@ -31,7 +31,7 @@ std::vector<Vector3f> VertexNormals(const TriangleMesh& mesh,
   std::vector<Vector3f> normals(mesh.vertices.size());
   tbb::parallel_for(size_t{0}, normals.size(), [&](size_t vertex) {
     Vector3d sum = Vector3d::Zero();
-    for (const uint32_t corner : rings.Corners(vertex)) {
+    for (const uint32_t corner : rings.corners[vertex]) {
       sum += AngleVector(mesh, mesh.facets[corner / 3],
                          static_cast<int>(corner % 3));
     }

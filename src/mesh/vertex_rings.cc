@@ -27,21 +27,22 @@ void FillCorners(const std::vector<Facet>& facets, VertexRings* rings) {
   tbb::parallel_for(uint32_t{0}, num_corners, [&](uint32_t corner) {
     counts[vertex_at(corner)].fetch_add(1, std::memory_order_relaxed);
   });
-  rings->corner_offsets.assign(num_vertices + 1, 0);
+  rings->corners.offsets.assign(num_vertices + 1, 0);
   for (size_t vertex = 0; vertex < num_vertices; ++vertex) {
-    rings->corner_offsets[vertex + 1] = counts[vertex];
+    rings->corners.offsets[vertex + 1] = counts[vertex];
   }
-  AddUp(&rings->corner_offsets);
-  rings->corners.resize(num_corners);
+  AddUp(&rings->corners.offsets);
+  rings->corners.values.resize(num_corners);
   tbb::parallel_for(uint32_t{0}, num_corners, [&](uint32_t corner) {
     const uint32_t vertex = vertex_at(corner);
     const uint32_t left =
         counts[vertex].fetch_sub(1, std::memory_order_relaxed);
-    rings->corners[rings->corner_offsets[vertex] + left - 1] = corner;
+    rings->corners.values[rings->corners.offsets[vertex] + left - 1] = corner;
   });
   tbb::parallel_for(size_t{0}, num_vertices, [&](size_t vertex) {
-    std::sort(rings->corners.data() + rings->corner_offsets[vertex],
-              rings->corners.data() + rings->corner_offsets[vertex + 1]);
+    std::sort(
+        rings->corners.values.data() + rings->corners.offsets[vertex],
+        rings->corners.values.data() + rings->corners.offsets[vertex + 1]);
   });
 }
 
@@ -67,7 +68,7 @@ void ForEachVertex(const std::vector<Facet>& facets, const VertexRings& rings,
       [&](const tbb::blocked_range<size_t>& range) {
         std::vector<uint32_t> others;
         for (size_t vertex = range.begin(); vertex < range.end(); ++vertex) {
-          CollectNeighbors(facets, rings.Corners(vertex), &others);
+          CollectNeighbors(facets, rings.corners[vertex], &others);
           function(vertex, others);
         }
       });
@@ -87,19 +88,19 @@ uint64_t CountNeighbors(const std::vector<uint32_t>& others,
 }
 
 void FillNeighbors(const std::vector<Facet>& facets, VertexRings* rings) {
-  std::vector<uint64_t>& offsets = rings->neighbor_offsets;
+  std::vector<uint64_t>& offsets = rings->neighbors.offsets;
   offsets.assign(rings->NumVertices() + 1, 0);
   ForEachVertex(
       facets, *rings, [&](size_t vertex, const std::vector<uint32_t>& others) {
         offsets[vertex + 1] = CountNeighbors(others, &rings->is_border[vertex]);
       });
   AddUp(&offsets);
-  rings->neighbors.resize(offsets.back());
-  ForEachVertex(facets, *rings,
-                [&](size_t vertex, const std::vector<uint32_t>& others) {
-                  std::unique_copy(others.begin(), others.end(),
-                                   rings->neighbors.data() + offsets[vertex]);
-                });
+  rings->neighbors.values.resize(offsets.back());
+  ForEachVertex(
+      facets, *rings, [&](size_t vertex, const std::vector<uint32_t>& others) {
+        std::unique_copy(others.begin(), others.end(),
+                         rings->neighbors.values.data() + offsets[vertex]);
+      });
 }
 
 }  // namespace

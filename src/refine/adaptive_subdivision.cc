@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/subdivision.h"
-#include "refine/facet_visibility.h"
+#include "raster/facet_visibility.h"
 
 namespace colmap_ext {
 
@@ -53,7 +53,7 @@ void SubdivideLargeFacets(double max_area, double min_cosine,
     tbb::parallel_for(size_t{0}, is_large.size(), [&](size_t i) {
       double largest = 0;
       double second = 0;
-      for (const uint32_t view : visibility.Views(i)) {
+      for (const uint32_t view : visibility[i]) {
         const double area = AreaInImage(*mesh, mesh->facets[i], views[view]);
         second = std::max(second, std::min(area, largest));
         largest = std::max(area, largest);

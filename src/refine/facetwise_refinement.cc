@@ -5,13 +5,13 @@
 #include <string>
 #include <utility>
 
+#include "labeling/view_pairs.h"
 #include "mesh/facet_normals.h"
-#include "mesh/self_intersections.h"
+#include "photometry/image_pyramid.h"
+#include "raster/facet_visibility.h"
 #include "refine/adaptive_subdivision.h"
-#include "refine/facet_visibility.h"
-#include "refine/image_pyramid.h"
 #include "refine/level_refinement.h"
-#include "refine/view_pairs.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 

@@ -7,11 +7,11 @@
 
 #include <Eigen/Core>
 
+#include "labeling/facet_labeling.h"
+#include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
-#include "refine/facet_labeling.h"
-#include "refine/facet_labels.h"
-#include "refine/photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"

@@ -81,7 +81,7 @@ class LevelRefiner {
   void Run(const OnLevelStep& on_step, TriangleMesh* mesh) {
     if (Report(0, on_step, mesh) &&
         Iterate(options_.iterations, on_step, mesh) &&
-        few_labels_.labels.size() < labels_.labels.size()) {
+        few_labels_.labels.values.size() < labels_.labels.values.size()) {
       is_final_ = true;
       Draw();
       CountPixels();
@@ -194,8 +194,8 @@ void LevelRefiner::FindFootprints(const std::vector<View>& views) {
     const Eigen::Vector3d point = mesh.vertices[i].cast<double>();
     double sum = 0;
     int count = 0;
-    for (const uint32_t corner : rings_.Corners(i)) {
-      const auto labels = labels_.Labels(corner / 3);
+    for (const uint32_t corner : rings_.corners[i]) {
+      const auto labels = labels_.labels[corner / 3];
       if (labels.empty()) {
         continue;
       }
@@ -338,7 +338,7 @@ void LevelRefiner::LimitMotion(std::vector<double>* motion) const {
   constexpr double kMaxEdgeShare = 0.4;  // of the edges' mean length
   const std::vector<Eigen::Vector3f>& vertices = surface_.mesh.vertices;
   tbb::parallel_for(size_t{0}, motion->size(), [&](size_t i) {
-    const auto ring = rings_.Neighbors(i);
+    const auto ring = rings_.neighbors[i];
     double length = 0;
     for (const uint32_t neighbor : ring) {
       length += (vertices[neighbor] - vertices[i]).norm();

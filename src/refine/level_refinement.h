@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
+#include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
-#include "refine/facet_labels.h"
+#include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
-#include "refine/photometric_energy.h"
 #include "scene/view.h"
 
 namespace colmap_ext {

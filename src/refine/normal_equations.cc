@@ -7,7 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "refine/facet_frames.h"
+#include "raster/facet_frames.h"
 
 namespace colmap_ext {
 
@@ -53,13 +53,13 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
   const size_t size = mesh.vertices.size();
   gradient_.assign(size, 0);
   photometric_diagonal_.assign(size, 0);
-  photometric_.assign(rings_.neighbors.size(), 0);
+  photometric_.assign(rings_.neighbors.values.size(), 0);
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   tbb::parallel_for(size_t{0}, size, [&](size_t vertex) {
-    const auto ring = rings_.Neighbors(vertex);
-    const size_t row = ring.data() - rings_.neighbors.data();
+    const auto ring = rings_.neighbors[vertex];
+    const size_t row = ring.data() - rings_.neighbors.values.data();
     const Eigen::Vector3d normal = normals_[vertex].cast<double>();
-    for (const uint32_t corner : rings_.Corners(vertex)) {
+    for (const uint32_t corner : rings_.corners[vertex]) {
       const uint32_t facet = corner / 3;
       const int k = static_cast<int>(corner % 3);
       // How far the facet moves along its normal as its corners do.
@@ -86,16 +86,17 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
 
 // Its residuals are N_V . (weighted mean of the neighbors - V).
 void NormalEquations::AddSmoothness() {
-  outgoing_.resize(rings_.neighbors.size());
-  incoming_.resize(rings_.neighbors.size());
+  outgoing_.resize(rings_.neighbors.values.size());
+  incoming_.resize(rings_.neighbors.values.size());
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
-    const auto ring = rings_.Neighbors(vertex);
-    const size_t row = ring.data() - rings_.neighbors.data();
+    const auto ring = rings_.neighbors[vertex];
+    const size_t row = ring.data() - rings_.neighbors.values.data();
     for (size_t i = 0; i < ring.size(); ++i) {
-      const auto other_ring = rings_.Neighbors(ring[i]);
+      const auto other_ring = rings_.neighbors[ring[i]];
       const size_t back =
           std::lower_bound(other_ring.begin(), other_ring.end(), vertex) -
-          other_ring.begin() + (other_ring.data() - rings_.neighbors.data());
+          other_ring.begin() +
+          (other_ring.data() - rings_.neighbors.values.data());
       const float cosine = normals_[vertex].dot(normals_[ring[i]]);
       outgoing_[row + i] = plate_.shares[row + i] * cosine;
       incoming_[row + i] = plate_.shares[back] * cosine;
@@ -105,8 +106,8 @@ void NormalEquations::AddSmoothness() {
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
     double gradient = -plate_.coefficients[vertex] * plate_.residuals[vertex];
     double diagonal = plate_.coefficients[vertex];
-    const auto ring = rings_.Neighbors(vertex);
-    const size_t row = ring.data() - rings_.neighbors.data();
+    const auto ring = rings_.neighbors[vertex];
+    const size_t row = ring.data() - rings_.neighbors.values.data();
     for (size_t i = 0; i < ring.size(); ++i) {
       const uint32_t other = ring[i];
       const double share = incoming_[row + i];
@@ -126,8 +127,8 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   const tbb::blocked_range<size_t> all(0, in.size(), 4096);
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
-      const auto ring = rings_.Neighbors(i);
-      const size_t row = ring.data() - rings_.neighbors.data();
+      const auto ring = rings_.neighbors[i];
+      const size_t row = ring.data() - rings_.neighbors.values.data();
       double photometric = photometric_diagonal_[i] * in[i];
       double mean = 0;
       for (size_t k = 0; k < ring.size(); ++k) {
@@ -140,8 +141,8 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   });
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
-      const auto ring = rings_.Neighbors(i);
-      const size_t row = ring.data() - rings_.neighbors.data();
+      const auto ring = rings_.neighbors[i];
+      const size_t row = ring.data() - rings_.neighbors.values.data();
       double sum = -bent[i];
       for (size_t k = 0; k < ring.size(); ++k) {
         sum += incoming_[row + k] * bent[ring[k]];

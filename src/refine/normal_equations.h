@@ -7,7 +7,7 @@
 
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_rings.h"
-#include "refine/photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "refine/thin_plate.h"
 
 namespace colmap_ext {

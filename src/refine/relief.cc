@@ -47,7 +47,7 @@ std::vector<double> TrustedRelief(const TriangleMesh& mesh,
     if (!(plate.coefficients[i] > 0)) {
       return;
     }
-    const auto ring = rings.Neighbors(i);
+    const auto ring = rings.neighbors[i];
     double sum = 0;
     for (const uint32_t neighbor : ring) {
       sum += curvatures[neighbor];

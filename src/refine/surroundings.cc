@@ -12,7 +12,7 @@ void AverageOverSurroundings(const VertexRings& rings,
   std::vector<double> means(values->size());
   for (int round = 0; round < kRounds; ++round) {
     tbb::parallel_for(size_t{0}, values->size(), [&](size_t i) {
-      const auto ring = rings.Neighbors(i);
+      const auto ring = rings.neighbors[i];
       double sum = (*values)[i];
       for (const uint32_t neighbor : ring) {
         sum += (*values)[neighbor];

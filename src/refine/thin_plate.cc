@@ -24,14 +24,14 @@ ThinPlate MakeThinPlate(const std::vector<double>& weights,
   ThinPlate plate;
   plate.residuals.assign(vertices.size(), 0);
   plate.coefficients.assign(vertices.size(), 0);
-  plate.shares.assign(rings.neighbors.size(), 0);
+  plate.shares.assign(rings.neighbors.values.size(), 0);
   tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
-    const auto ring = rings.Neighbors(i);
+    const auto ring = rings.neighbors[i];
     if (rings.is_border[i] != 0 || ring.empty()) {
       return;
     }
     float* shares =
-        plate.shares.data() + (ring.data() - rings.neighbors.data());
+        plate.shares.data() + (ring.data() - rings.neighbors.values.data());
     const double min_edge = kMinEdge * footprints[i];
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double sum_length = 0;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace colmap_ext {
@@ -15,5 +16,8 @@ struct GrayImage {
     return pixels.data() + static_cast<size_t>(row) * width;
   }
 };
+
+// Reads the image of a view, of the size that the view says.
+using ReadGrayImage = std::function<GrayImage(size_t view)>;
 
 }  // namespace colmap_ext

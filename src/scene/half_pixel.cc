@@ -7,7 +7,7 @@ std::vector<Eigen::Vector3f> HalfPixelOffsets(
     const std::vector<double>& depth_map_scales) {
   std::vector<Eigen::Vector3f> offsets(cloud.size(), Eigen::Vector3f::Zero());
   for (size_t point = 0; point < cloud.size(); ++point) {
-    const auto seen_by = cloud.Views(point);
+    const auto seen_by = cloud.views[point];
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const uint32_t index : seen_by) {
       const View& view = views[index];

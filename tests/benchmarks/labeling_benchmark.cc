@@ -10,7 +10,7 @@
 #include <benchmark/benchmark.h>
 #include <Eigen/Geometry>
 
-#include "refine/facet_labeling.h"
+#include "labeling/facet_labeling.h"
 
 namespace colmap_ext {
 namespace {
@@ -63,17 +63,17 @@ struct LabeledSphere {
     }
     FindPairs();
     // What looks less than 73 degrees away from a camera is seen by it.
-    attributes.view_offsets = {0};
+    attributes.views.offsets = {0};
     for (const Eigen::Vector3f& vertex : mesh.vertices) {
-      AddViews(vertex.cast<double>(), &attributes.view_indices);
-      attributes.view_offsets.push_back(attributes.view_indices.size());
+      AddViews(vertex.cast<double>(), &attributes.views.values);
+      attributes.views.EndRow();
     }
     for (const auto& [a, b, c] : mesh.facets) {
       AddViews((mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c])
                    .cast<double>()
                    .normalized(),
                &visibility.views);
-      visibility.offsets.push_back(visibility.views.size());
+      visibility.EndRow();
     }
   }
 
@@ -139,7 +139,7 @@ void LabelSphere(benchmark::State& state) {
       static_cast<double>(LabelFacets(options, sphere.mesh, sphere.attributes,
                                       sphere.pairs, sphere.visibility,
                                       sphere.views)
-                              .labels.labels.size()) /
+                              .labels.labels.values.size()) /
       static_cast<double>(sphere.mesh.facets.size());
 }
 BENCHMARK(LabelSphere)

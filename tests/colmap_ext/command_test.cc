@@ -2,11 +2,11 @@
 
 #include <unistd.h>
 
-#include "colmap_ext/read_ply_cloud.h"
-#include "colmap_ext/read_visibility.h"
+#include "formats/read_ply_cloud.h"
+#include "formats/read_visibility.h"
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/colmap_ext/sphere_workspace.h"
-#include "tests/colmap_ext/test_files.h"
+#include "tests/formats/test_files.h"
+#include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
 namespace {

@@ -13,16 +13,16 @@
 #include <memory>
 #include <thread>
 
-#include "colmap_ext/image_size.h"
-#include "colmap_ext/read_ply_cloud.h"
-#include "colmap_ext/read_ply_mesh.h"
-#include "colmap_ext/read_visibility.h"
-#include "colmap_ext/write_mesh.h"
+#include "formats/picture_size.h"
+#include "formats/read_ply_cloud.h"
+#include "formats/read_ply_mesh.h"
+#include "formats/read_visibility.h"
+#include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/colmap_ext/sphere_workspace.h"
-#include "tests/colmap_ext/test_files.h"
+#include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
+#include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
 namespace {
@@ -166,10 +166,10 @@ class FacetwiseRefinerTest : public testing::Test {
     EXPECT_EQ(refined.colors.size(), refined.mesh.vertices.size());
     const Visibility visibility = ReadVisibility(
         VisibilityPath(path), refined.mesh.vertices.size(), kFusedCloud);
-    EXPECT_GT(visibility.image_indices.size(), refined.mesh.vertices.size());
-    EXPECT_LT(*std::max_element(visibility.image_indices.begin(),
-                                visibility.image_indices.end()),
-              8);
+    EXPECT_GT(visibility.values.size(), refined.mesh.vertices.size());
+    EXPECT_LT(
+        *std::max_element(visibility.values.begin(), visibility.values.end()),
+        8);
   }
 
   // The average score of what the images see of a mesh, scene units.
@@ -358,7 +358,7 @@ TEST_F(FacetwiseRefinerTest, WritesReportLabelsAndSnapshots) {
   EXPECT_NE(labels.find("property int label\n"), std::string::npos);
   EXPECT_EQ(ReadPlyMesh(path_ / "labels.ply").facets,
             ReadPlyMesh(path_ / kOutput).facets);
-  const auto size = ReadImageSize(path_ / "labels.png");
+  const auto size = ReadPictureSize(path_ / "labels.png");
   ASSERT_TRUE(size);
   EXPECT_EQ(size->width, 1024);
   for (const char* name :

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "colmap_ext/image_size.h"
-#include "colmap_ext/read_ply_cloud.h"
-#include "colmap_ext/write_mesh.h"
+#include "formats/picture_size.h"
+#include "formats/read_ply_cloud.h"
+#include "formats/write_mesh.h"
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/colmap_ext/sphere_workspace.h"
-#include "tests/colmap_ext/test_files.h"
+#include "tests/formats/test_files.h"
+#include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
 namespace {
@@ -166,7 +166,7 @@ TEST_F(MeshEvaluatorTest, DrawsTheErrors) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const PlyCloud errors = ReadPlyCloud(Path("errors.ply"));
   ASSERT_EQ(errors.colors.size(), Sphere(1).vertices.size());
-  const auto size = ReadImageSize(Path("errors.png"));
+  const auto size = ReadPictureSize(Path("errors.png"));
   ASSERT_TRUE(size);
   EXPECT_EQ(size->width, 1024);
   ASSERT_EQ(Run(Basics() + Option("workspace_path", "workspace") +

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "tests/colmap_ext/test_files.h"
+#include "tests/formats/test_files.h"
 
 namespace colmap_ext {
 

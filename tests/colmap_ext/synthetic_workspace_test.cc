@@ -6,10 +6,10 @@
 #include <map>
 #include <utility>
 
-#include "colmap_ext/read_ply_cloud.h"
-#include "colmap_ext/workspace.h"
-#include "tests/colmap_ext/test_files.h"
+#include "formats/read_ply_cloud.h"
+#include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
+#include "workspace/workspace.h"
 
 namespace colmap_ext {
 namespace {
@@ -37,7 +37,7 @@ class SyntheticWorkspaceTest : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(SyntheticWorkspaceTest, IsReadAsItWasMade) {
-  const Workspace workspace = ReadWorkspace(path_, {});
+  const Workspace workspace = ReadWorkspace(path_, {}, ColmapPictureDecoder());
   EXPECT_TRUE(workspace.report.is_order_verified);
   EXPECT_EQ(workspace.report.num_missing_images, 0);
   EXPECT_EQ(workspace.report.num_rescaled_images, 0);
@@ -57,14 +57,14 @@ TEST_P(SyntheticWorkspaceTest, IsReadAsItWasMade) {
   const PointCloud& cloud = scene_.fused.cloud;
   EXPECT_EQ(workspace.cloud.positions, cloud.positions);
   EXPECT_EQ(workspace.cloud.colors, cloud.colors);
-  ASSERT_EQ(workspace.cloud.view_offsets, cloud.view_offsets);
+  ASSERT_EQ(workspace.cloud.views.offsets, cloud.views.offsets);
   for (size_t i = 0; i < cloud.size(); ++i) {
     std::vector<uint32_t> seen_by;
-    for (const uint32_t view : workspace.cloud.Views(i)) {
+    for (const uint32_t view : workspace.cloud.views[i]) {
       seen_by.push_back(index_of_name.at(workspace.views[view].name));
     }
     std::sort(seen_by.begin(), seen_by.end());
-    const auto row = cloud.Views(i);
+    const auto row = cloud.views[i];
     EXPECT_TRUE(
         std::equal(seen_by.begin(), seen_by.end(), row.begin(), row.end()));
   }

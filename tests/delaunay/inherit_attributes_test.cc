@@ -10,8 +10,8 @@ PointCloud MakeCloud() {
   PointCloud cloud;
   cloud.positions.resize(3, {0, 0, 0});
   cloud.colors = {{0, 10, 255}, {1, 20, 255}, {200, 30, 254}};
-  cloud.view_offsets = {0, 2, 4, 5};
-  cloud.view_indices = {0, 1, 1, 2, 1};
+  cloud.views.offsets = {0, 2, 4, 5};
+  cloud.views.values = {0, 1, 1, 2, 1};
   return cloud;
 }
 
@@ -25,14 +25,14 @@ struct Row {
 void ExpectRows(const VertexAttributes& attributes,
                 const std::vector<Row>& rows) {
   ASSERT_EQ(attributes.colors.size(), rows.size());
-  ASSERT_EQ(attributes.view_offsets.size(), rows.size() + 1);
+  ASSERT_EQ(attributes.views.offsets.size(), rows.size() + 1);
   for (size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(attributes.colors[i], rows[i].color) << i;
     const std::vector<uint32_t> views(
-        attributes.view_indices.begin() +
-            static_cast<int>(attributes.view_offsets[i]),
-        attributes.view_indices.begin() +
-            static_cast<int>(attributes.view_offsets[i + 1]));
+        attributes.views.values.begin() +
+            static_cast<int>(attributes.views.offsets[i]),
+        attributes.views.values.begin() +
+            static_cast<int>(attributes.views.offsets[i + 1]));
     EXPECT_EQ(views, rows[i].views) << i;
   }
 }
@@ -108,8 +108,8 @@ TEST(InheritAttributes, WithoutColours) {
   const VertexAttributes attributes =
       InheritAttributes(MakeMesh(2, {}), cloud, {{0, 0}, {2, 1}});
   EXPECT_TRUE(attributes.colors.empty());
-  EXPECT_EQ(attributes.view_offsets, (std::vector<uint64_t>{0, 2, 4}));
-  EXPECT_EQ(attributes.view_indices, (std::vector<uint32_t>{0, 1, 1, 2}));
+  EXPECT_EQ(attributes.views.offsets, (std::vector<uint64_t>{0, 2, 4}));
+  EXPECT_EQ(attributes.views.values, (std::vector<uint32_t>{0, 1, 1, 2}));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "delaunay/surface_extraction.h"
 #include "delaunay/vertex_star.h"
-#include "mesh/singular_vertices.h"
+#include "mesh/fan_split.h"
 #include "mesh/topology.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"

@@ -122,10 +122,10 @@ struct SphereScene {
     cloud.positions.push_back(point.cast<float>());
     for (uint32_t view = 0; view < views.size(); ++view) {
       if (is_seen(views[view].Center())) {
-        cloud.view_indices.push_back(view);
+        cloud.views.values.push_back(view);
       }
     }
-    cloud.view_offsets.push_back(cloud.view_indices.size());
+    cloud.views.EndRow();
   }
 
   static Eigen::Vector3d OnSphere(Random* random) {
@@ -157,8 +157,8 @@ void ExpectSame(const ManifoldMesh& a, const ManifoldMesh& b) {
   EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
   EXPECT_EQ(a.mesh.facets, b.mesh.facets);
   EXPECT_EQ(a.attributes.colors, b.attributes.colors);
-  EXPECT_EQ(a.attributes.view_offsets, b.attributes.view_offsets);
-  EXPECT_EQ(a.attributes.view_indices, b.attributes.view_indices);
+  EXPECT_EQ(a.attributes.views.offsets, b.attributes.views.offsets);
+  EXPECT_EQ(a.attributes.views.values, b.attributes.views.values);
   EXPECT_EQ(a.report.flow, b.report.flow);
 }
 
@@ -228,7 +228,7 @@ TEST(MeshManifold, ReportsWhatItDid) {
     EXPECT_TRUE(HasManifoldLinks(result.mesh));
     EXPECT_TRUE(report.mesh.IsManifold());
     EXPECT_EQ(report.num_points, scene.cloud.size());
-    EXPECT_EQ(report.num_observations, scene.cloud.view_indices.size());
+    EXPECT_EQ(report.num_observations, scene.cloud.views.values.size());
     // Those of points that were thinned out to one vertex are one.
     EXPECT_LE(report.rays.num_rays, report.num_observations);
     EXPECT_GT(report.rays.num_rays, report.num_observations / 2);
@@ -245,10 +245,10 @@ TEST(MeshManifold, ReportsWhatItDid) {
     EXPECT_EQ(report.mesh.num_vertices, result.mesh.vertices.size());
     EXPECT_EQ(report.mesh.num_facets, result.mesh.facets.size());
     EXPECT_EQ(result.attributes.colors.size(), result.mesh.vertices.size());
-    EXPECT_EQ(result.attributes.view_offsets.size(),
+    EXPECT_EQ(result.attributes.views.offsets.size(),
               result.mesh.vertices.size() + 1);
-    EXPECT_EQ(result.attributes.view_offsets.back(),
-              result.attributes.view_indices.size());
+    EXPECT_EQ(result.attributes.views.offsets.back(),
+              result.attributes.views.values.size());
     EXPECT_GT(report.num_long_facets, 0u);  // of the room
   }
 }
@@ -268,11 +268,11 @@ TEST(MeshManifold, VerticesHaveWhatTheirPointsHave) {
     const auto point =
         static_cast<size_t>(found - scene.cloud.positions.begin());
     ASSERT_EQ(result.attributes.colors[i], scene.cloud.colors[point]);
-    const auto views = scene.cloud.Views(point);
-    const auto first = result.attributes.view_indices.begin() +
-                       static_cast<int>(result.attributes.view_offsets[i]);
-    const auto last = result.attributes.view_indices.begin() +
-                      static_cast<int>(result.attributes.view_offsets[i + 1]);
+    const auto views = scene.cloud.views[point];
+    const auto first = result.attributes.views.values.begin() +
+                       static_cast<int>(result.attributes.views.offsets[i]);
+    const auto last = result.attributes.views.values.begin() +
+                      static_cast<int>(result.attributes.views.offsets[i + 1]);
     ASSERT_TRUE(std::equal(views.begin(), views.end(), first, last));
   }
 }
@@ -315,7 +315,7 @@ TEST(MeshManifold, DuplicatesChangeNothingButTheirVotes) {
   for (int i = 0; i < 100; ++i) {
     scene.cloud.positions.push_back(scene.cloud.positions[7 * i]);
     scene.cloud.colors.push_back({1, 2, 3});
-    scene.cloud.view_offsets.push_back(scene.cloud.view_offsets.back());
+    scene.cloud.views.offsets.push_back(scene.cloud.views.offsets.back());
   }
   const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
   ExpectSame(result, expected);
@@ -363,8 +363,8 @@ PointCloud SeenCloud(const std::vector<Eigen::Vector3f>& points) {
   PointCloud cloud;
   for (const Eigen::Vector3f& point : points) {
     cloud.positions.push_back(point);
-    cloud.view_indices.push_back(0);
-    cloud.view_offsets.push_back(cloud.view_indices.size());
+    cloud.views.values.push_back(0);
+    cloud.views.EndRow();
   }
   return cloud;
 }

@@ -104,7 +104,7 @@ std::vector<NamedPoints> DifficultPoints() {
 PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points) {
   PointCloud cloud;
   cloud.positions = points;
-  cloud.view_offsets.assign(points.size() + 1, 0);
+  cloud.views.offsets.assign(points.size() + 1, 0);
   return cloud;
 }
 

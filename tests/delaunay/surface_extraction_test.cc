@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "base/union_find.h"
+#include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
-#include "mesh/singular_vertices.h"
 #include "mesh/topology.h"
-#include "mesh/union_find.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 

@@ -209,10 +209,10 @@ struct SeenSheet {
               .cast<float>());
       for (uint32_t view = 0; view < 2; ++view) {
         if (random.Chance(0.9)) {
-          cloud.view_indices.push_back(view);
+          cloud.views.values.push_back(view);
         }
       }
-      cloud.view_offsets.push_back(cloud.view_indices.size());
+      cloud.views.EndRow();
     }
   }
 
@@ -234,7 +234,7 @@ TEST(Thinning, PointsLeftOutLieNearTheirVertexInAllTheirViews) {
         continue;
       }
       ++num_left_out;
-      for (const uint32_t index : sheet.cloud.Views(point)) {
+      for (const uint32_t index : sheet.cloud.views[point]) {
         const View& view = sheet.views[index];
         const Eigen::Vector3d a =
             view.CamFromWorld(sheet.cloud.positions[point].cast<double>());

@@ -303,8 +303,8 @@ TEST(VisibilityWeights, DependNeitherOnThreadsNorOnTheOrder) {
 TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
   PointCloud cloud;
   cloud.positions.resize(4);
-  cloud.view_offsets = {0, 2, 3, 3, 5};
-  cloud.view_indices = {1, 5, 5, 0, 5};
+  cloud.views.offsets = {0, 2, 3, 3, 5};
+  cloud.views.values = {1, 5, 5, 0, 5};
   const Observations observations =
       ObserveVertices(cloud, 3, {2, 2, 0, 1}, {0.5f, 0.25f, 1.0f, 0.75f});
   EXPECT_EQ(observations.offsets, (std::vector<uint64_t>{0, 0, 2, 4}));

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "evaluation/mesh_renderer.h"
+#include "pictures/mesh_renderer.h"
 #include "tests/random.h"
 
 namespace colmap_ext {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/bvh.h"
+#include "spatial/bvh.h"
 #include "tests/random.h"
 
 namespace colmap_ext {

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "refine/facet_frames.h"
-#include "refine/facet_labels.h"
-#include "refine/image_pyramid.h"
-#include "refine/photometric_energy.h"
+#include "labeling/facet_labels.h"
+#include "photometry/image_pyramid.h"
+#include "photometry/photometric_energy.h"
+#include "raster/facet_frames.h"
 #include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext {
@@ -83,11 +83,11 @@ class EnergyScene {
                Cosine(frames[facet], labels.pairs[b]);
       });
       if (facet % 10 != 0) {
-        labels.labels.insert(
-            labels.labels.end(), order.begin(),
+        labels.labels.values.insert(
+            labels.labels.values.end(), order.begin(),
             order.begin() + std::min(pairs_per_facet, order.size()));
       }
-      labels.offsets.push_back(labels.labels.size());
+      labels.labels.EndRow();
     }
     return labels;
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gl/debug_output.h"
-#include "refine/facet_id_buffer.h"
+#include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
 

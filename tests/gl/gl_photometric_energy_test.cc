@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gl/gl_error.h"
-#include "refine/cpu_photometric_energy.h"
-#include "refine/facet_id_buffer.h"
+#include "photometry/cpu_photometric_energy.h"
+#include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
 
@@ -115,18 +115,19 @@ TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
   FacetLabels labels = scene.Labels(1);
   const PhotometricTerms all = energy->Evaluate(scene.Truth(), labels);
   // Every second facet of the others loses its label.
-  FacetLabels half{labels.pairs, {0}, {}};
+  FacetLabels half{labels.pairs, {}};
   for (size_t facet = 0; facet < labels.NumFacets(); ++facet) {
-    const auto row = labels.Labels(facet);
+    const auto row = labels.labels[facet];
     if (facet % 2 == 0) {
-      half.labels.insert(half.labels.end(), row.begin(), row.end());
+      half.labels.values.insert(half.labels.values.end(), row.begin(),
+                                row.end());
     }
-    half.offsets.push_back(half.labels.size());
+    half.labels.EndRow();
   }
   const PhotometricTerms terms = energy->Evaluate(scene.Truth(), half);
   size_t num_lost = 0;
   for (size_t facet = 0; facet < half.NumFacets(); ++facet) {
-    if (half.Labels(facet).empty()) {
+    if (half.labels[facet].empty()) {
       EXPECT_TRUE(IsZero(terms, facet)) << facet;
       num_lost += IsZero(all, facet) ? 0 : 1;
     } else {
@@ -170,9 +171,9 @@ TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
   energy->Render(mesh);
   FacetLabels labels;
   labels.pairs = {{0, 1}};
-  labels.labels.assign(mesh.facets.size(), 0);
+  labels.labels.values.assign(mesh.facets.size(), 0);
   for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
-    labels.offsets.push_back(facet + 1);
+    labels.labels.offsets.push_back(facet + 1);
   }
   const PhotometricTerms terms = energy->Evaluate(mesh, labels);
   std::array<FacetIdBuffer, 2> drawn;
@@ -317,7 +318,7 @@ TEST_F(GlPhotometricEnergyTest, NothingToCompareIsZero) {
   energy->Render({});
   EXPECT_EQ(energy->Evaluate({}, labels).energy, 0);
   energy->Render(scene.Truth());
-  labels.offsets.assign(scene.Truth().facets.size() + 1, 0);
+  labels.labels.offsets.assign(scene.Truth().facets.size() + 1, 0);
   const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
   EXPECT_EQ(terms.energy, 0);
   EXPECT_EQ(terms.energies.size(), scene.Truth().facets.size());

@@ -18,8 +18,8 @@ PointCloud PointsNearCube() {
     points.positions.push_back(MakeCube().vertices[i] +
                                Eigen::Vector3f(0.01f, 0, 0));
     points.colors.push_back({static_cast<uint8_t>(i), 0, 255});
-    points.view_indices.insert(points.view_indices.end(), {i, i + 1});
-    points.view_offsets.push_back(points.view_indices.size());
+    points.views.values.insert(points.views.values.end(), {i, i + 1});
+    points.views.EndRow();
   }
   return points;
 }
@@ -34,9 +34,9 @@ TEST(NearestAttributesTest, TakesTheViewsOfAFew) {
   TriangleMesh mesh = MakeCube();
   PointCloud points = PointsNearCube();
   const VertexAttributes attributes = NearestAttributes(mesh, points);
-  ASSERT_EQ(attributes.view_offsets.size(), 9);
+  ASSERT_EQ(attributes.views.offsets.size(), 9);
   for (uint32_t i = 0; i < 8; ++i) {
-    const auto views = attributes.Views(i);
+    const auto views = attributes.views[i];
     EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
     EXPECT_EQ(std::adjacent_find(views.begin(), views.end()), views.end());
     EXPECT_TRUE(std::binary_search(views.begin(), views.end(), i));
@@ -59,8 +59,8 @@ TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
     points.positions.emplace_back(8 * random.Unit() - 4, 8 * random.Unit() - 4,
                                   8 * random.Unit() - 4);
     points.colors.push_back({static_cast<uint8_t>(i), 0, 0});
-    points.view_indices.push_back(i);
-    points.view_offsets.push_back(points.view_indices.size());
+    points.views.values.push_back(i);
+    points.views.EndRow();
   }
   const VertexAttributes attributes = NearestAttributes(mesh, points);
   size_t num_out_of_reach = 0;
@@ -91,7 +91,7 @@ TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
       }
     }
     std::sort(expected.begin(), expected.end());
-    const auto views = attributes.Views(vertex);
+    const auto views = attributes.views[vertex];
     EXPECT_EQ(std::vector<uint32_t>(views.begin(), views.end()), expected);
   }
   EXPECT_GT(num_out_of_reach, 10);
@@ -106,8 +106,8 @@ TEST(NearestAttributesTest, LeavesWhatIsFarFromAllPointsWithoutViews) {
   PointCloud points = PointsNearCube();
   points.colors.clear();
   const VertexAttributes attributes = NearestAttributes(mesh, points);
-  EXPECT_TRUE(attributes.view_indices.empty());
-  EXPECT_EQ(attributes.view_offsets.size(), 9);
+  EXPECT_TRUE(attributes.views.values.empty());
+  EXPECT_EQ(attributes.views.offsets.size(), 9);
   EXPECT_TRUE(attributes.colors.empty());
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mesh/singular_vertices.h"
+#include "mesh/fan_split.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/random_soup.h"
 #include "tests/synthetic/isosurface.h"

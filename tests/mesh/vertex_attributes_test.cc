@@ -19,10 +19,10 @@ VertexAttributes RandomAttributes(uint32_t num_vertices, Random* random) {
     attributes.colors.push_back(color);
     for (uint32_t view = 0; view < 6; ++view) {
       if (random->Chance(0.4)) {
-        attributes.view_indices.push_back(view);
+        attributes.views.values.push_back(view);
       }
     }
-    attributes.view_offsets.push_back(attributes.view_indices.size());
+    attributes.views.EndRow();
   }
   return attributes;
 }
@@ -37,8 +37,8 @@ TEST(InterpolateAttributes, TakesMeanColorsAndTheViewsOfEither) {
   }
   const VertexAttributes result = InterpolateAttributes(attributes, sources);
   ASSERT_EQ(result.colors.size(), sources.size());
-  ASSERT_EQ(result.view_offsets.size(), sources.size() + 1);
-  EXPECT_EQ(result.view_offsets.back(), result.view_indices.size());
+  ASSERT_EQ(result.views.offsets.size(), sources.size() + 1);
+  EXPECT_EQ(result.views.offsets.back(), result.views.values.size());
   for (size_t i = 0; i < sources.size(); ++i) {
     const auto& [a, b] = sources[i];
     for (int k = 0; k < 3; ++k) {
@@ -48,10 +48,10 @@ TEST(InterpolateAttributes, TakesMeanColorsAndTheViewsOfEither) {
     }
     std::set<uint32_t> expected;
     for (const uint32_t source : {a, b}) {
-      const auto views = attributes.Views(source);
+      const auto views = attributes.views[source];
       expected.insert(views.begin(), views.end());
     }
-    const auto views = result.Views(i);
+    const auto views = result.views[i];
     EXPECT_EQ(std::vector<uint32_t>(views.begin(), views.end()),
               std::vector<uint32_t>(expected.begin(), expected.end()));
   }
@@ -66,8 +66,8 @@ TEST(InterpolateAttributes, LeavesOldVerticesAsTheyAre) {
   }
   const VertexAttributes result = InterpolateAttributes(attributes, sources);
   EXPECT_EQ(result.colors, attributes.colors);
-  EXPECT_EQ(result.view_offsets, attributes.view_offsets);
-  EXPECT_EQ(result.view_indices, attributes.view_indices);
+  EXPECT_EQ(result.views.offsets, attributes.views.offsets);
+  EXPECT_EQ(result.views.values, attributes.views.values);
 }
 
 TEST(InterpolateAttributes, MayGoWithoutColors) {
@@ -77,7 +77,7 @@ TEST(InterpolateAttributes, MayGoWithoutColors) {
   const VertexAttributes result =
       InterpolateAttributes(attributes, {{0, 1}, {3, 3}});
   EXPECT_TRUE(result.colors.empty());
-  EXPECT_EQ(result.view_offsets.size(), 3);
+  EXPECT_EQ(result.views.offsets.size(), 3);
 }
 
 }  // namespace

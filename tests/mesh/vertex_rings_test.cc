@@ -18,8 +18,8 @@ void ExpectRings(const TriangleMesh& mesh) {
   const VertexRings rings = MakeVertexRings(mesh);
   const size_t num_vertices = mesh.vertices.size();
   ASSERT_EQ(rings.NumVertices(), num_vertices);
-  ASSERT_EQ(rings.neighbor_offsets.size(), num_vertices + 1);
-  ASSERT_EQ(rings.corner_offsets.size(), num_vertices + 1);
+  ASSERT_EQ(rings.neighbors.offsets.size(), num_vertices + 1);
+  ASSERT_EQ(rings.corners.offsets.size(), num_vertices + 1);
   // [V] how many facets the edge to each neighbour has.
   std::vector<std::map<uint32_t, int>> edges(num_vertices);
   std::vector<std::vector<uint32_t>> corners(num_vertices);
@@ -30,7 +30,7 @@ void ExpectRings(const TriangleMesh& mesh) {
     ++edges[facet[corner % 3]][facet[(corner + 2) % 3]];
   }
   for (size_t v = 0; v < num_vertices; ++v) {
-    const auto row = rings.Corners(v);
+    const auto row = rings.corners[v];
     EXPECT_EQ(std::vector<uint32_t>(row.begin(), row.end()), corners[v]);
     std::vector<uint32_t> expected;
     bool is_border = false;
@@ -38,7 +38,7 @@ void ExpectRings(const TriangleMesh& mesh) {
       expected.push_back(neighbor);
       is_border |= num_facets == 1;
     }
-    const auto neighbors = rings.Neighbors(v);
+    const auto neighbors = rings.neighbors[v];
     EXPECT_EQ(std::vector<uint32_t>(neighbors.begin(), neighbors.end()),
               expected);
     EXPECT_EQ(rings.is_border[v] != 0, is_border);
@@ -69,9 +69,9 @@ TEST(VertexRings, AreTheSameForAnyNumberOfThreads) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
     const VertexRings rings = MakeVertexRings(mesh);
-    EXPECT_EQ(rings.neighbor_offsets, expected.neighbor_offsets);
+    EXPECT_EQ(rings.neighbors.offsets, expected.neighbors.offsets);
     EXPECT_EQ(rings.neighbors, expected.neighbors);
-    EXPECT_EQ(rings.corner_offsets, expected.corner_offsets);
+    EXPECT_EQ(rings.corners.offsets, expected.corners.offsets);
     EXPECT_EQ(rings.corners, expected.corners);
     EXPECT_EQ(rings.is_border, expected.is_border);
   }

@@ -6,12 +6,12 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "refine/facet_frames.h"
-#include "refine/facet_visibility.h"
+#include "raster/facet_frames.h"
+#include "raster/facet_visibility.h"
+#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/same_topology.h"
 #include "tests/mesh/shapes.h"
-#include "tests/refine/look_at.h"
 
 namespace colmap_ext {
 namespace {
@@ -36,7 +36,7 @@ std::vector<double> SecondAreas(const TriangleMesh& mesh,
   std::vector<double> seconds;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     std::vector<double> areas(2, 0.0);
-    for (const uint32_t view : visibility.Views(i)) {
+    for (const uint32_t view : visibility[i]) {
       std::array<Vector3d, 3> corners;
       for (int k = 0; k < 3; ++k) {
         const Vector3d in_camera = views[view].CamFromWorld(
@@ -68,8 +68,8 @@ VertexAttributes MakeAttributes(size_t num_vertices) {
   VertexAttributes attributes;
   for (uint32_t i = 0; i < num_vertices; ++i) {
     attributes.colors.push_back({static_cast<uint8_t>(i % 3), 50, 200});
-    attributes.view_indices.insert(attributes.view_indices.end(), {i % 3, 7});
-    attributes.view_offsets.push_back(attributes.view_indices.size());
+    attributes.views.values.insert(attributes.views.values.end(), {i % 3, 7});
+    attributes.views.EndRow();
   }
   return attributes;
 }
@@ -133,8 +133,8 @@ TEST(SubdivideLargeFacets, KeepsTheSurfaceAndItsTopology) {
 void ExpectUnchanged(const Subdivided& result, const TriangleMesh& mesh) {
   EXPECT_EQ(result.mesh.facets, mesh.facets);
   EXPECT_EQ(result.mesh.vertices, mesh.vertices);
-  EXPECT_EQ(result.attributes.view_indices,
-            MakeAttributes(mesh.vertices.size()).view_indices);
+  EXPECT_EQ(result.attributes.views.values,
+            MakeAttributes(mesh.vertices.size()).views.values);
 }
 
 TEST(SubdivideLargeFacets, ChangesNothingWhereAllAreSmall) {
@@ -158,17 +158,17 @@ TEST(SubdivideLargeFacets, HandsAttributesDown) {
   const TriangleMesh mesh = MakeBumpyCap(0.4f);
   const VertexAttributes before = MakeAttributes(mesh.vertices.size());
   const auto& [subdivided, attributes, origins] = Subdivide(4, mesh, Views());
-  ASSERT_EQ(attributes.view_offsets.size(), subdivided.vertices.size() + 1);
+  ASSERT_EQ(attributes.views.offsets.size(), subdivided.vertices.size() + 1);
   ASSERT_EQ(attributes.colors.size(), subdivided.vertices.size());
   for (size_t i = 0; i < subdivided.vertices.size(); ++i) {
-    const auto views = attributes.Views(i);
+    const auto views = attributes.views[i];
     EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
     EXPECT_EQ(views.back(), 7);
     EXPECT_EQ(attributes.colors[i][1], 50);
     if (i < mesh.vertices.size()) {
       EXPECT_EQ(attributes.colors[i], before.colors[i]);
       EXPECT_TRUE(std::equal(views.begin(), views.end(),
-                             before.Views(i).begin(), before.Views(i).end()));
+                             before.views[i].begin(), before.views[i].end()));
     }
   }
 }

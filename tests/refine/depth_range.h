@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "mesh/bvh.h"
 #include "scene/view.h"
+#include "spatial/bvh.h"
 
 namespace colmap_ext {
 

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "mesh/bvh.h"
-#include "refine/cpu_photometric_energy.h"
+#include "photometry/cpu_photometric_energy.h"
 #include "refine/facetwise_refinement.h"
+#include "spatial/bvh.h"
 #include "tests/mesh/same_topology.h"
 #include "tests/refine/refinement_scene.h"
 
@@ -34,7 +34,7 @@ TriangleMesh PerturbedTruth() {
 
 VertexAttributes NoAttributes(const TriangleMesh& mesh) {
   VertexAttributes attributes;
-  attributes.view_offsets.assign(mesh.vertices.size() + 1, 0);
+  attributes.views.offsets.assign(mesh.vertices.size() + 1, 0);
   return attributes;
 }
 
@@ -74,7 +74,7 @@ double MedianError(const TriangleMesh& mesh) {
       FindVisibleFacets({}, mesh, Scene().Views());
   std::vector<double> errors;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    if (visibility.Views(i).size() >= 2) {
+    if (visibility[i].size() >= 2) {
       const auto [a, b, c] = mesh.facets[i];
       errors.push_back(truth.Distance(
           (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3, 1));
@@ -125,7 +125,7 @@ TEST(RefineFacetwise, KeepsTheTopology) {
       Refine(options, {mesh, NoAttributes(mesh), {}, 1});
   EXPECT_GT(refined.mesh.facets.size(), mesh.facets.size());
   ExpectSameTopology(mesh, refined.mesh);
-  EXPECT_EQ(refined.attributes.view_offsets.size(),
+  EXPECT_EQ(refined.attributes.views.offsets.size(),
             refined.mesh.vertices.size() + 1);
   EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());
 }

@@ -12,11 +12,11 @@
 #include "mesh/facet_normals.h"
 #include "mesh/vertex_normals.h"
 #include "mesh/vertex_rings.h"
-#include "refine/facet_frames.h"
+#include "raster/facet_frames.h"
 #include "refine/thin_plate.h"
+#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
-#include "tests/refine/look_at.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext {
@@ -51,7 +51,7 @@ class PullingEnergy : public PhotometricEnergy {
   PhotometricTerms Evaluate(const TriangleMesh& mesh,
                             const FacetLabels& labels) override {
     EXPECT_GT(num_renders, 0);
-    nums_labels.push_back(labels.labels.size());
+    nums_labels.push_back(labels.labels.values.size());
     const size_t size = mesh.facets.size();
     PhotometricTerms terms;
     terms.energies.assign(size, 0);
@@ -61,7 +61,7 @@ class PullingEnergy : public PhotometricEnergy {
     terms.curvatures.assign(size, {});
     const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
     for (size_t i = 0; i < size; ++i) {
-      if (!labels.Labels(i).empty()) {
+      if (!labels.labels[i].empty()) {
         AddFacet(mesh, i, frames[i].normal, &terms);
       }
       terms.energy += terms.energies[i];
@@ -117,9 +117,9 @@ FacetLabels LabelWhere(const TriangleMesh& mesh,
   labels.pairs = {{0, 1}};
   for (const Facet& facet : mesh.facets) {
     if (is_seen(mesh.vertices[facet[0]])) {
-      labels.labels.push_back(0);
+      labels.labels.values.push_back(0);
     }
-    labels.offsets.push_back(labels.labels.size());
+    labels.labels.EndRow();
   }
   return labels;
 }
@@ -289,8 +289,8 @@ TEST(RefineLevel, TakesAllLabelsInTheLastTwoIterations) {
   FacetLabels labels;
   labels.pairs = {{0, 1}, {0, 1}, {0, 1}};
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    labels.labels.insert(labels.labels.end(), {2, 0, 1});
-    labels.offsets.push_back(labels.labels.size());
+    labels.labels.values.insert(labels.labels.values.end(), {2, 0, 1});
+    labels.labels.EndRow();
   }
   for (const int pairs_per_facet : {1, 2, 3}) {
     FacetwiseRefinementOptions options;
@@ -300,7 +300,7 @@ TEST(RefineLevel, TakesAllLabelsInTheLastTwoIterations) {
     const std::vector<size_t>& nums = energy.nums_labels;
     EXPECT_TRUE(std::is_sorted(nums.begin(), nums.end()));
     EXPECT_EQ(nums.front(), pairs_per_facet * mesh.facets.size());
-    EXPECT_EQ(nums.back(), labels.labels.size());
+    EXPECT_EQ(nums.back(), labels.labels.values.size());
     const auto num_final =
         std::count_if(refined.steps.begin(), refined.steps.end(),
                       [](const auto& step) { return step.is_final; });
@@ -473,7 +473,7 @@ TEST(RefineLevel, MovesByAPixelAndAPartOfTheEdgesAtMost) {
       const std::vector<Vector3f>& before = refined.meshes[step - 1].vertices;
       double sum = 0;
       for (size_t i = 0; i < before.size(); ++i) {
-        const auto ring = rings.Neighbors(i);
+        const auto ring = rings.neighbors[i];
         double length = 0;
         for (const uint32_t neighbor : ring) {
           length += (before[neighbor] - before[i]).norm();

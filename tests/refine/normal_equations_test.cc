@@ -10,7 +10,7 @@
 #include <Eigen/Cholesky>
 
 #include "mesh/vertex_normals.h"
-#include "refine/facet_frames.h"
+#include "raster/facet_frames.h"
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
@@ -81,10 +81,10 @@ class NormalEquationsTest : public testing::Test {
         continue;
       }
       bending(i, i) = -1;
-      const auto ring = rings_.Neighbors(i);
+      const auto ring = rings_.neighbors[i];
       for (size_t k = 0; k < ring.size(); ++k) {
         bending(i, ring[k]) =
-            plate_.shares[rings_.neighbor_offsets[i] + k] *
+            plate_.shares[rings_.neighbors.offsets[i] + k] *
             normals_[i].cast<double>().dot(normals_[ring[k]].cast<double>());
       }
     }
@@ -174,9 +174,9 @@ TEST_F(NormalEquationsTest, HaveTheGradientOfTheSmoothness) {
     double sum = 0;
     for (size_t i = 0; i < vertices.size(); ++i) {
       Eigen::Vector3d umbrella = Eigen::Vector3d::Zero();
-      const auto ring = rings_.Neighbors(i);
+      const auto ring = rings_.neighbors[i];
       for (size_t k = 0; k < ring.size(); ++k) {
-        umbrella += plate_.shares[rings_.neighbor_offsets[i] + k] *
+        umbrella += plate_.shares[rings_.neighbors.offsets[i] + k] *
                     (vertices[ring[k]] - vertices[i]);
       }
       const double residual = normals_[i].cast<double>().dot(umbrella) - 0.003;

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "refine/image_pyramid.h"
+#include "photometry/image_pyramid.h"
 #include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext {

@@ -110,7 +110,7 @@ TEST(ThinPlate, MeasuresTheCurvatureOfACylinder) {
   const ThinPlate plate = scene.Plate(1);
   for (size_t i = 0; i < plate.residuals.size(); ++i) {
     if (scene.rings.is_border[i] == 0) {
-      EXPECT_EQ(scene.rings.Neighbors(i).size(), 6);
+      EXPECT_EQ(scene.rings.neighbors[i].size(), 6);
       EXPECT_NEAR(std::sqrt(plate.coefficients[i] / (1 + scene.num_pixels[i])) *
                       std::abs(plate.residuals[i]),
                   scene.footprints[i] / kRadius,
@@ -146,8 +146,9 @@ TEST(ThinPlate, TellsHowEachNeighborCounts) {
   const PlateScene scene(MakeBumpyCap(0.15f));
   const ThinPlate plate = scene.Plate(1);
   for (size_t i = 0; i < plate.residuals.size(); ++i) {
-    const auto ring = scene.rings.Neighbors(i);
-    const float* shares = plate.shares.data() + scene.rings.neighbor_offsets[i];
+    const auto ring = scene.rings.neighbors[i];
+    const float* shares =
+        plate.shares.data() + scene.rings.neighbors.offsets[i];
     const double sum = std::accumulate(shares, shares + ring.size(), 0.0);
     EXPECT_NEAR(sum, scene.rings.is_border[i] != 0 ? 0 : 1, 1e-6);
     Eigen::Vector3d umbrella = Eigen::Vector3d::Zero();

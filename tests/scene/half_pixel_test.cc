@@ -24,9 +24,9 @@ View MakeView(double fx, double fy) {
 void AddPoint(const Eigen::Vector3f& position,
               const std::vector<uint32_t>& views, PointCloud* cloud) {
   cloud->positions.push_back(position);
-  cloud->view_indices.insert(cloud->view_indices.end(), views.begin(),
+  cloud->views.values.insert(cloud->views.values.end(), views.begin(),
                              views.end());
-  cloud->view_offsets.push_back(cloud->view_indices.size());
+  cloud->views.EndRow();
 }
 
 TEST(View, CameraCenterIsTheOriginOfItsFrame) {

@@ -109,7 +109,7 @@ void WriteFusedPoints(const std::string& ply_path, const FusedPoints& points,
       ply[i].g = cloud.colors[i][1];
       ply[i].b = cloud.colors[i][2];
     }
-    for (const uint32_t view : cloud.Views(i)) {
+    for (const uint32_t view : cloud.views[i]) {
       visibility[i].push_back(positions[view]);
     }
   }

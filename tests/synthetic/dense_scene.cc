@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mesh/bvh.h"
+#include "spatial/bvh.h"
 
 namespace colmap_ext::synthetic {
 

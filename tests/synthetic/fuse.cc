@@ -207,9 +207,9 @@ class Fusion {
     std::vector<uint32_t>& views = samples_.views;
     std::sort(views.begin(), views.end());
     views.erase(std::unique(views.begin(), views.end()), views.end());
-    cloud.view_indices.insert(cloud.view_indices.end(), views.begin(),
+    cloud.views.values.insert(cloud.views.values.end(), views.begin(),
                               views.end());
-    cloud.view_offsets.push_back(cloud.view_indices.size());
+    cloud.views.EndRow();
   }
 
   static constexpr int kMaxTraversalDepth = 100;

@@ -86,7 +86,7 @@ void PrintSummary(const DenseScene& scene, double seconds) {
             << "\nSparse points: " << scene.sparse_points.size()
             << "\nFused points: " << cloud.size() << ", seen by "
             << std::setprecision(3)
-            << cloud.view_indices.size() / std::max<double>(cloud.size(), 1)
+            << cloud.views.values.size() / std::max<double>(cloud.size(), 1)
             << " images each\nTime: " << seconds << " s\n";
 }
 

@@ -32,7 +32,7 @@ void AddOutliers(const std::vector<View>& views, double share, uint64_t seed,
   while (num_points > 0 && cloud.size() < num_points + num_outliers) {
     const uint64_t hash = Hash(seed, 20, clump++);
     const size_t source = Hash(hash, 3) % num_points;
-    const std::vector<uint32_t> seen_by = SomeViews(cloud.Views(source), hash);
+    const std::vector<uint32_t> seen_by = SomeViews(cloud.views[source], hash);
     // A false match moves a point along a ray, to either side.
     const View& view = views[seen_by[0]];
     const Vector3f center = view.Center().cast<float>();
@@ -52,9 +52,9 @@ void AddOutliers(const std::vector<View>& views, double share, uint64_t seed,
       }
       points->normals.push_back(Vector3f(points->normals[source]));
       points->is_outlier.push_back(true);
-      cloud.view_indices.insert(cloud.view_indices.end(), seen_by.begin(),
+      cloud.views.values.insert(cloud.views.values.end(), seen_by.begin(),
                                 seen_by.end());
-      cloud.view_offsets.push_back(cloud.view_indices.size());
+      cloud.views.EndRow();
     }
   }
 }

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "evaluation/mesh_renderer.h"
 #include "mesh/triangle_mesh.h"
+#include "pictures/mesh_renderer.h"
 
 namespace colmap_ext::synthetic {
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesh/bvh.h"
 #include "scene/color_image.h"
 #include "scene/view.h"
+#include "spatial/bvh.h"
 #include "tests/synthetic/scene.h"
 
 namespace colmap_ext::synthetic {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "evaluation/mesh_renderer.h"
+#include "pictures/mesh_renderer.h"
 #include "tests/synthetic/arguments.h"
 #include "tests/synthetic/colmap_workspace.h"
 #include "tests/synthetic/ply_mesh.h"

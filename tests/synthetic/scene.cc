@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "mesh/bvh.h"
+#include "spatial/bvh.h"
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/parallel.h"
 #include "tests/synthetic/scene_shapes.h"

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/bvh.h"
 #include "scene/half_pixel.h"
+#include "spatial/bvh.h"
 
 namespace colmap_ext::synthetic {
 namespace {
@@ -111,8 +111,8 @@ TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
     EXPECT_GT(a.fused.cloud.size(), 50);
     EXPECT_EQ(a.fused.cloud.positions, b.fused.cloud.positions);
     EXPECT_EQ(a.fused.cloud.colors, b.fused.cloud.colors);
-    EXPECT_EQ(a.fused.cloud.view_offsets, b.fused.cloud.view_offsets);
-    EXPECT_EQ(a.fused.cloud.view_indices, b.fused.cloud.view_indices);
+    EXPECT_EQ(a.fused.cloud.views.offsets, b.fused.cloud.views.offsets);
+    EXPECT_EQ(a.fused.cloud.views.values, b.fused.cloud.views.values);
     EXPECT_TRUE(AreEqual(a.sparse_points, b.sparse_points));
     options.scene.seed = 2;
     const DenseScene c = MakeDenseScene(options);
@@ -124,14 +124,14 @@ TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
 TEST(MakeDenseScene, RowsOfViewsAreAscendingAndInRange) {
   const DenseScene scene = MakeDenseScene(Small("statue"));
   const PointCloud& cloud = scene.fused.cloud;
-  ASSERT_EQ(cloud.view_offsets.size(), cloud.size() + 1);
-  EXPECT_EQ(cloud.view_offsets.front(), 0);
-  EXPECT_EQ(cloud.view_offsets.back(), cloud.view_indices.size());
+  ASSERT_EQ(cloud.views.offsets.size(), cloud.size() + 1);
+  EXPECT_EQ(cloud.views.offsets.front(), 0);
+  EXPECT_EQ(cloud.views.offsets.back(), cloud.views.values.size());
   EXPECT_EQ(cloud.colors.size(), cloud.size());
   EXPECT_EQ(scene.fused.normals.size(), cloud.size());
   EXPECT_EQ(scene.fused.is_outlier.size(), cloud.size());
   for (size_t i = 0; i < cloud.size(); ++i) {
-    const auto views = cloud.Views(i);
+    const auto views = cloud.views[i];
     ASSERT_GE(views.size(), 1);
     EXPECT_LT(views.back(), scene.scene.views.size());
     EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
@@ -195,7 +195,7 @@ TEST(MakeDenseScene, PointsAreSeenByTheirViews) {
     const Bvh bvh(scene.scene.surface);
     size_t num_observations = 0, num_occluded = 0;
     for (size_t i = 0; i < cloud.size(); i += 7) {
-      for (const uint32_t index : cloud.Views(i)) {
+      for (const uint32_t index : cloud.views[i]) {
         const View& view = scene.scene.views[index];
         const Vector3d p = view.CamFromWorld(cloud.positions[i].cast<double>());
         ASSERT_GT(p.z(), 0);

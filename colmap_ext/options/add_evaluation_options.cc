@@ -1,0 +1,77 @@
+#include "colmap_ext/options/add_evaluation_options.h"
+
+namespace colmap_ext {
+
+namespace {
+
+void AddPathOptions(colmap::OptionManager* manager,
+                    EvaluatorOptions* evaluator) {
+  manager->AddDefaultOption("mesh_path", &evaluator->mesh_path,
+                            "The mesh, PLY; required");
+  manager->AddDefaultOption(
+      "truth_path", &evaluator->truth_path,
+      "What is true, in the same frame: a mesh or points, PLY, or a folder of "
+      "COLMAP's depth maps IMAGE_NAME[.geometric].bin; required");
+  manager->AddDefaultOption(
+      "workspace_path", &evaluator->workspace_path,
+      "Count only what the images of this workspace or sparse model see, and "
+      "compare depths; undistorted images only");
+  manager->AddDefaultOption("json_path", &evaluator->json_path,
+                            "The figures as JSON");
+  manager->AddDefaultOption(
+      "error_mesh_path", &evaluator->error_mesh_path,
+      "The mesh coloured by its vertices' distances to the truth, PLY");
+  manager->AddDefaultOption("picture_path", &evaluator->picture_path,
+                            "A picture of that with its scale, PNG");
+  manager->AddDefaultOption("picture_image", &evaluator->picture_image,
+                            "... seen by the workspace's image of this name");
+}
+
+void AddObservabilityOptions(colmap::OptionManager* manager,
+                             EvaluatorOptions* evaluator) {
+  manager->AddDefaultOption(
+      "observability_mask", &evaluator->observability_mask,
+      "Count samples of the mesh only where this NumPy array [X,Y,Z] of uint8 "
+      "is not 0 (DTU's ObsMask)");
+  manager->AddDefaultOption("observability_box", &evaluator->observability_box,
+                            "minx,miny,minz,resolution of that array (DTU's "
+                            "BB(1,:) and Res)");
+  manager->AddDefaultOption(
+      "ground_plane", &evaluator->ground_plane,
+      "a,b,c,d: count samples of the truth only where ax+by+cz+d > 0 (DTU's "
+      "Plane)");
+}
+
+}  // namespace
+
+void AddEvaluatorOptions(colmap::OptionManager* manager,
+                         EvaluatorOptions* evaluator) {
+  AddPathOptions(manager, evaluator);
+  AddObservabilityOptions(manager, evaluator);
+  MeshEvaluationOptions* evaluation = &evaluator->evaluation;
+  manager->AddDefaultOption("MeshEvaluation.stride", &evaluation->stride,
+                            "Of the pixels that are cast");
+  manager->AddDefaultOption(
+      "MeshEvaluation.spacing", &evaluation->spacing,
+      "Samples are one for each cube of this side, scene units; 0: 0.001 times "
+      "the truth's diagonal; DTU: 0.2 mm");
+  manager->AddDefaultOption(
+      "MeshEvaluation.max_distance", &evaluation->max_distance,
+      "Distances are clipped at this, scene units; 0: 0.05 times the truth's "
+      "diagonal; DTU: 20 mm");
+  manager->AddDefaultOption(
+      "MeshEvaluation.drop_beyond", &evaluation->drop_beyond,
+      "Leave distances beyond out, as DTU's own evaluation does");
+  manager->AddDefaultOption(
+      "MeshEvaluation.depth_thresholds", &evaluator->depth_thresholds,
+      "Depths are right below these errors, scene units; EPFL: 0.02,0.1 m");
+  manager->AddDefaultOption("MeshEvaluation.error_scale",
+                            &evaluator->error_scale,
+                            "Error at the end of the colours, scene units; 0: "
+                            "above 95 % of the errors");
+  manager->AddDefaultOption("MeshEvaluation.num_threads",
+                            &evaluator->num_threads,
+                            "-1 for all; the result does not depend on it");
+}
+
+}  // namespace colmap_ext

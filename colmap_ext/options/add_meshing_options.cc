@@ -1,0 +1,98 @@
+#include "colmap_ext/options/add_meshing_options.h"
+
+namespace colmap_ext {
+
+namespace {
+
+void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+  manager->AddDefaultOption(
+      "workspace_path", &mesher->workspace_path,
+      "The dense workspace, with sparse/, fused.ply and fused.ply.vis, or a "
+      "folder with one such in dense/ or dense/0/. The mesh is written to "
+      "WORKSPACE/meshed-delaunay-manifold.ply");
+  manager->AddDefaultOption(
+      "input_path", &mesher->input_path,
+      "As delaunay_mesher has it, instead of workspace_path: the dense "
+      "workspace or the sparse model");
+  manager->AddDefaultOption("output_path", &mesher->output_path,
+                            "The mesh; required with input_path");
+  manager->AddDefaultOption("input_type", &mesher->workspace.input_type,
+                            "{dense, sparse}");
+  manager->AddDefaultOption(
+      "image_order", &mesher->workspace.image_order,
+      "How fused.ply.vis counts the images, where it can not be told: {auto, "
+      "file, image_id, frame, frame_id}");
+}
+
+void AddVoteOptions(colmap::OptionManager* manager,
+                    ManifoldMeshingOptions* meshing) {
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.max_proj_dist", &meshing->max_proj_dist,
+      "Points closer than this in an image are one, px; 0 keeps every point");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.max_depth_dist", &meshing->max_depth_dist,
+      "... unless their depths differ by more than this share");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.alpha_kind", &meshing->alpha_kind,
+      "Weight of an observation {tracks, constant}: 1 - exp(-n^2 / (2 s^2)) "
+      "for a point that n images see, s = visibility_sigma, or alpha_vis");
+  manager->AddDefaultOption("DelaunayManifoldMeshing.visibility_sigma",
+                            &meshing->visibility_sigma);
+  manager->AddDefaultOption("DelaunayManifoldMeshing.alpha_vis",
+                            &meshing->alpha_vis);
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.distance_sigma_factor",
+      &meshing->distance_sigma_factor,
+      "Times the 25th percentile of edge lengths is the distance sigma, the "
+      "expected noise of the points");
+  manager->AddDefaultOption("DelaunayManifoldMeshing.behind_sigma",
+                            &meshing->behind_sigma,
+                            "How far behind a point matter is expected, in "
+                            "distance sigmas");
+  manager->AddDefaultOption("DelaunayManifoldMeshing.quality_regularization",
+                            &meshing->quality_regularization,
+                            "Higher is smoother");
+}
+
+void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+  ManifoldMeshingOptions* meshing = &mesher->meshing;
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.preemptive_fixing", &meshing->preemptive_fixing,
+      "Relabel and split cells around singular vertices before the surface is "
+      "extracted");
+  manager->AddDefaultOption("DelaunayManifoldMeshing.fixing_rule",
+                            &meshing->fixing_rule, "{energy, paper}");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.max_side_length_factor",
+      &meshing->max_side_length_factor,
+      "Faces whose longest side exceeds the percentile by this factor are "
+      "dropped; 0 keeps all");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.max_side_length_percentile",
+      &meshing->max_side_length_percentile);
+  manager->AddDefaultOption("DelaunayManifoldMeshing.min_component_faces",
+                            &meshing->min_component_faces,
+                            "Components of fewer faces are dropped");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.half_pixel_correction",
+      &mesher->half_pixel_correction,
+      "Move fused points by the half pixel that COLMAP's stereo is off");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.half_pixel_calibration",
+      &mesher->half_pixel_calibration,
+      "... times what the sparse points show them to be off, 1 for half a "
+      "pixel");
+  manager->AddDefaultOption("DelaunayManifoldMeshing.num_threads",
+                            &meshing->num_threads,
+                            "-1 for all; the result does not depend on it");
+}
+
+}  // namespace
+
+void AddMesherOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+  AddPathOptions(manager, mesher);
+  AddVoteOptions(manager, &mesher->meshing);
+  AddSurfaceOptions(manager, mesher);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,122 @@
+#include "colmap_ext/options/add_refinement_options.h"
+
+namespace colmap_ext {
+
+namespace {
+
+void AddPathOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+  manager->AddDefaultOption(
+      "workspace_path", &refiner->workspace_path,
+      "The dense workspace, with images/ and sparse/, or a folder with one "
+      "such in dense/ or dense/0/; required");
+  manager->AddDefaultOption(
+      "input_path", &refiner->input_path,
+      "The mesh, a PLY of triangles, with its .vis if there is one. Default: "
+      "WORKSPACE/meshed-delaunay-manifold.ply");
+  manager->AddDefaultOption("output_path", &refiner->output_path,
+                            "The refined mesh; required with input_path. "
+                            "Default: WORKSPACE/meshed-refined.ply");
+  manager->AddDefaultOption(
+      "report_path", &refiner->report_path,
+      "A table of the iterations, CSV; its plot, SVG, lies beside it");
+  manager->AddDefaultOption(
+      "labels_path", &refiner->labels_path,
+      "The mesh with its faces coloured by the pair of images that refined "
+      "them, PLY; a picture of it, PNG, lies beside it");
+  manager->AddDefaultOption(
+      "resume", &refiner->resume,
+      "Go on from the last complete level of a run that was interrupted");
+  manager->AddDefaultOption(
+      "image_order", &refiner->image_order,
+      "How fused.ply.vis counts the images, where it can not be told: {auto, "
+      "file, image_id, frame, frame_id}");
+}
+
+void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+  FacetwiseRefinementOptions* refinement = &refiner->refinement;
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.levels", &refinement->levels,
+      "Of the images, coarse to fine; 3: a quarter of their size, half, full");
+  manager->AddDefaultOption("FacetwiseRefinement.iterations",
+                            &refinement->iterations, "At most, at each level");
+  manager->AddDefaultOption("FacetwiseRefinement.window", &refiner->window,
+                            "Side of the windows that are compared, odd, px");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.noise_variance",
+      &refinement->photometric.noise_variance,
+      "Of the grey values, 0 ... 255, squared; flat windows count less");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.residual_floor",
+      &refinement->photometric.residual_floor,
+      "Share of a window's variance that is left unexplained at best; with a "
+      "large one all windows count alike, as in the paper");
+  manager->AddDefaultOption("FacetwiseRefinement.min_cosine",
+                            &refinement->photometric.min_cosine,
+                            "Faces are not compared in images that see them "
+                            "under a smaller one");
+  manager->AddDefaultOption("FacetwiseRefinement.smoothness_weight",
+                            &refinement->smoothness_weight,
+                            "Higher is smoother");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
+      "Faces that cover more of an image are subdivided, px^2");
+  manager->AddDefaultOption("FacetwiseRefinement.pairs_per_image",
+                            &refinement->pairs_per_image,
+                            "Partners of each image");
+  manager->AddDefaultOption("FacetwiseRefinement.pairs_per_facet",
+                            &refinement->labeling.pairs_per_facet,
+                            "Pairs of images that refine a face");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.final_pairs_per_facet",
+      &refinement->labeling.final_pairs_per_facet,
+      "The same in the last two iterations of each level, if more; 0 leaves "
+      "these out: the paper's method");
+  manager->AddDefaultOption("FacetwiseRefinement.potts_weight",
+                            &refinement->labeling.potts_weight,
+                            "Cost of refining neighboring faces by different "
+                            "pairs");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.pair_selection", &refiner->pair_selection,
+      "{facetwise, classical}: each face by its best pairs, or by every pair "
+      "that sees it");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.occlusion_masking",
+      &refinement->photometric.occlusion_masking,
+      "Leave out of a window what lies across a jump in depth");
+  manager->AddDefaultOption("FacetwiseRefinement.solver", &refiner->solver,
+                            "{gauss_newton, descent}");
+}
+
+void AddRunOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+  manager->AddDefaultOption("FacetwiseRefinement.backend", &refiner->backend,
+                            "{auto, cpu, gl}: the processor, or OpenGL 4.5; "
+                            "auto: OpenGL on a graphics card, or else the "
+                            "processor");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.gpu_index", &refiner->gpu_index,
+      "Of the graphics card, as EGL lists them; -1: the first that will do");
+  manager->AddDefaultOption("FacetwiseRefinement.num_threads",
+                            &refiner->num_threads,
+                            "-1 for all; the result does not depend on it");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb,
+      "For images; if they do not fit they are read again and again");
+  manager->AddDefaultOption("FacetwiseRefinement.skip_missing_images",
+                            &refiner->skip_missing_images,
+                            "Go on without images that are missing, can not be "
+                            "read, or are not of their camera's size");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.snapshot_interval", &refiner->snapshot_interval,
+      "Write OUTPUT.LEVEL.ITERATION.ply every so many iterations; 0: never");
+}
+
+}  // namespace
+
+void AddRefinerOptions(colmap::OptionManager* manager,
+                       RefinerOptions* refiner) {
+  AddPathOptions(manager, refiner);
+  AddMethodOptions(manager, refiner);
+  AddRunOptions(manager, refiner);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "delaunay/manifold_meshing.h"
+#include "workspace/workspace.h"
+
+namespace colmap_ext {
+
+// What delaunay_manifold_mesher is asked for.
+struct MesherOptions {
+  std::string workspace_path;  // either this
+  std::string input_path;      // or, as delaunay_mesher has it, this
+  std::string output_path;
+  WorkspaceOptions workspace;
+  ManifoldMeshingOptions meshing;
+
+  // Add HalfPixelOffsets to fused points (scene/half_pixel.h) ...
+  bool half_pixel_correction = true;
+  // ... times what the sparse points show them to be off.
+  bool half_pixel_calibration = true;
+
+  // Where to read, and where the mesh goes.
+  std::filesystem::path InputPath() const;
+  std::filesystem::path OutputPath(
+      const std::filesystem::path& dense_path) const;
+
+  // What is wrong with the options, in one line; empty when all is well.
+  std::string Check() const;
+};
+
+}  // namespace colmap_ext

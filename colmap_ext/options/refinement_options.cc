@@ -1,0 +1,107 @@
+#include "colmap_ext/options/refinement_options.h"
+
+#include "formats/errors.h"
+#include "workspace/workspace.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRefinerOutput = "meshed-refined.ply";
+
+// A pixel takes a byte in an image, and eight where facets are drawn.
+constexpr double kImageShare = 1.0 / 9;
+
+void CheckPaths(const RefinerOptions& options) {
+  if (options.workspace_path.empty()) {
+    throw OptionError("--workspace_path is required");
+  }
+  if (!options.input_path.empty() && options.output_path.empty()) {
+    throw OptionError("--output_path is required with --input_path");
+  }
+  if (options.PlotPath() == options.report_path &&
+      !options.report_path.empty()) {
+    throw OptionError(
+        "--report_path is a CSV, and the plot beside it ends in .svg");
+  }
+  if (options.LabelsPicturePath() == options.labels_path &&
+      !options.labels_path.empty()) {
+    throw OptionError(
+        "--labels_path is a PLY, and the picture beside it ends in .png");
+  }
+}
+
+// \return whether it is the second of the words.
+bool IsSecond(const char* option, const std::string& word, const char* first,
+              const char* second) {
+  if (word != first && word != second) {
+    throw OptionError(std::string(option) + " is '" + word +
+                      "'; it has to be " + first + " or " + second);
+  }
+  return word == second;
+}
+
+}  // namespace
+
+void RefinerOptions::Finish() {
+  CheckPaths(*this);
+  WorkspaceOptions workspace;
+  workspace.image_order = image_order;
+  if (const std::string error = workspace.Check(); !error.empty()) {
+    throw OptionError(error);
+  }
+  if (window < 3 || window % 2 == 0) {
+    throw OptionError("window must be odd, and 3 or more");
+  }
+  if (!(max_memory_gb > 0 && max_memory_gb <= 1e6)) {
+    throw OptionError("max_memory_gb must be positive, and 1000000 or less");
+  }
+  if (snapshot_interval < 0) {
+    throw OptionError("snapshot_interval must not be negative");
+  }
+  if (num_threads != -1 && num_threads <= 0) {
+    throw OptionError("num_threads must be positive, or -1 for all threads");
+  }
+  if (backend != "auto" && backend != "cpu" && backend != "gl") {
+    throw OptionError("backend is '" + backend +
+                      "'; it has to be auto, cpu or gl");
+  }
+  if (gpu_index < -1) {
+    throw OptionError("gpu_index must not be negative, or -1 for any");
+  }
+  refinement.photometric.window_radius = window / 2;
+  refinement.labeling.pair_selection =
+      IsSecond("pair_selection", pair_selection, "facetwise", "classical")
+          ? PairSelection::kClassical
+          : PairSelection::kFacetwise;
+  refinement.solver = IsSecond("solver", solver, "gauss_newton", "descent")
+                          ? RefinementSolver::kDescent
+                          : RefinementSolver::kGaussNewton;
+  if (const std::string error = refinement.Check(); !error.empty()) {
+    throw OptionError(error);
+  }
+}
+
+fs::path RefinerOptions::OutputPath(const fs::path& folder) const {
+  return output_path.empty() ? folder / kRefinerOutput : fs::path(output_path);
+}
+
+fs::path RefinerOptions::PlotPath() const {
+  return fs::path(report_path).replace_extension(".svg");
+}
+
+fs::path RefinerOptions::LabelsPicturePath() const {
+  return fs::path(labels_path).replace_extension(".png");
+}
+
+size_t RefinerOptions::MaxImageMemory() const {
+  return static_cast<size_t>(kImageShare * 1e9 * max_memory_gb);
+}
+
+size_t RefinerOptions::MaxDrawingMemory() const {
+  return static_cast<size_t>((1 - kImageShare) * 1e9 * max_memory_gb);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "refine/facetwise_refinement.h"
+
+namespace colmap_ext {
+
+// What facetwise_refiner is asked for.
+struct RefinerOptions {
+  std::string workspace_path;
+  std::string input_path;   // the mesh; empty: kMesherOutput of the workspace
+  std::string output_path;  // empty: meshed-refined.ply in the workspace
+  std::string report_path;  // a CSV; its plot lies beside it
+  std::string labels_path;  // a PLY; its picture lies beside it
+  std::string image_order = "auto";
+  bool resume = false;
+
+  FacetwiseRefinementOptions refinement;
+  int window = 5;                            // px
+  std::string pair_selection = "facetwise";  // or "classical"
+  std::string solver = "gauss_newton";       // or "descent"
+  std::string backend = "auto";              // or "cpu" or "gl"
+  int gpu_index = -1;                        // see EglContext
+  double max_memory_gb = 4;
+  bool skip_missing_images = false;
+  int snapshot_interval = 0;  // iterations; 0: none
+  int num_threads = -1;
+
+  // Reads the words, and passes them on.
+  // \throw OptionError if something is wrong with any of the options.
+  void Finish();
+
+  // Files that are written beside others, or by default.
+  std::filesystem::path OutputPath(const std::filesystem::path& folder) const;
+  std::filesystem::path PlotPath() const;
+  std::filesystem::path LabelsPicturePath() const;
+
+  // Of memory, for the images at a level, and for what is drawn into them.
+  size_t MaxImageMemory() const;    // bytes
+  size_t MaxDrawingMemory() const;  // bytes
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,76 @@
+#include "colmap_ext/refinement/refinement_backend.h"
+
+#include <optional>
+#include <utility>
+
+#include "formats/errors.h"
+#include "gl/egl_context.h"
+#include "gl/gl_error.h"
+#include "gl/gl_photometric_energy.h"
+#include "photometry/cpu_photometric_energy.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Whether OpenGL would be software; nothing if there is none.
+std::optional<bool> IsGlSoftware(int gpu_index) {
+  try {
+    return EglContext(gpu_index).IsSoftware();
+  } catch (const NoGlError&) {
+    return std::nullopt;
+  }
+}
+
+RefinementBackend MakeGl(const RefinerOptions& options,
+                         std::shared_ptr<ImagePyramid> images) {
+  RefinementBackend backend;
+  try {
+    backend.energy = MakeGlPhotometricEnergy(
+        options.refinement.photometric, std::move(images), options.gpu_index,
+        options.MaxDrawingMemory());
+  } catch (const NoGlError& error) {
+    throw OptionError(std::string(error.what()) +
+                      "; --FacetwiseRefinement.backend cpu needs none");
+  }
+  backend.description = backend.energy->Description();
+  return backend;
+}
+
+RefinementBackend MakeCpu(const RefinerOptions& options,
+                          std::shared_ptr<ImagePyramid> images) {
+  RefinementBackend backend;
+  backend.energy =
+      MakeCpuPhotometricEnergy(options.refinement.photometric,
+                               std::move(images), options.MaxDrawingMemory());
+  backend.description = backend.energy->Description();
+  return backend;
+}
+
+}  // namespace
+
+RefinementBackend MakeBackend(const RefinerOptions& options,
+                              std::shared_ptr<ImagePyramid> images) {
+  if (options.backend == "cpu") {
+    return MakeCpu(options, std::move(images));
+  }
+  const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
+  if (options.backend == "gl") {
+    RefinementBackend backend = MakeGl(options, std::move(images));
+    if (is_software.value_or(false)) {
+      backend.warning =
+          "OpenGL is drawn by software here, which is slower than "
+          "--FacetwiseRefinement.backend cpu";
+    }
+    return backend;
+  }
+  if (is_software.has_value() && !*is_software) {
+    return MakeGl(options, std::move(images));
+  }
+  RefinementBackend backend = MakeCpu(options, std::move(images));
+  backend.description += is_software ? "; OpenGL would be software here"
+                                     : "; there is no OpenGL here";
+  return backend;
+}
+
+}  // namespace colmap_ext

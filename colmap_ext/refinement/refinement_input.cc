@@ -1,0 +1,236 @@
+#include "colmap_ext/refinement/refinement_input.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "delaunay/inherit_attributes.h"
+#include "formats/errors.h"
+#include "formats/read_ply_mesh.h"
+#include "formats/read_visibility.h"
+#include "formats/write_mesh.h"
+#include "mesh/nearest_attributes.h"
+#include "mesh/topology.h"
+#include "workspace/find_workspace.h"
+#include "workspace/usable_pictures.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFusedName = "fused.ply";
+
+constexpr VisibilityOwner kMesh = {
+    "mesh",
+    "make the mesh again, or remove its .vis, and the images that see it come "
+    "from the nearest fused points"};
+
+fs::path FindWorkspaceFolder(const RefinerOptions& options) {
+  const fs::path path = options.workspace_path;
+  const std::vector<fs::path> found =
+      FindFoldersWith({kMesherOutput, kFusedName}, path);
+  ExpectOneFolder(found, path);
+  if (!found.empty()) {
+    return found[0];
+  }
+  if (options.input_path.empty()) {
+    throw FileError(path,
+                    std::string("no ") + kMesherOutput +
+                        " here nor in dense/ or dense/0/; run `colmap "
+                        "delaunay_manifold_mesher --workspace_path DIR` first");
+  }
+  return path;
+}
+
+// The mesh as it was read, in time with what belongs to its vertices.
+struct MeshFile {
+  TriangleMesh mesh;
+  VertexAttributes attributes;  // no views if there is no .vis
+};
+
+MeshFile ReadMeshFile(const fs::path& path, bool has_visibility) {
+  ColoredMesh read = ReadColoredPlyMesh(path);
+  if (read.mesh.facets.empty()) {
+    throw FileError(path, "it has no faces: not a mesh");
+  }
+  const size_t num_vertices = read.mesh.vertices.size();
+  return {std::move(read.mesh),
+          {std::move(read.colors),
+           has_visibility
+               ? ReadVisibility(VisibilityPath(path), num_vertices, kMesh)
+               : Rows<uint32_t>(num_vertices)}};
+}
+
+// Sorts each row, and drops what it has twice.
+void SortViews(VertexAttributes* attributes) {
+  const auto indices = attributes->views.values.begin();
+  uint64_t begin = 0;
+  uint64_t num_kept = 0;
+  for (size_t i = 0; i + 1 < attributes->views.offsets.size(); ++i) {
+    const auto first = indices + static_cast<std::ptrdiff_t>(begin);
+    begin = attributes->views.offsets[i + 1];
+    const auto last = indices + static_cast<std::ptrdiff_t>(begin);
+    std::sort(first, last);
+    const auto unique_last = std::unique(first, last);
+    std::move(first, unique_last,
+              indices + static_cast<std::ptrdiff_t>(num_kept));
+    num_kept += static_cast<uint64_t>(unique_last - first);
+    attributes->views.offsets[i + 1] = num_kept;
+  }
+  attributes->views.values.resize(num_kept);
+}
+
+void ExpectViews(const VertexAttributes& attributes, size_t num_views,
+                 const fs::path& path) {
+  const std::vector<uint32_t>& views = attributes.views.values;
+  const auto highest = std::max_element(views.begin(), views.end());
+  if (highest != views.end() && *highest >= num_views) {
+    throw FileError(path, "lists image " + std::to_string(*highest) +
+                              ", but sparse/ has " + std::to_string(num_views) +
+                              ": it belongs to another model; " +
+                              kMesh.what_to_do);
+  }
+}
+
+PointCloud CloudOfVertices(const TriangleMesh& mesh,
+                           const VertexAttributes& attributes) {
+  return {mesh.vertices, attributes.colors, attributes.views};
+}
+
+// Makes the mesh manifold if it is not.
+// \return what was done, without the arrays
+std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
+  if (Analyze(file->mesh).IsManifold()) {
+    return std::nullopt;
+  }
+  ManifoldRepair repair = RepairManifold(file->mesh);
+  if (repair.mesh.facets.empty()) {
+    throw FileError(path, "none of its faces can be used");
+  }
+  file->attributes = InheritAttributes(
+      repair.mesh, CloudOfVertices(file->mesh, file->attributes),
+      repair.sources);
+  file->mesh = std::exchange(repair.mesh, {});
+  repair.sources = {};
+  return repair;
+}
+
+// The vertices with their normals, as fused points are read.
+PlyCloud VertexCloud(const MeshFile& file) {
+  const TriangleMesh& mesh = file.mesh;
+  PlyCloud cloud{mesh.vertices,
+                 std::vector<Eigen::Vector3f>(mesh.vertices.size(),
+                                              Eigen::Vector3f::Zero()),
+                 file.attributes.colors};
+  for (const Facet& facet : mesh.facets) {
+    const Eigen::Vector3f& corner = mesh.vertices[facet[0]];
+    const Eigen::Vector3f normal = (mesh.vertices[facet[1]] - corner)
+                                       .cross(mesh.vertices[facet[2]] - corner);
+    for (const uint32_t vertex : facet) {
+      cloud.normals[vertex] += normal;
+    }
+  }
+  return cloud;
+}
+
+Workspace ReadCameras(const RefinerOptions& options,
+                      const RefinementPaths& paths,
+                      const PictureDecoder& decoder, const MeshFile& file,
+                      const RefinementInput& input) {
+  WorkspaceOptions rules;
+  rules.image_order = options.image_order;
+  rules.allow_other_sizes = true;
+  if (input.has_fused_points) {
+    return ReadWorkspace(paths.folder, rules, decoder);
+  }
+  if (!input.has_visibility) {
+    throw FileError(paths.folder / kFusedName,
+                    "no such file, and " + VisibilityPath(paths.mesh).string() +
+                        " neither, so that it is not known which images see "
+                        "the mesh; run `colmap stereo_fusion` first");
+  }
+  return ReadMeshWorkspace(paths.folder, rules, decoder, VertexCloud(file),
+                           file.attributes.views, VisibilityPath(paths.mesh));
+}
+
+// Views and colours that the mesh's files do not have.
+void CompleteAttributes(const MeshFile& file, RefinementInput* input) {
+  const bool has_colors = !file.attributes.colors.empty();
+  input->attributes = file.attributes;
+  input->colors_from = has_colors ? "the mesh" : "nowhere";
+  if (!input->has_fused_points || (has_colors && input->has_visibility)) {
+    return;
+  }
+  VertexAttributes nearest = NearestAttributes(file.mesh, input->points);
+  if (!input->has_visibility) {
+    input->attributes.views = std::move(nearest.views);
+  }
+  if (!has_colors && !nearest.colors.empty()) {
+    input->attributes.colors = std::move(nearest.colors);
+    input->colors_from = "the nearest fused points";
+  }
+}
+
+void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
+                   const PictureDecoder& decoder, RefinementInput* input) {
+  const fs::path images_path = paths.folder / "images";
+  FindUnreadable(images_path, input->views, decoder, &input->picture_errors);
+  if (!options.skip_missing_images) {
+    ExpectPictures(images_path, input->views, input->picture_errors);
+  }
+  RemoveUnusable(images_path, input->picture_errors, &input->points);
+}
+
+}  // namespace
+
+RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
+  const fs::path folder = FindWorkspaceFolder(options);
+  const RefinementPaths paths{folder,
+                              options.input_path.empty()
+                                  ? folder / kMesherOutput
+                                  : fs::path(options.input_path),
+                              options.OutputPath(folder)};
+  if (!fs::exists(paths.mesh)) {
+    throw FileError(paths.mesh,
+                    options.input_path.empty()
+                        ? "no such file; run `colmap delaunay_manifold_mesher` "
+                          "first, or name a mesh by --input_path"
+                        : "no such file");
+  }
+  std::error_code ignored;
+  if (fs::equivalent(paths.mesh, paths.output, ignored)) {
+    throw OptionError("--output_path is the mesh that is to be refined");
+  }
+  return paths;
+}
+
+RefinementInput ReadRefinementInput(const RefinerOptions& options,
+                                    const RefinementPaths& paths,
+                                    const PictureDecoder& decoder,
+                                    const Progress& progress) {
+  RefinementInput input;
+  input.has_visibility = fs::exists(VisibilityPath(paths.mesh));
+  input.has_fused_points = fs::exists(paths.folder / kFusedName);
+  Report(progress, "Reading the mesh", 0);
+  MeshFile file = ReadMeshFile(paths.mesh, input.has_visibility);
+  SortViews(&file.attributes);
+  input.repair = Repair(paths.mesh, &file);
+  Report(progress, "Reading the workspace", 0);
+  Workspace workspace = ReadCameras(options, paths, decoder, file, input);
+  ExpectViews(file.attributes, workspace.views.size(),
+              VisibilityPath(paths.mesh));
+  input.views = std::move(workspace.views);
+  input.points = std::move(workspace.cloud);
+  input.picture_errors = std::move(workspace.picture_errors);
+  input.workspace = std::move(workspace.report);
+  CompleteAttributes(file, &input);
+  input.mesh = std::move(file.mesh);
+  Report(progress, "Reading the images", 0);
+  CheckPictures(options, paths, decoder, &input);
+  return input;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "colmap_ext/options/refinement_options.h"
+#include "mesh/manifold_repair.h"
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
+#include "scene/picture_decoder.h"
+#include "scene/point_cloud.h"
+#include "scene/progress.h"
+#include "scene/view.h"
+#include "workspace/workspace.h"
+
+namespace colmap_ext {
+
+// Where what is refined lies.
+struct RefinementPaths {
+  std::filesystem::path folder;  // the dense workspace
+  std::filesystem::path mesh;
+  std::filesystem::path output;
+};
+
+// \throw FileError if there is no workspace, or several, or no mesh.
+RefinementPaths FindRefinementPaths(const RefinerOptions& options);
+
+// What RefineFacetwise() takes, and how it came about.
+struct RefinementInput {
+  TriangleMesh mesh;  // manifold
+  VertexAttributes attributes;
+  std::vector<View> views;
+  PointCloud points;  // without the views whose pictures can not be used
+  std::vector<std::string> picture_errors;  // [views] empty: can be used
+
+  WorkspaceReport workspace;
+  bool has_fused_points = true;  // else the mesh's vertices stand for them
+  bool has_visibility = true;    // of its own, beside the mesh
+  std::string colors_from;       // where the vertices' colours come from
+  std::optional<ManifoldRepair> repair;  // of the mesh, without its arrays
+};
+
+// Reads the mesh with its .vis, the cameras, and the fused points, and reads
+// all pictures once to see that they can be read.
+//
+// \pre options finished
+// \throw FileError for whatever is missing, damaged, or does not fit together.
+RefinementInput ReadRefinementInput(const RefinerOptions& options,
+                                    const RefinementPaths& paths,
+                                    const PictureDecoder& decoder,
+                                    const Progress& progress);
+
+}  // namespace colmap_ext

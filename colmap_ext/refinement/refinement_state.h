@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "colmap_ext/options/refinement_options.h"
+#include "colmap_ext/refinement/refinement_input.h"
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
+#include "refine/facetwise_refinement.h"
+
+namespace colmap_ext {
+
+// What an interrupted refinement leaves, to go on from: the mesh of the last
+// complete level as OUTPUT.levelN.ply with its .vis, where its vertices come
+// from as OUTPUT.levelN.origin.ply, and OUTPUT.ply.resume, which says what it
+// belongs to and how it went so far. That is a text of lines "name value";
+// those before "level" have to be the same when it is gone on from.
+
+// What a refinement depends on, in words: the options, and the files.
+using RunIdentity = std::vector<std::pair<std::string, std::string>>;
+
+RunIdentity IdentityOf(const RefinerOptions& options,
+                       const RefinementPaths& paths);
+
+struct RefinementState {
+  int level = 0;  // the last one that is complete
+  TriangleMesh mesh;
+  VertexAttributes attributes;
+  std::vector<Eigen::Vector3f> origins;  // [V] see RefinedMesh
+  RefinementReport report;               // up to there
+};
+
+std::filesystem::path StatePath(const std::filesystem::path& output);
+std::filesystem::path LevelMeshPath(const std::filesystem::path& output,
+                                    int level);
+std::filesystem::path LevelOriginPath(const std::filesystem::path& output,
+                                      int level);
+
+// Writes the four files, the mesh checked, and removes those of the level
+// before.
+// \throw FileError if they can not be written; std::logic_error if the mesh is
+//        not manifold.
+void WriteState(const std::filesystem::path& output,
+                const RunIdentity& identity, const RefinementState& state);
+
+// \throw FileError if there is no state, it is damaged, or belongs to another
+//        run: it says what differs.
+RefinementState ReadState(const std::filesystem::path& output,
+                          const RunIdentity& identity);
+
+// Removes what WriteState() wrote for a level.
+void RemoveState(const std::filesystem::path& output, int level);
+
+// \throw std::logic_error if it is not manifold.
+void ExpectManifold(const TriangleMesh& mesh);
+
+}  // namespace colmap_ext

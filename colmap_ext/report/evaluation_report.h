@@ -1,0 +1,20 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+#include "colmap_ext/options/evaluation_options.h"
+#include "evaluation/mesh_evaluation.h"
+
+namespace colmap_ext {
+
+// For the user, on the screen: tables of the figures.
+void PrintEvaluation(const EvaluatorOptions& options,
+                     const MeshEvaluation& evaluation, std::ostream& stream);
+
+// For programs: the same as a JSON object, in scene units; what there is no
+// figure for is null.
+std::string EvaluationJson(const EvaluatorOptions& options,
+                           const MeshEvaluation& evaluation);
+
+}  // namespace colmap_ext

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <iosfwd>
+#include <optional>
+#include <vector>
+
+#include "colmap_ext/terminal/progress_reporter.h"
+#include "delaunay/manifold_meshing.h"
+#include "scene/half_pixel.h"
+#include "workspace/workspace.h"
+
+namespace colmap_ext {
+
+// For the user, on the screen: one fact a line, numbers in one column.
+
+struct HalfPixelReport {
+  HalfPixelSlope slope;
+  double scale = 1;  // of the correction
+};
+
+// What was read, and what was dropped and why.
+// \param half_pixel  if it was corrected.
+void PrintReport(const WorkspaceReport& report, size_t num_images,
+                 const std::optional<HalfPixelReport>& half_pixel,
+                 std::ostream& stream);
+
+// What was made of it.
+void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream);
+
+// What it took.
+void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,
+                 std::ostream& stream);
+
+}  // namespace colmap_ext

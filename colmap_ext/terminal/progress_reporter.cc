@@ -1,0 +1,136 @@
+#include "colmap_ext/terminal/progress_reporter.h"
+
+#include <sys/ioctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ostream>
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr double kTerminalInterval = 0.1;  // seconds
+constexpr double kLogInterval = 10;        // seconds
+
+// Of the terminal, characters; 0 if it is not known.
+size_t TerminalWidth() {
+  winsize size{};
+  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
+std::string FormatSeconds(double seconds) {
+  char text[32];
+  if (seconds < 60) {
+    std::snprintf(text, sizeof(text), "%.1f s", seconds);
+  } else {
+    std::snprintf(text, sizeof(text), "%d min %02d s",
+                  static_cast<int>(seconds) / 60,
+                  static_cast<int>(seconds) % 60);
+  }
+  return text;
+}
+
+double Seconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+}  // namespace
+
+ProgressReporter::ProgressReporter(std::ostream& stream, bool is_terminal)
+    : stream_(stream), is_terminal_(is_terminal) {}
+
+// Where work was given up, what comes next shall not run into its line.
+ProgressReporter::~ProgressReporter() {
+  if (is_terminal_ && !stage_.empty()) {
+    stream_ << std::endl;
+  }
+}
+
+void ProgressReporter::Update(std::string_view stage, double share) {
+  share_ = share;
+  if (stage != stage_) {
+    Finish();
+    stage_ = stage;
+    stage_start_ = last_shown_ = Clock::now();
+    if (is_terminal_) {
+      Show(share);
+    }
+    return;
+  }
+  const double interval = is_terminal_ ? kTerminalInterval : kLogInterval;
+  if (Seconds(Clock::now() - last_shown_) >= interval) {
+    Show(share);
+  }
+}
+
+void ProgressReporter::Note(const std::string& text) {
+  if (is_terminal_) {
+    note_ = text;
+    Show(share_);
+  } else {
+    stream_ << text << std::endl;
+  }
+}
+
+void ProgressReporter::Finish() {
+  if (stage_.empty()) {
+    return;
+  }
+  const double seconds = Seconds(Clock::now() - stage_start_);
+  std::string line = stage_ + " ... " + FormatSeconds(seconds);
+  line.resize(std::max(line.size(), shown_length_), ' ');
+  stream_ << (is_terminal_ ? "\r" : "") << line << std::endl;
+  shown_length_ = 0;
+  const auto same = std::find_if(
+      stage_times_.begin(), stage_times_.end(),
+      [this](const StageTime& time) { return time.stage == stage_; });
+  if (same != stage_times_.end()) {
+    same->seconds += seconds;
+  } else {
+    stage_times_.push_back({stage_, seconds});
+  }
+  stage_.clear();
+  note_.clear();
+}
+
+void ProgressReporter::Show(double share) {
+  const Clock::time_point now = Clock::now();
+  const double elapsed = Seconds(now - stage_start_);
+  char percent[16];
+  std::snprintf(percent, sizeof(percent), "%.0f %%", 100 * share);
+  std::string line = stage_ + " ... " + percent;
+  if (share > 0.02 && elapsed > 2) {
+    line += ", " + FormatSeconds(elapsed * (1 - share) / share) + " left";
+  }
+  if (!note_.empty()) {
+    line += ", " + note_;
+  }
+  if (is_terminal_) {
+    // A line that wraps can not be written over.
+    if (const size_t width = TerminalWidth(); width > 0) {
+      line.resize(std::min(line.size(), width - 1));
+    }
+    const size_t length = line.size();
+    line.resize(std::max(length, shown_length_), ' ');
+    shown_length_ = length;
+    stream_ << '\r' << line << std::flush;
+  } else {
+    stream_ << line << std::endl;
+  }
+  last_shown_ = now;
+}
+
+size_t PeakMemory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__
+  return static_cast<size_t>(usage.ru_maxrss);
+#else
+  return static_cast<size_t>(usage.ru_maxrss) * 1024;
+#endif
+}
+
+}  // namespace colmap_ext

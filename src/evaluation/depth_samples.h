@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scene/depth_map.h"
+#include "scene/view.h"
+#include "spatial/bvh.h"
+
+namespace colmap_ext {
+
+// What a view sees of a surface, a ray through the centre of each sampled
+// pixel.
+// \param stride  > 0
+DepthMap RenderDepths(const Bvh& surface, const View& view, int stride);
+
+// The same pixels of a map of the whole image.
+// \pre map.stride == 1
+DepthMap Subsample(const DepthMap& map, int stride);
+
+// World points of the samples of `depths` at which `mask` has a depth as well,
+// row by row.
+// \pre both are of the same size
+std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
+                                         const DepthMap& mask,
+                                         const View& view);
+
+}  // namespace colmap_ext

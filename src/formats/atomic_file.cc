@@ -1,0 +1,200 @@
+#include "formats/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr size_t kBufferSize = 1 << 20;  // bytes
+constexpr int kMaxTemporaries = 16;
+constexpr size_t kMaxPathLength = 4096;
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+
+// What a signal handler may touch: the temporary files that are there, and
+// what the signals did before. An empty path is a free slot.
+char temporaries[kMaxTemporaries][kMaxPathLength];
+int num_temporaries = 0;
+struct sigaction previous_actions[std::size(kSignals)];
+
+extern "C" void HandleSignal(int signal) { DieOfSignal(signal); }
+
+int AddTemporary(const std::string& path) {
+  if (num_temporaries++ == 0) {
+    struct sigaction action = {};
+    action.sa_handler = &HandleSignal;
+    for (size_t i = 0; i < std::size(kSignals); ++i) {
+      sigaction(kSignals[i], nullptr, &previous_actions[i]);
+      if (previous_actions[i].sa_handler == SIG_DFL) {
+        sigaction(kSignals[i], &action, nullptr);
+      }
+    }
+  }
+  for (int slot = 0; slot < kMaxTemporaries; ++slot) {
+    if (temporaries[slot][0] == '\0' && path.size() < kMaxPathLength) {
+      std::memcpy(temporaries[slot], path.c_str(), path.size() + 1);
+      return slot;
+    }
+  }
+  return -1;
+}
+
+void RemoveTemporary(int slot) {
+  if (slot >= 0) {
+    temporaries[slot][0] = '\0';
+  }
+  if (--num_temporaries == 0) {
+    for (size_t i = 0; i < std::size(kSignals); ++i) {
+      sigaction(kSignals[i], &previous_actions[i], nullptr);
+    }
+  }
+}
+
+std::string LastError() { return std::strerror(errno); }
+
+std::filesystem::path FolderOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
+// Through a symbolic link, so that it stays one.
+std::filesystem::path Resolve(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path resolved =
+      std::filesystem::weakly_canonical(path, error);
+  return error ? path : resolved;
+}
+
+void SyncFolder(const std::filesystem::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY);
+  if (descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
+}
+
+void CheckPlace(const std::filesystem::path& path) {
+  const std::filesystem::path resolved = Resolve(path);
+  const std::filesystem::path folder = FolderOf(resolved);
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw FileError(
+        path, "can not be written: " + folder.string() + " is not a folder");
+  }
+  if (std::filesystem::exists(resolved, error) &&
+      !std::filesystem::is_regular_file(resolved, error)) {
+    throw FileError(path, "can not be written: it is not a regular file");
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw FileError(path, "can not be written: " + LastError());
+  }
+}
+
+}  // namespace
+
+void DieOfSignal(int signal) {
+  for (const char* path : temporaries) {
+    if (path[0] != '\0') {
+      unlink(path);
+    }
+  }
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+// Some folders say that they can be written, and can not, such as /proc.
+void ExpectWritable(const std::filesystem::path& path) {
+  const AtomicFile file(path);
+}
+
+AtomicFile::AtomicFile(const std::filesystem::path& path)
+    : path_(Resolve(path)) {
+  CheckPlace(path);
+  buffer_.reserve(kBufferSize);
+  const std::string prefix =
+      (FolderOf(path_) / ("." + path_.filename().string())).string() + "." +
+      std::to_string(getpid()) + ".tmp";
+  for (int i = 0; descriptor_ < 0; ++i) {
+    temporary_path_ = prefix + std::to_string(i);
+    descriptor_ = open(temporary_path_.c_str(),
+                       O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0 && errno != EEXIST) {
+      throw FileError(path_, "can not be written: " + LastError());
+    }
+  }
+  cleanup_slot_ = AddTemporary(temporary_path_);
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) {
+    close(descriptor_);
+  }
+  if (!temporary_path_.empty()) {
+    unlink(temporary_path_.c_str());
+  }
+  RemoveTemporary(cleanup_slot_);
+}
+
+void AtomicFile::Write(const void* bytes, size_t num_bytes) {
+  const char* begin = static_cast<const char*>(bytes);
+  buffer_.insert(buffer_.end(), begin, begin + num_bytes);
+  if (buffer_.size() >= kBufferSize) {
+    Flush();
+  }
+}
+
+void AtomicFile::Flush() {
+  size_t num_written = 0;
+  while (num_written < buffer_.size()) {
+    const ssize_t count = write(descriptor_, buffer_.data() + num_written,
+                                buffer_.size() - num_written);
+    if (count < 0 && errno != EINTR) {
+      throw FileError(path_, "can not be written: " + LastError());
+    }
+    num_written += count > 0 ? static_cast<size_t>(count) : 0;
+  }
+  buffer_.clear();
+}
+
+void AtomicFile::Sync() {
+  Flush();
+  const bool is_synced = fsync(descriptor_) == 0;
+  const bool is_closed = close(descriptor_) == 0;
+  descriptor_ = -1;
+  if (!is_synced || !is_closed) {
+    throw FileError(path_, "can not be written: " + LastError());
+  }
+}
+
+void AtomicFile::Rename() {
+  if (std::rename(temporary_path_.c_str(), path_.c_str()) != 0) {
+    throw FileError(path_, "can not be written: " + LastError());
+  }
+  temporary_path_.clear();
+}
+
+void Commit(std::span<AtomicFile* const> files) {
+  for (AtomicFile* file : files) {
+    file->Sync();
+  }
+  for (AtomicFile* file : files) {
+    file->Rename();
+    SyncFolder(FolderOf(file->path_));
+  }
+}
+
+void WriteText(const std::filesystem::path& path, const std::string& text) {
+  AtomicFile file(path);
+  file.Write(text.data(), text.size());
+  AtomicFile* const files[] = {&file};
+  Commit(files);
+}
+
+}  // namespace colmap_ext

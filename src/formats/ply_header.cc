@@ -1,0 +1,171 @@
+// G. Turk's PLY format: http://paulbourke.net/dataformats/ply
+
+#include "formats/ply_header.h"
+
+#include <charconv>
+#include <map>
+#include <sstream>
+
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr size_t kMaxLineLength = 1 << 16;
+
+std::string ReadLine(ByteReader* reader) {
+  std::string line;
+  for (char c = reader->Read<char>("the header"); c != '\n';
+       c = reader->Read<char>("the header")) {
+    line.push_back(c);
+    if (line.size() > kMaxLineLength) {
+      throw FileError(reader->Path(), "not a PLY file: endless header line");
+    }
+  }
+  if (line.ends_with('\r')) {
+    line.pop_back();
+  }
+  return line;
+}
+
+class HeaderParser {
+ public:
+  explicit HeaderParser(ByteReader* reader) : reader_(reader) {}
+
+  PlyHeader Parse() {
+    if (reader_->Remaining() < 4 || ReadLine(reader_) != "ply") {
+      Throw("not a PLY file");
+    }
+    bool has_format = false;
+    for (std::string line = ReadLine(reader_); line != "end_header";
+         line = ReadLine(reader_)) {
+      std::istringstream items(line);
+      std::string keyword;
+      items >> keyword;
+      if (keyword == "format") {
+        ParseFormat(items);
+        has_format = true;
+      } else if (keyword == "element") {
+        ParseElement(items);
+      } else if (keyword == "property") {
+        ParseProperty(items);
+      } else if (keyword != "comment" && keyword != "obj_info" &&
+                 !keyword.empty()) {
+        Throw("PLY header: unknown line '" + line + "'");
+      }
+    }
+    if (!has_format) {
+      Throw("PLY header: no format");
+    }
+    return std::move(header_);
+  }
+
+ private:
+  void ParseFormat(std::istringstream& items) {
+    static const std::map<std::string, PlyFormat> kFormats = {
+        {"ascii", PlyFormat::kAscii},
+        {"binary_little_endian", PlyFormat::kBinaryLittleEndian},
+        {"binary_big_endian", PlyFormat::kBinaryBigEndian}};
+    std::string name;
+    items >> name;
+    const auto format = kFormats.find(name);
+    if (format == kFormats.end()) {
+      Throw("PLY header: unknown format '" + name + "'");
+    }
+    header_.format = format->second;
+  }
+
+  void ParseElement(std::istringstream& items) {
+    PlyElement element;
+    std::string count;
+    items >> element.name >> count;
+    const auto [end, error] = std::from_chars(
+        count.data(), count.data() + count.size(), element.count);
+    if (error != std::errc() || end != count.data() + count.size()) {
+      Throw("PLY header: '" + count + "' is not a count of " + element.name);
+    }
+    header_.elements.push_back(std::move(element));
+  }
+
+  void ParseProperty(std::istringstream& items) {
+    if (header_.elements.empty()) {
+      Throw("PLY header: a property before any element");
+    }
+    PlyProperty property;
+    std::string type;
+    items >> type;
+    if (type == "list") {
+      property.is_list = true;
+      items >> type;
+      property.count_type = ParseType(type);
+      if (property.count_type == PlyType::kFloat32 ||
+          property.count_type == PlyType::kFloat64) {
+        Throw("PLY header: a list counted by " + type);
+      }
+      items >> type;
+    }
+    property.type = ParseType(type);
+    items >> property.name;
+    header_.elements.back().properties.push_back(std::move(property));
+  }
+
+  PlyType ParseType(const std::string& name) {
+    static const std::map<std::string, PlyType> kTypes = {
+        {"char", PlyType::kInt8},      {"int8", PlyType::kInt8},
+        {"uchar", PlyType::kUint8},    {"uint8", PlyType::kUint8},
+        {"short", PlyType::kInt16},    {"int16", PlyType::kInt16},
+        {"ushort", PlyType::kUint16},  {"uint16", PlyType::kUint16},
+        {"int", PlyType::kInt32},      {"int32", PlyType::kInt32},
+        {"uint", PlyType::kUint32},    {"uint32", PlyType::kUint32},
+        {"float", PlyType::kFloat32},  {"float32", PlyType::kFloat32},
+        {"double", PlyType::kFloat64}, {"float64", PlyType::kFloat64}};
+    const auto type = kTypes.find(name);
+    if (type == kTypes.end()) {
+      Throw("PLY header: unknown type '" + name + "'");
+    }
+    return type->second;
+  }
+
+  [[noreturn]] void Throw(const std::string& message) const {
+    throw FileError(reader_->Path(), message);
+  }
+
+  ByteReader* reader_;
+  PlyHeader header_;
+};
+
+}  // namespace
+
+size_t PlyTypeSize(PlyType type) {
+  constexpr size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<int>(type)];
+}
+
+uint64_t PlyElement::MinBytes(PlyFormat format) const {
+  uint64_t num_bytes = 0;
+  for (const PlyProperty& property : properties) {
+    if (format == PlyFormat::kAscii) {
+      num_bytes += 2;  // a digit and what ends it
+    } else {
+      num_bytes +=
+          PlyTypeSize(property.is_list ? property.count_type : property.type);
+    }
+  }
+  return num_bytes;
+}
+
+int PlyElement::Find(const std::string& property_name) const {
+  for (size_t i = 0; i < properties.size(); ++i) {
+    if (properties[i].name == property_name && !properties[i].is_list) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+PlyHeader ReadPlyHeader(ByteReader* reader) {
+  return HeaderParser(reader).Parse();
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,98 @@
+#include "formats/read_ply_cloud.h"
+
+#include <algorithm>
+#include <array>
+
+#include "formats/byte_reader.h"
+#include "formats/errors.h"
+#include "formats/ply_header.h"
+#include "formats/ply_numbers.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Where in a vertex, as an index of its properties, are its coordinates?
+struct VertexLayout {
+  std::array<int, 3> position;
+  std::array<int, 3> normal;
+  std::array<int, 3> color;
+  bool has_normals = false;
+  bool has_colors = false;
+};
+
+VertexLayout FindLayout(const PlyElement& vertex,
+                        const std::filesystem::path& path) {
+  VertexLayout layout;
+  const auto find = [&vertex](std::array<const char*, 3> names,
+                              std::array<int, 3>* indices) {
+    bool found = true;
+    for (int i = 0; i < 3; ++i) {
+      (*indices)[i] = vertex.Find(names[i]);
+      found = found && (*indices)[i] >= 0;
+    }
+    return found;
+  };
+  if (!find({"x", "y", "z"}, &layout.position)) {
+    throw FileError(path, "its vertices have no x, y, z");
+  }
+  layout.has_normals = find({"nx", "ny", "nz"}, &layout.normal);
+  layout.has_colors =
+      find({"red", "green", "blue"}, &layout.color) ||
+      find({"diffuse_red", "diffuse_green", "diffuse_blue"}, &layout.color);
+  for (int i = 0; layout.has_colors && i < 3; ++i) {
+    layout.has_colors =
+        vertex.properties[layout.color[i]].type == PlyType::kUint8;
+  }
+  return layout;
+}
+
+}  // namespace
+
+PlyCloud ReadPlyVertices(const PlyElement& vertex,
+                         const std::filesystem::path& path,
+                         PlyNumberReader* numbers) {
+  const VertexLayout layout = FindLayout(vertex, path);
+  PlyCloud cloud;
+  cloud.positions.resize(vertex.count);
+  cloud.normals.resize(layout.has_normals ? vertex.count : 0);
+  cloud.colors.resize(layout.has_colors ? vertex.count : 0);
+  std::vector<double> values(vertex.properties.size());
+  for (uint64_t i = 0; i < vertex.count; ++i) {
+    for (size_t j = 0; j < values.size(); ++j) {
+      const PlyProperty& property = vertex.properties[j];
+      if (property.is_list) {
+        numbers->Skip(property);
+      } else {
+        values[j] = numbers->Read(property.type);
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      cloud.positions[i][k] = static_cast<float>(values[layout.position[k]]);
+      if (layout.has_normals) {
+        cloud.normals[i][k] = static_cast<float>(values[layout.normal[k]]);
+      }
+      if (layout.has_colors) {
+        cloud.colors[i][k] = static_cast<uint8_t>(
+            std::clamp(values[layout.color[k]], 0.0, 255.0));
+      }
+    }
+  }
+  return cloud;
+}
+
+PlyCloud ReadPlyCloud(const std::filesystem::path& path) {
+  ByteReader reader(path);
+  const PlyHeader header = ReadPlyHeader(&reader);
+  PlyNumberReader numbers(&reader, header.format, "the vertices");
+  for (const PlyElement& element : header.elements) {
+    numbers.ExpectRoomFor(element);
+    if (element.name == "vertex") {
+      return ReadPlyVertices(element, path, &numbers);
+    }
+    numbers.Skip(element);
+  }
+  throw FileError(path, "not a point cloud: it has no vertices");
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "formats/ply_header.h"
+#include "formats/ply_numbers.h"
+#include "scene/point_cloud.h"
+
+namespace colmap_ext {
+
+struct PlyCloud {
+  std::vector<Eigen::Vector3f> positions;  // [P], may be NaN or infinite
+  std::vector<Eigen::Vector3f> normals;    // [P] or empty
+  std::vector<Color> colors;               // [P] or empty
+};
+
+// Reads the vertices of a PLY file: ASCII or binary of either byte order, the
+// properties in any order and of any numeric type; colours are taken if they
+// are uchar. Other properties, lists, and elements are skipped.
+//
+// We have a reader of our own since COLMAP's (util/ply) aborts on what it does
+// not expect and trusts counts, and none is packaged apart from libraries that
+// bring a mesh type or more along.
+//
+// \throw FileError if the file is missing, truncated, or not such a PLY. Never
+//        allocates more than the file's size justifies.
+PlyCloud ReadPlyCloud(const std::filesystem::path& path);
+
+// Reads the vertices where the reader has come to them.
+// \throw FileError if they have no x, y, z, or are truncated or damaged.
+PlyCloud ReadPlyVertices(const PlyElement& vertex,
+                         const std::filesystem::path& path,
+                         PlyNumberReader* numbers);
+
+}  // namespace colmap_ext

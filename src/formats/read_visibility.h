@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "base/rows.h"
+namespace colmap_ext {
+
+// The images that see each point, as the file has them: [P] image indices, not
+// sorted, not checked.
+using Visibility = Rows<uint32_t>;
+
+// What a .vis lies beside, and what to do where the two do not fit.
+struct VisibilityOwner {
+  const char* name;
+  const char* what_to_do;
+};
+
+// What users bring: a cloud that was cropped or cleaned in an editor, which
+// leaves the .vis behind (COLMAP's issue 592), or that never had one (966).
+inline constexpr VisibilityOwner kFusedCloud = {
+    "cloud",
+    "run `colmap stereo_fusion` again, whose two files belong together, or "
+    "crop with a tool that drops the same points from both, or mesh the "
+    "sparse points with --input_type sparse"};
+
+// Reads a fused.ply.vis: uint64 P, then for each point uint32 n and n times
+// uint32 image index, little-endian.
+//
+// \param num_points  of the cloud beside it.
+// \param owner  what it lies beside, for the messages.
+// \throw FileError if the file is missing, truncated, too long, or of another
+//        number of points; it says what to do. Never allocates more than the
+//        file's size justifies.
+Visibility ReadVisibility(const std::filesystem::path& path, size_t num_points,
+                          const VisibilityOwner& owner = kFusedCloud);
+
+}  // namespace colmap_ext

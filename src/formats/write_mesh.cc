@@ -1,0 +1,86 @@
+#include "formats/write_mesh.h"
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+namespace {
+
+std::string Header(const TriangleMesh& mesh, bool has_colors) {
+  std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " +
+      std::to_string(mesh.vertices.size()) +
+      "\nproperty float x\nproperty float y\nproperty float z\n";
+  if (has_colors) {
+    header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  }
+  header += "element face " + std::to_string(mesh.facets.size()) +
+            "\nproperty list uchar int vertex_index\nend_header\n";
+  return header;
+}
+
+void WritePly(const TriangleMesh& mesh, const std::vector<Color>& colors,
+              AtomicFile* file) {
+  const std::string header = Header(mesh, !colors.empty());
+  file->Write(header.data(), header.size());
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    file->Write(mesh.vertices[i].data(), 3 * sizeof(float));
+    if (!colors.empty()) {
+      file->Write(colors[i]);
+    }
+  }
+  for (const Facet& facet : mesh.facets) {
+    file->Write(uint8_t{3});
+    file->Write(facet);
+  }
+}
+
+void WriteVisibility(const VertexAttributes& attributes, AtomicFile* file) {
+  file->Write(uint64_t{attributes.views.size()});
+  for (size_t i = 0; i < attributes.views.size(); ++i) {
+    const auto views = attributes.views[i];
+    file->Write(static_cast<uint32_t>(views.size()));
+    file->Write(views.data(), views.size_bytes());
+  }
+}
+
+void CheckSize(const std::filesystem::path& path, const TriangleMesh& mesh) {
+  if (mesh.vertices.size() > std::numeric_limits<int32_t>::max()) {
+    throw FileError(path, "the mesh has more vertices than a PLY can index");
+  }
+}
+
+}  // namespace
+
+std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
+  return path.string() + ".vis";
+}
+
+void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
+               const VertexAttributes& attributes) {
+  CheckSize(path, mesh);
+  AtomicFile visibility_file(VisibilityPath(path));
+  AtomicFile mesh_file(path);
+  WriteVisibility(attributes, &visibility_file);
+  WritePly(mesh, attributes.colors, &mesh_file);
+  AtomicFile* const files[] = {&visibility_file, &mesh_file};
+  Commit(files);
+}
+
+void WriteColoredMesh(const std::filesystem::path& path,
+                      const TriangleMesh& mesh,
+                      const std::vector<Color>& colors) {
+  CheckSize(path, mesh);
+  AtomicFile file(path);
+  WritePly(mesh, colors, &file);
+  AtomicFile* const files[] = {&file};
+  Commit(files);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,127 @@
+#include "labeling/candidate_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "raster/facet_frames.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// The pairs that each view is the first of: [views + 1] into pairs, which are
+// ascending.
+std::vector<uint32_t> FirstPairs(const std::vector<ViewPair>& pairs,
+                                 size_t num_views) {
+  std::vector<uint32_t> offsets(num_views + 1, 0);
+  for (const ViewPair& pair : pairs) {
+    ++offsets[pair.first + 1];
+  }
+  for (size_t i = 0; i < num_views; ++i) {
+    offsets[i + 1] += offsets[i];
+  }
+  return offsets;
+}
+
+// How well view j, beside view i, can tell where a facet lies: its pixels in i
+// times the squared disparity, in px of j, as it moves along its normal, both
+// for a facet of unit area and a motion of unit length.
+double Information(const FacetFrame& frame, const View& i, const View& j) {
+  const Eigen::Vector3d ray = frame.corner - i.Center();
+  const double distance = frame.normal.dot(ray);
+  const double depth = i.CamFromWorld(frame.corner).z();
+  const double pixels =
+      std::abs(distance) / ray.norm() * i.fx * i.fy / (depth * depth);
+  const Eigen::Vector3d in_j = j.CamFromWorld(frame.corner);
+  const Eigen::Vector3d ray_in_j = j.cam_from_world_rotation * ray;
+  const Eigen::Vector2d disparity =
+      Eigen::Vector2d(
+          j.fx * (ray_in_j.x() - ray_in_j.z() * in_j.x() / in_j.z()),
+          j.fy * (ray_in_j.y() - ray_in_j.z() * in_j.y() / in_j.z())) /
+      (in_j.z() * distance);
+  return pixels * disparity.squaredNorm();
+}
+
+}  // namespace
+
+CandidatePairs::CandidatePairs(const TriangleMesh& mesh,
+                               const VertexAttributes& attributes,
+                               const std::vector<ViewPair>& pairs,
+                               const FacetVisibility& visibility,
+                               const std::vector<View>& views,
+                               PairSelection selection)
+    : selection_(selection),
+      mesh_(mesh),
+      views_(views),
+      attributes_(attributes),
+      pairs_(pairs),
+      visibility_(visibility),
+      first_pairs_(FirstPairs(pairs, views.size())) {}
+
+std::vector<CandidatePair> CandidatePairs::Find(size_t facet) const {
+  const auto seen = visibility_[facet];
+  // |nu_f| and, of the views that see the facet, their occurrences in it.
+  size_t num_views = 0;
+  std::vector<uint32_t> counts(seen.size(), 0);
+  for (const uint32_t vertex : mesh_.facets[facet]) {
+    const auto views = attributes_.views[vertex];
+    num_views += views.size();
+    for (const uint32_t view : views) {
+      const auto at = std::lower_bound(seen.begin(), seen.end(), view);
+      if (at != seen.end() && *at == view) {
+        ++counts[at - seen.begin()];
+      }
+    }
+  }
+  std::vector<CandidatePair> candidates;
+  std::vector<CandidatePair> others;  // that nu_f does not have
+  for (size_t i = 0; i < seen.size(); ++i) {
+    size_t j = i + 1;
+    for (uint32_t pair = first_pairs_[seen[i]];
+         pair < first_pairs_[seen[i] + 1]; ++pair) {
+      while (j < seen.size() && seen[j] < pairs_[pair].second) {
+        ++j;
+      }
+      if (j == seen.size()) {
+        break;
+      }
+      if (seen[j] != pairs_[pair].second) {
+        continue;
+      }
+      if (selection_ == PairSelection::kFacetwise && counts[i] > 0 &&
+          counts[j] > 0) {
+        const double share = static_cast<double>(counts[i] + counts[j]) /
+                             static_cast<double>(num_views);
+        candidates.push_back({pair, static_cast<float>(-std::log(share))});
+      } else {
+        others.push_back({pair, 0});
+      }
+    }
+  }
+  if (candidates.empty()) {
+    candidates = std::move(others);
+  }
+  return candidates;
+}
+
+void CandidatePairs::AddInformation(
+    size_t facet, std::vector<CandidatePair>* candidates) const {
+  const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
+  std::vector<double> information;
+  double most = 0;
+  for (const CandidatePair& candidate : *candidates) {
+    const auto& [a, b] = pairs_[candidate.label];
+    information.push_back(Information(frame, views_[a], views_[b]) +
+                          Information(frame, views_[b], views_[a]));
+    most = std::max(most, information.back());
+  }
+  for (size_t i = 0; i < candidates->size(); ++i) {
+    // Cameras at one place tell nothing: a small share instead of none.
+    const double share = most > 0 ? information[i] / most : 1;
+    (*candidates)[i].cost -=
+        static_cast<float>(0.5 * std::log(std::max(share, 1e-6)));
+  }
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,160 @@
+#include "labeling/facet_labeling.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "labeling/candidate_pairs.h"
+#include "mesh/fan_split.h"
+#include "optim/further_labels.h"
+#include "optim/potts_mrf.h"
+#include "optim/sweep_order.h"
+
+namespace colmap_ext {
+
+namespace {
+
+using Neighbors = std::vector<std::array<uint32_t, 3>>;
+
+Neighbors FacetNeighbors(const std::vector<Facet>& facets) {
+  const std::vector<uint32_t> partners = PairHalfEdges(facets);
+  Neighbors neighbors(facets.size());
+  for (size_t i = 0; i < facets.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t partner = partners[3 * i + k];
+      const uint32_t neighbor =
+          partner == kNoPartner ? UINT32_MAX : partner / 3;
+      // Two facets can share two edges.
+      const auto end = neighbors[i].begin() + k;
+      const bool is_new = std::find(neighbors[i].begin(), end, neighbor) == end;
+      neighbors[i][k] = is_new ? neighbor : UINT32_MAX;
+    }
+  }
+  return neighbors;
+}
+
+// Where each number stands in a permutation.
+std::vector<uint32_t> Inverse(const std::vector<uint32_t>& order) {
+  std::vector<uint32_t> inverse(order.size());
+  for (uint32_t i = 0; i < order.size(); ++i) {
+    inverse[order[i]] = i;
+  }
+  return inverse;
+}
+
+// Of facet order[i], in terms of nodes, for each i.
+Neighbors NodeNeighbors(const Neighbors& facet_neighbors,
+                        const std::vector<uint32_t>& order,
+                        const std::vector<uint32_t>& node_of_facet) {
+  Neighbors neighbors(order.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t facet = facet_neighbors[order[i]][k];
+      neighbors[i][k] = facet == UINT32_MAX ? facet : node_of_facet[facet];
+    }
+  }
+  return neighbors;
+}
+
+// The candidates of facet order[i] in row i. They are found twice, to be
+// counted and to be written: there are many.
+void AddCandidates(const CandidatePairs& candidates,
+                   const std::vector<uint32_t>& order, PottsProblem* problem) {
+  const size_t num_facets = order.size();
+  std::vector<uint64_t>& offsets = problem->offsets;
+  offsets.assign(num_facets + 1, 0);
+  tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
+    offsets[i + 1] = candidates.Find(order[i]).size();
+  });
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+  problem->labels.resize(offsets.back());
+  problem->costs.resize(offsets.back());
+  tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
+    std::vector<CandidatePair> row = candidates.Find(order[i]);
+    candidates.AddInformation(order[i], &row);
+    for (size_t j = 0; j < row.size(); ++j) {
+      problem->labels[offsets[i] + j] = row[j].label;
+      problem->costs[offsets[i] + j] = row[j].cost;
+    }
+  });
+}
+
+// The facets' Markov random field.
+struct FacetField {
+  PottsProblem problem;         // nodes in a SweepOrder
+  std::vector<uint32_t> nodes;  // [F] of each facet
+};
+
+FacetField MakeField(const CandidatePairs& candidates,
+                     const std::vector<Facet>& facets, double weight) {
+  FacetField field;
+  const Neighbors neighbors = FacetNeighbors(facets);
+  const std::vector<uint32_t> order = SweepOrder(neighbors);
+  field.nodes = Inverse(order);
+  field.problem.neighbors = NodeNeighbors(neighbors, order, field.nodes);
+  field.problem.weight = weight;
+  AddCandidates(candidates, order, &field.problem);
+  return field;
+}
+
+FacetLabels AllLabels(const CandidatePairs& candidates,
+                      const std::vector<ViewPair>& pairs, size_t num_facets) {
+  PottsProblem problem;
+  std::vector<uint32_t> order(num_facets);
+  std::iota(order.begin(), order.end(), 0);
+  AddCandidates(candidates, order, &problem);
+  return {pairs, {std::move(problem.offsets), std::move(problem.labels)}};
+}
+
+FacetLabels BestLabels(const std::vector<ViewPair>& pairs,
+                       const FacetField& field,
+                       const std::vector<uint32_t>& choices, uint32_t count,
+                       uint32_t final_count) {
+  const PottsProblem& problem = field.problem;
+  LabelSets sets = ChosenLabels(problem, choices);
+  sets = AddFurtherLabels(problem, sets, count);
+  sets = AddFurtherLabels(problem, sets, std::max(count, final_count));
+  FacetLabels labels;
+  labels.pairs = pairs;
+  labels.labels.values.reserve(sets.labels.size());
+  labels.labels.offsets.reserve(sets.offsets.size());
+  for (const uint32_t node : field.nodes) {
+    labels.labels.AddRow(std::span(sets.Labels(node), sets.Labels(node + 1)));
+  }
+  return labels;
+}
+
+}  // namespace
+
+FacetLabeling LabelFacets(const FacetLabelingOptions& options,
+                          const TriangleMesh& mesh,
+                          const VertexAttributes& attributes,
+                          const std::vector<ViewPair>& pairs,
+                          const FacetVisibility& visibility,
+                          const std::vector<View>& views) {
+  FacetLabeling labeling;
+  const CandidatePairs candidates(mesh, attributes, pairs, visibility, views,
+                                  options.pair_selection);
+  if (options.pair_selection == PairSelection::kClassical) {
+    labeling.labels = AllLabels(candidates, pairs, mesh.facets.size());
+  } else {
+    const FacetField field =
+        MakeField(candidates, mesh.facets, options.potts_weight);
+    const PottsSolution solution = SolvePotts(field.problem);
+    labeling.initial_energy = solution.initial_energy;
+    labeling.final_energy = solution.energy;
+    labeling.lower_bound = solution.lower_bound;
+    labeling.labels =
+        BestLabels(pairs, field, solution.choices, options.pairs_per_facet,
+                   options.final_pairs_per_facet);
+  }
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    labeling.num_unlabeled_facets += labeling.labels.labels[i].empty() ? 1 : 0;
+  }
+  return labeling;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/rows.h"
+
+namespace colmap_ext {
+
+// Two views that are compared, first < second.
+struct ViewPair {
+  uint32_t first = 0;
+  uint32_t second = 0;
+
+  bool operator==(const ViewPair&) const = default;
+};
+
+// By which pairs of views each facet is refined: the labels of the paper's
+// Markov random field, one or several a facet, or none.
+struct FacetLabels {
+  std::vector<ViewPair> pairs;  // [L], ascending
+  Rows<uint32_t> labels;  // [F] indices into pairs, the best first, no repeats
+
+  size_t NumFacets() const { return labels.size(); }
+
+  // The first `count` of each facet.
+  FacetLabels First(size_t count) const {
+    FacetLabels first{pairs, {}};
+    for (size_t i = 0; i < NumFacets(); ++i) {
+      first.labels.AddRow(labels[i].first(std::min(labels[i].size(), count)));
+    }
+    return first;
+  }
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,65 @@
+#include "labeling/view_pairs.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+namespace colmap_ext {
+
+namespace {
+
+// The points that each view sees, [views] rows of the transposed lists.
+std::vector<std::vector<uint32_t>> PointsOfViews(const PointCloud& points,
+                                                 size_t num_views) {
+  std::vector<std::vector<uint32_t>> points_of(num_views);
+  for (uint32_t i = 0; i < points.size(); ++i) {
+    for (const uint32_t view : points.views[i]) {
+      points_of[view].push_back(i);
+    }
+  }
+  return points_of;
+}
+
+}  // namespace
+
+std::vector<ViewPair> SelectViewPairs(const PointCloud& points,
+                                      size_t num_views, int partners_per_view) {
+  const std::vector<std::vector<uint32_t>> points_of =
+      PointsOfViews(points, num_views);
+  std::vector<std::vector<uint32_t>> partners(num_views);
+  tbb::parallel_for(size_t{0}, num_views, [&](size_t view) {
+    std::vector<uint32_t> num_shared(num_views, 0);
+    for (const uint32_t point : points_of[view]) {
+      for (const uint32_t other : points.views[point]) {
+        ++num_shared[other];
+      }
+    }
+    num_shared[view] = 0;
+    for (uint32_t other = 0; other < num_views; ++other) {
+      if (num_shared[other] > 0) {
+        partners[view].push_back(other);
+      }
+    }
+    std::stable_sort(
+        partners[view].begin(), partners[view].end(),
+        [&](uint32_t a, uint32_t b) { return num_shared[a] > num_shared[b]; });
+    partners[view].resize(
+        std::min<size_t>(partners[view].size(), partners_per_view));
+  });
+  std::vector<ViewPair> pairs;
+  for (uint32_t view = 0; view < num_views; ++view) {
+    for (const uint32_t other : partners[view]) {
+      pairs.push_back({std::min(view, other), std::max(view, other)});
+    }
+  }
+  std::sort(
+      pairs.begin(), pairs.end(), [](const ViewPair& a, const ViewPair& b) {
+        return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+      });
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,173 @@
+#include "photometry/pair_warp.h"
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+namespace colmap_ext {
+
+namespace {
+
+// Weights of the four samples around a point a fraction `x` behind the second
+// one, and their derivatives (Catmull and Rom 1974).
+struct CubicWeights {
+  explicit CubicWeights(float x)
+      : values{x * (-0.5F + x * (1 - 0.5F * x)), 1 + x * x * (-2.5F + 1.5F * x),
+               x * (0.5F + x * (2 - 1.5F * x)), x * x * (-0.5F + 0.5F * x)},
+        slopes{-0.5F + x * (2 - 1.5F * x), x * (-5 + 4.5F * x),
+               0.5F + x * (4 - 4.5F * x), x * (-1 + 1.5F * x)} {}
+
+  Eigen::Array4f values;
+  Eigen::Array4f slopes;
+};
+
+// An image between its pixels' centres, and its gradient.
+struct Interpolated {
+  float value = 0;
+  float by_u = 0;
+  float by_v = 0;
+};
+
+// Bicubic: what bilinear interpolation blurs, the correlation would miss.
+// Beyond the border the image goes on as its last pixel. \pre (u, v) is not
+// outside of the border pixels' centres
+Interpolated Interpolate(const GrayImage& image, double u, double v) {
+  const int col = std::min(static_cast<int>(u - 0.5), image.width - 2);
+  const int row = std::min(static_cast<int>(v - 0.5), image.height - 2);
+  const CubicWeights by_col(static_cast<float>(u - 0.5 - col));
+  const CubicWeights by_row(static_cast<float>(v - 0.5 - row));
+  const bool is_inside = col >= 1 && col + 2 < image.width;
+  // Of the four columns.
+  Eigen::Array4f values = Eigen::Array4f::Zero();
+  Eigen::Array4f slopes = Eigen::Array4f::Zero();
+  for (int k = 0; k < 4; ++k) {
+    const uint8_t* line =
+        image.Row(std::clamp(row + k - 1, 0, image.height - 1));
+    Eigen::Array4f grays;
+    for (int l = 0; l < 4; ++l) {
+      const int at = col + l - 1;
+      grays[l] = line[is_inside ? at : std::clamp(at, 0, image.width - 1)];
+    }
+    values += by_row.values[k] * grays;
+    slopes += by_row.slopes[k] * grays;
+  }
+  return {(by_col.values * values).sum(), (by_col.slopes * values).sum(),
+          (by_col.values * slopes).sum()};
+}
+
+}  // namespace
+
+PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
+                   const std::vector<FacetFrame>& frames)
+    : i_(i),
+      j_(j),
+      frames_(frames),
+      center_i_(i.view.Center()),
+      ray_from_pixel_i_(i.view.RayFromPixel()),
+      pixel_j_from_pixel_i_(j.view.PixelFromRay() * ray_from_pixel_i_),
+      epipole_(j.view.PixelFromRay() * (center_i_ - j.view.Center())) {}
+
+Eigen::Vector3d PairWarp::Point(const FacetFrame& frame, int row,
+                                int col) const {
+  const Eigen::Vector3d ray =
+      ray_from_pixel_i_ * Eigen::Vector3d(col + 0.5, row + 0.5, 1);
+  const double depth =
+      frame.normal.dot(frame.corner - center_i_) / frame.normal.dot(ray);
+  return center_i_ + depth * ray;
+}
+
+PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
+  const FacetFrame& frame = frames_[facet];
+  Plane plane;
+  plane.facet = facet;
+  plane.is_facing = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
+  plane.nearness = 1 / frame.normal.dot(frame.corner - center_i_);
+  plane.inverse_depth =
+      plane.nearness * (ray_from_pixel_i_.transpose() * frame.normal);
+  plane.slope = PlaneSlope(j_.view, frame);
+  return plane;
+}
+
+// With inverse depth w, p = H (u, v, 1) + e w is the pixel in j, homogeneous,
+// in units of the depth in i. It moves with the point along the ray by
+// (H_u - u_j H_z, H_v - v_j H_z) / p_z a depth of i.
+PairWarp::Sample PairWarp::Warp(const Plane& plane,
+                                const Eigen::Vector3d& ray_in_j,
+                                double inverse_depth) const {
+  Sample sample;
+  const Eigen::Vector3d p = ray_in_j + epipole_ * inverse_depth;
+  if (!(p.z() > 0)) {
+    return sample;
+  }
+  const double scale = 1 / p.z();
+  const double u = p.x() * scale;
+  const double v = p.y() * scale;
+  const int width = j_.image.width;
+  const int height = j_.image.height;
+  if (!(u >= 0.5 && v >= 0.5 && u < width - 0.5 && v < height - 0.5)) {
+    return sample;
+  }
+  if (!IsNearest(j_.view, j_.drawn, plane.facet, plane.slope, u, v,
+                 inverse_depth * scale)) {
+    return sample;
+  }
+  const Interpolated interpolated = Interpolate(j_.image, u, v);
+  sample.is_valid = true;
+  sample.value = interpolated.value;
+  sample.motion = static_cast<float>(
+      (interpolated.by_u * (ray_in_j.x() - u * ray_in_j.z()) +
+       interpolated.by_v * (ray_in_j.y() - v * ray_in_j.z())) *
+      scale * plane.nearness);
+  return sample;
+}
+
+void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
+  const size_t size = static_cast<size_t>(tile->width) * tile->height;
+  geometry->facets.assign(size, kNoFacet);
+  geometry->motion.assign(size, 0);
+  for (auto* plane :
+       {&tile->image, &tile->warped, &tile->is_valid, &tile->inverse_depths}) {
+    plane->assign(size, 0);
+  }
+  const int first_col = std::max(0, -geometry->first_col);
+  const int last_col =
+      std::min(tile->width, i_.image.width - geometry->first_col) - 1;
+  Plane plane;
+  for (int row = 0; row < tile->height; ++row) {
+    const int image_row = geometry->first_row + row;
+    if (image_row < 0 || image_row >= i_.image.height) {
+      continue;
+    }
+    for (int col = first_col; col <= last_col; ++col) {
+      const int image_col = geometry->first_col + col;
+      const size_t at = tile->Index(row, col);
+      const size_t pixel = i_.drawn.Index(image_row, image_col);
+      const uint32_t facet = i_.drawn.facets[pixel];
+      if (tile->is_reached[at] == 0 || facet == kNoFacet) {
+        continue;
+      }
+      if (facet != plane.facet) {
+        plane = PlaneOf(facet);
+      }
+      const Eigen::Vector3d place(image_col + 0.5, image_row + 0.5, 1);
+      const double inverse_depth = plane.inverse_depth.dot(place);
+      if (!plane.is_facing || !(inverse_depth > 0)) {
+        continue;
+      }
+      const Sample sample =
+          Warp(plane, pixel_j_from_pixel_i_ * place, inverse_depth);
+      if (!sample.is_valid) {
+        continue;
+      }
+      geometry->facets[at] = facet;
+      geometry->motion[at] = sample.motion;
+      tile->image[at] = i_.image.Row(image_row)[image_col];
+      tile->warped[at] = sample.value;
+      tile->is_valid[at] = 1;
+      // As drawn, so that no mask changes as the surface moves.
+      tile->inverse_depths[at] = i_.drawn.inverse_depths[pixel];
+    }
+  }
+}
+
+}  // namespace colmap_ext

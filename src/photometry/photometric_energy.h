@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "labeling/facet_labels.h"
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+struct PhotometricOptions {
+  // Pixels of a correlation window to each side of its centre: 2 is 5 x 5.
+  int window_radius = 2;
+
+  // Of the grey values (0 ... 255) in a window, squared: a window whose
+  // variance is as small as this counts half, for the images' noise could make
+  // it.
+  double noise_variance = 2;
+
+  // Share of a window's variance that is left unexplained at best. The smaller,
+  // the more those windows count that match well; with a large one, all count
+  // alike, which is the paper's energy.
+  double residual_floor = 0.05;
+
+  // Leave pixels out of a window that lie across a depth discontinuity from
+  // its centre.
+  bool occlusion_masking = true;
+
+  // A facet is compared in an image only where the cosine between its normal
+  // and the ray to the camera is above this.
+  double min_cosine = 0.1;
+
+  // What is wrong with the options, in one line; empty when all is well.
+  std::string Check() const;
+};
+
+// The photometric energy of a mesh under a labelling of its facets,
+//
+//   E = sum over pairs {i, j}, over both of their directions, over the pixels
+//       x of image i that show a facet labelled with the pair
+//       of w(x) c(ZNCC(I_i, I_ij; window of x)),   c(Z) = s log(1 - Z / s),
+//
+// I_ij being the image I_j seen from i by way of the surface, w = m / (m +
+// noise_variance), m the smaller of the window's two variances, and s = 1 +
+// residual_floor. The paper has c(Z) = -Z, the limit for large s. The logarithm
+// is the likelihood of a window whose noise is not known: pairs that match well
+// are the more certain, those that a highlight or an edge disturbs say little
+// (docs/benchmarks.md has both). Sums are kept facet by facet, so that the
+// caller can gather them for vertices and judge facets by themselves.
+struct PhotometricTerms {
+  double energy = 0;              // the sum of `energies`
+  std::vector<float> energies;    // [F] 0 where a facet is not seen or labelled
+  std::vector<float> weights;     // [F] sum of w
+  std::vector<float> num_pixels;  // [F] pixels compared, over all pairs and
+                                  // directions
+
+  // [F] For each corner k, the derivative of E by the distance that the corner
+  // moves along the facet's unit normal: sum over the pixels x of the facet of
+  // phi_k(x) f(x) / (n . d), f the derivative
+  // along the ray d, n the normal. 1 / scene unit.
+  std::vector<std::array<float, 3>> slopes;
+
+  // [F] Gauss-Newton's second derivatives by two of these distances, corners
+  // 00, 01, 02, 11, 12, 22; positive semidefinite. 1 / scene unit^2.
+  std::vector<std::array<float, 6>> curvatures;
+};
+
+// Evaluates the energy at one level of the images' pyramids.
+class PhotometricEnergy {
+ public:
+  virtual ~PhotometricEnergy() = default;
+
+  // The level that the images are to be used at.
+  virtual void SetLevel(int level) = 0;
+
+  // Draws the mesh into every view; until it is called again Evaluate() takes
+  // what is visible where from this mesh: which facet a pixel of view i shows,
+  // which facets face a view, and how deep view j sees. The energy of a moved
+  // mesh stays differentiable that way.
+  virtual void Render(const TriangleMesh& mesh) = 0;
+
+  // \pre Render() was called with a mesh of the same facets.
+  virtual PhotometricTerms Evaluate(const TriangleMesh& mesh,
+                                    const FacetLabels& labels) = 0;
+
+  // What computes, for the log: "CPU, 2 threads".
+  virtual std::string Description() const = 0;
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "photometry/photometric_energy.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// A rectangle of pixels of image i: a core with the centres of the windows, and
+// around it `radius` pixels that their windows reach. I_i and I_ij on it, and
+// what their correlation yields. All arrays are [height * width].
+struct CorrelationTile {
+  int width = 0;   // px, with the margins
+  int height = 0;  // px, with the margins
+
+  std::vector<float> image;           // I_i, grey values
+  std::vector<float> warped;          // I_ij
+  std::vector<float> is_valid;        // 1 where I_ij is known, else 0
+  std::vector<float> inverse_depths;  // drawn in i; where it is valid
+  std::vector<uint8_t> is_center;     // 1: windows whose energy counts; 0 in
+                                      // the margins
+  std::vector<uint8_t> is_reached;    // 1: in the window of a centre
+
+  std::vector<float> weights;      // w at the centres, 0 elsewhere and where
+                                   // too little of the window is valid
+  std::vector<float> energies;     // w c(ZNCC) at the centres, likewise
+  std::vector<float> derivatives;  // of their sum by I_ij of each pixel
+  std::vector<float> curvatures;   // likewise the second ones, Gauss-Newton's
+
+  // Sets all arrays' sizes, their values are left as they were.
+  void Resize(int new_width, int new_height);
+
+  // Sets is_reached. \pre is_center is set
+  void FindReached(int radius);
+
+  size_t Index(int row, int col) const {
+    return static_cast<size_t>(row) * width + col;
+  }
+};
+
+// Grey values squared. Below it a window's correlation is rounding.
+inline constexpr float kMinVariance = 1e-2F;
+
+// By how much of its centre's the inverse depths in a window of image i may
+// differ from it; others belong to another surface.
+float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i);
+
+// Zero-normalised cross correlation of I_i and I_ij in the windows around the
+// centres, and its derivatives by I_ij (METHOD: M and dM).
+class WindowCorrelation {
+ public:
+  explicit WindowCorrelation(const PhotometricOptions& options)
+      : options_(options),
+        saturation_(static_cast<float>(1 + options.residual_floor)) {}
+
+  // \param max_relative_depth  see MaxRelativeDepth().
+  void Compute(float max_relative_depth, CorrelationTile* tile);
+
+ private:
+  // Of one window: M's value and how it depends on I_i and I_ij of its pixels,
+  // dM = by_image I_i + by_warped I_ij + constant.
+  struct Window {
+    float weight = 0;
+    float energy = 0;
+    float by_image = 0;
+    float by_warped = 0;
+    float constant = 0;
+    float curvature = 0;
+  };
+
+  // Sums over the window's pixels.
+  struct Sums {
+    float count = 0;
+    float image = 0;
+    float warped = 0;
+    float image_squared = 0;
+    float warped_squared = 0;
+    float product = 0;
+  };
+
+  Window Correlate(const Sums& sums) const;
+  void FindDiscontinuities(float max_relative_depth,
+                           const CorrelationTile& tile);
+  void SubtractMeans(const CorrelationTile& tile);
+  void CorrelateWhole(CorrelationTile* tile);
+  void CorrelateMasked(float max_relative_depth, CorrelationTile* tile);
+  void GatherDerivatives(CorrelationTile* tile);
+  void BoxSum(const std::vector<float>& in, const CorrelationTile& tile,
+              std::vector<float>* out);
+
+  PhotometricOptions options_;
+  float saturation_;  // s
+
+  // Scratch, [height * width].
+  std::vector<float> image_, warped_;  // without their means; 0 where invalid
+  std::vector<float> plane_, rows_;
+  std::vector<float> count_, sum_image_, sum_warped_, sum_image_squared_,
+      sum_warped_squared_, sum_product_;
+  std::vector<float> by_image_, by_warped_, constant_, curvature_;
+  std::vector<float> masked_derivatives_, masked_curvatures_;
+  std::vector<uint8_t> is_broken_;  // a discontinuity runs through the window
+};
+
+}  // namespace colmap_ext

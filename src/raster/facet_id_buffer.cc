@@ -1,0 +1,183 @@
+#include "raster/facet_id_buffer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr int64_t kSubpixels = 256;
+
+// A vertex in a view.
+struct Projected {
+  int64_t u = 0;  // 1 / kSubpixels px
+  int64_t v = 0;
+  double inverse_depth = 0;  // 0: behind the camera, or far outside
+};
+
+std::vector<Projected> Project(const View& view, const TriangleMesh& mesh) {
+  constexpr double kFar = 1 << 20;  // px
+  std::vector<Projected> projected(mesh.vertices.size());
+  for (size_t i = 0; i < projected.size(); ++i) {
+    const Eigen::Vector3d point =
+        view.CamFromWorld(mesh.vertices[i].cast<double>());
+    if (!(point.z() > 0)) {
+      continue;
+    }
+    const Eigen::Vector2d image_point = view.ImageFromCam(point);
+    if (!(image_point.cwiseAbs().maxCoeff() < kFar)) {
+      continue;
+    }
+    projected[i] = {std::llround(image_point.x() * kSubpixels),
+                    std::llround(image_point.y() * kSubpixels), 1 / point.z()};
+  }
+  return projected;
+}
+
+// Twice the signed area to the left of an edge, at the centre of a pixel, and
+// by how much it grows from pixel to pixel. The centres that lie on an edge
+// belong to one of its two facets: the one below it or to its right.
+struct EdgeFunction {
+  EdgeFunction(const Projected& from, const Projected& to, int row, int col)
+      : col_step((from.v - to.v) * kSubpixels),
+        row_step((to.u - from.u) * kSubpixels) {
+    const int64_t u = col * kSubpixels + kSubpixels / 2;
+    const int64_t v = row * kSubpixels + kSubpixels / 2;
+    value = (to.u - from.u) * (v - from.v) - (to.v - from.v) * (u - from.u);
+    const bool is_top_left = to.v < from.v || (to.v == from.v && to.u > from.u);
+    value -= is_top_left ? 0 : 1;
+  }
+
+  int64_t value, col_step, row_step;
+};
+
+// The inverse depth at the centre of pixel (row, col) of a facet's plane:
+// linear over the image.
+struct InverseDepth {
+  InverseDepth(const std::array<Projected, 3>& corners, int64_t area, int row,
+               int col) {
+    const auto [a, b, c] = corners;
+    const double scale = static_cast<double>(kSubpixels) / area;
+    const double ab = b.inverse_depth - a.inverse_depth;
+    const double ac = c.inverse_depth - a.inverse_depth;
+    col_step = (ab * (c.v - a.v) - ac * (b.v - a.v)) * scale;
+    row_step = (ac * (b.u - a.u) - ab * (c.u - a.u)) * scale;
+    value = a.inverse_depth +
+            (col + 0.5 - a.u * (1.0 / kSubpixels)) * col_step +
+            (row + 0.5 - a.v * (1.0 / kSubpixels)) * row_step;
+    const auto [low, high] =
+        std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
+    min = low;
+    max = high;
+  }
+
+  // Rounding can leave the range of a facet that is seen from its edge.
+  float At(int col) const {
+    return static_cast<float>(std::clamp(value + col * col_step, min, max));
+  }
+
+  double value, col_step, row_step, min, max;
+};
+
+// The pixels whose centres lie within [low, high], clipped to 0 ... size - 1.
+std::array<int, 2> PixelRange(int64_t low, int64_t high, int size) {
+  const int64_t half = kSubpixels / 2;
+  // Shifts round down, unlike divisions.
+  const int64_t first = (low - half + kSubpixels - 1) >> 8;
+  const int64_t last = (high - half) >> 8;
+  return {static_cast<int>(std::max<int64_t>(first, 0)),
+          static_cast<int>(std::min<int64_t>(last, size - 1))};
+}
+
+void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
+               FacetIdBuffer* buffer) {
+  int64_t area = (corners[1].u - corners[0].u) * (corners[2].v - corners[0].v) -
+                 (corners[1].v - corners[0].v) * (corners[2].u - corners[0].u);
+  if (area == 0) {
+    return;
+  }
+  if (area < 0) {
+    std::swap(corners[1], corners[2]);
+    area = -area;
+  }
+  const auto [low_u, high_u] =
+      std::minmax({corners[0].u, corners[1].u, corners[2].u});
+  const auto [low_v, high_v] =
+      std::minmax({corners[0].v, corners[1].v, corners[2].v});
+  const auto [first_col, last_col] = PixelRange(low_u, high_u, buffer->width);
+  const auto [first_row, last_row] = PixelRange(low_v, high_v, buffer->height);
+  if (first_col > last_col || first_row > last_row) {
+    return;
+  }
+  std::array<EdgeFunction, 3> edges = {
+      EdgeFunction(corners[0], corners[1], first_row, first_col),
+      EdgeFunction(corners[1], corners[2], first_row, first_col),
+      EdgeFunction(corners[2], corners[0], first_row, first_col)};
+  InverseDepth depth(corners, area, first_row, first_col);
+  for (int row = first_row; row <= last_row; ++row) {
+    const size_t begin = buffer->Index(row, first_col);
+    for (int col = 0; col <= last_col - first_col; ++col) {
+      const int64_t outside =  // Negative if any of them is.
+          (edges[0].value + col * edges[0].col_step) |
+          (edges[1].value + col * edges[1].col_step) |
+          (edges[2].value + col * edges[2].col_step);
+      if (outside < 0) {
+        continue;
+      }
+      const float inverse_depth = depth.At(col);
+      if (inverse_depth > buffer->inverse_depths[begin + col]) {
+        buffer->inverse_depths[begin + col] = inverse_depth;
+        buffer->facets[begin + col] = facet;
+      }
+    }
+    for (EdgeFunction& edge : edges) {
+      edge.value += edge.row_step;
+    }
+    depth.value += depth.row_step;
+  }
+}
+
+bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
+              const Eigen::Vector3d& camera, double min_cosine) {
+  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const Eigen::Vector3d cross = (b - a).cross(c - a);
+  const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
+  return cross.dot(to_camera) > min_cosine * cross.norm() * to_camera.norm();
+}
+
+}  // namespace
+
+FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
+                         double min_cosine) {
+  FacetIdBuffer buffer{view.width, view.height, {}, {}, {}};
+  const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
+  buffer.facets.assign(num_pixels, kNoFacet);
+  buffer.inverse_depths.assign(num_pixels, 0);
+  buffer.is_facing.assign(mesh.facets.size(), false);
+  const std::vector<Projected> projected = Project(view, mesh);
+  const Eigen::Vector3d center = view.Center();
+  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
+    const auto [a, b, c] = mesh.facets[i];
+    if (projected[a].inverse_depth > 0 && projected[b].inverse_depth > 0 &&
+        projected[c].inverse_depth > 0) {
+      DrawFacet(i, {projected[a], projected[b], projected[c]}, &buffer);
+      buffer.is_facing[i] = IsFacing(mesh, mesh.facets[i], center, min_cosine);
+    }
+  }
+  return buffer;
+}
+
+double PlaneSlope(const View& view, const FacetFrame& frame) {
+  const double distance = frame.normal.dot(frame.corner - view.Center());
+  const Eigen::Vector3d normal = view.cam_from_world_rotation * frame.normal;
+  return (std::abs(normal.x() / view.fx) + std::abs(normal.y() / view.fy)) /
+         std::abs(distance);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,189 @@
+#include "spatial/bvh.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+namespace colmap_ext {
+namespace {
+
+constexpr int kNumBins = 16;
+constexpr uint32_t kMaxLeafFacets = 4;
+
+using Box = Eigen::AlignedBox3f;
+
+float HalfArea(const Box& box) {
+  if (box.isEmpty()) {
+    return 0;
+  }
+  const Eigen::Vector3f d = box.sizes();
+  return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
+}
+
+bool Any(Int4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+
+Float4 Min(Float4 a, Float4 b) { return a < b ? a : b; }
+Float4 Max(Float4 a, Float4 b) { return a > b ? a : b; }
+
+}  // namespace
+
+struct Bvh::Builder {
+  std::vector<Box> boxes;                // [F]
+  std::vector<Eigen::Vector3f> centers;  // [F], of the boxes
+  std::vector<Node> nodes;
+  std::vector<uint32_t> order;  // [F]
+
+  // The cheapest plane between bins, as the first facet of its second half in
+  // a reordered [first, last); `first` if no plane parts anything.
+  uint32_t Split(uint32_t first, uint32_t last, int* axis) {
+    Box bounds;
+    for (uint32_t i = first; i < last; ++i) {
+      bounds.extend(centers[order[i]]);
+    }
+    bounds.sizes().maxCoeff(axis);
+    const float origin = bounds.min()[*axis];
+    const float extent = bounds.sizes()[*axis];
+    if (!(extent > 0)) {
+      return first;
+    }
+    const auto bin_of = [&](uint32_t facet) {
+      const float t = (centers[facet][*axis] - origin) / extent;
+      return std::min(kNumBins - 1, static_cast<int>(t * kNumBins));
+    };
+    std::array<Box, kNumBins> boxes_of;
+    std::array<uint32_t, kNumBins> counts{};
+    for (uint32_t i = first; i < last; ++i) {
+      const int bin = bin_of(order[i]);
+      boxes_of[bin].extend(boxes[order[i]]);
+      ++counts[bin];
+    }
+    const int best = CheapestBin(boxes_of, counts);
+    const auto middle =
+        std::partition(order.begin() + first, order.begin() + last,
+                       [&](uint32_t facet) { return bin_of(facet) < best; });
+    return middle - order.begin();
+  }
+
+  static int CheapestBin(const std::array<Box, kNumBins>& boxes_of,
+                         const std::array<uint32_t, kNumBins>& counts) {
+    std::array<float, kNumBins> cost{};  // of a split before each bin
+    Box left, right;
+    uint32_t num_left = 0, num_right = 0;
+    for (int bin = 1; bin < kNumBins; ++bin) {
+      left.extend(boxes_of[bin - 1]);
+      cost[bin] += HalfArea(left) * (num_left += counts[bin - 1]);
+      right.extend(boxes_of[kNumBins - bin]);
+      cost[kNumBins - bin] +=
+          HalfArea(right) * (num_right += counts[kNumBins - bin]);
+    }
+    return std::min_element(cost.begin() + 1, cost.end()) - cost.begin();
+  }
+
+  void Build(uint32_t first, uint32_t last, int depth) {
+    const size_t index = nodes.size();
+    Box box;
+    for (uint32_t i = first; i < last; ++i) {
+      box.extend(boxes[order[i]]);
+    }
+    nodes.push_back(
+        {box.min(), box.max(), first, static_cast<uint16_t>(last - first), 0});
+    if (last - first <= kMaxLeafFacets) {
+      return;
+    }
+    int axis = 0;
+    uint32_t middle = Split(first, last, &axis);
+    // Facets on one spot, or a tree as deep as the stack: halves do.
+    if (middle == first || middle == last || depth > kMaxDepth / 2) {
+      middle = first + (last - first) / 2;
+    }
+    Build(first, middle, depth + 1);
+    nodes[index].next = nodes.size();
+    nodes[index].num_facets = 0;
+    nodes[index].axis = axis;
+    Build(middle, last, depth + 1);
+  }
+};
+
+Bvh::Bvh(const TriangleMesh& mesh) {
+  Builder builder;
+  for (const Facet& facet : mesh.facets) {
+    Box box;
+    for (const uint32_t vertex : facet) {
+      box.extend(mesh.vertices[vertex]);
+    }
+    builder.boxes.push_back(box);
+    builder.centers.push_back(box.center());
+  }
+  builder.order.resize(mesh.facets.size());
+  std::iota(builder.order.begin(), builder.order.end(), 0);
+  if (!mesh.facets.empty()) {
+    builder.Build(0, mesh.facets.size(), 0);
+  }
+  nodes_ = std::move(builder.nodes);
+  facets_ = std::move(builder.order);
+  corners_.reserve(facets_.size());
+  for (const uint32_t f : facets_) {
+    const Eigen::Vector3f& a = mesh.vertices[mesh.facets[f][0]];
+    corners_.push_back({a, mesh.vertices[mesh.facets[f][1]] - a,
+                        mesh.vertices[mesh.facets[f][2]] - a});
+  }
+}
+
+HitPacket Bvh::Intersect(const RayPacket& rays) const {
+  const Float4 zero{};
+  HitPacket hit{zero + rays.max_distance, Int4{} - 1};
+  const Float4 inverse[3] = {1 / rays.x, 1 / rays.y, 1 / rays.z};
+  std::array<uint32_t, kMaxDepth + 2> stack;
+  int size = 0;
+  if (!nodes_.empty()) {
+    stack[size++] = 0;
+  }
+  while (size > 0) {
+    const uint32_t index = stack[--size];
+    const Node& node = nodes_[index];
+    Float4 enter = zero + rays.min_distance;
+    Float4 leave = hit.distance;
+    for (int i = 0; i < 3; ++i) {
+      const Float4 low = (node.min[i] - rays.origin[i]) * inverse[i];
+      const Float4 high = (node.max[i] - rays.origin[i]) * inverse[i];
+      enter = Max(enter, Min(low, high));
+      leave = Min(leave, Max(low, high));
+    }
+    if (!Any(enter <= leave * 1.000001f)) {
+      continue;
+    }
+    if (node.num_facets == 0) {
+      // The child on the side that the first ray comes from is visited first.
+      const bool forward = inverse[node.axis][0] > 0;
+      stack[size++] = forward ? node.next : index + 1;
+      stack[size++] = forward ? index + 1 : node.next;
+      continue;
+    }
+    for (uint32_t i = node.next; i < node.next + node.num_facets; ++i) {
+      const Corner& c = corners_[i];
+      const Eigen::Vector3f s = rays.origin - c.point;
+      const Eigen::Vector3f q = s.cross(c.edge1);
+      const Float4 px = rays.y * c.edge2.z() - rays.z * c.edge2.y();
+      const Float4 py = rays.z * c.edge2.x() - rays.x * c.edge2.z();
+      const Float4 pz = rays.x * c.edge2.y() - rays.y * c.edge2.x();
+      const Float4 scale =
+          1 / (c.edge1.x() * px + c.edge1.y() * py + c.edge1.z() * pz);
+      const Float4 u = (s.x() * px + s.y() * py + s.z() * pz) * scale;
+      const Float4 v =
+          (rays.x * q.x() + rays.y * q.y() + rays.z * q.z()) * scale;
+      const Float4 t = c.edge2.dot(q) * scale;
+      // A little over the edges, so that no ray slips between two facets.
+      constexpr float kEdge = 1e-5f;
+      const Int4 met = (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
+                       (t > rays.min_distance) & (t < hit.distance);
+      hit.distance = met ? t : hit.distance;
+      hit.facet = met ? Int4{} + static_cast<int32_t>(facets_[i]) : hit.facet;
+    }
+  }
+  return hit;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,80 @@
+#include "spatial/facet_tree.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+namespace colmap_ext {
+namespace {
+
+constexpr size_t kMaxLeafFacets = 4;
+constexpr size_t kMinParallelLeaves = 256;
+
+}  // namespace
+
+FacetTree::FacetTree(const TriangleMesh& mesh)
+    : facets_(mesh.facets.size()), boxes_(mesh.facets.size()) {
+  size_t num_leaves = 1;
+  while (num_leaves * kMaxLeafFacets < mesh.facets.size()) {
+    num_leaves *= 2;
+  }
+  nodes_.resize(2 * num_leaves - 1);
+  std::vector<Box> boxes(mesh.facets.size());
+  tbb::parallel_for(size_t{0}, boxes.size(), [&](size_t facet) {
+    for (const uint32_t vertex : mesh.facets[facet]) {
+      boxes[facet].extend(mesh.vertices[vertex]);
+    }
+  });
+  std::iota(facets_.begin(), facets_.end(), 0);
+  Sort(0, num_leaves, boxes);
+  for (size_t i = 0; i < boxes_.size(); ++i) {
+    boxes_[i] = boxes[facets_[i]];
+  }
+  FillNodes();
+}
+
+// Halves the facets along the longest extent of their boxes' centres.
+void FacetTree::Sort(size_t first_leaf, size_t last_leaf,
+                     const std::vector<Box>& boxes) {
+  if (last_leaf - first_leaf == 1) {
+    return;
+  }
+  const auto first = facets_.begin() + static_cast<int64_t>(First(first_leaf));
+  const auto last = facets_.begin() + static_cast<int64_t>(First(last_leaf));
+  Box centers;
+  for (auto facet = first; facet != last; ++facet) {
+    centers.extend(boxes[*facet].center());
+  }
+  int axis = 0;
+  centers.sizes().maxCoeff(&axis);
+  const size_t middle_leaf = first_leaf + (last_leaf - first_leaf) / 2;
+  std::nth_element(first,
+                   facets_.begin() + static_cast<int64_t>(First(middle_leaf)),
+                   last, [&](uint32_t a, uint32_t b) {
+                     return boxes[a].min()[axis] + boxes[a].max()[axis] <
+                            boxes[b].min()[axis] + boxes[b].max()[axis];
+                   });
+  const auto sort_first = [&] { Sort(first_leaf, middle_leaf, boxes); };
+  const auto sort_second = [&] { Sort(middle_leaf, last_leaf, boxes); };
+  if (last_leaf - first_leaf < kMinParallelLeaves) {
+    sort_first();
+    sort_second();
+  } else {
+    tbb::parallel_invoke(sort_first, sort_second);
+  }
+}
+
+void FacetTree::FillNodes() {
+  for (size_t leaf = 0; leaf < NumLeaves(); ++leaf) {
+    for (size_t i = First(leaf); i < First(leaf + 1); ++i) {
+      nodes_[NumLeaves() - 1 + leaf].extend(boxes_[i]);
+    }
+  }
+  for (size_t node = NumLeaves() - 1; node-- > 0;) {
+    nodes_[node] = nodes_[2 * node + 1].merged(nodes_[2 * node + 2]);
+  }
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+#include "formats/read_ply_cloud.h"
+#include "formats/read_visibility.h"
+#include "scene/point_cloud.h"
+
+namespace colmap_ext {
+
+struct FilterReport {
+  size_t num_points = 0;         // that came in
+  size_t num_not_finite = 0;     // dropped
+  size_t num_without_views = 0;  // dropped
+  size_t num_with_repeats = 0;   // that listed an image more than once
+  size_t num_out_of_range = 0;   // that listed an image which is not there
+};
+
+// How many points list an image index that is not below num_images.
+size_t CountOutOfRange(const Visibility& visibility, size_t num_images);
+
+// The points that can be meshed: finite, and seen by some image. Image indices
+// that are out of range or repeated are dropped, the rest sorted.
+PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
+                       FilterReport* report);
+
+}  // namespace colmap_ext

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "base/rows.h"
+#include "scene/point_cloud.h"
+
+namespace colmap_ext {
+
+// A COLMAP sparse model as its files have it. We read the files ourselves:
+// COLMAP's own readers abort on damaged files, older ones know nothing of the
+// frames of newer models, and newer ones lose the order of images.bin, which
+// is what fused.ply.vis of older ones refers to.
+
+struct SparseCamera {
+  std::string model_name;  // "PINHOLE"
+  uint64_t width = 0;      // px
+  uint64_t height = 0;     // px
+  double fx = 1;           // px
+  double fy = 1;           // px
+  double cx = 0;           // px, centre of the first pixel at 0.5
+  double cy = 0;           // px
+  bool is_pinhole = true;  // no distortion
+};
+
+struct SparseImage {
+  uint32_t image_id = 0;
+  uint32_t camera_id = 0;
+  std::string name;  // relative to the folder of the images
+  Eigen::Quaterniond cam_from_world_rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();
+};
+
+// The images that a rig took at one time (COLMAP 3.12 and later).
+struct SparseFrame {
+  uint32_t frame_id = 0;
+  std::vector<uint32_t> image_ids;  // in the order of the rig's sensors
+};
+
+struct SparseModel {
+  std::map<uint32_t, SparseCamera> cameras;      // by camera_id
+  std::vector<SparseImage> images;               // in the order of the file
+  std::vector<SparseFrame> frames;               // likewise; empty before 3.12
+  std::vector<Eigen::Vector3f> point_positions;  // [P], world, scene units
+  std::vector<Color> point_colors;               // [P]
+  Rows<uint32_t> track_image_ids;                // [P] of the observations
+};
+
+// Whether the folder has the files of a model, binary or text.
+bool HasSparseModel(const std::filesystem::path& folder);
+
+// Reads a model of any COLMAP version up to 4.x, binary if it is there, else
+// text.
+// \throw FileError if a file is missing, truncated or damaged, or an image
+//        refers to a camera that is not there.
+SparseModel ReadSparseModel(const std::filesystem::path& folder);
+
+// The two formats.
+SparseModel ReadBinarySparseModel(const std::filesystem::path& folder);
+SparseModel ReadTextSparseModel(const std::filesystem::path& folder);
+
+// What COLMAP's camera models have in common: the numbers of parameters, and
+// how many of the first are focal lengths.
+struct CameraModelInfo {
+  const char* name;
+  int num_params;
+  int num_focal_lengths;
+  bool is_pinhole;
+};
+
+// \return nullptr if COLMAP 4.x has no such model.
+const CameraModelInfo* FindCameraModel(int model_id);
+const CameraModelInfo* FindCameraModel(const std::string& name);
+
+// \pre params.size() == info.num_params
+SparseCamera MakeSparseCamera(const CameraModelInfo& info, uint64_t width,
+                              uint64_t height,
+                              const std::vector<double>& params);
+
+}  // namespace colmap_ext

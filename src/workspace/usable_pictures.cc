@@ -1,0 +1,104 @@
+#include "workspace/usable_pictures.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <tbb/parallel_for.h>
+
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr size_t kMaxNames = 10;  // in a message
+
+size_t CountErrors(const std::vector<std::string>& errors) {
+  return errors.size() -
+         static_cast<size_t>(std::count(errors.begin(), errors.end(), ""));
+}
+
+}  // namespace
+
+void FindUnreadable(const std::filesystem::path& images_path,
+                    const std::vector<View>& views,
+                    const PictureDecoder& decoder,
+                    std::vector<std::string>* errors) {
+  tbb::parallel_for(size_t{0}, views.size(), [&](size_t i) {
+    if (!(*errors)[i].empty()) {
+      return;
+    }
+    const std::optional<GrayImage> image =
+        decoder.read_gray(images_path / views[i].name);
+    if (!image || image->width != views[i].width ||
+        image->height != views[i].height) {
+      (*errors)[i] = "can not be read";
+    }
+  });
+}
+
+std::string DescribeErrors(const std::vector<View>& views,
+                           const std::vector<std::string>& errors) {
+  std::string text = std::to_string(CountErrors(errors)) + " of " +
+                     std::to_string(views.size());
+  size_t num_listed = 0;
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (errors[i].empty()) {
+      continue;
+    }
+    if (num_listed == kMaxNames) {
+      return text + "; ...";
+    }
+    text += (num_listed++ == 0 ? ": " : "; ") + views[i].name + " " + errors[i];
+  }
+  return text;
+}
+
+void ExpectPictures(const std::filesystem::path& images_path,
+                    const std::vector<View>& views,
+                    const std::vector<std::string>& errors) {
+  if (CountErrors(errors) > 0) {
+    throw FileError(images_path,
+                    "images can not be used, " + DescribeErrors(views, errors) +
+                        "; run `colmap image_undistorter` again, or go on "
+                        "without them with "
+                        "--FacetwiseRefinement.skip_missing_images 1");
+  }
+}
+
+void RemoveUnusable(const std::filesystem::path& images_path,
+                    const std::vector<std::string>& errors,
+                    PointCloud* points) {
+  if (errors.size() - CountErrors(errors) < 2) {
+    throw FileError(images_path, "fewer than two images can be used");
+  }
+  uint64_t num_kept = 0;
+  uint64_t begin = 0;
+  for (size_t i = 0; i < points->size(); ++i) {
+    const uint64_t end = points->views.offsets[i + 1];
+    for (uint64_t k = begin; k < end; ++k) {
+      const uint32_t view = points->views.values[k];
+      if (errors[view].empty()) {
+        points->views.values[num_kept++] = view;
+      }
+    }
+    points->views.offsets[i + 1] = num_kept;
+    begin = end;
+  }
+  points->views.values.resize(num_kept);
+}
+
+ReadGrayImage PictureReader(const std::filesystem::path& images_path,
+                            const std::vector<View>& views,
+                            const PictureDecoder& decoder) {
+  return [images_path, views, read = decoder.read_gray](size_t view) {
+    const std::filesystem::path path = images_path / views[view].name;
+    std::optional<GrayImage> image = read(path);
+    if (!image) {
+      throw FileError(path, "can not be read any more");
+    }
+    return *std::move(image);
+  };
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,181 @@
+#include "workspace/workspace.h"
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "formats/errors.h"
+#include "formats/read_ply_cloud.h"
+#include "formats/read_visibility.h"
+#include "workspace/find_workspace.h"
+#include "workspace/read_views.h"
+#include "workspace/sparse_model.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// More than this share of the points with image indices out of range, and the
+// .vis belongs to another model.
+constexpr double kMaxOutOfRange = 0.01;
+
+template <typename T>
+std::vector<T> Reorder(const std::vector<T>& values,
+                       const std::vector<size_t>& order) {
+  std::vector<T> reordered;
+  for (const size_t index : order) {
+    reordered.push_back(values[index]);
+  }
+  return reordered;
+}
+
+void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
+                          const fs::path& path) {
+  const size_t num_out_of_range = CountOutOfRange(visibility, num_images);
+  const size_t num_points = visibility.size();
+  if (num_out_of_range > kMaxOutOfRange * num_points) {
+    throw FileError(path, std::to_string(num_out_of_range) + " of " +
+                              std::to_string(num_points) +
+                              " points list images beyond the " +
+                              std::to_string(num_images) +
+                              " of sparse/, so that it belongs to another "
+                              "model; run `colmap stereo_fusion` again");
+  }
+}
+
+// A cloud, which images see each point, and where that was read.
+struct SeenCloud {
+  PlyCloud cloud;
+  Visibility visibility;
+  fs::path visibility_path;
+};
+
+SeenCloud ReadFusedCloud(const fs::path& folder) {
+  SeenCloud seen{
+      ReadPlyCloud(folder / "fused.ply"), {}, folder / "fused.ply.vis"};
+  seen.visibility =
+      ReadVisibility(seen.visibility_path, seen.cloud.positions.size());
+  if (seen.visibility.values.empty()) {
+    throw FileError(folder / "fused.ply", "no points that any image sees");
+  }
+  return seen;
+}
+
+void OrderImages(const SparseModel& model, const Views& views,
+                 const WorkspaceOptions& options, const PictureDecoder& decoder,
+                 SeenCloud seen, Workspace* workspace) {
+  const fs::path images_path = workspace->report.path / "images";
+  ExpectIndicesInRange(seen.visibility, model.images.size(),
+                       seen.visibility_path);
+  workspace->report.order =
+      FindImageOrder({seen.cloud, seen.visibility, model, views.views,
+                      images_path, decoder, seen.visibility_path},
+                     options.image_order);
+  workspace->report.is_order_verified = true;
+  const std::vector<size_t>& order = workspace->report.order.order.images;
+  workspace->views = Reorder(views.views, order);
+  workspace->depth_map_scales = Reorder(views.depth_map_scales, order);
+  workspace->picture_errors = Reorder(views.picture_errors, order);
+  seen.cloud.normals = {};
+  workspace->cloud =
+      FilterCloud(std::move(seen.cloud), std::move(seen.visibility),
+                  order.size(), &workspace->report.points);
+}
+
+void MakeSparseCloud(const SparseModel& model, const Views& views,
+                     Workspace* workspace) {
+  std::map<uint32_t, uint32_t> index_of_id;
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    index_of_id[model.images[i].image_id] = static_cast<uint32_t>(i);
+  }
+  Visibility visibility;
+  visibility.offsets = model.track_image_ids.offsets;
+  for (const uint32_t image_id : model.track_image_ids.values) {
+    const auto it = index_of_id.find(image_id);
+    visibility.values.push_back(it != index_of_id.end()
+                                    ? it->second
+                                    : std::numeric_limits<uint32_t>::max());
+  }
+  workspace->views = views.views;
+  workspace->depth_map_scales = views.depth_map_scales;
+  workspace->picture_errors = views.picture_errors;
+  workspace->cloud = FilterCloud(
+      {model.point_positions, {}, model.point_colors}, std::move(visibility),
+      model.images.size(), &workspace->report.points);
+}
+
+// \param read_cloud  empty for the sparse points.
+Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
+                   const PictureDecoder& decoder,
+                   const std::function<SeenCloud()>& read_cloud) {
+  const bool is_dense = read_cloud != nullptr;
+  Workspace workspace;
+  WorkspaceReport& report = workspace.report;
+  report.path = folder;
+  report.sparse_path = FindSparseFolder(report.path);
+  const SparseModel model = ReadSparseModel(report.sparse_path);
+  if (model.images.empty()) {
+    throw FileError(report.sparse_path, "the model has no images");
+  }
+  const Views views = ReadViews(
+      report.path, model, {!is_dense, options.allow_other_sizes}, decoder);
+  report.num_missing_images = views.num_missing_images;
+  report.num_rescaled_images = views.num_rescaled_images;
+  report.num_sparse_points = model.point_positions.size();
+  if (is_dense) {
+    OrderImages(model, views, options, decoder, read_cloud(), &workspace);
+  } else {
+    MakeSparseCloud(model, views, &workspace);
+  }
+  if (workspace.cloud.size() == 0) {
+    throw FileError(report.path, "no points that can be meshed");
+  }
+  for (const Eigen::Vector3f& point : model.point_positions) {
+    if (point.allFinite()) {
+      workspace.sparse_points.push_back(point);
+    }
+  }
+  return workspace;
+}
+
+}  // namespace
+
+std::string WorkspaceOptions::Check() const {
+  if (input_type != "dense" && input_type != "sparse") {
+    return "input_type is '" + input_type + "'; it has to be dense or sparse";
+  }
+  for (const char* name : {"auto", "file", "image_id", "frame", "frame_id"}) {
+    if (image_order == name) {
+      return "";
+    }
+  }
+  return "image_order is '" + image_order +
+         "'; it has to be auto, file, image_id, frame or frame_id";
+}
+
+Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
+                        const PictureDecoder& decoder) {
+  if (options.input_type == "dense") {
+    const fs::path folder = FindDenseFolder(path);
+    return Assemble(folder, options, decoder,
+                    [&folder] { return ReadFusedCloud(folder); });
+  }
+  return Assemble(path, options, decoder, nullptr);
+}
+
+Workspace ReadMeshWorkspace(const fs::path& folder,
+                            const WorkspaceOptions& options,
+                            const PictureDecoder& decoder, PlyCloud vertices,
+                            Visibility visibility,
+                            const fs::path& visibility_path) {
+  return Assemble(folder, options, decoder, [&] {
+    return SeenCloud{std::move(vertices), std::move(visibility),
+                     visibility_path};
+  });
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scene/picture_decoder.h"
+#include "scene/point_cloud.h"
+#include "scene/view.h"
+#include "workspace/filter_cloud.h"
+#include "workspace/image_order.h"
+
+namespace colmap_ext {
+
+struct WorkspaceOptions {
+  // "dense" for the fused points, "sparse" for those of the sparse model.
+  std::string input_type = "dense";
+
+  // How fused.ply.vis counts the images: "auto", or the name of an order
+  // (image_order.h).
+  std::string image_order = "auto";
+
+  // Take pictures of another aspect than their camera's: their error tells.
+  bool allow_other_sizes = false;
+
+  // What is wrong with the options, in one line; empty when all is well.
+  std::string Check() const;
+};
+
+struct WorkspaceReport {
+  std::filesystem::path path;         // the folder that was used
+  std::filesystem::path sparse_path;  // of the model
+  FilterReport points;
+  size_t num_sparse_points = 0;
+  size_t num_missing_images = 0;
+  size_t num_rescaled_images = 0;
+  bool is_order_verified = false;  // of the images; not asked for sparse input
+  VerifiedOrder order;
+};
+
+// A COLMAP workspace in our types.
+struct Workspace {
+  std::vector<View> views;  // by the image indices of fused.ply.vis
+  std::vector<double> depth_map_scales;        // [views]
+  std::vector<std::string> picture_errors;     // [views] as Views has them
+  PointCloud cloud;                            // view indices < views.size()
+  std::vector<Eigen::Vector3f> sparse_points;  // finite
+  WorkspaceReport report;
+};
+
+// Reads DIR/sparse and, for dense input, DIR/fused.ply and DIR/fused.ply.vis.
+//
+// \pre options checked
+// \throw FileError for whatever is missing, damaged, or does not fit together.
+Workspace ReadWorkspace(const std::filesystem::path& path,
+                        const WorkspaceOptions& options,
+                        const PictureDecoder& decoder);
+
+// The same with the vertices of a mesh in place of the fused points.
+// \param folder  the workspace itself.
+Workspace ReadMeshWorkspace(const std::filesystem::path& folder,
+                            const WorkspaceOptions& options,
+                            const PictureDecoder& decoder, PlyCloud vertices,
+                            Visibility visibility,
+                            const std::filesystem::path& visibility_path);
+
+}  // namespace colmap_ext

@@ -1,0 +1,32 @@
+#include "colmap_ext/colmap_compat.h"
+
+#include <string>
+#include <vector>
+
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+TEST(ColmapPictureDecoder, ReadsPicturesInGrey) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.Path();
+  const PictureDecoder decoder = ColmapPictureDecoder();
+  WriteFile(path / "gray.pgm", std::string("P5\n3 2\n255\n\x01\x02\x03"
+                                           "\x04\x05\x06"));
+  const std::optional<GrayImage> image = decoder.read_gray(path / "gray.pgm");
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->width, 3);
+  EXPECT_EQ(image->height, 2);
+  EXPECT_EQ(image->pixels, (std::vector<uint8_t>{1, 2, 3, 4, 5, 6}));
+  // 10 20 30, 1 2 6 and 255 255 255.
+  WriteFile(path / "color.ppm",
+            "P6\n3 1\n255\n\x0a\x14\x1e\x01\x02\x06\xff\xff\xff");
+  const std::optional<GrayImage> color = decoder.read_gray(path / "color.ppm");
+  ASSERT_TRUE(color);
+  EXPECT_EQ(color->pixels, (std::vector<uint8_t>{20, 3, 255}));
+  EXPECT_FALSE(decoder.read_gray(path / "none.png"));
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,145 @@
+#include "formats/atomic_file.h"
+
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uid_t kNobody = 65534;
+
+class AtomicFileTest : public testing::Test {
+ protected:
+  static void WriteText(std::string_view text, AtomicFile* file) {
+    file->Write(text.data(), text.size());
+  }
+
+  TemporaryFolder folder_;
+  fs::path path_ = folder_.Path();
+};
+
+TEST_F(AtomicFileTest, AppearsWhenCommitted) {
+  WriteFile(path_ / "b", "old");
+  {
+    AtomicFile a(path_ / "a");
+    AtomicFile b(path_ / "b");
+    WriteText("new a", &a);
+    WriteText("new b", &b);
+    EXPECT_FALSE(fs::exists(path_ / "a"));
+    EXPECT_EQ(ReadFile(path_ / "b"), "old");
+    AtomicFile* const files[] = {&a, &b};
+    Commit(files);
+  }
+  EXPECT_EQ(List(path_), "a b");
+  EXPECT_EQ(ReadFile(path_ / "a"), "new a");
+  EXPECT_EQ(ReadFile(path_ / "b"), "new b");
+}
+
+TEST_F(AtomicFileTest, LeavesNothingBehindUncommitted) {
+  WriteFile(path_ / "a", "old");
+  {
+    AtomicFile a(path_ / "a");
+    WriteText(std::string(3 << 20, 'x'), &a);
+    EXPECT_NE(List(path_), "a");
+  }
+  EXPECT_EQ(List(path_), "a");
+  EXPECT_EQ(ReadFile(path_ / "a"), "old");
+}
+
+TEST_F(AtomicFileTest, KeepsTheOldFileWhenTheDiskIsFull) {
+  WriteFile(path_ / "a", "old");
+  const pid_t child = fork();
+  if (child == 0) {  // a limit on the size of files stands for a full disk
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit = {1 << 20, 1 << 20};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      AtomicFile a(path_ / "a");
+      WriteText(std::string(3 << 20, 'x'), &a);
+      AtomicFile* const files[] = {&a};
+      Commit(files);
+    } catch (const FileError&) {
+      _exit(7);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+  EXPECT_EQ(ReadFile(path_ / "a"), "old");
+  EXPECT_EQ(List(path_), "a");
+}
+
+TEST_F(AtomicFileTest, RefusesPlacesThatCanNotBeWritten) {
+  WriteFile(path_ / "file", "");
+  fs::create_directory(path_ / "folder");
+  for (const fs::path& path :
+       {path_ / "none" / "a", path_ / "file" / "a", path_ / "folder",
+        fs::path("/proc/a"), path_ / std::string(300, 'a')}) {
+    EXPECT_NE(
+        FileErrorOf([&] { AtomicFile file(path); }).find("can not be written"),
+        std::string::npos)
+        << path;
+  }
+  EXPECT_NE(FileErrorOf([&] { ExpectWritable(path_ / "folder"); }), "");
+  EXPECT_NO_THROW(ExpectWritable(path_ / "file"));
+  EXPECT_EQ(List(path_), "file folder");
+}
+
+TEST_F(AtomicFileTest, RefusesFoldersWithoutPermission) {
+  fs::permissions(path_, fs::perms::owner_read | fs::perms::owner_exec |
+                             fs::perms::others_read | fs::perms::others_exec);
+  const pid_t child = fork();
+  if (child == 0) {
+    if (geteuid() == 0 && setuid(kNobody) != 0) {  // root may write everywhere
+      _exit(1);
+    }
+    try {
+      AtomicFile file(path_ / "a");
+    } catch (const FileError&) {
+      _exit(7);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  fs::permissions(path_, fs::perms::owner_all);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+}
+
+TEST_F(AtomicFileTest, WritesThroughSymbolicLinks) {
+  WriteFile(path_ / "there" / "file", "old");
+  fs::create_symlink(path_ / "there" / "file", path_ / "link");
+  AtomicFile file(path_ / "link");
+  WriteText("new", &file);
+  AtomicFile* const files[] = {&file};
+  Commit(files);
+  EXPECT_TRUE(fs::is_symlink(path_ / "link"));
+  EXPECT_EQ(ReadFile(path_ / "there" / "file"), "new");
+}
+
+TEST_F(AtomicFileTest, LeavesNothingBehindWhenInterrupted) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      AtomicFile a(path_ / "a");
+      AtomicFile b(path_ / "b");
+      raise(signal);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(WTERMSIG(status), signal);
+    EXPECT_EQ(List(path_), "");
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,95 @@
+// What only mesh_evaluator reads: depth maps and masks.
+
+#include "formats/read_depth_map.h"
+#include "formats/read_npy_mask.h"
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+class ReadEvaluationFilesTest : public testing::Test {
+ protected:
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / "a file";
+};
+
+TEST_F(ReadEvaluationFilesTest, ReadsADepthMap) {
+  std::string bytes = "3&2&1&";
+  for (int i = 0; i < 6; ++i) {
+    Append(static_cast<float>(i), &bytes);
+  }
+  WriteFile(path_, bytes);
+  const DepthMap map = ReadDepthMap(path_);
+  EXPECT_EQ(map.width, 3);
+  EXPECT_EQ(map.height, 2);
+  EXPECT_EQ(map.depths, (std::vector<float>{0, 1, 2, 3, 4, 5}));
+  ExpectEveryTruncationRefused(path_, 0, [this] { ReadDepthMap(path_); });
+  for (const std::string& damaged :
+       {bytes + "x", "3&2&3&" + bytes.substr(6), std::string("0&0&1&"),
+        std::string("99999999&99999999&1&"), std::string("hello")}) {
+    WriteFile(path_, damaged);
+    EXPECT_THROW(ReadDepthMap(path_), FileError) << damaged;
+  }
+}
+
+TEST_F(ReadEvaluationFilesTest, FindsDepthMapsByTheNameOfTheImage) {
+  const std::filesystem::path folder = folder_.Path();
+  EXPECT_TRUE(FindDepthMap(folder, "a/1.png").empty());
+  for (const char* ending : {".bin", ".photometric.bin", ".geometric.bin"}) {
+    const std::filesystem::path path =
+        folder / "a" / (std::string("1.png") + ending);
+    WriteFile(path, "");
+    EXPECT_EQ(FindDepthMap(folder, "a/1.png"), path);
+  }
+}
+
+// A mask of 2 x 3 x 4 voxels, numbered from 0 in its order in the file.
+std::string Npy(const std::string& type, const std::string& fortran_order,
+                const std::string& shape) {
+  std::string header = "{'descr': '" + type +
+                       "', 'fortran_order': " + fortran_order +
+                       ", 'shape': " + shape + ", }          \n";
+  std::string bytes("\x93NUMPY\x01\x00", 8);
+  Append(static_cast<uint16_t>(header.size()), &bytes);
+  bytes += header;
+  for (uint8_t i = 0; i < 24; ++i) {
+    Append(i, &bytes);
+  }
+  return bytes;
+}
+
+TEST_F(ReadEvaluationFilesTest, ReadsAMaskInEitherOrder) {
+  for (const char* type : {"|u1", "|b1", "|i1"}) {
+    WriteFile(path_, Npy(type, "False", "(2, 3, 4)"));
+    const VoxelGrid mask = ReadNpyMask(path_);
+    EXPECT_EQ(mask.size, (std::array<size_t, 3>{2, 3, 4}));
+    ASSERT_EQ(mask.voxels.size(), 24);
+    for (size_t i = 0; i < 24; ++i) {
+      EXPECT_EQ(mask.voxels[i], i);
+    }
+  }
+  WriteFile(path_, Npy("|u1", "True", "(2, 3, 4)"));
+  const VoxelGrid mask = ReadNpyMask(path_);
+  for (size_t x = 0; x < 2; ++x) {
+    for (size_t y = 0; y < 3; ++y) {
+      for (size_t z = 0; z < 4; ++z) {
+        EXPECT_EQ(mask.voxels[(x * 3 + y) * 4 + z], (z * 3 + y) * 2 + x);
+      }
+    }
+  }
+  ExpectEveryTruncationRefused(path_, 0, [this] { ReadNpyMask(path_); });
+}
+
+TEST_F(ReadEvaluationFilesTest, RefusesOtherArrays) {
+  for (const std::string& bytes :
+       {Npy("<f8", "False", "(2, 3, 4)"), Npy("|u1", "False", "(24,)"),
+        Npy("|u1", "False", "(2, 3, 5)"), Npy("|u1", "False", "(2, 3, 3)"),
+        Npy("|u1", "False", "(999999, 999999, 999999)"),
+        std::string("not an array at all")}) {
+    WriteFile(path_, bytes);
+    EXPECT_THROW(ReadNpyMask(path_), FileError);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

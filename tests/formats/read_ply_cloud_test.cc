@@ -1,0 +1,192 @@
+#include "formats/read_ply_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+// Two points (1, 2, 3) and (-4, 5.5, 6e2) with normals and colours.
+constexpr double kValues[2][9] = {{1, 2, 3, 0, 0, 1, 10, 20, 30},
+                                  {-4, 5.5, 6e2, 0, 1, 0, 255, 0, 128}};
+constexpr const char* kNames[9] = {"x",  "y",   "z",     "nx",  "ny",
+                                   "nz", "red", "green", "blue"};
+
+struct Variant {
+  std::string format = "binary_little_endian";
+  std::string float_type = "float";
+  std::vector<int> properties = {0, 1, 2, 3, 4, 5, 6, 7, 8};  // in kNames
+  std::string line_end = "\n";
+};
+
+template <typename T>
+void AppendAs(const Variant& variant, double value, std::string* bytes) {
+  std::string raw;
+  Append(static_cast<T>(value), &raw);
+  if (variant.format == "binary_big_endian") {
+    std::reverse(raw.begin(), raw.end());
+  }
+  *bytes += raw;
+}
+
+void AppendValue(const Variant& variant, int property, double value,
+                 std::string* bytes) {
+  if (variant.format == "ascii") {
+    *bytes += std::to_string(value) + " ";
+  } else if (property >= 6) {
+    AppendAs<uint8_t>(variant, value, bytes);
+  } else if (variant.float_type == "double") {
+    AppendAs<double>(variant, value, bytes);
+  } else {
+    AppendAs<float>(variant, value, bytes);
+  }
+}
+
+std::string MakePly(const Variant& variant) {
+  const std::string& end = variant.line_end;
+  std::string bytes = "ply" + end + "format " + variant.format + " 1.0" + end +
+                      "comment of no use" + end + "element vertex 2" + end;
+  for (const int i : variant.properties) {
+    bytes += "property " + (i < 6 ? variant.float_type : "uchar") + " " +
+             kNames[i] + end;
+  }
+  bytes += "end_header" + end;
+  for (const auto& values : kValues) {
+    for (const int i : variant.properties) {
+      AppendValue(variant, i, values[i], &bytes);
+    }
+    bytes += variant.format == "ascii" ? end : "";
+  }
+  return bytes;
+}
+
+class ReadPlyCloudTest : public testing::Test {
+ protected:
+  PlyCloud Read(const std::string& bytes) {
+    WriteFile(path_, bytes);
+    return ReadPlyCloud(path_);
+  }
+
+  std::string ErrorOf(const std::string& bytes) {
+    return FileErrorOf([&] { Read(bytes); });
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / "fused.ply";
+};
+
+void ExpectTheTwoPoints(const PlyCloud& cloud) {
+  ASSERT_EQ(cloud.positions.size(), 2);
+  EXPECT_EQ(cloud.positions[0], Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(cloud.positions[1], Eigen::Vector3f(-4, 5.5, 6e2));
+  if (!cloud.colors.empty()) {
+    EXPECT_EQ(cloud.colors[0], (Color{10, 20, 30}));
+    EXPECT_EQ(cloud.colors[1], (Color{255, 0, 128}));
+  }
+  if (!cloud.normals.empty()) {
+    EXPECT_EQ(cloud.normals[0], Eigen::Vector3f(0, 0, 1));
+    EXPECT_EQ(cloud.normals[1], Eigen::Vector3f(0, 1, 0));
+  }
+}
+
+TEST_F(ReadPlyCloudTest, ReadsEveryFormatTypeAndOrder) {
+  const std::vector<std::vector<int>> orders = {{0, 1, 2, 3, 4, 5, 6, 7, 8},
+                                                {8, 7, 6, 5, 4, 3, 2, 1, 0},
+                                                {6, 7, 8, 0, 1, 2},
+                                                {2, 0, 1}};
+  for (const char* format :
+       {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    for (const char* type : {"float", "float32", "double"}) {
+      for (const std::vector<int>& order : orders) {
+        for (const char* line_end : {"\n", "\r\n"}) {
+          SCOPED_TRACE(std::string(format) + " " + type);
+          const std::string name = type;
+          const PlyCloud cloud = Read(MakePly({format, name, order, line_end}));
+          ExpectTheTwoPoints(cloud);
+          EXPECT_EQ(cloud.colors.size(), order.size() >= 6 ? 2 : 0);
+          EXPECT_EQ(cloud.normals.size(), order.size() == 9 ? 2 : 0);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(ReadPlyCloudTest, SkipsListsOtherPropertiesAndElements) {
+  const PlyCloud cloud = Read(
+      "ply\nformat ascii 1.0\n"
+      "element camera 2\nproperty list uchar float params\nproperty int id\n"
+      "element vertex 2\nproperty float x\nproperty list int short tags\n"
+      "property float y\nproperty double quality\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_index\nend_header\n"
+      "2 0.5 0.5 1\n0 7\n"
+      "1 3 7 8 9 2 0.1 3\n-4 0 5.5 +0.2 6e2\n3 0 1 0\n");
+  ExpectTheTwoPoints(cloud);
+}
+
+TEST_F(ReadPlyCloudTest, KeepsNotFinitePointsForTheCallerToDrop) {
+  const PlyCloud cloud = Read(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n"
+      "nan inf -inf\n1e300 1 1");
+  EXPECT_FALSE(cloud.positions[0].allFinite());
+  EXPECT_FALSE(cloud.positions[1].allFinite());
+}
+
+TEST_F(ReadPlyCloudTest, IgnoresColorsThatAreNotBytes) {
+  EXPECT_TRUE(Read("ply\nformat ascii 1.0\nelement vertex 1\n"
+                   "property float x\nproperty float y\nproperty float z\n"
+                   "property float red\nproperty float green\n"
+                   "property float blue\nend_header\n1 2 3 0.5 0.5 0.5\n")
+                  .colors.empty());
+}
+
+TEST_F(ReadPlyCloudTest, RefusesEveryTruncation) {
+  for (const char* format : {"binary_little_endian", "binary_big_endian"}) {
+    WriteFile(path_, MakePly({.format = format}));
+    ExpectEveryTruncationRefused(path_, 0, [this] { ReadPlyCloud(path_); });
+  }
+  // Of "128.000000 \n" any digit may be the last.
+  WriteFile(path_, MakePly({.format = "ascii"}));
+  ExpectEveryTruncationRefused(path_, 12, [this] { ReadPlyCloud(path_); });
+}
+
+TEST_F(ReadPlyCloudTest, RefusesCountsLargerThanTheFile) {
+  for (const char* format : {"ascii", "binary_little_endian"}) {
+    for (const char* count : {"4000000000", "18446744073709551615"}) {
+      std::string bytes = MakePly({.format = format});
+      bytes.replace(bytes.find("vertex 2"), 8, std::string("vertex ") + count);
+      EXPECT_NE(ErrorOf(bytes).find("room for"), std::string::npos);
+    }
+  }
+  std::string list =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1\n"
+      "property list uint double tags\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n";
+  Append(uint32_t{4000000000}, &list);
+  list.append(100, '\0');
+  EXPECT_NE(ErrorOf(list).find("impossible length"), std::string::npos);
+}
+
+TEST_F(ReadPlyCloudTest, RefusesWhatIsNoPointCloud) {
+  for (const char* bytes :
+       {"", "\n", "obj\n", "ply\nend_header\n", "ply\nformat ebcdic 1.0\n",
+        "ply\nformat ascii 1.0\nproperty float x\nend_header\n",
+        "ply\nformat ascii 1.0\nend_header\n",
+        "ply\nformat ascii 1.0\nelement vertex -1\nend_header\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+        "end_header\n1\n",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+        "property float y\nproperty float z\nend_header\n1 2 three\n"}) {
+    SCOPED_TRACE(bytes);
+    EXPECT_NE(ErrorOf(bytes), "");
+  }
+  EXPECT_NE(FileErrorOf([&] { ReadPlyCloud(folder_.Path()); }), "");
+  EXPECT_NE(FileErrorOf([&] { ReadPlyCloud(folder_.Path() / "no.ply"); }), "");
+}
+
+}  // namespace
+}  // namespace colmap_ext

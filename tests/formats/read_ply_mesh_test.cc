@@ -1,0 +1,89 @@
+#include "formats/read_ply_mesh.h"
+
+#include "formats/write_mesh.h"
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr const char* kHeader =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+    "property float y\nproperty float z\n";
+constexpr const char* kVertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+constexpr const char* kFaces =
+    "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
+
+class ReadPlyMeshTest : public testing::Test {
+ protected:
+  TriangleMesh Read(const std::string& bytes) {
+    WriteFile(path_, bytes);
+    return ReadPlyMesh(path_);
+  }
+
+  void ExpectRefused(const std::string& bytes, const std::string& message) {
+    const std::string error = FileErrorOf([&] { Read(bytes); });
+    EXPECT_NE(error.find(message), std::string::npos)
+        << "expected: " << message << "\nfound: " << error;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / "mesh.ply";
+  const TriangleMesh mesh_ = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                              {{0, 2, 1}, {0, 1, 3}}};
+};
+
+TEST_F(ReadPlyMeshTest, ReadsWhatIsWritten) {
+  for (const std::vector<Color>& colors :
+       {std::vector<Color>{}, std::vector<Color>(4, {1, 2, 3})}) {
+    WriteColoredMesh(path_, mesh_, colors);
+    EXPECT_EQ(List(folder_.Path()), "mesh.ply");
+    const TriangleMesh mesh = ReadPlyMesh(path_);
+    EXPECT_EQ(mesh.vertices, mesh_.vertices);
+    EXPECT_EQ(mesh.facets, mesh_.facets);
+    EXPECT_EQ(ReadColoredPlyMesh(path_).colors, colors);
+  }
+  ExpectEveryTruncationRefused(path_, 0, [this] { ReadPlyMesh(path_); });
+}
+
+TEST_F(ReadPlyMeshTest, SkipsOtherPropertiesAndElements) {
+  const TriangleMesh mesh =
+      Read(kHeader +
+           std::string("property list uchar int tags\nelement camera 1\n"
+                       "property float f\nelement face 2\nproperty int label\n"
+                       "property list uchar double vertex_index\n"
+                       "property list uchar float texcoord\nend_header\n"
+                       "0 0 0 0\n1 0 0 1 7\n0 1 0 2 7 8\n0 0 1 0\n0.5\n"
+                       "9 3 0 2 1 2 0.5 0.5\n9 3 0 1 3 0\n"));
+  EXPECT_EQ(mesh.vertices, mesh_.vertices);
+  EXPECT_EQ(mesh.facets, mesh_.facets);
+}
+
+TEST_F(ReadPlyMeshTest, ReadsPointsAsAMeshWithoutFacets) {
+  const TriangleMesh mesh =
+      Read(kHeader + std::string("end_header\n") + kVertices);
+  EXPECT_EQ(mesh.vertices.size(), 4);
+  EXPECT_TRUE(mesh.facets.empty());
+}
+
+TEST_F(ReadPlyMeshTest, RefusesWhatIsNoTriangleMesh) {
+  const std::string begin = kHeader + std::string(kFaces) + kVertices;
+  EXPECT_EQ(Read(begin + "3 0 2 1\n3 0 1 3\n").facets, mesh_.facets);
+  ExpectRefused(begin + "3 0 2 1\n4 0 1 2 3\n",
+                "face 1 has 4 corners, but only triangles");
+  ExpectRefused(begin + "3 0 2 1\n2 0 1\n", "face 1 has 2 corners");
+  ExpectRefused(begin + "3 0 2 1\n3 0 1 4\n", "face 1 has vertex 4");
+  ExpectRefused(begin + "3 0 2 1\n3 0 1 -1\n", "no vertex's index");
+  ExpectRefused(begin + "3 0 2 1\n3 0 1 1.5\n", "no vertex's index");
+  ExpectRefused(begin + "3 0 2 1\n3 0 1 nan\n", "no vertex's index");
+  ExpectRefused(begin + "3 0 2 1\n", "truncated");
+  ExpectRefused(kHeader +
+                    std::string("element face 1\nproperty int a\n"
+                                "end_header\n") +
+                    kVertices + "1\n",
+                "vertex_index");
+  ExpectRefused("ply\nformat ascii 1.0\nend_header\n", "no vertices");
+  ExpectRefused("hello\nworld\n", "not a PLY");
+}
+
+}  // namespace
+}  // namespace colmap_ext

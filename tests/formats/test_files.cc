@@ -1,0 +1,50 @@
+#include "tests/formats/test_files.h"
+
+#include <stdlib.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+namespace colmap_ext {
+
+TemporaryFolder::TemporaryFolder() {
+  std::string path =
+      (std::filesystem::temp_directory_path() / "colmap_ext_XXXXXX").string();
+  if (mkdtemp(path.data()) == nullptr) {
+    throw std::runtime_error("no temporary folder");
+  }
+  path_ = path;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code error;
+  std::filesystem::remove_all(path_, error);
+}
+
+void WriteFile(const std::filesystem::path& path, std::string_view bytes) {
+  if (path.has_parent_path()) {
+    std::filesystem::create_directories(path.parent_path());
+  }
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+std::string ReadFile(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string List(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  std::string list;
+  for (const std::string& name : names) {
+    list += (list.empty() ? "" : " ") + name;
+  }
+  return list;
+}
+
+}  // namespace colmap_ext

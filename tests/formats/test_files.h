@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+// A folder of its own for each test, gone with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& Path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void WriteFile(const std::filesystem::path& path, std::string_view bytes);
+
+std::string ReadFile(const std::filesystem::path& path);
+
+// Names of all that is in a folder, sorted, separated by spaces.
+std::string List(const std::filesystem::path& folder);
+
+// Appends a number as it lies in memory, that is little-endian.
+template <typename T>
+void Append(T value, std::string* bytes) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  bytes->append(raw, sizeof(T));
+}
+
+// The message of the FileError that the function throws; a failure if it throws
+// anything else or nothing.
+template <typename Function>
+std::string FileErrorOf(Function function) {
+  try {
+    function();
+    ADD_FAILURE() << "no error";
+  } catch (const FileError& error) {
+    return error.what();
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "another error: " << error.what();
+  }
+  return "";
+}
+
+// Reads a file cut off after each of its bytes but the last ones, where every
+// length has to be refused, and nothing else may happen.
+//
+// \param num_optional  bytes at the end that may be missing.
+template <typename Function>
+void ExpectEveryTruncationRefused(const std::filesystem::path& path,
+                                  size_t num_optional, Function read) {
+  const std::string bytes = ReadFile(path);
+  for (size_t size = 0; size + num_optional < bytes.size(); ++size) {
+    WriteFile(path, std::string_view(bytes).substr(0, size));
+    EXPECT_THROW(read(), FileError) << path << " cut to " << size << " bytes";
+  }
+  WriteFile(path, bytes);
+  EXPECT_NO_THROW(read());
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,68 @@
+#include "formats/write_mesh.h"
+
+#include <cstring>
+
+#include "formats/read_ply_cloud.h"
+#include "formats/read_visibility.h"
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+class WriteMeshTest : public testing::Test {
+ protected:
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / "mesh.ply";
+  TriangleMesh mesh_ = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                        {{0, 2, 1}, {0, 1, 3}}};
+  VertexAttributes attributes_ = {
+      {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {255, 0, 10}},
+      {{0, 1, 3, 3, 4}, {2, 0, 5, 7}}};
+};
+
+TEST_F(WriteMeshTest, WritesWhatOtherToolsRead) {
+  WriteMesh(path_, mesh_, attributes_);
+  const std::string bytes = ReadFile(path_);
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "element face 2\nproperty list uchar int vertex_index\nend_header\n";
+  EXPECT_EQ(bytes.substr(0, header.size()), header);
+  ASSERT_EQ(bytes.size(), header.size() + 4 * 15 + 2 * 13);
+  std::string faces;
+  for (const Facet& facet : mesh_.facets) {
+    Append(uint8_t{3}, &faces);
+    Append(facet, &faces);
+  }
+  EXPECT_EQ(bytes.substr(header.size() + 4 * 15), faces);
+}
+
+TEST_F(WriteMeshTest, IsReadBackAsItWas) {
+  WriteMesh(path_, mesh_, attributes_);
+  const PlyCloud cloud = ReadPlyCloud(path_);
+  EXPECT_EQ(cloud.positions, mesh_.vertices);
+  EXPECT_EQ(cloud.colors, attributes_.colors);
+  const Visibility visibility = ReadVisibility(VisibilityPath(path_), 4);
+  EXPECT_EQ(visibility.offsets, attributes_.views.offsets);
+  EXPECT_EQ(visibility.values, attributes_.views.values);
+  EXPECT_EQ(List(folder_.Path()), "mesh.ply mesh.ply.vis");
+}
+
+TEST_F(WriteMeshTest, LeavesOutColorsThatAreNotThere) {
+  attributes_.colors.clear();
+  WriteMesh(path_, mesh_, attributes_);
+  EXPECT_TRUE(ReadPlyCloud(path_).colors.empty());
+  EXPECT_EQ(ReadPlyCloud(path_).positions, mesh_.vertices);
+}
+
+TEST_F(WriteMeshTest, LeavesTheOldMeshWhereItFails) {
+  WriteFile(path_, "old mesh");
+  std::filesystem::create_directory(VisibilityPath(path_));
+  EXPECT_NE(FileErrorOf([&] { WriteMesh(path_, mesh_, attributes_); }), "");
+  EXPECT_EQ(ReadFile(path_), "old mesh");
+  EXPECT_EQ(List(folder_.Path()), "mesh.ply mesh.ply.vis");
+}
+
+}  // namespace
+}  // namespace colmap_ext

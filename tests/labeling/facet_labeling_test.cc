@@ -1,0 +1,188 @@
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "labeling/facet_labeling.h"
+#include "labeling/view_pairs.h"
+#include "tests/refine/refinement_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+class LabelFacetsTest : public testing::Test {
+ protected:
+  // Every vertex is seen by the views that see one of its facets.
+  LabelFacetsTest()
+      : mesh_(Scene().Truth()),
+        visibility_(FindVisibleFacets({}, mesh_, Scene().Views())) {
+    std::vector<std::vector<uint32_t>> views(mesh_.vertices.size());
+    for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+      for (const uint32_t vertex : mesh_.facets[i]) {
+        const auto seen = visibility_[i];
+        views[vertex].insert(views[vertex].end(), seen.begin(), seen.end());
+      }
+    }
+    for (std::vector<uint32_t>& row : views) {
+      std::sort(row.begin(), row.end());
+      row.erase(std::unique(row.begin(), row.end()), row.end());
+      attributes_.views.values.insert(attributes_.views.values.end(),
+                                      row.begin(), row.end());
+      attributes_.views.EndRow();
+    }
+    for (uint32_t a = 0; a < Scene().Views().size(); ++a) {
+      for (uint32_t b = a + 1; b < Scene().Views().size(); ++b) {
+        pairs_.push_back({a, b});
+      }
+    }
+  }
+
+  static const RefinementScene& Scene() {
+    static const RefinementScene scene = MakeRefinementScene();
+    return scene;
+  }
+
+  FacetLabeling Label(const FacetLabelingOptions& options) const {
+    return LabelFacets(options, mesh_, attributes_, pairs_, visibility_,
+                       Scene().Views());
+  }
+
+  bool IsSeen(size_t facet, uint32_t view) const {
+    const auto seen = visibility_[facet];
+    return std::binary_search(seen.begin(), seen.end(), view);
+  }
+
+  size_t NumPairsThatSee(size_t facet) const {
+    const size_t count = visibility_[facet].size();
+    return count * (count - 1) / 2;
+  }
+
+  // Neighbors' labels that differ, over all edges.
+  size_t NumChanges(const FacetLabels& labels) const {
+    size_t changes = 0;
+    std::vector<std::vector<uint32_t>> at(mesh_.vertices.size());
+    for (uint32_t i = 0; i < mesh_.facets.size(); ++i) {
+      for (const uint32_t vertex : mesh_.facets[i]) {
+        for (const uint32_t other : at[vertex]) {
+          if (!labels.labels[i].empty() && !labels.labels[other].empty()) {
+            changes += labels.labels[i][0] != labels.labels[other][0] ? 1 : 0;
+          }
+        }
+        at[vertex].push_back(i);
+      }
+    }
+    return changes;
+  }
+
+  TriangleMesh mesh_;
+  FacetVisibility visibility_;
+  VertexAttributes attributes_;
+  std::vector<ViewPair> pairs_;
+};
+
+TEST_F(LabelFacetsTest, GivesOnlyPairsThatSeeTheFacet) {
+  FacetLabelingOptions options;
+  options.pairs_per_facet = 3;
+  options.final_pairs_per_facet = 0;
+  const FacetLabeling labeling = Label(options);
+  ASSERT_EQ(labeling.labels.NumFacets(), mesh_.facets.size());
+  size_t num_unlabeled = 0;
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+    const auto labels = labeling.labels.labels[i];
+    EXPECT_EQ(labels.size(), std::min<size_t>(3, NumPairsThatSee(i)));
+    num_unlabeled += labels.empty() ? 1 : 0;
+    for (const uint32_t label : labels) {
+      EXPECT_TRUE(IsSeen(i, pairs_[label].first));
+      EXPECT_TRUE(IsSeen(i, pairs_[label].second));
+      EXPECT_EQ(std::count(labels.begin(), labels.end(), label), 1);
+    }
+  }
+  EXPECT_EQ(labeling.num_unlabeled_facets, num_unlabeled);
+  EXPECT_LT(num_unlabeled, mesh_.facets.size() / 2);
+}
+
+TEST_F(LabelFacetsTest, AddsFinalPairsToTheFirst) {
+  FacetLabelingOptions options;
+  options.pairs_per_facet = 2;
+  options.final_pairs_per_facet = 0;
+  const FacetLabels few = Label(options).labels;
+  options.final_pairs_per_facet = 5;
+  const FacetLabels many = Label(options).labels;
+  EXPECT_EQ(many.First(2).labels, few.labels);
+  EXPECT_EQ(many.First(2).labels.offsets, few.labels.offsets);
+  EXPECT_EQ(many.First(5).labels, many.labels);
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+    EXPECT_EQ(many.labels[i].size(), std::min<size_t>(5, NumPairsThatSee(i)));
+  }
+}
+
+TEST_F(LabelFacetsTest, LowersTheEnergyAndEvensTheLabelsOut) {
+  FacetLabelingOptions options;
+  options.final_pairs_per_facet = 0;
+  const FacetLabeling smooth = Label(options);
+  options.potts_weight = 0;
+  const FacetLabeling free = Label(options);
+  EXPECT_LT(smooth.final_energy, smooth.initial_energy);
+  EXPECT_LE(smooth.lower_bound, smooth.final_energy);
+  EXPECT_LT(smooth.final_energy, 1.04 * smooth.lower_bound);
+  EXPECT_NEAR(free.final_energy, free.initial_energy,
+              1e-6 * free.initial_energy);
+  EXPECT_LT(NumChanges(smooth.labels), NumChanges(free.labels) / 2);
+}
+
+TEST_F(LabelFacetsTest, DoesNotDependOnTheNumberOfThreads) {
+  const FacetLabels expected = Label({}).labels;
+  for (const int num_threads : {1, 3}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    const FacetLabels labels = Label({}).labels;
+    EXPECT_EQ(labels.labels, expected.labels);
+  }
+}
+
+TEST_F(LabelFacetsTest, GivesAllPairsThatSeeTheFacetInTheClassicalWay) {
+  FacetLabelingOptions options;
+  options.pair_selection = PairSelection::kClassical;
+  const FacetLabeling labeling = Label(options);
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+    EXPECT_EQ(labeling.labels.labels[i].size(), NumPairsThatSee(i));
+  }
+}
+
+TEST_F(LabelFacetsTest, TakesWhatIsDrawnWhereNothingElseIsKnown) {
+  attributes_ = {};
+  attributes_.views.offsets.assign(mesh_.vertices.size() + 1, 0);
+  FacetLabelingOptions options;
+  options.final_pairs_per_facet = 0;
+  const FacetLabeling labeling = Label(options);
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+    EXPECT_EQ(labeling.labels.labels[i].size(),
+              std::min<size_t>(1, NumPairsThatSee(i)));
+  }
+}
+
+TEST_F(LabelFacetsTest, PrefersViewsThatTheVerticesAreKnownToBeSeenBy) {
+  // Nothing but views 0 and 1 is known anywhere.
+  attributes_ = {};
+  for (size_t i = 0; i < mesh_.vertices.size(); ++i) {
+    attributes_.views.values.insert(attributes_.views.values.end(), {0, 1});
+    attributes_.views.EndRow();
+  }
+  FacetLabelingOptions options;
+  options.pairs_per_facet = 4;
+  options.final_pairs_per_facet = 0;
+  const FacetLabeling labeling = Label(options);
+  size_t num_known = 0;
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
+    if (IsSeen(i, 0) && IsSeen(i, 1)) {
+      ++num_known;
+      ASSERT_EQ(labeling.labels.labels[i].size(), 1);
+      EXPECT_EQ(pairs_[labeling.labels.labels[i][0]], (ViewPair{0, 1}));
+    }
+  }
+  EXPECT_GT(num_known, mesh_.facets.size() / 20);
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,239 @@
+#include "photometry/image_pyramid.h"
+
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+#include <Eigen/LU>
+
+#include "tests/look_at.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+View ViewOfSize(int width, int height) {
+  View view = LookAt({1, 2, 3}, {0, 0.5, 0}, width, height, 1.1 * width);
+  view.fy *= 1.05;
+  view.cx += 1.7;
+  view.cy -= 2.3;
+  return view;
+}
+
+// Of smooth waves, by the direction that each pixel's centre looks to.
+GrayImage SmoothImage(const View& view) {
+  GrayImage image{view.width, view.height, {}};
+  for (int row = 0; row < view.height; ++row) {
+    for (int col = 0; col < view.width; ++col) {
+      const Eigen::Vector3f ray = RayDirection(view, col + 0.5, row + 0.5);
+      const float wave = std::sin(9 * ray.x()) + std::cos(8 * ray.y() + 1);
+      image.pixels.push_back(
+          static_cast<uint8_t>(std::lround(127 + 60 * wave)));
+    }
+  }
+  return image;
+}
+
+GrayImage AtLevel(const View& view, const GrayImage& image, int level) {
+  ImagePyramid pyramid(
+      {view}, [&](size_t) { return image; }, SIZE_MAX);
+  pyramid.SetLevel(level);
+  return *pyramid.Image(0);
+}
+
+TEST(ViewAtLevel, HasHalfTheSizeRoundedUp) {
+  Random random(1);
+  for (int trial = 0; trial < 50; ++trial) {
+    const View view =
+        ViewOfSize(random.Integer(1, 3000), random.Integer(1, 3000));
+    View halved = view;
+    for (int level = 0; level < 8; ++level) {
+      const View at_level = ViewAtLevel(view, level);
+      EXPECT_EQ(at_level.width, std::ceil(std::ldexp(view.width, -level)));
+      EXPECT_EQ(at_level.height, std::ceil(std::ldexp(view.height, -level)));
+      EXPECT_EQ(at_level.width, halved.width);
+      EXPECT_EQ(at_level.height, halved.height);
+      EXPECT_TRUE(at_level.PixelFromRay().isApprox(halved.PixelFromRay()));
+      halved = ViewAtLevel(halved, 1);
+    }
+  }
+}
+
+TEST(ImagePyramid, LeavesLevelZeroAsItIs) {
+  const View view = ViewOfSize(61, 40);
+  const GrayImage image = SmoothImage(view);
+  EXPECT_EQ(AtLevel(view, image, 0).pixels, image.pixels);
+}
+
+TEST(ImagePyramid, LeavesConstantImagesConstant) {
+  for (const auto& [width, height] :
+       {std::pair(64, 48), {61, 47}, {1, 1}, {3, 200}}) {
+    for (const uint8_t gray : {0, 1, 128, 255}) {
+      const View view = ViewOfSize(width, height);
+      const std::vector<uint8_t> pixels(view.width * view.height, gray);
+      for (const int level : {1, 2, 3}) {
+        const View at_level = ViewAtLevel(view, level);
+        const GrayImage image = AtLevel(view, {width, height, pixels}, level);
+        EXPECT_EQ(image.width, at_level.width);
+        EXPECT_EQ(image.height, at_level.height);
+        EXPECT_EQ(image.pixels,
+                  std::vector<uint8_t>(at_level.width * at_level.height, gray));
+      }
+    }
+  }
+}
+
+TEST(ImagePyramid, TakesMeansOfWhatAPixelCovers) {
+  Random random(2);
+  const View view = ViewOfSize(32, 24);
+  GrayImage image{view.width, view.height, {}};
+  for (int i = 0; i < view.width * view.height; ++i) {
+    image.pixels.push_back(static_cast<uint8_t>(random.Below(256)));
+  }
+  for (const int level : {1, 2, 3}) {
+    const int size = 1 << level;
+    const GrayImage small = AtLevel(view, image, level);
+    for (int row = 0; row < small.height; ++row) {
+      for (int col = 0; col < small.width; ++col) {
+        double sum = 0;
+        for (int y = size * row; y < size * (row + 1); ++y) {
+          const uint8_t* line = image.Row(y) + size * col;
+          sum += std::accumulate(line, line + size, 0.0);
+        }
+        EXPECT_NEAR(small.Row(row)[col], sum / (size * size), 0.501);
+      }
+    }
+  }
+}
+
+// By how much a picture is shifted against another, px, by least squares.
+Eigen::Vector2d Shift(const GrayImage& image, const GrayImage& reference) {
+  Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  for (int row = 1; row + 1 < image.height; ++row) {
+    for (int col = 1; col + 1 < image.width; ++col) {
+      const uint8_t* line = reference.Row(row) + col;
+      const Eigen::Vector2d slope(
+          (line[1] - line[-1]) / 2.0,
+          (line[reference.width] - line[-reference.width]) / 2.0);
+      matrix += slope * slope.transpose();
+      right += slope * (image.Row(row)[col] - line[0]);
+    }
+  }
+  return -matrix.inverse() * right;
+}
+
+// Whatever the size, a pixel shows what lies along the ray of its view.
+TEST(ImagePyramid, ShowsTheSameAtTheSamePlace) {
+  for (const auto& [width, height] : {std::pair(256, 192), {247, 190}}) {
+    const View view = ViewOfSize(width, height);
+    const GrayImage image = SmoothImage(view);
+    for (const int level : {1, 2}) {
+      const GrayImage expected = SmoothImage(ViewAtLevel(view, level));
+      const GrayImage resized = AtLevel(view, image, level);
+      ASSERT_EQ(resized.pixels.size(), expected.pixels.size());
+      for (size_t i = 0; i < expected.pixels.size(); ++i) {
+        EXPECT_NEAR(resized.pixels[i], expected.pixels[i], 2);
+      }
+      EXPECT_LT(Shift(resized, expected).norm(), 0.04);
+    }
+  }
+}
+
+class ImagePyramidMemoryTest : public testing::Test {
+ protected:
+  static constexpr size_t kSize = 64;  // of an image, bytes
+
+  ImagePyramid MakePyramid(size_t max_memory) {
+    return {std::vector<View>(3, ViewOfSize(8, 8)),
+            [this](size_t view) {
+              ++num_reads_[view];
+              return GrayImage{
+                  8, 8,
+                  std::vector<uint8_t>(kSize, static_cast<uint8_t>(view))};
+            },
+            max_memory};
+  }
+
+  std::vector<int> num_reads_ = {0, 0, 0};
+};
+
+TEST_F(ImagePyramidMemoryTest, ReadsEachImageOnceWhereThereIsRoom) {
+  ImagePyramid pyramid = MakePyramid(3 * kSize);
+  for (const size_t view : {0, 1, 2, 1, 0, 2, 2}) {
+    EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
+  }
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+}
+
+TEST_F(ImagePyramidMemoryTest, DropsWhatWasNotUsedForTheLongestTime) {
+  ImagePyramid pyramid = MakePyramid(2 * kSize);
+  for (const size_t view : {0, 1, 0, 2, 0}) {
+    pyramid.Image(view);
+  }
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  pyramid.Image(1);
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 2, 1}));
+  pyramid.Image(0);
+  pyramid.Image(2);
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 2, 2}));
+}
+
+TEST_F(ImagePyramidMemoryTest, KeepsWhatIsInUse) {
+  ImagePyramid pyramid = MakePyramid(1);
+  const auto image = pyramid.Image(0);
+  pyramid.Image(1);
+  pyramid.SetLevel(2);
+  EXPECT_EQ(image->pixels, std::vector<uint8_t>(kSize, 0));
+}
+
+TEST_F(ImagePyramidMemoryTest, ReadsAgainAtAnotherLevelOnly) {
+  ImagePyramid pyramid = MakePyramid(SIZE_MAX);
+  pyramid.Image(0);
+  pyramid.SetLevel(0);
+  pyramid.Image(0);
+  EXPECT_EQ(num_reads_[0], 1);
+  pyramid.SetLevel(1);
+  EXPECT_EQ(pyramid.Image(0)->width, 4);
+  EXPECT_EQ(pyramid.Views()[0].width, 4);
+  EXPECT_EQ(num_reads_[0], 2);
+  pyramid.SetLevel(0);
+  EXPECT_EQ(pyramid.Image(0)->width, 8);
+  EXPECT_EQ(pyramid.Views()[0].PixelFromRay(), ViewOfSize(8, 8).PixelFromRay());
+}
+
+TEST_F(ImagePyramidMemoryTest, IsSafeFromSeveralThreads) {
+  for (const size_t max_memory : {size_t{1}, SIZE_MAX}) {
+    ImagePyramid pyramid = MakePyramid(max_memory);
+    tbb::parallel_for(0, 300, [&](int i) {
+      const size_t view = i % 3;
+      EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
+    });
+  }
+}
+
+TEST(ImagePyramid, RefusesImagesOfAnotherSize) {
+  for (const auto& [width, height] : {std::pair(10, 9), {9, 10}}) {
+    View view = ViewOfSize(10, 10);
+    view.name = "changed.jpg";
+    ImagePyramid pyramid(
+        {view},
+        [width = width, height = height](size_t) {
+          return GrayImage{width, height,
+                           std::vector<uint8_t>(width * height, 0)};
+        },
+        SIZE_MAX);
+    try {
+      pyramid.Image(0);
+      FAIL() << "no exception";
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find("changed.jpg"),
+                std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

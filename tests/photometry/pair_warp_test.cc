@@ -1,0 +1,369 @@
+#include "photometry/pair_warp.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "spatial/bvh.h"
+#include "tests/look_at.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
+#include "tests/refine/depth_range.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// A picture of a mesh that is painted with smooth waves.
+GrayImage Paint(const View& view, const TriangleMesh& mesh) {
+  const Bvh bvh(mesh);
+  GrayImage image{view.width, view.height, {}};
+  for (int row = 0; row < view.height; ++row) {
+    for (int col = 0; col < view.width; ++col) {
+      RayPacket rays;
+      rays.origin = view.Center().cast<float>();
+      for (int i = 0; i < 4; ++i) {
+        rays.SetDirection(i, RayDirection(view, col + 0.5, row + 0.5));
+      }
+      const HitPacket hits = bvh.Intersect(rays);
+      if (hits.facet[0] < 0) {
+        image.pixels.push_back(0);
+        continue;
+      }
+      const Vector3d point =
+          view.Center() +
+          hits.distance[0] *
+              RayDirection(view, col + 0.5, row + 0.5).cast<double>();
+      const double wave = std::sin(9 * point.x() + 2 * point.z()) +
+                          std::cos(8 * point.y() - 3 * point.z());
+      image.pixels.push_back(
+          static_cast<uint8_t>(std::lround(127 + 60 * wave)));
+    }
+  }
+  return image;
+}
+
+// Two views of a mesh with all that a warp takes.
+struct WarpScene {
+  WarpScene(TriangleMesh surface, const View& view_i, const View& view_j)
+      : mesh(std::move(surface)),
+        views{view_i, view_j},
+        images{Paint(view_i, mesh), Paint(view_j, mesh)},
+        drawn{DrawFacets(view_i, mesh, 0.1), DrawFacets(view_j, mesh, 0.1)},
+        frames(ComputeFacetFrames(mesh)) {}
+
+  PairWarp Warp(int i, int j) const {
+    return {{views[i], images[i], drawn[i]},
+            {views[j], images[j], drawn[j]},
+            frames};
+  }
+
+  TriangleMesh mesh;
+  View views[2];
+  GrayImage images[2];
+  FacetIdBuffer drawn[2];
+  std::vector<FacetFrame> frames;
+};
+
+struct Warped {
+  CorrelationTile tile;
+  TileGeometry geometry;
+};
+
+Warped Compute(const PairWarp& warp, int first_row, int first_col, int height,
+               int width) {
+  Warped warped;
+  warped.tile.Resize(width, height);
+  std::fill(warped.tile.is_reached.begin(), warped.tile.is_reached.end(), 1);
+  warped.geometry.first_row = first_row;
+  warped.geometry.first_col = first_col;
+  warp.Compute(&warped.tile, &warped.geometry);
+  return warped;
+}
+
+// Of the whole image.
+Warped Compute(const WarpScene& scene, int i, int j) {
+  return Compute(scene.Warp(i, j), 0, 0, scene.views[i].height,
+                 scene.views[i].width);
+}
+
+// A rough sheet of sides of 2, and a lid of 0.4 over its middle that hides a
+// part of it, not the same one from both views.
+WarpScene MakeScene() {
+  Random random(1);
+  TriangleMesh sheet = MakeJitteredSquare(12, &random);
+  for (Vector3f& vertex : sheet.vertices) {
+    vertex = 2 * vertex - Vector3f(1, 1, 0);
+    vertex.z() = 0.1f * std::sin(3 * vertex.x()) * std::cos(2 * vertex.y());
+  }
+  TriangleMesh lid = MakeSheet(2, 2);
+  for (Vector3f& vertex : lid.vertices) {
+    vertex = 0.2f * (vertex - Vector3f(1, 1, 0)) + Vector3f(0, 0, 0.6f);
+  }
+  return {Union(sheet, lid), LookAt({-0.6, 0.1, 3}, {0, 0, 0}, 130, 110, 190),
+          LookAt({0.7, -0.2, 3.2}, {0.1, 0, 0}, 120, 100, 170)};
+}
+
+Vector2d SeenAt(const View& view, const Vector3d& point) {
+  return view.ImageFromCam(view.CamFromWorld(point));
+}
+
+TEST(PairWarp, FindsThePointsThatPixelsShow) {
+  const WarpScene scene = MakeScene();
+  const PairWarp warp = scene.Warp(0, 1);
+  for (const auto& [row, col] : {std::pair(50, 60), {3, 100}, {90, 20}}) {
+    const uint32_t facet =
+        scene.drawn[0].facets[scene.drawn[0].Index(row, col)];
+    ASSERT_NE(facet, kNoFacet);
+    const FacetFrame& frame = scene.frames[facet];
+    const Vector3d point = warp.Point(frame, row, col);
+    EXPECT_NEAR(frame.normal.dot(point - frame.corner), 0, 1e-9);
+    EXPECT_LT(
+        (SeenAt(scene.views[0], point) - Vector2d(col + 0.5, row + 0.5)).norm(),
+        1e-9);
+    EXPECT_GT(frame.Barycentric(point).minCoeff(), -0.02);
+  }
+}
+
+TEST(PairWarp, OfTheTrueSurfaceShowsTheSame) {
+  const WarpScene scene = MakeScene();
+  const Bvh bvh(scene.mesh);
+  for (const int i : {0, 1}) {
+    const View& view_j = scene.views[1 - i];
+    const Warped warped = Compute(scene, i, 1 - i);
+    size_t num_compared = 0;
+    for (int row = 0; row < warped.tile.height; ++row) {
+      for (int col = 0; col < warped.tile.width; ++col) {
+        const size_t at = warped.tile.Index(row, col);
+        if (warped.tile.is_valid[at] == 0) {
+          EXPECT_EQ(warped.geometry.facets[at], kNoFacet);
+          EXPECT_EQ(warped.geometry.motion[at], 0);
+          continue;
+        }
+        const uint32_t facet = scene.drawn[i].facets[at];
+        EXPECT_EQ(warped.geometry.facets[at], facet);
+        EXPECT_EQ(warped.tile.image[at], scene.images[i].pixels[at]);
+        EXPECT_EQ(warped.tile.inverse_depths[at],
+                  scene.drawn[i].inverse_depths[at]);
+        const Vector3d point =
+            scene.Warp(i, 1 - i).Point(scene.frames[facet], row, col);
+        const double depth = view_j.CamFromWorld(point).z();
+        const DepthRange around =
+            DepthsAround(bvh, view_j, SeenAt(view_j, point), 2.5);
+        // Beside a border both sides are mixed.
+        if (around.nearest > depth - 0.1 && around.farthest < depth + 0.1) {
+          ++num_compared;
+          EXPECT_NEAR(warped.tile.warped[at], warped.tile.image[at], 1.5);
+        }
+      }
+    }
+    EXPECT_GT(num_compared, 0.4 * warped.tile.image.size());
+  }
+}
+
+TEST(PairWarp, IsValidWhereBothViewsSeeTheFacet) {
+  const WarpScene scene = MakeScene();
+  const Bvh bvh(scene.mesh);
+  for (const int i : {0, 1}) {
+    const int j = 1 - i;
+    const Warped warped = Compute(scene, i, j);
+    int num_outside = 0;
+    int num_hidden = 0;
+    for (int row = 0; row < warped.tile.height; ++row) {
+      for (int col = 0; col < warped.tile.width; ++col) {
+        const size_t at = warped.tile.Index(row, col);
+        const bool is_valid = warped.tile.is_valid[at] > 0;
+        const uint32_t facet = scene.drawn[i].facets[at];
+        if (facet == kNoFacet) {
+          EXPECT_FALSE(is_valid);
+          continue;
+        }
+        const Vector3d point =
+            scene.Warp(i, j).Point(scene.frames[facet], row, col);
+        const Vector2d pixel = SeenAt(scene.views[j], point);
+        if (!(pixel.minCoeff() >= 0.5 &&
+              pixel.x() <= scene.views[j].width - 0.5 &&
+              pixel.y() <= scene.views[j].height - 0.5)) {
+          ++num_outside;
+          EXPECT_FALSE(is_valid);
+          continue;
+        }
+        const double depth = scene.views[j].CamFromWorld(point).z();
+        const DepthRange first = DepthsAround(bvh, scene.views[j], pixel);
+        if (first.nearest > depth - 0.15) {
+          EXPECT_TRUE(is_valid);
+        } else if (first.farthest < depth - 0.3) {
+          ++num_hidden;
+          EXPECT_FALSE(is_valid);
+        }
+      }
+    }
+    EXPECT_GT(num_outside, 50);
+    EXPECT_GT(num_hidden, 50);
+  }
+}
+
+TEST(PairWarp, IsNotValidOnFacetsThatTurnAway) {
+  WarpScene scene = MakeScene();
+  const Warped before = Compute(scene, 0, 1);
+  const uint32_t facet = before.geometry.facets[before.tile.Index(90, 90)];
+  ASSERT_NE(facet, kNoFacet);
+  for (const int view : {0, 1}) {
+    scene.drawn[view].is_facing[facet] = false;
+    const Warped after = Compute(scene, 0, 1);
+    scene.drawn[view].is_facing[facet] = true;
+    for (size_t at = 0; at < after.tile.image.size(); ++at) {
+      EXPECT_EQ(after.geometry.facets[at], before.geometry.facets[at] == facet
+                                               ? kNoFacet
+                                               : before.geometry.facets[at]);
+    }
+  }
+}
+
+// What is drawn stays, the facets move along their normals.
+TEST(PairWarp, TellsHowImagesChangeAsTheSurfaceMoves) {
+  WarpScene scene = MakeScene();
+  const Warped warped = Compute(scene, 0, 1);
+  const double step = 0.02 * 3 / 190;  // of a pixel's footprint
+  const auto move = [&](double distance) {
+    for (size_t i = 0; i < scene.frames.size(); ++i) {
+      scene.frames[i].corner += distance * scene.frames[i].normal;
+    }
+  };
+  move(step);
+  const Warped above = Compute(scene, 0, 1);
+  move(-2 * step);
+  const Warped below = Compute(scene, 0, 1);
+  size_t num_compared = 0;
+  double largest = 0;
+  for (const float motion : warped.geometry.motion) {
+    largest = std::max<double>(largest, std::abs(motion));
+  }
+  for (size_t at = 0; at < warped.tile.image.size(); ++at) {
+    if (warped.tile.is_valid[at] > 0 && above.tile.is_valid[at] > 0 &&
+        below.tile.is_valid[at] > 0) {
+      ++num_compared;
+      const double change =
+          (above.tile.warped[at] - below.tile.warped[at]) / (2 * step);
+      EXPECT_NEAR(warped.geometry.motion[at], change, 0.01 * largest);
+    }
+  }
+  EXPECT_GT(num_compared, warped.tile.image.size() / 2);
+}
+
+// At the origin, and shifted, without rotation: before a plane at a depth of 2
+// every pixel moves by the same fraction.
+TEST(PairWarp, InterpolatesParabolasExactly) {
+  View view;
+  view.width = view.height = 20;
+  view.fx = view.fy = 30;
+  view.cx = view.cy = 10;
+  View shifted = view;
+  shifted.cam_from_world_translation = {0.15, -0.1, 0};
+  const TriangleMesh plane = {{{-9, -9, 2}, {-9, 20, 2}, {20, -9, 2}},
+                              {{0, 1, 2}}};
+  WarpScene scene(plane, view, shifted);
+  for (int row = 0; row < 20; ++row) {
+    for (int col = 0; col < 20; ++col) {
+      scene.images[1].pixels[row * 20 + col] =
+          static_cast<uint8_t>(col * (col + 1) / 2 + 2 * row);
+    }
+  }
+  const Vector2d shift(0.15 * 30 / 2, -0.1 * 30 / 2);
+  const Warped warped = Compute(scene, 0, 1);
+  int num_compared = 0;
+  for (int row = 0; row < 20; ++row) {
+    for (int col = 0; col < 20; ++col) {
+      const double x = col + shift.x();
+      const double y = row + shift.y();
+      const size_t at = warped.tile.Index(row, col);
+      EXPECT_EQ(warped.tile.is_valid[at] > 0,
+                x >= 0 && y >= 0 && x <= 19 && y <= 19);
+      if (x >= 1 && y >= 1 && x <= 18 && y <= 18) {
+        ++num_compared;
+        EXPECT_NEAR(warped.tile.warped[at], x * (x + 1) / 2 + 2 * y, 1e-3);
+        // As the plane comes nearer, all moves on by shift / 2 a unit.
+        EXPECT_NEAR(warped.geometry.motion[at],
+                    shift.x() / 2 * (x + 0.5) + shift.y() / 2 * 2, 1e-3);
+      }
+    }
+  }
+  EXPECT_GT(num_compared, 200);
+}
+
+TEST(PairWarp, OfAnImageWithItselfIsThatImage) {
+  const View view = MakeScene().views[0];
+  const WarpScene scene(MakeScene().mesh, view, view);
+  const Warped warped = Compute(scene, 0, 1);
+  for (int row = 1; row + 1 < view.height; ++row) {
+    for (int col = 1; col + 1 < view.width; ++col) {
+      const size_t at = warped.tile.Index(row, col);
+      EXPECT_EQ(warped.tile.is_valid[at] > 0,
+                scene.drawn[0].facets[at] != kNoFacet);
+      if (warped.tile.is_valid[at] > 0) {
+        EXPECT_NEAR(warped.tile.warped[at], warped.tile.image[at], 1e-2);
+        EXPECT_NEAR(warped.geometry.motion[at], 0, 1e-3);
+      }
+    }
+  }
+}
+
+TEST(PairWarp, OfATileIsThatPartOfTheWhole) {
+  const WarpScene scene = MakeScene();
+  const Warped whole = Compute(scene, 0, 1);
+  for (const auto& [first_row, first_col] :
+       {std::pair(-4, -3), {30, 40}, {100, -2}, {95, 120}, {200, 200}}) {
+    const Warped part = Compute(scene.Warp(0, 1), first_row, first_col, 23, 31);
+    for (int row = 0; row < 23; ++row) {
+      for (int col = 0; col < 31; ++col) {
+        const size_t at = part.tile.Index(row, col);
+        const int image_row = first_row + row;
+        const int image_col = first_col + col;
+        if (image_row < 0 || image_col < 0 || image_row >= whole.tile.height ||
+            image_col >= whole.tile.width) {
+          EXPECT_EQ(part.tile.is_valid[at], 0);
+          EXPECT_EQ(part.geometry.facets[at], kNoFacet);
+          continue;
+        }
+        const size_t from = whole.tile.Index(image_row, image_col);
+        EXPECT_EQ(part.tile.image[at], whole.tile.image[from]);
+        EXPECT_EQ(part.tile.warped[at], whole.tile.warped[from]);
+        EXPECT_EQ(part.tile.is_valid[at], whole.tile.is_valid[from]);
+        EXPECT_EQ(part.tile.inverse_depths[at],
+                  whole.tile.inverse_depths[from]);
+        EXPECT_EQ(part.geometry.facets[at], whole.geometry.facets[from]);
+        EXPECT_EQ(part.geometry.motion[at], whole.geometry.motion[from]);
+      }
+    }
+  }
+}
+
+// The others are as if they showed nothing.
+TEST(PairWarp, LeavesOutWhatNoWindowReaches) {
+  const WarpScene scene = MakeScene();
+  const Warped expected = Compute(scene, 0, 1);
+  Warped warped;
+  warped.tile.Resize(expected.tile.width, expected.tile.height);
+  for (size_t i = 0; i < warped.tile.is_reached.size(); ++i) {
+    warped.tile.is_reached[i] = i % 3 == 0 ? 1 : 0;
+  }
+  scene.Warp(0, 1).Compute(&warped.tile, &warped.geometry);
+  for (size_t i = 0; i < warped.tile.is_reached.size(); ++i) {
+    const bool is_reached = i % 3 == 0;
+    EXPECT_EQ(warped.tile.is_valid[i],
+              is_reached ? expected.tile.is_valid[i] : 0);
+    EXPECT_EQ(warped.tile.warped[i], is_reached ? expected.tile.warped[i] : 0);
+    EXPECT_EQ(warped.geometry.motion[i],
+              is_reached ? expected.geometry.motion[i] : 0);
+    EXPECT_EQ(warped.geometry.facets[i],
+              is_reached ? expected.geometry.facets[i] : kNoFacet);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

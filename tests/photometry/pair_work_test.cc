@@ -1,0 +1,155 @@
+#include "photometry/pair_work.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr uint32_t kNumViews = 4;
+
+// Up to three of the pairs of four views for each facet.
+FacetLabels RandomLabels(uint32_t num_facets, Random* random) {
+  FacetLabels labels;
+  for (uint32_t a = 0; a < kNumViews; ++a) {
+    for (uint32_t b = a + 1; b < kNumViews; ++b) {
+      labels.pairs.push_back({a, b});
+    }
+  }
+  std::vector<uint32_t> all(labels.pairs.size());
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    all[i] = i;
+  }
+  for (uint32_t i = 0; i < num_facets; ++i) {
+    random->Shuffle(&all);
+    labels.labels.values.insert(labels.labels.values.end(), all.begin(),
+                                all.begin() + random->Below(4));
+    labels.labels.EndRow();
+  }
+  return labels;
+}
+
+// Patches of facets, and places without any.
+FacetIdBuffer RandomBuffer(int width, int height, uint32_t num_facets,
+                           Random* random) {
+  FacetIdBuffer buffer;
+  buffer.width = width;
+  buffer.height = height;
+  buffer.facets.assign(static_cast<size_t>(width) * height, kNoFacet);
+  for (uint32_t facet = 0; facet < num_facets; ++facet) {
+    const int row = random->Integer(0, height - 1);
+    const int col = random->Integer(0, width - 1);
+    const int size = random->Integer(1, 20);
+    for (int y = row; y < std::min(row + size, height); ++y) {
+      for (int x = col; x < std::min(col + size, width); ++x) {
+        buffer.facets[buffer.Index(y, x)] = facet;
+      }
+    }
+  }
+  return buffer;
+}
+
+TEST(GroupByPair, TurnsTheLabelsRound) {
+  Random random(1);
+  for (const uint32_t num_facets : {0u, 1u, 5u, 300u}) {
+    const FacetLabels labels = RandomLabels(num_facets, &random);
+    const Rows<uint32_t> by_pair = GroupByPair(labels);
+    ASSERT_EQ(by_pair.offsets.size(), labels.pairs.size() + 1);
+    EXPECT_EQ(by_pair.offsets.front(), 0);
+    EXPECT_EQ(by_pair.offsets.back(), labels.labels.values.size());
+    std::vector<std::vector<uint32_t>> rows(labels.pairs.size());
+    for (uint32_t facet = 0; facet < num_facets; ++facet) {
+      for (const uint32_t label : labels.labels[facet]) {
+        rows[label].push_back(facet);
+      }
+    }
+    for (size_t pair = 0; pair < rows.size(); ++pair) {
+      EXPECT_EQ(std::vector<uint32_t>(
+                    by_pair.values.begin() + by_pair.offsets[pair],
+                    by_pair.values.begin() + by_pair.offsets[pair + 1]),
+                rows[pair]);
+    }
+  }
+}
+
+// The squares with pixels of a pair, and the rectangles around those.
+using Squares = std::map<std::pair<int, int>, std::array<int, 4>>;
+
+Squares ExpectedSquares(const FacetIdBuffer& drawn, const FacetLabels& labels,
+                        uint32_t pair) {
+  Squares squares;
+  for (int row = 0; row < drawn.height; ++row) {
+    for (int col = 0; col < drawn.width; ++col) {
+      const uint32_t facet = drawn.facets[drawn.Index(row, col)];
+      if (facet == kNoFacet) {
+        continue;
+      }
+      const auto row_labels = labels.labels[facet];
+      if (std::count(row_labels.begin(), row_labels.end(), pair) == 0) {
+        continue;
+      }
+      auto& [first_row, last_row, first_col, last_col] =
+          squares
+              .try_emplace({row / kTileSize, col / kTileSize},
+                           std::array<int, 4>{row, row, col, col})
+              .first->second;
+      first_row = std::min(first_row, row);
+      last_row = std::max(last_row, row);
+      first_col = std::min(first_col, col);
+      last_col = std::max(last_col, col);
+    }
+  }
+  return squares;
+}
+
+TEST(FindTiles, AreTheSmallestRectanglesInEachSquare) {
+  Random random(3);
+  for (const auto& [width, height] :
+       {std::pair(1, 1), {kTileSize, kTileSize}, {101, 70}, {33, 95}}) {
+    const uint32_t num_facets = 12;
+    const FacetLabels labels = RandomLabels(num_facets, &random);
+    const FacetIdBuffer drawn =
+        RandomBuffer(width, height, num_facets, &random);
+    for (uint32_t view = 0; view < kNumViews; ++view) {
+      const auto tiles = FindTiles(drawn, view, labels);
+      ASSERT_EQ(tiles.size(), labels.pairs.size());
+      for (uint32_t pair = 0; pair < labels.pairs.size(); ++pair) {
+        if (labels.pairs[pair].first != view &&
+            labels.pairs[pair].second != view) {
+          EXPECT_TRUE(tiles[pair].empty());
+          continue;
+        }
+        Squares squares;
+        for (const PixelRectangle& tile : tiles[pair]) {
+          EXPECT_EQ(tile.first_row / kTileSize, tile.last_row / kTileSize);
+          EXPECT_EQ(tile.first_col / kTileSize, tile.last_col / kTileSize);
+          EXPECT_TRUE(
+              squares
+                  .try_emplace(
+                      {tile.first_row / kTileSize, tile.first_col / kTileSize},
+                      std::array<int, 4>{tile.first_row, tile.last_row,
+                                         tile.first_col, tile.last_col})
+                  .second);
+        }
+        EXPECT_EQ(squares, ExpectedSquares(drawn, labels, pair));
+      }
+    }
+  }
+}
+
+TEST(FindTiles, AreNoneWhereNothingIsDrawn) {
+  Random random(4);
+  const FacetLabels labels = RandomLabels(5, &random);
+  for (const auto& tiles :
+       FindTiles(RandomBuffer(64, 64, 0, &random), 0, labels)) {
+    EXPECT_TRUE(tiles.empty());
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,287 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <Eigen/Eigenvalues>
+
+#include "photometry/cpu_photometric_energy.h"
+#include "raster/facet_frames.h"
+#include "tests/refine/refinement_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+const RefinementScene& Scene() {
+  static const RefinementScene scene = MakeRefinementScene();
+  return scene;
+}
+
+// The truth with every vertex moved along its normal by noise of some pixels.
+TriangleMesh PerturbedTruth(float pixels) {
+  const synthetic::Scene& scene = Scene().dense.scene;
+  TriangleMesh mesh = scene.surface;
+  std::mt19937 random(1);
+  std::normal_distribution<float> noise;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    mesh.vertices[i] +=
+        pixels * scene.footprint * noise(random) * scene.normals[i];
+  }
+  return mesh;
+}
+
+// Facets [0, num_labeled) get every pair, the others none.
+FacetLabels LabelFirst(const std::vector<ViewPair>& pairs, size_t num_facets,
+                       size_t num_labeled) {
+  FacetLabels labels;
+  labels.pairs = pairs;
+  for (size_t i = 0; i < num_facets; ++i) {
+    for (uint32_t k = 0; k < pairs.size() && i < num_labeled; ++k) {
+      labels.labels.values.push_back(k);
+    }
+    labels.labels.EndRow();
+  }
+  return labels;
+}
+
+FacetLabels LabelAll(const std::vector<ViewPair>& pairs, size_t num_facets) {
+  return LabelFirst(pairs, num_facets, num_facets);
+}
+
+// dE / dV, [V].
+std::vector<Eigen::Vector3d> Gradient(const TriangleMesh& mesh,
+                                      const PhotometricTerms& terms) {
+  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+  std::vector<Eigen::Vector3d> gradient(mesh.vertices.size(),
+                                        Eigen::Vector3d::Zero());
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      gradient[mesh.facets[i][k]] += terms.slopes[i][k] * frames[i].normal;
+    }
+  }
+  return gradient;
+}
+
+Eigen::Vector3d NumericGradient(const TriangleMesh& mesh, uint32_t vertex,
+                                const FacetLabels& labels,
+                                PhotometricEnergy* energy) {
+  const float step = 0.01F * Scene().dense.scene.footprint;
+  Eigen::Vector3d gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    TriangleMesh moved = mesh;
+    moved.vertices[vertex][axis] += step;
+    const double upper = moved.vertices[vertex][axis];
+    const double above = energy->Evaluate(moved, labels).energy;
+    moved.vertices[vertex][axis] = mesh.vertices[vertex][axis] - step;
+    const double lower = moved.vertices[vertex][axis];
+    const double below = energy->Evaluate(moved, labels).energy;
+    gradient[axis] = (above - below) / (upper - lower);
+  }
+  return gradient;
+}
+
+// At vertices from the steepest one down to those with a tenth of its slope.
+void ExpectGradient(const PhotometricOptions& options,
+                    const std::vector<ViewPair>& pairs) {
+  constexpr int kNumVertices = 12;
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const auto energy =
+      MakeCpuPhotometricEnergy(options, Scene().Pyramid(), SIZE_MAX);
+  energy->Render(mesh);
+  const FacetLabels labels = LabelAll(pairs, mesh.facets.size());
+  const std::vector<Eigen::Vector3d> gradient =
+      Gradient(mesh, energy->Evaluate(mesh, labels));
+  std::vector<uint32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return gradient[a].norm() > gradient[b].norm();
+  });
+  size_t num_steep = 0;
+  while (gradient[order[num_steep]].norm() > 0.1 * gradient[order[0]].norm()) {
+    ++num_steep;
+  }
+  ASSERT_GT(num_steep, 2 * kNumVertices);
+  std::vector<double> ratios;
+  for (int i = 0; i < kNumVertices; ++i) {
+    const uint32_t vertex = order[i * num_steep / kNumVertices];
+    const Eigen::Vector3d numeric =
+        NumericGradient(mesh, vertex, labels, energy.get());
+    EXPECT_GT(numeric.dot(gradient[vertex]),
+              0.99 * numeric.norm() * gradient[vertex].norm())
+        << "vertex " << vertex;
+    ratios.push_back(gradient[vertex].norm() / numeric.norm());
+    EXPECT_NEAR(ratios.back(), 1, 0.1) << "vertex " << vertex;
+  }
+  // Within 2 % but for one vertex, whose difference quotient may run over the
+  // border between two pixels.
+  std::sort(ratios.begin(), ratios.end(), [](double a, double b) {
+    return std::abs(a - 1) < std::abs(b - 1);
+  });
+  EXPECT_NEAR(ratios[kNumVertices - 2], 1, 0.02);
+}
+
+TEST(CpuPhotometricEnergy, GradientIsThatOfFiniteDifferences) {
+  ExpectGradient({}, {{0, 1}});
+}
+
+TEST(CpuPhotometricEnergy, GradientOfSeveralPairsIsThatOfFiniteDifferences) {
+  ExpectGradient({}, {{0, 1}, {0, 7}, {1, 2}});
+}
+
+TEST(CpuPhotometricEnergy, GradientOfThePapersEnergyIsThatOfFiniteDifferences) {
+  PhotometricOptions options;
+  options.residual_floor = 1000;
+  ExpectGradient(options, {{0, 1}});
+}
+
+TEST(CpuPhotometricEnergy, GradientIsRightForOtherWindowsAndWithoutMasks) {
+  for (const int radius : {1, 3}) {
+    PhotometricOptions options;
+    options.window_radius = radius;
+    options.occlusion_masking = radius == 1;
+    ExpectGradient(options, {{1, 2}});
+  }
+}
+
+TEST(CpuPhotometricEnergy, IsLowestNearTheTruth) {
+  double last = -INFINITY;
+  for (const float pixels : {0.0F, 0.25F, 0.5F, 1.0F}) {
+    const TriangleMesh mesh = PerturbedTruth(pixels);
+    const auto energy =
+        MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+    energy->Render(mesh);
+    const double value =
+        energy->Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size())).energy;
+    EXPECT_GT(value, last) << pixels;
+    last = value;
+  }
+}
+
+TEST(CpuPhotometricEnergy, SaysNothingOfFacetsWithoutLabel) {
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const size_t num_labeled = mesh.facets.size() / 2;
+  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+  energy->Render(mesh);
+  const PhotometricTerms terms = energy->Evaluate(
+      mesh, LabelFirst({{0, 1}}, mesh.facets.size(), num_labeled));
+  size_t num_seen = 0;
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    if (i < num_labeled) {
+      num_seen += terms.num_pixels[i] > 0 ? 1 : 0;
+      continue;
+    }
+    EXPECT_EQ(terms.energies[i], 0);
+    EXPECT_EQ(terms.weights[i], 0);
+    EXPECT_EQ(terms.num_pixels[i], 0);
+    EXPECT_EQ(terms.slopes[i], (std::array<float, 3>{}));
+    EXPECT_EQ(terms.curvatures[i], (std::array<float, 6>{}));
+  }
+  EXPECT_GT(num_seen, num_labeled / 10);
+}
+
+// A triangle close before the second camera hides everything from it.
+TEST(CpuPhotometricEnergy, SaysNothingOfHiddenFacets) {
+  TriangleMesh mesh = Scene().Truth();
+  const size_t num_facets = mesh.facets.size();
+  const View& view = Scene().Views()[1];
+  const Eigen::Matrix3d to_world = view.cam_from_world_rotation.transpose();
+  const auto first = static_cast<uint32_t>(mesh.vertices.size());
+  for (const Eigen::Vector3d& corner :
+       {Eigen::Vector3d(-9, -9, 1), Eigen::Vector3d(20, -9, 1),
+        Eigen::Vector3d(-9, 20, 1)}) {
+    mesh.vertices.push_back(
+        (view.Center() + to_world * (0.1 * corner)).cast<float>());
+  }
+  mesh.facets.push_back({first, first + 2, first + 1});
+  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+  energy->Render(mesh);
+  const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
+  const PhotometricTerms terms = energy->Evaluate(mesh, labels);
+  for (size_t i = 0; i < num_facets; ++i) {
+    EXPECT_EQ(terms.num_pixels[i], 0);
+    EXPECT_EQ(terms.energies[i], 0);
+    EXPECT_EQ(terms.slopes[i], (std::array<float, 3>{}));
+  }
+}
+
+TEST(CpuPhotometricEnergy, SecondDerivativesAreNotNegative) {
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+  energy->Render(mesh);
+  const PhotometricTerms terms =
+      energy->Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size()));
+  for (const auto& [aa, ab, ac, bb, bc, cc] : terms.curvatures) {
+    Eigen::Matrix3d matrix;
+    matrix << aa, ab, ac, ab, bb, bc, ac, bc, cc;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
+    EXPECT_GE(solver.eigenvalues()[0], -1e-5 * solver.eigenvalues()[2]);
+  }
+}
+
+void ExpectSame(const PhotometricTerms& a, const PhotometricTerms& b) {
+  EXPECT_EQ(a.energy, b.energy);
+  EXPECT_EQ(a.energies, b.energies);
+  EXPECT_EQ(a.weights, b.weights);
+  EXPECT_EQ(a.num_pixels, b.num_pixels);
+  EXPECT_EQ(a.slopes, b.slopes);
+  EXPECT_EQ(a.curvatures, b.curvatures);
+}
+
+TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const FacetLabels labels =
+      LabelAll({{0, 1}, {2, 3}, {2, 4}}, mesh.facets.size());
+  const auto evaluate = [&](int num_threads, size_t max_memory) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    const auto energy =
+        MakeCpuPhotometricEnergy({}, Scene().Pyramid(max_memory), max_memory);
+    energy->Render(mesh);
+    return energy->Evaluate(mesh, labels);
+  };
+  const PhotometricTerms terms = evaluate(1, SIZE_MAX);
+  ExpectSame(evaluate(2, SIZE_MAX), terms);
+  ExpectSame(evaluate(3, SIZE_MAX), terms);
+  ExpectSame(evaluate(2, 1), terms);
+}
+
+TEST(CpuPhotometricEnergy, IsTheSameWhateverTheLevelsOrder) {
+  const TriangleMesh& mesh = Scene().Truth();
+  const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
+  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+  energy->Render(mesh);
+  const PhotometricTerms full = energy->Evaluate(mesh, labels);
+  energy->SetLevel(1);
+  energy->Render(mesh);
+  const PhotometricTerms half = energy->Evaluate(mesh, labels);
+  const auto sum = [](const std::vector<float>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+  };
+  EXPECT_NEAR(sum(half.num_pixels), sum(full.num_pixels) / 4,
+              0.1 * sum(half.num_pixels));
+  energy->SetLevel(0);
+  energy->Render(mesh);
+  ExpectSame(energy->Evaluate(mesh, labels), full);
+}
+
+TEST(PhotometricOptions, ChecksThem) {
+  EXPECT_EQ(PhotometricOptions().Check(), "");
+  PhotometricOptions options;
+  options.window_radius = 0;
+  EXPECT_NE(options.Check(), "");
+  options = {};
+  options.noise_variance = 0;
+  EXPECT_NE(options.Check(), "");
+  options = {};
+  options.residual_floor = 0;
+  EXPECT_NE(options.Check(), "");
+  options = {};
+  options.min_cosine = 1;
+  EXPECT_NE(options.Check(), "");
+}
+
+}  // namespace
+}  // namespace colmap_ext

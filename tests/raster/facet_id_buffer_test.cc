@@ -1,0 +1,356 @@
+#include "raster/facet_id_buffer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "spatial/bvh.h"
+#include "tests/look_at.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
+#include "tests/refine/depth_range.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// At the origin, along z; (u, v) is seen at (u - 32, v - 24, 64) / 64.
+View StraightView() {
+  View view = LookAt({0, 0, 0}, {0, 0, 1}, 64, 48, 64);
+  view.cam_from_world_rotation.setIdentity();
+  return view;
+}
+
+// A point of the world, for StraightView().
+Vector3f PointAt(double u, double v, double depth) {
+  return (depth / 64 * Vector3d(u - 32, v - 24, 64)).cast<float>();
+}
+
+TriangleMesh RandomTriangles(uint32_t num_facets, Random* random) {
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i < num_facets; ++i) {
+    const double depth = 1 + 4 * random->Unit();
+    const double u = 64 * random->Unit();
+    const double v = 48 * random->Unit();
+    for (int k = 0; k < 3; ++k) {
+      mesh.vertices.push_back(PointAt(u + 40 * random->Unit() - 20,
+                                      v + 40 * random->Unit() - 20,
+                                      depth * (1 + 0.2 * random->Unit())));
+    }
+    mesh.facets.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
+double DistanceToSegment(const Vector2d& p, const Vector2d& a,
+                         const Vector2d& b) {
+  const Vector2d d = b - a;
+  const double t = std::clamp(d.dot(p - a) / d.squaredNorm(), 0.0, 1.0);
+  return (a + t * d - p).norm();
+}
+
+// What the ray through a pixel's centre meets first.
+struct Hit {
+  uint32_t facet = kNoFacet;
+  double inverse_depth = 0;
+  bool is_clear = true;  // however vertices are moved by 1/512 px
+};
+
+Hit Cast(const View& view, const TriangleMesh& mesh, int row, int col) {
+  const Vector2d pixel(col + 0.5, row + 0.5);
+  const Vector3d ray = view.RayFromPixel() * pixel.homogeneous();
+  std::vector<std::pair<double, uint32_t>> hits;
+  Hit hit;
+  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
+    std::array<Vector3d, 3> corners;
+    std::array<Vector2d, 3> seen;
+    for (int k = 0; k < 3; ++k) {
+      corners[k] = mesh.vertices[mesh.facets[i][k]].cast<double>();
+      seen[k] = view.ImageFromCam(view.CamFromWorld(corners[k]));
+    }
+    for (int k = 0; k < 3; ++k) {
+      hit.is_clear &=
+          DistanceToSegment(pixel, seen[k], seen[(k + 1) % 3]) > 0.01;
+    }
+    Eigen::Matrix3d matrix;
+    matrix << corners[1] - corners[0], corners[2] - corners[0], -ray;
+    const Vector3d x = matrix.inverse() * (view.Center() - corners[0]);
+    if (x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0) {
+      hits.emplace_back(1 / x[2], i);
+    }
+  }
+  if (!hits.empty()) {
+    std::sort(hits.rbegin(), hits.rend());
+    std::tie(hit.inverse_depth, hit.facet) = hits[0];
+    hit.is_clear &= hits.size() < 2 || hits[1].first < 0.99 * hits[0].first;
+  }
+  return hit;
+}
+
+void ExpectAsCast(const View& view, const TriangleMesh& mesh) {
+  const FacetIdBuffer drawn = DrawFacets(view, mesh, 0.1);
+  ASSERT_EQ(drawn.width, view.width);
+  ASSERT_EQ(drawn.height, view.height);
+  int num_clear = 0;
+  int num_hits = 0;
+  for (int row = 0; row < view.height; ++row) {
+    for (int col = 0; col < view.width; ++col) {
+      const Hit hit = Cast(view, mesh, row, col);
+      const size_t i = drawn.Index(row, col);
+      EXPECT_EQ(drawn.facets[i] == kNoFacet, drawn.inverse_depths[i] == 0);
+      if (hit.is_clear) {
+        ++num_clear;
+        num_hits += hit.facet != kNoFacet;
+        EXPECT_EQ(drawn.facets[i], hit.facet) << row << " " << col;
+        EXPECT_NEAR(drawn.inverse_depths[i], hit.inverse_depth,
+                    0.01 * hit.inverse_depth);
+      }
+    }
+  }
+  EXPECT_GT(num_clear, 0.7 * view.width * view.height);
+  EXPECT_GT(num_hits, 0.3 * view.width * view.height);
+}
+
+TEST(DrawFacets, ShowsWhatRaysMeetFirst) {
+  Random random(1);
+  for (int trial = 0; trial < 5; ++trial) {
+    ExpectAsCast(StraightView(), RandomTriangles(20, &random));
+  }
+}
+
+TEST(DrawFacets, ShowsWhatRaysMeetFirstOfASurface) {
+  ExpectAsCast(LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 90),
+               MakeRoundTorus(0.3f));
+}
+
+TEST(DrawFacets, LetsTheNearestWinInWhateverOrder) {
+  Random random(2);
+  const TriangleMesh mesh = RandomTriangles(40, &random);
+  const View view = StraightView();
+  const FacetIdBuffer expected = DrawFacets(view, mesh, 0.1);
+  std::vector<uint32_t> order(mesh.facets.size());
+  std::iota(order.begin(), order.end(), 0);
+  for (int trial = 0; trial < 5; ++trial) {
+    random.Shuffle(&order);
+    TriangleMesh shuffled = mesh;
+    for (size_t i = 0; i < order.size(); ++i) {
+      shuffled.facets[i] = mesh.facets[order[i]];
+    }
+    const FacetIdBuffer drawn = DrawFacets(view, shuffled, 0.1);
+    EXPECT_EQ(drawn.inverse_depths, expected.inverse_depths);
+    for (size_t i = 0; i < drawn.facets.size(); ++i) {
+      EXPECT_EQ(drawn.facets[i] == kNoFacet ? kNoFacet : order[drawn.facets[i]],
+                expected.facets[i]);
+    }
+    for (size_t i = 0; i < order.size(); ++i) {
+      EXPECT_EQ(drawn.is_facing[i], expected.is_facing[order[i]]);
+    }
+  }
+}
+
+TEST(DrawFacets, LetsTheFirstOfEqualFacetsWin) {
+  Random random(3);
+  TriangleMesh mesh = RandomTriangles(10, &random);
+  const FacetIdBuffer expected = DrawFacets(StraightView(), mesh, 0.1);
+  mesh.facets.insert(mesh.facets.end(), mesh.facets.begin(), mesh.facets.end());
+  const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0.1);
+  EXPECT_EQ(drawn.facets, expected.facets);
+}
+
+// Vertices in the middle of pixels, and edges through them, included.
+TEST(DrawFacets, CoversEachPixelOfASheetOnce) {
+  Random random(4);
+  for (const bool is_jittered : {false, true}) {
+    TriangleMesh sheet = MakeSheet(10, 14);
+    for (Vector3f& vertex : sheet.vertices) {
+      const double u = 2.5 + 4 * vertex.x();
+      const double v = 3.5 + 4 * vertex.y();
+      const double jitter = is_jittered ? 1.5 : 0;
+      vertex = PointAt(u + jitter * std::round(4 * random.Unit() - 2) / 2,
+                       v + jitter * std::round(4 * random.Unit() - 2) / 2, 2);
+    }
+    const View view = StraightView();
+    std::vector<int> counts(view.width * view.height, 0);
+    for (const Facet& facet : sheet.facets) {
+      const FacetIdBuffer drawn =
+          DrawFacets(view, {sheet.vertices, {facet}}, 0.1);
+      for (size_t i = 0; i < counts.size(); ++i) {
+        counts[i] += drawn.facets[i] == 0 ? 1 : 0;
+      }
+    }
+    const FacetIdBuffer whole = DrawFacets(view, sheet, 0.1);
+    for (int row = 0; row < view.height; ++row) {
+      for (int col = 0; col < view.width; ++col) {
+        const size_t i = whole.Index(row, col);
+        EXPECT_LE(counts[i], 1);
+        EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNoFacet);
+        if (row > 5 && row < 40 && col > 5 && col < 55) {
+          EXPECT_EQ(counts[i], 1) << row << " " << col;
+        }
+      }
+    }
+  }
+}
+
+TEST(DrawFacets, ShowsBothSidesButOneFaces) {
+  Random random(5);
+  const TriangleMesh mesh = RandomTriangles(20, &random);
+  TriangleMesh turned = mesh;
+  for (Facet& facet : turned.facets) {
+    std::swap(facet[1], facet[2]);
+  }
+  const FacetIdBuffer front = DrawFacets(StraightView(), mesh, 0);
+  const FacetIdBuffer back = DrawFacets(StraightView(), turned, 0);
+  EXPECT_EQ(front.facets, back.facets);
+  EXPECT_EQ(front.inverse_depths, back.inverse_depths);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    EXPECT_NE(front.is_facing[i], back.is_facing[i]);
+  }
+}
+
+TEST(DrawFacets, TellsWhichFaceTheCameraEnough) {
+  for (const double degrees : {0.0, 30.0, 55.0, 65.0, 89.0}) {
+    const double turn = degrees * std::numbers::pi / 180;
+    // With its centroid straight ahead.
+    TriangleMesh mesh;
+    for (const Vector3d& corner :
+         {Vector3d(-1, -1, 0), Vector3d(0, 2, 0), Vector3d(1, -1, 0)}) {
+      mesh.vertices.push_back(
+          (Eigen::AngleAxisd(turn, Vector3d::UnitX()) * corner +
+           Vector3d(0, 0, 9))
+              .cast<float>());
+    }
+    mesh.facets = {{0, 1, 2}};
+    EXPECT_EQ(DrawFacets(StraightView(), mesh, 0.5).is_facing[0], degrees < 60);
+    EXPECT_TRUE(DrawFacets(StraightView(), mesh, 0).is_facing[0]);
+    mesh.facets = {{0, 2, 1}};
+    EXPECT_FALSE(DrawFacets(StraightView(), mesh, 0).is_facing[0]);
+  }
+}
+
+TEST(DrawFacets, ShowsNothingBehindTheCamera) {
+  Random random(6);
+  TriangleMesh mesh = RandomTriangles(10, &random);
+  const FacetIdBuffer front = DrawFacets(StraightView(), mesh, 0);
+  EXPECT_GT(std::count(front.is_facing.begin(), front.is_facing.end(), true),
+            0);
+  for (const bool is_whole : {false, true}) {
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      if (is_whole || i % 3 == 1) {
+        mesh.vertices[i].z() = -std::abs(mesh.vertices[i].z());
+      }
+    }
+    const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
+    EXPECT_EQ(drawn.facets,
+              std::vector<uint32_t>(drawn.facets.size(), kNoFacet));
+    EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
+  }
+}
+
+TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {
+  const TriangleMesh line = {
+      {PointAt(5, 5, 2), PointAt(15, 15, 2), PointAt(25, 25, 2)}, {{0, 1, 2}}};
+  const TriangleMesh beside = {
+      {PointAt(70, 5, 2), PointAt(90, 5, 2), PointAt(70, 25, 2)}, {{0, 1, 2}}};
+  for (const TriangleMesh& mesh : {line, beside, TriangleMesh()}) {
+    const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
+    EXPECT_EQ(drawn.facets, std::vector<uint32_t>(64 * 48, kNoFacet));
+    EXPECT_EQ(drawn.is_facing.size(), mesh.facets.size());
+  }
+}
+
+TEST(DrawFacets, DoesNotDependOnTheScale) {
+  TriangleMesh mesh = MakeRoundTorus(0.3f);
+  View view = LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 70);
+  const FacetIdBuffer expected = DrawFacets(view, mesh, 0.1);
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex *= 1024;
+  }
+  view.cam_from_world_translation *= 1024;
+  FacetIdBuffer drawn = DrawFacets(view, mesh, 0.1);
+  EXPECT_EQ(drawn.facets, expected.facets);
+  EXPECT_EQ(drawn.is_facing, expected.is_facing);
+  for (float& inverse_depth : drawn.inverse_depths) {
+    inverse_depth *= 1024;
+  }
+  EXPECT_EQ(drawn.inverse_depths, expected.inverse_depths);
+}
+
+// Of random points on a surface with parts before others: all that nothing lies
+// in front of are nearest, and none that something clearly does.
+TEST(IsNearest, SeesWhatNothingLiesInFrontOf) {
+  const TriangleMesh mesh = MakeRoundTorus(0.15f);
+  const Bvh bvh(mesh);
+  Random random(7);
+  const View view = LookAt({1, 3, -2}, {0, 0, 0}, 100, 80, 120);
+  const FacetIdBuffer drawn = DrawFacets(view, mesh, 0.1);
+  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+  int num_visible = 0;
+  int num_hidden = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const auto facet = random.Below(static_cast<uint32_t>(mesh.facets.size()));
+    const double a = random.Unit();
+    const double b = (1 - a) * random.Unit();
+    Vector3d point = (1 - a - b) * frames[facet].corner;
+    point += a * mesh.vertices[mesh.facets[facet][1]].cast<double>();
+    point += b * mesh.vertices[mesh.facets[facet][2]].cast<double>();
+    const Vector3d in_camera = view.CamFromWorld(point);
+    const Vector2d pixel = view.ImageFromCam(in_camera);
+    const bool is_nearest =
+        IsNearest(view, drawn, facet, PlaneSlope(view, frames[facet]),
+                  pixel.x(), pixel.y(), 1 / in_camera.z());
+    const DepthRange first = DepthsAround(bvh, view, pixel);
+    const Vector3d ray = (view.Center() - point).normalized();
+    if (std::abs(frames[facet].normal.dot(ray)) < 0.2) {
+      continue;
+    }
+    if (first.nearest > in_camera.z() - 0.2) {
+      ++num_visible;
+      EXPECT_TRUE(is_nearest) << facet;
+    } else if (first.farthest < in_camera.z() - 0.4) {
+      ++num_hidden;
+      EXPECT_FALSE(is_nearest) << facet;
+    }
+  }
+  EXPECT_GT(num_visible, 500);
+  EXPECT_GT(num_hidden, 500);
+}
+
+// Of a facet that is parallel to the image, within two pixels' footprints of
+// what is drawn there.
+TEST(IsNearest, LeavesRoomForTwoPixels) {
+  TriangleMesh mesh = {
+      {PointAt(10, 10, 2), PointAt(10, 40, 2), PointAt(50, 10, 2),
+       PointAt(10, 10, 2), PointAt(10, 40, 2), PointAt(50, 10, 2)},
+      {{0, 1, 2}, {3, 4, 5}}};
+  for (const double margin : {0.0, 1.8, 2.2, 5.0}) {
+    // The second facet by so many footprints behind the first.
+    const double depth = 2 * (1 + margin / 64);
+    mesh.vertices[3] = PointAt(10, 10, depth);
+    mesh.vertices[4] = PointAt(10, 40, depth);
+    mesh.vertices[5] = PointAt(50, 10, depth);
+    const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
+    const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+    EXPECT_EQ(drawn.facets[drawn.Index(15, 15)], 0);
+    EXPECT_TRUE(IsNearest(StraightView(), drawn, 0,
+                          PlaneSlope(StraightView(), frames[0]), 15.5, 15.5,
+                          0.5));
+    EXPECT_EQ(
+        IsNearest(StraightView(), drawn, 1,
+                  PlaneSlope(StraightView(), frames[1]), 15.5, 15.5, 1 / depth),
+        margin < 2);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,179 @@
+#include "raster/facet_visibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <Eigen/Geometry>
+
+#include "raster/facet_frames.h"
+#include "spatial/bvh.h"
+#include "tests/look_at.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
+#include "tests/refine/depth_range.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// All around the origin.
+std::vector<View> ViewsAround(double distance) {
+  std::vector<View> views;
+  for (const Vector3d& direction :
+       {Vector3d(1, 0.2, 0), Vector3d(0, 0.5, 1), Vector3d(-1, 0, 0.3),
+        Vector3d(0.1, -0.6, -1), Vector3d(0.5, -1, 0.4)}) {
+    views.push_back(
+        LookAt(distance * direction.normalized(), {0, 0, 0}, 160, 120, 180));
+  }
+  return views;
+}
+
+Vector3d Centroid(const TriangleMesh& mesh, size_t facet) {
+  const auto& [a, b, c] = mesh.facets[facet];
+  return (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c])
+             .cast<double>() /
+         3;
+}
+
+bool IsSeen(const FacetVisibility& visibility, size_t facet, uint32_t view) {
+  const auto row = visibility[facet];
+  return std::find(row.begin(), row.end(), view) != row.end();
+}
+
+double Cosine(const TriangleMesh& mesh, size_t facet, const View& view) {
+  return ComputeFacetFrame(mesh, mesh.facets[facet])
+      .normal.dot((view.Center() - Centroid(mesh, facet)).normalized());
+}
+
+// A convex body hides nothing of itself but what it turns away.
+TEST(FindVisibleFacets, SeesOfASphereWhatFacesTheCamera) {
+  const TriangleMesh mesh = MakeBumpySphere(0.2f, 0);
+  const std::vector<View> views = ViewsAround(5);
+  for (const double min_cosine : {0.02, 0.1, 0.5}) {
+    const FacetVisibility visibility =
+        FindVisibleFacets({min_cosine}, mesh, views);
+    ASSERT_EQ(visibility.offsets.size(), mesh.facets.size() + 1);
+    for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+      for (uint32_t i = 0; i < views.size(); ++i) {
+        const double cosine = Cosine(mesh, facet, views[i]);
+        if (std::abs(cosine - min_cosine) > 1e-6) {
+          EXPECT_EQ(IsSeen(visibility, facet, i), cosine > min_cosine);
+        }
+      }
+    }
+  }
+}
+
+TEST(FindVisibleFacets, SeesNothingBehindAnotherFacet) {
+  // Two sheets that face each other's backs, of one pixel's width apart and
+  // more.
+  TriangleMesh sheet = MakeSheet(6, 6);
+  for (Eigen::Vector3f& vertex : sheet.vertices) {
+    vertex = (vertex - Eigen::Vector3f(3, 3, 0)) / 6;
+  }
+  TriangleMesh behind = sheet;
+  for (Eigen::Vector3f& vertex : behind.vertices) {
+    vertex.head<2>() *= 0.8f;
+    vertex.z() -= 0.3f;
+  }
+  const TriangleMesh mesh = Union(behind, sheet);
+  const std::vector<View> views = {
+      LookAt({0.05, 0, 4}, {0, 0, 0}, 160, 120, 180),
+      LookAt({4, 0, 0.4}, {0, 0, -0.15}, 160, 120, 180)};
+  const FacetVisibility visibility = FindVisibleFacets({0.01}, mesh, views);
+  const size_t num_behind = behind.facets.size();
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    EXPECT_EQ(IsSeen(visibility, i, 0), i >= num_behind) << i;
+    EXPECT_TRUE(IsSeen(visibility, i, 1)) << i;
+  }
+}
+
+// Of a surface with parts before others.
+TEST(FindVisibleFacets, AgreesWithRays) {
+  const TriangleMesh mesh = MakeRoundTorus(0.15f);
+  const Bvh bvh(mesh);
+  const std::vector<View> views = ViewsAround(4);
+  const FacetVisibility visibility = FindVisibleFacets({}, mesh, views);
+  int num_seen = 0;
+  int num_hidden = 0;
+  for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+    for (uint32_t i = 0; i < views.size(); ++i) {
+      if (!(Cosine(mesh, facet, views[i]) > 0.101)) {
+        EXPECT_TRUE(!IsSeen(visibility, facet, i) ||
+                    Cosine(mesh, facet, views[i]) > 0.099);
+        continue;
+      }
+      const Vector3d in_camera = views[i].CamFromWorld(Centroid(mesh, facet));
+      const DepthRange first =
+          DepthsAround(bvh, views[i], views[i].ImageFromCam(in_camera));
+      if (first.nearest > in_camera.z() - 0.25) {
+        ++num_seen;
+        EXPECT_TRUE(IsSeen(visibility, facet, i));
+      } else if (first.farthest < in_camera.z() - 0.4) {
+        ++num_hidden;
+        EXPECT_FALSE(IsSeen(visibility, facet, i));
+      }
+    }
+  }
+  EXPECT_GT(num_seen, 500);
+  EXPECT_GT(num_hidden, 50);
+}
+
+TEST(FindVisibleFacets, KeepsFromTheBorder) {
+  const TriangleMesh mesh = MakeBumpySphere(0.2f, 0);
+  const View view = LookAt({0, 0, -2}, {0.4, 0.3, 0}, 100, 80, 150);
+  for (const double border : {0.0, 3.0, 20.0}) {
+    const FacetVisibility visibility =
+        FindVisibleFacets({0.1, border}, mesh, {view});
+    int num_beside = 0;
+    for (size_t i = 0; i < mesh.facets.size(); ++i) {
+      const Vector3d in_camera = view.CamFromWorld(Centroid(mesh, i));
+      const Vector2d pixel = view.ImageFromCam(in_camera);
+      const double distance =
+          std::min({pixel.x(), pixel.y(), view.width - pixel.x(),
+                    view.height - pixel.y()});
+      if (Cosine(mesh, i, view) > 0.11 && std::abs(distance - border) > 1e-3) {
+        num_beside += distance < border;
+        EXPECT_EQ(IsSeen(visibility, i, 0), distance > border);
+      }
+    }
+    EXPECT_GT(num_beside, 5);
+  }
+}
+
+TEST(FindVisibleFacets, OfEachViewDoNotDependOnTheOthersNorOnThreads) {
+  const TriangleMesh mesh = MakeRoundTorus(0.15f);
+  const std::vector<View> views = ViewsAround(4);
+  const FacetVisibility expected = FindVisibleFacets({}, mesh, views);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    const auto row = expected[i];
+    EXPECT_TRUE(std::is_sorted(row.begin(), row.end()));
+    EXPECT_EQ(std::adjacent_find(row.begin(), row.end()), row.end());
+  }
+  for (const int num_threads : {1, 2, 3}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    const FacetVisibility visibility = FindVisibleFacets({}, mesh, views);
+    EXPECT_EQ(visibility, expected);
+  }
+  for (uint32_t i = 0; i < views.size(); ++i) {
+    const FacetVisibility alone = FindVisibleFacets({}, mesh, {views[i]});
+    for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+      EXPECT_EQ(IsSeen(alone, facet, 0), IsSeen(expected, facet, i));
+    }
+  }
+}
+
+TEST(FindVisibleFacets, OfNothingIsEmpty) {
+  EXPECT_EQ(FindVisibleFacets({}, TriangleMesh(), ViewsAround(4)).offsets,
+            std::vector<uint64_t>{0});
+  const TriangleMesh mesh = MakeCube();
+  EXPECT_TRUE(FindVisibleFacets({}, mesh, {}).values.empty());
+}
+
+}  // namespace
+}  // namespace colmap_ext

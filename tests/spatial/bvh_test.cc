@@ -1,0 +1,222 @@
+#include "spatial/bvh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+#include <Eigen/QR>
+
+#include "tests/synthetic/noise.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using synthetic::Hash;
+using synthetic::Uniform;
+
+Vector3f RandomVector(uint64_t i, uint64_t k) {
+  return {static_cast<float>(2 * Uniform(Hash(1, i, k, 0)) - 1),
+          static_cast<float>(2 * Uniform(Hash(1, i, k, 1)) - 1),
+          static_cast<float>(2 * Uniform(Hash(1, i, k, 2)) - 1)};
+}
+
+// Small triangles anywhere in a cube.
+TriangleMesh Soup(uint32_t num_facets) {
+  TriangleMesh mesh;
+  for (uint32_t f = 0; f < num_facets; ++f) {
+    const Vector3f center = RandomVector(f, 0);
+    for (int i = 0; i < 3; ++i) {
+      mesh.vertices.push_back(center + 0.2f * RandomVector(f, 1 + i));
+    }
+    mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+  }
+  return mesh;
+}
+
+// Distance to a facet along a ray, in lengths of its direction; negative where
+// it is missed.
+double Distance(const TriangleMesh& mesh, const Facet& facet,
+                const Vector3f& origin, const Vector3f& direction) {
+  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  Eigen::Matrix3d matrix;
+  matrix.col(0) = -direction.cast<double>();
+  matrix.col(1) = mesh.vertices[facet[1]].cast<double>() - a;
+  matrix.col(2) = mesh.vertices[facet[2]].cast<double>() - a;
+  const Eigen::Vector3d x = matrix.inverse() * (origin.cast<double>() - a);
+  return x[1] >= 0 && x[2] >= 0 && x[1] + x[2] <= 1 ? x[0] : -1;
+}
+
+TEST(Bvh, FindsTheNearestFacetAsASearchThroughAllDoes) {
+  const TriangleMesh mesh = Soup(500);
+  const Bvh bvh(mesh);
+  int num_hits = 0;
+  for (int packet = 0; packet < 500; ++packet) {
+    RayPacket rays;
+    rays.origin = 1.5f * RandomVector(packet, 10);
+    for (int i = 0; i < 4; ++i) {
+      rays.SetDirection(i, RandomVector(packet, 11 + i));
+    }
+    const HitPacket hits = bvh.Intersect(rays);
+    for (int i = 0; i < 4; ++i) {
+      double nearest = 1e30;
+      for (const Facet& facet : mesh.facets) {
+        const double t = Distance(mesh, facet, rays.origin,
+                                  Vector3f(rays.x[i], rays.y[i], rays.z[i]));
+        nearest = t > 0 ? std::min(nearest, t) : nearest;
+      }
+      // Edges are a little wider than they are.
+      if (hits.facet[i] < 0) {
+        EXPECT_EQ(nearest, 1e30);
+        continue;
+      }
+      ++num_hits;
+      EXPECT_NEAR(hits.distance[i], nearest, 1e-3 * nearest);
+    }
+  }
+  EXPECT_GT(num_hits, 300);
+}
+
+TEST(Bvh, SeesNothingInAnEmptyMesh) {
+  const Bvh bvh{TriangleMesh()};
+  RayPacket rays;
+  rays.max_distance = 7;
+  for (int i = 0; i < 4; ++i) {
+    rays.SetDirection(i, RandomVector(0, i));
+  }
+  const HitPacket hits = bvh.Intersect(rays);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(hits.facet[i], -1);
+    EXPECT_EQ(hits.distance[i], 7);
+  }
+}
+
+TEST(Bvh, SeesNothingBeyondTheDistances) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, -1, -1}, {0, 1, -1}, {0, 0, 1}};
+  mesh.facets = {{0, 1, 2}};
+  const Bvh bvh(mesh);
+  const auto is_hit = [&](float x, float direction, float min, float max) {
+    RayPacket rays;
+    rays.origin = {x, 0, 0};
+    for (int i = 0; i < 4; ++i) {
+      rays.SetDirection(i, {direction, 0, 0});
+    }
+    rays.min_distance = min;
+    rays.max_distance = max;
+    return bvh.Intersect(rays).facet[0] == 0;
+  };
+  EXPECT_TRUE(is_hit(-1, 1, 0.1f, 1.9f));
+  EXPECT_TRUE(is_hit(1, -1, 0.1f, 1.9f));
+  EXPECT_FALSE(is_hit(-1, 1, 0.1f, 0.4f));
+  EXPECT_FALSE(is_hit(-1, 1, 1.1f, 1.9f));
+  EXPECT_FALSE(is_hit(-1, -1, 0.1f, 1.9f));
+}
+
+Vector3d NearestOnSegment(const Vector3d& p, const Vector3d& a,
+                          const Vector3d& b) {
+  const Vector3d d = b - a;
+  const double t = d.norm() > 0 ? d.dot(p - a) / d.squaredNorm() : 0;
+  return a + std::clamp(t, 0.0, 1.0) * d;
+}
+
+// Distance from a point to a facet, by the least squares of the plane's two
+// coordinates where their solution lies in the facet.
+double Distance(const Vector3d& p, const TriangleMesh& mesh,
+                const Facet& facet) {
+  const Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const Vector3d b = mesh.vertices[facet[1]].cast<double>();
+  const Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  double nearest = std::min({(p - NearestOnSegment(p, a, b)).norm(),
+                             (p - NearestOnSegment(p, b, c)).norm(),
+                             (p - NearestOnSegment(p, c, a)).norm()});
+  Eigen::Matrix<double, 3, 2> sides;
+  sides << b - a, c - a;
+  const auto qr = sides.colPivHouseholderQr();
+  if (qr.rank() == 2) {
+    const Eigen::Vector2d x = qr.solve(p - a);
+    if (x.minCoeff() >= 0 && x.sum() <= 1) {
+      nearest = std::min(nearest, (p - a - sides * x).norm());
+    }
+  }
+  return nearest;
+}
+
+double Distance(const Vector3f& point, const TriangleMesh& mesh) {
+  double nearest = 1e30;
+  for (const Facet& facet : mesh.facets) {
+    nearest = std::min(nearest, Distance(point.cast<double>(), mesh, facet));
+  }
+  return nearest;
+}
+
+// Some facets without area: points, segments, slivers.
+TriangleMesh SoupWithDegenerateFacets(uint32_t num_facets) {
+  TriangleMesh mesh = Soup(num_facets);
+  for (uint32_t f = 0; f < num_facets; f += 4) {
+    Facet& facet = mesh.facets[f];
+    switch (f / 4 % 4) {
+      case 0:
+        facet = {facet[0], facet[0], facet[0]};
+        break;
+      case 1:
+        facet[2] = facet[0];
+        break;
+      case 2:  // on a line
+        mesh.vertices[facet[2]] =
+            2 * mesh.vertices[facet[1]] - mesh.vertices[facet[0]];
+        break;
+      default:  // nearly so
+        mesh.vertices[facet[2]] =
+            mesh.vertices[facet[1]] + Vector3f::Constant(1e-6f);
+    }
+  }
+  return mesh;
+}
+
+TEST(BvhDistance, IsThatOfASearchThroughAll) {
+  for (const uint32_t num_facets : {1u, 2u, 3u, 17u, 600u}) {
+    const TriangleMesh mesh = SoupWithDegenerateFacets(num_facets);
+    const Bvh bvh(mesh);
+    for (int i = 0; i < 500; ++i) {
+      const Vector3f point = 1.3f * RandomVector(i, 20);
+      const double distance = Distance(point, mesh);
+      EXPECT_NEAR(bvh.Distance(point, 10), distance, 1e-6);
+      EXPECT_NEAR(bvh.Distance(point, 0.1), std::min(distance, 0.1), 1e-6);
+    }
+    for (const Vector3f& vertex : mesh.vertices) {
+      EXPECT_LE(bvh.Distance(vertex, 10), Distance(vertex, mesh) + 1e-6);
+    }
+  }
+}
+
+TEST(BvhDistance, ToAPlaneIsExact) {
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i < 100; ++i) {
+    mesh.vertices.emplace_back(i / 10, i % 10, 0);
+    if (i < 90 && i % 10 < 9) {
+      mesh.facets.push_back({i, i + 10, i + 1});
+      mesh.facets.push_back({i + 1, i + 10, i + 11});
+    }
+  }
+  const Bvh bvh(mesh);
+  for (int i = 0; i < 200; ++i) {
+    Vector3f point = Vector3f::Constant(4.5f) + 4.5f * RandomVector(i, 21);
+    for (const float distance : {0.0f, 0.1f, -3e-5f}) {
+      point.z() = distance;
+      EXPECT_EQ(bvh.Distance(point, 1), std::abs(double{distance}));
+    }
+  }
+}
+
+TEST(BvhDistance, IsTheMaximumWhereThereIsNothingNearer) {
+  EXPECT_EQ(Bvh(TriangleMesh()).Distance({0, 0, 0}, 0.1), 0.1);
+  const TriangleMesh point = {{{1, 0, 0}}, {{0, 0, 0}}};
+  EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 0.1), 0.1);
+  EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 2), 1);
+}
+
+}  // namespace
+}  // namespace colmap_ext

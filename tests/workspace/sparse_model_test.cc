@@ -1,0 +1,164 @@
+#include "workspace/sparse_model.h"
+
+#include <algorithm>
+
+#include "tests/formats/test_files.h"
+#include "tests/workspace/sphere_workspace.h"
+
+namespace colmap_ext {
+namespace {
+
+class SparseModelTest : public testing::Test {
+ protected:
+  SparseModelTest() {
+    sphere_.images.resize(3);
+    sphere_.points.resize(20);
+    sphere_.point_images.assign(20, {0, 2});
+    sphere_.frames = {{2, 4}, {9}};
+  }
+
+  void WriteBinary() {
+    WriteFile(path_ / "cameras.bin", sphere_.CamerasBinary());
+    WriteFile(path_ / "images.bin", sphere_.ImagesBinary());
+    WriteFile(path_ / "points3D.bin", sphere_.Points3DBinary());
+    WriteFile(path_ / "frames.bin", sphere_.FramesBinary());
+  }
+
+  void WriteText() {
+    WriteFile(path_ / "cameras.txt", sphere_.CamerasText());
+    WriteFile(path_ / "images.txt", sphere_.ImagesText());
+    WriteFile(path_ / "points3D.txt", sphere_.Points3DText());
+    WriteFile(path_ / "frames.txt", sphere_.FramesText());
+  }
+
+  void ExpectTheModel(const SparseModel& model) {
+    ASSERT_EQ(model.cameras.size(), 1);
+    EXPECT_EQ(model.cameras.at(7).width, 80);
+    EXPECT_EQ(model.cameras.at(7).fx, 90);
+    EXPECT_EQ(model.cameras.at(7).cy, 30);
+    EXPECT_TRUE(model.cameras.at(7).is_pinhole);
+    ASSERT_EQ(model.images.size(), 3);
+    for (size_t i = 0; i < 3; ++i) {
+      const View& view = sphere_.images[i].view;
+      EXPECT_EQ(model.images[i].image_id, sphere_.images[i].image_id);
+      EXPECT_EQ(model.images[i].name, view.name);
+      EXPECT_TRUE(
+          model.images[i].cam_from_world_rotation.toRotationMatrix().isApprox(
+              view.cam_from_world_rotation));
+      EXPECT_TRUE(model.images[i].cam_from_world_translation.isApprox(
+          view.cam_from_world_translation));
+    }
+    ASSERT_EQ(model.point_positions.size(), 2);
+    EXPECT_TRUE(model.point_positions[1].isApprox(sphere_.points[10]));
+    EXPECT_EQ(model.point_colors[1],
+              SphereColor(sphere_.points[10].cast<double>()));
+    EXPECT_EQ(model.track_image_ids.offsets, (std::vector<uint64_t>{0, 2, 4}));
+    EXPECT_EQ(model.track_image_ids.values,
+              (std::vector<uint32_t>{4, 2, 4, 2}));
+    ASSERT_EQ(model.frames.size(), 2);
+    EXPECT_EQ(model.frames[0].image_ids, (std::vector<uint32_t>{2, 4}));
+    EXPECT_EQ(model.frames[1].image_ids, (std::vector<uint32_t>{9}));
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path();
+  SphereWorkspace sphere_;
+};
+
+TEST_F(SparseModelTest, ReadsBinary) {
+  WriteBinary();
+  ExpectTheModel(ReadSparseModel(path_));
+}
+
+TEST_F(SparseModelTest, ReadsText) {
+  WriteText();
+  ExpectTheModel(ReadSparseModel(path_));
+}
+
+TEST_F(SparseModelTest, PrefersBinaryAsColmapDoes) {
+  WriteText();
+  WriteFile(path_ / "cameras.txt", "nonsense");
+  WriteBinary();
+  ExpectTheModel(ReadSparseModel(path_));
+}
+
+TEST_F(SparseModelTest, RefusesEveryTruncationOfBinary) {
+  WriteBinary();
+  for (const char* name :
+       {"cameras.bin", "images.bin", "points3D.bin", "frames.bin"}) {
+    ExpectEveryTruncationRefused(path_ / name, 0,
+                                 [this] { ReadSparseModel(path_); });
+  }
+}
+
+// Whatever is left of a text file, it is read or refused.
+TEST_F(SparseModelTest, SurvivesEveryTruncationOfText) {
+  WriteText();
+  for (const char* name :
+       {"cameras.txt", "images.txt", "points3D.txt", "frames.txt"}) {
+    const std::string bytes = ReadFile(path_ / name);
+    size_t num_refused = 0;
+    for (size_t size = 0; size < bytes.size(); ++size) {
+      WriteFile(path_ / name, bytes.substr(0, size));
+      try {
+        ReadSparseModel(path_);
+      } catch (const FileError&) {
+        ++num_refused;
+      }
+    }
+    EXPECT_GT(num_refused, bytes.size() / 20) << name;
+    WriteFile(path_ / name, bytes);
+  }
+}
+
+TEST_F(SparseModelTest, SurvivesEveryDamagedByte) {
+  WriteBinary();
+  for (const char* name :
+       {"cameras.bin", "images.bin", "points3D.bin", "frames.bin"}) {
+    const std::string bytes = ReadFile(path_ / name);
+    for (size_t i = 0; i < bytes.size(); ++i) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(~damaged[i]);
+      WriteFile(path_ / name, damaged);
+      try {
+        ReadSparseModel(path_);
+      } catch (const FileError&) {
+      }
+    }
+    WriteFile(path_ / name, bytes);
+  }
+}
+
+TEST_F(SparseModelTest, RefusesTrailingBytes) {
+  WriteBinary();
+  WriteFile(path_ / "images.bin", sphere_.ImagesBinary() + "x");
+  EXPECT_NE(FileErrorOf([&] { ReadSparseModel(path_); }).find("1 bytes more"),
+            std::string::npos);
+}
+
+TEST_F(SparseModelTest, RefusesImagesWithoutCameraAndTwins) {
+  WriteText();
+  WriteFile(path_ / "images.txt", "1 1 0 0 0 0 0 0 3 a.png\n\n");
+  EXPECT_NE(FileErrorOf([&] { ReadSparseModel(path_); }).find("camera 3"),
+            std::string::npos);
+  const std::string twin = "1 1 0 0 0 0 0 0 7 a.png\n\n";
+  WriteFile(path_ / "images.txt", twin + twin);
+  EXPECT_NE(FileErrorOf([&] { ReadSparseModel(path_); }).find("twice"),
+            std::string::npos);
+}
+
+TEST_F(SparseModelTest, KnowsColmapsCameraModels) {
+  EXPECT_EQ(FindCameraModel(0), FindCameraModel("SIMPLE_PINHOLE"));
+  EXPECT_EQ(FindCameraModel(-1), nullptr);
+  EXPECT_EQ(FindCameraModel(1000), nullptr);
+  WriteText();
+  WriteFile(path_ / "cameras.txt", "7 SIMPLE_RADIAL 80 60 90 40 30 0.1\n");
+  const SparseCamera camera = ReadSparseModel(path_).cameras.at(7);
+  EXPECT_FALSE(camera.is_pinhole);
+  EXPECT_EQ(camera.fy, 90);
+  EXPECT_EQ(camera.cx, 40);
+  EXPECT_EQ(camera.cy, 30);
+}
+
+}  // namespace
+}  // namespace colmap_ext

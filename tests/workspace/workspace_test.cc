@@ -1,0 +1,284 @@
+#include "workspace/workspace.h"
+
+#include <limits>
+#include <optional>
+#include <random>
+
+#include "formats/picture_size.h"
+#include "tests/formats/test_files.h"
+#include "tests/workspace/netpbm_decoder.h"
+#include "tests/workspace/sphere_workspace.h"
+#include "workspace/find_workspace.h"
+#include "workspace/read_views.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+class WorkspaceTest : public testing::Test {
+ protected:
+  std::string Error() {
+    return FileErrorOf([&] { ReadWorkspace(path_, {}, decoder_); });
+  }
+
+  TemporaryFolder folder_;
+  fs::path path_ = folder_.Path();
+  PictureDecoder decoder_ = NetpbmDecoder();
+  SphereWorkspace sphere_;
+};
+
+TEST_F(WorkspaceTest, ReadsTheSphere) {
+  sphere_.Write(path_);
+  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  EXPECT_EQ(workspace.report.path, path_);
+  EXPECT_EQ(workspace.report.sparse_path, path_ / "sparse");
+  EXPECT_EQ(workspace.report.num_missing_images, 0);
+  EXPECT_EQ(workspace.report.num_rescaled_images, 0);
+  ASSERT_EQ(workspace.views.size(), sphere_.images.size());
+  EXPECT_EQ(workspace.views[2].name, "image2.ppm");
+  EXPECT_EQ(workspace.views[2].fx, 90);
+  EXPECT_TRUE(
+      workspace.views[2].Center().isApprox(sphere_.images[2].view.Center()));
+  ASSERT_EQ(workspace.cloud.size(), sphere_.points.size());
+  EXPECT_EQ(workspace.cloud.positions[5], sphere_.points[5]);
+  EXPECT_EQ(workspace.cloud.colors.size(), sphere_.points.size());
+  EXPECT_EQ(workspace.cloud.views[5].size(), sphere_.point_images[5].size());
+  EXPECT_EQ(workspace.sparse_points.size(), sphere_.points.size() / 10);
+  EXPECT_EQ(workspace.depth_map_scales, std::vector<double>(7, 1));
+}
+
+// The views follow the .vis, so that its indices can be used as they are.
+TEST_F(WorkspaceTest, OrdersViewsAsTheVisCountsThem) {
+  sphere_.vis_order = {5, 2, 0, 4, 3, 6, 1};
+  sphere_.Write(path_);
+  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  for (size_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(workspace.views[i].name,
+              sphere_.images[sphere_.vis_order[i]].view.name);
+  }
+}
+
+TEST_F(WorkspaceTest, ReadsSparsePointsAndTheirTracks) {
+  sphere_.Write(path_);
+  fs::remove(path_ / "fused.ply");
+  for (const fs::path& path : {path_, path_ / "sparse"}) {
+    const Workspace workspace =
+        ReadWorkspace(path, {.input_type = "sparse"}, decoder_);
+    ASSERT_EQ(workspace.cloud.size(), sphere_.points.size() / 10);
+    EXPECT_EQ(workspace.cloud.positions[1], sphere_.points[10]);
+    EXPECT_EQ(workspace.cloud.views[1].size(), sphere_.point_images[10].size());
+    EXPECT_FALSE(workspace.report.is_order_verified);
+  }
+}
+
+TEST_F(WorkspaceTest, FindsTheOnlyDenseFolderBelow) {
+  sphere_.Write(path_ / "dense" / "0");
+  EXPECT_EQ(FindDenseFolder(path_), path_ / "dense" / "0");
+  EXPECT_EQ(FindDenseFolder(path_ / "dense"), path_ / "dense" / "0");
+  EXPECT_EQ(FindDenseFolder(path_ / "dense" / "0"), path_ / "dense" / "0");
+  sphere_.Write(path_ / "dense" / "1");
+  const std::string error = FileErrorOf([&] { FindDenseFolder(path_); });
+  EXPECT_NE(error.find("dense/0"), std::string::npos);
+  EXPECT_NE(error.find("dense/1"), std::string::npos);
+  EXPECT_NE(FileErrorOf([&] { FindDenseFolder(path_ / "no"); }), "");
+  EXPECT_NE(FileErrorOf([&] { FindDenseFolder("/dev/null"); }), "");
+}
+
+TEST_F(WorkspaceTest, FindsTheSparseModelOneFolderDeeper) {
+  sphere_.Write(path_);
+  fs::rename(path_ / "sparse", path_ / "0");
+  EXPECT_NE(Error().find("no sparse model"), std::string::npos);
+  fs::create_directory(path_ / "sparse");
+  fs::rename(path_ / "0", path_ / "sparse" / "0");
+  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).report.sparse_path,
+            path_ / "sparse" / "0");
+}
+
+TEST_F(WorkspaceTest, ScalesIntrinsicsToThePictures) {
+  for (SphereWorkspace::Image& image : sphere_.images) {
+    image.view.width = 40;  // of the picture; the camera stays 80 x 60
+    image.view.height = 30;
+  }
+  sphere_.Write(path_);
+  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  EXPECT_EQ(workspace.report.num_rescaled_images, 7);
+  EXPECT_EQ(workspace.views[0].width, 40);
+  EXPECT_EQ(workspace.views[0].fx, 45);
+  EXPECT_EQ(workspace.views[0].fy, 45);
+  EXPECT_EQ(workspace.views[0].cx, 20);
+  EXPECT_EQ(workspace.views[0].cy, 15);
+  sphere_.images[3].view.height = 40;
+  sphere_.Write(path_);
+  EXPECT_NE(Error().find("is 40 x 40 pixels, but its camera is 80 x 60"),
+            std::string::npos);
+}
+
+TEST_F(WorkspaceTest, DoesWithoutPictures) {
+  sphere_.write_images = false;
+  sphere_.Write(path_);
+  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).report.num_missing_images, 7);
+}
+
+TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
+  sphere_.vis_order = {5, 2, 0, 4, 3, 6, 1};
+  sphere_.Write(path_);
+  fs::remove(path_ / "images" / sphere_.images[0].view.name);
+  WriteFile(path_ / "images" / sphere_.images[1].view.name, "no picture");
+  WriteFile(path_ / "images" / sphere_.images[2].view.name,
+            "P6\n9 2\n255\n" + std::string(54, 'x'));
+  WorkspaceOptions options;
+  options.allow_other_sizes = true;
+  const Workspace workspace = ReadWorkspace(path_, options, decoder_);
+  ASSERT_EQ(workspace.picture_errors.size(), 7);
+  EXPECT_EQ(workspace.picture_errors[2], "no such file");
+  EXPECT_EQ(workspace.picture_errors[6], "can not be read");
+  EXPECT_NE(workspace.picture_errors[1].find("is 9 x 2 pixels"),
+            std::string::npos);
+  EXPECT_EQ(workspace.views[1].width, 80) << "its camera's";
+  for (const size_t i : {0, 3, 4, 5}) {
+    EXPECT_EQ(workspace.picture_errors[i], "");
+  }
+  EXPECT_NE(Error().find("is 9 x 2 pixels"), std::string::npos);
+}
+
+TEST_F(WorkspaceTest, ReadsTheSizeOfDepthMaps) {
+  sphere_.Write(path_);
+  const fs::path folder = path_ / "stereo" / "depth_maps";
+  WriteFile(folder / "image9.ppm.geometric.bin", "40&30&1&....");
+  WriteFile(folder / "image9.ppm.photometric.bin", "80&60&1&....");
+  WriteFile(folder / "image2.ppm.photometric.bin", "20&15&1&....");
+  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).depth_map_scales,
+            (std::vector<double>{1, 0.5, 0.25, 1, 1, 1, 1}));
+  for (const char* header : {"", "&", "12", "-4&3&1&", "99999999999&1&1&"}) {
+    WriteFile(folder / "image9.ppm.geometric.bin", header);
+    EXPECT_NE(Error().find("not a depth map"), std::string::npos) << header;
+  }
+}
+
+TEST_F(WorkspaceTest, RefusesDistortedCamerasOfDenseWorkspaces) {
+  sphere_.Write(path_);
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+    fs::remove(path_ / "sparse" / name);
+  }
+  WriteFile(path_ / "sparse" / "images.txt", sphere_.ImagesText());
+  WriteFile(path_ / "sparse" / "points3D.txt", sphere_.Points3DText());
+  WriteFile(path_ / "sparse" / "cameras.txt",
+            "7 SIMPLE_RADIAL 80 60 90 40 30 0.1\n");
+  EXPECT_NE(Error().find("image_undistorter"), std::string::npos);
+  EXPECT_NO_THROW(ReadWorkspace(path_, {.input_type = "sparse"}, decoder_));
+}
+
+TEST_F(WorkspaceTest, DropsAndCountsPointsThatCanNotBeMeshed) {
+  sphere_.points[3].x() = std::numeric_limits<float>::quiet_NaN();
+  sphere_.points[4].z() = std::numeric_limits<float>::infinity();
+  sphere_.point_images[5] = {};
+  sphere_.point_images[6].push_back(sphere_.point_images[6][0]);
+  sphere_.Write(path_);
+  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  const FilterReport& report = workspace.report.points;
+  EXPECT_EQ(report.num_points, sphere_.points.size());
+  EXPECT_EQ(report.num_not_finite, 2);
+  EXPECT_EQ(report.num_without_views, 1);
+  EXPECT_EQ(report.num_with_repeats, 1);
+  EXPECT_EQ(workspace.cloud.size(), sphere_.points.size() - 3);
+  EXPECT_EQ(workspace.cloud.positions[3], sphere_.points[6]);
+  EXPECT_EQ(workspace.cloud.views[3].size(),
+            sphere_.point_images[6].size() - 1);
+}
+
+TEST_F(WorkspaceTest, DropsFewIndicesOutOfRangeAndRefusesMany) {
+  sphere_.Write(path_);
+  std::string vis = sphere_.Vis();
+  const uint32_t bad = 1000;
+  std::memcpy(vis.data() + 12, &bad, 4);  // the first of the first point
+  WriteFile(path_ / "fused.ply.vis", vis);
+  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).report.points.num_out_of_range,
+            1);
+  sphere_.images.pop_back();
+  WriteFile(path_ / "sparse" / "images.bin", sphere_.ImagesBinary());
+  EXPECT_NE(Error().find("beyond the 6 of sparse/"), std::string::npos);
+}
+
+TEST_F(WorkspaceTest, RefusesCloudsOfNothing) {
+  sphere_.points.clear();
+  sphere_.point_images.clear();
+  sphere_.Write(path_);
+  EXPECT_NE(Error().find("no points"), std::string::npos);
+}
+
+TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
+  sphere_.images.clear();
+  sphere_.points.clear();
+  sphere_.point_images.clear();
+  sphere_.vis_order.clear();
+  sphere_.Write(path_);
+  EXPECT_NE(Error().find("no images"), std::string::npos);
+}
+
+// Whatever is in the files, they are read or refused.
+TEST_F(WorkspaceTest, SurvivesRandomDamage) {
+  sphere_.frames = {{8, 4}, {9, 7, 1}, {2}, {5}};
+  sphere_.points.resize(60);
+  sphere_.point_images.resize(60);
+  sphere_.Write(path_);
+  std::mt19937 random(1);
+  size_t num_refused = 0;
+  for (const char* name :
+       {"fused.ply", "fused.ply.vis", "sparse/cameras.bin", "sparse/images.bin",
+        "sparse/points3D.bin", "sparse/frames.bin"}) {
+    const std::string bytes = ReadFile(path_ / name);
+    for (int i = 0; i < 100; ++i) {
+      std::string damaged = bytes;
+      for (int j = 0; j < 3; ++j) {
+        damaged[random() % damaged.size()] = static_cast<char>(random());
+      }
+      WriteFile(path_ / name, damaged);
+      try {
+        const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+        for (const uint32_t index : workspace.cloud.views.values) {
+          ASSERT_LT(index, workspace.views.size());
+        }
+      } catch (const FileError&) {
+        ++num_refused;
+      }
+    }
+    WriteFile(path_ / name, bytes);
+  }
+  EXPECT_GT(num_refused, 100);
+}
+
+TEST(FilterCloudTest, SortsRows) {
+  FilterReport report;
+  const PointCloud cloud =
+      FilterCloud({std::vector<Eigen::Vector3f>(3, {1, 2, 3}), {}, {}},
+                  {{0, 3, 5, 6}, {2, 0, 2, 9, 1, 9}}, 3, &report);
+  EXPECT_EQ(cloud.views.offsets, (std::vector<uint64_t>{0, 2, 3}));
+  EXPECT_EQ(cloud.views.values, (std::vector<uint32_t>{0, 2, 1}));
+  EXPECT_EQ(report.num_out_of_range, 2);
+  EXPECT_EQ(report.num_without_views, 1);
+  EXPECT_TRUE(cloud.colors.empty());
+}
+
+TEST_F(WorkspaceTest, ReadsTheSizeOfPicturesFromTheirHeaders) {
+  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\1\2\0\0\0\7", 24);
+  WriteFile(path_ / "a.png", png);
+  EXPECT_EQ(ReadPictureSize(path_ / "a.png")->width, 258);
+  EXPECT_EQ(ReadPictureSize(path_ / "a.png")->height, 7);
+  const std::string jpeg(
+      "\xff\xd8\xff\xe0\0\4ab\xff\xff\xc4\0\3x\xff\xc2\0\x11\x08\0\5\1\1", 23);
+  WriteFile(path_ / "a.jpg", jpeg);
+  EXPECT_EQ(ReadPictureSize(path_ / "a.jpg")->width, 257);
+  EXPECT_EQ(ReadPictureSize(path_ / "a.jpg")->height, 5);
+  for (const std::string& bytes : {png, jpeg}) {
+    for (size_t size = 0; size < bytes.size(); ++size) {
+      WriteFile(path_ / "cut", bytes.substr(0, size));
+      EXPECT_FALSE(ReadPictureSize(path_ / "cut")) << size;
+    }
+  }
+  EXPECT_FALSE(ReadPictureSize(path_ / "none"));
+  EXPECT_FALSE(ReadPictureSize(path_));
+}
+
+}  // namespace
+}  // namespace colmap_ext
