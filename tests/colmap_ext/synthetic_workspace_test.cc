@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "colmap_ext/colmap_compat.h"
 #include "formats/read_ply_cloud.h"
 #include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
