@@ -16,10 +16,10 @@ void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "workspace or the sparse model");
   manager->AddDefaultOption("output_path", &mesher->output_path,
                             "The mesh; required with input_path");
-  manager->AddDefaultOption("input_type", &mesher->workspace.input_type,
+  manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
   manager->AddDefaultOption(
-      "image_order", &mesher->workspace.image_order,
+      "image_order", &mesher->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
 }
@@ -83,7 +83,7 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "... times what the sparse points show them to be off, 1 for half a "
       "pixel");
   manager->AddDefaultOption("DelaunayManifoldMeshing.num_threads",
-                            &meshing->num_threads,
+                            &mesher->num_threads,
                             "-1 for all; the result does not depend on it");
 }
 

@@ -1,5 +1,8 @@
 #include "colmap_ext/options/meshing_options.h"
 
+#include "colmap_ext/errors.h"
+#include "colmap_ext/options/image_order_option.h"
+#include "colmap_ext/options/words.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {
@@ -14,15 +17,21 @@ std::filesystem::path MesherOptions::OutputPath(
                              : std::filesystem::path(output_path);
 }
 
-std::string MesherOptions::Check() const {
+void MesherOptions::Finish() {
   if (workspace_path.empty() == input_path.empty()) {
-    return "either --workspace_path or --input_path is required";
+    throw OptionError("either --workspace_path or --input_path is required");
   }
   if (!input_path.empty() && output_path.empty()) {
-    return "--output_path is required with --input_path";
+    throw OptionError("--output_path is required with --input_path");
   }
-  const std::string workspace_error = workspace.Check();
-  return workspace_error.empty() ? meshing.Check() : workspace_error;
+  workspace.input_type = ParseWord<InputType>(
+      "input_type", words.input_type,
+      {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}});
+  workspace.image_order = ParseImageOrder(words.image_order);
+  CheckNumThreads(num_threads);
+  if (const std::string error = meshing.Check(); !error.empty()) {
+    throw OptionError(error);
+  }
 }
 
 }  // namespace colmap_ext

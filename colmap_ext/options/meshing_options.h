@@ -21,13 +21,23 @@ struct MesherOptions {
   // ... times what the sparse points show them to be off.
   bool half_pixel_calibration = true;
 
+  int num_threads = -1;  // -1 for all
+
+  // As the command line has them, for what Finish() makes of them.
+  struct Words {
+    std::string input_type = "dense";  // or "sparse"
+    std::string image_order = "auto";  // or NameOf() an order
+  };
+  Words words;
+
   // Where to read, and where the mesh goes.
   std::filesystem::path InputPath() const;
   std::filesystem::path OutputPath(
       const std::filesystem::path& dense_path) const;
 
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
+  // Passes the words on to the options that they stand for.
+  // \throw OptionError if something is wrong with any of the options.
+  void Finish();
 };
 
 }  // namespace colmap_ext

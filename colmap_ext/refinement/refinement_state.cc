@@ -77,7 +77,7 @@ void ReadLevelMesh(const fs::path& path, const fs::path& origin_path,
   ColoredMesh read = ReadColoredPlyMesh(path);
   Visibility visibility =
       ReadVisibility(VisibilityPath(path), read.mesh.vertices.size(),
-                     {"mesh", "start anew, without --resume"});
+                     {"mesh", "start anew, without --resume", std::nullopt});
   state->mesh = std::move(read.mesh);
   state->attributes = {std::move(read.colors), std::move(visibility)};
   state->origins = ReadPlyMesh(origin_path).vertices;

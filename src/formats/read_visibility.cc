@@ -14,15 +14,17 @@ Visibility ReadVisibility(const std::filesystem::path& path, size_t num_points,
     throw FileError(path,
                     "no such file, so it is not known which images see the "
                     "points" +
-                        what_to_do);
+                        what_to_do,
+                    owner.alternative);
   }
   ByteReader reader(path);
   const uint64_t count = reader.Read<uint64_t>("the number of points");
   if (count != num_points) {
-    throw FileError(path, "is about " + std::to_string(count) +
-                              " points, but the " + owner.name + " has " +
-                              std::to_string(num_points) + ": was the " +
-                              owner.name + " edited?" + what_to_do);
+    throw FileError(path,
+                    "is about " + std::to_string(count) + " points, but the " +
+                        owner.name + " has " + std::to_string(num_points) +
+                        ": was the " + owner.name + " edited?" + what_to_do,
+                    owner.alternative);
   }
   if (count > reader.Remaining() / sizeof(uint32_t)) {
     throw FileError(path, "truncated or damaged: no room for " +

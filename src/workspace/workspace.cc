@@ -157,22 +157,9 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
 
 }  // namespace
 
-std::string WorkspaceOptions::Check() const {
-  if (input_type != "dense" && input_type != "sparse") {
-    return "input_type is '" + input_type + "'; it has to be dense or sparse";
-  }
-  for (const char* name : {"auto", "file", "image_id", "frame", "frame_id"}) {
-    if (image_order == name) {
-      return "";
-    }
-  }
-  return "image_order is '" + image_order +
-         "'; it has to be auto, file, image_id, frame or frame_id";
-}
-
 Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
                         const PictureDecoder& decoder) {
-  if (options.input_type == "dense") {
+  if (options.input_type == InputType::kDense) {
     const fs::path folder = FindDenseFolder(path);
     return Assemble(folder, options, decoder,
                     [&folder] { return ReadFusedCloud(folder); });
