@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
@@ -148,11 +150,10 @@ class Refiner {
     reporter_.Note(Describe(step));
     if (options_.snapshot_interval > 0 && step.iteration > 0 &&
         step.iteration % options_.snapshot_interval == 0) {
-      WriteColoredMesh(
-          fs::path(paths_.output)
-              .replace_extension("." + std::to_string(step.level) + "." +
-                                 std::to_string(step.iteration) + ".ply"),
-          state.mesh, state.attributes.colors);
+      WriteColoredMesh(fs::path(paths_.output)
+                           .replace_extension(fmt::format(
+                               ".{}.{}.ply", step.level, step.iteration)),
+                       state.mesh, state.attributes.colors);
     }
   }
 

@@ -60,6 +60,10 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
       "Faces that cover more of an image are subdivided, px^2");
+}
+
+void AddPairOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+  FacetwiseRefinementOptions* refinement = &refiner->refinement;
   manager->AddDefaultOption("FacetwiseRefinement.pairs_per_image",
                             &refinement->pairs_per_image,
                             "Partners of each image");
@@ -79,9 +83,13 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "FacetwiseRefinement.pair_selection", &refiner->words.pair_selection,
       "{facetwise, classical}: each face by its best pairs, or by every pair "
       "that sees it");
+}
+
+void AddVariantOptions(colmap::OptionManager* manager,
+                       RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.occlusion_masking",
-      &refinement->photometric.occlusion_masking,
+      &refiner->refinement.photometric.occlusion_masking,
       "Leave out of a window what lies across a jump in depth");
   manager->AddDefaultOption("FacetwiseRefinement.solver",
                             &refiner->words.solver, "{gauss_newton, descent}");
@@ -117,6 +125,8 @@ void AddRefinerOptions(colmap::OptionManager* manager,
                        RefinerOptions* refiner) {
   AddPathOptions(manager, refiner);
   AddMethodOptions(manager, refiner);
+  AddPairOptions(manager, refiner);
+  AddVariantOptions(manager, refiner);
   AddRunOptions(manager, refiner);
 }
 

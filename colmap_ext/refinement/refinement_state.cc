@@ -98,8 +98,7 @@ fs::path StatePath(const fs::path& output) {
 }
 
 fs::path LevelMeshPath(const fs::path& output, int level) {
-  return fs::path(output).replace_extension(".level" + std::to_string(level) +
-                                            ".ply");
+  return fs::path(output).replace_extension(fmt::format(".level{}.ply", level));
 }
 
 fs::path LevelOriginPath(const fs::path& output, int level) {

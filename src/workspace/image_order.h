@@ -36,12 +36,14 @@ struct ImageOrder {
 // same.
 std::vector<ImageOrder> CandidateImageOrders(const SparseModel& model);
 
-// How well an order agrees with the cloud, from a sample of it.
+// How well an order agrees with a sample of the cloud.
 struct OrderEvidence {
   size_t num_observations = 0;
-  double inside = 0;  // share whose point is in front of and inside the image
-  double facing = 0;  // share of which that image also sees the front, by the
-                      // point's normal
+  // [0, 1] Share of the observations whose point projects inside the image.
+  double inside = 0;
+  // [0, 1] Share of those whose point's normal also faces the image; as
+  // `inside` where the cloud has no normals.
+  double facing = 0;
 };
 
 // Why an order was taken and no other.
@@ -59,7 +61,7 @@ struct VerifiedOrder {
   OrderReason reason = OrderReason::kOnlyOne;
 };
 
-// Everything that speaks for or against an order.
+// What FindImageOrder() needs to compare orders.
 struct OrderQuestion {
   const PlyCloud& cloud;
   const Visibility& visibility;

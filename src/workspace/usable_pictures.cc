@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include "base/edit_rows.h"
@@ -42,8 +43,7 @@ void FindUnreadable(const std::filesystem::path& images_path,
 
 std::string DescribeErrors(const std::vector<View>& views,
                            const std::vector<std::string>& errors) {
-  std::string text = std::to_string(CountErrors(errors)) + " of " +
-                     std::to_string(views.size());
+  std::string text = fmt::format("{} of {}", CountErrors(errors), views.size());
   size_t num_listed = 0;
   for (size_t i = 0; i < views.size(); ++i) {
     if (errors[i].empty()) {

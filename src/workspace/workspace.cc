@@ -41,12 +41,12 @@ void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
   const size_t num_out_of_range = CountOutOfRange(visibility, num_images);
   const size_t num_points = visibility.size();
   if (num_out_of_range > kMaxOutOfRange * num_points) {
-    throw FileError(path, std::to_string(num_out_of_range) + " of " +
-                              std::to_string(num_points) +
-                              " points list images beyond the " +
-                              std::to_string(num_images) +
-                              " of sparse/, so that it belongs to another "
-                              "model; run `colmap stereo_fusion` again");
+    throw FileError(
+        path,
+        fmt::format("{} of {} points list images beyond the {} of sparse/, "
+                    "so that it belongs to another model; run `colmap "
+                    "stereo_fusion` again",
+                    num_out_of_range, num_points, num_images));
   }
 }
 

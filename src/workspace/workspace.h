@@ -27,7 +27,8 @@ struct WorkspaceOptions {
   // How fused.ply.vis counts the images; nothing: it is found out.
   std::optional<ImageOrderKind> image_order = std::nullopt;
 
-  // Take pictures of another aspect than their camera's: their error tells.
+  // Accept pictures of another aspect than their camera's. They are listed in
+  // Workspace::picture_errors.
   bool allow_other_sizes = false;
 };
 
