@@ -11,7 +11,7 @@
 #include "delaunay/edge_lengths.h"
 #include "delaunay/surface_extraction.h"
 #include "delaunay/tetrahedralization.h"
-#include "delaunay/vertex_star.h"
+#include "delaunay/singular_vertices.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
