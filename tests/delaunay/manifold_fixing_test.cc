@@ -91,7 +91,7 @@ TEST_P(FixSingularVerticesTest, IsWhatExaminingAllVerticesAfterEachPassGives) {
   const std::vector<NamedPoints> difficult = DifficultPoints();
   size_t num_relabeled_cells = 0;
   size_t num_split_cells = 0;
-  for (uint32_t trial = 0; trial < 400; ++trial) {
+  for (uint32_t trial = 0; trial < 160; ++trial) {
     Problem problem = RandomProblem(
         trial % 2 == 0 ? RandomPoints(5 + random.Below(60), 1000, &random)
                        : difficult[trial / 2 % difficult.size()].points,
@@ -124,7 +124,7 @@ TEST_P(FixSingularVerticesTest, IsWhatExaminingAllVerticesAfterEachPassGives) {
 // the other label that meet in one vertex.
 Problem LargeProblemWithFewSingularVertices(int num_pairs, Random* random) {
   Problem problem;
-  problem.tetrahedra = DelaunayOf(RandomPoints(20000, 1 << 20, random));
+  problem.tetrahedra = DelaunayOf(RandomPoints(6000, 1 << 20, random));
   const Tetrahedralization& tetrahedra = problem.tetrahedra;
   problem.graph = RandomGraphOf(tetrahedra, 1000, random);
   for (const auto& cell : tetrahedra.cells) {
