@@ -97,11 +97,9 @@ std::vector<uint32_t> VerticesOf(const Tetrahedralization& tetrahedra,
 }
 
 // Components beyond the second around a vertex.
-int64_t ExcessAt(const Tetrahedralization& tetrahedra,
-                 const std::vector<uint8_t>& is_free, uint32_t vertex) {
-  thread_local VertexStar star;
-  MakeVertexStar(tetrahedra, is_free, vertex, &star);
-  return std::max<int64_t>(0, static_cast<int64_t>(star.NumComponents()) - 2);
+int64_t ExcessOf(const StarGraph& graph, const std::vector<uint8_t>& is_free) {
+  return std::max<int64_t>(
+      0, static_cast<int64_t>(CountComponents(graph, is_free)) - 2);
 }
 
 // The part of the cut's value that depends on the labels of the cells.
@@ -141,14 +139,14 @@ class FlipChooser {
     const std::vector<uint32_t> vertices = VerticesOf(tetrahedra_, cells);
     FlipChange change;
     for (const uint32_t vertex : vertices) {
-      change.excess -= ExcessBefore(vertex);
+      change.excess -= At(vertex).excess;
     }
     change.energy = -EnergyAround(tetrahedra_, graph_, *is_free_, cells);
     Flip(cells, is_free_);
     // What the vertices add is not negative: no need to see all of them.
     for (size_t i = 0;
          i < vertices.size() && change.excess <= best_change_.excess; ++i) {
-      change.excess += ExcessAt(tetrahedra_, *is_free_, vertices[i]);
+      change.excess += ExcessOf(At(vertices[i]).graph, *is_free_);
     }
     change.energy += EnergyAround(tetrahedra_, graph_, *is_free_, cells);
     Flip(cells, is_free_);
@@ -161,13 +159,21 @@ class FlipChooser {
   const Cells& best_cells() const { return best_cells_; }
 
  private:
-  // The same for all flips, and so computed once.
-  int64_t ExcessBefore(uint32_t vertex) {
-    const auto [entry, is_new] = excess_before_.try_emplace(vertex, 0);
+  // What all flips share at a vertex, and so is computed once.
+  struct Surroundings {
+    StarGraph graph;
+    int64_t excess = 0;  // before a flip
+  };
+
+  // \pre no cells are flipped when it is called for the first time
+  const Surroundings& At(uint32_t vertex) {
+    const auto [entry, is_new] = surroundings_.try_emplace(vertex);
+    Surroundings& surroundings = entry->second;
     if (is_new) {
-      entry->second = ExcessAt(tetrahedra_, *is_free_, vertex);
+      MakeStarGraph(tetrahedra_, vertex, &surroundings.graph);
+      surroundings.excess = ExcessOf(surroundings.graph, *is_free_);
     }
-    return entry->second;
+    return surroundings;
   }
 
   const Tetrahedralization& tetrahedra_;
@@ -175,7 +181,7 @@ class FlipChooser {
   std::vector<uint8_t>* is_free_;
   FlipChange best_change_;
   Cells best_cells_;
-  std::unordered_map<uint32_t, int64_t> excess_before_;  // of each vertex
+  std::unordered_map<uint32_t, Surroundings> surroundings_;  // of vertices
 };
 
 }  // namespace

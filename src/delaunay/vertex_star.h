@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -36,5 +37,21 @@ struct VertexStar {
 void MakeVertexStar(const Tetrahedralization& tetrahedra,
                     const std::vector<uint8_t>& is_free, uint32_t vertex,
                     VertexStar* star);
+
+// The cells around a vertex as a graph, whatever their labels are.
+struct StarGraph {
+  std::vector<uint32_t> cells;  // [S], ascending
+  // [S], places in cells: across the facets that contain the vertex.
+  std::vector<std::array<uint32_t, 3>> neighbors;
+};
+
+// \param graph is overwritten
+void MakeStarGraph(const Tetrahedralization& tetrahedra, uint32_t vertex,
+                   StarGraph* graph);
+
+// VertexStar::NumComponents for some labels. Much faster than to make the star.
+// \param is_free [C] labels of the cells, 1: free space, 0: matter
+size_t CountComponents(const StarGraph& graph,
+                       const std::vector<uint8_t>& is_free);
 
 }  // namespace colmap_ext
