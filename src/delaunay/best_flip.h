@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -15,7 +14,10 @@ struct FlipChange {
   int64_t excess = 0;  // components beyond the second, summed over the vertices
   int64_t energy = 0;  // value of the cut, capacities' unit
 
-  friend auto operator<=>(const FlipChange&, const FlipChange&) = default;
+  bool operator<(const FlipChange& other) const {
+    return excess != other.excess ? excess < other.excess
+                                  : energy < other.energy;
+  }
 };
 
 // The cells whose flip makes a singular vertex less singular: with the lowest
