@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <tbb/global_control.h>
+
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/options/add_meshing_options.h"
@@ -93,8 +95,11 @@ int RunDelaunayManifoldMesher(int argc, char** argv) {
   colmap::OptionManager manager;
   AddMesherOptions(&manager, &options);
   const auto command = [&options] {
-    if (const std::string error = options.Check(); !error.empty()) {
-      throw OptionError(error);
+    options.Finish();
+    std::optional<tbb::global_control> max_threads;
+    if (options.num_threads > 0) {
+      max_threads.emplace(tbb::global_control::max_allowed_parallelism,
+                          options.num_threads);
     }
     MeshWorkspace(options);
   };

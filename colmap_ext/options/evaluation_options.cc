@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "colmap_ext/options/words.h"
 #include "formats/errors.h"
 #include "formats/read_npy_mask.h"
 
@@ -63,9 +64,7 @@ void EvaluatorOptions::Finish() {
   if (!std::isfinite(error_scale) || error_scale < 0) {
     throw OptionError("error_scale must be a length, or 0");
   }
-  if (num_threads != -1 && num_threads <= 0) {
-    throw OptionError("num_threads must be positive, or -1 for all threads");
-  }
+  CheckNumThreads(num_threads);
   evaluation.depth_thresholds =
       ParseNumbers("depth_thresholds", depth_thresholds, 0);
   if (const std::string error = evaluation.Check(); !error.empty()) {

@@ -1,5 +1,7 @@
 #include "colmap_ext/options/meshing_options.h"
 
+#include "colmap_ext/options/words.h"
+#include "formats/errors.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {
@@ -14,15 +16,28 @@ std::filesystem::path MesherOptions::OutputPath(
                              : std::filesystem::path(output_path);
 }
 
-std::string MesherOptions::Check() const {
+void MesherOptions::Finish() {
   if (workspace_path.empty() == input_path.empty()) {
-    return "either --workspace_path or --input_path is required";
+    throw OptionError("either --workspace_path or --input_path is required");
   }
   if (!input_path.empty() && output_path.empty()) {
-    return "--output_path is required with --input_path";
+    throw OptionError("--output_path is required with --input_path");
   }
-  const std::string workspace_error = workspace.Check();
-  return workspace_error.empty() ? meshing.Check() : workspace_error;
+  if (const std::string error = workspace.Check(); !error.empty()) {
+    throw OptionError(error);
+  }
+  meshing.alpha_kind =
+      IsSecondWord("alpha_kind", alpha_kind, "tracks", "constant")
+          ? ObservationWeight::kConstant
+          : ObservationWeight::kTracks;
+  meshing.fixing_rule =
+      IsSecondWord("fixing_rule", fixing_rule, "energy", "paper")
+          ? FixingRule::kPaper
+          : FixingRule::kEnergy;
+  CheckNumThreads(num_threads);
+  if (const std::string error = meshing.Check(); !error.empty()) {
+    throw OptionError("DelaunayManifoldMeshing." + error);
+  }
 }
 
 }  // namespace colmap_ext

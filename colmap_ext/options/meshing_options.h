@@ -15,6 +15,9 @@ struct MesherOptions {
   std::string output_path;
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
+  std::string alpha_kind = "tracks";   // or "constant"
+  std::string fixing_rule = "energy";  // or "paper"
+  int num_threads = -1;                // -1: all
 
   // Add HalfPixelOffsets to fused points (scene/half_pixel.h) ...
   bool half_pixel_correction = true;
@@ -26,8 +29,9 @@ struct MesherOptions {
   std::filesystem::path OutputPath(
       const std::filesystem::path& dense_path) const;
 
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
+  // Reads the words, and passes them on.
+  // \throw OptionError if something is wrong with any of the options.
+  void Finish();
 };
 
 }  // namespace colmap_ext

@@ -1,5 +1,6 @@
 #include "colmap_ext/options/refinement_options.h"
 
+#include "colmap_ext/options/words.h"
 #include "formats/errors.h"
 #include "workspace/workspace.h"
 
@@ -33,16 +34,6 @@ void CheckPaths(const RefinerOptions& options) {
   }
 }
 
-// \return whether it is the second of the words.
-bool IsSecond(const char* option, const std::string& word, const char* first,
-              const char* second) {
-  if (word != first && word != second) {
-    throw OptionError(std::string(option) + " is '" + word +
-                      "'; it has to be " + first + " or " + second);
-  }
-  return word == second;
-}
-
 }  // namespace
 
 void RefinerOptions::Finish() {
@@ -61,9 +52,7 @@ void RefinerOptions::Finish() {
   if (snapshot_interval < 0) {
     throw OptionError("snapshot_interval must not be negative");
   }
-  if (num_threads != -1 && num_threads <= 0) {
-    throw OptionError("num_threads must be positive, or -1 for all threads");
-  }
+  CheckNumThreads(num_threads);
   if (backend != "auto" && backend != "cpu" && backend != "gl") {
     throw OptionError("backend is '" + backend +
                       "'; it has to be auto, cpu or gl");
@@ -73,14 +62,14 @@ void RefinerOptions::Finish() {
   }
   refinement.photometric.window_radius = window / 2;
   refinement.labeling.pair_selection =
-      IsSecond("pair_selection", pair_selection, "facetwise", "classical")
+      IsSecondWord("pair_selection", pair_selection, "facetwise", "classical")
           ? PairSelection::kClassical
           : PairSelection::kFacetwise;
-  refinement.solver = IsSecond("solver", solver, "gauss_newton", "descent")
+  refinement.solver = IsSecondWord("solver", solver, "gauss_newton", "descent")
                           ? RefinementSolver::kDescent
                           : RefinementSolver::kGaussNewton;
   if (const std::string error = refinement.Check(); !error.empty()) {
-    throw OptionError(error);
+    throw OptionError("FacetwiseRefinement." + error);
   }
 }
 

@@ -22,7 +22,7 @@ int CurvatureIndex(int k, int l) {
 
 // 1 or -1.
 double RandomSign(uint64_t index) {
-  return (MixBits(index) >> 63) != 0 ? 1 : -1;
+  return (MixBits(index + kSplitMixStep) >> 63) != 0 ? 1 : -1;
 }
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
