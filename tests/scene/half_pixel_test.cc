@@ -178,6 +178,20 @@ TEST(RegressHalfPixel, IsNotMovedByOutliers) {
   EXPECT_NEAR(result.slope, 1, 0.1);
 }
 
+TEST(RegressHalfPixel, LeavesOutSparsePointsBeyondAllDistances) {
+  Sphere sphere;
+  const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
+  const PointCloud cloud = sphere.OffBy(1);
+  const HalfPixelSlope expected =
+      RegressHalfPixel(cloud, offsets, sphere.sparse_points);
+  sphere.sparse_points.emplace_back(1e30f, 0, 0);
+  sphere.sparse_points.emplace_back(std::nanf(""), 0, 0);
+  const HalfPixelSlope result =
+      RegressHalfPixel(cloud, offsets, sphere.sparse_points);
+  EXPECT_EQ(result.num_points, expected.num_points);
+  EXPECT_EQ(result.slope, expected.slope);
+}
+
 // Sparse points of what was masked out of the fusion.
 TEST(RegressHalfPixel, IsNotMovedByWhatWasNotFused) {
   Sphere sphere;
