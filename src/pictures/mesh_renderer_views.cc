@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "base/percentile.h"
 #include "pictures/mesh_renderer.h"
 
 namespace colmap_ext {
@@ -13,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kFocalLength = 1.5;  // in widths of the picture
-constexpr double kKept = 0.98;        // share of the vertices that is in it
+constexpr double kKeptPercent = 98;   // of the vertices are in it
 
 // Sum of the facets' normals, weighted by area, or of the points'.
 Vector3d SumOfNormals(const DrawnMesh& drawn) {
@@ -31,13 +32,6 @@ Vector3d SumOfNormals(const DrawnMesh& drawn) {
                .cast<double>();
   }
   return sum;
-}
-
-double Quantile(std::vector<double> values, double share) {
-  const auto nth =
-      values.begin() + static_cast<size_t>(share * (values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
 }
 
 }  // namespace
@@ -74,14 +68,13 @@ View AutomaticView(const DrawnMesh& drawn, int width, int height) {
   if (mesh.vertices.empty()) {
     return LookAtView({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, width, height);
   }
-  const Vector3d center(Quantile(coordinates[0], 0.5),
-                        Quantile(coordinates[1], 0.5),
-                        Quantile(coordinates[2], 0.5));
+  const Vector3d center(Median(&coordinates[0]), Median(&coordinates[1]),
+                        Median(&coordinates[2]));
   std::vector<double> distances;
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     distances.push_back((vertex.cast<double>() - center).norm());
   }
-  const double radius = Quantile(distances, kKept);
+  const double radius = Percentile(kKeptPercent, &distances);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     const Vector3d d = vertex.cast<double>() - center;

@@ -1,10 +1,10 @@
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include <Eigen/Eigenvalues>
 
+#include "base/percentile.h"
 #include "scene/half_pixel.h"
 #include "scene/point_tree.h"
 
@@ -76,11 +76,10 @@ void DropOutliers(std::vector<Sample>* samples) {
   for (const Sample& sample : *samples) {
     distances.push_back(std::abs(sample.observed));
   }
-  const auto median =
-      distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), median, distances.end());
+  // Of normal numbers, half lie within 1 / 1.4826 standard deviations, the
+  // distribution's quantile of 3/4.
   constexpr double kSigmasOfMedian = 3 * 1.4826;
-  const double max_distance = kSigmasOfMedian * *median;
+  const double max_distance = kSigmasOfMedian * Percentile(50, &distances);
   std::erase_if(*samples, [&](const Sample& sample) {
     return std::abs(sample.observed) > max_distance;
   });
