@@ -1,3 +1,5 @@
+#include "scene/half_pixel_slope.h"
+
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -5,7 +7,6 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/percentile.h"
-#include "scene/half_pixel.h"
 #include "scene/point_tree.h"
 
 namespace colmap_ext {
