@@ -14,6 +14,7 @@
 #include "delaunay/visibility_weights.h"
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {

@@ -9,6 +9,7 @@
 #include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
+#include "scene/look_at.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 
@@ -71,16 +72,7 @@ TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
 }
 
 View LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
-  View view;
-  view.width = view.height = 1000;
-  view.fx = view.fy = 1000;
-  view.cx = view.cy = 500;
-  const Eigen::Vector3d z = (target - center).normalized();
-  const Eigen::Vector3d x = z.unitOrthogonal();
-  view.cam_from_world_rotation << x.transpose(), z.cross(x).transpose(),
-      z.transpose();
-  view.cam_from_world_translation = -view.cam_from_world_rotation * center;
-  return view;
+  return LookAtView(center, target, Eigen::Vector3d::UnitZ(), 1000, 1000, 1000);
 }
 
 // A unit sphere with noise, seen by the cameras that are before it. They also
