@@ -9,6 +9,7 @@
 #include "mesh/facet_normals.h"
 #include "photometry/image_pyramid.h"
 #include "raster/facet_visibility.h"
+#include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
 #include "spatial/self_intersections.h"
@@ -34,10 +35,10 @@ class Refinement {
     for (const View& view : views_) {
       views.push_back(ViewAtLevel(view, level));
     }
+    energy_->SetLevel(level);
     Prepare(level, views, state);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
-    energy_->SetLevel(level);
     const std::vector<Eigen::Vector3f> before = state->mesh.vertices;
     const auto on_step = [&](RefinementStep step, const TriangleMesh& mesh) {
       step.seconds = std::chrono::duration<double>(
@@ -66,15 +67,15 @@ class Refinement {
   }
 
  private:
-  // Subdivides and labels.
+  // Subdivides and labels. The last drawings of the subdivision serve the
+  // labelling, and the energy's first Render().
   void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
-    const double min_cosine = options_.photometric.min_cosine;
     Report(hooks_.progress, "Subdividing facets", 0);
-    SubdivideLargeFacets(options_.max_face_area, min_cosine, views,
-                         &state->mesh, &state->attributes, &state->origins);
+    const FacetVisibility visibility = SubdivideLargeFacets(
+        options_.max_face_area,
+        [this](const TriangleMesh& mesh) { return energy_->Drawings(mesh); },
+        &state->mesh, &state->attributes, &state->origins);
     Report(hooks_.progress, "Labelling facets", 0);
-    const FacetVisibility visibility =
-        FindVisibleFacets({min_cosine}, state->mesh, views);
     FacetLabeling labeling =
         LabelFacets(options_.labeling, state->mesh, state->attributes, pairs_,
                     visibility, views);

@@ -45,6 +45,10 @@ class PullingEnergy : public PhotometricEnergy {
   explicit PullingEnergy(Surface surface) : surface_(std::move(surface)) {}
 
   void SetLevel(int /*level*/) override {}
+  std::shared_ptr<const MeshDrawings> Drawings(
+      const TriangleMesh& /*mesh*/) override {
+    return nullptr;
+  }
   void Render(const TriangleMesh& /*mesh*/) override { ++num_renders; }
   std::string Description() const override { return "pulls"; }
 
