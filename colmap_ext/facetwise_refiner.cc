@@ -61,7 +61,6 @@ class Refiner {
   Refiner(const RefinerOptions& options, const RefinementPaths& paths)
       : options_(options),
         paths_(paths),
-        identity_(IdentityOf(options, paths)),
         reporter_(std::cout, isatty(STDOUT_FILENO) != 0),
         progress_([this](std::string_view stage, double share) {
           reporter_.Update(stage, share);
@@ -80,6 +79,8 @@ class Refiner {
  private:
   void Read() {
     input_ = ReadRefinementInput(options_, paths_, decoder_, progress_);
+    Report(progress_, "Fingerprinting the files", 0);
+    identity_ = IdentifyRun(options_, paths_, input_);
     level_ = options_.refinement.levels;
     if (options_.resume && fs::exists(StatePath(paths_.output))) {
       RefinementState state = ReadState(paths_.output, identity_);
@@ -223,11 +224,11 @@ class Refiner {
 
   const RefinerOptions& options_;
   const RefinementPaths& paths_;
-  const RunIdentity identity_;
   const PictureDecoder decoder_ = ColmapPictureDecoder();
   ProgressReporter reporter_;
   Progress progress_;
   RefinementInput input_;
+  RunIdentity identity_;
   RefinementReport earlier_;              // of the run that is gone on with
   std::vector<Eigen::Vector3f> origins_;  // see RefinementStart
   int level_ = 0;  // the last complete one; above all before the first

@@ -152,8 +152,9 @@ Workspace ReadCameras(const RefinerOptions& options,
                         " neither, so that it is not known which images see "
                         "the mesh; run `colmap stereo_fusion` first");
   }
-  return ReadMeshWorkspace(paths.folder, rules, decoder, VertexCloud(file),
-                           file.attributes.views, VisibilityPath(paths.mesh));
+  return ReadMeshWorkspace(paths.folder, rules, decoder,
+                           {VertexCloud(file), file.attributes.views,
+                            paths.mesh, VisibilityPath(paths.mesh)});
 }
 
 // Views and colours that the mesh's files do not have.

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <utility>
 #include <vector>
 
-#include "colmap_ext/options/refinement_options.h"
-#include "colmap_ext/refinement/refinement_input.h"
+#include <Eigen/Core>
+
+#include "colmap_ext/refinement/run_identity.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "refine/facetwise_refinement.h"
@@ -15,18 +14,10 @@ namespace colmap_ext {
 
 // What an interrupted refinement leaves, to go on from: the mesh of the last
 // complete level as OUTPUT.levelN.ply with its .vis, where its vertices come
-// from as OUTPUT.levelN.origin.ply, and OUTPUT.ply.resume, which says what it
-// belongs to and how it went so far. That is a text of lines "name value";
-// those before "level" have to be the same when it is gone on from.
-
-// What a refinement depends on, in words: the options, and the files.
-using RunIdentity = std::vector<std::pair<std::string, std::string>>;
-
-RunIdentity IdentityOf(const RefinerOptions& options,
-                       const RefinementPaths& paths);
+// from as OUTPUT.levelN.origin.ply, and OUTPUT.ply.resume (resume_file.h).
 
 struct RefinementState {
-  int level = 0;  // the last one that is complete
+  int level = 0;  // the last one that is complete, 1 or more
   TriangleMesh mesh;
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // [V] see RefinedMesh

@@ -106,6 +106,20 @@ bool HasSparseModel(const std::filesystem::path& folder) {
   return HasFiles(folder, ".bin") || HasFiles(folder, ".txt");
 }
 
+std::vector<std::filesystem::path> SparseModelFiles(
+    const std::filesystem::path& folder) {
+  const char* extension = HasFiles(folder, ".bin") ? ".bin" : ".txt";
+  std::vector<std::filesystem::path> files;
+  for (const char* name : {"cameras", "images", "points3D", "frames"}) {
+    files.push_back(folder / (std::string(name) + extension));
+  }
+  std::error_code error;
+  if (!std::filesystem::exists(files.back(), error)) {
+    files.pop_back();
+  }
+  return files;
+}
+
 SparseModel ReadSparseModel(const std::filesystem::path& folder) {
   SparseModel model = HasFiles(folder, ".bin") ? ReadBinarySparseModel(folder)
                                                : ReadTextSparseModel(folder);

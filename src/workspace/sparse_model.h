@@ -57,6 +57,10 @@ struct SparseModel {
 // Whether the folder has the files of a model, binary or text.
 bool HasSparseModel(const std::filesystem::path& folder);
 
+// The files that ReadSparseModel() reads, in the same order for every folder.
+std::vector<std::filesystem::path> SparseModelFiles(
+    const std::filesystem::path& folder);
+
 // Reads a model of any COLMAP version up to 4.x, binary if it is there, else
 // text.
 // \throw FileError if a file is missing, truncated or damaged, or an image

@@ -1,10 +1,13 @@
 #include "workspace/workspace.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <map>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "formats/errors.h"
 #include "formats/read_ply_cloud.h"
@@ -47,20 +50,26 @@ void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
   }
 }
 
-// A cloud, which images see each point, and where that was read.
-struct SeenCloud {
-  PlyCloud cloud;
-  Visibility visibility;
-  fs::path visibility_path;
-};
+void ExpectFinitePoints(const std::vector<Eigen::Vector3f>& points,
+                        const fs::path& path) {
+  const bool has_any = std::any_of(
+      points.begin(), points.end(),
+      [](const Eigen::Vector3f& point) { return point.allFinite(); });
+  if (!has_any) {
+    throw FileError(
+        path, fmt::format("none of its {} points is finite", points.size()));
+  }
+}
 
 SeenCloud ReadFusedCloud(const fs::path& folder) {
-  SeenCloud seen{
-      ReadPlyCloud(folder / "fused.ply"), {}, folder / "fused.ply.vis"};
+  SeenCloud seen{ReadPlyCloud(folder / "fused.ply"),
+                 {},
+                 folder / "fused.ply",
+                 folder / "fused.ply.vis"};
   seen.visibility =
       ReadVisibility(seen.visibility_path, seen.cloud.positions.size());
   if (seen.visibility.values.empty()) {
-    throw FileError(folder / "fused.ply", "no points that any image sees");
+    throw FileError(seen.path, "no points that any image sees");
   }
   return seen;
 }
@@ -69,6 +78,7 @@ void OrderImages(const SparseModel& model, const Views& views,
                  const WorkspaceOptions& options, const PictureDecoder& decoder,
                  SeenCloud seen, Workspace* workspace) {
   const fs::path images_path = workspace->report.path / "images";
+  ExpectFinitePoints(seen.cloud.positions, seen.path);
   ExpectIndicesInRange(seen.visibility, model.images.size(),
                        seen.visibility_path);
   workspace->report.order =
@@ -88,6 +98,9 @@ void OrderImages(const SparseModel& model, const Views& views,
 
 void MakeSparseCloud(const SparseModel& model, const Views& views,
                      Workspace* workspace) {
+  if (!model.point_positions.empty()) {
+    ExpectFinitePoints(model.point_positions, workspace->report.sparse_path);
+  }
   std::map<uint32_t, uint32_t> index_of_id;
   for (size_t i = 0; i < model.images.size(); ++i) {
     index_of_id[model.images[i].image_id] = static_cast<uint32_t>(i);
@@ -169,13 +182,9 @@ Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
 
 Workspace ReadMeshWorkspace(const fs::path& folder,
                             const WorkspaceOptions& options,
-                            const PictureDecoder& decoder, PlyCloud vertices,
-                            Visibility visibility,
-                            const fs::path& visibility_path) {
-  return Assemble(folder, options, decoder, [&] {
-    return SeenCloud{std::move(vertices), std::move(visibility),
-                     visibility_path};
-  });
+                            const PictureDecoder& decoder, SeenCloud vertices) {
+  return Assemble(folder, options, decoder,
+                  [&vertices] { return std::move(vertices); });
 }
 
 }  // namespace colmap_ext

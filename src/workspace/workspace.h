@@ -59,12 +59,18 @@ Workspace ReadWorkspace(const std::filesystem::path& path,
                         const WorkspaceOptions& options,
                         const PictureDecoder& decoder);
 
+// A cloud, which images see each point, and the files that both are of.
+struct SeenCloud {
+  PlyCloud cloud;
+  Visibility visibility;  // [P]
+  std::filesystem::path path;
+  std::filesystem::path visibility_path;
+};
+
 // The same with the vertices of a mesh in place of the fused points.
 // \param folder  the workspace itself.
 Workspace ReadMeshWorkspace(const std::filesystem::path& folder,
                             const WorkspaceOptions& options,
-                            const PictureDecoder& decoder, PlyCloud vertices,
-                            Visibility visibility,
-                            const std::filesystem::path& visibility_path);
+                            const PictureDecoder& decoder, SeenCloud vertices);
 
 }  // namespace colmap_ext

@@ -1,17 +1,17 @@
 // facetwise_refiner as a user runs it: exit codes, messages, files.
 
 #include <fcntl.h>
+#include <limits.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <csignal>
-#include <functional>
 #include <limits>
 #include <memory>
-#include <thread>
+#include <stdexcept>
+#include <utility>
 
 #include "formats/picture_size.h"
 #include "formats/read_ply_cloud.h"
@@ -60,58 +60,72 @@ struct MeshedWorkspace {
   TriangleMesh truth;
 };
 
-// The program while it runs.
+// The program while it runs, which waits after each line that it prints until
+// the line is read: its standard output is a pipe of packets with room for one.
 class Process {
  public:
-  Process(const std::vector<std::string>& arguments, const fs::path& out,
-          const fs::path& err) {
+  Process(const std::vector<std::string>& arguments, const fs::path& err) {
     std::vector<char*> argv = {const_cast<char*>(kProgram.c_str())};
     for (const std::string& argument : arguments) {
       argv.push_back(const_cast<char*>(argument.c_str()));
     }
     argv.push_back(nullptr);
+    int ends[2];
+    if (pipe2(ends, O_DIRECT | O_CLOEXEC) != 0) {
+      throw std::runtime_error("no pipe");
+    }
+    fcntl(ends[1], F_SETPIPE_SZ, 1);  // rounded up to one page
     id_ = fork();
     if (id_ == 0) {
       for (const int number : {SIGINT, SIGTERM}) {
         std::signal(number, SIG_DFL);
       }
-      dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 1);
+      dup2(ends[1], 1);
       dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
       execv(argv[0], argv.data());
       _exit(127);
     }
+    close(ends[1]);
+    output_ = ends[0];
   }
 
-  // Waits until the condition holds or the program ends.
-  void WaitFor(const std::function<bool()>& condition) {
-    while (waitpid(id_, &status_, WNOHANG) == 0) {
-      if (condition()) {
-        return;
+  ~Process() { close(output_); }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  // Reads what the program prints until that has the text.
+  // \return whether it has.
+  bool WaitFor(const std::string& text) {
+    std::string printed;
+    while (printed.find(text) == std::string::npos) {
+      if (!Read(&printed)) {
+        return false;
       }
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
-    has_ended_ = true;
+    return true;
   }
 
-  void Signal(int number) const {
-    if (!has_ended_) {
-      kill(id_, number);
-    }
-  }
+  void Signal(int number) const { kill(id_, number); }
 
-  // As waitpid() has it.
+  // Reads what is left. As waitpid() has it.
   int Wait() {
-    if (!has_ended_) {
-      waitpid(id_, &status_, 0);
-      has_ended_ = true;
+    for (std::string rest; Read(&rest);) {
     }
-    return status_;
+    int status = 0;
+    waitpid(id_, &status, 0);
+    return status;
   }
 
  private:
+  bool Read(std::string* printed) const {
+    char packet[PIPE_BUF];
+    const ssize_t size = read(output_, packet, sizeof(packet));
+    printed->append(packet, size > 0 ? static_cast<size_t>(size) : 0);
+    return size > 0;
+  }
+
   pid_t id_ = 0;
-  int status_ = 0;
-  bool has_ended_ = false;
+  int output_ = -1;
 };
 
 class FacetwiseRefinerTest : public testing::Test {
@@ -190,38 +204,31 @@ class FacetwiseRefinerTest : public testing::Test {
                                    : std::stod(figures.substr(at + key.size()));
   }
 
-  // Runs the program in a new workspace where there is an output already, and
-  // sends it signals, one after the other, when the condition holds. Begins
-  // again if they came too late.
+  // Runs the program in a workspace where there is an output already, and sends
+  // it signals, one after the other, when it has printed the text.
   // \return as waitpid() has it.
   int Interrupt(const std::vector<std::string>& more_arguments,
-                const std::function<bool()>& condition,
+                const std::string& text,
                 const std::vector<int>& signals) const {
-    constexpr int kMaxAttempts = 10;
-    int status = 0;
-    for (int i = 0; i < kMaxAttempts && status == 0; ++i) {
-      MakeWorkspace();
-      WriteFile(path_ / kOutput, kEarlierOutput);
-      fs::remove(folder_.Path() / "out");
-      status = TryInterrupt(more_arguments, condition, signals);
-    }
-    return status;
-  }
-
-  int TryInterrupt(const std::vector<std::string>& more_arguments,
-                   const std::function<bool()>& condition,
-                   const std::vector<int>& signals) const {
+    WriteFile(path_ / kOutput, kEarlierOutput);
     std::vector<std::string> arguments = {
         "facetwise_refiner", "--FacetwiseRefinement.backend", "cpu",
         "--workspace_path", path_.string()};
     arguments.insert(arguments.end(), more_arguments.begin(),
                      more_arguments.end());
-    Process process(arguments, folder_.Path() / "out", folder_.Path() / "err");
-    process.WaitFor(condition);
+    Process process(arguments, folder_.Path() / "err");
+    EXPECT_TRUE(process.WaitFor(text)) << ErrorOutput();
     for (const int number : signals) {
       process.Signal(number);
     }
     return process.Wait();
+  }
+
+  // Of a run that is interrupted at the second level.
+  void InterruptAtTheSecondLevel() const {
+    const int status = Interrupt({}, "1/2 size, iteration 0", {SIGINT});
+    ASSERT_TRUE(WIFEXITED(status));
+    ASSERT_EQ(WEXITSTATUS(status), 130) << ErrorOutput();
   }
 
   // As Interrupt() makes it.
@@ -230,8 +237,8 @@ class FacetwiseRefinerTest : public testing::Test {
     return List(path_);
   }
 
-  bool HasPrinted(const std::string& text) const {
-    return ReadFile(folder_.Path() / "out").find(text) != std::string::npos;
+  void ExpectResumeRefused(const std::string& message) const {
+    ExpectRefusal(Run(Workspace() + " --resume 1"), message);
   }
 
   std::string ErrorOutput() const { return ReadFile(folder_.Path() / "err"); }
@@ -561,15 +568,10 @@ TEST_F(FacetwiseRefinerTest, GoesOnAfterAnInterruption) {
   const std::string mesh = ReadFile(output);
   const std::string visibility = ReadFile(VisibilityPath(output));
   const fs::path state = path_ / "meshed-refined.ply.resume";
-  const int status =
-      Interrupt({}, [&state] { return fs::exists(state); }, {SIGINT});
-  ASSERT_TRUE(WIFEXITED(status));
-  ASSERT_EQ(WEXITSTATUS(status), 130) << ErrorOutput();
+  InterruptAtTheSecondLevel();
   EXPECT_NE(ErrorOutput().find("--resume 1"), std::string::npos);
   EXPECT_EQ(ReadFile(output), kEarlierOutput);
-  const bool is_half = fs::exists(path_ / "meshed-refined.level1.ply");
-  const fs::path level_mesh = path_ / (is_half ? "meshed-refined.level1.ply"
-                                               : "meshed-refined.level2.ply");
+  const fs::path level_mesh = path_ / "meshed-refined.level2.ply";
   EXPECT_NE(ErrorOutput().find(level_mesh.string()), std::string::npos);
   ExpectGoodMesh(level_mesh);
   ExpectRefusal(
@@ -577,12 +579,11 @@ TEST_F(FacetwiseRefinerTest, GoesOnAfterAnInterruption) {
       "iterations was '15' and is '3'");
   const std::string level_bytes = ReadFile(level_mesh);
   WriteFile(level_mesh, level_bytes + " ");
-  ExpectRefusal(Run(Workspace() + " --resume 1"),
-                "not what the interrupted run wrote");
+  ExpectResumeRefused("not what the interrupted run wrote");
   WriteFile(level_mesh, level_bytes);
   const std::string state_bytes = ReadFile(state);
   WriteFile(state, state_bytes.substr(0, state_bytes.size() - 8));
-  ExpectRefusal(Run(Workspace() + " --resume 1"), "damaged");
+  ExpectResumeRefused("damaged");
   WriteFile(state, state_bytes);
   const Outcome outcome =
       Run(Workspace() + " --resume 1" + Option("report_path", "steps.csv"));
@@ -598,6 +599,36 @@ TEST_F(FacetwiseRefinerTest, GoesOnAfterAnInterruption) {
   EXPECT_EQ(num_steps(), num_steps_of_all);
 }
 
+// What the mesh depends on has to be the same.
+TEST_F(FacetwiseRefinerTest, RefusesToGoOnWithOtherPosesOrPictures) {
+  InterruptAtTheSecondLevel();
+  // The last binary digit of a focal length, a translation and a coordinate,
+  // and a colour.
+  for (const auto& [name, position] :
+       {std::pair("sparse/cameras.bin", 32), std::pair("sparse/images.bin", 44),
+        std::pair("sparse/points3D.bin", 16), std::pair("fused.ply", -1)}) {
+    const std::string bytes = ReadFile(path_ / name);
+    std::string other = bytes;
+    char& byte = position < 0 ? other.back() : other[position];
+    byte = static_cast<char>(byte ^ 1);
+    WriteFile(path_ / name, other);
+    ExpectResumeRefused(name);
+    WriteFile(path_ / name, bytes);
+  }
+  const fs::path picture = path_ / "images" / "0003.png";
+  const std::string bytes = ReadFile(picture);
+  WriteFile(picture, bytes + "x");  // which decoders do not read
+  ExpectResumeRefused("images/0003.png");
+  WriteFile(picture, bytes);
+  EXPECT_EQ(Run(Workspace() + " --resume 1").exit_code, 0);
+}
+
+TEST_F(FacetwiseRefinerTest, RefusesToGoOnInAnotherOrderOfTheImages) {
+  InterruptAtTheSecondLevel();
+  ExpectRefusal(Run(Workspace() + " --resume 1 --image_order image_id"),
+                "image_order was 'file' and is 'image_id'");
+}
+
 TEST_F(FacetwiseRefinerTest, StartsWhereThereIsNothingToGoOnFrom) {
   const Outcome outcome =
       Run(Workspace() + " --resume 1 --FacetwiseRefinement.levels 1");
@@ -607,9 +638,8 @@ TEST_F(FacetwiseRefinerTest, StartsWhereThereIsNothingToGoOnFrom) {
 
 TEST_F(FacetwiseRefinerTest, WritesNothingBeforeTheFirstLevelIsComplete) {
   const std::string before = ListWithEarlierOutput();
-  const int status =
-      Interrupt({"--FacetwiseRefinement.levels", "1"},
-                [this] { return HasPrinted("iteration 0"); }, {SIGTERM});
+  const int status = Interrupt({"--FacetwiseRefinement.levels", "1"},
+                               "iteration 0", {SIGTERM});
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 143);
   EXPECT_NE(ErrorOutput().find("nothing was written"), std::string::npos);
@@ -619,8 +649,7 @@ TEST_F(FacetwiseRefinerTest, WritesNothingBeforeTheFirstLevelIsComplete) {
 TEST_F(FacetwiseRefinerTest, EndsAtOnceAtTheSecondSignal) {
   const std::string before = ListWithEarlierOutput();
   const int status = Interrupt({"--FacetwiseRefinement.levels", "1"},
-                               [this] { return HasPrinted("iteration 0"); },
-                               {SIGINT, SIGTERM});
+                               "iteration 0", {SIGINT, SIGTERM});
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(List(path_), before);
 }

@@ -207,6 +207,16 @@ TEST_F(WorkspaceTest, RefusesCloudsOfNothing) {
   EXPECT_NE(Error().find("no points"), std::string::npos);
 }
 
+TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePoints) {
+  for (Eigen::Vector3f& point : sphere_.points) {
+    point.x() = std::numeric_limits<float>::quiet_NaN();
+  }
+  sphere_.Write(path_);
+  EXPECT_EQ(Error(), (path_ / "fused.ply").string() + ": none of its " +
+                         std::to_string(sphere_.points.size()) +
+                         " points is finite");
+}
+
 TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
   sphere_.images.clear();
   sphere_.points.clear();

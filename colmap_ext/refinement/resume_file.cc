@@ -1,0 +1,224 @@
+#include "colmap_ext/refinement/resume_file.h"
+
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFormat = "colmap_ext facetwise_refiner resume";
+constexpr int kVersion = 3;
+
+// Objects in lists in the top object. Deeper values are dropped unread, so that
+// no nesting takes memory.
+constexpr int kMaxDepth = 3;
+
+// Thrown and caught here.
+struct Damage {};
+
+// Numbers that are not finite have no form in JSON; they become words.
+Json NumberToJson(double number) {
+  if (std::isfinite(number)) {
+    return number;
+  }
+  return std::isnan(number) ? "nan" : number > 0 ? "inf" : "-inf";
+}
+
+const Json& Member(const Json& object, const char* name) {
+  const auto it = object.find(name);
+  if (it == object.end()) {
+    throw Damage();
+  }
+  return *it;
+}
+
+std::string Text(const Json& object, const char* name) {
+  const Json& value = Member(object, name);
+  if (!value.is_string()) {
+    throw Damage();
+  }
+  return value.get<std::string>();
+}
+
+double Number(const Json& object, const char* name) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Json& value = Member(object, name);
+  if (value.is_number()) {
+    return value.get<double>();
+  }
+  const std::string word = Text(object, name);
+  if (word == "nan") {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  if (word != "inf" && word != "-inf") {
+    throw Damage();
+  }
+  return word == "inf" ? kInfinity : -kInfinity;
+}
+
+template <std::integral T>
+T Count(const Json& object, const char* name) {
+  const Json& value = Member(object, name);
+  if (!value.is_number_unsigned()) {
+    throw Damage();
+  }
+  const auto count = value.get<uint64_t>();
+  if (count > static_cast<uint64_t>(std::numeric_limits<T>::max())) {
+    throw Damage();
+  }
+  return static_cast<T>(count);
+}
+
+bool Flag(const Json& object, const char* name) {
+  const Json& value = Member(object, name);
+  if (!value.is_boolean()) {
+    throw Damage();
+  }
+  return value.get<bool>();
+}
+
+const Json& List(const Json& object, const char* name) {
+  const Json& value = Member(object, name);
+  if (!value.is_array()) {
+    throw Damage();
+  }
+  return value;
+}
+
+Json ToJson(const LabelingReport& labeling) {
+  return {{"level", labeling.level},
+          {"num_pairs", labeling.num_pairs},
+          {"num_unlabeled_facets", labeling.num_unlabeled_facets},
+          {"initial_energy", NumberToJson(labeling.initial_energy)},
+          {"final_energy", NumberToJson(labeling.final_energy)},
+          {"lower_bound", NumberToJson(labeling.lower_bound)}};
+}
+
+LabelingReport ToLabeling(const Json& json) {
+  LabelingReport labeling;
+  labeling.level = Count<int>(json, "level");
+  labeling.num_pairs = Count<size_t>(json, "num_pairs");
+  labeling.num_unlabeled_facets = Count<size_t>(json, "num_unlabeled_facets");
+  labeling.initial_energy = Number(json, "initial_energy");
+  labeling.final_energy = Number(json, "final_energy");
+  labeling.lower_bound = Number(json, "lower_bound");
+  return labeling;
+}
+
+Json ToJson(const RefinementStep& step) {
+  return {{"level", step.level},
+          {"is_final", step.is_final},
+          {"iteration", step.iteration},
+          {"energy", NumberToJson(step.energy)},
+          {"photometric_energy", NumberToJson(step.photometric_energy)},
+          {"mean_zncc", NumberToJson(step.mean_zncc)},
+          {"mean_step", NumberToJson(step.mean_step)},
+          {"seconds", NumberToJson(step.seconds)},
+          {"num_vertices", step.num_vertices},
+          {"num_facets", step.num_facets}};
+}
+
+RefinementStep ToStep(const Json& json) {
+  RefinementStep step;
+  step.level = Count<int>(json, "level");
+  step.is_final = Flag(json, "is_final");
+  step.iteration = Count<int>(json, "iteration");
+  step.energy = Number(json, "energy");
+  step.photometric_energy = Number(json, "photometric_energy");
+  step.mean_zncc = Number(json, "mean_zncc");
+  step.mean_step = Number(json, "mean_step");
+  step.seconds = Number(json, "seconds");
+  step.num_vertices = Count<size_t>(json, "num_vertices");
+  step.num_facets = Count<size_t>(json, "num_facets");
+  return step;
+}
+
+RunIdentity ToIdentity(const Json& json) {
+  RunIdentity identity;
+  for (const Json& pair : json) {
+    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_string() ||
+        !pair[1].is_string()) {
+      throw Damage();
+    }
+    identity.emplace_back(pair[0].get<std::string>(),
+                          pair[1].get<std::string>());
+  }
+  return identity;
+}
+
+ResumeRecord ToRecord(const Json& json) {
+  if (!json.is_object() || Text(json, "format") != kFormat ||
+      Count<int>(json, "version") != kVersion) {
+    throw Damage();
+  }
+  ResumeRecord record;
+  record.identity = ToIdentity(List(json, "identity"));
+  record.level = Count<int>(json, "level");
+  if (record.level < 1) {
+    throw Damage();
+  }
+  record.mesh = Text(json, "mesh");
+  record.visibility = Text(json, "visibility");
+  record.origins = Text(json, "origins");
+  record.report.num_shortened_steps = Count<size_t>(json, "shortened_steps");
+  record.report.num_flipped_facets = Count<size_t>(json, "flipped_facets");
+  for (const Json& labeling : List(json, "labelings")) {
+    record.report.labelings.push_back(ToLabeling(labeling));
+  }
+  for (const Json& step : List(json, "steps")) {
+    record.report.steps.push_back(ToStep(step));
+  }
+  return record;
+}
+
+}  // namespace
+
+std::string ResumeText(const ResumeRecord& record) {
+  Json json = {{"format", kFormat}, {"version", kVersion}};
+  Json& identity = json["identity"] = Json::array();
+  for (const auto& [name, value] : record.identity) {
+    identity.push_back(Json::array({name, value}));
+  }
+  json["level"] = record.level;
+  json["mesh"] = record.mesh;
+  json["visibility"] = record.visibility;
+  json["origins"] = record.origins;
+  json["shortened_steps"] = record.report.num_shortened_steps;
+  json["flipped_facets"] = record.report.num_flipped_facets;
+  Json& labelings = json["labelings"] = Json::array();
+  for (const LabelingReport& labeling : record.report.labelings) {
+    labelings.push_back(ToJson(labeling));
+  }
+  Json& steps = json["steps"] = Json::array();
+  for (const RefinementStep& step : record.report.steps) {
+    steps.push_back(ToJson(step));
+  }
+  // Names of files may be in any encoding.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+ResumeRecord ParseResumeText(const std::string& text,
+                             const std::filesystem::path& path) {
+  const auto is_shallow = [](int depth, Json::parse_event_t, Json&) {
+    return depth <= kMaxDepth;
+  };
+  try {
+    return ToRecord(Json::parse(text, is_shallow, /*allow_exceptions=*/false));
+  } catch (const Damage&) {
+    throw FileError(path,
+                    "damaged, or of another version of the program; start "
+                    "anew, without --resume");
+  }
+}
+
+}  // namespace colmap_ext

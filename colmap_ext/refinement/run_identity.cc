@@ -1,0 +1,77 @@
+#include "colmap_ext/refinement/run_identity.h"
+
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "colmap_ext/refinement/file_fingerprint.h"
+#include "formats/write_mesh.h"
+#include "workspace/sparse_model.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// "{}" of a double is the shortest text that is read back as the same number.
+RunIdentity IdentifyOptions(const RefinerOptions& options,
+                            const std::string& image_order) {
+  const FacetwiseRefinementOptions& refinement = options.refinement;
+  const PhotometricOptions& photometric = refinement.photometric;
+  const FacetLabelingOptions& labeling = refinement.labeling;
+  return {
+      {"image_order", image_order},
+      {"levels", fmt::format("{}", refinement.levels)},
+      {"iterations", fmt::format("{}", refinement.iterations)},
+      {"window", fmt::format("{}", options.window)},
+      {"noise_variance", fmt::format("{}", photometric.noise_variance)},
+      {"residual_floor", fmt::format("{}", photometric.residual_floor)},
+      {"min_cosine", fmt::format("{}", photometric.min_cosine)},
+      {"smoothness_weight", fmt::format("{}", refinement.smoothness_weight)},
+      {"max_face_area", fmt::format("{}", refinement.max_face_area)},
+      {"pairs_per_image", fmt::format("{}", refinement.pairs_per_image)},
+      {"pairs_per_facet", fmt::format("{}", labeling.pairs_per_facet)},
+      {"final_pairs_per_facet",
+       fmt::format("{}", labeling.final_pairs_per_facet)},
+      {"potts_weight", fmt::format("{}", labeling.potts_weight)},
+      {"pair_selection", options.pair_selection},
+      {"occlusion_masking", fmt::format("{:d}", photometric.occlusion_masking)},
+      {"solver", options.solver},
+      {"skip_missing_images", fmt::format("{:d}", options.skip_missing_images)},
+  };
+}
+
+}  // namespace
+
+RunIdentity IdentifyRun(const RefinerOptions& options,
+                        const RefinementPaths& paths,
+                        const RefinementInput& input) {
+  std::vector<std::pair<std::string, fs::path>> files = {
+      {"--input_path", paths.mesh},
+      {"--input_path.vis", VisibilityPath(paths.mesh)}};
+  for (const char* name : {"fused.ply", "fused.ply.vis"}) {
+    files.emplace_back(name, paths.folder / name);
+  }
+  for (const fs::path& path : SparseModelFiles(input.workspace.sparse_path)) {
+    files.emplace_back("sparse/" + path.filename().string(), path);
+  }
+  for (const View& view : input.views) {
+    files.emplace_back("images/" + view.name,
+                       paths.folder / "images" / view.name);
+  }
+  std::vector<fs::path> file_paths;
+  for (const auto& [name, path] : files) {
+    file_paths.push_back(path);
+  }
+  const std::vector<std::string> fingerprints = Fingerprints(file_paths);
+  RunIdentity identity =
+      IdentifyOptions(options, input.workspace.order.order.name);
+  for (size_t i = 0; i < files.size(); ++i) {
+    identity.emplace_back(files[i].first, fingerprints[i]);
+  }
+  return identity;
+}
+
+}  // namespace colmap_ext
