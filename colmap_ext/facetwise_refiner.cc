@@ -180,6 +180,7 @@ class Refiner {
                             earlier_.labelings.begin(),
                             earlier_.labelings.end());
     report.num_shortened_steps += earlier_.num_shortened_steps;
+    report.num_unconverged_solutions += earlier_.num_unconverged_solutions;
     report.num_flipped_facets += earlier_.num_flipped_facets;
     return report;
   }

@@ -22,7 +22,7 @@
 #include "formats/write_mesh.h"
 #include "pictures/error_colors.h"
 #include "pictures/error_picture.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/picture_views.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
 
@@ -112,7 +112,7 @@ View PictureView(const EvaluatorOptions& options, const TriangleMesh& mesh,
   constexpr int kWidth = 1024;  // px
   constexpr int kHeight = 768;  // px
   if (options.picture_image.empty()) {
-    return AutomaticView({mesh, {}, {}, {}}, kWidth, kHeight);
+    return AutomaticView(mesh, kWidth, kHeight);
   }
   const auto view =
       std::find_if(views.begin(), views.end(), [&](const View& candidate) {

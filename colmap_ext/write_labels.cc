@@ -6,6 +6,7 @@
 #include "colmap_ext/write_png.h"
 #include "formats/write_labeled_mesh.h"
 #include "pictures/mesh_renderer.h"
+#include "pictures/picture_views.h"
 
 namespace colmap_ext {
 
@@ -26,10 +27,8 @@ void WriteLabels(const std::filesystem::path& path,
     best.colors.push_back(LabelColor(best.labels.back()));
   }
   WriteLabeledMesh(path, mesh, best);
-  const DrawnMesh drawn{mesh, {}, {}, best.labels};
-  WritePng(picture_path,
-           RenderMesh(drawn, AutomaticView(drawn, kWidth, kHeight),
-                      RenderMode::kLabels, 1));
+  WritePng(picture_path, RenderLabels(mesh, best.labels,
+                                      AutomaticView(mesh, kWidth, kHeight)));
 }
 
 }  // namespace colmap_ext

@@ -24,8 +24,8 @@ void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "file, image_id, frame, frame_id}");
 }
 
-void AddVoteOptions(colmap::OptionManager* manager,
-                    ManifoldMeshingOptions* meshing) {
+void AddVoteOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+  ManifoldMeshingOptions* meshing = &mesher->meshing;
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.max_proj_dist", &meshing->max_proj_dist,
       "Points closer than this in an image are one, px; 0 keeps every point");
@@ -33,7 +33,7 @@ void AddVoteOptions(colmap::OptionManager* manager,
       "DelaunayManifoldMeshing.max_depth_dist", &meshing->max_depth_dist,
       "... unless their depths differ by more than this share");
   manager->AddDefaultOption(
-      "DelaunayManifoldMeshing.alpha_kind", &meshing->alpha_kind,
+      "DelaunayManifoldMeshing.alpha_kind", &mesher->words.alpha_kind,
       "Weight of an observation {tracks, constant}: 1 - exp(-n^2 / (2 s^2)) "
       "for a point that n images see, s = visibility_sigma, or alpha_vis");
   manager->AddDefaultOption("DelaunayManifoldMeshing.visibility_sigma",
@@ -61,7 +61,7 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "Relabel and split cells around singular vertices before the surface is "
       "extracted");
   manager->AddDefaultOption("DelaunayManifoldMeshing.fixing_rule",
-                            &meshing->fixing_rule, "{energy, paper}");
+                            &mesher->words.fixing_rule, "{energy, paper}");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.max_side_length_factor",
       &meshing->max_side_length_factor,
@@ -91,7 +91,7 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
 
 void AddMesherOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
   AddPathOptions(manager, mesher);
-  AddVoteOptions(manager, &mesher->meshing);
+  AddVoteOptions(manager, mesher);
   AddSurfaceOptions(manager, mesher);
 }
 

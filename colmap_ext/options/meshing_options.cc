@@ -28,9 +28,16 @@ void MesherOptions::Finish() {
       "input_type", words.input_type,
       {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}});
   workspace.image_order = ParseImageOrder(words.image_order);
+  meshing.alpha_kind = ParseWord<ObservationWeight>(
+      "alpha_kind", words.alpha_kind,
+      {{"tracks", ObservationWeight::kTracks},
+       {"constant", ObservationWeight::kConstant}});
+  meshing.fixing_rule = ParseWord<FixingRule>(
+      "fixing_rule", words.fixing_rule,
+      {{"energy", FixingRule::kEnergy}, {"paper", FixingRule::kPaper}});
   CheckNumThreads(num_threads);
   if (const std::string error = meshing.Check(); !error.empty()) {
-    throw OptionError(error);
+    throw OptionError("DelaunayManifoldMeshing." + error);
   }
 }
 

@@ -25,8 +25,10 @@ struct MesherOptions {
 
   // As the command line has them, for what Finish() makes of them.
   struct Words {
-    std::string input_type = "dense";  // or "sparse"
-    std::string image_order = "auto";  // or NameOf() an order
+    std::string input_type = "dense";    // or "sparse"
+    std::string image_order = "auto";    // or NameOf() an order
+    std::string alpha_kind = "tracks";   // or "constant"
+    std::string fixing_rule = "energy";  // or "paper"
   };
   Words words;
 

@@ -69,7 +69,7 @@ void RefinerOptions::Finish() {
       {{"gauss_newton", RefinementSolver::kGaussNewton},
        {"descent", RefinementSolver::kDescent}});
   if (const std::string error = refinement.Check(); !error.empty()) {
-    throw OptionError(error);
+    throw OptionError("FacetwiseRefinement." + error);
   }
 }
 

@@ -171,6 +171,8 @@ ResumeRecord ToRecord(const Json& json) {
   record.visibility = Text(json, "visibility");
   record.origins = Text(json, "origins");
   record.report.num_shortened_steps = Count<size_t>(json, "shortened_steps");
+  record.report.num_unconverged_solutions =
+      Count<size_t>(json, "unconverged_solutions");
   record.report.num_flipped_facets = Count<size_t>(json, "flipped_facets");
   for (const Json& labeling : List(json, "labelings")) {
     record.report.labelings.push_back(ToLabeling(labeling));
@@ -194,6 +196,7 @@ std::string ResumeText(const ResumeRecord& record) {
   json["visibility"] = record.visibility;
   json["origins"] = record.origins;
   json["shortened_steps"] = record.report.num_shortened_steps;
+  json["unconverged_solutions"] = record.report.num_unconverged_solutions;
   json["flipped_facets"] = record.report.num_flipped_facets;
   Json& labelings = json["labelings"] = Json::array();
   for (const LabelingReport& labeling : record.report.labelings) {

@@ -71,6 +71,8 @@ void PrintStages(const RefinementReport& report, std::ostream& stream) {
         stream);
   }
   PrintCount("steps shortened", report.num_shortened_steps, stream);
+  PrintIfAny("solutions that did not converge",
+             report.num_unconverged_solutions, stream);
 }
 
 }  // namespace

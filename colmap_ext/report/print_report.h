@@ -7,7 +7,7 @@
 
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "delaunay/manifold_meshing.h"
-#include "scene/half_pixel.h"
+#include "scene/half_pixel_slope.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {

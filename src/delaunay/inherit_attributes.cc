@@ -1,17 +1,19 @@
 #include "delaunay/inherit_attributes.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace colmap_ext {
 namespace {
 
-// What one vertex has.
+// The attributes of one vertex.
 struct Attributes {
   Color color{0, 0, 0};
   std::vector<uint32_t> views;
 };
 
+// The mean colour of two points, and the views of either.
 Attributes OfPoints(const PointCloud& cloud, uint32_t a, uint32_t b) {
   Attributes attributes;
   if (!cloud.colors.empty()) {
@@ -27,6 +29,7 @@ Attributes OfPoints(const PointCloud& cloud, uint32_t a, uint32_t b) {
   return attributes;
 }
 
+// The mean colour, and the views that at least half of the neighbors have.
 Attributes OfNeighbors(const std::vector<const Attributes*>& neighbors) {
   Attributes attributes;
   const size_t count = neighbors.size();
@@ -52,6 +55,59 @@ Attributes OfNeighbors(const std::vector<const Attributes*>& neighbors) {
   return attributes;
 }
 
+// The neighbors of each vertex whose attributes are not known.
+std::vector<std::vector<uint32_t>> NeighborsOfUnknown(
+    const TriangleMesh& mesh, const std::vector<uint8_t>& is_known) {
+  std::vector<std::vector<uint32_t>> neighbors(mesh.vertices.size());
+  for (const Facet& facet : mesh.facets) {
+    for (int k = 0; k < 3; ++k) {
+      if (!is_known[facet[k]]) {
+        neighbors[facet[k]].push_back(facet[(k + 1) % 3]);
+      }
+    }
+  }
+  return neighbors;
+}
+
+// A round: gives attributes to the vertices that have known neighbors.
+// \return whether there were any
+bool InheritOnce(const std::vector<std::vector<uint32_t>>& neighbors,
+                 std::vector<uint8_t>* is_known,
+                 std::vector<Attributes>* attributes) {
+  std::vector<std::pair<size_t, Attributes>> found;
+  std::vector<const Attributes*> known;
+  for (size_t i = 0; i < neighbors.size(); ++i) {
+    known.clear();
+    for (const uint32_t neighbor : neighbors[i]) {
+      if ((*is_known)[neighbor]) {
+        known.push_back(&(*attributes)[neighbor]);
+      }
+    }
+    if (!(*is_known)[i] && !known.empty()) {
+      found.emplace_back(i, OfNeighbors(known));
+    }
+  }
+  for (auto& [vertex, attribute] : found) {
+    (*attributes)[vertex] = std::move(attribute);
+    (*is_known)[vertex] = 1;
+  }
+  return !found.empty();
+}
+
+VertexAttributes Flatten(const std::vector<Attributes>& attributes,
+                         bool has_colors) {
+  VertexAttributes result;
+  for (const Attributes& attribute : attributes) {
+    if (has_colors) {
+      result.colors.push_back(attribute.color);
+    }
+    result.views.values.insert(result.views.values.end(),
+                               attribute.views.begin(), attribute.views.end());
+    result.views.EndRow();
+  }
+  return result;
+}
+
 }  // namespace
 
 VertexAttributes InheritAttributes(
@@ -60,7 +116,6 @@ VertexAttributes InheritAttributes(
   const size_t num_vertices = mesh.vertices.size();
   std::vector<Attributes> attributes(num_vertices);
   std::vector<uint8_t> is_known(num_vertices, 0);
-  std::vector<std::vector<uint32_t>> neighbors(num_vertices);  // of the others
   for (size_t i = 0; i < num_vertices; ++i) {
     const auto [a, b] = points[i];
     is_known[i] = a != kNoPoint && b != kNoPoint;
@@ -68,44 +123,11 @@ VertexAttributes InheritAttributes(
       attributes[i] = OfPoints(cloud, a, b);
     }
   }
-  for (const Facet& facet : mesh.facets) {
-    for (int k = 0; k < 3; ++k) {
-      if (!is_known[facet[k]]) {
-        neighbors[facet[k]].push_back(facet[(k + 1) % 3]);
-      }
-    }
+  const auto neighbors = NeighborsOfUnknown(mesh, is_known);
+  // From the known vertices inwards.
+  while (InheritOnce(neighbors, &is_known, &attributes)) {
   }
-  // From the known vertices inwards, round by round.
-  for (bool has_changed = true; has_changed;) {
-    has_changed = false;
-    std::vector<std::pair<size_t, Attributes>> found;
-    for (size_t i = 0; i < num_vertices; ++i) {
-      std::vector<const Attributes*> known;
-      for (const uint32_t neighbor : neighbors[i]) {
-        if (is_known[neighbor]) {
-          known.push_back(&attributes[neighbor]);
-        }
-      }
-      if (!is_known[i] && !known.empty()) {
-        found.emplace_back(i, OfNeighbors(known));
-      }
-    }
-    for (auto& [vertex, attribute] : found) {
-      attributes[vertex] = std::move(attribute);
-      is_known[vertex] = 1;
-      has_changed = true;
-    }
-  }
-  VertexAttributes result;
-  for (const Attributes& attribute : attributes) {
-    if (!cloud.colors.empty()) {
-      result.colors.push_back(attribute.color);
-    }
-    result.views.values.insert(result.views.values.end(),
-                               attribute.views.begin(), attribute.views.end());
-    result.views.EndRow();
-  }
-  return result;
+  return Flatten(attributes, !cloud.colors.empty());
 }
 
 }  // namespace colmap_ext

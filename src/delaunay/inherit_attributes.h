@@ -13,9 +13,13 @@ namespace colmap_ext {
 inline constexpr uint32_t kNoPoint = UINT32_MAX;
 
 // Colours and views of a mesh's vertices from the fused points that they come
-// from. A vertex that comes from none inherits them from its neighbors: their
-// mean colour, and the views that at least half of them have.
-// \param points [V] two points a vertex, which may be the same, or kNoPoint
+// from: the mean colour of two points, and the views of either. A vertex that
+// comes from none inherits them from its neighbors: their mean colour, and the
+// views that at least half of them have. Neighbors that have none yet do not
+// count; vertices far from all points inherit in later rounds. Without colours
+// in the cloud there are none.
+// \param points [V] two points of each vertex, which may be the same, or
+//        kNoPoint; the cloud's indices
 VertexAttributes InheritAttributes(
     const TriangleMesh& mesh, const PointCloud& cloud,
     const std::vector<std::array<uint32_t, 2>>& points);

@@ -10,41 +10,37 @@
 namespace colmap_ext {
 
 enum class FixingRule {
-  // The paper's three passes: relabel, split, relabel. Of the components around
-  // a vertex those with the most cells keep their labels.
+  // The paper's three passes: relabel, split, relabel. Of the components of one
+  // label around a vertex the one with the most cells keeps its label.
   kPaper,
-  // Passes until nothing changes. Of the ways to make a vertex less singular
-  // the
-  // one is taken that leaves the fewest components too many around the vertices
-  // that it touches, then the one that costs the least in the cut's energy;
-  // none
-  // that does not reduce their number.
+  // Passes until nothing changes. At each vertex the flip is made that leaves
+  // the fewest components around all vertices that it touches, and of these the
+  // one with the least energy (BestFlip), but none that does not reduce their
+  // number.
   kEnergy,
 };
 
 struct FixingReport {
-  size_t num_singular_raw = 0;    // of the cut, before any fixing
-  size_t num_singular_fixed = 0;  // left for the fan split
-  size_t num_relabeled_cells = 0;
-  size_t num_split_cells = 0;  // each into four at its centroid
+  size_t num_singular_raw = 0;     // vertices, of the cut, before any fixing
+  size_t num_singular_fixed = 0;   // vertices, left for the fan split
+  size_t num_relabeled_cells = 0;  // a cell counts each time
+  size_t num_split_cells = 0;      // each into four at its centroid
+  // How often the surroundings of a vertex were examined: once each at first,
+  // then again those of the vertices of cells that were relabelled.
+  size_t num_examined_vertices = 0;
 };
 
-// Preemptive fixing of singular vertices (Romanoni and Matteucci, section
-// III-B): changes the labels of cells around them, and splits cells, so that
-// the surface needs fewer copies of vertices to become manifold.
+// Preemptive fixing of singular vertices [Romanoni2019, section IV]: changes
+// the labels of cells around them, and splits cells, so that the surface needs
+// fewer copies of vertices to become manifold. After one look at all vertices
+// the time follows the number of singular ones.
 //
-// \param graph      the cut's; split cells share out the terminal capacities of
-//                   the cell that they come from, their outer facets keep its
-//                   arcs, their inner ones have none: the energy stays.
-// \param tetrahedra no longer Delaunay where cells are split.
+// \param tetrahedra no longer Delaunay where cells are split (SplitCell)
+// \param graph      the cut's: node i is cell i
+// \param is_free    [C] labels of the cells, 1: free space, 0: matter
 FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowGraph* graph,
                                  std::vector<uint8_t>* is_free);
-
-// Splits a finite cell into four at its centroid. The cell keeps its index as
-// the first of them, the others come last, as the new vertex does.
-void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra, FlowGraph* graph,
-               std::vector<uint8_t>* is_free);
 
 }  // namespace colmap_ext

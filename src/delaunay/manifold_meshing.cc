@@ -2,30 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include <tbb/global_control.h>
-
+#include "delaunay/cell_graph.h"
 #include "delaunay/edge_lengths.h"
+#include "delaunay/quality_weights.h"
+#include "delaunay/singular_vertices.h"
 #include "delaunay/surface_extraction.h"
 #include "delaunay/tetrahedralization.h"
-#include "delaunay/vertex_star.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {
 namespace {
 
-// The weight of each observation of a point, by the number of its views.
+// [P], the weight of each observation of a point.
 std::vector<float> Alphas(const ManifoldMeshingOptions& options,
                           const PointCloud& cloud) {
   std::vector<float> alphas(cloud.size(),
                             static_cast<float>(options.alpha_vis));
-  if (options.alpha_kind == "tracks") {
+  if (options.alpha_kind == ObservationWeight::kTracks) {
     for (size_t point = 0; point < cloud.size(); ++point) {
       const double ratio = static_cast<double>(cloud.views[point].size()) /
                            options.visibility_sigma;
@@ -35,7 +35,7 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
   return alphas;
 }
 
-// The graph whose minimum cut is the surface (section III-A).
+// The graph whose minimum cut is the surface [Romanoni2019, section IV].
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
                     const PointCloud& cloud, const std::vector<View>& views,
                     const ThinnedTetrahedralization& thinned,
@@ -44,7 +44,7 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   Report(progress, "Weighing facets", 0);
   FlowGraph graph = EmptyGraph(tetrahedra);
   AddQualityWeights(tetrahedra, options.quality_regularization, &graph);
-  constexpr double kSigmaPercentile = 25;
+  constexpr double kSigmaPercentile = 25;  // as in COLMAP's delaunay_mesher
   report->distance_sigma = options.distance_sigma_factor *
                            EdgeLengthPercentile(tetrahedra, kSigmaPercentile);
   std::vector<Eigen::Vector3d> centers;
@@ -79,10 +79,7 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
                  std::vector<uint8_t>* is_free, const Progress& progress) {
   Report(progress, "Fixing singular vertices", 0);
   if (options.preemptive_fixing) {
-    return FixSingularVertices(options.fixing_rule == "paper"
-                                   ? FixingRule::kPaper
-                                   : FixingRule::kEnergy,
-                               tetrahedra, graph, is_free);
+    return FixSingularVertices(options.fixing_rule, tetrahedra, graph, is_free);
   }
   FixingReport report;
   report.num_singular_raw = SingularVertices(*tetrahedra, *is_free).size();
@@ -156,23 +153,17 @@ std::string ManifoldMeshingOptions::Check() const {
       {max_proj_dist >= 0, "max_proj_dist must not be negative"},
       {max_depth_dist >= 0 && max_depth_dist <= 1,
        "max_depth_dist must lie in [0, 1]"},
-      {alpha_kind == "tracks" || alpha_kind == "constant",
-       "alpha_kind must be tracks or constant"},
       {visibility_sigma > 0, "visibility_sigma must be positive"},
       {alpha_vis > 0 && alpha_vis <= 1, "alpha_vis must lie in (0, 1]"},
       {distance_sigma_factor > 0, "distance_sigma_factor must be positive"},
       {behind_sigma > 0, "behind_sigma must be positive"},
       {quality_regularization >= 0 && quality_regularization <= 1e4,
        "quality_regularization must lie in [0, 10000]"},
-      {fixing_rule == "paper" || fixing_rule == "energy",
-       "fixing_rule must be paper or energy"},
       {max_side_length_factor >= 0,
        "max_side_length_factor must not be negative"},
       {max_side_length_percentile >= 0 && max_side_length_percentile <= 100,
        "max_side_length_percentile must lie in [0, 100]"},
-      {min_component_faces >= 0, "min_component_faces must not be negative"},
-      {num_threads == -1 || num_threads > 0,
-       "num_threads must be positive, or -1 for all threads"}};
+      {min_component_faces >= 0, "min_component_faces must not be negative"}};
   for (const auto& [holds, message] : rules) {
     if (!holds) {
       return message;
@@ -185,11 +176,6 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           const PointCloud& cloud,
                           const std::vector<View>& views,
                           const Progress& progress) {
-  std::optional<tbb::global_control> max_threads;
-  if (options.num_threads > 0) {
-    max_threads.emplace(tbb::global_control::max_allowed_parallelism,
-                        options.num_threads);
-  }
   if (cloud.views.values.empty()) {
     throw std::invalid_argument("no view sees any point: nothing to mesh");
   }

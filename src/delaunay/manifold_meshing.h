@@ -17,60 +17,60 @@
 
 namespace colmap_ext {
 
+// The weight of an observation of a point.
+enum class ObservationWeight {
+  kTracks,    // 1 - exp(-n^2 / (2 s^2)) of a point that n images see,
+              // s = visibility_sigma
+  kConstant,  // alpha_vis
+};
+
 struct ManifoldMeshingOptions {
-  // Unify input points into one cell in the Delaunay triangulation that fall
-  // within a reprojected radius of the given pixels. Zero keeps every point.
+  // A point is left out where it falls into a cell whose vertices all lie
+  // within this distance of it in all of its views (ThinningOptions), px. Zero
+  // keeps every point. COLMAP's default.
   double max_proj_dist = 20.0;
 
-  // Maximum relative depth difference between input point and a vertex of an
-  // existing cell in the Delaunay triangulation, otherwise a new vertex is
-  // created in the triangulation. In [0, 1].
+  // ... and within this share of its depth. In [0, 1]. COLMAP's default.
   double max_depth_dist = 0.05;
 
-  // The weight of an observation: "tracks" for 1 - exp(-n^2 / (2 s^2)) of a
-  // point seen by n images, s = visibility_sigma; "constant" for alpha_vis.
-  std::string alpha_kind = "tracks";
+  ObservationWeight alpha_kind = ObservationWeight::kTracks;
 
-  // The standard deviation wrt. the number of images seen by each point.
-  // Increasing this value decreases the influence of points seen in few images.
+  // How many images have to see a point for a weight of 1 - exp(-1/2) where
+  // alpha_kind is kTracks. A higher value decreases the influence of points
+  // that few images see. Positive; COLMAP's default.
   double visibility_sigma = 3.0;
 
-  // The weight of every observation where alpha_kind is "constant". In (0, 1].
+  // The weight of every observation where alpha_kind is kConstant. In (0, 1].
   double alpha_vis = 1.0;
 
-  // The factor that is applied to the computed distance sigma, which is
-  // automatically computed as the 25th percentile of edge lengths. A higher
-  // value will increase the smoothness of the surface.
+  // Times the 25th percentile of the edge lengths is the distance sigma, the
+  // expected noise of the points. A higher value makes the surface smoother.
+  // Positive.
   double distance_sigma_factor = 1.0;
 
-  // How far behind a point its ray looks for matter, in distance sigmas. Vu et
-  // al. have 3; but the sigma here is an edge length, and three of them reach
-  // through thin parts and out of them again.
+  // How far behind a point its ray expects matter, in distance sigmas.
+  // Positive. [Vu2012] has 3; but the sigma here is an edge length, and three
+  // of them reach through thin parts and out of them again.
   double behind_sigma = 1.0;
 
-  // A higher quality regularization leads to a smoother surface.
+  // The weight of the surface quality term (AddQualityWeights) relative to one
+  // observation. A higher value makes the surface smoother. In [0, 10000].
   double quality_regularization = 1.0;
 
   // Relabel and split cells around singular vertices before the surface is
-  // extracted. Without it all of them are split.
+  // extracted. Otherwise all these vertices are split.
   bool preemptive_fixing = true;
 
-  // How: "paper" for its three passes, "energy" for our variant of them.
-  std::string fixing_rule = "energy";
+  FixingRule fixing_rule = FixingRule::kEnergy;
 
-  // Filtering thresholds for outlier surface mesh faces. If the longest side of
-  // a mesh face (longest out of 3) exceeds the side lengths of all faces at a
-  // certain percentile by the given factor, then it is considered an outlier
-  // mesh face and discarded. A factor of zero keeps every face.
+  // A facet is dropped where its longest side is longer than this factor times
+  // the given percentile of all facets' sides. A factor of zero keeps every
+  // facet. The percentile is in [0, 100]. COLMAP's defaults.
   double max_side_length_factor = 25.0;
   double max_side_length_percentile = 95.0;
 
-  // Connected components of fewer faces are discarded.
+  // Connected components of fewer facets are dropped. 0 or more.
   int min_component_faces = 0;
-
-  // The number of threads to use. Default is all threads. The result does not
-  // depend on it.
-  int num_threads = -1;
 
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
@@ -91,7 +91,7 @@ struct ManifoldMeshingReport {
   int64_t cut = 0;   // the minimum cut's value, summed over its arcs
   size_t num_free_cells = 0;
 
-  FixingReport fixing;  // Table II: singular vertices raw, after fixing
+  FixingReport fixing;  // [Romanoni2019, table II] has these counts
 
   size_t num_split_vertices = 0;  // copies made by the fan split
   size_t num_midpoints = 0;       // put into edges that the split leaves shared
@@ -109,14 +109,14 @@ struct ManifoldMesh {
 
 // The 2-manifold surface between what the views see through and what they do
 // not: Delaunay tetrahedralization, visibility votes, minimum cut, fixing of
-// singular vertices, surface, filters (Romanoni and Matteucci, section III;
-// Labatut et al. 2009).
+// singular vertices, surface, filters [Romanoni2019, section IV; Labatut2009].
+// The result does not depend on the number of threads.
 //
 // \pre all positions are finite, view indices < views.size(), options checked.
 // \throw std::invalid_argument where the points do not span a volume, or no
 //        view sees any.
-// \throw std::logic_error where the result is not manifold, which would be a
-//        bug of ours.
+// \throw std::logic_error where the cut is not minimal or the result is not
+//        manifold, which would be a bug of ours.
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           const PointCloud& cloud,
                           const std::vector<View>& views,

@@ -1,10 +1,12 @@
+#include "delaunay/quality_weights.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
-#include "delaunay/visibility_weights.h"
+#include "delaunay/cell_graph.h"
 
 namespace colmap_ext {
 
@@ -23,8 +25,8 @@ double CosFacetSphereAngle(const Tetrahedralization& tetrahedra,
   const Eigen::Vector3d b = corner(corners[2]) - origin;
   const Eigen::Vector3d c = corner(facet) - origin;
   const Eigen::Vector3d normal = a.cross(b);  // into the cell
-  // The sphere's centre relative to the origin is this over twice the volume's
-  // six-fold, which is positive: the cosine needs its direction alone.
+  // The sphere's centre relative to the origin is this vector over twelve times
+  // the volume, which is positive: the cosine needs its direction alone.
   const Eigen::Vector3d center = a.squaredNorm() * b.cross(c) +
                                  b.squaredNorm() * c.cross(a) +
                                  c.squaredNorm() * normal;

@@ -23,11 +23,16 @@ struct Crossing {
 // facets that it crosses, in order. It ends where it enters the cell `end` or
 // an infinite one; where `end` is kNoCell it ends in the cell of the target.
 //
-// All turns are exact and consistent with one ray in general position, so that
-// every walk ends, through vertices, along edges and within facets alike.
+// All turns are exact and those of one ray in general position, so that every
+// walk ends [Devillers2002], whether the ray runs through vertices, along edges
+// or within facets.
 // Distances are computed up to the first one beyond `near_distance`, and all of
 // them where `end` is kNoCell.
 //
+// \param origin  a vertex
+// \param target, near_distance  world frame, scene units
+// \param end     a cell, or kNoCell
+// \param crossings  are overwritten
 // \pre Delaunay: a walk around a vertex relies on it to end.
 // \return the cell where the walk ended, or kNoCell where it had to be given up
 //         (the target is the origin); then *crossings means nothing.
@@ -36,12 +41,15 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  double near_distance, std::vector<Crossing>* crossings);
 
 // The cell that holds a point: one of them where it lies on a facet, an
-// infinite one where it lies beyond the hull. \param hint a finite cell near
-// the point
+// infinite one where it lies beyond the hull.
+// \param point world frame
+// \param hint  a finite cell near the point
+// \pre Delaunay
 uint32_t Locate(const Tetrahedralization& tetrahedra,
                 const Eigen::Vector3d& point, uint32_t hint);
 
-// Whether the point lies within the finite cell, on none of its facets.
+// Whether the point lies within the cell and on none of its facets.
+// \pre the cell is finite
 bool IsStrictlyInside(const Tetrahedralization& tetrahedra, uint32_t cell,
                       const Eigen::Vector3d& point);
 

@@ -28,6 +28,7 @@ std::vector<uint64_t> MortonKeys(const std::vector<Eigen::Vector3f>& points) {
     lower = lower.cwiseMin(point.cast<double>());
     upper = upper.cwiseMax(point.cast<double>());
   }
+  // Cells an axis: three times 21 bits fit into 64.
   constexpr double kCells = (1 << 21) - 1;
   const double extent = (upper - lower).maxCoeff();
   const double scale = extent > 0 ? kCells / extent : 0;

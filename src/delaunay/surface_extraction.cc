@@ -4,7 +4,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
 
 namespace colmap_ext {

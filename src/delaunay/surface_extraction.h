@@ -20,6 +20,9 @@ struct ExtractedSurface {
   std::vector<uint32_t> partners;
 };
 
+// Facets are in the order of the cells in matter. Their normals (right-handed)
+// point into free space. Facets at infinity are left out.
+// \param is_free [C] labels of the cells, 1: free space, 0: matter
 ExtractedSurface ExtractSurface(const Tetrahedralization& tetrahedra,
                                 const std::vector<uint8_t>& is_free);
 

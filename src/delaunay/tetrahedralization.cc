@@ -1,8 +1,6 @@
 #include "delaunay/tetrahedralization.h"
 
 #include <algorithm>
-#include <bit>
-#include <numeric>
 #include <stdexcept>
 #include <unordered_set>
 #include <utility>
@@ -12,9 +10,9 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_cell_base_with_info_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
-#include <tbb/parallel_sort.h>
 
-#include "delaunay/space_filling_curve.h"
+#include "delaunay/cell_order.h"
+#include "delaunay/insertion_order.h"
 
 namespace colmap_ext {
 namespace {
@@ -30,60 +28,6 @@ using Delaunay = CGAL::Delaunay_triangulation_3<
 
 Kernel::Point_3 ToCgal(const Eigen::Vector3f& p) {
   return {p.x(), p.y(), p.z()};
-}
-
-// The points without repeats, along the curve. Of points at one position the
-// first is kept.
-// \param stand_ins [P] is set to that one for the others, and to itself
-std::vector<uint32_t> DistinctPoints(
-    const std::vector<Eigen::Vector3f>& positions,
-    std::vector<uint32_t>* stand_ins) {
-  const std::vector<uint64_t> keys = MortonKeys(positions);
-  std::vector<uint32_t> points(positions.size());
-  std::iota(points.begin(), points.end(), 0);
-  tbb::parallel_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
-    if (keys[a] != keys[b]) return keys[a] < keys[b];
-    const auto& p = positions[a];
-    const auto& q = positions[b];
-    if (p.x() != q.x()) return p.x() < q.x();
-    if (p.y() != q.y()) return p.y() < q.y();
-    if (p.z() != q.z()) return p.z() < q.z();
-    return a < b;
-  });
-  stand_ins->resize(positions.size());
-  size_t size = 0;
-  for (const uint32_t point : points) {
-    if (size == 0 || positions[points[size - 1]] != positions[point]) {
-      points[size++] = point;
-    }
-    (*stand_ins)[point] = points[size - 1];
-  }
-  points.resize(size);
-  return points;
-}
-
-// A biased randomized insertion order: rounds of doubling size, each along the
-// curve.
-// \param points along the curve
-std::vector<uint32_t> InsertionOrder(const std::vector<uint32_t>& points) {
-  std::vector<uint8_t> rounds(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    uint64_t hash = (i + 1) * 0x9e3779b97f4a7c15ULL;  // splitmix64
-    hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebULL;
-    hash ^= hash >> 31;
-    rounds[i] = static_cast<uint8_t>(std::countl_zero(hash | 1));
-  }
-  std::vector<uint32_t> order;
-  order.reserve(points.size());
-  for (int round = 63; round >= 0; --round) {
-    for (size_t i = 0; i < points.size(); ++i) {
-      if (rounds[i] == round) {
-        order.push_back(points[i]);
-      }
-    }
-  }
-  return order;
 }
 
 // Tells whether a point is near enough to all four vertices of its cell, in all
@@ -152,14 +96,14 @@ constexpr char kStage[] = "Triangulating points";
 // A vertex's info is its point.
 using SerialDelaunay = Delaunay<CGAL::Sequential_tag>;
 
-// \param stand_ins of points that are left out is set to the point of a vertex
-// of
-//        the cell that they fall into
+// Inserts the points one after the other, without the redundant ones.
+// \param representatives of redundant points are set to the point of the
+//        nearest vertex of the cell that they fall into
 SerialDelaunay InsertThinned(const PointCloud& cloud,
                              const std::vector<View>& views,
                              const ThinningOptions& options,
                              const std::vector<uint32_t>& points,
-                             std::vector<uint32_t>* stand_ins,
+                             std::vector<uint32_t>* representatives,
                              const Progress& progress) {
   const ThinningRule rule(cloud, views, options);
   const std::vector<uint32_t> order = InsertionOrder(points);
@@ -174,7 +118,7 @@ SerialDelaunay InsertThinned(const PointCloud& cloud,
     const bool inside =
         delaunay.dimension() == 3 && !delaunay.is_infinite(cell);
     if (inside && rule.IsRedundant(order[i], cell)) {
-      (*stand_ins)[order[i]] = NearestVertex(cell, cloud, order[i]);
+      (*representatives)[order[i]] = NearestVertex(cell, cloud, order[i]);
       hint = cell;
       continue;
     }
@@ -212,136 +156,127 @@ ParallelDelaunay InsertAll(const PointCloud& cloud,
   return delaunay;
 }
 
-// Sorts a cell's corners, facets along with them, so that the first vertices
-// are the lowest and the orientation stays.
-void Canonicalize(Tetrahedralization::Cell* cell) {
-  bool odd = false;
-  for (int i = 1; i < 4; ++i) {
-    for (int j = i; j > 0 && cell->vertices[j] < cell->vertices[j - 1]; --j) {
-      std::swap(cell->vertices[j], cell->vertices[j - 1]);
-      std::swap(cell->neighbors[j], cell->neighbors[j - 1]);
-      odd = !odd;
-    }
-  }
-  if (odd) {
-    std::swap(cell->vertices[2], cell->vertices[3]);
-    std::swap(cell->neighbors[2], cell->neighbors[3]);
-  }
-}
-
-// Puts the cells into an order that depends on their vertices alone.
-void SortCells(std::vector<Tetrahedralization::Cell>* cells) {
-  std::vector<uint32_t> order(cells->size());
-  std::iota(order.begin(), order.end(), 0);
-  tbb::parallel_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return (*cells)[a].vertices < (*cells)[b].vertices;
-  });
-  std::vector<uint32_t> rank(cells->size());
-  for (uint32_t i = 0; i < order.size(); ++i) {
-    rank[order[i]] = i;
-  }
-  std::vector<Tetrahedralization::Cell> sorted(cells->size());
-  for (size_t i = 0; i < order.size(); ++i) {
-    sorted[i] = (*cells)[order[i]];
-    for (uint32_t& neighbor : sorted[i].neighbors) {
-      neighbor = rank[neighbor];
-    }
-  }
-  cells->swap(sorted);
-}
-
-// Copies CGAL's structure into flat arrays.
+// Numbers the vertices along the curve.
 // \param points along the curve, a superset of the vertices' points
+// \param result gets points, vertex_points, and point_vertices of those points
+//        that have a vertex of their own; kInfiniteVertex for the others
 template <typename Delaunay>
-void Flatten(Delaunay* delaunay, const PointCloud& cloud,
-             const std::vector<uint32_t>& points,
-             const std::vector<uint32_t>& stand_ins,
-             ThinnedTetrahedralization* result) {
-  if (delaunay->dimension() != 3) {
-    throw std::invalid_argument(
-        "the points lie in a plane: there is no volume to mesh");
-  }
-  Tetrahedralization& tetrahedra = result->tetrahedra;
+void NumberVertices(const Delaunay& delaunay, const PointCloud& cloud,
+                    const std::vector<uint32_t>& points,
+                    ThinnedTetrahedralization* result) {
   std::vector<uint32_t>& point_vertices = result->point_vertices;
+  std::vector<Eigen::Vector3f>& positions = result->tetrahedra.points;
   point_vertices.assign(cloud.size(), kInfiniteVertex);
-  for (const auto vertex : delaunay->finite_vertex_handles()) {
+  for (const auto vertex : delaunay.finite_vertex_handles()) {
     point_vertices[vertex->info()] = 0;
   }
   for (const uint32_t point : points) {
     if (point_vertices[point] == 0) {
-      point_vertices[point] = static_cast<uint32_t>(tetrahedra.points.size());
-      tetrahedra.points.push_back(cloud.positions[point]);
+      point_vertices[point] = static_cast<uint32_t>(positions.size());
+      positions.push_back(cloud.positions[point]);
       result->vertex_points.push_back(point);
     }
   }
-  for (uint32_t point = 0; point < cloud.size(); ++point) {
-    uint32_t vertex_point = point;
-    while (point_vertices[vertex_point] == kInfiniteVertex) {
-      vertex_point = stand_ins[vertex_point];
+}
+
+// Gives points without a vertex that of their representative, or of its own.
+void FollowRepresentatives(const std::vector<uint32_t>& representatives,
+                           std::vector<uint32_t>* point_vertices) {
+  for (uint32_t point = 0; point < point_vertices->size(); ++point) {
+    uint32_t representative = point;
+    while ((*point_vertices)[representative] == kInfiniteVertex) {
+      representative = representatives[representative];
     }
-    point_vertices[point] = point_vertices[vertex_point];
+    (*point_vertices)[point] = (*point_vertices)[representative];
   }
-  const size_t num_cells = delaunay->tds().number_of_cells();
+}
+
+// \throw std::invalid_argument where 32-bit arcs, 4 * cell + facet, would not
+//        do
+template <typename Delaunay>
+std::vector<Tetrahedralization::Cell> CopyCells(
+    const Delaunay& delaunay, const std::vector<uint32_t>& point_vertices) {
+  const size_t num_cells = delaunay.tds().number_of_cells();
   if (num_cells >= UINT32_MAX / 4) {
     throw std::invalid_argument(
         "too many points for 32-bit indices: raise max_proj_dist");
   }
   uint32_t index = 0;
-  for (const auto cell : delaunay->all_cell_handles()) {
+  for (const auto cell : delaunay.all_cell_handles()) {
     cell->info() = index++;
   }
-  tetrahedra.cells.resize(num_cells);
-  for (const auto cell : delaunay->all_cell_handles()) {
-    Tetrahedralization::Cell& flat = tetrahedra.cells[cell->info()];
+  std::vector<Tetrahedralization::Cell> cells(num_cells);
+  for (const auto cell : delaunay.all_cell_handles()) {
+    Tetrahedralization::Cell& copy = cells[cell->info()];
     for (int i = 0; i < 4; ++i) {
-      flat.vertices[i] = delaunay->is_infinite(cell->vertex(i))
+      copy.vertices[i] = delaunay.is_infinite(cell->vertex(i))
                              ? kInfiniteVertex
                              : point_vertices[cell->vertex(i)->info()];
-      flat.neighbors[i] = cell->neighbor(i)->info();
+      copy.neighbors[i] = cell->neighbor(i)->info();
     }
-    Canonicalize(&flat);
+    SortCorners(&copy);
   }
-  delaunay->clear();
-  SortCells(&tetrahedra.cells);
-  tetrahedra.vertex_cells.assign(tetrahedra.points.size(), kNoCell);
+  return cells;
+}
+
+// The first finite cell of each vertex.
+std::vector<uint32_t> FirstCells(const Tetrahedralization& tetrahedra) {
+  std::vector<uint32_t> first(tetrahedra.points.size(), kNoCell);
   for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+    if (tetrahedra.IsInfinite(cell)) {
+      continue;
+    }
     for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
-      if (vertex != kInfiniteVertex &&
-          tetrahedra.vertex_cells[vertex] == kNoCell &&
-          !tetrahedra.IsInfinite(cell)) {
-        tetrahedra.vertex_cells[vertex] = cell;
-      }
+      first[vertex] = std::min(first[vertex], cell);
     }
   }
+  return first;
+}
+
+// Copies CGAL's structure into flat arrays, and empties it.
+// \param points          along the curve, a superset of the vertices' points
+// \param representatives [P] another point for each one without a vertex
+// \throw std::invalid_argument
+template <typename Delaunay>
+void Flatten(const PointCloud& cloud, const std::vector<uint32_t>& points,
+             const std::vector<uint32_t>& representatives, Delaunay* delaunay,
+             ThinnedTetrahedralization* result) {
+  if (delaunay->dimension() != 3) {
+    throw std::invalid_argument(
+        "the points lie in a plane: there is no volume to mesh");
+  }
+  NumberVertices(*delaunay, cloud, points, result);
+  FollowRepresentatives(representatives, &result->point_vertices);
+  Tetrahedralization& tetrahedra = result->tetrahedra;
+  tetrahedra.cells = CopyCells(*delaunay, result->point_vertices);
+  delaunay->clear();  // before SortCells needs memory
+  SortCells(&tetrahedra.cells);
+  tetrahedra.vertex_cells = FirstCells(tetrahedra);
 }
 
 }  // namespace
 
 void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
                    std::vector<uint32_t>* cells) {
-  // A vertex has some 25 cells, but an outlier can have thousands.
+  // A vertex has some 25 cells, but an outlier can have thousands. Up to this
+  // many (256 bytes) a linear search is faster than a hash table.
   constexpr size_t kMaxLinearSearch = 64;
   std::unordered_set<uint32_t> seen;
-  cells->clear();
-  cells->push_back(tetrahedra.vertex_cells[vertex]);
+  const auto is_new = [&](uint32_t cell) {
+    if (cells->size() <= kMaxLinearSearch) {
+      return std::find(cells->begin(), cells->end(), cell) == cells->end();
+    }
+    if (seen.empty()) {
+      seen.insert(cells->begin(), cells->end());
+    }
+    return seen.insert(cell).second;
+  };
+  cells->assign(1, tetrahedra.vertex_cells[vertex]);
   for (size_t i = 0; i < cells->size(); ++i) {
     const Tetrahedralization::Cell& cell = tetrahedra.cells[(*cells)[i]];
     for (int k = 0; k < 4; ++k) {
-      const uint32_t neighbor = cell.neighbors[k];
-      if (cell.vertices[k] == vertex) {
-        continue;
-      }
-      if (cells->size() <= kMaxLinearSearch) {
-        if (std::find(cells->begin(), cells->end(), neighbor) == cells->end()) {
-          cells->push_back(neighbor);
-        }
-        continue;
-      }
-      if (seen.empty()) {
-        seen.insert(cells->begin(), cells->end());
-      }
-      if (seen.insert(neighbor).second) {
-        cells->push_back(neighbor);
+      if (cell.vertices[k] != vertex && is_new(cell.neighbors[k])) {
+        cells->push_back(cell.neighbors[k]);
       }
     }
   }
@@ -353,20 +288,20 @@ ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,
                                          const Progress& progress) {
   Report(progress, kStage, 0);
   ThinnedTetrahedralization result;
-  std::vector<uint32_t> stand_ins;
+  std::vector<uint32_t> representatives;
   const std::vector<uint32_t> points =
-      DistinctPoints(cloud.positions, &stand_ins);
+      DistinctPoints(cloud.positions, &representatives);
   result.num_duplicate_points = cloud.size() - points.size();
   if (points.size() < 4) {
     throw std::invalid_argument("fewer than four points: nothing to mesh");
   }
   if (options.max_proj_dist > 0) {
-    auto delaunay =
-        InsertThinned(cloud, views, options, points, &stand_ins, progress);
-    Flatten(&delaunay, cloud, points, stand_ins, &result);
+    auto delaunay = InsertThinned(cloud, views, options, points,
+                                  &representatives, progress);
+    Flatten(cloud, points, representatives, &delaunay, &result);
   } else {
     auto delaunay = InsertAll(cloud, points);
-    Flatten(&delaunay, cloud, points, stand_ins, &result);
+    Flatten(cloud, points, representatives, &delaunay, &result);
   }
   return result;
 }

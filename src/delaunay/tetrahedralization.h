@@ -60,6 +60,14 @@ struct Tetrahedralization {
   }
 };
 
+// The capacity to reserve for arrays of cells: with room for those that
+// SplitCell appends, or the first one of them would copy the arrays. Cells that
+// are split are about 1e-4 of all (fountain); what is reserved and not used
+// costs no memory.
+inline size_t WithSpareCells(size_t num_cells) {
+  return num_cells + num_cells / 64;
+}
+
 // All cells around a vertex, in an order that depends on the tetrahedralization
 // alone.
 void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
@@ -77,8 +85,8 @@ struct ThinningOptions {
 struct ThinnedTetrahedralization {
   Tetrahedralization tetrahedra;
   std::vector<uint32_t> vertex_points;  // [V], the cloud's point of each vertex
-  // [P], the vertex of each point: its own, or for a point that was left out
-  // the nearest one of those that it was found near to.
+  // [P], the vertex of each point: its own; for a repeated point that of the
+  // one that was kept; for a redundant point the nearest one of its cell.
   std::vector<uint32_t> point_vertices;
   size_t num_duplicate_points = 0;  // at the very position of another
 };
@@ -86,10 +94,10 @@ struct ThinnedTetrahedralization {
 // Delaunay tetrahedralization of the cloud's points, thinned. Vertices and
 // cells are numbered along a space-filling curve. The result depends neither on
 // the number of threads nor on anything but the input. Points are inserted in
-// parallel where all are kept, else one after the other (biased randomized
-// insertion order, Amenta et al. 2003).
+// parallel where all are kept, else one after the other in a biased randomized
+// insertion order [Amenta2003].
 //
-// \pre all positions are finite
+// \pre all positions are finite, view indices < views.size()
 // \throw std::invalid_argument where the points do not span a volume, or are
 //        too many for 32-bit cell indices.
 ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,

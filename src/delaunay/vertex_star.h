@@ -1,38 +1,57 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "delaunay/tetrahedralization.h"
 
 namespace colmap_ext {
 
-// The cells around a vertex, grouped into components: cells of one label that
-// are connected through facets that contain the vertex.
+// The cells around a vertex, grouped into K components: cells of one label that
+// are connected through facets that contain the vertex. Components are ordered
+// by their lowest cells.
 struct VertexStar {
-  struct Component {
-    bool is_free = false;
-    std::vector<uint32_t> cells;
-  };
+  std::vector<uint32_t> cells;     // component after component
+  std::vector<size_t> offsets{0};  // [K + 1], into cells
+  std::vector<uint8_t> is_free;    // [K], 1: free space, 0: matter
 
-  std::vector<Component> components;  // ordered by their lowest cells
+  size_t NumComponents() const { return is_free.size(); }
 
-  // Lhuillier 2018, theorem 3, for a vertex on the boundary between free space
-  // and matter: the surface around it is more than one fan. Within either there
-  // is one component.
-  bool IsSingular() const { return components.size() > 2; }
+  // The cells of a component, the lowest one first.
+  std::span<const uint32_t> Component(size_t component) const {
+    return {cells.data() + offsets[component],
+            cells.data() + offsets[component + 1]};
+  }
+
+  // Whether the surface around the vertex is more than one fan [Lhuillier2018,
+  // theorem 3]. Around a vertex of the surface there are two components then,
+  // around one within free space or within matter there is one.
+  bool IsSingular() const { return NumComponents() > 2; }
 };
 
-// \param is_free [cells] the cells' labels
+// \param is_free [C] labels of the cells, 1: free space, 0: matter
+// \param star    is overwritten
 void MakeVertexStar(const Tetrahedralization& tetrahedra,
                     const std::vector<uint8_t>& is_free, uint32_t vertex,
                     VertexStar* star);
 
-bool IsSingular(const Tetrahedralization& tetrahedra,
-                const std::vector<uint8_t>& is_free, uint32_t vertex);
+// The cells around a vertex as a graph, whatever their labels are.
+struct StarGraph {
+  std::vector<uint32_t> cells;  // [S], ascending
+  // [S], places in cells: across the facets that contain the vertex.
+  std::vector<std::array<uint32_t, 3>> neighbors;
+};
 
-// All singular vertices, in ascending order.
-std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
-                                       const std::vector<uint8_t>& is_free);
+// \param graph is overwritten
+void MakeStarGraph(const Tetrahedralization& tetrahedra, uint32_t vertex,
+                   StarGraph* graph);
+
+// VertexStar::NumComponents for some labels. Much faster than to make the star.
+// \param is_free [C] labels of the cells, 1: free space, 0: matter
+size_t CountComponents(const StarGraph& graph,
+                       const std::vector<uint8_t>& is_free);
 
 }  // namespace colmap_ext

@@ -6,15 +6,13 @@
 
 #include <Eigen/Core>
 
+#include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
 #include "optim/min_cut.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 
 namespace colmap_ext {
-
-// Capacities are sums of weights in this unit: a weight of one is this integer.
-inline constexpr double kWeightUnit = 4096;
 
 struct VisibilityWeightOptions {
   double distance_sigma = 1;  // scene units
@@ -36,8 +34,8 @@ struct Observations {
 // these run side by side: on a scene with known truth the surface is as
 // accurate without them, from half to a third of the rays.
 //
-// \param point_vertices [P]
-// \param point_alphas [P]
+// \param point_vertices [P] the vertex of each point
+// \param point_alphas [P] the weight of each observation of a point
 Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
                              const std::vector<uint32_t>& point_vertices,
                              const std::vector<float>& point_alphas);
@@ -48,19 +46,16 @@ struct RayReport {
   size_t num_steps = 0;      // facets crossed by all rays
 };
 
-// The graph of the cells, whose capacities are all zero.
-FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra);
-
-// The votes of all observations for free space and matter (Labatut et al. 2009;
-// Vu et al. 2012). For a ray from the camera centre c to the point p, seen
-// with weight alpha:
+// The votes of all observations for free space and matter [Labatut2009; Vu2012;
+// Romanoni2019, section IV]. For a ray from the camera centre c to the point p,
+// seen with weight alpha:
 //   - the cell of c, or the infinite one through which the ray enters the hull:
 //     alpha from the source;
 //   - each facet crossed, at distance d from p, in the ray's direction:
 //     alpha (1 - exp(-d^2 / (2 sigma^2))), before p and up to behind_sigma
 //     sigma behind it;
 //   - the cell at that end: alpha to the sink.
-// The paper prints 1 - e^(d / 2 sigma), which is never positive.
+// The paper [Romanoni2019] prints 1 - e^(d / 2 sigma), which is never positive.
 //
 // Adds to graph->capacities, source and sink. Sums of integers: the result does
 // not depend on the number of threads. Sums stop growing a little above
@@ -72,21 +67,5 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
                                FlowGraph* graph, const Progress& progress = {});
-
-// The surface quality term, in both directions of each facet (Labatut et al.
-// 2009, figure 9): weight (1 - min(cos phi, cos psi)), phi and psi the angles
-// between the facet's plane and the circumscribing spheres of its two cells. An
-// infinite cell's cosine is one. Between two infinite cells it is -1: where
-// the object is its own hull, rays enter it by most infinite cells but not by
-// all, and what is known of those then holds for the others, which would be
-// holes.
-void AddQualityWeights(const Tetrahedralization& tetrahedra, double weight,
-                       FlowGraph* graph);
-
-// The cosine of the angle between the facet's plane and the circumscribing
-// sphere of its cell: the signed distance of the sphere's centre from the
-// plane, positive on the cell's side, over the radius. 1 for infinite cells.
-double CosFacetSphereAngle(const Tetrahedralization& tetrahedra, uint32_t cell,
-                           int facet);
 
 }  // namespace colmap_ext

@@ -1,24 +1,12 @@
 #include "evaluation/distance_statistics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "base/percentile.h"
+
 namespace colmap_ext {
-namespace {
-
-// Between neighbours in the order it is interpolated linearly.
-// \pre values are sorted, and not empty
-double Quantile(const std::vector<double>& values, double share) {
-  const double position = share * static_cast<double>(values.size() - 1);
-  const auto index = static_cast<size_t>(position);
-  const size_t next = std::min(index + 1, values.size() - 1);
-  const double weight = position - static_cast<double>(index);
-  return (1 - weight) * values[index] + weight * values[next];
-}
-
-}  // namespace
 
 DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
                              bool drop_beyond) {
@@ -39,8 +27,8 @@ DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
   // In the order of their sizes, whatever that of the samples was.
   statistics.mean = std::accumulate(distances.begin(), distances.end(), 0.0) /
                     static_cast<double>(distances.size());
-  statistics.median = Quantile(distances, 0.5);
-  statistics.percentile90 = Quantile(distances, 0.9);
+  statistics.median = Median(&distances);
+  statistics.percentile90 = InterpolatedPercentile(90, &distances);
   return statistics;
 }
 

@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "evaluation/surface_samples.h"
-#include "evaluation/thinning.h"
+#include "evaluation/voxel_downsampling.h"
 #include "spatial/bvh.h"
 
 namespace colmap_ext {
@@ -200,8 +200,8 @@ class Evaluator {
     }
     observability.RestrictMesh(&samples.mesh);
     observability.RestrictTruth(&samples.truth);
-    Thin(result.spacing, &samples.mesh);
-    Thin(result.spacing, &samples.truth);
+    DownsampleByVoxels(result.spacing, &samples.mesh);
+    DownsampleByVoxels(result.spacing, &samples.truth);
     const auto measure = [&](const Points& points, const Bvh& surface) {
       return Summarize(Distances(points, surface, result.max_distance),
                        result.max_distance, options_.drop_beyond);

@@ -101,15 +101,15 @@ class Evaluator {
                uint32_t num_facets) {
     const PairBuffers buffers = {views_.Vertices(), vertices_, views_.Facets(),
                                  pair_facets_,      normals_,  sums_};
-    const ViewTextures& first = views_.Get(pair.first);
-    const ViewTextures& second = views_.Get(pair.second);
+    const std::shared_ptr<const ViewTextures> first = views_.Get(pair.first);
+    const std::shared_ptr<const ViewTextures> second = views_.Get(pair.second);
     const View& first_view = images_->Views()[pair.first];
     const View& second_view = images_->Views()[pair.second];
     passes_.Run(
-        {first_view, second_view, first, second, first_facet, num_facets},
+        {first_view, second_view, *first, *second, first_facet, num_facets},
         buffers);
     passes_.Run(
-        {second_view, first_view, second, first, first_facet, num_facets},
+        {second_view, first_view, *second, *first, first_facet, num_facets},
         buffers);
   }
 
@@ -128,7 +128,7 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   GlPhotometricEnergy(const PhotometricOptions& options,
                       std::shared_ptr<ImagePyramid> images, int gpu_index,
                       size_t max_memory)
-      : context_(gpu_index) {
+      : min_cosine_(options.min_cosine), images_(images), context_(gpu_index) {
     const EglContext::Scope scope = context_.MakeCurrent();
     evaluator_.emplace(options, std::move(images), max_memory);
     ThrowOnGlError("The photometric energy");
@@ -142,6 +142,13 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   void SetLevel(int level) override {
     const EglContext::Scope scope = context_.MakeCurrent();
     evaluator_->SetLevel(level);
+  }
+
+  // Not for Render(), which draws on the graphics card. None is kept.
+  std::shared_ptr<const MeshDrawings> Drawings(
+      const TriangleMesh& mesh) override {
+    return std::make_shared<const MeshDrawings>(mesh, images_->Views(),
+                                                min_cosine_, 0);
   }
 
   void Render(const TriangleMesh& mesh) override {
@@ -165,6 +172,8 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   }
 
  private:
+  double min_cosine_;
+  std::shared_ptr<ImagePyramid> images_;
   EglContext context_;
   std::optional<Evaluator> evaluator_;
 };

@@ -13,7 +13,7 @@ namespace colmap_ext {
 //
 // \param gpu_index  see EglContext.
 // \param max_memory  of the views that are kept on the graphics card, bytes;
-//        two are kept whatever they take.
+//        the two of a pair whatever they take.
 // \pre options checked
 // \throw NoGlError if there is no OpenGL 4.5; GlError if it fails, here and
 //        later.

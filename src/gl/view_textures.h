@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <list>
+#include <cstdint>
 #include <memory>
 
+#include "base/lru_cache.h"
 #include "gl/facet_drawer.h"
 #include "gl/gl_objects.h"
 #include "mesh/triangle_mesh.h"
@@ -17,50 +18,37 @@ struct ViewTextures {
 
   GlTexture image;  // R8UI
   FacetTextures drawn;
-  bool is_drawn = false;  // the mesh at hand
+  uint64_t drawn_mesh = 0;  // number of the mesh, see ViewTextureCache; 0: none
 };
 
-// Views on the graphics card, as many at a time as memory allows: those that
-// were not used for the longest time make room.
+// Views on the graphics card, as many at a time as memory allows; the least
+// recently used ones make room. To be used by one thread at a time.
 class ViewTextureCache {
  public:
   // \param min_cosine  see DrawFacets().
-  // \param max_memory  bytes; two views are kept whatever they take.
+  // \param max_memory  bytes; what is in use is kept whatever it takes.
   ViewTextureCache(std::shared_ptr<ImagePyramid> images, double min_cosine,
                    size_t max_memory);
 
   // Drops all views; their size has changed.
-  void Clear();
+  void Clear() { views_.Clear(); }
 
   // What is to be drawn.
   void SetMesh(const TriangleMesh& mesh);
   const GlBuffer& Vertices() const { return vertices_; }  // [V][3] float
   const GlBuffer& Facets() const { return facets_; }      // [F][3] uint
 
-  // Valid until the next but one call.
-  const ViewTextures& Get(size_t view);
+  // With the mesh drawn into it.
+  std::shared_ptr<const ViewTextures> Get(size_t view);
 
  private:
-  struct Entry {
-    Entry(size_t index, size_t num_bytes, const GrayImage& image, int width,
-          int height)
-        : view(index), memory(num_bytes), textures(image, width, height) {}
-
-    size_t view;
-    size_t memory;  // bytes
-    ViewTextures textures;
-  };
-
-  void MakeRoom(size_t num_bytes);
-
   std::shared_ptr<ImagePyramid> images_;
-  size_t max_memory_;
   FacetDrawer drawer_;
   TriangleMesh mesh_;
+  uint64_t num_meshes_ = 0;  // the number of the mesh at hand
   GlBuffer vertices_;
   GlBuffer facets_;
-  std::list<Entry> entries_;  // the last used first
-  size_t memory_ = 0;         // of the entries, bytes
+  LruCache<ViewTextures> views_;
 };
 
 }  // namespace colmap_ext

@@ -8,9 +8,6 @@
 namespace colmap_ext {
 namespace {
 
-// The half-edge after this one in its facet.
-uint32_t Next(uint32_t half) { return half % 3 == 2 ? half - 2 : half + 1; }
-
 // Numbers the fans in the order in which corners use them and replaces the
 // corners' vertices by them.
 void CopyVerticesPerFan(const TriangleMesh& mesh,
@@ -21,7 +18,7 @@ void CopyVerticesPerFan(const TriangleMesh& mesh,
   UnionFind fans(num_corners);
   for (uint32_t half = 0; half < num_corners; ++half) {
     if (partners[half] != kNoPartner) {
-      fans.Join(half, Next(partners[half]));
+      fans.Join(half, NextHalfEdge(partners[half]));
     }
   }
   std::vector<uint32_t> vertex_of_fan(num_corners, UINT32_MAX);
@@ -46,9 +43,9 @@ void CopyVerticesPerFan(const TriangleMesh& mesh,
 // \return the half-edge that is its second part, in the new facet
 uint32_t CutFacet(uint32_t half, uint32_t middle, std::vector<Facet>* facets,
                   std::vector<uint32_t>* partners) {
-  const uint32_t old_next = Next(half);
+  const uint32_t old_next = NextHalfEdge(half);
   const uint32_t to = ToVertex(*facets, half);
-  const uint32_t apex = FromVertex(*facets, Next(old_next));
+  const uint32_t apex = FromVertex(*facets, NextHalfEdge(old_next));
   const auto new_half = static_cast<uint32_t>(partners->size());
   facets->push_back({middle, to, apex});
   (*facets)[half / 3][old_next % 3] = middle;
@@ -106,21 +103,6 @@ std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
 }
 
 }  // namespace
-
-std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets) {
-  std::vector<uint32_t> partners(3 * facets.size(), kNoPartner);
-  ForEachEdge(SortedHalfEdges(facets), [&](auto first, auto last) {
-    const uint32_t half = first->second;
-    if (last - first == 2) {
-      const uint32_t other = (first + 1)->second;
-      if (FromVertex(facets, half) != FromVertex(facets, other)) {
-        partners[half] = other;
-        partners[other] = half;
-      }
-    }
-  });
-  return partners;
-}
 
 FanSplit SplitFans(const TriangleMesh& mesh,
                    const std::vector<uint32_t>& partners) {

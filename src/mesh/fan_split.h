@@ -9,33 +9,29 @@
 
 namespace colmap_ext {
 
-// A facet's half-edge 3 * facet + k runs from its corner k to corner k + 1.
-inline constexpr uint32_t kNoPartner = UINT32_MAX;
-
-// The other half-edge of each half-edge's edge, where exactly two facets share
-// the edge and run it in opposite directions; else kNoPartner.
-std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets);
-
 struct FanSplit {
   TriangleMesh mesh;
-  // [V], the old vertices that a new one came from: one, twice, or the ends of
-  // the edge whose midpoint it is.
+
+  // [V] the two old vertices that a new one comes from: the ends of the edge
+  // whose midpoint it is, or twice the vertex that it is a copy of.
   std::vector<std::array<uint32_t, 2>> sources;
+
   size_t num_split_vertices = 0;  // copies made
   size_t num_midpoints = 0;
 };
 
-// Makes a mesh manifold without moving its surface: each vertex is copied once
-// per fan, a fan being the facets that are reached from each other across
-// paired edges around the vertex. Where two sheets still share both ends of an
-// edge (a fan that touches itself along it), all but one get a midpoint of
-// their own. Vertices that no facet uses are dropped. Vertices come out in the
-// order in which the facets use them, midpoints last. Facets keep their order;
-// those that a midpoint cuts off come last.
+// Makes a mesh manifold without moving its surface (docs/method.md, section
+// 3.3). Copies each vertex once per fan. Facets belong to one fan if partners
+// at the vertex connect them. Where two fans still share both ends of an edge,
+// all but one get a midpoint of their own.
 //
-// \param partners [3 F] from PairHalfEdges, or better: where more than two
-//        facets share an edge it takes more than the mesh to tell which two
-//        are one surface.
+// Vertices come out in the order in which the facets use them, midpoints last;
+// those that no facet uses are dropped. Facets keep their order; those that a
+// midpoint cuts off come last.
+//
+// \param partners [3 F] PairHalfEdges(), or better pairs: where more than two
+//        facets share an edge, only the cells tell which two continue each
+//        other.
 // \pre facet indices are in range, no facet repeats a vertex, partners run
 //      their edge in opposite directions
 FanSplit SplitFans(const TriangleMesh& mesh,

@@ -1,15 +1,14 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include <tbb/parallel_sort.h>
-
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
+
+// The half-edge 3 * facet + k runs from corner k of the facet to corner k + 1.
 
 inline uint32_t FromVertex(const std::vector<Facet>& facets, uint32_t half) {
   return facets[half / 3][half % 3];
@@ -19,21 +18,20 @@ inline uint32_t ToVertex(const std::vector<Facet>& facets, uint32_t half) {
   return facets[half / 3][(half % 3 + 1) % 3];
 }
 
-// All half-edges with the undirected edge they run, its vertices packed into 64
-// bits, lower one first: sorted, so that those of one edge stand together.
-inline std::vector<std::pair<uint64_t, uint32_t>> SortedHalfEdges(
-    const std::vector<Facet>& facets) {
-  std::vector<std::pair<uint64_t, uint32_t>> halves(3 * facets.size());
-  for (uint32_t half = 0; half < halves.size(); ++half) {
-    const uint64_t from = FromVertex(facets, half);
-    const uint64_t to = ToVertex(facets, half);
-    halves[half] = {std::min(from, to) << 32 | std::max(from, to), half};
-  }
-  tbb::parallel_sort(halves.begin(), halves.end());
-  return halves;
+// The half-edge after this one in its facet.
+inline uint32_t NextHalfEdge(uint32_t half) {
+  return half % 3 == 2 ? half - 2 : half + 1;
 }
 
+// Returns [3 F] all half-edges, each with its undirected edge: the two vertices
+// packed into 64 bits, the lower one first. Sorted, so that the half-edges of
+// an edge stand together.
+// \pre F < 2^32 / 3
+std::vector<std::pair<uint64_t, uint32_t>> SortedHalfEdges(
+    const std::vector<Facet>& facets);
+
 // Calls function(first, last) for the half-edges of each edge.
+// \param halves  from SortedHalfEdges
 template <typename Halves, typename Function>
 void ForEachEdge(const Halves& halves, const Function& function) {
   for (auto first = halves.begin(); first != halves.end();) {
@@ -45,5 +43,12 @@ void ForEachEdge(const Halves& halves, const Function& function) {
     first = last;
   }
 }
+
+inline constexpr uint32_t kNoPartner = UINT32_MAX;
+
+// Returns [3 F] the partner of each half-edge: the other one of its edge, where
+// exactly two facets share the edge and run it in opposite directions; else
+// kNoPartner.
+std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets);
 
 }  // namespace colmap_ext

@@ -6,6 +6,7 @@
 #include <tbb/parallel_sort.h>
 
 #include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
 
 namespace colmap_ext {
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace colmap_ext {
@@ -26,10 +27,12 @@ int NumWithout(const PottsProblem& problem, const LabelSets& sets,
   return count;
 }
 
-// One half of the nodes, another one in each round: if all chose at once,
-// neighbors would take each other's labels in turn for ever.
+// Whether the node chooses in a round: a half of the nodes does, another one in
+// each round. If all chose at once, neighbors would take each other's labels in
+// turn for ever.
 bool ChoosesIn(int round, uint32_t node) {
-  // Bits that are well mixed (Knuth, multiplicative hashing).
+  // A leading bit of the node times 2^32 over the golden ratio (multiplicative
+  // hashing [Knuth1998, section 6.4]).
   return ((node * 0x9e3779b1U) >> (31 - round) & 1) != 0;
 }
 
@@ -59,6 +62,25 @@ void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
   }
 }
 
+// The labels that some nodes have after a round: those of nodes that do not
+// choose in it stay.
+void ChooseInRound(const PottsProblem& problem, const LabelSets& given,
+                   const LabelSets& sets, int round,
+                   const tbb::blocked_range<uint32_t>& nodes,
+                   std::vector<uint32_t>* next) {
+  const double weight = round > 0 ? problem.weight / 3 : 0;
+  std::vector<PricedLabel> row;
+  for (uint32_t node = nodes.begin(); node != nodes.end(); ++node) {
+    uint32_t* begin = next->data() + sets.offsets[node];
+    if (round == 0 || ChoosesIn(round, node)) {
+      ChooseCheapest(problem, given, sets, node, weight, &row, begin,
+                     next->data() + sets.offsets[node + 1]);
+    } else {
+      std::copy(sets.Labels(node), sets.Labels(node + 1), begin);
+    }
+  }
+}
+
 }  // namespace
 
 LabelSets ChosenLabels(const PottsProblem& problem,
@@ -75,7 +97,9 @@ LabelSets ChosenLabels(const PottsProblem& problem,
 
 LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
                            uint32_t count) {
-  constexpr int kRounds = 8;
+  // The first one knows nothing of the neighbors; each node chooses again in
+  // half of the others.
+  constexpr int kRounds = 9;
   const auto num_nodes = static_cast<uint32_t>(problem.NumNodes());
   LabelSets sets;
   for (uint32_t node = 0; node < num_nodes; ++node) {
@@ -87,23 +111,12 @@ LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
   }
   sets.labels.resize(sets.offsets.back());
   std::vector<uint32_t> next(sets.labels.size());
-  for (int round = 0; round <= kRounds; ++round) {
-    // The first round knows nothing of the neighbors.
-    const double weight = round > 0 ? problem.weight / 3 : 0;
-    tbb::parallel_for(
-        tbb::blocked_range<uint32_t>(0, num_nodes),
-        [&](const tbb::blocked_range<uint32_t>& range) {
-          std::vector<PricedLabel> row;
-          for (uint32_t node = range.begin(); node != range.end(); ++node) {
-            uint32_t* begin = next.data() + sets.offsets[node];
-            if (round == 0 || ChoosesIn(round, node)) {
-              ChooseCheapest(problem, given, sets, node, weight, &row, begin,
-                             next.data() + sets.offsets[node + 1]);
-            } else {
-              std::copy(sets.Labels(node), sets.Labels(node + 1), begin);
-            }
-          }
-        });
+  for (int round = 0; round < kRounds; ++round) {
+    tbb::parallel_for(tbb::blocked_range<uint32_t>(0, num_nodes),
+                      [&](const tbb::blocked_range<uint32_t>& nodes) {
+                        ChooseInRound(problem, given, sets, round, nodes,
+                                      &next);
+                      });
     sets.labels.swap(next);
   }
   return sets;

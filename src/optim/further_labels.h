@@ -17,6 +17,7 @@ struct LabelSets {
   }
 };
 
+// The chosen label of each node, none where it has no choice.
 // \param choices  [N] see PottsSolution
 LabelSets ChosenLabels(const PottsProblem& problem,
                        const std::vector<uint32_t>& choices);
@@ -24,10 +25,12 @@ LabelSets ChosenLabels(const PottsProblem& problem,
 // Adds to each node's labels the cheapest others, `count` in all where it has
 // as many. As with the first label, those that neighbors have too are
 // preferred: for each neighbor that has not got it, a label costs a third of
-// the field's weight more. That is found in a few rounds, in each of which half
-// of the nodes choose anew by what their neighbors have.
+// the field's weight more: a label that no neighbor has costs the weight. That
+// is approached in a few rounds, in each of which half of the nodes choose
+// again by what their neighbors have.
 //
-// \param given  stay, and stay first; not more than `count` a node
+// \param given  labels that stay, and stay first; not more than `count` a node
+// \return the labels of each node, `count` or all that it has
 LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
                            uint32_t count);
 

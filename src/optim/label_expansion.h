@@ -7,11 +7,14 @@
 
 namespace colmap_ext {
 
-// A round of alpha expansion (Boykov, Veksler and Zabih 2001): for one label
+// A round of alpha expansion [Boykov2001]: for one label
 // after the other, those nodes take it that have it among theirs and lower the
 // energy most by taking it together, found by a minimum cut. The cuts' graphs
 // are of these nodes alone, so that time and memory follow the sum of the
 // nodes' labels. Capacities are integers: the energy can rise by a rounding.
+//
+// \param choices [N] see PottsSolution
+// \return new choices
 std::vector<uint32_t> ExpandLabels(const PottsProblem& problem,
                                    std::vector<uint32_t> choices);
 

@@ -40,7 +40,7 @@ MessagePassing::MessagePassing(const PottsProblem& problem)
 // write to their own edges only: the order of the visits does not matter.
 template <typename Visit>
 double MessagePassing::SumOverRun(size_t run, const Visit& visit) const {
-  constexpr uint32_t kGrain = 128;  // a few microseconds
+  constexpr uint32_t kGrain = 128;  // nodes: a few microseconds of work
   return tbb::parallel_deterministic_reduce(
       tbb::blocked_range<uint32_t>(runs_[run], runs_[run + 1], kGrain), 0.0,
       [&](const tbb::blocked_range<uint32_t>& nodes, double sum) {
@@ -122,7 +122,8 @@ void MessagePassing::AddMessage(uint64_t at, std::vector<float>* belief) const {
   }
 }
 
-// Returns what the choice costs, with the edges to the earlier neighbors.
+// Chooses the label with the least belief.
+// \return its cost, with the edges to the earlier neighbors
 double MessagePassing::Choose(uint32_t node, std::vector<float>* belief,
                               std::vector<uint32_t>* choices) const {
   belief->assign(problem_.Costs(node),
@@ -154,9 +155,10 @@ double MessagePassing::Choose(uint32_t node, std::vector<float>* belief,
          problem_.weight * static_cast<double>(num_chosen - num_equal);
 }
 
-// Replaces the messages on the edges to the later (or earlier) neighbors by
-// those to them. Returns what is subtracted from these so that they are 0 at
-// least.
+// Sends messages to the later (or earlier) neighbors, in place of those that
+// came from them.
+// \return the sum of what is subtracted from the messages so that their least
+//         values are 0
 double MessagePassing::Send(uint32_t node, bool is_forward, Scratch* scratch) {
   int num_later = 0;
   int num_earlier = 0;

@@ -8,22 +8,26 @@
 
 namespace colmap_ext {
 
-// The passes of sequential tree-reweighted message passing (Kolmogorov 2006,
-// figure 3), along the nodes' own order and against it. Runs of consecutive
+// The passes of sequential tree-reweighted message passing [Kolmogorov2006,
+// figure 3], along the nodes' own order and against it. Runs of consecutive
 // nodes without neighbors among them are visited in parallel; what comes out is
 // the same as one by one.
 //
-// Messages keep to the labels of the node that they go to; their least is 0.
+// A message has a value for each label of the node that it goes to; the least
+// value is 0.
 class MessagePassing {
  public:
   // \param problem  has to outlive this.
   explicit MessagePassing(const PottsProblem& problem);
 
-  // A pass in the order; each node chooses by the earlier ones' choices and the
-  // later ones' messages. Returns the energy of the choices.
+  // A pass in the order. Each node chooses by the choices of its earlier
+  // neighbors and the messages of its later ones.
+  // \param choices [N] see PottsSolution, are overwritten
+  // \return the energy of the choices
   double Forward(std::vector<uint32_t>* choices);
 
-  // A pass against the order. Returns a lower bound on the energy.
+  // A pass against the order.
+  // \return a lower bound on the energy
   double Backward();
 
  private:

@@ -9,8 +9,8 @@ namespace colmap_ext {
 
 inline constexpr uint32_t kNoNeighbor = UINT32_MAX;
 
-// Capacities above this one count as this one, so that 32 bits hold the
-// residual capacity of an arc and of its reverse together.
+// Capacities above this one count as this one, so that a signed integer of 32
+// bits holds the sum of the residual capacities of an arc and of its reverse.
 inline constexpr uint32_t kMaxCapacity = (1u << 30) - 1;
 
 // A directed graph with a source and a sink, whose nodes have at most four
@@ -33,8 +33,10 @@ struct MinCut {
 };
 
 // Maximum flow and minimum s-t cut: augmenting paths along two search trees
-// that are kept and repaired (Boykov and Kolmogorov 2004). Among the minimum
+// that are kept and repaired [Boykov2004]. Among the minimum
 // cuts the one with the fewest nodes on the source's side, which is unique.
+//
+// \pre neighbors are symmetric and without repeats
 MinCut ComputeMinCut(const FlowGraph& graph);
 
 // The sum of the capacities of the arcs that lead from the source's side to the

@@ -14,24 +14,31 @@ struct Search {
   std::vector<uint32_t> levels;  // [N] edges from the part's first node
 };
 
+// Appends the part that is connected to a node that no search has reached.
+void AppendPart(const Neighbors& neighbors, uint32_t seed, Search* search) {
+  std::vector<uint32_t>& order = search->order;
+  std::vector<uint32_t>& levels = search->levels;
+  size_t next = order.size();
+  levels[seed] = 0;
+  order.push_back(seed);
+  for (; next < order.size(); ++next) {
+    const uint32_t node = order[next];
+    for (const uint32_t other : neighbors[node]) {
+      if (other != UINT32_MAX && levels[other] == UINT32_MAX) {
+        levels[other] = levels[node] + 1;
+        order.push_back(other);
+      }
+    }
+  }
+}
+
 Search BreadthFirst(const Neighbors& neighbors) {
   Search search;
   search.order.reserve(neighbors.size());
   search.levels.assign(neighbors.size(), UINT32_MAX);
   for (uint32_t seed = 0; seed < neighbors.size(); ++seed) {
-    if (search.levels[seed] != UINT32_MAX) {
-      continue;
-    }
-    search.levels[seed] = 0;
-    search.order.push_back(seed);
-    for (size_t i = search.order.size() - 1; i < search.order.size(); ++i) {
-      const uint32_t node = search.order[i];
-      for (const uint32_t other : neighbors[node]) {
-        if (other != UINT32_MAX && search.levels[other] == UINT32_MAX) {
-          search.levels[other] = search.levels[node] + 1;
-          search.order.push_back(other);
-        }
-      }
+    if (search.levels[seed] == UINT32_MAX) {
+      AppendPart(neighbors, seed, &search);
     }
   }
   return search;

@@ -2,23 +2,26 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
+#include <tbb/task_arena.h>
 #include <opencv2/imgproc.hpp>
 
 namespace colmap_ext {
 
 namespace {
 
-// Means of the pixels that each new one covers.
-GrayImage Resize(GrayImage image, int width, int height) {
-  if (image.width == width && image.height == height) {
-    return image;
-  }
+size_t NumPixels(const View& view) {
+  return static_cast<size_t>(view.width) * view.height;
+}
+
+// A pixel is the mean of those that it covers.
+GrayImage Resize(const GrayImage& image, int width, int height) {
   GrayImage resized{width, height, {}};
   resized.pixels.resize(static_cast<size_t>(width) * height);
-  const cv::Mat from(image.height, image.width, CV_8U, image.pixels.data());
+  // OpenCV has no views of constant pixels.
+  const cv::Mat from(image.height, image.width, CV_8U,
+                     const_cast<uint8_t*>(image.pixels.data()));
   cv::Mat to(height, width, CV_8U, resized.pixels.data());
   cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
   return resized;
@@ -37,45 +40,53 @@ ImagePyramid::ImagePyramid(std::vector<View> views, ReadGrayImage read_image,
     : views_(std::move(views)),
       level_views_(views_),
       read_image_(std::move(read_image)),
-      max_memory_(max_memory) {}
+      max_memory_(max_memory),
+      full_images_(max_memory),
+      level_images_(max_memory) {}
 
 void ImagePyramid::SetLevel(int level) {
   if (level == level_) {
     return;
   }
   level_ = level;
-  entries_.clear();
-  memory_ = 0;
+  level_images_.Clear();
+  size_t level_memory = 0;
   for (size_t i = 0; i < views_.size(); ++i) {
     level_views_[i] = ViewAtLevel(views_[i], level);
+    level_memory += level > 0 ? NumPixels(level_views_[i]) : 0;
   }
+  // Those of the level are used again and again, the full size once a level.
+  full_images_.SetMaxBytes(max_memory_ - std::min(max_memory_, level_memory));
+}
+
+std::shared_ptr<const GrayImage> ImagePyramid::FullImage(size_t view) {
+  return full_images_.Get(view, NumPixels(views_[view]), [&] {
+    auto image = std::make_shared<const GrayImage>(read_image_(view));
+    if (image->width != views_[view].width ||
+        image->height != views_[view].height) {
+      throw std::runtime_error("the image " + views_[view].name +
+                               " is not of the size that it had");
+    }
+    return image;
+  });
 }
 
 std::shared_ptr<const GrayImage> ImagePyramid::Image(size_t view) {
-  const std::scoped_lock lock(mutex_);
-  const auto found =
-      std::find_if(entries_.begin(), entries_.end(),
-                   [view](const Entry& entry) { return entry.view == view; });
-  if (found != entries_.end()) {
-    entries_.splice(entries_.begin(), entries_, found);
-    return found->image;
-  }
-  GrayImage image = read_image_(view);
-  if (image.width != views_[view].width ||
-      image.height != views_[view].height) {
-    throw std::runtime_error("the image " + views_[view].name +
-                             " is not of the size that it had");
-  }
-  const View& level_view = level_views_[view];
-  auto resized = std::make_shared<const GrayImage>(
-      Resize(std::move(image), level_view.width, level_view.height));
-  memory_ += resized->pixels.size();
-  while (!entries_.empty() && memory_ > max_memory_) {
-    memory_ -= entries_.back().image->pixels.size();
-    entries_.pop_back();
-  }
-  entries_.push_front({view, resized});
-  return resized;
+  std::shared_ptr<const GrayImage> image;
+  // OpenCV and decoders may run tasks: while this thread waits for them, it
+  // must not begin a task that waits for this image.
+  tbb::this_task_arena::isolate([&] {
+    if (level_ == 0) {
+      image = FullImage(view);
+      return;
+    }
+    const View& size = level_views_[view];
+    image = level_images_.Get(view, NumPixels(size), [&] {
+      return std::make_shared<const GrayImage>(
+          Resize(*FullImage(view), size.width, size.height));
+    });
+  });
+  return image;
 }
 
 }  // namespace colmap_ext

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <list>
 #include <memory>
-#include <mutex>
 #include <vector>
 
+#include "base/lru_cache.h"
 #include "scene/gray_image.h"
 #include "scene/view.h"
 
@@ -14,19 +13,23 @@ namespace colmap_ext {
 // The view of an image halved `level` times; sizes are rounded up.
 View ViewAtLevel(const View& view, int level);
 
-// Images at one level of their pyramids, means of the pixels that they cover.
-// They are read when they are asked for, and the one that was not used for the
-// longest time is dropped when there are too many. Safe from several threads.
+// Images at one level of their pyramids: a pixel is the mean of the full-size
+// pixels that it covers. Images are read when they are asked for. Where memory
+// allows, the full size is kept too, so that each file is read once for all
+// levels; the least recently used images make room. Image() is safe from
+// several threads.
 class ImagePyramid {
  public:
   // \param views  the full size.
-  // \param max_memory  of the images that are kept, bytes; what is in use is
-  //        kept whatever it takes.
+  // \param max_memory  of the images that are kept, bytes. The image read last
+  //        is kept whatever it takes, and what is in use lives on.
   ImagePyramid(std::vector<View> views, ReadGrayImage read_image,
                size_t max_memory);
 
-  // Drops what is kept of another level.
+  // Drops what is kept of another level but the full size.
+  // \pre no other thread uses the pyramid meanwhile
   void SetLevel(int level);
+  int Level() const { return level_; }
 
   // \throw what read_image throws; std::runtime_error if the image is not of
   //        its view's size.
@@ -36,20 +39,15 @@ class ImagePyramid {
   const std::vector<View>& Views() const { return level_views_; }
 
  private:
-  struct Entry {
-    size_t view;
-    std::shared_ptr<const GrayImage> image;
-  };
+  std::shared_ptr<const GrayImage> FullImage(size_t view);
 
   std::vector<View> views_;
   std::vector<View> level_views_;
   ReadGrayImage read_image_;
   size_t max_memory_;
   int level_ = 0;
-
-  std::mutex mutex_;
-  std::list<Entry> entries_;  // the last used first
-  size_t memory_ = 0;         // of the entries, bytes
+  LruCache<const GrayImage> full_images_;   // of what level_images_ leaves
+  LruCache<const GrayImage> level_images_;  // empty at level 0
 };
 
 }  // namespace colmap_ext

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
+#include "raster/mesh_drawings.h"
 
 namespace colmap_ext {
 
@@ -74,10 +76,15 @@ class PhotometricEnergy {
   // The level that the images are to be used at.
   virtual void SetLevel(int level) = 0;
 
-  // Draws the mesh into every view; until it is called again Evaluate() takes
-  // what is visible where from this mesh: which facet a pixel of view i shows,
-  // which facets face a view, and how deep view j sees. The energy of a moved
-  // mesh stays differentiable that way.
+  // The mesh drawn by the processor into the views of the level, for others to
+  // use. A Render() of the same mesh takes these drawings over if it draws
+  // alike. Render() has to be called before Evaluate() then.
+  virtual std::shared_ptr<const MeshDrawings> Drawings(
+      const TriangleMesh& mesh) = 0;
+
+  // Draws the mesh into every view. Until the next call, visibility, facing and
+  // depths are taken from this mesh, so that the energy of a moved mesh is
+  // differentiable.
   virtual void Render(const TriangleMesh& mesh) = 0;
 
   // \pre Render() was called with a mesh of the same facets.

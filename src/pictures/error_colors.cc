@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/percentile.h"
+
 namespace colmap_ext {
 
 Color ErrorColor(double error, double scale) {
@@ -28,15 +30,13 @@ double ErrorScale(std::vector<double> errors) {
   if (errors.empty()) {
     return 1;
   }
-  const auto nth = errors.begin() +
-                   static_cast<std::ptrdiff_t>(0.95 * (errors.size() - 1.0));
-  std::nth_element(errors.begin(), nth, errors.end());
-  if (!(*nth > 0)) {
+  const double most = Percentile(95, &errors);
+  if (!(most > 0)) {
     return 1;
   }
-  const double power = std::pow(10, std::floor(std::log10(*nth)));
+  const double power = std::pow(10, std::floor(std::log10(most)));
   for (const double factor : {1, 2, 5}) {
-    if (factor * power >= *nth) {
+    if (factor * power >= most) {
       return factor * power;
     }
   }

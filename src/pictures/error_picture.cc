@@ -54,9 +54,7 @@ void DrawScale(double scale, int top, cv::Mat* picture) {
 ColorImage DrawErrors(const TriangleMesh& mesh,
                       const std::vector<Color>& colors, const View& view,
                       double scale) {
-  constexpr double kPointRadius = 1;  // px, of what has no facets
-  ColorImage image = RenderMesh({mesh, {}, colors, {}}, view,
-                                RenderMode::kColor, kPointRadius);
+  ColorImage image = RenderVertexColors(mesh, colors, view);
   const int top = image.height;
   image.height += kStripHeight;
   image.pixels.resize(static_cast<size_t>(image.width) * image.height,

@@ -1,6 +1,6 @@
 #include "raster/facet_visibility.h"
 
-#include <algorithm>
+#include <vector>
 
 #include <tbb/parallel_for.h>
 
@@ -11,44 +11,49 @@ namespace colmap_ext {
 
 namespace {
 
-// [F] whether a view shows each facet.
-std::vector<uint8_t> FindVisible(const FacetVisibilityOptions& options,
-                                 const TriangleMesh& mesh,
+Eigen::Vector3d Centroid(const TriangleMesh& mesh, const Facet& facet) {
+  const auto& [a, b, c] = facet;
+  return (mesh.vertices[a].cast<double>() + mesh.vertices[b].cast<double>() +
+          mesh.vertices[c].cast<double>()) /
+         3;
+}
+
+bool IsWithin(const View& view, const Eigen::Vector2d& pixel, double border) {
+  return pixel.x() >= border && pixel.y() >= border &&
+         pixel.x() < view.width - border && pixel.y() < view.height - border;
+}
+
+// [F] 1 where a view shows the facet, else 0.
+std::vector<uint8_t> FindVisible(const TriangleMesh& mesh,
                                  const std::vector<FacetFrame>& frames,
-                                 const View& view) {
-  const FacetIdBuffer drawn = DrawFacets(view, mesh, options.min_cosine);
+                                 const View& view, const FacetIdBuffer& drawn,
+                                 double border) {
   std::vector<uint8_t> is_visible(mesh.facets.size(), 0);
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
-    const auto [a, b, c] = mesh.facets[i];
-    const Eigen::Vector3d point =
-        (mesh.vertices[a].cast<double>() + mesh.vertices[b].cast<double>() +
-         mesh.vertices[c].cast<double>()) /
-        3;
     if (!drawn.is_facing[i]) {
       continue;
     }
-    const Eigen::Vector3d in_camera = view.CamFromWorld(point);
+    const Eigen::Vector3d in_camera =
+        view.CamFromWorld(Centroid(mesh, mesh.facets[i]));
     const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
-    if (!(pixel.x() >= options.border && pixel.y() >= options.border &&
-          pixel.x() < view.width - options.border &&
-          pixel.y() < view.height - options.border)) {
-      continue;
+    if (IsWithin(view, pixel, border)) {
+      is_visible[i] = IsNearest(view, drawn, i, PlaneSlope(view, frames[i]),
+                                pixel.x(), pixel.y(), 1 / in_camera.z());
     }
-    is_visible[i] = IsNearest(view, drawn, i, PlaneSlope(view, frames[i]),
-                              pixel.x(), pixel.y(), 1 / in_camera.z());
   }
   return is_visible;
 }
 
 }  // namespace
 
-FacetVisibility FindVisibleFacets(const FacetVisibilityOptions& options,
-                                  const TriangleMesh& mesh,
-                                  const std::vector<View>& views) {
+FacetVisibility FindVisibleFacets(const MeshDrawings& drawings, double border) {
+  const TriangleMesh& mesh = drawings.Mesh();
+  const std::vector<View>& views = drawings.Views();
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   std::vector<std::vector<uint8_t>> is_visible(views.size());
   tbb::parallel_for(size_t{0}, views.size(), [&](size_t i) {
-    is_visible[i] = FindVisible(options, mesh, frames, views[i]);
+    is_visible[i] =
+        FindVisible(mesh, frames, views[i], *drawings.Get(i), border);
   });
   FacetVisibility visibility;
   visibility.offsets.reserve(mesh.facets.size() + 1);

@@ -1,30 +1,24 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "base/rows.h"
-#include "mesh/triangle_mesh.h"
-#include "scene/view.h"
+#include "raster/mesh_drawings.h"
 
 namespace colmap_ext {
 
-// The views that show each facet, ascending: [F].
+// [F] the views that show each facet, ascending.
 using FacetVisibility = Rows<uint32_t>;
 
-struct FacetVisibilityOptions {
-  // Between the facet's normal and the ray to the camera.
-  double min_cosine = 0.1;
+// A window of radius 2 around a pixel, and the pixel beyond it that bicubic
+// sampling takes, lie within the image.
+inline constexpr double kVisibilityBorder = 3;  // px
 
-  // Pixels that a facet's centre has to keep from the image's border.
-  double border = 3;
-};
-
-// Draws the mesh into all views and looks for each facet's centroid: it is seen
-// where nothing is drawn in front of it, the facet faces the camera, and is not
-// at the image's border.
-FacetVisibility FindVisibleFacets(const FacetVisibilityOptions& options,
-                                  const TriangleMesh& mesh,
-                                  const std::vector<View>& views);
+// Which views show the facets' centroids (docs/method.md, section 4.2): nothing
+// is drawn in front of the centroid, the facet faces the camera, and the
+// centroid is not at the image's border.
+// \param border  how far the centroid has to keep from the image's border, px.
+FacetVisibility FindVisibleFacets(const MeshDrawings& drawings,
+                                  double border = kVisibilityBorder);
 
 }  // namespace colmap_ext

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
 #include "mesh/subdivision.h"
-#include "raster/facet_visibility.h"
 
 namespace colmap_ext {
 
@@ -38,30 +38,43 @@ std::vector<Eigen::Vector3f> Midpoints(
   return midpoints;
 }
 
+// [F] 1 where the second largest area is above max_area, else 0.
+std::vector<uint8_t> FindLarge(double max_area, const TriangleMesh& mesh,
+                               const std::vector<View>& views,
+                               const FacetVisibility& visibility) {
+  std::vector<uint8_t> is_large(mesh.facets.size(), 0);
+  tbb::parallel_for(size_t{0}, is_large.size(), [&](size_t i) {
+    double largest = 0;
+    double second = 0;
+    for (const uint32_t view : visibility[i]) {
+      const double area = AreaInImage(mesh, mesh.facets[i], views[view]);
+      second = std::max(second, std::min(area, largest));
+      largest = std::max(area, largest);
+    }
+    is_large[i] = second > max_area;
+  });
+  return is_large;
+}
+
 }  // namespace
 
-void SubdivideLargeFacets(double max_area, double min_cosine,
-                          const std::vector<View>& views, TriangleMesh* mesh,
-                          VertexAttributes* attributes,
-                          std::vector<Eigen::Vector3f>* origins) {
+FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
+                                     TriangleMesh* mesh,
+                                     VertexAttributes* attributes,
+                                     std::vector<Eigen::Vector3f>* origins) {
+  // A round cuts a facet in four: 4^8 parts are enough for one that is 65536
+  // times too large.
   constexpr int kMaxRounds = 8;
-  FacetVisibilityOptions options;
-  options.min_cosine = min_cosine;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    const FacetVisibility visibility = FindVisibleFacets(options, *mesh, views);
-    std::vector<uint8_t> is_large(mesh->facets.size(), 0);
-    tbb::parallel_for(size_t{0}, is_large.size(), [&](size_t i) {
-      double largest = 0;
-      double second = 0;
-      for (const uint32_t view : visibility[i]) {
-        const double area = AreaInImage(*mesh, mesh->facets[i], views[view]);
-        second = std::max(second, std::min(area, largest));
-        largest = std::max(area, largest);
-      }
-      is_large[i] = second > max_area;
-    });
+  for (int round = 0;; ++round) {
+    const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
+    FacetVisibility visibility = FindVisibleFacets(*drawings);
+    if (round == kMaxRounds) {
+      return visibility;
+    }
+    const std::vector<uint8_t> is_large =
+        FindLarge(max_area, *mesh, drawings->Views(), visibility);
     if (std::count(is_large.begin(), is_large.end(), 1) == 0) {
-      return;
+      return visibility;
     }
     Subdivision subdivision = Subdivide(*mesh, is_large);
     *attributes = InterpolateAttributes(*attributes, subdivision.sources);

@@ -9,6 +9,7 @@
 #include "mesh/facet_normals.h"
 #include "photometry/image_pyramid.h"
 #include "raster/facet_visibility.h"
+#include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
 #include "spatial/self_intersections.h"
@@ -34,14 +35,12 @@ class Refinement {
     for (const View& view : views_) {
       views.push_back(ViewAtLevel(view, level));
     }
+    energy_->SetLevel(level);
     Prepare(level, views, state);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
-    energy_->SetLevel(level);
     const std::vector<Eigen::Vector3f> before = state->mesh.vertices;
-    bool is_stopped = false;
-    TriangleMesh mesh = state->mesh;
-    const auto on_step = [&](RefinementStep step) {
+    const auto on_step = [&](RefinementStep step, const TriangleMesh& mesh) {
       step.seconds = std::chrono::duration<double>(
                          std::chrono::steady_clock::now() - start_)
                          .count();
@@ -53,27 +52,30 @@ class Refinement {
       if (hooks_.on_step) {
         hooks_.on_step(step, *state);
       }
-      is_stopped = hooks_.should_stop && hooks_.should_stop();
-      return !is_stopped;
+      return !(hooks_.should_stop && hooks_.should_stop());
     };
-    state->report.num_shortened_steps +=
-        RefineLevel(options_, level, state->labels, views, state->origins,
-                    energy_, &mesh, on_step);
+    RefinedLevel refined =
+        RefineLevel(options_, {level, state->labels, views, state->origins},
+                    state->mesh, energy_, on_step);
+    state->mesh = std::move(refined.mesh);
+    state->report.num_shortened_steps += refined.num_shortened_steps;
+    state->report.num_unconverged_solutions +=
+        refined.num_unconverged_solutions;
     state->report.num_flipped_facets +=
         CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
-    return !is_stopped;
+    return !refined.is_stopped;
   }
 
  private:
-  // Subdivides and labels.
+  // Subdivides and labels. The last drawings of the subdivision serve the
+  // labelling, and the energy's first Render().
   void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
-    const double min_cosine = options_.photometric.min_cosine;
     Report(hooks_.progress, "Subdividing facets", 0);
-    SubdivideLargeFacets(options_.max_face_area, min_cosine, views,
-                         &state->mesh, &state->attributes, &state->origins);
+    const FacetVisibility visibility = SubdivideLargeFacets(
+        options_.max_face_area,
+        [this](const TriangleMesh& mesh) { return energy_->Drawings(mesh); },
+        &state->mesh, &state->attributes, &state->origins);
     Report(hooks_.progress, "Labelling facets", 0);
-    const FacetVisibility visibility =
-        FindVisibleFacets({min_cosine}, state->mesh, views);
     FacetLabeling labeling =
         LabelFacets(options_.labeling, state->mesh, state->attributes, pairs_,
                     visibility, views);
@@ -96,28 +98,28 @@ class Refinement {
 
 std::string FacetwiseRefinementOptions::Check() const {
   if (levels < 1 || levels > 8) {
-    return "FacetwiseRefinement.levels has to be from 1 to 8";
+    return "levels has to be from 1 to 8";
   }
   if (iterations < 1) {
-    return "FacetwiseRefinement.iterations has to be positive";
+    return "iterations has to be positive";
   }
   if (!(smoothness_weight >= 0)) {
-    return "FacetwiseRefinement.smoothness_weight must not be negative";
+    return "smoothness_weight must not be negative";
   }
   if (!(max_face_area > 0)) {
-    return "FacetwiseRefinement.max_face_area has to be positive";
+    return "max_face_area has to be positive";
   }
   if (pairs_per_image < 1) {
-    return "FacetwiseRefinement.pairs_per_image has to be positive";
+    return "pairs_per_image has to be positive";
   }
   if (labeling.pairs_per_facet < 1) {
-    return "FacetwiseRefinement.pairs_per_facet has to be positive";
+    return "pairs_per_facet has to be positive";
   }
   if (labeling.final_pairs_per_facet < 0) {
-    return "FacetwiseRefinement.final_pairs_per_facet must not be negative";
+    return "final_pairs_per_facet must not be negative";
   }
   if (!(labeling.potts_weight >= 0)) {
-    return "FacetwiseRefinement.potts_weight must not be negative";
+    return "potts_weight must not be negative";
   }
   return photometric.Check();
 }

@@ -27,17 +27,19 @@ struct FacetwiseRefinementOptions {
   // Image levels, coarse to fine: 3 is a quarter of the size, half, full.
   int levels = 3;
 
-  // Of the solver, at most, at each level, before the final ones.
+  // Of the solver, at most, at each level, before the final ones. Most levels
+  // end earlier (docs/method.md, section 7.3).
   int iterations = 15;
 
   RefinementSolver solver = RefinementSolver::kGaussNewton;
 
-  // Of the smoothness (refine/thin_plate.h, refine/relief.h), as a factor of
-  // what the roughness of the surface itself calls for; 0 is none.
+  // Factor on the weight of the smoothness that the roughness of the surface
+  // itself calls for (docs/method.md, section 6.5); 0 is none.
   double smoothness_weight = 1;
 
-  // Facets that cover more in an image of their pair are subdivided before a
-  // level starts, px^2 of the level's images.
+  // Facets that cover more in two or more of the images that see them are
+  // subdivided before a level starts, px^2 of the level's images: facets of six
+  // pixels' edges, about as wide as a window.
   double max_face_area = 16;
 
   // Partners of each view, those with which it shares the most points.
@@ -80,17 +82,18 @@ struct RefinementReport {
   std::vector<RefinementStep> steps;
   std::vector<LabelingReport> labelings;  // one a level
   bool is_stopped = false;                // by RefinementHooks::should_stop
-  size_t num_shortened_steps = 0;     // of vertices, that would have flipped a
-                                      // facet
-  size_t num_flipped_facets = 0;      // against the surface they came from
-  size_t num_self_intersections = 0;  // of the result, pairs of facets
+  size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
+                                   // facet
+  size_t num_unconverged_solutions = 0;  // of linear systems
+  size_t num_flipped_facets = 0;         // against the surface they came from
+  size_t num_self_intersections = 0;     // of the result, pairs of facets
 };
 
 // What a refinement starts from: the input, or what a complete level left.
 struct RefinementStart {
   TriangleMesh mesh;  // manifold
-  // Colours and views of the vertices; a vertex without views gets those that
-  // see it in the drawn depths.
+  // Colours and views of the vertices. They may have no views: a facet none of
+  // whose pairs is known from its vertices may take all pairs that see it.
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
@@ -105,8 +108,8 @@ struct RefinedMesh {
   RefinementReport report;
 };
 
-// What the caller wants to know while it goes on; all may be empty. Called by
-// the thread that called RefineFacetwise().
+// Callbacks during a refinement; all may be empty. Called by the thread that
+// called RefineFacetwise().
 struct RefinementHooks {
   Progress progress;
 
@@ -117,15 +120,15 @@ struct RefinementHooks {
   // After each level, `state` as it would be returned.
   std::function<void(int level, const RefinedMesh& state)> on_level;
 
-  // Asked between iterations; what is returned then is the last complete
-  // level's mesh (the input's, if none is).
+  // Asked between iterations. If it returns true, the mesh of the last complete
+  // level is returned, or the input's if none is complete.
   std::function<bool()> should_stop;
 };
 
-// The paper's facetwise refinement (Romanoni and Matteucci 2019, sections 5 and
-// 6): at each level of the images, coarse to fine, facets are subdivided, each
-// gets the pairs of views that see it best, and the vertices move so that what
-// the two views of a pair show on its facets looks alike.
+// Facetwise refinement [Romanoni2019, sections II-A and V; docs/method.md,
+// section 7]: at each level of the images, coarse to fine, facets are
+// subdivided, each gets the pairs of views that see it best, and the vertices
+// move so that what the two views of a pair show on its facets looks alike.
 //
 // \param points  whose views tell which views have most in common.
 // \pre options checked

@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/mix_bits.h"
 #include "raster/facet_frames.h"
 
 namespace colmap_ext {
@@ -19,13 +20,9 @@ int CurvatureIndex(int k, int l) {
   return kIndex[k][l];
 }
 
-// 1 or -1, as the bits of the index say when they are well mixed (Steele 2014,
-// SplitMix).
+// 1 or -1.
 double RandomSign(uint64_t index) {
-  uint64_t bits = index + 0x9e3779b97f4a7c15;
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111eb;
-  return (bits >> 63) != 0 ? 1 : -1;
+  return (MixBits(index + kSplitMixStep) >> 63) != 0 ? 1 : -1;
 }
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -45,6 +42,7 @@ NormalEquations::NormalEquations(const TriangleMesh& mesh,
                                  const ThinPlate& plate)
     : normals_(normals), rings_(rings), plate_(plate) {
   AddPhotometric(mesh, terms);
+  FindSmoothnessChanges();
   AddSmoothness();
 }
 
@@ -84,8 +82,9 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
   });
 }
 
-// Its residuals are N_V . (weighted mean of the neighbors - V).
-void NormalEquations::AddSmoothness() {
+// The residuals are N_V . (weighted mean of the neighbors - V); their changes
+// are taken with the normals and the shares held.
+void NormalEquations::FindSmoothnessChanges() {
   outgoing_.resize(rings_.neighbors.values.size());
   incoming_.resize(rings_.neighbors.values.size());
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
@@ -102,6 +101,9 @@ void NormalEquations::AddSmoothness() {
       incoming_[row + i] = plate_.shares[back] * cosine;
     }
   });
+}
+
+void NormalEquations::AddSmoothness() {
   diagonal_ = photometric_diagonal_;
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
     double gradient = -plate_.coefficients[vertex] * plate_.residuals[vertex];
@@ -122,7 +124,7 @@ void NormalEquations::AddSmoothness() {
 void NormalEquations::Multiply(const std::vector<double>& in,
                                bool is_smoothness_only,
                                std::vector<double>* out) const {
-  std::vector<double> bent(in.size());
+  std::vector<double> weighted_changes(in.size());
   const double share = is_smoothness_only ? 0 : 1;
   const tbb::blocked_range<size_t> all(0, in.size(), 4096);
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
@@ -136,53 +138,49 @@ void NormalEquations::Multiply(const std::vector<double>& in,
         mean += outgoing_[row + k] * in[ring[k]];
       }
       (*out)[i] = share * photometric;
-      bent[i] = plate_.coefficients[i] * (mean - in[i]);
+      weighted_changes[i] = plate_.coefficients[i] * (mean - in[i]);
     }
   });
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = rings_.neighbors[i];
       const size_t row = ring.data() - rings_.neighbors.values.data();
-      double sum = -bent[i];
+      double sum = -weighted_changes[i];
       for (size_t k = 0; k < ring.size(); ++k) {
-        sum += incoming_[row + k] * bent[ring[k]];
+        sum += incoming_[row + k] * weighted_changes[ring[k]];
       }
       (*out)[i] += sum;
     }
   });
 }
 
-std::vector<double> NormalEquations::Solve(double tolerance,
-                                           int max_iterations) const {
+LinearSolution NormalEquations::Solve(const SolverOptions& options) const {
   std::vector<double> descent(gradient_.size());
   for (size_t i = 0; i < descent.size(); ++i) {
     descent[i] = -gradient_[i];
   }
-  return Solve(std::move(descent), tolerance, max_iterations);
+  return Solve(std::move(descent), options);
 }
 
-std::vector<double> NormalEquations::Determined(double tolerance,
-                                                int max_iterations) const {
+LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
   std::vector<double> signs(gradient_.size());
   for (size_t i = 0; i < signs.size(); ++i) {
     signs[i] = RandomSign(i);
   }
   std::vector<double> image(signs.size());
   Multiply(signs, true, &image);
-  std::vector<double> determined =
-      Solve(std::move(image), tolerance, max_iterations);
-  for (size_t i = 0; i < determined.size(); ++i) {
-    determined[i] =
-        plate_.coefficients[i] > 0 ? 1 - signs[i] * determined[i] : 0.0;
+  LinearSolution determined = Solve(std::move(image), options);
+  for (size_t i = 0; i < signs.size(); ++i) {
+    determined.values[i] =
+        plate_.coefficients[i] > 0 ? 1 - signs[i] * determined.values[i] : 0.0;
   }
   return determined;
 }
 
-std::vector<double> NormalEquations::Solve(std::vector<double> right_hand_side,
-                                           double tolerance,
-                                           int max_iterations) const {
+LinearSolution NormalEquations::Solve(std::vector<double> right_hand_side,
+                                      const SolverOptions& options) const {
   const size_t size = gradient_.size();
-  std::vector<double> solution(size, 0);
+  LinearSolution solution{std::vector<double>(size, 0), true};
   std::vector<double> residual = std::move(right_hand_side);
   std::vector<double> preconditioned(size);
   std::vector<double> image(size);
@@ -194,19 +192,21 @@ std::vector<double> NormalEquations::Solve(std::vector<double> right_hand_side,
   precondition();
   std::vector<double> direction = preconditioned;
   double product = Dot(residual, preconditioned);
-  const double first = product;
-  for (int iteration = 0; iteration < max_iterations; ++iteration) {
-    if (!(product > tolerance * tolerance * first)) {
+  const double enough = options.tolerance * options.tolerance * product;
+  for (int iteration = 0; product > enough; ++iteration) {
+    if (iteration == options.max_iterations) {
+      solution.is_converged = false;
       break;
     }
     Multiply(direction, false, &image);
     const double curvature = Dot(direction, image);
     if (!(curvature > 0)) {
+      solution.is_converged = false;
       break;
     }
     const double step = product / curvature;
     tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      solution[i] += step * direction[i];
+      solution.values[i] += step * direction[i];
       residual[i] -= step * image[i];
     });
     precondition();

@@ -12,11 +12,27 @@
 
 namespace colmap_ext {
 
+// When the conjugate gradients end. Both tuned on: bunny, b_wall; by:
+// compare_refiners.py. The steps are limited anyway, and a later iteration
+// makes up for what an earlier one leaves.
+struct SolverOptions {
+  // Of the residual, in the norm of the preconditioner, relative to the first.
+  double tolerance = 0.03;
+
+  int max_iterations = 100;
+};
+
+struct LinearSolution {
+  std::vector<double> values;  // [V]
+  bool is_converged = false;   // else max_iterations ended it, or rounding
+};
+
 // Gauss-Newton's quadratic model of the photometric energy and the smoothness,
-// in how far each vertex moves along its normal.
+// in how far each vertex moves along its normal (docs/method.md, section 6.3).
 class NormalEquations {
  public:
-  // \param mesh, normals, rings, terms, plate  of the same mesh.
+  // \param mesh, normals, rings, terms, plate  of the same mesh. References to
+  //        normals, rings and plate are kept.
   NormalEquations(const TriangleMesh& mesh,
                   const std::vector<Eigen::Vector3f>& normals,
                   const VertexRings& rings, const PhotometricTerms& terms,
@@ -28,22 +44,22 @@ class NormalEquations {
   // The diagonal, [V], 1 / scene unit^2.
   const std::vector<double>& Diagonal() const { return diagonal_; }
 
-  // The minimum of the model by conjugate gradients, preconditioned by the
-  // diagonal, until the residual is `tolerance` of the gradient: [V] scene
-  // units. Where nothing says anything, 0.
-  std::vector<double> Solve(double tolerance, int max_iterations) const;
+  // The minimum of the model, [V] scene units, by conjugate gradients,
+  // preconditioned by the diagonal. 0 where nothing says anything.
+  LinearSolution Solve(const SolverOptions& options) const;
 
-  // How far the images determine each of the smoothness' residuals, rather than
-  // the smoothness itself: [V]. Their sum estimates how many are determined
-  // (MacKay 1992): their number minus the trace of matrix^-1 times the
-  // smoothness' part of the matrix, from one vector of random signs (Hutchinson
-  // 1990); each by itself estimates its element of the diagonal, with much
-  // noise. 0 for vertices that the smoothness says nothing of, at borders:
-  // nothing is learned of its weight from them.
-  std::vector<double> Determined(double tolerance, int max_iterations) const;
+  // How far the images, rather than the smoothness, determine where each vertex
+  // is: [V]. Their sum estimates how many vertices the images determine
+  // [MacKay1992]: their number minus the trace of matrix^-1 times the
+  // smoothness' part of the matrix, from one vector of random signs
+  // [Hutchinson1990]. Each by itself estimates its element of the diagonal,
+  // with much noise. 0 at borders, where there is no smoothness, and nothing
+  // is learned of its weight.
+  LinearSolution Determined(const SolverOptions& options) const;
 
  private:
   void AddPhotometric(const TriangleMesh& mesh, const PhotometricTerms& terms);
+  void FindSmoothnessChanges();
   void AddSmoothness();
 
   // out = matrix * in, all [V]; of the smoothness' part alone where
@@ -52,8 +68,8 @@ class NormalEquations {
                 std::vector<double>* out) const;
 
   // matrix^-1 * right_hand_side
-  std::vector<double> Solve(std::vector<double> right_hand_side,
-                            double tolerance, int max_iterations) const;
+  LinearSolution Solve(std::vector<double> right_hand_side,
+                       const SolverOptions& options) const;
 
   const std::vector<Eigen::Vector3f>& normals_;
   const VertexRings& rings_;
@@ -61,10 +77,10 @@ class NormalEquations {
   std::vector<double> gradient_;
   std::vector<double> diagonal_;
   std::vector<double> photometric_diagonal_;
-  // Aligned with rings_.neighbors: the photometric second derivatives by the
-  // vertex and the neighbor, and by how much the one's residual of the
-  // smoothness changes as the other moves: the vertex's as the neighbor does,
-  // and the neighbor's as the vertex does.
+
+  // Aligned with rings_.neighbors.values. The photometric second derivative by
+  // the vertex and the neighbor; the change of the vertex's smoothness residual
+  // as the neighbor moves; and that of the neighbor's as the vertex moves.
   std::vector<float> photometric_;
   std::vector<float> outgoing_;
   std::vector<float> incoming_;

@@ -15,12 +15,14 @@ namespace colmap_ext {
 
 namespace {
 
-ThinPlate PlateOf(const TriangleMesh& mesh, const VertexRings& rings,
-                  const std::vector<float>& footprints) {
+// Of weight 1, each vertex for one pixel: its coefficient is the square of what
+// turns a residual into a curvature in 1 / px.
+ThinPlate UnitPlate(const TriangleMesh& mesh, const VertexRings& rings,
+                    const std::vector<float>& footprints) {
   const size_t size = mesh.vertices.size();
-  return MakeThinPlate(std::vector<double>(size, 1), mesh.vertices,
-                       VertexNormals(mesh, rings), rings, footprints,
-                       std::vector<float>(size, 0),
+  return MakeThinPlate({mesh.vertices, VertexNormals(mesh, rings), rings,
+                        footprints, std::vector<float>(size, 0)},
+                       std::vector<double>(size, 1),
                        std::vector<double>(size, 0));
 }
 
@@ -28,14 +30,16 @@ ThinPlate PlateOf(const TriangleMesh& mesh, const VertexRings& rings,
 
 std::vector<double> Relief(const TriangleMesh& mesh, const VertexRings& rings,
                            const std::vector<float>& footprints) {
-  return PlateOf(mesh, rings, footprints).residuals;
+  return UnitPlate(mesh, rings, footprints).residuals;
 }
 
 std::vector<double> TrustedRelief(const TriangleMesh& mesh,
                                   const VertexRings& rings,
                                   const std::vector<float>& footprints) {
-  constexpr double kMaxCurvature = 0.25;  // 1 / px
-  const ThinPlate plate = PlateOf(mesh, rings, footprints);
+  // Sum of the principal curvatures, 1 / px: that of a sphere of 8 px radius.
+  // What is curved more is one of the spikes of a mesh that points make.
+  constexpr double kMaxCurvature = 0.25;
+  const ThinPlate plate = UnitPlate(mesh, rings, footprints);
   std::vector<double> curvatures(plate.residuals.size());  // 1 / px
   for (size_t i = 0; i < curvatures.size(); ++i) {
     const double curvature =
@@ -62,8 +66,9 @@ std::vector<double> ReliefShares(const VertexRings& rings,
                                  const std::vector<double>& importance,
                                  const std::vector<double>& relief,
                                  const std::vector<double>& surface) {
-  // So much of the relief that a vertex has on average counts as not there, so
-  // that hardly any relief is not all there by chance.
+  // Share of the relief that a vertex has on average. So much more counts as
+  // not confirmed, or surroundings with hardly any relief would confirm all of
+  // it by chance.
   constexpr double kPrior = 0.1;
   std::vector<double> products(relief.size());
   std::vector<double> squares(relief.size());

@@ -1,12 +1,13 @@
-#include <algorithm>
-#include <array>
+#include "scene/half_pixel_slope.h"
+
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Eigenvalues>
-#include <nanoflann.hpp>
 
-#include "scene/half_pixel.h"
+#include "base/percentile.h"
+#include "scene/point_tree.h"
 
 namespace colmap_ext {
 namespace {
@@ -21,21 +22,6 @@ constexpr size_t kMaxSparsePoints = 20000;
 // Fewer say nothing.
 constexpr size_t kMinSparsePoints = 30;
 
-struct FusedPoints {
-  const std::vector<Eigen::Vector3f>& positions;
-  size_t kdtree_get_point_count() const { return positions.size(); }
-  float kdtree_get_pt(size_t point, size_t axis) const {
-    return positions[point][static_cast<Eigen::Index>(axis)];
-  }
-  template <typename Box>
-  bool kdtree_get_bbox(Box& /*box*/) const {
-    return false;
-  }
-};
-
-using KdTree = nanoflann::KDTreeSingleIndexAdaptor<
-    nanoflann::L2_Simple_Adaptor<float, FusedPoints>, FusedPoints, 3, uint32_t>;
-
 // A sparse point's distance from the fused surface along its normal, and the
 // distance that the half pixel predicts there.
 struct Sample {
@@ -45,27 +31,27 @@ struct Sample {
 
 // Nothing where the sparse point lies beside the fused surface, or further from
 // it than any error of stereo: on what was left out of the fusion.
-std::optional<Sample> SampleAt(const KdTree& tree, const PointCloud& cloud,
+std::optional<Sample> SampleAt(const PointTree& tree, const PointCloud& cloud,
                                const std::vector<Eigen::Vector3f>& offsets,
                                const Eigen::Vector3f& sparse_point) {
   constexpr double kMaxOffsets = 10;  // 5 px
-  std::array<uint32_t, kNumNeighbors> neighbors;
-  std::array<float, kNumNeighbors> distances_squared;
-  const size_t count =
-      tree.knnSearch(sparse_point.data(), kNumNeighbors, neighbors.data(),
-                     distances_squared.data());
+  const std::vector<uint32_t> neighbors = tree.Nearest(
+      sparse_point, kNumNeighbors, std::numeric_limits<float>::infinity());
+  if (neighbors.size() < kNumNeighbors) {  // too far, or not finite
+    return std::nullopt;
+  }
+  const auto count = static_cast<double>(neighbors.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-  for (size_t i = 0; i < count; ++i) {
-    mean += cloud.positions[neighbors[i]].cast<double>();
-    offset += offsets[neighbors[i]].cast<double>();
+  for (const uint32_t neighbor : neighbors) {
+    mean += cloud.positions[neighbor].cast<double>();
+    offset += offsets[neighbor].cast<double>();
   }
-  mean /= static_cast<double>(count);
-  offset /= static_cast<double>(count);
+  mean /= count;
+  offset /= count;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d d =
-        cloud.positions[neighbors[i]].cast<double>() - mean;
+  for (const uint32_t neighbor : neighbors) {
+    const Eigen::Vector3d d = cloud.positions[neighbor].cast<double>() - mean;
     scatter += d * d.transpose();
   }
   const Eigen::Vector3d normal =
@@ -76,8 +62,7 @@ std::optional<Sample> SampleAt(const KdTree& tree, const PointCloud& cloud,
   const double observed = normal.dot(away);
   const double beside_squared = (away - observed * normal).squaredNorm();
   // Of a disk that the neighbors fill.
-  const double radius_squared =
-      2 * scatter.trace() / static_cast<double>(count);
+  const double radius_squared = 2 * scatter.trace() / count;
   if (beside_squared > radius_squared ||
       std::abs(observed) > kMaxOffsets * offset.norm()) {
     return std::nullopt;
@@ -92,11 +77,10 @@ void DropOutliers(std::vector<Sample>* samples) {
   for (const Sample& sample : *samples) {
     distances.push_back(std::abs(sample.observed));
   }
-  const auto median =
-      distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), median, distances.end());
+  // Of normal numbers, half lie within 1 / 1.4826 standard deviations, the
+  // distribution's quantile of 3/4.
   constexpr double kSigmasOfMedian = 3 * 1.4826;
-  const double max_distance = kSigmasOfMedian * *median;
+  const double max_distance = kSigmasOfMedian * Percentile(50, &distances);
   std::erase_if(*samples, [&](const Sample& sample) {
     return std::abs(sample.observed) > max_distance;
   });
@@ -111,8 +95,7 @@ HalfPixelSlope RegressHalfPixel(
   if (cloud.size() < kNumNeighbors || sparse_points.size() < kMinSparsePoints) {
     return result;
   }
-  const FusedPoints fused{cloud.positions};
-  const KdTree tree(3, fused);
+  const PointTree tree(cloud.positions);
   const size_t stride =
       (sparse_points.size() + kMaxSparsePoints - 1) / kMaxSparsePoints;
   std::vector<Sample> samples;

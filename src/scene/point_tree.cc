@@ -1,111 +1,135 @@
 #include "scene/point_tree.h"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
-#include <tbb/parallel_invoke.h>
+#include <nanoflann.hpp>
 
 namespace colmap_ext {
-
 namespace {
 
-constexpr size_t kSerialSize = 1 << 14;  // of the nodes built by one thread
+using Points = std::span<const Eigen::Vector3f>;
 
-}  // namespace
+// The points as nanoflann reads them.
+struct Dataset {
+  Points points;
 
-struct PointTree::Search {
-  Eigen::Vector3f place;
-  size_t count;
-  float max_distance_squared;
-  std::vector<std::pair<float, uint32_t>> found;  // distance squared, ascending
-
-  // Beyond it nothing is wanted any more.
-  float Reach() const {
-    return found.size() < count ? max_distance_squared : found.back().first;
+  size_t kdtree_get_point_count() const { return points.size(); }
+  float kdtree_get_pt(size_t point, size_t axis) const {
+    return points[point][static_cast<Eigen::Index>(axis)];
   }
-
-  void Offer(const Eigen::Vector3f& point, uint32_t index) {
-    const std::pair<float, uint32_t> candidate((point - place).squaredNorm(),
-                                               index);
-    if (!(candidate.first <= max_distance_squared)) {
-      return;
-    }
-    found.insert(std::upper_bound(found.begin(), found.end(), candidate),
-                 candidate);
-    if (found.size() > count) {
-      found.pop_back();
-    }
+  template <typename Box>
+  bool kdtree_get_bbox(Box& /*box*/) const {
+    return false;  // nanoflann finds it
   }
 };
 
-PointTree::PointTree(std::span<const Eigen::Vector3f> points)
-    : axes_(points.size()) {
-  points_.reserve(points.size());
-  for (const Eigen::Vector3f& point : points) {
-    points_.emplace_back(point, static_cast<uint32_t>(points_.size()));
-  }
-  Build(0, points_.size());
-}
+// Squared distances, rounded as Eigen rounds them.
+struct Distance {
+  using ElementType = float;
+  using DistanceType = float;
 
-void PointTree::Build(size_t begin, size_t end) {
-  if (end - begin <= 1) {
-    return;
-  }
-  Eigen::Vector3f low = points_[begin].first;
-  Eigen::Vector3f high = low;
-  for (size_t i = begin; i < end; ++i) {
-    low = low.cwiseMin(points_[i].first);
-    high = high.cwiseMax(points_[i].first);
-  }
-  int axis = 0;
-  (high - low).maxCoeff(&axis);
-  const size_t middle = begin + (end - begin) / 2;
-  const auto at = [this](size_t i) {
-    return points_.begin() + static_cast<std::ptrdiff_t>(i);
-  };
-  std::nth_element(at(begin), at(middle), at(end),
-                   [axis](const auto& a, const auto& b) {
-                     return std::pair(a.first[axis], a.second) <
-                            std::pair(b.first[axis], b.second);
-                   });
-  axes_[middle] = static_cast<uint8_t>(axis);
-  const auto build_low = [this, begin, middle] { Build(begin, middle); };
-  const auto build_high = [this, middle, end] { Build(middle + 1, end); };
-  if (end - begin > kSerialSize) {
-    tbb::parallel_invoke(build_low, build_high);
-  } else {
-    build_low();
-    build_high();
-  }
-}
+  explicit Distance(const Dataset& dataset) : points(dataset.points) {}
 
-void PointTree::Visit(size_t begin, size_t end, Search* search) const {
-  if (begin == end) {
-    return;
+  float evalMetric(const float* place, uint32_t point, size_t /*size*/) const {
+    return (points[point] - Eigen::Map<const Eigen::Vector3f>(place))
+        .squaredNorm();
   }
-  const size_t middle = begin + (end - begin) / 2;
-  const auto& [point, index] = points_[middle];
-  const int axis = axes_[middle];
-  const float beyond = search->place[axis] - point[axis];
-  const bool is_low = beyond < 0;
-  Visit(is_low ? begin : middle + 1, is_low ? middle : end, search);
-  search->Offer(point, index);
-  if (beyond * beyond <= search->Reach()) {
-    Visit(is_low ? middle + 1 : begin, is_low ? end : middle, search);
+  float accum_dist(float a, float b, size_t /*axis*/) const {
+    return (a - b) * (a - b);
   }
-}
+
+  Points points;
+};
+
+// The nearest points found so far, as nanoflann's searches fill it. Unlike
+// with nanoflann's own, the result does not depend on the order of the search.
+class NearestPoints {
+ public:
+  using DistanceType = float;
+
+  NearestPoints(size_t count, float max_distance_squared)
+      : count_(count), max_distance_squared_(max_distance_squared) {
+    found_.reserve(count + 1);
+    SetBound(max_distance_squared);
+  }
+
+  bool full() const { return found_.size() == count_; }
+
+  // nanoflann offers points strictly nearer than this, and skips boxes that it
+  // takes for farther.
+  float worstDist() const { return bound_; }
+
+  // \return whether the search goes on: always
+  bool addPoint(float distance_squared, uint32_t index) {
+    const std::pair candidate(distance_squared, index);
+    if (!(distance_squared <= max_distance_squared_)) {
+      return true;
+    }
+    found_.insert(std::upper_bound(found_.begin(), found_.end(), candidate),
+                  candidate);
+    if (found_.size() > count_) {
+      found_.pop_back();
+    }
+    if (full()) {
+      SetBound(found_.back().first);
+    }
+    return true;
+  }
+
+  std::vector<uint32_t> Indices() const {
+    std::vector<uint32_t> indices;
+    indices.reserve(found_.size());
+    for (const auto& [distance_squared, index] : found_) {
+      indices.push_back(index);
+    }
+    return indices;
+  }
+
+ private:
+  // Above the largest squared distance that is still wanted. The factor covers
+  // the rounding of nanoflann's distances to boxes: each level of the tree adds
+  // a relative error of at most 2^-23, and there are less than 1000 levels
+  // (floats can be halved 277 times on each axis, 2^32 equal points 32 times).
+  void SetBound(float distance_squared) {
+    constexpr float kSlack = 1.001f;
+    bound_ =
+        std::max(kSlack * distance_squared, std::numeric_limits<float>::min());
+  }
+
+  size_t count_;
+  float max_distance_squared_;
+  float bound_;                                    // squared distance
+  std::vector<std::pair<float, uint32_t>> found_;  // squared distance and index
+                                                   // of each, ascending
+};
+
+}  // namespace
+
+struct PointTree::Index {
+  explicit Index(Points points) : dataset{points}, tree(3, dataset) {}
+
+  Dataset dataset;
+  nanoflann::KDTreeSingleIndexAdaptor<Distance, Dataset, 3, uint32_t> tree;
+};
+
+PointTree::PointTree(Points points)
+    : index_(points.empty() ? nullptr : std::make_unique<Index>(points)) {}
+
+PointTree::~PointTree() = default;
+PointTree::PointTree(PointTree&&) noexcept = default;
+PointTree& PointTree::operator=(PointTree&&) noexcept = default;
 
 std::vector<uint32_t> PointTree::Nearest(const Eigen::Vector3f& place,
                                          size_t count,
                                          float max_distance) const {
-  Search search{place, count, max_distance * max_distance, {}};
-  if (count > 0) {
-    Visit(0, points_.size(), &search);
+  if (index_ == nullptr || count == 0) {
+    return {};
   }
-  std::vector<uint32_t> indices;
-  for (const auto& [distance_squared, index] : search.found) {
-    indices.push_back(index);
-  }
-  return indices;
+  NearestPoints nearest(count, max_distance * max_distance);
+  index_->tree.findNeighbors(nearest, place.data(), nanoflann::SearchParams());
+  return nearest.Indices();
 }
 
 }  // namespace colmap_ext

@@ -2,37 +2,36 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
 namespace colmap_ext {
 
-// Finds the nearest of many points: a k-d tree (Bentley 1975), split at the
-// median of the longest side of what a node holds.
+// Finds the nearest of many points by a k-d tree [Bentley1975], nanoflann's.
+// Searches may run in parallel.
 class PointTree {
  public:
-  // \pre the points are finite, and fewer than 2^32
+  // \param points  [P], any frame; not copied
+  // \pre the points are finite, fewer than 2^32, and outlive the tree
   explicit PointTree(std::span<const Eigen::Vector3f> points);
+  ~PointTree();
+  PointTree(PointTree&&) noexcept;
+  PointTree& operator=(PointTree&&) noexcept;
 
-  // The points nearest to a place, up to `count` of them, the nearest first;
-  // none that is farther than max_distance. Of points as far the lower index
-  // comes first.
+  // Returns the indices of the points nearest to a place, at most `count`, the
+  // nearest first, none of them farther away than max_distance (units of the
+  // points). Of points at the same distance the lower index comes first.
+  // Points whose squared distance is no finite float are not found.
   std::vector<uint32_t> Nearest(const Eigen::Vector3f& place, size_t count,
                                 float max_distance) const;
 
  private:
-  struct Search;
+  struct Index;
 
-  void Build(size_t begin, size_t end);
-  void Visit(size_t begin, size_t end, Search* search) const;
-
-  // A node is a range of these; its own point is the middle one, the halves
-  // before and after that are its children.
-  std::vector<std::pair<Eigen::Vector3f, uint32_t>> points_;  // with its index
-  std::vector<uint8_t> axes_;  // of the node with that middle
+  std::unique_ptr<const Index> index_;  // none without points
 };
 
 }  // namespace colmap_ext

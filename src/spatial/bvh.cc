@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -13,13 +14,15 @@ namespace {
 constexpr int kNumBins = 16;
 constexpr uint32_t kMaxLeafFacets = 4;
 
+using Eigen::Vector3d;
+using Eigen::Vector3f;
 using Box = Eigen::AlignedBox3f;
 
 float HalfArea(const Box& box) {
   if (box.isEmpty()) {
     return 0;
   }
-  const Eigen::Vector3f d = box.sizes();
+  const Vector3f d = box.sizes();
   return d.x() * d.y() + d.y() * d.z() + d.z() * d.x();
 }
 
@@ -28,11 +31,21 @@ bool Any(Int4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 Float4 Min(Float4 a, Float4 b) { return a < b ? a : b; }
 Float4 Max(Float4 a, Float4 b) { return a > b ? a : b; }
 
+// From a point v to the segment from the origin to `edge`, which may be one
+// point.
+double SegmentDistanceSquared(const Vector3d& v, const Vector3d& edge) {
+  const double length_squared = edge.squaredNorm();
+  const double t = length_squared > 0
+                       ? std::clamp(v.dot(edge) / length_squared, 0.0, 1.0)
+                       : 0;
+  return (v - t * edge).squaredNorm();
+}
+
 }  // namespace
 
 struct Bvh::Builder {
-  std::vector<Box> boxes;                // [F]
-  std::vector<Eigen::Vector3f> centers;  // [F], of the boxes
+  std::vector<Box> boxes;         // [F]
+  std::vector<Vector3f> centers;  // [F], of the boxes
   std::vector<Node> nodes;
   std::vector<uint32_t> order;  // [F]
 
@@ -126,7 +139,7 @@ Bvh::Bvh(const TriangleMesh& mesh) {
   facets_ = std::move(builder.order);
   corners_.reserve(facets_.size());
   for (const uint32_t f : facets_) {
-    const Eigen::Vector3f& a = mesh.vertices[mesh.facets[f][0]];
+    const Vector3f& a = mesh.vertices[mesh.facets[f][0]];
     corners_.push_back({a, mesh.vertices[mesh.facets[f][1]] - a,
                         mesh.vertices[mesh.facets[f][2]] - a});
   }
@@ -164,8 +177,8 @@ HitPacket Bvh::Intersect(const RayPacket& rays) const {
     }
     for (uint32_t i = node.next; i < node.next + node.num_facets; ++i) {
       const Corner& c = corners_[i];
-      const Eigen::Vector3f s = rays.origin - c.point;
-      const Eigen::Vector3f q = s.cross(c.edge1);
+      const Vector3f s = rays.origin - c.point;
+      const Vector3f q = s.cross(c.edge1);
       const Float4 px = rays.y * c.edge2.z() - rays.z * c.edge2.y();
       const Float4 py = rays.z * c.edge2.x() - rays.x * c.edge2.z();
       const Float4 pz = rays.x * c.edge2.y() - rays.y * c.edge2.x();
@@ -184,6 +197,70 @@ HitPacket Bvh::Intersect(const RayPacket& rays) const {
     }
   }
   return hit;
+}
+
+// To the facet's plane where the foot of the perpendicular lies on the facet,
+// else to the nearest of its sides: no division but by what is positive, so
+// that facets without area need no care.
+double Bvh::DistanceSquared(const Corner& corner, const Vector3d& point) {
+  const Vector3d edge1 = corner.edge1.cast<double>();
+  const Vector3d edge2 = corner.edge2.cast<double>();
+  const Vector3d v = point - corner.point.cast<double>();
+  const Vector3d normal = edge1.cross(edge2);
+  const double area_squared = normal.squaredNorm();
+  const double weight1 = normal.dot(v.cross(edge2));
+  const double weight2 = normal.dot(edge1.cross(v));
+  if (area_squared > 0 && weight1 >= 0 && weight2 >= 0 &&
+      weight1 + weight2 <= area_squared) {
+    const double height = normal.dot(v);
+    return height * height / area_squared;
+  }
+  return std::min({SegmentDistanceSquared(v, edge1),
+                   SegmentDistanceSquared(v, edge2),
+                   SegmentDistanceSquared(v - edge1, edge2 - edge1)});
+}
+
+double Bvh::DistanceSquared(const Node& node, const Vector3d& point) {
+  return (node.min.cast<double>() - point)
+      .cwiseMax(point - node.max.cast<double>())
+      .cwiseMax(0.0)
+      .squaredNorm();
+}
+
+double Bvh::Distance(const Vector3f& query, double max_distance) const {
+  if (nodes_.empty()) {
+    return max_distance;
+  }
+  const Vector3d point = query.cast<double>();
+  double nearest = max_distance * max_distance;
+  bool is_found = false;
+  std::array<std::pair<double, uint32_t>, kMaxDepth + 2> stack;
+  int size = 0;
+  stack[size++] = {DistanceSquared(nodes_[0], point), 0};
+  while (size > 0) {
+    const auto [bound, index] = stack[--size];
+    if (bound >= nearest) {
+      continue;
+    }
+    const Node& node = nodes_[index];
+    for (uint32_t i = 0; i < node.num_facets; ++i) {
+      const double distance = DistanceSquared(corners_[node.next + i], point);
+      if (distance < nearest) {
+        nearest = distance;
+        is_found = true;
+      }
+    }
+    if (node.num_facets == 0) {
+      std::pair near{DistanceSquared(nodes_[index + 1], point), index + 1};
+      std::pair far{DistanceSquared(nodes_[node.next], point), node.next};
+      if (far.first < near.first) {
+        std::swap(near, far);
+      }
+      stack[size++] = far;
+      stack[size++] = near;
+    }
+  }
+  return is_found ? std::sqrt(nearest) : max_distance;
 }
 
 }  // namespace colmap_ext

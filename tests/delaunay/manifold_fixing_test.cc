@@ -1,7 +1,6 @@
 #include "delaunay/manifold_fixing.h"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
 #include <gtest/gtest.h>
@@ -10,108 +9,15 @@
 #include "delaunay/vertex_star.h"
 #include "mesh/fan_split.h"
 #include "mesh/topology.h"
+#include "tests/delaunay/fixing_problem.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/delaunay/reference_fixing.h"
 #include "tests/mesh/manifold_links.h"
 
 namespace colmap_ext {
 namespace {
 
-struct Problem {
-  Tetrahedralization tetrahedra;
-  FlowGraph graph;
-  std::vector<uint8_t> labels;
-
-  std::vector<uint32_t> Singular() const {
-    return SingularVertices(tetrahedra, labels);
-  }
-  int64_t Energy() const { return CutValue(graph, labels); }
-
-  // How many components there are too many around all vertices.
-  size_t Excess() const {
-    size_t excess = 0;
-    for (const uint32_t vertex : Singular()) {
-      VertexStar star;
-      MakeVertexStar(tetrahedra, labels, vertex, &star);
-      excess += star.components.size() - 2;
-    }
-    return excess;
-  }
-};
-
-Problem RandomProblem(const std::vector<Eigen::Vector3f>& points,
-                      Random* random) {
-  Problem problem;
-  problem.tetrahedra = DelaunayOf(points);
-  problem.graph = RandomGraphOf(problem.tetrahedra, 1000, random);
-  problem.labels = RandomLabels(problem.tetrahedra, random);
-  if (random->Chance(0.3)) {
-    LabelInfinite(problem.tetrahedra, true, &problem.labels);
-  }
-  return problem;
-}
-
-void ExpectConsistent(const Problem& problem) {
-  ASSERT_EQ(DefectOf(problem.tetrahedra, false), "");
-  ASSERT_EQ(problem.graph.size(), problem.tetrahedra.cells.size());
-  ASSERT_EQ(problem.labels.size(), problem.tetrahedra.cells.size());
-  for (size_t i = 0; i < problem.graph.size(); ++i) {
-    ASSERT_EQ(problem.graph.neighbors[i],
-              problem.tetrahedra.cells[i].neighbors);
-  }
-}
-
-uint64_t Sum(const std::vector<uint32_t>& capacities) {
-  return std::accumulate(capacities.begin(), capacities.end(), uint64_t{0});
-}
-
-TEST(SplitCell, KeepsEverythingButTheCell) {
-  Random random(1);
-  for (int trial = 0; trial < 30; ++trial) {
-    Problem problem = RandomProblem(RandomPoints(20, 1000, &random), &random);
-    for (int split = 0; split < 30; ++split) {
-      const Problem before = problem;
-      const auto num_cells =
-          static_cast<uint32_t>(before.tetrahedra.cells.size());
-      const auto num_points =
-          static_cast<uint32_t>(before.tetrahedra.points.size());
-      const uint32_t cell = random.Below(num_cells);
-      if (before.tetrahedra.IsInfinite(cell)) {
-        continue;
-      }
-      SplitCell(cell, &problem.tetrahedra, &problem.graph, &problem.labels);
-      ExpectConsistent(problem);
-      ASSERT_FALSE(HasFailure());
-      ASSERT_EQ(problem.tetrahedra.cells.size(), num_cells + 3);
-      ASSERT_EQ(problem.tetrahedra.points.size(), num_points + 1);
-      // The energy of the inherited labels, and the terminals' capacities.
-      ASSERT_EQ(problem.Energy(), before.Energy());
-      ASSERT_EQ(Sum(problem.graph.source), Sum(before.graph.source));
-      ASSERT_EQ(Sum(problem.graph.sink), Sum(before.graph.sink));
-      ASSERT_EQ(problem.Singular(), before.Singular());
-      Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
-      for (const uint32_t vertex : before.tetrahedra.cells[cell].vertices) {
-        centroid += 0.25f * before.tetrahedra.points[vertex];
-      }
-      EXPECT_LT((problem.tetrahedra.points.back() - centroid).norm(), 1e-2);
-      for (const uint32_t child :
-           {cell, num_cells, num_cells + 1, num_cells + 2}) {
-        ASSERT_EQ(problem.labels[child], before.labels[cell]);
-        const auto& vertices = problem.tetrahedra.cells[child].vertices;
-        ASSERT_EQ(std::count(vertices.begin(), vertices.end(), num_points), 1);
-      }
-      // All other cells are as they were.
-      for (uint32_t other = 0; other < num_cells; ++other) {
-        if (other != cell) {
-          ASSERT_EQ(problem.labels[other], before.labels[other]);
-          ASSERT_EQ(problem.tetrahedra.cells[other].vertices,
-                    before.tetrahedra.cells[other].vertices);
-          ASSERT_EQ(problem.graph.capacities[other],
-                    before.graph.capacities[other]);
-        }
-      }
-    }
-  }
-}
+using Problem = FixingProblem;
 
 class FixSingularVerticesTest : public testing::TestWithParam<FixingRule> {};
 
@@ -180,6 +86,85 @@ TEST_P(FixSingularVerticesTest, IsTheSameEveryTime) {
   }
 }
 
+TEST_P(FixSingularVerticesTest, IsWhatExaminingAllVerticesAfterEachPassGives) {
+  Random random(6);
+  const std::vector<NamedPoints> difficult = DifficultPoints();
+  size_t num_relabeled_cells = 0;
+  size_t num_split_cells = 0;
+  for (uint32_t trial = 0; trial < 160; ++trial) {
+    Problem problem = RandomProblem(
+        trial % 2 == 0 ? RandomPoints(5 + random.Below(60), 1000, &random)
+                       : difficult[trial / 2 % difficult.size()].points,
+        &random);
+    Problem expected = problem;
+    const FixingReport report = FixSingularVertices(
+        GetParam(), &problem.tetrahedra, &problem.graph, &problem.labels);
+    const FixingReport reference = ReferenceFixing(
+        GetParam(), &expected.tetrahedra, &expected.graph, &expected.labels);
+    ASSERT_EQ(report.num_singular_raw, reference.num_singular_raw);
+    ASSERT_EQ(report.num_singular_fixed, reference.num_singular_fixed);
+    ASSERT_EQ(report.num_relabeled_cells, reference.num_relabeled_cells);
+    ASSERT_EQ(report.num_split_cells, reference.num_split_cells);
+    ASSERT_EQ(problem.labels, expected.labels);
+    ASSERT_EQ(problem.tetrahedra.points, expected.tetrahedra.points);
+    ASSERT_EQ(problem.tetrahedra.vertex_cells,
+              expected.tetrahedra.vertex_cells);
+    ASSERT_EQ(problem.graph.neighbors, expected.graph.neighbors);
+    ASSERT_EQ(problem.graph.capacities, expected.graph.capacities);
+    ASSERT_EQ(problem.graph.source, expected.graph.source);
+    ASSERT_EQ(problem.graph.sink, expected.graph.sink);
+    num_relabeled_cells += report.num_relabeled_cells;
+    num_split_cells += report.num_split_cells;
+  }
+  EXPECT_GT(num_relabeled_cells, 1000u);
+  EXPECT_GT(num_split_cells, 0u);
+}
+
+// Free space on one side of a plane, matter on the other, and pairs of cells of
+// the other label that meet in one vertex.
+Problem LargeProblemWithFewSingularVertices(int num_pairs, Random* random) {
+  Problem problem;
+  problem.tetrahedra = DelaunayOf(RandomPoints(6000, 1 << 20, random));
+  const Tetrahedralization& tetrahedra = problem.tetrahedra;
+  problem.graph = RandomGraphOf(tetrahedra, 1000, random);
+  for (const auto& cell : tetrahedra.cells) {
+    const uint32_t lowest =
+        *std::min_element(cell.vertices.begin(), cell.vertices.end());
+    problem.labels.push_back(tetrahedra.points[lowest].x() > 0);
+  }
+  std::vector<uint32_t> cells;
+  for (int pair = 0; pair < num_pairs; ++pair) {
+    const uint32_t vertex =
+        random->Below(static_cast<uint32_t>(tetrahedra.points.size()));
+    IncidentCells(tetrahedra, vertex, &cells);
+    for (const uint32_t cell : {cells.front(), cells.back()}) {
+      problem.labels[cell] = !problem.labels[cell];
+    }
+  }
+  return problem;
+}
+
+// The cost without a clock: all vertices are examined once, and then those
+// around what was relabelled alone.
+TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
+  Random random(7);
+  for (const int num_pairs : {0, 5, 20}) {
+    Problem problem = LargeProblemWithFewSingularVertices(num_pairs, &random);
+    Problem copy = problem;
+    const size_t num_vertices = problem.tetrahedra.points.size();
+    const FixingReport report = FixSingularVertices(
+        GetParam(), &problem.tetrahedra, &problem.graph, &problem.labels);
+    ASSERT_GE(report.num_singular_raw, num_pairs / 2);
+    const size_t bound = num_vertices + 100 * report.num_singular_raw;
+    EXPECT_GE(report.num_examined_vertices, num_vertices);
+    EXPECT_LE(report.num_examined_vertices, bound);
+    const FixingReport reference = ReferenceFixing(GetParam(), &copy.tetrahedra,
+                                                   &copy.graph, &copy.labels);
+    EXPECT_GT(reference.num_examined_vertices, bound);
+    EXPECT_EQ(problem.labels, copy.labels);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Rules, FixSingularVerticesTest,
     testing::Values(FixingRule::kPaper, FixingRule::kEnergy),
@@ -187,20 +172,26 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(rule.param == FixingRule::kPaper ? "Paper" : "Energy");
     });
 
+using Cells = std::vector<uint32_t>;
+
 // The components of one label around a vertex.
-std::vector<VertexStar::Component> ComponentsOf(const Problem& problem,
-                                                uint32_t vertex, bool is_free) {
+std::vector<Cells> ComponentsOf(const Problem& problem, uint32_t vertex,
+                                bool is_free) {
   VertexStar star;
   MakeVertexStar(problem.tetrahedra, problem.labels, vertex, &star);
-  std::erase_if(star.components, [&](const VertexStar::Component& component) {
-    return component.is_free != is_free;
-  });
-  return star.components;
+  std::vector<Cells> components;
+  for (size_t i = 0; i < star.NumComponents(); ++i) {
+    if ((star.is_free[i] != 0) == is_free) {
+      const auto component = star.Component(i);
+      components.emplace_back(component.begin(), component.end());
+    }
+  }
+  return components;
 }
 
-void Flip(const VertexStar::Component& component, Problem* problem) {
-  for (const uint32_t cell : component.cells) {
-    problem->labels[cell] = !component.is_free;
+void Flip(const Cells& cells, Problem* problem) {
+  for (const uint32_t cell : cells) {
+    problem->labels[cell] = !problem->labels[cell];
   }
 }
 
@@ -217,20 +208,21 @@ Problem KeepOne(const Problem& problem, uint32_t vertex, bool is_free,
   return result;
 }
 
-// The fewest components too many, and the least energy among the ways that
-// leave as many: where one component around the vertex is flipped, and where of
-// either label one is kept, one label after the other.
-std::tuple<size_t, int64_t> BestWay(const Problem& problem, uint32_t vertex) {
+// The least excess, and the least energy among the flips that leave it: of one
+// component around the vertex, and of all but one of either label, one label
+// after the other.
+std::tuple<size_t, int64_t> LeastExcessAndEnergy(const Problem& problem,
+                                                 uint32_t vertex) {
   std::tuple<size_t, int64_t> best = {SIZE_MAX, 0};
-  const auto try_out = [&](const Problem& way) {
-    best = std::min(best, {way.Excess(), way.Energy()});
+  const auto try_out = [&](const Problem& flipped) {
+    best = std::min(best, {flipped.Excess(), flipped.Energy()});
   };
   for (const bool label : {false, true}) {
     const auto components = ComponentsOf(problem, vertex, label);
     for (size_t first = 0; first < components.size(); ++first) {
-      Problem way = problem;
-      Flip(components[first], &way);
-      try_out(way);
+      Problem flipped = problem;
+      Flip(components[first], &flipped);
+      try_out(flipped);
       const Problem once = KeepOne(problem, vertex, label, first);
       const size_t count = ComponentsOf(once, vertex, !label).size();
       for (size_t second = 0; second < count; ++second) {
@@ -259,10 +251,10 @@ void ForEachSingleVertex(uint64_t seed, const Function& function) {
   }
 }
 
-TEST(EnergyRule, TakesTheCheapestOfTheBestWays) {
+TEST(EnergyRule, TakesTheCheapestOfTheLeastExcessAndEnergys) {
   size_t num_tried = 0;
   ForEachSingleVertex(4, [&](Problem problem, uint32_t vertex) {
-    const auto best = BestWay(problem, vertex);
+    const auto best = LeastExcessAndEnergy(problem, vertex);
     const FixingReport report =
         FixSingularVertices(FixingRule::kEnergy, &problem.tetrahedra,
                             &problem.graph, &problem.labels);
@@ -284,11 +276,9 @@ TEST(PaperRule, KeepsTheLargestComponents) {
     Problem expected = problem;
     for (const bool is_free : {false, true}) {
       const auto components = ComponentsOf(expected, vertex, is_free);
-      const auto largest =
-          std::max_element(components.begin(), components.end(),
-                           [](const auto& a, const auto& b) {
-                             return a.cells.size() < b.cells.size();
-                           });
+      const auto largest = std::max_element(
+          components.begin(), components.end(),
+          [](const auto& a, const auto& b) { return a.size() < b.size(); });
       expected = KeepOne(expected, vertex, is_free,
                          static_cast<size_t>(largest - components.begin()));
     }

@@ -6,8 +6,10 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
+#include "scene/look_at.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 
@@ -33,7 +35,6 @@ TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
       {"max_depth_dist", [](Options* o) { o->max_depth_dist = -0.1; }},
       {"max_depth_dist", [](Options* o) { o->max_depth_dist = 1.1; }},
       {"max_depth_dist", [](Options* o) { o->max_depth_dist = kNaN; }},
-      {"alpha_kind", [](Options* o) { o->alpha_kind = "track"; }},
       {"visibility_sigma", [](Options* o) { o->visibility_sigma = 0; }},
       {"visibility_sigma", [](Options* o) { o->visibility_sigma = kNaN; }},
       {"alpha_vis", [](Options* o) { o->alpha_vis = 0; }},
@@ -51,7 +52,6 @@ TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
        [](Options* o) { o->quality_regularization = 1e6; }},
       {"quality_regularization",
        [](Options* o) { o->quality_regularization = kNaN; }},
-      {"fixing_rule", [](Options* o) { o->fixing_rule = ""; }},
       {"max_side_length_factor",
        [](Options* o) { o->max_side_length_factor = -1; }},
       {"max_side_length_factor",
@@ -62,9 +62,7 @@ TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
        [](Options* o) { o->max_side_length_percentile = -1; }},
       {"max_side_length_percentile",
        [](Options* o) { o->max_side_length_percentile = kNaN; }},
-      {"min_component_faces", [](Options* o) { o->min_component_faces = -1; }},
-      {"num_threads", [](Options* o) { o->num_threads = 0; }},
-      {"num_threads", [](Options* o) { o->num_threads = -2; }}};
+      {"min_component_faces", [](Options* o) { o->min_component_faces = -1; }}};
   for (const BadOption& bad : bad_options) {
     ManifoldMeshingOptions options;
     bad.spoil(&options);
@@ -74,16 +72,7 @@ TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
 }
 
 View LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
-  View view;
-  view.width = view.height = 1000;
-  view.fx = view.fy = 1000;
-  view.cx = view.cy = 500;
-  const Eigen::Vector3d z = (target - center).normalized();
-  const Eigen::Vector3d x = z.unitOrthogonal();
-  view.cam_from_world_rotation << x.transpose(), z.cross(x).transpose(),
-      z.transpose();
-  view.cam_from_world_translation = -view.cam_from_world_rotation * center;
-  return view;
+  return LookAtView(center, target, Eigen::Vector3d::UnitZ(), 1000, 1000, 1000);
 }
 
 // A unit sphere with noise, seen by the cameras that are before it. They also
@@ -166,8 +155,8 @@ std::vector<ManifoldMeshingOptions> Variants() {
   std::vector<ManifoldMeshingOptions> variants(6);
   variants[1].max_proj_dist = 0;
   variants[2].preemptive_fixing = false;
-  variants[3].fixing_rule = "paper";
-  variants[4].alpha_kind = "constant";
+  variants[3].fixing_rule = FixingRule::kPaper;
+  variants[4].alpha_kind = ObservationWeight::kConstant;
   variants[4].alpha_vis = 0.5;
   variants[4].behind_sigma = 8;
   variants[5].max_side_length_factor = 1;
@@ -279,12 +268,16 @@ TEST(MeshManifold, VerticesHaveWhatTheirPointsHave) {
 
 TEST(MeshManifold, DoesNotDependOnThreads) {
   const SphereScene scene(2500);
-  for (ManifoldMeshingOptions options : Variants()) {
-    options.num_threads = 1;
-    const ManifoldMesh expected =
-        MeshManifold(options, scene.cloud, scene.views);
-    options.num_threads = 2;
-    ExpectSame(MeshManifold(options, scene.cloud, scene.views), expected);
+  const auto mesh = [&](const ManifoldMeshingOptions& options,
+                        size_t num_threads) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    return MeshManifold(options, scene.cloud, scene.views);
+  };
+  for (const ManifoldMeshingOptions& options : Variants()) {
+    const ManifoldMesh expected = mesh(options, 1);
+    ExpectSame(mesh(options, 2), expected);
+    ExpectSame(mesh(options, 3), expected);
   }
 }
 

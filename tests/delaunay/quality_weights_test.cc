@@ -1,10 +1,12 @@
+#include "delaunay/quality_weights.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "delaunay/visibility_weights.h"
+#include "delaunay/cell_graph.h"
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {

@@ -1,6 +1,6 @@
 #include "tests/delaunay/random_complex.h"
 
-#include "delaunay/visibility_weights.h"
+#include "delaunay/cell_graph.h"
 
 #include <algorithm>
 #include <array>

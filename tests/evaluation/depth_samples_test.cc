@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "evaluation/depth_errors.h"
-#include "pictures/mesh_renderer.h"
+#include "scene/look_at.h"
 
 namespace colmap_ext {
 namespace {
@@ -17,7 +17,7 @@ TriangleMesh Triangle() {
 }
 
 View Camera() {
-  return LookAtView({0.2, 0.1, 3}, {0, 0, 0}, {0, 1, 0}, 31, 22);
+  return LookAtView({0.2, 0.1, 3}, {0, 0, 0}, {0, 1, 0}, 31, 22, 46.5);
 }
 
 TEST(RenderDepths, OfSomePixelsIsAPartOfAll) {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "pictures/mesh_renderer.h"
+#include "scene/look_at.h"
 #include "tests/random.h"
 
 namespace colmap_ext {
@@ -35,8 +35,8 @@ TriangleMesh Square(float height, uint32_t n = 10, float end = 1) {
 
 // From above, all of the square and more.
 std::vector<View> Cameras() {
-  return {LookAtView({0.5, 0.4, 3}, {0.5, 0.5, 0}, {0, 1, 0}, 100, 80),
-          LookAtView({0.3, 0.5, 4}, {0.5, 0.5, 0}, {0, 1, 0}, 90, 110)};
+  return {LookAtView({0.5, 0.4, 3}, {0.5, 0.5, 0}, {0, 1, 0}, 100, 80, 150),
+          LookAtView({0.3, 0.5, 4}, {0.5, 0.5, 0}, {0, 1, 0}, 90, 110, 135)};
 }
 
 MeshEvaluation Evaluate(const TriangleMesh& mesh, const TriangleMesh& truth,
@@ -181,7 +181,7 @@ TEST(EvaluateMesh, DoesNotDependOnThreadsOrTheOrderOfFacets) {
 
 TEST(EvaluateMesh, RefusesWhatDoesNotFitTogether) {
   const std::vector<View> away = {
-      LookAtView({0.5, 0.5, 3}, {0.5, 0.5, 6}, {0, 1, 0}, 100, 80)};
+      LookAtView({0.5, 0.5, 3}, {0.5, 0.5, 6}, {0, 1, 0}, 100, 80, 150)};
   EXPECT_THROW(Evaluate(Square(0), Square(0), away), std::invalid_argument);
   EXPECT_THROW(Evaluate(Square(0), {{{1, 1, 1}}, {}}, {}),
                std::invalid_argument);

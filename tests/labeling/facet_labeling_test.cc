@@ -6,6 +6,7 @@
 
 #include "labeling/facet_labeling.h"
 #include "labeling/view_pairs.h"
+#include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
@@ -16,7 +17,7 @@ class LabelFacetsTest : public testing::Test {
   // Every vertex is seen by the views that see one of its facets.
   LabelFacetsTest()
       : mesh_(Scene().Truth()),
-        visibility_(FindVisibleFacets({}, mesh_, Scene().Views())) {
+        visibility_(VisibleFacets(mesh_, Scene().Views())) {
     std::vector<std::vector<uint32_t>> views(mesh_.vertices.size());
     for (size_t i = 0; i < mesh_.facets.size(); ++i) {
       for (const uint32_t vertex : mesh_.facets[i]) {

@@ -109,30 +109,6 @@ void ExpectUnchanged(const TriangleMesh& mesh) {
   }
 }
 
-TEST(PairHalfEdges, PairsWhatTwoFacetsRunInOppositeDirections) {
-  Random random(1);
-  for (int trial = 0; trial < 300; ++trial) {
-    const TriangleMesh mesh = RandomSoup(8, 14, true, &random);
-    const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
-    ASSERT_EQ(partners.size(), 3 * mesh.facets.size());
-    for (uint32_t half = 0; half < partners.size(); ++half) {
-      std::vector<uint32_t> others;  // of the undirected edge
-      const uint32_t from = FromVertex(mesh.facets, half);
-      const uint32_t to = ToVertex(mesh.facets, half);
-      for (uint32_t other = 0; other < partners.size(); ++other) {
-        const std::set<uint32_t> ends = {FromVertex(mesh.facets, other),
-                                         ToVertex(mesh.facets, other)};
-        if (other != half && ends == std::set<uint32_t>{from, to}) {
-          others.push_back(other);
-        }
-      }
-      const bool is_paired =
-          others.size() == 1 && FromVertex(mesh.facets, others.front()) == to;
-      ASSERT_EQ(partners[half], is_paired ? others.front() : kNoPartner);
-    }
-  }
-}
-
 TEST(SplitFans, LeavesManifoldMeshesAsTheyAre) {
   for (const TriangleMesh& mesh :
        {MakeTetrahedron(), MakeTorus(), MakeDisc(), MakeAnnulus(),

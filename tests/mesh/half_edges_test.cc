@@ -2,6 +2,7 @@
 
 #include <map>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -18,8 +19,8 @@ TEST(HalfEdges, RunAroundTheirFacet) {
   EXPECT_EQ(FromVertex(facets, 5), 2);
   EXPECT_EQ(ToVertex(facets, 5), 7);
   for (uint32_t half = 0; half < 6; ++half) {
-    const uint32_t next = half / 3 * 3 + (half + 1) % 3;
-    EXPECT_EQ(ToVertex(facets, half), FromVertex(facets, next));
+    EXPECT_EQ(NextHalfEdge(half) / 3, half / 3);
+    EXPECT_EQ(ToVertex(facets, half), FromVertex(facets, NextHalfEdge(half)));
   }
 }
 
@@ -47,6 +48,59 @@ TEST(ForEachEdge, GathersTheHalfEdgesOfEachEdge) {
       EXPECT_TRUE(edges.emplace(vertices, edge).second);
     });
     EXPECT_EQ(edges, expected);
+  }
+}
+
+TEST(PairHalfEdges, PairsWhatTwoFacetsRunInOppositeDirections) {
+  Random random(1);
+  for (int trial = 0; trial < 300; ++trial) {
+    const TriangleMesh mesh = RandomSoup(8, 14, true, &random);
+    const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+    ASSERT_EQ(partners.size(), 3 * mesh.facets.size());
+    for (uint32_t half = 0; half < partners.size(); ++half) {
+      std::vector<uint32_t> others;  // of the undirected edge
+      const uint32_t from = FromVertex(mesh.facets, half);
+      const uint32_t to = ToVertex(mesh.facets, half);
+      for (uint32_t other = 0; other < partners.size(); ++other) {
+        const std::set<uint32_t> ends = {FromVertex(mesh.facets, other),
+                                         ToVertex(mesh.facets, other)};
+        if (other != half && ends == std::set<uint32_t>{from, to}) {
+          others.push_back(other);
+        }
+      }
+      const bool is_paired =
+          others.size() == 1 && FromVertex(mesh.facets, others.front()) == to;
+      ASSERT_EQ(partners[half], is_paired ? others.front() : kNoPartner);
+    }
+  }
+}
+
+TEST(PairHalfEdges, IsItsOwnInverse) {
+  Random random(2);
+  size_t num_pairs = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const TriangleMesh mesh = RandomSoup(9, 20, false, &random);
+    const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+    for (uint32_t half = 0; half < partners.size(); ++half) {
+      if (partners[half] != kNoPartner) {
+        EXPECT_EQ(partners[partners[half]], half);
+        EXPECT_EQ(FromVertex(mesh.facets, partners[half]),
+                  ToVertex(mesh.facets, half));
+        EXPECT_EQ(ToVertex(mesh.facets, partners[half]),
+                  FromVertex(mesh.facets, half));
+        ++num_pairs;
+      }
+    }
+  }
+  EXPECT_GT(num_pairs, 1000u);  // or it was not tested
+}
+
+TEST(PairHalfEdges, LeavesNoneOfAClosedMeshAlone) {
+  for (const TriangleMesh& mesh :
+       {MakeTetrahedron(), MakeTorus(), MakeCube()}) {
+    for (const uint32_t partner : PairHalfEdges(mesh.facets)) {
+      EXPECT_NE(partner, kNoPartner);
+    }
   }
 }
 

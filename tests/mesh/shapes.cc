@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/random_soup.h"
 #include "tests/synthetic/isosurface.h"

@@ -1,5 +1,7 @@
 #include "photometry/image_pyramid.h"
 
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -189,28 +191,75 @@ TEST_F(ImagePyramidMemoryTest, KeepsWhatIsInUse) {
   EXPECT_EQ(image->pixels, std::vector<uint8_t>(kSize, 0));
 }
 
-TEST_F(ImagePyramidMemoryTest, ReadsAgainAtAnotherLevelOnly) {
-  ImagePyramid pyramid = MakePyramid(SIZE_MAX);
-  pyramid.Image(0);
+TEST_F(ImagePyramidMemoryTest, ReadsOnceForAllLevelsWhereThereIsRoom) {
+  // At level 1 an image takes a quarter more.
+  ImagePyramid pyramid = MakePyramid(3 * kSize + 3 * kSize / 4);
+  for (const int level : {2, 1, 1, 0, 1}) {
+    pyramid.SetLevel(level);
+    EXPECT_EQ(pyramid.Level(), level);
+    for (const size_t view : {0, 1, 2, 0}) {
+      EXPECT_EQ(pyramid.Image(view)->width, 8 >> level);
+      EXPECT_EQ(pyramid.Views()[view].width, 8 >> level);
+    }
+  }
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
   pyramid.SetLevel(0);
-  pyramid.Image(0);
-  EXPECT_EQ(num_reads_[0], 1);
-  pyramid.SetLevel(1);
-  EXPECT_EQ(pyramid.Image(0)->width, 4);
-  EXPECT_EQ(pyramid.Views()[0].width, 4);
-  EXPECT_EQ(num_reads_[0], 2);
-  pyramid.SetLevel(0);
-  EXPECT_EQ(pyramid.Image(0)->width, 8);
   EXPECT_EQ(pyramid.Views()[0].PixelFromRay(), ViewOfSize(8, 8).PixelFromRay());
+}
+
+// Those of the level are used again and again.
+TEST_F(ImagePyramidMemoryTest, TheLevelComesBeforeTheFullSize) {
+  ImagePyramid pyramid = MakePyramid(3 * kSize / 4);
+  pyramid.SetLevel(1);
+  for (int pass = 0; pass < 5; ++pass) {
+    for (const size_t view : {0, 1, 2}) {
+      EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
+    }
+  }
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+}
+
+// Whatever was kept of other levels.
+TEST(ImagePyramid, LevelsComeFromTheFullSize) {
+  Random random(3);
+  const View view = ViewOfSize(61, 47);
+  GrayImage image{view.width, view.height, {}};
+  for (int i = 0; i < view.width * view.height; ++i) {
+    image.pixels.push_back(static_cast<uint8_t>(random.Below(256)));
+  }
+  for (const size_t max_memory : {size_t{0}, size_t{3000}, SIZE_MAX}) {
+    ImagePyramid pyramid(
+        {view}, [&](size_t) { return image; }, max_memory);
+    for (const int level : {3, 1, 2, 0, 3, 2}) {
+      pyramid.SetLevel(level);
+      EXPECT_EQ(pyramid.Image(0)->pixels, AtLevel(view, image, level).pixels);
+    }
+  }
 }
 
 TEST_F(ImagePyramidMemoryTest, IsSafeFromSeveralThreads) {
   for (const size_t max_memory : {size_t{1}, SIZE_MAX}) {
-    ImagePyramid pyramid = MakePyramid(max_memory);
-    tbb::parallel_for(0, 300, [&](int i) {
-      const size_t view = i % 3;
-      EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
-    });
+    for (const int level : {0, 1}) {
+      std::array<std::atomic<int>, 3> num_reads = {};
+      ImagePyramid pyramid(
+          std::vector<View>(3, ViewOfSize(8, 8)),
+          [&](size_t view) {
+            ++num_reads[view];
+            return GrayImage{
+                8, 8, std::vector<uint8_t>(kSize, static_cast<uint8_t>(view))};
+          },
+          max_memory);
+      pyramid.SetLevel(level);
+      std::atomic<int> num_wrong = 0;
+      tbb::parallel_for(0, 300, [&](int i) {
+        const size_t view = i % 3;
+        num_wrong += pyramid.Image(view)->pixels[0] != view;
+      });
+      EXPECT_EQ(num_wrong, 0);
+      for (const std::atomic<int>& count : num_reads) {
+        EXPECT_TRUE(max_memory == 1 || count == 1) << count;
+      }
+    }
   }
 }
 

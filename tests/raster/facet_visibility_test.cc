@@ -12,6 +12,7 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/raster/visible_facets.h"
 #include "tests/refine/depth_range.h"
 
 namespace colmap_ext {
@@ -54,8 +55,7 @@ TEST(FindVisibleFacets, SeesOfASphereWhatFacesTheCamera) {
   const TriangleMesh mesh = MakeBumpySphere(0.2f, 0);
   const std::vector<View> views = ViewsAround(5);
   for (const double min_cosine : {0.02, 0.1, 0.5}) {
-    const FacetVisibility visibility =
-        FindVisibleFacets({min_cosine}, mesh, views);
+    const FacetVisibility visibility = VisibleFacets(mesh, views, min_cosine);
     ASSERT_EQ(visibility.offsets.size(), mesh.facets.size() + 1);
     for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
       for (uint32_t i = 0; i < views.size(); ++i) {
@@ -84,7 +84,7 @@ TEST(FindVisibleFacets, SeesNothingBehindAnotherFacet) {
   const std::vector<View> views = {
       LookAt({0.05, 0, 4}, {0, 0, 0}, 160, 120, 180),
       LookAt({4, 0, 0.4}, {0, 0, -0.15}, 160, 120, 180)};
-  const FacetVisibility visibility = FindVisibleFacets({0.01}, mesh, views);
+  const FacetVisibility visibility = VisibleFacets(mesh, views, 0.01);
   const size_t num_behind = behind.facets.size();
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     EXPECT_EQ(IsSeen(visibility, i, 0), i >= num_behind) << i;
@@ -97,7 +97,7 @@ TEST(FindVisibleFacets, AgreesWithRays) {
   const TriangleMesh mesh = MakeRoundTorus(0.15f);
   const Bvh bvh(mesh);
   const std::vector<View> views = ViewsAround(4);
-  const FacetVisibility visibility = FindVisibleFacets({}, mesh, views);
+  const FacetVisibility visibility = VisibleFacets(mesh, views);
   int num_seen = 0;
   int num_hidden = 0;
   for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
@@ -127,8 +127,7 @@ TEST(FindVisibleFacets, KeepsFromTheBorder) {
   const TriangleMesh mesh = MakeBumpySphere(0.2f, 0);
   const View view = LookAt({0, 0, -2}, {0.4, 0.3, 0}, 100, 80, 150);
   for (const double border : {0.0, 3.0, 20.0}) {
-    const FacetVisibility visibility =
-        FindVisibleFacets({0.1, border}, mesh, {view});
+    const FacetVisibility visibility = VisibleFacets(mesh, {view}, 0.1, border);
     int num_beside = 0;
     for (size_t i = 0; i < mesh.facets.size(); ++i) {
       const Vector3d in_camera = view.CamFromWorld(Centroid(mesh, i));
@@ -148,7 +147,7 @@ TEST(FindVisibleFacets, KeepsFromTheBorder) {
 TEST(FindVisibleFacets, OfEachViewDoNotDependOnTheOthersNorOnThreads) {
   const TriangleMesh mesh = MakeRoundTorus(0.15f);
   const std::vector<View> views = ViewsAround(4);
-  const FacetVisibility expected = FindVisibleFacets({}, mesh, views);
+  const FacetVisibility expected = VisibleFacets(mesh, views);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     const auto row = expected[i];
     EXPECT_TRUE(std::is_sorted(row.begin(), row.end()));
@@ -157,11 +156,11 @@ TEST(FindVisibleFacets, OfEachViewDoNotDependOnTheOthersNorOnThreads) {
   for (const int num_threads : {1, 2, 3}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
-    const FacetVisibility visibility = FindVisibleFacets({}, mesh, views);
+    const FacetVisibility visibility = VisibleFacets(mesh, views);
     EXPECT_EQ(visibility, expected);
   }
   for (uint32_t i = 0; i < views.size(); ++i) {
-    const FacetVisibility alone = FindVisibleFacets({}, mesh, {views[i]});
+    const FacetVisibility alone = VisibleFacets(mesh, {views[i]});
     for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
       EXPECT_EQ(IsSeen(alone, facet, 0), IsSeen(expected, facet, i));
     }
@@ -169,10 +168,10 @@ TEST(FindVisibleFacets, OfEachViewDoNotDependOnTheOthersNorOnThreads) {
 }
 
 TEST(FindVisibleFacets, OfNothingIsEmpty) {
-  EXPECT_EQ(FindVisibleFacets({}, TriangleMesh(), ViewsAround(4)).offsets,
+  EXPECT_EQ(VisibleFacets(TriangleMesh(), ViewsAround(4)).offsets,
             std::vector<uint64_t>{0});
   const TriangleMesh mesh = MakeCube();
-  EXPECT_TRUE(FindVisibleFacets({}, mesh, {}).values.empty());
+  EXPECT_TRUE(VisibleFacets(mesh, {}).values.empty());
 }
 
 }  // namespace

@@ -7,11 +7,11 @@
 #include <Eigen/Geometry>
 
 #include "raster/facet_frames.h"
-#include "raster/facet_visibility.h"
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/same_topology.h"
 #include "tests/mesh/shapes.h"
+#include "tests/raster/visible_facets.h"
 
 namespace colmap_ext {
 namespace {
@@ -31,8 +31,7 @@ std::vector<View> Views() {
 // The second largest of the areas in the views that see each facet, px^2.
 std::vector<double> SecondAreas(const TriangleMesh& mesh,
                                 const std::vector<View>& views) {
-  const FacetVisibility visibility =
-      FindVisibleFacets({kMinCosine}, mesh, views);
+  const FacetVisibility visibility = VisibleFacets(mesh, views, kMinCosine);
   std::vector<double> seconds;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     std::vector<double> areas(2, 0.0);
@@ -88,8 +87,13 @@ Subdivided Subdivide(double max_area, const TriangleMesh& mesh,
   for (Eigen::Vector3f& origin : result.origins) {
     origin += kShift;
   }
-  SubdivideLargeFacets(max_area, kMinCosine, views, &result.mesh,
-                       &result.attributes, &result.origins);
+  const auto draw = [&](const TriangleMesh& drawn) {
+    return std::make_shared<const MeshDrawings>(drawn, views, kMinCosine,
+                                                SIZE_MAX);
+  };
+  const FacetVisibility visibility = SubdivideLargeFacets(
+      max_area, draw, &result.mesh, &result.attributes, &result.origins);
+  EXPECT_EQ(visibility, VisibleFacets(result.mesh, views, kMinCosine));
   return result;
 }
 

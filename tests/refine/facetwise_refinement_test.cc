@@ -10,6 +10,7 @@
 #include "refine/facetwise_refinement.h"
 #include "spatial/bvh.h"
 #include "tests/mesh/same_topology.h"
+#include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
@@ -70,8 +71,7 @@ RefinedMesh Refine(const FacetwiseRefinementOptions& options,
 // From the vertices that some view sees to the truth, px, median.
 double MedianError(const TriangleMesh& mesh) {
   const Bvh truth(Scene().Truth());
-  const FacetVisibility visibility =
-      FindVisibleFacets({}, mesh, Scene().Views());
+  const FacetVisibility visibility = VisibleFacets(mesh, Scene().Views());
   std::vector<double> errors;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     if (visibility[i].size() >= 2) {

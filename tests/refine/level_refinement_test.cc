@@ -45,6 +45,10 @@ class PullingEnergy : public PhotometricEnergy {
   explicit PullingEnergy(Surface surface) : surface_(std::move(surface)) {}
 
   void SetLevel(int /*level*/) override {}
+  std::shared_ptr<const MeshDrawings> Drawings(
+      const TriangleMesh& /*mesh*/) override {
+    return nullptr;
+  }
   void Render(const TriangleMesh& /*mesh*/) override { ++num_renders; }
   std::string Description() const override { return "pulls"; }
 
@@ -149,15 +153,17 @@ Refined Refine(const FacetwiseRefinementOptions& options, int level,
                const std::vector<Vector3f>& origins,
                PhotometricEnergy* energy) {
   Refined result;
-  TriangleMesh refined = mesh;
-  result.num_shortened =
-      RefineLevel(options, level, labels, FarViews(), origins, energy, &refined,
-                  [&](const RefinementStep& step) {
+  const RefinedLevel refined =
+      RefineLevel(options, {level, labels, FarViews(), origins}, mesh, energy,
+                  [&](const RefinementStep& step, const TriangleMesh& stepped) {
                     result.steps.push_back(step);
-                    result.meshes.push_back(refined);
+                    result.meshes.push_back(stepped);
                     return true;
                   });
-  EXPECT_EQ(refined.vertices, result.Result().vertices);
+  result.num_shortened = refined.num_shortened_steps;
+  EXPECT_FALSE(refined.is_stopped);
+  EXPECT_EQ(refined.mesh.vertices, result.Result().vertices);
+  EXPECT_EQ(refined.mesh.facets, mesh.facets);
   return result;
 }
 
@@ -207,10 +213,10 @@ double Roughness(const TriangleMesh& mesh, float max_x = 1e9f) {
   for (size_t i = 0; i < size; ++i) {
     weights[i] = mesh.vertices[i].x() < max_x ? 1 : 0;
   }
-  return MakeThinPlate(weights, mesh.vertices, VertexNormals(mesh, rings),
-                       rings, std::vector<float>(size, kFootprint),
-                       std::vector<float>(size, 0),
-                       std::vector<double>(size, 0))
+  return MakeThinPlate({mesh.vertices, VertexNormals(mesh, rings), rings,
+                        std::vector<float>(size, kFootprint),
+                        std::vector<float>(size, 0)},
+                       weights, std::vector<double>(size, 0))
       .Energy();
 }
 
@@ -509,13 +515,14 @@ TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
   const TriangleMesh mesh = WavySphere(2);
   for (const int last : {0, 2}) {
     PullingEnergy energy(UnitSphere);
-    TriangleMesh refined = mesh;
     std::vector<RefinementStep> steps;
-    RefineLevel({}, 1, LabelAll(mesh), FarViews(), mesh.vertices, &energy,
-                &refined, [&](const RefinementStep& step) {
-                  steps.push_back(step);
-                  return step.iteration < last;
-                });
+    const RefinedLevel refined = RefineLevel(
+        {}, {1, LabelAll(mesh), FarViews(), mesh.vertices}, mesh, &energy,
+        [&](const RefinementStep& step, const TriangleMesh&) {
+          steps.push_back(step);
+          return step.iteration < last;
+        });
+    EXPECT_TRUE(refined.is_stopped);
     ASSERT_EQ(steps.size(), last + 1);
     for (int i = 0; i <= last; ++i) {
       EXPECT_EQ(steps[i].iteration, i);
@@ -524,7 +531,7 @@ TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
       EXPECT_EQ(steps[i].num_facets, mesh.facets.size());
       EXPECT_EQ(steps[i].mean_step > 0, i > 0);
     }
-    EXPECT_EQ(refined.vertices == mesh.vertices, last == 0);
+    EXPECT_EQ(refined.mesh.vertices == mesh.vertices, last == 0);
   }
 }
 

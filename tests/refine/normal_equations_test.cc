@@ -52,15 +52,15 @@ class NormalEquationsTest : public testing::Test {
 
   void SetWeight(double weight) {
     const size_t size = mesh_.vertices.size();
-    plate_ = MakeThinPlate(std::vector<double>(size, weight), mesh_.vertices,
-                           normals_, rings_, std::vector<float>(size, 0.05f),
-                           std::vector<float>(size, 10),
-                           std::vector<double>(size, 0.003));
+    plate_ = MakeThinPlate(
+        {mesh_.vertices, normals_, rings_, std::vector<float>(size, 0.05f),
+         std::vector<float>(size, 10)},
+        std::vector<double>(size, weight), std::vector<double>(size, 0.003));
   }
 
   double NumDetermined(double tolerance, int max_iterations) const {
     const std::vector<double> determined =
-        Equations().Determined(tolerance, max_iterations);
+        Equations().Determined({tolerance, max_iterations}).values;
     return std::accumulate(determined.begin(), determined.end(), 0.0);
   }
 
@@ -210,7 +210,7 @@ TEST_F(NormalEquationsTest, AreSolvedAsWithoutSparseness) {
     SetWeight(weight);
     const MatrixXd matrix = Photometric() + Smoothness();
     const VectorXd expected = -matrix.ldlt().solve(Gradient());
-    const VectorXd solution = AsVector(Equations().Solve(1e-9, 10000));
+    const VectorXd solution = AsVector(Equations().Solve({1e-9, 10000}).values);
     EXPECT_LT((solution - expected).norm(), 1e-3 * expected.norm()) << weight;
     EXPECT_LT((matrix * solution + Gradient()).norm(), 1e-4 * Gradient().norm())
         << weight;
@@ -223,13 +223,14 @@ TEST_F(NormalEquationsTest, StopAtTheToleranceOrTheIterations) {
   const VectorXd gradient = Gradient();
   for (const double tolerance : {0.3, 0.03, 0.001}) {
     const VectorXd residual =
-        matrix * AsVector(Equations().Solve(tolerance, 10000)) + gradient;
+        matrix * AsVector(Equations().Solve({tolerance, 10000}).values) +
+        gradient;
     const double ratio = residual.cwiseProduct(scale).norm() /
                          gradient.cwiseProduct(scale).norm();
     EXPECT_LT(ratio, 1.01 * tolerance);
     EXPECT_GT(ratio, 0.01 * tolerance);
   }
-  EXPECT_TRUE(AsVector(Equations().Solve(0.1, 0)).isZero(0));
+  EXPECT_TRUE(AsVector(Equations().Solve({0.1, 0}).values).isZero(0));
 }
 
 // Every step of the conjugate gradients lowers the model.
@@ -238,7 +239,7 @@ TEST_F(NormalEquationsTest, AreTheBetterSolvedTheLonger) {
   const VectorXd gradient = Gradient();
   double last = 0;
   for (int iterations = 1; iterations <= 16; iterations *= 2) {
-    const VectorXd x = AsVector(Equations().Solve(0, iterations));
+    const VectorXd x = AsVector(Equations().Solve({0, iterations}).values);
     const double model = 0.5 * x.dot(matrix * x) + gradient.dot(x);
     EXPECT_LT(model, last);
     last = model;
@@ -262,7 +263,7 @@ TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
       terms_.curvatures[i] = {};
     }
   }
-  const std::vector<double> solution = Equations().Solve(1e-6, 1000);
+  const std::vector<double> solution = Equations().Solve({1e-6, 1000}).values;
   size_t num_left = 0;
   for (size_t i = 0; i < solution.size(); ++i) {
     EXPECT_EQ(solution[i] != 0, is_named[i]);
@@ -281,7 +282,8 @@ TEST_F(NormalEquationsTest, DetermineNothingWhereTheImagesSayNothing) {
     }
   }
   SetWeight(10);
-  const std::vector<double> determined = Equations().Determined(1e-8, 100000);
+  const std::vector<double> determined =
+      Equations().Determined({1e-8, 100000}).values;
   for (size_t i = 0; i < determined.size(); ++i) {
     if (rings_.is_border[i] != 0) {
       EXPECT_EQ(determined[i], 0);
@@ -341,7 +343,8 @@ TEST_F(ClosedNormalEquationsTest, DetermineWhatTheImagesShow) {
     }
   }
   SetWeight(1e-3);
-  const std::vector<double> determined = Equations().Determined(1e-8, 100000);
+  const std::vector<double> determined =
+      Equations().Determined({1e-8, 100000}).values;
   double sums[2] = {};
   double counts[2] = {};
   for (size_t i = 0; i < determined.size(); ++i) {
@@ -360,16 +363,16 @@ class LargeNormalEquationsTest : public NormalEquationsTest {
 TEST_F(LargeNormalEquationsTest, DoNotDependOnThreads) {
   ASSERT_GT(Size(), 2 * 4096);
   const NormalEquations equations = Equations();
-  const std::vector<double> expected = equations.Solve(0, 8);
-  const std::vector<double> determined = equations.Determined(0, 8);
+  const std::vector<double> expected = equations.Solve({0, 8}).values;
+  const std::vector<double> determined = equations.Determined({0, 8}).values;
   for (const int num_threads : {1, 2, 3}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
     const NormalEquations again = Equations();
     EXPECT_EQ(again.Gradient(), equations.Gradient());
     EXPECT_EQ(again.Diagonal(), equations.Diagonal());
-    EXPECT_EQ(again.Solve(0, 8), expected);
-    EXPECT_EQ(again.Determined(0, 8), determined);
+    EXPECT_EQ(again.Solve({0, 8}).values, expected);
+    EXPECT_EQ(again.Determined({0, 8}).values, determined);
   }
 }
 

@@ -22,7 +22,7 @@ struct PlateScene {
       : mesh(std::move(surface)),
         rings(MakeVertexRings(mesh)),
         normals(VertexNormals(mesh, rings)),
-        rest(mesh.vertices.size(), 0) {
+        relief(mesh.vertices.size(), 0) {
     Random random(1);
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       footprints.push_back(static_cast<float>(0.01 * (1 + random.Unit())));
@@ -35,8 +35,9 @@ struct PlateScene {
   }
 
   ThinPlate Plate(const std::vector<double>& weights) const {
-    return MakeThinPlate(weights, mesh.vertices, normals, rings, footprints,
-                         num_pixels, rest);
+    return MakeThinPlate(
+        {mesh.vertices, normals, rings, footprints, num_pixels}, weights,
+        relief);
   }
 
   TriangleMesh mesh;
@@ -44,7 +45,7 @@ struct PlateScene {
   std::vector<Vector3f> normals;
   std::vector<float> footprints;
   std::vector<float> num_pixels;
-  std::vector<double> rest;
+  std::vector<double> relief;
 };
 
 // Leaning in space.
@@ -183,12 +184,12 @@ TEST(ThinPlate, LeavesBordersAndLooseVerticesAlone) {
 TEST(ThinPlate, IsAtRestWhereItIsToKeepItsShape) {
   PlateScene scene(MakeBumpyCap(0.1f));
   const ThinPlate plate = scene.Plate(1);
-  scene.rest = plate.residuals;
+  scene.relief = plate.residuals;
   const ThinPlate resting = scene.Plate(1);
   EXPECT_EQ(resting.Energy(), 0);
   EXPECT_EQ(resting.coefficients, plate.coefficients);
-  for (double& rest : scene.rest) {
-    rest *= 3;
+  for (double& relief : scene.relief) {
+    relief *= 3;
   }
   EXPECT_NEAR(scene.Plate(1).Energy(), 4 * plate.Energy(),
               1e-9 * plate.Energy());

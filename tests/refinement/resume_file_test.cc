@@ -18,6 +18,7 @@ ResumeRecord MakeRecord() {
   record.visibility = "none";
   record.origins = "2 bytes, hash 1";
   record.report.num_shortened_steps = size_t{1} << 60;
+  record.report.num_unconverged_solutions = 5;
   record.report.num_flipped_facets = 7;
   record.report.labelings = {{2, 9, 1, 0.1, 1e-300, -kInfinity}};
   record.report.steps.resize(2);
@@ -60,6 +61,7 @@ TEST(ResumeFileTest, ReadsNumbersBackAsTheyWere) {
   EXPECT_EQ(read.visibility, record.visibility);
   EXPECT_EQ(read.origins, record.origins);
   EXPECT_EQ(read.report.num_shortened_steps, size_t{1} << 60);
+  EXPECT_EQ(read.report.num_unconverged_solutions, 5);
   EXPECT_EQ(read.report.num_flipped_facets, 7);
   ASSERT_EQ(read.report.labelings.size(), 1);
   const LabelingReport& labeling = read.report.labelings[0];

@@ -1,6 +1,7 @@
 #include "scene/point_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -66,6 +67,37 @@ TEST(PointTreeTest, TakesTheLowerIndexOfPointsAsFar) {
   for (const Eigen::Vector3f& place : points) {
     EXPECT_EQ(tree.Nearest(place, 7, kAnywhere),
               NearestOfAll(points, place, 7, kAnywhere));
+  }
+}
+
+TEST(PointTreeTest, DoesNotDependOnScaleOrAccumulation) {
+  Random random(3);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 2000; ++i) {  // ever denser towards the origin
+    const float scale = std::exp2(static_cast<float>(random.Integer(-30, 10)));
+    points.emplace_back(scale *
+                        (RandomPoint(&random) * 2 - Eigen::Vector3f(1, 1, 0)));
+    if (i % 3 == 0) {
+      points.push_back(points[random.Below(points.size())]);  // twice
+    }
+  }
+  const PointTree tree(points);
+  for (size_t i = 0; i < points.size(); i += 7) {
+    for (const float max_distance : {0.0f, 1e-6f, kAnywhere}) {
+      for (const float away : {1.0f, 1.01f}) {
+        const Eigen::Vector3f place = away * points[i];
+        EXPECT_EQ(tree.Nearest(place, 9, max_distance),
+                  NearestOfAll(points, place, 9, max_distance));
+      }
+    }
+  }
+}
+
+TEST(PointTreeTest, FindsNothingFromAPlaceThatIsNotFinite) {
+  const std::vector<Eigen::Vector3f> points(20, Eigen::Vector3f::Zero());
+  const PointTree tree(points);
+  for (const float x : {kAnywhere, std::nanf("")}) {
+    EXPECT_TRUE(tree.Nearest({x, 0, 0}, 3, kAnywhere).empty());
   }
 }
 

@@ -9,6 +9,8 @@
 
 #include <Eigen/LU>
 
+#include "base/percentile.h"
+
 namespace colmap_ext::synthetic {
 namespace {
 
@@ -32,15 +34,6 @@ std::vector<std::vector<uint32_t>> Neighbors(const std::vector<View>& views) {
     }
   }
   return neighbors;
-}
-
-float Median(std::vector<float>* values) {
-  const auto middle = values->begin() + values->size() / 2;
-  std::nth_element(values->begin(), middle, values->end());
-  if (values->size() % 2 == 1) {
-    return *middle;
-  }
-  return 0.5f * (*middle + *std::max_element(values->begin(), middle));
 }
 
 struct Camera {

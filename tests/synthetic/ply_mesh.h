@@ -1,15 +1,24 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "mesh/triangle_mesh.h"
-#include "pictures/mesh_renderer.h"
+#include "scene/point_cloud.h"
 
 namespace colmap_ext::synthetic {
 
-// A mesh as a PLY file holds it, its polygons cut into triangles, its facets'
-// property `label` as labels.
-using PlyMesh = DrawnMesh;
+// A mesh as a PLY file holds it, its polygons cut into triangles; a point cloud
+// is one without facets.
+struct PlyMesh {
+  TriangleMesh mesh;
+  std::vector<Eigen::Vector3f> normals;  // [V] or empty
+  std::vector<Color> colors;             // [V] or empty
+  std::vector<int32_t> labels;           // [F] or empty, the property `label`
+};
 
 // Reads a PLY file in any of its three formats, whatever else it holds.
 // \throw std::runtime_error for what is not a PLY file, ends early, or has

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "pictures/mesh_renderer.h"
+#include "pictures/picture_views.h"
+#include "scene/look_at.h"
 #include "tests/synthetic/arguments.h"
 #include "tests/synthetic/colmap_workspace.h"
+#include "tests/synthetic/draw_ply_mesh.h"
 #include "tests/synthetic/ply_mesh.h"
 
 namespace {
@@ -55,13 +57,13 @@ Arguments Bind(Options* options) {
   return arguments;
 }
 
-RenderMode ModeOf(const std::string& name) {
-  const std::map<std::string, RenderMode> modes = {
-      {"shaded", RenderMode::kShaded},
-      {"wireframe", RenderMode::kWireframe},
-      {"normals", RenderMode::kNormals},
-      {"color", RenderMode::kColor},
-      {"labels", RenderMode::kLabels}};
+DrawMode ModeOf(const std::string& name) {
+  const std::map<std::string, DrawMode> modes = {
+      {"shaded", DrawMode::kShaded},
+      {"wireframe", DrawMode::kWireframe},
+      {"normals", DrawMode::kNormals},
+      {"color", DrawMode::kColor},
+      {"labels", DrawMode::kLabels}};
   const auto mode = modes.find(name);
   if (mode == modes.end()) {
     throw std::invalid_argument("unknown mode " + name);
@@ -85,6 +87,17 @@ View WorkspaceView(const Options& options) {
   throw std::invalid_argument("the workspace has no image " + options.image);
 }
 
+View DefaultView(const PlyMesh& ply, int width, int height) {
+  if (!ply.mesh.facets.empty()) {
+    return AutomaticView(ply.mesh, width, height);
+  }
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3f& normal : ply.normals) {
+    sum += normal.cast<double>();
+  }
+  return AutomaticView(ply.mesh.vertices, sum, width, height);
+}
+
 View MakeView(const Options& options, const PlyMesh& ply) {
   const int width = options.width > 0 ? options.width : 1024;
   const int height = options.height > 0 ? options.height : width * 3 / 4;
@@ -92,10 +105,12 @@ View MakeView(const Options& options, const PlyMesh& ply) {
   if (!options.workspace_path.empty()) {
     view = WorkspaceView(options);
   } else if (!options.eye.empty()) {
-    view = LookAtView(ToVector(options.eye), ToVector(options.target),
-                      ToVector(options.up), width, height);
+    constexpr double kFocalLength = 1.5;  // widths of the picture
+    view =
+        LookAtView(ToVector(options.eye), ToVector(options.target),
+                   ToVector(options.up), width, height, kFocalLength * width);
   } else {
-    view = AutomaticView(ply, width, height);
+    view = DefaultView(ply, width, height);
   }
   if (options.center.size() != 2) {
     throw std::invalid_argument("center is two numbers u,v");
@@ -123,10 +138,10 @@ int main(int argc, char** argv) {
   }
   try {
     arguments.Read(argc, argv);
-    const RenderMode mode = ModeOf(options.mode);
+    const DrawMode mode = ModeOf(options.mode);
     const PlyMesh ply = ReadPlyMesh(options.mesh_path);
-    WriteImage(options.output_path, RenderMesh(ply, MakeView(options, ply),
-                                               mode, options.point_radius));
+    WriteImage(options.output_path, DrawPlyMesh(ply, MakeView(options, ply),
+                                                mode, options.point_radius));
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "render_mesh: " << error.what() << "\n";

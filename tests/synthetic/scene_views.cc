@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "scene/look_at.h"
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/scene_shapes.h"
 
@@ -13,21 +14,15 @@ constexpr double kFocalLength = 1.2;  // in widths of the image
 
 // A camera that looks from `eye` to `target`, z up in the world, turned by
 // `roll` (rad) around its axis.
-View LookAt(const SceneOptions& options, const Vector3d& eye,
-            const Vector3d& target, double roll) {
-  View view;
-  view.width = options.width;
-  view.height = options.height;
-  view.fx = view.fy = kFocalLength * options.width;
-  view.cx = 0.5 * options.width;
-  view.cy = 0.5 * options.height;
-  const Vector3d forward = (target - eye).normalized();
-  const Vector3d level = forward.cross(Vector3d::UnitZ()).normalized();
-  const Vector3d down = forward.cross(level);
+View LookAtWithRoll(const SceneOptions& options, const Vector3d& eye,
+                    const Vector3d& target, double roll) {
+  View view = LookAtView(eye, target, Vector3d::UnitZ(), options.width,
+                         options.height, kFocalLength * options.width);
   Eigen::Matrix3d& rotation = view.cam_from_world_rotation;
+  const Eigen::RowVector3d level = rotation.row(0);
+  const Eigen::RowVector3d down = rotation.row(1);
   rotation.row(0) = std::cos(roll) * level + std::sin(roll) * down;
   rotation.row(1) = std::cos(roll) * down - std::sin(roll) * level;
-  rotation.row(2) = forward;
   view.cam_from_world_translation = -rotation * eye;
   return view;
 }
@@ -53,8 +48,8 @@ std::vector<View> MakeViewsAround(const SceneOptions& options) {
     const Vector3d direction(std::cos(elevation) * std::cos(turn),
                              std::cos(elevation) * std::sin(turn),
                              std::sin(elevation));
-    views.push_back(LookAt(options, target + distance * direction, target,
-                           0.05 * Jitter(options, i, 6)));
+    views.push_back(LookAtWithRoll(options, target + distance * direction,
+                                   target, 0.05 * Jitter(options, i, 6)));
   }
   return views;
 }
@@ -70,7 +65,8 @@ std::vector<View> MakeViewsBefore(const SceneOptions& options) {
                           -0.05 + 0.05 * Jitter(options, i, 3));
     const Vector3d eye(distance * std::sin(turn), -distance * std::cos(turn),
                        (i % 2 == 0 ? -0.1 : 0.3) + 0.1 * Jitter(options, i, 4));
-    views.push_back(LookAt(options, eye, target, 0.04 * Jitter(options, i, 5)));
+    views.push_back(
+        LookAtWithRoll(options, eye, target, 0.04 * Jitter(options, i, 5)));
   }
   return views;
 }

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/percentile.h"
 #include "scene/half_pixel.h"
 #include "spatial/bvh.h"
 
@@ -61,9 +62,7 @@ double MedianSize(std::vector<float> values) {
   for (float& value : values) {
     value = std::abs(value);
   }
-  std::nth_element(values.begin(), values.begin() + values.size() / 2,
-                   values.end());
-  return values[values.size() / 2];
+  return Median(&values);
 }
 
 // Least squares solution for the slope of a line through the origin.

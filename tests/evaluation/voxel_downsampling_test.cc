@@ -1,4 +1,4 @@
-#include "evaluation/thinning.h"
+#include "evaluation/voxel_downsampling.h"
 
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-std::array<float, 3> Cube(const Eigen::Vector3f& point, float spacing) {
+std::array<float, 3> VoxelOf(const Eigen::Vector3f& point, float spacing) {
   return {std::floor(point.x() / spacing), std::floor(point.y() / spacing),
           std::floor(point.z() / spacing)};
 }
@@ -31,38 +31,38 @@ Points RandomPoints(Random* random) {
   return points;
 }
 
-TEST(Thin, KeepsTheMiddlemostPointOfEachCubeInAnyOrderOfThem) {
+TEST(DownsampleByVoxels, KeepsTheMiddlemostPointOfEachInAnyOrder) {
   constexpr float kSpacing = 0.5f;
   Random random(1);
   Points points = RandomPoints(&random);
-  Points thin = points;
-  Thin(kSpacing, &thin);
-  std::set<std::array<float, 3>> cubes, thin_cubes;
+  Points sampled = points;
+  DownsampleByVoxels(kSpacing, &sampled);
+  std::set<std::array<float, 3>> voxels, sampled_voxels;
   for (const Eigen::Vector3f& point : points) {
-    cubes.insert(Cube(point, kSpacing));
+    voxels.insert(VoxelOf(point, kSpacing));
   }
-  for (const Eigen::Vector3f& point : thin) {
-    EXPECT_TRUE(thin_cubes.insert(Cube(point, kSpacing)).second);
+  for (const Eigen::Vector3f& point : sampled) {
+    EXPECT_TRUE(sampled_voxels.insert(VoxelOf(point, kSpacing)).second);
   }
-  EXPECT_EQ(thin_cubes, cubes);
+  EXPECT_EQ(sampled_voxels, voxels);
   for (int i = 0; i < 5; ++i) {
     random.Shuffle(&points);
     Points again = points;
-    Thin(kSpacing, &again);
-    EXPECT_EQ(again, thin);
-    Thin(kSpacing, &again);
-    EXPECT_EQ(again, thin);
+    DownsampleByVoxels(kSpacing, &again);
+    EXPECT_EQ(again, sampled);
+    DownsampleByVoxels(kSpacing, &again);
+    EXPECT_EQ(again, sampled);
   }
-  Points cube = {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.3f}, {0.4f, 0, 0}};
-  Thin(kSpacing, &cube);
-  EXPECT_EQ(cube, (Points{{0.2f, 0.2f, 0.3f}}));
+  Points voxel = {{0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.3f}, {0.4f, 0, 0}};
+  DownsampleByVoxels(kSpacing, &voxel);
+  EXPECT_EQ(voxel, (Points{{0.2f, 0.2f, 0.3f}}));
 }
 
-TEST(Thin, RefusesAGridThatIsTooFine) {
+TEST(DownsampleByVoxels, RefusesAGridThatIsTooFine) {
   Points points = {{1e10f, 0, 0}};
-  EXPECT_THROW(Thin(0.1, &points), std::invalid_argument);
+  EXPECT_THROW(DownsampleByVoxels(0.1, &points), std::invalid_argument);
   points.clear();
-  Thin(0.1, &points);
+  DownsampleByVoxels(0.1, &points);
   EXPECT_TRUE(points.empty());
 }
 

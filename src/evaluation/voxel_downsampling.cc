@@ -1,4 +1,4 @@
-#include "evaluation/thinning.h"
+#include "evaluation/voxel_downsampling.h"
 
 #include <algorithm>
 #include <array>
@@ -13,33 +13,33 @@ namespace colmap_ext {
 namespace {
 
 struct GridPoint {
-  std::array<int32_t, 3> cube;
-  float offset_squared;  // from the cube's centre, in cubes
+  std::array<int32_t, 3> voxel;
+  float offset_squared;  // from the voxel's centre, in voxels
   Eigen::Vector3f point;
 };
 
 GridPoint Locate(const Eigen::Vector3f& point, double spacing) {
   constexpr double kMaxIndex = 2147483647;
   const Eigen::Array3d position = point.cast<double>().array() / spacing;
-  const Eigen::Array3d cube = position.floor();
-  if (!(cube.abs() < kMaxIndex).all()) {
+  const Eigen::Array3d voxel = position.floor();
+  if (!(voxel.abs() < kMaxIndex).all()) {
     throw std::invalid_argument(
         "the spacing of the samples is too small for the extent of the scene");
   }
   GridPoint located;
   for (int i = 0; i < 3; ++i) {
-    located.cube[i] = static_cast<int32_t>(cube[i]);
+    located.voxel[i] = static_cast<int32_t>(voxel[i]);
   }
   located.offset_squared =
-      static_cast<float>((position - cube - 0.5).matrix().squaredNorm());
+      static_cast<float>((position - voxel - 0.5).matrix().squaredNorm());
   located.point = point;
   return located;
 }
 
-// A total order, so that equal ones are the same point.
+// A total order, so that points that compare equal are equal.
 bool IsBefore(const GridPoint& a, const GridPoint& b) {
   const auto key = [](const GridPoint& p) {
-    return std::tuple(p.cube, p.offset_squared, p.point.x(), p.point.y(),
+    return std::tuple(p.voxel, p.offset_squared, p.point.x(), p.point.y(),
                       p.point.z());
   };
   return key(a) < key(b);
@@ -47,7 +47,7 @@ bool IsBefore(const GridPoint& a, const GridPoint& b) {
 
 }  // namespace
 
-void Thin(double spacing, std::vector<Eigen::Vector3f>* points) {
+void DownsampleByVoxels(double spacing, std::vector<Eigen::Vector3f>* points) {
   std::vector<GridPoint> located;
   located.reserve(points->size());
   for (const Eigen::Vector3f& point : *points) {
@@ -56,7 +56,7 @@ void Thin(double spacing, std::vector<Eigen::Vector3f>* points) {
   tbb::parallel_sort(located.begin(), located.end(), IsBefore);
   points->clear();
   for (size_t i = 0; i < located.size(); ++i) {
-    if (i == 0 || located[i].cube != located[i - 1].cube) {
+    if (i == 0 || located[i].voxel != located[i - 1].voxel) {
       points->push_back(located[i].point);
     }
   }

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "delaunay/tetrahedralization.h"
+#include "optim/min_cut.h"
+
+namespace colmap_ext {
+
+// Capacities per weight: capacities are integers, sums of weights in this unit.
+// A power of two, fine enough that rounding moves a weight, which is 1 or less
+// for most observations and facets, by 1.2e-4 at most; kMaxCapacity is reached
+// at a sum of 262,144.
+inline constexpr double kWeightUnit = 4096;
+
+// The graph of the cells: node i is cell i, arc k of a node leads through facet
+// k of its cell. All capacities are zero.
+FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra);
+
+}  // namespace colmap_ext

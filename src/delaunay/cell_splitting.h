@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "delaunay/tetrahedralization.h"
+#include "optim/min_cut.h"
+
+namespace colmap_ext {
+
+// Splits a finite cell into four at its centroid. The cell keeps its index as
+// the first of them; the other three are appended to the cells, and the
+// centroid to the points. All four have the cell's label. They share out its
+// terminal capacities; their outer facets keep its arcs, the arcs between them
+// have no capacity: the cut's value stays.
+//
+// \param tetrahedra is no longer Delaunay afterwards
+// \param graph      of the cells: node i is cell i
+// \param is_free    [C] labels of the cells, 1: free space, 0: matter
+void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra, FlowGraph* graph,
+               std::vector<uint8_t>* is_free);
+
+}  // namespace colmap_ext

@@ -1,0 +1,206 @@
+#include "delaunay/singular_vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <iterator>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "delaunay/vertex_star.h"
+
+namespace colmap_ext {
+namespace {
+
+using BoundaryFacet = std::array<uint32_t, 3>;
+
+// An edge of a vertex's link, the sphere of the facets opposite to it in its
+// cells, where free space and matter meet. All edges run with matter on the
+// same side.
+using LinkEdge = std::pair<uint32_t, uint32_t>;
+
+// The edges between free space and matter in the link of each vertex.
+struct BoundaryLinks {
+  std::vector<uint64_t> offsets;      // [V + 1], into edges
+  std::unique_ptr<LinkEdge[]> edges;  // in no particular order in each row
+
+  std::span<LinkEdge> Edges(size_t vertex) const {
+    return {edges.get() + offsets[vertex], edges.get() + offsets[vertex + 1]};
+  }
+};
+
+// Appends the facets between matter and free space of a range of cells, those
+// at infinity, too, and counts them at each of their vertices.
+void CollectBoundary(const Tetrahedralization& tetrahedra,
+                     const std::vector<uint8_t>& is_free, size_t begin,
+                     size_t end, std::vector<BoundaryFacet>* facets,
+                     std::vector<uint64_t>* counts) {
+  for (size_t index = begin; index < end; ++index) {
+    const Tetrahedralization::Cell& cell = tetrahedra.cells[index];
+    for (int i = 0; i < 4 && !is_free[index]; ++i) {
+      if (!is_free[cell.neighbors[i]]) {
+        continue;
+      }
+      BoundaryFacet& facet = facets->emplace_back();
+      for (int k = 0; k < 3; ++k) {
+        facet[k] = cell.vertices[kFacetCorners[i][k]];
+        if (facet[k] != kInfiniteVertex) {
+          std::atomic_ref<uint64_t>((*counts)[facet[k]])
+              .fetch_add(1, std::memory_order_relaxed);
+        }
+      }
+    }
+  }
+}
+
+// Puts the edge of each facet that is opposite to a vertex into the vertex's
+// row, from the row's end to its beginning.
+void AddLinkEdges(const std::vector<BoundaryFacet>& facets,
+                  std::vector<uint64_t>* ends, LinkEdge* edges) {
+  for (const BoundaryFacet& facet : facets) {
+    for (int k = 0; k < 3; ++k) {
+      if (facet[k] != kInfiniteVertex) {
+        const uint64_t end = std::atomic_ref<uint64_t>((*ends)[facet[k]])
+                                 .fetch_sub(1, std::memory_order_relaxed);
+        edges[end - 1] = {facet[(k + 1) % 3], facet[(k + 2) % 3]};
+      }
+    }
+  }
+}
+
+BoundaryLinks CollectBoundaryLinks(const Tetrahedralization& tetrahedra,
+                                   const std::vector<uint8_t>& is_free) {
+  constexpr size_t kBlock = 1 << 14;  // cells: 512 kB, fits a core's cache
+  const size_t num_cells = tetrahedra.cells.size();
+  std::vector<std::vector<BoundaryFacet>> blocks((num_cells + kBlock - 1) /
+                                                 kBlock);
+  BoundaryLinks links;
+  links.offsets.assign(tetrahedra.points.size() + 1, 0);
+  tbb::parallel_for(size_t{0}, blocks.size(), [&](size_t block) {
+    CollectBoundary(tetrahedra, is_free, block * kBlock,
+                    std::min(num_cells, (block + 1) * kBlock), &blocks[block],
+                    &links.offsets);
+  });
+  std::partial_sum(links.offsets.begin(), links.offsets.end(),
+                   links.offsets.begin());
+  links.edges =
+      std::make_unique_for_overwrite<LinkEdge[]>(links.offsets.back());
+  tbb::parallel_for(size_t{0}, blocks.size(), [&](size_t block) {
+    AddLinkEdges(blocks[block], &links.offsets, links.edges.get());
+  });
+  return links;
+}
+
+// Whether the edges form one simple cycle, or are none at all. A planar graph
+// whose vertices all have as many edges in as out divides the sphere into two
+// regions just then: into the two components of a vertex that is not singular.
+// \param edges are sorted
+bool IsAtMostOneCycle(std::span<LinkEdge> edges) {
+  if (edges.empty()) {
+    return true;
+  }
+  std::sort(edges.begin(), edges.end());
+  size_t length = 0;
+  uint32_t at = edges.front().first;
+  do {
+    const auto edge =
+        std::lower_bound(edges.begin(), edges.end(), LinkEdge{at, 0});
+    if (edge + 1 != edges.end() && (edge + 1)->first == at) {
+      return false;
+    }
+    at = edge->second;
+    ++length;
+  } while (at != edges.front().first);
+  return length == edges.size();
+}
+
+// Those vertices that are singular, in their order.
+std::vector<uint32_t> SingularAmong(const Tetrahedralization& tetrahedra,
+                                    const std::vector<uint8_t>& is_free,
+                                    const std::vector<uint32_t>& vertices) {
+  std::vector<uint8_t> is_singular(vertices.size());
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, vertices.size()),
+                    [&](const tbb::blocked_range<size_t>& range) {
+                      VertexStar star;
+                      for (size_t i = range.begin(); i < range.end(); ++i) {
+                        MakeVertexStar(tetrahedra, is_free, vertices[i], &star);
+                        is_singular[i] = star.IsSingular();
+                      }
+                    });
+  std::vector<uint32_t> singular;
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    if (is_singular[i]) {
+      singular.push_back(vertices[i]);
+    }
+  }
+  return singular;
+}
+
+}  // namespace
+
+std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
+                                       const std::vector<uint8_t>& is_free) {
+  const BoundaryLinks links = CollectBoundaryLinks(tetrahedra, is_free);
+  std::vector<uint8_t> is_singular(tetrahedra.points.size(), 0);
+  tbb::parallel_for(size_t{0}, is_singular.size(), [&](size_t vertex) {
+    is_singular[vertex] = !IsAtMostOneCycle(links.Edges(vertex));
+  });
+  std::vector<uint32_t> singular;
+  for (uint32_t vertex = 0; vertex < is_singular.size(); ++vertex) {
+    if (is_singular[vertex]) {
+      singular.push_back(vertex);
+    }
+  }
+  return singular;
+}
+
+SingularVertexTracker::SingularVertexTracker(
+    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free)
+    : tetrahedra_(tetrahedra),
+      is_free_(is_free),
+      singular_(SingularVertices(tetrahedra, *is_free)),
+      num_examined_vertices_(tetrahedra.points.size()) {}
+
+const std::vector<uint32_t>& SingularVertexTracker::Singular() {
+  std::sort(touched_.begin(), touched_.end());
+  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
+  num_examined_vertices_ += touched_.size();
+  const std::vector<uint32_t> found =
+      SingularAmong(tetrahedra_, *is_free_, touched_);
+  std::vector<uint32_t> untouched;
+  std::set_difference(singular_.begin(), singular_.end(), touched_.begin(),
+                      touched_.end(), std::back_inserter(untouched));
+  singular_.clear();
+  std::merge(untouched.begin(), untouched.end(), found.begin(), found.end(),
+             std::back_inserter(singular_));
+  touched_.clear();
+  return singular_;
+}
+
+void SingularVertexTracker::Flip(std::span<const uint32_t> cells) {
+  for (const uint32_t cell : cells) {
+    FlipCell(cell);
+    flips_.push_back(cell);
+  }
+}
+
+void SingularVertexTracker::UndoFlips(size_t num_flips) {
+  for (; flips_.size() > num_flips; flips_.pop_back()) {
+    FlipCell(flips_.back());
+  }
+}
+
+void SingularVertexTracker::FlipCell(uint32_t cell) {
+  (*is_free_)[cell] = !(*is_free_)[cell];
+  for (const uint32_t vertex : tetrahedra_.cells[cell].vertices) {
+    if (vertex != kInfiniteVertex) {
+      touched_.push_back(vertex);
+    }
+  }
+}
+
+}  // namespace colmap_ext

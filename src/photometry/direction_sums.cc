@@ -1,0 +1,100 @@
+#include "photometry/direction_sums.h"
+
+#include <algorithm>
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr uint32_t kNotOfPair = UINT32_MAX;
+
+// \param phi  barycentric coordinates of the pixel on its facet.
+void AddDerivatives(const Eigen::Vector3f& phi, float slope, float curvature,
+                    FacetSums* sum) {
+  for (int k = 0, m = 0; k < 3; ++k) {
+    sum->slopes[k] += phi[k] * slope;
+    for (int l = k; l < 3; ++l, ++m) {
+      sum->curvatures[m] += phi[k] * phi[l] * curvature;
+    }
+  }
+}
+
+}  // namespace
+
+DirectionEvaluator::DirectionEvaluator(const PhotometricOptions& options,
+                                       size_t num_facets)
+    : options_(options),
+      correlation_(options),
+      places_(num_facets, kNotOfPair) {}
+
+// Those of the tile's core that show one of the pair's facets.
+void DirectionEvaluator::MarkCenters(const FacetIdBuffer& drawn_i) {
+  const int radius = options_.window_radius;
+  std::fill(tile_.is_center.begin(), tile_.is_center.end(), 0);
+  for (int row = radius; row < tile_.height - radius; ++row) {
+    for (int col = radius; col < tile_.width - radius; ++col) {
+      const uint32_t facet = drawn_i.facets[drawn_i.Index(
+          geometry_.first_row + row, geometry_.first_col + col)];
+      tile_.is_center[tile_.Index(row, col)] =
+          facet != kNoFacet && places_[facet] != kNotOfPair;
+    }
+  }
+}
+
+// Adds a tile's sums to the pair's facets. Pixels of other facets are part of
+// the windows, but get no derivative.
+void DirectionEvaluator::AddTile(const std::vector<FacetFrame>& frames,
+                                 const PairWarp& warp,
+                                 std::vector<FacetSums>* sums) const {
+  for (int row = 0; row < tile_.height; ++row) {
+    for (int col = 0; col < tile_.width; ++col) {
+      const size_t at = tile_.Index(row, col);
+      const uint32_t facet = geometry_.facets[at];
+      if (facet == kNoFacet || places_[facet] == kNotOfPair) {
+        continue;
+      }
+      FacetSums& sum = (*sums)[places_[facet]];
+      if (tile_.weights[at] > 0) {
+        sum.energy += tile_.energies[at];
+        sum.weight += tile_.weights[at];
+        sum.num_pixels += 1;
+      }
+      const Eigen::Vector3d point = warp.Point(
+          frames[facet], geometry_.first_row + row, geometry_.first_col + col);
+      const float motion = geometry_.motion[at];
+      AddDerivatives(frames[facet].Barycentric(point).cast<float>(),
+                     tile_.derivatives[at] * motion,
+                     tile_.curvatures[at] * motion * motion, &sum);
+    }
+  }
+}
+
+std::vector<FacetSums> DirectionEvaluator::Evaluate(
+    const DrawnView& i, const DrawnView& j,
+    const std::vector<FacetFrame>& frames, std::span<const uint32_t> facets,
+    const std::vector<PixelRectangle>& tiles) {
+  for (size_t k = 0; k < facets.size(); ++k) {
+    places_[facets[k]] = static_cast<uint32_t>(k);
+  }
+  const PairWarp warp(i, j, frames);
+  const int radius = options_.window_radius;
+  const float max_relative_depth = MaxRelativeDepth(options_, i.view);
+  std::vector<FacetSums> sums(facets.size());
+  for (const PixelRectangle& rectangle : tiles) {
+    tile_.Resize(rectangle.last_col - rectangle.first_col + 1 + 2 * radius,
+                 rectangle.last_row - rectangle.first_row + 1 + 2 * radius);
+    geometry_.first_row = rectangle.first_row - radius;
+    geometry_.first_col = rectangle.first_col - radius;
+    MarkCenters(i.drawn);
+    tile_.FindReached(radius);
+    warp.Compute(&tile_, &geometry_);
+    correlation_.Compute(max_relative_depth, &tile_);
+    AddTile(frames, warp, &sums);
+  }
+  for (const uint32_t facet : facets) {
+    places_[facet] = kNotOfPair;
+  }
+  return sums;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "base/lru_cache.h"
+#include "mesh/triangle_mesh.h"
+#include "raster/facet_id_buffer.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// A mesh drawn into views, each view when it is first asked for. Subdivision,
+// labelling and energy share the drawings of a mesh. As many as memory allows
+// are kept, the least recently used ones are drawn again. Safe from several
+// threads.
+class MeshDrawings {
+ public:
+  // \param min_cosine  see DrawFacets().
+  // \param max_memory  of the drawings that are kept, bytes; what is in use is
+  //        kept whatever it takes.
+  MeshDrawings(TriangleMesh mesh, std::vector<View> views, double min_cosine,
+               size_t max_memory);
+
+  const TriangleMesh& Mesh() const { return mesh_; }
+  const std::vector<View>& Views() const { return views_; }
+
+  // \param view  index into Views().
+  std::shared_ptr<const FacetIdBuffer> Get(size_t view) const;
+
+  // Draws the first views, as many as memory keeps, in parallel.
+  void DrawAhead() const;
+
+ private:
+  size_t Memory(size_t view) const;
+
+  TriangleMesh mesh_;
+  std::vector<View> views_;
+  double min_cosine_;
+  size_t max_memory_;
+  mutable LruCache<const FacetIdBuffer> drawn_;
+};
+
+// Draws a mesh into views that are known to the callee.
+using DrawMesh =
+    std::function<std::shared_ptr<const MeshDrawings>(const TriangleMesh&)>;
+
+}  // namespace colmap_ext

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_rings.h"
+#include "photometry/photometric_energy.h"
+#include "refine/thin_plate.h"
+
+namespace colmap_ext {
+
+// A surface that is refined, and what the images say of it.
+struct Surface {
+  TriangleMesh mesh;
+  std::vector<Eigen::Vector3f> normals;  // [V] unit, see VertexNormals()
+  PhotometricTerms terms;                // of the mesh
+};
+
+// What the smoothness knows of the vertices, wherever they are. All [V].
+struct SmoothnessDomain {
+  VertexRings rings;
+  std::vector<float> footprints;       // of a pixel, scene units
+  std::vector<float> num_pixels;       // that a vertex accounts for
+  std::vector<uint8_t> is_seen;        // any pixel was compared at first
+  std::vector<double> trusted_relief;  // of the input's surface, scene units; 0
+                                       // where it is not seen. Empty at coarse
+                                       // levels.
+};
+
+// What the smoothness asks of a surface.
+struct SmoothnessTarget {
+  double weight = 0;            // a of the whole surface
+  std::vector<double> weights;  // [V] a, see ThinPlate
+  std::vector<double> relief;   // [V] r, see ThinPlate, scene units
+};
+
+// A target, and how far a surface is from it: plate.residuals + target.relief
+// is the surface's own relief wherever there is smoothness.
+struct SmoothnessModel {
+  SmoothnessTarget target;
+  ThinPlate plate;
+};
+
+// What the smoothness asks of a surface at the start of a level. At a coarse
+// level, and where the surface is not seen, that it keeps the relief that it
+// has: coarse images can not tell fine relief from noise, and must not flatten
+// it. Elsewhere that it has none.
+SmoothnessTarget FirstTarget(const SmoothnessDomain& domain,
+                             const TriangleMesh& mesh, double weight);
+
+// The only maker of models.
+// \pre target and domain are of the surface's vertices
+SmoothnessModel MakeSmoothnessModel(SmoothnessTarget target,
+                                    const SmoothnessDomain& domain,
+                                    const Surface& surface);
+
+// The plate of a target on another surface.
+ThinPlate PlateOf(const SmoothnessTarget& target,
+                  const SmoothnessDomain& domain, const Surface& surface);
+
+// The target whose relief is, where the surface is seen, as much of the trusted
+// one as the surface has (refine/relief.h).
+// \pre domain.trusted_relief is not empty
+SmoothnessTarget ConfirmRelief(const SmoothnessDomain& domain,
+                               const SmoothnessModel& model);
+
+// The target whose weights make the surface's roughness, where the images
+// determine it, as likely as it is: that of the whole surface first, then of
+// each of its parts (refine/smoothness_weights.h; docs/method.md, section 6.5).
+// \param factor  on the weights.
+// \param num_unconverged  goes up by one if the solver did not converge.
+SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
+                                 const Surface& surface,
+                                 const SmoothnessModel& model, double factor,
+                                 size_t* num_unconverged);
+
+}  // namespace colmap_ext

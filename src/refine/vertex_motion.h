@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_rings.h"
+
+namespace colmap_ext {
+
+// Limits each vertex's motion along its normal to 0.4 times the mean length of
+// its edges (with less than half of it no two neighbors can pass each other)
+// and to the footprint of a pixel.
+// \param footprints  [V] scene units
+// \param motion  [V] scene units
+void LimitMotion(const TriangleMesh& mesh, const VertexRings& rings,
+                 const std::vector<float>& footprints,
+                 std::vector<double>* motion);
+
+struct MovedMesh {
+  TriangleMesh mesh;
+  std::vector<double> motion;         // [V] along the normals, scene units
+  std::vector<uint8_t> is_shortened;  // [V] less than was asked for
+};
+
+// Moves the vertices along their normals. Those of facets that would turn by
+// more than 60 degrees go half as far, up to four times, then not at all.
+// \param normals  [V] unit
+// \param motion  [V] scene units
+MovedMesh MoveWithoutFlips(const TriangleMesh& mesh,
+                           const std::vector<Eigen::Vector3f>& normals,
+                           std::vector<double> motion);
+
+// The mean of the vertices' motion, px.
+double MeanMotion(const std::vector<double>& motion,
+                  const std::vector<float>& footprints);
+
+}  // namespace colmap_ext

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Shows what the constants of the refinement do: refines workspaces with a true
+mesh with each constant halved and doubled, and tables the mean and the median
+accuracy in 1e-3 units as Markdown.
+
+The source tree is copied and built anew for each value (through ccache).
+"""
+
+import argparse
+import pathlib
+import re
+import shutil
+import sys
+import tempfile
+
+from compare_meshers import print_table, run
+from compare_refiners import copy_workspace, evaluate, mesh_workspace, refine
+
+# File below src/, constant, values beside the one that it has.
+CONSTANTS = [
+    ("refine/level_refinement.cc", "kMinGain", ["1e-4", "4e-4"]),
+    ("refine/level_refinement.cc", "kMaxDrift", ["0.05", "0.2"]),
+    ("refine/level_refinement.cc", "kFirstWeight", ["10", "40"]),
+    ("refine/level_refinement.cc", "kFinalIterations", ["1", "4"]),
+    ("refine/level_refinement.cc", "kBlindIterations", ["1", "4"]),
+    ("refine/smoothness_model.cc", "kRedundancy", ["4", "16"]),
+    ("refine/smoothness_model.cc", "kMaxChange", ["2", "8"]),
+    ("refine/smoothness_weights.cc", "kPrior", ["0.05", "0.2"]),
+    ("refine/smoothness_weights.cc", "kMinFactor", ["0.25", "1"]),
+    ("refine/smoothness_weights.cc", "kMaxFactor", ["8", "32"]),
+    ("refine/surroundings.cc", "kRounds", ["5", "20"]),
+    ("refine/relief.cc", "kMaxCurvature", ["0.125", "0.5"]),
+    ("refine/relief.cc", "kPrior", ["0.05", "0.2"]),
+    ("refine/thin_plate.cc", "kMinEdge", ["0.25", "1"]),
+    ("refine/normal_equations.h", "tolerance", ["0.015", "0.06"]),
+    ("photometry/window_correlation.cc", "kMaxSlope", ["2", "8"]),
+]
+
+
+def build(args, folder):
+    result = run(["cmake", "--build", str(folder / "build"), "--target",
+                  "colmap_ext"])
+    if not result["ok"]:
+        sys.exit(result["output"])
+
+
+def prepare(args, folder):
+    """A copy of the source tree, built."""
+    source = pathlib.Path(__file__).resolve().parents[2]
+    shutil.copytree(source, folder / "source",
+                    ignore=shutil.ignore_patterns("build", ".git"))
+    options = [f"-DCOLMAP_SOURCE_DIR={args.colmap_source}"]
+    if not args.colmap_source:
+        options = []
+    result = run(["cmake", "-S", str(folder / "source"), "-B",
+                  str(folder / "build"), "-G", "Ninja",
+                  "-DCMAKE_BUILD_TYPE=Release", "-DCOLMAP_EXT_TESTS=OFF",
+                  "-DCOLMAP_EXT_PATCH_COLMAP=OFF"] + options)
+    if not result["ok"]:
+        sys.exit(result["output"])
+    build(args, folder)
+
+
+def figures(args, meshes, folder):
+    """Mean and median accuracy on each workspace."""
+    cells = []
+    for workspace, mesh in meshes:
+        output = folder / "refined.ply"
+        refine(args, workspace, mesh, output, [])
+        mean, median = evaluate(args, workspace, output)[:2]
+        cells += [f"{mean:.3f}", f"{median:.3f}"]
+    return cells
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--colmap_source", default="",
+                        help="COLMAP's sources; else CMAKE_PREFIX_PATH")
+    parser.add_argument("--only", default="", help="constants of this name")
+    parser.add_argument("workspaces", nargs="+")
+    args = parser.parse_args()
+    args.backend = "cpu"
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        prepare(args, folder)
+        args.colmap = str(folder / "build" / "bin" / "colmap_ext")
+        meshes = []
+        for path in args.workspaces:
+            workspace = copy_workspace(pathlib.Path(path).resolve(), folder)
+            meshes.append((workspace, mesh_workspace(args, workspace)))
+        rows = [["as it is", ""] + figures(args, meshes, folder)]
+        for file, constant, values in CONSTANTS:
+            path = folder / "source" / "src" / file
+            if args.only not in constant:
+                continue
+            text = path.read_text()
+            pattern = re.compile(rf"(\b{constant} = )([^;]+)(;)")
+            if len(pattern.findall(text)) != 1:
+                sys.exit(f"{file}: not one {constant}")
+            for value in values:
+                path.write_text(pattern.sub(rf"\g<1>{value}\g<3>", text))
+                build(args, folder)
+                was = pattern.search(text).group(2)
+                rows.append([f"`{constant}` ({file})", f"{was} -> {value}"]
+                            + figures(args, meshes, folder))
+                print(rows[-1], file=sys.stderr, flush=True)
+            path.write_text(text)
+        head = ["", ""]
+        for workspace, _ in meshes:
+            head += [f"{workspace.name} mean", "median"]
+        print_table("Constants of the refinement, accuracy, 1e-3 units", head,
+                    rows)
+
+
+if __name__ == "__main__":
+    main()

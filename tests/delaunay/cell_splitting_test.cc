@@ -1,0 +1,70 @@
+#include "delaunay/cell_splitting.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "tests/delaunay/fixing_problem.h"
+#include "tests/delaunay/random_complex.h"
+
+namespace colmap_ext {
+namespace {
+
+using Problem = FixingProblem;
+
+uint64_t Sum(const std::vector<uint32_t>& capacities) {
+  return std::accumulate(capacities.begin(), capacities.end(), uint64_t{0});
+}
+
+TEST(SplitCell, KeepsEverythingButTheCell) {
+  Random random(1);
+  for (int trial = 0; trial < 30; ++trial) {
+    Problem problem = RandomProblem(RandomPoints(20, 1000, &random), &random);
+    for (int split = 0; split < 30; ++split) {
+      const Problem before = problem;
+      const auto num_cells =
+          static_cast<uint32_t>(before.tetrahedra.cells.size());
+      const auto num_points =
+          static_cast<uint32_t>(before.tetrahedra.points.size());
+      const uint32_t cell = random.Below(num_cells);
+      if (before.tetrahedra.IsInfinite(cell)) {
+        continue;
+      }
+      SplitCell(cell, &problem.tetrahedra, &problem.graph, &problem.labels);
+      ExpectConsistent(problem);
+      ASSERT_FALSE(HasFailure());
+      ASSERT_EQ(problem.tetrahedra.cells.size(), num_cells + 3);
+      ASSERT_EQ(problem.tetrahedra.points.size(), num_points + 1);
+      // The energy of the inherited labels, and the terminals' capacities.
+      ASSERT_EQ(problem.Energy(), before.Energy());
+      ASSERT_EQ(Sum(problem.graph.source), Sum(before.graph.source));
+      ASSERT_EQ(Sum(problem.graph.sink), Sum(before.graph.sink));
+      ASSERT_EQ(problem.Singular(), before.Singular());
+      Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
+      for (const uint32_t vertex : before.tetrahedra.cells[cell].vertices) {
+        centroid += 0.25f * before.tetrahedra.points[vertex];
+      }
+      EXPECT_LT((problem.tetrahedra.points.back() - centroid).norm(), 1e-2);
+      for (const uint32_t child :
+           {cell, num_cells, num_cells + 1, num_cells + 2}) {
+        ASSERT_EQ(problem.labels[child], before.labels[cell]);
+        const auto& vertices = problem.tetrahedra.cells[child].vertices;
+        ASSERT_EQ(std::count(vertices.begin(), vertices.end(), num_points), 1);
+      }
+      // All other cells are as they were.
+      for (uint32_t other = 0; other < num_cells; ++other) {
+        if (other != cell) {
+          ASSERT_EQ(problem.labels[other], before.labels[other]);
+          ASSERT_EQ(problem.tetrahedra.cells[other].vertices,
+                    before.tetrahedra.cells[other].vertices);
+          ASSERT_EQ(problem.graph.capacities[other],
+                    before.graph.capacities[other]);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

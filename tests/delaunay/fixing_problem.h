@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "delaunay/tetrahedralization.h"
+#include "optim/min_cut.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+
+// Labelled cells and the graph whose cut the labels are.
+struct FixingProblem {
+  Tetrahedralization tetrahedra;
+  FlowGraph graph;              // node i is cell i
+  std::vector<uint8_t> labels;  // [C], 1: free space, 0: matter
+
+  std::vector<uint32_t> Singular() const;
+
+  int64_t Energy() const { return CutValue(graph, labels); }
+
+  // Components beyond the second, summed over all vertices.
+  size_t Excess() const;
+};
+
+FixingProblem RandomProblem(const std::vector<Eigen::Vector3f>& points,
+                            Random* random);
+
+// Fails where the arrays do not agree with each other.
+void ExpectConsistent(const FixingProblem& problem);
+
+}  // namespace colmap_ext

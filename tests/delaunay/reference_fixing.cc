@@ -1,0 +1,228 @@
+#include "tests/delaunay/reference_fixing.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "delaunay/cell_splitting.h"
+#include "delaunay/vertex_star.h"
+
+namespace colmap_ext {
+namespace {
+
+using Cells = std::vector<uint32_t>;
+
+class Reference {
+ public:
+  Reference(Tetrahedralization* tetrahedra, FlowGraph* graph,
+            std::vector<uint8_t>* is_free)
+      : tetrahedra_(*tetrahedra), graph_(*graph), is_free_(*is_free) {}
+
+  FixingReport Run(FixingRule rule) {
+    report_.num_singular_raw = Singular().size();
+    if (rule == FixingRule::kPaper) {
+      KeepLargest(Singular());
+      Split(Singular());
+      KeepLargest(Singular());
+    } else {
+      FixByEnergy();
+    }
+    report_.num_singular_fixed = Singular().size();
+    return report_;
+  }
+
+ private:
+  VertexStar Star(uint32_t vertex) const {
+    VertexStar star;
+    MakeVertexStar(tetrahedra_, is_free_, vertex, &star);
+    return star;
+  }
+
+  std::vector<uint32_t> Singular() {
+    std::vector<uint32_t> singular;
+    for (uint32_t vertex = 0; vertex < tetrahedra_.points.size(); ++vertex) {
+      ++report_.num_examined_vertices;
+      if (Star(vertex).IsSingular()) {
+        singular.push_back(vertex);
+      }
+    }
+    return singular;
+  }
+
+  void Flip(const Cells& cells) {
+    for (const uint32_t cell : cells) {
+      is_free_[cell] = !is_free_[cell];
+    }
+  }
+
+  void FixByEnergy() {
+    FlipWhileBetter();
+    for (int round = 0; round < 3 && !Singular().empty(); ++round) {
+      const std::vector<uint32_t> singular = Singular();
+      Split(singular);
+      const std::vector<uint8_t> labels = is_free_;
+      const size_t num_relabeled = report_.num_relabeled_cells;
+      for (const bool is_paper : {false, true}) {
+        if (is_paper) {
+          KeepLargest(singular);
+        } else {
+          FlipBest(singular, 0);
+        }
+        FlipWhileBetter();
+        if (Singular().size() < singular.size()) {
+          break;
+        }
+        is_free_ = labels;
+        report_.num_relabeled_cells = num_relabeled;
+      }
+    }
+  }
+
+  void FlipWhileBetter() {
+    size_t before = 0;
+    do {
+      before = report_.num_relabeled_cells;
+      FlipBest(Singular(), -1);
+    } while (report_.num_relabeled_cells != before);
+  }
+
+  void FlipBest(const std::vector<uint32_t>& vertices, int64_t max_excess) {
+    for (const uint32_t vertex : vertices) {
+      std::pair<int64_t, int64_t> best = {max_excess + 1,
+                                          std::numeric_limits<int64_t>::min()};
+      Cells best_cells;
+      for (const Cells& cells : Candidates(vertex)) {
+        std::pair<int64_t, int64_t> change = {-Excess(cells), -Energy()};
+        Flip(cells);
+        change.first += Excess(cells);
+        change.second += Energy();
+        Flip(cells);
+        if (change < best) {
+          best = change;
+          best_cells = cells;
+        }
+      }
+      Flip(best_cells);
+      report_.num_relabeled_cells += best_cells.size();
+    }
+  }
+
+  // One component, or all but one of either label, one label after the other.
+  std::vector<Cells> Candidates(uint32_t vertex) {
+    const VertexStar star = Star(vertex);
+    std::vector<Cells> candidates;
+    if (!star.IsSingular()) {
+      return candidates;
+    }
+    const std::vector<uint8_t> labels = is_free_;
+    for (size_t first = 0; first < star.NumComponents(); ++first) {
+      const auto component = star.Component(first);
+      candidates.emplace_back(component.begin(), component.end());
+      KeepOnly(star, first);
+      const std::vector<uint8_t> once = is_free_;
+      const VertexStar then = Star(vertex);
+      for (size_t second = 0; second < then.NumComponents(); ++second) {
+        if (then.is_free[second] != star.is_free[first]) {
+          KeepOnly(then, second);
+          Cells& cells = candidates.emplace_back();
+          for (const uint32_t cell : star.cells) {
+            if (is_free_[cell] != labels[cell]) {
+              cells.push_back(cell);
+            }
+          }
+          is_free_ = once;
+        }
+      }
+      is_free_ = labels;
+    }
+    return candidates;
+  }
+
+  // Flips all components of the kept one's label but that one.
+  size_t KeepOnly(const VertexStar& star, size_t kept) {
+    size_t num_flipped = 0;
+    for (size_t i = 0; i < star.NumComponents(); ++i) {
+      if (i != kept && star.is_free[i] == star.is_free[kept]) {
+        Flip({star.Component(i).begin(), star.Component(i).end()});
+        num_flipped += star.Component(i).size();
+      }
+    }
+    return num_flipped;
+  }
+
+  int64_t Excess(const Cells& cells) const {
+    std::vector<uint32_t> vertices;
+    for (const uint32_t cell : cells) {
+      for (const uint32_t vertex : tetrahedra_.cells[cell].vertices) {
+        if (vertex != kInfiniteVertex) {
+          vertices.push_back(vertex);
+        }
+      }
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()),
+                   vertices.end());
+    int64_t excess = 0;
+    for (const uint32_t vertex : vertices) {
+      excess += std::max<int64_t>(
+          0, static_cast<int64_t>(Star(vertex).NumComponents()) - 2);
+    }
+    return excess;
+  }
+
+  int64_t Energy() const { return CutValue(graph_, is_free_); }
+
+  static size_t Largest(const VertexStar& star, bool is_free) {
+    size_t largest = SIZE_MAX;
+    for (size_t i = 0; i < star.NumComponents(); ++i) {
+      if ((star.is_free[i] != 0) == is_free &&
+          (largest == SIZE_MAX ||
+           star.Component(i).size() > star.Component(largest).size())) {
+        largest = i;
+      }
+    }
+    return largest;
+  }
+
+  void KeepLargest(const std::vector<uint32_t>& vertices) {
+    for (const uint32_t vertex : vertices) {
+      for (const bool is_free : {false, true}) {
+        const VertexStar star = Star(vertex);
+        if (star.IsSingular()) {
+          report_.num_relabeled_cells += KeepOnly(star, Largest(star, is_free));
+        }
+      }
+    }
+  }
+
+  void Split(const std::vector<uint32_t>& vertices) {
+    for (const uint32_t vertex : vertices) {
+      const VertexStar star = Star(vertex);
+      for (size_t i = 0; i < star.NumComponents() && star.IsSingular(); ++i) {
+        if (i == Largest(star, true) || i == Largest(star, false)) {
+          continue;
+        }
+        for (const uint32_t cell : star.Component(i)) {
+          if (!tetrahedra_.IsInfinite(cell)) {
+            SplitCell(cell, &tetrahedra_, &graph_, &is_free_);
+            ++report_.num_split_cells;
+          }
+        }
+      }
+    }
+  }
+
+  Tetrahedralization& tetrahedra_;
+  FlowGraph& graph_;
+  std::vector<uint8_t>& is_free_;
+  FixingReport report_;
+};
+
+}  // namespace
+
+FixingReport ReferenceFixing(FixingRule rule, Tetrahedralization* tetrahedra,
+                             FlowGraph* graph, std::vector<uint8_t>* is_free) {
+  return Reference(tetrahedra, graph, is_free).Run(rule);
+}
+
+}  // namespace colmap_ext
