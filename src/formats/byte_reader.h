@@ -28,6 +28,9 @@ class ByteReader {
   // \param what  is being read, for the message: "point 12".
   // \throw FileError if the file ends before.
   void Read(void* bytes, size_t num_bytes, const char* what) {
+    if (num_bytes == 0) {  // the address of nothing may be null
+      return;
+    }
     if (num_bytes <= buffer_end_ - buffer_begin_) {
       Take(static_cast<char*>(bytes), num_bytes);
     } else {

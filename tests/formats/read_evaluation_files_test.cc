@@ -80,6 +80,12 @@ TEST_F(ReadEvaluationFilesTest, ReadsAMaskInEitherOrder) {
   ExpectEveryTruncationRefused(path_, 0, [this] { ReadNpyMask(path_); });
 }
 
+TEST_F(ReadEvaluationFilesTest, ReadsEmptyMasks) {
+  const std::string bytes = Npy("|u1", "False", "(2, 0, 4)");
+  WriteFile(path_, bytes.substr(0, bytes.size() - 24));
+  EXPECT_TRUE(ReadNpyMask(path_).voxels.empty());
+}
+
 TEST_F(ReadEvaluationFilesTest, RefusesOtherArrays) {
   for (const std::string& bytes :
        {Npy("<f8", "False", "(2, 3, 4)"), Npy("|u1", "False", "(24,)"),

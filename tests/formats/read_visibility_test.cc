@@ -31,6 +31,16 @@ TEST_F(ReadVisibilityTest, ReadsRowsAsTheyAre) {
   EXPECT_EQ(visibility.values, (std::vector<uint32_t>{5, 1, 7}));
 }
 
+TEST_F(ReadVisibilityTest, ReadsPointsWithoutImages) {
+  std::string bytes;
+  Append(uint64_t{2}, &bytes);
+  Append(uint64_t{0}, &bytes);
+  WriteFile(path_, bytes);
+  const Visibility visibility = ReadVisibility(path_, 2);
+  EXPECT_EQ(visibility.offsets, (std::vector<uint64_t>{0, 0, 0}));
+  EXPECT_TRUE(visibility.values.empty());
+}
+
 TEST_F(ReadVisibilityTest, RefusesEveryTruncation) {
   WriteFile(path_, bytes_);
   ExpectEveryTruncationRefused(path_, 0, [this] { ReadVisibility(path_, 3); });
