@@ -97,28 +97,28 @@ class Refinement {
 
 std::string FacetwiseRefinementOptions::Check() const {
   if (levels < 1 || levels > 8) {
-    return "FacetwiseRefinement.levels has to be from 1 to 8";
+    return "levels has to be from 1 to 8";
   }
   if (iterations < 1) {
-    return "FacetwiseRefinement.iterations has to be positive";
+    return "iterations has to be positive";
   }
   if (!(smoothness_weight >= 0)) {
-    return "FacetwiseRefinement.smoothness_weight must not be negative";
+    return "smoothness_weight must not be negative";
   }
   if (!(max_face_area > 0)) {
-    return "FacetwiseRefinement.max_face_area has to be positive";
+    return "max_face_area has to be positive";
   }
   if (pairs_per_image < 1) {
-    return "FacetwiseRefinement.pairs_per_image has to be positive";
+    return "pairs_per_image has to be positive";
   }
   if (labeling.pairs_per_facet < 1) {
-    return "FacetwiseRefinement.pairs_per_facet has to be positive";
+    return "pairs_per_facet has to be positive";
   }
   if (labeling.final_pairs_per_facet < 0) {
-    return "FacetwiseRefinement.final_pairs_per_facet must not be negative";
+    return "final_pairs_per_facet must not be negative";
   }
   if (!(labeling.potts_weight >= 0)) {
-    return "FacetwiseRefinement.potts_weight must not be negative";
+    return "potts_weight must not be negative";
   }
   return photometric.Check();
 }
