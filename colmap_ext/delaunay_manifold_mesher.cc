@@ -4,8 +4,6 @@
 #include <optional>
 #include <string>
 
-#include <tbb/global_control.h>
-
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/options/add_meshing_options.h"
@@ -17,7 +15,6 @@
 #include "formats/errors.h"
 #include "formats/write_mesh.h"
 #include "scene/half_pixel.h"
-#include "scene/half_pixel_slope.h"
 #include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
 
@@ -25,9 +22,14 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr CommandAdvice kAdvice = {
-    "a larger --DelaunayManifoldMeshing.max_proj_dist keeps fewer points",
-    "fused.ply, fused.ply.vis and sparse/"};
+CommandAdvice Advice() {
+  return {"a larger --DelaunayManifoldMeshing.max_proj_dist keeps fewer points",
+          "fused.ply, fused.ply.vis and sparse/",
+          {{Alternative::kSayImageOrder, "; say it with --image_order"},
+           {Alternative::kOtherImageOrder, "; choose another --image_order"},
+           {Alternative::kUseSparsePoints,
+            ", or mesh the sparse points with --input_type sparse"}}};
+}
 
 // Moves the points.
 HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
@@ -51,9 +53,10 @@ HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
 // written.
 std::filesystem::path FindOutputPath(const MesherOptions& options) {
   const std::filesystem::path input_path = options.InputPath();
-  const std::filesystem::path output_path = options.OutputPath(
-      options.workspace.input_type == "dense" ? FindDenseFolder(input_path)
-                                              : input_path);
+  const std::filesystem::path output_path =
+      options.OutputPath(options.workspace.input_type == InputType::kDense
+                             ? FindDenseFolder(input_path)
+                             : input_path);
   ExpectWritable(output_path);
   ExpectWritable(VisibilityPath(output_path));
   return output_path;
@@ -71,7 +74,7 @@ void MeshWorkspace(const MesherOptions& options) {
   std::optional<HalfPixelReport> half_pixel;
   // Sparse points come from features, which do not have the error.
   if (options.half_pixel_correction &&
-      options.workspace.input_type == "dense") {
+      options.workspace.input_type == InputType::kDense) {
     Report(progress, "Correcting the half pixel", 0);
     half_pixel = CorrectHalfPixel(options, &workspace);
   }
@@ -95,16 +98,10 @@ int RunDelaunayManifoldMesher(int argc, char** argv) {
   MesherOptions options;
   colmap::OptionManager manager;
   AddMesherOptions(&manager, &options);
-  const auto command = [&options] {
-    options.Finish();
-    std::optional<tbb::global_control> max_threads;
-    if (options.num_threads > 0) {
-      max_threads.emplace(tbb::global_control::max_allowed_parallelism,
-                          options.num_threads);
-    }
-    MeshWorkspace(options);
-  };
-  return RunCommand(argc, argv, &manager, command, kAdvice);
+  const CommandSteps steps = {[&options] { options.Finish(); },
+                              &options.num_threads,
+                              [&options] { MeshWorkspace(options); }};
+  return RunCommand(argc, argv, &manager, steps, Advice());
 }
 
 }  // namespace colmap_ext

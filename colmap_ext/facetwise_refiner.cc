@@ -3,14 +3,14 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
-#include <tbb/global_control.h>
+#include <fmt/format.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
+#include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_refinement_options.h"
 #include "colmap_ext/refinement/refinement_backend.h"
 #include "colmap_ext/refinement/refinement_input.h"
@@ -23,7 +23,6 @@
 #include "colmap_ext/terminal/stop_signal.h"
 #include "colmap_ext/write_labels.h"
 #include "formats/atomic_file.h"
-#include "formats/errors.h"
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
@@ -35,10 +34,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr CommandAdvice kAdvice = {
-    "a smaller --FacetwiseRefinement.max_memory_gb keeps fewer images, and a "
-    "larger --FacetwiseRefinement.max_face_area makes fewer faces",
-    "the mesh, fused.ply.vis, sparse/ and images/"};
+CommandAdvice Advice() {
+  return {
+      "a smaller --FacetwiseRefinement.max_memory_gb keeps fewer images, and a "
+      "larger --FacetwiseRefinement.max_face_area makes fewer faces",
+      "the mesh, fused.ply.vis, sparse/ and images/",
+      {{Alternative::kSayImageOrder, "; say it with --image_order"},
+       {Alternative::kOtherImageOrder, "; choose another --image_order"},
+       {Alternative::kLeavePicturesOut,
+        ", or go on without them with "
+        "--FacetwiseRefinement.skip_missing_images 1"}}};
+}
 
 // Before anything is read, so that nobody waits for what can not be written.
 void CheckOutputs(const RefinerOptions& options, const fs::path& output) {
@@ -144,11 +150,10 @@ class Refiner {
     reporter_.Note(Describe(step));
     if (options_.snapshot_interval > 0 && step.iteration > 0 &&
         step.iteration % options_.snapshot_interval == 0) {
-      WriteColoredMesh(
-          fs::path(paths_.output)
-              .replace_extension("." + std::to_string(step.level) + "." +
-                                 std::to_string(step.iteration) + ".ply"),
-          state.mesh, state.attributes.colors);
+      WriteColoredMesh(fs::path(paths_.output)
+                           .replace_extension(fmt::format(
+                               ".{}.{}.ply", step.level, step.iteration)),
+                       state.mesh, state.attributes.colors);
     }
   }
 
@@ -239,11 +244,6 @@ class Refiner {
 void RefineWorkspace(const RefinerOptions& options) {
   const RefinementPaths paths = FindRefinementPaths(options);
   CheckOutputs(options, paths.output);
-  std::optional<tbb::global_control> max_threads;
-  if (options.num_threads > 0) {
-    max_threads.emplace(tbb::global_control::max_allowed_parallelism,
-                        options.num_threads);
-  }
   Refiner(options, paths).Run();
 }
 
@@ -253,11 +253,10 @@ int RunFacetwiseRefiner(int argc, char** argv) {
   RefinerOptions options;
   colmap::OptionManager manager;
   AddRefinerOptions(&manager, &options);
-  const auto command = [&options] {
-    options.Finish();
-    RefineWorkspace(options);
-  };
-  return RunCommand(argc, argv, &manager, command, kAdvice);
+  const CommandSteps steps = {[&options] { options.Finish(); },
+                              &options.num_threads,
+                              [&options] { RefineWorkspace(options); }};
+  return RunCommand(argc, argv, &manager, steps, Advice());
 }
 
 }  // namespace colmap_ext

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include <tbb/global_control.h>
-
 #include "colmap_ext/commands.h"
+#include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_evaluation_options.h"
 #include "colmap_ext/report/evaluation_report.h"
 #include "colmap_ext/report/print_report.h"
@@ -34,10 +32,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr CommandAdvice kAdvice = {
-    "a larger --MeshEvaluation.stride or --MeshEvaluation.spacing takes fewer "
-    "samples",
-    "the mesh and the truth"};
+CommandAdvice Advice() {
+  return {
+      "a larger --MeshEvaluation.stride or --MeshEvaluation.spacing takes "
+      "fewer samples",
+      "the mesh and the truth",
+      {}};
+}
 
 // Before the work.
 void CheckOutputs(const EvaluatorOptions& options) {
@@ -144,11 +145,6 @@ void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
 
 void Evaluate(const EvaluatorOptions& options) {
   CheckOutputs(options);
-  std::optional<tbb::global_control> max_threads;
-  if (options.num_threads > 0) {
-    max_threads.emplace(tbb::global_control::max_allowed_parallelism,
-                        options.num_threads);
-  }
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const auto progress = [&reporter](std::string_view stage, double share) {
     reporter.Update(stage, share);
@@ -180,11 +176,10 @@ int RunMeshEvaluator(int argc, char** argv) {
   EvaluatorOptions options;
   colmap::OptionManager manager;
   AddEvaluatorOptions(&manager, &options);
-  const auto command = [&options] {
-    options.Finish();
-    Evaluate(options);
-  };
-  return RunCommand(argc, argv, &manager, command, kAdvice);
+  const CommandSteps steps = {[&options] { options.Finish(); },
+                              &options.num_threads,
+                              [&options] { Evaluate(options); }};
+  return RunCommand(argc, argv, &manager, steps, Advice());
 }
 
 }  // namespace colmap_ext

@@ -5,10 +5,13 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "formats/errors.h"
+#include <tbb/global_control.h>
+
+#include "colmap_ext/errors.h"
 
 namespace colmap_ext {
 
@@ -23,6 +26,22 @@ void RestoreTermination() {
   }
 }
 
+// The only place that limits the number of threads.
+void RunOnThreads(int num_threads, const std::function<void()>& run) {
+  std::optional<tbb::global_control> limit;
+  if (num_threads > 0) {
+    limit.emplace(tbb::global_control::max_allowed_parallelism, num_threads);
+  }
+  run();
+}
+
+std::string HowTo(std::optional<Alternative> alternative,
+                  const CommandAdvice& advice) {
+  const auto it = alternative ? advice.alternatives.find(*alternative)
+                              : advice.alternatives.end();
+  return it != advice.alternatives.end() ? it->second : "";
+}
+
 int Fail(const std::string& message) {
   std::cout << std::flush;
   std::cerr << "ERROR: " << message << std::endl;
@@ -32,19 +51,21 @@ int Fail(const std::string& message) {
 }  // namespace
 
 int RunCommand(int argc, char** argv, colmap::OptionManager* manager,
-               const std::function<void()>& command,
-               const CommandAdvice& advice) {
+               const CommandSteps& steps, const CommandAdvice& advice) {
   try {
     if (!ParseOptions(argc, argv, manager)) {
       return EXIT_FAILURE;
     }
     RestoreTermination();
-    command();
+    steps.finish_options();
+    RunOnThreads(*steps.num_threads, steps.run);
     return EXIT_SUCCESS;
   } catch (const Interruption& interruption) {
     std::cout << std::flush;
     std::cerr << "Interrupted: " << interruption.what() << std::endl;
     return 128 + interruption.Signal();
+  } catch (const FileError& error) {
+    return Fail(error.what() + HowTo(error.GetAlternative(), advice));
   } catch (const std::bad_alloc&) {
     return Fail("out of memory; " + std::string(advice.out_of_memory));
   } catch (const std::invalid_argument& error) {

@@ -1,23 +1,34 @@
 #pragma once
 
 #include <functional>
+#include <map>
 
 #include "colmap_ext/colmap_compat.h"
+#include "formats/errors.h"
 
 namespace colmap_ext {
 
-// What a user can do about errors that are not about his options or files.
+// What a user can do about errors.
 struct CommandAdvice {
   const char* out_of_memory;  // how to need less
   const char* bug_files;      // to send with the report of a bug of ours
+
+  // How the command is asked for what a FileError offers; stands behind its
+  // message. Without an entry nothing is said.
+  std::map<Alternative, const char*> alternatives;
+};
+
+// A command whose options are known to a manager.
+struct CommandSteps {
+  std::function<void()> finish_options;  // after they are parsed
+  const int* num_threads;                // to be used at most, then; -1 for all
+  std::function<void()> run;
 };
 
 // Parses the options and runs a command: whatever it throws becomes one line on
 // the screen.
-// \param manager  has the command's options.
 // \return the exit status: 128 + its number if a signal interrupted it.
 int RunCommand(int argc, char** argv, colmap::OptionManager* manager,
-               const std::function<void()>& command,
-               const CommandAdvice& advice);
+               const CommandSteps& steps, const CommandAdvice& advice);
 
 }  // namespace colmap_ext

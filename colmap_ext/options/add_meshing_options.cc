@@ -16,10 +16,10 @@ void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "workspace or the sparse model");
   manager->AddDefaultOption("output_path", &mesher->output_path,
                             "The mesh; required with input_path");
-  manager->AddDefaultOption("input_type", &mesher->workspace.input_type,
+  manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
   manager->AddDefaultOption(
-      "image_order", &mesher->workspace.image_order,
+      "image_order", &mesher->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
 }
@@ -33,7 +33,7 @@ void AddVoteOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "DelaunayManifoldMeshing.max_depth_dist", &meshing->max_depth_dist,
       "... unless their depths differ by more than this share");
   manager->AddDefaultOption(
-      "DelaunayManifoldMeshing.alpha_kind", &mesher->alpha_kind,
+      "DelaunayManifoldMeshing.alpha_kind", &mesher->words.alpha_kind,
       "Weight of an observation {tracks, constant}: 1 - exp(-n^2 / (2 s^2)) "
       "for a point that n images see, s = visibility_sigma, or alpha_vis");
   manager->AddDefaultOption("DelaunayManifoldMeshing.visibility_sigma",
@@ -61,7 +61,7 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "Relabel and split cells around singular vertices before the surface is "
       "extracted");
   manager->AddDefaultOption("DelaunayManifoldMeshing.fixing_rule",
-                            &mesher->fixing_rule, "{energy, paper}");
+                            &mesher->words.fixing_rule, "{energy, paper}");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.max_side_length_factor",
       &meshing->max_side_length_factor,

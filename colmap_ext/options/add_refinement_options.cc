@@ -27,7 +27,7 @@ void AddPathOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "resume", &refiner->resume,
       "Go on from the last complete level of a run that was interrupted");
   manager->AddDefaultOption(
-      "image_order", &refiner->image_order,
+      "image_order", &refiner->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
 }
@@ -60,6 +60,10 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
       "Faces that cover more of an image are subdivided, px^2");
+}
+
+void AddPairOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+  FacetwiseRefinementOptions* refinement = &refiner->refinement;
   manager->AddDefaultOption("FacetwiseRefinement.pairs_per_image",
                             &refinement->pairs_per_image,
                             "Partners of each image");
@@ -76,19 +80,24 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "Cost of refining neighboring faces by different "
                             "pairs");
   manager->AddDefaultOption(
-      "FacetwiseRefinement.pair_selection", &refiner->pair_selection,
+      "FacetwiseRefinement.pair_selection", &refiner->words.pair_selection,
       "{facetwise, classical}: each face by its best pairs, or by every pair "
       "that sees it");
+}
+
+void AddVariantOptions(colmap::OptionManager* manager,
+                       RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.occlusion_masking",
-      &refinement->photometric.occlusion_masking,
+      &refiner->refinement.photometric.occlusion_masking,
       "Leave out of a window what lies across a jump in depth");
-  manager->AddDefaultOption("FacetwiseRefinement.solver", &refiner->solver,
-                            "{gauss_newton, descent}");
+  manager->AddDefaultOption("FacetwiseRefinement.solver",
+                            &refiner->words.solver, "{gauss_newton, descent}");
 }
 
 void AddRunOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
-  manager->AddDefaultOption("FacetwiseRefinement.backend", &refiner->backend,
+  manager->AddDefaultOption("FacetwiseRefinement.backend",
+                            &refiner->words.backend,
                             "{auto, cpu, gl}: the processor, or OpenGL 4.5; "
                             "auto: OpenGL on a graphics card, or else the "
                             "processor");
@@ -116,6 +125,8 @@ void AddRefinerOptions(colmap::OptionManager* manager,
                        RefinerOptions* refiner) {
   AddPathOptions(manager, refiner);
   AddMethodOptions(manager, refiner);
+  AddPairOptions(manager, refiner);
+  AddVariantOptions(manager, refiner);
   AddRunOptions(manager, refiner);
 }
 

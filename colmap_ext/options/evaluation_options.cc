@@ -5,8 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "colmap_ext/errors.h"
 #include "colmap_ext/options/words.h"
-#include "formats/errors.h"
 #include "formats/read_npy_mask.h"
 
 namespace colmap_ext {
@@ -40,8 +42,8 @@ std::vector<double> ParseNumbers(const std::string& option,
     begin = rest + 1;
   }
   if (count > 0 && numbers.size() != count) {
-    throw OptionError(option + ": '" + text + "' should be " +
-                      std::to_string(count) + " numbers");
+    throw OptionError(
+        fmt::format("{}: '{}' should be {} numbers", option, text, count));
   }
   return numbers;
 }

@@ -1,7 +1,8 @@
 #include "colmap_ext/options/meshing_options.h"
 
+#include "colmap_ext/errors.h"
+#include "colmap_ext/options/image_order_option.h"
 #include "colmap_ext/options/words.h"
-#include "formats/errors.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {
@@ -23,17 +24,17 @@ void MesherOptions::Finish() {
   if (!input_path.empty() && output_path.empty()) {
     throw OptionError("--output_path is required with --input_path");
   }
-  if (const std::string error = workspace.Check(); !error.empty()) {
-    throw OptionError(error);
-  }
-  meshing.alpha_kind =
-      IsSecondWord("alpha_kind", alpha_kind, "tracks", "constant")
-          ? ObservationWeight::kConstant
-          : ObservationWeight::kTracks;
-  meshing.fixing_rule =
-      IsSecondWord("fixing_rule", fixing_rule, "energy", "paper")
-          ? FixingRule::kPaper
-          : FixingRule::kEnergy;
+  workspace.input_type = ParseWord<InputType>(
+      "input_type", words.input_type,
+      {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}});
+  workspace.image_order = ParseImageOrder(words.image_order);
+  meshing.alpha_kind = ParseWord<ObservationWeight>(
+      "alpha_kind", words.alpha_kind,
+      {{"tracks", ObservationWeight::kTracks},
+       {"constant", ObservationWeight::kConstant}});
+  meshing.fixing_rule = ParseWord<FixingRule>(
+      "fixing_rule", words.fixing_rule,
+      {{"energy", FixingRule::kEnergy}, {"paper", FixingRule::kPaper}});
   CheckNumThreads(num_threads);
   if (const std::string error = meshing.Check(); !error.empty()) {
     throw OptionError("DelaunayManifoldMeshing." + error);

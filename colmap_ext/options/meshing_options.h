@@ -15,21 +15,29 @@ struct MesherOptions {
   std::string output_path;
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
-  std::string alpha_kind = "tracks";   // or "constant"
-  std::string fixing_rule = "energy";  // or "paper"
-  int num_threads = -1;                // -1: all
 
   // Add HalfPixelOffsets to fused points (scene/half_pixel.h) ...
   bool half_pixel_correction = true;
   // ... times what the sparse points show them to be off.
   bool half_pixel_calibration = true;
 
+  int num_threads = -1;  // -1 for all
+
+  // As the command line has them, for what Finish() makes of them.
+  struct Words {
+    std::string input_type = "dense";    // or "sparse"
+    std::string image_order = "auto";    // or NameOf() an order
+    std::string alpha_kind = "tracks";   // or "constant"
+    std::string fixing_rule = "energy";  // or "paper"
+  };
+  Words words;
+
   // Where to read, and where the mesh goes.
   std::filesystem::path InputPath() const;
   std::filesystem::path OutputPath(
       const std::filesystem::path& dense_path) const;
 
-  // Reads the words, and passes them on.
+  // Passes the words on to the options that they stand for.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
 };

@@ -1,8 +1,8 @@
 #include "colmap_ext/options/refinement_options.h"
 
+#include "colmap_ext/errors.h"
+#include "colmap_ext/options/image_order_option.h"
 #include "colmap_ext/options/words.h"
-#include "formats/errors.h"
-#include "workspace/workspace.h"
 
 namespace colmap_ext {
 
@@ -34,40 +34,40 @@ void CheckPaths(const RefinerOptions& options) {
   }
 }
 
+void CheckNumbers(const RefinerOptions& options) {
+  if (options.window < 3 || options.window % 2 == 0) {
+    throw OptionError("window must be odd, and 3 or more");
+  }
+  if (!(options.max_memory_gb > 0 && options.max_memory_gb <= 1e6)) {
+    throw OptionError("max_memory_gb must be positive, and 1000000 or less");
+  }
+  if (options.snapshot_interval < 0) {
+    throw OptionError("snapshot_interval must not be negative");
+  }
+  CheckNumThreads(options.num_threads);
+  if (options.gpu_index < -1) {
+    throw OptionError("gpu_index must not be negative, or -1 for any");
+  }
+}
+
 }  // namespace
 
 void RefinerOptions::Finish() {
   CheckPaths(*this);
-  WorkspaceOptions workspace;
-  workspace.image_order = image_order;
-  if (const std::string error = workspace.Check(); !error.empty()) {
-    throw OptionError(error);
-  }
-  if (window < 3 || window % 2 == 0) {
-    throw OptionError("window must be odd, and 3 or more");
-  }
-  if (!(max_memory_gb > 0 && max_memory_gb <= 1e6)) {
-    throw OptionError("max_memory_gb must be positive, and 1000000 or less");
-  }
-  if (snapshot_interval < 0) {
-    throw OptionError("snapshot_interval must not be negative");
-  }
-  CheckNumThreads(num_threads);
-  if (backend != "auto" && backend != "cpu" && backend != "gl") {
-    throw OptionError("backend is '" + backend +
-                      "'; it has to be auto, cpu or gl");
-  }
-  if (gpu_index < -1) {
-    throw OptionError("gpu_index must not be negative, or -1 for any");
-  }
+  CheckNumbers(*this);
+  image_order = ParseImageOrder(words.image_order);
+  backend = ParseWord<Backend>(
+      "backend", words.backend,
+      {{"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"gl", Backend::kGl}});
   refinement.photometric.window_radius = window / 2;
   refinement.labeling.pair_selection =
-      IsSecondWord("pair_selection", pair_selection, "facetwise", "classical")
-          ? PairSelection::kClassical
-          : PairSelection::kFacetwise;
-  refinement.solver = IsSecondWord("solver", solver, "gauss_newton", "descent")
-                          ? RefinementSolver::kDescent
-                          : RefinementSolver::kGaussNewton;
+      ParseWord<PairSelection>("pair_selection", words.pair_selection,
+                               {{"facetwise", PairSelection::kFacetwise},
+                                {"classical", PairSelection::kClassical}});
+  refinement.solver = ParseWord<RefinementSolver>(
+      "solver", words.solver,
+      {{"gauss_newton", RefinementSolver::kGaussNewton},
+       {"descent", RefinementSolver::kDescent}});
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);
   }

@@ -1,11 +1,20 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "refine/facetwise_refinement.h"
+#include "workspace/image_order.h"
 
 namespace colmap_ext {
+
+// What computes the photometric energy.
+enum class Backend {
+  kAuto,  // OpenGL on a graphics card, or else the processor
+  kCpu,
+  kGl,
+};
 
 // What facetwise_refiner is asked for.
 struct RefinerOptions {
@@ -14,21 +23,28 @@ struct RefinerOptions {
   std::string output_path;  // empty: meshed-refined.ply in the workspace
   std::string report_path;  // a CSV; its plot lies beside it
   std::string labels_path;  // a PLY; its picture lies beside it
-  std::string image_order = "auto";
   bool resume = false;
 
   FacetwiseRefinementOptions refinement;
-  int window = 5;                            // px
-  std::string pair_selection = "facetwise";  // or "classical"
-  std::string solver = "gauss_newton";       // or "descent"
-  std::string backend = "auto";              // or "cpu" or "gl"
-  int gpu_index = -1;                        // see EglContext
+  int window = 5;  // px
+  Backend backend = Backend::kAuto;
+  std::optional<ImageOrderKind> image_order;  // see WorkspaceOptions
+  int gpu_index = -1;                         // see EglContext
   double max_memory_gb = 4;
   bool skip_missing_images = false;
   int snapshot_interval = 0;  // iterations; 0: none
   int num_threads = -1;
 
-  // Reads the words, and passes them on.
+  // As the command line has them, for what Finish() makes of them.
+  struct Words {
+    std::string pair_selection = "facetwise";  // or "classical"
+    std::string solver = "gauss_newton";       // or "descent"
+    std::string backend = "auto";              // or "cpu" or "gl"
+    std::string image_order = "auto";          // or NameOf() an order
+  };
+  Words words;
+
+  // Passes words, and the window, on to the options that they stand for.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
 

@@ -1,16 +1,43 @@
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "colmap_ext/errors.h"
 
 namespace colmap_ext {
 
-// Reads an option that is one of two words.
-// \return whether it is the second.
-// \throw OptionError if it is neither.
-bool IsSecondWord(const char* option, const std::string& word,
-                  const char* first, const char* second);
+// The value that a word of the command line stands for.
+// \param option  its name, for the message.
+// \param words  the words that there are; two or more.
+// \throw OptionError if the word is none of them.
+template <typename Value>
+Value ParseWord(const char* option, const std::string& word,
+                std::initializer_list<std::pair<const char*, Value>> words) {
+  std::string list;
+  for (const auto& [name, value] : words) {
+    if (word == name) {
+      return value;
+    }
+    const bool is_last = name == (words.end() - 1)->first;
+    list += fmt::format("{}{}",
+                        list.empty() ? ""
+                        : is_last    ? " or "
+                                     : ", ",
+                        name);
+  }
+  throw OptionError(
+      fmt::format("{} is '{}'; it has to be {}", option, word, list));
+}
 
-// \throw OptionError unless it is positive, or -1 for all.
-void CheckNumThreads(int num_threads);
+// \throw OptionError if the number of threads is neither positive nor -1.
+inline void CheckNumThreads(int num_threads) {
+  if (num_threads != -1 && num_threads <= 0) {
+    throw OptionError("num_threads must be positive, or -1 for all threads");
+  }
+}
 
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-#include "formats/errors.h"
+#include "colmap_ext/errors.h"
 #include "gl/egl_context.h"
 #include "gl/gl_error.h"
 #include "gl/gl_photometric_energy.h"
@@ -51,11 +51,11 @@ RefinementBackend MakeCpu(const RefinerOptions& options,
 
 RefinementBackend MakeBackend(const RefinerOptions& options,
                               std::shared_ptr<ImagePyramid> images) {
-  if (options.backend == "cpu") {
+  if (options.backend == Backend::kCpu) {
     return MakeCpu(options, std::move(images));
   }
   const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
-  if (options.backend == "gl") {
+  if (options.backend == Backend::kGl) {
     RefinementBackend backend = MakeGl(options, std::move(images));
     if (is_software.value_or(false)) {
       backend.warning =

@@ -12,13 +12,12 @@ namespace colmap_ext {
 // What computes the energy, and what to tell of it.
 struct RefinementBackend {
   std::unique_ptr<PhotometricEnergy> energy;
-  std::string description;  // and why it was taken, for "auto"
+  std::string description;  // and why it was taken, for Backend::kAuto
   std::string warning;      // empty: none
 };
 
-// By the option `backend`: "gl" is OpenGL, "cpu" the processor, and "auto"
-// OpenGL where a graphics card has it, for the processor is faster without
-// OpenGL in software.
+// By options.backend. Where the choice is free, OpenGL in software is not
+// taken: the processor is faster without it.
 //
 // \throw OptionError if OpenGL is asked for, and is not to be had.
 RefinementBackend MakeBackend(const RefinerOptions& options,

@@ -1,10 +1,15 @@
 #include "colmap_ext/refinement/refinement_input.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <span>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "base/edit_rows.h"
+#include "colmap_ext/errors.h"
 #include "delaunay/inherit_attributes.h"
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
@@ -26,7 +31,8 @@ constexpr const char* kFusedName = "fused.ply";
 constexpr VisibilityOwner kMesh = {
     "mesh",
     "make the mesh again, or remove its .vis, and the images that see it come "
-    "from the nearest fused points"};
+    "from the nearest fused points",
+    std::nullopt};
 
 fs::path FindWorkspaceFolder(const RefinerOptions& options) {
   const fs::path path = options.workspace_path;
@@ -38,9 +44,10 @@ fs::path FindWorkspaceFolder(const RefinerOptions& options) {
   }
   if (options.input_path.empty()) {
     throw FileError(path,
-                    std::string("no ") + kMesherOutput +
-                        " here nor in dense/ or dense/0/; run `colmap "
-                        "delaunay_manifold_mesher --workspace_path DIR` first");
+                    fmt::format("no {} here nor in dense/ or dense/0/; run "
+                                "`colmap delaunay_manifold_mesher "
+                                "--workspace_path DIR` first",
+                                kMesherOutput));
   }
   return path;
 }
@@ -66,21 +73,13 @@ MeshFile ReadMeshFile(const fs::path& path, bool has_visibility) {
 
 // Sorts each row, and drops what it has twice.
 void SortViews(VertexAttributes* attributes) {
-  const auto indices = attributes->views.values.begin();
-  uint64_t begin = 0;
-  uint64_t num_kept = 0;
-  for (size_t i = 0; i + 1 < attributes->views.offsets.size(); ++i) {
-    const auto first = indices + static_cast<std::ptrdiff_t>(begin);
-    begin = attributes->views.offsets[i + 1];
-    const auto last = indices + static_cast<std::ptrdiff_t>(begin);
-    std::sort(first, last);
-    const auto unique_last = std::unique(first, last);
-    std::move(first, unique_last,
-              indices + static_cast<std::ptrdiff_t>(num_kept));
-    num_kept += static_cast<uint64_t>(unique_last - first);
-    attributes->views.offsets[i + 1] = num_kept;
-  }
-  attributes->views.values.resize(num_kept);
+  EditRows(
+      [](size_t, std::span<uint32_t> row) {
+        std::sort(row.begin(), row.end());
+        return static_cast<size_t>(std::unique(row.begin(), row.end()) -
+                                   row.begin());
+      },
+      &attributes->views);
 }
 
 void ExpectViews(const VertexAttributes& attributes, size_t num_views,
@@ -88,10 +87,9 @@ void ExpectViews(const VertexAttributes& attributes, size_t num_views,
   const std::vector<uint32_t>& views = attributes.views.values;
   const auto highest = std::max_element(views.begin(), views.end());
   if (highest != views.end() && *highest >= num_views) {
-    throw FileError(path, "lists image " + std::to_string(*highest) +
-                              ", but sparse/ has " + std::to_string(num_views) +
-                              ": it belongs to another model; " +
-                              kMesh.what_to_do);
+    throw FileError(path, fmt::format("lists image {}, but sparse/ has {}: it "
+                                      "belongs to another model; {}",
+                                      *highest, num_views, kMesh.what_to_do));
   }
 }
 

@@ -77,7 +77,7 @@ void ReadLevelMesh(const fs::path& path, const fs::path& origin_path,
   ColoredMesh read = ReadColoredPlyMesh(path);
   Visibility visibility =
       ReadVisibility(VisibilityPath(path), read.mesh.vertices.size(),
-                     {"mesh", "start anew, without --resume"});
+                     {"mesh", "start anew, without --resume", std::nullopt});
   state->mesh = std::move(read.mesh);
   state->attributes = {std::move(read.colors), std::move(visibility)};
   state->origins = ReadPlyMesh(origin_path).vertices;
@@ -98,8 +98,7 @@ fs::path StatePath(const fs::path& output) {
 }
 
 fs::path LevelMeshPath(const fs::path& output, int level) {
-  return fs::path(output).replace_extension(".level" + std::to_string(level) +
-                                            ".ply");
+  return fs::path(output).replace_extension(fmt::format(".level{}.ply", level));
 }
 
 fs::path LevelOriginPath(const fs::path& output, int level) {

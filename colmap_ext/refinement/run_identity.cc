@@ -36,9 +36,9 @@ RunIdentity IdentifyOptions(const RefinerOptions& options,
       {"final_pairs_per_facet",
        fmt::format("{}", labeling.final_pairs_per_facet)},
       {"potts_weight", fmt::format("{}", labeling.potts_weight)},
-      {"pair_selection", options.pair_selection},
+      {"pair_selection", options.words.pair_selection},
       {"occlusion_masking", fmt::format("{:d}", photometric.occlusion_masking)},
-      {"solver", options.solver},
+      {"solver", options.words.solver},
       {"skip_missing_images", fmt::format("{:d}", options.skip_missing_images)},
   };
 }
@@ -67,7 +67,7 @@ RunIdentity IdentifyRun(const RefinerOptions& options,
   }
   const std::vector<std::string> fingerprints = Fingerprints(file_paths);
   RunIdentity identity =
-      IdentifyOptions(options, input.workspace.order.order.name);
+      IdentifyOptions(options, NameOf(input.workspace.order.order.kind));
   for (size_t i = 0; i < files.size(); ++i) {
     identity.emplace_back(files[i].first, fingerprints[i]);
   }

@@ -1,139 +1,92 @@
 #include <cmath>
-#include <cstdio>
+#include <cstdlib>
 #include <string>
-#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "colmap_ext/report/evaluation_report.h"
-#include "colmap_ext/report/print_lines.h"
 
 namespace colmap_ext {
 
 namespace {
 
-std::string Json(double number) {
-  return std::isfinite(number) ? Format("%.9g", number) : "null";
-}
+using Json = nlohmann::ordered_json;
 
-std::string Json(size_t number) { return std::to_string(number); }
-
-std::string Json(int64_t number) { return std::to_string(number); }
-
-std::string Json(bool value) { return value ? "true" : "false"; }
-
-std::string Json(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      quoted += '\\';
-    }
-    if (static_cast<unsigned char>(c) < 0x20) {
-      char code[8];
-      std::snprintf(code, sizeof(code), "\\u%04x", c);
-      quoted += code;
-    } else {
-      quoted += c;
-    }
+// To 9 significant digits; null for what is not finite.
+Json ToJson(double number) {
+  if (!std::isfinite(number)) {
+    return nullptr;
   }
-  return quoted + "\"";
+  return std::strtod(fmt::format("{:.9g}", number).c_str(), nullptr);
 }
 
-// A JSON object, member by member.
-class JsonObject {
- public:
-  explicit JsonObject(int indent) : indent_(indent, ' ') {}
-
-  JsonObject& Add(const char* name, const std::string& json) {
-    members_ += (members_.empty() ? "\n" : ",\n") + indent_ + "  " +
-                Json(std::string(name)) + ": " + json;
-    return *this;
-  }
-
-  std::string Text() const { return "{" + members_ + "\n" + indent_ + "}"; }
-
- private:
-  std::string indent_;
-  std::string members_;
-};
-
-std::string Json(const DistanceStatistics& statistics) {
-  return JsonObject(2)
-      .Add("mean", Json(statistics.mean))
-      .Add("median", Json(statistics.median))
-      .Add("percentile90", Json(statistics.percentile90))
-      .Add("num_samples", Json(statistics.num_samples))
-      .Add("num_beyond", Json(statistics.num_beyond))
-      .Text();
+Json ToJson(const DistanceStatistics& statistics) {
+  return {{"mean", ToJson(statistics.mean)},
+          {"median", ToJson(statistics.median)},
+          {"percentile90", ToJson(statistics.percentile90)},
+          {"num_samples", statistics.num_samples},
+          {"num_beyond", statistics.num_beyond}};
 }
 
-std::string Json(const std::vector<double>& numbers) {
-  std::string list;
-  for (const double number : numbers) {
-    list += (list.empty() ? "" : ", ") + Json(number);
-  }
-  return "[" + list + "]";
-}
-
-std::string Json(const DepthErrors& depths) {
-  std::vector<double> shares;
+Json ToJson(const DepthErrors& depths) {
+  Json thresholds = Json::array();
+  Json shares = Json::array();
   for (size_t i = 0; i < depths.thresholds.size(); ++i) {
-    shares.push_back(depths.Share(i));
+    thresholds.push_back(ToJson(depths.thresholds[i]));
+    shares.push_back(ToJson(depths.Share(i)));
   }
-  return JsonObject(2)
-      .Add("thresholds", Json(depths.thresholds))
-      .Add("shares", Json(shares))
-      .Add("num_depths", Json(depths.num_depths))
-      .Add("num_missing", Json(depths.num_missing))
-      .Text();
+  return {{"thresholds", thresholds},
+          {"shares", shares},
+          {"num_depths", depths.num_depths},
+          {"num_missing", depths.num_missing}};
 }
 
-std::string Json(const MeshReport& mesh) {
-  return JsonObject(2)
-      .Add("is_manifold", Json(mesh.IsManifold()))
-      .Add("defects", Json(mesh.Defects()))
-      .Add("num_vertices", Json(mesh.num_vertices))
-      .Add("num_faces", Json(mesh.num_facets))
-      .Add("num_edges", Json(mesh.num_edges))
-      .Add("num_components", Json(mesh.num_components))
-      .Add("num_border_edges", Json(mesh.num_border_edges))
-      .Add("num_border_loops", Json(mesh.num_border_loops))
-      .Add("euler", Json(mesh.euler))
-      .Add("genus", mesh.IsManifold() ? Json(mesh.genus) : "null")
-      .Add("num_singular_vertices", Json(mesh.num_singular_vertices))
-      .Add("num_non_manifold_edges", Json(mesh.num_non_manifold_edges))
-      .Text();
+Json ToJson(const MeshReport& mesh) {
+  return {{"is_manifold", mesh.IsManifold()},
+          {"defects", mesh.Defects()},
+          {"num_vertices", mesh.num_vertices},
+          {"num_faces", mesh.num_facets},
+          {"num_edges", mesh.num_edges},
+          {"num_components", mesh.num_components},
+          {"num_border_edges", mesh.num_border_edges},
+          {"num_border_loops", mesh.num_border_loops},
+          {"euler", mesh.euler},
+          {"genus", mesh.IsManifold() ? Json(mesh.genus) : Json()},
+          {"num_singular_vertices", mesh.num_singular_vertices},
+          {"num_non_manifold_edges", mesh.num_non_manifold_edges}};
+}
+
+void AddDistances(const MeshEvaluation& evaluation, Json* json) {
+  for (const char* name : {"max_distance", "spacing", "accuracy",
+                           "completeness", "average_score"}) {
+    (*json)[name] = nullptr;
+  }
+  if (const auto& distances = evaluation.distances) {
+    (*json)["max_distance"] = ToJson(distances->max_distance);
+    (*json)["spacing"] = ToJson(distances->spacing);
+    (*json)["accuracy"] = ToJson(distances->accuracy);
+    (*json)["completeness"] = ToJson(distances->completeness);
+    (*json)["average_score"] = ToJson(distances->AverageScore());
+  }
 }
 
 }  // namespace
 
 std::string EvaluationJson(const EvaluatorOptions& options,
                            const MeshEvaluation& evaluation) {
-  JsonObject json(0);
-  json.Add("mesh_path", Json(options.mesh_path))
-      .Add("truth_path", Json(options.truth_path))
-      .Add("workspace_path", Json(options.workspace_path))
-      .Add("stride", Json(int64_t{options.evaluation.stride}))
-      .Add("beyond",
-           Json(std::string(options.evaluation.drop_beyond ? "dropped"
-                                                           : "clipped")))
-      .Add("num_images", Json(evaluation.num_views));
-  if (const auto& distances = evaluation.distances) {
-    json.Add("max_distance", Json(distances->max_distance))
-        .Add("spacing", Json(distances->spacing))
-        .Add("accuracy", Json(distances->accuracy))
-        .Add("completeness", Json(distances->completeness))
-        .Add("average_score", Json(distances->AverageScore()));
-  } else {
-    for (const char* name : {"max_distance", "spacing", "accuracy",
-                             "completeness", "average_score"}) {
-      json.Add(name, "null");
-    }
-  }
-  if (evaluation.depths) {
-    json.Add("depths", Json(*evaluation.depths));
-  } else {
-    json.Add("depths", "null");
-  }
-  return json.Add("topology", Json(evaluation.topology)).Text() + "\n";
+  Json json = {
+      {"mesh_path", options.mesh_path},
+      {"truth_path", options.truth_path},
+      {"workspace_path", options.workspace_path},
+      {"stride", options.evaluation.stride},
+      {"beyond", options.evaluation.drop_beyond ? "dropped" : "clipped"},
+      {"num_images", evaluation.num_views}};
+  AddDistances(evaluation, &json);
+  json["depths"] = evaluation.depths ? ToJson(*evaluation.depths) : Json();
+  json["topology"] = ToJson(evaluation.topology);
+  // Names of files may be in any encoding.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace colmap_ext

@@ -1,6 +1,8 @@
 #include <cmath>
 #include <ostream>
 
+#include <fmt/format.h>
+
 #include "colmap_ext/report/evaluation_report.h"
 #include "colmap_ext/report/print_lines.h"
 
@@ -9,7 +11,8 @@ namespace colmap_ext {
 namespace {
 
 std::string Number(double number) {
-  return std::isfinite(number) ? Format("%14.6g", number) : "             -";
+  return std::isfinite(number) ? fmt::format("{:14.6g}", number)
+                               : "             -";
 }
 
 void PrintPair(const char* label, double accuracy, double completeness,
@@ -19,10 +22,7 @@ void PrintPair(const char* label, double accuracy, double completeness,
 
 void PrintPair(const char* label, size_t accuracy, size_t completeness,
                std::ostream& stream) {
-  PrintText(label,
-            Format("%14.0f%14.0f", static_cast<double>(accuracy),
-                   static_cast<double>(completeness)),
-            stream);
+  PrintText(label, fmt::format("{:14}{:14}", accuracy, completeness), stream);
 }
 
 void PrintDistances(const SurfaceDistances& distances, bool drop_beyond,
@@ -47,9 +47,9 @@ void PrintDistances(const SurfaceDistances& distances, bool drop_beyond,
 void PrintDepths(const DepthErrors& depths, std::ostream& stream) {
   PrintHeading("Depths", stream);
   for (size_t i = 0; i < depths.thresholds.size(); ++i) {
-    PrintText(Format("within %g", depths.thresholds[i]),
+    PrintText(fmt::format("within {:.6g}", depths.thresholds[i]),
               std::isfinite(depths.Share(i))
-                  ? Format("%12.2f %%", 100 * depths.Share(i))
+                  ? fmt::format("{:12.2f} %", 100 * depths.Share(i))
                   : Number(depths.Share(i)),
               stream);
   }

@@ -18,8 +18,4 @@ void Print(const std::string& label, int64_t number, std::ostream& stream);
 
 void PrintIfAny(const std::string& label, size_t number, std::ostream& stream);
 
-// As printf does.
-// \param format  of up to two numbers, known when compiled
-std::string Format(const char* format, double a, double b = 0);
-
 }  // namespace colmap_ext

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/report/refinement_report.h"
@@ -36,11 +38,10 @@ void PrintLabelings(const RefinementReport& report, std::ostream& stream) {
   PrintText("", "         pairs  faces without        energy ->", stream);
   for (const LabelingReport& labeling : report.labelings) {
     PrintText(LevelName(labeling.level),
-              Format("%14.0f%15.0f", static_cast<double>(labeling.num_pairs),
-                     static_cast<double>(labeling.num_unlabeled_facets)) +
-                  Format("%14.6g -> %.6g", labeling.initial_energy,
-                         labeling.final_energy) +
-                  Format(" (>= %.6g)", labeling.lower_bound),
+              fmt::format("{:14}{:15}{:14.6g} -> {:.6g} (>= {:.6g})",
+                          labeling.num_pairs, labeling.num_unlabeled_facets,
+                          labeling.initial_energy, labeling.final_energy,
+                          labeling.lower_bound),
               stream);
   }
   if (!report.labelings.empty() && !report.steps.empty() &&
@@ -58,14 +59,16 @@ void PrintStages(const RefinementReport& report, std::ostream& stream) {
     const RefinementStep& first = stage.front();
     const RefinementStep& last = stage.back();
     PrintText(StageName(last),
-              Format("%14.0f%14.0f", last.iteration - first.iteration,
-                     static_cast<double>(last.num_facets)),
+              fmt::format("{:14}{:14}", last.iteration - first.iteration,
+                          last.num_facets),
               stream);
-    PrintText("  energy", Format("%14.6g -> %.6g", first.energy, last.energy),
+    PrintText("  energy",
+              fmt::format("{:14.6g} -> {:.6g}", first.energy, last.energy),
               stream);
-    PrintText("  mean ZNCC",
-              Format("%14.4f -> %.4f", first.mean_zncc, last.mean_zncc),
-              stream);
+    PrintText(
+        "  mean ZNCC",
+        fmt::format("{:14.4f} -> {:.4f}", first.mean_zncc, last.mean_zncc),
+        stream);
   }
   PrintCount("steps shortened", report.num_shortened_steps, stream);
   PrintIfAny("solutions that did not converge",
@@ -76,7 +79,7 @@ void PrintStages(const RefinementReport& report, std::ostream& stream) {
 
 std::string LevelName(int level) {
   return level == 0 ? "full size"
-                    : "1/" + std::to_string(int64_t{1} << level) + " size";
+                    : fmt::format("1/{} size", int64_t{1} << level);
 }
 
 std::vector<std::vector<RefinementStep>> SplitIntoStages(
@@ -97,9 +100,10 @@ std::string StageName(const RefinementStep& step) {
 }
 
 std::string Describe(const RefinementStep& step) {
-  return StageName(step) +
-         Format(", iteration %.0f: energy %.6g", step.iteration, step.energy) +
-         Format(", ZNCC %.4f, step %.3f px", step.mean_zncc, step.mean_step);
+  return fmt::format(
+      "{}, iteration {}: energy {:.6g}, ZNCC {:.4f}, step {:.3f} px",
+      StageName(step), step.iteration, step.energy, step.mean_zncc,
+      step.mean_step);
 }
 
 void PrintReport(const RefinementInput& input, std::ostream& stream) {

@@ -4,19 +4,52 @@
 #include <ostream>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "colmap_ext/report/print_lines.h"
 
 namespace colmap_ext {
 
 namespace {
 
+const char* MeaningOf(ImageOrderKind kind) {
+  switch (kind) {
+    case ImageOrderKind::kFile:
+      return "as in images.bin, as COLMAP 3.8 - 3.10 have it";
+    case ImageOrderKind::kImageId:
+      return "by image_id, as COLMAP 3.11 has it";
+    case ImageOrderKind::kFrame:
+      return "as in frames.bin, as COLMAP 3.12+ have it";
+    case ImageOrderKind::kFrameId:
+      return "by frame_id, as COLMAP 3.12+ may have it";
+  }
+  return "";
+}
+
+const char* Describe(OrderReason reason) {
+  switch (reason) {
+    case OrderReason::kWanted:
+      return "--image_order";
+    case OrderReason::kOnlyOne:
+      return "the only one there is";
+    case OrderReason::kOnlyFit:
+      return "the only one that fits";
+    case OrderReason::kPositions:
+      return "the best fit of the points";
+    case OrderReason::kColors:
+      return "the best fit of the colours";
+  }
+  return "";
+}
+
 void PrintOrder(const VerifiedOrder& verified, std::ostream& stream) {
-  PrintText("image order of fused.ply.vis", verified.order.meaning, stream);
-  PrintText("  told by", verified.told_by, stream);
+  PrintText("image order of fused.ply.vis", MeaningOf(verified.order.kind),
+            stream);
+  PrintText("  told by", Describe(verified.reason), stream);
   PrintText("  points inside their images",
-            Format("%12.2f %%", 100 * verified.evidence.inside), stream);
+            fmt::format("{:12.2f} %", 100 * verified.evidence.inside), stream);
   PrintText("  ... and facing them",
-            Format("%12.2f %%", 100 * verified.evidence.facing), stream);
+            fmt::format("{:12.2f} %", 100 * verified.evidence.facing), stream);
 }
 
 void PrintCells(const ManifoldMeshingReport& report, std::ostream& stream) {
@@ -29,7 +62,8 @@ void PrintCells(const ManifoldMeshingReport& report, std::ostream& stream) {
         stream);
   Print("cells", static_cast<int64_t>(report.num_cells), stream);
   Print("  free", static_cast<int64_t>(report.num_free_cells), stream);
-  PrintText("distance sigma", Format("%14.6g", report.distance_sigma), stream);
+  PrintText("distance sigma", fmt::format("{:14.6g}", report.distance_sigma),
+            stream);
   Print("rays walked", static_cast<int64_t>(report.rays.num_rays), stream);
   Print("  given up", static_cast<int64_t>(report.rays.num_lost_rays), stream);
   Print("facets crossed", static_cast<int64_t>(report.rays.num_steps), stream);
@@ -99,10 +133,11 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   if (half_pixel) {
     const HalfPixelSlope& slope = half_pixel->slope;
     PrintText("half pixel, times, corrected",
-              Format("%14.2f", half_pixel->scale), stream);
+              fmt::format("{:14.2f}", half_pixel->scale), stream);
     PrintText("  seen in the sparse points",
               slope.num_points > 0
-                  ? Format("%14.2f +- %.2f", slope.slope, slope.standard_error)
+                  ? fmt::format("{:14.2f} +- {:.2f}", slope.slope,
+                                slope.standard_error)
                   : "             -  too few of them",
               stream);
   }
@@ -119,11 +154,12 @@ void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,
   PrintHeading("Time", stream);
   double total = 0;
   for (const StageTime& time : stage_times) {
-    PrintText(time.stage, Format("%12.2f s", time.seconds), stream);
+    PrintText(time.stage, fmt::format("{:12.2f} s", time.seconds), stream);
     total += time.seconds;
   }
-  PrintText("all", Format("%12.2f s", total), stream);
-  PrintText("peak memory", Format("%11.0f MB", peak_memory / 1e6), stream);
+  PrintText("all", fmt::format("{:12.2f} s", total), stream);
+  PrintText("peak memory", fmt::format("{:11.0f} MB", peak_memory / 1e6),
+            stream);
   stream << std::flush;
 }
 

@@ -1,6 +1,7 @@
-#include <cstdio>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "colmap_ext/report/refinement_report.h"
 
@@ -11,13 +12,10 @@ std::string StepsCsv(const std::vector<RefinementStep>& steps) {
       "level,final,iteration,energy,photometric_energy,mean_zncc,mean_step_px,"
       "seconds,vertices,faces\n";
   for (const RefinementStep& step : steps) {
-    char row[256];
-    std::snprintf(row, sizeof(row),
-                  "%d,%d,%d,%.9g,%.9g,%.6g,%.6g,%.3f,%zu,%zu\n", step.level,
-                  step.is_final ? 1 : 0, step.iteration, step.energy,
-                  step.photometric_energy, step.mean_zncc, step.mean_step,
-                  step.seconds, step.num_vertices, step.num_facets);
-    csv += row;
+    csv += fmt::format("{},{:d},{},{:.9g},{:.9g},{:.6g},{:.6g},{:.3f},{},{}\n",
+                       step.level, step.is_final, step.iteration, step.energy,
+                       step.photometric_energy, step.mean_zncc, step.mean_step,
+                       step.seconds, step.num_vertices, step.num_facets);
   }
   return csv;
 }

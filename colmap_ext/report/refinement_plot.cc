@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/refinement_report.h"
 
@@ -29,9 +31,10 @@ double PanelWidth(const Steps& steps) {
 
 std::string Element(const std::string& name, double x, double y,
                     const std::string& attributes, const std::string& text) {
-  return "<" + name + Format(" x=\"%.1f\" y=\"%.1f\"", x, y) + " " +
-         attributes +
-         (text.empty() ? "/>\n" : ">" + text + "</" + name + ">\n");
+  const std::string start =
+      fmt::format("<{} x=\"{:.1f}\" y=\"{:.1f}\" {}", name, x, y, attributes);
+  return start +
+         (text.empty() ? "/>\n" : fmt::format(">{}</{}>\n", text, name));
 }
 
 std::string Text(double x, double y, const char* anchor,
@@ -57,24 +60,27 @@ std::string Panel(const Steps& steps, double left) {
     const double y = kTop + kPadding +
                      (kPanelHeight - 2 * kPadding) *
                          (high->energy - steps[i].energy) / range;
-    points += Format("%.1f,%.1f ", x, y);
-    dots += Format("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"2.5\"/>\n", x, y);
+    points += fmt::format("{:.1f},{:.1f} ", x, y);
+    dots +=
+        fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>\n", x, y);
   }
   const double right = left + width;
   const double below = kTop + kPanelHeight + 16;
   return Element("rect", left, kTop,
-                 Format("width=\"%.1f\" height=\"%.1f\"", width, kPanelHeight) +
+                 fmt::format("width=\"{:.1f}\" height=\"{:.1f}\"", width,
+                             kPanelHeight) +
                      " fill=\"#f4f4f4\"",
                  "") +
          "<polyline points=\"" + points +
          "\" fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"1.5\"/>\n" +
          "<g fill=\"#1f5fa8\">\n" + dots + "</g>\n" +
          Text(left, kTop - 8, "start", StageName(steps[0])) +
-         Text(left, below, "start", Format("%.5g", steps.front().energy)) +
-         Text(right, below, "end", Format("%.5g", steps.back().energy)) +
+         Text(left, below, "start",
+              fmt::format("{:.5g}", steps.front().energy)) +
+         Text(right, below, "end", fmt::format("{:.5g}", steps.back().energy)) +
          Text(left + width / 2, below + 16, "middle",
-              Format("%.0f iterations",
-                     steps.back().iteration - steps.front().iteration));
+              fmt::format("{} iterations",
+                          steps.back().iteration - steps.front().iteration));
 }
 
 }  // namespace
@@ -88,8 +94,8 @@ std::string StepsPlot(const std::vector<RefinementStep>& steps) {
   }
   const double width = std::max(left, 2 * kMargin + kMinPanelWidth);
   return "<svg xmlns=\"http://www.w3.org/2000/svg\" " +
-         Format("width=\"%.0f\" height=\"%.0f\" ", width, kHeight) +
-         Format("viewBox=\"0 0 %.0f %.0f\" ", width, kHeight) +
+         fmt::format("width=\"{:.0f}\" height=\"{:.0f}\" ", width, kHeight) +
+         fmt::format("viewBox=\"0 0 {:.0f} {:.0f}\" ", width, kHeight) +
          "font-family=\"sans-serif\" font-size=\"12\" fill=\"#333\">\n"
          "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n" +
          Text(kMargin, 28, "start", "Energy by iteration") + panels +

@@ -5,8 +5,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <cstdint>
 #include <ostream>
+
+#include <fmt/format.h>
 
 namespace colmap_ext {
 
@@ -22,15 +24,11 @@ size_t TerminalWidth() {
 }
 
 std::string FormatSeconds(double seconds) {
-  char text[32];
   if (seconds < 60) {
-    std::snprintf(text, sizeof(text), "%.1f s", seconds);
-  } else {
-    std::snprintf(text, sizeof(text), "%d min %02d s",
-                  static_cast<int>(seconds) / 60,
-                  static_cast<int>(seconds) % 60);
+    return fmt::format("{:.1f} s", seconds);
   }
-  return text;
+  const auto whole_seconds = static_cast<int64_t>(seconds);
+  return fmt::format("{} min {:02} s", whole_seconds / 60, whole_seconds % 60);
 }
 
 double Seconds(std::chrono::steady_clock::duration duration) {
@@ -99,9 +97,7 @@ void ProgressReporter::Finish() {
 void ProgressReporter::Show(double share) {
   const Clock::time_point now = Clock::now();
   const double elapsed = Seconds(now - stage_start_);
-  char percent[16];
-  std::snprintf(percent, sizeof(percent), "%.0f %%", 100 * share);
-  std::string line = stage_ + " ... " + percent;
+  std::string line = fmt::format("{} ... {:.0f} %", stage_, 100 * share);
   if (share > 0.02 && elapsed > 2) {
     line += ", " + FormatSeconds(elapsed * (1 - share) / share) + " left";
   }

@@ -27,8 +27,8 @@ class ProgressReporter {
   // \param share  of the stage that is done, 0 ... 1.
   void Update(std::string_view stage, double share);
 
-  // Tells how the stage at hand goes: within the moving line, or a line of its
-  // own in a log.
+  // Prints how the present stage goes: within the moving line on a terminal, on
+  // a line of its own in a log.
   void Note(const std::string& text);
 
   // Ends the last stage. A new one may follow.
@@ -47,7 +47,7 @@ class ProgressReporter {
   bool is_terminal_;
   std::string stage_;  // empty between stages
   std::string note_;   // in the moving line
-  double share_ = 0;   // that was told last
+  double share_ = 0;   // of the last Update()
   Clock::time_point stage_start_;
   Clock::time_point last_shown_;
   size_t shown_length_ = 0;  // of the moving line, characters

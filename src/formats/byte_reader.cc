@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include <fmt/format.h>
+
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -53,18 +55,19 @@ void ByteReader::Skip(uint64_t num_bytes, const char* what) {
 uint64_t ByteReader::ReadCount(uint64_t min_bytes_each, const char* what) {
   const uint64_t count = Read<uint64_t>(what);
   if (count > Remaining() / min_bytes_each) {
-    throw FileError(path_, "truncated or damaged: it promises " +
-                               std::to_string(count) + " " + what +
-                               ", but has room for " +
-                               std::to_string(Remaining() / min_bytes_each));
+    throw FileError(path_,
+                    fmt::format("truncated or damaged: it promises {} {}, "
+                                "but has room for {}",
+                                count, what, Remaining() / min_bytes_each));
   }
   return count;
 }
 
 void ByteReader::ExpectEnd() const {
   if (Remaining() > 0) {
-    throw FileError(path_, "damaged: it has " + std::to_string(Remaining()) +
-                               " bytes more than its counts account for");
+    throw FileError(path_, fmt::format("damaged: it has {} bytes more than its "
+                                       "counts account for",
+                                       Remaining()));
   }
 }
 
@@ -101,9 +104,9 @@ void ByteReader::FillBuffer(const char* what) {
 }
 
 void ByteReader::ThrowTruncated(const char* what) const {
-  throw FileError(path_, std::string("truncated: it ends in the middle of ") +
-                             what + " (at byte " + std::to_string(position_) +
-                             " of " + std::to_string(size_) + ")");
+  throw FileError(path_, fmt::format("truncated: it ends in the middle of {} "
+                                     "(at byte {} of {})",
+                                     what, position_, size_));
 }
 
 }  // namespace colmap_ext

@@ -1,35 +1,34 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 namespace colmap_ext {
 
+// What can be asked for instead of what a file does not allow. Who called knows
+// how it is asked for, and can say so behind the message.
+enum class Alternative {
+  kSayImageOrder,     // WorkspaceOptions::image_order
+  kOtherImageOrder,   // another one
+  kUseSparsePoints,   // WorkspaceOptions::input_type
+  kLeavePicturesOut,  // call RemoveUnusable() in place of ExpectPictures()
+};
+
 // A file or folder that is missing, damaged, or does not fit the others. The
 // message is one line for the user: what is wrong where, and what to do.
 class FileError : public std::runtime_error {
  public:
-  FileError(const std::filesystem::path& path, const std::string& message)
-      : std::runtime_error(path.string() + ": " + message) {}
-};
+  FileError(const std::filesystem::path& path, const std::string& message,
+            std::optional<Alternative> alternative = std::nullopt)
+      : std::runtime_error(path.string() + ": " + message),
+        alternative_(alternative) {}
 
-// A command line that asks for something impossible.
-class OptionError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-// A signal that ended the work before it was done.
-class Interruption : public std::runtime_error {
- public:
-  Interruption(int signal, const std::string& message)
-      : std::runtime_error(message), signal_(signal) {}
-
-  int Signal() const { return signal_; }
+  std::optional<Alternative> GetAlternative() const { return alternative_; }
 
  private:
-  int signal_;
+  std::optional<Alternative> alternative_;
 };
 
 }  // namespace colmap_ext

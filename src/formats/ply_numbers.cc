@@ -7,6 +7,8 @@
 #include <limits>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -57,11 +59,12 @@ void PlyNumberReader::ExpectRoomFor(const PlyElement& element) const {
   const uint64_t min_bytes = element.MinBytes(format_);
   // The end of the file may stand for the last white space.
   if (min_bytes > 0 && element.count > (reader_->Remaining() + 1) / min_bytes) {
-    throw FileError(reader_->Path(),
-                    "truncated or damaged: it promises " +
-                        std::to_string(element.count) + " " + element.name +
-                        " elements, but has room for " +
-                        std::to_string(reader_->Remaining() / min_bytes));
+    throw FileError(
+        reader_->Path(),
+        fmt::format("truncated or damaged: it promises {} {} elements, but has "
+                    "room for {}",
+                    element.count, element.name,
+                    reader_->Remaining() / min_bytes));
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <fmt/format.h>
+
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -46,9 +48,9 @@ DepthMap ReadDepthMap(const std::filesystem::path& path) {
   const DepthMapSize size = ReadDepthMapHeader(&reader);
   const uint64_t num_depths = uint64_t{1} * size.width * size.height;
   if (num_depths > reader.Remaining() / sizeof(float)) {
-    throw FileError(path, "truncated: it has no room for " +
-                              std::to_string(size.width) + " x " +
-                              std::to_string(size.height) + " depths");
+    throw FileError(path,
+                    fmt::format("truncated: it has no room for {} x {} depths",
+                                size.width, size.height));
   }
   DepthMap map;
   map.width = size.width;

@@ -3,10 +3,13 @@
 
 #include "formats/read_npy_mask.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <regex>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
@@ -39,19 +42,77 @@ std::string ReadHeader(ByteReader* reader) {
   return header;
 }
 
+// The text of a value in the dictionary, from its first character on; empty if
+// there is none. Regular expressions are not used: those of the standard
+// library need a stack that grows with the text.
+std::string_view FindValue(std::string_view header, std::string_view key) {
+  const size_t begin = header.find(key);
+  if (begin == std::string_view::npos) {
+    return {};
+  }
+  std::string_view value = header.substr(begin + key.size());
+  value.remove_prefix(std::min(value.find_first_not_of(" \t:"), value.size()));
+  return value;
+}
+
+// One byte each.
+bool IsByteType(std::string_view type) {
+  if (type.empty() || type[0] != '\'') {
+    return false;
+  }
+  type.remove_prefix(1);
+  if (!type.empty() &&
+      std::string_view("|<>=").find(type[0]) != std::string_view::npos) {
+    type.remove_prefix(1);
+  }
+  return type.starts_with("u1'") || type.starts_with("i1'") ||
+         type.starts_with("b1'") || type.starts_with("?'");
+}
+
+// "(X, Y, Z)"
+std::optional<std::array<size_t, 3>> ParseSize(std::string_view shape) {
+  constexpr size_t kMaxSize = 999999;  // so that the product fits
+  std::array<size_t, 3> size{};
+  const char* begin = shape.data();
+  const char* const end = begin + shape.size();
+  for (int i = 0; i < 3; ++i) {
+    const std::string_view before = i == 0 ? "(" : ", ";
+    if (!std::string_view(begin, end).starts_with(before)) {
+      return std::nullopt;
+    }
+    const auto [rest, error] =
+        std::from_chars(begin + before.size(), end, size[i]);
+    if (error != std::errc() || size[i] > kMaxSize) {
+      return std::nullopt;
+    }
+    begin = rest;
+  }
+  return begin != end && *begin == ')' ? std::optional(size) : std::nullopt;
+}
+
 std::array<size_t, 3> ParseShape(const std::string& header,
                                  const std::filesystem::path& path) {
-  static const std::regex kBytes("'descr':\\s*'[|<>=]?(u1|i1|b1|\\?)'");
-  static const std::regex kShape(
-      "'shape':\\s*\\((\\d{1,6}), (\\d{1,6}), (\\d{1,6})\\)");
-  std::smatch shape;
-  if (!std::regex_search(header, kBytes) ||
-      !std::regex_search(header, shape, kShape)) {
+  const auto size = ParseSize(FindValue(header, "'shape'"));
+  if (!IsByteType(FindValue(header, "'descr'")) || !size) {
     throw FileError(path,
                     "not a mask: an array of uint8 or bool with three "
                     "dimensions is expected");
   }
-  return {std::stoul(shape[1]), std::stoul(shape[2]), std::stoul(shape[3])};
+  return *size;
+}
+
+// From x fastest to z fastest.
+std::vector<uint8_t> FromFortranOrder(const std::vector<uint8_t>& voxels,
+                                      const std::array<size_t, 3>& size) {
+  const auto [size_x, size_y, size_z] = size;
+  std::vector<uint8_t> reordered(voxels.size());
+  for (size_t i = 0; i < voxels.size(); ++i) {
+    const size_t x = i % size_x;
+    const size_t y = i / size_x % size_y;
+    const size_t z = i / size_x / size_y;
+    reordered[(x * size_y + y) * size_z + z] = voxels[i];
+  }
+  return reordered;
 }
 
 }  // namespace
@@ -69,15 +130,8 @@ VoxelGrid ReadNpyMask(const std::filesystem::path& path) {
   mask.voxels.resize(num_voxels);
   reader.Read(mask.voxels.data(), num_voxels, "the array");
   reader.ExpectEnd();
-  static const std::regex kFortran("'fortran_order':\\s*True");
-  if (std::regex_search(header, kFortran)) {  // x fastest
-    const std::vector<uint8_t> voxels = mask.voxels;
-    for (size_t i = 0; i < num_voxels; ++i) {
-      const size_t x = i % size_x;
-      const size_t y = i / size_x % size_y;
-      const size_t z = i / size_x / size_y;
-      mask.voxels[(x * size_y + y) * size_z + z] = voxels[i];
-    }
+  if (FindValue(header, "'fortran_order'").starts_with("True")) {
+    mask.voxels = FromFortranOrder(mask.voxels, mask.size);
   }
   return mask;
 }

@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 #include "formats/ply_header.h"
@@ -22,18 +24,21 @@ Facet ReadFacet(const PlyProperty& list, uint64_t face,
                 const std::filesystem::path& path, PlyNumberReader* numbers) {
   const uint64_t num_corners = numbers->ReadLength(list);
   if (num_corners != 3) {
-    throw FileError(path, "face " + std::to_string(face) + " has " +
-                              std::to_string(num_corners) +
-                              " corners, but only triangles are read; "
-                              "triangulate the mesh first");
+    throw FileError(
+        path,
+        fmt::format("face {} has {} corners, but only triangles are read; "
+                    "triangulate the mesh first",
+                    face, num_corners));
   }
   Facet facet;
   for (uint32_t& corner : facet) {
     const double vertex = numbers->Read(list.type);
     if (!(vertex >= 0 && vertex <= 4294967295.0) ||
         vertex != static_cast<double>(static_cast<uint32_t>(vertex))) {
-      throw FileError(path, "damaged: face " + std::to_string(face) +
-                                " has a corner that is no vertex's index");
+      throw FileError(
+          path,
+          fmt::format("damaged: face {} has a corner that is no vertex's index",
+                      face));
     }
     corner = static_cast<uint32_t>(vertex);
   }
@@ -65,10 +70,10 @@ void CheckFacets(const TriangleMesh& mesh, const std::filesystem::path& path) {
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     for (const uint32_t vertex : mesh.facets[i]) {
       if (vertex >= mesh.vertices.size()) {
-        throw FileError(path, "damaged: face " + std::to_string(i) +
-                                  " has vertex " + std::to_string(vertex) +
-                                  ", but there are " +
-                                  std::to_string(mesh.vertices.size()));
+        throw FileError(
+            path,
+            fmt::format("damaged: face {} has vertex {}, but there are {}", i,
+                        vertex, mesh.vertices.size()));
       }
     }
   }

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <fmt/format.h>
+
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 
@@ -14,19 +16,23 @@ Visibility ReadVisibility(const std::filesystem::path& path, size_t num_points,
     throw FileError(path,
                     "no such file, so it is not known which images see the "
                     "points" +
-                        what_to_do);
+                        what_to_do,
+                    owner.alternative);
   }
   ByteReader reader(path);
   const uint64_t count = reader.Read<uint64_t>("the number of points");
   if (count != num_points) {
-    throw FileError(path, "is about " + std::to_string(count) +
-                              " points, but the " + owner.name + " has " +
-                              std::to_string(num_points) + ": was the " +
-                              owner.name + " edited?" + what_to_do);
+    throw FileError(
+        path,
+        fmt::format(
+            "is about {} points, but the {} has {}: was the {} edited?{}",
+            count, owner.name, num_points, owner.name, what_to_do),
+        owner.alternative);
   }
   if (count > reader.Remaining() / sizeof(uint32_t)) {
-    throw FileError(path, "truncated or damaged: no room for " +
-                              std::to_string(count) + " points");
+    throw FileError(
+        path,
+        fmt::format("truncated or damaged: no room for {} points", count));
   }
   Visibility visibility;
   visibility.offsets.reserve(num_points + 1);
@@ -34,9 +40,9 @@ Visibility ReadVisibility(const std::filesystem::path& path, size_t num_points,
   for (size_t i = 0; i < num_points; ++i) {
     const uint32_t num_images = reader.Read<uint32_t>("a point's images");
     if (num_images > reader.Remaining() / sizeof(uint32_t)) {
-      throw FileError(path, "truncated or damaged: point " + std::to_string(i) +
-                                " promises " + std::to_string(num_images) +
-                                " images");
+      throw FileError(
+          path, fmt::format("truncated or damaged: point {} promises {} images",
+                            i, num_images));
     }
     const size_t begin = visibility.values.size();
     visibility.values.resize(begin + num_images);

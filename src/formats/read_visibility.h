@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <vector>
+#include <optional>
 
 #include "base/rows.h"
+#include "formats/errors.h"
+
 namespace colmap_ext {
 
 // The images that see each point, as the file has them: [P] image indices, not
@@ -16,6 +18,7 @@ using Visibility = Rows<uint32_t>;
 struct VisibilityOwner {
   const char* name;
   const char* what_to_do;
+  std::optional<Alternative> alternative;
 };
 
 // What users bring: a cloud that was cropped or cleaned in an editor, which
@@ -23,8 +26,8 @@ struct VisibilityOwner {
 inline constexpr VisibilityOwner kFusedCloud = {
     "cloud",
     "run `colmap stereo_fusion` again, whose two files belong together, or "
-    "crop with a tool that drops the same points from both, or mesh the "
-    "sparse points with --input_type sparse"};
+    "crop with a tool that drops the same points from both",
+    Alternative::kUseSparsePoints};
 
 // Reads a fused.ply.vis: uint64 P, then for each point uint32 n and n times
 // uint32 image index, little-endian.

@@ -1,5 +1,7 @@
 #include "formats/write_labeled_mesh.h"
 
+#include <fmt/format.h>
+
 #include "formats/atomic_file.h"
 
 namespace colmap_ext {
@@ -10,15 +12,16 @@ std::string Header(const TriangleMesh& mesh,
                    const std::vector<std::string>& names) {
   std::string header = "ply\nformat binary_little_endian 1.0\n";
   for (size_t i = 0; i < names.size(); ++i) {
-    header += "comment label " + std::to_string(i) + ": " + names[i] + "\n";
+    header += fmt::format("comment label {}: {}\n", i, names[i]);
   }
-  return header + "element vertex " + std::to_string(mesh.vertices.size()) +
-         "\nproperty float x\nproperty float y\nproperty float z\n"
-         "element face " +
-         std::to_string(mesh.facets.size()) +
-         "\nproperty list uchar int vertex_index\n"
-         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-         "property int label\nend_header\n";
+  return header +
+         fmt::format(
+             "element vertex {}\nproperty float x\nproperty float y\n"
+             "property float z\nelement face {}\n"
+             "property list uchar int vertex_index\nproperty uchar red\n"
+             "property uchar green\nproperty uchar blue\n"
+             "property int label\nend_header\n",
+             mesh.vertices.size(), mesh.facets.size());
 }
 
 }  // namespace

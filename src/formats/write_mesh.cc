@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 
@@ -13,16 +15,15 @@ namespace colmap_ext {
 namespace {
 
 std::string Header(const TriangleMesh& mesh, bool has_colors) {
-  std::string header =
-      "ply\nformat binary_little_endian 1.0\nelement vertex " +
-      std::to_string(mesh.vertices.size()) +
-      "\nproperty float x\nproperty float y\nproperty float z\n";
-  if (has_colors) {
-    header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  }
-  header += "element face " + std::to_string(mesh.facets.size()) +
-            "\nproperty list uchar int vertex_index\nend_header\n";
-  return header;
+  return fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\n{}"
+      "element face {}\nproperty list uchar int vertex_index\nend_header\n",
+      mesh.vertices.size(),
+      has_colors
+          ? "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+          : "",
+      mesh.facets.size());
 }
 
 void WritePly(const TriangleMesh& mesh, const std::vector<Color>& colors,

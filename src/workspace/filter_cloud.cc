@@ -1,9 +1,31 @@
 #include "workspace/filter_cloud.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "base/edit_rows.h"
+
 namespace colmap_ext {
+
+namespace {
+
+// Drops indices that are out of range or repeated, and sorts the others.
+// \return how many stay, the first of the row.
+size_t SortViews(std::span<uint32_t> row, size_t num_images,
+                 FilterReport* report) {
+  const auto end = std::remove_if(
+      row.begin(), row.end(),
+      [num_images](uint32_t index) { return index >= num_images; });
+  std::sort(row.begin(), end);
+  const auto unique_end = std::unique(row.begin(), end);
+  report->num_with_repeats += unique_end != end;
+  return static_cast<size_t>(unique_end - row.begin());
+}
+
+}  // namespace
 
 size_t CountOutOfRange(const Visibility& visibility, size_t num_images) {
   size_t count = 0;
@@ -15,45 +37,32 @@ size_t CountOutOfRange(const Visibility& visibility, size_t num_images) {
   return count;
 }
 
-// In place: what is kept never lies behind where it came from.
 PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
                        FilterReport* report) {
   report->num_points = cloud.positions.size();
   report->num_out_of_range = CountOutOfRange(visibility, num_images);
   size_t num_kept = 0;
-  const auto indices = visibility.values.begin();
-  uint64_t kept_end = 0;  // of the kept image indices
-  uint64_t row_begin = 0;
-  for (size_t i = 0; i < cloud.positions.size(); ++i) {
-    const auto begin = indices + static_cast<std::ptrdiff_t>(row_begin);
-    row_begin = visibility.offsets[i + 1];
-    auto end = std::remove_if(
-        begin, indices + static_cast<std::ptrdiff_t>(row_begin),
-        [num_images](uint32_t index) { return index >= num_images; });
-    std::sort(begin, end);
-    const auto unique_end = std::unique(begin, end);
-    report->num_with_repeats += unique_end != end;
-    if (!cloud.positions[i].allFinite()) {
+  const auto edit = [&](size_t point,
+                        std::span<uint32_t> row) -> std::optional<size_t> {
+    const size_t num_views = SortViews(row, num_images, report);
+    if (!cloud.positions[point].allFinite()) {
       ++report->num_not_finite;
-      continue;
+      return std::nullopt;
     }
-    if (begin == unique_end) {
+    if (num_views == 0) {
       ++report->num_without_views;
-      continue;
+      return std::nullopt;
     }
-    std::move(begin, unique_end,
-              indices + static_cast<std::ptrdiff_t>(kept_end));
-    kept_end += static_cast<uint64_t>(unique_end - begin);
-    cloud.positions[num_kept] = cloud.positions[i];
+    cloud.positions[num_kept] = cloud.positions[point];
     if (!cloud.colors.empty()) {
-      cloud.colors[num_kept] = cloud.colors[i];
+      cloud.colors[num_kept] = cloud.colors[point];
     }
-    visibility.offsets[++num_kept] = kept_end;
-  }
+    ++num_kept;
+    return num_views;
+  };
+  EditRows(edit, &visibility);
   cloud.positions.resize(num_kept);
   cloud.colors.resize(cloud.colors.empty() ? 0 : num_kept);
-  visibility.offsets.resize(num_kept + 1);
-  visibility.values.resize(kept_end);
   return {std::move(cloud.positions), std::move(cloud.colors),
           std::move(visibility)};
 }

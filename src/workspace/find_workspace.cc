@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "formats/errors.h"
 #include "workspace/sparse_model.h"
 
@@ -62,8 +64,8 @@ void ExpectOneFolder(const std::vector<fs::path>& found, const fs::path& path) {
     for (const fs::path& folder : found) {
       folders += (folders.empty() ? "" : ", ") + folder.string();
     }
-    throw FileError(path, "which workspace? There are " +
-                              std::to_string(found.size()) + ": " + folders);
+    throw FileError(path, fmt::format("which workspace? There are {}: {}",
+                                      found.size(), folders));
   }
 }
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "formats/read_ply_cloud.h"
@@ -17,34 +17,51 @@ namespace colmap_ext {
 // The image indices in fused.ply.vis are positions in the order in which COLMAP
 // registered the images as it read sparse/, and that order differs by version.
 // The file does not say which it is, so that it has to be found out.
+enum class ImageOrderKind {
+  kFile,     // that of images.bin (COLMAP 3.8 - 3.10)
+  kImageId,  // ascending (3.11)
+  kFrame,    // that of frames.bin (3.12 and later), if there is one
+  kFrameId,  // frames by ascending frame_id
+};
+
+// "file", "image_id", "frame", "frame_id".
+const char* NameOf(ImageOrderKind kind);
+
 struct ImageOrder {
-  std::string name;     // as the option has it: "file", "image_id", "frame"
-  std::string meaning;  // in words
+  ImageOrderKind kind = ImageOrderKind::kFile;
   std::vector<size_t> images;  // index into the model's images, by .vis index
 };
 
-// The orders of COLMAP 3.8 to 4.x, each once even if several are the same:
-//  file      that of images.bin (3.8 - 3.10)
-//  image_id  ascending (3.11)
-//  frame     that of frames.bin (3.12 and later), if there is one
-//  frame_id  frames by ascending frame_id
+// The orders of COLMAP 3.8 to 4.x that the model has, even if several are the
+// same.
 std::vector<ImageOrder> CandidateImageOrders(const SparseModel& model);
 
-// How well an order agrees with the cloud, from a sample of it.
+// How well an order agrees with a sample of the cloud.
 struct OrderEvidence {
   size_t num_observations = 0;
-  double inside = 0;  // share whose point is in front of and inside the image
-  double facing = 0;  // share of which that image also sees the front, by the
-                      // point's normal
+  // [0, 1] Share of the observations whose point projects inside the image.
+  double inside = 0;
+  // [0, 1] Share of those whose point's normal also faces the image; as
+  // `inside` where the cloud has no normals.
+  double facing = 0;
+};
+
+// Why an order was taken and no other.
+enum class OrderReason {
+  kWanted,     // by the caller
+  kOnlyOne,    // the others are the same
+  kOnlyFit,    // the points do not lie inside the images of the others
+  kPositions,  // the points fit its images best by positions and normals
+  kColors,     // the points fit its images best by their colours
 };
 
 struct VerifiedOrder {
   ImageOrder order;
   OrderEvidence evidence;
-  std::string told_by;  // what spoke for it against others, in words
+  OrderReason reason = OrderReason::kOnlyOne;
 };
 
-// Everything that speaks for or against an order.
+// What FindImageOrder() needs to compare orders.
 struct OrderQuestion {
   const PlyCloud& cloud;
   const Visibility& visibility;
@@ -60,10 +77,11 @@ struct OrderQuestion {
 // image; if several orders pass, one of them must be clearly better by that and
 // the normals, or else by the colours.
 //
-// \param wanted  an order's name, or "auto".
-// \throw FileError if none passes, or it can not be told which is right.
-// \throw OptionError if the model has no order of the wanted name.
+// \param wanted  the only order that is tried; nothing for all.
+// \pre question.visibility has as many rows as the cloud has points
+// \throw FileError if none passes, it can not be told which is right, or the
+//        model does not have the wanted one.
 VerifiedOrder FindImageOrder(const OrderQuestion& question,
-                             const std::string& wanted);
+                             std::optional<ImageOrderKind> wanted);
 
 }  // namespace colmap_ext

@@ -10,15 +10,20 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr size_t kMaxIndices = 6;  // to look at
+// The sample: .vis indices, and points of each. Choices; the figures below hold
+// for them.
+constexpr size_t kMaxIndices = 6;
 constexpr size_t kMaxPointsPerIndex = 2000;
-constexpr double kMaxError = 60;  // of 255; more are occlusions and highlights
 
-// Clearly better: the mean of the paired differences lies so many of its
-// standard errors from zero, and is that share of the error. (Wrong orders of
-// data/toycars and bunny are worse by 60 and more standard errors at this
-// sample size and by a third of the error; fountain's points are colourless,
-// and reach 7 and 0.4 %.)
+// Grey values of 255, at which an error is cut off: larger ones come from
+// occlusions and highlights. A choice.
+constexpr double kMaxError = 60;
+
+// An order is better if the mean of the paired differences of the errors lies
+// so many of its standard errors above zero, and is at least this share of the
+// other order's error. Tuned on: toycars and bunny, whose wrong orders are
+// worse by 60 and more standard errors and by a third of the error; and
+// fountain, whose points have no colours and reach 7 and 0.4 %.
 constexpr double kMinStandardErrors = 10;
 constexpr double kMinErrorGain = 0.05;
 
@@ -43,16 +48,17 @@ std::vector<uint32_t> IndicesThatDiffer(const Orders& orders) {
   return indices;
 }
 
-// Spread over all of them rather than the first ones.
-std::vector<uint32_t> Thin(const std::vector<uint32_t>& values, size_t count) {
+// At most so many of the values, spread evenly over all of them.
+std::vector<uint32_t> SampleEvenly(const std::vector<uint32_t>& values,
+                                   size_t count) {
   if (values.size() <= count) {
     return values;
   }
-  std::vector<uint32_t> thinned;
+  std::vector<uint32_t> sample;
   for (size_t i = 0; i < count; ++i) {
-    thinned.push_back(values[i * values.size() / count]);
+    sample.push_back(values[i * values.size() / count]);
   }
-  return thinned;
+  return sample;
 }
 
 // The points that list each of the .vis indices.
@@ -129,9 +135,10 @@ std::optional<size_t> FindOrderByColors(
   }
   std::vector<std::vector<double>> errors(orders.size());  // of equal lengths
   const std::vector<uint32_t> indices =
-      Thin(IndicesThatDiffer(orders), kMaxIndices);
+      SampleEvenly(IndicesThatDiffer(orders), kMaxIndices);
   for (const auto& [index, all_points] : PointsOf(indices, visibility)) {
-    const std::vector<uint32_t> points = Thin(all_points, kMaxPointsPerIndex);
+    const std::vector<uint32_t> points =
+        SampleEvenly(all_points, kMaxPointsPerIndex);
     for (size_t i = 0; i < orders.size(); ++i) {
       const View& view = views[orders[i][index]];
       const std::optional<ColorImage> image =

@@ -12,10 +12,10 @@
 
 namespace colmap_ext {
 
-// Tells orders in which a .vis may count the images apart by the colours of
-// the points: those of the pixels that they project to are more alike in the
-// right images. A handful of images in which the orders differ is read, and
-// some points of each are compared.
+// Finds the order in which a .vis counts the images by the colours of the
+// points: a point's colour is nearest to the pixels that it projects to in the
+// right images. Reads a handful of the images in which the orders differ, and
+// compares some points of each.
 //
 // \param orders  index into the views by .vis index, for each order.
 // \return the order that is clearly better than every other; nothing if there

@@ -1,12 +1,14 @@
 // COLMAP's binary model format: https://colmap.github.io/format.html, and
 // src/colmap/scene/reconstruction_io_binary.cc for frames.bin.
 
+#include <algorithm>
+#include <tuple>
+
+#include <fmt/format.h>
+
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 #include "workspace/sparse_model.h"
-
-#include <algorithm>
-#include <tuple>
 
 namespace colmap_ext {
 
@@ -31,9 +33,8 @@ void ReadCameras(const std::filesystem::path& path, SparseModel* model) {
     const uint64_t height = reader.Read<uint64_t>("a camera");
     const CameraModelInfo* info = FindCameraModel(model_id);
     if (info == nullptr) {
-      throw FileError(path, "camera " + std::to_string(camera_id) +
-                                " has the unknown model " +
-                                std::to_string(model_id));
+      throw FileError(path, fmt::format("camera {} has the unknown model {}",
+                                        camera_id, model_id));
     }
     std::vector<double> params(info->num_params);
     reader.Read(params.data(), params.size() * sizeof(double), "a camera");
@@ -113,8 +114,9 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
     reader.Skip(4 + 7 * 8, "a frame");  // its rig's id and pose
     const uint32_t num_data = reader.Read<uint32_t>("a frame");
     if (num_data > reader.Remaining() / kFrameDataBytes) {
-      throw FileError(path, "truncated or damaged: a frame of " +
-                                std::to_string(num_data) + " images");
+      throw FileError(
+          path,
+          fmt::format("truncated or damaged: a frame of {} images", num_data));
     }
     std::vector<std::tuple<uint32_t, uint64_t>> data;  // sensor id, image id
     for (uint32_t j = 0; j < num_data; ++j) {

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <tuple>
 
+#include <fmt/format.h>
+
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 #include "workspace/sparse_model.h"
@@ -72,8 +74,7 @@ class LineReader {
   }
 
   [[noreturn]] void Throw(const std::string& message) const {
-    throw FileError(path_,
-                    "line " + std::to_string(line_number_) + ": " + message);
+    throw FileError(path_, fmt::format("line {}: {}", line_number_, message));
   }
 
  private:

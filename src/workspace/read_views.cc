@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 #include "formats/picture_size.h"
@@ -36,9 +38,8 @@ bool HasAspectOf(const View& view, const PictureSize& size) {
 }
 
 std::string OtherSizeError(const View& view, const PictureSize& size) {
-  return "is " + std::to_string(size.width) + " x " +
-         std::to_string(size.height) + " pixels, but its camera is " +
-         std::to_string(view.width) + " x " + std::to_string(view.height);
+  return fmt::format("is {} x {} pixels, but its camera is {} x {}", size.width,
+                     size.height, view.width, view.height);
 }
 
 // From the header of a PNG or JPEG file, else by decoding the whole picture.
@@ -103,10 +104,11 @@ Views ReadViews(const std::filesystem::path& dense_path,
   for (const SparseImage& image : model.images) {
     const SparseCamera& camera = model.cameras.at(image.camera_id);
     if (!camera.is_pinhole && !rules.allow_distortion) {
-      throw FileError(dense_path, "camera " + std::to_string(image.camera_id) +
-                                      " is distorted (" + camera.model_name +
-                                      "), which no dense workspace's is; run "
-                                      "`colmap image_undistorter` first");
+      throw FileError(
+          dense_path,
+          fmt::format("camera {} is distorted ({}), which no dense workspace's "
+                      "is; run `colmap image_undistorter` first",
+                      image.camera_id, camera.model_name));
     }
     View view = MakeView(image, camera);
     result.picture_errors.push_back(FitToPicture(

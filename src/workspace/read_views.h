@@ -25,8 +25,10 @@ struct Views {
 };
 
 struct ViewRules {
-  bool allow_distortion = false;   // take the pinhole part of such cameras
-  bool allow_other_sizes = false;  // of pictures: they are told of instead
+  // Use the pinhole part of distorted cameras.
+  bool allow_distortion = false;
+  // List pictures of another aspect than their camera's in picture_errors.
+  bool allow_other_sizes = false;
 };
 
 // The cameras and poses of the model's images, with the intrinsics scaled to

@@ -4,6 +4,8 @@
 #include <limits>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -45,8 +47,10 @@ void CheckCameras(const SparseModel& model,
                           std::isfinite(camera.fy) && camera.fy > 0 &&
                           std::isfinite(camera.cx) && std::isfinite(camera.cy);
     if (!is_sound) {
-      throw FileError(folder, "camera " + std::to_string(camera_id) +
-                                  " has an impossible size or focal length");
+      throw FileError(
+          folder,
+          fmt::format("camera {} has an impossible size or focal length",
+                      camera_id));
     }
   }
 }
@@ -55,14 +59,14 @@ void CheckImages(const SparseModel& model,
                  const std::filesystem::path& folder) {
   std::set<uint32_t> image_ids;
   for (const SparseImage& image : model.images) {
-    const std::string label = "image " + std::to_string(image.image_id);
+    const std::string label = fmt::format("image {}", image.image_id);
     if (!image_ids.insert(image.image_id).second) {
       throw FileError(folder, label + " is there twice");
     }
     if (!model.cameras.contains(image.camera_id)) {
-      throw FileError(folder, label + " refers to camera " +
-                                  std::to_string(image.camera_id) +
-                                  ", which is not there");
+      throw FileError(folder,
+                      fmt::format("{} refers to camera {}, which is not there",
+                                  label, image.camera_id));
     }
     if (!image.cam_from_world_rotation.coeffs().allFinite() ||
         !image.cam_from_world_translation.allFinite()) {

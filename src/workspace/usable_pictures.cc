@@ -1,10 +1,14 @@
 #include "workspace/usable_pictures.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <span>
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "base/edit_rows.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -39,8 +43,7 @@ void FindUnreadable(const std::filesystem::path& images_path,
 
 std::string DescribeErrors(const std::vector<View>& views,
                            const std::vector<std::string>& errors) {
-  std::string text = std::to_string(CountErrors(errors)) + " of " +
-                     std::to_string(views.size());
+  std::string text = fmt::format("{} of {}", CountErrors(errors), views.size());
   size_t num_listed = 0;
   for (size_t i = 0; i < views.size(); ++i) {
     if (errors[i].empty()) {
@@ -60,9 +63,8 @@ void ExpectPictures(const std::filesystem::path& images_path,
   if (CountErrors(errors) > 0) {
     throw FileError(images_path,
                     "images can not be used, " + DescribeErrors(views, errors) +
-                        "; run `colmap image_undistorter` again, or go on "
-                        "without them with "
-                        "--FacetwiseRefinement.skip_missing_images 1");
+                        "; run `colmap image_undistorter` again",
+                    Alternative::kLeavePicturesOut);
   }
 }
 
@@ -72,20 +74,15 @@ void RemoveUnusable(const std::filesystem::path& images_path,
   if (errors.size() - CountErrors(errors) < 2) {
     throw FileError(images_path, "fewer than two images can be used");
   }
-  uint64_t num_kept = 0;
-  uint64_t begin = 0;
-  for (size_t i = 0; i < points->size(); ++i) {
-    const uint64_t end = points->views.offsets[i + 1];
-    for (uint64_t k = begin; k < end; ++k) {
-      const uint32_t view = points->views.values[k];
-      if (errors[view].empty()) {
-        points->views.values[num_kept++] = view;
-      }
-    }
-    points->views.offsets[i + 1] = num_kept;
-    begin = end;
-  }
-  points->views.values.resize(num_kept);
+  const auto is_unusable = [&errors](uint32_t view) {
+    return !errors[view].empty();
+  };
+  EditRows(
+      [&](size_t, std::span<uint32_t> row) {
+        const auto end = std::remove_if(row.begin(), row.end(), is_unusable);
+        return static_cast<size_t>(end - row.begin());
+      },
+      &points->views);
 }
 
 ReadGrayImage PictureReader(const std::filesystem::path& images_path,

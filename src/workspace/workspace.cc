@@ -41,12 +41,12 @@ void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
   const size_t num_out_of_range = CountOutOfRange(visibility, num_images);
   const size_t num_points = visibility.size();
   if (num_out_of_range > kMaxOutOfRange * num_points) {
-    throw FileError(path, std::to_string(num_out_of_range) + " of " +
-                              std::to_string(num_points) +
-                              " points list images beyond the " +
-                              std::to_string(num_images) +
-                              " of sparse/, so that it belongs to another "
-                              "model; run `colmap stereo_fusion` again");
+    throw FileError(
+        path,
+        fmt::format("{} of {} points list images beyond the {} of sparse/, "
+                    "so that it belongs to another model; run `colmap "
+                    "stereo_fusion` again",
+                    num_out_of_range, num_points, num_images));
   }
 }
 
@@ -157,22 +157,9 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
 
 }  // namespace
 
-std::string WorkspaceOptions::Check() const {
-  if (input_type != "dense" && input_type != "sparse") {
-    return "input_type is '" + input_type + "'; it has to be dense or sparse";
-  }
-  for (const char* name : {"auto", "file", "image_id", "frame", "frame_id"}) {
-    if (image_order == name) {
-      return "";
-    }
-  }
-  return "image_order is '" + image_order +
-         "'; it has to be auto, file, image_id, frame or frame_id";
-}
-
 Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
                         const PictureDecoder& decoder) {
-  if (options.input_type == "dense") {
+  if (options.input_type == InputType::kDense) {
     const fs::path folder = FindDenseFolder(path);
     return Assemble(folder, options, decoder,
                     [&folder] { return ReadFusedCloud(folder); });

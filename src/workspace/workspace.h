@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,19 +16,20 @@
 
 namespace colmap_ext {
 
+enum class InputType {
+  kDense,   // the fused points
+  kSparse,  // those of the sparse model
+};
+
 struct WorkspaceOptions {
-  // "dense" for the fused points, "sparse" for those of the sparse model.
-  std::string input_type = "dense";
+  InputType input_type = InputType::kDense;
 
-  // How fused.ply.vis counts the images: "auto", or the name of an order
-  // (image_order.h).
-  std::string image_order = "auto";
+  // How fused.ply.vis counts the images; nothing: it is found out.
+  std::optional<ImageOrderKind> image_order = std::nullopt;
 
-  // Take pictures of another aspect than their camera's: their error tells.
+  // Accept pictures of another aspect than their camera's. They are listed in
+  // Workspace::picture_errors.
   bool allow_other_sizes = false;
-
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
 };
 
 struct WorkspaceReport {
@@ -53,7 +55,6 @@ struct Workspace {
 
 // Reads DIR/sparse and, for dense input, DIR/fused.ply and DIR/fused.ply.vis.
 //
-// \pre options checked
 // \throw FileError for whatever is missing, damaged, or does not fit together.
 Workspace ReadWorkspace(const std::filesystem::path& path,
                         const WorkspaceOptions& options,

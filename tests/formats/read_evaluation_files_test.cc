@@ -91,5 +91,28 @@ TEST_F(ReadEvaluationFilesTest, RefusesOtherArrays) {
   }
 }
 
+// No header, however long, needs more of the stack.
+TEST_F(ReadEvaluationFilesTest, ReadsLongHeaders) {
+  const auto write = [this](const std::string& begin, const std::string& end) {
+    constexpr size_t kLength = (1 << 16) - 1;
+    std::string bytes("\x93NUMPY\x01\x00", 8);
+    Append(static_cast<uint16_t>(kLength), &bytes);
+    bytes +=
+        begin + std::string(kLength - begin.size() - end.size(), ' ') + end;
+    for (uint8_t i = 0; i < 24; ++i) {
+      Append(i, &bytes);
+    }
+    WriteFile(path_, bytes);
+  };
+  write("{'descr':", "'|u1', 'fortran_order': False, 'shape': (2, 3, 4), }");
+  EXPECT_EQ(ReadNpyMask(path_).size, (std::array<size_t, 3>{2, 3, 4}));
+  write("{'descr': '|u1', 'fortran_order':", "True, 'shape': (2, 3, 4), }");
+  EXPECT_EQ(ReadNpyMask(path_).voxels[12], 1) << "x is the fastest";
+  write("{'descr': '|u1', 'shape':", "(2, 3, 4)");
+  EXPECT_EQ(ReadNpyMask(path_).voxels[12], 12);
+  write("{'descr': '|u1', 'shape':", "");
+  EXPECT_THROW(ReadNpyMask(path_), FileError);
+}
+
 }  // namespace
 }  // namespace colmap_ext

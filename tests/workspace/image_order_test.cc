@@ -16,7 +16,7 @@ class ImageOrderTest : public testing::Test {
  protected:
   // The order that is found in a workspace whose .vis counts as vis_order.
   VerifiedOrder Find(const Indices& vis_order,
-                     const std::string& wanted = "auto") {
+                     std::optional<ImageOrderKind> wanted = std::nullopt) {
     sphere_.vis_order = vis_order;
     std::filesystem::remove_all(path_ / "sparse");
     sphere_.Write(path_);
@@ -30,6 +30,16 @@ class ImageOrderTest : public testing::Test {
                           wanted);
   }
 
+  template <typename Function>
+  static std::optional<Alternative> AlternativeTo(Function function) {
+    try {
+      function();
+    } catch (const FileError& error) {
+      return error.GetAlternative();
+    }
+    return std::nullopt;
+  }
+
   // The images have the ids 4, 9, 2, 7, 5, 1, 8, in the order of the file.
   const Indices file_order_ = {0, 1, 2, 3, 4, 5, 6};
   const Indices id_order_ = {5, 2, 0, 4, 3, 6, 1};
@@ -41,19 +51,19 @@ class ImageOrderTest : public testing::Test {
 
 TEST_F(ImageOrderTest, FindsTheOrderOfEachVersionOfColmap) {
   const VerifiedOrder file = Find(file_order_);
-  EXPECT_EQ(file.order.name, "file");
+  EXPECT_EQ(file.order.kind, ImageOrderKind::kFile);
   EXPECT_EQ(file.order.images, file_order_);
   EXPECT_EQ(file.evidence.inside, 1);
   EXPECT_EQ(file.evidence.facing, 1);
   const VerifiedOrder by_id = Find(id_order_);
-  EXPECT_EQ(by_id.order.name, "image_id");
+  EXPECT_EQ(by_id.order.kind, ImageOrderKind::kImageId);
   EXPECT_EQ(by_id.order.images, id_order_);
 
   sphere_.frames = {{8, 4}, {9, 7, 1}, {2}, {5}};
   const Indices frame_order = {6, 0, 1, 3, 5, 2, 4};
-  EXPECT_EQ(Find(frame_order).order.name, "frame");
+  EXPECT_EQ(Find(frame_order).order.kind, ImageOrderKind::kFrame);
   EXPECT_EQ(Find(frame_order).order.images, frame_order);
-  EXPECT_EQ(Find(id_order_).order.name, "image_id");
+  EXPECT_EQ(Find(id_order_).order.kind, ImageOrderKind::kImageId);
 }
 
 TEST_F(ImageOrderTest, FindsItByColorsWhereNormalsAreMissing) {
@@ -61,18 +71,20 @@ TEST_F(ImageOrderTest, FindsItByColorsWhereNormalsAreMissing) {
   for (const Indices& order : {file_order_, id_order_}) {
     const VerifiedOrder found = Find(order);
     EXPECT_EQ(found.order.images, order);
-    EXPECT_NE(found.told_by.find("colours"), std::string::npos);
+    EXPECT_EQ(found.reason, OrderReason::kColors);
   }
 }
 
 TEST_F(ImageOrderTest, RefusesToGuess) {
   sphere_.write_normals = false;
   sphere_.write_images = false;
-  EXPECT_NE(FileErrorOf([&] { Find(id_order_); }).find("--image_order"),
-            std::string::npos);
-  EXPECT_EQ(Find(id_order_, "image_id").order.images, id_order_);
-  EXPECT_EQ(Find(id_order_, "image_id").told_by, "--image_order");
-  EXPECT_THROW(Find(id_order_, "frame"), OptionError);
+  EXPECT_EQ(AlternativeTo([&] { Find(id_order_); }),
+            Alternative::kSayImageOrder);
+  const VerifiedOrder wanted = Find(id_order_, ImageOrderKind::kImageId);
+  EXPECT_EQ(wanted.order.images, id_order_);
+  EXPECT_EQ(wanted.reason, OrderReason::kWanted);
+  EXPECT_EQ(AlternativeTo([&] { Find(id_order_, ImageOrderKind::kFrame); }),
+            Alternative::kOtherImageOrder);
 }
 
 TEST_F(ImageOrderTest, RefusesTheVisibilityOfAnotherModel) {
@@ -81,9 +93,10 @@ TEST_F(ImageOrderTest, RefusesTheVisibilityOfAnotherModel) {
   }
   EXPECT_NE(FileErrorOf([&] { Find(file_order_); }).find("another model"),
             std::string::npos);
-  EXPECT_NE(
-      FileErrorOf([&] { Find(file_order_, "file"); }).find("another model"),
-      std::string::npos);
+  EXPECT_NE(FileErrorOf([&] {
+              Find(file_order_, ImageOrderKind::kFile);
+            }).find("another model"),
+            std::string::npos);
 }
 
 TEST_F(ImageOrderTest, AsksNothingWhereAllOrdersAreTheSame) {
@@ -93,7 +106,7 @@ TEST_F(ImageOrderTest, AsksNothingWhereAllOrdersAreTheSame) {
   // The points were fused to other images, but all of them see the centre.
   sphere_.write_normals = false;
   sphere_.write_images = false;
-  EXPECT_EQ(Find(file_order_).told_by, "the only one there is");
+  EXPECT_EQ(Find(file_order_).reason, OrderReason::kOnlyOne);
 }
 
 }  // namespace

@@ -111,24 +111,6 @@ TEST_F(SparseModelTest, SurvivesEveryTruncationOfText) {
   }
 }
 
-TEST_F(SparseModelTest, SurvivesEveryDamagedByte) {
-  WriteBinary();
-  for (const char* name :
-       {"cameras.bin", "images.bin", "points3D.bin", "frames.bin"}) {
-    const std::string bytes = ReadFile(path_ / name);
-    for (size_t i = 0; i < bytes.size(); ++i) {
-      std::string damaged = bytes;
-      damaged[i] = static_cast<char>(~damaged[i]);
-      WriteFile(path_ / name, damaged);
-      try {
-        ReadSparseModel(path_);
-      } catch (const FileError&) {
-      }
-    }
-    WriteFile(path_ / name, bytes);
-  }
-}
-
 TEST_F(SparseModelTest, RefusesTrailingBytes) {
   WriteBinary();
   WriteFile(path_ / "images.bin", sphere_.ImagesBinary() + "x");

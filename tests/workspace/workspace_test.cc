@@ -64,7 +64,7 @@ TEST_F(WorkspaceTest, ReadsSparsePointsAndTheirTracks) {
   fs::remove(path_ / "fused.ply");
   for (const fs::path& path : {path_, path_ / "sparse"}) {
     const Workspace workspace =
-        ReadWorkspace(path, {.input_type = "sparse"}, decoder_);
+        ReadWorkspace(path, {.input_type = InputType::kSparse}, decoder_);
     ASSERT_EQ(workspace.cloud.size(), sphere_.points.size() / 10);
     EXPECT_EQ(workspace.cloud.positions[1], sphere_.points[10]);
     EXPECT_EQ(workspace.cloud.views[1].size(), sphere_.point_images[10].size());
@@ -166,7 +166,8 @@ TEST_F(WorkspaceTest, RefusesDistortedCamerasOfDenseWorkspaces) {
   WriteFile(path_ / "sparse" / "cameras.txt",
             "7 SIMPLE_RADIAL 80 60 90 40 30 0.1\n");
   EXPECT_NE(Error().find("image_undistorter"), std::string::npos);
-  EXPECT_NO_THROW(ReadWorkspace(path_, {.input_type = "sparse"}, decoder_));
+  EXPECT_NO_THROW(
+      ReadWorkspace(path_, {.input_type = InputType::kSparse}, decoder_));
 }
 
 TEST_F(WorkspaceTest, DropsAndCountsPointsThatCanNotBeMeshed) {

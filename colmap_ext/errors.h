@@ -1,0 +1,27 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace colmap_ext {
+
+// A command line that asks for something impossible. The message is one line
+// for the user.
+class OptionError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// A signal that ended the work before it was done.
+class Interruption : public std::runtime_error {
+ public:
+  Interruption(int signal, const std::string& message)
+      : std::runtime_error(message), signal_(signal) {}
+
+  int Signal() const { return signal_; }
+
+ private:
+  int signal_;
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,152 @@
+#include <functional>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "colmap_ext/errors.h"
+#include "colmap_ext/options/evaluation_options.h"
+#include "colmap_ext/options/meshing_options.h"
+#include "colmap_ext/options/refinement_options.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Fails unless the options are refused with a message that has the text.
+template <typename Options>
+void ExpectRefused(Options options, const std::string& text) {
+  try {
+    options.Finish();
+    ADD_FAILURE() << text << " is not refused";
+  } catch (const OptionError& error) {
+    EXPECT_NE(std::string(error.what()).find(text), std::string::npos)
+        << error.what();
+  }
+}
+
+// The same for sound options after a change.
+void ExpectRefused(const std::function<void(RefinerOptions*)>& change,
+                   const std::string& text) {
+  RefinerOptions options;
+  options.workspace_path = "workspace";
+  change(&options);
+  ExpectRefused(options, text);
+}
+
+using R = RefinerOptions;
+
+TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
+  R options;
+  options.workspace_path = "workspace";
+  options.Finish();
+  EXPECT_EQ(options.backend, Backend::kAuto);
+  EXPECT_FALSE(options.image_order);
+  EXPECT_EQ(options.refinement.solver, RefinementSolver::kGaussNewton);
+  EXPECT_EQ(options.refinement.photometric.window_radius, 2);
+  options.words = {"classical", "descent", "gl", "frame_id"};
+  options.window = 7;
+  options.Finish();
+  EXPECT_EQ(options.refinement.labeling.pair_selection,
+            PairSelection::kClassical);
+  EXPECT_EQ(options.refinement.solver, RefinementSolver::kDescent);
+  EXPECT_EQ(options.backend, Backend::kGl);
+  EXPECT_EQ(options.image_order, ImageOrderKind::kFrameId);
+  EXPECT_EQ(options.refinement.photometric.window_radius, 3);
+}
+
+TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
+  ExpectRefused(R(), "--workspace_path is required");
+  ExpectRefused([](R* o) { o->input_path = "a"; }, "--output_path");
+  ExpectRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
+  ExpectRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
+}
+
+TEST(RefinerOptionsTest, RefusesImpossibleNumbers) {
+  ExpectRefused([](R* o) { o->refinement.levels = 0; }, "levels");
+  ExpectRefused([](R* o) { o->refinement.iterations = -1; }, "iterations");
+  for (const int window : {1, 4, 17}) {
+    ExpectRefused([window](R* o) { o->window = window; }, "window");
+  }
+  ExpectRefused([](R* o) { o->refinement.photometric.noise_variance = 0; },
+                "noise_variance");
+  ExpectRefused([](R* o) { o->refinement.photometric.residual_floor = -1; },
+                "residual_floor");
+  ExpectRefused([](R* o) { o->refinement.photometric.min_cosine = 1; },
+                "min_cosine");
+  ExpectRefused([](R* o) { o->refinement.smoothness_weight = -1; },
+                "smoothness_weight");
+  ExpectRefused([](R* o) { o->refinement.max_face_area = 0; }, "max_face_area");
+  ExpectRefused([](R* o) { o->refinement.pairs_per_image = 0; },
+                "pairs_per_image");
+  ExpectRefused([](R* o) { o->refinement.labeling.pairs_per_facet = 0; },
+                "pairs_per_facet");
+  ExpectRefused([](R* o) { o->refinement.labeling.potts_weight = -1; },
+                "potts_weight");
+  ExpectRefused([](R* o) { o->gpu_index = -2; }, "gpu_index");
+  ExpectRefused([](R* o) { o->max_memory_gb = 0; }, "max_memory_gb");
+  ExpectRefused([](R* o) { o->max_memory_gb = kNaN; }, "max_memory_gb");
+  ExpectRefused([](R* o) { o->snapshot_interval = -1; }, "snapshot_interval");
+  ExpectRefused([](R* o) { o->num_threads = 0; }, "num_threads");
+}
+
+TEST(RefinerOptionsTest, RefusesOtherWords) {
+  ExpectRefused(
+      [](R* o) { o->words.pair_selection = "best"; },
+      "pair_selection is 'best'; it has to be facetwise or classical");
+  ExpectRefused([](R* o) { o->words.solver = "magic"; },
+                "solver is 'magic'; it has to be gauss_newton or descent");
+  ExpectRefused([](R* o) { o->words.backend = "cuda"; },
+                "backend is 'cuda'; it has to be auto, cpu or gl");
+  ExpectRefused([](R* o) { o->words.image_order = "random"; },
+                "image_order is 'random'; it has to be auto, file, image_id, "
+                "frame or frame_id");
+}
+
+TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
+  MesherOptions options;
+  ExpectRefused(options, "--workspace_path or --input_path");
+  options.input_path = "in";
+  ExpectRefused(options, "--output_path is required");
+  options.output_path = "out";
+  options.words.input_type = "sparse";
+  options.words.image_order = "image_id";
+  options.Finish();
+  EXPECT_EQ(options.workspace.input_type, InputType::kSparse);
+  EXPECT_EQ(options.workspace.image_order, ImageOrderKind::kImageId);
+  options.words.input_type = "fuzzy";
+  ExpectRefused(options, "input_type is 'fuzzy'; it has to be dense or sparse");
+  options.words.input_type = "dense";
+  options.num_threads = 0;
+  ExpectRefused(options, "num_threads");
+  options.num_threads = 2;
+  options.meshing.max_depth_dist = 2;
+  ExpectRefused(options, "max_depth_dist");
+}
+
+TEST(EvaluatorOptionsTest, ChecksItsOptions) {
+  EvaluatorOptions options;
+  ExpectRefused(options, "--mesh_path and --truth_path are required");
+  options.mesh_path = options.truth_path = "a";
+  options.depth_thresholds = "0.5,2";
+  options.Finish();
+  EXPECT_EQ(options.evaluation.depth_thresholds, (std::vector<double>{0.5, 2}));
+  options.depth_thresholds = "1,x";
+  ExpectRefused(options, "depth_thresholds");
+  options.depth_thresholds = "1";
+  options.picture_image = "x";
+  ExpectRefused(options, "--picture_image");
+  options.picture_image = "";
+  options.observability_box = "1,2,3,4";
+  ExpectRefused(options, "--observability_mask");
+  options.observability_box = "";
+  options.evaluation.stride = 0;
+  ExpectRefused(options, "stride");
+  options.evaluation.stride = 1;
+  options.ground_plane = "1,2";
+  EXPECT_THROW(options.ReadObservability(), OptionError);
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,73 @@
+#include "colmap_ext/report/refinement_report.h"
+
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "colmap_ext/report/print_lines.h"
+
+namespace colmap_ext {
+namespace {
+
+// Two iterations at half size, one and a final one at full size.
+std::vector<RefinementStep> Steps() {
+  std::vector<RefinementStep> steps(4);
+  steps[0].level = steps[1].level = 1;
+  steps[1].iteration = 1;
+  steps[1].energy = -1.0 / 3;
+  steps[1].mean_zncc = 0.5;
+  steps[1].mean_step = 0.25;
+  steps[1].seconds = 1.5;
+  steps[1].num_vertices = 10;
+  steps[1].num_facets = 16;
+  steps[3].is_final = true;
+  steps[3].iteration = 1;
+  return steps;
+}
+
+TEST(RefinementReportTest, WritesARowAnIteration) {
+  EXPECT_EQ(StepsCsv(Steps()),
+            "level,final,iteration,energy,photometric_energy,mean_zncc,"
+            "mean_step_px,seconds,vertices,faces\n"
+            "1,0,0,0,0,0,0,0.000,0,0\n"
+            "1,0,1,-0.333333333,0,0.5,0.25,1.500,10,16\n"
+            "0,0,0,0,0,0,0,0.000,0,0\n"
+            "0,1,1,0,0,0,0,0.000,0,0\n");
+}
+
+TEST(RefinementReportTest, SplitsIterationsIntoStages) {
+  const auto stages = SplitIntoStages(Steps());
+  ASSERT_EQ(stages.size(), 3);
+  EXPECT_EQ(stages[0].size(), 2);
+  EXPECT_EQ(StageName(stages[0][0]), "1/2 size");
+  EXPECT_EQ(StageName(stages[2][0]), "full size, final");
+  EXPECT_EQ(Describe(Steps()[1]),
+            "1/2 size, iteration 1: energy -0.333333, ZNCC 0.5000, step 0.250 "
+            "px");
+}
+
+TEST(RefinementReportTest, PlotsAPanelAStage) {
+  const std::string plot = StepsPlot(Steps());
+  EXPECT_TRUE(plot.starts_with("<svg "));
+  EXPECT_TRUE(plot.ends_with("</svg>\n"));
+  size_t num_panels = 0;
+  for (size_t at = plot.find("<polyline"); at != std::string::npos;
+       at = plot.find("<polyline", at + 1)) {
+    ++num_panels;
+  }
+  EXPECT_EQ(num_panels, 3);
+  EXPECT_TRUE(StepsPlot({}).ends_with("</svg>\n"));
+}
+
+TEST(PrintLinesTest, AlignsNumbers) {
+  std::ostringstream stream;
+  Print("faces", 12, stream);
+  PrintIfAny("none", 0, stream);
+  PrintText("label", "text", stream);
+  EXPECT_EQ(stream.str(),
+            "  faces                                             12\n"
+            "  label                                 text\n");
+}
+
+}  // namespace
+}  // namespace colmap_ext
