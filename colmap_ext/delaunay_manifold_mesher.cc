@@ -15,7 +15,6 @@
 #include "formats/errors.h"
 #include "formats/write_mesh.h"
 #include "scene/half_pixel.h"
-#include "scene/half_pixel_slope.h"
 #include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
 

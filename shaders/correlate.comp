@@ -1,7 +1,8 @@
 #version 450 core
 
-// Correlates the windows around the pair's pixels, see
-// WindowCorrelation::Correlate() of refine/window_correlation.cc.
+// Correlates the windows around the pair's pixels (docs/method.md, sections 5.3
+// and 5.5), as WindowCorrelation::Correlate() of
+// photometry/window_correlation.cc.
 
 layout(local_size_x = kTileWidth, local_size_y = kTileHeight) in;
 
@@ -14,9 +15,11 @@ layout(binding = 0, rgba32f) writeonly uniform image2D windows;
 // Energy, weight.
 layout(binding = 1, rg32f) writeonly uniform image2D energies;
 
-uniform float noise_variance;
-uniform float saturation;  // s
-uniform float min_variance;
+uniform float noise_variance;  // grey values squared
+uniform float saturation;      // s
+uniform float min_variance;    // grey values squared
+
+const float kMinShare = 0.5;  // of a window's pixels
 
 void Correlate(ivec2 center, vec4 center_value) {
   ivec2 first = max(center - kWindowRadius, 0);
@@ -41,7 +44,7 @@ void Correlate(ivec2 center, vec4 center_value) {
       products / count - vec3(mean * mean, mean.x * mean.y);
   float smaller = min(moments.x, moments.y);
   float side = 2 * kWindowRadius + 1;
-  if (!(count > 0.5 * side * side && smaller > min_variance)) {
+  if (!(count > kMinShare * side * side && smaller > min_variance)) {
     imageStore(windows, center, vec4(0));
     imageStore(energies, center, vec4(0));
     return;

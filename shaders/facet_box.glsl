@@ -21,7 +21,9 @@ vec3 DrawnVertex(uint index) {
 // First column and row, last column and row; none if the last are below the
 // first.
 ivec4 FacetBox(uint facet) {
-  const float kMargin = 1.0 / 16;  // px, for rounding
+  // px. More than vertices are rounded to be drawn, 1/512, and than floats are:
+  // a few 2^-24 of coordinates up to 2^15.
+  const float kMargin = 1.0 / 16;
   vec2 low = vec2(1e9);
   vec2 high = vec2(-1e9);
   for (uint k = 0; k < 3; ++k) {

@@ -11,7 +11,7 @@ layout(location = 0) in vec3 position;  // world frame
 uniform dvec2 size;  // of the image, px
 uniform float depth_scale;
 
-const double kSubpixels = 256;
+const double kSubpixels = 256;  // 1 / px, as raster/facet_id_buffer.cc
 
 void main() {
   dvec3 point =

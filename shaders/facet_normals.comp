@@ -2,7 +2,7 @@
 
 // The unit normals of all facets.
 
-layout(local_size_x = 64) in;
+layout(local_size_x = kGroupSize) in;
 
 #include "thread_index.glsl"
 

@@ -3,7 +3,7 @@
 // Which facets face the camera, enough to be compared: DrawFacets() of
 // raster/facet_id_buffer.h.
 
-layout(local_size_x = 64) in;
+layout(local_size_x = kGroupSize) in;
 
 #include "projection.glsl"
 #include "thread_index.glsl"

@@ -2,7 +2,7 @@
 
 // Stamps a pair's facets, and lists the tiles that they need.
 
-layout(local_size_x = 64) in;
+layout(local_size_x = kGroupSize) in;
 
 #include "thread_index.glsl"
 #include "facet_box.glsl"

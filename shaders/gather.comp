@@ -3,7 +3,7 @@
 // Adds up what a direction of a pair says about each of its facets: one thread
 // a facet, pixels in a fixed order.
 
-layout(local_size_x = 64) in;
+layout(local_size_x = kGroupSize) in;
 
 #include "thread_index.glsl"
 #include "facet_box.glsl"

@@ -57,8 +57,8 @@ bool FacesBoth(uint facet) {
   return (facing_i[facet / 32] & facing_j[facet / 32] & 1u << facet % 32) != 0;
 }
 
-// Catmull-Rom's weights of the four values around a place between the middle
-// two, and their derivatives by the place.
+// Weights of the four values around a place between the middle two
+// [Catmull1974], and their derivatives by the place.
 void Weights(float t, out vec4 weights, out vec4 slopes) {
   weights = vec4(t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t),
                  t * (0.5 + t * (2 - 1.5 * t)), t * t * (-0.5 + 0.5 * t));

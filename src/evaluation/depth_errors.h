@@ -7,8 +7,9 @@
 
 namespace colmap_ext {
 
-// How many true depths a mesh meets: the protocol of the EPFL data sets
-// (Strecha et al. 2008, as Hu and Mordohai 2012 use it).
+// How many true depths the depths of a mesh agree with: the protocol of the
+// EPFL data sets [Strecha2008] as [HuMordohai2012] have it (docs/method.md,
+// section 8.2).
 struct DepthErrors {
   std::vector<double> thresholds;  // [T], scene units, of the absolute error
   std::vector<size_t> num_within;  // [T], strictly below the threshold
@@ -16,12 +17,13 @@ struct DepthErrors {
                                    // mesh are within none
   size_t num_missing = 0;          // of them, without a depth of the mesh
 
-  // NaN if there are no depths.
+  // Returns num_within over num_depths, 0 ... 1; NaN if there are no depths.
+  // \param threshold  its index, < T
   double Share(size_t threshold) const;
 };
 
-// Counts the pixels of one more view. What is not finite or not positive is no
-// depth.
+// Adds the pixels of one more view. A value that is not finite or not positive
+// is no depth.
 // \pre both maps are of the same size
 void AddDepthErrors(const DepthMap& truth, const DepthMap& mesh,
                     DepthErrors* errors);

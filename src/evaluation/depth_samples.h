@@ -10,18 +10,18 @@
 
 namespace colmap_ext {
 
-// What a view sees of a surface, a ray through the centre of each sampled
-// pixel.
-// \param stride  > 0
+// Returns what a view sees of a surface: a ray through the centre of each
+// sampled pixel, (col + 0.5, row + 0.5).
+// \param stride  px, > 0
 DepthMap RenderDepths(const Bvh& surface, const View& view, int stride);
 
-// The same pixels of a map of the whole image.
+// Returns the same pixels of a map of the whole image.
+// \param stride  px, > 0
 // \pre map.stride == 1
 DepthMap Subsample(const DepthMap& map, int stride);
 
-// World points of the samples of `depths` at which `mask` has a depth as well,
-// row by row.
-// \pre both are of the same size
+// Returns the samples of `depths` at which `mask` has a depth as well, as
+// points in the world frame, row by row. \pre both are of the same size
 std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
                                          const DepthMap& mask,
                                          const View& view);

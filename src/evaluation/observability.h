@@ -10,8 +10,8 @@
 
 namespace colmap_ext {
 
-// The part of space in which DTU's scanner would have seen a surface (Jensen
-// et al. 2014): a grid of voxels, as in ObsMask*.mat.
+// The part of space in which DTU's scanner would have seen a surface
+// [Jensen2014]: a grid of voxels, as in ObsMask*.mat.
 struct ObservabilityMask {
   std::array<size_t, 3> size{};  // X, Y, Z
   std::vector<uint8_t> voxels;   // [X, Y, Z], z fastest; not 0: observable
@@ -19,7 +19,7 @@ struct ObservabilityMask {
       Eigen::Vector3d::Zero();  // centre of the first voxel
   double resolution = 1;        // side of a voxel, scene units
 
-  // What the nearest voxel says; false outside of the grid.
+  // Whether the nearest voxel is observable; false outside of the grid.
   bool Contains(const Eigen::Vector3f& point) const;
 };
 
@@ -32,6 +32,7 @@ struct Observability {
   // the object stands on. (a, b, c, d), as in DTU's Plane*.mat.
   std::optional<Eigen::Vector4d> ground_plane;
 
+  // Erase the samples, world frame, that do not count.
   void RestrictMesh(std::vector<Eigen::Vector3f>* samples) const;
   void RestrictTruth(std::vector<Eigen::Vector3f>* samples) const;
 };

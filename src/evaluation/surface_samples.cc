@@ -62,7 +62,7 @@ void SampleTriangle(const Triangle& whole, double spacing,
 
 std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
                                            double spacing) {
-  constexpr double kMaxSamples = 1e9;
+  constexpr double kMaxSamples = 1e9;  // 12 GB
   double num_samples = 0;
   std::vector<Triangle> triangles;
   triangles.reserve(mesh.facets.size());

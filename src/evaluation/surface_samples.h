@@ -8,12 +8,13 @@
 
 namespace colmap_ext {
 
-// Points on the facets of a mesh such that no point of them is farther than the
-// spacing from one: each facet is halved at its longest side, and its halves
-// likewise, until the middle of each is near enough to its corners.
+// Returns samples of a mesh such that no point of a facet is farther than the
+// spacing from a sample: each facet is halved at its longest side, its halves
+// likewise, until each part's centroid is near enough to its corners.
 //
 // \param spacing  scene units, > 0
-// \throw std::invalid_argument if that would be more than about 10^9 points.
+// \pre facet indices are in range, vertices are finite
+// \throw std::invalid_argument if that would be more than about 10^9 samples
 std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
                                            double spacing);
 

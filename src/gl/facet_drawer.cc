@@ -13,12 +13,14 @@ namespace colmap_ext {
 
 namespace {
 
-// Of the vertices before the camera, 1 / scene unit; 0 if there is none.
+// The largest inverse depth of the vertices before the camera, 1 / scene unit;
+// 0 if there is none.
 double MaxInverseDepth(const View& view, const TriangleMesh& mesh) {
+  constexpr size_t kGrain = 1 << 14;  // vertices a task; a choice
   const Eigen::RowVector3d axis = view.cam_from_world_rotation.row(2);
   const double offset = view.cam_from_world_translation.z();
   return tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, mesh.vertices.size(), 1 << 14), 0.0,
+      tbb::blocked_range<size_t>(0, mesh.vertices.size(), kGrain), 0.0,
       [&](const tbb::blocked_range<size_t>& range, double max) {
         for (size_t i = range.begin(); i != range.end(); ++i) {
           const double z = axis * mesh.vertices[i].cast<double>() + offset;
@@ -29,7 +31,7 @@ double MaxInverseDepth(const View& view, const TriangleMesh& mesh) {
       [](double a, double b) { return std::max(a, b); });
 }
 
-// Scaled with it, inverse depths are below 1, without being rounded.
+// A power of two: scaled with it, inverse depths are below 1 and not rounded.
 double DepthScale(double max_inverse_depth) {
   return max_inverse_depth > 0 ? std::exp2(-std::ilogb(max_inverse_depth) - 1)
                                : 1.0;
@@ -106,7 +108,6 @@ void FacetDrawer::DrawImages(const View& view, size_t num_facets,
 void FacetDrawer::FindFacing(const View& view, size_t num_facets,
                              const GlBuffer& vertices, const GlBuffer& facets,
                              FacetTextures* textures) {
-  constexpr int kGroupSize = 64;
   const size_t num_words = (num_facets + 31) / 32;
   textures->facing.Resize(num_words * sizeof(uint32_t));
   vertices.BindToStorage(0);
@@ -116,7 +117,7 @@ void FacetDrawer::FindFacing(const View& view, size_t num_facets,
   facing_.Set("num_facets", static_cast<unsigned int>(num_facets));
   facing_.Set("center", view.Center());
   facing_.Set("min_cosine", min_cosine_);
-  Dispatch(facing_, num_words, kGroupSize);
+  Dispatch(facing_, num_words);
 }
 
 }  // namespace colmap_ext

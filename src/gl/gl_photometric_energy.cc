@@ -19,7 +19,7 @@ namespace colmap_ext {
 
 namespace {
 
-// As gather.comp writes them.
+// What all pairs say about a facet, as gather.comp writes it.
 struct FacetSums {
   float energy;
   float weight;
@@ -88,13 +88,12 @@ class Evaluator {
  private:
   void ComputeNormals(size_t num_facets) {
     constexpr size_t kNormalBytes = 3 * sizeof(double);
-    constexpr int kGroupSize = 64;
     normals_.Resize(num_facets * kNormalBytes);
     vertices_.BindToStorage(0);
     views_.Facets().BindToStorage(1);
     normals_.BindToStorage(2);
     facet_normals_.Set("num_facets", static_cast<unsigned int>(num_facets));
-    Dispatch(facet_normals_, num_facets, kGroupSize);
+    Dispatch(facet_normals_, num_facets);
   }
 
   void AddPair(const ViewPair& pair, uint32_t first_facet,

@@ -11,9 +11,10 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr int kTileWidth = 32;   // px, threads of a workgroup
-constexpr int kTileHeight = 16;  // px
-constexpr int kGroupSize = 64;   // threads, of the passes over facets
+// px; a tile's pixels are the threads of a workgroup. A choice: OpenGL 4.5 is
+// sure to have workgroups of 1024.
+constexpr int kTileWidth = 32;
+constexpr int kTileHeight = 16;
 
 // The shaders' buffers.
 enum StorageBinding : GLuint {
@@ -115,7 +116,7 @@ void PairPasses::FindTiles(const PairDirection& direction) {
   find_tiles_.Set("num_tile_columns", NumTileColumns(direction.view_i));
   const std::array<uint32_t, kTileListHeader> no_tiles = {0, 1, 1, 0};
   tiles_.Write(no_tiles.data(), sizeof(no_tiles));
-  Dispatch(find_tiles_, direction.num_facets, kGroupSize);
+  Dispatch(find_tiles_, direction.num_facets);
 }
 
 void PairPasses::Warp(const PairDirection& direction) {
@@ -186,7 +187,7 @@ void PairPasses::Gather(const PairDirection& direction) {
   planes_->warped.BindToSampler(1);
   planes_->energies.BindToSampler(2);
   planes_->derivatives.BindToSampler(3);
-  Dispatch(gather_, direction.num_facets, kGroupSize);
+  Dispatch(gather_, direction.num_facets);
 }
 
 void PairPasses::Run(const PairDirection& direction,

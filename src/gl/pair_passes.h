@@ -12,14 +12,14 @@
 
 namespace colmap_ext {
 
-// What the passes read and write of the mesh.
+// What the passes read and write of the mesh. Kept by reference.
 struct PairBuffers {
   const GlBuffer& drawn_vertices;  // [V][3] float, those that were drawn
   const GlBuffer& vertices;        // [V][3] float, the present ones
   const GlBuffer& facets;          // [F][3] uint
   const GlBuffer& pair_facets;  // uint, all pairs', by pair: see GroupByPair()
   const GlBuffer& normals;      // [F][3] double, the present ones
-  const GlBuffer& sums;         // [F][12] float, added to
+  const GlBuffer& sums;         // [F][12] float, added to: see gather.comp
 };
 
 // One direction of a pair, i <- j.

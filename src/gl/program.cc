@@ -31,6 +31,7 @@ std::string AddConstants(std::string_view source,
                          const ShaderConstants& constants) {
   const size_t second_line = source.find('\n') + 1;
   std::string text(source.substr(0, second_line));
+  text += "const int kGroupSize = " + std::to_string(kGroupSize) + ";\n";
   for (const auto& [name, value] : constants) {
     text += "const int " + name + " = " + std::to_string(value) + ";\n";
   }
@@ -57,10 +58,6 @@ Shader Compile(const std::string& name, const ShaderConstants& constants) {
     throw GlError("The shader " + name + " does not compile:\n" + log);
   }
   return shader;
-}
-
-GLuint NumGroups(size_t size, int group_size) {
-  return static_cast<GLuint>((size + group_size - 1) / group_size);
 }
 
 }  // namespace
@@ -157,24 +154,17 @@ void Program::Set(std::string_view uniform, const Eigen::Matrix3d& value) {
                             value.data());
 }
 
-void Dispatch(const Program& program, size_t size, int group_size) {
-  // The first dimension has room for 65535 groups at least.
+void Dispatch(const Program& program, size_t size) {
+  // As many as OpenGL 4.5 is sure to have room for in the first dimension.
   constexpr GLuint kMaxGroups = 65535;
-  const GLuint num_groups = NumGroups(size, group_size);
+  const auto num_groups =
+      static_cast<GLuint>((size + kGroupSize - 1) / kGroupSize);
   const GLuint columns = std::min(num_groups, kMaxGroups);
   program.Use();
   if (num_groups > 0) {
     glDispatchCompute(columns, (num_groups + columns - 1) / columns, 1);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
   }
-}
-
-void Dispatch(const Program& program, const Eigen::Vector2i& size,
-              const Eigen::Vector2i& group_size) {
-  program.Use();
-  glDispatchCompute(NumGroups(size.x(), group_size.x()),
-                    NumGroups(size.y(), group_size.y()), 1);
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
 void DispatchIndirect(const Program& program, const GlBuffer& num_groups) {

@@ -16,6 +16,11 @@ struct DeleteProgram {
   void operator()(GLuint name) const { glDeleteProgram(name); }
 };
 
+// Threads of a workgroup of the compute shaders that have one thread a facet,
+// or a word of facets; all shaders are compiled with it. A choice: a multiple
+// of the 32 or 64 threads that cards run at a time.
+inline constexpr int kGroupSize = 64;
+
 // Integers that a shader is compiled with, `const int <name> = <value>;`.
 using ShaderConstants = std::vector<std::pair<std::string, int>>;
 
@@ -53,12 +58,10 @@ class Program {
   std::map<std::string, GLint, std::less<>> locations_;
 };
 
-// Runs a compute shader of workgroups of `group_size` threads for `size`
-// threads, at least; it sees what the ones before have written.
-void Dispatch(const Program& program, size_t size, int group_size);
-void Dispatch(const Program& program, const Eigen::Vector2i& size,
-              const Eigen::Vector2i& group_size);
-// As many workgroups as three numbers at the start of a buffer say.
+// Runs a compute shader of workgroups of kGroupSize threads for `size` threads,
+// at least; it sees what the ones before have written.
+void Dispatch(const Program& program, size_t size);
+// Runs as many workgroups as three numbers at the start of a buffer say.
 void DispatchIndirect(const Program& program, const GlBuffer& num_groups);
 
 }  // namespace colmap_ext

@@ -24,9 +24,11 @@ std::vector<uint32_t> FirstPairs(const std::vector<ViewPair>& pairs,
   return offsets;
 }
 
-// How well view j, beside view i, can tell where a facet lies: its pixels in i
-// times the squared disparity, in px of j, as it moves along its normal, both
-// for a facet of unit area and a motion of unit length.
+// Information of view j on the facet's position, beside i: pixels in i times
+// the squared motion in j (px) for a unit motion along the normal, for a facet
+// of unit area (docs/method.md, section 4.3). The number of pixels is low by
+// the cosine of the angle between the ray and the axis of i: exact is |n . ray|
+// fx fy / z^3.
 double Information(const FacetFrame& frame, const View& i, const View& j) {
   const Eigen::Vector3d ray = frame.corner - i.Center();
   const double distance = frame.normal.dot(ray);
@@ -59,54 +61,65 @@ CandidatePairs::CandidatePairs(const TriangleMesh& mesh,
       visibility_(visibility),
       first_pairs_(FirstPairs(pairs, views.size())) {}
 
-std::vector<CandidatePair> CandidatePairs::Find(size_t facet) const {
+CandidatePairs::Occurrences CandidatePairs::CountOccurrences(
+    size_t facet) const {
   const auto seen = visibility_[facet];
-  // |nu_f| and, of the views that see the facet, their occurrences in it.
-  size_t num_views = 0;
-  std::vector<uint32_t> counts(seen.size(), 0);
+  Occurrences occurrences{0, std::vector<uint32_t>(seen.size(), 0)};
   for (const uint32_t vertex : mesh_.facets[facet]) {
     const auto views = attributes_.views[vertex];
-    num_views += views.size();
+    occurrences.num_views += views.size();
     for (const uint32_t view : views) {
       const auto at = std::lower_bound(seen.begin(), seen.end(), view);
       if (at != seen.end() && *at == view) {
-        ++counts[at - seen.begin()];
+        ++occurrences.counts[at - seen.begin()];
       }
     }
   }
-  std::vector<CandidatePair> candidates;
-  std::vector<CandidatePair> others;  // that nu_f does not have
+  return occurrences;
+}
+
+// The pairs of a view and the views that see the facet are both ascending: one
+// pass over both finds what they have in common.
+template <typename Function>
+void CandidatePairs::ForEachSeeing(size_t facet,
+                                   const Function& function) const {
+  const auto seen = visibility_[facet];
   for (size_t i = 0; i < seen.size(); ++i) {
     size_t j = i + 1;
-    for (uint32_t pair = first_pairs_[seen[i]];
-         pair < first_pairs_[seen[i] + 1]; ++pair) {
+    const uint32_t end = first_pairs_[seen[i] + 1];
+    for (uint32_t pair = first_pairs_[seen[i]]; pair < end; ++pair) {
       while (j < seen.size() && seen[j] < pairs_[pair].second) {
         ++j;
       }
-      if (j == seen.size()) {
-        break;
-      }
-      if (seen[j] != pairs_[pair].second) {
-        continue;
-      }
-      if (selection_ == PairSelection::kFacetwise && counts[i] > 0 &&
-          counts[j] > 0) {
-        const double share = static_cast<double>(counts[i] + counts[j]) /
-                             static_cast<double>(num_views);
-        candidates.push_back({pair, static_cast<float>(-std::log(share))});
-      } else {
-        others.push_back({pair, 0});
+      if (j < seen.size() && seen[j] == pairs_[pair].second) {
+        function(pair, i, j);
       }
     }
   }
-  if (candidates.empty()) {
-    candidates = std::move(others);
-  }
-  return candidates;
+}
+
+std::vector<CandidatePair> CandidatePairs::Find(size_t facet) const {
+  const auto [num_views, counts] = CountOccurrences(facet);
+  std::vector<CandidatePair> candidates;
+  std::vector<CandidatePair> others;  // that nu_f does not have
+  ForEachSeeing(facet, [&](uint32_t pair, size_t i, size_t j) {
+    if (selection_ == PairSelection::kFacetwise && counts[i] > 0 &&
+        counts[j] > 0) {
+      const double share = static_cast<double>(counts[i] + counts[j]) /
+                           static_cast<double>(num_views);
+      candidates.push_back({pair, static_cast<float>(-std::log(share))});
+    } else {
+      others.push_back({pair, 0});
+    }
+  });
+  return candidates.empty() ? others : candidates;
 }
 
 void CandidatePairs::AddInformation(
     size_t facet, std::vector<CandidatePair>* candidates) const {
+  // Of the best pair's. Cameras at one place tell nothing: they cost 6.9, more
+  // than any difference of the other term, instead of infinitely much.
+  constexpr double kMinShare = 1e-6;
   const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
   std::vector<double> information;
   double most = 0;
@@ -117,10 +130,9 @@ void CandidatePairs::AddInformation(
     most = std::max(most, information.back());
   }
   for (size_t i = 0; i < candidates->size(); ++i) {
-    // Cameras at one place tell nothing: a small share instead of none.
     const double share = most > 0 ? information[i] / most : 1;
     (*candidates)[i].cost -=
-        static_cast<float>(0.5 * std::log(std::max(share, 1e-6)));
+        static_cast<float>(0.5 * std::log(std::max(share, kMinShare)));
   }
 }
 

@@ -13,33 +13,49 @@
 namespace colmap_ext {
 
 enum class PairSelection {
-  kFacetwise,  // each facet by its best pairs (the paper)
-  kClassical,  // each facet by every pair that sees it (Vu 2012)
+  kFacetwise,  // each facet by its best pairs [Romanoni2019, section V]
+  kClassical,  // each facet by every pair that sees it [Vu2012]
 };
 
 // A pair of views that a facet can be refined by.
 struct CandidatePair {
   uint32_t label = 0;  // index of the pair
-  float cost = 0;
+  float cost = 0;      // negative logarithm of a share
 };
 
-// The pairs of views that see a facet, and what they cost: see LabelFacets.
+// The pairs of views that can refine a facet, and what they cost as its label
+// (docs/method.md, section 4.3).
 class CandidatePairs {
  public:
-  // References are kept.
+  // All but the selection are kept by reference.
+  // \param pairs  ascending.
+  // \param views  of the images' sizes.
   CandidatePairs(const TriangleMesh& mesh, const VertexAttributes& attributes,
                  const std::vector<ViewPair>& pairs,
                  const FacetVisibility& visibility,
                  const std::vector<View>& views, PairSelection selection);
 
-  // Ascending labels. Costs are -log(O_f / |nu_f|).
+  // Ascending labels. Costs are -log(O_f / |nu_f|). If no pair occurs in nu_f,
+  // or with kClassical, all pairs that see the facet, of cost 0.
   std::vector<CandidatePair> Find(size_t facet) const;
 
-  // Adds -1/2 log(q / q_max) to the costs.
+  // Adds -1/2 log(Q / Q_max) to the costs.
   void AddInformation(size_t facet,
                       std::vector<CandidatePair>* candidates) const;
 
  private:
+  // How often the views that see a facet occur in the lists of its vertices.
+  struct Occurrences {
+    size_t num_views = 0;          // |nu_f|
+    std::vector<uint32_t> counts;  // of the views that see the facet
+  };
+
+  Occurrences CountOccurrences(size_t facet) const;
+  // Calls function(pair, i, j) for each pair that sees a facet, ascending: its
+  // views are the i-th and the j-th that see it.
+  template <typename Function>
+  void ForEachSeeing(size_t facet, const Function& function) const;
+
   PairSelection selection_;
   const TriangleMesh& mesh_;
   const std::vector<View>& views_;

@@ -17,15 +17,15 @@ struct ViewPair {
   bool operator==(const ViewPair&) const = default;
 };
 
-// By which pairs of views each facet is refined: the labels of the paper's
-// Markov random field, one or several a facet, or none.
+// By which pairs of views each facet is refined: one or several labels a facet,
+// or none (docs/method.md, section 4; [Romanoni2019, section V]).
 struct FacetLabels {
   std::vector<ViewPair> pairs;  // [L], ascending
   Rows<uint32_t> labels;  // [F] indices into pairs, the best first, no repeats
 
   size_t NumFacets() const { return labels.size(); }
 
-  // The first `count` of each facet.
+  // The same with at most the first `count` labels of each facet.
   FacetLabels First(size_t count) const {
     FacetLabels first{pairs, {}};
     for (size_t i = 0; i < NumFacets(); ++i) {

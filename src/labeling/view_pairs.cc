@@ -10,7 +10,7 @@ namespace colmap_ext {
 
 namespace {
 
-// The points that each view sees, [views] rows of the transposed lists.
+// [views] the points that each view sees, ascending.
 std::vector<std::vector<uint32_t>> PointsOfViews(const PointCloud& points,
                                                  size_t num_views) {
   std::vector<std::vector<uint32_t>> points_of(num_views);
@@ -22,6 +22,31 @@ std::vector<std::vector<uint32_t>> PointsOfViews(const PointCloud& points,
   return points_of;
 }
 
+// The views that share the most points with a view, at most `count`.
+std::vector<uint32_t> FindPartners(
+    const PointCloud& points,
+    const std::vector<std::vector<uint32_t>>& points_of, size_t view,
+    size_t count) {
+  std::vector<uint32_t> num_shared(points_of.size(), 0);
+  for (const uint32_t point : points_of[view]) {
+    for (const uint32_t other : points.views[point]) {
+      ++num_shared[other];
+    }
+  }
+  num_shared[view] = 0;
+  std::vector<uint32_t> partners;
+  for (uint32_t other = 0; other < num_shared.size(); ++other) {
+    if (num_shared[other] > 0) {
+      partners.push_back(other);
+    }
+  }
+  std::stable_sort(
+      partners.begin(), partners.end(),
+      [&](uint32_t a, uint32_t b) { return num_shared[a] > num_shared[b]; });
+  partners.resize(std::min(partners.size(), count));
+  return partners;
+}
+
 }  // namespace
 
 std::vector<ViewPair> SelectViewPairs(const PointCloud& points,
@@ -30,23 +55,7 @@ std::vector<ViewPair> SelectViewPairs(const PointCloud& points,
       PointsOfViews(points, num_views);
   std::vector<std::vector<uint32_t>> partners(num_views);
   tbb::parallel_for(size_t{0}, num_views, [&](size_t view) {
-    std::vector<uint32_t> num_shared(num_views, 0);
-    for (const uint32_t point : points_of[view]) {
-      for (const uint32_t other : points.views[point]) {
-        ++num_shared[other];
-      }
-    }
-    num_shared[view] = 0;
-    for (uint32_t other = 0; other < num_views; ++other) {
-      if (num_shared[other] > 0) {
-        partners[view].push_back(other);
-      }
-    }
-    std::stable_sort(
-        partners[view].begin(), partners[view].end(),
-        [&](uint32_t a, uint32_t b) { return num_shared[a] > num_shared[b]; });
-    partners[view].resize(
-        std::min<size_t>(partners[view].size(), partners_per_view));
+    partners[view] = FindPartners(points, points_of, view, partners_per_view);
   });
   std::vector<ViewPair> pairs;
   for (uint32_t view = 0; view < num_views; ++view) {

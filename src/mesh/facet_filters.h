@@ -7,10 +7,11 @@
 
 namespace colmap_ext {
 
-// Drops the facets whose longest side is more than `factor` times the given
-// percentile (0 ... 100) of the longest sides of all. A factor of zero drops
-// none. What is left may need SplitFans.
-// \return how many were dropped
+// Drops the facets whose longest side is longer than `factor` times the given
+// percentile (0 ... 100) of the longest sides. A factor of 0 drops none. What
+// is left may need SplitFans().
+// \return the number of facets dropped
+// \pre facet indices are in range
 size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh);
 
 struct DroppedComponents {
@@ -18,7 +19,8 @@ struct DroppedComponents {
   size_t num_facets = 0;
 };
 
-// Drops the components, connected through edges, of fewer than min_facets.
+// Drops the components, connected through edges, of less than min_facets
+// facets. Vertices stay.
 DroppedComponents DropSmallComponents(size_t min_facets, TriangleMesh* mesh);
 
 }  // namespace colmap_ext

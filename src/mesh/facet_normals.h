@@ -9,13 +9,15 @@
 
 namespace colmap_ext {
 
-// [F] unit normals, to the side from which the corners run counter-clockwise;
-// zero where a facet has no area.
+// Returns [F] unit normals, to the side from which the corners run
+// counter-clockwise; zero where a facet has no area.
+// \pre facet indices are in range
 std::vector<Eigen::Vector3f> FacetNormals(const TriangleMesh& mesh);
 
-// How many facets have turned their normals by more than a right angle from
-// one set of positions to another. Facets without area do not count.
-// \param before, after  [V]
+// Counts the facets whose normals turn by more than a right angle from one set
+// of positions to another. Facets without area do not count.
+// \param before, after  [V] scene units
+// \pre facet indices < V
 size_t CountFlippedFacets(const std::vector<Facet>& facets,
                           const std::vector<Eigen::Vector3f>& before,
                           const std::vector<Eigen::Vector3f>& after);

@@ -11,8 +11,10 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr size_t kNumNearest = 4;
-constexpr float kReach = 3;  // mean lengths of the vertex's edges
+// Both are choices: around a vertex there are several points, and not all of
+// them have all views.
+constexpr size_t kNumNearest = 4;  // points
+constexpr float kReach = 3;        // mean lengths of the vertex's edges
 
 // [V] scene units; edges inside of the mesh count twice.
 std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
@@ -68,9 +70,7 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
     }
   });
   for (const std::vector<uint32_t>& row : views) {
-    attributes.views.values.insert(attributes.views.values.end(), row.begin(),
-                                   row.end());
-    attributes.views.EndRow();
+    attributes.views.AddRow(row);
   }
   return attributes;
 }

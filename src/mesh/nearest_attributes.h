@@ -8,12 +8,13 @@
 
 namespace colmap_ext {
 
-// Colours and views of the vertices of a mesh that was made from the points,
-// but does not say how: the colour of the nearest point, however far, and the
-// views of the nearest four that lie within three times the mean length of the
-// vertex's edges. A vertex far from all points gets no views.
+// Returns colours and views for a mesh without .vis that was made from the
+// points: the colour of the nearest point, however far, and the views of the
+// four nearest within three mean edge lengths of the vertex. A vertex far from
+// all points gets no views. No colours if the points have none.
 //
-// \pre points.size() > 0, facet indices are in range
+// \pre there are points, all finite; facet indices are in range, vertices are
+//      finite
 VertexAttributes NearestAttributes(const TriangleMesh& mesh,
                                    const PointCloud& points);
 

@@ -42,7 +42,8 @@ double LengthSquared(const TriangleMesh& mesh, uint32_t half) {
                        ToVertex(mesh.facets, half));
 }
 
-// The half-edge along a facet's longest edge; of equals along the last edge.
+// The half-edge along a facet's longest edge; of equally long ones the edge
+// with the highest index.
 uint32_t LongestHalfEdge(const TriangleMesh& mesh, const Edges& edges,
                          uint32_t facet) {
   uint32_t longest = 3 * facet;
@@ -58,9 +59,9 @@ uint32_t LongestHalfEdge(const TriangleMesh& mesh, const Edges& edges,
   return longest;
 }
 
-// [E] whether an edge gets a midpoint. The set does not depend on the order in
-// which facets are looked at: cutting one edge never keeps another from being
-// cut.
+// [E] whether an edge gets a midpoint. The set is the closure of the given
+// edges under "a cut facet is cut at its longest edge", hence independent of
+// the order.
 std::vector<uint8_t> ChooseCutEdges(const TriangleMesh& mesh,
                                     const Edges& edges,
                                     const std::vector<uint8_t>& is_to_split) {

@@ -8,8 +8,8 @@
 
 namespace colmap_ext {
 
-// What a mesh is, combinatorially: two vertices are the same when their
-// indices are, wherever they lie.
+// The combinatorial properties of a mesh. Vertices are equal if their indices
+// are; positions do not matter.
 struct MeshReport {
   size_t num_vertices = 0;
   size_t num_facets = 0;
@@ -18,7 +18,8 @@ struct MeshReport {
   size_t num_border_edges = 0;  // with one facet
   size_t num_border_loops = 0;  // closed chains of border edges
   int64_t euler = 0;            // V - E + F
-  int64_t genus = 0;            // sum over the components; of a manifold only
+  int64_t genus = 0;            // sum over the components; means something
+                                // for manifold meshes only
 
   // Defects; all zero for a manifold mesh.
   size_t num_non_finite_vertices = 0;
@@ -35,11 +36,12 @@ struct MeshReport {
   // unreferenced or not finite.
   bool IsManifold() const;
 
-  // The defects that are there, in words: "3 singular vertices, 1 ...".
+  // The defects that there are, in words: "3 singular vertices, 1 ..."; empty
+  // for a manifold mesh.
   std::string Defects() const;
 };
 
-// \throw nothing: whatever the mesh holds, it is reported.
+// Accepts any mesh: what is wrong with it is reported.
 MeshReport Analyze(const TriangleMesh& mesh);
 
 }  // namespace colmap_ext

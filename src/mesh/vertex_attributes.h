@@ -10,16 +10,17 @@
 
 namespace colmap_ext {
 
-// What belongs to the vertices of a mesh.
+// Colours and views of the vertices of a mesh.
 struct VertexAttributes {
   std::vector<Color> colors;  // [V] or empty
   Rows<uint32_t> views;       // [V] indices of the views that see each vertex,
                               // ascending
 };
 
-// Of new vertices that lie in the middle between two old ones, or are old ones
-// (both the same): mean colours, and the views of either.
+// Returns the attributes of new vertices, each the midpoint of two old ones or
+// twice the same old one: mean colours, rounded up, and the views of either.
 // \param sources [V] two old vertices each
+// \pre sources are in range of the attributes
 VertexAttributes InterpolateAttributes(
     const VertexAttributes& attributes,
     const std::vector<std::array<uint32_t, 2>>& sources);

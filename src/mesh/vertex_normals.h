@@ -9,9 +9,9 @@
 
 namespace colmap_ext {
 
-// [V] the facets' normals added up by their angles at the vertex (Thuermer and
-// Wuethrich 1998), unit; zero where there is none.
-// \param rings  of the mesh's facets, wherever its vertices are
+// Returns [V] unit normals: the sum of the facets' normals, weighted by their
+// angles at the vertex [Thuermer1998]; zero where there is none.
+// \param rings  MakeVertexRings() of the mesh, at any positions of its vertices
 std::vector<Eigen::Vector3f> VertexNormals(const TriangleMesh& mesh,
                                            const VertexRings& rings);
 

@@ -63,8 +63,9 @@ void CollectNeighbors(const std::vector<Facet>& facets,
 template <typename Function>
 void ForEachVertex(const std::vector<Facet>& facets, const VertexRings& rings,
                    const Function& function) {
+  constexpr size_t kGrain = 1024;  // vertices a task; a choice
   tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, rings.NumVertices(), /*grainsize=*/1024),
+      tbb::blocked_range<size_t>(0, rings.NumVertices(), kGrain),
       [&](const tbb::blocked_range<size_t>& range) {
         std::vector<uint32_t> others;
         for (size_t vertex = range.begin(); vertex < range.end(); ++vertex) {
@@ -74,7 +75,8 @@ void ForEachVertex(const std::vector<Facet>& facets, const VertexRings& rings,
       });
 }
 
-// The number of different ones; an edge of one facet gives one without repeat.
+// The number of different neighbors. One that is there only once is across an
+// edge with one facet.
 // \param others  ascending
 uint64_t CountNeighbors(const std::vector<uint32_t>& others,
                         uint8_t* is_border) {

@@ -8,14 +8,14 @@
 
 namespace colmap_ext {
 
-// What lies around each vertex.
+// The neighbors and facets of each vertex.
 struct VertexRings {
   Rows<uint32_t> neighbors;  // [V] the vertices that share an edge with it,
                              // ascending
   Rows<uint32_t> corners;    // [V] the corners at it, ascending; corner
                              // 3 * facet + k is corner k of the facet
-  std::vector<uint8_t> is_border;  // [V] whether it is at an edge of one facet
-                                   // only
+  std::vector<uint8_t> is_border;  // [V] whether it is an end of an edge with
+                                   // one facet
 
   size_t NumVertices() const { return is_border.size(); }
 };

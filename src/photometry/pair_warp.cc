@@ -9,7 +9,7 @@ namespace colmap_ext {
 namespace {
 
 // Weights of the four samples around a point a fraction `x` behind the second
-// one, and their derivatives (Catmull and Rom 1974).
+// one, and their derivatives [Catmull1974].
 struct CubicWeights {
   explicit CubicWeights(float x)
       : values{x * (-0.5F + x * (1 - 0.5F * x)), 1 + x * x * (-2.5F + 1.5F * x),
@@ -29,8 +29,8 @@ struct Interpolated {
 };
 
 // Bicubic: what bilinear interpolation blurs, the correlation would miss.
-// Beyond the border the image goes on as its last pixel. \pre (u, v) is not
-// outside of the border pixels' centres
+// Beyond the border the image goes on as its last pixel.
+// \pre (u, v) is not outside of the border pixels' centres
 Interpolated Interpolate(const GrayImage& image, double u, double v) {
   const int col = std::min(static_cast<int>(u - 0.5), image.width - 2);
   const int row = std::min(static_cast<int>(v - 0.5), image.height - 2);
@@ -88,13 +88,16 @@ PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
   return plane;
 }
 
-// With inverse depth w, p = H (u, v, 1) + e w is the pixel in j, homogeneous,
-// in units of the depth in i. It moves with the point along the ray by
-// (H_u - u_j H_z, H_v - v_j H_z) / p_z a depth of i.
+// Homogeneous pixel in j: p = M (u, v, 1) + e w (docs/method.md, section 5.2),
+// w the inverse depth, in units of the depth in i.
 PairWarp::Sample PairWarp::Warp(const Plane& plane,
-                                const Eigen::Vector3d& ray_in_j,
-                                double inverse_depth) const {
+                                const Eigen::Vector3d& pixel_i) const {
   Sample sample;
+  const double inverse_depth = plane.inverse_depth.dot(pixel_i);
+  if (!plane.is_facing || !(inverse_depth > 0)) {
+    return sample;
+  }
+  const Eigen::Vector3d ray_in_j = pixel_j_from_pixel_i_ * pixel_i;
   const Eigen::Vector3d p = ray_in_j + epipole_ * inverse_depth;
   if (!(p.z() > 0)) {
     return sample;
@@ -121,6 +124,35 @@ PairWarp::Sample PairWarp::Warp(const Plane& plane,
   return sample;
 }
 
+void PairWarp::ComputeRow(int row, int first_col, int last_col,
+                          CorrelationTile* tile, TileGeometry* geometry) const {
+  const int image_row = geometry->first_row + row;
+  Plane plane;
+  for (int col = first_col; col <= last_col; ++col) {
+    const int image_col = geometry->first_col + col;
+    const size_t at = tile->Index(row, col);
+    const size_t pixel = i_.drawn.Index(image_row, image_col);
+    const uint32_t facet = i_.drawn.facets[pixel];
+    if (tile->is_reached[at] == 0 || facet == kNoFacet) {
+      continue;
+    }
+    if (facet != plane.facet) {
+      plane = PlaneOf(facet);
+    }
+    const Sample sample = Warp(plane, {image_col + 0.5, image_row + 0.5, 1});
+    if (!sample.is_valid) {
+      continue;
+    }
+    geometry->facets[at] = facet;
+    geometry->motion[at] = sample.motion;
+    tile->image[at] = i_.image.Row(image_row)[image_col];
+    tile->warped[at] = sample.value;
+    tile->is_valid[at] = 1;
+    // As drawn, so that no mask changes as the surface moves.
+    tile->inverse_depths[at] = i_.drawn.inverse_depths[pixel];
+  }
+}
+
 void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
   const size_t size = static_cast<size_t>(tile->width) * tile->height;
   geometry->facets.assign(size, kNoFacet);
@@ -129,44 +161,14 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
        {&tile->image, &tile->warped, &tile->is_valid, &tile->inverse_depths}) {
     plane->assign(size, 0);
   }
+  const int first_row = std::max(0, -geometry->first_row);
+  const int last_row =
+      std::min(tile->height, i_.image.height - geometry->first_row) - 1;
   const int first_col = std::max(0, -geometry->first_col);
   const int last_col =
       std::min(tile->width, i_.image.width - geometry->first_col) - 1;
-  Plane plane;
-  for (int row = 0; row < tile->height; ++row) {
-    const int image_row = geometry->first_row + row;
-    if (image_row < 0 || image_row >= i_.image.height) {
-      continue;
-    }
-    for (int col = first_col; col <= last_col; ++col) {
-      const int image_col = geometry->first_col + col;
-      const size_t at = tile->Index(row, col);
-      const size_t pixel = i_.drawn.Index(image_row, image_col);
-      const uint32_t facet = i_.drawn.facets[pixel];
-      if (tile->is_reached[at] == 0 || facet == kNoFacet) {
-        continue;
-      }
-      if (facet != plane.facet) {
-        plane = PlaneOf(facet);
-      }
-      const Eigen::Vector3d place(image_col + 0.5, image_row + 0.5, 1);
-      const double inverse_depth = plane.inverse_depth.dot(place);
-      if (!plane.is_facing || !(inverse_depth > 0)) {
-        continue;
-      }
-      const Sample sample =
-          Warp(plane, pixel_j_from_pixel_i_ * place, inverse_depth);
-      if (!sample.is_valid) {
-        continue;
-      }
-      geometry->facets[at] = facet;
-      geometry->motion[at] = sample.motion;
-      tile->image[at] = i_.image.Row(image_row)[image_col];
-      tile->warped[at] = sample.value;
-      tile->is_valid[at] = 1;
-      // As drawn, so that no mask changes as the surface moves.
-      tile->inverse_depths[at] = i_.drawn.inverse_depths[pixel];
-    }
+  for (int row = first_row; row <= last_row; ++row) {
+    ComputeRow(row, first_col, last_col, tile, geometry);
   }
 }
 

@@ -14,7 +14,7 @@
 
 namespace colmap_ext {
 
-// A view with all that is seen in it.
+// A view, its image, and the mesh drawn into it. References are kept.
 struct DrawnView {
   const View& view;
   const GrayImage& image;
@@ -26,22 +26,25 @@ struct TileGeometry {
   int first_row = 0;  // of the tile in image i, may be negative
   int first_col = 0;
   std::vector<uint32_t> facets;  // [height * width] or kNoFacet
-  // [height * width] derivative of I_ij by the distance that the surface moves
-  // along its normal: grad I_j . DPi_j d / (n . d), where it is valid.
+  // [height * width] grey values / scene unit: derivative of I_ij by the
+  // distance that the surface moves along its normal, mu of docs/method.md,
+  // section 5.2; 0 where it is not valid.
   std::vector<float> motion;
 };
 
-// Image I_j seen from i by way of the surface.
+// Image I_j seen from i by way of the surface (docs/method.md, section 5.2).
 class PairWarp {
  public:
+  // \param frames  [F] of the present mesh; kept by reference.
   PairWarp(const DrawnView& i, const DrawnView& j,
            const std::vector<FacetFrame>& frames);
 
   // Fills the tile's image, warped image, validity and inverse depths, and the
   // geometry's arrays, of tile.width and height from geometry.first_row and
-  // first_col on. A pixel is valid if it is reached by a window and its facet,
-  // in its present position, faces both cameras, and j sees it: nothing is
-  // drawn there in front of it.
+  // first_col on. A pixel is valid if a window reaches it, its facet faced both
+  // cameras when the mesh was drawn, and in the facet's present position the
+  // inverse depth is positive and j sees the point: nothing is drawn there in
+  // front of it.
   void Compute(CorrelationTile* tile, TileGeometry* geometry) const;
 
   // The point on a facet's plane that pixel (row, col) of i shows.
@@ -53,28 +56,33 @@ class PairWarp {
     uint32_t facet = kNoFacet;
     bool is_facing = false;         // both cameras
     Eigen::Vector3d inverse_depth;  // by (u, v, 1) in i
-    double nearness = 0;            // 1 / (n . d), d to camera i's centre
+    double nearness = 0;            // 1 / (n . (corner - centre of i)), 1 /
+                                    // scene unit
     double slope = 0;               // in j, see PlaneSlope()
   };
 
   // A sample of I_j.
   struct Sample {
     bool is_valid = false;
-    float value = 0;
-    float motion = 0;
+    float value = 0;   // grey value
+    float motion = 0;  // see TileGeometry
   };
 
+  // Row `row` of the tile, columns first_col to last_col.
+  void ComputeRow(int row, int first_col, int last_col, CorrelationTile* tile,
+                  TileGeometry* geometry) const;
   Plane PlaneOf(uint32_t facet) const;
-  Sample Warp(const Plane& plane, const Eigen::Vector3d& ray_in_j,
-              double inverse_depth) const;
+  // \param pixel_i  (u, v, 1)
+  Sample Warp(const Plane& plane, const Eigen::Vector3d& pixel_i) const;
 
   DrawnView i_;
   DrawnView j_;
   const std::vector<FacetFrame>& frames_;
   Eigen::Vector3d center_i_;
-  Eigen::Matrix3d ray_from_pixel_i_;      // (u, v, 1) -> world ray with z 1
-  Eigen::Matrix3d pixel_j_from_pixel_i_;  // of points at infinity, homogeneous
-  Eigen::Vector3d epipole_;               // of camera i in j, homogeneous
+  Eigen::Matrix3d ray_from_pixel_i_;  // (u, v, 1) -> world ray with z 1
+  Eigen::Matrix3d
+      pixel_j_from_pixel_i_;  // M: of points at infinity, homogeneous
+  Eigen::Vector3d epipole_;   // e: of camera i in j, homogeneous
 };
 
 }  // namespace colmap_ext

@@ -12,17 +12,19 @@
 namespace colmap_ext {
 
 struct PhotometricOptions {
-  // Pixels of a correlation window to each side of its centre: 2 is 5 x 5.
+  // Pixels of a correlation window to each side of its centre: 2 is 5 x 5, as
+  // [Romanoni2019, section II-A]. From 1 to 7, a choice.
   int window_radius = 2;
 
-  // Of the grey values (0 ... 255) in a window, squared: a window whose
-  // variance is as small as this counts half, for the images' noise could make
-  // it.
+  // Variance of the images' noise, grey values (0 ... 255) squared. A window
+  // whose variance equals it has the weight 1/2. Positive.
   double noise_variance = 2;
 
-  // Share of a window's variance that is left unexplained at best. The smaller,
-  // the more those windows count that match well; with a large one, all count
-  // alike, which is the paper's energy.
+  // Share of a window's variance that stays unexplained at best, r of
+  // docs/method.md, section 5.1. The smaller, the more those windows count that
+  // match well; with a large one all count alike, which is the energy of
+  // [Romanoni2019, section II-A, equation (1)]. Positive. What it does:
+  // docs/benchmarks.md, rows "energy -ZNCC".
   double residual_floor = 0.05;
 
   // Leave pixels out of a window that lie across a depth discontinuity from
@@ -30,14 +32,15 @@ struct PhotometricOptions {
   bool occlusion_masking = true;
 
   // A facet is compared in an image only where the cosine between its normal
-  // and the ray to the camera is above this.
+  // and the ray to the camera is above this: 0.1 is 84 degrees. In [0, 1).
   double min_cosine = 0.1;
 
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
 };
 
-// The photometric energy of a mesh under a labelling of its facets,
+// The photometric energy of a mesh under a labelling of its facets
+// (docs/method.md, section 5.1),
 //
 //   E = sum over pairs {i, j}, over both of their directions, over the pixels
 //       x of image i that show a facet labelled with the pair
@@ -45,11 +48,8 @@ struct PhotometricOptions {
 //
 // I_ij being the image I_j seen from i by way of the surface, w = m / (m +
 // noise_variance), m the smaller of the window's two variances, and s = 1 +
-// residual_floor. The paper has c(Z) = -Z, the limit for large s. The logarithm
-// is the likelihood of a window whose noise is not known: pairs that match well
-// are the more certain, those that a highlight or an edge disturbs say little
-// (docs/benchmarks.md has both). Sums are kept facet by facet, so that the
-// caller can gather them for vertices and judge facets by themselves.
+// residual_floor. [Romanoni2019] has c(Z) = -Z. Sums are kept facet by facet,
+// so that the caller can gather them for vertices.
 struct PhotometricTerms {
   double energy = 0;              // the sum of `energies`
   std::vector<float> energies;    // [F] 0 where a facet is not seen or labelled
@@ -58,9 +58,8 @@ struct PhotometricTerms {
                                   // directions
 
   // [F] For each corner k, the derivative of E by the distance that the corner
-  // moves along the facet's unit normal: sum over the pixels x of the facet of
-  // phi_k(x) f(x) / (n . d), f the derivative
-  // along the ray d, n the normal. 1 / scene unit.
+  // moves along the facet's unit normal (docs/method.md, section 5.5). 1 /
+  // scene unit.
   std::vector<std::array<float, 3>> slopes;
 
   // [F] Gauss-Newton's second derivatives by two of these distances, corners
@@ -87,11 +86,11 @@ class PhotometricEnergy {
   // differentiable.
   virtual void Render(const TriangleMesh& mesh) = 0;
 
-  // \pre Render() was called with a mesh of the same facets.
+  // \pre Render() was called with a mesh of the same facets, at this level.
   virtual PhotometricTerms Evaluate(const TriangleMesh& mesh,
                                     const FacetLabels& labels) = 0;
 
-  // What computes, for the log: "CPU, 2 threads".
+  // What computes it, for the log: "CPU, 2 threads".
   virtual std::string Description() const = 0;
 };
 

@@ -7,8 +7,10 @@
 namespace colmap_ext {
 
 float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i) {
-  // Depths at two pixels of one surface differ by less than this many
-  // footprints of a pixel for each pixel between them: a slope of 76 degrees.
+  // Footprints of a pixel that depths of one surface may differ by for each
+  // pixel between them: a slope of 76 degrees, at which a facet shows a quarter
+  // of its area. What the masks do: docs/benchmarks.md, row "no occlusion
+  // masks" (bunny).
   constexpr double kMaxSlope = 4;
   return options.occlusion_masking
              ? static_cast<float>(kMaxSlope * options.window_radius /
@@ -48,19 +50,23 @@ void CorrelationTile::FindReached(int radius) {
   }
 }
 
-// With N pixels, means I' and J', variances A and B, covariance C:
-//   M = w c(ZNCC), c(Z) = s log(1 - Z / s), dc / dZ = -s / (s - Z)
+// docs/method.md, sections 5.3 and 5.5. With N pixels, means I' and J',
+// variances A and B, covariance C:
+//   w c(ZNCC), c(Z) = s log(1 - Z / s), dc / dZ = -s / (s - Z)
 //   ZNCC = C / sqrt(A B)
 //   dZNCC / dJ(y) = ((I(y) - I') / sqrt(A B) - ZNCC (J(y) - J') / B) / N
 //   w = m / (m + e), m = min(A, B)
 //   dw / dJ(y) = e / (m + e)^2 * 2 (J(y) - J') / N if B < A, else 0.
-// Gauss-Newton's second derivative is that of |I - J|^2 / 2, I and J
-// normalised, times dc / dZ.
+// 1 - ZNCC is half the squared distance of I and J, normalised. Gauss-Newton's
+// second derivative is the square of that distance's first one, 1 / (N B),
+// times w |dc / dZ|: without what couples the pixels of a window, and without
+// the derivative of the normalisation.
 inline WindowCorrelation::Window WindowCorrelation::Correlate(
     const Sums& sums) const {
+  // More than half of the window has to be seen: the centre's surface is the
+  // larger part of it.
+  constexpr float kMinShare = 0.5F;
   const int side = 2 * options_.window_radius + 1;
-  const float min_count = 0.5F * side * side;
-  const auto noise = static_cast<float>(options_.noise_variance);
   const float scale = 1 / std::max(sums.count, 1.0F);
   const float mean_image = sums.image * scale;
   const float mean_warped = sums.warped * scale;
@@ -70,19 +76,23 @@ inline WindowCorrelation::Window WindowCorrelation::Correlate(
       std::max(sums.warped_squared * scale - mean_warped * mean_warped, 0.0F);
   const float covariance = sums.product * scale - mean_image * mean_warped;
   const float smaller = std::min(a, b);
-  const bool is_good = sums.count > min_count && smaller > kMinVariance;
+  const bool is_good =
+      sums.count > kMinShare * side * side && smaller > kMinVariance;
   const float safe_b = is_good ? b : 1.0F;
   const float root = is_good ? std::sqrt(a * b) : 1.0F;
   // Rounding can leave the range.
   const float zncc = std::clamp(covariance / root, -1.0F, 1.0F);
-  const float weight = is_good ? smaller / (smaller + noise) : 0.0F;
+  const float noisy = smaller + static_cast<float>(options_.noise_variance);
+  const float weight = is_good ? smaller / noisy : 0.0F;
   const float weight_slope =
-      is_good && b < a ? noise / ((smaller + noise) * (smaller + noise)) : 0.0F;
-  Window window;
-  window.weight = weight;
+      is_good && b < a
+          ? static_cast<float>(options_.noise_variance) / (noisy * noisy)
+          : 0.0F;
   const float slope = saturation_ / (saturation_ - zncc);
   const auto cost = static_cast<float>(
       saturation_ * std::log(1 - zncc / static_cast<double>(saturation_)));
+  Window window;
+  window.weight = weight;
   window.energy = weight * cost;
   window.by_image = -weight * slope * scale / root;
   window.by_warped =
@@ -142,6 +152,23 @@ void WindowCorrelation::SubtractMeans(const CorrelationTile& tile) {
   }
 }
 
+// The ranges of the inverse depths in the columns of the windows of a row: to
+// plane_ the highest, to rows_ the lowest.
+void WindowCorrelation::FindDepthRanges(const CorrelationTile& tile, int row) {
+  constexpr float kMax = std::numeric_limits<float>::max();
+  float* low = rows_.data() + tile.Index(row, 0);
+  float* high = plane_.data() + tile.Index(row, 0);
+  for (int k = -options_.window_radius; k <= options_.window_radius; ++k) {
+    const size_t other = tile.Index(row + k, 0);
+    for (int col = 0; col < tile.width; ++col) {
+      const float depth = tile.inverse_depths[other + col];
+      const bool is_valid = tile.is_valid[other + col] > 0;
+      low[col] = std::min(low[col], is_valid ? depth : kMax);
+      high[col] = std::max(high[col], is_valid ? depth : 0.0F);
+    }
+  }
+}
+
 void WindowCorrelation::FindDiscontinuities(float max_relative_depth,
                                             const CorrelationTile& tile) {
   const int radius = options_.window_radius;
@@ -149,32 +176,18 @@ void WindowCorrelation::FindDiscontinuities(float max_relative_depth,
   if (!options_.occlusion_masking) {
     return;
   }
-  // The range of the windows' inverse depths, columns first.
-  std::vector<float>& low = rows_;
-  std::vector<float>& high = plane_;
-  low.assign(tile.image.size(), std::numeric_limits<float>::max());
-  high.assign(tile.image.size(), 0);
+  rows_.assign(tile.image.size(), std::numeric_limits<float>::max());
+  plane_.assign(tile.image.size(), 0);
   for (int row = radius; row < tile.height - radius; ++row) {
+    FindDepthRanges(tile, row);
     const size_t begin = tile.Index(row, 0);
-    for (int k = -radius; k <= radius; ++k) {
-      const size_t other = tile.Index(row + k, 0);
-      for (int col = 0; col < tile.width; ++col) {
-        const float depth = tile.inverse_depths[other + col];
-        const bool is_valid = tile.is_valid[other + col] > 0;
-        low[begin + col] =
-            std::min(low[begin + col],
-                     is_valid ? depth : std::numeric_limits<float>::max());
-        high[begin + col] =
-            std::max(high[begin + col], is_valid ? depth : 0.0F);
-      }
-    }
     for (int col = radius; col < tile.width - radius; ++col) {
       const float center = tile.inverse_depths[begin + col];
       float lowest = center;
       float highest = center;
       for (int k = -radius; k <= radius; ++k) {
-        lowest = std::min(lowest, low[begin + col + k]);
-        highest = std::max(highest, high[begin + col + k]);
+        lowest = std::min(lowest, rows_[begin + col + k]);
+        highest = std::max(highest, plane_[begin + col + k]);
       }
       is_broken_[begin + col] = std::max(highest - center, center - lowest) >
                                 max_relative_depth * center;
@@ -220,54 +233,68 @@ void WindowCorrelation::CorrelateWhole(CorrelationTile* tile) {
   }
 }
 
+// Whether the window counts, and a discontinuity runs through it.
+bool WindowCorrelation::IsMasked(const CorrelationTile& tile,
+                                 size_t center) const {
+  return is_broken_[center] != 0 && tile.is_center[center] != 0 &&
+         tile.is_valid[center] > 0;
+}
+
+// Calls function(i) for the pixels of a window on the surface of its centre.
+template <typename Function>
+void WindowCorrelation::ForEachPixel(float max_relative_depth,
+                                     const CorrelationTile& tile, int row,
+                                     int col, const Function& function) const {
+  const int radius = options_.window_radius;
+  const float center = tile.inverse_depths[tile.Index(row, col)];
+  for (int y = row - radius; y <= row + radius; ++y) {
+    for (int x = col - radius; x <= col + radius; ++x) {
+      const size_t i = tile.Index(y, x);
+      if (tile.is_valid[i] > 0 && std::abs(tile.inverse_depths[i] - center) <=
+                                      max_relative_depth * center) {
+        function(i);
+      }
+    }
+  }
+}
+
+void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
+                                              int col, CorrelationTile* tile) {
+  Sums sums;
+  ForEachPixel(max_relative_depth, *tile, row, col, [&](size_t i) {
+    sums.count += 1;
+    sums.image += image_[i];
+    sums.warped += warped_[i];
+    sums.image_squared += image_[i] * image_[i];
+    sums.warped_squared += warped_[i] * warped_[i];
+    sums.product += image_[i] * warped_[i];
+  });
+  const Window window = Correlate(sums);
+  if (!(window.weight > 0)) {
+    return;
+  }
+  const size_t center = tile->Index(row, col);
+  tile->weights[center] = window.weight;
+  tile->energies[center] = window.energy;
+  ForEachPixel(max_relative_depth, *tile, row, col, [&](size_t i) {
+    masked_derivatives_[i] += window.by_image * image_[i] +
+                              window.by_warped * warped_[i] + window.constant;
+    masked_curvatures_[i] += window.curvature;
+  });
+}
+
 // The others, one by one: pixels across the discontinuity are left out
-// (Romanoni and Matteucci 2019, occlusion-aware masks).
+// [Romanoni2019Masking].
 void WindowCorrelation::CorrelateMasked(float max_relative_depth,
                                         CorrelationTile* tile) {
   const int radius = options_.window_radius;
   masked_derivatives_.assign(tile->image.size(), 0);
   masked_curvatures_.assign(tile->image.size(), 0);
-  const auto for_each_pixel = [&](int row, int col, const auto& function) {
-    const float center = tile->inverse_depths[tile->Index(row, col)];
-    for (int y = row - radius; y <= row + radius; ++y) {
-      for (int x = col - radius; x <= col + radius; ++x) {
-        const size_t i = tile->Index(y, x);
-        if (tile->is_valid[i] > 0 &&
-            std::abs(tile->inverse_depths[i] - center) <=
-                max_relative_depth * center) {
-          function(i);
-        }
-      }
-    }
-  };
   for (int row = radius; row < tile->height - radius; ++row) {
     for (int col = radius; col < tile->width - radius; ++col) {
-      const size_t center = tile->Index(row, col);
-      if (is_broken_[center] == 0 || tile->is_center[center] == 0 ||
-          !(tile->is_valid[center] > 0)) {
-        continue;
+      if (IsMasked(*tile, tile->Index(row, col))) {
+        CorrelateMaskedWindow(max_relative_depth, row, col, tile);
       }
-      Sums sums;
-      for_each_pixel(row, col, [&](size_t i) {
-        sums.count += 1;
-        sums.image += image_[i];
-        sums.warped += warped_[i];
-        sums.image_squared += image_[i] * image_[i];
-        sums.warped_squared += warped_[i] * warped_[i];
-        sums.product += image_[i] * warped_[i];
-      });
-      const Window window = Correlate(sums);
-      if (!(window.weight > 0)) {
-        continue;
-      }
-      tile->weights[center] = window.weight;
-      tile->energies[center] = window.energy;
-      for_each_pixel(row, col, [&](size_t i) {
-        masked_derivatives_[i] += window.by_image * image_[i] +
-                                  window.by_warped * warped_[i] +
-                                  window.constant;
-        masked_curvatures_[i] += window.curvature;
-      });
     }
   }
 }

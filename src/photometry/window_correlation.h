@@ -41,15 +41,19 @@ struct CorrelationTile {
   }
 };
 
-// Grey values squared. Below it a window's correlation is rounding.
+// Grey values squared: a window of less variance says nothing. A sum of squares
+// up to 127^2 (means are subtracted) in floats is off by a few times 2^-24 of
+// it, 1e-3 and more, and the variance is what is left of a difference of two
+// such sums.
 inline constexpr float kMinVariance = 1e-2F;
 
-// By how much of its centre's the inverse depths in a window of image i may
-// differ from it; others belong to another surface.
+// The largest relative difference of inverse depths within one surface, over a
+// window of image i. Pixels beyond it are masked (docs/method.md, section 5.4).
 float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i);
 
 // Zero-normalised cross correlation of I_i and I_ij in the windows around the
-// centres, and its derivatives by I_ij (METHOD: M and dM).
+// centres, and its derivatives by I_ij (docs/method.md, sections 5.3 and 5.5).
+// Holds scratch: each thread has its own.
 class WindowCorrelation {
  public:
   explicit WindowCorrelation(const PhotometricOptions& options)
@@ -60,8 +64,8 @@ class WindowCorrelation {
   void Compute(float max_relative_depth, CorrelationTile* tile);
 
  private:
-  // Of one window: M's value and how it depends on I_i and I_ij of its pixels,
-  // dM = by_image I_i + by_warped I_ij + constant.
+  // Of one window: the value of w c, its derivative by I_ij of a pixel,
+  // by_image I_i + by_warped I_ij + constant there, and the second derivative.
   struct Window {
     float weight = 0;
     float energy = 0;
@@ -86,7 +90,14 @@ class WindowCorrelation {
                            const CorrelationTile& tile);
   void SubtractMeans(const CorrelationTile& tile);
   void CorrelateWhole(CorrelationTile* tile);
+  bool IsMasked(const CorrelationTile& tile, size_t center) const;
+  template <typename Function>
+  void ForEachPixel(float max_relative_depth, const CorrelationTile& tile,
+                    int row, int col, const Function& function) const;
   void CorrelateMasked(float max_relative_depth, CorrelationTile* tile);
+  void CorrelateMaskedWindow(float max_relative_depth, int row, int col,
+                             CorrelationTile* tile);
+  void FindDepthRanges(const CorrelationTile& tile, int row);
   void GatherDerivatives(CorrelationTile* tile);
   void BoxSum(const std::vector<float>& in, const CorrelationTile& tile,
               std::vector<float>* out);

@@ -6,14 +6,14 @@
 
 namespace colmap_ext {
 
-// Colour of an error: from dark violet for none over green to yellow for
-// `scale` and beyond (the colour map viridis of Smith and van der Walt, sampled
-// and interpolated linearly), which is read alike by the colour-blind.
-// \pre scale > 0
+// Returns the colour of an error: from dark violet for none over green to
+// yellow for `scale` and beyond, the colour map viridis [Smith2015],
+// interpolated linearly. The colour-blind can read it, too. \pre scale > 0
 Color ErrorColor(double error, double scale);
 
-// A round number, 1, 2 or 5 times a power of ten, that 95 % of the errors are
-// below, to be the end of a colour scale; 1 if there are no errors but zeros.
+// Returns the end of a colour scale: the least of 1, 2 and 5 times the powers
+// of ten that is no less than the 95th percentile of the errors; 1 if that is
+// 0.
 double ErrorScale(std::vector<double> errors);
 
 }  // namespace colmap_ext

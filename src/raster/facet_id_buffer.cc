@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -10,7 +12,10 @@ namespace colmap_ext {
 
 namespace {
 
+// As many as graphics cards have (8 bits), 1 / px.
 constexpr int64_t kSubpixels = 256;
+constexpr int kSubpixelBits = 8;
+static_assert(kSubpixels == 1 << kSubpixelBits);
 
 // A vertex in a view.
 struct Projected {
@@ -20,7 +25,9 @@ struct Projected {
 };
 
 std::vector<Projected> Project(const View& view, const TriangleMesh& mesh) {
-  constexpr double kFar = 1 << 20;  // px
+  // px. Then coordinates are below 2^28 subpixels, and a facet's area and edge
+  // functions, sums of products of two differences, below 2^60.
+  constexpr double kFar = 1 << 20;
   std::vector<Projected> projected(mesh.vertices.size());
   for (size_t i = 0; i < projected.size(); ++i) {
     const Eigen::Vector3d point =
@@ -38,9 +45,9 @@ std::vector<Projected> Project(const View& view, const TriangleMesh& mesh) {
   return projected;
 }
 
-// Twice the signed area to the left of an edge, at the centre of a pixel, and
-// by how much it grows from pixel to pixel. The centres that lie on an edge
-// belong to one of its two facets: the one below it or to its right.
+// Twice the signed area to the left of an edge, at a pixel's centre, and its
+// steps from pixel to pixel. A centre on an edge belongs to the facet below or
+// to the right of it (top-left rule).
 struct EdgeFunction {
   EdgeFunction(const Projected& from, const Projected& to, int row, int col)
       : col_step((from.v - to.v) * kSubpixels),
@@ -84,56 +91,76 @@ struct InverseDepth {
 };
 
 // The pixels whose centres lie within [low, high], clipped to 0 ... size - 1.
-std::array<int, 2> PixelRange(int64_t low, int64_t high, int size) {
+std::pair<int, int> PixelRange(int64_t low, int64_t high, int size) {
   const int64_t half = kSubpixels / 2;
   // Shifts round down, unlike divisions.
-  const int64_t first = (low - half + kSubpixels - 1) >> 8;
-  const int64_t last = (high - half) >> 8;
+  const int64_t first = (low - half + kSubpixels - 1) >> kSubpixelBits;
+  const int64_t last = (high - half) >> kSubpixelBits;
   return {static_cast<int>(std::max<int64_t>(first, 0)),
           static_cast<int>(std::min<int64_t>(last, size - 1))};
 }
 
+// [first_row, last_row] x [first_col, last_col], both ends included.
+struct PixelBox {
+  PixelBox(const std::array<Projected, 3>& corners, int width, int height) {
+    const auto [a, b, c] = corners;
+    const auto [low_u, high_u] = std::minmax({a.u, b.u, c.u});
+    const auto [low_v, high_v] = std::minmax({a.v, b.v, c.v});
+    std::tie(first_col, last_col) = PixelRange(low_u, high_u, width);
+    std::tie(first_row, last_row) = PixelRange(low_v, high_v, height);
+  }
+
+  bool IsEmpty() const { return first_col > last_col || first_row > last_row; }
+
+  int first_col = 0, last_col = -1;
+  int first_row = 0, last_row = -1;
+};
+
+// Twice the signed area of a facet, 1 / kSubpixels^2 px^2.
+int64_t Area(const std::array<Projected, 3>& corners) {
+  const auto& [a, b, c] = corners;
+  return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
+}
+
+// Pixels [first, first + count) of the buffer's arrays.
+void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
+             const InverseDepth& depth, size_t first, int count,
+             FacetIdBuffer* buffer) {
+  for (int col = 0; col < count; ++col) {
+    const int64_t outside =  // Negative if any of them is.
+        (edges[0].value + col * edges[0].col_step) |
+        (edges[1].value + col * edges[1].col_step) |
+        (edges[2].value + col * edges[2].col_step);
+    if (outside < 0) {
+      continue;
+    }
+    const float inverse_depth = depth.At(col);
+    if (inverse_depth > buffer->inverse_depths[first + col]) {
+      buffer->inverse_depths[first + col] = inverse_depth;
+      buffer->facets[first + col] = facet;
+    }
+  }
+}
+
 void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
                FacetIdBuffer* buffer) {
-  int64_t area = (corners[1].u - corners[0].u) * (corners[2].v - corners[0].v) -
-                 (corners[1].v - corners[0].v) * (corners[2].u - corners[0].u);
-  if (area == 0) {
-    return;
-  }
+  int64_t area = Area(corners);
   if (area < 0) {
     std::swap(corners[1], corners[2]);
     area = -area;
   }
-  const auto [low_u, high_u] =
-      std::minmax({corners[0].u, corners[1].u, corners[2].u});
-  const auto [low_v, high_v] =
-      std::minmax({corners[0].v, corners[1].v, corners[2].v});
-  const auto [first_col, last_col] = PixelRange(low_u, high_u, buffer->width);
-  const auto [first_row, last_row] = PixelRange(low_v, high_v, buffer->height);
-  if (first_col > last_col || first_row > last_row) {
+  const PixelBox box(corners, buffer->width, buffer->height);
+  if (area == 0 || box.IsEmpty()) {
     return;
   }
   std::array<EdgeFunction, 3> edges = {
-      EdgeFunction(corners[0], corners[1], first_row, first_col),
-      EdgeFunction(corners[1], corners[2], first_row, first_col),
-      EdgeFunction(corners[2], corners[0], first_row, first_col)};
-  InverseDepth depth(corners, area, first_row, first_col);
-  for (int row = first_row; row <= last_row; ++row) {
-    const size_t begin = buffer->Index(row, first_col);
-    for (int col = 0; col <= last_col - first_col; ++col) {
-      const int64_t outside =  // Negative if any of them is.
-          (edges[0].value + col * edges[0].col_step) |
-          (edges[1].value + col * edges[1].col_step) |
-          (edges[2].value + col * edges[2].col_step);
-      if (outside < 0) {
-        continue;
-      }
-      const float inverse_depth = depth.At(col);
-      if (inverse_depth > buffer->inverse_depths[begin + col]) {
-        buffer->inverse_depths[begin + col] = inverse_depth;
-        buffer->facets[begin + col] = facet;
-      }
-    }
+      EdgeFunction(corners[0], corners[1], box.first_row, box.first_col),
+      EdgeFunction(corners[1], corners[2], box.first_row, box.first_col),
+      EdgeFunction(corners[2], corners[0], box.first_row, box.first_col)};
+  InverseDepth depth(corners, area, box.first_row, box.first_col);
+  for (int row = box.first_row; row <= box.last_row; ++row) {
+    DrawRow(facet, edges, depth, buffer->Index(row, box.first_col),
+            box.last_col - box.first_col + 1, buffer);
     for (EdgeFunction& edge : edges) {
       edge.value += edge.row_step;
     }

@@ -20,7 +20,9 @@ struct FacetIdBuffer {
   std::vector<uint32_t> facets;       // [height * width] or kNoFacet
   std::vector<float> inverse_depths;  // [height * width], 1 / scene unit; 0
                                       // where there is no facet
-  std::vector<bool> is_facing;        // [F] the camera, enough to be compared
+  std::vector<bool> is_facing;        // [F] the cosine between the normal and
+                                      // the ray to the camera is above
+                                      // min_cosine; false if it is not drawn
 
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * width + col;
@@ -31,27 +33,31 @@ struct FacetIdBuffer {
 // equally near ones the first. As graphics cards do, vertices are moved to the
 // nearest 1/256 of a pixel, so that no pixel falls between neighbors. Facets
 // with a vertex behind the camera are not drawn.
-// \param min_cosine  between its normal and the ray to the camera a facet faces
-//        the camera above this.
+// \param min_cosine  see FacetIdBuffer::is_facing; in [0, 1).
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine);
 
 // By how much the inverse depth of a facet's plane changes in a view, at most,
-// from a pixel to one of the eight around it.
+// from a pixel to one of the eight around it, 1 / scene unit.
 double PlaneSlope(const View& view, const FacetFrame& frame);
 
-// Whether a view sees a point of a facet: the pixel shows the facet, or nothing
-// nearer than its plane comes within two pixels around, and two pixels'
-// footprints more.
-// \param slope  PlaneSlope() of the facet.
-// \param u, v, inverse_depth  of the point in the view, inside the image.
+// Whether a view sees a point of a facet: the pixel shows the facet, or what it
+// shows is not nearer than the facet's plane by more than the plane's slope
+// over two pixels plus two footprints (docs/method.md, section 4.2). \param
+// slope  PlaneSlope() of the facet. \param u, v, inverse_depth  of the point in
+// the view: px, inside the image;
+//        1 / scene unit.
 inline bool IsNearest(const View& view, const FacetIdBuffer& drawn,
                       uint32_t facet, double slope, double u, double v,
                       double inverse_depth) {
+  // Pixels: one for the way from the point to the pixel's centre, and one more
+  // as a neighbor that is drawn there may be steeper.
+  constexpr double kTolerance = 2;
   const size_t pixel = drawn.Index(static_cast<int>(v), static_cast<int>(u));
   const double footprint = inverse_depth / std::min(view.fx, view.fy);
   return drawn.facets[pixel] == facet ||
-         drawn.inverse_depths[pixel] <= inverse_depth + 2 * (slope + footprint);
+         drawn.inverse_depths[pixel] <=
+             inverse_depth + kTolerance * (slope + footprint);
 }
 
 }  // namespace colmap_ext

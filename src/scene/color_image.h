@@ -7,6 +7,7 @@
 
 namespace colmap_ext {
 
+// Pixel (row, col) has its centre at (u, v) = (col + 0.5, row + 0.5), see View.
 struct ColorImage {
   int width = 0;              // px
   int height = 0;             // px

@@ -7,6 +7,7 @@
 
 namespace colmap_ext {
 
+// Pixel (row, col) has its centre at (u, v) = (col + 0.5, row + 0.5), see View.
 struct GrayImage {
   int width = 0;                // px
   int height = 0;               // px
@@ -17,7 +18,7 @@ struct GrayImage {
   }
 };
 
-// Reads the image of a view, of the size that the view says.
+// Reads the image of a view, in the size that the view has.
 using ReadGrayImage = std::function<GrayImage(size_t view)>;
 
 }  // namespace colmap_ext

@@ -18,7 +18,7 @@ struct PointCloud {
   std::vector<Eigen::Vector3f> positions;  // [P], world frame, scene units
   std::vector<Color> colors;               // [P] or empty
   Rows<uint32_t> views;  // [P] indices of the views that see each point,
-                         // ascending and without repeats
+                         // ascending, without repeats
 
   size_t size() const { return positions.size(); }
 };

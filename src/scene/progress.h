@@ -5,10 +5,9 @@
 
 namespace colmap_ext {
 
-// Told of long work as it goes: the stage at hand, and the share of it that is
-// done, 0 ... 1. Every stage starts with a call of its own with share 0; a
-// stage ends where the next one starts, or with the work. Called by one thread
-// at a time. May be empty.
+// Called with a stage and its share done, 0 ... 1. Each stage starts with a
+// call of share 0 and ends with the next stage, or with the work. Never called
+// by two threads at once. May be empty.
 using Progress = std::function<void(std::string_view stage, double share)>;
 
 inline void Report(const Progress& progress, std::string_view stage,

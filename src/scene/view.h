@@ -6,16 +6,18 @@
 
 namespace colmap_ext {
 
-// A pinhole camera with its pose. Pixel coordinates follow COLMAP's camera
-// models: the centre of the first (upper left) pixel is (0.5, 0.5).
+// A pinhole camera with its pose. Pixel coordinates (u, v) are px, u to the
+// right, v down. As in COLMAP's camera models, the centre of the first (upper
+// left) pixel is (0.5, 0.5): pixel (row, col) covers [col, col + 1) x
+// [row, row + 1). The camera's frame has x to the right, y down, z forward.
 struct View {
   std::string name;  // of the image, relative to the folder of the images
   int width = 0;     // of the image, px
   int height = 0;    // of the image, px
-  double fx = 1;     // px, of the image's size
-  double fy = 1;     // px
-  double cx = 0;     // px
-  double cy = 0;     // px
+  double fx = 1;     // focal lengths, px
+  double fy = 1;
+  double cx = 0;  // principal point, px
+  double cy = 0;
   Eigen::Matrix3d cam_from_world_rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();
 
@@ -34,8 +36,8 @@ struct View {
     return {fx * point.x() / point.z() + cx, fy * point.y() / point.z() + cy};
   }
 
-  // From a direction in the world frame to the pixel coordinates where it is
-  // seen, homogeneous.
+  // From a direction in the world frame to the homogeneous pixel coordinates of
+  // its image.
   Eigen::Matrix3d PixelFromRay() const {
     Eigen::Matrix3d pixel_from_cam;
     pixel_from_cam << fx, 0, cx, 0, fy, cy, 0, 0, 1;
@@ -60,7 +62,7 @@ inline Eigen::Vector3f RayDirection(const View& view, double u, double v) {
   return (view.cam_from_world_rotation.transpose() * in_camera).cast<float>();
 }
 
-// The view with its image scaled to another size.
+// The view with its image scaled to another size, px.
 inline View ResizeView(const View& view, int width, int height) {
   const double scale_x = 1.0 * width / view.width;
   const double scale_y = 1.0 * height / view.height;

@@ -11,8 +11,8 @@
 namespace colmap_ext {
 namespace {
 
-constexpr int kNumBins = 16;
-constexpr uint32_t kMaxLeafFacets = 4;
+constexpr int kNumBins = 16;            // as [Wald2007] has them
+constexpr uint32_t kMaxLeafFacets = 4;  // a choice
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -145,9 +145,44 @@ Bvh::Bvh(const TriangleMesh& mesh) {
   }
 }
 
+bool Bvh::MeetsBox(const Node& node, const RayPacket& rays,
+                   const Float4 (&inverse)[3], const Float4& nearest) {
+  // Each distance has three roundings of 2^-24.
+  constexpr float kSlack = 1.000001f;
+  Float4 enter = Float4{} + rays.min_distance;
+  Float4 leave = nearest;
+  for (int i = 0; i < 3; ++i) {
+    const Float4 low = (node.min[i] - rays.origin[i]) * inverse[i];
+    const Float4 high = (node.max[i] - rays.origin[i]) * inverse[i];
+    enter = Max(enter, Min(low, high));
+    leave = Min(leave, Max(low, high));
+  }
+  return Any(enter <= leave * kSlack);
+}
+
+void Bvh::IntersectFacet(const Corner& c, uint32_t facet, const RayPacket& rays,
+                         HitPacket* hit) {
+  // Tolerance of barycentric coordinates, so that no ray passes between two
+  // facets; a choice: about 80 roundings of floats.
+  constexpr float kEdge = 1e-5f;
+  const Vector3f s = rays.origin - c.point;
+  const Vector3f q = s.cross(c.edge1);
+  const Float4 px = rays.y * c.edge2.z() - rays.z * c.edge2.y();
+  const Float4 py = rays.z * c.edge2.x() - rays.x * c.edge2.z();
+  const Float4 pz = rays.x * c.edge2.y() - rays.y * c.edge2.x();
+  const Float4 scale =
+      1 / (c.edge1.x() * px + c.edge1.y() * py + c.edge1.z() * pz);
+  const Float4 u = (s.x() * px + s.y() * py + s.z() * pz) * scale;
+  const Float4 v = (rays.x * q.x() + rays.y * q.y() + rays.z * q.z()) * scale;
+  const Float4 t = c.edge2.dot(q) * scale;
+  const Int4 met = (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
+                   (t > rays.min_distance) & (t < hit->distance);
+  hit->distance = met ? t : hit->distance;
+  hit->facet = met ? Int4{} + static_cast<int32_t>(facet) : hit->facet;
+}
+
 HitPacket Bvh::Intersect(const RayPacket& rays) const {
-  const Float4 zero{};
-  HitPacket hit{zero + rays.max_distance, Int4{} - 1};
+  HitPacket hit{Float4{} + rays.max_distance, Int4{} - 1};
   const Float4 inverse[3] = {1 / rays.x, 1 / rays.y, 1 / rays.z};
   std::array<uint32_t, kMaxDepth + 2> stack;
   int size = 0;
@@ -157,51 +192,25 @@ HitPacket Bvh::Intersect(const RayPacket& rays) const {
   while (size > 0) {
     const uint32_t index = stack[--size];
     const Node& node = nodes_[index];
-    Float4 enter = zero + rays.min_distance;
-    Float4 leave = hit.distance;
-    for (int i = 0; i < 3; ++i) {
-      const Float4 low = (node.min[i] - rays.origin[i]) * inverse[i];
-      const Float4 high = (node.max[i] - rays.origin[i]) * inverse[i];
-      enter = Max(enter, Min(low, high));
-      leave = Min(leave, Max(low, high));
-    }
-    if (!Any(enter <= leave * 1.000001f)) {
+    if (!MeetsBox(node, rays, inverse, hit.distance)) {
       continue;
+    }
+    for (uint32_t i = node.next; i < node.next + node.num_facets; ++i) {
+      IntersectFacet(corners_[i], facets_[i], rays, &hit);
     }
     if (node.num_facets == 0) {
       // The child on the side that the first ray comes from is visited first.
       const bool forward = inverse[node.axis][0] > 0;
       stack[size++] = forward ? node.next : index + 1;
       stack[size++] = forward ? index + 1 : node.next;
-      continue;
-    }
-    for (uint32_t i = node.next; i < node.next + node.num_facets; ++i) {
-      const Corner& c = corners_[i];
-      const Vector3f s = rays.origin - c.point;
-      const Vector3f q = s.cross(c.edge1);
-      const Float4 px = rays.y * c.edge2.z() - rays.z * c.edge2.y();
-      const Float4 py = rays.z * c.edge2.x() - rays.x * c.edge2.z();
-      const Float4 pz = rays.x * c.edge2.y() - rays.y * c.edge2.x();
-      const Float4 scale =
-          1 / (c.edge1.x() * px + c.edge1.y() * py + c.edge1.z() * pz);
-      const Float4 u = (s.x() * px + s.y() * py + s.z() * pz) * scale;
-      const Float4 v =
-          (rays.x * q.x() + rays.y * q.y() + rays.z * q.z()) * scale;
-      const Float4 t = c.edge2.dot(q) * scale;
-      // A little over the edges, so that no ray slips between two facets.
-      constexpr float kEdge = 1e-5f;
-      const Int4 met = (u >= -kEdge) & (v >= -kEdge) & (u + v <= 1 + kEdge) &
-                       (t > rays.min_distance) & (t < hit.distance);
-      hit.distance = met ? t : hit.distance;
-      hit.facet = met ? Int4{} + static_cast<int32_t>(facets_[i]) : hit.facet;
     }
   }
   return hit;
 }
 
-// To the facet's plane where the foot of the perpendicular lies on the facet,
-// else to the nearest of its sides: no division but by what is positive, so
-// that facets without area need no care.
+// To the facet's plane if the foot of the perpendicular lies on the facet, else
+// to the nearest of its sides. Divides by positive values only, so that facets
+// without area are no special case.
 double Bvh::DistanceSquared(const Corner& corner, const Vector3d& point) {
   const Vector3d edge1 = corner.edge1.cast<double>();
   const Vector3d edge2 = corner.edge2.cast<double>();

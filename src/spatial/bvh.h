@@ -13,12 +13,13 @@ namespace colmap_ext {
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = int32_t __attribute__((vector_size(16)));
 
-// Four rays from one origin. Distances are in lengths of the directions.
+// Four rays from one origin. Distances are in lengths of the directions: depths
+// for directions from RayDirection().
 struct RayPacket {
-  Eigen::Vector3f origin = Eigen::Vector3f::Zero();
+  Eigen::Vector3f origin = Eigen::Vector3f::Zero();  // scene units
   Float4 x{}, y{}, z{};  // directions, any length but zero
   float min_distance = 0;
-  float max_distance = 1e30f;
+  float max_distance = 1e30f;  // beyond any scene
 
   void SetDirection(int ray, const Eigen::Vector3f& direction) {
     x[ray] = direction.x();
@@ -29,23 +30,26 @@ struct RayPacket {
 
 struct HitPacket {
   Float4 distance;  // of the nearest hit, else the packet's max_distance
-  Int4 facet;       // -1: no hit
+  Int4 facet;       // index in the mesh; -1: no hit
 };
 
 // A bounding volume hierarchy over the facets of a mesh, split by the surface
-// area heuristic in bins (Wald 2007), traversed by packets of four rays, which
-// meet the facets by the test of Moeller and Trumbore (1997).
+// area heuristic in bins [Wald2007] and traversed by packets of four rays. Rays
+// meet facets by the test of [Moeller1997].
 class Bvh {
  public:
   // Facets may be degenerate: one that repeats a vertex three times is a point.
-  // \pre facet indices < mesh.vertices.size(), their vertices are finite
+  // \pre F < 2^31; facet indices are in range, the facets' vertices are finite
   explicit Bvh(const TriangleMesh& mesh);
 
+  // Returns the nearest hit of each ray between min_distance and max_distance,
+  // on either side of a facet. Facets without area are not hit.
   HitPacket Intersect(const RayPacket& rays) const;
 
-  // Distance from a point to the nearest facet, scene units: exact but for the
-  // rounding of the facets' edges to floats.
-  // \return max_distance if there is none nearer.
+  // Returns the distance from a point to the nearest facet, scene units: exact
+  // but for the rounding of the facets' edges to floats; max_distance if no
+  // facet is nearer.
+  // \pre the point is finite
   double Distance(const Eigen::Vector3f& point, double max_distance) const;
 
  private:
@@ -55,13 +59,18 @@ class Bvh {
     Eigen::Vector3f min, max;  // of the facets' bounding box
     uint32_t next;             // leaf: its first facet; else the far child
     uint16_t num_facets;       // leaf: > 0; else 0, the near child follows
-    uint16_t axis;             // inner node: the split's
+    uint16_t axis;             // inner node: that of the split
   };
-  struct Corner {
+  struct Corner {  // the first of a facet, and the edges from it to the others
     Eigen::Vector3f point, edge1, edge2;
   };
   struct Builder;
 
+  // Whether a ray enters the node's box before its nearest hit so far.
+  static bool MeetsBox(const Node& node, const RayPacket& rays,
+                       const Float4 (&inverse)[3], const Float4& nearest);
+  static void IntersectFacet(const Corner& corner, uint32_t facet,
+                             const RayPacket& rays, HitPacket* hit);
   static double DistanceSquared(const Corner& corner,
                                 const Eigen::Vector3d& point);
   static double DistanceSquared(const Node& node, const Eigen::Vector3d& point);

@@ -9,8 +9,9 @@
 namespace colmap_ext {
 namespace {
 
+// Both are choices.
 constexpr size_t kMaxLeafFacets = 4;
-constexpr size_t kMinParallelLeaves = 256;
+constexpr size_t kMinParallelLeaves = 256;  // of a part that is sorted in tasks
 
 }  // namespace
 

@@ -10,20 +10,22 @@
 
 namespace colmap_ext {
 
-// A balanced tree of bounding boxes over the facets of a mesh, for boxes that
-// meet: a heap whose node i has the children 2 i + 1 and 2 i + 2, and whose
+// A balanced tree of bounding boxes over the facets of a mesh, to find facets
+// whose boxes meet. A heap: node i has the children 2 i + 1 and 2 i + 2; the
 // leaves hold equal shares of the facets.
 class FacetTree {
  public:
   using Box = Eigen::AlignedBox3f;
 
+  // \pre facet indices are in range, the facets' vertices are finite
   explicit FacetTree(const TriangleMesh& mesh);
 
   size_t NumLeaves() const { return (nodes_.size() + 1) / 2; }
 
-  // Calls function(a, b), not in order of a and b, once for each two facets
-  // that have boxes that meet and of which one is in the given leaf, the other
-  // in the same or in a later one.
+  // Calls function(a, b) once for each two facets whose boxes meet, one of them
+  // in the given leaf, the other in the same or a later leaf. a may be more
+  // than b.
+  // \pre leaf < NumLeaves()
   template <typename Function>
   void ForEachPair(size_t leaf, const Function& function) const {
     const size_t first = First(leaf);

@@ -8,18 +8,17 @@
 
 namespace colmap_ext {
 
-// The pairs of facets that run through each other, the lower one first,
-// ascending.
+// Returns the pairs of facets that intersect, the lower index first, ascending.
 //
-// Two facets do so where an edge of one, its ends strictly on both sides of the
-// other's plane, passes through the other or its border; of facets that share a
-// vertex only the edges are looked at that do not end there. Not found are
-// - facets that share an edge: they could only be folded onto each other,
+// Two facets intersect if an edge of one has its ends strictly on both sides of
+// the other's plane and passes through the other or its border. Of facets that
+// share a vertex, edges that end there are left out. Not found are
+// - facets that share an edge, which could only be folded onto each other,
 // - overlaps within one plane,
 // - corners that touch the other facet from one side.
 //
-// Determinants are taken in double; one that could be of either sign, for its
-// rounding, counts as zero.
+// Determinants are doubles; one whose rounding leaves the sign open counts as
+// zero.
 //
 // \pre facet indices are in range, vertices are finite
 std::vector<std::array<uint32_t, 2>> FindSelfIntersections(

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdlib>
 #include <optional>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -9,14 +11,25 @@
 
 namespace colmap_ext {
 
-// A test that needs OpenGL; it is skipped, and says why, where there is none.
+// Whether it is a failure if there is no OpenGL: in continuous integration,
+// where Mesa is installed.
+inline bool IsGlRequired() {
+  const char* value = std::getenv("COLMAP_EXT_REQUIRE_GL");
+  return value != nullptr && std::string_view(value) == "1";
+}
+
+// A test that needs OpenGL. Where there is none it is skipped and says why, or
+// fails if COLMAP_EXT_REQUIRE_GL is 1.
 class GlTest : public testing::Test {
  protected:
   void SetUp() override {
     try {
       context_.emplace();
     } catch (const NoGlError& error) {
-      GTEST_SKIP() << error.what();
+      if (IsGlRequired()) {
+        FAIL() << "COLMAP_EXT_REQUIRE_GL is 1, but: " << error.what();
+      }
+      GTEST_SKIP() << "OpenGL is NOT TESTED here: " << error.what();
     }
   }
 

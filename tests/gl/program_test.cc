@@ -59,7 +59,7 @@ TEST_F(ProgramTest, Moves) {
 
 // Of more workgroups than one dimension is sure to hold.
 TEST_F(ProgramTest, DispatchesMillionsOfThreads) {
-  const size_t num_facets = 64 * 65535 + 100;
+  const size_t num_facets = kGroupSize * 65535 + 100;
   GlBuffer vertices, facets, normals;
   vertices.Assign(
       std::vector<Eigen::Vector3f>{{0, 0, 0}, {3, 0, 0}, {0, 0, 2}, {0, 1, 0}});
@@ -73,7 +73,7 @@ TEST_F(ProgramTest, DispatchesMillionsOfThreads) {
   normals.BindToStorage(2);
   Program program({"facet_normals.comp"});
   program.Set("num_facets", static_cast<unsigned int>(num_facets));
-  Dispatch(program, num_facets, 64);
+  Dispatch(program, num_facets);
   const auto result = normals.Read<std::array<double, 3>>(num_facets);
   ThrowOnGlError("dispatch");
   const std::array<double, 3> down = {0, -1, 0};

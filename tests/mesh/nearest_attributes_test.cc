@@ -45,8 +45,23 @@ TEST(NearestAttributesTest, TakesTheViewsOfAFew) {
   }
 }
 
-// Of four, and of those within three mean lengths of the vertex's edges; an
-// edge counts as often as it has facets.
+// Three mean lengths of a vertex's edges, an edge counting as often as it has
+// facets; 0 without edges.
+double Reach(const TriangleMesh& mesh, uint32_t vertex) {
+  double sum = 0;
+  double count = 0;
+  for (const Facet& facet : mesh.facets) {
+    if (std::find(facet.begin(), facet.end(), vertex) == facet.end()) {
+      continue;
+    }
+    for (const uint32_t other : facet) {
+      sum += (mesh.vertices[other] - mesh.vertices[vertex]).norm();
+      count += other != vertex;
+    }
+  }
+  return count > 0 ? 3 * sum / count : 0;
+}
+
 TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
   Random random(1);
   TriangleMesh mesh = RandomSoup(30, 60, true, &random);
@@ -59,22 +74,11 @@ TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
     points.positions.emplace_back(8 * random.Unit() - 4, 8 * random.Unit() - 4,
                                   8 * random.Unit() - 4);
     points.colors.push_back({static_cast<uint8_t>(i), 0, 0});
-    points.views.values.push_back(i);
-    points.views.EndRow();
+    points.views.AddRow(std::vector<uint32_t>{i});
   }
   const VertexAttributes attributes = NearestAttributes(mesh, points);
   size_t num_out_of_reach = 0;
   for (uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
-    double sum = 0;
-    double count = 0;
-    for (const Facet& facet : mesh.facets) {
-      if (std::find(facet.begin(), facet.end(), vertex) != facet.end()) {
-        for (const uint32_t other : facet) {
-          sum += (mesh.vertices[other] - mesh.vertices[vertex]).norm();
-          count += other != vertex;
-        }
-      }
-    }
     std::vector<std::pair<double, uint32_t>> nearest;
     for (uint32_t i = 0; i < points.size(); ++i) {
       nearest.emplace_back((points.positions[i] - mesh.vertices[vertex]).norm(),
@@ -84,7 +88,7 @@ TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
     EXPECT_EQ(attributes.colors[vertex][0], nearest[0].second);
     std::vector<uint32_t> expected;
     for (int k = 0; k < 4; ++k) {
-      if (count > 0 && nearest[k].first < 3 * sum / count) {
+      if (nearest[k].first < Reach(mesh, vertex)) {
         expected.push_back(nearest[k].second);
       } else {
         ++num_out_of_reach;

@@ -248,6 +248,47 @@ TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
   ExpectSame(evaluate(2, 1), terms);
 }
 
+// Subdivision and labelling have drawn the mesh before Render() is called.
+TEST(CpuPhotometricEnergy, TakesOverDrawingsOfTheSameMeshOnly) {
+  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const auto drawings = energy->Drawings(mesh);
+  energy->Render(mesh);
+  EXPECT_EQ(energy->Drawings(mesh), drawings);
+  TriangleMesh moved = mesh;
+  moved.vertices.back().x() += Scene().dense.scene.footprint;
+  EXPECT_NE(energy->Drawings(moved), drawings);
+  energy->SetLevel(0);
+  const auto full_size = energy->Drawings(mesh);
+  energy->SetLevel(1);
+  EXPECT_NE(energy->Drawings(mesh), full_size);
+  EXPECT_EQ(energy->Drawings(mesh)->Views()[0].width,
+            (Scene().Views()[0].width + 1) / 2);
+}
+
+// What is found out about labels is not taken for other ones.
+TEST(CpuPhotometricEnergy, LabelsMayChangeFromOneEvaluationToTheNext) {
+  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const size_t num_facets = mesh.facets.size();
+  const std::vector<FacetLabels> all_labels = {
+      LabelAll({{0, 1}}, num_facets), LabelAll({{2, 3}}, num_facets),
+      LabelFirst({{0, 1}}, num_facets, num_facets / 2),
+      LabelAll({{0, 1}, {2, 3}}, num_facets)};
+  std::vector<PhotometricTerms> expected;
+  for (const FacetLabels& labels : all_labels) {
+    const auto fresh =
+        MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+    fresh->Render(mesh);
+    expected.push_back(fresh->Evaluate(mesh, labels));
+  }
+  energy->Render(mesh);
+  for (const size_t i : {0, 0, 1, 2, 3, 2, 0}) {
+    ExpectSame(energy->Evaluate(mesh, all_labels[i]), expected[i]);
+  }
+  EXPECT_NE(expected[0].energy, expected[1].energy);
+}
+
 TEST(CpuPhotometricEnergy, IsTheSameWhateverTheLevelsOrder) {
   const TriangleMesh& mesh = Scene().Truth();
   const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());

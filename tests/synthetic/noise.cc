@@ -7,7 +7,7 @@
 namespace colmap_ext::synthetic {
 namespace {
 
-// The finalizer of splitmix64 (Steele, Lea, Flood 2014).
+// The finalizer of splitmix64 [Steele2014].
 uint64_t Mix(uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

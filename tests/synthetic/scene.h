@@ -91,7 +91,7 @@ Scene MakeScene(const SceneOptions& options);
 Eigen::Vector3f Albedo(const Scene& scene, const Eigen::Vector3f& point);
 
 // The highlight that is seen at a point of the surface in full sun from `eye`
-// (Blinn 1977), 1 for the light of a white surface.
+// [Blinn1977], 1 for the light of a white surface.
 float Highlight(const Scene& scene, const Eigen::Vector3f& point,
                 const Eigen::Vector3f& normal, const Eigen::Vector3f& eye);
 

@@ -56,6 +56,40 @@ Vector3d Triangulate(const std::vector<View>& views,
   return point;
 }
 
+// Where some of the views that see a point find it, with noise.
+std::vector<Feature> FindFeatures(const Scene& scene,
+                                  const std::vector<Visible>& visible,
+                                  const SparseOptions& options,
+                                  const Vector3d& point, uint64_t hash) {
+  std::vector<Feature> track;
+  for (uint32_t v = 0; v < scene.views.size(); ++v) {
+    if (!Sees(scene.views[v], visible[v], point) ||
+        Uniform(Hash(hash, 3, v)) >= options.match_share) {
+      continue;
+    }
+    const Vector2d error(Gaussian(Hash(hash, 4, v)),
+                         Gaussian(Hash(hash, 5, v)));
+    const Vector2d exact =
+        scene.views[v].ImageFromCam(scene.views[v].CamFromWorld(point));
+    track.push_back({v, exact + options.noise * error});
+  }
+  return track;
+}
+
+// Mean distance, px, between the features and the point's images.
+double ReprojectionError(const std::vector<View>& views,
+                         const SparsePoint& point) {
+  double error = 0;
+  for (const Feature& feature : point.track) {
+    const View& view = views[feature.view];
+    error += (view.ImageFromCam(view.CamFromWorld(point.position)) -
+              feature.position)
+                 .norm() /
+             point.track.size();
+  }
+  return error;
+}
+
 }  // namespace
 
 std::vector<SparsePoint> MakeSparsePoints(const Scene& scene,
@@ -78,28 +112,12 @@ std::vector<SparsePoint> MakeSparsePoints(const Scene& scene,
         view.Center() +
         depth * RayDirection(view, col + 0.5, row + 0.5).cast<double>();
     SparsePoint point;
-    for (uint32_t v = 0; v < scene.views.size(); ++v) {
-      if (!Sees(scene.views[v], visible[v], truth) ||
-          Uniform(Hash(hash, 3, v)) >= options.match_share) {
-        continue;
-      }
-      const Vector2d error(Gaussian(Hash(hash, 4, v)),
-                           Gaussian(Hash(hash, 5, v)));
-      const Vector2d exact =
-          scene.views[v].ImageFromCam(scene.views[v].CamFromWorld(truth));
-      point.track.push_back({v, exact + options.noise * error});
-    }
+    point.track = FindFeatures(scene, visible, options, truth, hash);
     if (point.track.size() < kMinTrackLength) {
       continue;
     }
     point.position = Triangulate(scene.views, point.track, truth);
-    for (const Feature& feature : point.track) {
-      const View& seen = scene.views[feature.view];
-      point.error += (seen.ImageFromCam(seen.CamFromWorld(point.position)) -
-                      feature.position)
-                         .norm() /
-                     point.track.size();
-    }
+    point.error = ReprojectionError(scene.views, point);
     if (!images.empty()) {
       point.color = images[first].At(row, col);
     }

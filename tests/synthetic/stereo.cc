@@ -55,6 +55,14 @@ struct SurfacePoint {
   float highlight;  // as the reference view has it
 };
 
+// Sums of the matches in the other images that see a point, for the least
+// squares of its depth.
+struct DepthFit {
+  int num_sources = 0;
+  float sum_squares = 0;  // of the pixels that a unit of depth moves a match
+  float sum_errors = 0;
+};
+
 struct Matcher {
   const Scene& scene;
   const std::vector<Visible>& visible;
@@ -134,6 +142,7 @@ struct Matcher {
         .normalized();
   }
 
+  DepthFit FitDepth(PixelIndex pixel, const SurfacePoint& point) const;
   void MatchPixel(int row, int col, DepthMap* map) const;
 };
 
@@ -190,6 +199,31 @@ SurfacePoint Matcher::PointAt(PixelIndex pixel, int32_t facet) const {
   return point;
 }
 
+DepthFit Matcher::FitDepth(PixelIndex pixel, const SurfacePoint& point) const {
+  // Where COLMAP looks for the point: on the ray of the pixel's corner.
+  const Vector3f direction =
+      RayDirection(scene.views[reference], pixel.col, pixel.row);
+  const Vector3f start = cameras[reference].center + point.depth * direction;
+  DepthFit fit;
+  for (size_t source = 0; source < cameras.size(); ++source) {
+    if (source == reference || !Sees(source, point)) {
+      continue;
+    }
+    ++fit.num_sources;
+    const Camera& other = cameras[source];
+    const Vector3f p = other.rotation * start + other.translation;
+    const Vector3f d = other.rotation * direction;
+    const Vector2f slope = other.focal.cwiseProduct(
+        (d.head<2>() - p.head<2>() * (d.z() / p.z())) / p.z());
+    const Vector2f match = other.ImageFromCam(other.rotation * point.position +
+                                              other.translation) -
+                           Vector2f::Constant(0.5f);
+    fit.sum_squares += slope.squaredNorm();
+    fit.sum_errors += slope.dot(match - other.ImageFromCam(p));
+  }
+  return fit;
+}
+
 void Matcher::MatchPixel(int row, int col, DepthMap* map) const {
   const PixelIndex content = Content({row, col});
   const int32_t facet =
@@ -204,36 +238,15 @@ void Matcher::MatchPixel(int row, int col, DepthMap* map) const {
       to_reference.dot(point.normal) < min_cos_incidence) {
     return;
   }
-  // Where COLMAP looks for the point: on the ray of the pixel's corner.
-  const Vector3f direction =
-      RayDirection(scene.views[reference], content.col, content.row);
-  const Vector3f start = camera.center + point.depth * direction;
-  int num_sources = 0;
-  float sum_squares = 0;  // of the pixels that a unit of depth moves a match
-  float sum_errors = 0;
-  for (size_t source = 0; source < cameras.size(); ++source) {
-    if (source == reference || !Sees(source, point)) {
-      continue;
-    }
-    ++num_sources;
-    const Camera& other = cameras[source];
-    const Vector3f p = other.rotation * start + other.translation;
-    const Vector3f d = other.rotation * direction;
-    const Vector2f slope = other.focal.cwiseProduct(
-        (d.head<2>() - p.head<2>() * (d.z() / p.z())) / p.z());
-    const Vector2f match = other.ImageFromCam(other.rotation * point.position +
-                                              other.translation) -
-                           Vector2f::Constant(0.5f);
-    sum_squares += slope.squaredNorm();
-    sum_errors += slope.dot(match - other.ImageFromCam(p));
-  }
-  if (num_sources < options.min_num_sources || !(sum_squares > 0)) {
+  const DepthFit fit = FitDepth(content, point);
+  if (fit.num_sources < options.min_num_sources || !(fit.sum_squares > 0)) {
     return;
   }
   const float noise = (1 + 4 * point.blank) * options.noise;
   const size_t index = map->Index(row, col);
-  map->depths[index] = point.depth + sum_errors / sum_squares +
-                       noise / std::sqrt(sum_squares) * DepthNoise(row, col);
+  map->depths[index] =
+      point.depth + fit.sum_errors / fit.sum_squares +
+      noise / std::sqrt(fit.sum_squares) * DepthNoise(row, col);
   map->normals[index] =
       NoisyNormal(point.normal, 1 + 2 * point.blank, row, col);
 }

@@ -1,0 +1,46 @@
+#include "raster/mesh_drawings.h"
+
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+
+#include "tests/look_at.h"
+#include "tests/mesh/shapes.h"
+
+namespace colmap_ext {
+namespace {
+
+std::vector<View> Views() {
+  return {LookAt({0, 0.5, 4}, {0, 0, 0}, 60, 40, 60),
+          LookAt({4, 0, 0.4}, {0, 0, 0}, 50, 40, 60),
+          LookAt({-3, 1, -2}, {0, 0, 0}, 40, 40, 60)};
+}
+
+// Whatever the memory and whoever asks.
+TEST(MeshDrawings, AreThoseOfDrawFacets) {
+  const TriangleMesh mesh = MakeBumpySphere(0.3f);
+  for (const size_t max_memory : {size_t{0}, size_t{30000}, SIZE_MAX}) {
+    const MeshDrawings drawings(mesh, Views(), 0.1, max_memory);
+    drawings.DrawAhead();
+    tbb::parallel_for(0, 12, [&](int i) {
+      const FacetIdBuffer expected = DrawFacets(Views()[i % 3], mesh, 0.1);
+      const auto drawn = drawings.Get(i % 3);
+      EXPECT_EQ(drawn->facets, expected.facets);
+      EXPECT_EQ(drawn->inverse_depths, expected.inverse_depths);
+      EXPECT_EQ(drawn->is_facing, expected.is_facing);
+    });
+  }
+}
+
+TEST(MeshDrawings, AreKeptWhereThereIsRoom) {
+  const MeshDrawings kept(MakeBumpySphere(0.3f), Views(), 0.1, SIZE_MAX);
+  const std::weak_ptr<const FacetIdBuffer> first = kept.Get(0);
+  kept.Get(1);
+  EXPECT_EQ(kept.Get(0), first.lock());
+  const MeshDrawings dropped(MakeBumpySphere(0.3f), Views(), 0.1, 0);
+  const std::weak_ptr<const FacetIdBuffer> second = dropped.Get(0);
+  dropped.Get(1);
+  EXPECT_TRUE(second.expired());
+}
+
+}  // namespace
+}  // namespace colmap_ext
