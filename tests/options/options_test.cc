@@ -27,8 +27,8 @@ void ExpectRefused(Options options, const std::string& text) {
 }
 
 // The same for sound options after a change.
-void ExpectRefused(const std::function<void(RefinerOptions*)>& change,
-                   const std::string& text) {
+void ExpectChangeRefused(const std::function<void(RefinerOptions*)>& change,
+                         const std::string& text) {
   RefinerOptions options;
   options.workspace_path = "workspace";
   change(&options);
@@ -58,50 +58,57 @@ TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
 
 TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
   ExpectRefused(R(), "--workspace_path is required");
-  ExpectRefused([](R* o) { o->input_path = "a"; }, "--output_path");
-  ExpectRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
-  ExpectRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
+  ExpectChangeRefused([](R* o) { o->input_path = "a"; }, "--output_path");
+  ExpectChangeRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
+  ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
 }
 
 TEST(RefinerOptionsTest, RefusesImpossibleNumbers) {
-  ExpectRefused([](R* o) { o->refinement.levels = 0; }, "levels");
-  ExpectRefused([](R* o) { o->refinement.iterations = -1; }, "iterations");
+  ExpectChangeRefused([](R* o) { o->refinement.levels = 0; }, "levels");
+  ExpectChangeRefused([](R* o) { o->refinement.iterations = -1; },
+                      "iterations");
   for (const int window : {1, 4, 17}) {
-    ExpectRefused([window](R* o) { o->window = window; }, "window");
+    ExpectChangeRefused([window](R* o) { o->window = window; }, "window");
   }
-  ExpectRefused([](R* o) { o->refinement.photometric.noise_variance = 0; },
-                "noise_variance");
-  ExpectRefused([](R* o) { o->refinement.photometric.residual_floor = -1; },
-                "residual_floor");
-  ExpectRefused([](R* o) { o->refinement.photometric.min_cosine = 1; },
-                "min_cosine");
-  ExpectRefused([](R* o) { o->refinement.smoothness_weight = -1; },
-                "smoothness_weight");
-  ExpectRefused([](R* o) { o->refinement.max_face_area = 0; }, "max_face_area");
-  ExpectRefused([](R* o) { o->refinement.pairs_per_image = 0; },
-                "pairs_per_image");
-  ExpectRefused([](R* o) { o->refinement.labeling.pairs_per_facet = 0; },
-                "pairs_per_facet");
-  ExpectRefused([](R* o) { o->refinement.labeling.potts_weight = -1; },
-                "potts_weight");
-  ExpectRefused([](R* o) { o->gpu_index = -2; }, "gpu_index");
-  ExpectRefused([](R* o) { o->max_memory_gb = 0; }, "max_memory_gb");
-  ExpectRefused([](R* o) { o->max_memory_gb = kNaN; }, "max_memory_gb");
-  ExpectRefused([](R* o) { o->snapshot_interval = -1; }, "snapshot_interval");
-  ExpectRefused([](R* o) { o->num_threads = 0; }, "num_threads");
+  ExpectChangeRefused(
+      [](R* o) { o->refinement.photometric.noise_variance = 0; },
+      "noise_variance");
+  ExpectChangeRefused(
+      [](R* o) { o->refinement.photometric.residual_floor = -1; },
+      "residual_floor");
+  ExpectChangeRefused([](R* o) { o->refinement.photometric.min_cosine = 1; },
+                      "min_cosine");
+  ExpectChangeRefused([](R* o) { o->refinement.smoothness_weight = -1; },
+                      "smoothness_weight");
+  ExpectChangeRefused([](R* o) { o->refinement.max_face_area = 0; },
+                      "max_face_area");
+  ExpectChangeRefused([](R* o) { o->refinement.pairs_per_image = 0; },
+                      "pairs_per_image");
+  ExpectChangeRefused([](R* o) { o->refinement.labeling.pairs_per_facet = 0; },
+                      "pairs_per_facet");
+  ExpectChangeRefused([](R* o) { o->refinement.labeling.potts_weight = -1; },
+                      "potts_weight");
+  ExpectChangeRefused([](R* o) { o->gpu_index = -2; }, "gpu_index");
+  ExpectChangeRefused([](R* o) { o->max_memory_gb = 0; }, "max_memory_gb");
+  ExpectChangeRefused([](R* o) { o->max_memory_gb = kNaN; }, "max_memory_gb");
+  ExpectChangeRefused([](R* o) { o->snapshot_interval = -1; },
+                      "snapshot_interval");
+  ExpectChangeRefused([](R* o) { o->num_threads = 0; }, "num_threads");
 }
 
 TEST(RefinerOptionsTest, RefusesOtherWords) {
-  ExpectRefused(
+  ExpectChangeRefused(
       [](R* o) { o->words.pair_selection = "best"; },
       "pair_selection is 'best'; it has to be facetwise or classical");
-  ExpectRefused([](R* o) { o->words.solver = "magic"; },
-                "solver is 'magic'; it has to be gauss_newton or descent");
-  ExpectRefused([](R* o) { o->words.backend = "cuda"; },
-                "backend is 'cuda'; it has to be auto, cpu or gl");
-  ExpectRefused([](R* o) { o->words.image_order = "random"; },
-                "image_order is 'random'; it has to be auto, file, image_id, "
-                "frame or frame_id");
+  ExpectChangeRefused(
+      [](R* o) { o->words.solver = "magic"; },
+      "solver is 'magic'; it has to be gauss_newton or descent");
+  ExpectChangeRefused([](R* o) { o->words.backend = "cuda"; },
+                      "backend is 'cuda'; it has to be auto, cpu or gl");
+  ExpectChangeRefused(
+      [](R* o) { o->words.image_order = "random"; },
+      "image_order is 'random'; it has to be auto, file, image_id, "
+      "frame or frame_id");
 }
 
 TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
