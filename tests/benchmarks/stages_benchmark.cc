@@ -7,8 +7,9 @@
 
 #include "delaunay/edge_lengths.h"
 #include "delaunay/manifold_meshing.h"
+#include "delaunay/quality_weights.h"
+#include "delaunay/singular_vertices.h"
 #include "delaunay/tetrahedralization.h"
-#include "delaunay/vertex_star.h"
 #include "delaunay/visibility_weights.h"
 #include "optim/min_cut.h"
 #include "tests/synthetic/dense_scene.h"

@@ -16,9 +16,9 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Fails unless the options are refused with a message that has the text.
 template <typename Options>
-void ExpectRefused(Options options, const std::string& text) {
+void ExpectRefused(Options* options, const std::string& text) {
   try {
-    options.Finish();
+    options->Finish();
     ADD_FAILURE() << text << " is not refused";
   } catch (const OptionError& error) {
     EXPECT_NE(std::string(error.what()).find(text), std::string::npos)
@@ -32,7 +32,7 @@ void ExpectChangeRefused(const std::function<void(RefinerOptions*)>& change,
   RefinerOptions options;
   options.workspace_path = "workspace";
   change(&options);
-  ExpectRefused(options, text);
+  ExpectRefused(&options, text);
 }
 
 using R = RefinerOptions;
@@ -57,7 +57,8 @@ TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
 }
 
 TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
-  ExpectRefused(R(), "--workspace_path is required");
+  R none;
+  ExpectRefused(&none, "--workspace_path is required");
   ExpectChangeRefused([](R* o) { o->input_path = "a"; }, "--output_path");
   ExpectChangeRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
   ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
@@ -113,9 +114,9 @@ TEST(RefinerOptionsTest, RefusesOtherWords) {
 
 TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
   MesherOptions options;
-  ExpectRefused(options, "--workspace_path or --input_path");
+  ExpectRefused(&options, "--workspace_path or --input_path");
   options.input_path = "in";
-  ExpectRefused(options, "--output_path is required");
+  ExpectRefused(&options, "--output_path is required");
   options.output_path = "out";
   options.words.input_type = "sparse";
   options.words.image_order = "image_id";
@@ -123,33 +124,34 @@ TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
   EXPECT_EQ(options.workspace.input_type, InputType::kSparse);
   EXPECT_EQ(options.workspace.image_order, ImageOrderKind::kImageId);
   options.words.input_type = "fuzzy";
-  ExpectRefused(options, "input_type is 'fuzzy'; it has to be dense or sparse");
+  ExpectRefused(&options,
+                "input_type is 'fuzzy'; it has to be dense or sparse");
   options.words.input_type = "dense";
   options.num_threads = 0;
-  ExpectRefused(options, "num_threads");
+  ExpectRefused(&options, "num_threads");
   options.num_threads = 2;
   options.meshing.max_depth_dist = 2;
-  ExpectRefused(options, "max_depth_dist");
+  ExpectRefused(&options, "max_depth_dist");
 }
 
 TEST(EvaluatorOptionsTest, ChecksItsOptions) {
   EvaluatorOptions options;
-  ExpectRefused(options, "--mesh_path and --truth_path are required");
+  ExpectRefused(&options, "--mesh_path and --truth_path are required");
   options.mesh_path = options.truth_path = "a";
   options.depth_thresholds = "0.5,2";
   options.Finish();
   EXPECT_EQ(options.evaluation.depth_thresholds, (std::vector<double>{0.5, 2}));
   options.depth_thresholds = "1,x";
-  ExpectRefused(options, "depth_thresholds");
+  ExpectRefused(&options, "depth_thresholds");
   options.depth_thresholds = "1";
   options.picture_image = "x";
-  ExpectRefused(options, "--picture_image");
+  ExpectRefused(&options, "--picture_image");
   options.picture_image = "";
   options.observability_box = "1,2,3,4";
-  ExpectRefused(options, "--observability_mask");
+  ExpectRefused(&options, "--observability_mask");
   options.observability_box = "";
   options.evaluation.stride = 0;
-  ExpectRefused(options, "stride");
+  ExpectRefused(&options, "stride");
   options.evaluation.stride = 1;
   options.ground_plane = "1,2";
   EXPECT_THROW(options.ReadObservability(), OptionError);
