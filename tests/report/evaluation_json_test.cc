@@ -30,7 +30,9 @@ TEST(EvaluationJsonTest, HasNineDigitsAndNullForWhatIsNotFinite) {
 }
 
 TEST(EvaluationJsonTest, KeepsTheOrderOfItsKeys) {
-  const std::string text = EvaluationJson({}, {});
+  const EvaluatorOptions options;
+  const MeshEvaluation evaluation;
+  const std::string text = EvaluationJson(options, evaluation);
   size_t position = 0;
   for (const char* key :
        {"mesh_path", "truth_path", "workspace_path", "stride", "beyond",
