@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "delaunay/manifold_meshing.h"
+#include "meshing/manifold_meshing.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {

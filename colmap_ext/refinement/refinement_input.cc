@@ -10,13 +10,13 @@
 
 #include "base/edit_rows.h"
 #include "colmap_ext/errors.h"
-#include "delaunay/inherit_attributes.h"
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/nearest_attributes.h"
 #include "mesh/topology.h"
+#include "meshing/inherit_attributes.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
 

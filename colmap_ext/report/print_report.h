@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "delaunay/manifold_meshing.h"
+#include "meshing/manifold_meshing.h"
 #include "scene/half_pixel_slope.h"
 #include "workspace/workspace.h"
 

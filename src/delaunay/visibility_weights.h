@@ -47,7 +47,7 @@ struct RayReport {
 };
 
 // The votes of all observations for free space and matter [Labatut2009; Vu2012;
-// Romanoni2019, section IV]. For a ray from the camera centre c to the point p,
+// Romanoni2020, section IV]. For a ray from the camera centre c to the point p,
 // seen with weight alpha:
 //   - the cell of c, or the infinite one through which the ray enters the hull:
 //     alpha from the source;
@@ -55,7 +55,7 @@ struct RayReport {
 //     alpha (1 - exp(-d^2 / (2 sigma^2))), before p and up to behind_sigma
 //     sigma behind it;
 //   - the cell at that end: alpha to the sink.
-// The paper [Romanoni2019] prints 1 - e^(d / 2 sigma), which is never positive.
+// The paper [Romanoni2020] prints 1 - e^(d / 2 sigma), which is never positive.
 //
 // Adds to graph->capacities, source and sink. Sums of integers: the result does
 // not depend on the number of threads. Sums stop growing a little above

@@ -13,7 +13,7 @@
 namespace colmap_ext {
 
 enum class PairSelection {
-  kFacetwise,  // each facet by its best pairs [Romanoni2019, section V]
+  kFacetwise,  // each facet by its best pairs [Romanoni2020, section V]
   kClassical,  // each facet by every pair that sees it [Vu2012]
 };
 

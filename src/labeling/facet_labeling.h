@@ -15,16 +15,16 @@ namespace colmap_ext {
 struct FacetLabelingOptions {
   PairSelection pair_selection = PairSelection::kFacetwise;
 
-  // Labels of each facet that the first iterations use. [Romanoni2019] has 1.
+  // Labels of each facet that the first iterations use. [Romanoni2020] has 1.
   int pairs_per_facet = 1;
 
   // Labels of each facet that the final iterations use, the first ones
-  // included; 0: no more than pairs_per_facet, as [Romanoni2019]. Tuned on the
+  // included; 0: no more than pairs_per_facet, as [Romanoni2020]. Tuned on the
   // scenes of docs/benchmarks.md, which has 8 and 12.
   int final_pairs_per_facet = 12;
 
   // Cost of a change of labels between neighbors. log 9: docs/method.md,
-  // section 4.4; [Romanoni2019, section V, equation (5)].
+  // section 4.4; [Romanoni2020, section V, equation (5)].
   double potts_weight = 2.1972245773362196;
 };
 
@@ -39,7 +39,7 @@ struct FacetLabeling {
 };
 
 // Gives every facet the pairs of views that see it best (docs/method.md,
-// sections 4.3 to 4.5; [Romanoni2019, section V, equations (4) and (5)]; what
+// sections 4.3 to 4.5; [Romanoni2020, section V, equations (4) and (5)]; what
 // differs stands there). Facets that no pair sees get none. The first label is
 // that of the Markov random field; then come the further ones up to
 // pairs_per_facet, then those up to final_pairs_per_facet.

@@ -18,7 +18,7 @@ struct ViewPair {
 };
 
 // By which pairs of views each facet is refined: one or several labels a facet,
-// or none (docs/method.md, section 4; [Romanoni2019, section V]).
+// or none (docs/method.md, section 4; [Romanoni2020, section V]).
 struct FacetLabels {
   std::vector<ViewPair> pairs;  // [L], ascending
   Rows<uint32_t> labels;  // [F] indices into pairs, the best first, no repeats

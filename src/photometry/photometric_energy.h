@@ -13,7 +13,7 @@ namespace colmap_ext {
 
 struct PhotometricOptions {
   // Pixels of a correlation window to each side of its centre: 2 is 5 x 5, as
-  // [Romanoni2019, section II-A]. From 1 to 7, a choice.
+  // [Romanoni2020, section II-A]. From 1 to 7, a choice.
   int window_radius = 2;
 
   // Variance of the images' noise, grey values (0 ... 255) squared. A window
@@ -23,7 +23,7 @@ struct PhotometricOptions {
   // Share of a window's variance that stays unexplained at best, r of
   // docs/method.md, section 5.1. The smaller, the more those windows count that
   // match well; with a large one all count alike, which is the energy of
-  // [Romanoni2019, section II-A, equation (1)]. Positive. What it does:
+  // [Romanoni2020, section II-A, equation (1)]. Positive. What it does:
   // docs/benchmarks.md, rows "energy -ZNCC".
   double residual_floor = 0.05;
 
@@ -48,7 +48,7 @@ struct PhotometricOptions {
 //
 // I_ij being the image I_j seen from i by way of the surface, w = m / (m +
 // noise_variance), m the smaller of the window's two variances, and s = 1 +
-// residual_floor. [Romanoni2019] has c(Z) = -Z. Sums are kept facet by facet,
+// residual_floor. [Romanoni2020] has c(Z) = -Z. Sums are kept facet by facet,
 // so that the caller can gather them for vertices.
 struct PhotometricTerms {
   double energy = 0;              // the sum of `energies`

@@ -284,7 +284,7 @@ void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
 }
 
 // The others, one by one: pixels across the discontinuity are left out
-// [Romanoni2019Masking].
+// [Romanoni2019].
 void WindowCorrelation::CorrelateMasked(float max_relative_depth,
                                         CorrelationTile* tile) {
   const int radius = options_.window_radius;

@@ -125,7 +125,7 @@ struct RefinementHooks {
   std::function<bool()> should_stop;
 };
 
-// Facetwise refinement [Romanoni2019, sections II-A and V; docs/method.md,
+// Facetwise refinement [Romanoni2020, sections II-A and V; docs/method.md,
 // section 7]: at each level of the images, coarse to fine, facets are
 // subdivided, each gets the pairs of views that see it best, and the vertices
 // move so that what the two views of a pair show on its facets looks alike.

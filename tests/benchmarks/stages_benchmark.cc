@@ -6,10 +6,11 @@
 #include <benchmark/benchmark.h>
 
 #include "delaunay/edge_lengths.h"
-#include "delaunay/manifold_meshing.h"
+#include "delaunay/quality_weights.h"
 #include "delaunay/tetrahedralization.h"
-#include "delaunay/vertex_star.h"
 #include "delaunay/visibility_weights.h"
+#include "meshing/manifold_meshing.h"
+#include "meshing/singular_vertices.h"
 #include "optim/min_cut.h"
 #include "tests/synthetic/dense_scene.h"
 

@@ -16,9 +16,9 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Fails unless the options are refused with a message that has the text.
 template <typename Options>
-void ExpectRefused(Options options, const std::string& text) {
+void ExpectRefused(Options* options, const std::string& text) {
   try {
-    options.Finish();
+    options->Finish();
     ADD_FAILURE() << text << " is not refused";
   } catch (const OptionError& error) {
     EXPECT_NE(std::string(error.what()).find(text), std::string::npos)
@@ -26,13 +26,13 @@ void ExpectRefused(Options options, const std::string& text) {
   }
 }
 
-// The same for sound options of the refiner after a change.
-void ExpectRefusedAfter(const std::function<void(RefinerOptions*)>& change,
-                        const std::string& text) {
+// The same for sound options after a change.
+void ExpectChangeRefused(const std::function<void(RefinerOptions*)>& change,
+                         const std::string& text) {
   RefinerOptions options;
   options.workspace_path = "workspace";
   change(&options);
-  ExpectRefused(options, text);
+  ExpectRefused(&options, text);
 }
 
 using R = RefinerOptions;
@@ -57,52 +57,56 @@ TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
 }
 
 TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
-  ExpectRefused(R(), "--workspace_path is required");
-  ExpectRefusedAfter([](R* o) { o->input_path = "a"; }, "--output_path");
-  ExpectRefusedAfter([](R* o) { o->report_path = "a.svg"; }, "--report_path");
-  ExpectRefusedAfter([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
+  R none;
+  ExpectRefused(&none, "--workspace_path is required");
+  ExpectChangeRefused([](R* o) { o->input_path = "a"; }, "--output_path");
+  ExpectChangeRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
+  ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
 }
 
 TEST(RefinerOptionsTest, RefusesImpossibleNumbers) {
-  ExpectRefusedAfter([](R* o) { o->refinement.levels = 0; }, "levels");
-  ExpectRefusedAfter([](R* o) { o->refinement.iterations = -1; }, "iterations");
+  ExpectChangeRefused([](R* o) { o->refinement.levels = 0; }, "levels");
+  ExpectChangeRefused([](R* o) { o->refinement.iterations = -1; },
+                      "iterations");
   for (const int window : {1, 4, 17}) {
-    ExpectRefusedAfter([window](R* o) { o->window = window; }, "window");
+    ExpectChangeRefused([window](R* o) { o->window = window; }, "window");
   }
-  ExpectRefusedAfter([](R* o) { o->refinement.photometric.noise_variance = 0; },
-                     "noise_variance");
-  ExpectRefusedAfter(
+  ExpectChangeRefused(
+      [](R* o) { o->refinement.photometric.noise_variance = 0; },
+      "noise_variance");
+  ExpectChangeRefused(
       [](R* o) { o->refinement.photometric.residual_floor = -1; },
       "residual_floor");
-  ExpectRefusedAfter([](R* o) { o->refinement.photometric.min_cosine = 1; },
-                     "min_cosine");
-  ExpectRefusedAfter([](R* o) { o->refinement.smoothness_weight = -1; },
-                     "smoothness_weight");
-  ExpectRefusedAfter([](R* o) { o->refinement.max_face_area = 0; },
-                     "max_face_area");
-  ExpectRefusedAfter([](R* o) { o->refinement.pairs_per_image = 0; },
-                     "pairs_per_image");
-  ExpectRefusedAfter([](R* o) { o->refinement.labeling.pairs_per_facet = 0; },
-                     "pairs_per_facet");
-  ExpectRefusedAfter([](R* o) { o->refinement.labeling.potts_weight = -1; },
-                     "potts_weight");
-  ExpectRefusedAfter([](R* o) { o->gpu_index = -2; }, "gpu_index");
-  ExpectRefusedAfter([](R* o) { o->max_memory_gb = 0; }, "max_memory_gb");
-  ExpectRefusedAfter([](R* o) { o->max_memory_gb = kNaN; }, "max_memory_gb");
-  ExpectRefusedAfter([](R* o) { o->snapshot_interval = -1; },
-                     "snapshot_interval");
-  ExpectRefusedAfter([](R* o) { o->num_threads = 0; }, "num_threads");
+  ExpectChangeRefused([](R* o) { o->refinement.photometric.min_cosine = 1; },
+                      "min_cosine");
+  ExpectChangeRefused([](R* o) { o->refinement.smoothness_weight = -1; },
+                      "smoothness_weight");
+  ExpectChangeRefused([](R* o) { o->refinement.max_face_area = 0; },
+                      "max_face_area");
+  ExpectChangeRefused([](R* o) { o->refinement.pairs_per_image = 0; },
+                      "pairs_per_image");
+  ExpectChangeRefused([](R* o) { o->refinement.labeling.pairs_per_facet = 0; },
+                      "pairs_per_facet");
+  ExpectChangeRefused([](R* o) { o->refinement.labeling.potts_weight = -1; },
+                      "potts_weight");
+  ExpectChangeRefused([](R* o) { o->gpu_index = -2; }, "gpu_index");
+  ExpectChangeRefused([](R* o) { o->max_memory_gb = 0; }, "max_memory_gb");
+  ExpectChangeRefused([](R* o) { o->max_memory_gb = kNaN; }, "max_memory_gb");
+  ExpectChangeRefused([](R* o) { o->snapshot_interval = -1; },
+                      "snapshot_interval");
+  ExpectChangeRefused([](R* o) { o->num_threads = 0; }, "num_threads");
 }
 
 TEST(RefinerOptionsTest, RefusesOtherWords) {
-  ExpectRefusedAfter(
+  ExpectChangeRefused(
       [](R* o) { o->words.pair_selection = "best"; },
       "pair_selection is 'best'; it has to be facetwise or classical");
-  ExpectRefusedAfter([](R* o) { o->words.solver = "magic"; },
-                     "solver is 'magic'; it has to be gauss_newton or descent");
-  ExpectRefusedAfter([](R* o) { o->words.backend = "cuda"; },
-                     "backend is 'cuda'; it has to be auto, cpu or gl");
-  ExpectRefusedAfter(
+  ExpectChangeRefused(
+      [](R* o) { o->words.solver = "magic"; },
+      "solver is 'magic'; it has to be gauss_newton or descent");
+  ExpectChangeRefused([](R* o) { o->words.backend = "cuda"; },
+                      "backend is 'cuda'; it has to be auto, cpu or gl");
+  ExpectChangeRefused(
       [](R* o) { o->words.image_order = "random"; },
       "image_order is 'random'; it has to be auto, file, image_id, "
       "frame or frame_id");
@@ -110,9 +114,9 @@ TEST(RefinerOptionsTest, RefusesOtherWords) {
 
 TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
   MesherOptions options;
-  ExpectRefused(options, "--workspace_path or --input_path");
+  ExpectRefused(&options, "--workspace_path or --input_path");
   options.input_path = "in";
-  ExpectRefused(options, "--output_path is required");
+  ExpectRefused(&options, "--output_path is required");
   options.output_path = "out";
   options.words.input_type = "sparse";
   options.words.image_order = "image_id";
@@ -120,33 +124,34 @@ TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
   EXPECT_EQ(options.workspace.input_type, InputType::kSparse);
   EXPECT_EQ(options.workspace.image_order, ImageOrderKind::kImageId);
   options.words.input_type = "fuzzy";
-  ExpectRefused(options, "input_type is 'fuzzy'; it has to be dense or sparse");
+  ExpectRefused(&options,
+                "input_type is 'fuzzy'; it has to be dense or sparse");
   options.words.input_type = "dense";
   options.num_threads = 0;
-  ExpectRefused(options, "num_threads");
+  ExpectRefused(&options, "num_threads");
   options.num_threads = 2;
   options.meshing.max_depth_dist = 2;
-  ExpectRefused(options, "max_depth_dist");
+  ExpectRefused(&options, "max_depth_dist");
 }
 
 TEST(EvaluatorOptionsTest, ChecksItsOptions) {
   EvaluatorOptions options;
-  ExpectRefused(options, "--mesh_path and --truth_path are required");
+  ExpectRefused(&options, "--mesh_path and --truth_path are required");
   options.mesh_path = options.truth_path = "a";
   options.depth_thresholds = "0.5,2";
   options.Finish();
   EXPECT_EQ(options.evaluation.depth_thresholds, (std::vector<double>{0.5, 2}));
   options.depth_thresholds = "1,x";
-  ExpectRefused(options, "depth_thresholds");
+  ExpectRefused(&options, "depth_thresholds");
   options.depth_thresholds = "1";
   options.picture_image = "x";
-  ExpectRefused(options, "--picture_image");
+  ExpectRefused(&options, "--picture_image");
   options.picture_image = "";
   options.observability_box = "1,2,3,4";
-  ExpectRefused(options, "--observability_mask");
+  ExpectRefused(&options, "--observability_mask");
   options.observability_box = "";
   options.evaluation.stride = 0;
-  ExpectRefused(options, "stride");
+  ExpectRefused(&options, "stride");
   options.evaluation.stride = 1;
   options.ground_plane = "1,2";
   EXPECT_THROW(options.ReadObservability(), OptionError);

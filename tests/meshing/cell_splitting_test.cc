@@ -1,12 +1,12 @@
-#include "delaunay/cell_splitting.h"
+#include "meshing/cell_splitting.h"
 
 #include <algorithm>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
-#include "tests/delaunay/fixing_problem.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/meshing/fixing_problem.h"
 
 namespace colmap_ext {
 namespace {

@@ -1,12 +1,12 @@
-#include "delaunay/manifold_fixing.h"
+#include "meshing/manifold_fixing.h"
 
 #include <optional>
 #include <span>
 
-#include "delaunay/best_flip.h"
-#include "delaunay/cell_splitting.h"
-#include "delaunay/singular_vertices.h"
-#include "delaunay/vertex_star.h"
+#include "meshing/best_flip.h"
+#include "meshing/cell_splitting.h"
+#include "meshing/singular_vertices.h"
+#include "meshing/vertex_star.h"
 
 namespace colmap_ext {
 namespace {

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "delaunay/inherit_attributes.h"
-#include "delaunay/manifold_fixing.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/facet_filters.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
+#include "meshing/inherit_attributes.h"
+#include "meshing/manifold_fixing.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
@@ -91,7 +91,7 @@ struct ManifoldMeshingReport {
   int64_t cut = 0;   // the minimum cut's value, summed over its arcs
   size_t num_free_cells = 0;
 
-  FixingReport fixing;  // [Romanoni2019, table II] has these counts
+  FixingReport fixing;  // [Romanoni2020, table II] has these counts
 
   size_t num_split_vertices = 0;  // copies made by the fan split
   size_t num_midpoints = 0;       // put into edges that the split leaves shared
@@ -109,7 +109,7 @@ struct ManifoldMesh {
 
 // The 2-manifold surface between what the views see through and what they do
 // not: Delaunay tetrahedralization, visibility votes, minimum cut, fixing of
-// singular vertices, surface, filters [Romanoni2019, section IV; Labatut2009].
+// singular vertices, surface, filters [Romanoni2020, section IV; Labatut2009].
 // The result does not depend on the number of threads.
 //
 // \pre all positions are finite, view indices < views.size(), options checked.

@@ -1,4 +1,4 @@
-#include "delaunay/cell_splitting.h"
+#include "meshing/cell_splitting.h"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "delaunay/manifold_meshing.h"
+#include "meshing/manifold_meshing.h"
 
 #include <algorithm>
 #include <cmath>

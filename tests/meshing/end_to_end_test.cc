@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "delaunay/manifold_meshing.h"
+#include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/synthetic/dense_scene.h"

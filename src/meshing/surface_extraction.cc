@@ -1,4 +1,4 @@
-#include "delaunay/surface_extraction.h"
+#include "meshing/surface_extraction.h"
 
 #include <algorithm>
 

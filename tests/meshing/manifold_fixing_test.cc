@@ -1,18 +1,18 @@
-#include "delaunay/manifold_fixing.h"
+#include "meshing/manifold_fixing.h"
 
 #include <algorithm>
 #include <tuple>
 
 #include <gtest/gtest.h>
 
-#include "delaunay/surface_extraction.h"
-#include "delaunay/vertex_star.h"
 #include "mesh/fan_split.h"
 #include "mesh/topology.h"
-#include "tests/delaunay/fixing_problem.h"
+#include "meshing/surface_extraction.h"
+#include "meshing/vertex_star.h"
 #include "tests/delaunay/random_complex.h"
-#include "tests/delaunay/reference_fixing.h"
 #include "tests/mesh/manifold_links.h"
+#include "tests/meshing/fixing_problem.h"
+#include "tests/meshing/reference_fixing.h"
 
 namespace colmap_ext {
 namespace {

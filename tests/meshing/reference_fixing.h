@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "delaunay/manifold_fixing.h"
+#include "meshing/manifold_fixing.h"
 
 namespace colmap_ext {
 

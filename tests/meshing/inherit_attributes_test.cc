@@ -1,4 +1,4 @@
-#include "delaunay/inherit_attributes.h"
+#include "meshing/inherit_attributes.h"
 
 #include <gtest/gtest.h>
 

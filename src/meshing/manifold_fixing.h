@@ -30,7 +30,7 @@ struct FixingReport {
   size_t num_examined_vertices = 0;
 };
 
-// Preemptive fixing of singular vertices [Romanoni2019, section IV]: changes
+// Preemptive fixing of singular vertices [Romanoni2020, section IV]: changes
 // the labels of cells around them, and splits cells, so that the surface needs
 // fewer copies of vertices to become manifold. After one look at all vertices
 // the time follows the number of singular ones.

@@ -1,4 +1,4 @@
-#include "delaunay/vertex_star.h"
+#include "meshing/vertex_star.h"
 
 #include <algorithm>
 #include <map>

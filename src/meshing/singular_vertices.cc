@@ -1,4 +1,4 @@
-#include "delaunay/singular_vertices.h"
+#include "meshing/singular_vertices.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "delaunay/vertex_star.h"
+#include "meshing/vertex_star.h"
 
 namespace colmap_ext {
 namespace {

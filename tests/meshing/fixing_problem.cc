@@ -1,9 +1,9 @@
-#include "tests/delaunay/fixing_problem.h"
+#include "tests/meshing/fixing_problem.h"
 
 #include <gtest/gtest.h>
 
-#include "delaunay/singular_vertices.h"
-#include "delaunay/vertex_star.h"
+#include "meshing/singular_vertices.h"
+#include "meshing/vertex_star.h"
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {

@@ -1,4 +1,4 @@
-#include "delaunay/singular_vertices.h"
+#include "meshing/singular_vertices.h"
 
 #include <algorithm>
 #include <map>
@@ -7,12 +7,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "delaunay/cell_splitting.h"
-#include "delaunay/surface_extraction.h"
-#include "delaunay/vertex_star.h"
 #include "mesh/topology.h"
-#include "tests/delaunay/fixing_problem.h"
+#include "meshing/cell_splitting.h"
+#include "meshing/surface_extraction.h"
+#include "meshing/vertex_star.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/meshing/fixing_problem.h"
 
 namespace colmap_ext {
 namespace {

@@ -1,11 +1,11 @@
-#include "delaunay/best_flip.h"
+#include "meshing/best_flip.h"
 
 #include <algorithm>
 #include <limits>
 #include <unordered_map>
 #include <utility>
 
-#include "delaunay/vertex_star.h"
+#include "meshing/vertex_star.h"
 
 namespace colmap_ext {
 namespace {

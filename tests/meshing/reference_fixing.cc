@@ -1,11 +1,11 @@
-#include "tests/delaunay/reference_fixing.h"
+#include "tests/meshing/reference_fixing.h"
 
 #include <algorithm>
 #include <limits>
 #include <utility>
 
-#include "delaunay/cell_splitting.h"
-#include "delaunay/vertex_star.h"
+#include "meshing/cell_splitting.h"
+#include "meshing/vertex_star.h"
 
 namespace colmap_ext {
 namespace {

@@ -1,4 +1,4 @@
-#include "delaunay/manifold_meshing.h"
+#include "meshing/manifold_meshing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +8,13 @@
 #include "delaunay/cell_graph.h"
 #include "delaunay/edge_lengths.h"
 #include "delaunay/quality_weights.h"
-#include "delaunay/singular_vertices.h"
-#include "delaunay/surface_extraction.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
+#include "meshing/singular_vertices.h"
+#include "meshing/surface_extraction.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {
@@ -35,7 +35,7 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
   return alphas;
 }
 
-// The graph whose minimum cut is the surface [Romanoni2019, section IV].
+// The graph whose minimum cut is the surface [Romanoni2020, section IV].
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
                     const PointCloud& cloud, const std::vector<View>& views,
                     const ThinnedTetrahedralization& thinned,
