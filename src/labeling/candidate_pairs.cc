@@ -99,14 +99,15 @@ void CandidatePairs::ForEachSeeing(size_t facet,
 }
 
 std::vector<CandidatePair> CandidatePairs::Find(size_t facet) const {
-  const auto [num_views, counts] = CountOccurrences(facet);
+  const Occurrences occurrences = CountOccurrences(facet);
+  const std::vector<uint32_t>& counts = occurrences.counts;
   std::vector<CandidatePair> candidates;
   std::vector<CandidatePair> others;  // that nu_f does not have
   ForEachSeeing(facet, [&](uint32_t pair, size_t i, size_t j) {
     if (selection_ == PairSelection::kFacetwise && counts[i] > 0 &&
         counts[j] > 0) {
       const double share = static_cast<double>(counts[i] + counts[j]) /
-                           static_cast<double>(num_views);
+                           static_cast<double>(occurrences.num_views);
       candidates.push_back({pair, static_cast<float>(-std::log(share))});
     } else {
       others.push_back({pair, 0});
