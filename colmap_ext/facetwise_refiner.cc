@@ -26,7 +26,6 @@
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
-#include "workspace/usable_pictures.h"
 
 namespace colmap_ext {
 
@@ -117,11 +116,7 @@ class Refiner {
   }
 
   RefinedMesh Refine() {
-    const auto images = std::make_shared<ImagePyramid>(
-        input_.views,
-        PictureReader(paths_.folder / "images", input_.views, decoder_),
-        options_.MaxImageMemory());
-    const RefinementBackend backend = MakeBackend(options_, images);
+    const RefinementBackend backend = MakeBackend(options_, input_.images);
     PrintText("computed by", backend.description, std::cout);
     if (!backend.warning.empty()) {
       std::cout << "WARNING: " << backend.warning << "\n";

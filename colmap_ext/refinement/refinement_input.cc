@@ -176,7 +176,11 @@ void CompleteAttributes(const MeshFile& file, RefinementInput* input) {
 void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
                    const PictureDecoder& decoder, RefinementInput* input) {
   const fs::path images_path = paths.folder / "images";
-  FindUnreadable(images_path, input->views, decoder, &input->picture_errors);
+  input->images = std::make_shared<ImagePyramid>(
+      input->views, PictureReader(images_path, input->views, decoder),
+      options.MaxImageMemory());
+  FindUnreadable([input](size_t view) { input->images->Image(view); },
+                 &input->picture_errors);
   if (!options.skip_missing_images) {
     ExpectPictures(images_path, input->views, input->picture_errors);
   }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "mesh/manifold_repair.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
+#include "photometry/image_pyramid.h"
 #include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
@@ -35,6 +37,7 @@ struct RefinementInput {
   std::vector<View> views;
   PointCloud points;  // without the views whose pictures can not be used
   std::vector<std::string> picture_errors;  // [views] empty: can be used
+  std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
 
   WorkspaceReport workspace;
   bool has_fused_points = true;  // else the mesh's vertices stand for them

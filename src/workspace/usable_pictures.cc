@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -24,18 +25,15 @@ size_t CountErrors(const std::vector<std::string>& errors) {
 
 }  // namespace
 
-void FindUnreadable(const std::filesystem::path& images_path,
-                    const std::vector<View>& views,
-                    const PictureDecoder& decoder,
+void FindUnreadable(const std::function<void(size_t view)>& read,
                     std::vector<std::string>* errors) {
-  tbb::parallel_for(size_t{0}, views.size(), [&](size_t i) {
+  tbb::parallel_for(size_t{0}, errors->size(), [&](size_t i) {
     if (!(*errors)[i].empty()) {
       return;
     }
-    const std::optional<GrayImage> image =
-        decoder.read_gray(images_path / views[i].name);
-    if (!image || image->width != views[i].width ||
-        image->height != views[i].height) {
+    try {
+      read(i);
+    } catch (const std::runtime_error&) {  // the caller lists the pictures
       (*errors)[i] = "can not be read";
     }
   });

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,11 @@
 
 namespace colmap_ext {
 
-// Reads all pictures that nothing is known to be wrong with, once, so that none
-// fails hours later.
-// \param errors [views] what is wrong with each picture; empty: nothing.
-void FindUnreadable(const std::filesystem::path& images_path,
-                    const std::vector<View>& views,
-                    const PictureDecoder& decoder,
+// Reads all pictures that nothing is known to be wrong with, in parallel, so
+// that none fails hours later.
+// \param read  reads the picture of a view, and throws if that fails.
+// \param errors  [views] what is wrong with each picture; empty: nothing.
+void FindUnreadable(const std::function<void(size_t view)>& read,
                     std::vector<std::string>* errors);
 
 // \throw FileError that lists the pictures that something is wrong with.
