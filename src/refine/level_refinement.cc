@@ -92,8 +92,8 @@ SmoothnessDomain MakeDomain(const RefinementLevel& level,
 // The smoothness that the surface itself calls for, at the finest level.
 State AdaptSmoothness(const Stage& stage, State state) {
   // Iterations without regard to the input's relief, so that what the surface
-  // then has of it comes from the images. Tuned on: bunny, started from the
-  // mesher's mesh and from the truth; by: compare_refiners.py.
+  // then has of it comes from the images. Found by trial;
+  // tests/benchmarks/vary_constants.py tables what other values do.
   constexpr int kBlindIterations = 2;
   const SmoothnessDomain& domain = stage.domain;
   if (state.iteration >= kBlindIterations) {

@@ -12,9 +12,9 @@
 
 namespace colmap_ext {
 
-// When the conjugate gradients end. Both tuned on: bunny, b_wall; by:
-// compare_refiners.py. The steps are limited anyway, and a later iteration
-// makes up for what an earlier one leaves.
+// When the conjugate gradients end. Early: the steps are limited anyway, and a
+// later iteration makes up for what an earlier one leaves. Found by trial;
+// tests/benchmarks/vary_constants.py tables what other values do.
 struct SolverOptions {
   // Of the residual, in the norm of the preconditioner, relative to the first.
   double tolerance = 0.03;

@@ -96,9 +96,9 @@ SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
                                  const SmoothnessModel& model, double factor,
                                  size_t* num_unconverged) {
   // How many times the energy counts the noise of a pixel: windows overlap, and
-  // both directions of several pairs compare it. Tuned on: bunny, b_statue,
-  // b_wall, b_grid; by: compare_refiners.py, rows "half" and "twice the
-  // smoothness".
+  // both directions of several pairs compare it. Found by trial on rendered
+  // scenes; rows "half" and "twice the smoothness" of docs/benchmarks.md show
+  // what half and twice do.
   constexpr double kRedundancy = 8;
   // Factor by which the weight may change in an iteration, so that the first
   // estimates, of a rough surface, do not throw it about.

@@ -28,7 +28,8 @@ std::vector<double> LocalWeights(const VertexRings& rings,
   // The global weight counts as much as this share of the evidence that a
   // vertex has on average.
   constexpr double kPrior = 0.1;
-  // Of the global weight. Tuned on: b_wall, b_statue; by: compare_refiners.py.
+  // Of the global weight. Found by trial; tests/benchmarks/vary_constants.py
+  // tables what other values do.
   constexpr double kMinFactor = 0.5;
   constexpr double kMaxFactor = 16;
   std::vector<double> weights(evidence.determined.size(), weight);
