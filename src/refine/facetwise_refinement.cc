@@ -12,6 +12,7 @@
 #include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
+#include "refine/remesh_for_images.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
@@ -67,14 +68,21 @@ class Refinement {
   }
 
  private:
-  // Subdivides and labels. The last drawings of the subdivision serve the
-  // labelling, and the energy's first Render().
+  // Gives the mesh facets of the size that the images call for, and labels
+  // them. The last drawings serve the labelling, and the energy's first
+  // Render().
   void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
-    Report(hooks_.progress, "Subdividing facets", 0);
-    const FacetVisibility visibility = SubdivideLargeFacets(
-        options_.max_face_area,
-        [this](const TriangleMesh& mesh) { return energy_->Drawings(mesh); },
-        &state->mesh, &state->attributes, &state->origins);
+    Report(hooks_.progress,
+           options_.remeshing ? "Remeshing" : "Subdividing facets", 0);
+    const auto draw = [this](const TriangleMesh& mesh) {
+      return energy_->Drawings(mesh);
+    };
+    const FacetVisibility visibility =
+        options_.remeshing
+            ? RemeshForImages(options_.max_face_area, level > 0, draw,
+                              &state->mesh, &state->attributes, &state->origins)
+            : SubdivideLargeFacets(options_.max_face_area, draw, &state->mesh,
+                                   &state->attributes, &state->origins);
     Report(hooks_.progress, "Labelling facets", 0);
     FacetLabeling labeling =
         LabelFacets(options_.labeling, state->mesh, state->attributes, pairs_,

@@ -37,9 +37,13 @@ struct FacetwiseRefinementOptions {
   // itself calls for (docs/method.md, section 6.5); 0 is none.
   double smoothness_weight = 1;
 
-  // Facets that cover more in two or more of the images that see them are
-  // subdivided before a level starts, px^2 of the level's images: facets of six
-  // pixels' edges, about as wide as a window.
+  // Remesh the surface before each level, so that its facets are well-shaped
+  // and as large as the images call for; else only large facets are subdivided.
+  bool remeshing = true;
+
+  // The area that facets get before a level starts, in the second of the images
+  // that show them largest, px^2 of the level's images: six pixels' edges,
+  // about as wide as a window. Without remeshing, what is larger is subdivided.
   double max_face_area = 16;
 
   // Partners of each view, those with which it shares the most points.
