@@ -42,9 +42,10 @@ struct FacetwiseRefinementOptions {
   bool remeshing = true;
 
   // The area that facets get before a level starts, in the second of the images
-  // that show them largest, px^2 of the level's images: six pixels' edges,
-  // about as wide as a window. Without remeshing, what is larger is subdivided.
-  double max_face_area = 16;
+  // that show them largest, px^2 of the level's images: edges of five pixels,
+  // as wide as a window. At coarse levels facets may stay smaller. Without
+  // remeshing, what is larger is subdivided.
+  double max_face_area = 10;
 
   // Partners of each view, those with which it shares the most points.
   int pairs_per_image = 4;

@@ -21,10 +21,10 @@ namespace {
 // Of an equilateral triangle.
 double EdgeOfArea(double area) { return std::sqrt(area * 4 / std::sqrt(3.0)); }
 
-// [V] the edge length with which the facets around a vertex would cover
-// max_area where the images show them largest; infinite where they are not
+// [V] the edge length with which the facets around a vertex would cover a
+// pixel's area where the images show them largest; infinite where they are not
 // seen. Scene units.
-std::vector<float> LengthsInImages(double max_area, const TriangleMesh& mesh,
+std::vector<float> LengthsOfPixels(const TriangleMesh& mesh,
                                    const std::vector<float>& areas) {
   std::vector<float> lengths(mesh.vertices.size(),
                              std::numeric_limits<float>::infinity());
@@ -35,8 +35,7 @@ std::vector<float> LengthsInImages(double max_area, const TriangleMesh& mesh,
                            .norm() /
                        2;
     if (areas[i] > 0 && area > 0) {
-      const auto length =
-          static_cast<float>(EdgeOfArea(max_area * area / areas[i]));
+      const auto length = static_cast<float>(EdgeOfArea(area / areas[i]));
       for (const uint32_t vertex : mesh.facets[i]) {
         lengths[vertex] = std::min(lengths[vertex], length);
       }
@@ -45,19 +44,19 @@ std::vector<float> LengthsInImages(double max_area, const TriangleMesh& mesh,
   return lengths;
 }
 
-std::vector<float> WantedLengths(double max_area, bool keeps_small,
+std::vector<float> WantedLengths(double min_area, double max_area,
                                  const TriangleMesh& mesh,
                                  const std::vector<float>& areas) {
   constexpr float kGradation = 0.3F;  // a choice
   constexpr float kUnseenFactor = 4;  // a choice
-  std::vector<float> lengths = LengthsInImages(max_area, mesh, areas);
+  std::vector<float> lengths = LengthsOfPixels(mesh, areas);
   const std::vector<float> present = MeanEdgeLengths(mesh);
   for (size_t i = 0; i < lengths.size(); ++i) {
-    const bool is_seen = std::isfinite(lengths[i]);
-    lengths[i] = std::min(
-        lengths[i], !is_seen      ? kUnseenFactor * present[i]
-                    : keeps_small ? present[i]
-                                  : std::numeric_limits<float>::infinity());
+    lengths[i] =
+        std::isfinite(lengths[i])
+            ? std::clamp(present[i], lengths[i] * std::sqrt(float(min_area)),
+                         lengths[i] * std::sqrt(float(max_area)))
+            : kUnseenFactor * present[i];
   }
   LimitGradation(mesh, kGradation, &lengths);
   return lengths;
@@ -65,7 +64,7 @@ std::vector<float> WantedLengths(double max_area, bool keeps_small,
 
 }  // namespace
 
-FacetVisibility RemeshForImages(double max_area, bool keeps_small,
+FacetVisibility RemeshForImages(double min_area, double max_area,
                                 const DrawMesh& draw, TriangleMesh* mesh,
                                 VertexAttributes* attributes,
                                 std::vector<Eigen::Vector3f>* origins) {
@@ -76,7 +75,7 @@ FacetVisibility RemeshForImages(double max_area, bool keeps_small,
   {
     const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
     lengths = WantedLengths(
-        max_area, keeps_small, *mesh,
+        min_area, max_area, *mesh,
         RefinableAreas(*mesh, drawings->Views(), FindVisibleFacets(*drawings)));
   }
   std::vector<float> tolerances = lengths;

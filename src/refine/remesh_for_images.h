@@ -22,7 +22,7 @@ namespace colmap_ext {
 // \param origins  [V] see RefinedMesh; new vertices get those between their
 //        facet's corners.
 // \return which views see the facets of the new mesh.
-FacetVisibility RemeshForImages(double max_area, bool keeps_small,
+FacetVisibility RemeshForImages(double min_area, double max_area,
                                 const DrawMesh& draw, TriangleMesh* mesh,
                                 VertexAttributes* attributes,
                                 std::vector<Eigen::Vector3f>* origins);
