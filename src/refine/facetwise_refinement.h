@@ -83,7 +83,7 @@ struct RefinementReport {
   std::vector<LabelingReport> labelings;  // one a level
   bool is_stopped = false;                // by RefinementHooks::should_stop
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
-                                   // facet
+                                   // facet or let two cross
   size_t num_unconverged_solutions = 0;  // of linear systems
   size_t num_flipped_facets = 0;         // against the surface they came from
   size_t num_self_intersections = 0;     // of the result, pairs of facets
