@@ -12,6 +12,7 @@
 #include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
+#include "repair/self_intersection_repair.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
@@ -36,6 +37,7 @@ class Refinement {
       views.push_back(ViewAtLevel(view, level));
     }
     energy_->SetLevel(level);
+    RemoveSelfIntersections(state);
     Prepare(level, views, state);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
@@ -63,10 +65,20 @@ class Refinement {
         refined.num_unconverged_solutions;
     state->report.num_flipped_facets +=
         CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
+    if (level == 0) {
+      RemoveSelfIntersections(state);
+    }
     return !refined.is_stopped;
   }
 
  private:
+  void RemoveSelfIntersections(RefinedMesh* state) {
+    Report(hooks_.progress, "Repairing self-intersections", 0);
+    const SelfIntersectionRepair repair = RepairSelfIntersections(&state->mesh);
+    state->report.num_removed_self_intersections +=
+        repair.num_before - repair.num_after;
+  }
+
   // Subdivides and labels. The last drawings of the subdivision serve the
   // labelling, and the energy's first Render().
   void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {

@@ -100,6 +100,7 @@ std::optional<std::vector<FacetPair>> GuardedMesh::FewerPairs(
     const std::vector<FacetPair>& old_pairs) {
   tree_.Extend(mesh_, facets);
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_, facets);
+  work_ += facets.size() + pairs.size();
   if (pairs.size() < old_pairs.size() &&
       std::includes(old_pairs.begin(), old_pairs.end(), pairs.begin(),
                     pairs.end())) {
@@ -137,32 +138,41 @@ bool GuardedMesh::TurnsOver(const Shape& before, const Shape& after) {
   return after.num_folded_edges > before.num_folded_edges;
 }
 
-std::optional<size_t> GuardedMesh::PairsAfter(const VertexTargets& targets) {
-  VertexTargets old = targets;
+std::optional<GuardedMesh::Change> GuardedMesh::Try(VertexTargets targets) {
+  Change change;
   const std::vector<uint32_t> facets = FacetsOf(targets.vertices);
-  const std::vector<FacetPair> old_pairs = PairsOf(facets);
+  change.old_pairs = PairsOf(facets);
   const Shape shape = ShapeOf(facets);
-  Swap(&old);
-  std::optional<size_t> result;
+  Swap(&targets);
   if (!TurnsOver(shape, ShapeOf(facets))) {
-    if (const auto pairs = FewerPairs(facets, old_pairs)) {
-      result = num_pairs_ - old_pairs.size() + pairs->size();
+    if (auto pairs = FewerPairs(facets, change.old_pairs)) {
+      change.new_pairs = std::move(*pairs);
+      return change;
     }
   }
+  Swap(&targets);
+  return std::nullopt;
+}
+
+std::optional<size_t> GuardedMesh::PairsAfter(const VertexTargets& targets) {
+  VertexTargets old = targets;
+  for (size_t i = 0; i < old.vertices.size(); ++i) {
+    old.positions[i] = mesh_.vertices[old.vertices[i]];
+  }
+  const std::optional<Change> change = Try(targets);
+  if (!change) {
+    return std::nullopt;
+  }
   Swap(&old);
-  return result;
+  return num_pairs_ - change->old_pairs.size() + change->new_pairs.size();
 }
 
 bool GuardedMesh::Move(const VertexTargets& targets) {
-  if (!PairsAfter(targets)) {
-    return false;
+  const std::optional<Change> change = Try(targets);
+  if (change) {
+    ReplacePairs(change->old_pairs, change->new_pairs);
   }
-  VertexTargets old = targets;
-  const std::vector<uint32_t> facets = FacetsOf(targets.vertices);
-  const std::vector<FacetPair> old_pairs = PairsOf(facets);
-  Swap(&old);
-  ReplacePairs(old_pairs, FindSelfIntersections(mesh_, tree_, facets));
-  return true;
+  return change.has_value();
 }
 
 bool GuardedMesh::Flip(uint32_t half) {

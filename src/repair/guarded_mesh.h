@@ -40,7 +40,15 @@ class GuardedMesh {
   const std::vector<uint32_t>& partners() const { return partners_; }
 
   std::vector<FacetPair> Pairs() const;
+
+  // Those that have one of the facets.
+  std::vector<FacetPair> PairsOf(const std::vector<uint32_t>& facets) const;
+
   size_t NumPairs() const { return num_pairs_; }
+
+  // The facets that were looked at so far for what they intersect, and the
+  // pairs found: a measure of time that is the same on every machine.
+  size_t Work() const { return work_; }
 
   // The number of pairs that a move would leave; nothing if it is not allowed.
   std::optional<size_t> PairsAfter(const VertexTargets& targets);
@@ -60,7 +68,6 @@ class GuardedMesh {
   using Partners = std::map<uint32_t, std::set<uint32_t>>;
 
   std::vector<uint32_t> FacetsOf(const std::vector<uint32_t>& vertices) const;
-  std::vector<FacetPair> PairsOf(const std::vector<uint32_t>& facets) const;
   void ReplacePairs(const std::vector<FacetPair>& old_pairs,
                     const std::vector<FacetPair>& new_pairs);
   void Swap(VertexTargets* targets);
@@ -69,6 +76,14 @@ class GuardedMesh {
   std::optional<std::vector<FacetPair>> FewerPairs(
       const std::vector<uint32_t>& facets,
       const std::vector<FacetPair>& old_pairs);
+
+  // Pairs of the facets that change.
+  struct Change {
+    std::vector<FacetPair> old_pairs, new_pairs;
+  };
+
+  // Moves the vertices, if it is allowed; the pairs are to be replaced then.
+  std::optional<Change> Try(VertexTargets targets);
 
   // Of the facets and their neighbors, at the present positions.
   struct Shape {
@@ -85,6 +100,7 @@ class GuardedMesh {
   FacetTree tree_;
   Partners crossing_;  // facets that intersect each facet
   size_t num_pairs_ = 0;
+  size_t work_ = 0;
 };
 
 }  // namespace colmap_ext

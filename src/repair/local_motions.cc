@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <unordered_map>
+#include <utility>
 
+#include "base/rows.h"
 #include "mesh/facet_normals.h"
 
 namespace colmap_ext {
@@ -10,40 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-
-// Positions of some vertices that change, of the others those of the mesh.
-class Positions {
- public:
-  Positions(const TriangleMesh& mesh, const std::vector<uint32_t>& vertices)
-      : mesh_(mesh), vertices_(vertices) {
-    for (const uint32_t vertex : vertices) {
-      values_.push_back(mesh.vertices[vertex].cast<double>());
-    }
-  }
-
-  Vector3d operator[](uint32_t vertex) const {
-    const auto place =
-        std::lower_bound(vertices_.begin(), vertices_.end(), vertex);
-    return place != vertices_.end() && *place == vertex
-               ? values_[place - vertices_.begin()]
-               : mesh_.vertices[vertex].cast<double>();
-  }
-
-  void Set(std::vector<Vector3d> values) { values_ = std::move(values); }
-
-  VertexTargets Targets() const {
-    VertexTargets targets{vertices_, {}};
-    for (const Vector3d& value : values_) {
-      targets.positions.emplace_back(value.cast<float>());
-    }
-    return targets;
-  }
-
- private:
-  const TriangleMesh& mesh_;
-  const std::vector<uint32_t>& vertices_;  // ascending
-  std::vector<Vector3d> values_;           // of these
-};
 
 // Whether an edge has one facet.
 bool IsBorderEdge(const TriangleMesh& mesh, const VertexRings& rings,
@@ -75,27 +44,45 @@ std::vector<uint32_t> Drawing(const TriangleMesh& mesh,
 
 VertexTargets Smoothed(const TriangleMesh& mesh, const VertexRings& rings,
                        const std::vector<uint32_t>& vertices, int num_rounds) {
-  std::vector<std::vector<uint32_t>> drawing;
+  // The vertices first, then those that stay and draw them.
+  std::vector<Vector3d> positions;
+  std::unordered_map<uint32_t, uint32_t> places;
+  const auto place_of = [&](uint32_t vertex) {
+    const auto [place, is_new] = places.try_emplace(vertex, positions.size());
+    if (is_new) {
+      positions.push_back(mesh.vertices[vertex].cast<double>());
+    }
+    return place->second;
+  };
   for (const uint32_t vertex : vertices) {
-    drawing.push_back(Drawing(mesh, rings, vertex));
+    place_of(vertex);
   }
-  Positions positions(mesh, vertices);
+  Rows<uint32_t> drawing;
+  for (const uint32_t vertex : vertices) {
+    for (const uint32_t neighbor : Drawing(mesh, rings, vertex)) {
+      drawing.values.push_back(place_of(neighbor));
+    }
+    drawing.EndRow();
+  }
+  std::vector<Vector3d> next = positions;
   for (int round = 0; round < num_rounds; ++round) {
-    std::vector<Vector3d> next;
     for (size_t i = 0; i < vertices.size(); ++i) {
-      const Vector3d position = positions[vertices[i]];
+      const auto row = drawing[i];
       Vector3d sum = Vector3d::Zero();
-      for (const uint32_t neighbor : drawing[i]) {
+      for (const uint32_t neighbor : row) {
         sum += positions[neighbor];
       }
-      next.push_back(
-          drawing[i].empty()
-              ? position
-              : Vector3d(0.5 * (position + sum / drawing[i].size())));
+      if (!row.empty()) {
+        next[i] = 0.5 * (positions[i] + sum / static_cast<double>(row.size()));
+      }
     }
-    positions.Set(std::move(next));
+    std::swap(positions, next);
   }
-  return positions.Targets();
+  VertexTargets targets{vertices, {}};
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    targets.positions.emplace_back(positions[i].cast<float>());
+  }
+  return targets;
 }
 
 VertexTargets Pushed(const TriangleMesh& mesh, const VertexRings& rings,

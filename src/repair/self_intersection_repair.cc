@@ -17,9 +17,19 @@ namespace {
 
 // Little first. Both are choices: a vertex that goes astray is back after a few
 // rounds of smoothing, a part of the surface takes more.
-constexpr int kSmoothingRounds[] = {1, 4, 16};
+constexpr int kSmoothingRounds[] = {1, 4, 16, 64};
 constexpr double kPushes[] = {0.01, 0.1, 0.5};  // of the edges' mean length
 
+// A choice: more pairs in one cluster are two surfaces that run through each
+// other, which no pair by itself tells how to part.
+constexpr size_t kMaxSinglePairs = 64;
+
+// Choices: of the work (GuardedMesh::Work), for each facet of the mesh, and
+// besides. Meshes with few self-intersections are far from it.
+constexpr size_t kMaxWorkPerFacet = 10;
+constexpr size_t kMaxWork = 100'000;
+
+// Changes the facets' surroundings as a whole.
 bool SmoothOrPush(const std::vector<uint32_t>& facets, int num_rings,
                   GuardedMesh* mesh) {
   const std::vector<uint32_t> vertices =
@@ -39,6 +49,22 @@ bool SmoothOrPush(const std::vector<uint32_t>& facets, int num_rings,
     }
   }
   return false;
+}
+
+// Changes the surroundings of each pair by itself.
+// \return whether a pair was removed
+bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
+                       GuardedMesh* mesh) {
+  if (pairs.size() > kMaxSinglePairs) {
+    return false;
+  }
+  const size_t num_pairs = mesh->NumPairs();
+  for (const FacetPair& pair : pairs) {
+    if (DoesPairIntersect(mesh->mesh(), pair)) {
+      SmoothOrPush({pair[0], pair[1]}, num_rings, mesh);
+    }
+  }
+  return mesh->NumPairs() < num_pairs;
 }
 
 // Flips edges of facets, such that no two flips of a round touch each other.
@@ -77,12 +103,15 @@ class EdgeFlips {
   std::unordered_set<uint32_t> touched_;  // vertices
 };
 
-// \return whether a pair was removed
-bool RunRound(int num_rings, GuardedMesh* mesh, size_t* num_flips) {
-  const size_t num_pairs = mesh->NumPairs();
+void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh,
+              size_t* num_flips) {
   std::vector<std::vector<uint32_t>> hard;
   for (auto& facets : CrossingClusters(mesh->mesh(), mesh->Pairs())) {
-    if (!SmoothOrPush(facets, num_rings, mesh)) {
+    if (mesh->Work() > max_work) {
+      break;
+    }
+    if (!SmoothOrPush(facets, num_rings, mesh) &&
+        !SmoothOrPushPairs(mesh->PairsOf(facets), num_rings, mesh)) {
       hard.push_back(std::move(facets));
     }
   }
@@ -94,7 +123,6 @@ bool RunRound(int num_rings, GuardedMesh* mesh, size_t* num_flips) {
   if (*num_flips > flips_before) {
     mesh->Update();
   }
-  return mesh->NumPairs() < num_pairs;
 }
 
 void MeasureMotion(const std::vector<Eigen::Vector3f>& before,
@@ -124,8 +152,11 @@ SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
   if (repair.num_before > 0) {
     SeparateCopies(&guarded);
   }
-  for (int round = 0; round < max_rounds && guarded.NumPairs() > 0; ++round) {
-    RunRound(round, &guarded, &repair.num_flipped_edges);
+  const size_t max_work = kMaxWork + kMaxWorkPerFacet * mesh->facets.size();
+  for (int round = 0; round < max_rounds && guarded.NumPairs() > 0 &&
+                      guarded.Work() <= max_work;
+       ++round) {
+    RunRound(round, max_work, &guarded, &repair.num_flipped_edges);
   }
   repair.num_after = guarded.NumPairs();
   MeasureMotion(mesh->vertices, guarded.mesh().vertices, &repair);

@@ -21,7 +21,8 @@ struct SelfIntersectionRepair {
 // (SeparateCopies). Then, in at most `max_rounds` rounds, the vertices of each
 // cluster of facets that intersect, and as many rings around them as there were
 // rounds, are smoothed a little or much, or pushed along their normals a little
-// or much, outwards or inwards, whichever is allowed first; if nothing is,
+// or much, outwards or inwards, whichever is allowed first. If nothing is, the
+// same is tried around each pair by itself where there are few, and at last
 // edges of the cluster are flipped. A change is allowed only if it removes
 // pairs, makes no new ones and turns no facet over (GuardedMesh). So the pairs
 // that remain are pairs of before, but for those of flipped edges.

@@ -63,10 +63,12 @@ std::vector<Vector3f> Ways(const GuardedMesh& mesh, uint32_t vertex) {
   return {to_mean, normal, -normal, -to_mean};
 }
 
-// The least power of two that changes a coordinate, as a share of a way.
+// A power of two, as a share of a way: about a rounding of the coordinates of
+// the vertex and its neighbors.
 float SmallestStep(const Vector3f& position, const Vector3f& way) {
   const float rounding =
-      std::numeric_limits<float>::epsilon() * position.cwiseAbs().maxCoeff();
+      std::numeric_limits<float>::epsilon() *
+      std::max(position.cwiseAbs().maxCoeff(), 4 * way.norm());
   float step = 1;
   while (step * way.norm() > rounding) {
     step /= 2;

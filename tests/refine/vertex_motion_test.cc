@@ -104,8 +104,8 @@ TEST(MoveSafely, StopsASpikeAtASheet) {
 TEST(MoveSafely, PinchesNoTube) {
   TriangleMesh mesh = MakeSheet(40, 12, false, true);
   for (Vector3f& vertex : mesh.vertices) {
-    const float angle = vertex.y() * std::numbers::pi_v<float> / 6;
-    vertex = {std::cos(angle), std::sin(angle), 0.25f * vertex.x()};
+    const float angle = vertex.x() * std::numbers::pi_v<float> / 6;
+    vertex = {std::cos(angle), std::sin(angle), 0.25f * vertex.y()};
   }
   const std::vector<Vector3f> normals =
       VertexNormals(mesh, MakeVertexRings(mesh));
