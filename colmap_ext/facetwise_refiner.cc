@@ -177,6 +177,8 @@ class Refiner {
     report.num_shortened_steps += earlier_.num_shortened_steps;
     report.num_unconverged_solutions += earlier_.num_unconverged_solutions;
     report.num_flipped_facets += earlier_.num_flipped_facets;
+    report.num_removed_self_intersections +=
+        earlier_.num_removed_self_intersections;
     return report;
   }
 

@@ -174,6 +174,8 @@ ResumeRecord ToRecord(const Json& json) {
   record.report.num_unconverged_solutions =
       Count<size_t>(json, "unconverged_solutions");
   record.report.num_flipped_facets = Count<size_t>(json, "flipped_facets");
+  record.report.num_removed_self_intersections =
+      Count<size_t>(json, "removed_self_intersections");
   for (const Json& labeling : List(json, "labelings")) {
     record.report.labelings.push_back(ToLabeling(labeling));
   }
@@ -198,6 +200,8 @@ std::string ResumeText(const ResumeRecord& record) {
   json["shortened_steps"] = record.report.num_shortened_steps;
   json["unconverged_solutions"] = record.report.num_unconverged_solutions;
   json["flipped_facets"] = record.report.num_flipped_facets;
+  json["removed_self_intersections"] =
+      record.report.num_removed_self_intersections;
   Json& labelings = json["labelings"] = Json::array();
   for (const LabelingReport& labeling : record.report.labelings) {
     labelings.push_back(ToJson(labeling));

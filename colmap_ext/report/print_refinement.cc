@@ -138,6 +138,8 @@ void PrintReport(const RefinementReport& report, const MeshReport& mesh,
   PrintCount("border edges", mesh.num_border_edges, stream);
   Print("genus", mesh.genus, stream);
   PrintCount("flipped faces", report.num_flipped_facets, stream);
+  PrintIfAny("self-intersections removed",
+             report.num_removed_self_intersections, stream);
   PrintCount("self-intersections", report.num_self_intersections, stream);
 }
 

@@ -94,6 +94,10 @@ void PrintMesh(const ManifoldMeshingReport& report, std::ostream& stream) {
   PrintIfAny("small components dropped", report.small_components.num_components,
              stream);
   PrintIfAny("  their faces", report.small_components.num_facets, stream);
+  const SelfIntersectionRepair& repair = report.self_intersections;
+  PrintIfAny("self-intersections removed", repair.num_before - repair.num_after,
+             stream);
+  PrintIfAny("self-intersections left", repair.num_after, stream);
   Print("faces", static_cast<int64_t>(report.mesh.num_facets), stream);
   Print("vertices", static_cast<int64_t>(report.mesh.num_vertices), stream);
   Print("components", static_cast<int64_t>(report.mesh.num_components), stream);

@@ -32,10 +32,13 @@ Vector3d Unit(const Vector3d& vector) {
 std::vector<Vector3f> FacetNormals(const TriangleMesh& mesh) {
   std::vector<Vector3f> normals(mesh.facets.size());
   tbb::parallel_for(size_t{0}, normals.size(), [&](size_t facet) {
-    normals[facet] =
-        Unit(AreaVector(mesh.vertices, mesh.facets[facet])).cast<float>();
+    normals[facet] = FacetNormal(mesh, facet);
   });
   return normals;
+}
+
+Vector3f FacetNormal(const TriangleMesh& mesh, size_t facet) {
+  return Unit(AreaVector(mesh.vertices, mesh.facets[facet])).cast<float>();
 }
 
 size_t CountFlippedFacets(const std::vector<Facet>& facets,

@@ -14,6 +14,10 @@ namespace colmap_ext {
 // \pre facet indices are in range
 std::vector<Eigen::Vector3f> FacetNormals(const TriangleMesh& mesh);
 
+// Returns one of them.
+// \pre facet < F, its indices are in range
+Eigen::Vector3f FacetNormal(const TriangleMesh& mesh, size_t facet);
+
 // Counts the facets whose normals turn by more than a right angle from one set
 // of positions to another. Facets without area do not count.
 // \param before, after  [V] scene units

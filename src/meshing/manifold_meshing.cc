@@ -198,6 +198,8 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   result.attributes = InheritAttributes(
       surface.mesh, cloud, PointsOf(surface.sources, thinned.vertex_points));
   result.mesh = std::move(surface.mesh);
+  Report(progress, "Repairing self-intersections", 0);
+  report.self_intersections = RepairSelfIntersections(&result.mesh);
   Report(progress, "Checking the mesh", 0);
   report.mesh = Analyze(result.mesh);
   if (!report.mesh.IsManifold()) {

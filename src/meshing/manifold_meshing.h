@@ -11,6 +11,7 @@
 #include "mesh/triangle_mesh.h"
 #include "meshing/inherit_attributes.h"
 #include "meshing/manifold_fixing.h"
+#include "repair/self_intersection_repair.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
@@ -97,6 +98,7 @@ struct ManifoldMeshingReport {
   size_t num_midpoints = 0;       // put into edges that the split leaves shared
   size_t num_long_facets = 0;     // dropped
   DroppedComponents small_components;
+  SelfIntersectionRepair self_intersections;
 
   MeshReport mesh;  // the gate's
 };
@@ -109,7 +111,8 @@ struct ManifoldMesh {
 
 // The 2-manifold surface between what the views see through and what they do
 // not: Delaunay tetrahedralization, visibility votes, minimum cut, fixing of
-// singular vertices, surface, filters [Romanoni2020, section IV; Labatut2009].
+// singular vertices, surface, filters [Romanoni2020, section IV; Labatut2009],
+// repair of self-intersections, which copies of a vertex at one position make.
 // The result does not depend on the number of threads.
 //
 // \pre all positions are finite, view indices < views.size(), options checked.

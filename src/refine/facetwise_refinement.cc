@@ -13,6 +13,7 @@
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
 #include "refine/remesh_for_images.h"
+#include "repair/self_intersection_repair.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
@@ -37,6 +38,7 @@ class Refinement {
       views.push_back(ViewAtLevel(view, level));
     }
     energy_->SetLevel(level);
+    RemoveSelfIntersections(state);
     Prepare(level, views, state);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
@@ -64,10 +66,20 @@ class Refinement {
         refined.num_unconverged_solutions;
     state->report.num_flipped_facets +=
         CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
+    if (level == 0) {
+      RemoveSelfIntersections(state);
+    }
     return !refined.is_stopped;
   }
 
  private:
+  void RemoveSelfIntersections(RefinedMesh* state) {
+    Report(hooks_.progress, "Repairing self-intersections", 0);
+    const SelfIntersectionRepair repair = RepairSelfIntersections(&state->mesh);
+    state->report.num_removed_self_intersections +=
+        repair.num_before - repair.num_after;
+  }
+
   // Gives the mesh facets of the size that the images call for, and labels
   // them. The last drawings serve the labelling, and the energy's first
   // Render().

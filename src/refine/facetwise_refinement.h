@@ -88,10 +88,12 @@ struct RefinementReport {
   std::vector<LabelingReport> labelings;  // one a level
   bool is_stopped = false;                // by RefinementHooks::should_stop
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
-                                   // facet
+                                   // facet or let two cross
   size_t num_unconverged_solutions = 0;  // of linear systems
   size_t num_flipped_facets = 0;         // against the surface they came from
-  size_t num_self_intersections = 0;     // of the result, pairs of facets
+  size_t num_removed_self_intersections = 0;  // pairs of facets, of the input
+                                              // and between levels
+  size_t num_self_intersections = 0;          // of the result
 };
 
 // What a refinement starts from: the input, or what a complete level left.
@@ -134,6 +136,7 @@ struct RefinementHooks {
 // section 7]: at each level of the images, coarse to fine, facets are
 // subdivided, each gets the pairs of views that see it best, and the vertices
 // move so that what the two views of a pair show on its facets looks alike.
+// Self-intersections are repaired before each level, and after the last one.
 //
 // \param points  whose views tell which views have most in common.
 // \pre options checked

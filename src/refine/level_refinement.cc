@@ -12,6 +12,7 @@
 #include "refine/smoothness_model.h"
 #include "refine/vertex_motion.h"
 #include "refine/vertex_pixels.h"
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 
@@ -26,6 +27,7 @@ struct Stage {
   const FacetLabels& labels;
   SmoothnessDomain domain;
   PhotometricEnergy* energy = nullptr;
+  FacetTree* tree = nullptr;  // of the mesh's facets
   const OnLevelStep& on_step;
 };
 
@@ -136,8 +138,9 @@ double Step(const Stage& stage, State* state) {
   std::vector<double> motion = SolveForMotion(stage, state);
   LimitMotion(state->surface.mesh, domain.rings, domain.footprints, &motion);
   for (int trial = 0; trial < kMaxTrials; ++trial) {
-    MovedMesh moved = MoveWithoutFlips(
-        state->surface.mesh, state->surface.normals, std::move(motion));
+    MovedMesh moved =
+        MoveSafely(state->surface.mesh, domain.rings, state->surface.normals,
+                   std::move(motion), stage.tree);
     state->num_shortened_steps +=
         std::count(moved.is_shortened.begin(), moved.is_shortened.end(), 1);
     motion = std::move(moved.motion);
@@ -225,7 +228,7 @@ State FinishByAllLabels(const RefinementLevel& level, Stage stage,
   constexpr int kFinalIterations = 2;
   Stage final_stage{stage.options,    stage.level,  true,
                     kFinalIterations, level.labels, std::move(stage.domain),
-                    stage.energy,     stage.on_step};
+                    stage.energy,     stage.tree,   stage.on_step};
   SmoothnessDomain& domain = final_stage.domain;
   state.surface = DrawSurface(std::move(state.surface.mesh), domain.rings,
                               level.labels, stage.energy);
@@ -251,12 +254,14 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
   const FacetLabels few_labels = level.labels.First(
       is_classical ? SIZE_MAX : options.labeling.pairs_per_facet);
   VertexRings rings = MakeVertexRings(mesh);
+  FacetTree tree(mesh);
   State state;
   state.surface = DrawSurface(std::move(mesh), rings, few_labels, energy);
   Stage stage{options,    level.level,
               false,      options.iterations,
               few_labels, MakeDomain(level, state.surface, std::move(rings)),
-              energy,     on_step};
+              energy,     &tree,
+              on_step};
   state.smoothness =
       MakeSmoothnessModel(FirstTarget(stage.domain, state.surface.mesh,
                                       kFirstWeight * options.smoothness_weight),

@@ -26,6 +26,7 @@ struct RefinedLevel {
   TriangleMesh mesh;
   bool is_stopped = false;               // by on_step
   size_t num_shortened_steps = 0;        // of vertices, to turn no facet over
+                                         // and to let none cross
   size_t num_unconverged_solutions = 0;  // of linear systems
 };
 
@@ -37,7 +38,8 @@ using OnLevelStep =
 // Moves a mesh's vertices along their normals, so that the energy, photometric
 // and smoothness, falls (docs/method.md, sections 6 and 7.3). Each step is
 // Gauss-Newton's (or each vertex's by itself), limited to a part of the edges'
-// lengths and a pixel, shortened where it would turn a facet over, and halved
+// lengths and a pixel, shortened where it would turn a facet over or
+// let two cross, and halved
 // until the energy falls. It ends after options.iterations steps, or when a
 // step gains next to nothing.
 //

@@ -13,6 +13,7 @@
 #include "remesh/carry_attributes.h"
 #include "remesh/edge_length_field.h"
 #include "remesh/isotropic_remeshing.h"
+#include "repair/self_intersection_repair.h"
 
 namespace colmap_ext {
 
@@ -83,6 +84,7 @@ FacetVisibility RemeshForImages(double min_area, double max_area,
     tolerance *= kTolerance;
   }
   RemeshedSurface remeshed = RemeshIsotropically(*mesh, lengths, tolerances);
+  RepairSelfIntersections(&remeshed.mesh);
   std::vector<Eigen::Vector3f> new_origins;
   for (const SurfacePoint& source : remeshed.sources) {
     new_origins.push_back(ValueAt(source, *mesh, *origins));

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/facet_normals.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
@@ -16,21 +17,129 @@ constexpr double kMaxEdgeShare = 0.4;  // of the edges' mean length
 constexpr float kMinCosine = 0.5F;     // between a facet's old and new normal
 constexpr int kMaxHalvings = 4;        // 1/16 of a motion is next to none
 
-// The vertices that move and belong to a facet that turned too far: [V].
-std::vector<uint8_t> VerticesOfTurnedFacets(
-    const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& before,
-    const std::vector<Eigen::Vector3f>& after,
-    const std::vector<double>& motion) {
-  std::vector<uint8_t> is_turned(mesh.vertices.size(), 0);
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    if (before[i].dot(after[i]) < kMinCosine * before[i].squaredNorm()) {
-      for (const uint32_t vertex : mesh.facets[i]) {
-        is_turned[vertex] = motion[vertex] != 0;
+// A motion that is shortened until it is safe.
+class SafeMotion {
+ public:
+  SafeMotion(const TriangleMesh& mesh, const VertexRings& rings,
+             const std::vector<Eigen::Vector3f>& normals,
+             std::vector<double> motion)
+      : mesh_(mesh),
+        rings_(rings),
+        normals_(normals),
+        facet_normals_(FacetNormals(mesh)),
+        num_halvings_(mesh.vertices.size(), 0),
+        moved_{mesh, std::move(motion),
+               std::vector<uint8_t>(mesh.vertices.size(), 0)} {
+    tbb::parallel_for(size_t{0}, mesh.vertices.size(),
+                      [&](size_t vertex) { Place(vertex); });
+  }
+
+  MovedMesh Run(FacetTree* tree) {
+    std::vector<uint32_t> facets = ShortenTurned(TurnedFacets());
+    // What is turned no more may still cross; what no more crosses may turn.
+    tree->Enclose(mesh_, moved_.mesh);
+    facets = ShortenCrossing(FindSelfIntersections(moved_.mesh, *tree));
+    while (!facets.empty()) {
+      const std::vector<uint32_t> also = ShortenTurned(facets);
+      facets.insert(facets.end(), also.begin(), also.end());
+      SortUnique(&facets);
+      facets =
+          ShortenCrossing(FindSelfIntersections(moved_.mesh, *tree, facets));
+    }
+    return std::move(moved_);
+  }
+
+ private:
+  static void SortUnique(std::vector<uint32_t>* values) {
+    std::sort(values->begin(), values->end());
+    values->erase(std::unique(values->begin(), values->end()), values->end());
+  }
+
+  void Place(size_t vertex) {
+    moved_.mesh.vertices[vertex] =
+        mesh_.vertices[vertex] +
+        static_cast<float>(moved_.motion[vertex]) * normals_[vertex];
+  }
+
+  bool IsTurned(uint32_t facet) const {
+    const Eigen::Vector3f& before = facet_normals_[facet];
+    return before.dot(FacetNormal(moved_.mesh, facet)) <
+           kMinCosine * before.squaredNorm();
+  }
+
+  std::vector<uint32_t> TurnedFacets() const {
+    std::vector<uint8_t> is_turned(mesh_.facets.size());
+    tbb::parallel_for(size_t{0}, is_turned.size(), [&](size_t facet) {
+      is_turned[facet] = IsTurned(static_cast<uint32_t>(facet)) ? 1 : 0;
+    });
+    std::vector<uint32_t> turned;
+    for (uint32_t facet = 0; facet < is_turned.size(); ++facet) {
+      if (is_turned[facet] != 0) {
+        turned.push_back(facet);
       }
     }
+    return turned;
   }
-  return is_turned;
-}
+
+  // Shortens the motion of the facets' vertices.
+  // \return the facets whose positions change, ascending
+  std::vector<uint32_t> Shorten(const std::vector<uint32_t>& facets) {
+    std::vector<uint32_t> vertices;
+    for (const uint32_t facet : facets) {
+      for (const uint32_t vertex : mesh_.facets[facet]) {
+        if (moved_.motion[vertex] != 0) {
+          vertices.push_back(vertex);
+        }
+      }
+    }
+    SortUnique(&vertices);
+    std::vector<uint32_t> changed;
+    for (const uint32_t vertex : vertices) {
+      moved_.motion[vertex] *= num_halvings_[vertex] < kMaxHalvings ? 0.5 : 0;
+      ++num_halvings_[vertex];
+      moved_.is_shortened[vertex] = 1;
+      Place(vertex);
+      for (const uint32_t corner : rings_.corners[vertex]) {
+        changed.push_back(corner / 3);
+      }
+    }
+    SortUnique(&changed);
+    return changed;
+  }
+
+  // Until none of the given facets, and of those that change, is turned.
+  // \return the facets whose positions change
+  std::vector<uint32_t> ShortenTurned(std::vector<uint32_t> facets) {
+    std::vector<uint32_t> all;
+    while (true) {
+      std::erase_if(facets, [&](uint32_t facet) { return !IsTurned(facet); });
+      facets = Shorten(facets);
+      if (facets.empty()) {
+        return all;
+      }
+      all.insert(all.end(), facets.begin(), facets.end());
+    }
+  }
+
+  // Once, where a pair does not intersect in the mesh before the step.
+  // \return the facets whose positions change
+  std::vector<uint32_t> ShortenCrossing(const std::vector<FacetPair>& pairs) {
+    std::vector<uint32_t> facets;
+    for (const FacetPair& pair : pairs) {
+      if (!DoesPairIntersect(mesh_, pair)) {
+        facets.insert(facets.end(), pair.begin(), pair.end());
+      }
+    }
+    return Shorten(facets);
+  }
+
+  const TriangleMesh& mesh_;
+  const VertexRings& rings_;
+  const std::vector<Eigen::Vector3f>& normals_;
+  std::vector<Eigen::Vector3f> facet_normals_;  // [F] before the step
+  std::vector<uint8_t> num_halvings_;           // [V]
+  MovedMesh moved_;
+};
 
 }  // namespace
 
@@ -51,29 +160,10 @@ void LimitMotion(const TriangleMesh& mesh, const VertexRings& rings,
   });
 }
 
-MovedMesh MoveWithoutFlips(const TriangleMesh& mesh,
-                           const std::vector<Eigen::Vector3f>& normals,
-                           std::vector<double> motion) {
-  const std::vector<Eigen::Vector3f> before = FacetNormals(mesh);
-  MovedMesh moved{mesh, std::move(motion),
-                  std::vector<uint8_t>(mesh.vertices.size(), 0)};
-  for (int halving = 0;; ++halving) {
-    tbb::parallel_for(size_t{0}, mesh.vertices.size(), [&](size_t i) {
-      moved.mesh.vertices[i] =
-          mesh.vertices[i] + static_cast<float>(moved.motion[i]) * normals[i];
-    });
-    const std::vector<uint8_t> is_turned = VerticesOfTurnedFacets(
-        mesh, before, FacetNormals(moved.mesh), moved.motion);
-    if (std::find(is_turned.begin(), is_turned.end(), 1) == is_turned.end()) {
-      return moved;
-    }
-    for (size_t i = 0; i < is_turned.size(); ++i) {
-      if (is_turned[i] != 0) {
-        moved.motion[i] *= halving < kMaxHalvings ? 0.5 : 0.0;
-        moved.is_shortened[i] = 1;
-      }
-    }
-  }
+MovedMesh MoveSafely(const TriangleMesh& mesh, const VertexRings& rings,
+                     const std::vector<Eigen::Vector3f>& normals,
+                     std::vector<double> motion, FacetTree* tree) {
+  return SafeMotion(mesh, rings, normals, std::move(motion)).Run(tree);
 }
 
 double MeanMotion(const std::vector<double>& motion,

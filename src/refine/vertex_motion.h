@@ -5,6 +5,7 @@
 
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_rings.h"
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 
@@ -24,12 +25,16 @@ struct MovedMesh {
 };
 
 // Moves the vertices along their normals. Those of facets that would turn by
-// more than 60 degrees go half as far, up to four times, then not at all.
+// more than 60 degrees, or that would intersect (FindSelfIntersections) and do
+// not so far, go half as far, up to four times, then not at all. So the result
+// has no self-intersection that the mesh does not have.
+// \param rings  MakeVertexRings(mesh)
 // \param normals  [V] unit
 // \param motion  [V] scene units
-MovedMesh MoveWithoutFlips(const TriangleMesh& mesh,
-                           const std::vector<Eigen::Vector3f>& normals,
-                           std::vector<double> motion);
+// \param tree  of the mesh's facets; its boxes change
+MovedMesh MoveSafely(const TriangleMesh& mesh, const VertexRings& rings,
+                     const std::vector<Eigen::Vector3f>& normals,
+                     std::vector<double> motion, FacetTree* tree);
 
 // The mean of the vertices' motion, px.
 double MeanMotion(const std::vector<double>& motion,

@@ -15,8 +15,18 @@ constexpr size_t kMinParallelLeaves = 256;  // of a part that is sorted in tasks
 
 }  // namespace
 
+Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet) {
+  Eigen::AlignedBox3f box;
+  for (const uint32_t vertex : mesh.facets[facet]) {
+    box.extend(mesh.vertices[vertex]);
+  }
+  return box;
+}
+
 FacetTree::FacetTree(const TriangleMesh& mesh)
-    : facets_(mesh.facets.size()), boxes_(mesh.facets.size()) {
+    : facets_(mesh.facets.size()),
+      boxes_(mesh.facets.size()),
+      places_(mesh.facets.size()) {
   size_t num_leaves = 1;
   while (num_leaves * kMaxLeafFacets < mesh.facets.size()) {
     num_leaves *= 2;
@@ -24,16 +34,37 @@ FacetTree::FacetTree(const TriangleMesh& mesh)
   nodes_.resize(2 * num_leaves - 1);
   std::vector<Box> boxes(mesh.facets.size());
   tbb::parallel_for(size_t{0}, boxes.size(), [&](size_t facet) {
-    for (const uint32_t vertex : mesh.facets[facet]) {
-      boxes[facet].extend(mesh.vertices[vertex]);
-    }
+    boxes[facet] = BoxOf(mesh, static_cast<uint32_t>(facet));
   });
   std::iota(facets_.begin(), facets_.end(), 0);
   Sort(0, num_leaves, boxes);
   for (size_t i = 0; i < boxes_.size(); ++i) {
     boxes_[i] = boxes[facets_[i]];
+    places_[facets_[i]] = static_cast<uint32_t>(i);
   }
   FillNodes();
+}
+
+void FacetTree::Enclose(const TriangleMesh& from, const TriangleMesh& to) {
+  tbb::parallel_for(size_t{0}, boxes_.size(), [&](size_t i) {
+    boxes_[i] = BoxOf(from, facets_[i]).merged(BoxOf(to, facets_[i]));
+  });
+  FillNodes();
+}
+
+void FacetTree::Extend(const TriangleMesh& mesh,
+                       const std::vector<uint32_t>& facets) {
+  for (const uint32_t facet : facets) {
+    const Box box = BoxOf(mesh, facet);
+    const size_t place = places_[facet];
+    boxes_[place].extend(box);
+    size_t node = NumLeaves() - 1 + LeafOf(place);
+    nodes_[node].extend(box);
+    while (node > 0) {
+      node = (node - 1) / 2;
+      nodes_[node].extend(box);
+    }
+  }
 }
 
 // Halves the facets along the longest extent of their boxes' centres.
@@ -69,6 +100,7 @@ void FacetTree::Sort(size_t first_leaf, size_t last_leaf,
 
 void FacetTree::FillNodes() {
   for (size_t leaf = 0; leaf < NumLeaves(); ++leaf) {
+    nodes_[NumLeaves() - 1 + leaf].setEmpty();
     for (size_t i = First(leaf); i < First(leaf + 1); ++i) {
       nodes_[NumLeaves() - 1 + leaf].extend(boxes_[i]);
     }

@@ -10,15 +10,32 @@
 
 namespace colmap_ext {
 
+// The bounding box of a facet.
+// \pre its indices are in range
+Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet);
+
 // A balanced tree of bounding boxes over the facets of a mesh, to find facets
 // whose boxes meet. A heap: node i has the children 2 i + 1 and 2 i + 2; the
 // leaves hold equal shares of the facets.
+//
+// As vertices move, the boxes can follow. The order of the facets stays, so
+// that a tree stays quick as long as they move little.
 class FacetTree {
  public:
   using Box = Eigen::AlignedBox3f;
 
   // \pre facet indices are in range, the facets' vertices are finite
   explicit FacetTree(const TriangleMesh& mesh);
+
+  // Sets the boxes to those of the facets at two sets of positions, and of all
+  // positions on the straight ways between them.
+  // \pre both meshes have the facets of the tree's mesh, and finite vertices
+  void Enclose(const TriangleMesh& from, const TriangleMesh& to);
+
+  // Extends the boxes of the given facets to the positions that they have.
+  // \param facets  indices
+  // \pre as above
+  void Extend(const TriangleMesh& mesh, const std::vector<uint32_t>& facets);
 
   size_t NumLeaves() const { return (nodes_.size() + 1) / 2; }
 
@@ -43,10 +60,28 @@ class FacetTree {
     });
   }
 
+  // Calls function(facet) once for each facet whose box meets the given one.
+  template <typename Function>
+  void ForEachNear(const Box& box, const Function& function) const {
+    ForEachLeafIn(0, 0, NumLeaves(), box, [&](size_t leaf) {
+      const size_t last = First(leaf + 1);
+      for (size_t i = First(leaf); i < last; ++i) {
+        if (boxes_[i].intersects(box)) {
+          function(facets_[i]);
+        }
+      }
+    });
+  }
+
  private:
   // The first facet of a leaf, in the order of the leaves.
   size_t First(size_t leaf) const {
     return leaf * facets_.size() / NumLeaves();
+  }
+
+  // The leaf that holds a place: the last one whose first place is not beyond.
+  size_t LeafOf(size_t place) const {
+    return ((place + 1) * NumLeaves() - 1) / facets_.size();
   }
 
   void Sort(size_t first_leaf, size_t last_leaf, const std::vector<Box>& boxes);
@@ -70,9 +105,27 @@ class FacetTree {
     ForEachIn(2 * node + 2, middle, last, leaf, function);
   }
 
+  // Calls function(leaf) for the leaves whose boxes meet the given one, within
+  // a node that holds [first, last).
+  template <typename Function>
+  void ForEachLeafIn(size_t node, size_t first, size_t last, const Box& box,
+                     const Function& function) const {
+    if (!nodes_[node].intersects(box)) {
+      return;
+    }
+    if (last - first == 1) {
+      function(first);
+      return;
+    }
+    const size_t middle = first + (last - first) / 2;
+    ForEachLeafIn(2 * node + 1, first, middle, box, function);
+    ForEachLeafIn(2 * node + 2, middle, last, box, function);
+  }
+
   std::vector<Box> nodes_;        // a power of two of leaves, the last ones
   std::vector<uint32_t> facets_;  // [F], in the order of the leaves
   std::vector<Box> boxes_;        // [F], in the order of the leaves
+  std::vector<uint32_t> places_;  // [F] where in facets_ each facet stands
 };
 
 }  // namespace colmap_ext

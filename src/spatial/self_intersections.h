@@ -5,23 +5,37 @@
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 
-// Returns the pairs of facets that intersect, the lower index first, ascending.
+// Two facets, the lower index first.
+using FacetPair = std::array<uint32_t, 2>;
+
+// Whether a pair intersects: FacetsIntersect(), or of a facet with itself,
+// whether its corners lie on one line.
+// \pre as FindSelfIntersections
+bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair);
+
+// Returns the pairs of facets that intersect, ascending: those that meet in
+// more than what they share by index (FacetsIntersect), and each facet whose
+// corners lie on one line, paired with itself. The count is CGAL's.
 //
-// Two facets intersect if an edge of one has its ends strictly on both sides of
-// the other's plane and passes through the other or its border. Of facets that
-// share a vertex, edges that end there are left out. Not found are
-// - facets that share an edge, which could only be folded onto each other,
-// - overlaps within one plane,
-// - corners that touch the other facet from one side.
-//
-// Determinants are doubles; one whose rounding leaves the sign open counts as
-// zero.
-//
-// \pre facet indices are in range, vertices are finite
-std::vector<std::array<uint32_t, 2>> FindSelfIntersections(
-    const TriangleMesh& mesh);
+// \pre facet indices are in range, no facet repeats a vertex, vertices are
+//      finite
+std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh);
+
+// The same, by a tree that is there already.
+// \pre the tree is of this mesh's facets and encloses its positions
+std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
+                                             const FacetTree& tree);
+
+// Returns those of the pairs that have one of the chosen facets at least. Takes
+// time in proportion to their number.
+// \param facets  indices, each once
+// \pre the tree is of this mesh's facets and encloses its positions
+std::vector<FacetPair> FindSelfIntersections(
+    const TriangleMesh& mesh, const FacetTree& tree,
+    const std::vector<uint32_t>& facets);
 
 }  // namespace colmap_ext

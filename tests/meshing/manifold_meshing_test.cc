@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "scene/look_at.h"
+#include "spatial/self_intersections.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 
@@ -239,6 +240,8 @@ TEST(MeshManifold, ReportsWhatItDid) {
     EXPECT_EQ(result.attributes.views.offsets.back(),
               result.attributes.views.values.size());
     EXPECT_GT(report.num_long_facets, 0u);  // of the room
+    EXPECT_EQ(report.self_intersections.num_after, 0u);
+    EXPECT_TRUE(FindSelfIntersections(result.mesh).empty());
   }
 }
 
@@ -396,6 +399,8 @@ TEST(MeshManifold, NeverCrashes) {
               MeshManifold(options, SeenCloud(points), views);
           EXPECT_TRUE(HasManifoldLinks(result.mesh));
           EXPECT_FALSE(result.mesh.facets.empty());
+          EXPECT_EQ(FindSelfIntersections(result.mesh).size(),
+                    result.report.self_intersections.num_after);
           ++num_meshes;
         } catch (const std::invalid_argument& error) {
           EXPECT_STRNE(error.what(), "");

@@ -9,7 +9,9 @@
 #include "photometry/cpu_photometric_energy.h"
 #include "refine/facetwise_refinement.h"
 #include "spatial/bvh.h"
+#include "spatial/self_intersections.h"
 #include "tests/mesh/same_topology.h"
+#include "tests/random.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"
 
@@ -135,6 +137,26 @@ TEST(RefineFacetwise, KeepsTheTopology) {
     num_facets = refined.mesh.facets.size();  // more without remeshing
   }
   EXPECT_GT(num_facets, mesh.facets.size());
+}
+
+// Those of the input are repaired where they can be, and no new ones made.
+TEST(RefineFacetwise, MakesNoSelfIntersections) {
+  TriangleMesh mesh = PerturbedTruth();
+  Random random(1);
+  for (int i = 0; i < 20; ++i) {  // spikes
+    const uint32_t vertex =
+        random.Below(static_cast<uint32_t>(mesh.vertices.size()));
+    mesh.vertices[vertex] *= 0.7f;
+  }
+  const size_t num_before = FindSelfIntersections(mesh).size();
+  EXPECT_GT(num_before, 0u);
+  const RefinedMesh refined =
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1});
+  const RefinementReport& report = refined.report;
+  EXPECT_EQ(FindSelfIntersections(refined.mesh).size(),
+            report.num_self_intersections);
+  EXPECT_GT(report.num_removed_self_intersections, 0u);
+  EXPECT_LT(10 * report.num_self_intersections, num_before);
 }
 
 TEST(RefineFacetwise, LowersTheEnergyFromStepToStep) {

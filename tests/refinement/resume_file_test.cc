@@ -20,6 +20,7 @@ ResumeRecord MakeRecord() {
   record.report.num_shortened_steps = size_t{1} << 60;
   record.report.num_unconverged_solutions = 5;
   record.report.num_flipped_facets = 7;
+  record.report.num_removed_self_intersections = 11;
   record.report.labelings = {{2, 9, 1, 0.1, 1e-300, -kInfinity}};
   record.report.steps.resize(2);
   record.report.steps[0].level = 2;
@@ -63,6 +64,7 @@ TEST(ResumeFileTest, ReadsNumbersBackAsTheyWere) {
   EXPECT_EQ(read.report.num_shortened_steps, size_t{1} << 60);
   EXPECT_EQ(read.report.num_unconverged_solutions, 5);
   EXPECT_EQ(read.report.num_flipped_facets, 7);
+  EXPECT_EQ(read.report.num_removed_self_intersections, 11);
   ASSERT_EQ(read.report.labelings.size(), 1);
   const LabelingReport& labeling = read.report.labelings[0];
   EXPECT_EQ(labeling.num_pairs, 9);

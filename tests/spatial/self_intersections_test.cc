@@ -1,13 +1,15 @@
 #include "spatial/self_intersections.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 
+#include "tests/delaunay/exact.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/random_soup.h"
 #include "tests/mesh/shapes.h"
@@ -15,54 +17,147 @@
 namespace colmap_ext {
 namespace {
 
-using Eigen::Vector3d;
 using Eigen::Vector3f;
-using Pairs = std::vector<std::array<uint32_t, 2>>;
+using Pairs = std::vector<FacetPair>;
 
-// Whether the open segment meets the inside of a facet, by the solution of
-// p + t (q - p) = a + x (b - a) + y (c - a).
-bool Meets(const TriangleMesh& mesh, uint32_t p, uint32_t q,
-           const Facet& facet) {
-  const Vector3d a = mesh.vertices[facet[0]].cast<double>();
-  const Vector3d from = mesh.vertices[p].cast<double>();
-  Eigen::Matrix3d matrix;
-  matrix.col(0) = from - mesh.vertices[q].cast<double>();
-  matrix.col(1) = mesh.vertices[facet[1]].cast<double>() - a;
-  matrix.col(2) = mesh.vertices[facet[2]].cast<double>() - a;
-  const Vector3d x = matrix.fullPivLu().solve(from - a);
-  return x.minCoeff() > 0 && x[0] < 1 && x[1] + x[2] < 1;
+// Points with integer coordinates.
+using Points = std::vector<IntVector>;
+
+Points PointsOf(const TriangleMesh& mesh, const std::vector<uint32_t>& ids) {
+  Points points;
+  for (const uint32_t vertex : ids) {
+    points.push_back(ToIntegers(mesh.vertices[vertex]));
+  }
+  return points;
 }
 
-bool Pierces(const TriangleMesh& mesh, const Facet& first,
-             const Facet& second) {
-  const std::set<uint32_t> corners(second.begin(), second.end());
-  for (int k = 0; k < 3; ++k) {
-    const uint32_t p = first[k];
-    const uint32_t q = first[(k + 1) % 3];
-    if (!corners.contains(p) && !corners.contains(q) &&
-        Meets(mesh, p, q, second)) {
-      return true;
+// The sides of a polygon, or a segment.
+Points SidesOf(const Points& points) {
+  Points sides;
+  for (size_t i = 0; i < points.size(); ++i) {
+    sides.push_back(points[(i + 1) % points.size()] - points[i]);
+  }
+  return sides;
+}
+
+bool IsSeparatedAlong(const IntVector& axis, const Points& a, const Points& b) {
+  const auto range = [&](const Points& points) {
+    std::set<int64_t> heights;
+    for (const IntVector& point : points) {
+      heights.insert(axis.dot(point));
+    }
+    return std::pair(*heights.begin(), *heights.rbegin());
+  };
+  const auto [a_min, a_max] = range(a);
+  const auto [b_min, b_max] = range(b);
+  return a_max < b_min || b_max < a_min;
+}
+
+// Whether a triangle that has an area and a triangle or a segment have no point
+// in common: the axes that can tell are normals of the polygons, of their sides
+// within the plane, and of two sides.
+bool AreSeparated(const Points& a, const Points& b) {
+  const Points a_sides = SidesOf(a), b_sides = SidesOf(b);
+  const IntVector normal = a_sides[0].cross(a_sides[1]);
+  Points axes = {normal, b_sides[0].cross(b_sides[1])};
+  for (const IntVector& side : a_sides) {
+    axes.push_back(side.cross(normal));
+    for (const IntVector& other : b_sides) {
+      axes.push_back(side.cross(other));
+      axes.push_back(other.cross(normal));
     }
   }
-  return false;
+  return std::any_of(axes.begin(), axes.end(), [&](const IntVector& axis) {
+    return IsSeparatedAlong(axis, a, b);
+  });
+}
+
+bool HasArea(const Points& facet) {
+  return !(facet[1] - facet[0]).cross(facet[2] - facet[0]).isZero();
+}
+
+// \pre integer coordinates
+bool MeetExactly(const TriangleMesh& mesh, uint32_t i, uint32_t j) {
+  std::vector<uint32_t> first(mesh.facets[i].begin(), mesh.facets[i].end());
+  std::vector<uint32_t> second(mesh.facets[j].begin(), mesh.facets[j].end());
+  const Points a = PointsOf(mesh, first), b = PointsOf(mesh, second);
+  if (i == j) {
+    return !HasArea(a);
+  }
+  if (!HasArea(a) || !HasArea(b)) {
+    return false;
+  }
+  std::vector<uint32_t> common, in_first, in_second;
+  const auto is_in = [](const std::vector<uint32_t>& facet, uint32_t vertex) {
+    return std::count(facet.begin(), facet.end(), vertex) > 0;
+  };
+  for (int k = 0; k < 3; ++k) {
+    (is_in(second, first[k]) ? common : in_first).push_back(first[k]);
+    if (!is_in(first, second[k])) {
+      in_second.push_back(second[k]);
+    }
+  }
+  switch (common.size()) {
+    case 0:
+      return !AreSeparated(a, b);
+    case 1:
+      return !AreSeparated(a, PointsOf(mesh, in_second)) ||
+             !AreSeparated(b, PointsOf(mesh, in_first));
+    case 2: {
+      const Points edge = PointsOf(mesh, common);
+      const IntVector side = edge[1] - edge[0];
+      const IntVector n = side.cross(PointsOf(mesh, in_first)[0] - edge[0]);
+      const IntVector m = side.cross(PointsOf(mesh, in_second)[0] - edge[0]);
+      return n.cross(m).isZero() && n.dot(m) > 0;
+    }
+    default:
+      return true;
+  }
 }
 
 // By looking at all pairs.
 Pairs AllPairs(const TriangleMesh& mesh) {
   Pairs pairs;
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
-    for (uint32_t j = i + 1; j < mesh.facets.size(); ++j) {
-      const std::set<uint32_t> first(mesh.facets[i].begin(),
-                                     mesh.facets[i].end());
-      std::set<uint32_t> both = first;
-      both.insert(mesh.facets[j].begin(), mesh.facets[j].end());
-      if (both.size() >= 5 && (Pierces(mesh, mesh.facets[i], mesh.facets[j]) ||
-                               Pierces(mesh, mesh.facets[j], mesh.facets[i]))) {
+    for (uint32_t j = i; j < mesh.facets.size(); ++j) {
+      if (MeetExactly(mesh, i, j)) {
         pairs.push_back({i, j});
       }
     }
   }
   return pairs;
+}
+
+// Rounds the vertices to a grid of 1 / size, as integers.
+TriangleMesh OnGrid(TriangleMesh mesh, float size) {
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex = (size * vertex).array().round();
+  }
+  return mesh;
+}
+
+// What the tree must find for a choice of facets.
+Pairs WithOneOf(const Pairs& pairs, const std::vector<uint32_t>& facets) {
+  Pairs chosen;
+  for (const FacetPair& pair : pairs) {
+    if (std::count(facets.begin(), facets.end(), pair[0]) +
+            std::count(facets.begin(), facets.end(), pair[1]) >
+        0) {
+      chosen.push_back(pair);
+    }
+  }
+  return chosen;
+}
+
+std::vector<uint32_t> SomeFacets(const TriangleMesh& mesh, double share,
+                                 Random* random) {
+  std::vector<uint32_t> facets;
+  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
+    if (random->Chance(share)) {
+      facets.push_back(i);
+    }
+  }
+  return facets;
 }
 
 // Small triangles anywhere in a cube.
@@ -83,14 +178,19 @@ TriangleMesh Scattered(uint32_t num_facets, float size, Random* random) {
   return mesh;
 }
 
+// On a coarse grid most of what meets touches, lies in one plane, or has no
+// area.
 TEST(FindSelfIntersections, FindsWhatASearchThroughAllPairsDoes) {
   Random random(1);
   size_t num_pairs = 0;
-  for (const uint32_t num_facets : {1u, 2u, 5u, 33u, 700u}) {
-    const TriangleMesh mesh = Scattered(num_facets, 0.2f, &random);
-    const Pairs pairs = FindSelfIntersections(mesh);
-    EXPECT_EQ(pairs, AllPairs(mesh));
-    num_pairs += pairs.size();
+  for (const uint32_t num_facets : {1u, 2u, 5u, 33u, 300u}) {
+    for (const float size : {4.f, 20.f, 1000.f}) {
+      const TriangleMesh mesh =
+          OnGrid(Scattered(num_facets, 0.2f, &random), size);
+      const Pairs pairs = FindSelfIntersections(mesh);
+      EXPECT_EQ(pairs, AllPairs(mesh));
+      num_pairs += pairs.size();
+    }
   }
   EXPECT_GT(num_pairs, 100u);
 }
@@ -99,13 +199,59 @@ TEST(FindSelfIntersections, OfFacetsThatShareVertices) {
   Random random(2);
   size_t num_pairs = 0;
   for (int trial = 0; trial < 500; ++trial) {
-    const TriangleMesh mesh = RandomSoup(4 + random.Below(8), random.Below(20),
-                                         /*allow_duplicates=*/true, &random);
+    const TriangleMesh mesh =
+        OnGrid(RandomSoup(4 + random.Below(8), random.Below(20),
+                          /*allow_duplicates=*/true, &random),
+               std::array{1.f, 3.f, 100.f}[random.Below(3)]);
     const Pairs pairs = FindSelfIntersections(mesh);
     EXPECT_EQ(pairs, AllPairs(mesh));
     num_pairs += pairs.size();
   }
   EXPECT_GT(num_pairs, 1000u);
+}
+
+TEST(FindSelfIntersections, OfChosenFacets) {
+  Random random(5);
+  for (const float size : {5.f, 1000.f}) {
+    const TriangleMesh mesh = OnGrid(Scattered(300, 0.3f, &random), size);
+    const Pairs all = FindSelfIntersections(mesh);
+    const FacetTree tree(mesh);
+    EXPECT_EQ(FindSelfIntersections(mesh, tree), all);
+    for (const double share : {0.0, 0.02, 0.5, 1.0}) {
+      const std::vector<uint32_t> facets = SomeFacets(mesh, share, &random);
+      EXPECT_EQ(FindSelfIntersections(mesh, tree, facets),
+                WithOneOf(all, facets));
+    }
+  }
+}
+
+// A tree serves positions that it was extended to.
+TEST(FindSelfIntersections, OfMovedFacetsByOneTree) {
+  Random random(6);
+  const TriangleMesh mesh = Scattered(300, 0.3f, &random);
+  const TriangleMesh moved = {Scattered(300, 0.3f, &random).vertices,
+                              mesh.facets};
+  TriangleMesh between = mesh;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    between.vertices[i] = 0.5f * (mesh.vertices[i] + moved.vertices[i]);
+  }
+  FacetTree tree(mesh);
+  tree.Enclose(mesh, moved);
+  for (const TriangleMesh& now : {mesh, moved, between}) {
+    EXPECT_EQ(FindSelfIntersections(now, tree), FindSelfIntersections(now));
+  }
+  // Some facets only: their vertices are their own.
+  FacetTree extended(mesh);
+  TriangleMesh partly = mesh;
+  const std::vector<uint32_t> facets = SomeFacets(mesh, 0.2, &random);
+  for (const uint32_t facet : facets) {
+    for (const uint32_t vertex : mesh.facets[facet]) {
+      partly.vertices[vertex] = moved.vertices[vertex];
+    }
+  }
+  extended.Extend(partly, facets);
+  EXPECT_EQ(FindSelfIntersections(partly, extended),
+            FindSelfIntersections(partly));
 }
 
 TEST(FindSelfIntersections, FindsNoneWhereThereIsNone) {
@@ -126,8 +272,9 @@ TEST(FindSelfIntersections, FindsFacetsThatCrossAtTheirEdges) {
   EXPECT_EQ(FindSelfIntersections(mesh), (Pairs{{0, 1}}));
 }
 
-TEST(FindSelfIntersections, DoesNotCountWhatTouches) {
-  // The second has a corner on the first, the third lies in the first's plane.
+TEST(FindSelfIntersections, CountsWhatTouches) {
+  // The second has a corner on the first, the third lies in the first's plane,
+  // the fourth has no area.
   const TriangleMesh mesh = {{{0, 0, 0},
                               {4, 0, 0},
                               {0, 4, 0},
@@ -136,9 +283,22 @@ TEST(FindSelfIntersections, DoesNotCountWhatTouches) {
                               {2, 1, 2},
                               {2, 0.5f, 0},
                               {3, 1, 0},
-                              {2, 2, 0}},
-                             {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}}};
-  EXPECT_TRUE(FindSelfIntersections(mesh).empty());
+                              {2, 2, 0},
+                              {1, 1, -1},
+                              {1, 1, 0},
+                              {1, 1, 1}},
+                             {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}, {9, 10, 11}}};
+  EXPECT_EQ(FindSelfIntersections(mesh), (Pairs{{0, 1}, {0, 2}, {3, 3}}));
+}
+
+TEST(FindSelfIntersections, CountsCopiesOfAVertex) {
+  TriangleMesh tetrahedron = MakeTetrahedron();
+  TriangleMesh other = tetrahedron;
+  for (Vector3f& vertex : other.vertices) {
+    vertex = 2 * tetrahedron.vertices[0] - vertex;  // tip to tip
+  }
+  // The three facets around each tip touch those around the other one.
+  EXPECT_EQ(FindSelfIntersections(Union(tetrahedron, other)).size(), 9u);
 }
 
 // Two spheres whose surfaces cross along a circle: the pairs form closed

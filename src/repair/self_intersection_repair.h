@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+struct SelfIntersectionRepair {
+  size_t num_before = 0;          // pairs of facets, FindSelfIntersections()
+  size_t num_after = 0;           // at most as many
+  size_t num_moved_vertices = 0;  // whose positions differ
+  size_t num_flipped_edges = 0;
+  double max_motion = 0;   // of a vertex, scene units
+  double mean_motion = 0;  // of those that moved, scene units
+};
+
+// Removes self-intersections where local changes do.
+//
+// First copies of a vertex are moved apart by as little as possible
+// (SeparateCopies). Then, in at most `max_rounds` rounds, the vertices of each
+// cluster of facets that intersect, and as many rings around them as there were
+// rounds, are smoothed a little or much, or pushed along their normals a little
+// or much, outwards or inwards, whichever is allowed first. If nothing is, the
+// same is tried around each pair by itself where there are few, and at last
+// edges of the cluster are flipped. A change is allowed only if it removes
+// pairs, makes no new ones and turns no facet over (GuardedMesh). So the pairs
+// that remain are pairs of before, but for those of flipped edges.
+//
+// The mesh stays manifold, with the same vertices and numbers of facets, and
+// its borders stay borders. A mesh without self-intersections is left as it is.
+// The result does not depend on the number of threads.
+//
+// \param max_rounds  0 or more; 0 moves copies apart only
+// \pre the mesh is manifold
+SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
+                                               int max_rounds = 8);
+
+}  // namespace colmap_ext

@@ -1,0 +1,183 @@
+#include "refine/vertex_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "mesh/facet_normals.h"
+#include "mesh/vertex_normals.h"
+#include "spatial/self_intersections.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/random_soup.h"
+#include "tests/mesh/shapes.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3f;
+
+MovedMesh Move(const TriangleMesh& mesh, const std::vector<Vector3f>& normals,
+               const std::vector<double>& motion) {
+  FacetTree tree(mesh);
+  return MoveSafely(mesh, MakeVertexRings(mesh), normals, motion, &tree);
+}
+
+MovedMesh Move(const TriangleMesh& mesh, const std::vector<double>& motion) {
+  return Move(mesh, VertexNormals(mesh, MakeVertexRings(mesh)), motion);
+}
+
+// What every step promises.
+void ExpectSafe(const TriangleMesh& mesh, const MovedMesh& moved) {
+  const auto before = FindSelfIntersections(mesh);
+  const auto after = FindSelfIntersections(moved.mesh);
+  EXPECT_TRUE(
+      std::includes(before.begin(), before.end(), after.begin(), after.end()));
+  const std::vector<Vector3f> old_normals = FacetNormals(mesh);
+  const std::vector<Vector3f> new_normals = FacetNormals(moved.mesh);
+  for (size_t i = 0; i < old_normals.size(); ++i) {
+    EXPECT_GE(old_normals[i].dot(new_normals[i]),
+              0.499f * old_normals[i].squaredNorm());
+  }
+}
+
+// A sheet of 20 x 20 quads of sides of 1 at a height.
+TriangleMesh Sheet(float height) {
+  TriangleMesh mesh = MakeSheet(20, 20);
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex.z() = height;
+  }
+  return mesh;
+}
+
+// Two sheets, the upper one to go down, the lower one up, by the given distance
+// in the middle and less towards two sides.
+std::pair<MovedMesh, TriangleMesh> PushSheets(float gap, double distance) {
+  TriangleMesh mesh = Union(Sheet(0), Sheet(gap));
+  // So that no vertices meet vertices.
+  const size_t half = mesh.vertices.size() / 2;
+  std::vector<double> motion;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const double share = 1 - 0.1 * std::abs(mesh.vertices[i].x() - 10);
+    motion.push_back((i < half ? distance : -distance) * share);
+    if (i >= half) {
+      mesh.vertices[i] += Vector3f(0.3f, 0.2f, 0);
+    }
+  }
+  std::vector<Vector3f> normals(mesh.vertices.size(), Vector3f::UnitZ());
+  return {Move(mesh, normals, motion), mesh};
+}
+
+TEST(MoveSafely, KeepsSheetsApart) {
+  for (const double distance : {0.4, 0.6, 3.0}) {
+    const auto [moved, mesh] = PushSheets(1, distance);
+    ExpectSafe(mesh, moved);
+    EXPECT_TRUE(FindSelfIntersections(moved.mesh).empty());
+    EXPECT_EQ(
+        std::count(moved.is_shortened.begin(), moved.is_shortened.end(), 1) > 0,
+        distance > 0.5);
+  }
+}
+
+TEST(MoveSafely, StopsASpikeAtASheet) {
+  TriangleMesh mesh = Union(Sheet(0), Sheet(0.5f));
+  std::vector<Vector3f> normals(mesh.vertices.size(), Vector3f::UnitZ());
+  std::vector<double> motion(mesh.vertices.size(), 0);
+  const size_t middle = 10 * 21 + 10;
+  motion[middle] = 0.6;
+  const MovedMesh moved = Move(mesh, normals, motion);
+  ExpectSafe(mesh, moved);
+  EXPECT_EQ(moved.motion[middle], 0.3);
+  for (size_t i = 0; i < motion.size(); ++i) {
+    EXPECT_EQ(moved.is_shortened[i], i == middle ? 1 : 0);
+    if (i != middle) {
+      EXPECT_EQ(moved.mesh.vertices[i], mesh.vertices[i]);
+    }
+  }
+}
+
+// Pulled through its axis at one place.
+TEST(MoveSafely, PinchesNoTube) {
+  TriangleMesh mesh = MakeSheet(40, 12, false, true);
+  for (Vector3f& vertex : mesh.vertices) {
+    const float angle = vertex.x() * std::numbers::pi_v<float> / 6;
+    vertex = {std::cos(angle), std::sin(angle), 0.25f * vertex.y()};
+  }
+  const std::vector<Vector3f> normals =
+      VertexNormals(mesh, MakeVertexRings(mesh));
+  const double inwards = normals[0].dot(mesh.vertices[0]) > 0 ? -1 : 1;
+  for (const double depth : {0.5, 0.99, 1.0, 1.3}) {
+    std::vector<double> motion;
+    for (const Vector3f& vertex : mesh.vertices) {
+      const double z = vertex.z() - 5;
+      motion.push_back(inwards * depth * std::exp(-z * z));
+    }
+    ExpectSafe(mesh, Move(mesh, normals, motion));
+  }
+}
+
+TEST(MoveSafely, IsSafeWhateverTheMotion) {
+  Random random(1);
+  size_t num_before = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    TriangleMesh mesh = trial % 3 == 0   ? MakeRandomManifold(&random)
+                        : trial % 3 == 1 ? MakeBumpySphere(0.2f)
+                                         : MakeRoundTorus(0.15f);
+    if (trial % 3 == 1) {  // two that intersect
+      TriangleMesh other = mesh;
+      for (Vector3f& vertex : other.vertices) {
+        vertex.x() += 1.4f;
+      }
+      mesh = Union(mesh, other);
+    }
+    num_before += FindSelfIntersections(mesh).size();
+    std::vector<double> motion;
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      motion.push_back(2 * (random.Unit() - 0.5));
+    }
+    ExpectSafe(mesh, Move(mesh, motion));
+  }
+  EXPECT_GT(num_before, 0u);
+}
+
+TEST(MoveSafely, LeavesSafeMotionsAsTheyAre) {
+  Random random(2);
+  const TriangleMesh mesh = MakeBumpySphere(0.1f);
+  const std::vector<Vector3f> normals =
+      VertexNormals(mesh, MakeVertexRings(mesh));
+  std::vector<double> motion;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    motion.push_back(1e-3 * random.Unit());
+  }
+  const MovedMesh moved = Move(mesh, normals, motion);
+  EXPECT_EQ(moved.motion, motion);
+  for (size_t i = 0; i < motion.size(); ++i) {
+    EXPECT_EQ(moved.is_shortened[i], 0);
+    EXPECT_EQ(moved.mesh.vertices[i],
+              mesh.vertices[i] + static_cast<float>(motion[i]) * normals[i]);
+  }
+  const std::vector<double> none(motion.size(), 0);
+  EXPECT_EQ(Move(mesh, normals, none).mesh.vertices, mesh.vertices);
+}
+
+TEST(MoveSafely, IsTheSameForAnyNumberOfThreads) {
+  Random random(3);
+  const TriangleMesh mesh = MakeRoundTorus(0.05f);
+  std::vector<double> motion;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    motion.push_back(random.Unit() - 0.5);
+  }
+  const MovedMesh expected = Move(mesh, motion);
+  for (const size_t num_threads : {1, 2, 7}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    EXPECT_EQ(Move(mesh, motion).mesh.vertices, expected.mesh.vertices);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

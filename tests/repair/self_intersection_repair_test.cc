@@ -1,0 +1,252 @@
+#include "repair/self_intersection_repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "mesh/facet_normals.h"
+#include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
+#include "mesh/topology.h"
+#include "spatial/self_intersections.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3f;
+
+// Repairs a mesh and checks what holds for every mesh.
+SelfIntersectionRepair Repair(TriangleMesh* mesh) {
+  const TriangleMesh before = *mesh;
+  const MeshReport old_report = Analyze(before);
+  EXPECT_TRUE(old_report.IsManifold());
+  const SelfIntersectionRepair repair = RepairSelfIntersections(mesh);
+  EXPECT_EQ(repair.num_before, FindSelfIntersections(before).size());
+  EXPECT_EQ(repair.num_after, FindSelfIntersections(*mesh).size());
+  EXPECT_LE(repair.num_after, repair.num_before);
+  const MeshReport report = Analyze(*mesh);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_EQ(report.num_vertices, old_report.num_vertices);
+  EXPECT_EQ(report.num_facets, old_report.num_facets);
+  EXPECT_EQ(report.num_edges, old_report.num_edges);
+  EXPECT_EQ(report.num_border_edges, old_report.num_border_edges);
+  EXPECT_EQ(report.num_components, old_report.num_components);
+  EXPECT_EQ(report.genus, old_report.genus);
+  size_t num_moved = 0;
+  double max_motion = 0;
+  for (size_t i = 0; i < before.vertices.size(); ++i) {
+    const Vector3f motion = mesh->vertices[i] - before.vertices[i];
+    num_moved += motion.isZero(0) ? 0 : 1;
+    max_motion = std::max<double>(max_motion, motion.norm());
+  }
+  EXPECT_EQ(repair.num_moved_vertices, num_moved);
+  EXPECT_NEAR(repair.max_motion, max_motion, 1e-5 * max_motion);
+  EXPECT_LE(repair.mean_motion, repair.max_motion);
+  if (repair.num_flipped_edges == 0) {
+    EXPECT_EQ(mesh->facets, before.facets);
+  }
+  return repair;
+}
+
+void ExpectRepaired(TriangleMesh mesh) {
+  const SelfIntersectionRepair repair = Repair(&mesh);
+  EXPECT_GT(repair.num_before, 0u);
+  EXPECT_EQ(repair.num_after, 0u);
+}
+
+// A sheet of 20 x 20 quads of sides of 1, whose vertices lie at a height.
+template <typename Height>
+TriangleMesh Sheet(const Height& height) {
+  TriangleMesh mesh = MakeSheet(20, 20);
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex.z() = height(vertex.x(), vertex.y());
+  }
+  return mesh;
+}
+
+TriangleMesh FlatSheet(float z) {
+  return Sheet([&](float, float) { return z; });
+}
+
+TEST(RepairSelfIntersections, LeavesMeshesWithoutThemAsTheyAre) {
+  Random random(1);
+  for (const TriangleMesh& mesh :
+       {TriangleMesh(), MakeTetrahedron(), MakeCube(), MakeDisc(),
+        MakeJitteredSquare(30, &random), MakeBumpySphere(0.05f),
+        MakeRoundTorus(0.1f)}) {
+    TriangleMesh repaired = mesh;
+    const SelfIntersectionRepair repair = RepairSelfIntersections(&repaired);
+    EXPECT_EQ(repair.num_before, 0u);
+    EXPECT_EQ(repair.num_moved_vertices, 0u);
+    EXPECT_EQ(repaired.vertices, mesh.vertices);
+    EXPECT_EQ(repaired.facets, mesh.facets);
+  }
+}
+
+TEST(RepairSelfIntersections, DrawsASpikeBackThroughASheet) {
+  for (const int width : {0, 1, 2}) {
+    ExpectRepaired(Union(Sheet([&](float x, float y) {
+                           return std::max(std::abs(x - 10),
+                                           std::abs(y - 10)) <=
+                                          static_cast<float>(width)
+                                      ? 2.f
+                                      : 0.f;
+                         }),
+                         FlatSheet(1)));
+  }
+}
+
+TEST(RepairSelfIntersections, PartsSheetsThatBulgeThroughEachOther) {
+  const auto bump = [](float x, float y) {
+    return std::exp(-0.1f * ((x - 10) * (x - 10) + (y - 10) * (y - 10)));
+  };
+  for (const float overlap : {0.05f, 0.1f, 0.3f}) {
+    ExpectRepaired(Union(
+        Sheet([&](float x, float y) { return bump(x, y) + overlap; }),
+        Sheet([&](float x, float y) { return 2 - bump(x + 0.3f, y + 0.2f); })));
+  }
+}
+
+TEST(RepairSelfIntersections, PartsSheetsThatTouch) {
+  // At a vertex, along the quads around it, and where two vertices meet.
+  ExpectRepaired(Union(
+      Sheet([](float x, float y) { return x == 10 && y == 10 ? 1.f : 0.f; }),
+      FlatSheet(1)));
+  TriangleMesh slid = FlatSheet(0);
+  for (Vector3f& vertex : slid.vertices) {
+    vertex = {0.5f * vertex.x() + 5.3f, 0.5f * vertex.y() + 5.2f, 0};
+  }
+  // Both in one plane, each on the matter's side of the other.
+  ExpectRepaired(Union(FlatSheet(0), slid));
+}
+
+TEST(RepairSelfIntersections, OpensAPinchedTube) {
+  TriangleMesh mesh = MakeSheet(40, 12, false, true);
+  for (Vector3f& vertex : mesh.vertices) {
+    const float angle = vertex.x() * std::numbers::pi_v<float> / 6;
+    const float z = 0.25f * vertex.y() - 5;
+    const float radius = 1 - 1.1f * std::exp(-4 * z * z);
+    vertex = {radius * std::cos(angle), radius * std::sin(angle), z};
+  }
+  ExpectRepaired(mesh);
+}
+
+// A fold: rows of a sheet that run backwards.
+TEST(RepairSelfIntersections, UnfoldsASheet) {
+  TriangleMesh mesh = FlatSheet(0);
+  for (Vector3f& vertex : mesh.vertices) {
+    if (vertex.x() == 10 && vertex.y() > 5 && vertex.y() < 15) {
+      vertex.x() = 11.4f;
+    }
+  }
+  ExpectRepaired(mesh);
+}
+
+// By steps that no picture shows.
+TEST(RepairSelfIntersections, MovesCopiesApart) {
+  TriangleMesh tip = MakeTetrahedron();
+  TriangleMesh other = tip;
+  for (Vector3f& vertex : other.vertices) {
+    vertex = 2 * tip.vertices[0] - vertex;
+  }
+  TriangleMesh mesh = Union(tip, other);
+  const SelfIntersectionRepair repair = Repair(&mesh);
+  EXPECT_GT(repair.num_before, 0u);
+  EXPECT_EQ(repair.num_after, 0u);
+  EXPECT_EQ(repair.num_moved_vertices, 1u);
+  EXPECT_LT(repair.max_motion, 1e-5);
+}
+
+// Two cubes that share an edge, split: copies at both ends and a midpoint.
+TEST(RepairSelfIntersections, MovesCopiesOfAnEdgeApart) {
+  const TriangleMesh cube = MakeCube();
+  for (const bool is_edge : {false, true}) {
+    TriangleMesh other = cube;
+    const Vector3f far = cube.vertices[0];
+    Vector3f near = far;
+    for (const Vector3f& vertex : cube.vertices) {
+      if ((vertex - far).norm() > (near - far).norm()) {
+        near = vertex;
+      }
+    }
+    Vector3f shift = near - far;
+    if (is_edge) {
+      shift.z() = 0;
+    }
+    for (Vector3f& vertex : other.vertices) {
+      vertex += shift;
+    }
+    TriangleMesh mesh = Union(cube, other);
+    const SelfIntersectionRepair repair = Repair(&mesh);
+    EXPECT_GT(repair.num_before, 0u);
+    EXPECT_EQ(repair.num_after, 0u);
+    EXPECT_LT(repair.max_motion, 1e-4);
+  }
+}
+
+// What local changes can not help stays no worse; so does any mesh.
+TEST(RepairSelfIntersections, NeverMakesMore) {
+  Random random(2);
+  const TriangleMesh sphere = MakeBumpySphere(0.15f);
+  TriangleMesh moved = sphere;
+  for (Vector3f& vertex : moved.vertices) {
+    vertex.x() += 0.8f;
+  }
+  TriangleMesh spheres = Union(sphere, moved);
+  Repair(&spheres);
+  for (int trial = 0; trial < 30; ++trial) {
+    TriangleMesh mesh = MakeRandomManifold(&random);
+    Repair(&mesh);
+  }
+  for (const float noise : {0.02f, 0.06f}) {
+    TriangleMesh mesh = MakeBumpySphere(0.05f);
+    for (Vector3f& vertex : mesh.vertices) {
+      for (int k = 0; k < 3; ++k) {
+        vertex[k] += noise * static_cast<float>(random.Unit() - 0.5);
+      }
+    }
+    Repair(&mesh);
+  }
+}
+
+// Noise turns facets over and lets them cross; most of it is repaired.
+TEST(RepairSelfIntersections, RepairsMostOfANoisySurface) {
+  Random random(3);
+  TriangleMesh mesh = MakeBumpySphere(0.05f, 0);
+  for (Vector3f& vertex : mesh.vertices) {
+    for (int k = 0; k < 3; ++k) {
+      vertex[k] += 0.03f * static_cast<float>(random.Unit() - 0.5);
+    }
+  }
+  const SelfIntersectionRepair repair = Repair(&mesh);
+  EXPECT_GT(repair.num_before, 50u);
+  EXPECT_LE(20 * repair.num_after, repair.num_before);
+}
+
+TEST(RepairSelfIntersections, IsTheSameForAnyNumberOfThreads) {
+  Random random(4);
+  TriangleMesh mesh = MakeRoundTorus(0.05f);
+  for (Vector3f& vertex : mesh.vertices) {
+    for (int k = 0; k < 3; ++k) {
+      vertex[k] += 0.03f * static_cast<float>(random.Unit() - 0.5);
+    }
+  }
+  TriangleMesh expected = mesh;
+  EXPECT_GT(Repair(&expected).num_moved_vertices, 0u);
+  for (const size_t num_threads : {1, 2, 7}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    TriangleMesh repaired = mesh;
+    RepairSelfIntersections(&repaired);
+    EXPECT_EQ(repaired.vertices, expected.vertices);
+    EXPECT_EQ(repaired.facets, expected.facets);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
