@@ -13,6 +13,8 @@
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
+#include "mesh/vertex_confidences.h"
+#include "meshing/point_support.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"
 #include "optim/min_cut.h"
@@ -36,8 +38,10 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
 }
 
 // The graph whose minimum cut is the surface [Romanoni2020, section IV].
+// \param alphas [P] see Alphas()
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
-                    const PointCloud& cloud, const std::vector<View>& views,
+                    const PointCloud& cloud, const std::vector<float>& alphas,
+                    const std::vector<View>& views,
                     const ThinnedTetrahedralization& thinned,
                     const Progress& progress, ManifoldMeshingReport* report) {
   const Tetrahedralization& tetrahedra = thinned.tetrahedra;
@@ -54,7 +58,7 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   report->rays = AddVisibilityWeights(
       tetrahedra,
       ObserveVertices(cloud, tetrahedra.points.size(), thinned.point_vertices,
-                      Alphas(options, cloud)),
+                      alphas),
       centers, {report->distance_sigma, options.behind_sigma}, &graph,
       progress);
   return graph;
@@ -188,8 +192,11 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   report.num_duplicate_points = thinned.num_duplicate_points;
   report.num_vertices = thinned.tetrahedra.points.size();
   report.num_cells = thinned.tetrahedra.cells.size();
+  const std::vector<float> alphas = Alphas(options, cloud);
+  const std::vector<float> supports =
+      SupportOfVertices(report.num_vertices, thinned.point_vertices, alphas);
   FlowGraph graph =
-      MakeGraph(options, cloud, views, thinned, progress, &report);
+      MakeGraph(options, cloud, alphas, views, thinned, progress, &report);
   std::vector<uint8_t> is_free = CutGraph(graph, progress, &report);
   report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
   graph = FlowGraph();
@@ -197,6 +204,11 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
       Extract(options, thinned.tetrahedra, is_free, progress, &report);
   result.attributes = InheritAttributes(
       surface.mesh, cloud, PointsOf(surface.sources, thinned.vertex_points));
+  result.facet_confidences = FacetConfidences(
+      surface.mesh, SupportOfSurface(supports, surface.sources),
+      result.attributes.views, views);
+  result.attributes.confidences =
+      VertexConfidences(surface.mesh, result.facet_confidences);
   result.mesh = std::move(surface.mesh);
   Report(progress, "Checking the mesh", 0);
   report.mesh = Analyze(result.mesh);

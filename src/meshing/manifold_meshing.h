@@ -103,7 +103,8 @@ struct ManifoldMeshingReport {
 
 struct ManifoldMesh {
   TriangleMesh mesh;
-  VertexAttributes attributes;
+  VertexAttributes attributes;           // [V]
+  std::vector<float> facet_confidences;  // [F] see FacetConfidences()
   ManifoldMeshingReport report;
 };
 

@@ -148,6 +148,8 @@ void ExpectSame(const ManifoldMesh& a, const ManifoldMesh& b) {
   EXPECT_EQ(a.attributes.colors, b.attributes.colors);
   EXPECT_EQ(a.attributes.views.offsets, b.attributes.views.offsets);
   EXPECT_EQ(a.attributes.views.values, b.attributes.views.values);
+  EXPECT_EQ(a.attributes.confidences, b.attributes.confidences);
+  EXPECT_EQ(a.facet_confidences, b.facet_confidences);
   EXPECT_EQ(a.report.flow, b.report.flow);
 }
 
@@ -234,6 +236,13 @@ TEST(MeshManifold, ReportsWhatItDid) {
     EXPECT_EQ(report.mesh.num_vertices, result.mesh.vertices.size());
     EXPECT_EQ(report.mesh.num_facets, result.mesh.facets.size());
     EXPECT_EQ(result.attributes.colors.size(), result.mesh.vertices.size());
+    ASSERT_EQ(result.facet_confidences.size(), result.mesh.facets.size());
+    ASSERT_EQ(result.attributes.confidences.size(),
+              result.mesh.vertices.size());
+    for (const float confidence : result.attributes.confidences) {
+      EXPECT_GE(confidence, 0);
+      EXPECT_LE(confidence, 1);
+    }
     EXPECT_EQ(result.attributes.views.offsets.size(),
               result.mesh.vertices.size() + 1);
     EXPECT_EQ(result.attributes.views.offsets.back(),
