@@ -12,6 +12,7 @@
 #include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
+#include "refine/refined_confidences.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
@@ -58,6 +59,11 @@ class Refinement {
         RefineLevel(options_, {level, state->labels, views, state->origins},
                     state->mesh, energy_, on_step);
     state->mesh = std::move(refined.mesh);
+    if (level == 0) {
+      state->attributes.confidences =
+          RefinedConfidences(state->mesh, refined.terms, options_.photometric,
+                             state->attributes.confidences);
+    }
     state->report.num_shortened_steps += refined.num_shortened_steps;
     state->report.num_unconverged_solutions +=
         refined.num_unconverged_solutions;

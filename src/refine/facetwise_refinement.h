@@ -92,8 +92,9 @@ struct RefinementReport {
 // What a refinement starts from: the input, or what a complete level left.
 struct RefinementStart {
   TriangleMesh mesh;  // manifold
-  // Colours and views of the vertices. They may have no views: a facet none of
-  // whose pairs is known from its vertices may take all pairs that see it.
+  // Colours, views and confidences of the vertices. They may have no views: a
+  // facet none of whose pairs is known from its vertices may take all pairs
+  // that see it.
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
@@ -101,7 +102,9 @@ struct RefinementStart {
 
 struct RefinedMesh {
   TriangleMesh mesh;                     // manifold
-  VertexAttributes attributes;           // [V]
+  VertexAttributes attributes;           // [V]; confidences as
+                                         // RefinedConfidences() has them once
+                                         // the last level is complete
   std::vector<Eigen::Vector3f> origins;  // [V] on the input's surface, where
                                          // the vertices come from
   FacetLabels labels;                    // [F] of the last level

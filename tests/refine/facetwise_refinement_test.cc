@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "base/percentile.h"
 #include "photometry/cpu_photometric_energy.h"
 #include "refine/facetwise_refinement.h"
 #include "spatial/bvh.h"
@@ -168,6 +169,35 @@ TEST(RefineFacetwise, DoesNotDependOnThreads) {
   }
   ExpectSameMesh(results[1].mesh, results[0].mesh);
   ExpectSameMesh(results[2].mesh, results[0].mesh);
+  EXPECT_EQ(results[1].attributes.confidences,
+            results[0].attributes.confidences);
+}
+
+TEST(RefineFacetwise, IsSureOfWhatTheViewsSeeAlike) {
+  const TriangleMesh& mesh = Scene().Truth();
+  const RefinedMesh refined =
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1});
+  const std::vector<float>& confidences = refined.attributes.confidences;
+  ASSERT_EQ(confidences.size(), refined.mesh.vertices.size());
+  const FacetVisibility visibility =
+      VisibleFacets(refined.mesh, Scene().Views());
+  std::vector<uint8_t> is_seen(confidences.size(), 0);
+  std::vector<double> seen;
+  for (size_t i = 0; i < refined.mesh.facets.size(); ++i) {
+    for (const uint32_t vertex : refined.mesh.facets[i]) {
+      is_seen[vertex] |= visibility[i].empty() ? 0 : 1;
+    }
+  }
+  for (size_t i = 0; i < confidences.size(); ++i) {
+    ASSERT_GE(confidences[i], 0);
+    ASSERT_LE(confidences[i], 1);
+    if (is_seen[i] != 0) {
+      seen.push_back(confidences[i]);
+    } else {
+      EXPECT_EQ(confidences[i], 0) << i;
+    }
+  }
+  EXPECT_GT(Median(&seen), 0.8);
 }
 
 TEST(RefineFacetwise, ScalesWithTheScene) {
