@@ -94,6 +94,7 @@ void PrintMesh(const ManifoldMeshingReport& report, std::ostream& stream) {
   PrintIfAny("small components dropped", report.small_components.num_components,
              stream);
   PrintIfAny("  their faces", report.small_components.num_facets, stream);
+  PrintReport(report.borders, stream);
   Print("faces", static_cast<int64_t>(report.mesh.num_facets), stream);
   Print("vertices", static_cast<int64_t>(report.mesh.num_vertices), stream);
   Print("components", static_cast<int64_t>(report.mesh.num_components), stream);
@@ -141,6 +142,20 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
                   : "             -  too few of them",
               stream);
   }
+}
+
+void PrintReport(const BorderReport& report, std::ostream& stream) {
+  PrintIfAny("faces trimmed", report.trim.num_facets, stream);
+  PrintIfAny("  not confident, in small gaps, kept",
+             report.trim.num_kept_facets, stream);
+  PrintIfAny("  cut off, dropped with them", report.trim.num_leftover_facets,
+             stream);
+  PrintIfAny("holes closed", report.holes.num_closed, stream);
+  PrintIfAny("  by faces", report.holes.num_facets, stream);
+  PrintIfAny("  by faces that intersect others", report.holes.num_intersecting,
+             stream);
+  PrintIfAny("holes left, would not be manifold", report.holes.NumLeft(),
+             stream);
 }
 
 void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream) {

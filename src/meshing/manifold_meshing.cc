@@ -150,6 +150,29 @@ std::vector<std::array<uint32_t, 2>> PointsOf(
   return points;
 }
 
+// Trims the mesh, closes its holes, and gives confidences to the vertices of
+// what comes out.
+// \param result  with facet_confidences
+void FinishBorders(const BorderOptions& options, const Progress& progress,
+                   ManifoldMesh* result) {
+  Report(progress, "Finishing the borders", 0);
+  EditedMesh edited =
+      EditBorders(options, std::move(result->mesh),
+                  std::move(result->attributes), result->facet_confidences);
+  std::vector<float> facet_confidences;
+  facet_confidences.reserve(edited.facet_sources.size());
+  for (const uint32_t source : edited.facet_sources) {
+    facet_confidences.push_back(
+        source == kNoSource ? 0.0f : result->facet_confidences[source]);
+  }
+  result->mesh = std::move(edited.mesh);
+  result->attributes = std::move(edited.attributes);
+  result->attributes.confidences =
+      VertexConfidences(result->mesh, facet_confidences);
+  result->facet_confidences = std::move(facet_confidences);
+  result->report.borders = edited.report;
+}
+
 }  // namespace
 
 std::string ManifoldMeshingOptions::Check() const {
@@ -173,7 +196,7 @@ std::string ManifoldMeshingOptions::Check() const {
       return message;
     }
   }
-  return "";
+  return borders.Check();
 }
 
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
@@ -207,9 +230,8 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   result.facet_confidences = FacetConfidences(
       surface.mesh, SupportOfSurface(supports, surface.sources),
       result.attributes.views, views);
-  result.attributes.confidences =
-      VertexConfidences(surface.mesh, result.facet_confidences);
   result.mesh = std::move(surface.mesh);
+  FinishBorders(options.borders, progress, &result);
   Report(progress, "Checking the mesh", 0);
   report.mesh = Analyze(result.mesh);
   if (!report.mesh.IsManifold()) {

@@ -12,6 +12,7 @@
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "photometry/photometric_energy.h"
+#include "repair/edit_borders.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
@@ -48,6 +49,9 @@ struct FacetwiseRefinementOptions {
   FacetLabelingOptions labeling;
 
   PhotometricOptions photometric;
+
+  // What is dropped from the result, and closed.
+  BorderOptions borders;
 
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
@@ -87,6 +91,7 @@ struct RefinementReport {
   size_t num_unconverged_solutions = 0;  // of linear systems
   size_t num_flipped_facets = 0;         // against the surface they came from
   size_t num_self_intersections = 0;     // of the result, pairs of facets
+  BorderReport borders;
 };
 
 // What a refinement starts from: the input, or what a complete level left.
@@ -107,7 +112,8 @@ struct RefinedMesh {
                                          // the last level is complete
   std::vector<Eigen::Vector3f> origins;  // [V] on the input's surface, where
                                          // the vertices come from
-  FacetLabels labels;                    // [F] of the last level
+  FacetLabels labels;                    // [F] of the last level; none of
+                                         // facets that close a hole
   RefinementReport report;
 };
 
@@ -120,7 +126,8 @@ struct RefinementHooks {
   std::function<void(const RefinementStep& step, const RefinedMesh& state)>
       on_step;
 
-  // After each level, `state` as it would be returned.
+  // After each level, `state` as it would be returned, its borders as they
+  // were.
   std::function<void(int level, const RefinedMesh& state)> on_level;
 
   // Asked between iterations. If it returns true, the mesh of the last complete
@@ -135,6 +142,7 @@ struct RefinementHooks {
 //
 // \param points  whose views tell which views have most in common.
 // \pre options checked
+// \throw std::invalid_argument if the trimming leaves nothing.
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             RefinementStart start,
                             const std::vector<View>& views,

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "mesh/half_edges.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 namespace {
@@ -95,11 +96,35 @@ bool PutBack(const GuardedFacets& guarded,
   return has_turned;
 }
 
+// Puts the corners of facets that intersect back, and of those that this turns.
+// \param positions [V] where no guarded facet is turned
+void PutBackIntersecting(const GuardedFacets& guarded,
+                         const std::vector<Vector3f>& positions,
+                         TriangleMesh* mesh) {
+  for (bool is_moved = true; is_moved;) {
+    is_moved = false;
+    for (const auto& pair : FindSelfIntersections(*mesh)) {
+      for (const uint32_t facet : pair) {
+        for (const uint32_t vertex : mesh->facets[facet]) {
+          is_moved |= mesh->vertices[vertex] != positions[vertex];
+          mesh->vertices[vertex] = positions[vertex];
+        }
+      }
+    }
+    while (PutBack(guarded, positions, mesh)) {
+    }
+  }
+}
+
 }  // namespace
 
 void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
   const std::vector<BorderVertex> border = FindBorderVertices(is_moved, *mesh);
+  if (border.empty()) {
+    return;
+  }
   const GuardedFacets guarded = FindGuarded(border, *mesh);
+  const std::vector<Vector3f> first_positions = mesh->vertices;
   for (int step = 0; step < kSteps; ++step) {
     const std::vector<Vector3f> positions = mesh->vertices;
     for (const auto& [vertex, before, after] : border) {
@@ -109,6 +134,7 @@ void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
     while (PutBack(guarded, positions, mesh)) {
     }
   }
+  PutBackIntersecting(guarded, first_positions, mesh);
 }
 
 }  // namespace colmap_ext

@@ -223,7 +223,8 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   trimmed.facet_sources.resize(mesh.facets.size());
   std::iota(trimmed.facet_sources.begin(), trimmed.facet_sources.end(), 0);
   trimmed.mesh = std::move(mesh);
-  while (TrimOnce(min_confidence, facet_confidences, &trimmed)) {
+  while (min_confidence > 0 &&
+         TrimOnce(min_confidence, facet_confidences, &trimmed)) {
   }
   return trimmed;
 }

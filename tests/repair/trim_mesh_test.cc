@@ -10,6 +10,7 @@
 #include "mesh/half_edges.h"
 #include "mesh/topology.h"
 #include "repair/smooth_borders.h"
+#include "spatial/self_intersections.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 #include "tests/random.h"
@@ -229,6 +230,8 @@ TEST(SmoothBorders, EvensOutZigzagsAndTurnsNoFacetOver) {
     const TriangleMesh before = smooth;
     SmoothBorders(BorderHalfEdges(smooth), &smooth);
     EXPECT_LT(BorderLength(smooth), BorderLength(before));
+    EXPECT_LE(FindSelfIntersections(smooth).size(),
+              FindSelfIntersections(before).size());
     EXPECT_EQ(
         CountFlippedFacets(smooth.facets, before.vertices, smooth.vertices), 0);
   }
