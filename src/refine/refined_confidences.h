@@ -8,7 +8,7 @@
 namespace colmap_ext {
 
 // The confidence of each vertex of a refined surface: [V] in [0, 1]
-// (docs/method.md, section 7.4). With t the share of texture in the pixels that
+// (docs/method.md, section 7.6). With t the share of texture in the pixels that
 // are compared on the facets at the vertex, sum of w / number of pixels, and Z
 // their mean correlation, it is
 //   (1 - t) before + t max(0, Z):

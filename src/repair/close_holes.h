@@ -28,7 +28,7 @@ struct ClosedMesh {
   HoleReport report;
 };
 
-// Closes the holes of a mesh (docs/method.md, section 3.6): border loops of up
+// Closes the holes of a mesh (docs/method.md, section 3.8): border loops of up
 // to max_edges edges. A loop is filled by small facets bent as the surface
 // around it, or else, where these would intersect others or not be manifold, by
 // flatter ones. New vertices have the confidence 0 if the old ones have any, no

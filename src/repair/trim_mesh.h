@@ -25,7 +25,7 @@ struct TrimmedMesh {
   TrimReport report;
 };
 
-// Drops what is not confident from a surface (docs/method.md, section 3.5).
+// Drops what is not confident from a surface (docs/method.md, section 3.7).
 //
 // Facets below min_confidence that are connected through edges are a region.
 // It stays where it is but a gap in good surface: where it reaches no border of
