@@ -263,8 +263,9 @@ TEST(RefineFacetwise, TrimsWhatNoViewSeesAndClosesIt) {
     EXPECT_GT(refined.report.borders.trim.num_facets, 0);
     EXPECT_EQ(refined.report.borders.holes.num_closed > 0, close_holes != 0);
     EXPECT_GT(refined.mesh.facets.size(), whole.mesh.facets.size() / 4);
-    EXPECT_LT(refined.mesh.facets.size(),
-              whole.mesh.facets.size() + refined.report.borders.holes.num_facets);
+    EXPECT_LT(
+        refined.mesh.facets.size(),
+        whole.mesh.facets.size() + refined.report.borders.holes.num_facets);
     const size_t num_vertices = refined.mesh.vertices.size();
     EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());
     EXPECT_EQ(refined.origins.size(), num_vertices);
