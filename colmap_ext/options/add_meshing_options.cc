@@ -74,6 +74,16 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
                             &meshing->min_component_faces,
                             "Components of fewer faces are dropped");
   manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.trim", &meshing->borders.trim,
+      "Faces of less confidence are dropped, 0 ... 1: 0.2 leaves what the "
+      "points bear out; 0: none");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.close_holes", &meshing->borders.close_holes,
+      "Holes of up to as many edges are closed; -1: all, 0: none");
+  manager->AddDefaultOption("DelaunayManifoldMeshing.remeshing",
+                            &meshing->remeshing,
+                            "Remesh the surface at last: faces of good shape");
+  manager->AddDefaultOption(
       "DelaunayManifoldMeshing.half_pixel_correction",
       &mesher->half_pixel_correction,
       "Move fused points by the half pixel that COLMAP's stereo is off");

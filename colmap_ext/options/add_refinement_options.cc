@@ -100,6 +100,16 @@ void AddVariantOptions(colmap::OptionManager* manager,
                             &refiner->words.solver, "{gauss_newton, descent}");
 }
 
+void AddBorderOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+  BorderOptions* borders = &refiner->refinement.borders;
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.trim", &borders->trim,
+      "Faces of less confidence are dropped, 0 ... 1; 0: none");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.close_holes", &borders->close_holes,
+      "Holes of up to as many edges are closed; -1: all, 0: none");
+}
+
 void AddRunOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption("FacetwiseRefinement.backend",
                             &refiner->words.backend,
@@ -132,6 +142,7 @@ void AddRefinerOptions(colmap::OptionManager* manager,
   AddMethodOptions(manager, refiner);
   AddPairOptions(manager, refiner);
   AddVariantOptions(manager, refiner);
+  AddBorderOptions(manager, refiner);
   AddRunOptions(manager, refiner);
 }
 

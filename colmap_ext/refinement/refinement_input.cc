@@ -16,7 +16,6 @@
 #include "formats/write_mesh.h"
 #include "mesh/nearest_attributes.h"
 #include "mesh/topology.h"
-#include "meshing/inherit_attributes.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
 
@@ -68,7 +67,8 @@ MeshFile ReadMeshFile(const fs::path& path, bool has_visibility) {
           {std::move(read.colors),
            has_visibility
                ? ReadVisibility(VisibilityPath(path), num_vertices, kMesh)
-               : Rows<uint32_t>(num_vertices)}};
+               : Rows<uint32_t>(num_vertices),
+           std::move(read.confidences)}};
 }
 
 // Sorts each row, and drops what it has twice.
@@ -93,11 +93,6 @@ void ExpectViews(const VertexAttributes& attributes, size_t num_views,
   }
 }
 
-PointCloud CloudOfVertices(const TriangleMesh& mesh,
-                           const VertexAttributes& attributes) {
-  return {mesh.vertices, attributes.colors, attributes.views};
-}
-
 // Makes the mesh manifold if it is not.
 // \return what was done, without the arrays
 std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
@@ -108,9 +103,7 @@ std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
   if (repair.mesh.facets.empty()) {
     throw FileError(path, "none of its faces can be used");
   }
-  file->attributes = InheritAttributes(
-      repair.mesh, CloudOfVertices(file->mesh, file->attributes),
-      repair.sources);
+  file->attributes = InterpolateAttributes(file->attributes, repair.sources);
   file->mesh = std::exchange(repair.mesh, {});
   repair.sources = {};
   return repair;

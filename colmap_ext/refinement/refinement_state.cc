@@ -79,7 +79,8 @@ void ReadLevelMesh(const fs::path& path, const fs::path& origin_path,
       ReadVisibility(VisibilityPath(path), read.mesh.vertices.size(),
                      {"mesh", "start anew, without --resume", std::nullopt});
   state->mesh = std::move(read.mesh);
-  state->attributes = {std::move(read.colors), std::move(visibility)};
+  state->attributes = {std::move(read.colors), std::move(visibility),
+                       std::move(read.confidences)};
   state->origins = ReadPlyMesh(origin_path).vertices;
 }
 

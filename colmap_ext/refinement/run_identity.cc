@@ -40,6 +40,8 @@ RunIdentity IdentifyOptions(const RefinerOptions& options,
       {"pair_selection", options.words.pair_selection},
       {"occlusion_masking", fmt::format("{:d}", photometric.occlusion_masking)},
       {"solver", options.words.solver},
+      {"trim", fmt::format("{}", refinement.borders.trim)},
+      {"close_holes", fmt::format("{}", refinement.borders.close_holes)},
       {"skip_missing_images", fmt::format("{:d}", options.skip_missing_images)},
   };
 }

@@ -132,6 +132,7 @@ void PrintReport(const RefinementReport& report, const MeshReport& mesh,
   PrintLabelings(report, stream);
   PrintStages(report, stream);
   PrintHeading("Mesh", stream);
+  PrintReport(report.borders, stream);
   PrintCount("faces", mesh.num_facets, stream);
   PrintCount("vertices", mesh.num_vertices, stream);
   PrintCount("components", mesh.num_components, stream);

@@ -98,6 +98,7 @@ void PrintMesh(const ManifoldMeshingReport& report, std::ostream& stream) {
   PrintIfAny("self-intersections removed", repair.num_before - repair.num_after,
              stream);
   PrintIfAny("self-intersections left", repair.num_after, stream);
+  PrintReport(report.borders, stream);
   Print("faces", static_cast<int64_t>(report.mesh.num_facets), stream);
   Print("vertices", static_cast<int64_t>(report.mesh.num_vertices), stream);
   Print("components", static_cast<int64_t>(report.mesh.num_components), stream);
@@ -145,6 +146,20 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
                   : "             -  too few of them",
               stream);
   }
+}
+
+void PrintReport(const BorderReport& report, std::ostream& stream) {
+  PrintIfAny("faces trimmed", report.trim.num_facets, stream);
+  PrintIfAny("  not confident, in small gaps, kept",
+             report.trim.num_kept_facets, stream);
+  PrintIfAny("  cut off, dropped with them", report.trim.num_leftover_facets,
+             stream);
+  PrintIfAny("holes closed", report.holes.num_closed, stream);
+  PrintIfAny("  by faces", report.holes.num_facets, stream);
+  PrintIfAny("  by faces that intersect others", report.holes.num_intersecting,
+             stream);
+  PrintIfAny("holes left, would not be manifold", report.holes.NumLeft(),
+             stream);
 }
 
 void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream) {

@@ -7,6 +7,7 @@
 
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "meshing/manifold_meshing.h"
+#include "repair/edit_borders.h"
 #include "scene/half_pixel_slope.h"
 #include "workspace/workspace.h"
 
@@ -27,6 +28,9 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
 
 // What was made of it.
 void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream);
+
+// What was dropped and closed at its borders: nothing where that is nothing.
+void PrintReport(const BorderReport& report, std::ostream& stream);
 
 // What it took.
 void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,

@@ -17,6 +17,7 @@ struct VertexLayout {
   std::array<int, 3> position;
   std::array<int, 3> normal;
   std::array<int, 3> color;
+  int confidence = -1;  // -1: none
   bool has_normals = false;
   bool has_colors = false;
 };
@@ -44,7 +45,19 @@ VertexLayout FindLayout(const PlyElement& vertex,
     layout.has_colors =
         vertex.properties[layout.color[i]].type == PlyType::kUint8;
   }
+  layout.confidence = vertex.Find("confidence");
+  if (layout.confidence >= 0) {
+    const PlyType type = vertex.properties[layout.confidence].type;
+    if (type != PlyType::kFloat32 && type != PlyType::kFloat64) {
+      layout.confidence = -1;
+    }
+  }
   return layout;
+}
+
+// In [0, 1]; what is not a number is no confidence.
+float ClampConfidence(double value) {
+  return value >= 0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f;
 }
 
 }  // namespace
@@ -57,6 +70,7 @@ PlyCloud ReadPlyVertices(const PlyElement& vertex,
   cloud.positions.resize(vertex.count);
   cloud.normals.resize(layout.has_normals ? vertex.count : 0);
   cloud.colors.resize(layout.has_colors ? vertex.count : 0);
+  cloud.confidences.resize(layout.confidence >= 0 ? vertex.count : 0);
   std::vector<double> values(vertex.properties.size());
   for (uint64_t i = 0; i < vertex.count; ++i) {
     for (size_t j = 0; j < values.size(); ++j) {
@@ -76,6 +90,9 @@ PlyCloud ReadPlyVertices(const PlyElement& vertex,
         cloud.colors[i][k] = static_cast<uint8_t>(
             std::clamp(values[layout.color[k]], 0.0, 255.0));
       }
+    }
+    if (layout.confidence >= 0) {
+      cloud.confidences[i] = ClampConfidence(values[layout.confidence]);
     }
   }
   return cloud;

@@ -15,11 +15,13 @@ struct PlyCloud {
   std::vector<Eigen::Vector3f> positions;  // [P], may be NaN or infinite
   std::vector<Eigen::Vector3f> normals;    // [P] or empty
   std::vector<Color> colors;               // [P] or empty
+  std::vector<float> confidences{};        // [P] in [0, 1] or empty
 };
 
 // Reads the vertices of a PLY file: ASCII or binary of either byte order, the
 // properties in any order and of any numeric type; colours are taken if they
-// are uchar. Other properties, lists, and elements are skipped.
+// are uchar, confidences if they are float or double. Other properties, lists,
+// and elements are skipped.
 //
 // We have a reader of our own since COLMAP's (util/ply) aborts on what it does
 // not expect and trusts counts, and none is packaged apart from libraries that

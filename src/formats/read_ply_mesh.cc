@@ -85,14 +85,15 @@ ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
   ByteReader reader(path);
   const PlyHeader header = ReadPlyHeader(&reader);
   PlyNumberReader numbers(&reader, header.format, "the mesh");
-  TriangleMesh mesh;
-  std::vector<Color> colors;
+  ColoredMesh read;
+  TriangleMesh& mesh = read.mesh;
   for (const PlyElement& element : header.elements) {
     numbers.ExpectRoomFor(element);
     if (element.name == "vertex") {
       PlyCloud vertices = ReadPlyVertices(element, path, &numbers);
       mesh.vertices = std::move(vertices.positions);
-      colors = std::move(vertices.colors);
+      read.colors = std::move(vertices.colors);
+      read.confidences = std::move(vertices.confidences);
     } else if (element.name == "face") {
       mesh.facets = ReadFacets(element, path, &numbers);
     } else {
@@ -103,7 +104,7 @@ ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
     throw FileError(path, "it has no vertices");
   }
   CheckFacets(mesh, path);
-  return {std::move(mesh), std::move(colors)};
+  return read;
 }
 
 TriangleMesh ReadPlyMesh(const std::filesystem::path& path) {

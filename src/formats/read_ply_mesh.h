@@ -20,10 +20,12 @@ TriangleMesh ReadPlyMesh(const std::filesystem::path& path);
 
 struct ColoredMesh {
   TriangleMesh mesh;
-  std::vector<Color> colors;  // [V] or empty
+  std::vector<Color> colors;       // [V] or empty
+  std::vector<float> confidences;  // [V] in [0, 1] or empty
 };
 
-// The same with the vertices' colours, if they have uchar ones.
+// The same with the vertices' colours, if they have uchar ones, and their
+// confidences, if they have float or double ones; these are clamped to [0, 1].
 ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path);
 
 }  // namespace colmap_ext

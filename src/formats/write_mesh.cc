@@ -14,26 +14,31 @@ namespace colmap_ext {
 
 namespace {
 
-std::string Header(const TriangleMesh& mesh, bool has_colors) {
+std::string Header(const TriangleMesh& mesh, bool has_colors,
+                   bool has_confidences) {
   return fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n{}"
+      "property float x\nproperty float y\nproperty float z\n{}{}"
       "element face {}\nproperty list uchar int vertex_index\nend_header\n",
       mesh.vertices.size(),
       has_colors
           ? "property uchar red\nproperty uchar green\nproperty uchar blue\n"
           : "",
-      mesh.facets.size());
+      has_confidences ? "property float confidence\n" : "", mesh.facets.size());
 }
 
 void WritePly(const TriangleMesh& mesh, const std::vector<Color>& colors,
-              AtomicFile* file) {
-  const std::string header = Header(mesh, !colors.empty());
+              const std::vector<float>& confidences, AtomicFile* file) {
+  const std::string header =
+      Header(mesh, !colors.empty(), !confidences.empty());
   file->Write(header.data(), header.size());
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     file->Write(mesh.vertices[i].data(), 3 * sizeof(float));
     if (!colors.empty()) {
       file->Write(colors[i]);
+    }
+    if (!confidences.empty()) {
+      file->Write(confidences[i]);
     }
   }
   for (const Facet& facet : mesh.facets) {
@@ -69,7 +74,7 @@ void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
   AtomicFile visibility_file(VisibilityPath(path));
   AtomicFile mesh_file(path);
   WriteVisibility(attributes, &visibility_file);
-  WritePly(mesh, attributes.colors, &mesh_file);
+  WritePly(mesh, attributes.colors, attributes.confidences, &mesh_file);
   AtomicFile* const files[] = {&visibility_file, &mesh_file};
   Commit(files);
 }
@@ -79,7 +84,7 @@ void WriteColoredMesh(const std::filesystem::path& path,
                       const std::vector<Color>& colors) {
   CheckSize(path, mesh);
   AtomicFile file(path);
-  WritePly(mesh, colors, &file);
+  WritePly(mesh, colors, {}, &file);
   AtomicFile* const files[] = {&file};
   Commit(files);
 }

@@ -13,16 +13,16 @@ namespace colmap_ext {
 std::filesystem::path VisibilityPath(const std::filesystem::path& path);
 
 // Writes a mesh as other tools read it: binary little-endian PLY with float x,
-// y, z, uchar red, green, blue (if it has colours) and the list uchar int
-// vertex_index of the triangles; and beside it PATH.vis, which images see each
-// vertex, in the format of fused.ply.vis. Both appear complete or not at all,
-// the mesh last.
+// y, z, uchar red, green, blue (if it has colours), float confidence (if it has
+// confidences) and the list uchar int vertex_index of the triangles; and beside
+// it PATH.vis, which images see each vertex, in the format of fused.ply.vis.
+// Both appear complete or not at all, the mesh last.
 //
 // \throw FileError if they can not be written.
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                const VertexAttributes& attributes);
 
-// The same without visibility.
+// The same without visibility and confidences.
 // \param colors  [V] or empty
 void WriteColoredMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh,

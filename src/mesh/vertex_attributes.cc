@@ -25,6 +25,10 @@ VertexAttributes InterpolateAttributes(
       }
       interpolated.colors.push_back(color);
     }
+    if (!attributes.confidences.empty()) {
+      interpolated.confidences.push_back(
+          (attributes.confidences[a] + attributes.confidences[b]) / 2);
+    }
   }
   return interpolated;
 }

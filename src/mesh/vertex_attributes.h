@@ -10,15 +10,18 @@
 
 namespace colmap_ext {
 
-// Colours and views of the vertices of a mesh.
+// Colours, views and confidences of the vertices of a mesh.
 struct VertexAttributes {
   std::vector<Color> colors;  // [V] or empty
   Rows<uint32_t> views;       // [V] indices of the views that see each vertex,
                               // ascending
+  std::vector<float> confidences{};  // [V] in [0, 1] or empty: how well the
+                                     // surface there is known; 0 is unseen
 };
 
 // Returns the attributes of new vertices, each the midpoint of two old ones or
-// twice the same old one: mean colours, rounded up, and the views of either.
+// twice the same old one: mean colours, rounded up, the views of either, and
+// mean confidences.
 // \param sources [V] two old vertices each
 // \pre sources are in range of the attributes
 VertexAttributes InterpolateAttributes(

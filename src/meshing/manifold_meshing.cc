@@ -13,9 +13,13 @@
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
+#include "mesh/vertex_confidences.h"
+#include "meshing/point_support.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"
 #include "optim/min_cut.h"
+#include "remesh/remesh_evenly.h"
+#include "repair/self_intersection_repair.h"
 
 namespace colmap_ext {
 namespace {
@@ -36,8 +40,10 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
 }
 
 // The graph whose minimum cut is the surface [Romanoni2020, section IV].
+// \param alphas [P] see Alphas()
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
-                    const PointCloud& cloud, const std::vector<View>& views,
+                    const PointCloud& cloud, const std::vector<float>& alphas,
+                    const std::vector<View>& views,
                     const ThinnedTetrahedralization& thinned,
                     const Progress& progress, ManifoldMeshingReport* report) {
   const Tetrahedralization& tetrahedra = thinned.tetrahedra;
@@ -54,7 +60,7 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   report->rays = AddVisibilityWeights(
       tetrahedra,
       ObserveVertices(cloud, tetrahedra.points.size(), thinned.point_vertices,
-                      Alphas(options, cloud)),
+                      alphas),
       centers, {report->distance_sigma, options.behind_sigma}, &graph,
       progress);
   return graph;
@@ -146,6 +152,29 @@ std::vector<std::array<uint32_t, 2>> PointsOf(
   return points;
 }
 
+// Trims the mesh, closes its holes, and gives confidences to the vertices of
+// what comes out.
+// \param result  with facet_confidences
+void FinishBorders(const BorderOptions& options, const Progress& progress,
+                   ManifoldMesh* result) {
+  Report(progress, "Finishing the borders", 0);
+  EditedMesh edited =
+      EditBorders(options, std::move(result->mesh),
+                  std::move(result->attributes), result->facet_confidences);
+  std::vector<float> facet_confidences;
+  facet_confidences.reserve(edited.facet_sources.size());
+  for (const uint32_t source : edited.facet_sources) {
+    facet_confidences.push_back(
+        source == kNoSource ? 0.0f : result->facet_confidences[source]);
+  }
+  result->mesh = std::move(edited.mesh);
+  result->attributes = std::move(edited.attributes);
+  result->attributes.confidences =
+      VertexConfidences(result->mesh, facet_confidences);
+  result->facet_confidences = std::move(facet_confidences);
+  result->report.borders = edited.report;
+}
+
 }  // namespace
 
 std::string ManifoldMeshingOptions::Check() const {
@@ -169,7 +198,7 @@ std::string ManifoldMeshingOptions::Check() const {
       return message;
     }
   }
-  return "";
+  return borders.Check();
 }
 
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
@@ -188,8 +217,11 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   report.num_duplicate_points = thinned.num_duplicate_points;
   report.num_vertices = thinned.tetrahedra.points.size();
   report.num_cells = thinned.tetrahedra.cells.size();
+  const std::vector<float> alphas = Alphas(options, cloud);
+  const std::vector<float> supports =
+      SupportOfVertices(report.num_vertices, thinned.point_vertices, alphas);
   FlowGraph graph =
-      MakeGraph(options, cloud, views, thinned, progress, &report);
+      MakeGraph(options, cloud, alphas, views, thinned, progress, &report);
   std::vector<uint8_t> is_free = CutGraph(graph, progress, &report);
   report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
   graph = FlowGraph();
@@ -197,7 +229,17 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
       Extract(options, thinned.tetrahedra, is_free, progress, &report);
   result.attributes = InheritAttributes(
       surface.mesh, cloud, PointsOf(surface.sources, thinned.vertex_points));
+  result.facet_confidences = FacetConfidences(
+      surface.mesh, SupportOfSurface(supports, surface.sources),
+      result.attributes.views, views);
   result.mesh = std::move(surface.mesh);
+  FinishBorders(options.borders, progress, &result);
+  if (options.remeshing) {
+    Report(progress, "Remeshing", 0);
+    RemeshEvenly(&result.mesh, &result.attributes);
+    result.facet_confidences =
+        MeanOfCorners(result.mesh.facets, result.attributes.confidences);
+  }
   Report(progress, "Repairing self-intersections", 0);
   report.self_intersections = RepairSelfIntersections(&result.mesh);
   Report(progress, "Checking the mesh", 0);

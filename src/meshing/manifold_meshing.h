@@ -11,6 +11,7 @@
 #include "mesh/triangle_mesh.h"
 #include "meshing/inherit_attributes.h"
 #include "meshing/manifold_fixing.h"
+#include "repair/edit_borders.h"
 #include "repair/self_intersection_repair.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
@@ -73,6 +74,12 @@ struct ManifoldMeshingOptions {
   // Connected components of fewer facets are dropped. 0 or more.
   int min_component_faces = 0;
 
+  // What is dropped where nothing bears it out, and what is closed.
+  BorderOptions borders;
+
+  // Remesh the surface at last, so that its facets are well-shaped.
+  bool remeshing = false;
+
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
 };
@@ -99,25 +106,28 @@ struct ManifoldMeshingReport {
   size_t num_long_facets = 0;     // dropped
   DroppedComponents small_components;
   SelfIntersectionRepair self_intersections;
+  BorderReport borders;
 
   MeshReport mesh;  // the gate's
 };
 
 struct ManifoldMesh {
   TriangleMesh mesh;
-  VertexAttributes attributes;
+  VertexAttributes attributes;           // [V]
+  std::vector<float> facet_confidences;  // [F] see FacetConfidences()
   ManifoldMeshingReport report;
 };
 
 // The 2-manifold surface between what the views see through and what they do
 // not: Delaunay tetrahedralization, visibility votes, minimum cut, fixing of
-// singular vertices, surface, filters [Romanoni2020, section IV; Labatut2009],
-// repair of self-intersections, which copies of a vertex at one position make.
+// singular vertices, surface, filters, confidences, borders [Romanoni2020,
+// section IV; Labatut2009], repair of self-intersections, which copies of a
+// vertex at one position make.
 // The result does not depend on the number of threads.
 //
 // \pre all positions are finite, view indices < views.size(), options checked.
 // \throw std::invalid_argument where the points do not span a volume, or no
-//        view sees any.
+//        view sees any, or the trimming leaves nothing.
 // \throw std::logic_error where the cut is not minimal or the result is not
 //        manifold, which would be a bug of ours.
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,

@@ -1,5 +1,7 @@
 #include "photometry/photometric_energy.h"
 
+#include <cmath>
+
 namespace colmap_ext {
 
 std::string PhotometricOptions::Check() const {
@@ -16,6 +18,13 @@ std::string PhotometricOptions::Check() const {
     return "min_cosine has to be from 0 to 1";
   }
   return "";
+}
+
+double MeanZncc(double energy, double weight,
+                const PhotometricOptions& options) {
+  const double saturation = 1 + options.residual_floor;
+  return weight > 0 ? -saturation * std::expm1(energy / weight / saturation)
+                    : 0;
 }
 
 }  // namespace colmap_ext

@@ -67,6 +67,12 @@ struct PhotometricTerms {
   std::vector<std::array<float, 6>> curvatures;
 };
 
+// The mean correlation of the pixels that have the given sums of energies and
+// weights, by their weights: the inverse of the energy's logarithm, of the mean
+// (docs/method.md, section 5.1). 0 without weight.
+double MeanZncc(double energy, double weight,
+                const PhotometricOptions& options);
+
 // Evaluates the energy at one level of the images' pyramids.
 class PhotometricEnergy {
  public:

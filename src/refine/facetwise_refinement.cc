@@ -7,11 +7,13 @@
 
 #include "labeling/view_pairs.h"
 #include "mesh/facet_normals.h"
+#include "mesh/vertex_confidences.h"
 #include "photometry/image_pyramid.h"
 #include "raster/facet_visibility.h"
 #include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
+#include "refine/refined_confidences.h"
 #include "refine/remesh_for_images.h"
 #include "repair/self_intersection_repair.h"
 #include "spatial/self_intersections.h"
@@ -61,6 +63,11 @@ class Refinement {
         RefineLevel(options_, {level, state->labels, views, state->origins},
                     state->mesh, energy_, on_step);
     state->mesh = std::move(refined.mesh);
+    if (level == 0) {
+      state->attributes.confidences =
+          RefinedConfidences(state->mesh, refined.terms, options_.photometric,
+                             state->attributes.confidences);
+    }
     state->report.num_shortened_steps += refined.num_shortened_steps;
     state->report.num_unconverged_solutions +=
         refined.num_unconverged_solutions;
@@ -120,6 +127,34 @@ class Refinement {
       std::chrono::steady_clock::now();
 };
 
+// Trims the mesh and closes its holes.
+void FinishBorders(const BorderOptions& options, RefinedMesh* refined) {
+  const std::vector<float> facet_confidences =
+      MeanOfCorners(refined->mesh.facets, refined->attributes.confidences);
+  EditedMesh edited =
+      EditBorders(options, std::move(refined->mesh),
+                  std::move(refined->attributes), facet_confidences);
+  std::vector<Eigen::Vector3f> origins = edited.mesh.vertices;
+  for (size_t i = 0; i < origins.size(); ++i) {
+    if (edited.vertex_sources[i] != kNoSource) {
+      origins[i] = refined->origins[edited.vertex_sources[i]];
+    }
+  }
+  FacetLabels labels{std::move(refined->labels.pairs), {}};
+  for (const uint32_t source : edited.facet_sources) {
+    if (source != kNoSource) {
+      labels.labels.AddRow(refined->labels.labels[source]);
+    } else {
+      labels.labels.EndRow();
+    }
+  }
+  refined->mesh = std::move(edited.mesh);
+  refined->attributes = std::move(edited.attributes);
+  refined->origins = std::move(origins);
+  refined->labels = std::move(labels);
+  refined->report.borders = edited.report;
+}
+
 }  // namespace
 
 std::string FacetwiseRefinementOptions::Check() const {
@@ -146,6 +181,9 @@ std::string FacetwiseRefinementOptions::Check() const {
   }
   if (!(labeling.potts_weight >= 0)) {
     return "potts_weight must not be negative";
+  }
+  if (const std::string error = borders.Check(); !error.empty()) {
+    return error;
   }
   return photometric.Check();
 }
@@ -176,6 +214,10 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
     if (hooks.on_level) {
       hooks.on_level(level, complete);
     }
+  }
+  if (!complete.report.is_stopped) {
+    Report(hooks.progress, "Finishing the borders", 0);
+    FinishBorders(options.borders, &complete);
   }
   Report(hooks.progress, "Looking for self-intersections", 0);
   complete.report.num_self_intersections =

@@ -12,6 +12,7 @@
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "photometry/photometric_energy.h"
+#include "repair/edit_borders.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
@@ -54,6 +55,9 @@ struct FacetwiseRefinementOptions {
 
   PhotometricOptions photometric;
 
+  // What is dropped from the result, and closed.
+  BorderOptions borders;
+
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
 };
@@ -94,13 +98,15 @@ struct RefinementReport {
   size_t num_removed_self_intersections = 0;  // pairs of facets, of the input
                                               // and between levels
   size_t num_self_intersections = 0;          // of the result
+  BorderReport borders;
 };
 
 // What a refinement starts from: the input, or what a complete level left.
 struct RefinementStart {
   TriangleMesh mesh;  // manifold
-  // Colours and views of the vertices. They may have no views: a facet none of
-  // whose pairs is known from its vertices may take all pairs that see it.
+  // Colours, views and confidences of the vertices. They may have no views: a
+  // facet none of whose pairs is known from its vertices may take all pairs
+  // that see it.
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
@@ -108,10 +114,13 @@ struct RefinementStart {
 
 struct RefinedMesh {
   TriangleMesh mesh;                     // manifold
-  VertexAttributes attributes;           // [V]
+  VertexAttributes attributes;           // [V]; confidences as
+                                         // RefinedConfidences() has them once
+                                         // the last level is complete
   std::vector<Eigen::Vector3f> origins;  // [V] on the input's surface, where
                                          // the vertices come from
-  FacetLabels labels;                    // [F] of the last level
+  FacetLabels labels;                    // [F] of the last level; none of
+                                         // facets that close a hole
   RefinementReport report;
 };
 
@@ -124,7 +133,8 @@ struct RefinementHooks {
   std::function<void(const RefinementStep& step, const RefinedMesh& state)>
       on_step;
 
-  // After each level, `state` as it would be returned.
+  // After each level, `state` as it would be returned, its borders as they
+  // were.
   std::function<void(int level, const RefinedMesh& state)> on_level;
 
   // Asked between iterations. If it returns true, the mesh of the last complete
@@ -140,6 +150,7 @@ struct RefinementHooks {
 //
 // \param points  whose views tell which views have most in common.
 // \pre options checked
+// \throw std::invalid_argument if the trimming leaves nothing.
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             RefinementStart start,
                             const std::vector<View>& views,

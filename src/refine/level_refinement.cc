@@ -158,18 +158,14 @@ double Step(const Stage& stage, State* state) {
   return 0;
 }
 
-// Over the pixels that are compared, by their weights: the inverse of the
-// energy's logarithm, of the mean (docs/method.md, section 5.1).
-double MeanZncc(const PhotometricTerms& terms,
-                const PhotometricOptions& options) {
+// Over the pixels that are compared.
+double MeanZnccOfAll(const PhotometricTerms& terms,
+                     const PhotometricOptions& options) {
   double weight = 0;
   for (const float facet_weight : terms.weights) {
     weight += facet_weight;
   }
-  const double saturation = 1 + options.residual_floor;
-  return weight > 0
-             ? -saturation * std::expm1(terms.energy / weight / saturation)
-             : 0;
+  return MeanZncc(terms.energy, weight, options);
 }
 
 // \param mean_motion  of the step, px.
@@ -181,7 +177,8 @@ bool Report(const Stage& stage, const State& state, double mean_motion) {
   step.iteration = state.iteration;
   step.energy = state.Energy();
   step.photometric_energy = state.surface.terms.energy;
-  step.mean_zncc = MeanZncc(state.surface.terms, stage.options.photometric);
+  step.mean_zncc =
+      MeanZnccOfAll(state.surface.terms, stage.options.photometric);
   step.mean_step = mean_motion;
   step.num_vertices = state.surface.mesh.vertices.size();
   step.num_facets = state.surface.mesh.facets.size();
@@ -271,8 +268,9 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
       few_labels.labels.values.size() < level.labels.labels.values.size()) {
     state = FinishByAllLabels(level, std::move(stage), std::move(state));
   }
-  return {std::move(state.surface.mesh), state.is_stopped,
-          state.num_shortened_steps, state.num_unconverged_solutions};
+  return {std::move(state.surface.mesh), std::move(state.surface.terms),
+          state.is_stopped, state.num_shortened_steps,
+          state.num_unconverged_solutions};
 }
 
 }  // namespace colmap_ext

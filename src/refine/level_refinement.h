@@ -24,6 +24,7 @@ struct RefinementLevel {
 
 struct RefinedLevel {
   TriangleMesh mesh;
+  PhotometricTerms terms;                // [F] of the last step's surface
   bool is_stopped = false;               // by on_step
   size_t num_shortened_steps = 0;        // of vertices, to turn no facet over
                                          // and to let none cross

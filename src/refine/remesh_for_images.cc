@@ -48,7 +48,6 @@ std::vector<float> LengthsOfPixels(const TriangleMesh& mesh,
 std::vector<float> WantedLengths(double min_area, double max_area,
                                  const TriangleMesh& mesh,
                                  const std::vector<float>& areas) {
-  constexpr float kGradation = 0.3F;  // a choice
   constexpr float kUnseenFactor = 4;  // a choice
   std::vector<float> lengths = LengthsOfPixels(mesh, areas);
   const std::vector<float> present = MeanEdgeLengths(mesh);
@@ -69,9 +68,6 @@ FacetVisibility RemeshForImages(double min_area, double max_area,
                                 const DrawMesh& draw, TriangleMesh* mesh,
                                 VertexAttributes* attributes,
                                 std::vector<Eigen::Vector3f>* origins) {
-  // Of the edge lengths: about as far as the middle of an edge strays from a
-  // surface whose normals turn by 25 degrees over it.
-  constexpr float kTolerance = 0.1F;
   std::vector<float> lengths;
   {
     const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
@@ -79,11 +75,8 @@ FacetVisibility RemeshForImages(double min_area, double max_area,
         min_area, max_area, *mesh,
         RefinableAreas(*mesh, drawings->Views(), FindVisibleFacets(*drawings)));
   }
-  std::vector<float> tolerances = lengths;
-  for (float& tolerance : tolerances) {
-    tolerance *= kTolerance;
-  }
-  RemeshedSurface remeshed = RemeshIsotropically(*mesh, lengths, tolerances);
+  RemeshedSurface remeshed =
+      RemeshIsotropically(*mesh, lengths, TolerancesOf(lengths));
   RepairSelfIntersections(&remeshed.mesh);
   std::vector<Eigen::Vector3f> new_origins;
   for (const SurfacePoint& source : remeshed.sources) {

@@ -28,6 +28,10 @@ VertexAttributes CarryAttributes(const TriangleMesh& mesh,
     std::sort(views.begin(), views.end());
     views.erase(std::unique(views.begin(), views.end()), views.end());
     carried.views.AddRow(views);
+    if (!attributes.confidences.empty()) {
+      carried.confidences.push_back(
+          ValueAt(point, mesh, attributes.confidences));
+    }
     if (!attributes.colors.empty()) {
       Color& rounded = carried.colors.emplace_back();
       for (int c = 0; c < 3; ++c) {

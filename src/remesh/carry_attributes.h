@@ -8,8 +8,9 @@
 
 namespace colmap_ext {
 
-// Returns the attributes of points on a mesh: colours between those of the
-// facet's corners, rounded, and the views of any corner that has a part in it.
+// Returns the attributes of points on a mesh: colours and confidences
+// between those of the facet's corners, and the views of any corner that has a
+// part in it.
 // \param attributes [V] of the mesh
 // \param points [N]
 VertexAttributes CarryAttributes(const TriangleMesh& mesh,

@@ -67,4 +67,12 @@ void LimitGradation(const TriangleMesh& mesh, float gradation,
   }
 }
 
+std::vector<float> TolerancesOf(std::vector<float> lengths) {
+  constexpr float kShare = 0.1F;
+  for (float& length : lengths) {
+    length *= kShare;
+  }
+  return lengths;
+}
+
 }  // namespace colmap_ext

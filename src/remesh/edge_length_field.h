@@ -6,6 +6,10 @@
 
 namespace colmap_ext {
 
+// How fast lengths may grow over the surface: a choice, with which neighboring
+// facets hardly differ in size.
+inline constexpr float kGradation = 0.3F;
+
 // Returns [V] the mean length of the edges at each vertex, scene units;
 // smoothed over its neighbors. Zero where a vertex has no facet.
 std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh);
@@ -16,5 +20,10 @@ std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh);
 // \pre gradation > 0, facet indices < V
 void LimitGradation(const TriangleMesh& mesh, float gradation,
                     std::vector<float>* lengths);
+
+// Returns [V] how far a remeshed surface may stray for facets of such lengths:
+// a tenth of them, about as far as the middle of an edge strays from a surface
+// whose normals turn by 25 degrees over it.
+std::vector<float> TolerancesOf(std::vector<float> lengths);
 
 }  // namespace colmap_ext

@@ -62,6 +62,8 @@ TEST_P(CommandTest, ExplainsItsOptions) {
           "--project_path", "--image_order",
           "--DelaunayManifoldMeshing.max_proj_dist",
           "--DelaunayManifoldMeshing.half_pixel_correction",
+          "--DelaunayManifoldMeshing.trim",
+          "--DelaunayManifoldMeshing.close_holes",
           "--DelaunayManifoldMeshing.num_threads"}) {
       EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
     }
@@ -78,6 +80,7 @@ TEST_P(CommandTest, MeshesAWorkspace) {
   const PlyCloud mesh = ReadPlyCloud(path_ / kMeshName);
   EXPECT_GT(mesh.positions.size(), 100);
   EXPECT_EQ(mesh.colors.size(), mesh.positions.size());
+  EXPECT_EQ(mesh.confidences.size(), mesh.positions.size());
   EXPECT_NO_THROW(ReadVisibility(path_ / (std::string(kMeshName) + ".vis"),
                                  mesh.positions.size()));
   for (const char* text :

@@ -99,6 +99,7 @@ class RefinerFixture : public testing::Test {
     EXPECT_TRUE(Analyze(refined.mesh).IsManifold())
         << Analyze(refined.mesh).Defects();
     EXPECT_EQ(refined.colors.size(), refined.mesh.vertices.size());
+    EXPECT_EQ(refined.confidences.size(), refined.mesh.vertices.size());
     const Visibility visibility = ReadVisibility(
         VisibilityPath(path), refined.mesh.vertices.size(), kFusedCloud);
     EXPECT_GT(visibility.values.size(), refined.mesh.vertices.size());

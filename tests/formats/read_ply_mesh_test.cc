@@ -58,6 +58,16 @@ TEST_F(ReadPlyMeshTest, SkipsOtherPropertiesAndElements) {
   EXPECT_EQ(mesh.facets, mesh_.facets);
 }
 
+TEST_F(ReadPlyMeshTest, ClampsConfidences) {
+  const auto confidences = [this](const std::string& type) {
+    Read(kHeader + ("property " + type + " confidence\n") + kFaces +
+         "0 0 0 0.5\n1 0 0 -1\n0 1 0 nan\n0 0 1 7\n3 0 2 1\n3 0 1 3\n");
+    return ReadColoredPlyMesh(path_).confidences;
+  };
+  EXPECT_EQ(confidences("double"), (std::vector<float>{0.5f, 0, 0, 1}));
+  EXPECT_EQ(confidences("float"), (std::vector<float>{0.5f, 0, 0, 1}));
+}
+
 TEST_F(ReadPlyMeshTest, ReadsPointsAsAMeshWithoutFacets) {
   const TriangleMesh mesh =
       Read(kHeader + std::string("end_header\n") + kVertices);

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "formats/read_ply_cloud.h"
+#include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
 #include "tests/formats/test_files.h"
 
@@ -54,6 +55,24 @@ TEST_F(WriteMeshTest, LeavesOutColorsThatAreNotThere) {
   WriteMesh(path_, mesh_, attributes_);
   EXPECT_TRUE(ReadPlyCloud(path_).colors.empty());
   EXPECT_EQ(ReadPlyCloud(path_).positions, mesh_.vertices);
+}
+
+TEST_F(WriteMeshTest, ConfidencesAreReadBackAsTheyWere) {
+  attributes_.confidences = {0, 0.25f, 1, 0.1f};
+  for (const bool has_colors : {true, false}) {
+    if (!has_colors) {
+      attributes_.colors.clear();
+    }
+    WriteMesh(path_, mesh_, attributes_);
+    const ColoredMesh read = ReadColoredPlyMesh(path_);
+    EXPECT_EQ(read.confidences, attributes_.confidences);
+    EXPECT_EQ(read.colors, attributes_.colors);
+    EXPECT_EQ(read.mesh.vertices, mesh_.vertices);
+    EXPECT_EQ(read.mesh.facets, mesh_.facets);
+  }
+  attributes_.confidences.clear();
+  WriteMesh(path_, mesh_, attributes_);
+  EXPECT_TRUE(ReadColoredPlyMesh(path_).confidences.empty());
 }
 
 TEST_F(WriteMeshTest, LeavesTheOldMeshWhereItFails) {

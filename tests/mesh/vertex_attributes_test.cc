@@ -70,6 +70,15 @@ TEST(InterpolateAttributes, LeavesOldVerticesAsTheyAre) {
   EXPECT_EQ(result.views.values, attributes.views.values);
 }
 
+TEST(InterpolateAttributes, TakesMeanConfidences) {
+  VertexAttributes attributes;
+  attributes.views = Rows<uint32_t>(3);
+  EXPECT_TRUE(InterpolateAttributes(attributes, {{0, 1}}).confidences.empty());
+  attributes.confidences = {0.25f, 0.75f, 1.0f};
+  EXPECT_EQ(InterpolateAttributes(attributes, {{0, 1}, {2, 2}}).confidences,
+            (std::vector<float>{0.5f, 1.0f}));
+}
+
 TEST(InterpolateAttributes, MayGoWithoutColors) {
   Random random(3);
   VertexAttributes attributes = RandomAttributes(4, &random);

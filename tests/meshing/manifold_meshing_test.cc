@@ -63,7 +63,11 @@ TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
        [](Options* o) { o->max_side_length_percentile = -1; }},
       {"max_side_length_percentile",
        [](Options* o) { o->max_side_length_percentile = kNaN; }},
-      {"min_component_faces", [](Options* o) { o->min_component_faces = -1; }}};
+      {"min_component_faces", [](Options* o) { o->min_component_faces = -1; }},
+      {"trim", [](Options* o) { o->borders.trim = -0.1; }},
+      {"trim", [](Options* o) { o->borders.trim = 1.1; }},
+      {"trim", [](Options* o) { o->borders.trim = kNaN; }},
+      {"close_holes", [](Options* o) { o->borders.close_holes = -2; }}};
   for (const BadOption& bad : bad_options) {
     ManifoldMeshingOptions options;
     bad.spoil(&options);
@@ -149,6 +153,8 @@ void ExpectSame(const ManifoldMesh& a, const ManifoldMesh& b) {
   EXPECT_EQ(a.attributes.colors, b.attributes.colors);
   EXPECT_EQ(a.attributes.views.offsets, b.attributes.views.offsets);
   EXPECT_EQ(a.attributes.views.values, b.attributes.views.values);
+  EXPECT_EQ(a.attributes.confidences, b.attributes.confidences);
+  EXPECT_EQ(a.facet_confidences, b.facet_confidences);
   EXPECT_EQ(a.report.flow, b.report.flow);
 }
 
@@ -210,6 +216,51 @@ TEST(MeshManifold, HasNoHolesWhereTheObjectIsTheHull) {
   }
 }
 
+// The sphere's points but those of its top, which nobody sees.
+PointCloud WithoutTop(const PointCloud& cloud) {
+  PointCloud rest;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f& position = cloud.positions[i];
+    if (position.norm() > 2 || position.z() < 0.7) {
+      rest.positions.push_back(position);
+      rest.colors.push_back(cloud.colors[i]);
+      rest.views.AddRow(cloud.views[i]);
+    }
+  }
+  return rest;
+}
+
+TEST(MeshManifold, TrimsWhatNoPointBearsOutAndClosesIt) {
+  const SphereScene scene;
+  const PointCloud cloud = WithoutTop(scene.cloud);
+  ManifoldMeshingOptions options;
+  options.max_proj_dist = 0;
+  const ManifoldMesh whole = MeshManifold(options, cloud, scene.views);
+  ASSERT_EQ(whole.report.mesh.num_border_loops, 0);
+  options.borders.trim = 0.2;
+  const ManifoldMesh trimmed = MeshManifold(options, cloud, scene.views);
+  EXPECT_TRUE(trimmed.report.mesh.IsManifold());
+  const size_t num_loops = trimmed.report.mesh.num_border_loops;
+  EXPECT_GT(num_loops, 0);
+  EXPECT_EQ(trimmed.report.borders.trim.num_regions, num_loops);
+  EXPECT_GT(trimmed.mesh.facets.size(), 0.9 * whole.mesh.facets.size());
+  for (const auto& [a, b, c] : trimmed.mesh.facets) {
+    EXPECT_LT((trimmed.mesh.vertices[a] + trimmed.mesh.vertices[b] +
+               trimmed.mesh.vertices[c])
+                      .z() /
+                  3,
+              0.75);
+  }
+  options.borders.close_holes = kAllLoops;
+  const ManifoldMesh closed = MeshManifold(options, cloud, scene.views);
+  EXPECT_EQ(closed.report.mesh.num_border_loops, 0);
+  EXPECT_EQ(closed.report.mesh.euler, 2);
+  EXPECT_EQ(closed.report.borders.holes.num_closed, num_loops);
+  ASSERT_EQ(closed.facet_confidences.size(), closed.mesh.facets.size());
+  ASSERT_EQ(closed.attributes.views.size(), closed.mesh.vertices.size());
+  EXPECT_EQ(closed.facet_confidences.back(), 0);
+}
+
 TEST(MeshManifold, ReportsWhatItDid) {
   const SphereScene scene;
   for (const ManifoldMeshingOptions& options : Variants()) {
@@ -235,6 +286,13 @@ TEST(MeshManifold, ReportsWhatItDid) {
     EXPECT_EQ(report.mesh.num_vertices, result.mesh.vertices.size());
     EXPECT_EQ(report.mesh.num_facets, result.mesh.facets.size());
     EXPECT_EQ(result.attributes.colors.size(), result.mesh.vertices.size());
+    ASSERT_EQ(result.facet_confidences.size(), result.mesh.facets.size());
+    ASSERT_EQ(result.attributes.confidences.size(),
+              result.mesh.vertices.size());
+    for (const float confidence : result.attributes.confidences) {
+      EXPECT_GE(confidence, 0);
+      EXPECT_LE(confidence, 1);
+    }
     EXPECT_EQ(result.attributes.views.offsets.size(),
               result.mesh.vertices.size() + 1);
     EXPECT_EQ(result.attributes.views.offsets.back(),

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "base/percentile.h"
+#include "mesh/topology.h"
 #include "photometry/cpu_photometric_energy.h"
 #include "refine/facetwise_refinement.h"
 #include "spatial/bvh.h"
@@ -197,6 +199,35 @@ TEST(RefineFacetwise, DoesNotDependOnThreads) {
   }
   ExpectSameMesh(results[1].mesh, results[0].mesh);
   ExpectSameMesh(results[2].mesh, results[0].mesh);
+  EXPECT_EQ(results[1].attributes.confidences,
+            results[0].attributes.confidences);
+}
+
+TEST(RefineFacetwise, IsSureOfWhatTheViewsSeeAlike) {
+  const TriangleMesh& mesh = Scene().Truth();
+  const RefinedMesh refined =
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1});
+  const std::vector<float>& confidences = refined.attributes.confidences;
+  ASSERT_EQ(confidences.size(), refined.mesh.vertices.size());
+  const FacetVisibility visibility =
+      VisibleFacets(refined.mesh, Scene().Views());
+  std::vector<uint8_t> is_seen(confidences.size(), 0);
+  std::vector<double> seen;
+  for (size_t i = 0; i < refined.mesh.facets.size(); ++i) {
+    for (const uint32_t vertex : refined.mesh.facets[i]) {
+      is_seen[vertex] |= visibility[i].empty() ? 0 : 1;
+    }
+  }
+  for (size_t i = 0; i < confidences.size(); ++i) {
+    ASSERT_GE(confidences[i], 0);
+    ASSERT_LE(confidences[i], 1);
+    if (is_seen[i] != 0) {
+      seen.push_back(confidences[i]);
+    } else {
+      EXPECT_EQ(confidences[i], 0) << i;
+    }
+  }
+  EXPECT_GT(Median(&seen), 0.8);
 }
 
 TEST(RefineFacetwise, ScalesWithTheScene) {
@@ -248,6 +279,30 @@ TEST(RefineFacetwise, StopsWithTheLastCompleteLevel) {
   ExpectSameMesh(stopped.mesh, complete);
 }
 
+TEST(RefineFacetwise, TrimsWhatNoViewSeesAndClosesIt) {
+  const TriangleMesh& mesh = Scene().Truth();
+  FacetwiseRefinementOptions options = SmallOptions();
+  const RefinedMesh whole = Refine(options, {mesh, NoAttributes(mesh), {}, 1});
+  options.borders.trim = 0.2;
+  for (const int close_holes : {0, kAllLoops}) {
+    options.borders.close_holes = close_holes;
+    const RefinedMesh refined =
+        Refine(options, {mesh, NoAttributes(mesh), {}, 1});
+    EXPECT_TRUE(Analyze(refined.mesh).IsManifold());
+    EXPECT_GT(refined.report.borders.trim.num_facets, 0);
+    EXPECT_EQ(refined.report.borders.holes.num_closed > 0, close_holes != 0);
+    EXPECT_GT(refined.mesh.facets.size(), whole.mesh.facets.size() / 4);
+    EXPECT_LT(
+        refined.mesh.facets.size(),
+        whole.mesh.facets.size() + refined.report.borders.holes.num_facets);
+    const size_t num_vertices = refined.mesh.vertices.size();
+    EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());
+    EXPECT_EQ(refined.origins.size(), num_vertices);
+    EXPECT_EQ(refined.attributes.views.size(), num_vertices);
+    EXPECT_EQ(refined.attributes.confidences.size(), num_vertices);
+  }
+}
+
 TEST(FacetwiseRefinementOptions, ChecksThem) {
   EXPECT_EQ(FacetwiseRefinementOptions().Check(), "");
   const auto expect_refused = [](const auto& change, const std::string& name) {
@@ -257,6 +312,9 @@ TEST(FacetwiseRefinementOptions, ChecksThem) {
   };
   expect_refused([](auto* options) { options->levels = 0; }, "levels");
   expect_refused([](auto* options) { options->iterations = 0; }, "iterations");
+  expect_refused([](auto* options) { options->borders.trim = 2; }, "trim");
+  expect_refused([](auto* options) { options->borders.close_holes = -2; },
+                 "close_holes");
   expect_refused([](auto* options) { options->smoothness_weight = -1; },
                  "smoothness_weight");
   expect_refused([](auto* options) { options->max_face_area = 0; },

@@ -1,0 +1,262 @@
+#include "repair/close_holes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mesh/half_edges.h"
+#include "mesh/vertex_rings.h"
+#include "repair/fill_loops.h"
+#include "spatial/self_intersections.h"
+
+namespace colmap_ext {
+namespace {
+
+// In the order of their first half-edges.
+std::vector<BorderLoop> FindLoops(const TriangleMesh& mesh) {
+  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  // [V] the border's half-edge that leaves a vertex; a manifold mesh has one.
+  std::vector<uint32_t> leaving(mesh.vertices.size(), kNoPartner);
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    if (partners[half] == kNoPartner) {
+      leaving[FromVertex(mesh.facets, half)] = half;
+    }
+  }
+  std::vector<BorderLoop> loops;
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    BorderLoop loop;
+    uint32_t vertex = FromVertex(mesh.facets, half);
+    while (partners[half] == kNoPartner && leaving[vertex] != kNoPartner) {
+      loop.push_back(vertex);
+      vertex =
+          ToVertex(mesh.facets, std::exchange(leaving[vertex], kNoPartner));
+    }
+    if (!loop.empty()) {
+      loops.push_back(std::move(loop));
+    }
+  }
+  return loops;
+}
+
+// A mesh with fillings behind its own facets.
+struct FilledMesh {
+  TriangleMesh mesh;
+  size_t num_facets = 0;         // of its own
+  std::vector<uint32_t> owners;  // of the other facets: their filling
+  size_t num_fillings = 0;
+
+  void Add(const LoopFilling& filling, size_t num_old_vertices) {
+    const auto shift =
+        static_cast<uint32_t>(mesh.vertices.size() - num_old_vertices);
+    for (Facet facet : filling.facets) {
+      for (uint32_t& vertex : facet) {
+        vertex += vertex >= num_old_vertices ? shift : 0;
+      }
+      mesh.facets.push_back(facet);
+      owners.push_back(static_cast<uint32_t>(num_fillings));
+    }
+    mesh.vertices.insert(mesh.vertices.end(), filling.vertices.begin(),
+                         filling.vertices.end());
+    ++num_fillings;
+  }
+
+  // Marks the filling that a facet is of, if it is of one.
+  void Mark(uint32_t facet, std::vector<uint8_t>* is_marked) const {
+    if (facet >= num_facets) {
+      (*is_marked)[owners[facet - num_facets]] = 1;
+    }
+  }
+};
+
+// [fillings] whether it shares an edge with too many facets, or has the three
+// vertices of another facet.
+std::vector<uint8_t> FindNonManifold(const FilledMesh& filled) {
+  std::vector<uint8_t> is_found(filled.num_fillings, 0);
+  const auto halves = SortedHalfEdges(filled.mesh.facets);
+  std::vector<std::array<uint32_t, 3>> beside(filled.mesh.facets.size());
+  ForEachEdge(halves, [&](auto first, auto last) {
+    if (last - first == 2) {
+      const uint32_t a = first->second;
+      const uint32_t b = (first + 1)->second;
+      beside[a / 3][a % 3] = b / 3;
+      beside[b / 3][b % 3] = a / 3;
+    }
+    for (auto half = first; last - first > 2 && half != last; ++half) {
+      filled.Mark(half->second / 3, &is_found);
+    }
+  });
+  for (auto facet = static_cast<uint32_t>(filled.num_facets);
+       facet < beside.size(); ++facet) {
+    if (beside[facet][0] == beside[facet][1] &&
+        beside[facet][1] == beside[facet][2]) {
+      filled.Mark(facet, &is_found);
+    }
+  }
+  return is_found;
+}
+
+// [fillings] whether one of its facets intersects another.
+std::vector<uint8_t> FindIntersecting(const FilledMesh& filled) {
+  std::vector<uint8_t> is_found(filled.num_fillings, 0);
+  for (const auto& [a, b] : FindSelfIntersections(filled.mesh)) {
+    filled.Mark(a, &is_found);
+    filled.Mark(b, &is_found);
+  }
+  return is_found;
+}
+
+// What one loop is filled with.
+struct Patch {
+  BorderLoop loop;
+  std::optional<LoopFilling> filling;
+};
+
+// A mesh whose holes are closed, round by round.
+class HoleCloser {
+ public:
+  HoleCloser(TriangleMesh mesh, VertexAttributes attributes)
+      : num_vertices_(mesh.vertices.size()), rings_(MakeVertexRings(mesh)) {
+    closed_.mesh = std::move(mesh);
+    closed_.attributes = std::move(attributes);
+  }
+
+  void Close(std::vector<BorderLoop> loops) {
+    closed_.report.num_loops = loops.size();
+    const TriangleMesh mesh = closed_.mesh;
+    for (const FillingKind kind :
+         {FillingKind::kFair, FillingKind::kRefined, FillingKind::kFlat}) {
+      if (!loops.empty()) {
+        loops = CloseBy(kind, mesh, std::move(loops));
+      }
+    }
+  }
+
+  ClosedMesh Take() { return std::move(closed_); }
+
+ private:
+  // \return the loops that stay
+  std::vector<BorderLoop> CloseBy(FillingKind kind, const TriangleMesh& mesh,
+                                  std::vector<BorderLoop> loops) {
+    std::vector<BorderLoop> left;
+    std::vector<Patch> patches;
+    for (BorderLoop& loop : loops) {
+      std::optional<LoopFilling> filling = FillLoop(kind, mesh, rings_, loop);
+      if (filling) {
+        patches.push_back({std::move(loop), std::move(filling)});
+      } else {
+        left.push_back(std::move(loop));
+      }
+    }
+    Remove(FindNonManifold(Fill(patches)), &patches, &left);
+    const std::vector<uint8_t> is_intersecting =
+        FindIntersecting(Fill(patches));
+    if (kind == FillingKind::kFlat) {  // there is no other way
+      closed_.report.num_intersecting = static_cast<size_t>(
+          std::count(is_intersecting.begin(), is_intersecting.end(), 1));
+    } else {
+      Remove(is_intersecting, &patches, &left);
+    }
+    for (const Patch& patch : patches) {
+      AddAttributes(patch);
+    }
+    closed_.report.num_closed += patches.size();
+    closed_.mesh = Fill(patches).mesh;
+    return left;
+  }
+
+  FilledMesh Fill(const std::vector<Patch>& patches) const {
+    FilledMesh filled{closed_.mesh, closed_.mesh.facets.size(), {}, 0};
+    for (const Patch& patch : patches) {
+      filled.Add(*patch.filling, num_vertices_);
+    }
+    return filled;
+  }
+
+  static void Remove(const std::vector<uint8_t>& is_removed,
+                     std::vector<Patch>* patches,
+                     std::vector<BorderLoop>* left) {
+    std::vector<Patch> kept;
+    for (size_t i = 0; i < patches->size(); ++i) {
+      if (is_removed[i] != 0) {
+        left->push_back(std::move((*patches)[i].loop));
+      } else {
+        kept.push_back(std::move((*patches)[i]));
+      }
+    }
+    patches->swap(kept);
+  }
+
+  void AddAttributes(const Patch& patch) {
+    VertexAttributes& attributes = closed_.attributes;
+    for (const Eigen::Vector3f& vertex : patch.filling->vertices) {
+      if (!attributes.colors.empty()) {
+        attributes.colors.push_back(ColorAt(vertex, patch.loop));
+      }
+      if (!attributes.confidences.empty()) {
+        attributes.confidences.push_back(0);
+      }
+      attributes.views.EndRow();
+    }
+  }
+
+  // By the inverse squared distances from the vertices of the loop.
+  Color ColorAt(const Eigen::Vector3f& point, const BorderLoop& loop) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double sum_of_weights = 0;
+    for (const uint32_t vertex : loop) {
+      const double distance_squared =
+          (closed_.mesh.vertices[vertex] - point).cast<double>().squaredNorm();
+      const double weight = 1 / std::max(distance_squared, kTiny);
+      const Color& color = closed_.attributes.colors[vertex];
+      sum += weight * Eigen::Vector3d(color[0], color[1], color[2]);
+      sum_of_weights += weight;
+    }
+    const Eigen::Vector3d mean = sum / sum_of_weights;
+    Color color;
+    for (int k = 0; k < 3; ++k) {
+      color[k] = static_cast<uint8_t>(std::lround(mean[k]));
+    }
+    return color;
+  }
+
+  // Squared scene units; below it a vertex of the loop is met.
+  static constexpr double kTiny = std::numeric_limits<float>::min();
+
+  size_t num_vertices_;  // old ones, which the fillings' indices are based on
+  VertexRings rings_;    // of the old mesh
+  ClosedMesh closed_;
+};
+
+}  // namespace
+
+ClosedMesh CloseHoles(int max_edges, TriangleMesh mesh,
+                      VertexAttributes attributes) {
+  std::vector<BorderLoop> loops;
+  if (max_edges != 0) {
+    loops = FindLoops(mesh);
+    std::erase_if(loops, [max_edges](const BorderLoop& loop) {
+      return max_edges != kAllLoops &&
+             loop.size() > static_cast<size_t>(max_edges);
+    });
+  }
+  if (loops.empty()) {
+    return {std::move(mesh), std::move(attributes), {}};
+  }
+  const size_t num_vertices = mesh.vertices.size();
+  const size_t num_facets = mesh.facets.size();
+  HoleCloser closer(std::move(mesh), std::move(attributes));
+  closer.Close(std::move(loops));
+  ClosedMesh closed = closer.Take();
+  closed.report.num_vertices = closed.mesh.vertices.size() - num_vertices;
+  closed.report.num_facets = closed.mesh.facets.size() - num_facets;
+  return closed;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
+#include "repair/close_holes.h"
+#include "repair/trim_mesh.h"
+
+namespace colmap_ext {
+
+struct BorderOptions {
+  // Facets of less confidence are dropped, see TrimMesh(). In [0, 1]; 0 drops
+  // none.
+  double trim = 0;
+
+  // Border loops of up to as many edges are closed, see CloseHoles(); 0 none,
+  // kAllLoops all.
+  int close_holes = 0;
+
+  // What is wrong with the options, in one line; empty when all is well.
+  std::string Check() const;
+};
+
+struct BorderReport {
+  TrimReport trim;
+  HoleReport holes;
+};
+
+inline constexpr uint32_t kNoSource = UINT32_MAX;
+
+struct EditedMesh {
+  TriangleMesh mesh;                     // manifold
+  VertexAttributes attributes;           // [V]
+  std::vector<uint32_t> vertex_sources;  // [V] the old vertex; new: kNoSource
+  std::vector<uint32_t> facet_sources;   // [F] the old facet; new: kNoSource
+  BorderReport report;
+};
+
+// Trims a mesh, then closes its holes.
+// \param facet_confidences [F] in [0, 1]
+// \pre the mesh is manifold, options checked
+// \throw std::invalid_argument if the trimming leaves nothing.
+EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,
+                       VertexAttributes attributes,
+                       const std::vector<float>& facet_confidences);
+
+}  // namespace colmap_ext

@@ -1,0 +1,232 @@
+#include "repair/trim_mesh.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "base/union_find.h"
+#include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
+#include "mesh/vertex_rings.h"
+#include "repair/smooth_borders.h"
+
+namespace colmap_ext {
+namespace {
+
+// A mesh with what finds its facets' neighbors.
+struct Surface {
+  const TriangleMesh& mesh;
+  VertexRings rings;
+  std::vector<uint32_t> partners;  // [3 F]
+};
+
+double Area(const TriangleMesh& mesh, uint32_t facet) {
+  const auto& [a, b, c] = mesh.facets[facet];
+  const Eigen::Vector3d u =
+      (mesh.vertices[b] - mesh.vertices[a]).cast<double>();
+  const Eigen::Vector3d v =
+      (mesh.vertices[c] - mesh.vertices[a]).cast<double>();
+  return u.cross(v).norm() / 2;
+}
+
+// Joins facets of the same mark that share an edge.
+// \param marks [F]
+UnionFind JoinFacets(const Surface& surface,
+                     const std::vector<uint8_t>& marks) {
+  UnionFind pieces(surface.mesh.facets.size());
+  for (uint32_t half = 0; half < surface.partners.size(); ++half) {
+    const uint32_t partner = surface.partners[half];
+    if (partner != kNoPartner && partner < half &&
+        marks[half / 3] == marks[partner / 3]) {
+      pieces.Join(half / 3, partner / 3);
+    }
+  }
+  return pieces;
+}
+
+// The area of the confident facets that share a vertex with each region: [F],
+// by the regions' representatives.
+std::vector<double> AreasAround(const Surface& surface,
+                                const std::vector<uint8_t>& is_low,
+                                UnionFind* regions) {
+  std::vector<double> areas(is_low.size(), 0);
+  std::vector<uint32_t> beside;
+  for (uint32_t i = 0; i < is_low.size(); ++i) {
+    if (is_low[i] != 0) {
+      continue;
+    }
+    beside.clear();
+    for (const uint32_t vertex : surface.mesh.facets[i]) {
+      for (const uint32_t corner : surface.rings.corners[vertex]) {
+        if (is_low[corner / 3] != 0) {
+          beside.push_back(regions->Find(corner / 3));
+        }
+      }
+    }
+    std::sort(beside.begin(), beside.end());
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    for (const uint32_t region : beside) {
+      areas[region] += Area(surface.mesh, i);
+    }
+  }
+  return areas;
+}
+
+// Which facets are dropped: [F] those of regions that are more than a gap.
+std::vector<uint8_t> FindRegions(const Surface& surface,
+                                 const std::vector<uint8_t>& is_low,
+                                 TrimReport* report) {
+  UnionFind regions = JoinFacets(surface, is_low);
+  const std::vector<double> areas_around =
+      AreasAround(surface, is_low, &regions);
+  std::vector<double> areas(is_low.size(), 0);  // by representatives
+  for (uint32_t i = 0; i < is_low.size(); ++i) {
+    areas[regions.Find(i)] += Area(surface.mesh, i);
+  }
+  std::vector<uint8_t> is_gap(is_low.size(), 1);  // by representatives
+  for (uint32_t half = 0; half < surface.partners.size(); ++half) {
+    const uint32_t region = regions.Find(half / 3);
+    is_gap[region] &= surface.partners[half] != kNoPartner &&
+                      areas[region] <= areas_around[region];
+  }
+  std::vector<uint8_t> is_dropped(is_low.size(), 0);
+  report->num_kept_facets = 0;
+  for (uint32_t i = 0; i < is_low.size(); ++i) {
+    const uint32_t region = regions.Find(i);
+    is_dropped[i] = is_low[i] & ~is_gap[region];
+    report->num_regions += is_dropped[i] != 0 && region == i;
+    report->num_facets += is_dropped[i];
+    report->num_kept_facets += is_low[i] & is_gap[region];
+  }
+  return is_dropped;
+}
+
+// The vertices of a piece, by where they lie.
+struct PieceVertices {
+  size_t num_inside = 0;
+  size_t num_border = 0;
+  bool is_cut = false;  // from a dropped facet
+};
+
+// [F] by the pieces' representatives.
+std::vector<PieceVertices> CountVertices(const Surface& surface,
+                                         const std::vector<uint8_t>& is_dropped,
+                                         UnionFind* pieces) {
+  std::vector<PieceVertices> counts(is_dropped.size());
+  std::vector<uint8_t> is_border(is_dropped.size() * 3, 0);  // of half-edges
+  for (uint32_t half = 0; half < is_border.size(); ++half) {
+    const uint32_t partner = surface.partners[half];
+    const bool is_cut = partner != kNoPartner && is_dropped[partner / 3] != 0;
+    is_border[half] = partner == kNoPartner || is_cut;
+    counts[pieces->Find(half / 3)].is_cut |= is_cut;
+  }
+  std::vector<std::pair<uint32_t, uint8_t>> at_vertex;  // piece, whether border
+  for (size_t vertex = 0; vertex < surface.rings.NumVertices(); ++vertex) {
+    at_vertex.clear();
+    for (const uint32_t corner : surface.rings.corners[vertex]) {
+      const uint32_t previous = NextHalfEdge(NextHalfEdge(corner));
+      at_vertex.emplace_back(pieces->Find(corner / 3),
+                             is_border[corner] | is_border[previous]);
+    }
+    std::sort(at_vertex.begin(), at_vertex.end());
+    for (size_t i = 0; i < at_vertex.size(); ++i) {
+      // The last one of a piece says whether any of its facets is at a border.
+      if (i + 1 == at_vertex.size() ||
+          at_vertex[i].first != at_vertex[i + 1].first) {
+        PieceVertices& count = counts[at_vertex[i].first];
+        ++(at_vertex[i].second != 0 ? count.num_border : count.num_inside);
+      }
+    }
+  }
+  return counts;
+}
+
+// Drops the pieces of what is left that are next to nothing but border.
+void AddLeftovers(const Surface& surface, std::vector<uint8_t>* is_dropped,
+                  TrimReport* report) {
+  UnionFind pieces = JoinFacets(surface, *is_dropped);
+  const std::vector<PieceVertices> counts =
+      CountVertices(surface, *is_dropped, &pieces);
+  for (uint32_t i = 0; i < is_dropped->size(); ++i) {
+    const uint32_t piece = pieces.Find(i);
+    const PieceVertices& count = counts[piece];
+    if ((*is_dropped)[i] == 0 && count.is_cut &&
+        count.num_inside <= count.num_border) {
+      report->num_leftovers += piece == i;
+      ++report->num_leftover_facets;
+      (*is_dropped)[i] = 1;
+    }
+  }
+}
+
+// Drops the facets and smooths the borders that this opens.
+void Drop(const Surface& surface, const std::vector<uint8_t>& is_dropped,
+          TrimmedMesh* trimmed) {
+  TriangleMesh kept{surface.mesh.vertices, {}};
+  std::vector<uint32_t> facet_sources;
+  std::vector<uint8_t> is_opened;  // [3 F]
+  for (uint32_t i = 0; i < is_dropped.size(); ++i) {
+    if (is_dropped[i] != 0) {
+      continue;
+    }
+    kept.facets.push_back(surface.mesh.facets[i]);
+    facet_sources.push_back(trimmed->facet_sources[i]);
+    for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
+      const uint32_t partner = surface.partners[half];
+      is_opened.push_back(partner != kNoPartner &&
+                          is_dropped[partner / 3] != 0);
+    }
+  }
+  // Of a manifold mesh it puts no midpoints: facets and half-edges stay.
+  FanSplit split = SplitFans(kept, PairHalfEdges(kept.facets));
+  for (auto& [a, b] : split.sources) {
+    a = b = trimmed->sources[a][0];
+  }
+  SmoothBorders(is_opened, &split.mesh);
+  trimmed->mesh = std::move(split.mesh);
+  trimmed->sources = std::move(split.sources);
+  trimmed->facet_sources = std::move(facet_sources);
+}
+
+// \return whether anything was dropped
+bool TrimOnce(double min_confidence,
+              const std::vector<float>& facet_confidences,
+              TrimmedMesh* trimmed) {
+  const TriangleMesh& mesh = trimmed->mesh;
+  const Surface surface{mesh, MakeVertexRings(mesh),
+                        PairHalfEdges(mesh.facets)};
+  std::vector<uint8_t> is_low(mesh.facets.size());
+  for (size_t i = 0; i < is_low.size(); ++i) {
+    is_low[i] = facet_confidences[trimmed->facet_sources[i]] < min_confidence;
+  }
+  std::vector<uint8_t> is_dropped =
+      FindRegions(surface, is_low, &trimmed->report);
+  if (std::find(is_dropped.begin(), is_dropped.end(), 1) == is_dropped.end()) {
+    return false;
+  }
+  AddLeftovers(surface, &is_dropped, &trimmed->report);
+  Drop(surface, is_dropped, trimmed);
+  return true;
+}
+
+}  // namespace
+
+TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
+                     const std::vector<float>& facet_confidences) {
+  TrimmedMesh trimmed;
+  for (uint32_t i = 0; i < mesh.vertices.size(); ++i) {
+    trimmed.sources.push_back({i, i});
+  }
+  trimmed.facet_sources.resize(mesh.facets.size());
+  std::iota(trimmed.facet_sources.begin(), trimmed.facet_sources.end(), 0);
+  trimmed.mesh = std::move(mesh);
+  while (min_confidence > 0 &&
+         TrimOnce(min_confidence, facet_confidences, &trimmed)) {
+  }
+  return trimmed;
+}
+
+}  // namespace colmap_ext

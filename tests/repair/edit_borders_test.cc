@@ -1,0 +1,92 @@
+#include "repair/edit_borders.h"
+
+#include <limits>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "mesh/topology.h"
+#include "tests/mesh/shapes.h"
+
+namespace colmap_ext {
+namespace {
+
+std::string ErrorOf(double trim, int close_holes) {
+  return BorderOptions{trim, close_holes}.Check();
+}
+
+TEST(BorderOptions, CheckNamesWhatIsWrong) {
+  EXPECT_EQ(BorderOptions().Check(), "");
+  EXPECT_EQ(ErrorOf(1, kAllLoops), "");
+  for (const double trim :
+       {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_NE(ErrorOf(trim, 0).find("trim"), std::string::npos);
+  }
+  EXPECT_NE(ErrorOf(0, -2).find("close_holes"), std::string::npos);
+}
+
+class EditBordersTest : public testing::Test {
+ protected:
+  EditBordersTest() {
+    attributes_.views = Rows<uint32_t>(mesh_.vertices.size());
+    for (uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
+      attributes_.confidences.push_back(static_cast<float>(i % 7) / 7);
+    }
+    for (const Facet& facet : mesh_.facets) {
+      confidences_.push_back(mesh_.vertices[facet[0]].z() < 0.7f ? 1.0f : 0.0f);
+    }
+  }
+
+  EditedMesh Edit(double trim, int close_holes) {
+    return EditBorders({trim, close_holes}, mesh_, attributes_, confidences_);
+  }
+
+  const TriangleMesh mesh_ = MakeBumpySphere(0.15f);
+  VertexAttributes attributes_;
+  std::vector<float> confidences_;
+};
+
+TEST_F(EditBordersTest, LeavesTheMeshByDefault) {
+  const EditedMesh edited = Edit(0, 0);
+  EXPECT_EQ(edited.mesh.vertices, mesh_.vertices);
+  EXPECT_EQ(edited.mesh.facets, mesh_.facets);
+  EXPECT_EQ(edited.attributes.confidences, attributes_.confidences);
+}
+
+TEST_F(EditBordersTest, ClosesWhatItHasTrimmed) {
+  const EditedMesh edited = Edit(0.5, kAllLoops);
+  const MeshReport report = Analyze(edited.mesh);
+  EXPECT_EQ(report.Defects(), "");
+  EXPECT_EQ(report.euler, 2);
+  EXPECT_EQ(edited.report.trim.num_regions, 1);
+  EXPECT_EQ(edited.report.holes.num_closed, 1);
+}
+
+TEST_F(EditBordersTest, SaysWhereEachVertexAndFacetComesFrom) {
+  const EditedMesh edited = Edit(0.5, kAllLoops);
+  size_t num_new = 0;
+  ASSERT_EQ(edited.vertex_sources.size(), edited.mesh.vertices.size());
+  for (size_t i = 0; i < edited.vertex_sources.size(); ++i) {
+    const uint32_t source = edited.vertex_sources[i];
+    num_new += source == kNoSource;
+    EXPECT_EQ(edited.attributes.confidences[i],
+              source == kNoSource ? 0 : attributes_.confidences[source]);
+  }
+  EXPECT_EQ(num_new, edited.report.holes.num_vertices);
+  ASSERT_EQ(edited.facet_sources.size(), edited.mesh.facets.size());
+  for (size_t i = 0; i < edited.facet_sources.size(); ++i) {
+    const uint32_t source = edited.facet_sources[i];
+    for (int k = 0; k < 3 && source != kNoSource; ++k) {
+      EXPECT_EQ(edited.vertex_sources[edited.mesh.facets[i][k]],
+                mesh_.facets[source][k]);
+    }
+  }
+}
+
+TEST_F(EditBordersTest, RefusesToLeaveNothing) {
+  confidences_.assign(mesh_.facets.size(), 0);
+  EXPECT_THROW(Edit(0.5, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,248 @@
+#include "repair/trim_mesh.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <Eigen/Geometry>
+
+#include "mesh/facet_normals.h"
+#include "mesh/half_edges.h"
+#include "mesh/topology.h"
+#include "repair/smooth_borders.h"
+#include "spatial/self_intersections.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+float Height(const TriangleMesh& mesh, const Facet& facet) {
+  return (mesh.vertices[facet[0]].z() + mesh.vertices[facet[1]].z() +
+          mesh.vertices[facet[2]].z()) /
+         3;
+}
+
+// 1 below a height and 0 above it.
+std::vector<float> SureBelow(const TriangleMesh& mesh, float height) {
+  std::vector<float> confidences;
+  for (const Facet& facet : mesh.facets) {
+    confidences.push_back(Height(mesh, facet) < height ? 1.0f : 0.0f);
+  }
+  return confidences;
+}
+
+std::vector<float> RandomConfidences(size_t count, double share_low,
+                                     Random* random) {
+  std::vector<float> confidences;
+  for (size_t i = 0; i < count; ++i) {
+    confidences.push_back(random->Unit() < share_low ? 0.0f : 1.0f);
+  }
+  return confidences;
+}
+
+std::vector<float> Of(const TrimmedMesh& trimmed,
+                      const std::vector<float>& confidences) {
+  std::vector<float> left;
+  for (const uint32_t facet : trimmed.facet_sources) {
+    left.push_back(confidences[facet]);
+  }
+  return left;
+}
+
+void ExpectSound(const TriangleMesh& mesh, const TrimmedMesh& trimmed) {
+  EXPECT_EQ(Analyze(trimmed.mesh).Defects(), "");
+  ASSERT_EQ(trimmed.sources.size(), trimmed.mesh.vertices.size());
+  ASSERT_EQ(trimmed.facet_sources.size(), trimmed.mesh.facets.size());
+  EXPECT_TRUE(std::is_sorted(trimmed.facet_sources.begin(),
+                             trimmed.facet_sources.end()));
+  for (size_t i = 0; i < trimmed.mesh.facets.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const auto& [a, b] = trimmed.sources[trimmed.mesh.facets[i][k]];
+      EXPECT_EQ(a, mesh.facets[trimmed.facet_sources[i]][k]);
+      EXPECT_EQ(b, a);
+    }
+  }
+  const TrimReport& report = trimmed.report;
+  EXPECT_EQ(mesh.facets.size() - trimmed.mesh.facets.size(),
+            report.num_facets + report.num_leftover_facets);
+}
+
+TEST(TrimMesh, LeavesWhatIsConfidentAsItIs) {
+  const TriangleMesh mesh = MakeBumpySphere(0.2f);
+  const std::vector<float> confidences(mesh.facets.size(), 0.3f);
+  for (const double min_confidence : {0.0, 0.2, 0.3}) {
+    const TrimmedMesh trimmed = TrimMesh(min_confidence, mesh, confidences);
+    EXPECT_EQ(trimmed.mesh.vertices, mesh.vertices);
+    EXPECT_EQ(trimmed.mesh.facets, mesh.facets);
+    ExpectSound(mesh, trimmed);
+  }
+}
+
+TEST(TrimMesh, DropsAMembrane) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1f);
+  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, SureBelow(mesh, 0.5f));
+  ExpectSound(mesh, trimmed);
+  EXPECT_EQ(trimmed.report.num_regions, 1);
+  EXPECT_EQ(trimmed.report.num_kept_facets, 0);
+  EXPECT_EQ(Analyze(trimmed.mesh).num_border_loops, 1);
+  for (const Facet& facet : trimmed.mesh.facets) {
+    EXPECT_LT(Height(trimmed.mesh, facet), 0.55);
+  }
+}
+
+TEST(TrimMesh, MovesNothingButTheBorderThatItOpens) {
+  const TriangleMesh mesh = MakeBumpyCap(0.1f);
+  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, SureBelow(mesh, 0.6f));
+  ExpectSound(mesh, trimmed);
+  EXPECT_EQ(Analyze(trimmed.mesh).num_border_loops, 2);
+  size_t num_moved = 0;
+  for (size_t i = 0; i < trimmed.mesh.vertices.size(); ++i) {
+    const Eigen::Vector3f& before = mesh.vertices[trimmed.sources[i][0]];
+    if (trimmed.mesh.vertices[i] != before) {
+      ++num_moved;
+      EXPECT_GT(before.z(), 0.4);
+    }
+  }
+  EXPECT_GT(num_moved, 10);
+}
+
+TEST(TrimMesh, KeepsSpecksWithinGoodSurface) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1f);
+  std::vector<float> confidences(mesh.facets.size(), 1);
+  for (size_t i = 0; i < confidences.size(); i += 97) {
+    confidences[i] = 0;
+  }
+  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
+  EXPECT_EQ(trimmed.mesh.facets, mesh.facets);
+  EXPECT_EQ(trimmed.report.num_kept_facets, (confidences.size() + 96) / 97);
+}
+
+TEST(TrimMesh, DropsIslandsWithinAMembrane) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1f);
+  std::vector<float> confidences = SureBelow(mesh, 0);
+  for (size_t i = 0; i < confidences.size(); ++i) {
+    const Eigen::Vector3f& corner = mesh.vertices[mesh.facets[i][0]];
+    if (corner.z() > 0 && corner.head<2>().norm() < 0.15f) {
+      confidences[i] = 1;
+    }
+  }
+  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
+  ExpectSound(mesh, trimmed);
+  EXPECT_GT(trimmed.report.num_leftovers, 0);
+  for (const Facet& facet : trimmed.mesh.facets) {
+    EXPECT_LT(Height(trimmed.mesh, facet), 0.1);
+  }
+}
+
+TEST(TrimMesh, KeepsPiecesThatAreMoreThanBorder) {
+  const TriangleMesh mesh = MakeBumpySphere(0.05f);
+  std::vector<float> confidences = SureBelow(mesh, 0);
+  for (size_t i = 0; i < confidences.size(); ++i) {
+    if (Height(mesh, mesh.facets[i]) > 0.5f) {
+      confidences[i] = 1;
+    }
+  }
+  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
+  ExpectSound(mesh, trimmed);
+  EXPECT_EQ(Analyze(trimmed.mesh).num_components, 2);
+}
+
+TEST(TrimMesh, DropsEverythingWhereNothingIsConfident) {
+  for (const TriangleMesh& mesh : {MakeBumpyCap(0.2f), MakeBumpySphere(0.2f)}) {
+    const TrimmedMesh trimmed =
+        TrimMesh(0.5, mesh, std::vector<float>(mesh.facets.size(), 0));
+    EXPECT_TRUE(trimmed.mesh.facets.empty());
+    EXPECT_TRUE(trimmed.mesh.vertices.empty());
+  }
+}
+
+TEST(TrimMesh, IsIdempotentAndManifoldWhateverItGets) {
+  Random random(1);
+  for (int trial = 0; trial < 60; ++trial) {
+    const TriangleMesh mesh =
+        trial % 3 == 0 ? MakeBumpySphere(0.15f) : MakeRandomManifold(&random);
+    const std::vector<float> confidences =
+        RandomConfidences(mesh.facets.size(), 0.7 * random.Unit(), &random);
+    const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
+    ExpectSound(mesh, trimmed);
+    const TrimmedMesh again =
+        TrimMesh(0.5, trimmed.mesh, Of(trimmed, confidences));
+    EXPECT_EQ(again.mesh.vertices, trimmed.mesh.vertices);
+    EXPECT_EQ(again.mesh.facets, trimmed.mesh.facets);
+  }
+}
+
+TEST(TrimMesh, IsTheSameAtAnyNumberOfThreads) {
+  Random random(2);
+  const TriangleMesh mesh = MakeBumpySphere(0.05f);
+  const std::vector<float> confidences =
+      RandomConfidences(mesh.facets.size(), 0.45, &random);
+  const TrimmedMesh expected = TrimMesh(0.5, mesh, confidences);
+  for (const int num_threads : {1, 3}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
+    EXPECT_EQ(trimmed.mesh.vertices, expected.mesh.vertices);
+    EXPECT_EQ(trimmed.mesh.facets, expected.mesh.facets);
+  }
+}
+
+double BorderLength(const TriangleMesh& mesh) {
+  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  double length = 0;
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    if (partners[half] == kNoPartner) {
+      length += (mesh.vertices[FromVertex(mesh.facets, half)] -
+                 mesh.vertices[ToVertex(mesh.facets, half)])
+                    .norm();
+    }
+  }
+  return length;
+}
+
+std::vector<uint8_t> BorderHalfEdges(const TriangleMesh& mesh) {
+  std::vector<uint8_t> is_border;
+  for (const uint32_t partner : PairHalfEdges(mesh.facets)) {
+    is_border.push_back(partner == kNoPartner);
+  }
+  return is_border;
+}
+
+TEST(SmoothBorders, EvensOutZigzagsAndTurnsNoFacetOver) {
+  Random random(3);
+  for (int trial = 0; trial < 10; ++trial) {
+    const TriangleMesh sphere = MakeBumpySphere(0.1f);
+    TriangleMesh mesh{sphere.vertices, {}};
+    for (const Facet& facet : sphere.facets) {
+      if (Height(sphere, facet) < 0.5 + 0.05 * random.Unit()) {
+        mesh.facets.push_back(facet);
+      }
+    }
+    TrimmedMesh rough;
+    rough.mesh = TrimMesh(0.5, mesh, SureBelow(mesh, 0.4f)).mesh;
+    TriangleMesh smooth = rough.mesh;
+    for (Eigen::Vector3f& vertex : smooth.vertices) {
+      vertex += 0.01f * Eigen::Vector3f(static_cast<float>(random.Unit()),
+                                        static_cast<float>(random.Unit()), 0);
+    }
+    const TriangleMesh before = smooth;
+    SmoothBorders(BorderHalfEdges(smooth), &smooth);
+    EXPECT_LT(BorderLength(smooth), BorderLength(before));
+    EXPECT_LE(FindSelfIntersections(smooth).size(),
+              FindSelfIntersections(before).size());
+    EXPECT_EQ(
+        CountFlippedFacets(smooth.facets, before.vertices, smooth.vertices), 0);
+  }
+}
+
+TEST(SmoothBorders, LeavesOtherVertices) {
+  const TriangleMesh mesh = MakeBumpyCap(0.1f);
+  TriangleMesh smooth = mesh;
+  SmoothBorders(std::vector<uint8_t>(3 * mesh.facets.size(), 0), &smooth);
+  EXPECT_EQ(smooth.vertices, mesh.vertices);
+}
+
+}  // namespace
+}  // namespace colmap_ext
