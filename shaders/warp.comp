@@ -98,6 +98,9 @@ dvec3 Corner(uint facet) {  // relative to camera i
          center_i;
 }
 
+// IsSaturated() of scene/gray_image.h.
+bool IsSaturated(uint gray) { return gray == 0u || gray == 255u; }
+
 // I_ij, inverse depth drawn in i, motion. In double precision up to the pixel in
 // j: the derivative by it jumps from pixel to pixel.
 vec3 Warp(ivec2 pixel_i) {
@@ -138,7 +141,8 @@ vec3 Warp(ivec2 pixel_i) {
 void main() {
   ivec2 pixel = TilePixel();
   if (pixel.x < size_i.x && pixel.y < size_i.y) {
-    float value = float(texelFetch(image_i, pixel, 0).x);
-    imageStore(warped, pixel, vec4(value, Warp(pixel)));
+    uint gray = texelFetch(image_i, pixel, 0).x;
+    imageStore(warped, pixel,
+               vec4(gray, IsSaturated(gray) ? vec3(0) : Warp(pixel)));
   }
 }

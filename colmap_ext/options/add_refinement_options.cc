@@ -58,8 +58,13 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             &refinement->smoothness_weight,
                             "Higher is smoother");
   manager->AddDefaultOption(
+      "FacetwiseRefinement.remeshing", &refinement->remeshing,
+      "Remesh before each level: faces of good shape, as large as the images "
+      "call for; 0 only subdivides large faces, as in the paper");
+  manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
-      "Faces that cover more of an image are subdivided, px^2");
+      "Of an image that a face covers, px^2; faces grow to it, or are "
+      "subdivided down to it");
 }
 
 void AddPairOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {

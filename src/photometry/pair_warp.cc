@@ -133,7 +133,8 @@ void PairWarp::ComputeRow(int row, int first_col, int last_col,
     const size_t at = tile->Index(row, col);
     const size_t pixel = i_.drawn.Index(image_row, image_col);
     const uint32_t facet = i_.drawn.facets[pixel];
-    if (tile->is_reached[at] == 0 || facet == kNoFacet) {
+    const uint8_t gray = i_.image.Row(image_row)[image_col];
+    if (tile->is_reached[at] == 0 || facet == kNoFacet || IsSaturated(gray)) {
       continue;
     }
     if (facet != plane.facet) {
@@ -145,7 +146,7 @@ void PairWarp::ComputeRow(int row, int first_col, int last_col,
     }
     geometry->facets[at] = facet;
     geometry->motion[at] = sample.motion;
-    tile->image[at] = i_.image.Row(image_row)[image_col];
+    tile->image[at] = gray;
     tile->warped[at] = sample.value;
     tile->is_valid[at] = 1;
     // As drawn, so that no mask changes as the surface moves.

@@ -41,10 +41,10 @@ class PairWarp {
 
   // Fills the tile's image, warped image, validity and inverse depths, and the
   // geometry's arrays, of tile.width and height from geometry.first_row and
-  // first_col on. A pixel is valid if a window reaches it, its facet faced both
-  // cameras when the mesh was drawn, and in the facet's present position the
-  // inverse depth is positive and j sees the point: nothing is drawn there in
-  // front of it.
+  // first_col on. A pixel is valid if a window reaches it, it is not saturated
+  // in i, its facet faced both cameras when the mesh was drawn, and in the
+  // facet's present position the inverse depth is positive and j sees the
+  // point: nothing is drawn there in front of it.
   void Compute(CorrelationTile* tile, TileGeometry* geometry) const;
 
   // The point on a facet's plane that pixel (row, col) of i shows.

@@ -2,30 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "mesh/subdivision.h"
+#include "refine/refinable_areas.h"
 
 namespace colmap_ext {
 
 namespace {
-
-// px^2
-double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
-                   const View& view) {
-  std::array<Eigen::Vector2d, 3> corners;
-  for (int k = 0; k < 3; ++k) {
-    corners[k] = view.ImageFromCam(
-        view.CamFromWorld(mesh.vertices[facet[k]].cast<double>()));
-  }
-  const Eigen::Vector2d a = corners[1] - corners[0];
-  const Eigen::Vector2d b = corners[2] - corners[0];
-  return std::abs(a.x() * b.y() - a.y() * b.x()) / 2;
-}
 
 std::vector<Eigen::Vector3f> Midpoints(
     const std::vector<Eigen::Vector3f>& points,
@@ -38,21 +23,14 @@ std::vector<Eigen::Vector3f> Midpoints(
   return midpoints;
 }
 
-// [F] 1 where the second largest area is above max_area, else 0.
+// [F] 1 where a facet covers more than max_area, else 0.
 std::vector<uint8_t> FindLarge(double max_area, const TriangleMesh& mesh,
                                const std::vector<View>& views,
                                const FacetVisibility& visibility) {
-  std::vector<uint8_t> is_large(mesh.facets.size(), 0);
-  tbb::parallel_for(size_t{0}, is_large.size(), [&](size_t i) {
-    double largest = 0;
-    double second = 0;
-    for (const uint32_t view : visibility[i]) {
-      const double area = AreaInImage(mesh, mesh.facets[i], views[view]);
-      second = std::max(second, std::min(area, largest));
-      largest = std::max(area, largest);
-    }
-    is_large[i] = second > max_area;
-  });
+  const std::vector<float> areas = RefinableAreas(mesh, views, visibility);
+  std::vector<uint8_t> is_large(areas.size(), 0);
+  std::transform(areas.begin(), areas.end(), is_large.begin(),
+                 [&](float area) { return area > max_area; });
   return is_large;
 }
 

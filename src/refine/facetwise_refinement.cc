@@ -12,6 +12,7 @@
 #include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
+#include "refine/remesh_for_images.h"
 #include "repair/self_intersection_repair.h"
 #include "spatial/self_intersections.h"
 
@@ -72,21 +73,39 @@ class Refinement {
   }
 
  private:
-  void RemoveSelfIntersections(RefinedMesh* state) {
+  // \return whether the mesh is another one now
+  bool RemoveSelfIntersections(RefinedMesh* state) {
     Report(hooks_.progress, "Repairing self-intersections", 0);
     const SelfIntersectionRepair repair = RepairSelfIntersections(&state->mesh);
     state->report.num_removed_self_intersections +=
         repair.num_before - repair.num_after;
+    return repair.num_after < repair.num_before;
   }
 
-  // Subdivides and labels. The last drawings of the subdivision serve the
-  // labelling, and the energy's first Render().
+  // Gives the mesh facets of the size that the images call for, and labels
+  // them. The last drawings serve the labelling, and the energy's first
+  // Render().
   void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
-    Report(hooks_.progress, "Subdividing facets", 0);
-    const FacetVisibility visibility = SubdivideLargeFacets(
-        options_.max_face_area,
-        [this](const TriangleMesh& mesh) { return energy_->Drawings(mesh); },
-        &state->mesh, &state->attributes, &state->origins);
+    // Of max_face_area, that facets may keep at the coarse levels, which show
+    // less than the mesh may hold. A choice; tests/benchmarks/vary_constants.py
+    // tables what other values do.
+    constexpr double kCoarseShare = 0.25;
+    Report(hooks_.progress,
+           options_.remeshing ? "Remeshing" : "Subdividing facets", 0);
+    const auto draw = [this](const TriangleMesh& mesh) {
+      return energy_->Drawings(mesh);
+    };
+    FacetVisibility visibility =
+        options_.remeshing
+            ? RemeshForImages(
+                  (level == 0 ? 1 : kCoarseShare) * options_.max_face_area,
+                  options_.max_face_area, draw, &state->mesh,
+                  &state->attributes, &state->origins)
+            : SubdivideLargeFacets(options_.max_face_area, draw, &state->mesh,
+                                   &state->attributes, &state->origins);
+    if (RemoveSelfIntersections(state)) {
+      visibility = FindVisibleFacets(*draw(state->mesh));
+    }
     Report(hooks_.progress, "Labelling facets", 0);
     FacetLabeling labeling =
         LabelFacets(options_.labeling, state->mesh, state->attributes, pairs_,

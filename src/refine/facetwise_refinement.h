@@ -37,10 +37,15 @@ struct FacetwiseRefinementOptions {
   // itself calls for (docs/method.md, section 6.5); 0 is none.
   double smoothness_weight = 1;
 
-  // Facets that cover more in two or more of the images that see them are
-  // subdivided before a level starts, px^2 of the level's images: facets of six
-  // pixels' edges, about as wide as a window.
-  double max_face_area = 16;
+  // Remesh the surface before each level, so that its facets are well-shaped
+  // and as large as the images call for; else only large facets are subdivided.
+  bool remeshing = true;
+
+  // The area that facets get before a level starts, in the second of the images
+  // that show them largest, px^2 of the level's images: edges of five pixels,
+  // as wide as a window. At coarse levels facets may stay smaller. Without
+  // remeshing, what is larger is subdivided.
+  double max_face_area = 10;
 
   // Partners of each view, those with which it shares the most points.
   int pairs_per_image = 4;
@@ -131,7 +136,8 @@ struct RefinementHooks {
 // section 7]: at each level of the images, coarse to fine, facets are
 // subdivided, each gets the pairs of views that see it best, and the vertices
 // move so that what the two views of a pair show on its facets looks alike.
-// Self-intersections are repaired before each level, and after the last one.
+// Self-intersections are repaired before each level, before and after its
+// facets change, and after the last one.
 //
 // \param points  whose views tell which views have most in common.
 // \pre options checked

@@ -53,8 +53,7 @@ class NormalEquations {
   // [MacKay1992]: their number minus the trace of matrix^-1 times the
   // smoothness' part of the matrix, from one vector of random signs
   // [Hutchinson1990]. Each by itself estimates its element of the diagonal,
-  // with much noise. 0 at borders, where there is no smoothness, and nothing
-  // is learned of its weight.
+  // with much noise. 0 where a vertex has no smoothness.
   LinearSolution Determined(const SolverOptions& options) const;
 
  private:

@@ -48,7 +48,7 @@ std::vector<double> TrustedRelief(const TriangleMesh& mesh,
   }
   std::vector<double> relief(curvatures.size(), 0);
   tbb::parallel_for(size_t{0}, relief.size(), [&](size_t i) {
-    if (!(plate.coefficients[i] > 0)) {
+    if (!(plate.coefficients[i] > 0) || rings.is_border[i] != 0) {
       return;
     }
     const auto ring = rings.neighbors[i];

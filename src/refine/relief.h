@@ -8,15 +8,15 @@
 namespace colmap_ext {
 
 // The relief of a surface, N . u at each vertex: the umbrella operator u along
-// the normal (refine/thin_plate.h). [V] scene units, 0 at borders.
+// the normal (refine/thin_plate.h). [V] scene units.
 // \param footprints  [V] of a pixel, scene units.
 std::vector<double> Relief(const TriangleMesh& mesh, const VertexRings& rings,
                            const std::vector<float>& footprints);
 
 // The part of the relief that is trusted before any image is seen. It is
 // averaged over a ring, as differences between neighbors are noise of the
-// points; and it is 0 where the surface is curved as spikes are. [V] scene
-// units
+// points; and it is 0 at borders, and where the surface is curved as spikes
+// are. [V] scene units
 std::vector<double> TrustedRelief(const TriangleMesh& mesh,
                                   const VertexRings& rings,
                                   const std::vector<float>& footprints);

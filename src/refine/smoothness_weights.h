@@ -6,8 +6,7 @@
 
 namespace colmap_ext {
 
-// Evidence for the weight of the smoothness, per vertex; 0 at borders, where
-// there is no smoothness. Both [V].
+// Evidence for the weight of the smoothness, per vertex. Both [V].
 struct SmoothnessEvidence {
   // How far the images determine where the vertex is (0 to 1, but for the noise
   // of the estimate), times how often they count the same noise, times the

@@ -19,7 +19,7 @@ struct PlateSurface {
 
 // The smoothness of a surface (docs/method.md, section 6.2),
 //
-//   E = 1/2 sum over the vertices V that are not at a border of
+//   E = 1/2 sum over the vertices V of
 //       a_V (1 + n_V) (4 p_V (N_V . u_V - r_V) / h_V^2)^2.
 //
 // a is the weight, N the normal, and u the umbrella operator: each neighbor
@@ -29,10 +29,12 @@ struct PlateSurface {
 //
 // For r = 0 this is the sum of the principal curvatures in 1 / px, squared and
 // summed over the pixels: it stands in the same proportion to the photometric
-// energy whatever the mesh's resolution and the scene's scale.
+// energy whatever the mesh's resolution and the scene's scale. At a border u is
+// one-sided; along the normal that is curvature still.
 struct ThinPlate {
-  std::vector<double> residuals;     // [V] N . u - r, scene units; 0 at borders
-  std::vector<double> coefficients;  // [V] of their squares / 2; 0 at borders
+  std::vector<double> residuals;     // [V] N . u - r, scene units
+  std::vector<double> coefficients;  // [V] of their squares / 2; 0 where a
+                                     // vertex has no neighbors
   std::vector<float>
       shares;  // [neighbors of `rings`] of each in its vertex's u
 

@@ -18,6 +18,10 @@ struct GrayImage {
   }
 };
 
+// Whether a grey value may stand for a brighter or darker one. What such pixels
+// show is no texture.
+inline bool IsSaturated(uint8_t gray) { return gray == 0 || gray == 255; }
+
 // Reads the image of a view, in the size that the view has.
 using ReadGrayImage = std::function<GrayImage(size_t view)>;
 

@@ -236,28 +236,23 @@ double Bvh::DistanceSquared(const Node& node, const Vector3d& point) {
       .squaredNorm();
 }
 
-double Bvh::Distance(const Vector3f& query, double max_distance) const {
+template <typename Function>
+void Bvh::Approach(const Vector3d& point, const double* nearest_squared,
+                   const Function& function) const {
   if (nodes_.empty()) {
-    return max_distance;
+    return;
   }
-  const Vector3d point = query.cast<double>();
-  double nearest = max_distance * max_distance;
-  bool is_found = false;
   std::array<std::pair<double, uint32_t>, kMaxDepth + 2> stack;
   int size = 0;
   stack[size++] = {DistanceSquared(nodes_[0], point), 0};
   while (size > 0) {
     const auto [bound, index] = stack[--size];
-    if (bound >= nearest) {
+    if (bound >= *nearest_squared) {
       continue;
     }
     const Node& node = nodes_[index];
     for (uint32_t i = 0; i < node.num_facets; ++i) {
-      const double distance = DistanceSquared(corners_[node.next + i], point);
-      if (distance < nearest) {
-        nearest = distance;
-        is_found = true;
-      }
+      function(node.next + i, DistanceSquared(corners_[node.next + i], point));
     }
     if (node.num_facets == 0) {
       std::pair near{DistanceSquared(nodes_[index + 1], point), index + 1};
@@ -269,7 +264,32 @@ double Bvh::Distance(const Vector3f& query, double max_distance) const {
       stack[size++] = near;
     }
   }
+}
+
+double Bvh::Distance(const Vector3f& query, double max_distance) const {
+  double nearest = max_distance * max_distance;
+  bool is_found = false;
+  Approach(query.cast<double>(), &nearest, [&](uint32_t /*i*/, double squared) {
+    if (squared < nearest) {
+      nearest = squared;
+      is_found = true;
+    }
+  });
   return is_found ? std::sqrt(nearest) : max_distance;
+}
+
+uint32_t Bvh::NearestFacet(const Vector3f& query, const Vector3f& normal,
+                           double max_distance) const {
+  double nearest = max_distance * max_distance;
+  uint32_t facet = kNoFacet;
+  Approach(query.cast<double>(), &nearest, [&](uint32_t i, double squared) {
+    if (squared < nearest &&
+        corners_[i].edge1.cross(corners_[i].edge2).dot(normal) > 0) {
+      nearest = squared;
+      facet = facets_[i];
+    }
+  });
+  return facet;
 }
 
 }  // namespace colmap_ext

@@ -52,6 +52,16 @@ class Bvh {
   // \pre the point is finite
   double Distance(const Eigen::Vector3f& point, double max_distance) const;
 
+  // The nearest of the facets that face the way `normal` does, so that the
+  // other side of a thin sheet does not count.
+  // \return the facet; kNoFacet if none is nearer than max_distance
+  // \pre the point is finite
+  uint32_t NearestFacet(const Eigen::Vector3f& point,
+                        const Eigen::Vector3f& normal,
+                        double max_distance) const;
+
+  static constexpr uint32_t kNoFacet = UINT32_MAX;
+
  private:
   static constexpr int kMaxDepth = 64;  // of the tree
 
@@ -74,6 +84,12 @@ class Bvh {
   static double DistanceSquared(const Corner& corner,
                                 const Eigen::Vector3d& point);
   static double DistanceSquared(const Node& node, const Eigen::Vector3d& point);
+
+  // Calls function(i, distance_squared) for facets in the order of the leaves,
+  // those that may be nearer than *nearest_squared, which the function lowers.
+  template <typename Function>
+  void Approach(const Eigen::Vector3d& point, const double* nearest_squared,
+                const Function& function) const;
 
   std::vector<Node> nodes_;
   std::vector<Corner> corners_;   // [F], in the order of the leaves

@@ -123,13 +123,20 @@ TEST(RefineFacetwise, KeepsTheTopology) {
   const TriangleMesh mesh = PerturbedTruth();
   FacetwiseRefinementOptions options = SmallOptions();
   options.max_face_area = 3;
-  const RefinedMesh refined =
-      Refine(options, {mesh, NoAttributes(mesh), {}, 1});
-  EXPECT_GT(refined.mesh.facets.size(), mesh.facets.size());
-  ExpectSameTopology(mesh, refined.mesh);
-  EXPECT_EQ(refined.attributes.views.offsets.size(),
-            refined.mesh.vertices.size() + 1);
-  EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());
+  size_t num_facets = 0;
+  for (const bool remeshing : {true, false}) {
+    options.remeshing = remeshing;
+    const RefinedMesh refined =
+        Refine(options, {mesh, NoAttributes(mesh), {}, 1});
+    ExpectSameTopology(mesh, refined.mesh);
+    EXPECT_EQ(refined.attributes.views.offsets.size(),
+              refined.mesh.vertices.size() + 1);
+    EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());
+    EXPECT_EQ(refined.origins.size(), refined.mesh.vertices.size());
+    EXPECT_GT(refined.mesh.facets.size(), num_facets);
+    num_facets = refined.mesh.facets.size();  // more without remeshing
+  }
+  EXPECT_GT(num_facets, mesh.facets.size());
 }
 
 // Those of the input are repaired where they can be, and no new ones made.

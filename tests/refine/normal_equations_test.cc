@@ -77,9 +77,6 @@ class NormalEquationsTest : public testing::Test {
   MatrixXd Bending() const {
     MatrixXd bending = MatrixXd::Zero(Size(), Size());
     for (Eigen::Index i = 0; i < Size(); ++i) {
-      if (rings_.is_border[i] != 0) {
-        continue;
-      }
       bending(i, i) = -1;
       const auto ring = rings_.neighbors[i];
       for (size_t k = 0; k < ring.size(); ++k) {
@@ -273,8 +270,6 @@ TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
   EXPECT_EQ(solution.back(), 0);
 }
 
-// Vertices at the border have no smoothness, but it is not the images that
-// determine them.
 TEST_F(NormalEquationsTest, DetermineNothingWhereTheImagesSayNothing) {
   for (auto& curvatures : terms_.curvatures) {
     for (float& curvature : curvatures) {
@@ -282,13 +277,6 @@ TEST_F(NormalEquationsTest, DetermineNothingWhereTheImagesSayNothing) {
     }
   }
   SetWeight(10);
-  const std::vector<double> determined =
-      Equations().Determined({1e-8, 100000}).values;
-  for (size_t i = 0; i < determined.size(); ++i) {
-    if (rings_.is_border[i] != 0) {
-      EXPECT_EQ(determined[i], 0);
-    }
-  }
   const auto num_border =
       std::count(rings_.is_border.begin(), rings_.is_border.end(), 1);
   EXPECT_LT(NumDetermined(1e-8, 100000), 0.3 * static_cast<double>(num_border));

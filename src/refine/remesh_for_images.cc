@@ -1,0 +1,96 @@
+#include "refine/remesh_for_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "refine/refinable_areas.h"
+#include "remesh/carry_attributes.h"
+#include "remesh/edge_length_field.h"
+#include "remesh/isotropic_remeshing.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Of an equilateral triangle.
+double EdgeOfArea(double area) { return std::sqrt(area * 4 / std::sqrt(3.0)); }
+
+// [V] the edge length with which the facets around a vertex would cover a
+// pixel's area where the images show them largest; infinite where they are not
+// seen. Scene units.
+std::vector<float> LengthsOfPixels(const TriangleMesh& mesh,
+                                   const std::vector<float>& areas) {
+  std::vector<float> lengths(mesh.vertices.size(),
+                             std::numeric_limits<float>::infinity());
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    const auto& [a, b, c] = mesh.facets[i];
+    const float area = (mesh.vertices[b] - mesh.vertices[a])
+                           .cross(mesh.vertices[c] - mesh.vertices[a])
+                           .norm() /
+                       2;
+    if (areas[i] > 0 && area > 0) {
+      const auto length = static_cast<float>(EdgeOfArea(area / areas[i]));
+      for (const uint32_t vertex : mesh.facets[i]) {
+        lengths[vertex] = std::min(lengths[vertex], length);
+      }
+    }
+  }
+  return lengths;
+}
+
+std::vector<float> WantedLengths(double min_area, double max_area,
+                                 const TriangleMesh& mesh,
+                                 const std::vector<float>& areas) {
+  constexpr float kGradation = 0.3F;  // a choice
+  constexpr float kUnseenFactor = 4;  // a choice
+  std::vector<float> lengths = LengthsOfPixels(mesh, areas);
+  const std::vector<float> present = MeanEdgeLengths(mesh);
+  for (size_t i = 0; i < lengths.size(); ++i) {
+    lengths[i] =
+        std::isfinite(lengths[i])
+            ? std::clamp(present[i], lengths[i] * std::sqrt(float(min_area)),
+                         lengths[i] * std::sqrt(float(max_area)))
+            : kUnseenFactor * present[i];
+  }
+  LimitGradation(mesh, kGradation, &lengths);
+  return lengths;
+}
+
+}  // namespace
+
+FacetVisibility RemeshForImages(double min_area, double max_area,
+                                const DrawMesh& draw, TriangleMesh* mesh,
+                                VertexAttributes* attributes,
+                                std::vector<Eigen::Vector3f>* origins) {
+  // Of the edge lengths: about as far as the middle of an edge strays from a
+  // surface whose normals turn by 25 degrees over it.
+  constexpr float kTolerance = 0.1F;
+  std::vector<float> lengths;
+  {
+    const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
+    lengths = WantedLengths(
+        min_area, max_area, *mesh,
+        RefinableAreas(*mesh, drawings->Views(), FindVisibleFacets(*drawings)));
+  }
+  std::vector<float> tolerances = lengths;
+  for (float& tolerance : tolerances) {
+    tolerance *= kTolerance;
+  }
+  RemeshedSurface remeshed = RemeshIsotropically(*mesh, lengths, tolerances);
+  std::vector<Eigen::Vector3f> new_origins;
+  for (const SurfacePoint& source : remeshed.sources) {
+    new_origins.push_back(ValueAt(source, *mesh, *origins));
+  }
+  *attributes = CarryAttributes(*mesh, *attributes, remeshed.sources);
+  *origins = std::move(new_origins);
+  *mesh = std::move(remeshed.mesh);
+  return FindVisibleFacets(*draw(*mesh));
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+#include "remesh/editable_mesh.h"
+#include "remesh/reference_surface.h"
+
+namespace colmap_ext {
+
+// A mesh under work, and where each of its vertices lies on the surface that it
+// started as.
+struct AnchoredMesh {
+  // \pre reference.mesh is `mesh`, and it is manifold
+  AnchoredMesh(const TriangleMesh& mesh, const ReferenceSurface& reference);
+
+  float Length(uint32_t half) const {
+    return (edit.Position(edit.To(half)) - edit.Position(edit.From(half)))
+        .norm();
+  }
+
+  // The length of an edge over that which is wanted there.
+  float RelativeLength(uint32_t half) const {
+    return 2 * Length(half) /
+           (anchors[edit.From(half)].length + anchors[edit.To(half)].length);
+  }
+
+  AnchoredCorner Corner(uint32_t vertex) const {
+    return {edit.Position(vertex), &anchors[vertex]};
+  }
+
+  // The facet of a half-edge, its corners from that which the half-edge leaves.
+  std::array<AnchoredCorner, 3> Corners(uint32_t half) const {
+    return {Corner(edit.From(half)), Corner(edit.To(half)),
+            Corner(edit.Apex(half))};
+  }
+
+  EditableMesh edit;
+  std::vector<Anchor> anchors;  // [V] of `edit`
+};
+
+// The smallest of a facet's angles, as its cosine: from 1/2 to 1, the worse the
+// larger; 2 where the facet has no area.
+float LargestCosine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                    const Eigen::Vector3f& c);
+float LargestCosine(const std::array<AnchoredCorner, 3>& facet);
+
+}  // namespace colmap_ext

@@ -1,0 +1,70 @@
+#include "remesh/edge_length_field.h"
+
+#include <cstdint>
+#include <functional>
+#include <queue>
+#include <utility>
+
+#include "mesh/vertex_rings.h"
+
+namespace colmap_ext {
+
+std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
+  // So that a vertex's own facets decide less than the surface around it.
+  constexpr int kSmoothings = 3;
+  const VertexRings rings = MakeVertexRings(mesh);
+  std::vector<float> lengths(mesh.vertices.size(), 0);
+  const auto mean_around = [&](size_t vertex, const auto& value) {
+    float sum = 0;
+    for (const uint32_t neighbor : rings.neighbors[vertex]) {
+      sum += value(neighbor);
+    }
+    const auto count = static_cast<float>(rings.neighbors[vertex].size());
+    return count > 0 ? sum / count : 0;
+  };
+  for (size_t i = 0; i < lengths.size(); ++i) {
+    lengths[i] = mean_around(i, [&](uint32_t neighbor) {
+      return (mesh.vertices[neighbor] - mesh.vertices[i]).norm();
+    });
+  }
+  for (int k = 0; k < kSmoothings; ++k) {
+    const std::vector<float> before = lengths;
+    for (size_t i = 0; i < lengths.size(); ++i) {
+      lengths[i] = (before[i] + mean_around(i,
+                                            [&](uint32_t neighbor) {
+                                              return before[neighbor];
+                                            })) /
+                   2;
+    }
+  }
+  return lengths;
+}
+
+void LimitGradation(const TriangleMesh& mesh, float gradation,
+                    std::vector<float>* lengths) {
+  const VertexRings rings = MakeVertexRings(mesh);
+  // Dijkstra's algorithm from all vertices at once.
+  using Entry = std::pair<float, uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (uint32_t i = 0; i < lengths->size(); ++i) {
+    queue.emplace((*lengths)[i], i);
+  }
+  while (!queue.empty()) {
+    const auto [length, vertex] = queue.top();
+    queue.pop();
+    if (length > (*lengths)[vertex]) {
+      continue;
+    }
+    for (const uint32_t neighbor : rings.neighbors[vertex]) {
+      const float limit =
+          length +
+          gradation * (mesh.vertices[neighbor] - mesh.vertices[vertex]).norm();
+      if (limit < (*lengths)[neighbor]) {
+        (*lengths)[neighbor] = limit;
+        queue.emplace(limit, neighbor);
+      }
+    }
+  }
+}
+
+}  // namespace colmap_ext

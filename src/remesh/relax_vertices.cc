@@ -1,0 +1,94 @@
+#include "remesh/relax_vertices.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3f;
+
+// The centroid of the facets around a vertex, weighted by their areas in units
+// of the area that is wanted there.
+Vector3f CenterAround(const AnchoredMesh& mesh, uint32_t vertex) {
+  Vector3f sum = Vector3f::Zero();
+  float total = 0;
+  mesh.edit.ForEachOutgoing(vertex, [&](uint32_t half) {
+    const auto facet = mesh.Corners(half);
+    const Vector3f& a = facet[0].position;
+    const Vector3f& b = facet[1].position;
+    const Vector3f& c = facet[2].position;
+    const float length = facet[0].anchor->length + facet[1].anchor->length +
+                         facet[2].anchor->length;
+    const float weight = (b - a).cross(c - a).norm() / (length * length);
+    sum += weight * (a + b + c) / 3;
+    total += weight;
+  });
+  return total > 0 ? Vector3f(sum / total) : mesh.edit.Position(vertex);
+}
+
+// Where a vertex would go: that far towards the centre, along the surface.
+Anchor Target(const ReferenceSurface& reference, const AnchoredMesh& mesh,
+              uint32_t vertex, float share) {
+  const Vector3f& position = mesh.edit.Position(vertex);
+  const Anchor& anchor = mesh.anchors[vertex];
+  Vector3f motion = share * (CenterAround(mesh, vertex) - position);
+  motion -= motion.dot(anchor.normal) * anchor.normal;
+  return reference.Nearest(position + motion, anchor.normal,
+                           anchor.source.facet);
+}
+
+// Whether the facets around a vertex stay as they should if it moves.
+bool MayMove(const ReferenceSurface& reference, const AnchoredMesh& mesh,
+             uint32_t vertex, const AnchoredCorner& target) {
+  constexpr float kMinTurn = 0.5F;      // 60 degrees
+  constexpr float kMaxCosine = 0.966F;  // 15 degrees
+  bool may_move = true;
+  mesh.edit.ForEachOutgoing(vertex, [&](uint32_t half) {
+    if (!may_move) {
+      return;
+    }
+    std::array<AnchoredCorner, 3> facet = mesh.Corners(half);
+    const float before_cosine = LargestCosine(facet);
+    const Vector3f edge = facet[2].position - facet[1].position;
+    const Vector3f before = edge.cross(facet[0].position - facet[1].position);
+    facet[0] = target;
+    const Vector3f after = edge.cross(target.position - facet[1].position);
+    may_move = after.dot(before) > kMinTurn * after.norm() * before.norm() &&
+               LargestCosine(facet) < std::max(before_cosine, kMaxCosine) &&
+               reference.IsFollowedBy(facet);
+  });
+  return may_move;
+}
+
+}  // namespace
+
+void RelaxVertices(const ReferenceSurface& reference, AnchoredMesh* mesh) {
+  EditableMesh& edit = mesh->edit;
+  // The targets are found side by side, from the same mesh; whether the facets
+  // allow them is then asked vertex by vertex.
+  for (const float share : {1.0F, 0.5F}) {
+    std::vector<Anchor> targets(edit.NumVertices());
+    tbb::parallel_for(size_t{0}, targets.size(), [&](size_t i) {
+      const uint32_t vertex = static_cast<uint32_t>(i);
+      if (!edit.IsRemovedVertex(vertex) && !edit.IsBorderVertex(vertex)) {
+        targets[i] = Target(reference, *mesh, vertex, share);
+      }
+    });
+    for (uint32_t vertex = 0; vertex < targets.size(); ++vertex) {
+      if (edit.IsRemovedVertex(vertex) || edit.IsBorderVertex(vertex)) {
+        continue;
+      }
+      const Vector3f position = reference.Position(targets[vertex]);
+      if (MayMove(reference, *mesh, vertex, {position, &targets[vertex]})) {
+        edit.Move(vertex, position);
+        mesh->anchors[vertex] = targets[vertex];
+      }
+    }
+  }
+}
+
+}  // namespace colmap_ext

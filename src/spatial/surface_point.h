@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Geometry>
+
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+// A point of a mesh's surface.
+struct SurfacePoint {
+  uint32_t facet = 0;
+  Eigen::Vector3f weights{1, 0, 0};  // of the facet's corners: barycentric, not
+                                     // negative, their sum is 1
+};
+
+// The point's value of a quantity that the vertices have and that is linear on
+// each facet.
+// \param values [V] of the vertices
+template <typename Values>
+auto ValueAt(const SurfacePoint& point, const TriangleMesh& mesh,
+             const Values& values) {
+  const Facet& facet = mesh.facets[point.facet];
+  using Value = typename Values::value_type;
+  return Value(point.weights[0] * values[facet[0]] +
+               point.weights[1] * values[facet[1]] +
+               point.weights[2] * values[facet[2]]);
+}
+
+// The point of a facet that is nearest to a position.
+// \pre facet < F; the position is finite
+SurfacePoint NearestPointOfFacet(const TriangleMesh& mesh, uint32_t facet,
+                                 const Eigen::Vector3f& position);
+
+}  // namespace colmap_ext
