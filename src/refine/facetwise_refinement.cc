@@ -73,20 +73,19 @@ class Refinement {
         refined.num_unconverged_solutions;
     state->report.num_flipped_facets +=
         CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
-    if (level == 0) {
-      RemoveSelfIntersections(state);
-    }
     return !refined.is_stopped;
   }
 
- private:
-  void RemoveSelfIntersections(RefinedMesh* state) {
+  // \return whether the mesh is another one now
+  bool RemoveSelfIntersections(RefinedMesh* state) {
     Report(hooks_.progress, "Repairing self-intersections", 0);
     const SelfIntersectionRepair repair = RepairSelfIntersections(&state->mesh);
     state->report.num_removed_self_intersections +=
         repair.num_before - repair.num_after;
+    return repair.num_after < repair.num_before;
   }
 
+ private:
   // Gives the mesh facets of the size that the images call for, and labels
   // them. The last drawings serve the labelling, and the energy's first
   // Render().
@@ -100,7 +99,7 @@ class Refinement {
     const auto draw = [this](const TriangleMesh& mesh) {
       return energy_->Drawings(mesh);
     };
-    const FacetVisibility visibility =
+    FacetVisibility visibility =
         options_.remeshing
             ? RemeshForImages(
                   (level == 0 ? 1 : kCoarseShare) * options_.max_face_area,
@@ -108,6 +107,9 @@ class Refinement {
                   &state->attributes, &state->origins)
             : SubdivideLargeFacets(options_.max_face_area, draw, &state->mesh,
                                    &state->attributes, &state->origins);
+    if (RemoveSelfIntersections(state)) {
+      visibility = FindVisibleFacets(*draw(state->mesh));
+    }
     Report(hooks_.progress, "Labelling facets", 0);
     FacetLabeling labeling =
         LabelFacets(options_.labeling, state->mesh, state->attributes, pairs_,
@@ -218,6 +220,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
   if (!complete.report.is_stopped) {
     Report(hooks.progress, "Finishing the borders", 0);
     FinishBorders(options.borders, &complete);
+    refinement.RemoveSelfIntersections(&complete);
   }
   Report(hooks.progress, "Looking for self-intersections", 0);
   complete.report.num_self_intersections =

@@ -146,7 +146,8 @@ struct RefinementHooks {
 // section 7]: at each level of the images, coarse to fine, facets are
 // subdivided, each gets the pairs of views that see it best, and the vertices
 // move so that what the two views of a pair show on its facets looks alike.
-// Self-intersections are repaired before each level, and after the last one.
+// Self-intersections are repaired before each level, before and after its
+// facets change, and after the last one.
 //
 // \param points  whose views tell which views have most in common.
 // \pre options checked

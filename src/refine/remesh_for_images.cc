@@ -13,7 +13,6 @@
 #include "remesh/carry_attributes.h"
 #include "remesh/edge_length_field.h"
 #include "remesh/isotropic_remeshing.h"
-#include "repair/self_intersection_repair.h"
 
 namespace colmap_ext {
 
@@ -77,7 +76,6 @@ FacetVisibility RemeshForImages(double min_area, double max_area,
   }
   RemeshedSurface remeshed =
       RemeshIsotropically(*mesh, lengths, TolerancesOf(lengths));
-  RepairSelfIntersections(&remeshed.mesh);
   std::vector<Eigen::Vector3f> new_origins;
   for (const SurfacePoint& source : remeshed.sources) {
     new_origins.push_back(ValueAt(source, *mesh, *origins));
