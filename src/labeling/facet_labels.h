@@ -33,6 +33,17 @@ struct FacetLabels {
     }
     return first;
   }
+
+  // The same without the labels of the other facets.
+  // \param is_chosen [F]
+  FacetLabels Of(const std::vector<uint8_t>& is_chosen) const {
+    FacetLabels chosen{pairs, {}};
+    for (size_t i = 0; i < NumFacets(); ++i) {
+      chosen.labels.AddRow(labels[i].first(is_chosen[i] != 0 ? labels[i].size()
+                                                             : 0));
+    }
+    return chosen;
+  }
 };
 
 }  // namespace colmap_ext

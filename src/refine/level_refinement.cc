@@ -7,6 +7,7 @@
 
 #include "mesh/vertex_normals.h"
 #include "mesh/vertex_rings.h"
+#include "refine/confirmed_facets.h"
 #include "refine/normal_equations.h"
 #include "refine/relief.h"
 #include "refine/smoothness_model.h"
@@ -63,6 +64,19 @@ Surface EvaluateSurface(TriangleMesh mesh, const Stage& stage) {
   return {std::move(mesh), std::move(normals), std::move(terms)};
 }
 
+// Terms of the facets that are not chosen are those of `others`.
+// \param is_chosen [F]
+void TakeOthers(const std::vector<uint8_t>& is_chosen,
+                const PhotometricTerms& others, PhotometricTerms* terms) {
+  for (size_t i = 0; i < is_chosen.size(); ++i) {
+    if (is_chosen[i] == 0) {
+      terms->energies[i] = others.energies[i];
+      terms->weights[i] = others.weights[i];
+      terms->num_pixels[i] = others.num_pixels[i];
+    }
+  }
+}
+
 std::vector<double> TrustedReliefWhereSeen(const RefinementLevel& level,
                                            const TriangleMesh& mesh,
                                            const SmoothnessDomain& domain) {
@@ -76,6 +90,7 @@ std::vector<double> TrustedReliefWhereSeen(const RefinementLevel& level,
   return relief;
 }
 
+// \param surface  with the terms of all facets, confirmed or not.
 SmoothnessDomain MakeDomain(const RefinementLevel& level,
                             const Surface& surface, VertexRings rings) {
   SmoothnessDomain domain;
@@ -220,15 +235,14 @@ State Iterate(const Stage& stage, State state) {
 
 // All labels from the same surface on: it is drawn again, and its vertices
 // account for more pixels.
-State FinishByAllLabels(const RefinementLevel& level, Stage stage,
-                        State state) {
+State FinishByAllLabels(const FacetLabels& labels, Stage stage, State state) {
   constexpr int kFinalIterations = 2;
   Stage final_stage{stage.options,    stage.level,  true,
-                    kFinalIterations, level.labels, std::move(stage.domain),
+                    kFinalIterations, labels, std::move(stage.domain),
                     stage.energy,     stage.tree,   stage.on_step};
   SmoothnessDomain& domain = final_stage.domain;
   state.surface = DrawSurface(std::move(state.surface.mesh), domain.rings,
-                              level.labels, stage.energy);
+                              labels, stage.energy);
   state.drift = 0;
   domain.num_pixels = PixelsOfVertices(state.surface.mesh, state.surface.terms,
                                        domain.footprints);
@@ -248,26 +262,33 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
   constexpr double kFirstWeight = 20;
   const bool is_classical =
       options.labeling.pair_selection == PairSelection::kClassical;
-  const FacetLabels few_labels = level.labels.First(
+  const FacetLabels all_few_labels = level.labels.First(
       is_classical ? SIZE_MAX : options.labeling.pairs_per_facet);
   VertexRings rings = MakeVertexRings(mesh);
   FacetTree tree(mesh);
   State state;
-  state.surface = DrawSurface(std::move(mesh), rings, few_labels, energy);
+  state.surface = DrawSurface(std::move(mesh), rings, all_few_labels, energy);
+  const std::vector<uint8_t> is_confirmed = ConfirmedFacets(
+      state.surface.mesh, rings, state.surface.terms, options.photometric);
+  const PhotometricTerms first_terms = state.surface.terms;
+  const FacetLabels few_labels = all_few_labels.Of(is_confirmed);
+  const FacetLabels labels = level.labels.Of(is_confirmed);
   Stage stage{options,    level.level,
               false,      options.iterations,
               few_labels, MakeDomain(level, state.surface, std::move(rings)),
               energy,     &tree,
               on_step};
+  state.surface = EvaluateSurface(std::move(state.surface.mesh), stage);
   state.smoothness =
       MakeSmoothnessModel(FirstTarget(stage.domain, state.surface.mesh,
                                       kFirstWeight * options.smoothness_weight),
                           stage.domain, state.surface);
   state = Iterate(stage, std::move(state));
   if (!state.is_stopped &&
-      few_labels.labels.values.size() < level.labels.labels.values.size()) {
-    state = FinishByAllLabels(level, std::move(stage), std::move(state));
+      few_labels.labels.values.size() < labels.labels.values.size()) {
+    state = FinishByAllLabels(labels, std::move(stage), std::move(state));
   }
+  TakeOthers(is_confirmed, first_terms, &state.surface.terms);
   return {std::move(state.surface.mesh), std::move(state.surface.terms),
           state.is_stopped, state.num_shortened_steps,
           state.num_unconverged_solutions};

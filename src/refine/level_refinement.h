@@ -24,7 +24,9 @@ struct RefinementLevel {
 
 struct RefinedLevel {
   TriangleMesh mesh;
-  PhotometricTerms terms;                // [F] of the last step's surface
+  // [F] of the last step's surface; energies, weights and pixels of facets that
+  // are not confirmed (ConfirmedFacets()) are those of the first.
+  PhotometricTerms terms;
   bool is_stopped = false;               // by on_step
   size_t num_shortened_steps = 0;        // of vertices, to turn no facet over
                                          // and to let none cross

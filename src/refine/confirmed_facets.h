@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_rings.h"
+#include "photometry/photometric_energy.h"
+
+namespace colmap_ext {
+
+// Whether the images agree on a surface well enough to refine it: [F]. Where
+// they show something else than the surface, such as the sky through a membrane
+// between two roofs, correlation is low all around, and following it would only
+// invent relief. What counts is the correlation in the surroundings of each
+// vertex (refine/surroundings.h), so that edges and highlights do not matter.
+// \param terms [F] of the surface
+std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
+                                     const VertexRings& rings,
+                                     const PhotometricTerms& terms,
+                                     const PhotometricOptions& options);
+
+}  // namespace colmap_ext
