@@ -41,12 +41,12 @@ SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
 // ray's end is sharp if
 //   front - behind > m / 2  and  behind < m / 100.
 //
-// Three things differ from the paper. It multiplies the capacity by the jump,
-// a factor of thousands that turns every outlier's shadow into matter. It takes
-// the smallest support behind, which passes through what is thin. Its
-// thresholds are numbers of rays, which depend on the density of the points.
-// The factor and the thresholds here are tuned on the synthetic scenes of
-// docs/method.md, section 2.5.
+// [Jancosek2014] multiplies the capacity by the jump, and its thresholds are
+// numbers of rays. Here that is a factor of thousands, which turns the shadows
+// of outliers into matter, and numbers of rays depend on the density of the
+// points. The largest support behind has to be small, not the smallest, which
+// is small behind most points. The factor and the thresholds are tuned on the
+// synthetic scenes of docs/method.md, section 2.5.
 //
 // Only grows graph->sink, of finite cells. Does not depend on the number of
 // threads.
