@@ -49,6 +49,10 @@ void AddVoteOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
                             &meshing->behind_sigma,
                             "How far behind a point matter is expected, in "
                             "distance sigmas");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.weak_surfaces", &meshing->weak_surfaces,
+      "Strengthen matter where free space ends sharply behind a point: keeps "
+      "surface that few points bear out");
   manager->AddDefaultOption("DelaunayManifoldMeshing.quality_regularization",
                             &meshing->quality_regularization,
                             "Higher is smoother");

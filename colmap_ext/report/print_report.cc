@@ -66,6 +66,10 @@ void PrintCells(const ManifoldMeshingReport& report, std::ostream& stream) {
             stream);
   Print("rays walked", static_cast<int64_t>(report.rays.num_rays), stream);
   Print("  given up", static_cast<int64_t>(report.rays.num_lost_rays), stream);
+  if (report.num_sharp_rays > 0) {
+    Print("  strengthened", static_cast<int64_t>(report.num_sharp_rays),
+          stream);
+  }
   Print("facets crossed", static_cast<int64_t>(report.rays.num_steps), stream);
   Print("maximum flow", report.flow, stream);
   Print("minimum cut", report.cut, stream);

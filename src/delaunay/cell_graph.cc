@@ -1,5 +1,8 @@
 #include "delaunay/cell_graph.h"
 
+#include <algorithm>
+#include <atomic>
+
 namespace colmap_ext {
 
 FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra) {
@@ -17,6 +20,18 @@ FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra) {
   graph.source.resize(num_cells, 0);
   graph.sink.resize(num_cells, 0);
   return graph;
+}
+
+uint32_t ToCapacity(double weight) {
+  return static_cast<uint32_t>(
+      std::min<double>(kWeightUnit * weight + 0.5, kMaxCapacity));
+}
+
+void AddCapacity(uint32_t capacity, uint32_t* sum) {
+  std::atomic_ref<uint32_t> atomic(*sum);
+  if (atomic.load(std::memory_order_relaxed) <= kMaxCapacity) {
+    atomic.fetch_add(capacity, std::memory_order_relaxed);
+  }
 }
 
 }  // namespace colmap_ext

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "delaunay/tetrahedralization.h"
 #include "optim/min_cut.h"
 
@@ -14,5 +16,12 @@ inline constexpr double kWeightUnit = 4096;
 // The graph of the cells: node i is cell i, arc k of a node leads through facet
 // k of its cell. All capacities are zero.
 FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra);
+
+// A weight, 0 or more, in units of capacity; at most kMaxCapacity.
+uint32_t ToCapacity(double weight);
+
+// Adds atomically, up to a little above kMaxCapacity. Whether the sum ends
+// above it does not depend on the order, and above it all sums count the same.
+void AddCapacity(uint32_t capacity, uint32_t* sum);
 
 }  // namespace colmap_ext

@@ -1,7 +1,6 @@
 #include "delaunay/visibility_weights.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <numeric>
@@ -24,15 +23,6 @@ constexpr double kNearSigmas = 5;
 // neighboring rays find their cells in the cache. Any other number gives the
 // same result.
 constexpr uint32_t kBlock = 256;
-
-// Adds atomically, up to a little above kMaxCapacity. Whether the sum ends
-// above it does not depend on the order, and above it all sums count the same.
-void Add(uint32_t weight, uint32_t* sum) {
-  std::atomic_ref<uint32_t> atomic(*sum);
-  if (atomic.load(std::memory_order_relaxed) <= kMaxCapacity) {
-    atomic.fetch_add(weight, std::memory_order_relaxed);
-  }
-}
 
 // A camera's centre and the cell that holds it.
 struct Center {
@@ -73,7 +63,8 @@ class Voter {
  public:
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
         const std::vector<Center>& centers,
-        const VisibilityWeightOptions& options, FlowGraph* graph)
+        const VisibilityWeightOptions& options, FlowGraph* graph,
+        std::vector<uint32_t>* free_support)
       : tetrahedra_(tetrahedra),
         observations_(observations),
         centers_(centers),
@@ -81,7 +72,8 @@ class Voter {
         near_distance_(kNearSigmas * options.distance_sigma),
         normalization_(-0.5 /
                        (options.distance_sigma * options.distance_sigma)),
-        graph_(graph) {}
+        graph_(graph),
+        free_support_(free_support) {}
 
   // \param begin, end  vertices
   void VoteBlock(uint32_t begin, uint32_t end) {
@@ -127,26 +119,32 @@ class Voter {
       return;
     }
     report_.num_steps += front_.size() + behind_.size();
-    Add(Quantize(alpha), &graph_->source[source_cell]);
+    AddCapacity(ToCapacity(alpha), &graph_->source[source_cell]);
     for (const Crossing& crossing : front_) {
       AddSoft(alpha, crossing.distance, crossing.entry_arc);
     }
     for (const Crossing& crossing : behind_) {
       AddSoft(alpha, crossing.distance, crossing.exit_arc);
     }
-    Add(Quantize(alpha), &graph_->sink[sink_cell]);
+    AddCapacity(ToCapacity(alpha), &graph_->sink[sink_cell]);
+    if (free_support_ != nullptr) {
+      AddFreeSupport(ToCapacity(alpha), source_cell);
+    }
   }
 
-  static uint32_t Quantize(double weight) {
-    return static_cast<uint32_t>(
-        std::min<double>(kWeightUnit * weight + 0.5, kMaxCapacity));
+  void AddFreeSupport(uint32_t weight, uint32_t source_cell) {
+    for (const Crossing& crossing : front_) {
+      AddCapacity(weight, &(*free_support_)[crossing.exit_arc / 4]);
+    }
+    AddCapacity(weight, &(*free_support_)[source_cell]);
   }
 
   void AddSoft(double alpha, double distance, uint32_t arc) {
     const double soft = distance < near_distance_
                             ? 1 - std::exp(distance * distance * normalization_)
                             : 1;
-    Add(Quantize(alpha * soft), &graph_->capacities[arc / 4][arc % 4]);
+    AddCapacity(ToCapacity(alpha * soft),
+                &graph_->capacities[arc / 4][arc % 4]);
   }
 
   const Tetrahedralization& tetrahedra_;
@@ -156,6 +154,7 @@ class Voter {
   const double near_distance_;
   const double normalization_;
   FlowGraph* graph_;
+  std::vector<uint32_t>* free_support_;  // [cells], or null
   RayReport report_;
   std::vector<Crossing> front_;
   std::vector<Crossing> behind_;
@@ -204,8 +203,12 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
-                               FlowGraph* graph, const Progress& progress) {
+                               FlowGraph* graph, const Progress& progress,
+                               std::vector<uint32_t>* free_support) {
   Report(progress, kStage, 0);
+  if (free_support != nullptr) {
+    free_support->assign(tetrahedra.cells.size(), 0);
+  }
   const std::vector<Center> located =
       LocateCenters(tetrahedra, centers, options.distance_sigma);
   const auto num_vertices =
@@ -215,7 +218,8 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
   size_t num_done = 0;
   RayReport report;
   tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
-    Voter voter(tetrahedra, observations, located, options, graph);
+    Voter voter(tetrahedra, observations, located, options, graph,
+                free_support);
     voter.VoteBlock(block * kBlock,
                     std::min(num_vertices, (block + 1) * kBlock));
     const std::lock_guard lock(mutex);

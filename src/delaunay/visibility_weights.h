@@ -62,10 +62,14 @@ struct RayReport {
 // kMaxCapacity.
 //
 // \param centers [views] camera centres, world frame
+// \param free_support  [cells] if given, is overwritten: the sum of the alphas
+//        of the rays that pass through the cell before they reach their point,
+//        in units of capacity [Jancosek2014]
 RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
-                               FlowGraph* graph, const Progress& progress = {});
+                               FlowGraph* graph, const Progress& progress = {},
+                               std::vector<uint32_t>* free_support = nullptr);
 
 }  // namespace colmap_ext

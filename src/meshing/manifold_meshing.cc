@@ -10,6 +10,7 @@
 #include "delaunay/quality_weights.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
+#include "delaunay/weak_surfaces.h"
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
@@ -57,12 +58,18 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   for (const View& view : views) {
     centers.push_back(view.Center());
   }
+  const Observations observations = ObserveVertices(
+      cloud, tetrahedra.points.size(), thinned.point_vertices, alphas);
+  const VisibilityWeightOptions ray_options{report->distance_sigma,
+                                            options.behind_sigma};
+  std::vector<uint32_t> free_support;
   report->rays = AddVisibilityWeights(
-      tetrahedra,
-      ObserveVertices(cloud, tetrahedra.points.size(), thinned.point_vertices,
-                      alphas),
-      centers, {report->distance_sigma, options.behind_sigma}, &graph,
-      progress);
+      tetrahedra, observations, centers, ray_options, &graph, progress,
+      options.weak_surfaces ? &free_support : nullptr);
+  if (options.weak_surfaces) {
+    report->num_sharp_rays = AddWeakSurfaceWeights(
+        tetrahedra, observations, centers, free_support, ray_options, &graph);
+  }
   return graph;
 }
 

@@ -159,7 +159,7 @@ void ExpectSame(const ManifoldMesh& a, const ManifoldMesh& b) {
 }
 
 std::vector<ManifoldMeshingOptions> Variants() {
-  std::vector<ManifoldMeshingOptions> variants(6);
+  std::vector<ManifoldMeshingOptions> variants(7);
   variants[1].max_proj_dist = 0;
   variants[2].preemptive_fixing = false;
   variants[3].fixing_rule = FixingRule::kPaper;
@@ -169,6 +169,7 @@ std::vector<ManifoldMeshingOptions> Variants() {
   variants[5].max_side_length_factor = 1;
   variants[5].max_side_length_percentile = 60;
   variants[5].min_component_faces = 20;
+  variants[6].weak_surfaces = true;
   return variants;
 }
 

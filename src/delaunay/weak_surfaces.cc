@@ -1,0 +1,126 @@
+#include "delaunay/weak_surfaces.h"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+
+#include "delaunay/cell_graph.h"
+#include "delaunay/ray_walk.h"
+
+namespace colmap_ext {
+namespace {
+
+// Of the median support in front.
+constexpr double kMinJump = 0.5;
+constexpr double kMaxBehind = 0.01;
+
+// What a vote gets on top of its weight, as a factor of it.
+constexpr double kGain = 2;
+
+// The largest support of the cells on the way from the vertex to the target.
+// \return the cell of the target, or kNoCell where the ray is lost
+uint32_t LargestSupport(const Tetrahedralization& tetrahedra,
+                        const std::vector<uint32_t>& free_support,
+                        uint32_t vertex, const Eigen::Vector3d& target,
+                        uint32_t* largest) {
+  thread_local std::vector<Crossing> crossings;
+  const uint32_t end =
+      WalkRay(tetrahedra, vertex, target, kNoCell, 0, &crossings);
+  if (end != kNoCell) {
+    *largest = free_support[end];
+    for (const Crossing& crossing : crossings) {
+      *largest = std::max(*largest, free_support[crossing.exit_arc / 4]);
+    }
+  }
+  return end;
+}
+
+// [observations]
+std::vector<SupportJump> MeasureJumps(
+    const Tetrahedralization& tetrahedra, const Observations& observations,
+    const std::vector<Eigen::Vector3d>& centers,
+    const std::vector<uint32_t>& free_support,
+    const VisibilityWeightOptions& options) {
+  std::vector<SupportJump> jumps(observations.size());
+  tbb::parallel_for(
+      size_t{0}, observations.offsets.size() - 1, [&](size_t vertex) {
+        for (uint64_t k = observations.offsets[vertex];
+             k < observations.offsets[vertex + 1]; ++k) {
+          jumps[k] = MeasureJump(tetrahedra, free_support,
+                                 static_cast<uint32_t>(vertex),
+                                 centers[observations.views[k]], options);
+        }
+      });
+  return jumps;
+}
+
+// The upper median of the support in front of the rays that are not lost; 0
+// where all are.
+uint32_t MedianFront(const std::vector<SupportJump>& jumps) {
+  std::vector<uint32_t> fronts;
+  fronts.reserve(jumps.size());
+  for (const SupportJump& jump : jumps) {
+    if (jump.end_cell != kNoCell) {
+      fronts.push_back(jump.front);
+    }
+  }
+  if (fronts.empty()) {
+    return 0;
+  }
+  const auto middle =
+      fronts.begin() + static_cast<ptrdiff_t>(fronts.size() / 2);
+  std::nth_element(fronts.begin(), middle, fronts.end());
+  return *middle;
+}
+
+}  // namespace
+
+SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
+                        const std::vector<uint32_t>& free_support,
+                        uint32_t vertex, const Eigen::Vector3d& center,
+                        const VisibilityWeightOptions& options) {
+  const Eigen::Vector3d position = tetrahedra.points[vertex].cast<double>();
+  const Eigen::Vector3d sigma =
+      options.distance_sigma * (position - center).normalized();
+  SupportJump jump;
+  std::vector<Crossing> crossings;
+  const uint32_t end =
+      WalkRay(tetrahedra, vertex, position + options.behind_sigma * sigma,
+              kNoCell, 0, &crossings);
+  if (end == kNoCell || tetrahedra.IsInfinite(end) ||
+      LargestSupport(tetrahedra, free_support, vertex,
+                     position - kFrontSigmas * sigma, &jump.front) == kNoCell ||
+      LargestSupport(tetrahedra, free_support, vertex,
+                     position + kBehindSigmas * sigma,
+                     &jump.behind) == kNoCell) {
+    return {};
+  }
+  jump.end_cell = end;
+  return jump;
+}
+
+size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,
+                             const Observations& observations,
+                             const std::vector<Eigen::Vector3d>& centers,
+                             const std::vector<uint32_t>& free_support,
+                             const VisibilityWeightOptions& options,
+                             FlowGraph* graph) {
+  const std::vector<SupportJump> jumps =
+      MeasureJumps(tetrahedra, observations, centers, free_support, options);
+  const double median = MedianFront(jumps);
+  size_t num_sharp = 0;
+  for (size_t k = 0; k < jumps.size(); ++k) {
+    const auto& [front, behind, end_cell] = jumps[k];
+    if (end_cell != kNoCell &&
+        behind<kMaxBehind * median&& static_cast<double>(front) - behind>
+                kMinJump *
+            median) {
+      ++num_sharp;
+      AddCapacity(ToCapacity(kGain * observations.alphas[k]),
+                  &graph->sink[end_cell]);
+    }
+  }
+  return num_sharp;
+}
+
+}  // namespace colmap_ext

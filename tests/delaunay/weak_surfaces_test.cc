@@ -1,0 +1,288 @@
+#include "delaunay/weak_surfaces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <Eigen/Geometry>
+
+#include "delaunay/cell_graph.h"
+#include "delaunay/ray_walk.h"
+#include "tests/delaunay/random_complex.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr VisibilityWeightOptions kOptions{20, 1};
+
+// Points, all of them vertices, and cameras within their hull.
+struct Scenery {
+  explicit Scenery(uint32_t num_points) {
+    Random random(num_points);
+    tetrahedra = DelaunayOf(RandomPoints(num_points, 300, &random));
+    for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
+      for (uint32_t view = 0; view < 6; ++view) {
+        if (random.Chance(0.5)) {
+          observations.views.push_back(view);
+          observations.alphas.push_back(3 * static_cast<float>(random.Unit()));
+        }
+      }
+      observations.offsets.push_back(observations.size());
+    }
+    for (int view = 0; view < 6; ++view) {
+      centers.push_back(RandomPoints(1, 150, &random).front().cast<double>() +
+                        Eigen::Vector3d(0.3, 0.2, 0.1));
+    }
+  }
+
+  // Votes, and the free-space support. In every other cell it is taken away, or
+  // no ray of a random scene would end sharply.
+  FlowGraph VoteHalfBlind(std::vector<uint32_t>* support) const {
+    FlowGraph graph = Vote(support);
+    for (size_t cell = 0; cell < support->size(); cell += 2) {
+      (*support)[cell] = 0;
+    }
+    return graph;
+  }
+
+  FlowGraph Vote(std::vector<uint32_t>* support) const {
+    FlowGraph graph = EmptyGraph(tetrahedra);
+    AddVisibilityWeights(tetrahedra, observations, centers, kOptions, &graph,
+                         {}, support);
+    return graph;
+  }
+
+  Eigen::Vector3d PositionOf(uint32_t vertex) const {
+    return tetrahedra.points[vertex].cast<double>();
+  }
+
+  Tetrahedralization tetrahedra;
+  Observations observations;
+  std::vector<Eigen::Vector3d> centers;
+};
+
+// How much of a segment lies in a finite cell, as a share: the segment is
+// clipped by the planes of the four facets.
+double ShareInCell(const Tetrahedralization& tetrahedra, uint32_t cell,
+                   const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  std::array<Eigen::Vector3d, 4> corners;
+  for (size_t i = 0; i < 4; ++i) {
+    corners[i] =
+        tetrahedra.points[tetrahedra.cells[cell].vertices[i]].cast<double>();
+  }
+  double first = 0;
+  double last = 1;
+  for (size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d& corner = corners[(i + 1) % 4];
+    Eigen::Vector3d normal = (corners[(i + 2) % 4] - corner)
+                                 .cross(corners[(i + 3) % 4] - corner)
+                                 .normalized();
+    if (normal.dot(corners[i] - corner) < 0) {
+      normal = -normal;
+    }
+    const double at_a = normal.dot(a - corner);
+    const double slope = normal.dot(b - a);
+    if (slope > 0) {
+      first = std::max(first, -at_a / slope);
+    } else if (slope < 0) {
+      last = std::min(last, -at_a / slope);
+    }
+  }
+  return last - first;
+}
+
+// The largest support of the finite cells that a segment passes through.
+// Nothing where the segment only just touches one, and rounding decides.
+std::optional<uint32_t> LargestByClipping(const Scenery& scenery,
+                                          const std::vector<uint32_t>& support,
+                                          const Eigen::Vector3d& a,
+                                          const Eigen::Vector3d& b) {
+  uint32_t largest = 0;
+  for (uint32_t cell = 0; cell < support.size(); ++cell) {
+    if (scenery.tetrahedra.IsInfinite(cell)) {
+      continue;
+    }
+    const double share = ShareInCell(scenery.tetrahedra, cell, a, b);
+    if (share > 1e-9) {
+      largest = std::max(largest, support[cell]);
+      if (share < 1e-6) {
+        return std::nullopt;
+      }
+    }
+  }
+  return largest;
+}
+
+TEST(FreeSupport, IsTheSumOfTheRaysThroughACell) {
+  const Scenery scenery(60);
+  std::vector<uint32_t> support;
+  scenery.Vote(&support);
+  std::vector<double> expected(support.size(), 0);
+  for (uint32_t vertex = 0; vertex < 60; ++vertex) {
+    for (uint64_t k = scenery.observations.offsets[vertex];
+         k < scenery.observations.offsets[vertex + 1]; ++k) {
+      const Eigen::Vector3d& center =
+          scenery.centers[scenery.observations.views[k]];
+      for (uint32_t cell = 0; cell < support.size(); ++cell) {
+        if (!scenery.tetrahedra.IsInfinite(cell) &&
+            ShareInCell(scenery.tetrahedra, cell, scenery.PositionOf(vertex),
+                        center) > 1e-9) {
+          expected[cell] += scenery.observations.alphas[k];
+        }
+      }
+    }
+  }
+  for (uint32_t cell = 0; cell < support.size(); ++cell) {
+    if (!scenery.tetrahedra.IsInfinite(cell)) {
+      EXPECT_NEAR(support[cell] / kWeightUnit, expected[cell], 0.05) << cell;
+    }
+  }
+}
+
+TEST(MeasureJump, IsThatOfClippedCells) {
+  const Scenery scenery(400);
+  std::vector<uint32_t> support;
+  scenery.Vote(&support);
+  size_t num_compared = 0;
+  for (uint32_t vertex = 0; vertex < 400; ++vertex) {
+    const Eigen::Vector3d position = scenery.PositionOf(vertex);
+    const Eigen::Vector3d& center = scenery.centers[vertex % 6];
+    const Eigen::Vector3d sigma =
+        kOptions.distance_sigma * (position - center).normalized();
+    const Eigen::Vector3d near = position - kFrontSigmas * sigma;
+    const Eigen::Vector3d far = position + kBehindSigmas * sigma;
+    if (scenery.tetrahedra.IsInfinite(Locate(scenery.tetrahedra, near, 0)) ||
+        scenery.tetrahedra.IsInfinite(Locate(scenery.tetrahedra, far, 0))) {
+      continue;
+    }
+    const std::optional<uint32_t> front =
+        LargestByClipping(scenery, support, position, near);
+    const std::optional<uint32_t> behind =
+        LargestByClipping(scenery, support, position, far);
+    if (!front || !behind) {
+      continue;
+    }
+    const SupportJump jump =
+        MeasureJump(scenery.tetrahedra, support, vertex, center, kOptions);
+    EXPECT_EQ(jump.front, *front) << vertex;
+    EXPECT_EQ(jump.behind, *behind) << vertex;
+    EXPECT_TRUE(
+        IsStrictlyInside(scenery.tetrahedra, jump.end_cell, position + sigma));
+    ++num_compared;
+  }
+  EXPECT_GT(num_compared, 100u);
+}
+
+TEST(MeasureJump, LosesRaysWithoutDirection) {
+  const Scenery scenery(60);
+  const std::vector<uint32_t> support(scenery.tetrahedra.cells.size(), 1);
+  EXPECT_EQ(MeasureJump(scenery.tetrahedra, support, 0, scenery.PositionOf(0),
+                        kOptions)
+                .end_cell,
+            kNoCell);
+}
+
+// Only sinks of finite cells grow, to no more than three times the votes.
+TEST(WeakSurfaceWeights, OnlyStrengthenVotesForMatter) {
+  const Scenery scenery(1500);
+  std::vector<uint32_t> support;
+  const FlowGraph before = scenery.VoteHalfBlind(&support);
+  FlowGraph after = before;
+  const size_t num_sharp =
+      AddWeakSurfaceWeights(scenery.tetrahedra, scenery.observations,
+                            scenery.centers, support, kOptions, &after);
+  EXPECT_GT(num_sharp, 0u);
+  EXPECT_LT(num_sharp, scenery.observations.size());
+  EXPECT_EQ(after.capacities, before.capacities);
+  EXPECT_EQ(after.source, before.source);
+  size_t num_grown = 0;
+  for (uint32_t cell = 0; cell < after.size(); ++cell) {
+    EXPECT_GE(after.sink[cell], before.sink[cell]);
+    if (scenery.tetrahedra.IsInfinite(cell)) {
+      EXPECT_EQ(after.sink[cell], before.sink[cell]);
+    }
+    // Votes and what is added to them are rounded, less than kRounding in all.
+    constexpr uint32_t kRounding = 4096;
+    EXPECT_LE(after.sink[cell], 3 * before.sink[cell] + kRounding);
+    num_grown += after.sink[cell] > before.sink[cell] ? 1 : 0;
+  }
+  EXPECT_GT(num_grown, 0u);
+  EXPECT_LE(num_grown, num_sharp);
+}
+
+TEST(WeakSurfaceWeights, AreWhatEachRaysJumpSays) {
+  const Scenery scenery(500);
+  std::vector<uint32_t> support;
+  FlowGraph graph = scenery.VoteHalfBlind(&support);
+  std::vector<uint32_t> expected = graph.sink;
+  std::vector<SupportJump> jumps;
+  std::vector<uint32_t> fronts;
+  for (uint32_t vertex = 0; vertex < 500; ++vertex) {
+    for (uint64_t k = scenery.observations.offsets[vertex];
+         k < scenery.observations.offsets[vertex + 1]; ++k) {
+      jumps.push_back(MeasureJump(
+          scenery.tetrahedra, support, vertex,
+          scenery.centers[scenery.observations.views[k]], kOptions));
+      if (jumps.back().end_cell != kNoCell) {
+        fronts.push_back(jumps.back().front);
+      }
+    }
+  }
+  std::sort(fronts.begin(), fronts.end());
+  const double median = fronts[fronts.size() / 2];
+  for (size_t k = 0; k < jumps.size(); ++k) {
+    if (jumps[k].end_cell != kNoCell &&
+        static_cast<double>(jumps[k].front) - jumps[k].behind > median / 2 &&
+        jumps[k].behind < median / 100) {
+      expected[jumps[k].end_cell] +=
+          ToCapacity(2 * scenery.observations.alphas[k]);
+    }
+  }
+  AddWeakSurfaceWeights(scenery.tetrahedra, scenery.observations,
+                        scenery.centers, support, kOptions, &graph);
+  EXPECT_EQ(graph.sink, expected);
+}
+
+TEST(WeakSurfaceWeights, DoNotDependOnThreads) {
+  const Scenery scenery(1500);
+  std::vector<std::vector<uint32_t>> supports(2);
+  std::vector<FlowGraph> graphs(2);
+  for (const size_t i : {0, 1}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, 1 + 3 * i);
+    graphs[i] = scenery.VoteHalfBlind(&supports[i]);
+    AddWeakSurfaceWeights(scenery.tetrahedra, scenery.observations,
+                          scenery.centers, supports[i], kOptions, &graphs[i]);
+  }
+  EXPECT_EQ(supports[0], supports[1]);
+  EXPECT_EQ(graphs[0].sink, graphs[1].sink);
+}
+
+// Asking for the free-space support changes no vote.
+TEST(FreeSupport, LeavesTheVotesAsTheyAre) {
+  const Scenery scenery(500);
+  std::vector<uint32_t> support;
+  const FlowGraph with = scenery.Vote(&support);
+  const FlowGraph without = scenery.Vote(nullptr);
+  EXPECT_EQ(with.capacities, without.capacities);
+  EXPECT_EQ(with.source, without.source);
+  EXPECT_EQ(with.sink, without.sink);
+}
+
+TEST(WeakSurfaceWeights, NeedNoRays) {
+  const Scenery scenery(60);
+  FlowGraph graph = EmptyGraph(scenery.tetrahedra);
+  Observations none;
+  none.offsets.resize(61, 0);
+  EXPECT_EQ(AddWeakSurfaceWeights(scenery.tetrahedra, none, scenery.centers,
+                                  std::vector<uint32_t>(graph.size(), 0),
+                                  kOptions, &graph),
+            0u);
+}
+
+}  // namespace
+}  // namespace colmap_ext
