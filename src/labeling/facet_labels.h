@@ -39,8 +39,8 @@ struct FacetLabels {
   FacetLabels Of(const std::vector<uint8_t>& is_chosen) const {
     FacetLabels chosen{pairs, {}};
     for (size_t i = 0; i < NumFacets(); ++i) {
-      chosen.labels.AddRow(labels[i].first(is_chosen[i] != 0 ? labels[i].size()
-                                                             : 0));
+      chosen.labels.AddRow(
+          labels[i].first(is_chosen[i] != 0 ? labels[i].size() : 0));
     }
     return chosen;
   }

@@ -237,9 +237,9 @@ State Iterate(const Stage& stage, State state) {
 // account for more pixels.
 State FinishByAllLabels(const FacetLabels& labels, Stage stage, State state) {
   constexpr int kFinalIterations = 2;
-  Stage final_stage{stage.options,    stage.level,  true,
-                    kFinalIterations, labels, std::move(stage.domain),
-                    stage.energy,     stage.tree,   stage.on_step};
+  Stage final_stage{stage.options,    stage.level, true,
+                    kFinalIterations, labels,      std::move(stage.domain),
+                    stage.energy,     stage.tree,  stage.on_step};
   SmoothnessDomain& domain = final_stage.domain;
   state.surface = DrawSurface(std::move(state.surface.mesh), domain.rings,
                               labels, stage.energy);

@@ -29,9 +29,13 @@ float DistanceToSegment(const Vector3f& p, const Vector3f& a,
 
 class Collapser {
  public:
-  Collapser(const ReferenceSurface& reference, float max_ratio,
+  // \param leniency  see ReferenceSurface::IsFollowedBy().
+  Collapser(const ReferenceSurface& reference, float max_ratio, float leniency,
             AnchoredMesh* mesh)
-      : reference_(reference), max_ratio_(max_ratio), mesh_(mesh) {}
+      : reference_(reference),
+        max_ratio_(max_ratio),
+        leniency_(leniency),
+        mesh_(mesh) {}
 
   bool Collapse(uint32_t half) {
     EditableMesh& edit = mesh_->edit;
@@ -146,12 +150,13 @@ class Collapser {
     return AllChangedFacets(half, [&](uint32_t outgoing) {
       std::array<AnchoredCorner, 3> facet = mesh_->Corners(outgoing);
       facet[0] = {place.position, &place.anchor};
-      return reference_.IsFollowedBy(facet);
+      return reference_.IsFollowedBy(facet, leniency_);
     });
   }
 
   const ReferenceSurface& reference_;
   float max_ratio_;
+  float leniency_;
   AnchoredMesh* mesh_;
 };
 
@@ -175,7 +180,7 @@ std::vector<std::pair<float, uint32_t>> ShortEdges(const AnchoredMesh& mesh,
 
 size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
                           float max_ratio, AnchoredMesh* mesh) {
-  Collapser collapser(reference, max_ratio, mesh);
+  Collapser collapser(reference, max_ratio, 1, mesh);
   constexpr int kMaxRounds = 2;  // later ones find next to nothing
   size_t num_collapses = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -190,6 +195,29 @@ size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
     if (num_in_round == 0) {
       break;
     }
+  }
+  return num_collapses;
+}
+
+size_t CollapseNeedles(const ReferenceSurface& reference, float max_ratio,
+                       AnchoredMesh* mesh) {
+  constexpr float kMaxCosine = 0.966F;  // 15 degrees
+  constexpr float kLeniency = 3;
+  Collapser collapser(reference, max_ratio, kLeniency, mesh);
+  const EditableMesh& edit = mesh->edit;
+  size_t num_collapses = 0;
+  for (uint32_t facet = 0; facet < edit.NumFacets(); ++facet) {
+    if (edit.IsRemovedFacet(facet) ||
+        LargestCosine(mesh->Corners(3 * facet)) <= kMaxCosine) {
+      continue;
+    }
+    uint32_t shortest = 3 * facet;
+    for (uint32_t half = 3 * facet + 1; half < 3 * facet + 3; ++half) {
+      if (mesh->Length(half) < mesh->Length(shortest)) {
+        shortest = half;
+      }
+    }
+    num_collapses += collapser.Collapse(shortest) ? 1 : 0;
   }
   return num_collapses;
 }

@@ -19,7 +19,8 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   // come closer to the wanted length [Botsch2004].
   constexpr float kMaxRatio = 4.0F / 3;
   constexpr float kMinRatio = 4.0F / 5;
-  constexpr int kIterations = 5;  // as [Botsch2004] has them
+  constexpr float kNeedleRatio = 2;  // edges may get so long to end a needle
+  constexpr int kIterations = 5;     // as [Botsch2004] has them
   const ReferenceSurface reference(mesh, lengths, tolerances);
   AnchoredMesh work(mesh, reference);
   for (int i = 0; i < kIterations; ++i) {
@@ -30,7 +31,10 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   }
   FlipForAngles(reference, &work);
   RelaxVertices(reference, &work);
+  // What the reference's creases and noise still hold.
+  CollapseNeedles(reference, kNeedleRatio, &work);
   FlipForAngles(reference, &work);
+  CollapseNeedles(reference, kNeedleRatio, &work);
 
   RemeshedSurface remeshed;
   std::vector<uint32_t> kept;
