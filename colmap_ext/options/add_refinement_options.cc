@@ -59,8 +59,8 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "Higher is smoother");
   manager->AddDefaultOption(
       "FacetwiseRefinement.remeshing", &refinement->remeshing,
-      "Remesh before each level: faces of good shape, as large as the images "
-      "call for; 0 only subdivides large faces, as in the paper");
+      "Remesh before the last level: faces of good shape, as large as the "
+      "images call for; 0 only subdivides large faces, as in the paper");
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
       "Of an image that a face covers, px^2; faces grow to it, or are "

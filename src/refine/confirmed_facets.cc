@@ -1,5 +1,4 @@
 #include "refine/confirmed_facets.h"
-#include <cstdlib>
 
 #include <algorithm>
 #include <cstddef>
@@ -13,7 +12,7 @@ std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
                                      const PhotometricTerms& terms,
                                      const PhotometricOptions& options) {
   // Of windows that show one surface most have more, of others few.
-  const double kMinZncc = getenv("MINZ") ? atof(getenv("MINZ")) : 0.5;
+  constexpr double kMinZncc = 0.5;
   std::vector<double> energies(mesh.vertices.size(), 0);
   std::vector<double> weights(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {

@@ -90,21 +90,18 @@ class Refinement {
   // them. The last drawings serve the labelling, and the energy's first
   // Render().
   void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
-    // Of max_face_area, that facets may keep at the coarse levels, which show
-    // less than the mesh may hold. A choice; tests/benchmarks/vary_constants.py
-    // tables what other values do.
-    constexpr double kCoarseShare = 0.25;
-    Report(hooks_.progress,
-           options_.remeshing ? "Remeshing" : "Subdividing facets", 0);
+    // Not at the coarse levels: their images show less than the mesh holds, and
+    // remeshing would lose it.
+    const bool is_remeshed = options_.remeshing && level == 0;
+    Report(hooks_.progress, is_remeshed ? "Remeshing" : "Subdividing facets",
+           0);
     const auto draw = [this](const TriangleMesh& mesh) {
       return energy_->Drawings(mesh);
     };
     FacetVisibility visibility =
-        options_.remeshing
-            ? RemeshForImages(
-                  (level == 0 ? 1 : kCoarseShare) * options_.max_face_area,
-                  options_.max_face_area, draw, &state->mesh,
-                  &state->attributes, &state->origins)
+        is_remeshed
+            ? RemeshForImages(options_.max_face_area, draw, &state->mesh,
+                              &state->attributes, &state->origins)
             : SubdivideLargeFacets(options_.max_face_area, draw, &state->mesh,
                                    &state->attributes, &state->origins);
     if (RemoveSelfIntersections(state)) {

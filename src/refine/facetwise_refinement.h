@@ -38,14 +38,14 @@ struct FacetwiseRefinementOptions {
   // itself calls for (docs/method.md, section 6.5); 0 is none.
   double smoothness_weight = 1;
 
-  // Remesh the surface before each level, so that its facets are well-shaped
-  // and as large as the images call for; else only large facets are subdivided.
+  // Remesh the surface before the finest level, so that its facets are
+  // well-shaped and as large as the images call for. At the other levels, or
+  // without it, large facets are only subdivided.
   bool remeshing = true;
 
   // The area that facets get before a level starts, in the second of the images
   // that show them largest, px^2 of the level's images: edges of five pixels,
-  // as wide as a window. At coarse levels facets may stay smaller. Without
-  // remeshing, what is larger is subdivided.
+  // as wide as a window. Without remeshing, what is larger is subdivided.
   double max_face_area = 10;
 
   // Partners of each view, those with which it shares the most points.

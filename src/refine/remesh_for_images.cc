@@ -44,18 +44,15 @@ std::vector<float> LengthsOfPixels(const TriangleMesh& mesh,
   return lengths;
 }
 
-std::vector<float> WantedLengths(double min_area, double max_area,
-                                 const TriangleMesh& mesh,
+std::vector<float> WantedLengths(double area, const TriangleMesh& mesh,
                                  const std::vector<float>& areas) {
   constexpr float kUnseenFactor = 4;  // a choice
   std::vector<float> lengths = LengthsOfPixels(mesh, areas);
   const std::vector<float> present = MeanEdgeLengths(mesh);
+  const auto side = static_cast<float>(std::sqrt(area));
   for (size_t i = 0; i < lengths.size(); ++i) {
-    lengths[i] =
-        std::isfinite(lengths[i])
-            ? std::clamp(present[i], lengths[i] * std::sqrt(float(min_area)),
-                         lengths[i] * std::sqrt(float(max_area)))
-            : kUnseenFactor * present[i];
+    lengths[i] = std::isfinite(lengths[i]) ? side * lengths[i]
+                                           : kUnseenFactor * present[i];
   }
   LimitGradation(mesh, kGradation, &lengths);
   return lengths;
@@ -63,15 +60,15 @@ std::vector<float> WantedLengths(double min_area, double max_area,
 
 }  // namespace
 
-FacetVisibility RemeshForImages(double min_area, double max_area,
-                                const DrawMesh& draw, TriangleMesh* mesh,
+FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
+                                TriangleMesh* mesh,
                                 VertexAttributes* attributes,
                                 std::vector<Eigen::Vector3f>* origins) {
   std::vector<float> lengths;
   {
     const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
     lengths = WantedLengths(
-        min_area, max_area, *mesh,
+        area, *mesh,
         RefinableAreas(*mesh, drawings->Views(), FindVisibleFacets(*drawings)));
   }
   RemeshedSurface remeshed =

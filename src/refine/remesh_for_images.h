@@ -12,18 +12,16 @@
 namespace colmap_ext {
 
 // Remeshes a surface by what the images can show of it: its facets get about
-// the area `max_area` in the images (RefinableAreas()), or stay as small as
-// they are. Where fewer than two views see the surface, facets grow. \param
-// max_area  px^2, of the drawn views. \param keeps_small  whether facets that
-// are smaller stay so: at levels whose
-//        images show less than the mesh holds.
+// the given area in the images (RefinableAreas()). Where fewer than two views
+// see the surface, they grow.
+// \param area  px^2, of the drawn views.
 // \param draw  draws the mesh into the views.
 // \param attributes  [V] see CarryAttributes().
 // \param origins  [V] see RefinedMesh; new vertices get those between their
 //        facet's corners.
 // \return which views see the facets of the new mesh.
-FacetVisibility RemeshForImages(double min_area, double max_area,
-                                const DrawMesh& draw, TriangleMesh* mesh,
+FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
+                                TriangleMesh* mesh,
                                 VertexAttributes* attributes,
                                 std::vector<Eigen::Vector3f>* origins);
 
