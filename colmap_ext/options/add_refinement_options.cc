@@ -65,6 +65,10 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
       "Of an image that a face covers, px^2; faces grow to it, or are "
       "subdivided down to it");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.min_zncc", &refinement->min_zncc,
+      "Faces are refined where the images agree by this correlation; others "
+      "follow what lies around them; -1 refines all, as in the paper");
 }
 
 void AddPairOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {

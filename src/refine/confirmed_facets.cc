@@ -10,9 +10,11 @@ namespace colmap_ext {
 std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
                                      const VertexRings& rings,
                                      const PhotometricTerms& terms,
-                                     const PhotometricOptions& options) {
-  // Of windows that show one surface most have more, of others few.
-  constexpr double kMinZncc = 0.5;
+                                     const PhotometricOptions& options,
+                                     double min_zncc) {
+  if (min_zncc <= -1) {
+    return std::vector<uint8_t>(mesh.facets.size(), 1);
+  }
   std::vector<double> energies(mesh.vertices.size(), 0);
   std::vector<double> weights(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
@@ -31,8 +33,9 @@ std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
       energy += energies[vertex];
       weight += weights[vertex];
     }
+    // Where nothing is compared nothing speaks against the surface.
     is_confirmed[i] =
-        weight > 0 && MeanZncc(energy, weight, options) >= kMinZncc;
+        !(weight > 0) || MeanZncc(energy, weight, options) >= min_zncc;
   }
   return is_confirmed;
 }

@@ -15,9 +15,11 @@ namespace colmap_ext {
 // invent relief. What counts is the correlation in the surroundings of each
 // vertex (refine/surroundings.h), so that edges and highlights do not matter.
 // \param terms [F] of the surface
+// \param min_zncc  that the surroundings need; -1 or less: none.
 std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
                                      const VertexRings& rings,
                                      const PhotometricTerms& terms,
-                                     const PhotometricOptions& options);
+                                     const PhotometricOptions& options,
+                                     double min_zncc);
 
 }  // namespace colmap_ext

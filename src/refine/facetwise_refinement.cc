@@ -169,6 +169,9 @@ std::string FacetwiseRefinementOptions::Check() const {
   if (!(max_face_area > 0)) {
     return "max_face_area has to be positive";
   }
+  if (!(min_zncc >= -1 && min_zncc <= 1)) {
+    return "min_zncc has to lie in [-1, 1]";
+  }
   if (pairs_per_image < 1) {
     return "pairs_per_image has to be positive";
   }

@@ -48,6 +48,12 @@ struct FacetwiseRefinementOptions {
   // as wide as a window. Without remeshing, what is larger is subdivided.
   double max_face_area = 10;
 
+  // Facets are refined where the images agree by this correlation or more in
+  // their surroundings when a level starts (ConfirmedFacets()); others follow
+  // what lies around them. Of windows that show one surface most have more, of
+  // others few. In [-1, 1]; -1 refines all, as in the paper.
+  double min_zncc = 0.5;
+
   // Partners of each view, those with which it shares the most points.
   int pairs_per_image = 4;
 

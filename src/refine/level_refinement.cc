@@ -268,8 +268,9 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
   FacetTree tree(mesh);
   State state;
   state.surface = DrawSurface(std::move(mesh), rings, all_few_labels, energy);
-  const std::vector<uint8_t> is_confirmed = ConfirmedFacets(
-      state.surface.mesh, rings, state.surface.terms, options.photometric);
+  const std::vector<uint8_t> is_confirmed =
+      ConfirmedFacets(state.surface.mesh, rings, state.surface.terms,
+                      options.photometric, options.min_zncc);
   const PhotometricTerms first_terms = state.surface.terms;
   const FacetLabels few_labels = all_few_labels.Of(is_confirmed);
   const FacetLabels labels = level.labels.Of(is_confirmed);

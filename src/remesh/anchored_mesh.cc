@@ -32,4 +32,22 @@ float LargestCosine(const std::array<AnchoredCorner, 3>& facet) {
   return LargestCosine(facet[0].position, facet[1].position, facet[2].position);
 }
 
+bool KeepsFacing(const std::array<AnchoredCorner, 3>& before,
+                 const std::array<AnchoredCorner, 3>& after, float min_cosine) {
+  constexpr float kMaxCosine = 0.9998F;  // 1 degree
+  const auto area_vector =
+      [](const std::array<AnchoredCorner, 3>& facet) -> Eigen::Vector3f {
+    return (facet[1].position - facet[0].position)
+        .cross(facet[2].position - facet[0].position);
+  };
+  const Eigen::Vector3f normal = area_vector(after);
+  if (LargestCosine(before) < kMaxCosine) {
+    const Eigen::Vector3f old_normal = area_vector(before);
+    return normal.dot(old_normal) >
+           min_cosine * normal.norm() * old_normal.norm();
+  }
+  return normal.dot(after[0].anchor->normal + after[1].anchor->normal +
+                    after[2].anchor->normal) > 0;
+}
+
 }  // namespace colmap_ext

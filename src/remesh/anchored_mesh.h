@@ -46,4 +46,11 @@ float LargestCosine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                     const Eigen::Vector3f& c);
 float LargestCosine(const std::array<AnchoredCorner, 3>& facet);
 
+// Whether a facet that changes still faces the way it did, turned by no more
+// than the angle of a cosine. The normal of a facet without a shape, of an
+// angle below 1 degree, means nothing: then whether the facet faces the way
+// that the reference does at its corners.
+bool KeepsFacing(const std::array<AnchoredCorner, 3>& before,
+                 const std::array<AnchoredCorner, 3>& after, float min_cosine);
+
 }  // namespace colmap_ext

@@ -29,13 +29,9 @@ float DistanceToSegment(const Vector3f& p, const Vector3f& a,
 
 class Collapser {
  public:
-  // \param leniency  see ReferenceSurface::IsFollowedBy().
-  Collapser(const ReferenceSurface& reference, float max_ratio, float leniency,
+  Collapser(const ReferenceSurface& reference, float max_ratio,
             AnchoredMesh* mesh)
-      : reference_(reference),
-        max_ratio_(max_ratio),
-        leniency_(leniency),
-        mesh_(mesh) {}
+      : reference_(reference), max_ratio_(max_ratio), mesh_(mesh) {}
 
   bool Collapse(uint32_t half) {
     EditableMesh& edit = mesh_->edit;
@@ -139,10 +135,9 @@ class Collapser {
           return false;
         }
       }
-      const Vector3f edge = facet[2].position - facet[1].position;
-      const Vector3f before = edge.cross(facet[0].position - facet[1].position);
-      const Vector3f after = edge.cross(place.position - facet[1].position);
-      return after.dot(before) > kMinCosine * after.norm() * before.norm();
+      std::array<AnchoredCorner, 3> after = facet;
+      after[0] = {place.position, &place.anchor};
+      return KeepsFacing(facet, after, kMinCosine);
     });
   }
 
@@ -150,13 +145,12 @@ class Collapser {
     return AllChangedFacets(half, [&](uint32_t outgoing) {
       std::array<AnchoredCorner, 3> facet = mesh_->Corners(outgoing);
       facet[0] = {place.position, &place.anchor};
-      return reference_.IsFollowedBy(facet, leniency_);
+      return reference_.IsFollowedBy(facet);
     });
   }
 
   const ReferenceSurface& reference_;
   float max_ratio_;
-  float leniency_;
   AnchoredMesh* mesh_;
 };
 
@@ -180,7 +174,7 @@ std::vector<std::pair<float, uint32_t>> ShortEdges(const AnchoredMesh& mesh,
 
 size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
                           float max_ratio, AnchoredMesh* mesh) {
-  Collapser collapser(reference, max_ratio, 1, mesh);
+  Collapser collapser(reference, max_ratio, mesh);
   constexpr int kMaxRounds = 2;  // later ones find next to nothing
   size_t num_collapses = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -202,8 +196,7 @@ size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
 size_t CollapseNeedles(const ReferenceSurface& reference, float max_ratio,
                        AnchoredMesh* mesh) {
   constexpr float kMaxCosine = 0.966F;  // 15 degrees
-  constexpr float kLeniency = 3;
-  Collapser collapser(reference, max_ratio, kLeniency, mesh);
+  Collapser collapser(reference, max_ratio, mesh);
   const EditableMesh& edit = mesh->edit;
   size_t num_collapses = 0;
   for (uint32_t facet = 0; facet < edit.NumFacets(); ++facet) {

@@ -15,8 +15,8 @@ size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
                           float max_ratio, AnchoredMesh* mesh);
 
 // Collapses the shortest edges of needles, facets with an angle of less than 15
-// degrees, whatever their length, where the same allows it; a facet may be
-// three times as far from the reference. \return the number of edges collapsed
+// degrees, whatever their length, under the same conditions.
+// \return the number of edges collapsed
 size_t CollapseNeedles(const ReferenceSurface& reference, float max_ratio,
                        AnchoredMesh* mesh);
 

@@ -46,18 +46,13 @@ Angles WorstAngles(const Quad& quad) {
 // reference.
 bool MayFlip(const ReferenceSurface& reference, const Quad& quad) {
   const auto& [from, to, apex, other] = quad.corners;
-  const auto normal = [](const AnchoredCorner& a, const AnchoredCorner& b,
-                         const AnchoredCorner& c) -> Vector3f {
-    return (b.position - a.position)
-        .cross(c.position - a.position)
-        .normalized();
-  };
+  using Corners = std::array<AnchoredCorner, 3>;
+  const Corners before[] = {{from, to, apex}, {to, from, other}};
+  const Corners after[] = {{from, other, apex}, {to, apex, other}};
   constexpr float kMinCosine = 0.5F;  // none turns by more than 60 degrees
-  const Vector3f before[] = {normal(from, to, apex), normal(to, from, other)};
-  const Vector3f after[] = {normal(from, other, apex), normal(to, apex, other)};
-  for (const Vector3f& old_normal : before) {
-    for (const Vector3f& new_normal : after) {
-      if (!(old_normal.dot(new_normal) > kMinCosine)) {
+  for (const Corners& old_facet : before) {
+    for (const Corners& new_facet : after) {
+      if (!KeepsFacing(old_facet, new_facet, kMinCosine)) {
         return false;
       }
     }

@@ -44,8 +44,8 @@ Anchor ReferenceSurface::Nearest(const Vector3f& position,
   return At(source);
 }
 
-bool ReferenceSurface::IsFollowedBy(const std::array<AnchoredCorner, 3>& facet,
-                                    float leniency) const {
+bool ReferenceSurface::IsFollowedBy(
+    const std::array<AnchoredCorner, 3>& facet) const {
   // With normals that agree to 20 degrees a facet strays by less than a tenth
   // of its edges.
   constexpr float kMinCosine = 0.94F;
@@ -66,8 +66,7 @@ bool ReferenceSurface::IsFollowedBy(const std::array<AnchoredCorner, 3>& facet,
                               (c + a) / 2};
   return std::all_of(
       std::begin(samples), std::end(samples), [&](const Vector3f& sample) {
-        return bvh_.NearestFacet(sample, normal, leniency * tolerance) !=
-               Bvh::kNoFacet;
+        return bvh_.NearestFacet(sample, normal, tolerance) != Bvh::kNoFacet;
       });
 }
 

@@ -52,9 +52,7 @@ class ReferenceSurface {
   // Whether a facet follows the reference: its normal agrees with those at its
   // corners, or else its centre and the middles of its edges are nowhere
   // farther from a reference that faces its way than is allowed.
-  // \param leniency  how many times as far it may be.
-  bool IsFollowedBy(const std::array<AnchoredCorner, 3>& facet,
-                    float leniency = 1) const;
+  bool IsFollowedBy(const std::array<AnchoredCorner, 3>& facet) const;
 
  private:
   Anchor At(const SurfacePoint& source) const;

@@ -51,15 +51,12 @@ bool MayMove(const ReferenceSurface& reference, const AnchoredMesh& mesh,
     if (!may_move) {
       return;
     }
-    std::array<AnchoredCorner, 3> facet = mesh.Corners(half);
-    const float before_cosine = LargestCosine(facet);
-    const Vector3f edge = facet[2].position - facet[1].position;
-    const Vector3f before = edge.cross(facet[0].position - facet[1].position);
-    facet[0] = target;
-    const Vector3f after = edge.cross(target.position - facet[1].position);
-    may_move = after.dot(before) > kMinTurn * after.norm() * before.norm() &&
-               LargestCosine(facet) < std::max(before_cosine, kMaxCosine) &&
-               reference.IsFollowedBy(facet);
+    const std::array<AnchoredCorner, 3> before = mesh.Corners(half);
+    const std::array<AnchoredCorner, 3> after = {target, before[1], before[2]};
+    const float before_cosine = LargestCosine(before);
+    may_move = KeepsFacing(before, after, kMinTurn) &&
+               LargestCosine(after) < std::max(before_cosine, kMaxCosine) &&
+               reference.IsFollowedBy(after);
   });
   return may_move;
 }

@@ -83,6 +83,7 @@ TEST(RefinerOptionsTest, RefusesImpossibleNumbers) {
                       "smoothness_weight");
   ExpectChangeRefused([](R* o) { o->refinement.max_face_area = 0; },
                       "max_face_area");
+  ExpectChangeRefused([](R* o) { o->refinement.min_zncc = 1.5; }, "min_zncc");
   ExpectChangeRefused([](R* o) { o->refinement.pairs_per_image = 0; },
                       "pairs_per_image");
   ExpectChangeRefused([](R* o) { o->refinement.labeling.pairs_per_facet = 0; },

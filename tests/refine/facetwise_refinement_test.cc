@@ -282,6 +282,7 @@ TEST(RefineFacetwise, StopsWithTheLastCompleteLevel) {
 TEST(RefineFacetwise, TrimsWhatNoViewSeesAndClosesIt) {
   const TriangleMesh& mesh = Scene().Truth();
   FacetwiseRefinementOptions options = SmallOptions();
+  options.remeshing = false;  // Facets that no view sees stay small.
   const RefinedMesh whole = Refine(options, {mesh, NoAttributes(mesh), {}, 1});
   options.borders.trim = 0.2;
   for (const int close_holes : {0, kAllLoops}) {

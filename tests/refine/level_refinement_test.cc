@@ -148,10 +148,11 @@ struct Refined {
   const TriangleMesh& Result() const { return meshes.back(); }
 };
 
-Refined Refine(const FacetwiseRefinementOptions& options, int level,
+Refined Refine(FacetwiseRefinementOptions options, int level,
                const TriangleMesh& mesh, const FacetLabels& labels,
                const std::vector<Vector3f>& origins,
                PhotometricEnergy* energy) {
+  options.min_zncc = -1;  // The energies of these tests are no correlations.
   Refined result;
   const RefinedLevel refined =
       RefineLevel(options, {level, labels, FarViews(), origins}, mesh, energy,
@@ -516,8 +517,10 @@ TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
   for (const int last : {0, 2}) {
     PullingEnergy energy(UnitSphere);
     std::vector<RefinementStep> steps;
+    FacetwiseRefinementOptions options;
+    options.min_zncc = -1;
     const RefinedLevel refined = RefineLevel(
-        {}, {1, LabelAll(mesh), FarViews(), mesh.vertices}, mesh, &energy,
+        options, {1, LabelAll(mesh), FarViews(), mesh.vertices}, mesh, &energy,
         [&](const RefinementStep& step, const TriangleMesh&) {
           steps.push_back(step);
           return step.iteration < last;
