@@ -44,9 +44,10 @@ struct FacetwiseRefinementOptions {
   bool remeshing = true;
 
   // The area that facets get before a level starts, in the second of the images
-  // that show them largest, px^2 of the level's images: edges of five pixels,
-  // as wide as a window. Without remeshing, what is larger is subdivided.
-  double max_face_area = 10;
+  // that show them largest, px^2 of the level's images: edges of four pixels,
+  // a little less than a window. Without remeshing, what is larger is
+  // subdivided.
+  double max_face_area = 7;
 
   // Facets are refined where the images agree by this correlation or more in
   // their surroundings when a level starts (ConfirmedFacets()); others follow
