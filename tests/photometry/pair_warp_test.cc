@@ -208,6 +208,24 @@ TEST(PairWarp, IsValidWhereBothViewsSeeTheFacet) {
   }
 }
 
+// A saturated pixel may stand for a brighter or a darker one.
+TEST(PairWarp, LeavesOutSaturatedPixels) {
+  WarpScene scene = MakeScene();
+  const Warped before = Compute(scene, 0, 1);
+  for (size_t i = 0; i < scene.images[0].pixels.size(); i += 3) {
+    scene.images[0].pixels[i] = i % 2 == 0 ? 0 : 255;
+  }
+  const Warped after = Compute(scene, 0, 1);
+  size_t num_saturated = 0;
+  for (size_t i = 0; i < after.tile.is_valid.size(); ++i) {
+    const bool is_saturated = IsSaturated(scene.images[0].pixels[i]);
+    EXPECT_EQ(after.tile.is_valid[i],
+              is_saturated ? 0 : before.tile.is_valid[i]);
+    num_saturated += is_saturated && before.tile.is_valid[i] > 0 ? 1 : 0;
+  }
+  EXPECT_GT(num_saturated, 1000);
+}
+
 TEST(PairWarp, IsNotValidOnFacetsThatTurnAway) {
   WarpScene scene = MakeScene();
   const Warped before = Compute(scene, 0, 1);

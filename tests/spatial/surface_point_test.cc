@@ -1,0 +1,95 @@
+#include "spatial/surface_point.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "spatial/bvh.h"
+#include "tests/mesh/shapes.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3f;
+
+Vector3f RandomPoint(Random* random) {
+  const auto unit = [&] {
+    return static_cast<float>(3 * random->Unit() - 1.5);
+  };
+  const float x = unit();
+  const float y = unit();
+  return {x, y, unit()};
+}
+
+Vector3f Normal(const TriangleMesh& mesh, uint32_t facet) {
+  const auto& [a, b, c] = mesh.facets[facet];
+  return (mesh.vertices[b] - mesh.vertices[a])
+      .cross(mesh.vertices[c] - mesh.vertices[a]);
+}
+
+double DistanceTo(const TriangleMesh& mesh, uint32_t facet,
+                  const Vector3f& point) {
+  const SurfacePoint nearest = NearestPointOfFacet(mesh, facet, point);
+  return (ValueAt(nearest, mesh, mesh.vertices) - point).norm();
+}
+
+// No point of the facet, on a grid over it, is nearer.
+TEST(NearestPointOfFacet, IsTheNearestOfMany) {
+  Random random(1);
+  const TriangleMesh mesh = MakeBumpySphere(0.5F);
+  for (int i = 0; i < 300; ++i) {
+    const auto facet = random.Below(static_cast<uint32_t>(mesh.facets.size()));
+    const Vector3f point = RandomPoint(&random);
+    const SurfacePoint nearest = NearestPointOfFacet(mesh, facet, point);
+    EXPECT_EQ(nearest.facet, facet);
+    EXPECT_NEAR(nearest.weights.sum(), 1, 1e-6);
+    EXPECT_GE(nearest.weights.minCoeff(), 0);
+    const double distance = DistanceTo(mesh, facet, point);
+    constexpr int kSteps = 20;
+    for (int a = 0; a <= kSteps; ++a) {
+      for (int b = 0; a + b <= kSteps; ++b) {
+        const SurfacePoint other{
+            facet, Vector3f(static_cast<float>(a), static_cast<float>(b),
+                            static_cast<float>(kSteps - a - b)) /
+                       kSteps};
+        EXPECT_LE(distance,
+                  (ValueAt(other, mesh, mesh.vertices) - point).norm() + 1e-6);
+      }
+    }
+  }
+}
+
+TEST(NearestPointOfFacet, OfAFacetWithoutAreaIsOnItsSegment) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}};
+  mesh.facets = {{0, 1, 2}};
+  EXPECT_NEAR(DistanceTo(mesh, 0, {0.5F, 3, 0}), 3, 1e-6);
+  EXPECT_NEAR(DistanceTo(mesh, 0, {3, 0, 0}), 1, 1e-6);
+}
+
+// Among the facets that face the way of the normal, as a search through all.
+TEST(NearestFacet, IsThatOfASearchThroughAll) {
+  Random random(2);
+  const TriangleMesh mesh = MakeRoundTorus(0.2F);
+  const Bvh bvh(mesh);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3f point = RandomPoint(&random);
+    const Vector3f normal = RandomPoint(&random);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
+      if (Normal(mesh, facet).dot(normal) > 0) {
+        nearest = std::min(nearest, DistanceTo(mesh, facet, point));
+      }
+    }
+    const uint32_t found = bvh.NearestFacet(point, normal, 1e3);
+    ASSERT_NE(found, Bvh::kNoFacet);
+    EXPECT_GT(Normal(mesh, found).dot(normal), 0);
+    EXPECT_NEAR(DistanceTo(mesh, found, point), nearest, 1e-5);
+    EXPECT_EQ(bvh.NearestFacet(point, normal, 0.9 * nearest), Bvh::kNoFacet);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
