@@ -12,7 +12,7 @@ namespace colmap_ext {
 // A mesh under work, and where each of its vertices lies on the surface that it
 // started as.
 struct AnchoredMesh {
-  // \pre reference.mesh is `mesh`, and it is manifold
+  // \pre the mesh is that of the reference, and manifold
   AnchoredMesh(const TriangleMesh& mesh, const ReferenceSurface& reference);
 
   float Length(uint32_t half) const {
