@@ -1,5 +1,6 @@
 #include "mesh/facet_normals.h"
 
+#include <cmath>
 #include <functional>
 
 #include <tbb/blocked_range.h>
@@ -39,6 +40,19 @@ std::vector<Vector3f> FacetNormals(const TriangleMesh& mesh) {
 
 Vector3f FacetNormal(const TriangleMesh& mesh, size_t facet) {
   return Unit(AreaVector(mesh.vertices, mesh.facets[facet])).cast<float>();
+}
+
+Vector3d AngleVector(const TriangleMesh& mesh, const Facet& facet,
+                     uint32_t corner) {
+  const Vector3d origin = mesh.vertices[facet[corner]].cast<double>();
+  const Vector3d u =
+      mesh.vertices[facet[(corner + 1) % 3]].cast<double>() - origin;
+  const Vector3d v =
+      mesh.vertices[facet[(corner + 2) % 3]].cast<double>() - origin;
+  const Vector3d normal = u.cross(v);
+  const double norm = normal.norm();
+  return norm > 0 ? Vector3d(std::atan2(norm, u.dot(v)) / norm * normal)
+                  : Vector3d::Zero();
 }
 
 size_t CountFlippedFacets(const std::vector<Facet>& facets,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,6 +18,13 @@ std::vector<Eigen::Vector3f> FacetNormals(const TriangleMesh& mesh);
 // Returns one of them.
 // \pre facet < F, its indices are in range
 Eigen::Vector3f FacetNormal(const TriangleMesh& mesh, size_t facet);
+
+// Returns a facet's normal, as long as its angle at a corner, radians; zero
+// where the facet has no area.
+// \param corner  0, 1 or 2
+// \pre the facet's indices are in range
+Eigen::Vector3d AngleVector(const TriangleMesh& mesh, const Facet& facet,
+                            uint32_t corner);
 
 // Counts the facets whose normals turn by more than a right angle from one set
 // of positions to another. Facets without area do not count.

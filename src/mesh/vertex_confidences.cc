@@ -1,33 +1,20 @@
 #include "mesh/vertex_confidences.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
+#include "mesh/facet_normals.h"
 
 namespace colmap_ext {
-namespace {
-
-double AngleAt(const TriangleMesh& mesh, const Facet& facet, int corner) {
-  const Eigen::Vector3d origin = mesh.vertices[facet[corner]].cast<double>();
-  const Eigen::Vector3d u =
-      mesh.vertices[facet[(corner + 1) % 3]].cast<double>() - origin;
-  const Eigen::Vector3d v =
-      mesh.vertices[facet[(corner + 2) % 3]].cast<double>() - origin;
-  return std::atan2(u.cross(v).norm(), u.dot(v));
-}
-
-}  // namespace
 
 std::vector<float> VertexConfidences(
     const TriangleMesh& mesh, const std::vector<float>& facet_confidences) {
   std::vector<double> sums(mesh.vertices.size(), 0);
   std::vector<double> angles(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      const double angle = AngleAt(mesh, mesh.facets[i], k);
+    for (uint32_t k = 0; k < 3; ++k) {
+      const double angle = AngleVector(mesh, mesh.facets[i], k).norm();
       sums[mesh.facets[i][k]] += angle * facet_confidences[i];
       angles[mesh.facets[i][k]] += angle;
     }

@@ -82,6 +82,7 @@ class Refinement {
     const SelfIntersectionRepair repair = RepairSelfIntersections(&state->mesh);
     state->report.num_removed_self_intersections +=
         repair.num_before - repair.num_after;
+    state->report.num_self_intersections = repair.num_after;
     return repair.num_after < repair.num_before;
   }
 
@@ -217,14 +218,15 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
       hooks.on_level(level, complete);
     }
   }
-  if (!complete.report.is_stopped) {
+  if (complete.report.is_stopped) {
+    Report(hooks.progress, "Looking for self-intersections", 0);
+    complete.report.num_self_intersections =
+        FindSelfIntersections(complete.mesh).size();
+  } else {
     Report(hooks.progress, "Finishing the borders", 0);
     FinishBorders(options.borders, &complete);
     refinement.RemoveSelfIntersections(&complete);
   }
-  Report(hooks.progress, "Looking for self-intersections", 0);
-  complete.report.num_self_intersections =
-      FindSelfIntersections(complete.mesh).size();
   return complete;
 }
 

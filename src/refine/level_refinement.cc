@@ -271,7 +271,8 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
   const std::vector<uint8_t> is_confirmed =
       ConfirmedFacets(state.surface.mesh, rings, state.surface.terms,
                       options.photometric, options.min_zncc);
-  const PhotometricTerms first_terms = state.surface.terms;
+  const bool is_all_confirmed =
+      std::count(is_confirmed.begin(), is_confirmed.end(), 0) == 0;
   const FacetLabels few_labels = all_few_labels.Of(is_confirmed);
   const FacetLabels labels = level.labels.Of(is_confirmed);
   Stage stage{options,    level.level,
@@ -279,7 +280,11 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
               few_labels, MakeDomain(level, state.surface, std::move(rings)),
               energy,     &tree,
               on_step};
-  state.surface = EvaluateSurface(std::move(state.surface.mesh), stage);
+  PhotometricTerms first_terms;
+  if (!is_all_confirmed) {
+    first_terms = std::move(state.surface.terms);
+    state.surface = EvaluateSurface(std::move(state.surface.mesh), stage);
+  }
   state.smoothness =
       MakeSmoothnessModel(FirstTarget(stage.domain, state.surface.mesh,
                                       kFirstWeight * options.smoothness_weight),
@@ -289,7 +294,9 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
       few_labels.labels.values.size() < labels.labels.values.size()) {
     state = FinishByAllLabels(labels, std::move(stage), std::move(state));
   }
-  TakeOthers(is_confirmed, first_terms, &state.surface.terms);
+  if (!is_all_confirmed) {
+    TakeOthers(is_confirmed, first_terms, &state.surface.terms);
+  }
   return {std::move(state.surface.mesh), std::move(state.surface.terms),
           state.is_stopped, state.num_shortened_steps,
           state.num_unconverged_solutions};

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
@@ -24,6 +28,28 @@ struct AnchoredMesh {
   float RelativeLength(uint32_t half) const {
     return 2 * Length(half) /
            (anchors[edit.From(half)].length + anchors[edit.To(half)].length);
+  }
+
+  // One half-edge of each edge that key(half) has a value for, in the order of
+  // these values; that of equal ones is the half-edges'.
+  // \param key  uint32_t -> std::optional<float>
+  template <typename Key>
+  std::vector<uint32_t> EdgesBy(const Key& key) const {
+    std::vector<std::pair<float, uint32_t>> edges;
+    for (uint32_t half = 0; half < edit.NumHalfEdges(); ++half) {
+      if (edit.IsFirstOfEdge(half)) {
+        if (const std::optional<float> value = key(half)) {
+          edges.emplace_back(*value, half);
+        }
+      }
+    }
+    std::sort(edges.begin(), edges.end());
+    std::vector<uint32_t> halves;
+    halves.reserve(edges.size());
+    for (const auto& edge : edges) {
+      halves.push_back(edge.second);
+    }
+    return halves;
   }
 
   AnchoredCorner Corner(uint32_t vertex) const {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <utility>
+#include <optional>
 #include <vector>
 
 namespace colmap_ext {
@@ -155,19 +155,11 @@ class Collapser {
 };
 
 // The edges that are too short, the shortest first.
-std::vector<std::pair<float, uint32_t>> ShortEdges(const AnchoredMesh& mesh,
-                                                   float min_ratio) {
-  std::vector<std::pair<float, uint32_t>> edges;
-  for (uint32_t half = 0; half < mesh.edit.NumHalfEdges(); ++half) {
-    if (mesh.edit.IsFirstOfEdge(half)) {
-      const float ratio = mesh.RelativeLength(half);
-      if (ratio < min_ratio) {
-        edges.emplace_back(ratio, half);
-      }
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
+std::vector<uint32_t> ShortEdges(const AnchoredMesh& mesh, float min_ratio) {
+  return mesh.EdgesBy([&](uint32_t half) -> std::optional<float> {
+    const float ratio = mesh.RelativeLength(half);
+    return ratio < min_ratio ? std::optional(ratio) : std::nullopt;
+  });
 }
 
 }  // namespace
@@ -179,7 +171,7 @@ size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
   size_t num_collapses = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     size_t num_in_round = 0;
-    for (const auto& [ratio, half] : ShortEdges(*mesh, min_ratio)) {
+    for (const uint32_t half : ShortEdges(*mesh, min_ratio)) {
       if (!mesh->edit.IsRemovedFacet(half / 3) &&
           mesh->RelativeLength(half) < min_ratio) {
         num_in_round += collapser.Collapse(half) ? 1 : 0;

@@ -78,8 +78,8 @@ uint32_t EditableMesh::Split(uint32_t half) {
   const uint32_t to = To(half);
   mesh_.vertices.emplace_back((Position(From(half)) + Position(to)) / 2);
 
-  // Cuts the facet of a half-edge. The part behind the new vertex, seen from
-  // `from`, keeps the facet's index; the other one is new.
+  // Cuts the facet of a half-edge. The part at `from` keeps the facet's index;
+  // the part at `to` is new.
   const auto cut = [&](uint32_t cut_half, bool keeps_from) {
     const uint32_t next = NextHalfEdge(cut_half);
     const uint32_t previous = PreviousHalfEdge(cut_half);

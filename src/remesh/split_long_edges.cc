@@ -1,27 +1,18 @@
 #include "remesh/split_long_edges.h"
 
-#include <algorithm>
 #include <cstdint>
-#include <utility>
+#include <optional>
 #include <vector>
 
 namespace colmap_ext {
 namespace {
 
 // The edges that are too long, the longest first.
-std::vector<std::pair<float, uint32_t>> LongEdges(const AnchoredMesh& mesh,
-                                                  float max_ratio) {
-  std::vector<std::pair<float, uint32_t>> edges;
-  for (uint32_t half = 0; half < mesh.edit.NumHalfEdges(); ++half) {
-    if (mesh.edit.IsFirstOfEdge(half)) {
-      const float ratio = mesh.RelativeLength(half);
-      if (ratio > max_ratio) {
-        edges.emplace_back(-ratio, half);
-      }
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
+std::vector<uint32_t> LongEdges(const AnchoredMesh& mesh, float max_ratio) {
+  return mesh.EdgesBy([&](uint32_t half) -> std::optional<float> {
+    const float ratio = mesh.RelativeLength(half);
+    return ratio > max_ratio ? std::optional(-ratio) : std::nullopt;
+  });
 }
 
 }  // namespace
@@ -32,8 +23,8 @@ size_t SplitLongEdges(const ReferenceSurface& reference, float max_ratio,
   constexpr int kMaxRounds = 16;
   size_t num_splits = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const auto edges = LongEdges(*mesh, max_ratio);
-    for (const auto& [ratio, half] : edges) {
+    const std::vector<uint32_t> edges = LongEdges(*mesh, max_ratio);
+    for (const uint32_t half : edges) {
       if (!(mesh->RelativeLength(half) > max_ratio)) {
         continue;  // Half of an edge that was split before.
       }

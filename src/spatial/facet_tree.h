@@ -47,7 +47,8 @@ class FacetTree {
   void ForEachPair(size_t leaf, const Function& function) const {
     const size_t first = First(leaf);
     const size_t last = First(leaf + 1);
-    ForEachIn(0, 0, NumLeaves(), leaf, [&](size_t other_leaf) {
+    const Box& box = nodes_[NumLeaves() - 1 + leaf];
+    ForEachLeafIn(box, leaf, 0, 0, NumLeaves(), [&](size_t other_leaf) {
       const size_t other_last = First(other_leaf + 1);
       for (size_t i = first; i < last; ++i) {
         for (size_t j = other_leaf == leaf ? i + 1 : First(other_leaf);
@@ -63,7 +64,7 @@ class FacetTree {
   // Calls function(facet) once for each facet whose box meets the given one.
   template <typename Function>
   void ForEachNear(const Box& box, const Function& function) const {
-    ForEachLeafIn(0, 0, NumLeaves(), box, [&](size_t leaf) {
+    ForEachLeafIn(box, 0, 0, 0, NumLeaves(), [&](size_t leaf) {
       const size_t last = First(leaf + 1);
       for (size_t i = First(leaf); i < last; ++i) {
         if (boxes_[i].intersects(box)) {
@@ -87,13 +88,12 @@ class FacetTree {
   void Sort(size_t first_leaf, size_t last_leaf, const std::vector<Box>& boxes);
   void FillNodes();
 
-  // Calls function(other) for the leaves not before a leaf whose boxes meet
-  // that of the leaf, within a node that holds [first, last).
+  // Calls function(leaf) for the leaves from `start` on whose boxes meet the
+  // given one, within a node that holds [first, last).
   template <typename Function>
-  void ForEachIn(size_t node, size_t first, size_t last, size_t leaf,
-                 const Function& function) const {
-    if (last <= leaf ||
-        !nodes_[node].intersects(nodes_[NumLeaves() - 1 + leaf])) {
+  void ForEachLeafIn(const Box& box, size_t start, size_t node, size_t first,
+                     size_t last, const Function& function) const {
+    if (last <= start || !nodes_[node].intersects(box)) {
       return;
     }
     if (last - first == 1) {
@@ -101,25 +101,8 @@ class FacetTree {
       return;
     }
     const size_t middle = first + (last - first) / 2;
-    ForEachIn(2 * node + 1, first, middle, leaf, function);
-    ForEachIn(2 * node + 2, middle, last, leaf, function);
-  }
-
-  // Calls function(leaf) for the leaves whose boxes meet the given one, within
-  // a node that holds [first, last).
-  template <typename Function>
-  void ForEachLeafIn(size_t node, size_t first, size_t last, const Box& box,
-                     const Function& function) const {
-    if (!nodes_[node].intersects(box)) {
-      return;
-    }
-    if (last - first == 1) {
-      function(first);
-      return;
-    }
-    const size_t middle = first + (last - first) / 2;
-    ForEachLeafIn(2 * node + 1, first, middle, box, function);
-    ForEachLeafIn(2 * node + 2, middle, last, box, function);
+    ForEachLeafIn(box, start, 2 * node + 1, first, middle, function);
+    ForEachLeafIn(box, start, 2 * node + 2, middle, last, function);
   }
 
   std::vector<Box> nodes_;        // a power of two of leaves, the last ones

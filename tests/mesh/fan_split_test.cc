@@ -12,21 +12,10 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/random_soup.h"
+#include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
 namespace {
-
-double Area(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.facets) {
-    const Eigen::Vector3d u =
-        (mesh.vertices[b] - mesh.vertices[a]).cast<double>();
-    const Eigen::Vector3d v =
-        (mesh.vertices[c] - mesh.vertices[a]).cast<double>();
-    area += 0.5 * u.cross(v).norm();
-  }
-  return area;
-}
 
 size_t CountUsed(const TriangleMesh& mesh) {
   std::set<uint32_t> used;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
 #include "tests/mesh/known_meshes.h"
@@ -70,6 +72,18 @@ TriangleMesh MakeRandomManifold(Random* random) {
   const TriangleMesh soup = RandomSoup(
       num_vertices, 1 + random->Below(3 * num_vertices), false, random);
   return SplitFans(soup, PairHalfEdges(soup.facets)).mesh;
+}
+
+double Area(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const auto& [a, b, c] : mesh.facets) {
+    const Eigen::Vector3d u =
+        (mesh.vertices[b] - mesh.vertices[a]).cast<double>();
+    const Eigen::Vector3d v =
+        (mesh.vertices[c] - mesh.vertices[a]).cast<double>();
+    area += 0.5 * u.cross(v).norm();
+  }
+  return area;
 }
 
 }  // namespace colmap_ext

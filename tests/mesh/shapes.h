@@ -27,4 +27,7 @@ TriangleMesh MakeJitteredSquare(uint32_t num_quads, Random* random);
 // A manifold mesh of any topology, with positions at random.
 TriangleMesh MakeRandomManifold(Random* random);
 
+// Returns the area of all facets.
+double Area(const TriangleMesh& mesh);
+
 }  // namespace colmap_ext

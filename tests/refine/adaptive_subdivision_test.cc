@@ -51,17 +51,6 @@ std::vector<double> SecondAreas(const TriangleMesh& mesh,
   return seconds;
 }
 
-double Area(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.facets) {
-    area += (mesh.vertices[b] - mesh.vertices[a])
-                .cross(mesh.vertices[c] - mesh.vertices[a])
-                .norm() /
-            2;
-  }
-  return area;
-}
-
 // Of view i % 3, and of view 7.
 VertexAttributes MakeAttributes(size_t num_vertices) {
   VertexAttributes attributes;

@@ -50,17 +50,6 @@ double Percentile(std::vector<double> values, double share) {
   return values[static_cast<size_t>(share * (values.size() - 1))];
 }
 
-double Area(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const auto& [a, b, c] : mesh.facets) {
-    area += (mesh.vertices[b] - mesh.vertices[a])
-                .cross(mesh.vertices[c] - mesh.vertices[a])
-                .norm() /
-            2;
-  }
-  return area;
-}
-
 // The largest distance of the corners, middles of edges and centres of one
 // mesh's facets from another.
 double Distance(const TriangleMesh& mesh, const TriangleMesh& other) {
