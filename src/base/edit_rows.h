@@ -11,8 +11,7 @@
 namespace colmap_ext {
 
 // Shortens or drops rows in place.
-// \param edit  takes a row's index and values, which it may reorder, and
-// returns
+// \param edit  takes a row's index and values, which it may reorder; returns
 //        how many of the first ones stay; nothing to drop the row. Called for
 //        each row in turn.
 template <typename T, typename Edit>

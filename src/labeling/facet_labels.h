@@ -34,6 +34,21 @@ struct FacetLabels {
     return first;
   }
 
+  // Those of other facets that come from these.
+  // \param sources  the facet that each comes from; not below F: from none, and
+  //        it has no label.
+  FacetLabels From(const std::vector<uint32_t>& sources) const {
+    FacetLabels from{pairs, {}};
+    for (const uint32_t source : sources) {
+      if (source < NumFacets()) {
+        from.labels.AddRow(labels[source]);
+      } else {
+        from.labels.EndRow();
+      }
+    }
+    return from;
+  }
+
   // The same without the labels of the other facets.
   // \param is_chosen [F]
   FacetLabels Of(const std::vector<uint8_t>& is_chosen) const {

@@ -15,12 +15,24 @@
 #include "refine/level_refinement.h"
 #include "refine/refined_confidences.h"
 #include "refine/remesh_for_images.h"
+#include "remesh/carry_attributes.h"
+#include "remesh/improve_angles.h"
 #include "repair/self_intersection_repair.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
 namespace {
+
+// Gives thin facets, which steps along the normals leave, a better shape.
+void ImproveFacets(RefinedMesh* state) {
+  ImprovedMesh improved = ImproveAngles(state->mesh);
+  state->attributes =
+      CarryAttributes(state->mesh, state->attributes, improved.sources);
+  state->origins = ValuesAt(improved.sources, state->mesh, state->origins);
+  state->labels = state->labels.From(improved.facet_sources);
+  state->mesh = std::move(improved.mesh);
+}
 
 class Refinement {
  public:
@@ -73,6 +85,9 @@ class Refinement {
         refined.num_unconverged_solutions;
     state->report.num_flipped_facets +=
         CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
+    if (level == 0 && options_.remeshing && !refined.is_stopped) {
+      ImproveFacets(state);
+    }
     return !refined.is_stopped;
   }
 
@@ -140,18 +155,10 @@ void FinishBorders(const BorderOptions& options, RefinedMesh* refined) {
       origins[i] = refined->origins[edited.vertex_sources[i]];
     }
   }
-  FacetLabels labels{std::move(refined->labels.pairs), {}};
-  for (const uint32_t source : edited.facet_sources) {
-    if (source != kNoSource) {
-      labels.labels.AddRow(refined->labels.labels[source]);
-    } else {
-      labels.labels.EndRow();
-    }
-  }
   refined->mesh = std::move(edited.mesh);
   refined->attributes = std::move(edited.attributes);
   refined->origins = std::move(origins);
-  refined->labels = std::move(labels);
+  refined->labels = refined->labels.From(edited.facet_sources);
   refined->report.borders = edited.report;
 }
 

@@ -44,15 +44,31 @@ std::vector<float> LengthsOfPixels(const TriangleMesh& mesh,
   return lengths;
 }
 
+// [V] as short as is allowed where the surface bends, up to kMaxGrowth times as
+// long where it is flat; where fewer than two images see it, multiples of the
+// present lengths. Scene units.
+// \param area  px^2, of the smallest facets
+// \param areas [F] px^2, see RefinableAreas()
 std::vector<float> WantedLengths(double area, const TriangleMesh& mesh,
                                  const std::vector<float>& areas) {
-  constexpr float kUnseenFactor = 4;  // a choice
+  // How far an edge may stray from the surface, px: about what a refined
+  // surface errs. This and the factors are choices.
+  constexpr float kMaxError = 0.1F;
+  constexpr float kMaxGrowth = 3;
+  constexpr float kUnseenFactor = 4;
   std::vector<float> lengths = LengthsOfPixels(mesh, areas);
+  std::vector<float> errors = lengths;
+  for (float& error : errors) {
+    error *= kMaxError / static_cast<float>(EdgeOfArea(1));
+  }
+  const std::vector<float> bent = LengthsForCurvature(mesh, errors);
   const std::vector<float> present = MeanEdgeLengths(mesh);
   const auto side = static_cast<float>(std::sqrt(area));
   for (size_t i = 0; i < lengths.size(); ++i) {
-    lengths[i] = std::isfinite(lengths[i]) ? side * lengths[i]
-                                           : kUnseenFactor * present[i];
+    const float shortest = side * lengths[i];
+    lengths[i] = std::isfinite(shortest)
+                     ? std::clamp(bent[i], shortest, kMaxGrowth * shortest)
+                     : kUnseenFactor * present[i];
   }
   LimitGradation(mesh, kGradation, &lengths);
   return lengths;
@@ -73,12 +89,8 @@ FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
   }
   RemeshedSurface remeshed =
       RemeshIsotropically(*mesh, lengths, TolerancesOf(lengths));
-  std::vector<Eigen::Vector3f> new_origins;
-  for (const SurfacePoint& source : remeshed.sources) {
-    new_origins.push_back(ValueAt(source, *mesh, *origins));
-  }
   *attributes = CarryAttributes(*mesh, *attributes, remeshed.sources);
-  *origins = std::move(new_origins);
+  *origins = ValuesAt(remeshed.sources, *mesh, *origins);
   *mesh = std::move(remeshed.mesh);
   return FindVisibleFacets(*draw(*mesh));
 }

@@ -1,10 +1,16 @@
 #include "remesh/edge_length_field.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <queue>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
+#include "mesh/vertex_normals.h"
 #include "mesh/vertex_rings.h"
 
 namespace colmap_ext {
@@ -37,6 +43,31 @@ std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
                    2;
     }
   }
+  return lengths;
+}
+
+std::vector<float> LengthsForCurvature(const TriangleMesh& mesh,
+                                       const std::vector<float>& tolerances) {
+  const VertexRings rings = MakeVertexRings(mesh);
+  const std::vector<Eigen::Vector3f> normals = VertexNormals(mesh, rings);
+  std::vector<float> lengths(mesh.vertices.size());
+  tbb::parallel_for(size_t{0}, lengths.size(), [&](size_t i) {
+    float curvature = 0;
+    for (const uint32_t neighbor : rings.neighbors[i]) {
+      const float length = (mesh.vertices[neighbor] - mesh.vertices[i]).norm();
+      if (length > 0) {
+        curvature = std::max(curvature,
+                             (normals[neighbor] - normals[i]).norm() / length);
+      }
+    }
+    const float tolerance = tolerances[i];
+    const bool is_bounded = curvature > 0 && std::isfinite(tolerance);
+    lengths[i] =
+        is_bounded
+            ? std::sqrt(std::max(
+                  6 * tolerance / curvature - 3 * tolerance * tolerance, 0.0F))
+            : std::numeric_limits<float>::infinity();
+  });
   return lengths;
 }
 

@@ -14,6 +14,15 @@ inline constexpr float kGradation = 0.3F;
 // smoothed over its neighbors. Zero where a vertex has no facet.
 std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh);
 
+// Returns [V] the length with which edges stray from the surface by no more
+// than a tolerance: sqrt(6 tolerance / curvature - 3 tolerance^2) [Dunyach2013,
+// section 3.2], with the largest curvature along the edges of a vertex.
+// Infinite where the surface is flat, a vertex has no facet, or its tolerance
+// is infinite. \param tolerances [V] scene units, positive \pre facet indices <
+// V
+std::vector<float> LengthsForCurvature(const TriangleMesh& mesh,
+                                       const std::vector<float>& tolerances);
+
 // Lowers lengths so that they grow along no edge by more than `gradation` times
 // the edge's length.
 // \param lengths [V] scene units, may be infinite

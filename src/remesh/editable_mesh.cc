@@ -23,21 +23,21 @@ int EditableMesh::Valence(uint32_t vertex) const {
   return valence;
 }
 
-TriangleMesh EditableMesh::Compact(std::vector<uint32_t>* kept) const {
-  TriangleMesh compact;
-  kept->clear();
+CompactMesh EditableMesh::Compact() const {
+  CompactMesh compact;
   std::vector<uint32_t> index(NumVertices(), 0);
   for (uint32_t vertex = 0; vertex < NumVertices(); ++vertex) {
     if (!IsRemovedVertex(vertex)) {
-      index[vertex] = static_cast<uint32_t>(kept->size());
-      kept->push_back(vertex);
-      compact.vertices.push_back(mesh_.vertices[vertex]);
+      index[vertex] = static_cast<uint32_t>(compact.vertices.size());
+      compact.vertices.push_back(vertex);
+      compact.mesh.vertices.push_back(mesh_.vertices[vertex]);
     }
   }
   for (uint32_t facet = 0; facet < NumFacets(); ++facet) {
     if (!IsRemovedFacet(facet)) {
       const auto& [a, b, c] = mesh_.facets[facet];
-      compact.facets.push_back({index[a], index[b], index[c]});
+      compact.facets.push_back(facet);
+      compact.mesh.facets.push_back({index[a], index[b], index[c]});
     }
   }
   return compact;

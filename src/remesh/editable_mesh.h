@@ -13,6 +13,13 @@ namespace colmap_ext {
 
 inline constexpr uint32_t kNoHalfEdge = kNoPartner;
 
+// What is left of a mesh under work.
+struct CompactMesh {
+  TriangleMesh mesh;
+  std::vector<uint32_t> vertices;  // [V] the index that each had
+  std::vector<uint32_t> facets;    // [F] the index that each had
+};
+
 // A manifold triangle mesh, with or without borders, whose edges can be split,
 // collapsed and flipped. Half-edges are those of mesh/half_edges.h; an index of
 // a facet or vertex keeps its meaning until it is removed. Each operation
@@ -91,10 +98,8 @@ class EditableMesh {
   // The number of edges at a vertex.
   int Valence(uint32_t vertex) const;
 
-  // The facets of the mesh without what was removed, and the vertices that are
-  // left, in their order.
-  // \param kept [V] the old index of each vertex that is left
-  TriangleMesh Compact(std::vector<uint32_t>* kept) const;
+  // The facets and vertices that are left, in their order.
+  CompactMesh Compact() const;
 
   // Puts a new vertex into an edge, and cuts its facets in two. The half-edge
   // then ends at the new vertex.

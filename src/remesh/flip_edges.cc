@@ -104,7 +104,8 @@ size_t FlipForValence(const ReferenceSurface& reference, AnchoredMesh* mesh) {
   return num_flips;
 }
 
-size_t FlipForAngles(const ReferenceSurface& reference, AnchoredMesh* mesh) {
+size_t FlipForAngles(const ReferenceSurface& reference, float min_cosine,
+                     AnchoredMesh* mesh) {
   EditableMesh& edit = mesh->edit;
   constexpr int kMaxRounds = 4;      // later ones find next to nothing
   constexpr float kMinGain = 1e-3F;  // of the cosine, so that rounding does
@@ -118,7 +119,8 @@ size_t FlipForAngles(const ReferenceSurface& reference, AnchoredMesh* mesh) {
       }
       const Quad quad = QuadOf(*mesh, half);
       const Angles angles = WorstAngles(quad);
-      if (angles.after < angles.before - kMinGain && edit.CanFlip(half) &&
+      if (angles.before >= min_cosine &&
+          angles.after < angles.before - kMinGain && edit.CanFlip(half) &&
           MayFlip(reference, quad)) {
         edit.Flip(half);
         ++num_in_round;

@@ -13,7 +13,10 @@ size_t FlipForValence(const ReferenceSurface& reference, AnchoredMesh* mesh);
 
 // Flips edges where this makes the smallest angle of their two facets larger,
 // and keeps to the reference.
+// \param min_cosine  of that angle, in [0, 1]: edges of facets with better ones
+//        stay.
 // \return the number of flips
-size_t FlipForAngles(const ReferenceSurface& reference, AnchoredMesh* mesh);
+size_t FlipForAngles(const ReferenceSurface& reference, float min_cosine,
+                     AnchoredMesh* mesh);
 
 }  // namespace colmap_ext

@@ -20,6 +20,7 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   constexpr float kMaxRatio = 4.0F / 3;
   constexpr float kMinRatio = 4.0F / 5;
   constexpr float kNeedleRatio = 2;  // edges may get so long to end a needle
+  constexpr float kAllFacets = 0;    // have an angle of less than 90 degrees
   constexpr int kIterations = 5;     // as [Botsch2004] has them
   const ReferenceSurface reference(mesh, lengths, tolerances);
   AnchoredMesh work(mesh, reference);
@@ -27,19 +28,19 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
     SplitLongEdges(reference, kMaxRatio, &work);
     CollapseShortEdges(reference, kMinRatio, kMaxRatio, &work);
     FlipForValence(reference, &work);
-    RelaxVertices(reference, &work);
+    RelaxVertices(reference, {}, &work);
   }
-  FlipForAngles(reference, &work);
-  RelaxVertices(reference, &work);
+  FlipForAngles(reference, kAllFacets, &work);
+  RelaxVertices(reference, {}, &work);
   // What the reference's creases and noise still hold.
   CollapseNeedles(reference, kNeedleRatio, &work);
-  FlipForAngles(reference, &work);
+  FlipForAngles(reference, kAllFacets, &work);
   CollapseNeedles(reference, kNeedleRatio, &work);
 
   RemeshedSurface remeshed;
-  std::vector<uint32_t> kept;
-  remeshed.mesh = work.edit.Compact(&kept);
-  for (const uint32_t vertex : kept) {
+  CompactMesh compact = work.edit.Compact();
+  remeshed.mesh = std::move(compact.mesh);
+  for (const uint32_t vertex : compact.vertices) {
     remeshed.sources.push_back(work.anchors[vertex].source);
   }
   return remeshed;

@@ -63,20 +63,25 @@ bool MayMove(const ReferenceSurface& reference, const AnchoredMesh& mesh,
 
 }  // namespace
 
-void RelaxVertices(const ReferenceSurface& reference, AnchoredMesh* mesh) {
+void RelaxVertices(const ReferenceSurface& reference,
+                   const std::vector<uint8_t>& is_chosen, AnchoredMesh* mesh) {
   EditableMesh& edit = mesh->edit;
+  const auto stays = [&](uint32_t vertex) {
+    return edit.IsRemovedVertex(vertex) || edit.IsBorderVertex(vertex) ||
+           (!is_chosen.empty() && is_chosen[vertex] == 0);
+  };
   // The targets are found side by side, from the same mesh; whether the facets
   // allow them is then asked vertex by vertex.
   for (const float share : {1.0F, 0.5F}) {
     std::vector<Anchor> targets(edit.NumVertices());
     tbb::parallel_for(size_t{0}, targets.size(), [&](size_t i) {
       const uint32_t vertex = static_cast<uint32_t>(i);
-      if (!edit.IsRemovedVertex(vertex) && !edit.IsBorderVertex(vertex)) {
+      if (!stays(vertex)) {
         targets[i] = Target(reference, *mesh, vertex, share);
       }
     });
     for (uint32_t vertex = 0; vertex < targets.size(); ++vertex) {
-      if (edit.IsRemovedVertex(vertex) || edit.IsBorderVertex(vertex)) {
+      if (stays(vertex)) {
         continue;
       }
       const Vector3f position = reference.Position(targets[vertex]);

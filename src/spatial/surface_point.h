@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -26,6 +27,19 @@ auto ValueAt(const SurfacePoint& point, const TriangleMesh& mesh,
   return Value(point.weights[0] * values[facet[0]] +
                point.weights[1] * values[facet[1]] +
                point.weights[2] * values[facet[2]]);
+}
+
+// The points' values, see ValueAt().
+// \return [N]
+template <typename Values>
+Values ValuesAt(const std::vector<SurfacePoint>& points,
+                const TriangleMesh& mesh, const Values& values) {
+  Values result;
+  result.reserve(points.size());
+  for (const SurfacePoint& point : points) {
+    result.push_back(ValueAt(point, mesh, values));
+  }
+  return result;
 }
 
 // The point of a facet that is nearest to a position.

@@ -25,10 +25,10 @@ std::vector<TriangleMesh> ManifoldMeshes() {
 }
 
 TriangleMesh Result(const EditableMesh& edit) {
-  std::vector<uint32_t> kept;
-  TriangleMesh mesh = edit.Compact(&kept);
-  EXPECT_EQ(mesh.vertices.size(), kept.size());
-  return mesh;
+  CompactMesh compact = edit.Compact();
+  EXPECT_EQ(compact.mesh.vertices.size(), compact.vertices.size());
+  EXPECT_EQ(compact.mesh.facets.size(), compact.facets.size());
+  return std::move(compact.mesh);
 }
 
 // That partners, rings and borders agree with the facets.

@@ -8,13 +8,12 @@
 #include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
-#include "base/percentile.h"
 #include "mesh/facet_normals.h"
 #include "remesh/edge_length_field.h"
-#include "spatial/bvh.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/same_topology.h"
 #include "tests/mesh/shapes.h"
+#include "tests/remesh/mesh_measures.h"
 
 namespace colmap_ext {
 namespace {
@@ -26,45 +25,6 @@ RemeshedSurface Remesh(const TriangleMesh& mesh, float length,
   return RemeshIsotropically(
       mesh, std::vector<float>(mesh.vertices.size(), length),
       std::vector<float>(mesh.vertices.size(), tolerance * length));
-}
-
-// [F] degrees
-std::vector<double> SmallestAngles(const TriangleMesh& mesh) {
-  std::vector<double> angles;
-  for (const Facet& facet : mesh.facets) {
-    double smallest = 180;
-    for (int k = 0; k < 3; ++k) {
-      const Vector3f& at = mesh.vertices[facet[k]];
-      const Vector3f a = mesh.vertices[facet[(k + 1) % 3]] - at;
-      const Vector3f b = mesh.vertices[facet[(k + 2) % 3]] - at;
-      smallest = std::min<double>(
-          smallest, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
-    }
-    angles.push_back(smallest);
-  }
-  return angles;
-}
-
-double Percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<size_t>(share * (values.size() - 1))];
-}
-
-// The largest distance of the corners, middles of edges and centres of one
-// mesh's facets from another.
-double Distance(const TriangleMesh& mesh, const TriangleMesh& other) {
-  const Bvh bvh(other);
-  double distance = 0;
-  for (const auto& [i, j, k] : mesh.facets) {
-    const Vector3f& a = mesh.vertices[i];
-    const Vector3f& b = mesh.vertices[j];
-    const Vector3f& c = mesh.vertices[k];
-    for (const Vector3f& point :
-         {a, Vector3f((a + b) / 2), Vector3f((a + b + c) / 3)}) {
-      distance = std::max(distance, bvh.Distance(point, 1e3));
-    }
-  }
-  return distance;
 }
 
 // A sheet of needles: rows close together, columns far apart.
@@ -189,42 +149,6 @@ TEST(RemeshIsotropically, TheSameWithAnyNumberOfThreads) {
   const RemeshedSurface single = Remesh(mesh, 0.06F, 0.1F);
   EXPECT_EQ(many.mesh.facets, single.mesh.facets);
   EXPECT_EQ(many.mesh.vertices, single.mesh.vertices);
-}
-
-TEST(LimitGradation, GrowsNoFasterThanAllowed) {
-  Random random(7);
-  const TriangleMesh mesh = MakeBumpySphere(0.1F);
-  std::vector<float> lengths(mesh.vertices.size());
-  for (float& length : lengths) {
-    length = static_cast<float>(random.Unit());
-  }
-  const std::vector<float> before = lengths;
-  LimitGradation(mesh, 0.3F, &lengths);
-  for (const Facet& facet : mesh.facets) {
-    for (int k = 0; k < 3; ++k) {
-      const uint32_t a = facet[k];
-      const uint32_t b = facet[(k + 1) % 3];
-      EXPECT_LE(lengths[a],
-                lengths[b] +
-                    0.3F * (mesh.vertices[a] - mesh.vertices[b]).norm() +
-                    1e-5F);
-    }
-  }
-  for (size_t i = 0; i < lengths.size(); ++i) {
-    EXPECT_LE(lengths[i], before[i]);
-  }
-  // As large as that allows: a second time changes nothing.
-  std::vector<float> again = lengths;
-  LimitGradation(mesh, 0.3F, &again);
-  EXPECT_EQ(again, lengths);
-}
-
-TEST(MeanEdgeLengths, AreThoseOfARegularMesh) {
-  TriangleMesh mesh = MakeTetrahedron();
-  const float edge = (mesh.vertices[0] - mesh.vertices[1]).norm();
-  for (const float length : MeanEdgeLengths(mesh)) {
-    EXPECT_NEAR(length, edge, 0.5F * edge);
-  }
 }
 
 }  // namespace
