@@ -11,6 +11,7 @@
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "delaunay/weak_surfaces.h"
+#include "mesh/facet_confidences.h"
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"

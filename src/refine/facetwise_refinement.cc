@@ -13,6 +13,7 @@
 #include "raster/mesh_drawings.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/level_refinement.h"
+#include "refine/point_confidences.h"
 #include "refine/refined_confidences.h"
 #include "refine/remesh_for_images.h"
 #include "remesh/carry_attributes.h"
@@ -41,6 +42,7 @@ class Refinement {
              PhotometricEnergy* energy, const RefinementHooks& hooks)
       : options_(options),
         views_(views),
+        points_(points),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {}
@@ -78,7 +80,7 @@ class Refinement {
     if (level == 0) {
       state->attributes.confidences =
           RefinedConfidences(state->mesh, refined.terms, options_.photometric,
-                             state->attributes.confidences);
+                             ConfidencesByPoints(*state));
     }
     state->report.num_shortened_steps += refined.num_shortened_steps;
     state->report.num_unconverged_solutions +=
@@ -133,8 +135,20 @@ class Refinement {
     state->labels = std::move(labeling.labels);
   }
 
+  // [V] by the points, and no more than what is known of the input.
+  std::vector<float> ConfidencesByPoints(const RefinedMesh& state) const {
+    std::vector<float> confidences =
+        PointConfidences(state.mesh, state.attributes.views, points_, views_);
+    const std::vector<float>& before = state.attributes.confidences;
+    for (size_t i = 0; i < before.size(); ++i) {
+      confidences[i] = std::min(confidences[i], before[i]);
+    }
+    return confidences;
+  }
+
   const FacetwiseRefinementOptions& options_;
   const std::vector<View>& views_;
+  const PointCloud& points_;
   std::vector<ViewPair> pairs_;
   PhotometricEnergy* energy_;
   const RefinementHooks& hooks_;

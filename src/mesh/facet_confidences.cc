@@ -1,0 +1,97 @@
+#include "mesh/facet_confidences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace colmap_ext {
+namespace {
+
+// The pixels that the facet covers in the view that has most of them; -1
+// if none of the views has it before its camera.
+double PixelArea(const TriangleMesh& mesh, const Facet& facet,
+                 const Rows<uint32_t>& vertex_views,
+                 const std::vector<View>& views) {
+  // As PhotometricOptions::min_cosine: a facet that is seen edge-on by all
+  // views is one that none of them sees.
+  constexpr double kMinCosine = 0.1;
+  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const Eigen::Vector3d center = (a + b + c) / 3;
+  const Eigen::Vector3d area_normal = (b - a).cross(c - a) / 2;
+  double largest = -1;
+  for (const uint32_t vertex : facet) {
+    for (const uint32_t index : vertex_views[vertex]) {
+      const View& view = views[index];
+      const double depth = view.CamFromWorld(center).z();
+      if (depth > 0) {
+        const Eigen::Vector3d ray = (center - view.Center()).normalized();
+        const double seen_area = std::max(std::abs(area_normal.dot(ray)),
+                                          kMinCosine * area_normal.norm());
+        largest =
+            std::max(largest, seen_area * view.fx * view.fy / (depth * depth));
+      }
+    }
+  }
+  return largest;
+}
+
+// The density where half of the support is denser; 0 without support.
+// \param densities [F] each with the support that has it
+double UsualDensity(std::vector<std::pair<double, double>> densities) {
+  tbb::parallel_sort(densities.begin(), densities.end());
+  double total = 0;
+  for (const auto& [density, support] : densities) {
+    total += support;
+  }
+  double sum = 0;
+  for (const auto& [density, support] : densities) {
+    sum += support;
+    if (2 * sum >= total) {
+      return density;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::vector<float> FacetConfidences(const TriangleMesh& mesh,
+                                    const std::vector<float>& support,
+                                    const Rows<uint32_t>& vertex_views,
+                                    const std::vector<View>& views) {
+  // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
+  // 0.26. A choice.
+  constexpr double kUsual = 3;
+  const size_t num_facets = mesh.facets.size();
+  // [F] support a pixel, and the support. A facet without area is small, one
+  // without views unknown.
+  std::vector<std::pair<double, double>> densities(num_facets);
+  tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
+    const Facet& facet = mesh.facets[i];
+    const double sum =
+        double{support[facet[0]]} + support[facet[1]] + support[facet[2]];
+    const double area = PixelArea(mesh, facet, vertex_views, views);
+    if (sum > 0 && area >= 0) {
+      densities[i] = {
+          sum / std::max(area, std::numeric_limits<double>::epsilon()), sum};
+    }
+  });
+  const double usual = UsualDensity(densities);
+  std::vector<float> confidences(num_facets, 0);
+  for (size_t i = 0; i < num_facets && usual > 0; ++i) {
+    confidences[i] =
+        static_cast<float>(-std::expm1(-kUsual * densities[i].first / usual));
+  }
+  return confidences;
+}
+
+}  // namespace colmap_ext
