@@ -35,6 +35,8 @@ CONSTANTS = [
     ("refine/normal_equations.h", "tolerance", ["0.015", "0.06"]),
     ("photometry/window_correlation.cc", "kMaxSlope", ["2", "8"]),
     ("refine/remesh_for_images.cc", "kUnseenFactor", ["2", "8"]),
+    ("refine/remesh_for_images.cc", "kMaxError", ["0.05F", "0.2F"]),
+    ("refine/remesh_for_images.cc", "kMaxGrowth", ["1.5", "6"]),
     ("remesh/edge_length_field.h", "kGradation", ["0.15F", "0.6F"]),
     ("remesh/edge_length_field.cc", "kShare", ["0.05F", "0.2F"]),
 ]

@@ -46,6 +46,9 @@ void WriteMeshes(const fs::path& folder) {
   WriteColoredMesh(folder / "ply_mesh" / "colored", mesh,
                    std::vector<Color>(4, {1, 2, 3}));
   WriteColoredMesh(folder / "ply_mesh" / "plain", mesh, {});
+  WriteMesh(folder / "ply_mesh" / "confident", mesh,
+            {{}, Rows<uint32_t>(4), {0, 0.25F, 0.5F, 1}});
+  fs::remove(VisibilityPath(folder / "ply_mesh" / "confident"));
   WriteFile(folder / "ply_mesh" / "text",
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
             "property float y\nproperty float z\nelement face 1\n"
