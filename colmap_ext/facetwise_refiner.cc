@@ -134,7 +134,7 @@ class Refiner {
     RefinedMesh refined = RefineFacetwise(
         options_.refinement,
         {std::move(input_.mesh), std::move(input_.attributes),
-         std::move(origins_), level_ - 1},
+         std::move(origins_), level_ - 1, input_.has_fused_points},
         input_.views, input_.points, backend.energy.get(), hooks);
     signal_ = StopSignal::Received();
     refined.report = WithEarlier(std::move(refined.report));
@@ -239,8 +239,9 @@ class Refiner {
   int signal_ = 0;
 };
 
-void RefineWorkspace(const RefinerOptions& options) {
+void RefineWorkspace(RefinerOptions options) {
   const RefinementPaths paths = FindRefinementPaths(options);
+  options.ChooseTrim(paths.has_fused_points);
   CheckOutputs(options, paths.output);
   Refiner(options, paths).Run();
 }

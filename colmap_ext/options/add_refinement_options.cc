@@ -107,8 +107,9 @@ void AddVariantOptions(colmap::OptionManager* manager,
 void AddBorderOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   BorderOptions* borders = &refiner->refinement.borders;
   manager->AddDefaultOption(
-      "FacetwiseRefinement.trim", &borders->trim,
-      "Faces of less confidence are dropped, 0 ... 1; 0: none");
+      "FacetwiseRefinement.trim", &refiner->trim,
+      "Faces of less confidence are dropped, 0 ... 1; 0: none; -1: 0.2, or "
+      "none where there is no fused.ply or no face has as much");
   manager->AddDefaultOption(
       "FacetwiseRefinement.close_holes", &borders->close_holes,
       "Holes of up to as many edges are closed; -1: all, 0: none");

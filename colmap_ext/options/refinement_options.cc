@@ -68,9 +68,20 @@ void RefinerOptions::Finish() {
       "solver", words.solver,
       {{"gauss_newton", RefinementSolver::kGaussNewton},
        {"descent", RefinementSolver::kDescent}});
+  ChooseTrim(true);
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);
   }
+}
+
+void RefinerOptions::ChooseTrim(bool has_fused_points) {
+  // Found on photographs: what spans the sky or an unseen basin has less, and
+  // what two images see well has more (docs/method.md, section 7.6).
+  constexpr double kDefault = 0.2;
+  BorderOptions& borders = refinement.borders;
+  borders.is_trim_optional = trim == kAutoTrim;
+  borders.trim =
+      borders.is_trim_optional ? (has_fused_points ? kDefault : 0) : trim;
 }
 
 fs::path RefinerOptions::OutputPath(const fs::path& folder) const {

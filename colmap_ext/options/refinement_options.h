@@ -16,6 +16,9 @@ enum class Backend {
   kGl,
 };
 
+// Trims only what fused points can tell of.
+inline constexpr double kAutoTrim = -1;
+
 // What facetwise_refiner is asked for.
 struct RefinerOptions {
   std::string workspace_path;
@@ -26,7 +29,8 @@ struct RefinerOptions {
   bool resume = false;
 
   FacetwiseRefinementOptions refinement;
-  int window = 5;  // px
+  double trim = kAutoTrim;  // see BorderOptions
+  int window = 5;           // px
   Backend backend = Backend::kAuto;
   std::optional<ImageOrderKind> image_order;  // see WorkspaceOptions
   int gpu_index = -1;                         // see EglContext
@@ -47,6 +51,10 @@ struct RefinerOptions {
   // Passes words, and the window, on to the options that they stand for.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
+
+  // Sets the trimming of the refinement.
+  // \param has_fused_points  whether the workspace has a fused.ply.
+  void ChooseTrim(bool has_fused_points);
 
   // Files that are written beside others, or by default.
   std::filesystem::path OutputPath(const std::filesystem::path& folder) const;

@@ -184,11 +184,11 @@ void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
 
 RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   const fs::path folder = FindWorkspaceFolder(options);
-  const RefinementPaths paths{folder,
-                              options.input_path.empty()
-                                  ? folder / kMesherOutput
-                                  : fs::path(options.input_path),
-                              options.OutputPath(folder)};
+  const RefinementPaths paths{
+      folder,
+      options.input_path.empty() ? folder / kMesherOutput
+                                 : fs::path(options.input_path),
+      options.OutputPath(folder), fs::exists(folder / kFusedName)};
   if (!fs::exists(paths.mesh)) {
     throw FileError(paths.mesh,
                     options.input_path.empty()
@@ -209,7 +209,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
                                     const Progress& progress) {
   RefinementInput input;
   input.has_visibility = fs::exists(VisibilityPath(paths.mesh));
-  input.has_fused_points = fs::exists(paths.folder / kFusedName);
+  input.has_fused_points = paths.has_fused_points;
   Report(progress, "Reading the mesh", 0);
   MeshFile file = ReadMeshFile(paths.mesh, input.has_visibility);
   SortViews(&file.attributes);

@@ -25,6 +25,7 @@ struct RefinementPaths {
   std::filesystem::path folder;  // the dense workspace
   std::filesystem::path mesh;
   std::filesystem::path output;
+  bool has_fused_points = false;
 };
 
 // \throw FileError if there is no workspace, or several, or no mesh.

@@ -39,10 +39,12 @@ class Refinement {
  public:
   Refinement(const FacetwiseRefinementOptions& options,
              const std::vector<View>& views, const PointCloud& points,
-             PhotometricEnergy* energy, const RefinementHooks& hooks)
+             bool has_fused_points, PhotometricEnergy* energy,
+             const RefinementHooks& hooks)
       : options_(options),
         views_(views),
         points_(points),
+        has_fused_points_(has_fused_points),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {}
@@ -135,11 +137,14 @@ class Refinement {
     state->labels = std::move(labeling.labels);
   }
 
-  // [V] by the points, and no more than what is known of the input.
+  // [V] by the points, if they can tell, and no more than the input's.
   std::vector<float> ConfidencesByPoints(const RefinedMesh& state) const {
+    const std::vector<float>& before = state.attributes.confidences;
+    if (!has_fused_points_) {
+      return before;
+    }
     std::vector<float> confidences =
         PointConfidences(state.mesh, state.attributes.views, points_, views_);
-    const std::vector<float>& before = state.attributes.confidences;
     for (size_t i = 0; i < before.size(); ++i) {
       confidences[i] = std::min(confidences[i], before[i]);
     }
@@ -149,6 +154,7 @@ class Refinement {
   const FacetwiseRefinementOptions& options_;
   const std::vector<View>& views_;
   const PointCloud& points_;
+  bool has_fused_points_;
   std::vector<ViewPair> pairs_;
   PhotometricEnergy* energy_;
   const RefinementHooks& hooks_;
@@ -218,7 +224,8 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
-  Refinement refinement(options, views, points, energy, hooks);
+  Refinement refinement(options, views, points, start.has_fused_points, energy,
+                        hooks);
   if (start.origins.empty()) {
     start.origins = start.mesh.vertices;
   }

@@ -62,8 +62,9 @@ struct FacetwiseRefinementOptions {
 
   PhotometricOptions photometric;
 
-  // What is dropped from the result, and closed.
-  BorderOptions borders;
+  // What is dropped from the result, and closed. A facet is about a window
+  // wide: four rings tell what a gap of a dozen windows' width would show.
+  BorderOptions borders{.trim_rings = 4};
 
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
@@ -117,6 +118,9 @@ struct RefinementStart {
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
+  // Whether the points were fused from the images, so that surface without
+  // points is less sure; else they only tell which views see what.
+  bool has_fused_points = true;
 };
 
 struct RefinedMesh {

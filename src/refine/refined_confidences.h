@@ -13,7 +13,7 @@ namespace colmap_ext {
 // their mean correlation, it is
 //   (1 - t) before + t max(0, Z):
 // what the images can not tell leaves the confidence as it was.
-// \param before [V] by the points, in [0, 1]; empty: 0 everywhere
+// \param before [V] without the images, in [0, 1]; empty: 0 everywhere
 // \param terms  of the mesh
 std::vector<float> RefinedConfidences(const TriangleMesh& mesh,
                                       const PhotometricTerms& terms,

@@ -19,8 +19,10 @@ EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,
                        VertexAttributes attributes,
                        const std::vector<float>& facet_confidences) {
   TrimmedMesh trimmed =
-      TrimMesh(options.trim, std::move(mesh), facet_confidences);
-  if (trimmed.mesh.facets.empty()) {
+      TrimMesh(options.trim, mesh, facet_confidences, options.trim_rings);
+  if (trimmed.mesh.facets.empty() && options.is_trim_optional) {
+    trimmed = TrimMesh(0, std::move(mesh), facet_confidences);
+  } else if (trimmed.mesh.facets.empty()) {
     throw std::invalid_argument(
         "no face is confident enough: a lower trim drops less");
   }

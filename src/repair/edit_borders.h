@@ -20,6 +20,12 @@ struct BorderOptions {
   // kAllLoops all.
   int close_holes = 0;
 
+  // Of facets around what is not confident, see TrimMesh(). Positive.
+  int trim_rings = 1;
+
+  // Where no facet is confident the mesh stays as it is.
+  bool is_trim_optional = false;
+
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
 };
@@ -42,7 +48,8 @@ struct EditedMesh {
 // Trims a mesh, then closes its holes.
 // \param facet_confidences [F] in [0, 1]
 // \pre the mesh is manifold, options checked
-// \throw std::invalid_argument if the trimming leaves nothing.
+// \throw std::invalid_argument if the trimming leaves nothing, unless it is
+//        optional.
 EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,
                        VertexAttributes attributes,
                        const std::vector<float>& facet_confidences);

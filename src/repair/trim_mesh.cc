@@ -47,59 +47,99 @@ UnionFind JoinFacets(const Surface& surface,
   return pieces;
 }
 
-// The area of the confident facets that share a vertex with each region: [F],
-// by the regions' representatives.
-std::vector<double> AreasAround(const Surface& surface,
-                                const std::vector<uint8_t>& is_low,
-                                UnionFind* regions) {
-  std::vector<double> areas(is_low.size(), 0);
-  std::vector<uint32_t> beside;
-  for (uint32_t i = 0; i < is_low.size(); ++i) {
-    if (is_low[i] != 0) {
-      continue;
+// Finds the confident facets around regions.
+class RingFinder {
+ public:
+  RingFinder(const Surface& surface, const std::vector<uint8_t>& is_low)
+      : surface_(surface),
+        is_low_(is_low),
+        facet_regions_(surface.mesh.facets.size(), kNone),
+        vertex_regions_(surface.mesh.vertices.size(), kNone) {}
+
+  // The area of the confident facets within so many rings of a region.
+  // \param region  another one at each call
+  // \param facets  of the region
+  double AreaAround(uint32_t region, const std::vector<uint32_t>& facets,
+                    int num_rings) {
+    double area = 0;
+    std::vector<uint32_t> frontier;
+    for (const uint32_t facet : facets) {
+      AddCorners(facet, region, &frontier);
     }
-    beside.clear();
-    for (const uint32_t vertex : surface.mesh.facets[i]) {
-      for (const uint32_t corner : surface.rings.corners[vertex]) {
-        if (is_low[corner / 3] != 0) {
-          beside.push_back(regions->Find(corner / 3));
+    for (int ring = 0; ring < num_rings; ++ring) {
+      std::vector<uint32_t> next;
+      for (const uint32_t vertex : frontier) {
+        for (const uint32_t corner : surface_.rings.corners[vertex]) {
+          const uint32_t facet = corner / 3;
+          if (is_low_[facet] == 0 && facet_regions_[facet] != region) {
+            facet_regions_[facet] = region;
+            area += Area(surface_.mesh, facet);
+            AddCorners(facet, region, &next);
+          }
         }
       }
+      frontier = std::move(next);
     }
-    std::sort(beside.begin(), beside.end());
-    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-    for (const uint32_t region : beside) {
-      areas[region] += Area(surface.mesh, i);
+    return area;
+  }
+
+ private:
+  static constexpr uint32_t kNone = UINT32_MAX;
+
+  // Those that are new.
+  void AddCorners(uint32_t facet, uint32_t region,
+                  std::vector<uint32_t>* vertices) {
+    for (const uint32_t vertex : surface_.mesh.facets[facet]) {
+      if (vertex_regions_[vertex] != region) {
+        vertex_regions_[vertex] = region;
+        vertices->push_back(vertex);
+      }
     }
   }
-  return areas;
-}
+
+  const Surface& surface_;
+  const std::vector<uint8_t>& is_low_;    // [F]
+  std::vector<uint32_t> facet_regions_;   // [F] the last that met each
+  std::vector<uint32_t> vertex_regions_;  // [V] the same
+};
 
 // Which facets are dropped: [F] those of regions that are more than a gap.
 std::vector<uint8_t> FindRegions(const Surface& surface,
                                  const std::vector<uint8_t>& is_low,
-                                 TrimReport* report) {
-  UnionFind regions = JoinFacets(surface, is_low);
-  const std::vector<double> areas_around =
-      AreasAround(surface, is_low, &regions);
-  std::vector<double> areas(is_low.size(), 0);  // by representatives
+                                 int num_rings, TrimReport* report) {
+  UnionFind pieces = JoinFacets(surface, is_low);
+  std::vector<std::vector<uint32_t>> facets(is_low.size());  // of each region
+  std::vector<uint8_t> has_border(is_low.size(), 0);
   for (uint32_t i = 0; i < is_low.size(); ++i) {
-    areas[regions.Find(i)] += Area(surface.mesh, i);
+    if (is_low[i] != 0) {
+      const uint32_t region = pieces.Find(i);
+      facets[region].push_back(i);
+      for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
+        has_border[region] |= surface.partners[half] == kNoPartner;
+      }
+    }
   }
-  std::vector<uint8_t> is_gap(is_low.size(), 1);  // by representatives
-  for (uint32_t half = 0; half < surface.partners.size(); ++half) {
-    const uint32_t region = regions.Find(half / 3);
-    is_gap[region] &= surface.partners[half] != kNoPartner &&
-                      areas[region] <= areas_around[region];
-  }
+  RingFinder rings(surface, is_low);
   std::vector<uint8_t> is_dropped(is_low.size(), 0);
   report->num_kept_facets = 0;
-  for (uint32_t i = 0; i < is_low.size(); ++i) {
-    const uint32_t region = regions.Find(i);
-    is_dropped[i] = is_low[i] & ~is_gap[region];
-    report->num_regions += is_dropped[i] != 0 && region == i;
-    report->num_facets += is_dropped[i];
-    report->num_kept_facets += is_low[i] & is_gap[region];
+  for (uint32_t region = 0; region < facets.size(); ++region) {
+    double area = 0;
+    for (const uint32_t facet : facets[region]) {
+      area += Area(surface.mesh, facet);
+    }
+    if (facets[region].empty()) {
+      continue;
+    }
+    if (has_border[region] == 0 &&
+        area <= rings.AreaAround(region, facets[region], num_rings)) {
+      report->num_kept_facets += facets[region].size();
+      continue;
+    }
+    ++report->num_regions;
+    report->num_facets += facets[region].size();
+    for (const uint32_t facet : facets[region]) {
+      is_dropped[facet] = 1;
+    }
   }
   return is_dropped;
 }
@@ -192,7 +232,7 @@ void Drop(const Surface& surface, const std::vector<uint8_t>& is_dropped,
 }
 
 // \return whether anything was dropped
-bool TrimOnce(double min_confidence,
+bool TrimOnce(double min_confidence, int num_rings,
               const std::vector<float>& facet_confidences,
               TrimmedMesh* trimmed) {
   const TriangleMesh& mesh = trimmed->mesh;
@@ -203,7 +243,7 @@ bool TrimOnce(double min_confidence,
     is_low[i] = facet_confidences[trimmed->facet_sources[i]] < min_confidence;
   }
   std::vector<uint8_t> is_dropped =
-      FindRegions(surface, is_low, &trimmed->report);
+      FindRegions(surface, is_low, num_rings, &trimmed->report);
   if (std::find(is_dropped.begin(), is_dropped.end(), 1) == is_dropped.end()) {
     return false;
   }
@@ -215,7 +255,8 @@ bool TrimOnce(double min_confidence,
 }  // namespace
 
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
-                     const std::vector<float>& facet_confidences) {
+                     const std::vector<float>& facet_confidences,
+                     int num_rings) {
   TrimmedMesh trimmed;
   for (uint32_t i = 0; i < mesh.vertices.size(); ++i) {
     trimmed.sources.push_back({i, i});
@@ -224,7 +265,7 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   std::iota(trimmed.facet_sources.begin(), trimmed.facet_sources.end(), 0);
   trimmed.mesh = std::move(mesh);
   while (min_confidence > 0 &&
-         TrimOnce(min_confidence, facet_confidences, &trimmed)) {
+         TrimOnce(min_confidence, num_rings, facet_confidences, &trimmed)) {
   }
   return trimmed;
 }

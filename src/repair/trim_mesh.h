@@ -29,7 +29,8 @@ struct TrimmedMesh {
 //
 // Facets below min_confidence that are connected through edges are a region.
 // It stays where it is but a gap in good surface: where it reaches no border of
-// the mesh and is not larger than the confident facets around it. With the
+// the mesh and is not larger than `num_rings` rings of confident facets around
+// it. With the
 // others go pieces of what is left that they cut off and that are next to
 // nothing but border: of no more vertices inside than at their border. This is
 // repeated until nothing is dropped. The borders that this opens are smoothed
@@ -39,8 +40,11 @@ struct TrimmedMesh {
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]
+// \param num_rings  positive: how far what is known tells what is not; a mesh
+//        of small facets needs more of them.
 // \pre the mesh is manifold
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
-                     const std::vector<float>& facet_confidences);
+                     const std::vector<float>& facet_confidences,
+                     int num_rings = 1);
 
 }  // namespace colmap_ext

@@ -119,6 +119,31 @@ TEST(TrimMesh, KeepsSpecksWithinGoodSurface) {
   EXPECT_EQ(trimmed.report.num_kept_facets, (confidences.size() + 96) / 97);
 }
 
+// What a few rings around it tell is a gap; what is larger is a hole.
+TEST(TrimMesh, KeepsWhatIsSmallerThanItsRings) {
+  const TriangleMesh mesh = MakeBumpySphere(0.05f);
+  for (const float radius : {0.15f, 0.3f}) {
+    std::vector<float> confidences(mesh.facets.size(), 1);
+    for (size_t i = 0; i < confidences.size(); ++i) {
+      const Eigen::Vector3f& corner = mesh.vertices[mesh.facets[i][0]];
+      if (corner.z() > 0 && corner.head<2>().norm() < radius) {
+        confidences[i] = 0;
+      }
+    }
+    size_t num_facets = 0;
+    for (const int num_rings : {1, 2, 4, 16}) {
+      const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences, num_rings);
+      ExpectSound(mesh, trimmed);
+      EXPECT_GE(trimmed.mesh.facets.size(), num_facets);
+      num_facets = trimmed.mesh.facets.size();
+      if (num_rings == 1) {
+        EXPECT_LT(num_facets, mesh.facets.size());
+      }
+    }
+    EXPECT_EQ(num_facets, mesh.facets.size());
+  }
+}
+
 TEST(TrimMesh, DropsIslandsWithinAMembrane) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f);
   std::vector<float> confidences = SureBelow(mesh, 0);
