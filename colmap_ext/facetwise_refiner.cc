@@ -249,12 +249,12 @@ void RefineWorkspace(const RefinerOptions& options) {
 
 int RunFacetwiseRefiner(int argc, char** argv) {
   RefinerOptions options;
-  colmap::OptionManager manager;
-  AddRefinerOptions(&manager, &options);
+  CommandOptions command;
+  AddRefinerOptions(&command, &options);
   const CommandSteps steps = {[&options] { options.Finish(); },
                               &options.num_threads,
                               [&options] { RefineWorkspace(options); }};
-  return RunCommand(argc, argv, &manager, steps, Advice());
+  return RunCommand(argc, argv, command, steps, Advice());
 }
 
 }  // namespace colmap_ext

@@ -24,6 +24,7 @@ namespace colmap_ext {
 struct RefinementPaths {
   std::filesystem::path folder;  // the dense workspace
   std::filesystem::path mesh;
+  std::filesystem::path fused;  // the points; need not be there
   std::filesystem::path output;
 };
 

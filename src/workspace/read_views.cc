@@ -113,6 +113,8 @@ Views ReadViews(const std::filesystem::path& dense_path,
     View view = MakeView(image, camera);
     result.picture_errors.push_back(FitToPicture(
         dense_path / "images" / image.name, rules, decoder, &view, &result));
+    result.camera_scales.push_back(1.0 * static_cast<double>(camera.width) /
+                                   view.width);
     result.depth_map_scales.push_back(ReadDepthMapScale(dense_path, view));
     result.views.push_back(std::move(view));
   }

@@ -13,6 +13,9 @@ namespace colmap_ext {
 
 struct Views {
   std::vector<View> views;  // as the model's images
+  // [views] size of each camera over the size of its picture; 1 where there is
+  // no picture.
+  std::vector<double> camera_scales;
   // [views] size of each depth map over the size of its picture; 1 where there
   // is no depth map.
   std::vector<double> depth_map_scales;
