@@ -118,6 +118,9 @@ set(COLMAP_SOURCE_DIR ${COLMAP_EXT_COLMAP_TREE} CACHE PATH
 unset(CMAKE_POLICY_VERSION_MINIMUM)
 unset(CMAKE_POLICY_DEFAULT_CMP0074)
 
+get_directory_property(colmap_mvs DIRECTORY ${colmap_copy}
+                       DEFINITION MVS_ENABLED)
+colmap_ext_require_mvs("${colmap_mvs}" "COLMAP")
 # COLMAP turns CGAL off by itself when it does not find it.
 get_directory_property(colmap_cgal DIRECTORY ${colmap_copy}
                        DEFINITION CGAL_ENABLED)
@@ -142,6 +145,13 @@ get_directory_property(colmap_includes DIRECTORY ${colmap_copy}
 target_compile_definitions(colmap_ext_colmap INTERFACE ${colmap_definitions})
 target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
                            ${colmap_includes})
+# From 3.9 on COLMAP is many libraries, so that the commands need not wait for
+# all of them.
+set(colmap_pictures colmap)
+if(TARGET colmap_sensor AND TARGET colmap_util)
+  set(colmap_pictures colmap_sensor colmap_util)
+endif()
 target_link_libraries(colmap_ext_colmap INTERFACE
-                      colmap CGAL::CGAL
+                      ${colmap_pictures} CGAL::CGAL
                       $<TARGET_NAME_IF_EXISTS:OpenMP::OpenMP_CXX>)
+target_link_libraries(colmap_ext_colmap_models INTERFACE colmap)

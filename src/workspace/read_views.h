@@ -39,7 +39,7 @@ struct ViewRules {
 // pictures of a pinhole camera and leaves the camera as it was.
 //
 // \throw FileError if a camera is distorted, or the aspect of a picture is not
-//        its camera's, unless the rules allow that.
+//        its camera's, unless the rules allow that, or a camera is a panorama.
 Views ReadViews(const std::filesystem::path& dense_path,
                 const SparseModel& model, const ViewRules& rules,
                 const PictureDecoder& decoder);
