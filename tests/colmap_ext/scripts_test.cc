@@ -18,7 +18,13 @@ std::string Quote(const fs::path& path) { return "'" + path.string() + "'"; }
 
 class ScriptsTest : public testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override { sphere_.Write(path_); }
+  // A little rough, or no point would lie within others and be thinned.
+  void SetUp() override {
+    for (size_t i = 0; i < sphere_.points.size(); ++i) {
+      sphere_.points[i] *= 1 + 0.02F * (static_cast<float>(i * 7919 % 13) / 13);
+    }
+    sphere_.Write(path_);
+  }
 
   // Runs the lines in the test's folder, by a shell that stops at errors.
   // `mesher` and `refiner` stand for the commands.
@@ -56,11 +62,11 @@ class ScriptsTest : public testing::TestWithParam<const char*> {
 TEST_P(ScriptsTest, TakesTheOptionsOfDelaunayMesher) {
   ExpectSuccess(
       "mesher --input_path 'a scène' --output_path 'a scène/scene.ply' "
-      "--DelaunayMeshing.quality_regularization 5. "
-      "--DelaunayMeshing.max_proj_dist 10\n"
+      "--DelaunayMeshing.quality_regularization 1. "
+      "--DelaunayMeshing.max_proj_dist 3\n"
       "mesher --workspace_path 'a scène' --output_path same.ply "
-      "--DelaunayManifoldMeshing.quality_regularization 5 "
-      "--DelaunayManifoldMeshing.max_proj_dist 10\n"
+      "--DelaunayManifoldMeshing.quality_regularization 1 "
+      "--DelaunayManifoldMeshing.max_proj_dist 3\n"
       "cmp same.ply 'a scène/scene.ply'");
   ExpectSuccess(
       "mesher --input_path 'a scène' --input_type sparse --output_path s1.ply\n"
@@ -104,6 +110,10 @@ TEST_P(ScriptsTest, CountsThePixelsOfTheCameraLikeDelaunayMesher) {
       "--DelaunayManifoldMeshing.max_proj_dist 4");
   EXPECT_FALSE(HasSaid("of the cameras"));
   EXPECT_EQ(Bytes("camera.ply.vis"), Bytes("image.ply.vis"));
+  ExpectSuccess(
+      "mesher --workspace_path 'a scène' --output_path other.ply "
+      "--DelaunayManifoldMeshing.max_proj_dist 8");
+  EXPECT_NE(Bytes("other.ply.vis"), Bytes("image.ply.vis"));
 }
 
 TEST_P(ScriptsTest, TakesTheProjectFileOfProjectGenerator) {
@@ -111,11 +121,11 @@ TEST_P(ScriptsTest, TakesTheProjectFileOfProjectGenerator) {
             "log_to_stderr=true\nrandom_seed=0\nlog_level=0\n"
             "database_path=/some/where.db\nimage_path=/some/where\n"
             "[ImageReader]\nsingle_camera=false\nmask_path=\n"
-            "[DelaunayMeshing]\nmax_proj_dist=10\nnum_threads=1\n");
+            "[DelaunayMeshing]\nmax_proj_dist=3\nnum_threads=1\n");
   ExpectSuccess(
       "mesher --project_path project.ini --workspace_path 'a scène'\n"
       "mesher --workspace_path 'a scène' --output_path same.ply "
-      "--DelaunayMeshing.max_proj_dist 10\n"
+      "--DelaunayMeshing.max_proj_dist 3\n"
       "cmp same.ply 'a scène/" +
       std::string(kMeshName) + "'");
   EXPECT_EQ(RunScript("mesher --project_path none.ini").exit_code, 1);
