@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "formats/picture_size.h"
+
 #if __has_include(<colmap/sensor/bitmap.h>)
 #include <colmap/sensor/bitmap.h>
 #include <colmap/util/logging.h>
@@ -46,7 +48,8 @@ std::optional<Image> ReadImage(const std::filesystem::path& path,
                                const PixelOf& pixel_of) {
   colmap::Bitmap bitmap;
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) ||
+  // COLMAP 4 makes up the rest of pictures that are cut off.
+  if (!std::filesystem::is_regular_file(path, error) || IsPictureCutOff(path) ||
       !bitmap.Read(path.string())) {
     return std::nullopt;
   }
