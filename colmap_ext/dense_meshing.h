@@ -43,8 +43,7 @@ struct DenseMeshingRequest {
 // Where the mesh of a dense workspace goes.
 template <typename Path>  // std::string up to COLMAP 3.13, then a path
 Path ManifoldMeshPath(const Path& dense_path) {
-  const std::string folder = dense_path;
-  return Path(folder + "/meshed-delaunay-manifold.ply");
+  return Path(std::string(dense_path) + "/meshed-delaunay-manifold.ply");
 }
 
 // Meshes the dense workspaces that have fused points, and refines their meshes,
@@ -97,12 +96,12 @@ void WriteMeshingCommands(const Path& workspace_path,
   if (workspace_format != "COLMAP") {
     return;
   }
-  const std::string path = workspace_path;
   *file << "\n";
   for (const char* command :
        {"delaunay_manifold_mesher", "facetwise_refiner"}) {
     *file << indent << "$COLMAP_EXE_PATH/colmap " << command << " \\\n"
-          << indent << "  --workspace_path " << path << "\n";
+          << indent << "  --workspace_path " << std::string(workspace_path)
+          << "\n";
   }
 }
 
