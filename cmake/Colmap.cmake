@@ -1,4 +1,7 @@
-# Finds or builds COLMAP and wraps it into the target colmap_ext_colmap.
+# Finds or builds COLMAP and wraps it into two targets:
+#   colmap_ext_colmap         its pictures, logging and version, which is all that
+#                             the commands need
+#   colmap_ext_colmap_models  all of it, for the tests and COLMAP's own program
 #
 # Two ways, the second when COLMAP_SOURCE_DIR is given:
 #   installed  find_package(COLMAP); 3.8 sets variables, 3.9+ has colmap::colmap.
@@ -30,6 +33,17 @@ function(colmap_ext_version_number version out)
   set(${out} ${number} PARENT_SCOPE)
 endfunction()
 
+# COLMAP 4.1 can be built without its dense part. Earlier ones do not know the
+# option, which is empty then.
+function(colmap_ext_require_mvs enabled where)
+  if(NOT "${enabled}" STREQUAL "" AND NOT enabled)
+    message(FATAL_ERROR
+      "${where} was configured with MVS_ENABLED=OFF, so it has no dense "
+      "workspaces, which colmap_ext's commands are for.\n"
+      "Configure COLMAP with -DMVS_ENABLED=ON.")
+  endif()
+endfunction()
+
 function(colmap_ext_require_cgal enabled where)
   if(NOT enabled)
     message(FATAL_ERROR
@@ -42,6 +56,8 @@ function(colmap_ext_require_cgal enabled where)
 endfunction()
 
 add_library(colmap_ext_colmap INTERFACE)
+add_library(colmap_ext_colmap_models INTERFACE)
+target_link_libraries(colmap_ext_colmap_models INTERFACE colmap_ext_colmap)
 if(COLMAP_SOURCE_DIR)
   include(${CMAKE_CURRENT_LIST_DIR}/ColmapFromSource.cmake)
 else()

@@ -51,14 +51,18 @@ file(GLOB_RECURSE colmap_files
   ${COLMAP_SOURCE_DIR}/lib/*
   ${COLMAP_SOURCE_DIR}/src/*)
 set(colmap_patches "")
+set(colmap_insertions "")
 if(COLMAP_EXT_PATCH_COLMAP)
   file(GLOB colmap_patches CONFIGURE_DEPENDS
        ${PROJECT_SOURCE_DIR}/patches/*.patch)
+  set(colmap_insertions
+      ${PROJECT_SOURCE_DIR}/patches/automatic_reconstructor.cmake)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
-               ${colmap_patches})
+               ${colmap_patches} ${colmap_insertions})
+  include(${colmap_insertions})
 endif()
 set(colmap_digest "")
-foreach(file IN LISTS colmap_files colmap_patches)
+foreach(file IN LISTS colmap_files colmap_patches colmap_insertions)
   file(SHA256 ${file} digest)
   string(APPEND colmap_digest "${digest}\n")
 endforeach()
@@ -100,6 +104,7 @@ if(NOT colmap_copied STREQUAL colmap_digest
           "stand-alone program colmap_ext runs the same commands.")
       endif()
     endforeach()
+    colmap_ext_patch_reconstructor(${colmap_copy})
   endif()
   file(WRITE ${colmap_stamp} ${colmap_digest})
 endif()
@@ -118,6 +123,9 @@ set(COLMAP_SOURCE_DIR ${COLMAP_EXT_COLMAP_TREE} CACHE PATH
 unset(CMAKE_POLICY_VERSION_MINIMUM)
 unset(CMAKE_POLICY_DEFAULT_CMP0074)
 
+get_directory_property(colmap_mvs DIRECTORY ${colmap_copy}
+                       DEFINITION MVS_ENABLED)
+colmap_ext_require_mvs("${colmap_mvs}" "COLMAP")
 # COLMAP turns CGAL off by itself when it does not find it.
 get_directory_property(colmap_cgal DIRECTORY ${colmap_copy}
                        DEFINITION CGAL_ENABLED)
@@ -130,6 +138,16 @@ set_target_properties(${colmap_program} PROPERTIES
                       RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
 if(COLMAP_EXT_PATCH_COLMAP)
   set(COLMAP_EXT_COLMAP_EXE ${colmap_program})
+  # What the patched sources include.
+  foreach(target colmap colmap_controllers colmap_image)
+    if(TARGET ${target})
+      get_target_property(type ${target} TYPE)
+      if(NOT type STREQUAL INTERFACE_LIBRARY)
+        target_include_directories(${target} PRIVATE
+                                   ${PROJECT_BINARY_DIR}/include/colmap_ext)
+      endif()
+    endif()
+  endforeach()
 endif()
 
 # COLMAP's definitions and, in 3.8, include directories are set on its folders
@@ -142,6 +160,15 @@ get_directory_property(colmap_includes DIRECTORY ${colmap_copy}
 target_compile_definitions(colmap_ext_colmap INTERFACE ${colmap_definitions})
 target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
                            ${colmap_includes})
+# From 3.9 on COLMAP is many libraries, so that the commands need not wait for
+# all of them.
+set(colmap_pictures colmap)
+if(TARGET colmap_sensor AND TARGET colmap_util)
+  set(colmap_pictures colmap_sensor colmap_util)
+endif()
 target_link_libraries(colmap_ext_colmap INTERFACE
+                      ${colmap_pictures} CGAL::CGAL
+                      $<TARGET_NAME_IF_EXISTS:OpenMP::OpenMP_CXX>)
+target_link_libraries(colmap_ext_colmap_models INTERFACE
                       colmap CGAL::CGAL
                       $<TARGET_NAME_IF_EXISTS:OpenMP::OpenMP_CXX>)

@@ -18,6 +18,7 @@ set(colmap_cgal "${CGAL_ENABLED}")
 if(DEFINED COLMAP_CGAL_ENABLED)
   set(colmap_cgal "${COLMAP_CGAL_ENABLED}")
 endif()
+colmap_ext_require_mvs("${MVS_ENABLED}" "The COLMAP in ${COLMAP_DIR}")
 colmap_ext_require_cgal("${colmap_cgal}" "The COLMAP in ${COLMAP_DIR}")
 set(COLMAP_EXT_COLMAP_VERSION_STRING ${COLMAP_VERSION})
 

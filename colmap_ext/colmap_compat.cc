@@ -1,53 +1,24 @@
 #include "colmap_ext/colmap_compat.h"
 
-#include <fstream>
-#include <iostream>
 #include <optional>
-#include <type_traits>
+
+#include "formats/picture_size.h"
 
 #if __has_include(<colmap/sensor/bitmap.h>)
 #include <colmap/sensor/bitmap.h>
 #include <colmap/util/logging.h>
+#include <colmap/util/version.h>
 #else
 #include "util/bitmap.h"
 #include "util/logging.h"
+#include "util/version.h"
 #endif
 
 namespace colmap_ext {
 
 namespace {
 
-// OptionManager::Parse returns nothing up to 3.12, and ends the program where
-// the options are wrong.
-template <typename Options>
-bool Parse(int argc, char** argv, Options* options) {
-  if constexpr (std::is_void_v<decltype(options->Parse(argc, argv))>) {
-    options->Parse(argc, argv);
-    return true;
-  } else {
-    return options->Parse(argc, argv);
-  }
-}
-
-// COLMAP aborts on a project file that exists but can not be read.
-bool IsProjectFileReadable(int argc, char** argv) {
-  const std::string option = "--project_path";
-  for (int i = 1; i < argc; ++i) {
-    std::string path;
-    if (argv[i] == option && i + 1 < argc) {
-      path = argv[i + 1];
-    } else if (std::string(argv[i]).starts_with(option + "=")) {
-      path = argv[i] + option.size() + 1;
-    }
-    if (!path.empty() && !std::ifstream(path).is_open()) {
-      std::cerr << "ERROR: " << path << ": can not be read" << std::endl;
-      return false;
-    }
-  }
-  return true;
-}
-
-// Bitmap::GetPixel fills in a colour up to 3.x, and returns one from 4.0.
+// Bitmap::GetPixel fills in a colour up to 4.0, and returns one from 4.1.
 template <typename Bitmap>
 Color GetPixel(const Bitmap& bitmap, int x, int y) {
   colmap::BitmapColor<uint8_t> color(0, 0, 0);
@@ -77,7 +48,8 @@ std::optional<Image> ReadImage(const std::filesystem::path& path,
                                const PixelOf& pixel_of) {
   colmap::Bitmap bitmap;
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) ||
+  // COLMAP 4 makes up the rest of pictures that are cut off.
+  if (!std::filesystem::is_regular_file(path, error) || IsPictureCutOff(path) ||
       !bitmap.Read(path.string())) {
     return std::nullopt;
   }
@@ -95,8 +67,9 @@ std::optional<Image> ReadImage(const std::filesystem::path& path,
 
 void InitializeLogging(char** argv) { colmap::InitializeGlog(argv); }
 
-bool ParseOptions(int argc, char** argv, colmap::OptionManager* options) {
-  return IsProjectFileReadable(argc, argv) && Parse(argc, argv, options);
+std::string Versions() {
+  return "colmap_ext " COLMAP_EXT_VERSION " with " + colmap::GetVersionInfo() +
+         " (" + colmap::GetBuildInfo() + ")";
 }
 
 PictureDecoder ColmapPictureDecoder() {

@@ -4,15 +4,6 @@
 // 3.8 and 4.x. What moved is detected, not looked up by version, so that
 // development versions work as well.
 
-#if __has_include(<colmap/controllers/option_manager.h>)
-#include <colmap/controllers/option_manager.h>
-#elif __has_include(<colmap/util/option_manager.h>) && \
-    __has_include(<colmap/scene/reconstruction.h>)
-#include <colmap/util/option_manager.h>
-#else
-#include "util/option_manager.h"
-#endif
-
 #include <filesystem>
 #include <string>
 
@@ -24,10 +15,8 @@ namespace colmap_ext {
 // Starts COLMAP's logging (glog). To be called once, by main().
 void InitializeLogging(char** argv);
 
-// Parses a command's options. As all of COLMAP's commands do, `-h` prints the
-// help and ends the program.
-// \return false if the options are wrong, which has been said then.
-bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
+// Ours, and COLMAP's: "colmap_ext 0.1.0 with COLMAP 3.8 (Commit ...)".
+std::string Versions();
 
 // Decodes pictures by COLMAP. Grey is (R + 2 G + B) / 4, as many of each as a
 // camera's sensor has photosites, which leaves the least of their noise;

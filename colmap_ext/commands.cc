@@ -1,5 +1,10 @@
 #include "colmap_ext/commands.h"
 
+#include <cstdlib>
+#include <string>
+
+#include "colmap_ext/dense_meshing.h"
+
 namespace colmap_ext {
 
 const std::vector<Command>& Commands() {
@@ -10,5 +15,26 @@ const std::vector<Command>& Commands() {
   };
   return commands;
 }
+
+namespace {
+
+int RunByName(const std::vector<std::string>& arguments) {
+  std::string program = "colmap";
+  std::vector<std::string> texts(arguments.begin() + 1, arguments.end());
+  std::vector<char*> argv = {program.data()};
+  for (std::string& text : texts) {
+    argv.push_back(text.data());
+  }
+  for (const Command& command : Commands()) {
+    if (arguments[0] == command.name) {
+      return command.run(static_cast<int>(argv.size()), argv.data());
+    }
+  }
+  return EXIT_FAILURE;
+}
+
+}  // namespace
+
+void EnableDenseMeshing() { GlobalDenseMeshing().run = &RunByName; }
 
 }  // namespace colmap_ext

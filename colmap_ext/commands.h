@@ -19,6 +19,9 @@ struct Command {
 // In alphabetical order.
 const std::vector<Command>& Commands();
 
+// Lets COLMAP's automatic reconstruction run them (dense_meshing.h).
+void EnableDenseMeshing();
+
 int RunDelaunayManifoldMesher(int argc, char** argv);
 int RunFacetwiseRefiner(int argc, char** argv);
 int RunMeshEvaluator(int argc, char** argv);

@@ -1,12 +1,18 @@
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
@@ -55,11 +61,42 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
   const std::filesystem::path input_path = options.InputPath();
   const std::filesystem::path output_path =
       options.OutputPath(options.workspace.input_type == InputType::kDense
-                             ? FindDenseFolder(input_path)
+                             ? FindDenseFolder(input_path, options.workspace)
                              : input_path);
   ExpectWritable(output_path);
   ExpectWritable(VisibilityPath(output_path));
   return output_path;
+}
+
+// The views at the sizes of their cameras, where those are asked for and
+// differ.
+std::vector<View> MeshingViews(const MesherOptions& options,
+                               const Workspace& workspace) {
+  std::vector<View> views = workspace.views;
+  for (size_t i = 0; options.has_camera_pixels && i < views.size(); ++i) {
+    const double scale = workspace.camera_scales[i];
+    views[i] = ResizeView(
+        views[i], static_cast<int>(std::lround(scale * views[i].width)),
+        static_cast<int>(std::lround(scale * views[i].height)));
+  }
+  return views;
+}
+
+// Says where the pixels of max_proj_dist are other ones than our own option's.
+void PrintPixels(const MesherOptions& options, const Workspace& workspace) {
+  const auto it = std::find_if(workspace.camera_scales.begin(),
+                               workspace.camera_scales.end(),
+                               [](double scale) { return scale != 1; });
+  if (options.has_camera_pixels && it != workspace.camera_scales.end()) {
+    const double distance = options.meshing.max_proj_dist;
+    PrintText(
+        "max_proj_dist",
+        fmt::format("{} px of the cameras, as COLMAP has it: {:.4g} px "
+                    "of images such as {}",
+                    distance, distance / *it,
+                    workspace.views[it - workspace.camera_scales.begin()].name),
+        std::cout);
+  }
 }
 
 void MeshWorkspace(const MesherOptions& options) {
@@ -80,9 +117,11 @@ void MeshWorkspace(const MesherOptions& options) {
   }
   reporter.Finish();
   PrintReport(workspace.report, workspace.views.size(), half_pixel, std::cout);
+  PrintPixels(options, workspace);
   std::cout << std::endl;
   const ManifoldMesh mesh =
-      MeshManifold(options.meshing, workspace.cloud, workspace.views, progress);
+      MeshManifold(options.meshing, workspace.cloud,
+                   MeshingViews(options, workspace), progress);
   Report(progress, "Writing the mesh", 0);
   WriteMesh(output_path, mesh.mesh, mesh.attributes);
   reporter.Finish();
@@ -96,12 +135,12 @@ void MeshWorkspace(const MesherOptions& options) {
 
 int RunDelaunayManifoldMesher(int argc, char** argv) {
   MesherOptions options;
-  colmap::OptionManager manager;
-  AddMesherOptions(&manager, &options);
+  CommandOptions command;
+  AddMesherOptions(&command, &options);
   const CommandSteps steps = {[&options] { options.Finish(); },
                               &options.num_threads,
                               [&options] { MeshWorkspace(options); }};
-  return RunCommand(argc, argv, &manager, steps, Advice());
+  return RunCommand(argc, argv, command, steps, Advice());
 }
 
 }  // namespace colmap_ext

@@ -241,7 +241,7 @@ class Refiner {
 
 void RefineWorkspace(RefinerOptions options) {
   const RefinementPaths paths = FindRefinementPaths(options);
-  options.ChooseTrim(paths.has_fused_points);
+  options.ChooseTrim(paths.HasFusedPoints());
   CheckOutputs(options, paths.output);
   Refiner(options, paths).Run();
 }
@@ -250,12 +250,12 @@ void RefineWorkspace(RefinerOptions options) {
 
 int RunFacetwiseRefiner(int argc, char** argv) {
   RefinerOptions options;
-  colmap::OptionManager manager;
-  AddRefinerOptions(&manager, &options);
+  CommandOptions command;
+  AddRefinerOptions(&command, &options);
   const CommandSteps steps = {[&options] { options.Finish(); },
                               &options.num_threads,
                               [&options] { RefineWorkspace(options); }};
-  return RunCommand(argc, argv, &manager, steps, Advice());
+  return RunCommand(argc, argv, command, steps, Advice());
 }
 
 }  // namespace colmap_ext

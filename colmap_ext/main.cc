@@ -12,8 +12,8 @@
 namespace {
 
 int ShowHelp() {
-  std::cout << "colmap_ext " COLMAP_EXT_VERSION
-               " -- Surface reconstruction commands for COLMAP\n\n"
+  std::cout << colmap_ext::Versions()
+            << "\nSurface reconstruction commands for COLMAP\n\n"
                "Usage:\n"
                "  colmap_ext [command] [options]\n\n"
                "Example usage:\n"

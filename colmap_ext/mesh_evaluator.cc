@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_evaluation_options.h"
@@ -174,12 +175,12 @@ void Evaluate(const EvaluatorOptions& options) {
 
 int RunMeshEvaluator(int argc, char** argv) {
   EvaluatorOptions options;
-  colmap::OptionManager manager;
-  AddEvaluatorOptions(&manager, &options);
+  CommandOptions command;
+  AddEvaluatorOptions(&command, &options);
   const CommandSteps steps = {[&options] { options.Finish(); },
                               &options.num_threads,
                               [&options] { Evaluate(options); }};
-  return RunCommand(argc, argv, &manager, steps, Advice());
+  return RunCommand(argc, argv, command, steps, Advice());
 }
 
 }  // namespace colmap_ext

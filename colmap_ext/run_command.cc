@@ -8,10 +8,14 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <tbb/global_control.h>
 
+#include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
+#include "colmap_ext/options/parse_options.h"
+#include "colmap_ext/options/print_help.h"
 
 namespace colmap_ext {
 
@@ -48,14 +52,28 @@ int Fail(const std::string& message) {
   return EXIT_FAILURE;
 }
 
+void PrintLeftOut(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) {
+    list += (list.empty() ? "" : ", ") + name;
+  }
+  if (!list.empty()) {
+    std::cout << "NOTE: these options mean nothing here and are left out: "
+              << list << std::endl;
+  }
+}
+
 }  // namespace
 
-int RunCommand(int argc, char** argv, colmap::OptionManager* manager,
+int RunCommand(int argc, char** argv, const CommandOptions& options,
                const CommandSteps& steps, const CommandAdvice& advice) {
   try {
-    if (!ParseOptions(argc, argv, manager)) {
-      return EXIT_FAILURE;
+    const ParsedOptions parsed = ParseOptions(argc, argv, options);
+    if (parsed.wants_help) {
+      PrintHelp(options, Versions(), std::cout);
+      return EXIT_SUCCESS;
     }
+    PrintLeftOut(parsed.left_out);
     RestoreTermination();
     steps.finish_options();
     RunOnThreads(*steps.num_threads, steps.run);

@@ -3,7 +3,7 @@
 #include <functional>
 #include <map>
 
-#include "colmap_ext/colmap_compat.h"
+#include "colmap_ext/options/command_options.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -18,7 +18,7 @@ struct CommandAdvice {
   std::map<Alternative, const char*> alternatives;
 };
 
-// A command whose options are known to a manager.
+// What a command does after its options are known.
 struct CommandSteps {
   std::function<void()> finish_options;  // after they are parsed
   const int* num_threads;                // to be used at most, then; -1 for all
@@ -28,7 +28,7 @@ struct CommandSteps {
 // Parses the options and runs a command: whatever it throws becomes one line on
 // the screen.
 // \return the exit status: 128 + its number if a signal interrupted it.
-int RunCommand(int argc, char** argv, colmap::OptionManager* manager,
+int RunCommand(int argc, char** argv, const CommandOptions& options,
                const CommandSteps& steps, const CommandAdvice& advice);
 
 }  // namespace colmap_ext

@@ -4,8 +4,7 @@ namespace colmap_ext {
 
 namespace {
 
-void AddPathOptions(colmap::OptionManager* manager,
-                    EvaluatorOptions* evaluator) {
+void AddPathOptions(CommandOptions* manager, EvaluatorOptions* evaluator) {
   manager->AddDefaultOption("mesh_path", &evaluator->mesh_path,
                             "The mesh, PLY; required");
   manager->AddDefaultOption(
@@ -27,7 +26,7 @@ void AddPathOptions(colmap::OptionManager* manager,
                             "... seen by the workspace's image of this name");
 }
 
-void AddObservabilityOptions(colmap::OptionManager* manager,
+void AddObservabilityOptions(CommandOptions* manager,
                              EvaluatorOptions* evaluator) {
   manager->AddDefaultOption(
       "observability_mask", &evaluator->observability_mask,
@@ -44,34 +43,33 @@ void AddObservabilityOptions(colmap::OptionManager* manager,
 
 }  // namespace
 
-void AddEvaluatorOptions(colmap::OptionManager* manager,
-                         EvaluatorOptions* evaluator) {
+void AddEvaluatorOptions(CommandOptions* manager, EvaluatorOptions* evaluator) {
   AddPathOptions(manager, evaluator);
   AddObservabilityOptions(manager, evaluator);
   MeshEvaluationOptions* evaluation = &evaluator->evaluation;
   manager->AddDefaultOption("MeshEvaluation.stride", &evaluation->stride,
-                            "Of the pixels that are cast");
-  manager->AddDefaultOption(
-      "MeshEvaluation.spacing", &evaluation->spacing,
-      "Samples are one for each cube of this side, scene units; 0: 0.001 times "
-      "the truth's diagonal; DTU: 0.2 mm");
+                            "[px] Rays are cast through every so many pixels");
+  manager->AddDefaultOption("MeshEvaluation.spacing", &evaluation->spacing,
+                            "[scene units] Samples are one for each cube of "
+                            "this side; 0: 0.001 times "
+                            "the truth's diagonal; DTU: 0.2 mm");
   manager->AddDefaultOption(
       "MeshEvaluation.max_distance", &evaluation->max_distance,
-      "Distances are clipped at this, scene units; 0: 0.05 times the truth's "
+      "[scene units] Distances are clipped at this; 0: 0.05 times the truth's "
       "diagonal; DTU: 20 mm");
   manager->AddDefaultOption(
       "MeshEvaluation.drop_beyond", &evaluation->drop_beyond,
       "Leave distances beyond out, as DTU's own evaluation does");
   manager->AddDefaultOption(
       "MeshEvaluation.depth_thresholds", &evaluator->depth_thresholds,
-      "Depths are right below these errors, scene units; EPFL: 0.02,0.1 m");
+      "[scene units] Depths are right below these errors; EPFL: 0.02,0.1 m");
   manager->AddDefaultOption("MeshEvaluation.error_scale",
                             &evaluator->error_scale,
-                            "Error at the end of the colours, scene units; 0: "
+                            "[scene units] Error at the end of the colours; 0: "
                             "above 95 % of the errors");
-  manager->AddDefaultOption("MeshEvaluation.num_threads",
-                            &evaluator->num_threads,
-                            "-1 for all; the result does not depend on it");
+  manager->AddDefaultOption(
+      "MeshEvaluation.num_threads", &evaluator->num_threads,
+      "[threads] -1 for all; the result does not depend on it");
 }
 
 }  // namespace colmap_ext

@@ -1,10 +1,12 @@
 #include "colmap_ext/options/add_meshing_options.h"
 
+#include <string>
+
 namespace colmap_ext {
 
 namespace {
 
-void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
   manager->AddDefaultOption(
       "workspace_path", &mesher->workspace_path,
       "The dense workspace, with sparse/, fused.ply and fused.ply.vis, or a "
@@ -14,6 +16,10 @@ void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "input_path", &mesher->input_path,
       "As delaunay_mesher has it, instead of workspace_path: the dense "
       "workspace or the sparse model");
+  manager->AddDefaultOption(
+      "fused_path", &mesher->words.fused_path,
+      "The fused points, PLY, where they are not fused.ply of the workspace; "
+      "their .vis lies beside them");
   manager->AddDefaultOption("output_path", &mesher->output_path,
                             "The mesh; required with input_path");
   manager->AddDefaultOption("input_type", &mesher->words.input_type,
@@ -24,22 +30,26 @@ void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "file, image_id, frame, frame_id}");
 }
 
-void AddVoteOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+void AddVoteOptions(CommandOptions* manager, MesherOptions* mesher) {
   ManifoldMeshingOptions* meshing = &mesher->meshing;
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.max_proj_dist", &meshing->max_proj_dist,
-      "Points closer than this in an image are one, px; 0 keeps every point");
+      "[px] Points closer than this in an image are one; 0 keeps every point");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.max_depth_dist", &meshing->max_depth_dist,
       "... unless their depths differ by more than this share");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.alpha_kind", &mesher->words.alpha_kind,
-      "Weight of an observation {tracks, constant}: 1 - exp(-n^2 / (2 s^2)) "
+      "Weight of an observation, {tracks, constant}: 1 - exp(-n^2 / (2 s^2)) "
       "for a point that n images see, s = visibility_sigma, or alpha_vis");
   manager->AddDefaultOption("DelaunayManifoldMeshing.visibility_sigma",
-                            &meshing->visibility_sigma);
+                            &meshing->visibility_sigma,
+                            "[images] How many see a well-seen point; higher "
+                            "counts points less that few images see");
   manager->AddDefaultOption("DelaunayManifoldMeshing.alpha_vis",
-                            &meshing->alpha_vis);
+                            &meshing->alpha_vis,
+                            "Weight of an observation where alpha_kind is "
+                            "constant, above 0, up to 1");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.distance_sigma_factor",
       &meshing->distance_sigma_factor,
@@ -47,8 +57,8 @@ void AddVoteOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "expected noise of the points");
   manager->AddDefaultOption("DelaunayManifoldMeshing.behind_sigma",
                             &meshing->behind_sigma,
-                            "How far behind a point matter is expected, in "
-                            "distance sigmas");
+                            "[distance sigmas] How far behind a point matter "
+                            "is expected");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.weak_surfaces", &meshing->weak_surfaces,
       "Strengthen matter where free space ends sharply behind a point: keeps "
@@ -58,14 +68,17 @@ void AddVoteOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
                             "Higher is smoother");
 }
 
-void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+void AddSurfaceOptions(CommandOptions* manager, MesherOptions* mesher) {
   ManifoldMeshingOptions* meshing = &mesher->meshing;
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.preemptive_fixing", &meshing->preemptive_fixing,
       "Relabel and split cells around singular vertices before the surface is "
       "extracted");
-  manager->AddDefaultOption("DelaunayManifoldMeshing.fixing_rule",
-                            &mesher->words.fixing_rule, "{energy, paper}");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.fixing_rule", &mesher->words.fixing_rule,
+      "How that chooses, {energy, paper}: what leaves the "
+      "fewest pieces at the least energy, or in the "
+      "paper's three passes");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.max_side_length_factor",
       &meshing->max_side_length_factor,
@@ -73,17 +86,18 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "dropped; 0 keeps all");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.max_side_length_percentile",
-      &meshing->max_side_length_percentile);
+      &meshing->max_side_length_percentile,
+      "[%] The percentile of all sides, 0 ... 100");
   manager->AddDefaultOption("DelaunayManifoldMeshing.min_component_faces",
                             &meshing->min_component_faces,
-                            "Components of fewer faces are dropped");
+                            "[faces] Components of fewer are dropped");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.trim", &meshing->borders.trim,
       "Faces of less confidence are dropped, 0 ... 1: 0.2 leaves what the "
       "points bear out; 0: none");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.close_holes", &meshing->borders.close_holes,
-      "Holes of up to as many edges are closed; -1: all, 0: none");
+      "[edges] Holes of up to as many are closed; -1: all, 0: none");
   manager->AddDefaultOption("DelaunayManifoldMeshing.remeshing",
                             &meshing->remeshing,
                             "Remesh the surface at last: faces of good shape");
@@ -96,17 +110,34 @@ void AddSurfaceOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       &mesher->half_pixel_calibration,
       "... times what the sparse points show them to be off, 1 for half a "
       "pixel");
-  manager->AddDefaultOption("DelaunayManifoldMeshing.num_threads",
-                            &mesher->num_threads,
-                            "-1 for all; the result does not depend on it");
+  manager->AddDefaultOption(
+      "DelaunayManifoldMeshing.num_threads", &mesher->num_threads,
+      "[threads] -1 for all; the result does not depend on it");
+}
+
+// Where the meaning is COLMAP's.
+void AddAliases(CommandOptions* manager, MesherOptions* mesher) {
+  const std::string ours = "DelaunayManifoldMeshing.";
+  const std::string colmaps = "DelaunayMeshing.";
+  manager->AddAlias(colmaps + "max_proj_dist", ours + "max_proj_dist",
+                    ", but counts pixels of the cameras where images are of "
+                    "another size",
+                    &mesher->has_camera_pixels);
+  for (const char* name :
+       {"max_depth_dist", "visibility_sigma", "distance_sigma_factor",
+        "quality_regularization", "max_side_length_factor",
+        "max_side_length_percentile", "num_threads"}) {
+    manager->AddAlias(colmaps + name, ours + name);
+  }
 }
 
 }  // namespace
 
-void AddMesherOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
+void AddMesherOptions(CommandOptions* manager, MesherOptions* mesher) {
   AddPathOptions(manager, mesher);
   AddVoteOptions(manager, mesher);
   AddSurfaceOptions(manager, mesher);
+  AddAliases(manager, mesher);
 }
 
 }  // namespace colmap_ext

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "colmap_ext/colmap_compat.h"
+#include "colmap_ext/options/command_options.h"
 #include "colmap_ext/options/meshing_options.h"
 
 namespace colmap_ext {
@@ -8,6 +8,6 @@ namespace colmap_ext {
 // Adds them to those of a command, with COLMAP's names where the meaning is
 // COLMAP's.
 // \param mesher  has to outlive the manager's parsing.
-void AddMesherOptions(colmap::OptionManager* manager, MesherOptions* mesher);
+void AddMesherOptions(CommandOptions* manager, MesherOptions* mesher);
 
 }  // namespace colmap_ext

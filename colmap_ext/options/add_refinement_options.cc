@@ -4,7 +4,7 @@ namespace colmap_ext {
 
 namespace {
 
-void AddPathOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "workspace_path", &refiner->workspace_path,
       "The dense workspace, with images/ and sparse/, or a folder with one "
@@ -13,6 +13,10 @@ void AddPathOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "input_path", &refiner->input_path,
       "The mesh, a PLY of triangles, with its .vis if there is one. Default: "
       "WORKSPACE/meshed-delaunay-manifold.ply");
+  manager->AddDefaultOption(
+      "fused_path", &refiner->fused_path,
+      "The fused points, PLY, where they are not fused.ply of the workspace; "
+      "their .vis lies beside them");
   manager->AddDefaultOption("output_path", &refiner->output_path,
                             "The refined mesh; required with input_path. "
                             "Default: WORKSPACE/meshed-refined.ply");
@@ -32,7 +36,7 @@ void AddPathOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "file, image_id, frame, frame_id}");
 }
 
-void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {
   FacetwiseRefinementOptions* refinement = &refiner->refinement;
   manager->AddDefaultOption(
       "FacetwiseRefinement.levels", &refinement->levels,
@@ -40,11 +44,11 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption("FacetwiseRefinement.iterations",
                             &refinement->iterations, "At most, at each level");
   manager->AddDefaultOption("FacetwiseRefinement.window", &refiner->window,
-                            "Side of the windows that are compared, odd, px");
+                            "[px] Side of the windows that are compared, odd");
   manager->AddDefaultOption(
       "FacetwiseRefinement.noise_variance",
       &refinement->photometric.noise_variance,
-      "Of the grey values, 0 ... 255, squared; flat windows count less");
+      "[grey values^2] Of the grey values, 0 ... 255; flat windows count less");
   manager->AddDefaultOption(
       "FacetwiseRefinement.residual_floor",
       &refinement->photometric.residual_floor,
@@ -63,7 +67,7 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "images call for; 0 only subdivides large faces, as in the paper");
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
-      "Of an image that a face covers, px^2; faces grow to it, or are "
+      "[px^2] Of an image that a face covers; faces grow to it, or are "
       "subdivided down to it");
   manager->AddDefaultOption(
       "FacetwiseRefinement.min_zncc", &refinement->min_zncc,
@@ -71,7 +75,7 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "follow what lies around them; -1 refines all, as in the paper");
 }
 
-void AddPairOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+void AddPairOptions(CommandOptions* manager, RefinerOptions* refiner) {
   FacetwiseRefinementOptions* refinement = &refiner->refinement;
   manager->AddDefaultOption("FacetwiseRefinement.pairs_per_image",
                             &refinement->pairs_per_image,
@@ -94,17 +98,19 @@ void AddPairOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "that sees it");
 }
 
-void AddVariantOptions(colmap::OptionManager* manager,
-                       RefinerOptions* refiner) {
+void AddVariantOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.occlusion_masking",
       &refiner->refinement.photometric.occlusion_masking,
       "Leave out of a window what lies across a jump in depth");
   manager->AddDefaultOption("FacetwiseRefinement.solver",
-                            &refiner->words.solver, "{gauss_newton, descent}");
+                            &refiner->words.solver,
+                            "{gauss_newton, descent}: all vertices at once, or "
+                            "each by itself along the gradient, as in the "
+                            "paper");
 }
 
-void AddBorderOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+void AddBorderOptions(CommandOptions* manager, RefinerOptions* refiner) {
   BorderOptions* borders = &refiner->refinement.borders;
   manager->AddDefaultOption(
       "FacetwiseRefinement.trim", &refiner->trim,
@@ -112,10 +118,10 @@ void AddBorderOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
       "none where there is no fused.ply or no face has as much");
   manager->AddDefaultOption(
       "FacetwiseRefinement.close_holes", &borders->close_holes,
-      "Holes of up to as many edges are closed; -1: all, 0: none");
+      "[edges] Holes of up to as many are closed; -1: all, 0: none");
 }
 
-void AddRunOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
+void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption("FacetwiseRefinement.backend",
                             &refiner->words.backend,
                             "{auto, cpu, gl}: the processor, or OpenGL 4.5; "
@@ -124,25 +130,24 @@ void AddRunOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.gpu_index", &refiner->gpu_index,
       "Of the graphics card, as EGL lists them; -1: the first that will do");
-  manager->AddDefaultOption("FacetwiseRefinement.num_threads",
-                            &refiner->num_threads,
-                            "-1 for all; the result does not depend on it");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.num_threads", &refiner->num_threads,
+      "[threads] -1 for all; the result does not depend on it");
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb,
-      "For images; if they do not fit they are read again and again");
+      "[GB] For images; if they do not fit they are read again and again");
   manager->AddDefaultOption("FacetwiseRefinement.skip_missing_images",
                             &refiner->skip_missing_images,
                             "Go on without images that are missing, can not be "
                             "read, or are not of their camera's size");
   manager->AddDefaultOption(
       "FacetwiseRefinement.snapshot_interval", &refiner->snapshot_interval,
-      "Write OUTPUT.LEVEL.ITERATION.ply every so many iterations; 0: never");
+      "[iterations] Write OUTPUT.LEVEL.ITERATION.ply every so many; 0: never");
 }
 
 }  // namespace
 
-void AddRefinerOptions(colmap::OptionManager* manager,
-                       RefinerOptions* refiner) {
+void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner) {
   AddPathOptions(manager, refiner);
   AddMethodOptions(manager, refiner);
   AddPairOptions(manager, refiner);

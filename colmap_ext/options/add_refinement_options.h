@@ -1,12 +1,12 @@
 #pragma once
 
-#include "colmap_ext/colmap_compat.h"
+#include "colmap_ext/options/command_options.h"
 #include "colmap_ext/options/refinement_options.h"
 
 namespace colmap_ext {
 
 // Adds them to those of a command.
 // \param refiner  has to outlive the manager's parsing.
-void AddRefinerOptions(colmap::OptionManager* manager, RefinerOptions* refiner);
+void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner);
 
 }  // namespace colmap_ext

@@ -1,5 +1,8 @@
 #include "colmap_ext/options/meshing_options.h"
 
+#include <algorithm>
+#include <cctype>
+
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/image_order_option.h"
 #include "colmap_ext/options/words.h"
@@ -24,9 +27,17 @@ void MesherOptions::Finish() {
   if (!input_path.empty() && output_path.empty()) {
     throw OptionError("--output_path is required with --input_path");
   }
+  std::transform(words.input_type.begin(), words.input_type.end(),
+                 words.input_type.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  workspace.fused_path = words.fused_path;
   workspace.input_type = ParseWord<InputType>(
       "input_type", words.input_type,
       {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}});
+  if (workspace.input_type == InputType::kSparse &&
+      !workspace.fused_path.empty()) {
+    throw OptionError("--fused_path is of dense input, not of sparse");
+  }
   workspace.image_order = ParseImageOrder(words.image_order);
   meshing.alpha_kind = ParseWord<ObservationWeight>(
       "alpha_kind", words.alpha_kind,

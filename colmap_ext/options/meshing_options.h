@@ -16,6 +16,10 @@ struct MesherOptions {
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 
+  // meshing.max_proj_dist counts the pixels of the cameras, as COLMAP's
+  // DelaunayMeshing.max_proj_dist does, and not those of the images.
+  bool has_camera_pixels = false;
+
   // Add HalfPixelOffsets to fused points (scene/half_pixel.h) ...
   bool half_pixel_correction = true;
   // ... times what the sparse points show them to be off.
@@ -25,7 +29,8 @@ struct MesherOptions {
 
   // As the command line has them, for what Finish() makes of them.
   struct Words {
-    std::string input_type = "dense";    // or "sparse"
+    std::string input_type = "dense";    // or "sparse", in any case
+    std::string fused_path;              // empty: fused.ply
     std::string image_order = "auto";    // or NameOf() an order
     std::string alpha_kind = "tracks";   // or "constant"
     std::string fixing_rule = "energy";  // or "paper"

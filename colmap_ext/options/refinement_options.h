@@ -24,6 +24,7 @@ struct RefinerOptions {
   std::string workspace_path;
   std::string input_path;   // the mesh; empty: kMesherOutput of the workspace
   std::string output_path;  // empty: meshed-refined.ply in the workspace
+  std::string fused_path;   // empty: fused.ply in the workspace
   std::string report_path;  // a CSV; its plot lies beside it
   std::string labels_path;  // a PLY; its picture lies beside it
   bool resume = false;

@@ -35,13 +35,16 @@ constexpr VisibilityOwner kMesh = {
 
 fs::path FindWorkspaceFolder(const RefinerOptions& options) {
   const fs::path path = options.workspace_path;
-  const std::vector<fs::path> found =
-      FindFoldersWith({kMesherOutput, kFusedName}, path);
+  std::vector<std::string> files = {kMesherOutput, kFusedName};
+  if (!options.fused_path.empty()) {
+    files.push_back("stereo");  // a folder
+  }
+  const std::vector<fs::path> found = FindFoldersWith(files, path);
   ExpectOneFolder(found, path);
   if (!found.empty()) {
     return found[0];
   }
-  if (options.input_path.empty()) {
+  if (options.input_path.empty() && options.fused_path.empty()) {
     throw FileError(path,
                     fmt::format("no {} here nor in dense/ or dense/0/; run "
                                 "`colmap delaunay_manifold_mesher "
@@ -133,12 +136,13 @@ Workspace ReadCameras(const RefinerOptions& options,
                       const RefinementInput& input) {
   WorkspaceOptions rules;
   rules.image_order = options.image_order;
+  rules.fused_path = options.fused_path;
   rules.allow_other_sizes = true;
   if (input.has_fused_points) {
     return ReadWorkspace(paths.folder, rules, decoder);
   }
   if (!input.has_visibility) {
-    throw FileError(paths.folder / kFusedName,
+    throw FileError(paths.fused,
                     "no such file, and " + VisibilityPath(paths.mesh).string() +
                         " neither, so that it is not known which images see "
                         "the mesh; run `colmap stereo_fusion` first");
@@ -188,13 +192,18 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
       folder,
       options.input_path.empty() ? folder / kMesherOutput
                                  : fs::path(options.input_path),
-      options.OutputPath(folder), fs::exists(folder / kFusedName)};
+      options.fused_path.empty() ? folder / kFusedName
+                                 : fs::path(options.fused_path),
+      options.OutputPath(folder)};
   if (!fs::exists(paths.mesh)) {
     throw FileError(paths.mesh,
                     options.input_path.empty()
                         ? "no such file; run `colmap delaunay_manifold_mesher` "
                           "first, or name a mesh by --input_path"
                         : "no such file");
+  }
+  if (!options.fused_path.empty() && !fs::exists(paths.fused)) {
+    throw FileError(paths.fused, "no such file");
   }
   std::error_code ignored;
   if (fs::equivalent(paths.mesh, paths.output, ignored)) {
@@ -209,7 +218,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
                                     const Progress& progress) {
   RefinementInput input;
   input.has_visibility = fs::exists(VisibilityPath(paths.mesh));
-  input.has_fused_points = paths.has_fused_points;
+  input.has_fused_points = paths.HasFusedPoints();
   Report(progress, "Reading the mesh", 0);
   MeshFile file = ReadMeshFile(paths.mesh, input.has_visibility);
   SortViews(&file.attributes);

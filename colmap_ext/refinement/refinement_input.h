@@ -24,8 +24,10 @@ namespace colmap_ext {
 struct RefinementPaths {
   std::filesystem::path folder;  // the dense workspace
   std::filesystem::path mesh;
+  std::filesystem::path fused;  // the points; need not be there
   std::filesystem::path output;
-  bool has_fused_points = false;
+
+  bool HasFusedPoints() const { return std::filesystem::exists(fused); }
 };
 
 // \throw FileError if there is no workspace, or several, or no mesh.

@@ -55,9 +55,8 @@ RunIdentity IdentifyRun(const RefinerOptions& options,
   std::vector<std::pair<std::string, fs::path>> files = {
       {"--input_path", paths.mesh},
       {"--input_path.vis", VisibilityPath(paths.mesh)}};
-  for (const char* name : {"fused.ply", "fused.ply.vis"}) {
-    files.emplace_back(name, paths.folder / name);
-  }
+  files.emplace_back("fused.ply", paths.fused);
+  files.emplace_back("fused.ply.vis", VisibilityPath(paths.fused));
   for (const fs::path& path : SparseModelFiles(input.workspace.sparse_path)) {
     files.emplace_back("sparse/" + path.filename().string(), path);
   }

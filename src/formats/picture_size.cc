@@ -31,30 +31,78 @@ PictureSize ReadPngSize(ByteReader* reader) {
   return {width, height};
 }
 
-// Goes from segment to segment up to the frame header (SOF).
-PictureSize ReadJpegSize(ByteReader* reader) {
+// Goes from segment to segment of a JPEG up to one whose marker is wanted, and
+// behind its length.
+template <typename IsWanted>
+void FindJpegSegment(const IsWanted& is_wanted, ByteReader* reader) {
   reader->Skip(2, "the picture");
   while (true) {
     uint8_t marker = reader->Read<uint8_t>("the picture");
     while (marker == 0xff) {
       marker = reader->Read<uint8_t>("the picture");
     }
-    const bool is_frame_header = marker >= 0xc0 && marker <= 0xcf &&
-                                 marker != 0xc4 && marker != 0xc8 &&
-                                 marker != 0xcc;
     const uint32_t length = ReadBigEndian<2>(reader);
-    if (is_frame_header) {
-      reader->Skip(1, "the picture");  // bits per sample
-      const int height = static_cast<int>(ReadBigEndian<2>(reader));
-      const int width = static_cast<int>(ReadBigEndian<2>(reader));
-      return {width, height};
+    if (is_wanted(marker)) {
+      return;
     }
     reader->Skip(length >= 2 ? length - 2 : reader->Remaining() + 1,
                  "the picture");
   }
 }
 
+bool IsFrameHeader(uint8_t marker) {
+  return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 &&
+         marker != 0xcc;
+}
+
+PictureSize ReadJpegSize(ByteReader* reader) {
+  FindJpegSegment(&IsFrameHeader, reader);
+  reader->Skip(1, "the picture");  // bits per sample
+  const int height = static_cast<int>(ReadBigEndian<2>(reader));
+  const int width = static_cast<int>(ReadBigEndian<2>(reader));
+  return {width, height};
+}
+
+// Goes from chunk to chunk up to the last, IEND.
+void FindPngEnd(ByteReader* reader) {
+  constexpr uint32_t kEnd = 0x49454e44;
+  reader->Skip(8, "the picture");
+  for (uint32_t type = 0; type != kEnd;) {
+    const uint32_t length = ReadBigEndian<4>(reader);
+    type = ReadBigEndian<4>(reader);
+    reader->Skip(uint64_t{length} + 4, "the picture");  // and a checksum
+  }
+}
+
+// The end marker, which no picture's data hold, behind the first scan's header.
+void FindJpegEnd(ByteReader* reader) {
+  FindJpegSegment([](uint8_t marker) { return marker == 0xda; }, reader);
+  for (uint8_t last = 0, byte = 0; last != 0xff || byte != 0xd9;) {
+    last = byte;
+    byte = reader->Read<uint8_t>("the picture");
+  }
+}
+
 }  // namespace
+
+bool IsPictureCutOff(const std::filesystem::path& path) {
+  bool is_known = false;
+  try {
+    ByteReader signature_reader(path);
+    const Bytes signature = signature_reader.Read<Bytes>("the picture");
+    ByteReader reader(path);
+    if (signature == kPngSignature) {
+      is_known = true;
+      FindPngEnd(&reader);
+    } else if (signature[0] == 0xff && signature[1] == 0xd8) {
+      is_known = true;
+      FindJpegEnd(&reader);
+    }
+  } catch (const FileError&) {
+    return is_known;
+  }
+  return false;
+}
 
 std::optional<PictureSize> ReadPictureSize(const std::filesystem::path& path) {
   try {

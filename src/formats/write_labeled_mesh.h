@@ -17,9 +17,12 @@ struct MeshLabels {
   std::vector<std::string> names;  // of the labels, one line each
 };
 
-// Writes a mesh with labelled facets: binary PLY whose faces have uchar red,
-// green, blue and the int label; comments "label N: NAME" name the labels.
-// \throw FileError if it can not be written.
+// Writes a mesh with labelled facets: binary PLY whose vertices have uchar red,
+// green, blue and the int label of the facets around them, and are there once
+// for each of these labels; comments "label N: NAME" name the labels. Faces
+// have no properties of their own, which COLMAP 4 does not read. Facets keep
+// their order; vertices of no facet are left out. \throw FileError if it can
+// not be written.
 void WriteLabeledMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh, const MeshLabels& labels);
 

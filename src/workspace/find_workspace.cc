@@ -81,6 +81,13 @@ fs::path FindDenseFolder(const fs::path& path) {
   return found[0];
 }
 
+fs::path FindUndistortedFolder(const fs::path& path) {
+  const std::vector<fs::path> found =
+      FindFoldersWith({"stereo", "fused.ply"}, path);
+  ExpectOneFolder(found, path);
+  return found.empty() ? path : found[0];
+}
+
 fs::path FindSparseFolder(const fs::path& path) {
   ExpectFolder(path);
   for (const fs::path& folder :

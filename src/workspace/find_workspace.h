@@ -26,6 +26,11 @@ void ExpectOneFolder(const std::vector<std::filesystem::path>& found,
 // \throw FileError if there is none, or several: it lists them.
 std::filesystem::path FindDenseFolder(const std::filesystem::path& path);
 
+// The same where the points lie elsewhere: the folder that has stereo/, as
+// image_undistorter makes it, or fused.ply; the given one if none has.
+// \throw FileError if there are several.
+std::filesystem::path FindUndistortedFolder(const std::filesystem::path& path);
+
 // The folder that has the sparse model of a workspace: PATH/sparse or
 // PATH/sparse/0 or, where the path is that of a model itself, PATH.
 // \throw FileError if there is none.

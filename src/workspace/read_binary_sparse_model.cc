@@ -14,7 +14,7 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr uint64_t kMinCameraBytes = 4 + 4 + 8 + 8 + 3 * 8;
+constexpr uint64_t kMinCameraBytes = 4 + 4 + 8 + 8 + 2 * 8;
 constexpr uint64_t kMinImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr uint64_t kPoint2DBytes = 8 + 8 + 8;
 constexpr uint64_t kMinPoint3DBytes = 8 + 3 * 8 + 3 + 8 + 8;
@@ -33,8 +33,9 @@ void ReadCameras(const std::filesystem::path& path, SparseModel* model) {
     const uint64_t height = reader.Read<uint64_t>("a camera");
     const CameraModelInfo* info = FindCameraModel(model_id);
     if (info == nullptr) {
-      throw FileError(path, fmt::format("camera {} has the unknown model {}",
-                                        camera_id, model_id));
+      throw FileError(
+          path, fmt::format("camera {} has the unknown model {}; {}", camera_id,
+                            model_id, kUndistort));
     }
     std::vector<double> params(info->num_params);
     reader.Read(params.data(), params.size() * sizeof(double), "a camera");

@@ -94,7 +94,7 @@ void ReadCameras(const std::filesystem::path& path, SparseModel* model) {
     const uint64_t height = reader.Number<uint64_t>();
     const CameraModelInfo* info = FindCameraModel(model_name);
     if (info == nullptr) {
-      reader.Throw("unknown camera model " + model_name);
+      reader.Throw("unknown camera model " + model_name + "; " + kUndistort);
     }
     std::vector<double> params(info->num_params);
     for (double& param : params) {

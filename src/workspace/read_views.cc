@@ -110,9 +110,18 @@ Views ReadViews(const std::filesystem::path& dense_path,
                       "is; run `colmap image_undistorter` first",
                       image.camera_id, camera.model_name));
     }
+    if (!camera.has_focal_length) {
+      throw FileError(
+          dense_path,
+          fmt::format("camera {} is a panorama ({}), which can not be meshed; "
+                      "cut it into pinhole images first",
+                      image.camera_id, camera.model_name));
+    }
     View view = MakeView(image, camera);
     result.picture_errors.push_back(FitToPicture(
         dense_path / "images" / image.name, rules, decoder, &view, &result));
+    result.camera_scales.push_back(1.0 * static_cast<double>(camera.width) /
+                                   view.width);
     result.depth_map_scales.push_back(ReadDepthMapScale(dense_path, view));
     result.views.push_back(std::move(view));
   }

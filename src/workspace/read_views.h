@@ -13,6 +13,9 @@ namespace colmap_ext {
 
 struct Views {
   std::vector<View> views;  // as the model's images
+  // [views] size of each camera over the size of its picture; 1 where there is
+  // no picture.
+  std::vector<double> camera_scales;
   // [views] size of each depth map over the size of its picture; 1 where there
   // is no depth map.
   std::vector<double> depth_map_scales;
@@ -36,7 +39,7 @@ struct ViewRules {
 // pictures of a pinhole camera and leaves the camera as it was.
 //
 // \throw FileError if a camera is distorted, or the aspect of a picture is not
-//        its camera's, unless the rules allow that.
+//        its camera's, unless the rules allow that, or a camera is a panorama.
 Views ReadViews(const std::filesystem::path& dense_path,
                 const SparseModel& model, const ViewRules& rules,
                 const PictureDecoder& decoder);

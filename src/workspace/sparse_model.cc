@@ -25,7 +25,13 @@ constexpr CameraModelInfo kCameraModels[] = {
     {"SIMPLE_RADIAL_FISHEYE", 4, 1, false},
     {"RADIAL_FISHEYE", 5, 1, false},
     {"THIN_PRISM_FISHEYE", 12, 2, false},
-    {"RAD_TAN_THIN_PRISM_FISHEYE", 16, 2, false},
+    {"RAD_TAN_THIN_PRISM_FISHEYE", 16, 2, false},  // 3.9
+    {"SIMPLE_DIVISION", 4, 1, false},              // 4.0
+    {"DIVISION", 5, 2, false},
+    {"SIMPLE_FISHEYE", 3, 1, false},
+    {"FISHEYE", 4, 2, false},
+    {"EUCM", 6, 2, false},             // 4.1
+    {"EQUIRECTANGULAR", 2, 0, false},  // its size
 };
 
 bool HasFiles(const std::filesystem::path& folder, const char* extension) {
@@ -98,11 +104,15 @@ SparseCamera MakeSparseCamera(const CameraModelInfo& info, uint64_t width,
   camera.model_name = info.name;
   camera.width = width;
   camera.height = height;
+  camera.is_pinhole = info.is_pinhole;
+  camera.has_focal_length = info.num_focal_lengths > 0;
+  if (!camera.has_focal_length) {
+    return camera;
+  }
   camera.fx = params[0];
   camera.fy = params[info.num_focal_lengths - 1];
   camera.cx = params[info.num_focal_lengths];
   camera.cy = params[info.num_focal_lengths + 1];
-  camera.is_pinhole = info.is_pinhole;
   return camera;
 }
 

@@ -21,14 +21,15 @@ namespace colmap_ext {
 // is what fused.ply.vis of older ones refers to.
 
 struct SparseCamera {
-  std::string model_name;  // "PINHOLE"
-  uint64_t width = 0;      // px
-  uint64_t height = 0;     // px
-  double fx = 1;           // px
-  double fy = 1;           // px
-  double cx = 0;           // px, centre of the first pixel at 0.5
-  double cy = 0;           // px
-  bool is_pinhole = true;  // no distortion
+  std::string model_name;        // "PINHOLE"
+  uint64_t width = 0;            // px
+  uint64_t height = 0;           // px
+  double fx = 1;                 // px
+  double fy = 1;                 // px
+  double cx = 0;                 // px, centre of the first pixel at 0.5
+  double cy = 0;                 // px
+  bool is_pinhole = true;        // no distortion
+  bool has_focal_length = true;  // else a panorama; fx ... cy say nothing
 };
 
 struct SparseImage {
@@ -76,13 +77,17 @@ SparseModel ReadTextSparseModel(const std::filesystem::path& folder);
 struct CameraModelInfo {
   const char* name;
   int num_params;
-  int num_focal_lengths;
+  int num_focal_lengths;  // 0 for panoramas
   bool is_pinhole;
 };
 
-// \return nullptr if COLMAP 4.x has no such model.
+// \return nullptr if COLMAP 4.1 has no such model.
 const CameraModelInfo* FindCameraModel(int model_id);
 const CameraModelInfo* FindCameraModel(const std::string& name);
+
+// What to do about cameras whose model is unknown, for messages.
+inline constexpr const char* kUndistort =
+    "`colmap image_undistorter` of the COLMAP that wrote it makes it PINHOLE";
 
 // \pre params.size() == info.num_params
 SparseCamera MakeSparseCamera(const CameraModelInfo& info, uint64_t width,

@@ -61,11 +61,8 @@ void ExpectFinitePoints(const std::vector<Eigen::Vector3f>& points,
   }
 }
 
-SeenCloud ReadFusedCloud(const fs::path& folder) {
-  SeenCloud seen{ReadPlyCloud(folder / "fused.ply"),
-                 {},
-                 folder / "fused.ply",
-                 folder / "fused.ply.vis"};
+SeenCloud ReadFusedCloud(const fs::path& path) {
+  SeenCloud seen{ReadPlyCloud(path), {}, path, path.string() + ".vis"};
   seen.visibility =
       ReadVisibility(seen.visibility_path, seen.cloud.positions.size());
   if (seen.visibility.values.empty()) {
@@ -88,6 +85,7 @@ void OrderImages(const SparseModel& model, const Views& views,
   workspace->report.is_order_verified = true;
   const std::vector<size_t>& order = workspace->report.order.order.images;
   workspace->views = Reorder(views.views, order);
+  workspace->camera_scales = Reorder(views.camera_scales, order);
   workspace->depth_map_scales = Reorder(views.depth_map_scales, order);
   workspace->picture_errors = Reorder(views.picture_errors, order);
   seen.cloud.normals = {};
@@ -114,6 +112,7 @@ void MakeSparseCloud(const SparseModel& model, const Views& views,
                                     : std::numeric_limits<uint32_t>::max());
   }
   workspace->views = views.views;
+  workspace->camera_scales = views.camera_scales;
   workspace->depth_map_scales = views.depth_map_scales;
   workspace->picture_errors = views.picture_errors;
   workspace->cloud = FilterCloud(
@@ -157,12 +156,20 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
 
 }  // namespace
 
+fs::path FindDenseFolder(const fs::path& path,
+                         const WorkspaceOptions& options) {
+  return options.fused_path.empty() ? FindDenseFolder(path)
+                                    : FindUndistortedFolder(path);
+}
+
 Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
                         const PictureDecoder& decoder) {
   if (options.input_type == InputType::kDense) {
-    const fs::path folder = FindDenseFolder(path);
+    const fs::path folder = FindDenseFolder(path, options);
+    const fs::path fused_path =
+        options.fused_path.empty() ? folder / "fused.ply" : options.fused_path;
     return Assemble(folder, options, decoder,
-                    [&folder] { return ReadFusedCloud(folder); });
+                    [&fused_path] { return ReadFusedCloud(fused_path); });
   }
   return Assemble(path, options, decoder, nullptr);
 }

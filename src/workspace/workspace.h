@@ -24,6 +24,10 @@ enum class InputType {
 struct WorkspaceOptions {
   InputType input_type = InputType::kDense;
 
+  // The fused points, with their .vis beside them; empty: fused.ply in the
+  // workspace.
+  std::filesystem::path fused_path = {};
+
   // How fused.ply.vis counts the images; nothing: it is found out.
   std::optional<ImageOrderKind> image_order = std::nullopt;
 
@@ -45,15 +49,22 @@ struct WorkspaceReport {
 
 // A COLMAP workspace in our types.
 struct Workspace {
-  std::vector<View> views;  // by the image indices of fused.ply.vis
-  std::vector<double> depth_map_scales;        // [views]
+  std::vector<View> views;            // by the image indices of fused.ply.vis
+  std::vector<double> camera_scales;  // [views] as Views has them
+  std::vector<double> depth_map_scales;        // [views] likewise
   std::vector<std::string> picture_errors;     // [views] as Views has them
   PointCloud cloud;                            // view indices < views.size()
   std::vector<Eigen::Vector3f> sparse_points;  // finite
   WorkspaceReport report;
 };
 
-// Reads DIR/sparse and, for dense input, DIR/fused.ply and DIR/fused.ply.vis.
+// The folder of the workspace that dense input is read from.
+// \throw FileError if there is none, or several.
+std::filesystem::path FindDenseFolder(const std::filesystem::path& path,
+                                      const WorkspaceOptions& options);
+
+// Reads DIR/sparse and, for dense input, DIR/fused.ply and DIR/fused.ply.vis,
+// or the points that the options name.
 //
 // \throw FileError for whatever is missing, damaged, or does not fit together.
 Workspace ReadWorkspace(const std::filesystem::path& path,

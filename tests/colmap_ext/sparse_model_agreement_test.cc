@@ -1,54 +1,84 @@
+#include <algorithm>
 #include <filesystem>
-
-#if __has_include(<base/reconstruction.h>)
-#include <base/reconstruction.h>
-#endif
+#include <vector>
 
 #include "tests/formats/test_files.h"
+#include "tests/synthetic/colmap_workspace.h"
 #include "tests/workspace/sphere_workspace.h"
+#include "workspace/image_order.h"
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {
 namespace {
 
-#if __has_include(<base/reconstruction.h>)
+class SparseModelAgreementTest : public testing::Test {
+ protected:
+  SparseModelAgreementTest() {
+    sphere_.points.resize(20);
+    sphere_.point_images.assign(20, {0, 2});
+    const std::filesystem::path old = folder_.Path() / "old";
+    WriteFile(old / "cameras.bin", sphere_.CamerasBinary());
+    WriteFile(old / "images.bin", sphere_.ImagesBinary());
+    WriteFile(old / "points3D.bin", sphere_.Points3DBinary());
+    std::filesystem::create_directory(binary_);
+    synthetic::ConvertModel(old.string(), binary_.string());
+  }
+
+  SphereWorkspace sphere_;
+  TemporaryFolder folder_;
+  // As this COLMAP writes it: with rigs and frames from 3.12 on.
+  std::filesystem::path binary_ = folder_.Path() / "binary";
+};
+
 // What COLMAP itself writes and reads is what we read.
-TEST(SparseModel, AgreesWithColmap) {
-  const TemporaryFolder folder;
-  SphereWorkspace sphere;
-  sphere.images.resize(3);
-  sphere.points.resize(20);
-  sphere.point_images.assign(20, {0, 2});
-  WriteFile(folder.Path() / "cameras.bin", sphere.CamerasBinary());
-  WriteFile(folder.Path() / "images.bin", sphere.ImagesBinary());
-  WriteFile(folder.Path() / "points3D.bin", sphere.Points3DBinary());
-  colmap::Reconstruction reconstruction;
-  reconstruction.ReadBinary(folder.Path().string());
-  for (const bool is_binary : {true, false}) {
-    const std::filesystem::path path =
-        folder.Path() / (is_binary ? "binary" : "text");
-    std::filesystem::create_directory(path);
-    is_binary ? reconstruction.WriteBinary(path.string())
-              : reconstruction.WriteText(path.string());
-    const SparseModel model = ReadSparseModel(path);
-    colmap::Reconstruction reread;
-    reread.Read(path.string());
-    ASSERT_EQ(model.images.size(), reread.NumRegImages());
-    for (size_t i = 0; i < model.images.size(); ++i) {
-      EXPECT_EQ(model.images[i].image_id, reread.RegImageIds()[i]);
-      const colmap::Image& image = reread.Image(model.images[i].image_id);
-      EXPECT_EQ(model.images[i].name, image.Name());
-      EXPECT_TRUE(
-          model.images[i].cam_from_world_rotation.toRotationMatrix().isApprox(
-              image.RotationMatrix()));
-      EXPECT_TRUE(
-          model.images[i].cam_from_world_translation.isApprox(image.Tvec()));
-    }
-    EXPECT_EQ(model.point_positions.size(), reread.NumPoints3D());
-    EXPECT_EQ(model.cameras.at(7).fx, reread.Camera(7).FocalLengthX());
+TEST_F(SparseModelAgreementTest, ReadsWhatThisColmapWrites) {
+  const SparseModel model = ReadSparseModel(binary_);
+  const std::vector<View> views = synthetic::ReadViews(binary_.string());
+  ASSERT_EQ(model.images.size(), views.size());
+  for (const View& view : views) {
+    const auto image = std::find_if(
+        model.images.begin(), model.images.end(),
+        [&](const SparseImage& other) { return other.name == view.name; });
+    ASSERT_NE(image, model.images.end()) << view.name;
+    EXPECT_TRUE(image->cam_from_world_rotation.toRotationMatrix().isApprox(
+        view.cam_from_world_rotation));
+    EXPECT_TRUE(image->cam_from_world_translation.isApprox(
+        view.cam_from_world_translation));
+    const SparseCamera& camera = model.cameras.at(image->camera_id);
+    EXPECT_EQ(camera.fx, view.fx);
+    EXPECT_EQ(camera.cy, view.cy);
+    EXPECT_EQ(camera.width, view.width);
+  }
+  EXPECT_EQ(model.point_positions.size(), 2);  // of 20, in the sphere's model
+  const bool has_frames = std::filesystem::exists(binary_ / "frames.bin");
+  EXPECT_EQ(model.frames.size(), has_frames ? views.size() : 0);
+#if COLMAP_EXT_COLMAP_VERSION >= 31200
+  EXPECT_TRUE(has_frames);
+#endif
+}
+
+// The order that this COLMAP counts images by in a .vis is one of those that
+// are tried, under the name that its version has in our reports.
+TEST_F(SparseModelAgreementTest, KnowsTheImageOrderOfThisColmap) {
+#if COLMAP_EXT_COLMAP_VERSION >= 31200
+  constexpr ImageOrderKind kKind = ImageOrderKind::kFrame;
+#elif COLMAP_EXT_COLMAP_VERSION >= 31100
+  constexpr ImageOrderKind kKind = ImageOrderKind::kImageId;
+#else
+  constexpr ImageOrderKind kKind = ImageOrderKind::kFile;
+#endif
+  const SparseModel model = ReadSparseModel(binary_);
+  const std::vector<View> views = synthetic::ReadViews(binary_.string());
+  const std::vector<ImageOrder> orders = CandidateImageOrders(model);
+  const auto order =
+      std::find_if(orders.begin(), orders.end(),
+                   [](const ImageOrder& other) { return other.kind == kKind; });
+  ASSERT_NE(order, orders.end());
+  ASSERT_EQ(order->images.size(), views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(model.images[order->images[i]].name, views[i].name);
   }
 }
-#endif
 
 }  // namespace
 }  // namespace colmap_ext

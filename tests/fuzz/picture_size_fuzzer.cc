@@ -5,5 +5,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t num_bytes) {
   return colmap_ext::FuzzFile(bytes, num_bytes,
                               [](const std::filesystem::path& path) {
                                 colmap_ext::ReadPictureSize(path);
+                                colmap_ext::IsPictureCutOff(path);
                               });
 }

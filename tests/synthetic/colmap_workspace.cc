@@ -28,9 +28,9 @@ namespace {
 template <typename Image>
 void SetPose(const Image& image, View* view) {
   if constexpr (requires { image.CamFromWorld(); }) {
-    const auto cam_from_world = image.CamFromWorld();
-    view->cam_from_world_rotation = cam_from_world.rotation.toRotationMatrix();
-    view->cam_from_world_translation = cam_from_world.translation;
+    const Eigen::Matrix3x4d cam_from_world = image.CamFromWorld().ToMatrix();
+    view->cam_from_world_rotation = cam_from_world.leftCols<3>();
+    view->cam_from_world_translation = cam_from_world.col(3);
   } else {
     view->cam_from_world_rotation = image.RotationMatrix();
     view->cam_from_world_translation = image.Tvec();
@@ -56,10 +56,10 @@ void WriteImage(const std::string& path, const ColorImage& image) {
   }
 }
 
-std::map<std::string, int> ConvertModel(const std::string& text_path,
+std::map<std::string, int> ConvertModel(const std::string& path,
                                         const std::string& binary_path) {
   colmap::Reconstruction model;
-  model.ReadText(text_path);
+  model.Read(path);
   model.WriteBinary(binary_path);
   colmap::Reconstruction written;
   written.ReadBinary(binary_path);

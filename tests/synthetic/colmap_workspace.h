@@ -15,10 +15,11 @@ namespace colmap_ext::synthetic {
 // \throw std::runtime_error where the file cannot be written.
 void WriteImage(const std::string& path, const ColorImage& image);
 
-// Reads a sparse model as text, with COLMAP, and writes it in binary form.
+// Reads a sparse model, binary or else text, with COLMAP, and writes it as this
+// version does in binary form.
 // \return the positions of the images in the order that COLMAP reads them from
 //         the latter, by name: what fused.ply.vis refers to.
-std::map<std::string, int> ConvertModel(const std::string& text_path,
+std::map<std::string, int> ConvertModel(const std::string& path,
                                         const std::string& binary_path);
 
 // The cameras of a sparse model in any form that COLMAP reads, in its order.

@@ -109,7 +109,9 @@ class NumberReader {
   const bool is_swapped_;
 };
 
-void AddVertex(const std::map<std::string, double>& values, PlyMesh* ply) {
+// \param labels  of the vertices so far; empty where they have none.
+void AddVertex(const std::map<std::string, double>& values,
+               std::vector<int32_t>* labels, PlyMesh* ply) {
   const auto get = [&](const char* name) {
     const auto it = values.find(name);
     return it == values.end() ? 0.0 : it->second;
@@ -117,6 +119,9 @@ void AddVertex(const std::map<std::string, double>& values, PlyMesh* ply) {
   ply->mesh.vertices.emplace_back(get("x"), get("y"), get("z"));
   if (values.contains("nx")) {
     ply->normals.emplace_back(get("nx"), get("ny"), get("nz"));
+  }
+  if (values.contains("label")) {
+    labels->push_back(static_cast<int32_t>(get("label")));
   }
   if (values.contains("red")) {
     ply->colors.push_back({static_cast<uint8_t>(get("red")),
@@ -137,7 +142,8 @@ void AddPolygon(const std::vector<uint32_t>& corners, PlyMesh* ply) {
   }
 }
 
-void ReadElement(const Element& element, NumberReader* reader, PlyMesh* ply) {
+void ReadElement(const Element& element, NumberReader* reader,
+                 std::vector<int32_t>* labels, PlyMesh* ply) {
   std::map<std::string, double> values;
   std::vector<uint32_t> corners;
   for (uint64_t i = 0; i < element.count; ++i) {
@@ -157,11 +163,13 @@ void ReadElement(const Element& element, NumberReader* reader, PlyMesh* ply) {
       }
     }
     if (element.name == "vertex") {
-      AddVertex(values, ply);
+      AddVertex(values, labels, ply);
     } else if (element.name == "face") {
       AddPolygon(corners, ply);
       if (values.contains("label")) {
         ply->labels.resize(ply->mesh.facets.size(), values["label"]);
+      } else if (!labels->empty() && !corners.empty()) {
+        ply->labels.resize(ply->mesh.facets.size(), labels->at(corners[0]));
       }
     }
   }
@@ -178,8 +186,9 @@ PlyMesh ReadPlyMesh(const std::string& path) {
     const Header header = ReadHeader(file);
     NumberReader reader(file, header.format);
     PlyMesh ply;
+    std::vector<int32_t> labels;
     for (const Element& element : header.elements) {
-      ReadElement(element, &reader, &ply);
+      ReadElement(element, &reader, &labels, &ply);
     }
     return ply;
   } catch (const std::runtime_error& error) {

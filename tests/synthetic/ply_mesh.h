@@ -18,6 +18,7 @@ struct PlyMesh {
   std::vector<Eigen::Vector3f> normals;  // [V] or empty
   std::vector<Color> colors;             // [V] or empty
   std::vector<int32_t> labels;           // [F] or empty, the property `label`
+                                         // of facets or of their vertices
 };
 
 // Reads a PLY file in any of its three formats, whatever else it holds.

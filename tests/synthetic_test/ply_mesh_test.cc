@@ -57,6 +57,15 @@ TEST_F(PlyMeshFile, TextWithColorsLabelsAndAQuadrilateral) {
   EXPECT_EQ(ply.labels, (std::vector<int32_t>{7, 7}));
 }
 
+TEST_F(PlyMeshFile, LabelsOfVerticesAreThoseOfTheirFacets) {
+  Write(
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+      "property float y\nproperty float z\nproperty int label\n"
+      "element face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n0 0 0 7\n1 0 0 7\n1 1 0 7\n0 1 0 7\n4 0 1 2 3\n");
+  EXPECT_EQ(ReadPlyMesh(path_).labels, (std::vector<int32_t>{7, 7}));
+}
+
 TEST_F(PlyMeshFile, RefusesWhatIsBroken) {
   EXPECT_THROW(ReadPlyMesh(path_), std::runtime_error);
   Write("hello");

@@ -1,6 +1,7 @@
 #include "workspace/sparse_model.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
@@ -140,6 +141,45 @@ TEST_F(SparseModelTest, KnowsColmapsCameraModels) {
   EXPECT_EQ(camera.fy, 90);
   EXPECT_EQ(camera.cx, 40);
   EXPECT_EQ(camera.cy, 30);
+}
+
+// The ids and parameters of COLMAP 4.1's sensor/models.h.
+TEST_F(SparseModelTest, ReadsTheCameraModelsOfColmap4) {
+  const std::string binary = sphere_.CamerasBinary();
+  int model_id = 12;
+  for (const auto& [name, params] :
+       {std::pair("SIMPLE_DIVISION", "90 40 30 0.1"),
+        std::pair("DIVISION", "90 91 40 30 0.1"),
+        std::pair("SIMPLE_FISHEYE", "90 40 30"),
+        std::pair("FISHEYE", "90 91 40 30"),
+        std::pair("EUCM", "90 91 40 30 0.5 1.1"),
+        std::pair("EQUIRECTANGULAR", "80 60")}) {
+    WriteText();
+    WriteBinary();
+    WriteFile(path_ / "cameras.txt",
+              std::string("7 ") + name + " 80 60 " + params + "\n");
+    const SparseCamera camera = ReadTextSparseModel(path_).cameras.at(7);
+    EXPECT_EQ(camera.model_name, name);
+    EXPECT_FALSE(camera.is_pinhole);
+    EXPECT_EQ(camera.cx, camera.has_focal_length ? 40 : 0);
+    std::string bytes = binary.substr(0, 8 + 4);  // a count and an id
+    Append(int32_t{model_id++}, &bytes);
+    bytes += binary.substr(8 + 4 + 4, 16);  // the size
+    std::istringstream numbers(params);
+    for (double number = 0; numbers >> number;) {
+      Append(number, &bytes);
+    }
+    WriteFile(path_ / "cameras.bin", bytes);
+    EXPECT_EQ(ReadSparseModel(path_).cameras.at(7).model_name, name);
+  }
+}
+
+TEST_F(SparseModelTest, NamesUnknownCameraModelsAndWhatToDo) {
+  WriteText();
+  WriteFile(path_ / "cameras.txt", "7 NEW_ONE 80 60 90 40 30 0.1\n");
+  const std::string error = FileErrorOf([&] { ReadSparseModel(path_); });
+  EXPECT_NE(error.find("NEW_ONE"), std::string::npos) << error;
+  EXPECT_NE(error.find("image_undistorter"), std::string::npos) << error;
 }
 
 }  // namespace

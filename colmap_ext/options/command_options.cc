@@ -1,0 +1,86 @@
+#include "colmap_ext/options/command_options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <type_traits>
+
+#include <fmt/format.h>
+
+namespace colmap_ext {
+
+namespace {
+
+std::string ToLower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+bool Parse(const std::string& text, std::string* value) {
+  *value = text;
+  return true;
+}
+
+bool Parse(const std::string& text, bool* value) {
+  const std::string word = ToLower(text);
+  for (const char* name : {"1", "true", "yes", "on"}) {
+    if (word == name) {
+      *value = true;
+      return true;
+    }
+  }
+  for (const char* name : {"0", "false", "no", "off"}) {
+    if (word == name) {
+      *value = false;
+      return true;
+    }
+  }
+  return false;
+}
+
+template <typename Number>
+bool Parse(const std::string& text, Number* value) {
+  const char* const begin = text.data() + text.starts_with('+');
+  const char* const end = text.data() + text.size();
+  Number number{};
+  const auto [rest, error] = std::from_chars(begin, end, number);
+  if (error != std::errc() || rest != end) {
+    return false;
+  }
+  *value = number;
+  return true;
+}
+
+}  // namespace
+
+void CommandOptions::AddDefaultOption(const std::string& name, Value value,
+                                      const std::string& help) {
+  options_.push_back({name, value, TextOf(value), help});
+}
+
+void CommandOptions::AddAlias(const std::string& alias,
+                              const std::string& option,
+                              const std::string& note, bool* is_used) {
+  aliases_.push_back({alias, option, note, is_used});
+}
+
+std::string TextOf(const CommandOptions::Value& value) {
+  return std::visit(
+      [](const auto* pointer) {
+        using T = std::remove_cvref_t<decltype(*pointer)>;
+        if constexpr (std::is_same_v<T, bool>) {
+          return fmt::format("{:d}", *pointer);
+        } else {
+          return fmt::format("{}", *pointer);
+        }
+      },
+      value);
+}
+
+bool SetValue(const std::string& text, const CommandOptions::Value& value) {
+  return std::visit([&text](auto* pointer) { return Parse(text, pointer); },
+                    value);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,247 @@
+// The commands as scripts run them that were written for delaunay_mesher: in a
+// shell, with COLMAP's options, from other folders, several at a time.
+
+#include <fstream>
+
+#include "tests/colmap_ext/run_shell.h"
+#include "tests/formats/test_files.h"
+#include "tests/workspace/sphere_workspace.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMeshName = "meshed-delaunay-manifold.ply";
+
+std::string Quote(const fs::path& path) { return "'" + path.string() + "'"; }
+
+class ScriptsTest : public testing::TestWithParam<const char*> {
+ protected:
+  // A little rough, or no point would lie within others and be thinned.
+  void SetUp() override {
+    for (size_t i = 0; i < sphere_.points.size(); ++i) {
+      sphere_.points[i] *= 1 + 0.02F * (static_cast<float>(i * 7919 % 13) / 13);
+    }
+    sphere_.Write(path_);
+  }
+
+  // Runs the lines in the test's folder, by a shell that stops at errors.
+  // `mesher` and `refiner` stand for the commands.
+  Outcome RunScript(const std::string& lines) {
+    const fs::path script = folder_.Path() / "script.sh";
+    WriteFile(script, "set -euo pipefail\ncd " + Quote(folder_.Path()) +
+                          "\nmesher() { " + Quote(GetParam()) +
+                          " delaunay_manifold_mesher \"$@\"; }\n"
+                          "refiner() { " +
+                          Quote(GetParam()) + " facetwise_refiner \"$@\"; }\n" +
+                          lines + "\n");
+    return RunShell("bash " + Quote(script));
+  }
+
+  void ExpectSuccess(const std::string& lines) {
+    const Outcome outcome = RunScript(lines);
+    EXPECT_EQ(outcome.exit_code, 0) << lines << "\n" << outcome.err;
+    out_ = outcome.out;
+  }
+
+  std::string Bytes(const std::string& name) {
+    return ReadFile(folder_.Path() / name);
+  }
+
+  bool HasSaid(const std::string& text) const {
+    return out_.find(text) != std::string::npos;
+  }
+
+  TemporaryFolder folder_;
+  fs::path path_ = folder_.Path() / "a scène";
+  SphereWorkspace sphere_;
+  std::string out_;  // of the last success
+};
+
+TEST_P(ScriptsTest, TakesTheOptionsOfDelaunayMesher) {
+  ExpectSuccess(
+      "mesher --input_path 'a scène' --output_path 'a scène/scene.ply' "
+      "--DelaunayMeshing.quality_regularization 1. "
+      "--DelaunayMeshing.max_proj_dist 3\n"
+      "mesher --workspace_path 'a scène' --output_path same.ply "
+      "--DelaunayManifoldMeshing.quality_regularization 1 "
+      "--DelaunayManifoldMeshing.max_proj_dist 3\n"
+      "cmp same.ply 'a scène/scene.ply'");
+  ExpectSuccess(
+      "mesher --input_path 'a scène' --input_type sparse --output_path s1.ply\n"
+      "mesher --input_path 'a scène/sparse' --input_type SPARSE "
+      "--output_path s2.ply\ncmp s1.ply s2.ply");
+  ExpectSuccess(
+      "mesher --input_path 'a scène' --output_path x.ply --log_level 1 "
+      "--DelaunayMeshing.of_another_version 3");
+  EXPECT_TRUE(
+      HasSaid("left out: --DelaunayMeshing.of_another_version, "
+              "--log_level\n"));
+}
+
+// What image_undistorter writes into run-colmap-geometric.sh.
+TEST_P(ScriptsTest, RunsTheScriptOfImageUndistorter) {
+  fs::create_symlink(GetParam(), path_ / "colmap");
+  WriteFile(path_ / "run-colmap-geometric.sh",
+            "# You must set $COLMAP_EXE_PATH to \n"
+            "# the directory containing the COLMAP executables.\n"
+            "$COLMAP_EXE_PATH/colmap delaunay_manifold_mesher \\\n"
+            "  --input_path . \\\n"
+            "  --input_type dense \\\n"
+            "  --output_path ./meshed-delaunay.ply\n");
+  ExpectSuccess(
+      "cd 'a scène'\nCOLMAP_EXE_PATH=. sh run-colmap-geometric.sh\n"
+      "test -s meshed-delaunay.ply\ntest -s meshed-delaunay.ply.vis");
+}
+
+TEST_P(ScriptsTest, CountsThePixelsOfTheCameraLikeDelaunayMesher) {
+  for (SphereWorkspace::Image& image : sphere_.images) {
+    image.view.width = 40;  // of the picture; the camera stays 80 x 60
+    image.view.height = 30;
+  }
+  sphere_.Write(path_);
+  ExpectSuccess(
+      "mesher --workspace_path 'a scène' --output_path camera.ply "
+      "--DelaunayMeshing.max_proj_dist 8");
+  EXPECT_TRUE(HasSaid("8 px of the cameras, as COLMAP has it: 4 px of images"));
+  ExpectSuccess(
+      "mesher --workspace_path 'a scène' --output_path image.ply "
+      "--DelaunayManifoldMeshing.max_proj_dist 4");
+  EXPECT_FALSE(HasSaid("of the cameras"));
+  EXPECT_EQ(Bytes("camera.ply.vis"), Bytes("image.ply.vis"));
+  ExpectSuccess(
+      "mesher --workspace_path 'a scène' --output_path other.ply "
+      "--DelaunayManifoldMeshing.max_proj_dist 8");
+  EXPECT_NE(Bytes("other.ply.vis"), Bytes("image.ply.vis"));
+}
+
+TEST_P(ScriptsTest, TakesTheProjectFileOfProjectGenerator) {
+  WriteFile(folder_.Path() / "project.ini",
+            "log_to_stderr=true\nrandom_seed=0\nlog_level=0\n"
+            "database_path=/some/where.db\nimage_path=/some/where\n"
+            "[ImageReader]\nsingle_camera=false\nmask_path=\n"
+            "[DelaunayMeshing]\nmax_proj_dist=3\nnum_threads=1\n");
+  ExpectSuccess(
+      "mesher --project_path project.ini --workspace_path 'a scène'\n"
+      "mesher --workspace_path 'a scène' --output_path same.ply "
+      "--DelaunayMeshing.max_proj_dist 3\n"
+      "cmp same.ply 'a scène/" +
+      std::string(kMeshName) + "'");
+  EXPECT_EQ(RunScript("mesher --project_path none.ini").exit_code, 1);
+}
+
+#ifdef COLMAP_EXT_COLMAP_PROGRAM
+TEST_P(ScriptsTest, TakesWhatThisColmapWritesAsAProject) {
+  ExpectSuccess(Quote(COLMAP_EXT_COLMAP_PROGRAM) +
+                " project_generator --output_path generated.ini\n"
+                "mesher --project_path generated.ini --workspace_path "
+                "'a scène'");
+  EXPECT_TRUE(HasSaid("left out: ")) << out_;
+}
+#endif
+
+TEST_P(ScriptsTest, FindsCloudsOfAnotherName) {
+  ExpectSuccess("mesher --workspace_path 'a scène' --output_path as_ever.ply");
+  ExpectSuccess(
+      "mkdir clouds\n"
+      "mv 'a scène/fused.ply' 'clouds/fused geometric.ply'\n"
+      "mv 'a scène/fused.ply.vis' 'clouds/fused geometric.ply.vis'\n"
+      "mesher --workspace_path 'a scène' "
+      "--fused_path 'clouds/fused geometric.ply'\n"
+      "cmp as_ever.ply 'a scène/" +
+      std::string(kMeshName) +
+      "'\n"
+      "rm 'a scène/" +
+      std::string(kMeshName) +
+      ".vis'\n"
+      "refiner --workspace_path 'a scène' --fused_path "
+      "'clouds/fused geometric.ply' --FacetwiseRefinement.levels 1 "
+      "--FacetwiseRefinement.iterations 1\n"
+      "test -s 'a scène/meshed-refined.ply'");
+  const Outcome outcome = RunScript(
+      "mesher --workspace_path 'a scène' --fused_path clouds/none.ply");
+  ExpectRefusal(outcome, "clouds/none.ply");
+}
+
+// automatic_reconstructor's layout, where the points have another name.
+TEST_P(ScriptsTest, FindsTheWorkspaceOfACloudByItsStereoFolder) {
+  fs::create_directories(folder_.Path() / "ws/dense/0/stereo");
+  ExpectSuccess(
+      "mv 'a scène'/* ws/dense/0/\n"
+      "mv ws/dense/0/fused.ply ws/dense/0/fused-2.ply\n"
+      "mv ws/dense/0/fused.ply.vis ws/dense/0/fused-2.ply.vis\n"
+      "mesher --workspace_path ws --fused_path ws/dense/0/fused-2.ply\n"
+      "test -s ws/dense/0/" +
+      std::string(kMeshName));
+}
+
+TEST_P(ScriptsTest, TakesPathsOfAllKinds) {
+  ExpectSuccess("mesher --workspace_path 'a scène' --output_path direct.ply");
+  ExpectSuccess(
+      "mkdir -p 'other folder'\nln -s 'a scène' link\n"
+      "mesher --workspace_path 'a scène/' --output_path slash.ply\n"
+      "mesher --workspace_path link/ --output_path 'other folder/link.ply'\n"
+      "cd link\nmesher --workspace_path . --output_path ../dot.ply\n"
+      "cd ..\nmesher --input_path ./link/../'a scène'//. "
+      "--output_path \"$PWD/absolute.ply\"\n"
+      "touch target.ply\nln -s target.ply linked.ply\n"
+      "mesher --workspace_path link --output_path linked.ply\n"
+      "test -L linked.ply\n"
+      "for mesh in slash.ply 'other folder/link.ply' dot.ply absolute.ply "
+      "target.ply; do cmp direct.ply \"$mesh\"; done");
+}
+
+TEST_P(ScriptsTest, TakesImagesInSubfolders) {
+  for (size_t i = 0; i < sphere_.images.size(); ++i) {
+    sphere_.images[i].view.name =
+        "caméra " + std::to_string(i % 2) + "/ö/" + std::to_string(i) + ".ppm";
+  }
+  sphere_.Write(path_);
+  fs::remove(path_ / "images" / "0.ppm");
+  ExpectSuccess(
+      "mesher --workspace_path 'a scène'\n"
+      "refiner --workspace_path 'a scène' --FacetwiseRefinement.levels 1 "
+      "--FacetwiseRefinement.iterations 1");
+  EXPECT_TRUE(fs::exists(path_ / "meshed-refined.ply"));
+}
+
+// Two jobs write whole files each, even over one another.
+TEST_P(ScriptsTest, RunsTwiceInOneWorkspaceAtATime) {
+  ExpectSuccess(
+      "mesher --workspace_path 'a scène' --output_path alone.ply\n"
+      "for i in 1 2; do mesher --workspace_path 'a scène' & "
+      "mesher --workspace_path 'a scène' --output_path both$i.ply & done\n"
+      "for job in $(jobs -p); do wait \"$job\"; done\n"
+      "for mesh in both1.ply both2.ply 'a scène/" +
+      std::string(kMeshName) +
+      "'; do cmp alone.ply \"$mesh\"; cmp alone.ply.vis \"$mesh.vis\"; done");
+  EXPECT_EQ(List(path_), "fused.ply fused.ply.vis images " +
+                             std::string(kMeshName) + " " + kMeshName +
+                             ".vis sparse");
+}
+
+TEST_P(ScriptsTest, StopsScriptsByItsExitCode) {
+  const Outcome outcome =
+      RunScript("mesher --workspace_path nowhere | cat\necho 'never printed'");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.out.find("never printed"), std::string::npos);
+  ExpectSuccess(
+      "if mesher --workspace_path nowhere; then exit 5; fi\n"
+      "mesher -h | grep max_proj_dist > help.txt\n"
+      "mesher --workspace_path 'a scène' > log.txt\necho 'goes on'");
+  EXPECT_TRUE(HasSaid("goes on"));
+}
+
+#ifdef COLMAP_EXT_PROGRAM
+INSTANTIATE_TEST_SUITE_P(StandAlone, ScriptsTest,
+                         testing::Values(COLMAP_EXT_PROGRAM));
+#endif
+#ifdef COLMAP_EXT_COLMAP_PROGRAM
+INSTANTIATE_TEST_SUITE_P(PatchedColmap, ScriptsTest,
+                         testing::Values(COLMAP_EXT_COLMAP_PROGRAM));
+#endif
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ScriptsTest);
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,67 @@
+#include "formats/picture_size.h"
+
+#include <string>
+
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+std::string PngChunk(const std::string& type, const std::string& data) {
+  std::string bytes(3, '\0');
+  bytes += static_cast<char>(data.size());
+  return bytes + type + data + "crc!";
+}
+
+std::string Png() {
+  return "\x89PNG\r\n\x1a\n" + PngChunk("IHDR", std::string(13, '\1')) +
+         PngChunk("IDAT", "IEND, but not yet") + PngChunk("IEND", "");
+}
+
+// A segment with its marker and length.
+std::string JpegSegment(char marker, const std::string& data) {
+  std::string bytes = "\xff";
+  bytes += marker;
+  bytes += '\0';
+  bytes += static_cast<char>(data.size() + 2);
+  return bytes + data;
+}
+
+// With a thumbnail, which has an end marker of its own.
+std::string Jpeg() {
+  return "\xff\xd8" + JpegSegment('\xe1', "Exif \xff\xd8 ... \xff\xd9") +
+         JpegSegment('\xc0', std::string(15, '\1')) +
+         JpegSegment('\xda', std::string(10, '\1')) + "data \xff" +
+         std::string(1, '\0') + "\xd9 data\xff\xd9";
+}
+
+class IsPictureCutOffTest : public testing::Test {
+ protected:
+  bool IsCutOff(const std::string& bytes) {
+    WriteFile(path_, bytes);
+    return IsPictureCutOff(path_);
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / "picture";
+};
+
+TEST_F(IsPictureCutOffTest, FindsEveryCut) {
+  for (const std::string& bytes : {Png(), Jpeg()}) {
+    EXPECT_FALSE(IsCutOff(bytes));
+    EXPECT_FALSE(IsCutOff(bytes + "whatever follows"));
+    for (size_t size = 8; size < bytes.size(); ++size) {
+      EXPECT_TRUE(IsCutOff(bytes.substr(0, size))) << size;
+    }
+  }
+}
+
+TEST_F(IsPictureCutOffTest, KnowsNothingOfOtherFiles) {
+  EXPECT_FALSE(IsCutOff("P6\n3 1\n255\n123"));
+  EXPECT_FALSE(IsCutOff(""));
+  EXPECT_FALSE(IsPictureCutOff(folder_.Path() / "none"));
+  EXPECT_FALSE(IsPictureCutOff(folder_.Path()));
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,159 @@
+#include "colmap_ext/options/parse_options.h"
+
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "colmap_ext/errors.h"
+#include "colmap_ext/options/print_help.h"
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace {
+
+class ParseOptionsTest : public testing::Test {
+ protected:
+  ParseOptionsTest() {
+    options_.AddDefaultOption("output_path", &text_, "Where to");
+    options_.AddDefaultOption("Ours.size", &number_, "[px] How large");
+    options_.AddDefaultOption("Ours.count", &count_);
+    options_.AddDefaultOption("Ours.flag", &flag_);
+    options_.AddAlias("Theirs.size", "Ours.size", ", larger", &is_theirs_);
+    options_.AddAlias("Theirs.count", "Ours.count");
+  }
+
+  ParsedOptions Parse(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "program");
+    return ParseOptions(static_cast<int>(arguments.size()), arguments.data(),
+                        options_);
+  }
+
+  ParsedOptions ParseProject(const std::string& text,
+                             std::vector<const char*> arguments = {}) {
+    WriteFile(project_, text);
+    arguments.insert(arguments.end(), {"--project_path", project_.c_str()});
+    return Parse(arguments);
+  }
+
+  void ExpectRefused(std::vector<const char*> arguments,
+                     const std::string& message) {
+    try {
+      Parse(arguments);
+      ADD_FAILURE() << message << " is not refused";
+    } catch (const OptionError& error) {
+      EXPECT_NE(std::string(error.what()).find(message), std::string::npos)
+          << error.what();
+    }
+  }
+
+  std::string text_ = "here";
+  double number_ = 20;
+  int count_ = -1;
+  bool flag_ = false;
+  bool is_theirs_ = false;
+  CommandOptions options_;
+  TemporaryFolder folder_;
+  std::string project_ = (folder_.Path() / "project file.ini").string();
+};
+
+TEST_F(ParseOptionsTest, SetsWhatIsGivenAndLeavesTheRest) {
+  EXPECT_TRUE(Parse({}).left_out.empty());
+  EXPECT_EQ(text_, "here");
+  EXPECT_EQ(number_, 20);
+  Parse({"--output_path", "a b/c", "--Ours.size=5.", "--Ours.count", "-3",
+         "--Ours.flag", "true"});
+  EXPECT_EQ(text_, "a b/c");
+  EXPECT_EQ(number_, 5);
+  EXPECT_EQ(count_, -3);
+  EXPECT_TRUE(flag_);
+  EXPECT_FALSE(is_theirs_);
+  Parse({"--output_path="});
+  EXPECT_EQ(text_, "");
+}
+
+TEST_F(ParseOptionsTest, TakesNamesCutShortWhereTheyAreClear) {
+  Parse({"--output", "x", "--Ours.si", "1e-3"});
+  EXPECT_EQ(text_, "x");
+  EXPECT_EQ(number_, 1e-3);
+  ExpectRefused({"--Ours.", "1"}, "ambiguous");
+}
+
+TEST_F(ParseOptionsTest, RefusesWhatItCanNotUnderstand) {
+  ExpectRefused({"--none", "1"}, "there is no option --none");
+  ExpectRefused({"--Ours.none", "1"}, "there is no option --Ours.none");
+  ExpectRefused({"--Ours.count", "1.5"}, "'1.5' is not a whole number");
+  ExpectRefused({"--Ours.size", "12px"}, "'12px' is not a number");
+  ExpectRefused({"--Ours.flag", "2"}, "'2' is not 0 or 1");
+  ExpectRefused({"--output_path"}, "--output_path needs a value");
+  ExpectRefused({"--output_path", "--Ours.flag", "1"}, "needs a value");
+  ExpectRefused({"somewhere"}, "'somewhere' stands without an option");
+  ExpectRefused({"--Ours.size", "1", "--Ours.size", "1"}, "twice");
+}
+
+TEST_F(ParseOptionsTest, TakesAliasesAndNamesWhatMeansNothing) {
+  const ParsedOptions parsed =
+      Parse({"--Theirs.size", "10", "--Theirs.new_one", "3", "--log_level", "2",
+             "--random_seed=0"});
+  EXPECT_EQ(number_, 10);
+  EXPECT_TRUE(is_theirs_);
+  EXPECT_EQ(parsed.left_out,
+            (std::vector<std::string>{"--Theirs.new_one", "--log_level",
+                                      "--random_seed"}));
+  ExpectRefused({"--Theirs.size", "10", "--Ours.size", "5"}, "same option");
+}
+
+TEST_F(ParseOptionsTest, ReadsProjectFilesAfterTheCommandLine) {
+  const ParsedOptions parsed = ParseProject(
+      "database_path=/x.db\nlog_level = 0\r\noutput_path = a b # a comment\n"
+      "[Other]\nsize=1\nmask=\n[Theirs]\nsize=7\nunknown=1\n[Ours]\ncount=4\n",
+      {"--Ours.count", "9"});
+  EXPECT_EQ(text_, "a b");
+  EXPECT_EQ(number_, 7);
+  EXPECT_TRUE(is_theirs_);
+  EXPECT_EQ(count_, 9);
+  EXPECT_EQ(parsed.left_out,
+            (std::vector<std::string>{"Other.*", "Theirs.*", "database_path",
+                                      "log_level"}));
+}
+
+TEST_F(ParseOptionsTest, PrefersItsOwnNamesAndTheCommandLine) {
+  ParseProject("[Theirs]\nsize=7\ncount=7\n[Ours]\nsize=6\n",
+               {"--Theirs.count", "8"});
+  EXPECT_EQ(number_, 6);
+  EXPECT_FALSE(is_theirs_);
+  EXPECT_EQ(count_, 8);
+  ParseProject("[Theirs]\nsize=7\n", {"--Ours.size", "5"});
+  EXPECT_EQ(number_, 5);
+  EXPECT_FALSE(is_theirs_);
+}
+
+TEST_F(ParseOptionsTest, RefusesBadProjectFiles) {
+  ExpectRefused({"--project_path", "/none.ini"}, "/none.ini can not be read");
+  ExpectRefused({"--project_path", "/tmp"}, "/tmp can not be read");
+  for (const auto& [text, message] :
+       {std::pair("nonsense\n", "line 1"), std::pair("[A]\n=3\n", "line 2"),
+        std::pair("[A]\nb=3\nb=4\n", "A.b is there twice"),
+        std::pair("[Ours]\nsizes=3\n", "there is no option Ours.sizes"),
+        std::pair("outptu_path=3\n", "there is no option outptu_path")}) {
+    WriteFile(project_, text);
+    ExpectRefused({"--project_path", project_.c_str()}, message);
+  }
+}
+
+TEST_F(ParseOptionsTest, PrintsEachOptionWithItsDefault) {
+  EXPECT_TRUE(Parse({"--Ours.count", "3", "-h"}).wants_help);
+  std::ostringstream stream;
+  PrintHelp(options_, "program 1.2", stream);
+  const std::string help = stream.str();
+  EXPECT_TRUE(help.starts_with("program 1.2\n"));
+  for (const char* text :
+       {"  --output_path (=here)\n      Where to\n",
+        "  --Ours.size (=20)\n      [px] How large\n", "  --Ours.count (=-1)\n",
+        "  --Theirs.size\n      is --Ours.size, larger\n"}) {
+    EXPECT_NE(help.find(text), std::string::npos) << text << "\nin\n" << help;
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
