@@ -12,6 +12,7 @@
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/refinement/refinable_cameras.h"
 #include "colmap_ext/refinement/refinement_backend.h"
 #include "colmap_ext/refinement/refinement_input.h"
 #include "colmap_ext/refinement/refinement_state.h"
@@ -26,6 +27,7 @@
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
+#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
 
@@ -46,10 +48,17 @@ CommandAdvice Advice() {
 }
 
 // Before anything is read, so that nobody waits for what can not be written.
-void CheckOutputs(const RefinerOptions& options, const fs::path& output) {
+void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
+  const fs::path& output = paths.output;
   ExpectWritable(output);
   ExpectWritable(VisibilityPath(output));
   ExpectWritable(StatePath(output));
+  if (options.refinement.cameras.parts != RefinedParts::kNone) {
+    std::error_code ignored;
+    ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
+                       ? paths.refined_sparse / "images.bin"
+                       : paths.refined_sparse);
+  }
   if (!options.report_path.empty()) {
     ExpectWritable(options.report_path);
     ExpectWritable(options.PlotPath());
@@ -88,11 +97,13 @@ class Refiner {
     identity_ = IdentifyRun(options_, paths_, input_);
     level_ = options_.refinement.levels;
     if (options_.resume && fs::exists(StatePath(paths_.output))) {
-      RefinementState state = ReadState(paths_.output, identity_);
+      RefinementState state =
+          ReadState(paths_.output, identity_, input_.views);
       level_ = state.level;
       input_.mesh = std::move(state.mesh);
       input_.attributes = std::move(state.attributes);
       origins_ = std::move(state.origins);
+      input_.views = std::move(state.views);
       earlier_ = std::move(state.report);
       is_state_ours_ = true;
     }
@@ -127,6 +138,9 @@ class Refiner {
     hooks.progress = progress_;
     hooks.on_step = [this](const RefinementStep& step,
                            const RefinedMesh& state) { OnStep(step, state); };
+    hooks.on_cameras = [this](const CameraRefinementReport& report) {
+      reporter_.Note(Describe(report));
+    };
     hooks.on_level = [this](int level, const RefinedMesh& state) {
       OnLevel(level, state);
     };
@@ -134,7 +148,7 @@ class Refiner {
     RefinedMesh refined = RefineFacetwise(
         options_.refinement,
         {std::move(input_.mesh), std::move(input_.attributes),
-         std::move(origins_), level_ - 1},
+         std::move(origins_), level_ - 1, input_.cameras},
         input_.views, input_.points, backend.energy.get(), hooks);
     signal_ = StopSignal::Received();
     refined.report = WithEarlier(std::move(refined.report));
@@ -156,7 +170,7 @@ class Refiner {
     if (level > 0) {
       WriteState(paths_.output, identity_,
                  {level, state.mesh, state.attributes, state.origins,
-                  WithEarlier(state.report)});
+                  state.views, WithEarlier(state.report)});
       is_state_ours_ = true;
       level_ = level;
     }
@@ -198,6 +212,17 @@ class Refiner {
   void Write(const RefinedMesh& refined) {
     Report(progress_, "Writing the mesh", 0);
     ExpectManifold(refined.mesh);
+    // First: without it a mesh of refined cameras is of little use.
+    if (input_.cameras) {
+      WriteSparseModel(
+          paths_.refined_sparse,
+          WithRefinedCameras(std::move(input_.sparse_model),
+                             input_.workspace.order.order.images,
+                             refined.views,
+                             options_.refinement.cameras.parts ==
+                                 RefinedParts::kPosesIntrinsics,
+                             refined.track_positions));
+    }
     WriteMesh(paths_.output, refined.mesh, refined.attributes);
     if (is_state_ours_) {
       RemoveState(paths_.output, level_);
@@ -206,7 +231,7 @@ class Refiner {
     if (!options_.labels_path.empty()) {
       Report(progress_, "Drawing the labels", 0);
       WriteLabels(options_.labels_path, options_.LabelsPicturePath(),
-                  refined.mesh, refined.labels, input_.views);
+                  refined.mesh, refined.labels, refined.views);
     }
     reporter_.Finish();
   }
@@ -220,9 +245,18 @@ class Refiner {
 
   void Print(const RefinedMesh& refined) const {
     PrintReport(refined.report, Analyze(refined.mesh), std::cout);
+    if (!refined.report.cameras.empty()) {
+      PrintReport(refined.report.cameras.back(), refined.views, std::cout);
+    }
     PrintReport(reporter_.StageTimes(), PeakMemory(), std::cout);
-    std::cout << "\nWrote " << paths_.output.string() << " and "
-              << VisibilityPath(paths_.output).string() << std::endl;
+    std::cout << "\nWrote " << paths_.output.string()
+              << (input_.cameras ? ", " : " and ")
+              << VisibilityPath(paths_.output).string();
+    if (input_.cameras) {
+      std::cout << " and " << paths_.refined_sparse.string()
+                << ", which belong together";
+    }
+    std::cout << std::endl;
   }
 
   const RefinerOptions& options_;
@@ -241,7 +275,7 @@ class Refiner {
 
 void RefineWorkspace(const RefinerOptions& options) {
   const RefinementPaths paths = FindRefinementPaths(options);
-  CheckOutputs(options, paths.output);
+  CheckOutputs(options, paths);
   Refiner(options, paths).Run();
 }
 

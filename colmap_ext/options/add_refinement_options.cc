@@ -17,6 +17,10 @@ void AddPathOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "The refined mesh; required with input_path. "
                             "Default: WORKSPACE/meshed-refined.ply");
   manager->AddDefaultOption(
+      "sparse_path", &refiner->sparse_path,
+      "The cameras, a sparse model or a folder with one, such as an earlier "
+      "WORKSPACE/sparse-refined. Default: WORKSPACE/sparse");
+  manager->AddDefaultOption(
       "report_path", &refiner->report_path,
       "A table of the iterations, CSV; its plot, SVG, lies beside it");
   manager->AddDefaultOption(
@@ -57,6 +61,10 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption("FacetwiseRefinement.smoothness_weight",
                             &refinement->smoothness_weight,
                             "Higher is smoother");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.refine_cameras", &refiner->words.refine_cameras,
+      "{none, poses, poses_intrinsics}: cameras that are refined with the "
+      "surface, and written to WORKSPACE/sparse-refined");
   manager->AddDefaultOption(
       "FacetwiseRefinement.remeshing", &refinement->remeshing,
       "Remesh before the last level: faces of good shape, as large as the "

@@ -68,6 +68,11 @@ void RefinerOptions::Finish() {
       "solver", words.solver,
       {{"gauss_newton", RefinementSolver::kGaussNewton},
        {"descent", RefinementSolver::kDescent}});
+  refinement.cameras.parts = ParseWord<RefinedParts>(
+      "refine_cameras", words.refine_cameras,
+      {{"none", RefinedParts::kNone},
+       {"poses", RefinedParts::kPoses},
+       {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);
   }

@@ -21,6 +21,7 @@ struct RefinerOptions {
   std::string workspace_path;
   std::string input_path;   // the mesh; empty: kMesherOutput of the workspace
   std::string output_path;  // empty: meshed-refined.ply in the workspace
+  std::string sparse_path;  // see WorkspaceOptions
   std::string report_path;  // a CSV; its plot lies beside it
   std::string labels_path;  // a PLY; its picture lies beside it
   bool resume = false;
@@ -39,6 +40,7 @@ struct RefinerOptions {
   struct Words {
     std::string pair_selection = "facetwise";  // or "classical"
     std::string solver = "gauss_newton";       // or "descent"
+    std::string refine_cameras = "none";  // or "poses", "poses_intrinsics"
     std::string backend = "auto";              // or "cpu" or "gl"
     std::string image_order = "auto";          // or NameOf() an order
   };

@@ -10,6 +10,7 @@
 
 #include "base/edit_rows.h"
 #include "colmap_ext/errors.h"
+#include "colmap_ext/refinement/refinable_cameras.h"
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
@@ -26,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFusedName = "fused.ply";
+constexpr const char* kRefinedSparseName = "sparse-refined";
 
 constexpr VisibilityOwner kMesh = {
     "mesh",
@@ -134,6 +136,7 @@ Workspace ReadCameras(const RefinerOptions& options,
   WorkspaceOptions rules;
   rules.image_order = options.image_order;
   rules.allow_other_sizes = true;
+  rules.sparse_path = options.sparse_path;
   if (input.has_fused_points) {
     return ReadWorkspace(paths.folder, rules, decoder);
   }
@@ -188,7 +191,8 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
                               options.input_path.empty()
                                   ? folder / kMesherOutput
                                   : fs::path(options.input_path),
-                              options.OutputPath(folder)};
+                              options.OutputPath(folder),
+                              folder / kRefinedSparseName};
   if (!fs::exists(paths.mesh)) {
     throw FileError(paths.mesh,
                     options.input_path.empty()
@@ -199,6 +203,13 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   std::error_code ignored;
   if (fs::equivalent(paths.mesh, paths.output, ignored)) {
     throw OptionError("--output_path is the mesh that is to be refined");
+  }
+  if (options.refinement.cameras.parts != RefinedParts::kNone &&
+      !options.sparse_path.empty() &&
+      fs::equivalent(options.sparse_path, paths.refined_sparse, ignored)) {
+    throw OptionError(
+        "--sparse_path is where the refined cameras are written to; move it "
+        "away first, or take --FacetwiseRefinement.refine_cameras none");
   }
   return paths;
 }
@@ -226,6 +237,14 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   input.mesh = std::move(file.mesh);
   Report(progress, "Reading the images", 0);
   CheckPictures(options, paths, decoder, &input);
+  if (options.refinement.cameras.parts != RefinedParts::kNone) {
+    Report(progress, "Reading the sparse model", 0);
+    input.sparse_model =
+        ReadRefinableModel(input.workspace.sparse_path);
+    input.cameras = MakeRefinableCameras(
+        input.sparse_model, input.workspace.order.order.images, input.views,
+        input.images);
+  }
   return input;
 }
 

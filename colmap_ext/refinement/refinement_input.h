@@ -12,10 +12,12 @@
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "photometry/image_pyramid.h"
+#include "refine/facetwise_refinement.h"
 #include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
+#include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -25,6 +27,7 @@ struct RefinementPaths {
   std::filesystem::path folder;  // the dense workspace
   std::filesystem::path mesh;
   std::filesystem::path output;
+  std::filesystem::path refined_sparse;  // folder of the refined cameras
 };
 
 // \throw FileError if there is no workspace, or several, or no mesh.
@@ -38,6 +41,10 @@ struct RefinementInput {
   PointCloud points;  // without the views whose pictures can not be used
   std::vector<std::string> picture_errors;  // [views] empty: can be used
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
+
+  // Where the cameras are to be refined.
+  std::shared_ptr<const RefinableCameras> cameras;
+  SparseModel sparse_model;  // in full
 
   WorkspaceReport workspace;
   bool has_fused_points = true;  // else the mesh's vertices stand for them

@@ -14,10 +14,6 @@ namespace colmap_ext {
 
 namespace {
 
-// Standard deviations from which on residuals count as outliers
-// (docs/method.md, section 7.7). A choice.
-constexpr double kRobustScale = 2;
-
 using RowMajor2x6 = Eigen::Matrix<double, 2, 6, Eigen::RowMajor>;
 using RowMajor2x3 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 

@@ -10,6 +10,10 @@
 
 namespace colmap_ext {
 
+// Standard deviations from which on a residual counts as an outlier: the scale
+// of Cauchy's loss (docs/method.md, section 7.7). A choice.
+inline constexpr double kRobustScale = 2;
+
 // How far a window of view i has to shift in view j to match, and how the
 // cameras and its patch shift it. In px of j's image.
 struct ShiftMeasurement {
@@ -28,7 +32,7 @@ struct CameraPriors {
   double focal_length = 0.01;  // of its logarithm
   double principal_point = 0.01;  // focal lengths
   double point = 5;         // px, of a point of the sparse model
-  double displacement = 2;  // footprints, of a patch off the surface
+  double displacement = 10;  // footprints, of a patch off the surface
 };
 
 // What the cameras are fitted to.

@@ -10,6 +10,8 @@
 
 #include "base/percentile.h"
 #include "cameras/shift_jacobian.h"
+#include "cameras/similarity.h"
+#include "cameras/sparse_tracks.h"
 #include "cameras/window_shift.h"
 
 namespace colmap_ext {
@@ -93,14 +95,6 @@ std::vector<ShiftMeasurement> Measure(
   return measured;
 }
 
-double ReprojectionError(const View& view, const TrackObservation& seen,
-                         const Eigen::Vector3d& position) {
-  const Eigen::Vector3d in_view = view.CamFromWorld(position);
-  return in_view.z() > 0
-             ? (view.ImageFromCam(in_view) - seen.pixel).norm()
-             : HUGE_VAL;
-}
-
 // [views] The noise of the observations in each, px: that of all, or more in a
 // view that they do not fit, so that it can be brought back.
 std::vector<double> TrackSigmas(const CameraEstimate& estimate,
@@ -142,13 +136,15 @@ class CameraRefinement {
       : options_(options),
         photometric_(photometric),
         original_(original),
-        tracks_(tracks),
+        all_tracks_(tracks),
+        tracks_(ChooseTracks(tracks, original.views.size(),
+                             options.min_observations_per_view)),
         frames_(ComputeFacetFrames(drawings.Mesh())),
         scene_{drawings, frames_, images},
         patches_(SelectPatches(options.patches, photometric, scene_, pairs)),
         estimate_{std::move(cameras),
                   std::vector<double>(patches_.patches.size(), 0),
-                  tracks.positions} {
+                  tracks_.positions} {
     report_.level = images->Level();
     report_.num_patches = patches_.patches.size();
     report_.views.resize(original.views.size());
@@ -158,6 +154,7 @@ class CameraRefinement {
     // Px of the level's images; a round that moves no image by more is the
     // last one.
     constexpr double kMinMotion = 0.01;
+    const std::vector<View> start = estimate_.cameras.views;
     for (int round = 0; round < options_.max_rounds; ++round) {
       const std::vector<View> views = LevelViews();
       const CameraEvidence evidence = Gather(views);
@@ -173,8 +170,13 @@ class CameraRefinement {
         break;
       }
     }
-    FillMotions();
-    return {std::move(estimate_.cameras), std::move(estimate_.positions),
+    std::vector<Eigen::Vector3d> positions = LocateTracks(
+        all_tracks_, estimate_.cameras.views,
+        TrackSigmas(estimate_, tracks_, &report_.track_sigma),
+        options_.priors.point);
+    RestoreGauge(&positions);
+    FillMotions(start);
+    return {std::move(estimate_.cameras), std::move(positions),
             std::move(report_)};
   }
 
@@ -283,18 +285,51 @@ class CameraRefinement {
     return largest;
   }
 
-  // Of what each view sees, in its full-size picture.
-  void FillMotions() {
-    std::vector<std::vector<double>> motions(original_.views.size());
+  // Moves the world so that the sparse model's points lie, on the whole, where
+  // they lay.
+  void RestoreGauge(std::vector<Eigen::Vector3d>* positions) {
+    std::vector<View>& views = estimate_.cameras.views;
+    std::vector<double> footprints(positions->size(), 0);
+    for (size_t i = 0; i < positions->size(); ++i) {
+      for (const TrackObservation& seen : all_tracks_.observations[i]) {
+        const View& view = views[seen.view];
+        footprints[i] =
+            std::max(footprints[i],
+                     view.CamFromWorld((*positions)[i]).z() / view.fx);
+      }
+    }
+    const Similarity similarity =
+        AlignPoints(*positions, all_tracks_.positions, footprints);
+    for (View& view : views) {
+      view = TransformView(similarity, view);
+    }
+    for (Eigen::Vector3d& position : *positions) {
+      position = similarity(position);
+    }
+  }
+
+  void FillMotions(const std::vector<View>& start) {
+    const std::vector<double> motions = Motions(original_.views);
+    for (size_t i = 0; i < motions.size(); ++i) {
+      report_.views[i].motion = motions[i];
+    }
+    const std::vector<double> total = Motions(start);
+    report_.total_motion = *std::max_element(total.begin(), total.end()) /
+                           static_cast<double>(1 << report_.level);
+  }
+
+  // [views] How far what each view sees moved in its full-size picture, from
+  // where it was: the median, px.
+  std::vector<double> Motions(const std::vector<View>& before) const {
+    const std::vector<View>& after = estimate_.cameras.views;
+    std::vector<std::vector<double>> motions(before.size());
     const auto add = [&](size_t view, const Eigen::Vector3d& point) {
-      const View& before = original_.views[view];
-      const View& after = estimate_.cameras.views[view];
-      const Eigen::Vector3d in_before = before.CamFromWorld(point);
-      const Eigen::Vector3d in_after = after.CamFromWorld(point);
+      const Eigen::Vector3d in_before = before[view].CamFromWorld(point);
+      const Eigen::Vector3d in_after = after[view].CamFromWorld(point);
       if (in_before.z() > 0 && in_after.z() > 0) {
-        motions[view].push_back(
-            (after.ImageFromCam(in_after) - before.ImageFromCam(in_before))
-                .norm());
+        motions[view].push_back((after[view].ImageFromCam(in_after) -
+                                 before[view].ImageFromCam(in_before))
+                                    .norm());
       }
     };
     const std::vector<View> views = LevelViews();
@@ -307,15 +342,18 @@ class CameraRefinement {
         add(seen.view, estimate_.positions[i]);
       }
     }
-    for (size_t i = 0; i < motions.size(); ++i) {
-      report_.views[i].motion = motions[i].empty() ? 0 : Median(&motions[i]);
+    std::vector<double> medians;
+    for (std::vector<double>& of_view : motions) {
+      medians.push_back(of_view.empty() ? 0 : Median(&of_view));
     }
+    return medians;
   }
 
   const CameraRefinementOptions& options_;
   const PhotometricOptions& photometric_;
   const CameraSet& original_;
-  const SparseTracks& tracks_;
+  const SparseTracks& all_tracks_;
+  SparseTracks tracks_;  // those that are used
   std::vector<FacetFrame> frames_;
   DrawnScene scene_;
   SurfacePatches patches_;

@@ -26,6 +26,10 @@ struct CameraRefinementOptions {
   PatchOptions patches;
   CameraPriors priors;
 
+  // Observations of the sparse model's points that are used, if it has as many;
+  // the longest tracks first.
+  size_t min_observations_per_view = 300;
+
   // Comparisons and solutions at a level, at most.
   int max_rounds = 4;
   // Windows that match worse are left out; in [-1, 1].
@@ -49,6 +53,7 @@ struct CameraRefinementReport {
   double mean_zncc = 0;     // of them
   double mean_zncc_before = 0;
   double track_sigma = 0;   // of the observations, px
+  double total_motion = 0;  // of the view that moved most, RMS, px of the level
   std::vector<RefinedView> views;
 };
 

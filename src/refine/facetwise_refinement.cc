@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -26,21 +27,27 @@ class Refinement {
  public:
   Refinement(const FacetwiseRefinementOptions& options,
              const std::vector<View>& views, const PointCloud& points,
-             PhotometricEnergy* energy, const RefinementHooks& hooks)
+             PhotometricEnergy* energy, const RefinementHooks& hooks,
+             std::shared_ptr<const RefinableCameras> cameras)
       : options_(options),
-        views_(views),
+        cameras_(std::move(cameras)),
+        camera_pairs_(cameras_ ? SelectViewPairs(points, views.size(),
+                                                 kCameraPartners)
+                               : std::vector<ViewPair>()),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {}
 
   // Whether the level is complete; else `state` is of no use.
   bool RefineAtLevel(int level, RefinedMesh* state) {
+    energy_->SetLevel(level);
+    energy_->SetViews(state->views);
+    RemoveSelfIntersections(state);
+    RefineViews(state->mesh, state);
     std::vector<View> views;
-    for (const View& view : views_) {
+    for (const View& view : state->views) {
       views.push_back(ViewAtLevel(view, level));
     }
-    energy_->SetLevel(level);
-    RemoveSelfIntersections(state);
     Prepare(level, views, state);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
@@ -59,9 +66,13 @@ class Refinement {
       }
       return !(hooks_.should_stop && hooks_.should_stop());
     };
-    RefinedLevel refined =
-        RefineLevel(options_, {level, state->labels, views, state->origins},
-                    state->mesh, energy_, on_step);
+    const auto move_cameras = [&](const TriangleMesh& mesh) {
+      return level == 0 && RefineViews(mesh, state);
+    };
+    RefinedLevel refined = RefineLevel(
+        options_,
+        {level, state->labels, views, state->origins, move_cameras},
+        state->mesh, energy_, on_step);
     state->mesh = std::move(refined.mesh);
     if (level == 0) {
       state->attributes.confidences =
@@ -86,6 +97,34 @@ class Refinement {
   }
 
  private:
+  // Of each view that may be compared with it to refine the cameras: more than
+  // to refine the surface, as many images together fix a pose. A choice.
+  static constexpr int kCameraPartners = 12;
+
+  // Refines the cameras, if that is asked for, and passes them on.
+  // \return whether any image moved by so much that the surface has to follow
+  bool RefineViews(const TriangleMesh& mesh, RefinedMesh* state) {
+    if (!cameras_) {
+      return false;
+    }
+    // Px of the level; a tenth of what a step of the surface is about.
+    constexpr double kMinMotion = 0.01;
+    Report(hooks_.progress, "Refining the cameras", 0);
+    RefinedCameras refined = RefineCameras(
+        options_.cameras, options_.photometric,
+        {cameras_->views, cameras_->view_cameras},
+        {state->views, cameras_->view_cameras}, cameras_->tracks,
+        *energy_->Drawings(mesh), camera_pairs_, cameras_->images.get());
+    state->views = std::move(refined.cameras.views);
+    state->track_positions = std::move(refined.positions);
+    energy_->SetViews(state->views);
+    if (hooks_.on_cameras) {
+      hooks_.on_cameras(refined.report);
+    }
+    state->report.cameras.push_back(std::move(refined.report));
+    return state->report.cameras.back().total_motion > kMinMotion;
+  }
+
   // Gives the mesh facets of the size that the images call for, and labels
   // them. The last drawings serve the labelling, and the energy's first
   // Render().
@@ -118,7 +157,8 @@ class Refinement {
   }
 
   const FacetwiseRefinementOptions& options_;
-  const std::vector<View>& views_;
+  std::shared_ptr<const RefinableCameras> cameras_;  // none: not refined
+  std::vector<ViewPair> camera_pairs_;
   std::vector<ViewPair> pairs_;
   PhotometricEnergy* energy_;
   const RefinementHooks& hooks_;
@@ -196,13 +236,18 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
-  Refinement refinement(options, views, points, energy, hooks);
+  Refinement refinement(options, views, points, energy, hooks,
+                        options.cameras.parts == RefinedParts::kNone
+                            ? nullptr
+                            : start.cameras);
   if (start.origins.empty()) {
     start.origins = start.mesh.vertices;
   }
   RefinedMesh complete{std::move(start.mesh),
                        std::move(start.attributes),
                        std::move(start.origins),
+                       {},
+                       views,
                        {},
                        {}};
   for (int level = start.first_level; level >= 0; --level) {

@@ -1,16 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "cameras/refine_cameras.h"
 #include "labeling/facet_labeling.h"
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
+#include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
 #include "repair/edit_borders.h"
 #include "scene/point_cloud.h"
@@ -62,6 +66,9 @@ struct FacetwiseRefinementOptions {
 
   PhotometricOptions photometric;
 
+  // Of the cameras, in turn with the surface (docs/method.md, section 7.7).
+  CameraRefinementOptions cameras;
+
   // What is dropped from the result, and closed.
   BorderOptions borders;
 
@@ -97,6 +104,7 @@ struct LabelingReport {
 struct RefinementReport {
   std::vector<RefinementStep> steps;
   std::vector<LabelingReport> labelings;  // one a level
+  std::vector<CameraRefinementReport> cameras;  // each time they were refined
   bool is_stopped = false;                // by RefinementHooks::should_stop
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
                                    // facet or let two cross
@@ -108,6 +116,14 @@ struct RefinementReport {
   BorderReport borders;
 };
 
+// What is known of cameras that are to be refined.
+struct RefinableCameras {
+  std::vector<View> views;  // as the refinement takes them, before any of it
+  std::vector<uint32_t> view_cameras;    // see CameraSet
+  SparseTracks tracks;                   // of the sparse model
+  std::shared_ptr<ImagePyramid> images;  // that the energy uses
+};
+
 // What a refinement starts from: the input, or what a complete level left.
 struct RefinementStart {
   TriangleMesh mesh;  // manifold
@@ -117,6 +133,9 @@ struct RefinementStart {
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
+  // The cameras as they are now are the views that are passed beside.
+  // options.cameras says whether they are refined; not used otherwise.
+  std::shared_ptr<const RefinableCameras> cameras;
 };
 
 struct RefinedMesh {
@@ -128,6 +147,10 @@ struct RefinedMesh {
                                          // the vertices come from
   FacetLabels labels;                    // [F] of the last level; none of
                                          // facets that close a hole
+  std::vector<View> views;               // as they were refined
+  std::vector<Eigen::Vector3d> track_positions;  // of the sparse model's
+                                                 // points, by these views;
+                                                 // empty if none were refined
   RefinementReport report;
 };
 
@@ -139,6 +162,9 @@ struct RefinementHooks {
   // After each iteration, and before the first one of a level.
   std::function<void(const RefinementStep& step, const RefinedMesh& state)>
       on_step;
+
+  // After the cameras were refined.
+  std::function<void(const CameraRefinementReport& report)> on_cameras;
 
   // After each level, `state` as it would be returned, its borders as they
   // were.
@@ -154,8 +180,10 @@ struct RefinementHooks {
 // subdivided, each gets the pairs of views that see it best, and the vertices
 // move so that what the two views of a pair show on its facets looks alike.
 // Self-intersections are repaired before each level, before and after its
-// facets change, and after the last one.
+// facets change, and after the last one. Cameras are refined before each level,
+// and before the final iterations of the finest one.
 //
+// \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.
 // \pre options checked
 // \throw std::invalid_argument if the trimming leaves nothing.
