@@ -16,6 +16,10 @@ void AddPathOptions(colmap::OptionManager* manager, MesherOptions* mesher) {
       "workspace or the sparse model");
   manager->AddDefaultOption("output_path", &mesher->output_path,
                             "The mesh; required with input_path");
+  manager->AddDefaultOption(
+      "sparse_path", &mesher->sparse_path,
+      "The cameras, a sparse model or a folder with one, such as "
+      "WORKSPACE/sparse-refined. Default: WORKSPACE/sparse");
   manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
   manager->AddDefaultOption(

@@ -27,6 +27,7 @@ void MesherOptions::Finish() {
   workspace.input_type = ParseWord<InputType>(
       "input_type", words.input_type,
       {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}});
+  workspace.sparse_path = sparse_path;
   workspace.image_order = ParseImageOrder(words.image_order);
   meshing.alpha_kind = ParseWord<ObservationWeight>(
       "alpha_kind", words.alpha_kind,

@@ -151,12 +151,20 @@ class Problem {
       : evidence_(evidence),
         original_(original),
         estimate_(estimate),
-        poses_(original.views.size(), PoseStep::Zero()) {
-    size_t num_cameras = 0;
+        num_views_(original.views.size()) {
     for (const uint32_t camera : original.view_cameras) {
-      num_cameras = std::max(num_cameras, size_t{camera} + 1);
+      num_cameras_ = std::max(num_cameras_, size_t{camera} + 1);
     }
-    intrinsics_.assign(num_cameras, IntrinsicsStep::Zero());
+    const size_t num_patches = estimate->displacements.size();
+    first_point_ = num_patches;
+    first_pose_ = first_point_ + 3 * estimate->positions.size();
+    first_intrinsics_ = first_pose_ + 6 * num_views_;
+    variables_.assign(first_intrinsics_ + 3 * num_cameras_, 0);
+    std::copy(estimate->displacements.begin(), estimate->displacements.end(),
+              variables_.begin());
+    for (size_t i = 0; i < estimate->positions.size(); ++i) {
+      Eigen::Map<Eigen::Vector3d>{Point(i)} = estimate->positions[i];
+    }
   }
 
   bool Solve() {
@@ -167,7 +175,7 @@ class Problem {
     // From so many views on the reduced system is sparse as a rule.
     constexpr size_t kMaxDense = 300;
     options.linear_solver_type =
-        poses_.size() <= kMaxDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+        num_views_ <= kMaxDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.linear_solver_ordering = ordering_;
     options.num_threads = 1;
     options.max_num_iterations = 12;
@@ -178,34 +186,45 @@ class Problem {
     if (!summary.IsSolutionUsable()) {
       return false;
     }
-    for (size_t i = 0; i < poses_.size(); ++i) {
+    for (size_t i = 0; i < num_views_; ++i) {
       View& view = estimate_->cameras.views[i];
-      view = MoveView(view, poses_[i],
-                      intrinsics_[original_.view_cameras[i]]);
+      view = MoveView(
+          view, Eigen::Map<const PoseStep>(Pose(i)),
+          Eigen::Map<const IntrinsicsStep>(Intrinsics(i)));
+    }
+    for (size_t i = 0; i < estimate_->displacements.size(); ++i) {
+      estimate_->displacements[i] = variables_[i];
+    }
+    for (size_t i = 0; i < estimate_->positions.size(); ++i) {
+      estimate_->positions[i] = Eigen::Map<const Eigen::Vector3d>(Point(i));
     }
     return true;
   }
 
  private:
+  double* Displacement(size_t patch) { return &variables_[patch]; }
+  double* Point(size_t point) { return &variables_[first_point_ + 3 * point]; }
+  double* Pose(size_t view) { return &variables_[first_pose_ + 6 * view]; }
+  double* Intrinsics(size_t view) {
+    return &variables_[first_intrinsics_ + 3 * original_.view_cameras[view]];
+  }
+
   // Of the costs that it is shared by.
   ceres::LossFunction* Robust() { return robust_.get(); }
 
   void AddEliminated(double* block) { ordering_->AddElementToGroup(block, 0); }
 
   void AddShifts() {
-    const CameraSet& cameras = original_;
     std::vector<uint8_t> is_added(estimate_->displacements.size(), 0);
     const Eigen::Matrix<double, 1, 1> sigma(evidence_.priors.displacement);
     for (const ShiftMeasurement& shift : evidence_.shifts) {
-      double* displacement = &estimate_->displacements[shift.patch];
-      std::vector<double*> blocks = {poses_[shift.i].data(),
-                                     poses_[shift.j].data(), displacement};
+      double* displacement = Displacement(shift.patch);
+      std::vector<double*> blocks = {Pose(shift.i), Pose(shift.j),
+                                     displacement};
       if (evidence_.refine_intrinsics) {
-        const uint32_t camera_i = cameras.view_cameras[shift.i];
-        const uint32_t camera_j = cameras.view_cameras[shift.j];
-        blocks.push_back(intrinsics_[camera_i].data());
-        if (camera_i != camera_j) {
-          blocks.push_back(intrinsics_[camera_j].data());
+        blocks.push_back(Intrinsics(shift.i));
+        if (Intrinsics(shift.j) != Intrinsics(shift.i)) {
+          blocks.push_back(Intrinsics(shift.j));
         }
       }
       problem_.AddResidualBlock(
@@ -225,11 +244,10 @@ class Problem {
   void AddTracks() {
     const SparseTracks& tracks = evidence_.tracks;
     for (size_t i = 0; i < tracks.positions.size(); ++i) {
-      Eigen::Vector3d* position = &estimate_->positions[i];
       double footprint = 0;
       for (const TrackObservation& seen : tracks.observations[i]) {
         const View& view = estimate_->cameras.views[seen.view];
-        const double depth = view.CamFromWorld(*position).z();
+        const double depth = view.CamFromWorld(estimate_->positions[i]).z();
         if (!(depth > 0)) {
           continue;
         }
@@ -238,30 +256,28 @@ class Problem {
             new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 6, 3, 3>(
                 new ReprojectionCost(view, seen.pixel,
                                      evidence_.track_sigmas[seen.view])),
-            Robust(), poses_[seen.view].data(),
-            intrinsics_[original_.view_cameras[seen.view]].data(),
-            position->data());
+            Robust(), Pose(seen.view), Intrinsics(seen.view), Point(i));
       }
       if (footprint > 0) {
-        AddEliminated(position->data());
+        AddEliminated(Point(i));
         problem_.AddResidualBlock(
             new PriorCost<3>(-tracks.positions[i],
                              Eigen::Vector3d::Constant(
                                  evidence_.priors.point * footprint)),
-            nullptr, position->data());
+            nullptr, Point(i));
       }
     }
   }
 
   void AddCameras() {
     const CameraPriors& priors = evidence_.priors;
-    for (size_t i = 0; i < poses_.size(); ++i) {
+    for (size_t i = 0; i < num_views_; ++i) {
       const View& view = estimate_->cameras.views[i];
       PoseStep sigmas;
       sigmas << Eigen::Vector3d::Constant(priors.pose / view.fx),
           Eigen::Vector3d::Constant(priors.pose * evidence_.depths[i] /
                                     view.fx);
-      double* pose = poses_[i].data();
+      double* pose = Pose(i);
       problem_.AddResidualBlock(
           new PriorCost<6>(StepBetween(original_.views[i], view), sigmas),
           nullptr, pose);
@@ -275,8 +291,8 @@ class Problem {
 
   void AddIntrinsics() {
     const CameraPriors& priors = evidence_.priors;
-    std::vector<uint8_t> is_added(intrinsics_.size(), 0);
-    for (size_t i = 0; i < poses_.size(); ++i) {
+    std::vector<uint8_t> is_added(num_cameras_, 0);
+    for (size_t i = 0; i < num_views_; ++i) {
       const uint32_t camera = original_.view_cameras[i];
       if (is_added[camera] != 0) {
         continue;
@@ -284,7 +300,7 @@ class Problem {
       is_added[camera] = 1;
       const View& before = original_.views[i];
       const View& now = estimate_->cameras.views[i];
-      double* block = intrinsics_[camera].data();
+      double* block = Intrinsics(i);
       problem_.AddResidualBlock(
           new PriorCost<3>({std::log(now.fx / before.fx),
                             (now.cx - before.cx) / before.fx,
@@ -308,8 +324,14 @@ class Problem {
   const CameraEvidence& evidence_;
   const CameraSet& original_;
   CameraEstimate* estimate_;
-  std::vector<PoseStep> poses_;              // [views]
-  std::vector<IntrinsicsStep> intrinsics_;   // [cameras]
+  size_t num_views_;
+  size_t num_cameras_ = 0;
+  // Displacements, points, pose steps, intrinsics steps. In one array, as Ceres
+  // orders variables by their addresses, and sums by that order.
+  std::vector<double> variables_;
+  size_t first_point_ = 0;
+  size_t first_pose_ = 0;
+  size_t first_intrinsics_ = 0;
   std::unique_ptr<ceres::LossFunction> robust_ =
       std::make_unique<ceres::CauchyLoss>(kRobustScale);
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =

@@ -17,10 +17,6 @@
 namespace colmap_ext {
 
 namespace {
-
-// A normal distribution's standard deviation over its median distance from 0.
-constexpr double kSigmaOfMedian = 1.4826;
-
 // [rows of partners] each patch with each of its partners.
 std::vector<WindowShift> CompareAll(const CameraRefinementOptions& options,
                                     const PhotometricOptions& photometric,
@@ -166,7 +162,7 @@ class CameraRefinement {
       for (size_t k = 0; k < patches_.patches.size(); ++k) {
         patches_.patches[k].displacement = estimate_.displacements[k];
       }
-      if (LastMotion(evidence, before) < kMinMotion) {
+      if (FindLastMotions(before.views) < kMinMotion) {
         break;
       }
     }
@@ -201,6 +197,7 @@ class CameraRefinement {
         options_.priors,
         options_.parts == RefinedParts::kPosesIntrinsics};
     FindDepths(views, &evidence);
+    DropAstray(&evidence);
     CountEvidence(evidence);
     for (const RefinedView& view : report_.views) {
       evidence.is_held.push_back(view.is_held ? 1 : 0);
@@ -219,6 +216,21 @@ class CameraRefinement {
       report_.mean_zncc_before = report_.mean_zncc;
     }
     return evidence;
+  }
+
+  // Drops the windows of views whose features say that they are far off: what
+  // matches there is chance, and would hold them where they are.
+  void DropAstray(CameraEvidence* evidence) const {
+    // Of the noise of all features; and px of the level, from which on windows
+    // do not follow.
+    constexpr double kFarOff = 3;
+    constexpr double kOutOfReach = 2;
+    const double limit = std::max(kFarOff * report_.track_sigma,
+                                  kOutOfReach * (1 << report_.level));
+    std::erase_if(evidence->shifts, [&](const ShiftMeasurement& shift) {
+      return evidence->track_sigmas[shift.i] > limit ||
+             evidence->track_sigmas[shift.j] > limit;
+    });
   }
 
   // Medians over the patches and the points that they see.
@@ -260,27 +272,14 @@ class CameraRefinement {
     }
   }
 
-  // How far the windows of each view moved in it, RMS.
   // \return the largest, px of the level
-  double LastMotion(const CameraEvidence& evidence, const CameraSet& before) {
-    const size_t num_views = before.views.size();
-    std::vector<PoseStep> steps;
-    for (size_t i = 0; i < num_views; ++i) {
-      steps.push_back(
-          StepBetween(before.views[i], estimate_.cameras.views[i]));
-    }
-    std::vector<double> sums(num_views, 0);
-    std::vector<double> counts(num_views, 0);
-    for (const ShiftMeasurement& shift : evidence.shifts) {
-      sums[shift.j] +=
-          (shift.jacobian.by_pose_j * steps[shift.j]).squaredNorm();
-      ++counts[shift.j];
-    }
+  double FindLastMotions(const std::vector<View>& before) {
+    const double scale = 1.0 / (1 << report_.level);
+    const std::vector<double> motions = Motions(before);
     double largest = 0;
-    for (size_t i = 0; i < num_views; ++i) {
-      report_.views[i].last_motion =
-          counts[i] > 0 ? std::sqrt(sums[i] / counts[i]) : 0;
-      largest = std::max(largest, report_.views[i].last_motion);
+    for (size_t i = 0; i < motions.size(); ++i) {
+      report_.views[i].last_motion = scale * motions[i];
+      largest = std::max(largest, scale * motions[i]);
     }
     return largest;
   }
@@ -300,6 +299,9 @@ class CameraRefinement {
     }
     const Similarity similarity =
         AlignPoints(*positions, all_tracks_.positions, footprints);
+    if (similarity.IsIdentity()) {
+      return;
+    }
     for (View& view : views) {
       view = TransformView(similarity, view);
     }

@@ -14,6 +14,10 @@ struct Similarity {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
+  bool IsIdentity() const {
+    return scale == 1 && rotation.isIdentity(0) && translation.isZero(0);
+  }
+
   Eigen::Vector3d operator()(const Eigen::Vector3d& point) const {
     return scale * (rotation * point) + translation;
   }
