@@ -145,8 +145,10 @@ class Refiner {
       OnLevel(level, state);
     };
     hooks.should_stop = [] { return StopSignal::Received() != 0; };
+    FacetwiseRefinementOptions method = options_.refinement;
+    method.cameras.parts = input_.camera_parts;
     RefinedMesh refined = RefineFacetwise(
-        options_.refinement,
+        method,
         {std::move(input_.mesh), std::move(input_.attributes),
          std::move(origins_), level_ - 1, input_.cameras},
         input_.views, input_.points, backend.energy.get(), hooks);
@@ -213,13 +215,13 @@ class Refiner {
     Report(progress_, "Writing the mesh", 0);
     ExpectManifold(refined.mesh);
     // First: without it a mesh of refined cameras is of little use.
-    if (input_.cameras) {
+    if (AreCamerasRefined()) {
       WriteSparseModel(
           paths_.refined_sparse,
           WithRefinedCameras(std::move(input_.sparse_model),
                              input_.workspace.order.order.images,
                              refined.views,
-                             options_.refinement.cameras.parts ==
+                             input_.camera_parts ==
                                  RefinedParts::kPosesIntrinsics,
                              refined.track_positions));
     }
@@ -236,6 +238,10 @@ class Refiner {
     reporter_.Finish();
   }
 
+  bool AreCamerasRefined() const {
+    return input_.camera_parts != RefinedParts::kNone;
+  }
+
   void WriteReport(const RefinementReport& report) const {
     if (!options_.report_path.empty()) {
       WriteText(options_.report_path, StepsCsv(report.steps));
@@ -245,14 +251,19 @@ class Refiner {
 
   void Print(const RefinedMesh& refined) const {
     PrintReport(refined.report, Analyze(refined.mesh), std::cout);
+    if (refined.report.is_held) {
+      std::cout << "WARNING: the images do not fit each other well enough to "
+                   "refine the mesh by them, which stays as it is; let "
+                   "--FacetwiseRefinement.refine_cameras poses align them\n";
+    }
     if (!refined.report.cameras.empty()) {
       PrintReport(refined.report.cameras.back(), refined.views, std::cout);
     }
     PrintReport(reporter_.StageTimes(), PeakMemory(), std::cout);
     std::cout << "\nWrote " << paths_.output.string()
-              << (input_.cameras ? ", " : " and ")
+              << (AreCamerasRefined() ? ", " : " and ")
               << VisibilityPath(paths_.output).string();
-    if (input_.cameras) {
+    if (AreCamerasRefined()) {
       std::cout << " and " << paths_.refined_sparse.string()
                 << ", which belong together";
     }

@@ -63,8 +63,9 @@ void AddMethodOptions(colmap::OptionManager* manager, RefinerOptions* refiner) {
                             "Higher is smoother");
   manager->AddDefaultOption(
       "FacetwiseRefinement.refine_cameras", &refiner->words.refine_cameras,
-      "{none, poses, poses_intrinsics}: cameras that are refined with the "
-      "surface, and written to WORKSPACE/sparse-refined");
+      "{auto, none, poses, poses_intrinsics}: of the cameras, what is refined "
+      "with the surface, and written to WORKSPACE/sparse-refined; auto: poses, "
+      "but not of rigs");
   manager->AddDefaultOption(
       "FacetwiseRefinement.remeshing", &refinement->remeshing,
       "Remesh before the last level: faces of good shape, as large as the "

@@ -70,7 +70,8 @@ void RefinerOptions::Finish() {
        {"descent", RefinementSolver::kDescent}});
   refinement.cameras.parts = ParseWord<RefinedParts>(
       "refine_cameras", words.refine_cameras,
-      {{"none", RefinedParts::kNone},
+      {{"auto", RefinedParts::kPoses},
+       {"none", RefinedParts::kNone},
        {"poses", RefinedParts::kPoses},
        {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   if (const std::string error = refinement.Check(); !error.empty()) {

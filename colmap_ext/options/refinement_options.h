@@ -40,7 +40,8 @@ struct RefinerOptions {
   struct Words {
     std::string pair_selection = "facetwise";  // or "classical"
     std::string solver = "gauss_newton";       // or "descent"
-    std::string refine_cameras = "none";  // or "poses", "poses_intrinsics"
+    // or "none", "poses", "poses_intrinsics"; auto is poses where they can be
+    std::string refine_cameras = "auto";
     std::string backend = "auto";              // or "cpu" or "gl"
     std::string image_order = "auto";          // or NameOf() an order
   };
@@ -49,6 +50,9 @@ struct RefinerOptions {
   // Passes words, and the window, on to the options that they stand for.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
+
+  // Whether cameras that can not be refined are taken as they are.
+  bool AllowsFixedCameras() const { return words.refine_cameras == "auto"; }
 
   // Files that are written beside others, or by default.
   std::filesystem::path OutputPath(const std::filesystem::path& folder) const;

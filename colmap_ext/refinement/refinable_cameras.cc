@@ -6,20 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "formats/errors.h"
-#include "workspace/write_sparse_model.h"
-
 namespace colmap_ext {
-
-SparseModel ReadRefinableModel(const std::filesystem::path& folder) {
-  SparseModel model = ReadSparseModel(folder, SparseDetail::kAll);
-  if (!HasOneImageFrames(model)) {
-    throw FileError(folder,
-                    "it has rigs of several cameras, which can not be refined; "
-                    "take --FacetwiseRefinement.refine_cameras none");
-  }
-  return model;
-}
 
 std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
     const SparseModel& model, const std::vector<size_t>& order,
@@ -47,6 +34,9 @@ std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
         continue;
       }
       const SparseImage& image = model.images[order[it->second]];
+      if (model.track_observations[k] >= image.observations.size()) {
+        continue;  // observations are left out of some models
+      }
       const SparseCamera& camera = model.cameras.at(image.camera_id);
       const View& view = views[it->second];
       const Eigen::Vector2d scale(

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -14,12 +13,7 @@
 
 namespace colmap_ext {
 
-// A sparse model in full, whose images can move one by one.
-// \throw FileError if it is missing or damaged, or has frames of several
-//        images.
-SparseModel ReadRefinableModel(const std::filesystem::path& folder);
-
-// The model as the refinement of the cameras takes it.
+// The model, read in full, as the refinement of the cameras takes it.
 // \param order  [views] the image of the model that each view is.
 // \param views  by the pictures' sizes, which may not be the cameras'.
 std::shared_ptr<const RefinableCameras> MakeRefinableCameras(

@@ -19,6 +19,7 @@
 #include "mesh/topology.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
+#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
 
@@ -183,6 +184,28 @@ void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
   RemoveUnusable(images_path, input->picture_errors, &input->points);
 }
 
+// The sparse model with its tracks. Where the cameras are not refined, it tells
+// how well they are aligned.
+void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
+                        RefinementInput* input) {
+  Report(progress, "Reading the sparse model", 0);
+  input->sparse_model =
+      ReadSparseModel(input->workspace.sparse_path, SparseDetail::kAll);
+  input->camera_parts = options.refinement.cameras.parts;
+  if (input->camera_parts != RefinedParts::kNone &&
+      !HasOneImageFrames(input->sparse_model)) {
+    if (!options.AllowsFixedCameras()) {
+      throw FileError(input->workspace.sparse_path,
+                      "it has rigs of several cameras, which can not be "
+                      "refined; take --FacetwiseRefinement.refine_cameras none");
+    }
+    input->camera_parts = RefinedParts::kNone;
+  }
+  input->cameras = MakeRefinableCameras(input->sparse_model,
+                                        input->workspace.order.order.images,
+                                        input->views, input->images);
+}
+
 }  // namespace
 
 RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
@@ -237,14 +260,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   input.mesh = std::move(file.mesh);
   Report(progress, "Reading the images", 0);
   CheckPictures(options, paths, decoder, &input);
-  if (options.refinement.cameras.parts != RefinedParts::kNone) {
-    Report(progress, "Reading the sparse model", 0);
-    input.sparse_model =
-        ReadRefinableModel(input.workspace.sparse_path);
-    input.cameras = MakeRefinableCameras(
-        input.sparse_model, input.workspace.order.order.images, input.views,
-        input.images);
-  }
+  ReadRefinedCameras(options, progress, &input);
   return input;
 }
 

@@ -42,8 +42,8 @@ struct RefinementInput {
   std::vector<std::string> picture_errors;  // [views] empty: can be used
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
 
-  // Where the cameras are to be refined.
   std::shared_ptr<const RefinableCameras> cameras;
+  RefinedParts camera_parts = RefinedParts::kNone;  // none: rigs, by default
   SparseModel sparse_model;  // in full
 
   WorkspaceReport workspace;

@@ -170,10 +170,12 @@ class CameraRefinement {
         all_tracks_, estimate_.cameras.views,
         TrackSigmas(estimate_, tracks_, &report_.track_sigma),
         options_.priors.point);
-    RestoreGauge(&positions);
+    if (options_.parts != RefinedParts::kNone) {
+      RestoreGauge(&positions);
+    }
     FillMotions(start);
     return {std::move(estimate_.cameras), std::move(positions),
-            std::move(report_)};
+            std::move(estimate_.displacements), std::move(report_)};
   }
 
  private:
@@ -268,7 +270,8 @@ class CameraRefinement {
       ++report_.views[seen.view].num_observations;
     }
     for (RefinedView& view : report_.views) {
-      view.is_held = view.num_windows + view.num_observations < kMinEvidence;
+      view.is_held = options_.parts == RefinedParts::kNone ||
+                     view.num_windows + view.num_observations < kMinEvidence;
     }
   }
 
@@ -375,6 +378,37 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
   return CameraRefinement(options, photometric, original, std::move(cameras),
                           tracks, drawings, pairs, images)
       .Run();
+}
+
+Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
+                                 const PhotometricOptions& photometric,
+                                 const CameraSet& cameras,
+                                 const SparseTracks& tracks,
+                                 const MeshDrawings& drawings,
+                                 const std::vector<ViewPair>& pairs,
+                                 ImagePyramid* images) {
+  CameraRefinementOptions variant = options;
+  variant.parts = RefinedParts::kNone;
+  const std::vector<double> fixed =
+      RefineCameras(variant, photometric, cameras, cameras, tracks, drawings,
+                    pairs, images)
+          .displacements;
+  variant.parts = RefinedParts::kPoses;
+  const std::vector<double> free =
+      RefineCameras(variant, photometric, cameras, cameras, tracks, drawings,
+                    pairs, images)
+          .displacements;
+  std::vector<double> by_cameras;
+  std::vector<double> of_surface;
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i] != 0 && free[i] != 0) {
+      by_cameras.push_back(std::abs(fixed[i] - free[i]));
+      of_surface.push_back(std::abs(free[i]));
+    }
+  }
+  return by_cameras.empty()
+             ? Misalignment()
+             : Misalignment{Median(&by_cameras), Median(&of_surface)};
 }
 
 }  // namespace colmap_ext

@@ -60,12 +60,24 @@ struct CameraRefinementReport {
 struct RefinedCameras {
   CameraSet cameras;
   std::vector<Eigen::Vector3d> positions;  // [P] of the tracks
+  // [patches] By which the patches are off the surface, footprints; 0 where
+  // nothing matches.
+  std::vector<double> displacements;
   CameraRefinementReport report;
+};
+
+// How far the images' misalignment would move the surface, and how far off it
+// is: medians over its patches, footprints of a pixel of the level.
+struct Misalignment {
+  double by_cameras = 0;
+  double of_surface = 0;
 };
 
 // Moves the cameras so that the surface looks the same in all images, as far as
 // no motion of the surface along its normals would do that (docs/method.md,
 // section 7.7).
+//
+// With RefinedParts::kNone only the patches and the points move.
 //
 // \param original  before all refinement: they hold the gauge.
 // \param cameras  as they are now.
@@ -79,5 +91,16 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
                              const MeshDrawings& drawings,
                              const std::vector<ViewPair>& pairs,
                              ImagePyramid* images);
+
+// Compares where the surface's patches go with the cameras as they are, and with
+// refined ones.
+// \param parameters  as of RefineCameras().
+Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
+                                 const PhotometricOptions& photometric,
+                                 const CameraSet& cameras,
+                                 const SparseTracks& tracks,
+                                 const MeshDrawings& drawings,
+                                 const std::vector<ViewPair>& pairs,
+                                 ImagePyramid* images);
 
 }  // namespace colmap_ext

@@ -87,6 +87,23 @@ class Refinement {
     return !refined.is_stopped;
   }
 
+  // Whether cameras that are not refined would lead the surface astray.
+  bool IsMisaligned(const RefinedMesh& state) {
+    if (!cameras_ || options_.cameras.parts != RefinedParts::kNone) {
+      return false;
+    }
+    // Half the size: fine enough, and a quarter of the work.
+    constexpr int kLevel = 1;
+    Report(hooks_.progress, "Measuring the images' alignment", 0);
+    energy_->SetLevel(kLevel);
+    energy_->SetViews(state.views);
+    const Misalignment misalignment = MeasureMisalignment(
+        options_.cameras, options_.photometric,
+        {state.views, cameras_->view_cameras}, cameras_->tracks,
+        *energy_->Drawings(state.mesh), camera_pairs_, cameras_->images.get());
+    return misalignment.by_cameras > misalignment.of_surface;
+  }
+
   // \return whether the mesh is another one now
   bool RemoveSelfIntersections(RefinedMesh* state) {
     Report(hooks_.progress, "Repairing self-intersections", 0);
@@ -104,7 +121,7 @@ class Refinement {
   // Refines the cameras, if that is asked for, and passes them on.
   // \return whether any image moved by so much that the surface has to follow
   bool RefineViews(const TriangleMesh& mesh, RefinedMesh* state) {
-    if (!cameras_) {
+    if (!cameras_ || options_.cameras.parts == RefinedParts::kNone) {
       return false;
     }
     // Px of the level; a tenth of what a step of the surface is about.
@@ -237,9 +254,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
   Refinement refinement(options, views, points, energy, hooks,
-                        options.cameras.parts == RefinedParts::kNone
-                            ? nullptr
-                            : start.cameras);
+                        start.cameras);
   if (start.origins.empty()) {
     start.origins = start.mesh.vertices;
   }
@@ -250,6 +265,12 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                        views,
                        {},
                        {}};
+  const bool is_new = start.first_level == options.levels - 1;
+  if (is_new && refinement.IsMisaligned(complete)) {
+    complete.report.is_held = true;
+    complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());
+    start.first_level = -1;
+  }
   for (int level = start.first_level; level >= 0; --level) {
     RefinedMesh state = complete;
     if (!refinement.RefineAtLevel(level, &state)) {

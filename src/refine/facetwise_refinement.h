@@ -106,6 +106,7 @@ struct RefinementReport {
   std::vector<LabelingReport> labelings;  // one a level
   std::vector<CameraRefinementReport> cameras;  // each time they were refined
   bool is_stopped = false;                // by RefinementHooks::should_stop
+  bool is_held = false;  // the surface stayed: the cameras are off by more
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
                                    // facet or let two cross
   size_t num_unconverged_solutions = 0;  // of linear systems
@@ -134,7 +135,7 @@ struct RefinementStart {
   std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
   // The cameras as they are now are the views that are passed beside.
-  // options.cameras says whether they are refined; not used otherwise.
+  // options.cameras says whether they are refined. None: nothing is known.
   std::shared_ptr<const RefinableCameras> cameras;
 };
 
@@ -181,7 +182,9 @@ struct RefinementHooks {
 // move so that what the two views of a pair show on its facets looks alike.
 // Self-intersections are repaired before each level, before and after its
 // facets change, and after the last one. Cameras are refined before each level,
-// and before the final iterations of the finest one.
+// and before the final iterations of the finest one. Where they are known but
+// not refined, and are so far off that the surface would get worse, it stays as
+// it is (docs/method.md, section 7.7).
 //
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -76,27 +75,6 @@ void CheckImages(const SparseModel& model,
   }
 }
 
-// \pre the model was read in full
-void CheckTracks(const SparseModel& model,
-                 const std::filesystem::path& folder) {
-  std::map<uint32_t, size_t> num_observations;  // by image_id
-  for (const SparseImage& image : model.images) {
-    num_observations[image.image_id] = image.observations.size();
-  }
-  for (size_t i = 0; i < model.track_observations.size(); ++i) {
-    const uint32_t image_id = model.track_image_ids.values[i];
-    const auto it = num_observations.find(image_id);
-    if (it != num_observations.end() &&
-        model.track_observations[i] >= it->second) {
-      throw FileError(
-          folder, fmt::format("a 3D point refers to the 2D point {} of image "
-                              "{}, which has {}",
-                              model.track_observations[i], image_id,
-                              it->second));
-    }
-  }
-}
-
 }  // namespace
 
 const CameraModelInfo* FindCameraModel(int model_id) {
@@ -153,7 +131,6 @@ SparseModel ReadSparseModel(const std::filesystem::path& folder,
                           : ReadTextSparseModel(folder, detail);
   CheckCameras(model, folder);
   CheckImages(model, folder);
-  CheckTracks(model, folder);
   return model;
 }
 

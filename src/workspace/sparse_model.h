@@ -86,7 +86,7 @@ struct SparseModel {
   std::vector<Eigen::Vector3d> exact_positions;   // [P] point_positions as read
   std::vector<uint32_t> track_observations;  // for each of track_image_ids, the
                                              // index of the observation in its
-                                             // image
+                                             // image; may be out of range
 };
 
 enum class SparseDetail {
@@ -104,8 +104,7 @@ std::vector<std::filesystem::path> SparseModelFiles(
 // Reads a model of any COLMAP version up to 4.x, binary if it is there, else
 // text.
 // \throw FileError if a file is missing, truncated or damaged, or an image
-//        refers to a camera that is not there, or (in full) a track to an
-//        observation that is not.
+//        refers to a camera that is not there.
 SparseModel ReadSparseModel(const std::filesystem::path& folder,
                             SparseDetail detail = SparseDetail::kCameras);
 

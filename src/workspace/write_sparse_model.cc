@@ -73,7 +73,8 @@ double MeanError(const SparseModel& model, const ImagesById& images,
   for (uint64_t k = model.track_image_ids.offsets[point];
        k < model.track_image_ids.offsets[point + 1]; ++k) {
     const auto it = images.find(model.track_image_ids.values[k]);
-    if (it == images.end()) {
+    if (it == images.end() ||
+        model.track_observations[k] >= it->second->observations.size()) {
       continue;
     }
     const SparseImage& image = *it->second;

@@ -17,7 +17,7 @@ struct Windows {
   CameraScene scene = MakeCameraScene(false, 320);
   CameraSet cameras = Disturb(scene, scene.truth, 0.3, 1);
   PhotometricOptions photometric;
-  PatchOptions options{.radius = 5, .max_patches_per_view = 60};
+  PatchOptions options{.radius = 5, .max_patches_per_view = 50};
   std::shared_ptr<ImagePyramid> images = scene.scene.Pyramid();
   MeshDrawings drawings{scene.scene.Truth(), cameras.views,
                         photometric.min_cosine, SIZE_MAX};
@@ -36,13 +36,21 @@ struct Windows {
                          {views[j], *image_j, *drawn_j}, frames, patch);
   }
 
-  // Sum of 1 - ZNCC over all windows, and the number of those that count.
+  // Whether no pixel of a window is masked: the energy of others jumps as one
+  // becomes hidden.
+  bool IsWhole(const WindowShift& shift) const {
+    const int side = 2 * options.radius + 1;
+    return shift.is_valid && shift.num_pixels == side * side;
+  }
+
+  // Sum of 1 - ZNCC over the windows that are whole by the cameras.
   double Energy(const std::vector<View>& views) const {
     double sum = 0;
     for (size_t k = 0; k < patches.patches.size(); ++k) {
       for (const uint32_t j : patches.partners[k]) {
-        const WindowShift shift = Compare(views, patches.patches[k], j);
-        sum += shift.is_valid ? 1 - shift.zncc : 0;
+        if (IsWhole(Compare(cameras.views, patches.patches[k], j))) {
+          sum += 1 - Compare(views, patches.patches[k], j).zncc;
+        }
       }
     }
     return sum;
@@ -61,7 +69,7 @@ TEST(WindowShift, SlopesByPosesAreTheEnergys) {
         views[patch.view], windows.frames[patch.facet], patch);
     for (const uint32_t j : windows.patches.partners[k]) {
       const WindowShift shift = windows.Compare(views, patch, j);
-      if (shift.is_valid) {
+      if (windows.IsWhole(shift)) {
         const ShiftJacobian jacobian = ComputeShiftJacobian(
             views[patch.view], views[j], point, patch.normal);
         slopes[patch.view] += jacobian.by_pose_i.transpose() * shift.slope;
