@@ -97,8 +97,7 @@ class Refiner {
     identity_ = IdentifyRun(options_, paths_, input_);
     level_ = options_.refinement.levels;
     if (options_.resume && fs::exists(StatePath(paths_.output))) {
-      RefinementState state =
-          ReadState(paths_.output, identity_, input_.views);
+      RefinementState state = ReadState(paths_.output, identity_, input_.views);
       level_ = state.level;
       input_.mesh = std::move(state.mesh);
       input_.attributes = std::move(state.attributes);
@@ -218,12 +217,11 @@ class Refiner {
     if (AreCamerasRefined()) {
       WriteSparseModel(
           paths_.refined_sparse,
-          WithRefinedCameras(std::move(input_.sparse_model),
-                             input_.workspace.order.order.images,
-                             refined.views,
-                             input_.camera_parts ==
-                                 RefinedParts::kPosesIntrinsics,
-                             refined.track_positions));
+          WithRefinedCameras(
+              std::move(input_.sparse_model),
+              input_.workspace.order.order.images, refined.views,
+              input_.camera_parts == RefinedParts::kPosesIntrinsics,
+              refined.track_positions));
     }
     WriteMesh(paths_.output, refined.mesh, refined.attributes);
     if (is_state_ours_) {

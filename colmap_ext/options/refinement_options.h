@@ -42,8 +42,8 @@ struct RefinerOptions {
     std::string solver = "gauss_newton";       // or "descent"
     // or "none", "poses", "poses_intrinsics"; auto is poses where they can be
     std::string refine_cameras = "auto";
-    std::string backend = "auto";              // or "cpu" or "gl"
-    std::string image_order = "auto";          // or NameOf() an order
+    std::string backend = "auto";      // or "cpu" or "gl"
+    std::string image_order = "auto";  // or NameOf() an order
   };
   Words words;
 

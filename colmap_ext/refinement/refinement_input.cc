@@ -195,9 +195,10 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
   if (input->camera_parts != RefinedParts::kNone &&
       !HasOneImageFrames(input->sparse_model)) {
     if (!options.AllowsFixedCameras()) {
-      throw FileError(input->workspace.sparse_path,
-                      "it has rigs of several cameras, which can not be "
-                      "refined; take --FacetwiseRefinement.refine_cameras none");
+      throw FileError(
+          input->workspace.sparse_path,
+          "it has rigs of several cameras, which can not be "
+          "refined; take --FacetwiseRefinement.refine_cameras none");
     }
     input->camera_parts = RefinedParts::kNone;
   }
@@ -210,12 +211,11 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
 
 RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   const fs::path folder = FindWorkspaceFolder(options);
-  const RefinementPaths paths{folder,
-                              options.input_path.empty()
-                                  ? folder / kMesherOutput
-                                  : fs::path(options.input_path),
-                              options.OutputPath(folder),
-                              folder / kRefinedSparseName};
+  const RefinementPaths paths{
+      folder,
+      options.input_path.empty() ? folder / kMesherOutput
+                                 : fs::path(options.input_path),
+      options.OutputPath(folder), folder / kRefinedSparseName};
   if (!fs::exists(paths.mesh)) {
     throw FileError(paths.mesh,
                     options.input_path.empty()

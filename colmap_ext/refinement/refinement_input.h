@@ -44,7 +44,7 @@ struct RefinementInput {
 
   std::shared_ptr<const RefinableCameras> cameras;
   RefinedParts camera_parts = RefinedParts::kNone;  // none: rigs, by default
-  SparseModel sparse_model;  // in full
+  SparseModel sparse_model;                         // in full
 
   WorkspaceReport workspace;
   bool has_fused_points = true;  // else the mesh's vertices stand for them

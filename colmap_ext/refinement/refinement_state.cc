@@ -50,7 +50,8 @@ void ExpectSameRun(const RunIdentity& before, const RunIdentity& identity,
                    const fs::path& path) {
   // Names that are no UTF-8 are not written as they are.
   const RunIdentity now =
-      ParseResumeText(ResumeText({identity, 1, "", "", "", {}, {}}), path).identity;
+      ParseResumeText(ResumeText({identity, 1, "", "", "", {}, {}}), path)
+          .identity;
   for (size_t i = 0; i < std::min(before.size(), now.size()); ++i) {
     if (before[i].first != now[i].first) {
       ThrowOtherRun(path, "what it depends on", before[i].first, now[i].first);
@@ -122,8 +123,8 @@ void WriteState(const fs::path& output, const RunIdentity& identity,
   WriteText(StatePath(output),
             ResumeText({identity, state.level, Fingerprint(mesh_path),
                         Fingerprint(VisibilityPath(mesh_path)),
-                        Fingerprint(origin_path),
-                        CameraNumbersOf(state.views), state.report}));
+                        Fingerprint(origin_path), CameraNumbersOf(state.views),
+                        state.report}));
   RemoveLevelMesh(output, state.level + 1);
 }
 

@@ -209,16 +209,16 @@ std::vector<CameraNumbers> CameraNumbersOf(const std::vector<View>& views) {
   for (const View& view : views) {
     const Eigen::Matrix3d& r = view.cam_from_world_rotation;
     const Eigen::Vector3d& t = view.cam_from_world_translation;
-    all.push_back({view.fx, view.fy, view.cx, view.cy,     //
-                   r(0, 0), r(0, 1), r(0, 2),              //
-                   r(1, 0), r(1, 1), r(1, 2),              //
+    all.push_back({view.fx, view.fy, view.cx, view.cy,  //
+                   r(0, 0), r(0, 1), r(0, 2),           //
+                   r(1, 0), r(1, 1), r(1, 2),           //
                    r(2, 0), r(2, 1), r(2, 2), t[0], t[1], t[2]});
   }
   return all;
 }
 
-std::vector<View> WithCameraNumbers(
-    std::vector<View> views, const std::vector<CameraNumbers>& numbers) {
+std::vector<View> WithCameraNumbers(std::vector<View> views,
+                                    const std::vector<CameraNumbers>& numbers) {
   for (size_t i = 0; i < views.size(); ++i) {
     const CameraNumbers& n = numbers[i];
     views[i].fx = n[0];

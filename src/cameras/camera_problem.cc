@@ -49,8 +49,8 @@ class ShiftCost : public ceres::CostFunction {
                by_pose_j_ * Eigen::Map<const PoseStep>(blocks[1]) +
                by_displacement_ * blocks[2][0];
     for (size_t k = 0; k < num_intrinsics; ++k) {
-      residual += by_intrinsics_[k] *
-                  Eigen::Map<const IntrinsicsStep>(blocks[3 + k]);
+      residual +=
+          by_intrinsics_[k] * Eigen::Map<const IntrinsicsStep>(blocks[3 + k]);
     }
     if (jacobians == nullptr) {
       return true;
@@ -188,9 +188,8 @@ class Problem {
     }
     for (size_t i = 0; i < num_views_; ++i) {
       View& view = estimate_->cameras.views[i];
-      view = MoveView(
-          view, Eigen::Map<const PoseStep>(Pose(i)),
-          Eigen::Map<const IntrinsicsStep>(Intrinsics(i)));
+      view = MoveView(view, Eigen::Map<const PoseStep>(Pose(i)),
+                      Eigen::Map<const IntrinsicsStep>(Intrinsics(i)));
     }
     for (size_t i = 0; i < estimate_->displacements.size(); ++i) {
       estimate_->displacements[i] = variables_[i];
@@ -261,9 +260,9 @@ class Problem {
       if (footprint > 0) {
         AddEliminated(Point(i));
         problem_.AddResidualBlock(
-            new PriorCost<3>(-tracks.positions[i],
-                             Eigen::Vector3d::Constant(
-                                 evidence_.priors.point * footprint)),
+            new PriorCost<3>(
+                -tracks.positions[i],
+                Eigen::Vector3d::Constant(evidence_.priors.point * footprint)),
             nullptr, Point(i));
       }
     }
@@ -302,11 +301,11 @@ class Problem {
       const View& now = estimate_->cameras.views[i];
       double* block = Intrinsics(i);
       problem_.AddResidualBlock(
-          new PriorCost<3>({std::log(now.fx / before.fx),
-                            (now.cx - before.cx) / before.fx,
-                            (now.cy - before.cy) / before.fy},
-                           {priors.focal_length, priors.principal_point,
-                            priors.principal_point}),
+          new PriorCost<3>(
+              {std::log(now.fx / before.fx), (now.cx - before.cx) / before.fx,
+               (now.cy - before.cy) / before.fy},
+              {priors.focal_length, priors.principal_point,
+               priors.principal_point}),
           nullptr, block);
       ordering_->AddElementToGroup(block, 1);
       if (!evidence_.refine_intrinsics) {

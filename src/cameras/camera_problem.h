@@ -28,11 +28,11 @@ struct ShiftMeasurement {
 
 // How much the cameras are trusted to be what they were, standard deviations.
 struct CameraPriors {
-  double pose = 10;            // px in the image, of each part of a step
-  double focal_length = 0.01;  // of its logarithm
+  double pose = 10;               // px in the image, of each part of a step
+  double focal_length = 0.01;     // of its logarithm
   double principal_point = 0.01;  // focal lengths
-  double point = 5;         // px, of a point of the sparse model
-  double displacement = 10;  // footprints, of a patch off the surface
+  double point = 5;               // px, of a point of the sparse model
+  double displacement = 10;       // footprints, of a patch off the surface
 };
 
 // What the cameras are fitted to.

@@ -35,8 +35,8 @@ PoseStep StepBetween(const View& from, const View& to) {
       to.cam_from_world_rotation * from.cam_from_world_rotation.transpose()));
   PoseStep step;
   step.head<3>() = turn.angle() * turn.axis();
-  step.tail<3>() = to.cam_from_world_translation -
-                   turn * from.cam_from_world_translation;
+  step.tail<3>() =
+      to.cam_from_world_translation - turn * from.cam_from_world_translation;
   return step;
 }
 

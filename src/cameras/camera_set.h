@@ -13,8 +13,8 @@ namespace colmap_ext {
 // What is refined: the cameras of a scene. Views of one camera share its
 // intrinsics.
 struct CameraSet {
-  std::vector<View> views;              // of the pictures' full size
-  std::vector<uint32_t> view_cameras;   // [views] index of the camera of each
+  std::vector<View> views;             // of the pictures' full size
+  std::vector<uint32_t> view_cameras;  // [views] index of the camera of each
 };
 
 // A feature of the sparse model in one of the images that show it.

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <tbb/parallel_for.h>
 
 #include "base/percentile.h"
 #include "cameras/shift_jacobian.h"
@@ -66,8 +66,8 @@ std::vector<ShiftMeasurement> Measure(
   std::vector<ShiftMeasurement> measured;
   for (size_t k = 0; k < patches.patches.size(); ++k) {
     const SurfacePatch& patch = patches.patches[k];
-    const Eigen::Vector3d point = PatchPoint(
-        views[patch.view], scene.frames[patch.facet], patch);
+    const Eigen::Vector3d point =
+        PatchPoint(views[patch.view], scene.frames[patch.facet], patch);
     for (size_t l = 0; l < patches.partners[k].size(); ++l) {
       const WindowShift& shift = compared[patches.partners.offsets[k] + l];
       if (!shift.is_valid || shift.zncc < options.min_zncc ||
@@ -102,22 +102,21 @@ std::vector<double> TrackSigmas(const CameraEstimate& estimate,
   std::vector<double> all;
   for (size_t i = 0; i < tracks.positions.size(); ++i) {
     for (const TrackObservation& seen : tracks.observations[i]) {
-      const double error =
-          ReprojectionError(estimate.cameras.views[seen.view], seen,
-                            estimate.positions[i]);
+      const double error = ReprojectionError(estimate.cameras.views[seen.view],
+                                             seen, estimate.positions[i]);
       errors[seen.view].push_back(error);
       all.push_back(error);
     }
   }
-  *of_all = all.empty() ? kMinSigma
-                        : std::max(kMinSigma,
-                                   kSigmaOfMedianDistance * Median(&all));
+  *of_all = all.empty()
+                ? kMinSigma
+                : std::max(kMinSigma, kSigmaOfMedianDistance * Median(&all));
   std::vector<double> sigmas;
   for (std::vector<double>& of_view : errors) {
-    sigmas.push_back(of_view.empty()
-                         ? *of_all
-                         : std::max(*of_all, kSigmaOfMedianDistance *
-                                                 Median(&of_view)));
+    sigmas.push_back(
+        of_view.empty()
+            ? *of_all
+            : std::max(*of_all, kSigmaOfMedianDistance * Median(&of_view)));
   }
   return sigmas;
 }
@@ -166,10 +165,10 @@ class CameraRefinement {
         break;
       }
     }
-    std::vector<Eigen::Vector3d> positions = LocateTracks(
-        all_tracks_, estimate_.cameras.views,
-        TrackSigmas(estimate_, tracks_, &report_.track_sigma),
-        options_.priors.point);
+    std::vector<Eigen::Vector3d> positions =
+        LocateTracks(all_tracks_, estimate_.cameras.views,
+                     TrackSigmas(estimate_, tracks_, &report_.track_sigma),
+                     options_.priors.point);
     if (options_.parts != RefinedParts::kNone) {
       RestoreGauge(&positions);
     }
@@ -295,9 +294,8 @@ class CameraRefinement {
     for (size_t i = 0; i < positions->size(); ++i) {
       for (const TrackObservation& seen : all_tracks_.observations[i]) {
         const View& view = views[seen.view];
-        footprints[i] =
-            std::max(footprints[i],
-                     view.CamFromWorld((*positions)[i]).z() / view.fx);
+        footprints[i] = std::max(
+            footprints[i], view.CamFromWorld((*positions)[i]).z() / view.fx);
       }
     }
     const Similarity similarity =
@@ -339,8 +337,8 @@ class CameraRefinement {
     };
     const std::vector<View> views = LevelViews();
     for (const SurfacePatch& patch : patches_.patches) {
-      add(patch.view, PatchPoint(views[patch.view],
-                                 scene_.frames[patch.facet], patch));
+      add(patch.view,
+          PatchPoint(views[patch.view], scene_.frames[patch.facet], patch));
     }
     for (size_t i = 0; i < tracks_.positions.size(); ++i) {
       for (const TrackObservation& seen : tracks_.observations[i]) {

@@ -49,8 +49,8 @@ struct CameraRefinementReport {
   int level = 0;
   int num_rounds = 0;
   size_t num_patches = 0;
-  size_t num_windows = 0;   // that match, at last
-  double mean_zncc = 0;     // of them
+  size_t num_windows = 0;  // that match, at last
+  double mean_zncc = 0;    // of them
   double mean_zncc_before = 0;
   double track_sigma = 0;   // of the observations, px
   double total_motion = 0;  // of the view that moved most, RMS, px of the level
@@ -92,9 +92,8 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
                              const std::vector<ViewPair>& pairs,
                              ImagePyramid* images);
 
-// Compares where the surface's patches go with the cameras as they are, and with
-// refined ones.
-// \param parameters  as of RefineCameras().
+// Compares where the surface's patches go with the cameras as they are, and
+// with refined ones. Parameters as of RefineCameras().
 Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
                                  const PhotometricOptions& photometric,
                                  const CameraSet& cameras,

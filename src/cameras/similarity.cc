@@ -39,8 +39,8 @@ Similarity AlignWeighted(const std::vector<Eigen::Vector3d>& from,
   const Eigen::Matrix3d u = svd.matrixU();
   const Eigen::Matrix3d v = svd.matrixV();
   const Eigen::Vector3d values = svd.singularValues();
-  const Eigen::Vector3d signs(
-      1, 1, u.determinant() * v.determinant() < 0 ? -1 : 1);
+  const Eigen::Vector3d signs(1, 1,
+                              u.determinant() * v.determinant() < 0 ? -1 : 1);
   Similarity similarity;
   similarity.rotation = u * signs.asDiagonal() * v.transpose();
   similarity.scale = values.dot(signs) / variance;

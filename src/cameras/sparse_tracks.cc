@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Cholesky>
 #include <tbb/parallel_for.h>
+#include <Eigen/Cholesky>
 
 #include "cameras/camera_problem.h"
 

@@ -20,10 +20,12 @@ SparseTracks ChooseTracks(const SparseTracks& tracks, size_t num_views,
                           size_t min_observations_per_view);
 
 // The points of the tracks where the views show them: each minimizes the robust
-// sum of its squared reprojection errors, and of its squared distance from where
-// it was. [P] world, scene units
+// sum of its squared reprojection errors, and of its squared distance from
+// where it was.
 // \param sigmas  [views] of an observation, px.
-// \param point_sigma  of a point where it was, px of the view that is largest.
+// \param point_sigma  of where a point was, px of the view where they are
+//        largest.
+// \return [P] world, scene units
 std::vector<Eigen::Vector3d> LocateTracks(const SparseTracks& tracks,
                                           const std::vector<View>& views,
                                           const std::vector<double>& sigmas,

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
 
 #include "cameras/shift_jacobian.h"
 #include "cameras/window_shift.h"
@@ -53,8 +53,7 @@ double Texture(const DrawnView& i, int row, int col, int radius,
     }
   }
   const double half = 0.5 * (uu - vv);
-  const double eigenvalue =
-      0.5 * (uu + vv) - std::sqrt(half * half + uv * uv);
+  const double eigenvalue = 0.5 * (uu + vv) - std::sqrt(half * half + uv * uv);
   const int side = 2 * radius + 1;
   return eigenvalue / (side * side);
 }
@@ -102,10 +101,9 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
   const auto image = scene.images->Image(view);
   const View& camera = scene.drawings.Views()[view];
   const DrawnView i{camera, *image, *drawn};
-  const double cell = std::max(
-      2.0 * options.radius + 1,
-      std::sqrt(1.0 * camera.width * camera.height /
-                options.max_patches_per_view));
+  const double cell = std::max(2.0 * options.radius + 1,
+                               std::sqrt(1.0 * camera.width * camera.height /
+                                         options.max_patches_per_view));
   const int num_rows = std::max(1, static_cast<int>(camera.height / cell));
   const int num_cols = std::max(1, static_cast<int>(camera.width / cell));
   const int margin = options.radius + 1;
@@ -113,10 +111,10 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
   std::vector<SurfacePatch> patches;
   for (int row = 0; row < num_rows; ++row) {
     for (int col = 0; col < num_cols; ++col) {
-      std::optional<SurfacePatch> best = BestOfCell(
-          i, RangeOfCell(row, num_rows, camera.height, margin),
-          RangeOfCell(col, num_cols, camera.width, margin), options.radius,
-          max_depth, photometric.noise_variance);
+      std::optional<SurfacePatch> best =
+          BestOfCell(i, RangeOfCell(row, num_rows, camera.height, margin),
+                     RangeOfCell(col, num_cols, camera.width, margin),
+                     options.radius, max_depth, photometric.noise_variance);
       if (best) {
         best->view = view;
         best->normal = scene.frames[best->facet].normal;
@@ -152,9 +150,9 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const SurfacePatch& patch,
                  pixel.y(), 1 / in_j.z())) {
     return std::nullopt;
   }
-  const double area = std::abs(
-      ComputeShiftJacobian(view_i, view_j, point, patch.normal)
-          .by_pixel_i.determinant());
+  const double area =
+      std::abs(ComputeShiftJacobian(view_i, view_j, point, patch.normal)
+                   .by_pixel_i.determinant());
   const double cosine = (point - view_i.Center())
                             .normalized()
                             .dot((point - view_j.Center()).normalized());
@@ -198,9 +196,8 @@ SurfacePatches SelectPatches(const PatchOptions& options,
     if (paired[view].empty()) {  // its picture may not be there
       return;
     }
-    for (const SurfacePatch& patch :
-         PatchesOfView(options, photometric, scene,
-                       static_cast<uint32_t>(view))) {
+    for (const SurfacePatch& patch : PatchesOfView(
+             options, photometric, scene, static_cast<uint32_t>(view))) {
       const Eigen::Vector3d point =
           PatchPoint(views[view], scene.frames[patch.facet], patch);
       std::vector<Seeing> seeing;

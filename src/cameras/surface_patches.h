@@ -20,10 +20,10 @@ struct SurfacePatch {
   uint32_t view = 0;
   int row = 0;  // of the pixel
   int col = 0;
-  uint32_t facet = 0;            // that the pixel shows
-  Eigen::Vector3d normal;        // of the facet, unit, world
-  double footprint = 0;          // of the pixel, scene units
-  double displacement = 0;       // of the patch along its normal, footprints
+  uint32_t facet = 0;       // that the pixel shows
+  Eigen::Vector3d normal;   // of the facet, unit, world
+  double footprint = 0;     // of the pixel, scene units
+  double displacement = 0;  // of the patch along its normal, footprints
 };
 
 struct SurfacePatches {
@@ -43,9 +43,9 @@ struct PatchOptions {
 
 // A mesh drawn into views of one level, and their images. References are kept.
 struct DrawnScene {
-  const MeshDrawings& drawings;            // their views: as they were drawn
-  const std::vector<FacetFrame>& frames;   // [F] of the mesh
-  ImagePyramid* images;                    // at the level
+  const MeshDrawings& drawings;           // their views: as they were drawn
+  const std::vector<FacetFrame>& frames;  // [F] of the mesh
+  ImagePyramid* images;                   // at the level
 };
 
 // Chooses in each cell of a grid over each view the window with the most

@@ -56,9 +56,8 @@ class DisplacedWarp {
     const FacetFrame& frame = frames_[facet];
     facet_ = facet;
     is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
-    inverse_depth_ =
-        (ray_from_pixel_i_.transpose() * frame.normal) /
-        frame.normal.dot(frame.corner + offset_ - center_i_);
+    inverse_depth_ = (ray_from_pixel_i_.transpose() * frame.normal) /
+                     frame.normal.dot(frame.corner + offset_ - center_i_);
     slope_ = PlaneSlope(j_.view, frame);
   }
 
@@ -113,9 +112,9 @@ WindowShift Correlate(const WindowSums& sums) {
   const Eigen::Vector2d warped_gradient = c.block<2, 1>(2, 1);
   shift.is_valid = true;
   shift.zncc = c(0, 1) / (norm_i * norm_j);
-  shift.slope = -(image_gradient / norm_i -
-                  shift.zncc * warped_gradient / norm_j) /
-                norm_j;
+  shift.slope =
+      -(image_gradient / norm_i - shift.zncc * warped_gradient / norm_j) /
+      norm_j;
   shift.curvature = (c.bottomRightCorner<2, 2>() -
                      warped_gradient * warped_gradient.transpose() / c(1, 1)) /
                     c(1, 1);
@@ -135,7 +134,8 @@ Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
                            const SurfacePatch& patch) {
   const Eigen::Vector3d center = view.Center();
   const Eigen::Vector3d ray =
-      view.RayFromPixel() * Eigen::Vector3d(patch.col + 0.5, patch.row + 0.5, 1);
+      view.RayFromPixel() *
+      Eigen::Vector3d(patch.col + 0.5, patch.row + 0.5, 1);
   const Eigen::Vector3d corner =
       frame.corner + patch.displacement * patch.footprint * patch.normal;
   return center +
@@ -149,8 +149,7 @@ WindowShift CompareWindow(const PhotometricOptions& options, int radius,
   DisplacedWarp warp(i, j, frames, patch);
   const float center =
       i.drawn.inverse_depths[i.drawn.Index(patch.row, patch.col)];
-  const float max_difference =
-      MaxWindowDepth(options, i.view, radius) * center;
+  const float max_difference = MaxWindowDepth(options, i.view, radius) * center;
   // Correlation does not depend on means; without them less is lost to
   // rounding.
   const double mean = i.image.Row(patch.row)[patch.col];

@@ -14,14 +14,14 @@ namespace colmap_ext {
 
 // How well a window of image i matches image j by way of the surface, and how
 // that changes as the window shifts in j. With n the window's values without
-// their mean, of unit length, the residuals are n_j - n_i, so that half of their
-// squared norm is 1 - ZNCC; G their derivative by the shift, [N][2].
+// their mean, of unit length, the residuals are n_j - n_i, so that half of
+// their squared norm is 1 - ZNCC; G their derivative by the shift, [N][2].
 struct WindowShift {
   bool is_valid = false;
-  int num_pixels = 0;           // N, not masked
+  int num_pixels = 0;  // N, not masked
   double zncc = 0;
-  Eigen::Vector2d slope;        // G^T r: the derivative of 1 - ZNCC, 1 / px
-  Eigen::Matrix2d curvature;    // G^T G, Gauss-Newton's second one, 1 / px^2
+  Eigen::Vector2d slope;      // G^T r: the derivative of 1 - ZNCC, 1 / px
+  Eigen::Matrix2d curvature;  // G^T G, Gauss-Newton's second one, 1 / px^2
 };
 
 // The largest relative difference of inverse depths within one surface, as

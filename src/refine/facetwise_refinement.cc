@@ -31,9 +31,9 @@ class Refinement {
              std::shared_ptr<const RefinableCameras> cameras)
       : options_(options),
         cameras_(std::move(cameras)),
-        camera_pairs_(cameras_ ? SelectViewPairs(points, views.size(),
-                                                 kCameraPartners)
-                               : std::vector<ViewPair>()),
+        camera_pairs_(
+            cameras_ ? SelectViewPairs(points, views.size(), kCameraPartners)
+                     : std::vector<ViewPair>()),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {}
@@ -70,8 +70,7 @@ class Refinement {
       return level == 0 && RefineViews(mesh, state);
     };
     RefinedLevel refined = RefineLevel(
-        options_,
-        {level, state->labels, views, state->origins, move_cameras},
+        options_, {level, state->labels, views, state->origins, move_cameras},
         state->mesh, energy_, on_step);
     state->mesh = std::move(refined.mesh);
     if (level == 0) {
@@ -253,8 +252,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
-  Refinement refinement(options, views, points, energy, hooks,
-                        start.cameras);
+  Refinement refinement(options, views, points, energy, hooks, start.cameras);
   if (start.origins.empty()) {
     start.origins = start.mesh.vertices;
   }

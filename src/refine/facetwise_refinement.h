@@ -103,10 +103,10 @@ struct LabelingReport {
 
 struct RefinementReport {
   std::vector<RefinementStep> steps;
-  std::vector<LabelingReport> labelings;  // one a level
+  std::vector<LabelingReport> labelings;        // one a level
   std::vector<CameraRefinementReport> cameras;  // each time they were refined
-  bool is_stopped = false;                // by RefinementHooks::should_stop
-  bool is_held = false;  // the surface stayed: the cameras are off by more
+  bool is_stopped = false;  // by RefinementHooks::should_stop
+  bool is_held = false;     // the surface stayed: the cameras are off by more
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
                                    // facet or let two cross
   size_t num_unconverged_solutions = 0;  // of linear systems

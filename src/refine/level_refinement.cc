@@ -240,8 +240,8 @@ State FollowCameras(const RefinementLevel& level, const Stage& stage,
     return state;
   }
   const bool is_to_follow = level.move_cameras(state.surface.mesh);
-  state.surface = DrawSurface(std::move(state.surface.mesh),
-                              stage.domain.rings, stage.labels, stage.energy);
+  state.surface = DrawSurface(std::move(state.surface.mesh), stage.domain.rings,
+                              stage.labels, stage.energy);
   state.drift = 0;
   return is_to_follow ? Iterate(stage, std::move(state)) : std::move(state);
 }

@@ -81,9 +81,9 @@ struct SparseModel {
   Rows<uint32_t> track_image_ids;                // [P] of the observations
 
   // With SparseDetail::kAll.
-  std::vector<SparseRig> rigs;                    // empty before 3.12
-  std::vector<uint64_t> point_ids;                // [P]
-  std::vector<Eigen::Vector3d> exact_positions;   // [P] point_positions as read
+  std::vector<SparseRig> rigs;                   // empty before 3.12
+  std::vector<uint64_t> point_ids;               // [P]
+  std::vector<Eigen::Vector3d> exact_positions;  // [P] point_positions as read
   std::vector<uint32_t> track_observations;  // for each of track_image_ids, the
                                              // index of the observation in its
                                              // image; may be out of range
@@ -109,9 +109,8 @@ SparseModel ReadSparseModel(const std::filesystem::path& folder,
                             SparseDetail detail = SparseDetail::kCameras);
 
 // The two formats.
-SparseModel ReadBinarySparseModel(
-    const std::filesystem::path& folder,
-    SparseDetail detail = SparseDetail::kCameras);
+SparseModel ReadBinarySparseModel(const std::filesystem::path& folder,
+                                  SparseDetail detail = SparseDetail::kCameras);
 SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
                                 SparseDetail detail = SparseDetail::kCameras);
 

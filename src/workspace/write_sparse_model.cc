@@ -84,8 +84,8 @@ double MeanError(const SparseModel& model, const ImagesById& images,
         image.cam_from_world_translation;
     const Eigen::Vector2d pixel(camera.fx * p.x() / p.z() + camera.cx,
                                 camera.fy * p.y() / p.z() + camera.cy);
-    sum += (pixel - image.observations[model.track_observations[k]].pixel)
-               .norm();
+    sum +=
+        (pixel - image.observations[model.track_observations[k]].pixel).norm();
     ++count;
   }
   return count > 0 ? sum / static_cast<double>(count) : 0;
@@ -171,8 +171,7 @@ bool HasOneImageFrames(const SparseModel& model) {
 
 namespace {
 
-void WriteFiles(const std::filesystem::path& folder,
-                const SparseModel& model) {
+void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
   AtomicFile cameras(folder / "cameras.bin");
   AtomicFile images(folder / "images.bin");
   AtomicFile points(folder / "points3D.bin");

@@ -57,10 +57,9 @@ CameraSet Disturb(const CameraScene& scene, const CameraSet& cameras,
   }
   const double scale = pixels / Distance(scene, cameras, steps);
   for (size_t i = 0; i < steps.views.size(); ++i) {
-    steps.views[i] =
-        MoveView(cameras.views[i],
-                 scale * StepBetween(cameras.views[i], steps.views[i]),
-                 IntrinsicsStep::Zero());
+    steps.views[i] = MoveView(
+        cameras.views[i], scale * StepBetween(cameras.views[i], steps.views[i]),
+        IntrinsicsStep::Zero());
   }
   return steps;
 }

@@ -19,8 +19,7 @@ struct CameraScene {
 
   // Refines cameras at level 0 on the true surface.
   RefinedCameras Refine(const CameraRefinementOptions& options,
-                        const CameraSet& start,
-                        const SparseTracks& used) const;
+                        const CameraSet& start, const SparseTracks& used) const;
 };
 
 // \param with_own_cameras  each view has a camera of its own.

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 #include <tbb/global_control.h>
+#include <Eigen/Geometry>
 
 #include "cameras/similarity.h"
 #include "tests/cameras/camera_scene.h"
@@ -25,8 +25,7 @@ CameraRefinementOptions Poses() {
 
 TEST(RefineCameras, BringsDisturbedPosesBack) {
   const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 3);
-  const RefinedCameras refined =
-      Scene().Refine(Poses(), start, Scene().tracks);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
   EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.05);
   EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before);
 }
@@ -52,8 +51,7 @@ TEST(RefineCameras, BringsASharedFocalLengthBack) {
   }
   CameraRefinementOptions options = Poses();
   options.parts = RefinedParts::kPosesIntrinsics;
-  const RefinedCameras refined =
-      Scene().Refine(options, start, Scene().tracks);
+  const RefinedCameras refined = Scene().Refine(options, start, Scene().tracks);
   EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.05);
   for (const View& view : refined.cameras.views) {
     EXPECT_EQ(view.fx, refined.cameras.views[0].fx);
@@ -75,8 +73,7 @@ TEST(RefineCameras, ImagesOfTheirOwnCamerasHaveTheirOwnIntrinsics) {
 
 TEST(RefineCameras, PosesAloneKeepTheIntrinsics) {
   const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 5);
-  const RefinedCameras refined =
-      Scene().Refine(Poses(), start, Scene().tracks);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
   for (size_t i = 0; i < start.views.size(); ++i) {
     EXPECT_EQ(refined.cameras.views[i].fx, start.views[i].fx);
     EXPECT_EQ(refined.cameras.views[i].cx, start.views[i].cx);
@@ -92,8 +89,7 @@ TEST(RefineCameras, OneBadImageIsBroughtBackAndDoesNoHarm) {
   ASSERT_GT(Distance(Scene(), start, Scene().truth, 3), 5);
   CameraRefinementOptions options = Poses();
   options.max_rounds = 8;
-  const RefinedCameras refined =
-      Scene().Refine(options, start, Scene().tracks);
+  const RefinedCameras refined = Scene().Refine(options, start, Scene().tracks);
   EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth, 3), 0.2);
   for (int i = 0; i < 8; ++i) {
     EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth, i), 0.2) << i;
@@ -148,8 +144,7 @@ TEST(RefineCameras, FollowsTheWorldsFrame) {
           .toRotationMatrix(),
       {0.5, -2, 1}};
   const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 8);
-  const RefinedCameras refined =
-      Scene().Refine(Poses(), start, Scene().tracks);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
 
   CameraScene moved = Scene();
   for (Eigen::Vector3f& vertex : moved.scene.dense.scene.surface.vertices) {
@@ -174,12 +169,11 @@ TEST(RefineCameras, FollowsTheWorldsFrame) {
 // The sparse model's points lie, on the whole, where they lay.
 TEST(RefineCameras, KeepsTheGauge) {
   const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 9);
-  const RefinedCameras refined =
-      Scene().Refine(Poses(), start, Scene().tracks);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
   const std::vector<double> footprints(refined.positions.size(),
                                        Scene().scene.dense.scene.footprint);
-  const Similarity left = AlignPoints(
-      refined.positions, Scene().tracks.positions, footprints);
+  const Similarity left =
+      AlignPoints(refined.positions, Scene().tracks.positions, footprints);
   for (const Eigen::Vector3d& position : refined.positions) {
     EXPECT_LT((left(position) - position).norm(), 0.02 * footprints[0]);
   }

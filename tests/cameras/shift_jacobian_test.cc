@@ -43,11 +43,9 @@ class ShiftJacobianTest : public testing::Test {
   const View i_ = MakeView({-0.6, 0.1, -3}, 500);
   const View j_ = MakeView({0.7, -0.2, -3.3}, 600);
   const Eigen::Vector3d point_{0.3, -0.2, 0.4};
-  const Eigen::Vector3d normal_ =
-      Eigen::Vector3d(0.3, 0.2, -0.9).normalized();
+  const Eigen::Vector3d normal_ = Eigen::Vector3d(0.3, 0.2, -0.9).normalized();
   const Eigen::Vector2d pixel_ = i_.ImageFromCam(i_.CamFromWorld(point_));
-  const ShiftJacobian jacobian_ =
-      ComputeShiftJacobian(i_, j_, point_, normal_);
+  const ShiftJacobian jacobian_ = ComputeShiftJacobian(i_, j_, point_, normal_);
 
   // Central differences of a warp by its parameter.
   static Eigen::Vector2d Differentiate(
@@ -122,8 +120,8 @@ TEST(MoveView, GoesTheStepBetweenTwoViews) {
   const View to = MakeView({0.7, -0.2, -3.3}, 500);
   const View moved =
       MoveView(from, StepBetween(from, to), IntrinsicsStep::Zero());
-  EXPECT_TRUE(moved.cam_from_world_rotation.isApprox(
-      to.cam_from_world_rotation, 1e-12));
+  EXPECT_TRUE(moved.cam_from_world_rotation.isApprox(to.cam_from_world_rotation,
+                                                     1e-12));
   EXPECT_TRUE(moved.cam_from_world_translation.isApprox(
       to.cam_from_world_translation, 1e-12));
 }

@@ -25,8 +25,8 @@ struct Windows {
   SurfacePatches patches = SelectPatches(
       options, photometric, {drawings, frames, images.get()}, scene.pairs);
 
-  WindowShift Compare(const std::vector<View>& views,
-                      const SurfacePatch& patch, uint32_t j) const {
+  WindowShift Compare(const std::vector<View>& views, const SurfacePatch& patch,
+                      uint32_t j) const {
     const auto image_i = images->Image(patch.view);
     const auto image_j = images->Image(j);
     const auto drawn_i = drawings.Get(patch.view);
@@ -65,8 +65,8 @@ TEST(WindowShift, SlopesByPosesAreTheEnergys) {
   std::vector<PoseStep> slopes(views.size(), PoseStep::Zero());
   for (size_t k = 0; k < windows.patches.patches.size(); ++k) {
     const SurfacePatch& patch = windows.patches.patches[k];
-    const Eigen::Vector3d point = PatchPoint(
-        views[patch.view], windows.frames[patch.facet], patch);
+    const Eigen::Vector3d point =
+        PatchPoint(views[patch.view], windows.frames[patch.facet], patch);
     for (const uint32_t j : windows.patches.partners[k]) {
       const WindowShift shift = windows.Compare(views, patch, j);
       if (windows.IsWhole(shift)) {
@@ -88,10 +88,10 @@ TEST(WindowShift, SlopesByPosesAreTheEnergys) {
       const double step = 0.01 * unit;
       std::vector<View> plus = views;
       std::vector<View> minus = views;
-      plus[i] = MoveView(views[i], step * PoseStep::Unit(k),
-                         IntrinsicsStep::Zero());
-      minus[i] = MoveView(views[i], -step * PoseStep::Unit(k),
-                          IntrinsicsStep::Zero());
+      plus[i] =
+          MoveView(views[i], step * PoseStep::Unit(k), IntrinsicsStep::Zero());
+      minus[i] =
+          MoveView(views[i], -step * PoseStep::Unit(k), IntrinsicsStep::Zero());
       const double slope =
           (windows.Energy(plus) - windows.Energy(minus)) / (2 * step) * unit;
       const double ours = slopes[i][k] * unit;
