@@ -136,7 +136,7 @@ struct RefinementStart {
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
   // The cameras as they are now are the views that are passed beside.
   // options.cameras says whether they are refined. None: nothing is known.
-  std::shared_ptr<const RefinableCameras> cameras;
+  std::shared_ptr<const RefinableCameras> cameras = nullptr;
 };
 
 struct RefinedMesh {

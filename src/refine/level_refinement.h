@@ -24,7 +24,7 @@ struct RefinementLevel {
   const FacetLabels& labels;       // [F]
   const std::vector<View>& views;  // of the level's images' sizes
   const std::vector<Eigen::Vector3f>& origins;  // [V] see RefinedMesh
-  MoveCameras move_cameras;  // before the final iterations; may be empty
+  MoveCameras move_cameras = {};  // before the final iterations; may be empty
 };
 
 struct RefinedLevel {
