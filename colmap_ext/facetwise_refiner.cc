@@ -12,6 +12,7 @@
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/refinement/refinable_cameras.h"
 #include "colmap_ext/refinement/refinement_backend.h"
 #include "colmap_ext/refinement/refinement_input.h"
 #include "colmap_ext/refinement/refinement_state.h"
@@ -26,6 +27,7 @@
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
+#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
 
@@ -46,10 +48,17 @@ CommandAdvice Advice() {
 }
 
 // Before anything is read, so that nobody waits for what can not be written.
-void CheckOutputs(const RefinerOptions& options, const fs::path& output) {
+void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
+  const fs::path& output = paths.output;
   ExpectWritable(output);
   ExpectWritable(VisibilityPath(output));
   ExpectWritable(StatePath(output));
+  if (options.refinement.cameras.parts != RefinedParts::kNone) {
+    std::error_code ignored;
+    ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
+                       ? paths.refined_sparse / "images.bin"
+                       : paths.refined_sparse);
+  }
   if (!options.report_path.empty()) {
     ExpectWritable(options.report_path);
     ExpectWritable(options.PlotPath());
@@ -88,11 +97,12 @@ class Refiner {
     identity_ = IdentifyRun(options_, paths_, input_);
     level_ = options_.refinement.levels;
     if (options_.resume && fs::exists(StatePath(paths_.output))) {
-      RefinementState state = ReadState(paths_.output, identity_);
+      RefinementState state = ReadState(paths_.output, identity_, input_.views);
       level_ = state.level;
       input_.mesh = std::move(state.mesh);
       input_.attributes = std::move(state.attributes);
       origins_ = std::move(state.origins);
+      input_.views = std::move(state.views);
       earlier_ = std::move(state.report);
       is_state_ours_ = true;
     }
@@ -127,14 +137,20 @@ class Refiner {
     hooks.progress = progress_;
     hooks.on_step = [this](const RefinementStep& step,
                            const RefinedMesh& state) { OnStep(step, state); };
+    hooks.on_cameras = [this](const CameraRefinementReport& report) {
+      reporter_.Note(Describe(report));
+    };
     hooks.on_level = [this](int level, const RefinedMesh& state) {
       OnLevel(level, state);
     };
     hooks.should_stop = [] { return StopSignal::Received() != 0; };
+    FacetwiseRefinementOptions method = options_.refinement;
+    method.cameras.parts = input_.camera_parts;
     RefinedMesh refined = RefineFacetwise(
-        options_.refinement,
+        method,
         {std::move(input_.mesh), std::move(input_.attributes),
-         std::move(origins_), level_ - 1, input_.has_fused_points},
+         std::move(origins_), level_ - 1, input_.has_fused_points,
+         input_.cameras},
         input_.views, input_.points, backend.energy.get(), hooks);
     signal_ = StopSignal::Received();
     refined.report = WithEarlier(std::move(refined.report));
@@ -156,7 +172,7 @@ class Refiner {
     if (level > 0) {
       WriteState(paths_.output, identity_,
                  {level, state.mesh, state.attributes, state.origins,
-                  WithEarlier(state.report)});
+                  state.views, WithEarlier(state.report)});
       is_state_ours_ = true;
       level_ = level;
     }
@@ -198,6 +214,16 @@ class Refiner {
   void Write(const RefinedMesh& refined) {
     Report(progress_, "Writing the mesh", 0);
     ExpectManifold(refined.mesh);
+    // First: without it a mesh of refined cameras is of little use.
+    if (AreCamerasRefined()) {
+      WriteSparseModel(
+          paths_.refined_sparse,
+          WithRefinedCameras(
+              std::move(input_.sparse_model),
+              input_.workspace.order.order.images, refined.views,
+              input_.camera_parts == RefinedParts::kPosesIntrinsics,
+              refined.track_positions));
+    }
     WriteMesh(paths_.output, refined.mesh, refined.attributes);
     if (is_state_ours_) {
       RemoveState(paths_.output, level_);
@@ -206,9 +232,13 @@ class Refiner {
     if (!options_.labels_path.empty()) {
       Report(progress_, "Drawing the labels", 0);
       WriteLabels(options_.labels_path, options_.LabelsPicturePath(),
-                  refined.mesh, refined.labels, input_.views);
+                  refined.mesh, refined.labels, refined.views);
     }
     reporter_.Finish();
+  }
+
+  bool AreCamerasRefined() const {
+    return input_.camera_parts != RefinedParts::kNone;
   }
 
   void WriteReport(const RefinementReport& report) const {
@@ -220,9 +250,23 @@ class Refiner {
 
   void Print(const RefinedMesh& refined) const {
     PrintReport(refined.report, Analyze(refined.mesh), std::cout);
+    if (refined.report.is_held) {
+      std::cout << "WARNING: the images do not fit each other well enough to "
+                   "refine the mesh by them, which stays as it is; let "
+                   "--FacetwiseRefinement.refine_cameras poses align them\n";
+    }
+    if (!refined.report.cameras.empty()) {
+      PrintReport(refined.report.cameras.back(), refined.views, std::cout);
+    }
     PrintReport(reporter_.StageTimes(), PeakMemory(), std::cout);
-    std::cout << "\nWrote " << paths_.output.string() << " and "
-              << VisibilityPath(paths_.output).string() << std::endl;
+    std::cout << "\nWrote " << paths_.output.string()
+              << (AreCamerasRefined() ? ", " : " and ")
+              << VisibilityPath(paths_.output).string();
+    if (AreCamerasRefined()) {
+      std::cout << " and " << paths_.refined_sparse.string()
+                << ", which belong together";
+    }
+    std::cout << std::endl;
   }
 
   const RefinerOptions& options_;
@@ -242,7 +286,7 @@ class Refiner {
 void RefineWorkspace(RefinerOptions options) {
   const RefinementPaths paths = FindRefinementPaths(options);
   options.ChooseTrim(paths.HasFusedPoints());
-  CheckOutputs(options, paths.output);
+  CheckOutputs(options, paths);
   Refiner(options, paths).Run();
 }
 

@@ -55,7 +55,9 @@ std::vector<View> ReadEvaluatedViews(const EvaluatorOptions& options) {
   if (options.workspace_path.empty()) {
     return {};
   }
-  const fs::path sparse_path = FindSparseFolder(options.workspace_path);
+  const fs::path sparse_path =
+      FindSparseFolder(options.sparse_path.empty() ? options.workspace_path
+                                                   : options.sparse_path);
   const SparseModel model = ReadSparseModel(sparse_path);
   std::vector<View> views =
       ReadViews(options.workspace_path, model, {}, ColmapPictureDecoder())

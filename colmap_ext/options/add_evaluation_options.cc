@@ -15,6 +15,10 @@ void AddPathOptions(CommandOptions* manager, EvaluatorOptions* evaluator) {
       "workspace_path", &evaluator->workspace_path,
       "Count only what the images of this workspace or sparse model see, and "
       "compare depths; undistorted images only");
+  manager->AddDefaultOption(
+      "sparse_path", &evaluator->sparse_path,
+      "The cameras, a sparse model or a folder with one, such as "
+      "WORKSPACE/sparse-refined. Default: that of the workspace");
   manager->AddDefaultOption("json_path", &evaluator->json_path,
                             "The figures as JSON");
   manager->AddDefaultOption(

@@ -22,6 +22,10 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "their .vis lies beside them");
   manager->AddDefaultOption("output_path", &mesher->output_path,
                             "The mesh; required with input_path");
+  manager->AddDefaultOption(
+      "sparse_path", &mesher->sparse_path,
+      "The cameras, a sparse model or a folder with one, such as "
+      "WORKSPACE/sparse-refined. Default: WORKSPACE/sparse");
   manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
   manager->AddDefaultOption(

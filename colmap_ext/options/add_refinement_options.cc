@@ -21,6 +21,10 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
                             "The refined mesh; required with input_path. "
                             "Default: WORKSPACE/meshed-refined.ply");
   manager->AddDefaultOption(
+      "sparse_path", &refiner->sparse_path,
+      "The cameras, a sparse model or a folder with one, such as an earlier "
+      "WORKSPACE/sparse-refined. Default: WORKSPACE/sparse");
+  manager->AddDefaultOption(
       "report_path", &refiner->report_path,
       "A table of the iterations, CSV; its plot, SVG, lies beside it");
   manager->AddDefaultOption(
@@ -61,6 +65,11 @@ void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption("FacetwiseRefinement.smoothness_weight",
                             &refinement->smoothness_weight,
                             "Higher is smoother");
+  manager->AddDefaultOption(
+      "FacetwiseRefinement.refine_cameras", &refiner->words.refine_cameras,
+      "{auto, none, poses, poses_intrinsics}: of the cameras, what is refined "
+      "with the surface, and written to WORKSPACE/sparse-refined; auto: poses, "
+      "but not of rigs");
   manager->AddDefaultOption(
       "FacetwiseRefinement.remeshing", &refinement->remeshing,
       "Remesh before the last level: faces of good shape, as large as the "

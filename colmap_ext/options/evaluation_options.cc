@@ -63,6 +63,9 @@ void EvaluatorOptions::Finish() {
     throw OptionError(
         "--picture_image needs --picture_path and --workspace_path");
   }
+  if (!sparse_path.empty() && workspace_path.empty()) {
+    throw OptionError("--sparse_path needs --workspace_path");
+  }
   if (!std::isfinite(error_scale) || error_scale < 0) {
     throw OptionError("error_scale must be a length, or 0");
   }

@@ -11,6 +11,7 @@ struct EvaluatorOptions {
   std::string mesh_path;
   std::string truth_path;  // PLY, or a folder of depth maps
   std::string workspace_path;
+  std::string sparse_path;         // of the workspace; empty: its own
   std::string observability_mask;  // NumPy file
   std::string observability_box;   // "minx,miny,minz,resolution"
   std::string ground_plane;        // "a,b,c,d"

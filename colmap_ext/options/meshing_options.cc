@@ -34,6 +34,7 @@ void MesherOptions::Finish() {
   workspace.input_type = ParseWord<InputType>(
       "input_type", words.input_type,
       {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}});
+  workspace.sparse_path = sparse_path;
   if (workspace.input_type == InputType::kSparse &&
       !workspace.fused_path.empty()) {
     throw OptionError("--fused_path is of dense input, not of sparse");

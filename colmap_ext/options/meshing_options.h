@@ -13,6 +13,7 @@ struct MesherOptions {
   std::string workspace_path;  // either this
   std::string input_path;      // or, as delaunay_mesher has it, this
   std::string output_path;
+  std::string sparse_path;  // see WorkspaceOptions
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 

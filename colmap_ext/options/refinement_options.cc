@@ -68,6 +68,12 @@ void RefinerOptions::Finish() {
       "solver", words.solver,
       {{"gauss_newton", RefinementSolver::kGaussNewton},
        {"descent", RefinementSolver::kDescent}});
+  refinement.cameras.parts = ParseWord<RefinedParts>(
+      "refine_cameras", words.refine_cameras,
+      {{"auto", RefinedParts::kPoses},
+       {"none", RefinedParts::kNone},
+       {"poses", RefinedParts::kPoses},
+       {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   ChooseTrim(true);
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);

@@ -25,6 +25,7 @@ struct RefinerOptions {
   std::string input_path;   // the mesh; empty: kMesherOutput of the workspace
   std::string output_path;  // empty: meshed-refined.ply in the workspace
   std::string fused_path;   // empty: fused.ply in the workspace
+  std::string sparse_path;  // see WorkspaceOptions
   std::string report_path;  // a CSV; its plot lies beside it
   std::string labels_path;  // a PLY; its picture lies beside it
   bool resume = false;
@@ -44,14 +45,19 @@ struct RefinerOptions {
   struct Words {
     std::string pair_selection = "facetwise";  // or "classical"
     std::string solver = "gauss_newton";       // or "descent"
-    std::string backend = "auto";              // or "cpu" or "gl"
-    std::string image_order = "auto";          // or NameOf() an order
+    // or "none", "poses", "poses_intrinsics"; auto is poses where they can be
+    std::string refine_cameras = "auto";
+    std::string backend = "auto";      // or "cpu" or "gl"
+    std::string image_order = "auto";  // or NameOf() an order
   };
   Words words;
 
   // Passes words, and the window, on to the options that they stand for.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
+
+  // Whether cameras that can not be refined are taken as they are.
+  bool AllowsFixedCameras() const { return words.refine_cameras == "auto"; }
 
   // Sets the trimming of the refinement.
   // \param has_fused_points  whether the workspace has a fused.ply.

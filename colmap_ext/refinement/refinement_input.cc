@@ -10,6 +10,7 @@
 
 #include "base/edit_rows.h"
 #include "colmap_ext/errors.h"
+#include "colmap_ext/refinement/refinable_cameras.h"
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
@@ -18,6 +19,7 @@
 #include "mesh/topology.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
+#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
 
@@ -26,6 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFusedName = "fused.ply";
+constexpr const char* kRefinedSparseName = "sparse-refined";
 
 constexpr VisibilityOwner kMesh = {
     "mesh",
@@ -138,6 +141,7 @@ Workspace ReadCameras(const RefinerOptions& options,
   rules.image_order = options.image_order;
   rules.fused_path = options.fused_path;
   rules.allow_other_sizes = true;
+  rules.sparse_path = options.sparse_path;
   if (input.has_fused_points) {
     return ReadWorkspace(paths.folder, rules, decoder);
   }
@@ -184,6 +188,29 @@ void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
   RemoveUnusable(images_path, input->picture_errors, &input->points);
 }
 
+// The sparse model with its tracks. Where the cameras are not refined, it tells
+// how well they are aligned.
+void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
+                        RefinementInput* input) {
+  Report(progress, "Reading the sparse model", 0);
+  input->sparse_model =
+      ReadSparseModel(input->workspace.sparse_path, SparseDetail::kAll);
+  input->camera_parts = options.refinement.cameras.parts;
+  if (input->camera_parts != RefinedParts::kNone &&
+      !HasOneImageFrames(input->sparse_model)) {
+    if (!options.AllowsFixedCameras()) {
+      throw FileError(
+          input->workspace.sparse_path,
+          "it has rigs of several cameras, which can not be "
+          "refined; take --FacetwiseRefinement.refine_cameras none");
+    }
+    input->camera_parts = RefinedParts::kNone;
+  }
+  input->cameras = MakeRefinableCameras(input->sparse_model,
+                                        input->workspace.order.order.images,
+                                        input->views, input->images);
+}
+
 }  // namespace
 
 RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
@@ -194,7 +221,7 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
                                  : fs::path(options.input_path),
       options.fused_path.empty() ? folder / kFusedName
                                  : fs::path(options.fused_path),
-      options.OutputPath(folder)};
+      options.OutputPath(folder), folder / kRefinedSparseName};
   if (!fs::exists(paths.mesh)) {
     throw FileError(paths.mesh,
                     options.input_path.empty()
@@ -208,6 +235,13 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   std::error_code ignored;
   if (fs::equivalent(paths.mesh, paths.output, ignored)) {
     throw OptionError("--output_path is the mesh that is to be refined");
+  }
+  if (options.refinement.cameras.parts != RefinedParts::kNone &&
+      !options.sparse_path.empty() &&
+      fs::equivalent(options.sparse_path, paths.refined_sparse, ignored)) {
+    throw OptionError(
+        "--sparse_path is where the refined cameras are written to; move it "
+        "away first, or take --FacetwiseRefinement.refine_cameras none");
   }
   return paths;
 }
@@ -235,6 +269,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   input.mesh = std::move(file.mesh);
   Report(progress, "Reading the images", 0);
   CheckPictures(options, paths, decoder, &input);
+  ReadRefinedCameras(options, progress, &input);
   return input;
 }
 

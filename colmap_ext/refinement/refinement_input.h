@@ -12,10 +12,12 @@
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "photometry/image_pyramid.h"
+#include "refine/facetwise_refinement.h"
 #include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
+#include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -26,6 +28,7 @@ struct RefinementPaths {
   std::filesystem::path mesh;
   std::filesystem::path fused;  // the points; need not be there
   std::filesystem::path output;
+  std::filesystem::path refined_sparse;  // folder of the refined cameras
 
   bool HasFusedPoints() const { return std::filesystem::exists(fused); }
 };
@@ -41,6 +44,10 @@ struct RefinementInput {
   PointCloud points;  // without the views whose pictures can not be used
   std::vector<std::string> picture_errors;  // [views] empty: can be used
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
+
+  std::shared_ptr<const RefinableCameras> cameras;
+  RefinedParts camera_parts = RefinedParts::kNone;  // none: rigs, by default
+  SparseModel sparse_model;                         // in full
 
   WorkspaceReport workspace;
   bool has_fused_points = true;  // else the mesh's vertices stand for them

@@ -50,7 +50,8 @@ void ExpectSameRun(const RunIdentity& before, const RunIdentity& identity,
                    const fs::path& path) {
   // Names that are no UTF-8 are not written as they are.
   const RunIdentity now =
-      ParseResumeText(ResumeText({identity, 1, "", "", "", {}}), path).identity;
+      ParseResumeText(ResumeText({identity, 1, "", "", "", {}, {}}), path)
+          .identity;
   for (size_t i = 0; i < std::min(before.size(), now.size()); ++i) {
     if (before[i].first != now[i].first) {
       ThrowOtherRun(path, "what it depends on", before[i].first, now[i].first);
@@ -122,11 +123,13 @@ void WriteState(const fs::path& output, const RunIdentity& identity,
   WriteText(StatePath(output),
             ResumeText({identity, state.level, Fingerprint(mesh_path),
                         Fingerprint(VisibilityPath(mesh_path)),
-                        Fingerprint(origin_path), state.report}));
+                        Fingerprint(origin_path), CameraNumbersOf(state.views),
+                        state.report}));
   RemoveLevelMesh(output, state.level + 1);
 }
 
-RefinementState ReadState(const fs::path& output, const RunIdentity& identity) {
+RefinementState ReadState(const fs::path& output, const RunIdentity& identity,
+                          const std::vector<View>& views) {
   const fs::path path = StatePath(output);
   ResumeRecord record = ParseResumeText(ReadText(path), path);
   ExpectSameRun(record.identity, identity, path);
@@ -138,6 +141,12 @@ RefinementState ReadState(const fs::path& output, const RunIdentity& identity) {
   RefinementState state;
   state.level = record.level;
   state.report = std::move(record.report);
+  if (record.cameras.size() != views.size()) {
+    throw FileError(path, std::string("damaged: not of as many images as "
+                                      "sparse/") +
+                              kStartAnew);
+  }
+  state.views = WithCameraNumbers(views, record.cameras);
   ReadLevelMesh(mesh_path, origin_path, &state);
   return state;
 }

@@ -9,6 +9,7 @@
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "refine/facetwise_refinement.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -21,6 +22,7 @@ struct RefinementState {
   TriangleMesh mesh;
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // [V] see RefinedMesh
+  std::vector<View> views;               // refined up to there
   RefinementReport report;               // up to there
 };
 
@@ -37,10 +39,12 @@ std::filesystem::path LevelOriginPath(const std::filesystem::path& output,
 void WriteState(const std::filesystem::path& output,
                 const RunIdentity& identity, const RefinementState& state);
 
+// \param views  before they were refined.
 // \throw FileError if there is no state, it is damaged, or belongs to another
 //        run: it says what differs.
 RefinementState ReadState(const std::filesystem::path& output,
-                          const RunIdentity& identity);
+                          const RunIdentity& identity,
+                          const std::vector<View>& views);
 
 // Removes what WriteState() wrote for a level.
 void RemoveState(const std::filesystem::path& output, int level);

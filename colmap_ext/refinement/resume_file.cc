@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "colmap_ext facetwise_refiner resume";
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 
 // Objects in lists in the top object. Deeper values are dropped unread, so that
 // no nesting takes memory.
@@ -156,6 +156,20 @@ RunIdentity ToIdentity(const Json& json) {
   return identity;
 }
 
+CameraNumbers ToCameraNumbers(const Json& json) {
+  CameraNumbers numbers;
+  if (!json.is_array() || json.size() != numbers.size()) {
+    throw Damage();
+  }
+  for (size_t i = 0; i < numbers.size(); ++i) {
+    if (!json[i].is_number()) {
+      throw Damage();
+    }
+    numbers[i] = json[i].get<double>();
+  }
+  return numbers;
+}
+
 ResumeRecord ToRecord(const Json& json) {
   if (!json.is_object() || Text(json, "format") != kFormat ||
       Count<int>(json, "version") != kVersion) {
@@ -170,6 +184,9 @@ ResumeRecord ToRecord(const Json& json) {
   record.mesh = Text(json, "mesh");
   record.visibility = Text(json, "visibility");
   record.origins = Text(json, "origins");
+  for (const Json& camera : List(json, "cameras")) {
+    record.cameras.push_back(ToCameraNumbers(camera));
+  }
   record.report.num_shortened_steps = Count<size_t>(json, "shortened_steps");
   record.report.num_unconverged_solutions =
       Count<size_t>(json, "unconverged_solutions");
@@ -187,6 +204,35 @@ ResumeRecord ToRecord(const Json& json) {
 
 }  // namespace
 
+std::vector<CameraNumbers> CameraNumbersOf(const std::vector<View>& views) {
+  std::vector<CameraNumbers> all;
+  for (const View& view : views) {
+    const Eigen::Matrix3d& r = view.cam_from_world_rotation;
+    const Eigen::Vector3d& t = view.cam_from_world_translation;
+    all.push_back({view.fx, view.fy, view.cx, view.cy,  //
+                   r(0, 0), r(0, 1), r(0, 2),           //
+                   r(1, 0), r(1, 1), r(1, 2),           //
+                   r(2, 0), r(2, 1), r(2, 2), t[0], t[1], t[2]});
+  }
+  return all;
+}
+
+std::vector<View> WithCameraNumbers(std::vector<View> views,
+                                    const std::vector<CameraNumbers>& numbers) {
+  for (size_t i = 0; i < views.size(); ++i) {
+    const CameraNumbers& n = numbers[i];
+    views[i].fx = n[0];
+    views[i].fy = n[1];
+    views[i].cx = n[2];
+    views[i].cy = n[3];
+    views[i].cam_from_world_rotation << n[4], n[5], n[6],  //
+        n[7], n[8], n[9],                                  //
+        n[10], n[11], n[12];
+    views[i].cam_from_world_translation << n[13], n[14], n[15];
+  }
+  return views;
+}
+
 std::string ResumeText(const ResumeRecord& record) {
   Json json = {{"format", kFormat}, {"version", kVersion}};
   Json& identity = json["identity"] = Json::array();
@@ -197,6 +243,10 @@ std::string ResumeText(const ResumeRecord& record) {
   json["mesh"] = record.mesh;
   json["visibility"] = record.visibility;
   json["origins"] = record.origins;
+  Json& cameras = json["cameras"] = Json::array();
+  for (const CameraNumbers& numbers : record.cameras) {
+    cameras.push_back(numbers);
+  }
   json["shortened_steps"] = record.report.num_shortened_steps;
   json["unconverged_solutions"] = record.report.num_unconverged_solutions;
   json["flipped_facets"] = record.report.num_flipped_facets;

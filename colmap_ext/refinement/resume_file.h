@@ -1,12 +1,26 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "colmap_ext/refinement/run_identity.h"
 #include "refine/facetwise_refinement.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
+
+// What is refined of a view: fx, fy, cx, cy, the rotation by rows, the
+// translation.
+using CameraNumbers = std::array<double, 16>;
+
+// [views]
+std::vector<CameraNumbers> CameraNumbersOf(const std::vector<View>& views);
+
+// The views with these numbers. \pre as many of both
+std::vector<View> WithCameraNumbers(std::vector<View> views,
+                                    const std::vector<CameraNumbers>& numbers);
 
 // What OUTPUT.ply.resume says of an interrupted refinement: what run it
 // belongs to, the files that the last complete level left, and the report up to
@@ -17,6 +31,7 @@ struct ResumeRecord {
   std::string mesh;  // fingerprints
   std::string visibility;
   std::string origins;
+  std::vector<CameraNumbers> cameras;  // [views]
   RefinementReport report;  // steps, labelings, and counts up to the level
 };
 

@@ -24,6 +24,9 @@ std::string StageName(const RefinementStep& step);
 // One iteration in one line.
 std::string Describe(const RefinementStep& step);
 
+// A refinement of the cameras in one line.
+std::string Describe(const CameraRefinementReport& report);
+
 // The iterations as a table, one a row below a row of names.
 std::string StepsCsv(const std::vector<RefinementStep>& steps);
 
@@ -37,5 +40,10 @@ void PrintReport(const RefinementInput& input, std::ostream& stream);
 // ... and what came of it.
 void PrintReport(const RefinementReport& report, const MeshReport& mesh,
                  std::ostream& stream);
+
+// How far the cameras moved, image by image, with warnings of those that moved
+// far, did not converge, or could not be moved.
+void PrintReport(const CameraRefinementReport& report,
+                 const std::vector<View>& views, std::ostream& stream);
 
 }  // namespace colmap_ext

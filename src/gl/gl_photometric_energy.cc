@@ -64,6 +64,11 @@ class Evaluator {
     views_.Clear();
   }
 
+  void SetViews(std::vector<View> views) {
+    images_->SetViews(std::move(views));
+    views_.Clear();
+  }
+
   void Render(const TriangleMesh& mesh) { views_.SetMesh(mesh); }
 
   std::vector<FacetSums> Evaluate(const TriangleMesh& mesh,
@@ -141,6 +146,11 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   void SetLevel(int level) override {
     const EglContext::Scope scope = context_.MakeCurrent();
     evaluator_->SetLevel(level);
+  }
+
+  void SetViews(std::vector<View> views) override {
+    const EglContext::Scope scope = context_.MakeCurrent();
+    evaluator_->SetViews(std::move(views));
   }
 
   // Not for Render(), which draws on the graphics card. None is kept.

@@ -80,6 +80,7 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
         max_memory_(max_memory) {}
 
   void SetLevel(int level) override;
+  void SetViews(std::vector<View> views) override;
   std::shared_ptr<const MeshDrawings> Drawings(
       const TriangleMesh& mesh) override;
   void Render(const TriangleMesh& mesh) override {
@@ -117,6 +118,12 @@ void CpuPhotometricEnergy::SetLevel(int level) {
     work_.reset();
     drawings_.reset();
   }
+}
+
+void CpuPhotometricEnergy::SetViews(std::vector<View> views) {
+  images_->SetViews(std::move(views));
+  work_.reset();
+  drawings_.reset();
 }
 
 std::shared_ptr<const MeshDrawings> CpuPhotometricEnergy::Drawings(

@@ -59,6 +59,13 @@ void ImagePyramid::SetLevel(int level) {
   full_images_.SetMaxBytes(max_memory_ - std::min(max_memory_, level_memory));
 }
 
+void ImagePyramid::SetViews(std::vector<View> views) {
+  views_ = std::move(views);
+  for (size_t i = 0; i < views_.size(); ++i) {
+    level_views_[i] = ViewAtLevel(views_[i], level_);
+  }
+}
+
 std::shared_ptr<const GrayImage> ImagePyramid::FullImage(size_t view) {
   return full_images_.Get(view, NumPixels(views_[view]), [&] {
     auto image = std::make_shared<const GrayImage>(read_image_(view));

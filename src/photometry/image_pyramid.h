@@ -31,6 +31,11 @@ class ImagePyramid {
   void SetLevel(int level);
   int Level() const { return level_; }
 
+  // Other cameras of the same pictures.
+  // \pre the views have the sizes that they had; no other thread uses the
+  //      pyramid meanwhile
+  void SetViews(std::vector<View> views);
+
   // \throw what read_image throws; std::runtime_error if the image is not of
   //        its view's size.
   std::shared_ptr<const GrayImage> Image(size_t view);

@@ -8,6 +8,7 @@
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/mesh_drawings.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -80,6 +81,10 @@ class PhotometricEnergy {
 
   // The level that the images are to be used at.
   virtual void SetLevel(int level) = 0;
+
+  // Other cameras of the same pictures, of their full size. What was drawn is
+  // forgotten: Render() has to be called before Evaluate().
+  virtual void SetViews(std::vector<View> views) = 0;
 
   // The mesh drawn by the processor into the views of the level, for others to
   // use. A Render() of the same mesh takes these drawings over if it draws

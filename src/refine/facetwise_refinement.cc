@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -40,23 +41,29 @@ class Refinement {
   Refinement(const FacetwiseRefinementOptions& options,
              const std::vector<View>& views, const PointCloud& points,
              bool has_fused_points, PhotometricEnergy* energy,
-             const RefinementHooks& hooks)
+             const RefinementHooks& hooks,
+             std::shared_ptr<const RefinableCameras> cameras)
       : options_(options),
-        views_(views),
         points_(points),
         has_fused_points_(has_fused_points),
+        cameras_(std::move(cameras)),
+        camera_pairs_(
+            cameras_ ? SelectViewPairs(points, views.size(), kCameraPartners)
+                     : std::vector<ViewPair>()),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {}
 
   // Whether the level is complete; else `state` is of no use.
   bool RefineAtLevel(int level, RefinedMesh* state) {
+    energy_->SetLevel(level);
+    energy_->SetViews(state->views);
+    RemoveSelfIntersections(state);
+    RefineViews(state->mesh, state);
     std::vector<View> views;
-    for (const View& view : views_) {
+    for (const View& view : state->views) {
       views.push_back(ViewAtLevel(view, level));
     }
-    energy_->SetLevel(level);
-    RemoveSelfIntersections(state);
     Prepare(level, views, state);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
@@ -75,9 +82,12 @@ class Refinement {
       }
       return !(hooks_.should_stop && hooks_.should_stop());
     };
-    RefinedLevel refined =
-        RefineLevel(options_, {level, state->labels, views, state->origins},
-                    state->mesh, energy_, on_step);
+    const auto move_cameras = [&](const TriangleMesh& mesh) {
+      return level == 0 && RefineViews(mesh, state);
+    };
+    RefinedLevel refined = RefineLevel(
+        options_, {level, state->labels, views, state->origins, move_cameras},
+        state->mesh, energy_, on_step);
     state->mesh = std::move(refined.mesh);
     if (level == 0) {
       state->attributes.confidences =
@@ -95,6 +105,39 @@ class Refinement {
     return !refined.is_stopped;
   }
 
+  // [V] of the surface without the images: by the points, if they can tell, and
+  // no more than the input's.
+  std::vector<float> ConfidencesByPoints(const RefinedMesh& state) const {
+    std::vector<float> before = state.attributes.confidences;
+    if (!has_fused_points_) {
+      before.resize(state.mesh.vertices.size(), 0);
+      return before;
+    }
+    std::vector<float> confidences = PointConfidences(
+        state.mesh, state.attributes.views, points_, state.views);
+    for (size_t i = 0; i < before.size(); ++i) {
+      confidences[i] = std::min(confidences[i], before[i]);
+    }
+    return confidences;
+  }
+
+  // Whether cameras that are not refined would lead the surface astray.
+  bool IsMisaligned(const RefinedMesh& state) {
+    if (!cameras_ || options_.cameras.parts != RefinedParts::kNone) {
+      return false;
+    }
+    // Half the size: fine enough, and a quarter of the work.
+    constexpr int kLevel = 1;
+    Report(hooks_.progress, "Measuring the images' alignment", 0);
+    energy_->SetLevel(kLevel);
+    energy_->SetViews(state.views);
+    const Misalignment misalignment = MeasureMisalignment(
+        options_.cameras, options_.photometric,
+        {state.views, cameras_->view_cameras}, cameras_->tracks,
+        *energy_->Drawings(state.mesh), camera_pairs_, cameras_->images.get());
+    return misalignment.by_cameras > misalignment.of_surface;
+  }
+
   // \return whether the mesh is another one now
   bool RemoveSelfIntersections(RefinedMesh* state) {
     Report(hooks_.progress, "Repairing self-intersections", 0);
@@ -106,6 +149,34 @@ class Refinement {
   }
 
  private:
+  // Of each view that may be compared with it to refine the cameras: more than
+  // to refine the surface, as many images together fix a pose. A choice.
+  static constexpr int kCameraPartners = 12;
+
+  // Refines the cameras, if that is asked for, and passes them on.
+  // \return whether any image moved by so much that the surface has to follow
+  bool RefineViews(const TriangleMesh& mesh, RefinedMesh* state) {
+    if (!cameras_ || options_.cameras.parts == RefinedParts::kNone) {
+      return false;
+    }
+    // Px of the level; a tenth of what a step of the surface is about.
+    constexpr double kMinMotion = 0.01;
+    Report(hooks_.progress, "Refining the cameras", 0);
+    RefinedCameras refined = RefineCameras(
+        options_.cameras, options_.photometric,
+        {cameras_->views, cameras_->view_cameras},
+        {state->views, cameras_->view_cameras}, cameras_->tracks,
+        *energy_->Drawings(mesh), camera_pairs_, cameras_->images.get());
+    state->views = std::move(refined.cameras.views);
+    state->track_positions = std::move(refined.positions);
+    energy_->SetViews(state->views);
+    if (hooks_.on_cameras) {
+      hooks_.on_cameras(refined.report);
+    }
+    state->report.cameras.push_back(std::move(refined.report));
+    return state->report.cameras.back().total_motion > kMinMotion;
+  }
+
   // Gives the mesh facets of the size that the images call for, and labels
   // them. The last drawings serve the labelling, and the energy's first
   // Render().
@@ -137,24 +208,11 @@ class Refinement {
     state->labels = std::move(labeling.labels);
   }
 
-  // [V] by the points, if they can tell, and no more than the input's.
-  std::vector<float> ConfidencesByPoints(const RefinedMesh& state) const {
-    const std::vector<float>& before = state.attributes.confidences;
-    if (!has_fused_points_) {
-      return before;
-    }
-    std::vector<float> confidences =
-        PointConfidences(state.mesh, state.attributes.views, points_, views_);
-    for (size_t i = 0; i < before.size(); ++i) {
-      confidences[i] = std::min(confidences[i], before[i]);
-    }
-    return confidences;
-  }
-
   const FacetwiseRefinementOptions& options_;
-  const std::vector<View>& views_;
   const PointCloud& points_;
   bool has_fused_points_;
+  std::shared_ptr<const RefinableCameras> cameras_;  // none: not refined
+  std::vector<ViewPair> camera_pairs_;
   std::vector<ViewPair> pairs_;
   PhotometricEnergy* energy_;
   const RefinementHooks& hooks_;
@@ -225,7 +283,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
   Refinement refinement(options, views, points, start.has_fused_points, energy,
-                        hooks);
+                        hooks, start.cameras);
   if (start.origins.empty()) {
     start.origins = start.mesh.vertices;
   }
@@ -233,7 +291,16 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                        std::move(start.attributes),
                        std::move(start.origins),
                        {},
+                       views,
+                       {},
                        {}};
+  const bool is_new = start.first_level == options.levels - 1;
+  if (is_new && refinement.IsMisaligned(complete)) {
+    complete.report.is_held = true;
+    complete.attributes.confidences = refinement.ConfidencesByPoints(complete);
+    complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());
+    start.first_level = -1;
+  }
   for (int level = start.first_level; level >= 0; --level) {
     RefinedMesh state = complete;
     if (!refinement.RefineAtLevel(level, &state)) {

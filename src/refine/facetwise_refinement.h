@@ -1,16 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "cameras/refine_cameras.h"
 #include "labeling/facet_labeling.h"
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
+#include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
 #include "repair/edit_borders.h"
 #include "scene/point_cloud.h"
@@ -62,6 +66,9 @@ struct FacetwiseRefinementOptions {
 
   PhotometricOptions photometric;
 
+  // Of the cameras, in turn with the surface (docs/method.md, section 7.7).
+  CameraRefinementOptions cameras;
+
   // What is dropped from the result, and closed. A facet is about a window
   // wide: four rings tell what a gap of a dozen windows' width would show.
   BorderOptions borders{.trim_rings = 4};
@@ -97,8 +104,10 @@ struct LabelingReport {
 
 struct RefinementReport {
   std::vector<RefinementStep> steps;
-  std::vector<LabelingReport> labelings;  // one a level
-  bool is_stopped = false;                // by RefinementHooks::should_stop
+  std::vector<LabelingReport> labelings;        // one a level
+  std::vector<CameraRefinementReport> cameras;  // each time they were refined
+  bool is_stopped = false;  // by RefinementHooks::should_stop
+  bool is_held = false;     // the surface stayed: the cameras are off by more
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
                                    // facet or let two cross
   size_t num_unconverged_solutions = 0;  // of linear systems
@@ -107,6 +116,14 @@ struct RefinementReport {
                                               // and between levels
   size_t num_self_intersections = 0;          // of the result
   BorderReport borders;
+};
+
+// What is known of cameras that are to be refined.
+struct RefinableCameras {
+  std::vector<View> views;  // as the refinement takes them, before any of it
+  std::vector<uint32_t> view_cameras;    // see CameraSet
+  SparseTracks tracks;                   // of the sparse model
+  std::shared_ptr<ImagePyramid> images;  // that the energy uses
 };
 
 // What a refinement starts from: the input, or what a complete level left.
@@ -121,6 +138,9 @@ struct RefinementStart {
   // Whether the points were fused from the images, so that surface without
   // points is less sure; else they only tell which views see what.
   bool has_fused_points = true;
+  // The cameras as they are now are the views that are passed beside.
+  // options.cameras says whether they are refined. None: nothing is known.
+  std::shared_ptr<const RefinableCameras> cameras = nullptr;
 };
 
 struct RefinedMesh {
@@ -132,6 +152,10 @@ struct RefinedMesh {
                                          // the vertices come from
   FacetLabels labels;                    // [F] of the last level; none of
                                          // facets that close a hole
+  std::vector<View> views;               // as they were refined
+  std::vector<Eigen::Vector3d> track_positions;  // of the sparse model's
+                                                 // points, by these views;
+                                                 // empty if none were refined
   RefinementReport report;
 };
 
@@ -143,6 +167,9 @@ struct RefinementHooks {
   // After each iteration, and before the first one of a level.
   std::function<void(const RefinementStep& step, const RefinedMesh& state)>
       on_step;
+
+  // After the cameras were refined.
+  std::function<void(const CameraRefinementReport& report)> on_cameras;
 
   // After each level, `state` as it would be returned, its borders as they
   // were.
@@ -158,8 +185,12 @@ struct RefinementHooks {
 // subdivided, each gets the pairs of views that see it best, and the vertices
 // move so that what the two views of a pair show on its facets looks alike.
 // Self-intersections are repaired before each level, before and after its
-// facets change, and after the last one.
+// facets change, and after the last one. Cameras are refined before each level,
+// and before the final iterations of the finest one. Where they are known but
+// not refined, and are so far off that the surface would get worse, it stays as
+// it is (docs/method.md, section 7.7).
 //
+// \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.
 // \pre options checked
 // \throw std::invalid_argument if the trimming leaves nothing.

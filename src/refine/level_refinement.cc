@@ -233,6 +233,19 @@ State Iterate(const Stage& stage, State state) {
   return state;
 }
 
+// The cameras move, and the surface follows them.
+State FollowCameras(const RefinementLevel& level, const Stage& stage,
+                    State state) {
+  if (state.is_stopped || !level.move_cameras) {
+    return state;
+  }
+  const bool is_to_follow = level.move_cameras(state.surface.mesh);
+  state.surface = DrawSurface(std::move(state.surface.mesh), stage.domain.rings,
+                              stage.labels, stage.energy);
+  state.drift = 0;
+  return is_to_follow ? Iterate(stage, std::move(state)) : std::move(state);
+}
+
 // All labels from the same surface on: it is drawn again, and its vertices
 // account for more pixels.
 State FinishByAllLabels(const FacetLabels& labels, Stage stage, State state) {
@@ -289,7 +302,7 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
       MakeSmoothnessModel(FirstTarget(stage.domain, state.surface.mesh,
                                       kFirstWeight * options.smoothness_weight),
                           stage.domain, state.surface);
-  state = Iterate(stage, std::move(state));
+  state = FollowCameras(level, stage, Iterate(stage, std::move(state)));
   if (!state.is_stopped &&
       few_labels.labels.values.size() < labels.labels.values.size()) {
     state = FinishByAllLabels(labels, std::move(stage), std::move(state));

@@ -14,12 +14,17 @@
 
 namespace colmap_ext {
 
+// Moves the cameras that the energy uses to fit a mesh; returns whether they
+// moved by so much that the surface has to follow.
+using MoveCameras = std::function<bool(const TriangleMesh& mesh)>;
+
 // What a level is refined by.
 struct RefinementLevel {
   int level = 0;                   // the images are 2^level times smaller
   const FacetLabels& labels;       // [F]
   const std::vector<View>& views;  // of the level's images' sizes
   const std::vector<Eigen::Vector3f>& origins;  // [V] see RefinedMesh
+  MoveCameras move_cameras = {};  // before the final iterations; may be empty
 };
 
 struct RefinedLevel {

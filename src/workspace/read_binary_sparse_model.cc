@@ -1,5 +1,5 @@
 // COLMAP's binary model format: https://colmap.github.io/format.html, and
-// src/colmap/scene/reconstruction_io_binary.cc for frames.bin.
+// src/colmap/scene/reconstruction_io_binary.cc for frames.bin and rigs.bin.
 
 #include <algorithm>
 #include <tuple>
@@ -19,6 +19,7 @@ constexpr uint64_t kMinImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr uint64_t kPoint2DBytes = 8 + 8 + 8;
 constexpr uint64_t kMinPoint3DBytes = 8 + 3 * 8 + 3 + 8 + 8;
 constexpr uint64_t kTrackElementBytes = 4 + 4;
+constexpr uint64_t kMinRigBytes = 4 + 4;
 constexpr uint64_t kMinFrameBytes = 4 + 4 + 7 * 8 + 4;
 constexpr uint64_t kFrameDataBytes = 4 + 4 + 8;
 constexpr int kCameraSensorType = 0;
@@ -63,7 +64,19 @@ std::string ReadName(ByteReader* reader) {
   return name;
 }
 
-void ReadImages(const std::filesystem::path& path, SparseModel* model) {
+std::vector<SparseObservation> ReadObservations(ByteReader* reader,
+                                                uint64_t count) {
+  std::vector<SparseObservation> observations(count);
+  for (SparseObservation& observation : observations) {
+    observation.pixel.x() = reader->Read<double>("a 2D point");
+    observation.pixel.y() = reader->Read<double>("a 2D point");
+    observation.point_id = reader->Read<uint64_t>("a 2D point");
+  }
+  return observations;
+}
+
+void ReadImages(const std::filesystem::path& path, SparseDetail detail,
+                SparseModel* model) {
   ByteReader reader(path);
   const uint64_t num_images = reader.ReadCount(kMinImageBytes, "images");
   for (uint64_t i = 0; i < num_images; ++i) {
@@ -75,31 +88,43 @@ void ReadImages(const std::filesystem::path& path, SparseModel* model) {
     image.name = ReadName(&reader);
     const uint64_t num_points2D =
         reader.ReadCount(kPoint2DBytes, "2D points of an image");
-    reader.Skip(num_points2D * kPoint2DBytes, "an image's 2D points");
+    if (detail == SparseDetail::kAll) {
+      image.observations = ReadObservations(&reader, num_points2D);
+    } else {
+      reader.Skip(num_points2D * kPoint2DBytes, "an image's 2D points");
+    }
     model->images.push_back(std::move(image));
   }
   reader.ExpectEnd();
 }
 
-void ReadPoints3D(const std::filesystem::path& path, SparseModel* model) {
+void ReadPoints3D(const std::filesystem::path& path, SparseDetail detail,
+                  SparseModel* model) {
+  const bool is_all = detail == SparseDetail::kAll;
   ByteReader reader(path);
   const uint64_t num_points = reader.ReadCount(kMinPoint3DBytes, "3D points");
   model->point_positions.reserve(num_points);
   model->point_colors.reserve(num_points);
   model->track_image_ids.offsets.reserve(num_points + 1);
   for (uint64_t i = 0; i < num_points; ++i) {
-    reader.Skip(sizeof(uint64_t), "a 3D point");  // its id
-    double position[3];
-    reader.Read(position, sizeof(position), "a 3D point");
-    model->point_positions.push_back(
-        Eigen::Vector3d(position[0], position[1], position[2]).cast<float>());
+    const uint64_t point_id = reader.Read<uint64_t>("a 3D point");
+    Eigen::Vector3d position;
+    reader.Read(position.data(), 3 * sizeof(double), "a 3D point");
+    model->point_positions.push_back(position.cast<float>());
+    if (is_all) {
+      model->point_ids.push_back(point_id);
+      model->exact_positions.push_back(position);
+    }
     model->point_colors.push_back(reader.Read<Color>("a 3D point"));
     reader.Skip(sizeof(double), "a 3D point");  // its error
     const uint64_t track_length =
         reader.ReadCount(kTrackElementBytes, "track elements of a 3D point");
     for (uint64_t j = 0; j < track_length; ++j) {
       model->track_image_ids.values.push_back(reader.Read<uint32_t>("a track"));
-      reader.Skip(sizeof(uint32_t), "a track");  // the 2D point's index
+      const uint32_t observation = reader.Read<uint32_t>("a track");
+      if (is_all) {
+        model->track_observations.push_back(observation);
+      }
     }
     model->track_image_ids.EndRow();
   }
@@ -112,7 +137,8 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
   for (uint64_t i = 0; i < num_frames; ++i) {
     SparseFrame frame;
     frame.frame_id = reader.Read<uint32_t>("a frame");
-    reader.Skip(4 + 7 * 8, "a frame");  // its rig's id and pose
+    frame.rig_id = reader.Read<uint32_t>("a frame");
+    reader.Skip(7 * 8, "a frame");  // its rig's pose
     const uint32_t num_data = reader.Read<uint32_t>("a frame");
     if (num_data > reader.Remaining() / kFrameDataBytes) {
       throw FileError(
@@ -124,6 +150,7 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
       const int sensor_type = reader.Read<int>("a frame");
       const uint32_t sensor_id = reader.Read<uint32_t>("a frame");
       const uint64_t data_id = reader.Read<uint64_t>("a frame");
+      frame.data.push_back({sensor_type, sensor_id, data_id});
       if (sensor_type == kCameraSensorType) {
         data.emplace_back(sensor_id, data_id);
       }
@@ -137,13 +164,40 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
   reader.ExpectEnd();
 }
 
+void ReadRigs(const std::filesystem::path& path, SparseModel* model) {
+  ByteReader reader(path);
+  const uint64_t num_rigs = reader.ReadCount(kMinRigBytes, "rigs");
+  for (uint64_t i = 0; i < num_rigs; ++i) {
+    SparseRig rig;
+    rig.rig_id = reader.Read<uint32_t>("a rig");
+    rig.num_sensors = reader.Read<uint32_t>("a rig");
+    if (rig.num_sensors > 0) {
+      rig.sensor_type = reader.Read<int>("a rig");
+      rig.sensor_id = reader.Read<uint32_t>("a rig");
+    }
+    for (uint32_t j = 1; j < rig.num_sensors; ++j) {
+      reader.Skip(4 + 4, "a rig's sensor");
+      if (reader.Read<uint8_t>("a rig's sensor") != 0) {
+        reader.Skip(7 * 8, "a rig's sensor");
+      }
+    }
+    model->rigs.push_back(rig);
+  }
+  reader.ExpectEnd();
+}
+
 }  // namespace
 
-SparseModel ReadBinarySparseModel(const std::filesystem::path& folder) {
+SparseModel ReadBinarySparseModel(const std::filesystem::path& folder,
+                                  SparseDetail detail) {
   SparseModel model;
   ReadCameras(folder / "cameras.bin", &model);
-  ReadImages(folder / "images.bin", &model);
-  ReadPoints3D(folder / "points3D.bin", &model);
+  ReadImages(folder / "images.bin", detail, &model);
+  ReadPoints3D(folder / "points3D.bin", detail, &model);
+  if (detail == SparseDetail::kAll &&
+      std::filesystem::exists(folder / "rigs.bin")) {
+    ReadRigs(folder / "rigs.bin", &model);
+  }
   if (std::filesystem::exists(folder / "frames.bin")) {
     ReadFrames(folder / "frames.bin", &model);
   }

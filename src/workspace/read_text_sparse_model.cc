@@ -1,5 +1,5 @@
 // COLMAP's text model format: https://colmap.github.io/format.html, and
-// src/colmap/scene/reconstruction_io_text.cc for frames.txt.
+// src/colmap/scene/reconstruction_io_text.cc for frames.txt and rigs.txt.
 
 #include <algorithm>
 #include <charconv>
@@ -104,7 +104,21 @@ void ReadCameras(const std::filesystem::path& path, SparseModel* model) {
   }
 }
 
-void ReadImages(const std::filesystem::path& path, SparseModel* model) {
+std::vector<SparseObservation> ReadObservations(LineReader* reader) {
+  std::vector<SparseObservation> observations;
+  while (reader->HasItem()) {
+    SparseObservation observation;
+    observation.pixel.x() = reader->Number<double>();
+    observation.pixel.y() = reader->Number<double>();
+    // -1 where it shows none
+    observation.point_id = static_cast<uint64_t>(reader->Number<int64_t>());
+    observations.push_back(observation);
+  }
+  return observations;
+}
+
+void ReadImages(const std::filesystem::path& path, SparseDetail detail,
+                SparseModel* model) {
   LineReader reader(path);
   while (reader.NextDataLine()) {
     SparseImage image;
@@ -122,14 +136,19 @@ void ReadImages(const std::filesystem::path& path, SparseModel* model) {
     if (!reader.NextLine()) {
       reader.Throw("truncated: the line of the image's 2D points is missing");
     }
+    if (detail == SparseDetail::kAll) {
+      image.observations = ReadObservations(&reader);
+    }
     model->images.push_back(std::move(image));
   }
 }
 
-void ReadPoints3D(const std::filesystem::path& path, SparseModel* model) {
+void ReadPoints3D(const std::filesystem::path& path, SparseDetail detail,
+                  SparseModel* model) {
+  const bool is_all = detail == SparseDetail::kAll;
   LineReader reader(path);
   while (reader.NextDataLine()) {
-    reader.Number<uint64_t>();  // its id
+    const uint64_t point_id = reader.Number<uint64_t>();
     Eigen::Vector3d position;
     for (double& coordinate : position) {
       coordinate = reader.Number<double>();
@@ -141,7 +160,14 @@ void ReadPoints3D(const std::filesystem::path& path, SparseModel* model) {
     reader.Number<double>();  // its error
     while (reader.HasItem()) {
       model->track_image_ids.values.push_back(reader.Number<uint32_t>());
-      reader.Number<uint32_t>();  // the 2D point's index
+      const uint32_t observation = reader.Number<uint32_t>();
+      if (is_all) {
+        model->track_observations.push_back(observation);
+      }
+    }
+    if (is_all) {
+      model->point_ids.push_back(point_id);
+      model->exact_positions.push_back(position);
     }
     model->point_positions.push_back(position.cast<float>());
     model->point_colors.push_back(color);
@@ -154,7 +180,7 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
   while (reader.NextDataLine()) {
     SparseFrame frame;
     frame.frame_id = reader.Number<uint32_t>();
-    reader.Number<uint32_t>();  // its rig's id
+    frame.rig_id = reader.Number<uint32_t>();
     for (int i = 0; i < 7; ++i) {
       reader.Number<double>();  // its rig's pose
     }
@@ -164,6 +190,8 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
       const std::string sensor_type = reader.Item();
       const uint32_t sensor_id = reader.Number<uint32_t>();
       const uint64_t data_id = reader.Number<uint64_t>();
+      frame.data.push_back(
+          {sensor_type == "CAMERA" ? 0 : 1, sensor_id, data_id});
       if (sensor_type == "CAMERA") {
         data.emplace_back(sensor_id, static_cast<uint32_t>(data_id));
       }
@@ -176,13 +204,32 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
   }
 }
 
+void ReadRigs(const std::filesystem::path& path, SparseModel* model) {
+  LineReader reader(path);
+  while (reader.NextDataLine()) {
+    SparseRig rig;
+    rig.rig_id = reader.Number<uint32_t>();
+    rig.num_sensors = reader.Number<uint32_t>();
+    if (rig.num_sensors > 0) {
+      rig.sensor_type = reader.Item() == "CAMERA" ? 0 : 1;
+      rig.sensor_id = reader.Number<uint32_t>();
+    }
+    model->rigs.push_back(rig);
+  }
+}
+
 }  // namespace
 
-SparseModel ReadTextSparseModel(const std::filesystem::path& folder) {
+SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
+                                SparseDetail detail) {
   SparseModel model;
   ReadCameras(folder / "cameras.txt", &model);
-  ReadImages(folder / "images.txt", &model);
-  ReadPoints3D(folder / "points3D.txt", &model);
+  ReadImages(folder / "images.txt", detail, &model);
+  ReadPoints3D(folder / "points3D.txt", detail, &model);
+  if (detail == SparseDetail::kAll &&
+      std::filesystem::exists(folder / "rigs.txt")) {
+    ReadRigs(folder / "rigs.txt", &model);
+  }
   if (std::filesystem::exists(folder / "frames.txt")) {
     ReadFrames(folder / "frames.txt", &model);
   }

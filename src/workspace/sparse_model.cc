@@ -134,9 +134,11 @@ std::vector<std::filesystem::path> SparseModelFiles(
   return files;
 }
 
-SparseModel ReadSparseModel(const std::filesystem::path& folder) {
-  SparseModel model = HasFiles(folder, ".bin") ? ReadBinarySparseModel(folder)
-                                               : ReadTextSparseModel(folder);
+SparseModel ReadSparseModel(const std::filesystem::path& folder,
+                            SparseDetail detail) {
+  SparseModel model = HasFiles(folder, ".bin")
+                          ? ReadBinarySparseModel(folder, detail)
+                          : ReadTextSparseModel(folder, detail);
   CheckCameras(model, folder);
   CheckImages(model, folder);
   return model;

@@ -32,18 +32,45 @@ struct SparseCamera {
   bool has_focal_length = true;  // else a panorama; fx ... cy say nothing
 };
 
+inline constexpr uint64_t kNoSparsePoint = UINT64_MAX;
+
+// A feature of an image.
+struct SparseObservation {
+  Eigen::Vector2d pixel;  // px of the camera, centre of the first pixel at 0.5
+  uint64_t point_id = kNoSparsePoint;  // of the 3D point that it shows
+};
+
 struct SparseImage {
   uint32_t image_id = 0;
   uint32_t camera_id = 0;
   std::string name;  // relative to the folder of the images
   Eigen::Quaterniond cam_from_world_rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();
+  std::vector<SparseObservation> observations;  // with SparseDetail::kAll
+};
+
+// Sensors that are fixed to each other (COLMAP 3.12 and later). Only the first
+// is kept, which is all that most rigs have.
+struct SparseRig {
+  uint32_t rig_id = 0;
+  uint32_t num_sensors = 0;
+  int sensor_type = 0;     // of the reference sensor; 0: camera
+  uint32_t sensor_id = 0;  // of the reference sensor
+};
+
+// A picture, or other data, that a sensor took.
+struct SparseData {
+  int sensor_type = 0;  // 0: camera
+  uint32_t sensor_id = 0;
+  uint64_t data_id = 0;  // of a camera: image_id
 };
 
 // The images that a rig took at one time (COLMAP 3.12 and later).
 struct SparseFrame {
   uint32_t frame_id = 0;
   std::vector<uint32_t> image_ids;  // in the order of the rig's sensors
+  uint32_t rig_id = 0;
+  std::vector<SparseData> data;  // as in the file
 };
 
 struct SparseModel {
@@ -53,6 +80,19 @@ struct SparseModel {
   std::vector<Eigen::Vector3f> point_positions;  // [P], world, scene units
   std::vector<Color> point_colors;               // [P]
   Rows<uint32_t> track_image_ids;                // [P] of the observations
+
+  // With SparseDetail::kAll.
+  std::vector<SparseRig> rigs;                   // empty before 3.12
+  std::vector<uint64_t> point_ids;               // [P]
+  std::vector<Eigen::Vector3d> exact_positions;  // [P] point_positions as read
+  std::vector<uint32_t> track_observations;  // for each of track_image_ids, the
+                                             // index of the observation in its
+                                             // image; may be out of range
+};
+
+enum class SparseDetail {
+  kCameras,  // cameras, images, and points with their images
+  kAll,      // all that is needed to write the model again
 };
 
 // Whether the folder has the files of a model, binary or text.
@@ -66,11 +106,14 @@ std::vector<std::filesystem::path> SparseModelFiles(
 // text.
 // \throw FileError if a file is missing, truncated or damaged, or an image
 //        refers to a camera that is not there.
-SparseModel ReadSparseModel(const std::filesystem::path& folder);
+SparseModel ReadSparseModel(const std::filesystem::path& folder,
+                            SparseDetail detail = SparseDetail::kCameras);
 
 // The two formats.
-SparseModel ReadBinarySparseModel(const std::filesystem::path& folder);
-SparseModel ReadTextSparseModel(const std::filesystem::path& folder);
+SparseModel ReadBinarySparseModel(const std::filesystem::path& folder,
+                                  SparseDetail detail = SparseDetail::kCameras);
+SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
+                                SparseDetail detail = SparseDetail::kCameras);
 
 // What COLMAP's camera models have in common: the numbers of parameters, and
 // how many of the first are focal lengths.

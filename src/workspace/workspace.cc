@@ -128,7 +128,8 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
   Workspace workspace;
   WorkspaceReport& report = workspace.report;
   report.path = folder;
-  report.sparse_path = FindSparseFolder(report.path);
+  report.sparse_path = FindSparseFolder(
+      options.sparse_path.empty() ? report.path : options.sparse_path);
   const SparseModel model = ReadSparseModel(report.sparse_path);
   if (model.images.empty()) {
     throw FileError(report.sparse_path, "the model has no images");

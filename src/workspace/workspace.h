@@ -31,6 +31,9 @@ struct WorkspaceOptions {
   // How fused.ply.vis counts the images; nothing: it is found out.
   std::optional<ImageOrderKind> image_order = std::nullopt;
 
+  // The sparse model, or a folder that has one; empty: that of the workspace.
+  std::filesystem::path sparse_path = {};
+
   // Accept pictures of another aspect than their camera's. They are listed in
   // Workspace::picture_errors.
   bool allow_other_sizes = false;

@@ -111,6 +111,69 @@ TEST(RefineFacetwise, StaysNearTheTruth) {
   EXPECT_LT(MedianError(refined.mesh), 0.2);
 }
 
+// Cameras that are off by a fixed turn each, and the features that true ones
+// show.
+struct DisturbedCameras {
+  explicit DisturbedCameras(double pixels) {
+    views = Scene().Views();
+    auto known = std::make_shared<RefinableCameras>();
+    for (size_t i = 0; i < views.size(); ++i) {
+      PoseStep step = PoseStep::Zero();
+      step[0] = (i % 2 == 0 ? pixels : -pixels) / views[i].fx;
+      step[1] = (i % 4 < 2 ? pixels : -pixels) / views[i].fx;
+      views[i] = MoveView(views[i], step, IntrinsicsStep::Zero());
+    }
+    for (const synthetic::SparsePoint& point : Scene().dense.sparse_points) {
+      known->tracks.positions.push_back(point.position);
+      for (const synthetic::Feature& feature : point.track) {
+        known->tracks.observations.values.push_back(
+            {feature.view, feature.position});
+      }
+      known->tracks.observations.EndRow();
+    }
+    known->views = views;
+    known->view_cameras.assign(views.size(), 0);
+    known->images = std::make_shared<ImagePyramid>(
+        views, [](size_t view) { return Scene().images[view]; }, SIZE_MAX);
+    cameras = std::move(known);
+  }
+
+  RefinedMesh Refine(const FacetwiseRefinementOptions& options,
+                     const TriangleMesh& mesh) const {
+    const auto energy = MakeCpuPhotometricEnergy(options.photometric,
+                                                 cameras->images, SIZE_MAX);
+    return RefineFacetwise(
+        options, {mesh, NoAttributes(mesh), {}, options.levels - 1, cameras},
+        views, Scene().dense.fused.cloud, energy.get(), {});
+  }
+
+  std::vector<View> views;
+  std::shared_ptr<const RefinableCameras> cameras;
+};
+
+TEST(RefineFacetwise, FindsTheTruthByCamerasThatAreOff) {
+  const DisturbedCameras disturbed(0.5);
+  FacetwiseRefinementOptions options = SmallOptions();
+  options.cameras.parts = RefinedParts::kPoses;
+  const TriangleMesh mesh = PerturbedTruth();
+  const RefinedMesh refined = disturbed.Refine(options, mesh);
+  EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh));
+  EXPECT_EQ(refined.track_positions.size(),
+            disturbed.cameras->tracks.positions.size());
+}
+
+TEST(RefineFacetwise, KeepsAGoodMeshFromCamerasThatAreOff) {
+  const DisturbedCameras disturbed(0.5);
+  const TriangleMesh& mesh = Scene().Truth();
+  const RefinedMesh refined = disturbed.Refine(SmallOptions(), mesh);
+  EXPECT_TRUE(refined.report.is_held);
+  ExpectSameMesh(refined.mesh, mesh);
+  for (size_t i = 0; i < refined.views.size(); ++i) {
+    EXPECT_TRUE(refined.views[i].cam_from_world_rotation ==
+                disturbed.views[i].cam_from_world_rotation);
+  }
+}
+
 TEST(RefineFacetwise, FindsTheTruthByDescentToo) {
   FacetwiseRefinementOptions options = SmallOptions();
   options.solver = RefinementSolver::kDescent;

@@ -45,6 +45,7 @@ class PullingEnergy : public PhotometricEnergy {
   explicit PullingEnergy(Surface surface) : surface_(std::move(surface)) {}
 
   void SetLevel(int /*level*/) override {}
+  void SetViews(std::vector<View> /*views*/) override {}
   std::shared_ptr<const MeshDrawings> Drawings(
       const TriangleMesh& /*mesh*/) override {
     return nullptr;

@@ -32,6 +32,8 @@ ResumeRecord MakeRecord() {
   record.report.steps[1].mean_step = 5e-324;
   record.report.steps[1].seconds = 1e300;
   record.report.steps[1].num_facets = 12;
+  record.cameras = {{1000.1, 1000.2, 320, 240, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.1,
+                     -1.0 / 3, 1e-300}};
   return record;
 }
 
@@ -80,6 +82,7 @@ TEST(ResumeFileTest, ReadsNumbersBackAsTheyWere) {
   EXPECT_EQ(read.report.steps[1].mean_step, 5e-324);
   EXPECT_TRUE(read.report.steps[1].is_final);
   EXPECT_EQ(read.report.steps[1].num_facets, 12);
+  EXPECT_EQ(read.cameras, record.cameras);
   EXPECT_EQ(ResumeText(read), ResumeText(record));
 }
 

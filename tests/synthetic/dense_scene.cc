@@ -18,6 +18,9 @@ std::string DenseSceneOptions::Check() const {
         render.photon_noise >= 0 && render.photon_noise <= 100)) {
     return "sensor_noise and photon_noise must be in [0, 100]";
   }
+  if (const std::string error = pose_noise.Check(); !error.empty()) {
+    return error;
+  }
   if (!(fusion.outliers >= 0 && fusion.outliers <= 1)) {
     return "outliers must be in [0, 1]";
   }
@@ -56,9 +59,12 @@ DenseScene MakeDenseScene(const DenseSceneOptions& options) {
     maps.push_back(
         SimulateStereo(scene, visible, i, options.stereo, seed, num_threads));
   }
-  result.fused =
-      FuseDepthMaps(scene.views, maps, result.images, options.fusion);
-  AddOutliers(scene.views, options.fusion.outliers, seed, &result.fused);
+  result.model_views = DisturbViews(options.pose_noise, scene.views,
+                                    scene.footprint * scene.views[0].fx, seed);
+  const std::vector<View>& fusing =
+      options.pose_noise.is_before_fusion ? result.model_views : scene.views;
+  result.fused = FuseDepthMaps(fusing, maps, result.images, options.fusion);
+  AddOutliers(fusing, options.fusion.outliers, seed, &result.fused);
   result.sparse_points =
       MakeSparsePoints(scene, visible, result.images, options.sparse, seed);
   if (options.keep_depth_maps) {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tests/synthetic/fuse.h"
+#include "tests/synthetic/pose_noise.h"
 #include "tests/synthetic/render.h"
 #include "tests/synthetic/scene.h"
 #include "tests/synthetic/sparse.h"
@@ -16,6 +17,7 @@ struct DenseSceneOptions {
   StereoOptions stereo;
   FusionOptions fusion;
   SparseOptions sparse;
+  PoseNoiseOptions pose_noise;
 
   // Whether the photographs are made; without them points have no colours.
   bool render_images = true;
@@ -30,10 +32,11 @@ struct DenseSceneOptions {
   std::string Check() const;
 };
 
-// A dense workspace in memory: `scene.surface` is the truth, `scene.views` and
+// A dense workspace in memory: `scene.surface` is the truth, `model_views` and
 // `fused.cloud` are what a mesher takes.
 struct DenseScene {
   Scene scene;
+  std::vector<View> model_views;     // scene.views, or disturbed ones
   std::vector<ColorImage> images;    // [views] or empty
   std::vector<DepthMap> depth_maps;  // [views] or empty
   std::vector<Visible> visible;      // [views] or empty, the truth

@@ -56,6 +56,15 @@ void AddPointArguments(DenseSceneOptions* options, Arguments* arguments) {
                  "as a share of the fused points, 0 - 1");
   arguments->Add("min_num_pixels", &options->fusion.min_num_pixels,
                  "of a fused point, 1 or more");
+  arguments->Add("pose_noise", &options->pose_noise.pixels,
+                 "of the cameras of sparse/, px RMS in the images, 0 - 100");
+  arguments->Add("smooth_pose_noise", &options->pose_noise.is_smooth,
+                 "alike in neighboring images, 0 or 1");
+  arguments->Add("pose_noise_before_fusion",
+                 &options->pose_noise.is_before_fusion,
+                 "fuse by these cameras, as in life, 0 or 1");
+  arguments->Add("focal_factor", &options->pose_noise.focal_factor,
+                 "on the focal lengths of sparse/, 0.5 - 2");
   arguments->Add("num_sparse_points", &options->sparse.num_points,
                  "at most, 0 or more");
   arguments->Add("feature_noise", &options->sparse.noise,

@@ -104,8 +104,8 @@ std::vector<int> WriteSparseModel(const fs::path& path, const DenseScene& scene,
   fs::create_directories(text);
   const std::vector<std::string> lines =
       WritePointsText(text / "points3D.txt", scene.sparse_points, ids);
-  WriteImagesText(text / "images.txt", scene.scene.views, ids, lines);
-  WriteCamerasText(text / "cameras.txt", scene.scene.views[0]);
+  WriteImagesText(text / "images.txt", scene.model_views, ids, lines);
+  WriteCamerasText(text / "cameras.txt", scene.model_views[0]);
   const auto by_name = ConvertModel(text.string(), path.string());
   fs::remove_all(text);
   std::vector<int> positions;

@@ -1,0 +1,74 @@
+#include <cstddef>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "colmap_ext/report/print_lines.h"
+#include "colmap_ext/report/refinement_report.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Px in the picture: an image that moves by more was not placed by its
+// features, or is matched to something else now.
+constexpr double kFarMotion = 3;
+// Px of the last level's images, in the last round: more than poses matter by.
+constexpr double kConverged = 0.05;
+
+void Warn(const std::vector<std::string>& names, const std::string& what,
+          std::ostream& stream) {
+  if (names.empty()) {
+    return;
+  }
+  stream << "WARNING: " << what << ":";
+  for (const std::string& name : names) {
+    stream << " " << name;
+  }
+  stream << "\n";
+}
+
+}  // namespace
+
+std::string Describe(const CameraRefinementReport& report) {
+  return fmt::format(
+      "{}, cameras: {} rounds, {} windows, ZNCC {:.4f} -> {:.4f}, moved by "
+      "{:.3f} px at most",
+      LevelName(report.level), report.num_rounds, report.num_windows,
+      report.mean_zncc_before, report.mean_zncc, report.total_motion);
+}
+
+void PrintReport(const CameraRefinementReport& report,
+                 const std::vector<View>& views, std::ostream& stream) {
+  PrintHeading("Cameras", stream);
+  PrintText("noise of the features, px",
+            fmt::format("{:14.3f}", report.track_sigma), stream);
+  PrintText("", "      moved by, px       windows      features", stream);
+  std::vector<std::string> far;
+  std::vector<std::string> unsettled;
+  std::vector<std::string> held;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const RefinedView& view = report.views[i];
+    PrintText(views[i].name,
+              fmt::format("{:18.3f}{:14}{:14}", view.motion, view.num_windows,
+                          view.num_observations),
+              stream);
+    if (view.motion > kFarMotion) {
+      far.push_back(views[i].name);
+    }
+    if (view.last_motion > kConverged) {
+      unsettled.push_back(views[i].name);
+    }
+    if (view.is_held) {
+      held.push_back(views[i].name);
+    }
+  }
+  Warn(far, fmt::format("these images moved by more than {} px", kFarMotion),
+       stream);
+  Warn(unsettled, "these images did not converge", stream);
+  Warn(held, "too little is seen by these images to refine them", stream);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/rows.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// What is refined: the cameras of a scene. Views of one camera share its
+// intrinsics.
+struct CameraSet {
+  std::vector<View> views;             // of the pictures' full size
+  std::vector<uint32_t> view_cameras;  // [views] index of the camera of each
+};
+
+// A feature of the sparse model in one of the images that show it.
+struct TrackObservation {
+  uint32_t view = 0;
+  Eigen::Vector2d pixel;  // px of the full-size picture, see View
+};
+
+// The sparse model's points and where the images show them.
+struct SparseTracks {
+  std::vector<Eigen::Vector3d> positions;  // [P] world, scene units
+  Rows<TrackObservation> observations;     // [P]
+};
+
+// A small change of a view. With the rotation exp(w) by the vector w, a point p
+// of the camera's frame goes to exp(w) p + v: cam_from_world is multiplied from
+// the left.
+//   rows 0 to 2: w, rad; 3 to 5: v, scene units.
+using PoseStep = Eigen::Matrix<double, 6, 1>;
+
+// A small change of a camera. Row 0: of the logarithm of both focal lengths; 1,
+// 2: of the principal point, in focal lengths.
+using IntrinsicsStep = Eigen::Vector3d;
+
+// The view after both changes.
+View MoveView(const View& view, const PoseStep& pose,
+              const IntrinsicsStep& intrinsics);
+
+// The step that MoveView() goes from one pose to another.
+PoseStep StepBetween(const View& from, const View& to);
+
+}  // namespace colmap_ext

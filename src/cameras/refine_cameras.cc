@@ -1,0 +1,412 @@
+#include "cameras/refine_cameras.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "base/percentile.h"
+#include "cameras/shift_jacobian.h"
+#include "cameras/similarity.h"
+#include "cameras/sparse_tracks.h"
+#include "cameras/window_shift.h"
+
+namespace colmap_ext {
+
+namespace {
+// [rows of partners] each patch with each of its partners.
+std::vector<WindowShift> CompareAll(const CameraRefinementOptions& options,
+                                    const PhotometricOptions& photometric,
+                                    const DrawnScene& scene,
+                                    const std::vector<View>& views,
+                                    const SurfacePatches& patches) {
+  std::vector<WindowShift> shifts(patches.partners.values.size());
+  tbb::parallel_for(size_t{0}, patches.patches.size(), [&](size_t k) {
+    const SurfacePatch& patch = patches.patches[k];
+    const auto image_i = scene.images->Image(patch.view);
+    const auto drawn_i = scene.drawings.Get(patch.view);
+    const DrawnView i{views[patch.view], *image_i, *drawn_i};
+    const std::span<const uint32_t> partners = patches.partners[k];
+    for (size_t l = 0; l < partners.size(); ++l) {
+      const auto image_j = scene.images->Image(partners[l]);
+      const auto drawn_j = scene.drawings.Get(partners[l]);
+      shifts[patches.partners.offsets[k] + l] = CompareWindow(
+          photometric, options.patches.radius, i,
+          {views[partners[l]], *image_j, *drawn_j}, scene.frames, patch);
+    }
+  });
+  return shifts;
+}
+
+// The noise of a shift, px. What a window leaves unexplained is its noise, but
+// for what it can not know: how the images are sampled, and, along the epipolar
+// line, that its surface is tilted or curved. Found by trial on bunny
+// (docs/benchmarks.md).
+Eigen::Matrix2d Covariance(const PhotometricOptions& photometric,
+                           const WindowShift& shift,
+                           const ShiftJacobian& jacobian) {
+  constexpr double kSampling = 0.05;
+  constexpr double kTilt = 0.2;
+  const double noise =
+      2 * (1 + photometric.residual_floor - shift.zncc) / shift.num_pixels;
+  const Eigen::Vector2d along = jacobian.by_displacement.normalized();
+  return noise * shift.curvature.inverse() +
+         kSampling * kSampling * Eigen::Matrix2d::Identity() +
+         kTilt * kTilt * along * along.transpose();
+}
+
+std::vector<ShiftMeasurement> Measure(
+    const CameraRefinementOptions& options,
+    const PhotometricOptions& photometric, const DrawnScene& scene,
+    const std::vector<View>& views, const SurfacePatches& patches,
+    const std::vector<WindowShift>& compared) {
+  std::vector<ShiftMeasurement> measured;
+  for (size_t k = 0; k < patches.patches.size(); ++k) {
+    const SurfacePatch& patch = patches.patches[k];
+    const Eigen::Vector3d point =
+        PatchPoint(views[patch.view], scene.frames[patch.facet], patch);
+    for (size_t l = 0; l < patches.partners[k].size(); ++l) {
+      const WindowShift& shift = compared[patches.partners.offsets[k] + l];
+      if (!shift.is_valid || shift.zncc < options.min_zncc ||
+          !(shift.curvature.determinant() > 0)) {
+        continue;
+      }
+      ShiftMeasurement measurement;
+      measurement.patch = static_cast<uint32_t>(k);
+      measurement.i = patch.view;
+      measurement.j = patches.partners[k][l];
+      measurement.jacobian = ComputeShiftJacobian(
+          views[patch.view], views[measurement.j], point, patch.normal);
+      measurement.jacobian.by_displacement *= patch.footprint;
+      measurement.shift = -shift.curvature.inverse() * shift.slope;
+      const Eigen::Matrix2d information =
+          Covariance(photometric, shift, measurement.jacobian).inverse();
+      measurement.whitening = information.llt().matrixU();
+      measured.push_back(measurement);
+    }
+  }
+  return measured;
+}
+
+// [views] The noise of the observations in each, px: that of all, or more in a
+// view that they do not fit, so that it can be brought back.
+std::vector<double> TrackSigmas(const CameraEstimate& estimate,
+                                const SparseTracks& tracks, double* of_all) {
+  constexpr double kMinSigma = 0.2;  // px, of features at best
+  // Of two coordinates together: the median of Rayleigh's distribution.
+  constexpr double kSigmaOfMedianDistance = 1 / 1.1774;
+  std::vector<std::vector<double>> errors(estimate.cameras.views.size());
+  std::vector<double> all;
+  for (size_t i = 0; i < tracks.positions.size(); ++i) {
+    for (const TrackObservation& seen : tracks.observations[i]) {
+      const double error = ReprojectionError(estimate.cameras.views[seen.view],
+                                             seen, estimate.positions[i]);
+      errors[seen.view].push_back(error);
+      all.push_back(error);
+    }
+  }
+  *of_all = all.empty()
+                ? kMinSigma
+                : std::max(kMinSigma, kSigmaOfMedianDistance * Median(&all));
+  std::vector<double> sigmas;
+  for (std::vector<double>& of_view : errors) {
+    sigmas.push_back(
+        of_view.empty()
+            ? *of_all
+            : std::max(*of_all, kSigmaOfMedianDistance * Median(&of_view)));
+  }
+  return sigmas;
+}
+
+class CameraRefinement {
+ public:
+  CameraRefinement(const CameraRefinementOptions& options,
+                   const PhotometricOptions& photometric,
+                   const CameraSet& original, CameraSet cameras,
+                   const SparseTracks& tracks, const MeshDrawings& drawings,
+                   const std::vector<ViewPair>& pairs, ImagePyramid* images)
+      : options_(options),
+        photometric_(photometric),
+        original_(original),
+        all_tracks_(tracks),
+        tracks_(ChooseTracks(tracks, original.views.size(),
+                             options.min_observations_per_view)),
+        frames_(ComputeFacetFrames(drawings.Mesh())),
+        scene_{drawings, frames_, images},
+        patches_(SelectPatches(options.patches, photometric, scene_, pairs)),
+        estimate_{std::move(cameras),
+                  std::vector<double>(patches_.patches.size(), 0),
+                  tracks_.positions} {
+    report_.level = images->Level();
+    report_.num_patches = patches_.patches.size();
+    report_.views.resize(original.views.size());
+  }
+
+  RefinedCameras Run() {
+    // Px of the level's images; a round that moves no image by more is the
+    // last one.
+    constexpr double kMinMotion = 0.01;
+    const std::vector<View> start = estimate_.cameras.views;
+    for (int round = 0; round < options_.max_rounds; ++round) {
+      const std::vector<View> views = LevelViews();
+      const CameraEvidence evidence = Gather(views);
+      const CameraSet before = estimate_.cameras;
+      if (!SolveCameras(evidence, original_, &estimate_)) {
+        break;
+      }
+      ++report_.num_rounds;
+      for (size_t k = 0; k < patches_.patches.size(); ++k) {
+        patches_.patches[k].displacement = estimate_.displacements[k];
+      }
+      if (FindLastMotions(before.views) < kMinMotion) {
+        break;
+      }
+    }
+    std::vector<Eigen::Vector3d> positions =
+        LocateTracks(all_tracks_, estimate_.cameras.views,
+                     TrackSigmas(estimate_, tracks_, &report_.track_sigma),
+                     options_.priors.point);
+    if (options_.parts != RefinedParts::kNone) {
+      RestoreGauge(&positions);
+    }
+    FillMotions(start);
+    return {std::move(estimate_.cameras), std::move(positions),
+            std::move(estimate_.displacements), std::move(report_)};
+  }
+
+ private:
+  std::vector<View> LevelViews() const {
+    std::vector<View> views;
+    for (const View& view : estimate_.cameras.views) {
+      views.push_back(ViewAtLevel(view, report_.level));
+    }
+    return views;
+  }
+
+  CameraEvidence Gather(const std::vector<View>& views) {
+    const std::vector<WindowShift> compared =
+        CompareAll(options_, photometric_, scene_, views, patches_);
+    CameraEvidence evidence{
+        Measure(options_, photometric_, scene_, views, patches_, compared),
+        tracks_,
+        {},
+        TrackSigmas(estimate_, tracks_, &report_.track_sigma),
+        {},
+        options_.priors,
+        options_.parts == RefinedParts::kPosesIntrinsics};
+    FindDepths(views, &evidence);
+    DropAstray(&evidence);
+    CountEvidence(evidence);
+    for (const RefinedView& view : report_.views) {
+      evidence.is_held.push_back(view.is_held ? 1 : 0);
+    }
+    double sum = 0;
+    size_t count = 0;
+    for (const WindowShift& shift : compared) {
+      if (shift.is_valid && shift.zncc >= options_.min_zncc) {
+        sum += shift.zncc;
+        ++count;
+      }
+    }
+    report_.num_windows = count;
+    report_.mean_zncc = count > 0 ? sum / count : 0;
+    if (report_.num_rounds == 0) {
+      report_.mean_zncc_before = report_.mean_zncc;
+    }
+    return evidence;
+  }
+
+  // Drops the windows of views whose features say that they are far off: what
+  // matches there is chance, and would hold them where they are.
+  void DropAstray(CameraEvidence* evidence) const {
+    // Of the noise of all features; and px of the level, from which on windows
+    // do not follow.
+    constexpr double kFarOff = 3;
+    constexpr double kOutOfReach = 2;
+    const double limit = std::max(kFarOff * report_.track_sigma,
+                                  kOutOfReach * (1 << report_.level));
+    std::erase_if(evidence->shifts, [&](const ShiftMeasurement& shift) {
+      return evidence->track_sigmas[shift.i] > limit ||
+             evidence->track_sigmas[shift.j] > limit;
+    });
+  }
+
+  // Medians over the patches and the points that they see.
+  void FindDepths(const std::vector<View>& views, CameraEvidence* evidence) {
+    std::vector<std::vector<double>> depths(views.size());
+    for (const SurfacePatch& patch : patches_.patches) {
+      depths[patch.view].push_back(patch.footprint * views[patch.view].fx);
+    }
+    for (size_t i = 0; i < tracks_.positions.size(); ++i) {
+      for (const TrackObservation& seen : tracks_.observations[i]) {
+        const double depth =
+            views[seen.view].CamFromWorld(estimate_.positions[i]).z();
+        if (depth > 0) {
+          depths[seen.view].push_back(depth);
+        }
+      }
+    }
+    for (std::vector<double>& of_view : depths) {
+      evidence->depths.push_back(of_view.empty() ? 1 : Median(&of_view));
+    }
+  }
+
+  void CountEvidence(const CameraEvidence& evidence) {
+    // A pose has 6 parameters; some times as many are needed to tell outliers.
+    constexpr size_t kMinEvidence = 20;
+    for (RefinedView& view : report_.views) {
+      view.num_windows = 0;
+      view.num_observations = 0;
+    }
+    for (const ShiftMeasurement& shift : evidence.shifts) {
+      ++report_.views[shift.i].num_windows;
+      ++report_.views[shift.j].num_windows;
+    }
+    for (const TrackObservation& seen : tracks_.observations.values) {
+      ++report_.views[seen.view].num_observations;
+    }
+    for (RefinedView& view : report_.views) {
+      view.is_held = options_.parts == RefinedParts::kNone ||
+                     view.num_windows + view.num_observations < kMinEvidence;
+    }
+  }
+
+  // \return the largest, px of the level
+  double FindLastMotions(const std::vector<View>& before) {
+    const double scale = 1.0 / (1 << report_.level);
+    const std::vector<double> motions = Motions(before);
+    double largest = 0;
+    for (size_t i = 0; i < motions.size(); ++i) {
+      report_.views[i].last_motion = scale * motions[i];
+      largest = std::max(largest, scale * motions[i]);
+    }
+    return largest;
+  }
+
+  // Moves the world so that the sparse model's points lie, on the whole, where
+  // they lay.
+  void RestoreGauge(std::vector<Eigen::Vector3d>* positions) {
+    std::vector<View>& views = estimate_.cameras.views;
+    std::vector<double> footprints(positions->size(), 0);
+    for (size_t i = 0; i < positions->size(); ++i) {
+      for (const TrackObservation& seen : all_tracks_.observations[i]) {
+        const View& view = views[seen.view];
+        footprints[i] = std::max(
+            footprints[i], view.CamFromWorld((*positions)[i]).z() / view.fx);
+      }
+    }
+    const Similarity similarity =
+        AlignPoints(*positions, all_tracks_.positions, footprints);
+    if (similarity.IsIdentity()) {
+      return;
+    }
+    for (View& view : views) {
+      view = TransformView(similarity, view);
+    }
+    for (Eigen::Vector3d& position : *positions) {
+      position = similarity(position);
+    }
+  }
+
+  void FillMotions(const std::vector<View>& start) {
+    const std::vector<double> motions = Motions(original_.views);
+    for (size_t i = 0; i < motions.size(); ++i) {
+      report_.views[i].motion = motions[i];
+    }
+    const std::vector<double> total = Motions(start);
+    report_.total_motion = *std::max_element(total.begin(), total.end()) /
+                           static_cast<double>(1 << report_.level);
+  }
+
+  // [views] How far what each view sees moved in its full-size picture, from
+  // where it was: the median, px.
+  std::vector<double> Motions(const std::vector<View>& before) const {
+    const std::vector<View>& after = estimate_.cameras.views;
+    std::vector<std::vector<double>> motions(before.size());
+    const auto add = [&](size_t view, const Eigen::Vector3d& point) {
+      const Eigen::Vector3d in_before = before[view].CamFromWorld(point);
+      const Eigen::Vector3d in_after = after[view].CamFromWorld(point);
+      if (in_before.z() > 0 && in_after.z() > 0) {
+        motions[view].push_back((after[view].ImageFromCam(in_after) -
+                                 before[view].ImageFromCam(in_before))
+                                    .norm());
+      }
+    };
+    const std::vector<View> views = LevelViews();
+    for (const SurfacePatch& patch : patches_.patches) {
+      add(patch.view,
+          PatchPoint(views[patch.view], scene_.frames[patch.facet], patch));
+    }
+    for (size_t i = 0; i < tracks_.positions.size(); ++i) {
+      for (const TrackObservation& seen : tracks_.observations[i]) {
+        add(seen.view, estimate_.positions[i]);
+      }
+    }
+    std::vector<double> medians;
+    for (std::vector<double>& of_view : motions) {
+      medians.push_back(of_view.empty() ? 0 : Median(&of_view));
+    }
+    return medians;
+  }
+
+  const CameraRefinementOptions& options_;
+  const PhotometricOptions& photometric_;
+  const CameraSet& original_;
+  const SparseTracks& all_tracks_;
+  SparseTracks tracks_;  // those that are used
+  std::vector<FacetFrame> frames_;
+  DrawnScene scene_;
+  SurfacePatches patches_;
+  CameraEstimate estimate_;
+  CameraRefinementReport report_;
+};
+
+}  // namespace
+
+RefinedCameras RefineCameras(const CameraRefinementOptions& options,
+                             const PhotometricOptions& photometric,
+                             const CameraSet& original, CameraSet cameras,
+                             const SparseTracks& tracks,
+                             const MeshDrawings& drawings,
+                             const std::vector<ViewPair>& pairs,
+                             ImagePyramid* images) {
+  return CameraRefinement(options, photometric, original, std::move(cameras),
+                          tracks, drawings, pairs, images)
+      .Run();
+}
+
+Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
+                                 const PhotometricOptions& photometric,
+                                 const CameraSet& cameras,
+                                 const SparseTracks& tracks,
+                                 const MeshDrawings& drawings,
+                                 const std::vector<ViewPair>& pairs,
+                                 ImagePyramid* images) {
+  CameraRefinementOptions variant = options;
+  variant.parts = RefinedParts::kNone;
+  const std::vector<double> fixed =
+      RefineCameras(variant, photometric, cameras, cameras, tracks, drawings,
+                    pairs, images)
+          .displacements;
+  variant.parts = RefinedParts::kPoses;
+  const std::vector<double> free =
+      RefineCameras(variant, photometric, cameras, cameras, tracks, drawings,
+                    pairs, images)
+          .displacements;
+  std::vector<double> by_cameras;
+  std::vector<double> of_surface;
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i] != 0 && free[i] != 0) {
+      by_cameras.push_back(std::abs(fixed[i] - free[i]));
+      of_surface.push_back(std::abs(free[i]));
+    }
+  }
+  return by_cameras.empty()
+             ? Misalignment()
+             : Misalignment{Median(&by_cameras), Median(&of_surface)};
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cameras/camera_problem.h"
+#include "cameras/camera_set.h"
+#include "cameras/surface_patches.h"
+#include "labeling/facet_labels.h"
+#include "photometry/image_pyramid.h"
+#include "photometry/photometric_energy.h"
+#include "raster/mesh_drawings.h"
+
+namespace colmap_ext {
+
+enum class RefinedParts {
+  kNone,
+  kPoses,
+  kPosesIntrinsics,  // focal length and principal point too
+};
+
+struct CameraRefinementOptions {
+  RefinedParts parts = RefinedParts::kNone;
+  PatchOptions patches;
+  CameraPriors priors;
+
+  // Observations of the sparse model's points that are used, if it has as many;
+  // the longest tracks first.
+  size_t min_observations_per_view = 300;
+
+  // Comparisons and solutions at a level, at most.
+  int max_rounds = 4;
+  // Windows that match worse are left out; in [-1, 1].
+  double min_zncc = 0.5;
+};
+
+// What a refinement did to a view.
+struct RefinedView {
+  size_t num_windows = 0;       // that match
+  size_t num_observations = 0;  // of the sparse model's points
+  double motion = 0;            // median, px, since the original
+  double last_motion = 0;       // in the last round, px of the level
+  bool is_held = false;         // too little is seen to move it
+};
+
+struct CameraRefinementReport {
+  int level = 0;
+  int num_rounds = 0;
+  size_t num_patches = 0;
+  size_t num_windows = 0;  // that match, at last
+  double mean_zncc = 0;    // of them
+  double mean_zncc_before = 0;
+  double track_sigma = 0;   // of the observations, px
+  double total_motion = 0;  // of the view that moved most, RMS, px of the level
+  std::vector<RefinedView> views;
+};
+
+struct RefinedCameras {
+  CameraSet cameras;
+  std::vector<Eigen::Vector3d> positions;  // [P] of the tracks
+  // [patches] By which the patches are off the surface, footprints; 0 where
+  // nothing matches.
+  std::vector<double> displacements;
+  CameraRefinementReport report;
+};
+
+// How far the images' misalignment would move the surface, and how far off it
+// is: medians over its patches, footprints of a pixel of the level.
+struct Misalignment {
+  double by_cameras = 0;
+  double of_surface = 0;
+};
+
+// Moves the cameras so that the surface looks the same in all images, as far as
+// no motion of the surface along its normals would do that (docs/method.md,
+// section 7.7).
+//
+// With RefinedParts::kNone only the patches and the points move.
+//
+// \param original  before all refinement: they hold the gauge.
+// \param cameras  as they are now.
+// \param drawings  of the surface, by the cameras as they are now.
+// \param pairs  views that may be compared.
+// \param images  at the level.
+RefinedCameras RefineCameras(const CameraRefinementOptions& options,
+                             const PhotometricOptions& photometric,
+                             const CameraSet& original, CameraSet cameras,
+                             const SparseTracks& tracks,
+                             const MeshDrawings& drawings,
+                             const std::vector<ViewPair>& pairs,
+                             ImagePyramid* images);
+
+// Compares where the surface's patches go with the cameras as they are, and
+// with refined ones. Parameters as of RefineCameras().
+Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
+                                 const PhotometricOptions& photometric,
+                                 const CameraSet& cameras,
+                                 const SparseTracks& tracks,
+                                 const MeshDrawings& drawings,
+                                 const std::vector<ViewPair>& pairs,
+                                 ImagePyramid* images);
+
+}  // namespace colmap_ext

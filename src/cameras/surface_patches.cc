@@ -1,0 +1,228 @@
+#include "cameras/surface_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
+
+#include "cameras/shift_jacobian.h"
+#include "cameras/window_shift.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Between rays, degrees: beyond it windows of one surface look too different.
+constexpr double kMaxAngle = 60;
+// Of a window's area in the partner over that in the view, or the inverse.
+constexpr double kMaxAreaRatio = 4;
+// Pixels of a cell between windows that are tried, per axis: so many a cell.
+constexpr int kTrialsPerAxis = 6;
+
+// The smaller eigenvalue of the covariance of the grey values' gradient in a
+// window, per pixel; negative if the window shows more than one surface, or a
+// facet that does not face the camera.
+double Texture(const DrawnView& i, int row, int col, int radius,
+               float max_relative_depth) {
+  const uint32_t facet = i.drawn.facets[i.drawn.Index(row, col)];
+  if (facet == kNoFacet || !i.drawn.is_facing[facet]) {
+    return -1;
+  }
+  const float center = i.drawn.inverse_depths[i.drawn.Index(row, col)];
+  double uu = 0;
+  double uv = 0;
+  double vv = 0;
+  for (int y = row - radius; y <= row + radius; ++y) {
+    const uint8_t* above = i.image.Row(y - 1);
+    const uint8_t* line = i.image.Row(y);
+    const uint8_t* below = i.image.Row(y + 1);
+    for (int x = col - radius; x <= col + radius; ++x) {
+      const float depth = i.drawn.inverse_depths[i.drawn.Index(y, x)];
+      if (std::abs(depth - center) > max_relative_depth * center ||
+          IsSaturated(line[x])) {
+        return -1;
+      }
+      const double by_u = 0.5 * (line[x + 1] - line[x - 1]);
+      const double by_v = 0.5 * (below[x] - above[x]);
+      uu += by_u * by_u;
+      uv += by_u * by_v;
+      vv += by_v * by_v;
+    }
+  }
+  const double half = 0.5 * (uu - vv);
+  const double eigenvalue = 0.5 * (uu + vv) - std::sqrt(half * half + uv * uv);
+  const int side = 2 * radius + 1;
+  return eigenvalue / (side * side);
+}
+
+// A range of pixels, both ends included.
+struct Range {
+  int first = 0;
+  int last = -1;
+};
+
+Range RangeOfCell(int cell, int num_cells, int size, int margin) {
+  return {std::max(margin, cell * size / num_cells),
+          std::min(size - margin, (cell + 1) * size / num_cells) - 1};
+}
+
+// The window of a cell with the most texture; none if it has too little.
+std::optional<SurfacePatch> BestOfCell(const DrawnView& i, const Range& rows,
+                                       const Range& cols, int radius,
+                                       float max_relative_depth,
+                                       double min_texture) {
+  std::optional<SurfacePatch> best;
+  double best_texture = min_texture;
+  const int row_step = std::max(1, (rows.last - rows.first) / kTrialsPerAxis);
+  const int col_step = std::max(1, (cols.last - cols.first) / kTrialsPerAxis);
+  for (int row = rows.first; row <= rows.last; row += row_step) {
+    for (int col = cols.first; col <= cols.last; col += col_step) {
+      const double texture = Texture(i, row, col, radius, max_relative_depth);
+      if (texture > best_texture) {
+        best_texture = texture;
+        best = SurfacePatch();
+        best->row = row;
+        best->col = col;
+        best->facet = i.drawn.facets[i.drawn.Index(row, col)];
+      }
+    }
+  }
+  return best;
+}
+
+std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
+                                        const PhotometricOptions& photometric,
+                                        const DrawnScene& scene,
+                                        uint32_t view) {
+  const auto drawn = scene.drawings.Get(view);
+  const auto image = scene.images->Image(view);
+  const View& camera = scene.drawings.Views()[view];
+  const DrawnView i{camera, *image, *drawn};
+  const double cell = std::max(2.0 * options.radius + 1,
+                               std::sqrt(1.0 * camera.width * camera.height /
+                                         options.max_patches_per_view));
+  const int num_rows = std::max(1, static_cast<int>(camera.height / cell));
+  const int num_cols = std::max(1, static_cast<int>(camera.width / cell));
+  const int margin = options.radius + 1;
+  const float max_depth = MaxWindowDepth(photometric, camera, options.radius);
+  std::vector<SurfacePatch> patches;
+  for (int row = 0; row < num_rows; ++row) {
+    for (int col = 0; col < num_cols; ++col) {
+      std::optional<SurfacePatch> best =
+          BestOfCell(i, RangeOfCell(row, num_rows, camera.height, margin),
+                     RangeOfCell(col, num_cols, camera.width, margin),
+                     options.radius, max_depth, photometric.noise_variance);
+      if (best) {
+        best->view = view;
+        best->normal = scene.frames[best->facet].normal;
+        const size_t pixel = drawn->Index(best->row, best->col);
+        best->footprint = 1 / (drawn->inverse_depths[pixel] * camera.fx);
+        patches.push_back(*best);
+      }
+    }
+  }
+  return patches;
+}
+
+// A view that sees a patch, by the angle between the rays.
+using Seeing = std::pair<double, uint32_t>;
+
+// Whether j sees a patch well enough, and from where.
+std::optional<Seeing> Sees(const DrawnScene& scene, const SurfacePatch& patch,
+                           const Eigen::Vector3d& point, uint32_t j,
+                           double border) {
+  const View& view_i = scene.drawings.Views()[patch.view];
+  const View& view_j = scene.drawings.Views()[j];
+  const auto drawn = scene.drawings.Get(j);
+  const Eigen::Vector3d in_j = view_j.CamFromWorld(point);
+  if (!drawn->is_facing[patch.facet] || !(in_j.z() > 0)) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d pixel = view_j.ImageFromCam(in_j);
+  if (!(pixel.x() >= border && pixel.y() >= border &&
+        pixel.x() < view_j.width - border &&
+        pixel.y() < view_j.height - border) ||
+      !IsNearest(view_j, *drawn, patch.facet,
+                 PlaneSlope(view_j, scene.frames[patch.facet]), pixel.x(),
+                 pixel.y(), 1 / in_j.z())) {
+    return std::nullopt;
+  }
+  const double area =
+      std::abs(ComputeShiftJacobian(view_i, view_j, point, patch.normal)
+                   .by_pixel_i.determinant());
+  const double cosine = (point - view_i.Center())
+                            .normalized()
+                            .dot((point - view_j.Center()).normalized());
+  const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+  if (!(area < kMaxAreaRatio && area > 1 / kMaxAreaRatio) ||
+      angle > kMaxAngle * M_PI / 180) {
+    return std::nullopt;
+  }
+  return Seeing(angle, j);
+}
+
+// Of those that see the patch, evenly spread over the angles; the nearest is
+// one of them.
+std::vector<uint32_t> ChoosePartners(std::vector<Seeing> seeing,
+                                     size_t max_partners) {
+  std::sort(seeing.begin(), seeing.end());
+  const size_t count = std::min(seeing.size(), max_partners);
+  std::vector<uint32_t> partners;
+  for (size_t k = 0; k < count; ++k) {
+    partners.push_back(seeing[k * seeing.size() / count].second);
+  }
+  std::sort(partners.begin(), partners.end());
+  return partners;
+}
+
+}  // namespace
+
+SurfacePatches SelectPatches(const PatchOptions& options,
+                             const PhotometricOptions& photometric,
+                             const DrawnScene& scene,
+                             const std::vector<ViewPair>& pairs) {
+  const std::vector<View>& views = scene.drawings.Views();
+  std::vector<std::vector<uint32_t>> paired(views.size());
+  for (const ViewPair& pair : pairs) {
+    paired[pair.first].push_back(pair.second);
+    paired[pair.second].push_back(pair.first);
+  }
+  std::vector<std::vector<SurfacePatch>> patches(views.size());
+  std::vector<std::vector<std::vector<uint32_t>>> partners(views.size());
+  tbb::parallel_for(size_t{0}, views.size(), [&](size_t view) {
+    if (paired[view].empty()) {  // its picture may not be there
+      return;
+    }
+    for (const SurfacePatch& patch : PatchesOfView(
+             options, photometric, scene, static_cast<uint32_t>(view))) {
+      const Eigen::Vector3d point =
+          PatchPoint(views[view], scene.frames[patch.facet], patch);
+      std::vector<Seeing> seeing;
+      for (const uint32_t j : paired[view]) {
+        if (const std::optional<Seeing> sees =
+                Sees(scene, patch, point, j, options.radius + 1)) {
+          seeing.push_back(*sees);
+        }
+      }
+      if (!seeing.empty()) {
+        patches[view].push_back(patch);
+        partners[view].push_back(
+            ChoosePartners(std::move(seeing), options.max_partners));
+      }
+    }
+  });
+  SurfacePatches all;
+  for (size_t view = 0; view < views.size(); ++view) {
+    all.patches.insert(all.patches.end(), patches[view].begin(),
+                       patches[view].end());
+    for (const std::vector<uint32_t>& row : partners[view]) {
+      all.partners.AddRow(row);
+    }
+  }
+  return all;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,175 @@
+#include "cameras/window_shift.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "photometry/interpolation.h"
+#include "photometry/window_correlation.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// The planes of the facets that a window shows, displaced with its patch, and
+// what they show in j (docs/method.md, section 5.2).
+class DisplacedWarp {
+ public:
+  DisplacedWarp(const DrawnView& i, const DrawnView& j,
+                const std::vector<FacetFrame>& frames,
+                const SurfacePatch& patch)
+      : i_(i),
+        j_(j),
+        frames_(frames),
+        offset_(patch.displacement * patch.footprint * patch.normal),
+        center_i_(i.view.Center()),
+        ray_from_pixel_i_(i.view.RayFromPixel()),
+        pixel_j_from_pixel_i_(j.view.PixelFromRay() * ray_from_pixel_i_),
+        epipole_(j.view.PixelFromRay() * (center_i_ - j.view.Center())) {}
+
+  // \return whether j sees what the pixel shows
+  bool Sample(uint32_t facet, int row, int col, Interpolated* sample) {
+    if (facet != facet_) {
+      SetFacet(facet);
+    }
+    const Eigen::Vector3d pixel(col + 0.5, row + 0.5, 1);
+    const double inverse_depth = inverse_depth_.dot(pixel);
+    const Eigen::Vector3d p =
+        pixel_j_from_pixel_i_ * pixel + epipole_ * inverse_depth;
+    if (!is_facing_ || !(inverse_depth > 0) || !(p.z() > 0)) {
+      return false;
+    }
+    const double u = p.x() / p.z();
+    const double v = p.y() / p.z();
+    if (!(u >= 0.5 && v >= 0.5 && u < j_.image.width - 0.5 &&
+          v < j_.image.height - 0.5) ||
+        !IsNearest(j_.view, j_.drawn, facet, slope_, u, v,
+                   inverse_depth / p.z())) {
+      return false;
+    }
+    *sample = Interpolate(j_.image, u, v);
+    return true;
+  }
+
+ private:
+  void SetFacet(uint32_t facet) {
+    const FacetFrame& frame = frames_[facet];
+    facet_ = facet;
+    is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
+    inverse_depth_ = (ray_from_pixel_i_.transpose() * frame.normal) /
+                     frame.normal.dot(frame.corner + offset_ - center_i_);
+    slope_ = PlaneSlope(j_.view, frame);
+  }
+
+  const DrawnView& i_;
+  const DrawnView& j_;
+  const std::vector<FacetFrame>& frames_;
+  Eigen::Vector3d offset_;  // of the patch, scene units
+  Eigen::Vector3d center_i_;
+  Eigen::Matrix3d ray_from_pixel_i_;
+  Eigen::Matrix3d pixel_j_from_pixel_i_;
+  Eigen::Vector3d epipole_;
+  // Of the facet.
+  uint32_t facet_ = kNoFacet;
+  bool is_facing_ = false;
+  Eigen::Vector3d inverse_depth_;  // by (u, v, 1) in i
+  double slope_ = 0;               // see PlaneSlope()
+};
+
+// Sums over a window's pixels of I, J and the gradient (u, v) of J.
+struct WindowSums {
+  int count = 0;
+  // Rows and columns: 1, I, J, J_u, J_v.
+  Eigen::Matrix<double, 5, 5> products = Eigen::Matrix<double, 5, 5>::Zero();
+
+  void Add(double image, const Interpolated& warped) {
+    Eigen::Matrix<double, 5, 1> values;
+    values << 1, image, warped.value, warped.by_u, warped.by_v;
+    products.selfadjointView<Eigen::Lower>().rankUpdate(values);
+    ++count;
+  }
+};
+
+// With c = covariance sums, |I|^2 = c_II and so on:
+//   G = (grad J - mean - n_J (n_J . grad J)) / |J|,   r = n_J - n_I,
+//   G^T r = -(c_Ig / |I| - Z c_Jg / |J|) / |J|,
+//   G^T G = (c_gg - c_Jg c_Jg^T / c_JJ) / c_JJ.
+WindowShift Correlate(const WindowSums& sums) {
+  const Eigen::Matrix<double, 5, 5> full =
+      sums.products.selfadjointView<Eigen::Lower>();
+  const Eigen::Matrix4d c =
+      full.bottomRightCorner<4, 4>() -
+      full.bottomLeftCorner<4, 1>() * full.topRightCorner<1, 4>() / sums.count;
+  WindowShift shift;
+  shift.num_pixels = sums.count;
+  const double min_sum = sums.count * static_cast<double>(kMinVariance);
+  if (!(c(0, 0) > min_sum && c(1, 1) > min_sum)) {
+    return shift;
+  }
+  const double norm_i = std::sqrt(c(0, 0));
+  const double norm_j = std::sqrt(c(1, 1));
+  const Eigen::Vector2d image_gradient = c.bottomLeftCorner<2, 1>();
+  const Eigen::Vector2d warped_gradient = c.block<2, 1>(2, 1);
+  shift.is_valid = true;
+  shift.zncc = c(0, 1) / (norm_i * norm_j);
+  shift.slope =
+      -(image_gradient / norm_i - shift.zncc * warped_gradient / norm_j) /
+      norm_j;
+  shift.curvature = (c.bottomRightCorner<2, 2>() -
+                     warped_gradient * warped_gradient.transpose() / c(1, 1)) /
+                    c(1, 1);
+  return shift;
+}
+
+}  // namespace
+
+float MaxWindowDepth(const PhotometricOptions& options, const View& view_i,
+                     int radius) {
+  PhotometricOptions window = options;
+  window.window_radius = radius;
+  return MaxRelativeDepth(window, view_i);
+}
+
+Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
+                           const SurfacePatch& patch) {
+  const Eigen::Vector3d center = view.Center();
+  const Eigen::Vector3d ray =
+      view.RayFromPixel() *
+      Eigen::Vector3d(patch.col + 0.5, patch.row + 0.5, 1);
+  const Eigen::Vector3d corner =
+      frame.corner + patch.displacement * patch.footprint * patch.normal;
+  return center +
+         frame.normal.dot(corner - center) / frame.normal.dot(ray) * ray;
+}
+
+WindowShift CompareWindow(const PhotometricOptions& options, int radius,
+                          const DrawnView& i, const DrawnView& j,
+                          const std::vector<FacetFrame>& frames,
+                          const SurfacePatch& patch) {
+  DisplacedWarp warp(i, j, frames, patch);
+  const float center =
+      i.drawn.inverse_depths[i.drawn.Index(patch.row, patch.col)];
+  const float max_difference = MaxWindowDepth(options, i.view, radius) * center;
+  // Correlation does not depend on means; without them less is lost to
+  // rounding.
+  const double mean = i.image.Row(patch.row)[patch.col];
+  WindowSums sums;
+  for (int row = patch.row - radius; row <= patch.row + radius; ++row) {
+    const uint8_t* line = i.image.Row(row);
+    for (int col = patch.col - radius; col <= patch.col + radius; ++col) {
+      const size_t pixel = i.drawn.Index(row, col);
+      const uint32_t facet = i.drawn.facets[pixel];
+      Interpolated sample;
+      if (facet != kNoFacet && !IsSaturated(line[col]) &&
+          std::abs(i.drawn.inverse_depths[pixel] - center) <= max_difference &&
+          warp.Sample(facet, row, col, &sample)) {
+        sample.value -= static_cast<float>(mean);
+        sums.Add(line[col] - mean, sample);
+      }
+    }
+  }
+  const int side = 2 * radius + 1;
+  return 2 * sums.count > side * side ? Correlate(sums) : WindowShift();
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,214 @@
+// COLMAP's binary model format: https://colmap.github.io/format.html, and
+// src/colmap/scene/reconstruction_io_binary.cc for frames.bin and rigs.bin.
+
+#include "workspace/write_sparse_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <system_error>
+#include <vector>
+
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+namespace {
+
+using ImagesById = std::map<uint32_t, const SparseImage*>;
+
+void WriteCameras(const SparseModel& model, AtomicFile* file) {
+  constexpr int kPinhole = 1;  // COLMAP's model id
+  constexpr int kSimplePinhole = 0;
+  file->Write(uint64_t{model.cameras.size()});
+  for (const auto& [camera_id, camera] : model.cameras) {
+    const bool is_simple = camera.model_name == "SIMPLE_PINHOLE";
+    file->Write(camera_id);
+    file->Write(is_simple ? kSimplePinhole : kPinhole);
+    file->Write(camera.width);
+    file->Write(camera.height);
+    file->Write(camera.fx);
+    if (!is_simple) {
+      file->Write(camera.fy);
+    }
+    file->Write(camera.cx);
+    file->Write(camera.cy);
+  }
+}
+
+void WritePose(const SparseImage& image, AtomicFile* file) {
+  const Eigen::Quaterniond& q = image.cam_from_world_rotation;
+  const Eigen::Vector3d& t = image.cam_from_world_translation;
+  for (const double number :
+       {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) {
+    file->Write(number);
+  }
+}
+
+void WriteImages(const SparseModel& model, AtomicFile* file) {
+  file->Write(uint64_t{model.images.size()});
+  for (const SparseImage& image : model.images) {
+    file->Write(image.image_id);
+    WritePose(image, file);
+    file->Write(image.camera_id);
+    file->Write(image.name.c_str(), image.name.size() + 1);
+    file->Write(uint64_t{image.observations.size()});
+    for (const SparseObservation& observation : image.observations) {
+      file->Write(observation.pixel.x());
+      file->Write(observation.pixel.y());
+      file->Write(observation.point_id);
+    }
+  }
+}
+
+// The mean distance of a point's observations from its projections, px of the
+// cameras.
+double MeanError(const SparseModel& model, const ImagesById& images,
+                 size_t point) {
+  double sum = 0;
+  size_t count = 0;
+  for (uint64_t k = model.track_image_ids.offsets[point];
+       k < model.track_image_ids.offsets[point + 1]; ++k) {
+    const auto it = images.find(model.track_image_ids.values[k]);
+    if (it == images.end() ||
+        model.track_observations[k] >= it->second->observations.size()) {
+      continue;
+    }
+    const SparseImage& image = *it->second;
+    const SparseCamera& camera = model.cameras.at(image.camera_id);
+    const Eigen::Vector3d p =
+        image.cam_from_world_rotation * model.exact_positions[point] +
+        image.cam_from_world_translation;
+    const Eigen::Vector2d pixel(camera.fx * p.x() / p.z() + camera.cx,
+                                camera.fy * p.y() / p.z() + camera.cy);
+    sum +=
+        (pixel - image.observations[model.track_observations[k]].pixel).norm();
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+void WritePoints(const SparseModel& model, AtomicFile* file) {
+  ImagesById images;
+  for (const SparseImage& image : model.images) {
+    images[image.image_id] = &image;
+  }
+  file->Write(uint64_t{model.point_ids.size()});
+  for (size_t i = 0; i < model.point_ids.size(); ++i) {
+    const std::span<const uint32_t> image_ids = model.track_image_ids[i];
+    file->Write(model.point_ids[i]);
+    file->Write(model.exact_positions[i].data(), 3 * sizeof(double));
+    file->Write(model.point_colors[i]);
+    file->Write(MeanError(model, images, i));
+    file->Write(uint64_t{image_ids.size()});
+    for (size_t k = 0; k < image_ids.size(); ++k) {
+      file->Write(image_ids[k]);
+      file->Write(
+          model.track_observations[model.track_image_ids.offsets[i] + k]);
+    }
+  }
+}
+
+void WriteRigs(const SparseModel& model, AtomicFile* file) {
+  file->Write(uint64_t{model.rigs.size()});
+  for (const SparseRig& rig : model.rigs) {
+    file->Write(rig.rig_id);
+    file->Write(rig.num_sensors);
+    file->Write(rig.sensor_type);
+    file->Write(rig.sensor_id);
+  }
+}
+
+// A rig of one camera has the camera's pose.
+void WriteFrames(const SparseModel& model, AtomicFile* file) {
+  ImagesById images;
+  for (const SparseImage& image : model.images) {
+    images[image.image_id] = &image;
+  }
+  file->Write(uint64_t{model.frames.size()});
+  for (const SparseFrame& frame : model.frames) {
+    file->Write(frame.frame_id);
+    file->Write(frame.rig_id);
+    WritePose(*images.at(frame.image_ids[0]), file);
+    file->Write(static_cast<uint32_t>(frame.data.size()));
+    for (const SparseData& data : frame.data) {
+      file->Write(data.sensor_type);
+      file->Write(data.sensor_id);
+      file->Write(data.data_id);
+    }
+  }
+}
+
+void MakeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder, error)) {
+    throw FileError(folder, "the folder can not be made");
+  }
+}
+
+}  // namespace
+
+bool HasOneImageFrames(const SparseModel& model) {
+  const auto is_single = [&model](const SparseFrame& frame) {
+    return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
+           std::any_of(model.images.begin(), model.images.end(),
+                       [&frame](const SparseImage& image) {
+                         return image.image_id == frame.image_ids[0];
+                       });
+  };
+  if (!model.frames.empty() && model.rigs.empty()) {
+    return false;
+  }
+  return std::all_of(
+             model.rigs.begin(), model.rigs.end(),
+             [](const SparseRig& rig) { return rig.num_sensors == 1; }) &&
+         std::all_of(model.frames.begin(), model.frames.end(), is_single);
+}
+
+namespace {
+
+void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
+  AtomicFile cameras(folder / "cameras.bin");
+  AtomicFile images(folder / "images.bin");
+  AtomicFile points(folder / "points3D.bin");
+  std::vector<AtomicFile*> files = {&cameras, &images, &points};
+  WriteCameras(model, &cameras);
+  WriteImages(model, &images);
+  WritePoints(model, &points);
+  std::optional<AtomicFile> rigs;
+  std::optional<AtomicFile> frames;
+  if (!model.frames.empty()) {
+    WriteRigs(model, &rigs.emplace(folder / "rigs.bin"));
+    WriteFrames(model, &frames.emplace(folder / "frames.bin"));
+    files.push_back(&*rigs);
+    files.push_back(&*frames);
+  }
+  Commit(files);
+}
+
+}  // namespace
+
+void WriteSparseModel(const std::filesystem::path& folder,
+                      const SparseModel& model) {
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(folder, ignored);
+  MakeFolder(folder);
+  try {
+    WriteFiles(folder, model);
+  } catch (...) {
+    if (is_new) {
+      std::filesystem::remove(folder, ignored);
+    }
+    throw;
+  }
+  if (model.frames.empty()) {
+    std::filesystem::remove(folder / "rigs.bin", ignored);
+    std::filesystem::remove(folder / "frames.bin", ignored);
+  }
+}
+
+}  // namespace colmap_ext

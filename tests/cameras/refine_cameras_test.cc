@@ -1,0 +1,198 @@
+#include "cameras/refine_cameras.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <Eigen/Geometry>
+
+#include "cameras/similarity.h"
+#include "tests/cameras/camera_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+const CameraScene& Scene() {
+  static const CameraScene scene = MakeCameraScene();
+  return scene;
+}
+
+CameraRefinementOptions Poses() {
+  CameraRefinementOptions options;
+  options.parts = RefinedParts::kPoses;
+  return options;
+}
+
+TEST(RefineCameras, BringsDisturbedPosesBack) {
+  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 3);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
+  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.05);
+  EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before);
+}
+
+TEST(RefineCameras, LeavesExactPosesWhereTheyAre) {
+  const RefinedCameras refined =
+      Scene().Refine(Poses(), Scene().truth, Scene().tracks);
+  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.03);
+}
+
+TEST(RefineCameras, NeedsNoFeatures) {
+  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 3);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, {});
+  // The gauge is that of the disturbed cameras then.
+  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.3);
+  EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before + 0.01);
+}
+
+TEST(RefineCameras, BringsASharedFocalLengthBack) {
+  CameraSet start = Disturb(Scene(), Scene().truth, 0.3, 4);
+  for (View& view : start.views) {
+    view = MoveView(view, PoseStep::Zero(), {std::log(1.002), 0, 0});
+  }
+  CameraRefinementOptions options = Poses();
+  options.parts = RefinedParts::kPosesIntrinsics;
+  const RefinedCameras refined = Scene().Refine(options, start, Scene().tracks);
+  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.05);
+  for (const View& view : refined.cameras.views) {
+    EXPECT_EQ(view.fx, refined.cameras.views[0].fx);
+    EXPECT_EQ(view.cx, refined.cameras.views[0].cx);
+  }
+}
+
+TEST(RefineCameras, ImagesOfTheirOwnCamerasHaveTheirOwnIntrinsics) {
+  const CameraScene scene = MakeCameraScene(true);
+  CameraSet start = scene.truth;
+  start.views[2] =
+      MoveView(start.views[2], PoseStep::Zero(), {std::log(1.003), 0, 0});
+  CameraRefinementOptions options = Poses();
+  options.parts = RefinedParts::kPosesIntrinsics;
+  const RefinedCameras refined = scene.Refine(options, start, scene.tracks);
+  EXPECT_LT(Distance(scene, refined.cameras, scene.truth), 0.05);
+  EXPECT_NE(refined.cameras.views[2].fx, refined.cameras.views[1].fx);
+}
+
+TEST(RefineCameras, PosesAloneKeepTheIntrinsics) {
+  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 5);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
+  for (size_t i = 0; i < start.views.size(); ++i) {
+    EXPECT_EQ(refined.cameras.views[i].fx, start.views[i].fx);
+    EXPECT_EQ(refined.cameras.views[i].cx, start.views[i].cx);
+  }
+}
+
+// Far beyond what windows can follow: its features bring it back.
+TEST(RefineCameras, OneBadImageIsBroughtBackAndDoesNoHarm) {
+  CameraSet start = Scene().truth;
+  PoseStep step;
+  step << 0.05, -0.03, 0.02, 0, 0, 0;
+  start.views[3] = MoveView(start.views[3], step, IntrinsicsStep::Zero());
+  ASSERT_GT(Distance(Scene(), start, Scene().truth, 3), 5);
+  CameraRefinementOptions options = Poses();
+  options.max_rounds = 8;
+  const RefinedCameras refined = Scene().Refine(options, start, Scene().tracks);
+  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth, 3), 0.2);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth, i), 0.2) << i;
+  }
+}
+
+TEST(RefineCameras, ImagesWithoutTextureAndFeaturesRest) {
+  CameraScene scene = Scene();
+  for (uint8_t& pixel : scene.scene.images[1].pixels) {
+    pixel = 100;
+  }
+  SparseTracks tracks;
+  for (size_t i = 0; i < scene.tracks.positions.size(); ++i) {
+    for (const TrackObservation& seen : scene.tracks.observations[i]) {
+      if (seen.view != 1) {
+        tracks.observations.values.push_back(seen);
+      }
+    }
+    tracks.observations.EndRow();
+    tracks.positions.push_back(scene.tracks.positions[i]);
+  }
+  const CameraSet start = Disturb(scene, scene.truth, 0.3, 6);
+  const RefinedCameras refined = scene.Refine(Poses(), start, tracks);
+  EXPECT_TRUE(refined.report.views[1].is_held);
+  EXPECT_LT(Distance(scene, refined.cameras, start, 1), 0.1);
+  EXPECT_LT(Distance(scene, refined.cameras, scene.truth, 0), 0.05);
+}
+
+TEST(RefineCameras, TwoImagesAreEnough) {
+  CameraScene scene = Scene();
+  scene.pairs = {scene.pairs.front()};
+  const auto [a, b] = scene.pairs.front();
+  const CameraSet start = Disturb(scene, scene.truth, 0.5, 7);
+  const RefinedCameras refined = scene.Refine(Poses(), start, {});
+  EXPECT_GT(refined.report.views[a].num_windows, 20u);
+  EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before);
+  for (size_t i = 0; i < start.views.size(); ++i) {
+    if (i != a && i != b) {
+      EXPECT_TRUE(refined.report.views[i].is_held);
+      EXPECT_TRUE(refined.cameras.views[i].cam_from_world_rotation ==
+                  start.views[i].cam_from_world_rotation);
+    }
+  }
+}
+
+// A scene that is turned, scaled and moved gives the same cameras, turned,
+// scaled and moved.
+TEST(RefineCameras, FollowsTheWorldsFrame) {
+  const Similarity similarity{
+      3.5,
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())
+          .toRotationMatrix(),
+      {0.5, -2, 1}};
+  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 8);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
+
+  CameraScene moved = Scene();
+  for (Eigen::Vector3f& vertex : moved.scene.dense.scene.surface.vertices) {
+    vertex = similarity(vertex.cast<double>()).cast<float>();
+  }
+  CameraSet moved_start = start;
+  for (View& view : moved_start.views) {
+    view = TransformView(similarity, view);
+  }
+  for (Eigen::Vector3d& position : moved.tracks.positions) {
+    position = similarity(position);
+  }
+  const RefinedCameras moved_refined =
+      moved.Refine(Poses(), moved_start, moved.tracks);
+  CameraSet expected = refined.cameras;
+  for (View& view : expected.views) {
+    view = TransformView(similarity, view);
+  }
+  EXPECT_LT(Distance(moved, moved_refined.cameras, expected), 0.01);
+}
+
+// The sparse model's points lie, on the whole, where they lay.
+TEST(RefineCameras, KeepsTheGauge) {
+  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 9);
+  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
+  const std::vector<double> footprints(refined.positions.size(),
+                                       Scene().scene.dense.scene.footprint);
+  const Similarity left =
+      AlignPoints(refined.positions, Scene().tracks.positions, footprints);
+  for (const Eigen::Vector3d& position : refined.positions) {
+    EXPECT_LT((left(position) - position).norm(), 0.02 * footprints[0]);
+  }
+}
+
+TEST(RefineCameras, DoesNotDependOnTheNumberOfThreads) {
+  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 10);
+  const RefinedCameras all = Scene().Refine(Poses(), start, Scene().tracks);
+  const tbb::global_control control(
+      tbb::global_control::max_allowed_parallelism, 1);
+  const RefinedCameras one = Scene().Refine(Poses(), start, Scene().tracks);
+  EXPECT_EQ(all.positions, one.positions);
+  for (size_t i = 0; i < start.views.size(); ++i) {
+    EXPECT_TRUE(all.cameras.views[i].cam_from_world_rotation ==
+                one.cameras.views[i].cam_from_world_rotation);
+    EXPECT_TRUE(all.cameras.views[i].cam_from_world_translation ==
+                one.cameras.views[i].cam_from_world_translation);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
