@@ -143,7 +143,8 @@ struct DisturbedCameras {
     const auto energy = MakeCpuPhotometricEnergy(options.photometric,
                                                  cameras->images, SIZE_MAX);
     return RefineFacetwise(
-        options, {mesh, NoAttributes(mesh), {}, options.levels - 1, cameras},
+        options,
+        {mesh, NoAttributes(mesh), {}, options.levels - 1, true, cameras},
         views, Scene().dense.fused.cloud, energy.get(), {});
   }
 
