@@ -44,11 +44,12 @@ TEST_F(FacetwiseRefinerTest, RefinesAWorkspace) {
   EXPECT_EQ(ReadFile(path_ / "sparse" / "images.bin"), images);
   const fs::path refined = path_ / "sparse-refined";
   EXPECT_EQ(List(refined), List(path_ / "sparse"));
-  const Outcome again = Run(Workspace() + " --sparse_path " + refined.string());
+  const Outcome again =
+      Run(Workspace() + " --sparse_path " + Quote(refined.string()));
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_NE(again.err.find("--sparse_path is where"), std::string::npos)
       << again.err;
-  EXPECT_EQ(Run(Workspace() + " --sparse_path " + refined.string() +
+  EXPECT_EQ(Run(Workspace() + " --sparse_path " + Quote(refined.string()) +
                 " --FacetwiseRefinement.refine_cameras none")
                 .exit_code,
             0);
