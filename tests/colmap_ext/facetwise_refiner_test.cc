@@ -28,6 +28,7 @@ TEST_F(FacetwiseRefinerTest, ExplainsItsOptions) {
 
 TEST_F(FacetwiseRefinerTest, RefinesAWorkspace) {
   const std::string before = List(path_);
+  const std::string images = ReadFile(path_ / "sparse" / "images.bin");
   const Outcome outcome = Run(Workspace());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_EQ(outcome.err, "");
@@ -36,11 +37,25 @@ TEST_F(FacetwiseRefinerTest, RefinesAWorkspace) {
   EXPECT_LT(Error(output), Error(path_ / kInput));
   for (const char* text :
        {"computed by", "full size, iteration 1: energy", "mean ZNCC", "pairs",
-        "self-intersections", "flipped faces", "peak memory", "its .vis"}) {
+        "self-intersections", "flipped faces", "peak memory", "its .vis",
+        "moved by, px", "belong together"}) {
     EXPECT_NE(outcome.out.find(text), std::string::npos) << text;
   }
+  EXPECT_EQ(ReadFile(path_ / "sparse" / "images.bin"), images);
+  const fs::path refined = path_ / "sparse-refined";
+  EXPECT_EQ(List(refined), List(path_ / "sparse"));
+  const Outcome again =
+      Run(Workspace() + " --sparse_path " + Quote(refined.string()));
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_NE(again.err.find("--sparse_path is where"), std::string::npos)
+      << again.err;
+  EXPECT_EQ(Run(Workspace() + " --sparse_path " + Quote(refined.string()) +
+                " --FacetwiseRefinement.refine_cameras none")
+                .exit_code,
+            0);
   fs::remove(output);
   fs::remove(VisibilityPath(output));
+  fs::remove_all(refined);
   EXPECT_EQ(List(path_), before) << "nothing else was written";
 }
 

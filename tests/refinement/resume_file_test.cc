@@ -106,7 +106,7 @@ TEST(ResumeFileTest, RefusesOtherTexts) {
   ExpectDamaged("null");
   ExpectDamaged(text + "x");
   ExpectDamaged(Replace(text, "facetwise_refiner", "mesher"));
-  ExpectDamaged(Replace(text, "\"version\": 3", "\"version\": 2"));
+  ExpectDamaged(Replace(text, "\"version\": 4", "\"version\": 3"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": 0"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": -1"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": 2.5"));
