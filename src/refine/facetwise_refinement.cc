@@ -299,7 +299,6 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
     complete.report.is_held = true;
     complete.attributes.confidences = refinement.ConfidencesByPoints(complete);
     complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());
-    complete.attributes.confidences.resize(complete.mesh.vertices.size(), 0);
     start.first_level = -1;
   }
   for (int level = start.first_level; level >= 0; --level) {
