@@ -255,6 +255,9 @@ class Refiner {
                    "refine the mesh by them, which stays as it is; let "
                    "--FacetwiseRefinement.refine_cameras poses align them\n";
     }
+    if (refined.report.misalignment && !refined.report.is_held) {
+      PrintReport(*refined.report.misalignment, std::cout);
+    }
     if (!refined.report.cameras.empty()) {
       PrintReport(refined.report.cameras.back(), refined.views, std::cout);
     }

@@ -69,7 +69,7 @@ void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "FacetwiseRefinement.refine_cameras", &refiner->words.refine_cameras,
       "{auto, none, poses, poses_intrinsics}: of the cameras, what is refined "
       "with the surface, and written to WORKSPACE/sparse-refined; auto: poses, "
-      "but not of rigs");
+      "but not of rigs, and only where the images are not aligned well");
   manager->AddDefaultOption(
       "FacetwiseRefinement.remeshing", &refinement->remeshing,
       "Remesh before the last level: faces of good shape, as large as the "

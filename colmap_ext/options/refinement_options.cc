@@ -74,6 +74,7 @@ void RefinerOptions::Finish() {
        {"none", RefinedParts::kNone},
        {"poses", RefinedParts::kPoses},
        {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
+  refinement.cameras.only_if_misaligned = words.refine_cameras == "auto";
   ChooseTrim(true);
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);

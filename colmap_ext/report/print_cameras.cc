@@ -40,6 +40,14 @@ std::string Describe(const CameraRefinementReport& report) {
       report.mean_zncc_before, report.mean_zncc, report.total_motion);
 }
 
+void PrintReport(const Misalignment& misalignment, std::ostream& stream) {
+  PrintHeading("Alignment of the images", stream);
+  PrintText("off by, px of the surface",
+            fmt::format("{:14.3f}", misalignment.by_cameras), stream);
+  PrintText("the surface before, px",
+            fmt::format("{:14.3f}", misalignment.of_surface), stream);
+}
+
 void PrintReport(const CameraRefinementReport& report,
                  const std::vector<View>& views, std::ostream& stream) {
   PrintHeading("Cameras", stream);

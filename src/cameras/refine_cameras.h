@@ -23,6 +23,8 @@ enum class RefinedParts {
 
 struct CameraRefinementOptions {
   RefinedParts parts = RefinedParts::kNone;
+  // Cameras that are aligned well stay, see RefineFacetwise().
+  bool only_if_misaligned = false;
   PatchOptions patches;
   CameraPriors priors;
 

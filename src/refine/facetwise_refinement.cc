@@ -50,6 +50,8 @@ class Refinement {
         camera_pairs_(
             cameras_ ? SelectViewPairs(points, views.size(), kCameraPartners)
                      : std::vector<ViewPair>()),
+        are_cameras_refined_(cameras_ &&
+                             options.cameras.parts != RefinedParts::kNone),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {}
@@ -121,21 +123,29 @@ class Refinement {
     return confidences;
   }
 
-  // Whether cameras that are not refined would lead the surface astray.
-  bool IsMisaligned(const RefinedMesh& state) {
-    if (!cameras_ || options_.cameras.parts != RefinedParts::kNone) {
-      return false;
+  // Finds out whether the cameras are to be refined, where that is left to how
+  // well they are aligned, and whether the surface may be refined by those that
+  // are not.
+  // \param is_new  else it was decided by the run that is gone on with, and
+  //        cameras that were refined are others now.
+  // \return whether it may.
+  bool DecideByAlignment(bool is_new, RefinedMesh* state) {
+    const CameraRefinementOptions& cameras = options_.cameras;
+    const bool is_fixed = cameras.parts == RefinedParts::kNone;
+    if (!cameras_ || !(is_fixed || cameras.only_if_misaligned)) {
+      return true;
     }
-    // Half the size: fine enough, and a quarter of the work.
-    constexpr int kLevel = 1;
-    Report(hooks_.progress, "Measuring the images' alignment", 0);
-    energy_->SetLevel(kLevel);
-    energy_->SetViews(state.views);
-    const Misalignment misalignment = MeasureMisalignment(
-        options_.cameras, options_.photometric,
-        {state.views, cameras_->view_cameras}, cameras_->tracks,
-        *energy_->Drawings(state.mesh), camera_pairs_, cameras_->images.get());
-    return misalignment.by_cameras > misalignment.of_surface;
+    if (!is_new) {
+      are_cameras_refined_ = !is_fixed && HaveMoved(state->views);
+      return true;
+    }
+    // Of what the surface is off, from which on the cameras matter: a choice.
+    constexpr double kMinShare = 0.5;
+    const Misalignment misalignment = FindMisalignment(*state);
+    state->report.misalignment = misalignment;
+    are_cameras_refined_ = !is_fixed && misalignment.by_cameras >
+                                            kMinShare * misalignment.of_surface;
+    return !is_fixed || misalignment.by_cameras <= misalignment.of_surface;
   }
 
   // \return whether the mesh is another one now
@@ -153,10 +163,31 @@ class Refinement {
   // to refine the surface, as many images together fix a pose. A choice.
   static constexpr int kCameraPartners = 12;
 
-  // Refines the cameras, if that is asked for, and passes them on.
+  Misalignment FindMisalignment(const RefinedMesh& state) const {
+    // Half the size: fine enough, and a quarter of the work.
+    constexpr int kLevel = 1;
+    Report(hooks_.progress, "Measuring the images' alignment", 0);
+    energy_->SetLevel(kLevel);
+    energy_->SetViews(state.views);
+    return MeasureMisalignment(options_.cameras, options_.photometric,
+                               {state.views, cameras_->view_cameras},
+                               cameras_->tracks, *energy_->Drawings(state.mesh),
+                               camera_pairs_, cameras_->images.get());
+  }
+
+  bool HaveMoved(const std::vector<View>& views) const {
+    return !std::equal(
+        views.begin(), views.end(), cameras_->views.begin(),
+        [](const View& a, const View& b) {
+          return a.cam_from_world_rotation == b.cam_from_world_rotation &&
+                 a.cam_from_world_translation == b.cam_from_world_translation;
+        });
+  }
+
+  // Refines the cameras, if that is to be, and passes them on.
   // \return whether any image moved by so much that the surface has to follow
   bool RefineViews(const TriangleMesh& mesh, RefinedMesh* state) {
-    if (!cameras_ || options_.cameras.parts == RefinedParts::kNone) {
+    if (!are_cameras_refined_) {
       return false;
     }
     // Px of the level; a tenth of what a step of the surface is about.
@@ -213,6 +244,7 @@ class Refinement {
   bool has_fused_points_;
   std::shared_ptr<const RefinableCameras> cameras_;  // none: not refined
   std::vector<ViewPair> camera_pairs_;
+  bool are_cameras_refined_;
   std::vector<ViewPair> pairs_;
   PhotometricEnergy* energy_;
   const RefinementHooks& hooks_;
@@ -295,7 +327,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                        {},
                        {}};
   const bool is_new = start.first_level == options.levels - 1;
-  if (is_new && refinement.IsMisaligned(complete)) {
+  if (!refinement.DecideByAlignment(is_new, &complete)) {
     complete.report.is_held = true;
     complete.attributes.confidences = refinement.ConfidencesByPoints(complete);
     complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -108,6 +109,8 @@ struct RefinementReport {
   std::vector<CameraRefinementReport> cameras;  // each time they were refined
   bool is_stopped = false;  // by RefinementHooks::should_stop
   bool is_held = false;     // the surface stayed: the cameras are off by more
+  // Of the cameras at the start, where it decided what became of them.
+  std::optional<Misalignment> misalignment;
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
                                    // facet or let two cross
   size_t num_unconverged_solutions = 0;  // of linear systems
@@ -186,9 +189,10 @@ struct RefinementHooks {
 // move so that what the two views of a pair show on its facets looks alike.
 // Self-intersections are repaired before each level, before and after its
 // facets change, and after the last one. Cameras are refined before each level,
-// and before the final iterations of the finest one. Where they are known but
-// not refined, and are so far off that the surface would get worse, it stays as
-// it is (docs/method.md, section 7.7).
+// and before the final iterations of the finest one; if that is asked for only
+// where they are misaligned, and they are not, they stay. Where they are known
+// but not refined, and are so far off that the surface would get worse, it
+// stays as it is (docs/method.md, section 7.7).
 //
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.

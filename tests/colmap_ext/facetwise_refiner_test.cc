@@ -29,7 +29,8 @@ TEST_F(FacetwiseRefinerTest, ExplainsItsOptions) {
 TEST_F(FacetwiseRefinerTest, RefinesAWorkspace) {
   const std::string before = List(path_);
   const std::string images = ReadFile(path_ / "sparse" / "images.bin");
-  const Outcome outcome = Run(Workspace());
+  const Outcome outcome =
+      Run(Workspace() + " --FacetwiseRefinement.refine_cameras poses");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   EXPECT_EQ(outcome.err, "");
   fs::path output = path_ / kOutput;

@@ -163,6 +163,26 @@ TEST(RefineFacetwise, FindsTheTruthByCamerasThatAreOff) {
             disturbed.cameras->tracks.positions.size());
 }
 
+// Those that are off are refined, others left as they are.
+TEST(RefineFacetwise, RefinesCamerasWhereTheyAreMisaligned) {
+  FacetwiseRefinementOptions options = SmallOptions();
+  options.cameras.parts = RefinedParts::kPoses;
+  options.cameras.only_if_misaligned = true;
+  for (const double pixels : {0.0, 0.5}) {
+    const DisturbedCameras disturbed(pixels);
+    const RefinedMesh refined = disturbed.Refine(options, PerturbedTruth());
+    EXPECT_FALSE(refined.report.is_held);
+    ASSERT_TRUE(refined.report.misalignment.has_value());
+    EXPECT_EQ(refined.report.cameras.empty(), pixels == 0);
+    EXPECT_EQ(refined.track_positions.empty(), pixels == 0);
+    for (size_t i = 0; i < refined.views.size(); ++i) {
+      EXPECT_EQ(refined.views[i].cam_from_world_rotation ==
+                    disturbed.views[i].cam_from_world_rotation,
+                pixels == 0);
+    }
+  }
+}
+
 TEST(RefineFacetwise, KeepsAGoodMeshFromCamerasThatAreOff) {
   const DisturbedCameras disturbed(0.5);
   const TriangleMesh& mesh = Scene().Truth();
