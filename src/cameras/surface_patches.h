@@ -20,10 +20,10 @@ struct SurfacePatch {
   uint32_t view = 0;
   int row = 0;  // of the pixel
   int col = 0;
-  uint32_t facet = 0;       // that the pixel shows
-  Eigen::Vector3d normal;   // of the facet, unit, world
-  double footprint = 0;     // of the pixel, scene units
-  double displacement = 0;  // of the patch along its normal, footprints
+  uint32_t facet = 0;               // that the pixel shows
+  Eigen::Vector3d normal{0, 0, 0};  // of the facet, unit, world
+  double footprint = 0;             // of the pixel, scene units
+  double displacement = 0;          // of the patch along its normal, footprints
 };
 
 struct SurfacePatches {
