@@ -45,7 +45,7 @@ struct RefinerOptions {
   struct Words {
     std::string pair_selection = "facetwise";  // or "classical"
     std::string solver = "gauss_newton";       // or "descent"
-    // or "none", "poses", "poses_intrinsics"; auto is poses where they can be
+    // or "none", "poses", "poses_intrinsics"
     std::string refine_cameras = "auto";
     std::string backend = "auto";      // or "cpu" or "gl"
     std::string image_order = "auto";  // or NameOf() an order

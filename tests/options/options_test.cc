@@ -45,15 +45,44 @@ TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
   EXPECT_FALSE(options.image_order);
   EXPECT_EQ(options.refinement.solver, RefinementSolver::kGaussNewton);
   EXPECT_EQ(options.refinement.photometric.window_radius, 2);
-  options.words = {"classical", "descent", "gl", "frame_id"};
+  EXPECT_EQ(options.refinement.cameras.parts, RefinedParts::kPoses);
+  EXPECT_TRUE(options.refinement.cameras.only_if_misaligned);
+  options.words = {.pair_selection = "classical",
+                   .solver = "descent",
+                   .refine_cameras = "poses_intrinsics",
+                   .backend = "gl",
+                   .image_order = "frame_id"};
   options.window = 7;
   options.Finish();
   EXPECT_EQ(options.refinement.labeling.pair_selection,
             PairSelection::kClassical);
   EXPECT_EQ(options.refinement.solver, RefinementSolver::kDescent);
+  EXPECT_EQ(options.refinement.cameras.parts, RefinedParts::kPosesIntrinsics);
+  EXPECT_FALSE(options.refinement.cameras.only_if_misaligned);
   EXPECT_EQ(options.backend, Backend::kGl);
   EXPECT_EQ(options.image_order, ImageOrderKind::kFrameId);
   EXPECT_EQ(options.refinement.photometric.window_radius, 3);
+}
+
+// By itself the refiner trims only what fused points can tell of.
+TEST(RefinerOptionsTest, ChoosesTheTrimming) {
+  R options;
+  options.workspace_path = "workspace";
+  options.Finish();
+  const BorderOptions& borders = options.refinement.borders;
+  EXPECT_GT(borders.trim, 0);
+  EXPECT_TRUE(borders.is_trim_optional);
+  options.ChooseTrim(false);
+  EXPECT_EQ(borders.trim, 0);
+  for (const double trim : {0.0, 0.7}) {
+    options.trim = trim;
+    for (const bool has_fused_points : {true, false}) {
+      options.ChooseTrim(has_fused_points);
+      EXPECT_EQ(borders.trim, trim);
+      EXPECT_FALSE(borders.is_trim_optional);
+    }
+  }
+  ExpectChangeRefused([](R* o) { o->trim = 2; }, "trim");
 }
 
 TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
