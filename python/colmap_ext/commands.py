@@ -11,7 +11,9 @@ from .program import find_program, make_arguments, run
 def _run_writer(command, options, program, progress):
     """Runs a command that writes a mesh. Returns the mesh's path."""
     printed = run(make_arguments(find_program(program), command, options), progress)
-    return re.findall(r"^Wrote (.*) and \1\.vis$", printed, re.MULTILINE)[-1]
+    # "Wrote MESH and MESH.vis", or "Wrote MESH, MESH.vis and CAMERAS, which ...".
+    return re.findall(r"^Wrote (.*)(?: and|,) \1\.vis(?: and .*)?$", printed,
+                      re.MULTILINE)[-1]
 
 
 def mesh(workspace, *, output_path=None, program=None, progress=None, **options):

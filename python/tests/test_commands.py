@@ -97,6 +97,8 @@ class ExitCodesTest(unittest.TestCase):
 
     def test_finds_the_path_in_what_is_printed(self):
         self.assertEqual(self.run_program("echo 'Wrote a and b and a and b.vis'"), "a and b")
+        self.assertEqual(self.run_program(
+            "echo 'Wrote a, b, a, b.vis and c, which belong together'"), "a, b")
 
 
 if __name__ == "__main__":
