@@ -18,7 +18,8 @@ using CameraNumbers = std::array<double, 16>;
 // [views]
 std::vector<CameraNumbers> CameraNumbersOf(const std::vector<View>& views);
 
-// The views with these numbers. \pre as many of both
+// The views with these numbers.
+// \pre as many of both
 std::vector<View> WithCameraNumbers(std::vector<View> views,
                                     const std::vector<CameraNumbers>& numbers);
 

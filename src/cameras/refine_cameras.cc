@@ -17,6 +17,7 @@
 namespace colmap_ext {
 
 namespace {
+
 // [rows of partners] each patch with each of its partners.
 std::vector<WindowShift> CompareAll(const CameraRefinementOptions& options,
                                     const PhotometricOptions& photometric,

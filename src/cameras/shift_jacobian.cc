@@ -10,7 +10,8 @@ Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
   return matrix;
 }
 
-// Of View::ImageFromCam().
+}  // namespace
+
 Eigen::Matrix<double, 2, 3> ProjectionJacobian(const View& view,
                                                const Eigen::Vector3d& p) {
   Eigen::Matrix<double, 2, 3> jacobian;
@@ -18,8 +19,6 @@ Eigen::Matrix<double, 2, 3> ProjectionJacobian(const View& view,
       0, view.fy / p.z(), -view.fy * p.y() / (p.z() * p.z());
   return jacobian;
 }
-
-}  // namespace
 
 // In the frame of i the pixel's ray is q, z(q) = 1, and the point p = z q. As
 // the camera makes the step (w, v), the point that stays on the ray moves by

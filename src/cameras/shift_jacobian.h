@@ -7,6 +7,12 @@
 
 namespace colmap_ext {
 
+// The derivative of View::ImageFromCam() by the point, px / scene unit.
+// \param p  camera frame
+// \pre p.z() > 0
+Eigen::Matrix<double, 2, 3> ProjectionJacobian(const View& view,
+                                               const Eigen::Vector3d& p);
+
 // Where image j shows the point of a plane that a fixed pixel of image i shows,
 // and how that changes (docs/method.md, section 7.7). All in px.
 struct ShiftJacobian {

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "cameras/camera_problem.h"
+#include "cameras/shift_jacobian.h"
 
 namespace colmap_ext {
 
@@ -30,10 +31,8 @@ struct PointEquations {
     if (!(p.z() > 0)) {
       return;
     }
-    Eigen::Matrix<double, 2, 3> by_point;
-    by_point << view.fx / p.z(), 0, -view.fx * p.x() / (p.z() * p.z()),  //
-        0, view.fy / p.z(), -view.fy * p.y() / (p.z() * p.z());
-    by_point *= view.cam_from_world_rotation / sigma;
+    const Eigen::Matrix<double, 2, 3> by_point =
+        ProjectionJacobian(view, p) * (view.cam_from_world_rotation / sigma);
     const Eigen::Vector2d residual =
         (view.ImageFromCam(p) - seen.pixel) / sigma;
     const double weight = RobustWeight(residual.squaredNorm());

@@ -21,8 +21,8 @@ struct MeshLabels {
 // green, blue and the int label of the facets around them, and are there once
 // for each of these labels; comments "label N: NAME" name the labels. Faces
 // have no properties of their own, which COLMAP 4 does not read. Facets keep
-// their order; vertices of no facet are left out. \throw FileError if it can
-// not be written.
+// their order; vertices of no facet are left out.
+// \throw FileError if it can not be written.
 void WriteLabeledMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh, const MeshLabels& labels);
 

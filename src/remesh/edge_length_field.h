@@ -18,8 +18,9 @@ std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh);
 // than a tolerance: sqrt(6 tolerance / curvature - 3 tolerance^2) [Dunyach2013,
 // section 3.2], with the largest curvature along the edges of a vertex.
 // Infinite where the surface is flat, a vertex has no facet, or its tolerance
-// is infinite. \param tolerances [V] scene units, positive \pre facet indices <
-// V
+// is infinite.
+// \param tolerances [V] scene units, positive
+// \pre facet indices < V
 std::vector<float> LengthsForCurvature(const TriangleMesh& mesh,
                                        const std::vector<float>& tolerances);
 
