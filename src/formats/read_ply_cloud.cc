@@ -60,6 +60,11 @@ float ClampConfidence(double value) {
   return value >= 0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f;
 }
 
+// Cut off to [0, 255]; 0 for what is not a number, as ASCII files may say "nan".
+uint8_t ToByte(double value) {
+  return value > 0 ? static_cast<uint8_t>(std::min(value, 255.0)) : 0;
+}
+
 }  // namespace
 
 PlyCloud ReadPlyVertices(const PlyElement& vertex,
@@ -87,8 +92,7 @@ PlyCloud ReadPlyVertices(const PlyElement& vertex,
         cloud.normals[i][k] = static_cast<float>(values[layout.normal[k]]);
       }
       if (layout.has_colors) {
-        cloud.colors[i][k] = static_cast<uint8_t>(
-            std::clamp(values[layout.color[k]], 0.0, 255.0));
+        cloud.colors[i][k] = ToByte(values[layout.color[k]]);
       }
     }
     if (layout.confidence >= 0) {
