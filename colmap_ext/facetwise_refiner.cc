@@ -150,7 +150,7 @@ class Refiner {
         method,
         {std::move(input_.mesh), std::move(input_.attributes),
          std::move(origins_), level_ - 1, input_.has_fused_points,
-         input_.cameras},
+         input_.cameras, earlier_.misalignment},
         input_.views, input_.points, backend.energy.get(), hooks);
     signal_ = StopSignal::Received();
     refined.report = WithEarlier(std::move(refined.report));
@@ -255,8 +255,8 @@ class Refiner {
                    "refine the mesh by them, which stays as it is; let "
                    "--FacetwiseRefinement.refine_cameras poses align them\n";
     }
-    if (refined.report.misalignment && !refined.report.is_held) {
-      PrintReport(*refined.report.misalignment, std::cout);
+    if (refined.report.misalignment) {
+      PrintReport(*refined.report.misalignment, refined.views, std::cout);
     }
     if (!refined.report.cameras.empty()) {
       PrintReport(refined.report.cameras.back(), refined.views, std::cout);

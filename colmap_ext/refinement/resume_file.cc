@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -17,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "colmap_ext facetwise_refiner resume";
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 
 // Objects in lists in the top object. Deeper values are dropped unread, so that
 // no nesting takes memory.
@@ -143,6 +144,31 @@ RefinementStep ToStep(const Json& json) {
   return step;
 }
 
+Json ToJson(const std::optional<Misalignment>& misalignment) {
+  if (!misalignment) {
+    return nullptr;
+  }
+  return {{"by_cameras", misalignment->by_cameras},
+          {"of_surface", misalignment->of_surface},
+          {"by_view", misalignment->by_view}};
+}
+
+std::optional<Misalignment> ToMisalignment(const Json& json) {
+  if (json.is_null()) {
+    return std::nullopt;
+  }
+  Misalignment misalignment;
+  misalignment.by_cameras = Number(json, "by_cameras");
+  misalignment.of_surface = Number(json, "of_surface");
+  for (const Json& value : List(json, "by_view")) {
+    if (!value.is_number()) {
+      throw Damage();
+    }
+    misalignment.by_view.push_back(value.get<double>());
+  }
+  return misalignment;
+}
+
 RunIdentity ToIdentity(const Json& json) {
   RunIdentity identity;
   for (const Json& pair : json) {
@@ -187,6 +213,7 @@ ResumeRecord ToRecord(const Json& json) {
   for (const Json& camera : List(json, "cameras")) {
     record.cameras.push_back(ToCameraNumbers(camera));
   }
+  record.report.misalignment = ToMisalignment(Member(json, "misalignment"));
   record.report.num_shortened_steps = Count<size_t>(json, "shortened_steps");
   record.report.num_unconverged_solutions =
       Count<size_t>(json, "unconverged_solutions");
@@ -247,6 +274,7 @@ std::string ResumeText(const ResumeRecord& record) {
   for (const CameraNumbers& numbers : record.cameras) {
     cameras.push_back(numbers);
   }
+  json["misalignment"] = ToJson(record.report.misalignment);
   json["shortened_steps"] = record.report.num_shortened_steps;
   json["unconverged_solutions"] = record.report.num_unconverged_solutions;
   json["flipped_facets"] = record.report.num_flipped_facets;

@@ -40,12 +40,19 @@ std::string Describe(const CameraRefinementReport& report) {
       report.mean_zncc_before, report.mean_zncc, report.total_motion);
 }
 
-void PrintReport(const Misalignment& misalignment, std::ostream& stream) {
+void PrintReport(const Misalignment& misalignment,
+                 const std::vector<View>& views, std::ostream& stream) {
   PrintHeading("Alignment of the images", stream);
   PrintText("off by, px of the surface",
             fmt::format("{:14.3f}", misalignment.by_cameras), stream);
   PrintText("the surface before, px",
             fmt::format("{:14.3f}", misalignment.of_surface), stream);
+  std::vector<std::string> misaligned;
+  for (const uint32_t view : MisalignedViews(misalignment)) {
+    misaligned.push_back(views[view].name);
+  }
+  Warn(misaligned, "these images fit the others worse than the surface fits",
+       stream);
 }
 
 void PrintReport(const CameraRefinementReport& report,

@@ -42,7 +42,8 @@ void PrintReport(const RefinementReport& report, const MeshReport& mesh,
                  std::ostream& stream);
 
 // How well the images are aligned.
-void PrintReport(const Misalignment& misalignment, std::ostream& stream);
+void PrintReport(const Misalignment& misalignment,
+                 const std::vector<View>& views, std::ostream& stream);
 
 // How far the cameras moved, image by image, with warnings of those that moved
 // far, did not converge, or could not be moved.

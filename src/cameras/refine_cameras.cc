@@ -174,8 +174,13 @@ class CameraRefinement {
       RestoreGauge(&positions);
     }
     FillMotions(start);
+    std::vector<uint32_t> patch_views;
+    for (const SurfacePatch& patch : patches_.patches) {
+      patch_views.push_back(patch.view);
+    }
     return {std::move(estimate_.cameras), std::move(positions),
-            std::move(estimate_.displacements), std::move(report_)};
+            std::move(estimate_.displacements), std::move(patch_views),
+            std::move(report_)};
   }
 
  private:
@@ -379,6 +384,16 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
       .Run();
 }
 
+std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment) {
+  std::vector<uint32_t> views;
+  for (size_t i = 0; i < misalignment.by_view.size(); ++i) {
+    if (misalignment.by_view[i] > misalignment.of_surface) {
+      views.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  return views;
+}
+
 Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
                                  const PhotometricOptions& photometric,
                                  const CameraSet& cameras,
@@ -386,28 +401,36 @@ Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
                                  const MeshDrawings& drawings,
                                  const std::vector<ViewPair>& pairs,
                                  ImagePyramid* images) {
+  constexpr size_t kMinPatches = 8;  // a choice
   CameraRefinementOptions variant = options;
   variant.parts = RefinedParts::kNone;
-  const std::vector<double> fixed =
-      RefineCameras(variant, photometric, cameras, cameras, tracks, drawings,
-                    pairs, images)
-          .displacements;
+  const RefinedCameras fixed = RefineCameras(
+      variant, photometric, cameras, cameras, tracks, drawings, pairs, images);
   variant.parts = RefinedParts::kPoses;
-  const std::vector<double> free =
-      RefineCameras(variant, photometric, cameras, cameras, tracks, drawings,
-                    pairs, images)
-          .displacements;
+  const RefinedCameras free = RefineCameras(
+      variant, photometric, cameras, cameras, tracks, drawings, pairs, images);
   std::vector<double> by_cameras;
   std::vector<double> of_surface;
-  for (size_t i = 0; i < fixed.size(); ++i) {
-    if (fixed[i] != 0 && free[i] != 0) {
-      by_cameras.push_back(std::abs(fixed[i] - free[i]));
-      of_surface.push_back(std::abs(free[i]));
+  std::vector<std::vector<double>> by_view(cameras.views.size());
+  for (size_t i = 0; i < fixed.displacements.size(); ++i) {
+    if (fixed.displacements[i] != 0 && free.displacements[i] != 0) {
+      const double difference =
+          std::abs(fixed.displacements[i] - free.displacements[i]);
+      by_cameras.push_back(difference);
+      by_view[fixed.patch_views[i]].push_back(difference);
+      of_surface.push_back(std::abs(free.displacements[i]));
     }
   }
-  return by_cameras.empty()
-             ? Misalignment()
-             : Misalignment{Median(&by_cameras), Median(&of_surface)};
+  Misalignment misalignment;
+  if (!by_cameras.empty()) {
+    misalignment.by_cameras = Median(&by_cameras);
+    misalignment.of_surface = Median(&of_surface);
+  }
+  for (std::vector<double>& of_view : by_view) {
+    misalignment.by_view.push_back(
+        of_view.size() < kMinPatches ? 0 : Median(&of_view));
+  }
+  return misalignment;
 }
 
 }  // namespace colmap_ext

@@ -65,6 +65,7 @@ struct RefinedCameras {
   // [patches] By which the patches are off the surface, footprints; 0 where
   // nothing matches.
   std::vector<double> displacements;
+  std::vector<uint32_t> patch_views;  // [patches] that they were chosen in
   CameraRefinementReport report;
 };
 
@@ -73,6 +74,8 @@ struct RefinedCameras {
 struct Misalignment {
   double by_cameras = 0;
   double of_surface = 0;
+  std::vector<double> by_view;  // [views] by_cameras, of the patches chosen in
+                                // each; 0 where there are too few to tell
 };
 
 // Moves the cameras so that the surface looks the same in all images, as far as
@@ -93,6 +96,10 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
                              const MeshDrawings& drawings,
                              const std::vector<ViewPair>& pairs,
                              ImagePyramid* images);
+
+// \return the views that would move the surface by more than it is off, in
+//         ascending order.
+std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment);
 
 // Compares where the surface's patches go with the cameras as they are, and
 // with refined ones. Parameters as of RefineCameras().

@@ -60,7 +60,8 @@ float ClampConfidence(double value) {
   return value >= 0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f;
 }
 
-// Cut off to [0, 255]; 0 for what is not a number, as ASCII files may say "nan".
+// Cut off to [0, 255]; 0 for what is not a number, as ASCII files may say
+// "nan".
 uint8_t ToByte(double value) {
   return value > 0 ? static_cast<uint8_t>(std::min(value, 255.0)) : 0;
 }

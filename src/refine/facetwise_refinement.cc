@@ -26,9 +26,14 @@ namespace colmap_ext {
 
 namespace {
 
-// Gives thin facets, which steps along the normals leave, a better shape.
+// Gives thin facets, which steps along the normals leave, a better shape,
+// unless that makes facets cross.
 void ImproveFacets(RefinedMesh* state) {
   ImprovedMesh improved = ImproveAngles(state->mesh);
+  if (RepairSelfIntersections(&improved.mesh).num_after >
+      state->report.num_self_intersections) {
+    return;
+  }
   state->attributes =
       CarryAttributes(state->mesh, state->attributes, improved.sources);
   state->origins = ValuesAt(improved.sources, state->mesh, state->origins);
@@ -102,6 +107,7 @@ class Refinement {
     state->report.num_flipped_facets +=
         CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
     if (level == 0 && options_.remeshing && !refined.is_stopped) {
+      RemoveSelfIntersections(state);
       ImproveFacets(state);
     }
     return !refined.is_stopped;
@@ -124,28 +130,35 @@ class Refinement {
   }
 
   // Finds out whether the cameras are to be refined, where that is left to how
-  // well they are aligned, and whether the surface may be refined by those that
-  // are not.
-  // \param is_new  else it was decided by the run that is gone on with, and
-  //        cameras that were refined are others now.
-  // \return whether it may.
-  bool DecideByAlignment(bool is_new, RefinedMesh* state) {
+  // well they are aligned, and by which views the surface may be refined if
+  // they are not.
+  // \param state  its report may have what an earlier run measured.
+  // \return whether there are such views.
+  bool DecideByAlignment(RefinedMesh* state) {
     const CameraRefinementOptions& cameras = options_.cameras;
-    const bool is_fixed = cameras.parts == RefinedParts::kNone;
-    if (!cameras_ || !(is_fixed || cameras.only_if_misaligned)) {
+    const bool are_fixed = cameras.parts == RefinedParts::kNone;
+    if (!cameras_ || !(are_fixed || cameras.only_if_misaligned)) {
       return true;
     }
-    if (!is_new) {
-      are_cameras_refined_ = !is_fixed && HaveMoved(state->views);
-      return true;
+    if (!state->report.misalignment) {
+      state->report.misalignment = FindMisalignment(*state);
     }
     // Of what the surface is off, from which on the cameras matter: a choice.
     constexpr double kMinShare = 0.5;
-    const Misalignment misalignment = FindMisalignment(*state);
-    state->report.misalignment = misalignment;
-    are_cameras_refined_ = !is_fixed && misalignment.by_cameras >
-                                            kMinShare * misalignment.of_surface;
-    return !is_fixed || misalignment.by_cameras <= misalignment.of_surface;
+    const Misalignment& misalignment = *state->report.misalignment;
+    const std::vector<uint32_t> misaligned = MisalignedViews(misalignment);
+    if (!are_fixed) {
+      are_cameras_refined_ =
+          !misaligned.empty() ||
+          misalignment.by_cameras > kMinShare * misalignment.of_surface;
+      return true;
+    }
+    std::erase_if(pairs_, [&](const ViewPair& pair) {
+      return std::ranges::binary_search(misaligned, pair.first) ||
+             std::ranges::binary_search(misaligned, pair.second);
+    });
+    return misalignment.by_cameras <= misalignment.of_surface &&
+           !pairs_.empty();
   }
 
   // \return whether the mesh is another one now
@@ -173,15 +186,6 @@ class Refinement {
                                {state.views, cameras_->view_cameras},
                                cameras_->tracks, *energy_->Drawings(state.mesh),
                                camera_pairs_, cameras_->images.get());
-  }
-
-  bool HaveMoved(const std::vector<View>& views) const {
-    return !std::equal(
-        views.begin(), views.end(), cameras_->views.begin(),
-        [](const View& a, const View& b) {
-          return a.cam_from_world_rotation == b.cam_from_world_rotation &&
-                 a.cam_from_world_translation == b.cam_from_world_translation;
-        });
   }
 
   // Refines the cameras, if that is to be, and passes them on.
@@ -326,8 +330,8 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                        views,
                        {},
                        {}};
-  const bool is_new = start.first_level == options.levels - 1;
-  if (!refinement.DecideByAlignment(is_new, &complete)) {
+  complete.report.misalignment = std::move(start.misalignment);
+  if (!refinement.DecideByAlignment(&complete)) {
     complete.report.is_held = true;
     complete.attributes.confidences = refinement.ConfidencesByPoints(complete);
     complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());
@@ -353,6 +357,12 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
     Report(hooks.progress, "Finishing the borders", 0);
     FinishBorders(options.borders, &complete);
     refinement.RemoveSelfIntersections(&complete);
+    const BorderReport& borders = complete.report.borders;
+    const bool have_changed =
+        borders.trim.num_facets > 0 || borders.holes.num_closed > 0;
+    if (options.remeshing && have_changed && !complete.report.is_held) {
+      ImproveFacets(&complete);
+    }
   }
   return complete;
 }

@@ -144,6 +144,8 @@ struct RefinementStart {
   // The cameras as they are now are the views that are passed beside.
   // options.cameras says whether they are refined. None: nothing is known.
   std::shared_ptr<const RefinableCameras> cameras = nullptr;
+  // As the run that is gone on with found it; none: not known, or a new run.
+  std::optional<Misalignment> misalignment = std::nullopt;
 };
 
 struct RefinedMesh {
@@ -191,8 +193,9 @@ struct RefinementHooks {
 // facets change, and after the last one. Cameras are refined before each level,
 // and before the final iterations of the finest one; if that is asked for only
 // where they are misaligned, and they are not, they stay. Where they are known
-// but not refined, and are so far off that the surface would get worse, it
-// stays as it is (docs/method.md, section 7.7).
+// but not refined, views that are so far off that the surface would get worse
+// are left out, and where that is most of them it stays as it is
+// (docs/method.md, section 7.7).
 //
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.

@@ -150,27 +150,6 @@ void MakeFolder(const std::filesystem::path& folder) {
   }
 }
 
-}  // namespace
-
-bool HasOneImageFrames(const SparseModel& model) {
-  const auto is_single = [&model](const SparseFrame& frame) {
-    return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
-           std::any_of(model.images.begin(), model.images.end(),
-                       [&frame](const SparseImage& image) {
-                         return image.image_id == frame.image_ids[0];
-                       });
-  };
-  if (!model.frames.empty() && model.rigs.empty()) {
-    return false;
-  }
-  return std::all_of(
-             model.rigs.begin(), model.rigs.end(),
-             [](const SparseRig& rig) { return rig.num_sensors == 1; }) &&
-         std::all_of(model.frames.begin(), model.frames.end(), is_single);
-}
-
-namespace {
-
 void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
   AtomicFile cameras(folder / "cameras.bin");
   AtomicFile images(folder / "images.bin");
@@ -191,6 +170,23 @@ void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
 }
 
 }  // namespace
+
+bool HasOneImageFrames(const SparseModel& model) {
+  const auto is_single = [&model](const SparseFrame& frame) {
+    return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
+           std::any_of(model.images.begin(), model.images.end(),
+                       [&frame](const SparseImage& image) {
+                         return image.image_id == frame.image_ids[0];
+                       });
+  };
+  if (!model.frames.empty() && model.rigs.empty()) {
+    return false;
+  }
+  return std::all_of(
+             model.rigs.begin(), model.rigs.end(),
+             [](const SparseRig& rig) { return rig.num_sensors == 1; }) &&
+         std::all_of(model.frames.begin(), model.frames.end(), is_single);
+}
 
 void WriteSparseModel(const std::filesystem::path& folder,
                       const SparseModel& model) {

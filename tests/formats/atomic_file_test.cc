@@ -1,7 +1,6 @@
 #include "formats/atomic_file.h"
 
 #include <signal.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -54,24 +53,12 @@ TEST_F(AtomicFileTest, LeavesNothingBehindUncommitted) {
 
 TEST_F(AtomicFileTest, KeepsTheOldFileWhenTheDiskIsFull) {
   WriteFile(path_ / "a", "old");
-  const pid_t child = fork();
-  if (child == 0) {  // a limit on the size of files stands for a full disk
-    signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit = {1 << 20, 1 << 20};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    try {
-      AtomicFile a(path_ / "a");
-      WriteText(std::string(3 << 20, 'x'), &a);
-      AtomicFile* const files[] = {&a};
-      Commit(files);
-    } catch (const FileError&) {
-      _exit(7);
-    }
-    _exit(0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  EXPECT_EQ(WEXITSTATUS(status), 7);
+  EXPECT_TRUE(FailsOnAFullDisk(1 << 20, [this] {
+    AtomicFile a(path_ / "a");
+    WriteText(std::string(3 << 20, 'x'), &a);
+    AtomicFile* const files[] = {&a};
+    Commit(files);
+  }));
   EXPECT_EQ(ReadFile(path_ / "a"), "old");
   EXPECT_EQ(List(path_), "a");
 }

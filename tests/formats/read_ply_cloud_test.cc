@@ -143,12 +143,12 @@ TEST_F(ReadPlyCloudTest, IgnoresColorsThatAreNotBytes) {
 }
 
 TEST_F(ReadPlyCloudTest, CutsColorsOffToBytes) {
-  const PlyCloud cloud =
-      Read("ply\nformat ascii 1.0\nelement vertex 2\n"
-           "property float x\nproperty float y\nproperty float z\n"
-           "property uchar red\nproperty uchar green\n"
-           "property uchar blue\nend_header\n"
-           "1 2 3 nan -1 1e300\n1 2 3 254.9 inf -inf\n");
+  const PlyCloud cloud = Read(
+      "ply\nformat ascii 1.0\nelement vertex 2\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\n"
+      "property uchar blue\nend_header\n"
+      "1 2 3 nan -1 1e300\n1 2 3 254.9 inf -inf\n");
   ASSERT_EQ(cloud.colors.size(), 2);
   EXPECT_EQ(cloud.colors[0], (Color{0, 0, 255}));
   EXPECT_EQ(cloud.colors[1], (Color{254, 255, 0}));

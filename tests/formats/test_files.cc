@@ -1,6 +1,10 @@
 #include "tests/formats/test_files.h"
 
+#include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -45,6 +49,26 @@ std::string List(const std::filesystem::path& folder) {
     list += (list.empty() ? "" : " ") + name;
   }
   return list;
+}
+
+bool FailsOnAFullDisk(size_t max_file_size,
+                      const std::function<void()>& function) {
+  constexpr int kFailed = 7;
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit = {max_file_size, max_file_size};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      function();
+    } catch (const FileError&) {
+      _exit(kFailed);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == kFailed;
 }
 
 }  // namespace colmap_ext

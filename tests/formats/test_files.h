@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -55,6 +56,11 @@ std::string FileErrorOf(Function function) {
   }
   return "";
 }
+
+// Whether the function throws a FileError where no file may be larger: a limit
+// on the size of files stands for a full disk. Runs it in a process of its own.
+bool FailsOnAFullDisk(size_t max_file_size,
+                      const std::function<void()>& function);
 
 // Reads a file cut off after each of its bytes but the last ones, where every
 // length has to be refused, and nothing else may happen.

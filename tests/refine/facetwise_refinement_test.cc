@@ -114,10 +114,11 @@ TEST(RefineFacetwise, StaysNearTheTruth) {
 // Cameras that are off by a fixed turn each, and the features that true ones
 // show.
 struct DisturbedCameras {
-  explicit DisturbedCameras(double pixels) {
+  // \param num_views  the first ones are off, the others are the true ones
+  explicit DisturbedCameras(double pixels, size_t num_views = SIZE_MAX) {
     views = Scene().Views();
     auto known = std::make_shared<RefinableCameras>();
-    for (size_t i = 0; i < views.size(); ++i) {
+    for (size_t i = 0; i < std::min(num_views, views.size()); ++i) {
       PoseStep step = PoseStep::Zero();
       step[0] = (i % 2 == 0 ? pixels : -pixels) / views[i].fx;
       step[1] = (i % 4 < 2 ? pixels : -pixels) / views[i].fx;
@@ -193,6 +194,23 @@ TEST(RefineFacetwise, KeepsAGoodMeshFromCamerasThatAreOff) {
     EXPECT_TRUE(refined.views[i].cam_from_world_rotation ==
                 disturbed.views[i].cam_from_world_rotation);
   }
+}
+
+// One image that is off is refined, or the surface is refined without it.
+TEST(RefineFacetwise, OneImageThatIsOffDoesNoHarm) {
+  const DisturbedCameras disturbed(2, 1);
+  const TriangleMesh mesh = PerturbedTruth();
+  FacetwiseRefinementOptions options = SmallOptions();
+  const RefinedMesh fixed = disturbed.Refine(options, mesh);
+  EXPECT_FALSE(fixed.report.is_held);
+  EXPECT_EQ(MisalignedViews(fixed.report.misalignment.value()),
+            std::vector<uint32_t>{0});
+  EXPECT_LT(MedianError(fixed.mesh), 0.2 * MedianError(mesh));
+  options.cameras.parts = RefinedParts::kPoses;
+  options.cameras.only_if_misaligned = true;
+  const RefinedMesh refined = disturbed.Refine(options, mesh);
+  EXPECT_FALSE(refined.report.cameras.empty());
+  EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh));
 }
 
 TEST(RefineFacetwise, FindsTheTruthByDescentToo) {

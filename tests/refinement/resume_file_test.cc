@@ -32,6 +32,7 @@ ResumeRecord MakeRecord() {
   record.report.steps[1].mean_step = 5e-324;
   record.report.steps[1].seconds = 1e300;
   record.report.steps[1].num_facets = 12;
+  record.report.misalignment = {1.0 / 3, 0.1, {0, 1e-300}};
   record.cameras = {{1000.1, 1000.2, 320, 240, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.1,
                      -1.0 / 3, 1e-300}};
   return record;
@@ -67,6 +68,11 @@ TEST(ResumeFileTest, ReadsNumbersBackAsTheyWere) {
   EXPECT_EQ(read.report.num_unconverged_solutions, 5);
   EXPECT_EQ(read.report.num_flipped_facets, 7);
   EXPECT_EQ(read.report.num_removed_self_intersections, 11);
+  ASSERT_TRUE(read.report.misalignment);
+  EXPECT_EQ(read.report.misalignment->by_cameras, 1.0 / 3);
+  EXPECT_EQ(read.report.misalignment->of_surface, 0.1);
+  EXPECT_EQ(read.report.misalignment->by_view,
+            (std::vector<double>{0, 1e-300}));
   ASSERT_EQ(read.report.labelings.size(), 1);
   const LabelingReport& labeling = read.report.labelings[0];
   EXPECT_EQ(labeling.num_pairs, 9);
@@ -106,7 +112,7 @@ TEST(ResumeFileTest, RefusesOtherTexts) {
   ExpectDamaged("null");
   ExpectDamaged(text + "x");
   ExpectDamaged(Replace(text, "facetwise_refiner", "mesher"));
-  ExpectDamaged(Replace(text, "\"version\": 4", "\"version\": 3"));
+  ExpectDamaged(Replace(text, "\"version\": 5", "\"version\": 3"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": 0"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": -1"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": 2.5"));

@@ -118,5 +118,30 @@ TEST(WriteSparseModel, WritesAllOrNothing) {
   EXPECT_EQ(ReadFile(folder.Path() / "images.bin"), before);
 }
 
+// The points' file is the one that does not fit.
+TEST(WriteSparseModel, KeepsTheOldModelWhenTheDiskIsFull) {
+  const TemporaryFolder folder;
+  SparseModel model = MakeModel();
+  WriteSparseModel(folder.Path() / "a", model);
+  const std::string images = ReadFile(folder.Path() / "a" / "images.bin");
+  const std::string points = ReadFile(folder.Path() / "a" / "points3D.bin");
+  for (uint64_t id = 14; id < 40000; ++id) {
+    model.point_ids.push_back(id);
+    model.exact_positions.emplace_back(0, 0, 1);
+    model.point_positions.emplace_back(0, 0, 1);
+    model.point_colors.push_back({1, 2, 3});
+    model.track_image_ids.AddRow(std::vector<uint32_t>{});
+  }
+  model.images[0].cam_from_world_translation.x() = 5;
+  for (const char* name : {"a", "new"}) {
+    EXPECT_TRUE(FailsOnAFullDisk(
+        1 << 20, [&] { WriteSparseModel(folder.Path() / name, model); }));
+  }
+  EXPECT_EQ(List(folder.Path()), "a");
+  EXPECT_EQ(List(folder.Path() / "a"), "cameras.bin images.bin points3D.bin");
+  EXPECT_EQ(ReadFile(folder.Path() / "a" / "images.bin"), images);
+  EXPECT_EQ(ReadFile(folder.Path() / "a" / "points3D.bin"), points);
+}
+
 }  // namespace
 }  // namespace colmap_ext
