@@ -95,7 +95,7 @@ void AddPairOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.final_pairs_per_facet",
       &refinement->labeling.final_pairs_per_facet,
-      "The same in the last two iterations of each level, if more; 0 leaves "
+      "The same in the last iterations of each level, if more; 0 leaves "
       "these out: the paper's method");
   manager->AddDefaultOption("FacetwiseRefinement.potts_weight",
                             &refinement->labeling.potts_weight,

@@ -384,10 +384,13 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
       .Run();
 }
 
-std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment) {
+std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment,
+                                      double min_share) {
+  const double limit =
+      std::max(misalignment.of_surface, min_share * misalignment.by_cameras);
   std::vector<uint32_t> views;
   for (size_t i = 0; i < misalignment.by_view.size(); ++i) {
-    if (misalignment.by_view[i] > misalignment.of_surface) {
+    if (misalignment.by_view[i] > limit) {
       views.push_back(static_cast<uint32_t>(i));
     }
   }

@@ -97,9 +97,11 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
                              const std::vector<ViewPair>& pairs,
                              ImagePyramid* images);
 
-// \return the views that would move the surface by more than it is off, in
-//         ascending order.
-std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment);
+// \param min_share  of what all views together would move the surface by.
+// \return the views that would move the surface by more than it is off, and by
+//         more than that share, in ascending order.
+std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment,
+                                      double min_share = 0);
 
 // Compares where the surface's patches go with the cameras as they are, and
 // with refined ones. Parameters as of RefineCameras().

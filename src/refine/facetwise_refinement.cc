@@ -143,19 +143,22 @@ class Refinement {
     if (!state->report.misalignment) {
       state->report.misalignment = FindMisalignment(*state);
     }
-    // Of what the surface is off, from which on the cameras matter: a choice.
+    // Of what the surface is off, from which on the cameras matter; and of what
+    // is usual, from which on a view is worse than none: choices.
     constexpr double kMinShare = 0.5;
+    constexpr double kOutlier = 3;
     const Misalignment& misalignment = *state->report.misalignment;
-    const std::vector<uint32_t> misaligned = MisalignedViews(misalignment);
     if (!are_fixed) {
       are_cameras_refined_ =
-          !misaligned.empty() ||
+          !MisalignedViews(misalignment).empty() ||
           misalignment.by_cameras > kMinShare * misalignment.of_surface;
       return true;
     }
+    const std::vector<uint32_t> outliers =
+        MisalignedViews(misalignment, kOutlier);
     std::erase_if(pairs_, [&](const ViewPair& pair) {
-      return std::ranges::binary_search(misaligned, pair.first) ||
-             std::ranges::binary_search(misaligned, pair.second);
+      return std::ranges::binary_search(outliers, pair.first) ||
+             std::ranges::binary_search(outliers, pair.second);
     });
     return misalignment.by_cameras <= misalignment.of_surface &&
            !pairs_.empty();

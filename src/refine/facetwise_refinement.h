@@ -35,7 +35,7 @@ struct FacetwiseRefinementOptions {
 
   // Of the solver, at most, at each level, before the final ones. Most levels
   // end earlier (docs/method.md, section 7.3).
-  int iterations = 15;
+  int iterations = 10;
 
   RefinementSolver solver = RefinementSolver::kGaussNewton;
 

@@ -45,14 +45,13 @@ using OnLevelStep =
 
 // Moves a mesh's vertices along their normals, so that the energy, photometric
 // and smoothness, falls (docs/method.md, sections 6 and 7.3). Each step is
-// Gauss-Newton's (or each vertex's by itself), limited to a part of the edges'
-// lengths and a pixel, shortened where it would turn a facet over or
-// let two cross, and halved
-// until the energy falls. It ends after options.iterations steps, or when a
-// step gains next to nothing.
+// Gauss-Newton's (or each vertex's by itself) made longer, limited to a part of
+// the edges' lengths and a pixel, shortened where it would turn a facet over or
+// let two cross, and halved until the energy falls. It ends after
+// options.iterations steps, or when a step gains next to nothing.
 //
 // The first `pairs_per_facet` labels of each facet are used first, all of them
-// in two final iterations: progress needs many iterations, but the noise that
+// in the final iterations: progress needs many iterations, but the noise that
 // remains depends on the last ones only.
 //
 // The surface is to be smooth (refine/thin_plate.h) at the finest level, where
