@@ -147,13 +147,56 @@ class CameraRefinement {
   }
 
   RefinedCameras Run() {
+    const std::vector<View> start = estimate_.cameras.views;
+    Iterate(options_.parts);
+    std::vector<Eigen::Vector3d> positions =
+        LocateTracks(all_tracks_, estimate_.cameras.views,
+                     TrackSigmas(estimate_, tracks_, &report_.track_sigma),
+                     options_.priors.point);
+    if (options_.parts != RefinedParts::kNone) {
+      RestoreGauge(&positions);
+    }
+    FillMotions(start);
+    return {std::move(estimate_.cameras), std::move(positions),
+            std::move(estimate_.displacements), std::move(report_)};
+  }
+
+  Misalignment FindMisalignment() {
+    constexpr size_t kMinPatches = 8;  // of a view, a choice
+    Iterate(RefinedParts::kNone);
+    const std::vector<double> fixed = estimate_.displacements;
+    Iterate(RefinedParts::kPoses);
+    const std::vector<double>& free = estimate_.displacements;
+    std::vector<double> by_cameras;
+    std::vector<double> of_surface;
+    std::vector<std::vector<double>> by_view(original_.views.size());
+    for (size_t i = 0; i < fixed.size(); ++i) {
+      if (fixed[i] != 0 && free[i] != 0) {
+        by_cameras.push_back(std::abs(fixed[i] - free[i]));
+        by_view[patches_.patches[i].view].push_back(by_cameras.back());
+        of_surface.push_back(std::abs(free[i]));
+      }
+    }
+    Misalignment misalignment;
+    if (!by_cameras.empty()) {
+      misalignment.by_cameras = Median(&by_cameras);
+      misalignment.of_surface = Median(&of_surface);
+    }
+    for (std::vector<double>& of_view : by_view) {
+      misalignment.by_view.push_back(
+          of_view.size() < kMinPatches ? 0 : Median(&of_view));
+    }
+    return misalignment;
+  }
+
+ private:
+  // Compares windows and solves for what is to move, in turn.
+  void Iterate(RefinedParts parts) {
     // Px of the level's images; a round that moves no image by more is the
     // last one.
     constexpr double kMinMotion = 0.01;
-    const std::vector<View> start = estimate_.cameras.views;
     for (int round = 0; round < options_.max_rounds; ++round) {
-      const std::vector<View> views = LevelViews();
-      const CameraEvidence evidence = Gather(views);
+      const CameraEvidence evidence = Gather(parts, LevelViews());
       const CameraSet before = estimate_.cameras;
       if (!SolveCameras(evidence, original_, &estimate_)) {
         break;
@@ -166,24 +209,8 @@ class CameraRefinement {
         break;
       }
     }
-    std::vector<Eigen::Vector3d> positions =
-        LocateTracks(all_tracks_, estimate_.cameras.views,
-                     TrackSigmas(estimate_, tracks_, &report_.track_sigma),
-                     options_.priors.point);
-    if (options_.parts != RefinedParts::kNone) {
-      RestoreGauge(&positions);
-    }
-    FillMotions(start);
-    std::vector<uint32_t> patch_views;
-    for (const SurfacePatch& patch : patches_.patches) {
-      patch_views.push_back(patch.view);
-    }
-    return {std::move(estimate_.cameras), std::move(positions),
-            std::move(estimate_.displacements), std::move(patch_views),
-            std::move(report_)};
   }
 
- private:
   std::vector<View> LevelViews() const {
     std::vector<View> views;
     for (const View& view : estimate_.cameras.views) {
@@ -192,7 +219,7 @@ class CameraRefinement {
     return views;
   }
 
-  CameraEvidence Gather(const std::vector<View>& views) {
+  CameraEvidence Gather(RefinedParts parts, const std::vector<View>& views) {
     const std::vector<WindowShift> compared =
         CompareAll(options_, photometric_, scene_, views, patches_);
     CameraEvidence evidence{
@@ -202,10 +229,10 @@ class CameraRefinement {
         TrackSigmas(estimate_, tracks_, &report_.track_sigma),
         {},
         options_.priors,
-        options_.parts == RefinedParts::kPosesIntrinsics};
+        parts == RefinedParts::kPosesIntrinsics};
     FindDepths(views, &evidence);
     DropAstray(&evidence);
-    CountEvidence(evidence);
+    CountEvidence(parts, evidence);
     for (const RefinedView& view : report_.views) {
       evidence.is_held.push_back(view.is_held ? 1 : 0);
     }
@@ -260,7 +287,7 @@ class CameraRefinement {
     }
   }
 
-  void CountEvidence(const CameraEvidence& evidence) {
+  void CountEvidence(RefinedParts parts, const CameraEvidence& evidence) {
     // A pose has 6 parameters; some times as many are needed to tell outliers.
     constexpr size_t kMinEvidence = 20;
     for (RefinedView& view : report_.views) {
@@ -275,7 +302,7 @@ class CameraRefinement {
       ++report_.views[seen.view].num_observations;
     }
     for (RefinedView& view : report_.views) {
-      view.is_held = options_.parts == RefinedParts::kNone ||
+      view.is_held = parts == RefinedParts::kNone ||
                      view.num_windows + view.num_observations < kMinEvidence;
     }
   }
@@ -404,36 +431,9 @@ Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
                                  const MeshDrawings& drawings,
                                  const std::vector<ViewPair>& pairs,
                                  ImagePyramid* images) {
-  constexpr size_t kMinPatches = 8;  // a choice
-  CameraRefinementOptions variant = options;
-  variant.parts = RefinedParts::kNone;
-  const RefinedCameras fixed = RefineCameras(
-      variant, photometric, cameras, cameras, tracks, drawings, pairs, images);
-  variant.parts = RefinedParts::kPoses;
-  const RefinedCameras free = RefineCameras(
-      variant, photometric, cameras, cameras, tracks, drawings, pairs, images);
-  std::vector<double> by_cameras;
-  std::vector<double> of_surface;
-  std::vector<std::vector<double>> by_view(cameras.views.size());
-  for (size_t i = 0; i < fixed.displacements.size(); ++i) {
-    if (fixed.displacements[i] != 0 && free.displacements[i] != 0) {
-      const double difference =
-          std::abs(fixed.displacements[i] - free.displacements[i]);
-      by_cameras.push_back(difference);
-      by_view[fixed.patch_views[i]].push_back(difference);
-      of_surface.push_back(std::abs(free.displacements[i]));
-    }
-  }
-  Misalignment misalignment;
-  if (!by_cameras.empty()) {
-    misalignment.by_cameras = Median(&by_cameras);
-    misalignment.of_surface = Median(&of_surface);
-  }
-  for (std::vector<double>& of_view : by_view) {
-    misalignment.by_view.push_back(
-        of_view.size() < kMinPatches ? 0 : Median(&of_view));
-  }
-  return misalignment;
+  return CameraRefinement(options, photometric, cameras, cameras, tracks,
+                          drawings, pairs, images)
+      .FindMisalignment();
 }
 
 }  // namespace colmap_ext

@@ -65,7 +65,6 @@ struct RefinedCameras {
   // [patches] By which the patches are off the surface, footprints; 0 where
   // nothing matches.
   std::vector<double> displacements;
-  std::vector<uint32_t> patch_views;  // [patches] that they were chosen in
   CameraRefinementReport report;
 };
 
