@@ -21,7 +21,8 @@ DepthMap RenderDepths(const Bvh& surface, const View& view, int stride);
 DepthMap Subsample(const DepthMap& map, int stride);
 
 // Returns the samples of `depths` at which `mask` has a depth as well, as
-// points in the world frame, row by row. \pre both are of the same size
+// points in the world frame, row by row.
+// \pre both are of the same size
 std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
                                          const DepthMap& mask,
                                          const View& view);

@@ -95,7 +95,8 @@ MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,
 
 // Returns [V] the distance of each vertex to the truth's surface or points,
 // scene units, at most max_distance, which it is where the vertex is not
-// finite. \pre truth has no depth_maps
+// finite.
+// \pre truth has no depth_maps
 std::vector<double> VertexErrors(const TriangleMesh& mesh, const Truth& truth,
                                  double max_distance);
 

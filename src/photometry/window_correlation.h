@@ -33,7 +33,8 @@ struct CorrelationTile {
   // Sets all arrays' sizes, their values are left as they were.
   void Resize(int new_width, int new_height);
 
-  // Sets is_reached. \pre is_center is set
+  // Sets is_reached.
+  // \pre is_center is set
   void FindReached(int radius);
 
   size_t Index(int row, int col) const {

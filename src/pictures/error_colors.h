@@ -8,7 +8,8 @@ namespace colmap_ext {
 
 // Returns the colour of an error: from dark violet for none over green to
 // yellow for `scale` and beyond, the colour map viridis [Smith2015],
-// interpolated linearly. The colour-blind can read it, too. \pre scale > 0
+// interpolated linearly. The colour-blind can read it, too.
+// \pre scale > 0
 Color ErrorColor(double error, double scale);
 
 // Returns the end of a colour scale: the least of 1, 2 and 5 times the powers

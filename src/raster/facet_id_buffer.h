@@ -43,10 +43,10 @@ double PlaneSlope(const View& view, const FacetFrame& frame);
 
 // Whether a view sees a point of a facet: the pixel shows the facet, or what it
 // shows is not nearer than the facet's plane by more than the plane's slope
-// over two pixels plus two footprints (docs/method.md, section 4.2). \param
-// slope  PlaneSlope() of the facet. \param u, v, inverse_depth  of the point in
-// the view: px, inside the image;
-//        1 / scene unit.
+// over two pixels plus two footprints (docs/method.md, section 4.2).
+// \param slope  PlaneSlope() of the facet.
+// \param u, v  the point in the view, px, inside the image.
+// \param inverse_depth  of the point, 1 / scene unit.
 inline bool IsNearest(const View& view, const FacetIdBuffer& drawn,
                       uint32_t facet, double slope, double u, double v,
                       double inverse_depth) {
