@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -141,7 +142,9 @@ RefinementState ReadState(const fs::path& output, const RunIdentity& identity,
   RefinementState state;
   state.level = record.level;
   state.report = std::move(record.report);
-  if (record.cameras.size() != views.size()) {
+  const std::optional<Misalignment>& misalignment = state.report.misalignment;
+  if (record.cameras.size() != views.size() ||
+      (misalignment && misalignment->by_view.size() != views.size())) {
     throw FileError(path, std::string("damaged: not of as many images as "
                                       "sparse/") +
                               kStartAnew);

@@ -82,6 +82,11 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
   const std::string state_bytes = ReadFile(state);
   WriteFile(state, state_bytes.substr(0, state_bytes.size() - 8));
   ExpectResumeRefused("damaged");
+  std::string more_views = state_bytes;
+  const std::string list = "\"by_view\": [";
+  more_views.insert(more_views.find(list) + list.size(), "0,");
+  WriteFile(state, more_views);
+  ExpectResumeRefused("not of as many images");
   WriteFile(state, state_bytes);
   const Outcome outcome =
       Run(Workspace() + " --resume 1" + Option("report_path", "steps.csv"));
