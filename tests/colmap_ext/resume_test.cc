@@ -36,8 +36,10 @@ class ResumeTest : public RefinerFixture {
   }
 
   // Of a run that is interrupted at the second level.
-  void InterruptAtTheSecondLevel() const {
-    const int status = Interrupt({}, "1/2 size, iteration 0", {SIGINT});
+  void InterruptAtTheSecondLevel(
+      const std::vector<std::string>& more_arguments = {}) const {
+    const int status =
+        Interrupt(more_arguments, "1/2 size, iteration 0", {SIGINT});
     ASSERT_TRUE(WIFEXITED(status));
     ASSERT_EQ(WEXITSTATUS(status), 130) << ErrorOutput();
   }
@@ -100,6 +102,28 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
   EXPECT_FALSE(
       fs::exists(fs::path(level_mesh).replace_extension(".origin.ply")));
   EXPECT_EQ(num_steps(), num_steps_of_all);
+}
+
+TEST_F(ResumeTest, GoesOnWithTheCamerasAsTheyWereRefined) {
+  const std::vector<std::string> poses = {
+      "--FacetwiseRefinement.refine_cameras", "poses"};
+  const std::string options = Workspace() + " " + poses[0] + " " + poses[1];
+  const auto results = [this] {
+    std::string bytes = ReadFile(path_ / kOutput);
+    for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+      bytes += ReadFile(path_ / "sparse-refined" / name);
+    }
+    return bytes;
+  };
+  ASSERT_EQ(Run(options).exit_code, 0);
+  const std::string expected = results();
+  fs::remove_all(path_ / "sparse-refined");
+  InterruptAtTheSecondLevel(poses);
+  EXPECT_FALSE(fs::exists(path_ / "sparse-refined" / "images.bin"));
+  const Outcome outcome = Run(options + " --resume 1");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("goes on after"), std::string::npos);
+  EXPECT_TRUE(results() == expected);
 }
 
 // What the mesh depends on has to be the same.
