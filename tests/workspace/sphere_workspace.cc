@@ -142,37 +142,75 @@ std::string SphereWorkspace::CamerasText() const {
   return text.str();
 }
 
+// Every tenth fused point is one of the sparse model.
+size_t SphereWorkspace::NumSparsePoints() const { return points.size() / 10; }
+
+std::vector<size_t> SphereWorkspace::SparsePointsOf(size_t image) const {
+  std::vector<size_t> seen;
+  for (size_t i = 0; i < NumSparsePoints(); ++i) {
+    const std::vector<size_t>& seen_by = point_images[10 * i];
+    if (std::find(seen_by.begin(), seen_by.end(), image) != seen_by.end()) {
+      seen.push_back(i);
+    }
+  }
+  return seen;
+}
+
+// The first observation of each image belongs to no point.
+uint32_t SphereWorkspace::Observation(size_t image, size_t point) const {
+  const std::vector<size_t> seen = SparsePointsOf(image);
+  return static_cast<uint32_t>(std::find(seen.begin(), seen.end(), point) -
+                               seen.begin() + 1);
+}
+
+Eigen::Vector2d SphereWorkspace::Pixel(size_t image, size_t point) const {
+  const View& view = images[image].view;
+  return view.ImageFromCam(
+      view.CamFromWorld(points[10 * point].cast<double>()));
+}
+
 std::string SphereWorkspace::ImagesBinary() const {
   std::string bytes;
   Append(uint64_t{images.size()}, &bytes);
-  for (const Image& image : images) {
-    Append(image.image_id, &bytes);
-    AppendPose(image.view, &bytes);
+  for (size_t i = 0; i < images.size(); ++i) {
+    const std::vector<size_t> seen = SparsePointsOf(i);
+    Append(images[i].image_id, &bytes);
+    AppendPose(images[i].view, &bytes);
     Append(kCameraId, &bytes);
-    bytes += image.view.name + '\0';
-    Append(uint64_t{1}, &bytes);
+    bytes += images[i].view.name + '\0';
+    Append(uint64_t{seen.size() + 1}, &bytes);
     Append(12.5, &bytes);
     Append(7.5, &bytes);
     Append(~uint64_t{0}, &bytes);
+    for (const size_t point : seen) {
+      const Eigen::Vector2d pixel = Pixel(i, point);
+      Append(pixel.x(), &bytes);
+      Append(pixel.y(), &bytes);
+      Append(uint64_t{point + 1}, &bytes);
+    }
   }
   return bytes;
 }
 
 std::string SphereWorkspace::ImagesText() const {
   std::ostringstream text;
+  text.precision(17);
   text << "# a comment\n";
-  for (const Image& image : images) {
-    text << image.image_id << " " << PoseText(image.view) << " " << kCameraId
-         << " " << image.view.name << "\n12.5 7.5 -1\n";
+  for (size_t i = 0; i < images.size(); ++i) {
+    text << images[i].image_id << " " << PoseText(images[i].view) << " "
+         << kCameraId << " " << images[i].view.name << "\n12.5 7.5 -1";
+    for (const size_t point : SparsePointsOf(i)) {
+      text << " " << Pixel(i, point).transpose() << " " << point + 1;
+    }
+    text << "\n";
   }
   return text.str();
 }
 
 std::string SphereWorkspace::Points3DBinary() const {
   std::string bytes;
-  const uint64_t num_points = points.size() / 10;
-  Append(num_points, &bytes);
-  for (uint64_t i = 0; i < num_points; ++i) {
+  Append(uint64_t{NumSparsePoints()}, &bytes);
+  for (uint64_t i = 0; i < NumSparsePoints(); ++i) {
     Append(i + 1, &bytes);
     for (const float coordinate : points[10 * i]) {
       Append(double{coordinate}, &bytes);
@@ -182,7 +220,7 @@ std::string SphereWorkspace::Points3DBinary() const {
     Append(uint64_t{point_images[10 * i].size()}, &bytes);
     for (const size_t image : point_images[10 * i]) {
       Append(images[image].image_id, &bytes);
-      Append(uint32_t{0}, &bytes);
+      Append(Observation(image, i), &bytes);
     }
   }
   return bytes;
@@ -191,12 +229,12 @@ std::string SphereWorkspace::Points3DBinary() const {
 std::string SphereWorkspace::Points3DText() const {
   std::ostringstream text;
   text.precision(17);
-  for (size_t i = 0; i < points.size() / 10; ++i) {
+  for (size_t i = 0; i < NumSparsePoints(); ++i) {
     const Color color = SphereColor(points[10 * i].cast<double>());
     text << i + 1 << " " << points[10 * i].transpose() << " " << int{color[0]}
          << " " << int{color[1]} << " " << int{color[2]} << " 0.5";
     for (const size_t image : point_images[10 * i]) {
-      text << " " << images[image].image_id << " 0";
+      text << " " << images[image].image_id << " " << Observation(image, i);
     }
     text << "\n";
   }

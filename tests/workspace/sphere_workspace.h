@@ -44,6 +44,17 @@ struct SphereWorkspace {
   std::string Ply() const;
   std::string Vis() const;
   std::string Ppm(size_t image) const;
+
+ private:
+  size_t NumSparsePoints() const;
+
+  // The sparse points that an image sees.
+  std::vector<size_t> SparsePointsOf(size_t image) const;
+
+  // Which of the image's observations is that of a sparse point that it sees,
+  // and where it lies.
+  uint32_t Observation(size_t image, size_t point) const;
+  Eigen::Vector2d Pixel(size_t image, size_t point) const;
 };
 
 // Colour of the sphere at a point of it.
