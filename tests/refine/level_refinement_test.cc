@@ -362,8 +362,10 @@ TEST(RefineLevel, KeepsNoReliefThatTheImagesDoNotConfirm) {
   });
   PullingEnergy energy(UnitSphere);
   energy.stiffness = 0;
-  EXPECT_LT(Roughness(Refine({}, 0, mesh, &energy).Result()),
-            0.25 * Roughness(mesh));
+  FacetwiseRefinementOptions options;
+  options.iterations = 15;  // relief fades step by step
+  EXPECT_LT(Roughness(Refine(options, 0, mesh, &energy).Result()),
+            0.2 * Roughness(mesh));
 }
 
 // In one step: those around what is pulled, or all.
