@@ -5,6 +5,7 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -65,6 +66,9 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
                              : input_path);
   ExpectWritable(output_path);
   ExpectWritable(VisibilityPath(output_path));
+  if (options.region.is_auto) {
+    ExpectWritable(RegionPath(output_path));
+  }
   return output_path;
 }
 
@@ -118,12 +122,17 @@ void MeshWorkspace(const MesherOptions& options) {
   reporter.Finish();
   PrintReport(workspace.report, workspace.views.size(), half_pixel, std::cout);
   PrintPixels(options, workspace);
+  ManifoldMeshingOptions meshing = options.meshing;
+  meshing.region =
+      options.region.Resolve(workspace.views, workspace.sparse_points);
+  PrintReport(meshing.region, std::cout);
   std::cout << std::endl;
+  const std::vector<View> views = MeshingViews(options, workspace);
   const ManifoldMesh mesh =
-      MeshManifold(options.meshing, workspace.cloud,
-                   MeshingViews(options, workspace), progress);
+      MeshManifold(meshing, std::move(workspace.cloud), views, progress);
   Report(progress, "Writing the mesh", 0);
   WriteMesh(output_path, mesh.mesh, mesh.attributes);
+  WriteFoundRegion(options.region, meshing.region, output_path);
   reporter.Finish();
   PrintReport(mesh.report, std::cout);
   PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);

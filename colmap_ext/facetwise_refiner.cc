@@ -59,6 +59,9 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
                        ? paths.refined_sparse / "images.bin"
                        : paths.refined_sparse);
   }
+  if (options.region.is_auto) {
+    ExpectWritable(RegionPath(output));
+  }
   if (!options.report_path.empty()) {
     ExpectWritable(options.report_path);
     ExpectWritable(options.PlotPath());
@@ -225,6 +228,7 @@ class Refiner {
               refined.track_positions));
     }
     WriteMesh(paths_.output, refined.mesh, refined.attributes);
+    WriteFoundRegion(options_.region, input_.region, paths_.output);
     if (is_state_ours_) {
       RemoveState(paths_.output, level_);
     }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "colmap_ext/colmap_compat.h"
@@ -51,21 +52,27 @@ void CheckOutputs(const EvaluatorOptions& options) {
   }
 }
 
-std::vector<View> ReadEvaluatedViews(const EvaluatorOptions& options) {
+// Of the workspace; empty without one.
+struct EvaluatedViews {
+  std::vector<View> views;
+  std::vector<Eigen::Vector3f> sparse_points;
+};
+
+EvaluatedViews ReadEvaluatedViews(const EvaluatorOptions& options) {
   if (options.workspace_path.empty()) {
     return {};
   }
   const fs::path sparse_path =
       FindSparseFolder(options.sparse_path.empty() ? options.workspace_path
                                                    : options.sparse_path);
-  const SparseModel model = ReadSparseModel(sparse_path);
+  SparseModel model = ReadSparseModel(sparse_path);
   std::vector<View> views =
       ReadViews(options.workspace_path, model, {}, ColmapPictureDecoder())
           .views;
   if (views.empty()) {
     throw FileError(sparse_path, "it has no images");
   }
-  return views;
+  return {std::move(views), std::move(model.point_positions)};
 }
 
 // \pre views outlive what is returned
@@ -153,13 +160,14 @@ void Evaluate(const EvaluatorOptions& options) {
     reporter.Update(stage, share);
   };
   Report(progress, "Reading", 0);
-  const std::vector<View> views = ReadEvaluatedViews(options);
+  const auto [views, sparse_points] = ReadEvaluatedViews(options);
   const TriangleMesh mesh = ReadMesh(options);
   const Truth truth = ReadTruth(options, views);
   const View picture_view = PictureView(options, mesh, views);
-  const MeshEvaluation evaluation =
-      EvaluateMesh(options.evaluation, mesh, truth, views,
-                   options.ReadObservability(), progress);
+  Observability observability = options.ReadObservability();
+  observability.region = options.region.Resolve(views, sparse_points);
+  const MeshEvaluation evaluation = EvaluateMesh(
+      options.evaluation, mesh, truth, views, observability, progress);
   if (!options.error_mesh_path.empty() || !options.picture_path.empty()) {
     Report(progress, "Colouring the errors", 0);
     WriteErrors(options, mesh, truth, picture_view,
@@ -169,6 +177,7 @@ void Evaluate(const EvaluatorOptions& options) {
     WriteText(options.json_path, EvaluationJson(options, evaluation));
   }
   reporter.Finish();
+  PrintReport(observability.region, std::cout);
   PrintEvaluation(options, evaluation, std::cout);
   PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);
 }

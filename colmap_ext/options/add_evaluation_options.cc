@@ -33,6 +33,11 @@ void AddPathOptions(CommandOptions* manager, EvaluatorOptions* evaluator) {
 void AddObservabilityOptions(CommandOptions* manager,
                              EvaluatorOptions* evaluator) {
   manager->AddDefaultOption(
+      "region", &evaluator->region.text,
+      "Count samples inside: a file (docs/scripts.md), two corners "
+      "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images of the workspace "
+      "look at");
+  manager->AddDefaultOption(
       "observability_mask", &evaluator->observability_mask,
       "Count samples of the mesh only where this NumPy array [X,Y,Z] of uint8 "
       "is not 0 (DTU's ObsMask)");

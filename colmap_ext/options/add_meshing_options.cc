@@ -32,6 +32,11 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "image_order", &mesher->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
+  manager->AddDefaultOption(
+      "region", &mesher->region.text,
+      "What is meshed: a file (docs/scripts.md), two corners "
+      "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, written "
+      "to OUTPUT.region.txt");
 }
 
 void AddVoteOptions(CommandOptions* manager, MesherOptions* mesher) {

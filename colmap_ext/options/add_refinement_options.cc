@@ -38,6 +38,12 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "image_order", &refiner->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
+  manager->AddDefaultOption(
+      "region", &refiner->region.text,
+      "What is refined, the rest is cut off: a file (docs/scripts.md), two "
+      "corners "
+      "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, written "
+      "to OUTPUT.region.txt");
 }
 
 void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {

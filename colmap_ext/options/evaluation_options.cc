@@ -54,6 +54,10 @@ void EvaluatorOptions::Finish() {
   if (mesh_path.empty() || truth_path.empty()) {
     throw OptionError("--mesh_path and --truth_path are required");
   }
+  region.Finish();
+  if (region.is_auto && workspace_path.empty()) {
+    throw OptionError("--region auto needs --workspace_path");
+  }
   if (observability_mask.empty() != observability_box.empty()) {
     throw OptionError(
         "--observability_mask and --observability_box go together");

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "colmap_ext/options/region_option.h"
 #include "evaluation/mesh_evaluation.h"
 
 namespace colmap_ext {
@@ -12,6 +13,7 @@ struct EvaluatorOptions {
   std::string truth_path;  // PLY, or a folder of depth maps
   std::string workspace_path;
   std::string sparse_path;         // of the workspace; empty: its own
+  RegionOption region;             // what counts
   std::string observability_mask;  // NumPy file
   std::string observability_box;   // "minx,miny,minz,resolution"
   std::string ground_plane;        // "a,b,c,d"

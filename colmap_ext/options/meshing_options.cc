@@ -39,6 +39,7 @@ void MesherOptions::Finish() {
       !workspace.fused_path.empty()) {
     throw OptionError("--fused_path is of dense input, not of sparse");
   }
+  region.Finish();
   workspace.image_order = ParseImageOrder(words.image_order);
   meshing.alpha_kind = ParseWord<ObservationWeight>(
       "alpha_kind", words.alpha_kind,

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "colmap_ext/options/region_option.h"
 #include "meshing/manifold_meshing.h"
 #include "workspace/workspace.h"
 
@@ -14,6 +15,7 @@ struct MesherOptions {
   std::string input_path;      // or, as delaunay_mesher has it, this
   std::string output_path;
   std::string sparse_path;  // see WorkspaceOptions
+  RegionOption region;      // nothing is meshed outside
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 

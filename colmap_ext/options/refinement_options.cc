@@ -75,6 +75,7 @@ void RefinerOptions::Finish() {
        {"poses", RefinedParts::kPoses},
        {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   refinement.cameras.only_if_misaligned = words.refine_cameras == "auto";
+  region.Finish();
   ChooseTrim(true);
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "colmap_ext/options/region_option.h"
 #include "refine/facetwise_refinement.h"
 #include "workspace/image_order.h"
 
@@ -28,6 +29,7 @@ struct RefinerOptions {
   std::string sparse_path;  // see WorkspaceOptions
   std::string report_path;  // a CSV; its plot lies beside it
   std::string labels_path;  // a PLY; its picture lies beside it
+  RegionOption region;      // outside the mesh is cut off
   bool resume = false;
 
   FacetwiseRefinementOptions refinement;

@@ -15,6 +15,9 @@
 #include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
+#include "mesh/clip_mesh.h"
+#include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
 #include "mesh/nearest_attributes.h"
 #include "mesh/topology.h"
 #include "workspace/find_workspace.h"
@@ -113,6 +116,22 @@ std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
   file->mesh = std::exchange(repair.mesh, {});
   repair.sources = {};
   return repair;
+}
+
+// Cuts off what lies outside.
+void CutOff(const Region& region, const fs::path& path, MeshFile* file) {
+  ClippedMesh clipped = ClipMesh(region, std::move(file->mesh));
+  if (clipped.mesh.facets.empty()) {
+    throw FileError(path, "none of its faces lies in the region");
+  }
+  if (!clipped.is_clipped) {
+    file->mesh = std::move(clipped.mesh);
+    return;
+  }
+  FanSplit split = SplitFans(clipped.mesh, PairHalfEdges(clipped.mesh.facets));
+  file->attributes = InterpolateAttributes(
+      InterpolateAttributes(file->attributes, clipped.sources), split.sources);
+  file->mesh = std::move(split.mesh);
 }
 
 // The vertices with their normals, as fused points are read.
@@ -261,6 +280,11 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   Workspace workspace = ReadCameras(options, paths, decoder, file, input);
   ExpectViews(file.attributes, workspace.views.size(),
               VisibilityPath(paths.mesh));
+  input.region =
+      options.region.Resolve(workspace.views, workspace.sparse_points);
+  if (input.region) {
+    CutOff(*input.region, paths.mesh, &file);
+  }
   input.views = std::move(workspace.views);
   input.points = std::move(workspace.cloud);
   input.picture_errors = std::move(workspace.picture_errors);

@@ -16,6 +16,7 @@
 #include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
+#include "scene/region.h"
 #include "scene/view.h"
 #include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
@@ -52,6 +53,7 @@ struct RefinementInput {
   WorkspaceReport workspace;
   bool has_fused_points = true;  // else the mesh's vertices stand for them
   bool has_visibility = true;    // of its own, beside the mesh
+  std::optional<Region> region;  // that the mesh was cut off at
   std::string colors_from;       // where the vertices' colours come from
   std::optional<ManifoldRepair> repair;  // of the mesh, without its arrays
 };

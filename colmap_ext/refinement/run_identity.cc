@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "colmap_ext/refinement/file_fingerprint.h"
+#include "formats/read_region.h"
 #include "formats/write_mesh.h"
 #include "workspace/sparse_model.h"
 
@@ -17,12 +18,14 @@ namespace fs = std::filesystem;
 
 // "{}" of a double is the shortest text that is read back as the same number.
 RunIdentity IdentifyOptions(const RefinerOptions& options,
-                            const std::string& image_order) {
+                            const std::string& image_order,
+                            const std::string& region) {
   const FacetwiseRefinementOptions& refinement = options.refinement;
   const PhotometricOptions& photometric = refinement.photometric;
   const FacetLabelingOptions& labeling = refinement.labeling;
   return {
       {"image_order", image_order},
+      {"region", region},
       {"levels", fmt::format("{}", refinement.levels)},
       {"iterations", fmt::format("{}", refinement.iterations)},
       {"window", fmt::format("{}", options.window)},
@@ -71,7 +74,8 @@ RunIdentity IdentifyRun(const RefinerOptions& options,
   }
   const std::vector<std::string> fingerprints = Fingerprints(file_paths);
   RunIdentity identity =
-      IdentifyOptions(options, NameOf(input.workspace.order.order.kind));
+      IdentifyOptions(options, NameOf(input.workspace.order.order.kind),
+                      input.region ? RegionText(*input.region) : "");
   for (size_t i = 0; i < files.size(); ++i) {
     identity.emplace_back(files[i].first, fingerprints[i]);
   }

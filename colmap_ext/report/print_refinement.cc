@@ -113,6 +113,7 @@ void PrintReport(const RefinementInput& input, std::ostream& stream) {
     PrintText("images left out", errors, stream);
   }
   PrintHeading("Input mesh", stream);
+  PrintReport(input.region, stream);
   if (input.repair) {
     PrintRepair(*input.repair, stream);
   }

@@ -57,6 +57,8 @@ void PrintCells(const ManifoldMeshingReport& report, std::ostream& stream) {
   Print("points in", static_cast<int64_t>(report.num_points), stream);
   Print("  at the place of another",
         static_cast<int64_t>(report.num_duplicate_points), stream);
+  PrintIfAny("  outside of the region", report.num_outside_points, stream);
+  PrintIfAny("rays beyond", report.num_ray_ends, stream);
   Print("observations", static_cast<int64_t>(report.num_observations), stream);
   Print("vertices, after thinning", static_cast<int64_t>(report.num_vertices),
         stream);
@@ -164,6 +166,21 @@ void PrintReport(const BorderReport& report, std::ostream& stream) {
              stream);
   PrintIfAny("holes left, would not be manifold", report.holes.NumLeft(),
              stream);
+}
+
+void PrintReport(const std::optional<Region>& region, std::ostream& stream) {
+  if (!region) {
+    return;
+  }
+  const Eigen::Vector3d& center = region->center;
+  const Eigen::Vector3d size = 2 * region->half_sizes;
+  PrintText(
+      "region, its centre",
+      fmt::format("{:14.6g} {:.6g} {:.6g}", center.x(), center.y(), center.z()),
+      stream);
+  PrintText("  its size",
+            fmt::format("{:14.6g} {:.6g} {:.6g}", size.x(), size.y(), size.z()),
+            stream);
 }
 
 void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream) {

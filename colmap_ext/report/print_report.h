@@ -9,6 +9,7 @@
 #include "meshing/manifold_meshing.h"
 #include "repair/edit_borders.h"
 #include "scene/half_pixel_slope.h"
+#include "scene/region.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -25,6 +26,9 @@ struct HalfPixelReport {
 void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
                  std::ostream& stream);
+
+// Where it is meshed or refined: nothing where that is everywhere.
+void PrintReport(const std::optional<Region>& region, std::ostream& stream);
 
 // What was made of it.
 void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream);

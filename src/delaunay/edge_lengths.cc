@@ -41,11 +41,16 @@ bool IsLowestCellOfEdge(const Tetrahedralization& tetrahedra, uint32_t first,
 }
 
 // Appends the lengths of the finite edges whose lowest cell is this one.
-void AppendLengths(const Tetrahedralization& tetrahedra, uint32_t cell,
+void AppendLengths(const Tetrahedralization& tetrahedra,
+                   const std::vector<uint8_t>& is_left_out, uint32_t cell,
                    std::vector<float>* lengths) {
   const auto& v = tetrahedra.cells[cell].vertices;
+  const auto counts = [&](uint32_t vertex) {
+    return vertex != kInfiniteVertex &&
+           (is_left_out.empty() || is_left_out[vertex] == 0);
+  };
   for (const auto& [i, j] : kEdges) {
-    if (v[i] != kInfiniteVertex && v[j] != kInfiniteVertex &&
+    if (counts(v[i]) && counts(v[j]) &&
         IsLowestCellOfEdge(tetrahedra, cell, i, j)) {
       lengths->push_back(
           (tetrahedra.points[v[i]] - tetrahedra.points[v[j]]).norm());
@@ -55,15 +60,16 @@ void AppendLengths(const Tetrahedralization& tetrahedra, uint32_t cell,
 
 }  // namespace
 
-float EdgeLengthPercentile(const Tetrahedralization& tetrahedra,
-                           double percent) {
+float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
+                           const std::vector<uint8_t>& is_left_out) {
   constexpr size_t kBlock = 1 << 14;  // cells: 512 kB, fits a core's cache
   const size_t num_cells = tetrahedra.cells.size();
   std::vector<std::vector<float>> lengths((num_cells + kBlock - 1) / kBlock);
   tbb::parallel_for(size_t{0}, lengths.size(), [&](size_t block) {
     const size_t end = std::min(num_cells, (block + 1) * kBlock);
     for (size_t cell = block * kBlock; cell < end; ++cell) {
-      AppendLengths(tetrahedra, static_cast<uint32_t>(cell), &lengths[block]);
+      AppendLengths(tetrahedra, is_left_out, static_cast<uint32_t>(cell),
+                    &lengths[block]);
     }
   });
   std::vector<float> all;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "delaunay/tetrahedralization.h"
 
 namespace colmap_ext {
@@ -7,8 +10,9 @@ namespace colmap_ext {
 // A percentile of the lengths of all finite edges, each counted once. Scene
 // units.
 // \param percent in [0, 100]
-// \pre there is a finite edge
-float EdgeLengthPercentile(const Tetrahedralization& tetrahedra,
-                           double percent);
+// \param is_left_out [V] 1: edges of the vertex do not count; empty: all do
+// \pre there is an edge that counts
+float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
+                           const std::vector<uint8_t>& is_left_out = {});
 
 }  // namespace colmap_ext

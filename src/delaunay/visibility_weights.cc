@@ -95,7 +95,11 @@ class Voter {
                        return a.view < b.view;
                      });
     for (const auto& [view, vertex, alpha] : block) {
-      Vote(vertex, centers_[view], alpha);
+      if (observations_.IsEnd(vertex)) {
+        VoteFree(vertex, centers_[view], alpha);
+      } else {
+        Vote(vertex, centers_[view], alpha);
+      }
     }
   }
 
@@ -129,6 +133,40 @@ class Voter {
     AddCapacity(ToCapacity(alpha), &graph_->sink[sink_cell]);
     if (free_support_ != nullptr) {
       AddFreeSupport(ToCapacity(alpha), source_cell);
+    }
+  }
+
+  // The ray to an end, and on to the hull.
+  void VoteFree(uint32_t vertex, const Center& center, double alpha) {
+    ++report_.num_rays;
+    const Eigen::Vector3d position = tetrahedra_.points[vertex].cast<double>();
+    const uint32_t source_cell =
+        WalkRay(tetrahedra_, vertex, center.position, center.cell, 0, &front_);
+    // No cell is kNoCell - 1, so that the walk ends beyond the hull.
+    const uint32_t last_cell =
+        source_cell != kNoCell
+            ? WalkRay(tetrahedra_, vertex, 2 * position - center.position,
+                      kNoCell - 1, 0, &behind_)
+            : kNoCell;
+    if (last_cell == kNoCell) {
+      ++report_.num_lost_rays;
+      return;
+    }
+    report_.num_steps += front_.size() + behind_.size();
+    const uint32_t weight = ToCapacity(alpha);
+    AddCapacity(weight, &graph_->source[source_cell]);
+    for (const Crossing& crossing : front_) {
+      AddCapacity(
+          weight,
+          &graph_->capacities[crossing.entry_arc / 4][crossing.entry_arc % 4]);
+    }
+    for (const Crossing& crossing : behind_) {
+      AddCapacity(
+          weight,
+          &graph_->capacities[crossing.exit_arc / 4][crossing.exit_arc % 4]);
+    }
+    if (free_support_ != nullptr) {
+      AddFreeSupport(weight, source_cell);
     }
   }
 

@@ -24,6 +24,13 @@ struct Observations {
   std::vector<uint64_t> offsets{0};  // [V + 1], into views and alphas
   std::vector<uint32_t> views;       // ascending in each row
   std::vector<float> alphas;         // weight of each observation
+  // [V] 1: nothing but the end of rays, which vote for free space up to it and
+  // behind it and for no matter; empty: no vertex is.
+  std::vector<uint8_t> is_end{};
+
+  bool IsEnd(size_t vertex) const {
+    return !is_end.empty() && is_end[vertex] != 0;
+  }
 
   size_t size() const { return views.size(); }
 };
@@ -55,6 +62,8 @@ struct RayReport {
 //     alpha (1 - exp(-d^2 / (2 sigma^2))), before p and up to behind_sigma
 //     sigma behind it;
 //   - the cell at that end: alpha to the sink.
+// Where p is an end of rays, all facets crossed before it and behind it, up to
+// the hull, get alpha, and the sink nothing.
 // The paper [Romanoni2020] prints 1 - e^(d / 2 sigma), which is never positive.
 //
 // Adds to graph->capacities, source and sink. Sums of integers: the result does

@@ -44,6 +44,9 @@ std::vector<SupportJump> MeasureJumps(
   std::vector<SupportJump> jumps(observations.size());
   tbb::parallel_for(
       size_t{0}, observations.offsets.size() - 1, [&](size_t vertex) {
+        if (observations.IsEnd(vertex)) {
+          return;
+        }
         for (uint64_t k = observations.offsets[vertex];
              k < observations.offsets[vertex + 1]; ++k) {
           jumps[k] = MeasureJump(tetrahedra, free_support,

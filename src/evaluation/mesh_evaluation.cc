@@ -101,10 +101,11 @@ class Evaluator {
  public:
   Evaluator(const MeshEvaluationOptions& options, const TriangleMesh& mesh,
             const Truth& truth, const std::vector<View>& views,
-            const Progress& progress)
+            const Observability& observability, const Progress& progress)
       : options_(options),
         truth_(truth),
         views_(views),
+        observability_(observability),
         progress_(progress),
         mesh_(FinitePart(mesh, false)),
         surface_(FinitePart(truth.surface, truth.IsPoints())) {
@@ -113,8 +114,7 @@ class Evaluator {
     truth_tree_.emplace(surface_);
   }
 
-  MeshEvaluation Evaluate(const TriangleMesh& mesh,
-                          const Observability& observability) {
+  MeshEvaluation Evaluate(const TriangleMesh& mesh) {
     evaluation_.topology = Analyze(mesh);
     evaluation_.num_dropped_facets = mesh.facets.size() - mesh_.facets.size();
     evaluation_.num_views = views_.size();
@@ -123,7 +123,7 @@ class Evaluator {
       CastViews(&samples);
     }
     if (!truth_.depth_maps) {
-      MeasureDistances(observability, std::move(samples));
+      MeasureDistances(std::move(samples));
     }
     return evaluation_;
   }
@@ -164,6 +164,7 @@ class Evaluator {
     } else if (!truth_.IsPoints()) {
       true_depths = RenderDepths(*truth_tree_, view, options_.stride);
     }
+    observability_.RestrictDepths(view, &true_depths);
     const DepthMap depths = RenderDepths(*mesh_tree_, view, options_.stride);
     if (truth_.IsPoints()) {
       Append(PointsWhere(depths, depths, view), &samples->mesh);
@@ -182,7 +183,7 @@ class Evaluator {
                                        : SampleSurface(surface_, spacing);
   }
 
-  void MeasureDistances(const Observability& observability, Samples samples) {
+  void MeasureDistances(Samples samples) {
     const double diagonal =
         Diagonal(views_.empty() ? surface_.vertices : samples.truth);
     SurfaceDistances result;
@@ -200,8 +201,8 @@ class Evaluator {
     if (views_.empty()) {
       SampleWhole(result.spacing, &samples);
     }
-    observability.RestrictMesh(&samples.mesh);
-    observability.RestrictTruth(&samples.truth);
+    observability_.RestrictMesh(&samples.mesh);
+    observability_.RestrictTruth(&samples.truth);
     DownsampleByVoxels(result.spacing, &samples.mesh);
     DownsampleByVoxels(result.spacing, &samples.truth);
     const auto measure = [&](const Points& points, const Bvh& surface) {
@@ -216,6 +217,7 @@ class Evaluator {
   const MeshEvaluationOptions& options_;
   const Truth& truth_;
   const std::vector<View>& views_;
+  const Observability& observability_;
   const Progress& progress_;
   const TriangleMesh mesh_;     // its finite part
   const TriangleMesh surface_;  // likewise, of the truth
@@ -261,8 +263,8 @@ MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,
   if (truth.depth_maps && views.empty()) {
     throw std::invalid_argument("depth maps need the views they belong to");
   }
-  return Evaluator(options, mesh, truth, views, progress)
-      .Evaluate(mesh, observability);
+  return Evaluator(options, mesh, truth, views, observability, progress)
+      .Evaluate(mesh);
 }
 
 std::vector<double> VertexErrors(const TriangleMesh& mesh, const Truth& truth,

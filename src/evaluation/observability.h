@@ -8,6 +8,10 @@
 
 #include <Eigen/Core>
 
+#include "scene/depth_map.h"
+#include "scene/region.h"
+#include "scene/view.h"
+
 namespace colmap_ext {
 
 // The part of space in which DTU's scanner would have seen a surface
@@ -28,6 +32,9 @@ struct Observability {
   // Samples of the mesh outside are not counted.
   std::optional<ObservabilityMask> mask;
 
+  // Samples outside, of either, are not counted.
+  std::optional<Region> region;
+
   // Samples of the truth with a x + b y + c z + d <= 0 are not counted: what
   // the object stands on. (a, b, c, d), as in DTU's Plane*.mat.
   std::optional<Eigen::Vector4d> ground_plane;
@@ -35,6 +42,9 @@ struct Observability {
   // Erase the samples, world frame, that do not count.
   void RestrictMesh(std::vector<Eigen::Vector3f>* samples) const;
   void RestrictTruth(std::vector<Eigen::Vector3f>* samples) const;
+
+  // Drops the true depths of a view outside of the region.
+  void RestrictDepths(const View& view, DepthMap* depths) const;
 };
 
 }  // namespace colmap_ext

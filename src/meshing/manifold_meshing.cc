@@ -11,6 +11,7 @@
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "delaunay/weak_surfaces.h"
+#include "mesh/clip_mesh.h"
 #include "mesh/facet_confidences.h"
 #include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
@@ -41,10 +42,64 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
   return alphas;
 }
 
+// What is meshed: points, and behind them ends of rays.
+struct MeshedCloud {
+  PointCloud cloud;
+  std::vector<float> weights;  // [P] of each observation
+  size_t num_points = 0;       // that are no ends
+};
+
+MeshedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
+                    const std::vector<View>& views, const RayEnds& given_ends,
+                    ManifoldMeshingReport* report) {
+  report->num_points = cloud.size();
+  report->num_observations = cloud.views.values.size();
+  RayEnds ends = given_ends;
+  if (options.region) {
+    ends.Add(CropCloud(*options.region, views, Alphas(options, cloud), &cloud));
+    report->num_outside_points = report->num_points - cloud.size();
+    if (cloud.size() == 0) {
+      throw std::invalid_argument("no point lies in the region");
+    }
+  }
+  MeshedCloud meshed{std::move(cloud), {}, 0};
+  meshed.num_points = meshed.cloud.size();
+  meshed.weights = Alphas(options, meshed.cloud);
+  report->num_ray_ends = ends.size();
+  if (ends.size() > 0) {
+    meshed.cloud = AppendEnds(meshed.cloud, ends);
+    meshed.weights.insert(meshed.weights.end(), ends.weights.begin(),
+                          ends.weights.end());
+  }
+  return meshed;
+}
+
+// [V] which vertices are ends of rays; empty: none. Points that were thinned
+// out in favour of such a vertex, and ends in favour of a point, vote for
+// nothing: their weights become zero.
+std::vector<uint8_t> FindEnds(const ThinnedTetrahedralization& thinned,
+                              MeshedCloud* meshed) {
+  if (meshed->num_points == meshed->cloud.size()) {
+    return {};
+  }
+  std::vector<uint8_t> is_end;
+  for (const uint32_t point : thinned.vertex_points) {
+    is_end.push_back(point >= meshed->num_points);
+  }
+  for (size_t point = 0; point < meshed->cloud.size(); ++point) {
+    if ((is_end[thinned.point_vertices[point]] != 0) !=
+        (point >= meshed->num_points)) {
+      meshed->weights[point] = 0;
+    }
+  }
+  return is_end;
+}
+
 // The graph whose minimum cut is the surface [Romanoni2020, section IV].
-// \param alphas [P] see Alphas()
+// \param is_end [V] see FindEnds()
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
-                    const PointCloud& cloud, const std::vector<float>& alphas,
+                    const MeshedCloud& meshed,
+                    const std::vector<uint8_t>& is_end,
                     const std::vector<View>& views,
                     const ThinnedTetrahedralization& thinned,
                     const Progress& progress, ManifoldMeshingReport* report) {
@@ -53,14 +108,17 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   FlowGraph graph = EmptyGraph(tetrahedra);
   AddQualityWeights(tetrahedra, options.quality_regularization, &graph);
   constexpr double kSigmaPercentile = 25;  // as in COLMAP's delaunay_mesher
-  report->distance_sigma = options.distance_sigma_factor *
-                           EdgeLengthPercentile(tetrahedra, kSigmaPercentile);
+  report->distance_sigma =
+      options.distance_sigma_factor *
+      EdgeLengthPercentile(tetrahedra, kSigmaPercentile, is_end);
   std::vector<Eigen::Vector3d> centers;
   for (const View& view : views) {
     centers.push_back(view.Center());
   }
-  const Observations observations = ObserveVertices(
-      cloud, tetrahedra.points.size(), thinned.point_vertices, alphas);
+  Observations observations =
+      ObserveVertices(meshed.cloud, tetrahedra.points.size(),
+                      thinned.point_vertices, meshed.weights);
+  observations.is_end = is_end;
   const VisibilityWeightOptions ray_options{report->distance_sigma,
                                             options.behind_sigma};
   std::vector<uint32_t> free_support;
@@ -101,16 +159,47 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
   return report;
 }
 
+// Drops the facets that have an end of rays as a corner, where nothing tells
+// whether there is a surface.
+void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
+  const auto is_at_end = [&](uint32_t vertex) {
+    const auto& [a, b] = surface->sources[vertex];
+    return (a < is_end.size() && is_end[a] != 0) ||
+           (b < is_end.size() && is_end[b] != 0);
+  };
+  std::erase_if(surface->mesh.facets, [&](const Facet& facet) {
+    return std::ranges::any_of(facet, is_at_end);
+  });
+}
+
+// Cuts the surface off at the region's border.
+void Clip(const Region& region, FanSplit* surface) {
+  ClippedMesh clipped = ClipMesh(region, std::move(surface->mesh));
+  for (auto& [a, b] : clipped.sources) {
+    a = surface->sources[a][0];
+    b = surface->sources[b][1];
+  }
+  surface->mesh = std::move(clipped.mesh);
+  surface->sources = std::move(clipped.sources);
+}
+
 // Drops what the options want dropped from the surface and makes what is left
 // manifold again.
-void Filter(const ManifoldMeshingOptions& options, FanSplit* surface,
+// \param is_end [V] of the tetrahedralization, see FindEnds()
+void Filter(const ManifoldMeshingOptions& options,
+            const std::vector<uint8_t>& is_end, FanSplit* surface,
             ManifoldMeshingReport* report) {
+  const std::vector<Facet> before = surface->mesh.facets;
+  DropFacetsAtEnds(is_end, surface);
   report->num_long_facets =
       DropLongFacets(options.max_side_length_factor,
                      options.max_side_length_percentile, &surface->mesh);
+  if (options.region) {
+    Clip(*options.region, surface);
+  }
   report->small_components = DropSmallComponents(
       static_cast<size_t>(options.min_component_faces), &surface->mesh);
-  if (report->num_long_facets + report->small_components.num_facets == 0) {
+  if (surface->mesh.facets == before) {
     return;
   }
   FanSplit split =
@@ -126,7 +215,8 @@ void Filter(const ManifoldMeshingOptions& options, FanSplit* surface,
 
 FanSplit Extract(const ManifoldMeshingOptions& options,
                  const Tetrahedralization& tetrahedra,
-                 const std::vector<uint8_t>& is_free, const Progress& progress,
+                 const std::vector<uint8_t>& is_free,
+                 const std::vector<uint8_t>& is_end, const Progress& progress,
                  ManifoldMeshingReport* report) {
   Report(progress, "Extracting the surface", 0);
   FanSplit surface;
@@ -134,7 +224,7 @@ FanSplit Extract(const ManifoldMeshingOptions& options,
     const ExtractedSurface extracted = ExtractSurface(tetrahedra, is_free);
     surface = SplitFans(extracted.mesh, extracted.partners);
   }
-  Filter(options, &surface, report);
+  Filter(options, is_end, &surface, report);
   report->num_split_vertices = surface.num_split_vertices;
   report->num_midpoints = surface.num_midpoints;
   if (surface.mesh.facets.empty()) {
@@ -210,33 +300,33 @@ std::string ManifoldMeshingOptions::Check() const {
 }
 
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
-                          const PointCloud& cloud,
-                          const std::vector<View>& views,
-                          const Progress& progress) {
+                          PointCloud cloud, const std::vector<View>& views,
+                          const Progress& progress, const RayEnds& ends) {
   if (cloud.views.values.empty()) {
     throw std::invalid_argument("no view sees any point: nothing to mesh");
   }
   ManifoldMesh result;
   ManifoldMeshingReport& report = result.report;
-  report.num_points = cloud.size();
-  report.num_observations = cloud.views.values.size();
-  ThinnedTetrahedralization thinned = Tetrahedralize(
-      cloud, views, {options.max_proj_dist, options.max_depth_dist}, progress);
+  MeshedCloud meshed = Prepare(options, std::move(cloud), views, ends, &report);
+  ThinnedTetrahedralization thinned =
+      Tetrahedralize(meshed.cloud, views,
+                     {options.max_proj_dist, options.max_depth_dist}, progress);
   report.num_duplicate_points = thinned.num_duplicate_points;
   report.num_vertices = thinned.tetrahedra.points.size();
   report.num_cells = thinned.tetrahedra.cells.size();
-  const std::vector<float> alphas = Alphas(options, cloud);
-  const std::vector<float> supports =
-      SupportOfVertices(report.num_vertices, thinned.point_vertices, alphas);
+  const std::vector<uint8_t> is_end = FindEnds(thinned, &meshed);
+  const std::vector<float> supports = SupportOfVertices(
+      report.num_vertices, thinned.point_vertices, meshed.weights);
   FlowGraph graph =
-      MakeGraph(options, cloud, alphas, views, thinned, progress, &report);
+      MakeGraph(options, meshed, is_end, views, thinned, progress, &report);
   std::vector<uint8_t> is_free = CutGraph(graph, progress, &report);
   report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
   graph = FlowGraph();
   FanSplit surface =
-      Extract(options, thinned.tetrahedra, is_free, progress, &report);
-  result.attributes = InheritAttributes(
-      surface.mesh, cloud, PointsOf(surface.sources, thinned.vertex_points));
+      Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
+  result.attributes =
+      InheritAttributes(surface.mesh, meshed.cloud,
+                        PointsOf(surface.sources, thinned.vertex_points));
   result.facet_confidences = FacetConfidences(
       surface.mesh, SupportOfSurface(supports, surface.sources),
       result.attributes.views, views);

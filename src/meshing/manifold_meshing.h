@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,12 @@
 #include "mesh/triangle_mesh.h"
 #include "meshing/inherit_attributes.h"
 #include "meshing/manifold_fixing.h"
+#include "meshing/ray_ends.h"
 #include "repair/edit_borders.h"
 #include "repair/self_intersection_repair.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
+#include "scene/region.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -79,6 +82,10 @@ struct ManifoldMeshingOptions {
   // Connected components of fewer facets are dropped. 0 or more.
   int min_component_faces = 0;
 
+  // Nothing is meshed outside: points there do not count, but the rays to them
+  // do, and the surface is cut off along the border. Nothing: all is meshed.
+  std::optional<Region> region;
+
   // What is dropped where nothing bears it out, and what is closed.
   BorderOptions borders;
 
@@ -92,6 +99,8 @@ struct ManifoldMeshingOptions {
 // What was done, for the user and the tests.
 struct ManifoldMeshingReport {
   size_t num_points = 0;            // that came in
+  size_t num_outside_points = 0;    // of them outside of the region
+  size_t num_ray_ends = 0;          // of rays that meet no surface
   size_t num_observations = 0;      // of them by the views
   size_t num_duplicate_points = 0;  // at the very position of another
   size_t num_vertices = 0;          // of the tetrahedralization
@@ -131,14 +140,15 @@ struct ManifoldMesh {
 // vertex at one position make.
 // The result does not depend on the number of threads.
 //
+// \param ends  of more rays that meet no surface
 // \pre all positions are finite, view indices < views.size(), options checked.
 // \throw std::invalid_argument where the points do not span a volume, or no
-//        view sees any, or the trimming leaves nothing.
+//        view sees any, or the region or the trimming leaves nothing.
 // \throw std::logic_error where the cut is not minimal or the result is not
 //        manifold, which would be a bug of ours.
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
-                          const PointCloud& cloud,
-                          const std::vector<View>& views,
-                          const Progress& progress = {});
+                          PointCloud cloud, const std::vector<View>& views,
+                          const Progress& progress = {},
+                          const RayEnds& ends = {});
 
 }  // namespace colmap_ext

@@ -49,6 +49,7 @@ class Refinement {
              const RefinementHooks& hooks,
              std::shared_ptr<const RefinableCameras> cameras)
       : options_(options),
+        labeling_(options.labeling),
         points_(points),
         has_fused_points_(has_fused_points),
         cameras_(std::move(cameras)),
@@ -154,6 +155,9 @@ class Refinement {
           misalignment.by_cameras > kMinShare * misalignment.of_surface;
       return true;
     }
+    if (misalignment.by_cameras > kMinShare * misalignment.of_surface) {
+      AverageOverPairs();
+    }
     const std::vector<uint32_t> outliers =
         MisalignedViews(misalignment, kOutlier);
     std::erase_if(pairs_, [&](const ViewPair& pair) {
@@ -178,6 +182,18 @@ class Refinement {
   // Of each view that may be compared with it to refine the cameras: more than
   // to refine the surface, as many images together fix a pose. A choice.
   static constexpr int kCameraPartners = 12;
+
+  // Has more pairs refine each facet, so that the errors of poses average out.
+  // Tuned on the disturbed scenes of docs/benchmarks.md.
+  void AverageOverPairs() {
+    constexpr int kPairs = 4;
+    constexpr int kFinalPairs = 24;
+    labeling_.pairs_per_facet = std::max(labeling_.pairs_per_facet, kPairs);
+    if (labeling_.final_pairs_per_facet > 0) {
+      labeling_.final_pairs_per_facet =
+          std::max(labeling_.final_pairs_per_facet, kFinalPairs);
+    }
+  }
 
   Misalignment FindMisalignment(const RefinedMesh& state) const {
     // Half the size: fine enough, and a quarter of the work.
@@ -237,9 +253,8 @@ class Refinement {
       visibility = FindVisibleFacets(*draw(state->mesh));
     }
     Report(hooks_.progress, "Labelling facets", 0);
-    FacetLabeling labeling =
-        LabelFacets(options_.labeling, state->mesh, state->attributes, pairs_,
-                    visibility, views);
+    FacetLabeling labeling = LabelFacets(
+        labeling_, state->mesh, state->attributes, pairs_, visibility, views);
     state->report.labelings.push_back(
         {level, pairs_.size(), labeling.num_unlabeled_facets,
          labeling.initial_energy, labeling.final_energy, labeling.lower_bound});
@@ -247,6 +262,7 @@ class Refinement {
   }
 
   const FacetwiseRefinementOptions& options_;
+  FacetLabelingOptions labeling_;
   const PointCloud& points_;
   bool has_fused_points_;
   std::shared_ptr<const RefinableCameras> cameras_;  // none: not refined

@@ -73,6 +73,9 @@ void WriteSparseModels(const fs::path& folder) {
 }
 
 void WriteEvaluationFiles(const fs::path& folder) {
+  WriteFile(folder / "region" / "corners", "# 1\n-1,2 3\n4 5 6.5e1\n");
+  WriteFile(folder / "region" / "oriented",
+            "0 1 0 0 0 1 1 0 0\n.5 -1 2\n1 2 3\n");
   WriteFile(folder / "depth_map" / "map", "3&2&1&" + std::string(24, 'x'));
   for (const char* order : {"False", "True"}) {
     const std::string header =

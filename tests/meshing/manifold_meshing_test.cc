@@ -200,6 +200,66 @@ TEST(MeshManifold, OfASphereIsOneSphere) {
   }
 }
 
+// Within the region, away from its border, the surface is the same as without.
+TEST(MeshManifold, EndsAtTheRegion) {
+  const SphereScene scene;
+  ManifoldMeshingOptions options;
+  options.max_proj_dist = 0;
+  options.region = RegionBetween({-2, -2, -2}, {2, 2, 0.3});
+  const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+  EXPECT_TRUE(HasManifoldLinks(result.mesh));
+  EXPECT_EQ(result.report.mesh.num_components, 1u);
+  EXPECT_EQ(result.report.mesh.num_border_loops, 1u);
+  EXPECT_GT(result.report.num_outside_points, 0u);
+  EXPECT_EQ(result.attributes.views.size(), result.mesh.vertices.size());
+  for (const Eigen::Vector3f& vertex : result.mesh.vertices) {
+    EXPECT_LE(vertex.z(), 0.3f + 1e-6f);
+    EXPECT_NEAR(vertex.norm(), 1, 0.1);
+  }
+  options.region = RegionBetween({5, 5, 5}, {6, 6, 6});
+  EXPECT_THROW(MeshManifold(options, scene.cloud, scene.views),
+               std::invalid_argument);
+}
+
+double Volume(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.facets) {
+    volume +=
+        mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
+  }
+  return volume;
+}
+
+// Rays through the middle of the sphere, with more weight than all its points,
+// leave little matter within.
+TEST(MeshManifold, RaysBeyondCarve) {
+  const SphereScene scene;
+  ManifoldMeshingOptions options;
+  options.max_proj_dist = 0;
+  RayEnds ends;
+  for (const View& view : scene.views) {
+    const Eigen::Vector3d center = view.Center();
+    // Through the sphere's middle and on.
+    for (int i = 0; i < 50; ++i) {
+      const Eigen::Vector3d through(0.02 * (i % 7 - 3), 0.02 * (i % 5 - 2),
+                                    0.02 * (i % 3 - 1));
+      ends.positions.push_back((center + 2 * (through - center)).cast<float>());
+      ends.views.push_back(static_cast<uint32_t>(&view - scene.views.data()));
+      ends.weights.push_back(1000);
+    }
+  }
+  const ManifoldMesh carved =
+      MeshManifold(options, scene.cloud, scene.views, {}, ends);
+  EXPECT_TRUE(HasManifoldLinks(carved.mesh));
+  EXPECT_EQ(carved.report.num_ray_ends, ends.size());
+  const ManifoldMesh whole = MeshManifold(options, scene.cloud, scene.views);
+  EXPECT_LT(Volume(carved.mesh), 0.5 * Volume(whole.mesh));
+  // No facet is at an end.
+  for (const Eigen::Vector3f& vertex : carved.mesh.vertices) {
+    EXPECT_LT(vertex.norm(), 1.3f);
+  }
+}
+
 TEST(MeshManifold, HasNoHolesWhereTheObjectIsTheHull) {
   for (const uint32_t num_points : {500, 4000}) {
     const SphereScene scene(num_points, false);

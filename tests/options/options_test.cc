@@ -37,6 +37,23 @@ void ExpectChangeRefused(const std::function<void(RefinerOptions*)>& change,
 
 using R = RefinerOptions;
 
+TEST(RegionOptionTest, IsAutoCornersOrAFile) {
+  RegionOption option;
+  option.Finish();
+  EXPECT_FALSE(option.Resolve({}, {}));
+  option.text = "0,0,0,1,2,3";
+  option.Finish();
+  EXPECT_EQ(option.Resolve({}, {})->half_sizes, Eigen::Vector3d(0.5, 1, 1.5));
+  option.text = "auto";
+  option.Finish();
+  EXPECT_THROW(option.Resolve({}, {}), OptionError);
+  option.text = "0,0,0,1,2";
+  ExpectRefused(&option, "--region");
+  option.text = "no such file";
+  ExpectRefused(&option, "no such file");
+  EXPECT_EQ(RegionPath("a/mesh.ply"), "a/mesh.region.txt");
+}
+
 TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
   R options;
   options.workspace_path = "workspace";

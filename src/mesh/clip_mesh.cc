@@ -1,0 +1,162 @@
+#include "mesh/clip_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+namespace colmap_ext {
+
+namespace {
+
+// A plane; inside is where normal . x <= offset.
+struct HalfSpace {
+  Eigen::Vector3d normal;  // unit
+  double offset = 0;       // scene units
+};
+
+std::array<HalfSpace, 6> HalfSpacesOf(const Region& region) {
+  std::array<HalfSpace, 6> sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d normal = region.region_from_world.row(axis);
+    const double middle = normal.dot(region.center);
+    sides[2 * axis] = {normal, middle + region.half_sizes[axis]};
+    sides[2 * axis + 1] = {-normal, region.half_sizes[axis] - middle};
+  }
+  return sides;
+}
+
+// How far float coordinates may put a vertex off the border, scene units.
+double RoundingOf(const TriangleMesh& mesh) {
+  float largest = 0;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
+  }
+  return 4 * 0x1p-24 * largest;
+}
+
+// Cuts a mesh along one plane.
+class PlaneCut {
+ public:
+  PlaneCut(const HalfSpace& side, double rounding, ClippedMesh* clipped)
+      : clipped_(*clipped) {
+    for (const Eigen::Vector3f& vertex : clipped_.mesh.vertices) {
+      const double beyond =
+          side.normal.dot(vertex.cast<double>()) - side.offset;
+      beyond_.push_back(std::abs(beyond) <= rounding ? 0 : beyond);
+    }
+  }
+
+  void Run() {
+    if (std::ranges::all_of(beyond_, [](double d) { return d <= 0; })) {
+      return;
+    }
+    clipped_.is_clipped = true;
+    std::vector<Facet> facets;
+    std::swap(facets, clipped_.mesh.facets);
+    for (const Facet& facet : facets) {
+      Cut(facet);
+    }
+  }
+
+ private:
+  // Appends what of the facet is inside: a polygon of up to four corners.
+  void Cut(const Facet& facet) {
+    std::array<uint32_t, 4> corners{};
+    size_t size = 0;
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t from = facet[k];
+      const uint32_t to = facet[(k + 1) % 3];
+      if (beyond_[from] <= 0) {
+        corners[size++] = from;
+      }
+      // An end on the plane is where the edge is cut.
+      if (beyond_[from] * beyond_[to] < 0) {
+        const uint32_t middle = CutEdge(from, to);
+        if (middle != from && middle != to) {
+          corners[size++] = middle;
+        }
+      }
+    }
+    // Not a facet of which nothing but an edge or a corner is left.
+    for (size_t k = 2; k < size; ++k) {
+      clipped_.mesh.facets.push_back({corners[0], corners[k - 1], corners[k]});
+    }
+  }
+
+  // The vertex where an edge is cut; its inner end, where that is as near as
+  // float coordinates tell.
+  uint32_t CutEdge(uint32_t from, uint32_t to) {
+    const uint32_t inner = beyond_[from] < 0 ? from : to;
+    const uint32_t outer = inner == from ? to : from;
+    const uint64_t key = uint64_t{inner} << 32 | outer;
+    const auto [it, is_new] = cut_edges_.try_emplace(key, inner);
+    if (!is_new) {
+      return it->second;
+    }
+    std::vector<Eigen::Vector3f>& vertices = clipped_.mesh.vertices;
+    const double share = beyond_[inner] / (beyond_[inner] - beyond_[outer]);
+    const Eigen::Vector3d a = vertices[inner].cast<double>();
+    const Eigen::Vector3d b = vertices[outer].cast<double>();
+    const Eigen::Vector3f position = (a + share * (b - a)).cast<float>();
+    if (position != vertices[inner]) {
+      it->second = static_cast<uint32_t>(vertices.size());
+      vertices.push_back(position);
+      clipped_.sources.push_back(
+          {clipped_.sources[inner][0], clipped_.sources[outer][1]});
+    }
+    return it->second;
+  }
+
+  ClippedMesh& clipped_;
+  std::vector<double> beyond_;  // [V] the plane, scene units
+  std::unordered_map<uint64_t, uint32_t> cut_edges_;  // inner, outer end
+};
+
+// Drops the vertices that no facet uses.
+void DropUnused(ClippedMesh* clipped) {
+  TriangleMesh& mesh = clipped->mesh;
+  std::vector<uint8_t> is_used(mesh.vertices.size(), 0);
+  for (const Facet& facet : mesh.facets) {
+    for (const uint32_t vertex : facet) {
+      is_used[vertex] = 1;
+    }
+  }
+  std::vector<uint32_t> places(mesh.vertices.size());
+  uint32_t size = 0;
+  for (uint32_t i = 0; i < places.size(); ++i) {
+    places[i] = size;
+    if (is_used[i] != 0) {
+      mesh.vertices[size] = mesh.vertices[i];
+      clipped->sources[size] = clipped->sources[i];
+      ++size;
+    }
+  }
+  mesh.vertices.resize(size);
+  clipped->sources.resize(size);
+  for (Facet& facet : mesh.facets) {
+    for (uint32_t& vertex : facet) {
+      vertex = places[vertex];
+    }
+  }
+}
+
+}  // namespace
+
+ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
+  ClippedMesh clipped;
+  clipped.mesh = std::move(mesh);
+  for (uint32_t i = 0; i < clipped.mesh.vertices.size(); ++i) {
+    clipped.sources.push_back({i, i});
+  }
+  const double rounding = RoundingOf(clipped.mesh);
+  for (const HalfSpace& side : HalfSpacesOf(region)) {
+    PlaneCut(side, rounding, &clipped).Run();
+  }
+  if (clipped.is_clipped) {
+    DropUnused(&clipped);
+  }
+  return clipped;
+}
+
+}  // namespace colmap_ext

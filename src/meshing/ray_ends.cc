@@ -1,0 +1,115 @@
+#include "meshing/ray_ends.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <span>
+#include <utility>
+
+namespace colmap_ext {
+
+namespace {
+
+// Collects the rays of one view after the other, one a square of its image.
+class EndCollector {
+ public:
+  EndCollector(const Region& region, const std::vector<View>& views)
+      : region_(region), grown_(Grow(region, MarginOf(region))), views_(views) {
+    for (const View& view : views) {
+      centers_.push_back(view.Center());
+    }
+    squares_.resize(views.size());
+  }
+
+  const Region& Grown() const { return grown_; }
+
+  // Of the ray to a point that lies beyond.
+  void Add(uint32_t view_index, const Eigen::Vector3d& point, float weight) {
+    const Eigen::Vector3d& center = centers_[view_index];
+    if (PartInside(region_, center, point).IsEmpty()) {
+      return;
+    }
+    const View& view = views_[view_index];
+    const Eigen::Vector3d in_camera = view.CamFromWorld(point);
+    if (!(in_camera.z() > 0)) {
+      return;
+    }
+    const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
+    const std::pair<int, int> square = {
+        static_cast<int>(std::floor(pixel.x() / kRayEndSpacing)),
+        static_cast<int>(std::floor(pixel.y() / kRayEndSpacing))};
+    const auto [it, is_new] =
+        squares_[view_index].try_emplace(square, ends_.size());
+    if (!is_new) {
+      ends_.weights[it->second] += weight;
+      return;
+    }
+    const double share = PartInside(grown_, center, point).second;
+    ends_.positions.push_back(
+        (center + share * (point - center)).cast<float>());
+    ends_.views.push_back(view_index);
+    ends_.weights.push_back(weight);
+  }
+
+  RayEnds Take() { return std::move(ends_); }
+
+ private:
+  Region region_;
+  Region grown_;
+  const std::vector<View>& views_;
+  std::vector<Eigen::Vector3d> centers_;
+  std::vector<std::map<std::pair<int, int>, size_t>> squares_;  // [views]
+  RayEnds ends_;
+};
+
+}  // namespace
+
+void RayEnds::Add(const RayEnds& others) {
+  positions.insert(positions.end(), others.positions.begin(),
+                   others.positions.end());
+  views.insert(views.end(), others.views.begin(), others.views.end());
+  weights.insert(weights.end(), others.weights.begin(), others.weights.end());
+}
+
+double MarginOf(const Region& region) {
+  constexpr double kShare = 0.05;
+  return kShare * 2 * region.half_sizes.norm();
+}
+
+RayEnds CropCloud(const Region& region, const std::vector<View>& views,
+                  const std::vector<float>& weights, PointCloud* cloud) {
+  EndCollector collector(region, views);
+  PointCloud kept;
+  for (size_t i = 0; i < cloud->size(); ++i) {
+    const std::span<const uint32_t> point_views = cloud->views[i];
+    if (collector.Grown().Contains(cloud->positions[i])) {
+      kept.positions.push_back(cloud->positions[i]);
+      kept.views.AddRow(point_views);
+      if (!cloud->colors.empty()) {
+        kept.colors.push_back(cloud->colors[i]);
+      }
+      continue;
+    }
+    for (const uint32_t view : point_views) {
+      collector.Add(view, cloud->positions[i].cast<double>(), weights[i]);
+    }
+  }
+  *cloud = std::move(kept);
+  return collector.Take();
+}
+
+PointCloud AppendEnds(const PointCloud& cloud, const RayEnds& ends) {
+  PointCloud joined = cloud;
+  joined.positions.insert(joined.positions.end(), ends.positions.begin(),
+                          ends.positions.end());
+  if (!joined.colors.empty()) {
+    joined.colors.resize(joined.positions.size());
+  }
+  for (const uint32_t view : ends.views) {
+    joined.views.AddRow(std::array{view});
+  }
+  return joined;
+}
+
+}  // namespace colmap_ext

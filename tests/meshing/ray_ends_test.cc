@@ -1,0 +1,107 @@
+#include "meshing/ray_ends.h"
+
+#include <gtest/gtest.h>
+
+#include "scene/look_at.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+View FrontView(double x) {
+  return LookAtView({x, 0, -10}, {0, 0, 0}, {0, 1, 0}, 640, 480, 600);
+}
+
+// Points in a cube of sides of 8 around the origin, seen by both views.
+PointCloud RandomCloud() {
+  Random random(5);
+  PointCloud cloud;
+  for (int i = 0; i < 2000; ++i) {
+    cloud.positions.emplace_back(8 * random.Unit() - 4, 8 * random.Unit() - 4,
+                                 8 * random.Unit() - 4);
+    cloud.colors.push_back({1, 2, static_cast<uint8_t>(i)});
+    cloud.views.AddRow(std::vector<uint32_t>{0, 1});
+  }
+  return cloud;
+}
+
+class CropCloudTest : public testing::Test {
+ protected:
+  CropCloudTest() {
+    cropped_ = cloud_;
+    ends_ =
+        CropCloud(region_, views_, std::vector<float>(2000, 0.5f), &cropped_);
+  }
+
+  const Region region_ = RegionBetween({-1, -1, -1}, {1, 1, 1});
+  const std::vector<View> views_ = {FrontView(-2), FrontView(2)};
+  const PointCloud cloud_ = RandomCloud();
+  PointCloud cropped_;
+  RayEnds ends_;
+};
+
+TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMargin) {
+  const Region grown = Grow(region_, MarginOf(region_));
+  size_t num_inside = 0;
+  for (const Eigen::Vector3f& position : cloud_.positions) {
+    num_inside += grown.Contains(position);
+  }
+  EXPECT_EQ(cropped_.size(), num_inside);
+  EXPECT_EQ(cropped_.colors.size(), num_inside);
+  EXPECT_EQ(cropped_.views.size(), num_inside);
+  for (const Eigen::Vector3f& position : cropped_.positions) {
+    EXPECT_TRUE(grown.Contains(position));
+  }
+}
+
+// Each end lies on the border of the margin, on the far side as its view sees
+// it, and the ray to it passes through the region.
+TEST_F(CropCloudTest, RaysEndWhereTheyLeave) {
+  ASSERT_GT(ends_.size(), 20u);
+  const Region grown = Grow(region_, MarginOf(region_));
+  for (size_t i = 0; i < ends_.size(); ++i) {
+    const Eigen::Vector3d end = ends_.positions[i].cast<double>();
+    const Eigen::Vector3d center = views_[ends_.views[i]].Center();
+    EXPECT_NEAR(
+        (grown.FromCenter(end).cwiseAbs() - grown.half_sizes).maxCoeff(), 0,
+        1e-5);
+    EXPECT_NEAR(PartInside(grown, center, center + 2 * (end - center)).second,
+                0.5, 1e-5);
+    EXPECT_FALSE(PartInside(region_, center, end).IsEmpty());
+  }
+}
+
+// The rays that are merged keep their weight: that of all points behind the
+// region, once for each view.
+TEST_F(CropCloudTest, KeepsTheWeights) {
+  double expected = 0;
+  const Region grown = Grow(region_, MarginOf(region_));
+  for (const Eigen::Vector3f& position : cloud_.positions) {
+    for (const View& view : views_) {
+      const bool is_behind =
+          !PartInside(region_, view.Center(), position.cast<double>())
+               .IsEmpty();
+      expected += grown.Contains(position) || !is_behind ? 0 : 0.5;
+    }
+  }
+  double sum = 0;
+  for (const float weight : ends_.weights) {
+    sum += weight;
+  }
+  EXPECT_NEAR(sum, expected, 1e-3);
+}
+
+TEST_F(CropCloudTest, AppendsEndsBehindThePoints) {
+  const PointCloud joined = AppendEnds(cropped_, ends_);
+  ASSERT_EQ(joined.size(), cropped_.size() + ends_.size());
+  EXPECT_EQ(joined.colors.size(), joined.size());
+  for (size_t i = 0; i < ends_.size(); ++i) {
+    const size_t place = cropped_.size() + i;
+    EXPECT_EQ(joined.positions[place], ends_.positions[i]);
+    ASSERT_EQ(joined.views[place].size(), 1u);
+    EXPECT_EQ(joined.views[place][0], ends_.views[i]);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,127 @@
+#include "scene/region.h"
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "scene/focus_region.h"
+#include "scene/look_at.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+Eigen::Vector3d RandomVector(Random* random, double size) {
+  return {size * (2 * random->Unit() - 1), size * (2 * random->Unit() - 1),
+          size * (2 * random->Unit() - 1)};
+}
+
+Region RandomRegion(Random* random) {
+  const Eigen::Quaterniond rotation =
+      Eigen::Quaterniond(random->Unit(), random->Unit(), random->Unit(),
+                         random->Unit() + 0.1)
+          .normalized();
+  return {rotation.toRotationMatrix(), RandomVector(random, 1),
+          Eigen::Vector3d(0.2, 0.2, 0.2) + RandomVector(random, 1).cwiseAbs()};
+}
+
+TEST(RegionTest, HoldsWhatLiesBetweenItsCorners) {
+  const Region region = RegionBetween({-1, 2, 3}, {1, 4, 9});
+  EXPECT_TRUE(region.Contains(Eigen::Vector3d(-1, 2, 3)));
+  EXPECT_TRUE(region.Contains(Eigen::Vector3d(0.5, 3.9, 8.9)));
+  EXPECT_FALSE(region.Contains(Eigen::Vector3d(1.01, 3, 5)));
+  EXPECT_FALSE(region.Contains(Eigen::Vector3d(0, 1.99, 5)));
+  EXPECT_TRUE(Grow(region, 0.1).Contains(Eigen::Vector3d(1.01, 3, 5)));
+}
+
+TEST(RegionTest, EverythingIsInTheDefault) {
+  EXPECT_TRUE(Region().Contains(Eigen::Vector3d(1e30, -1e30, 0)));
+}
+
+// Against points along the segment.
+TEST(RegionTest, FindsThePartOfASegmentInside) {
+  Random random(1);
+  for (int i = 0; i < 200; ++i) {
+    const Region region = RandomRegion(&random);
+    const Eigen::Vector3d start = RandomVector(&random, 3);
+    const Eigen::Vector3d end = RandomVector(&random, 3);
+    const SegmentPart part = PartInside(region, start, end);
+    for (int k = 0; k <= 100; ++k) {
+      const double share = k / 100.0;
+      const bool is_inside =
+          region.Contains(Eigen::Vector3d(start + share * (end - start)));
+      const bool is_in_part = share >= part.first && share <= part.second;
+      EXPECT_EQ(is_inside, is_in_part) << i << " " << share;
+    }
+  }
+}
+
+TEST(RegionTest, ASegmentAlongASideIsInsideOrNot) {
+  const Region region = RegionBetween({0, 0, 0}, {1, 1, 1});
+  EXPECT_FALSE(PartInside(region, {-1, 0.5, 0.5}, {2, 0.5, 0.5}).IsEmpty());
+  EXPECT_TRUE(PartInside(region, {-1, 1.5, 0.5}, {2, 1.5, 0.5}).IsEmpty());
+}
+
+// Views around the origin that look at it.
+std::vector<View> ViewsAround() {
+  std::vector<View> views;
+  for (int i = 0; i < 8; ++i) {
+    const double angle = i * 0.785;
+    views.push_back(LookAtView({5 * std::cos(angle), 5 * std::sin(angle), 1},
+                               {0, 0, 0}, {0, 0, 1}, 640, 480, 800));
+  }
+  return views;
+}
+
+// An object of sizes 2, 1 and 0.5, and walls far behind it.
+std::vector<Eigen::Vector3f> ObjectAndWalls(Random* random) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d unit = RandomVector(random, 1);
+    points.emplace_back(
+        unit.cwiseProduct(Eigen::Vector3d(1, 0.5, 0.25)).cast<float>());
+    if (i % 5 == 0) {
+      points.emplace_back(30 * unit.normalized().cast<float>());
+    }
+  }
+  return points;
+}
+
+TEST(FocusRegionTest, IsTheBoxOfWhatMostViewsLookAt) {
+  Random random(2);
+  const std::optional<Region> region =
+      FocusRegion(ViewsAround(), ObjectAndWalls(&random));
+  ASSERT_TRUE(region);
+  EXPECT_NEAR(region->half_sizes.x(), 1.2, 0.05);
+  EXPECT_NEAR(region->half_sizes.y(), 0.6, 0.05);
+  EXPECT_NEAR(region->half_sizes.z(), 0.3, 0.05);
+  EXPECT_LT(region->center.norm(), 0.1);
+  EXPECT_NEAR(region->region_from_world.determinant(), 1, 1e-12);
+}
+
+TEST(FocusRegionTest, TurnsWithTheScene) {
+  Random random(3);
+  std::vector<View> views = ViewsAround();
+  std::vector<Eigen::Vector3f> points = ObjectAndWalls(&random);
+  const Region region = *FocusRegion(views, points);
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond(0.5, 0.1, -0.7, 0.2).normalized().toRotationMatrix();
+  for (View& view : views) {
+    view.cam_from_world_rotation =
+        view.cam_from_world_rotation * turn.transpose();
+  }
+  for (Eigen::Vector3f& point : points) {
+    point = turn.cast<float>() * point;
+  }
+  const Region turned = *FocusRegion(views, points);
+  EXPECT_TRUE(turned.half_sizes.isApprox(region.half_sizes, 1e-3));
+  EXPECT_TRUE((turned.center - turn * region.center).norm() < 1e-3);
+}
+
+TEST(FocusRegionTest, IsNothingWhereNothingIsSeen) {
+  EXPECT_FALSE(FocusRegion(ViewsAround(), {}));
+  EXPECT_FALSE(FocusRegion({}, {100, Eigen::Vector3f::Ones()}));
+  EXPECT_FALSE(FocusRegion(ViewsAround(), {100, Eigen::Vector3f::Zero()}));
+}
+
+}  // namespace
+}  // namespace colmap_ext
