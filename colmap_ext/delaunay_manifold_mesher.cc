@@ -23,6 +23,7 @@
 #include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
 #include "workspace/find_workspace.h"
+#include "workspace/masks.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -103,33 +104,77 @@ void PrintPixels(const MesherOptions& options, const Workspace& workspace) {
   }
 }
 
+// What the masks say.
+struct Masked {
+  std::optional<MaskReport> report;  // nothing without masks
+  RayEnds ends;                      // of rays through the background
+};
+
+// Takes masked points out of the workspace.
+Masked MaskWorkspace(const MesherOptions& options,
+                     const std::optional<Region>& region,
+                     const Progress& progress, Workspace* workspace) {
+  if (options.mask_path.empty()) {
+    return {};
+  }
+  Report(progress, "Masking points", 0);
+  const std::vector<View>& views = workspace->views;
+  const ReadGrayImage read_mask =
+      MaskReader(options.mask_path, views, ColmapPictureDecoder());
+  Masked masked;
+  masked.report = MaskCloud(read_mask, views, &workspace->cloud);
+  if (workspace->cloud.size() == 0) {
+    throw FileError(options.mask_path, "all points are masked");
+  }
+  if (options.mask_background) {
+    const Region bounds = region ? Grow(*region, MarginOf(*region))
+                                 : RegionOfCloud(workspace->cloud);
+    for (uint32_t i = 0; i < views.size(); ++i) {
+      masked.ends.Add(BackgroundEnds(bounds, views[i], i, read_mask(i)));
+    }
+  }
+  return masked;
+}
+
+// Reads the workspace and puts its points right.
+Workspace ReadPoints(const MesherOptions& options, const Progress& progress,
+                     std::optional<HalfPixelReport>* half_pixel) {
+  Report(progress, "Reading the workspace", 0);
+  Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace,
+                                      ColmapPictureDecoder());
+  // Sparse points come from features, which do not have the error.
+  if (options.half_pixel_correction &&
+      options.workspace.input_type == InputType::kDense) {
+    Report(progress, "Correcting the half pixel", 0);
+    *half_pixel = CorrectHalfPixel(options, &workspace);
+  }
+  return workspace;
+}
+
 void MeshWorkspace(const MesherOptions& options) {
   const std::filesystem::path output_path = FindOutputPath(options);
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const auto progress = [&reporter](std::string_view stage, double share) {
     reporter.Update(stage, share);
   };
-  Report(progress, "Reading the workspace", 0);
-  Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace,
-                                      ColmapPictureDecoder());
   std::optional<HalfPixelReport> half_pixel;
-  // Sparse points come from features, which do not have the error.
-  if (options.half_pixel_correction &&
-      options.workspace.input_type == InputType::kDense) {
-    Report(progress, "Correcting the half pixel", 0);
-    half_pixel = CorrectHalfPixel(options, &workspace);
-  }
-  reporter.Finish();
-  PrintReport(workspace.report, workspace.views.size(), half_pixel, std::cout);
-  PrintPixels(options, workspace);
+  Workspace workspace = ReadPoints(options, progress, &half_pixel);
   ManifoldMeshingOptions meshing = options.meshing;
   meshing.region =
       options.region.Resolve(workspace.views, workspace.sparse_points);
+  const Masked masked =
+      MaskWorkspace(options, meshing.region, progress, &workspace);
+  reporter.Finish();
+  PrintReport(workspace.report, workspace.views.size(), half_pixel, std::cout);
+  PrintPixels(options, workspace);
+  if (masked.report) {
+    PrintReport(*masked.report, std::cout);
+  }
   PrintReport(meshing.region, std::cout);
   std::cout << std::endl;
   const std::vector<View> views = MeshingViews(options, workspace);
-  const ManifoldMesh mesh =
-      MeshManifold(meshing, std::move(workspace.cloud), views, progress);
+  const ManifoldMesh mesh = MeshManifold(meshing, std::move(workspace.cloud),
+                                         views, progress, masked.ends);
   Report(progress, "Writing the mesh", 0);
   WriteMesh(output_path, mesh.mesh, mesh.attributes);
   WriteFoundRegion(options.region, meshing.region, output_path);

@@ -49,7 +49,11 @@ bool IsNearest(uint facet, vec3 normal, float distance_j, ivec2 nearest,
   vec2 by_pixel = abs((rotation_j * normal).xy / focal_j);
   float slope = (by_pixel.x + by_pixel.y) / abs(distance_j);
   float footprint = inverse_depth / min(focal_j.x, focal_j.y);
-  float drawn = texelFetch(depths_j, nearest, 0).x / depth_scale_j;
+  float scaled = texelFetch(depths_j, nearest, 0).x;
+  if (scaled == 1) {  // masked
+    return false;
+  }
+  float drawn = scaled / depth_scale_j;
   return drawn <= inverse_depth + 2 * (slope + footprint);
 }
 

@@ -39,6 +39,10 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
   manager->AddDefaultOption(
+      "mask_path", &refiner->mask_path,
+      "Masks of the images, a folder of PNG files, image.jpg.png for "
+      "image.jpg: pixels of 0 are left out");
+  manager->AddDefaultOption(
       "region", &refiner->region.text,
       "What is refined, the rest is cut off: a file (docs/scripts.md), two "
       "corners "

@@ -40,6 +40,9 @@ void MesherOptions::Finish() {
     throw OptionError("--fused_path is of dense input, not of sparse");
   }
   region.Finish();
+  if (mask_background && mask_path.empty()) {
+    throw OptionError("--mask_background needs --mask_path");
+  }
   workspace.image_order = ParseImageOrder(words.image_order);
   meshing.alpha_kind = ParseWord<ObservationWeight>(
       "alpha_kind", words.alpha_kind,

@@ -14,8 +14,10 @@ struct MesherOptions {
   std::string workspace_path;  // either this
   std::string input_path;      // or, as delaunay_mesher has it, this
   std::string output_path;
-  std::string sparse_path;  // see WorkspaceOptions
-  RegionOption region;      // nothing is meshed outside
+  std::string sparse_path;       // see WorkspaceOptions
+  RegionOption region;           // nothing is meshed outside
+  std::string mask_path;         // a folder; empty: no masks
+  bool mask_background = false;  // nothing is there where masks leave it out
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 

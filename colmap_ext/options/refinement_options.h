@@ -29,6 +29,7 @@ struct RefinerOptions {
   std::string sparse_path;  // see WorkspaceOptions
   std::string report_path;  // a CSV; its plot lies beside it
   std::string labels_path;  // a PLY; its picture lies beside it
+  std::string mask_path;    // a folder; empty: no masks
   RegionOption region;      // outside the mesh is cut off
   bool resume = false;
 

@@ -196,9 +196,14 @@ void CompleteAttributes(const MeshFile& file, RefinementInput* input) {
 void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
                    const PictureDecoder& decoder, RefinementInput* input) {
   const fs::path images_path = paths.folder / "images";
+  ReadGrayImage read_mask;
+  if (!options.mask_path.empty()) {
+    read_mask = MaskReader(options.mask_path, input->views, decoder);
+    input->masks = MaskCloud(read_mask, input->views, &input->points);
+  }
   input->images = std::make_shared<ImagePyramid>(
       input->views, PictureReader(images_path, input->views, decoder),
-      options.MaxImageMemory());
+      options.MaxImageMemory(), read_mask);
   FindUnreadable([input](size_t view) { input->images->Image(view); },
                  &input->picture_errors);
   if (!options.skip_missing_images) {

@@ -18,6 +18,7 @@
 #include "scene/progress.h"
 #include "scene/region.h"
 #include "scene/view.h"
+#include "workspace/masks.h"
 #include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
 
@@ -51,10 +52,11 @@ struct RefinementInput {
   SparseModel sparse_model;                         // in full
 
   WorkspaceReport workspace;
-  bool has_fused_points = true;  // else the mesh's vertices stand for them
-  bool has_visibility = true;    // of its own, beside the mesh
-  std::optional<Region> region;  // that the mesh was cut off at
-  std::string colors_from;       // where the vertices' colours come from
+  bool has_fused_points = true;     // else the mesh's vertices stand for them
+  bool has_visibility = true;       // of its own, beside the mesh
+  std::optional<MaskReport> masks;  // of the points; nothing without masks
+  std::optional<Region> region;     // that the mesh was cut off at
+  std::string colors_from;          // where the vertices' colours come from
   std::optional<ManifoldRepair> repair;  // of the mesh, without its arrays
 };
 

@@ -68,6 +68,12 @@ RunIdentity IdentifyRun(const RefinerOptions& options,
     files.emplace_back("images/" + view.name,
                        paths.folder / "images" / view.name);
   }
+  if (input.masks) {
+    for (const View& view : input.views) {
+      files.emplace_back("masks/" + view.name,
+                         FindMask(options.mask_path, view.name));
+    }
+  }
   std::vector<fs::path> file_paths;
   for (const auto& [name, path] : files) {
     file_paths.push_back(path);

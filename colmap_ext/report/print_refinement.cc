@@ -112,6 +112,9 @@ void PrintReport(const RefinementInput& input, std::ostream& stream) {
   if (!errors.starts_with("0 ")) {
     PrintText("images left out", errors, stream);
   }
+  if (input.masks) {
+    PrintReport(*input.masks, stream);
+  }
   PrintHeading("Input mesh", stream);
   PrintReport(input.region, stream);
   if (input.repair) {

@@ -168,6 +168,14 @@ void PrintReport(const BorderReport& report, std::ostream& stream) {
              stream);
 }
 
+void PrintReport(const MaskReport& report, std::ostream& stream) {
+  Print("masks", static_cast<int64_t>(report.num_masks), stream);
+  Print("  masked views of points",
+        static_cast<int64_t>(report.num_masked_observations), stream);
+  Print("  points masked in all views",
+        static_cast<int64_t>(report.num_masked_points), stream);
+}
+
 void PrintReport(const std::optional<Region>& region, std::ostream& stream) {
   if (!region) {
     return;

@@ -10,6 +10,7 @@
 #include "repair/edit_borders.h"
 #include "scene/half_pixel_slope.h"
 #include "scene/region.h"
+#include "workspace/masks.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -26,6 +27,9 @@ struct HalfPixelReport {
 void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
                  std::ostream& stream);
+
+// What the masks left out.
+void PrintReport(const MaskReport& report, std::ostream& stream);
 
 // Where it is meshed or refined: nothing where that is everywhere.
 void PrintReport(const std::optional<Region>& region, std::ostream& stream);

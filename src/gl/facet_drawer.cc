@@ -53,6 +53,7 @@ FacetTextures::FacetTextures(int width, int height)
 
 FacetDrawer::FacetDrawer(double min_cosine)
     : min_cosine_(min_cosine),
+      mask_({"mask.vert", "mask.frag"}),
       ids_({"facet_ids.vert", "facet_ids.frag"}),
       facing_({"facing.comp"}) {
   constexpr GLuint kPosition = 0;
@@ -64,16 +65,18 @@ FacetDrawer::FacetDrawer(double min_cosine)
 
 void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
                        const GlBuffer& vertices, const GlBuffer& facets,
-                       FacetTextures* textures) {
+                       FacetTextures* textures, const GrayImage* mask) {
   textures->depth_scale =
       static_cast<float>(DepthScale(MaxInverseDepth(view, mesh)));
+  BeginImages(view, textures);
+  if (mask != nullptr) {
+    DrawMask(*mask);
+  }
   DrawImages(view, mesh.facets.size(), vertices, facets, textures);
   FindFacing(view, mesh.facets.size(), vertices, facets, textures);
 }
 
-void FacetDrawer::DrawImages(const View& view, size_t num_facets,
-                             const GlBuffer& vertices, const GlBuffer& facets,
-                             FacetTextures* textures) {
+void FacetDrawer::BeginImages(const View& view, FacetTextures* textures) {
   framebuffer_.Attach(GL_COLOR_ATTACHMENT0, textures->facets);
   framebuffer_.Attach(GL_DEPTH_ATTACHMENT, textures->depths);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.Name());
@@ -91,7 +94,20 @@ void FacetDrawer::DrawImages(const View& view, size_t num_facets,
   const GLfloat far_away = 0;
   glClearBufferuiv(GL_COLOR, 0, nothing);
   glClearBufferfv(GL_DEPTH, 0, &far_away);
+}
 
+void FacetDrawer::DrawMask(const GrayImage& mask) {
+  const GlTexture texture(GL_R8UI, mask.width, mask.height);
+  texture.Write(GL_RED_INTEGER, GL_UNSIGNED_BYTE, mask.pixels.data());
+  texture.BindToSampler(0);
+  mask_.Use();
+  glBindVertexArray(no_vertices_.Name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void FacetDrawer::DrawImages(const View& view, size_t num_facets,
+                             const GlBuffer& vertices, const GlBuffer& facets,
+                             FacetTextures* textures) {
   SetProjection(view, &ids_);
   ids_.Set("size", Eigen::Vector2d(view.width, view.height));
   ids_.Set("depth_scale", textures->depth_scale);

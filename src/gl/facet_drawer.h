@@ -6,6 +6,7 @@
 #include "gl/gl_objects.h"
 #include "gl/program.h"
 #include "mesh/triangle_mesh.h"
+#include "scene/gray_image.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -15,7 +16,8 @@ struct FacetTextures {
   FacetTextures(int width, int height);
 
   GlTexture facets;       // R32UI, or kNoFacet
-  GlTexture depths;       // 32 bit depth; inverse ones times depth_scale
+  GlTexture depths;       // 32 bit depth; inverse ones times depth_scale, below
+                          // 1; 1 where the pixel is masked
   float depth_scale = 1;  // scene units, a power of two
   GlBuffer facing;        // [F] bits, see facing.comp
 };
@@ -27,21 +29,26 @@ class FacetDrawer {
   explicit FacetDrawer(double min_cosine);
 
   // \param vertices, facets  the arrays of `mesh`.
+  // \param mask  whose pixels of 0 show nothing, see EraseMasked(); or null.
   void Draw(const View& view, const TriangleMesh& mesh,
             const GlBuffer& vertices, const GlBuffer& facets,
-            FacetTextures* textures);
+            FacetTextures* textures, const GrayImage* mask = nullptr);
 
  private:
+  void BeginImages(const View& view, FacetTextures* textures);
+  void DrawMask(const GrayImage& mask);
   void DrawImages(const View& view, size_t num_facets, const GlBuffer& vertices,
                   const GlBuffer& facets, FacetTextures* textures);
   void FindFacing(const View& view, size_t num_facets, const GlBuffer& vertices,
                   const GlBuffer& facets, FacetTextures* textures);
 
   double min_cosine_;
+  Program mask_;
   Program ids_;
   Program facing_;
   GlFramebuffer framebuffer_;
   GlVertexArray vertex_array_;
+  GlVertexArray no_vertices_;
 };
 
 }  // namespace colmap_ext

@@ -156,8 +156,9 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   // Not for Render(), which draws on the graphics card. None is kept.
   std::shared_ptr<const MeshDrawings> Drawings(
       const TriangleMesh& mesh) override {
-    return std::make_shared<const MeshDrawings>(mesh, images_->Views(),
-                                                min_cosine_, 0);
+    return std::make_shared<const MeshDrawings>(
+        mesh, images_->Views(), min_cosine_, 0,
+        [images = images_](size_t view) { return images->Mask(view); });
   }
 
   void Render(const TriangleMesh& mesh) override {

@@ -39,7 +39,8 @@ std::shared_ptr<const ViewTextures> ViewTextureCache::Get(size_t view) {
                                               size.height);
       });
   if (textures->drawn_mesh != num_meshes_) {
-    drawer_.Draw(size, mesh_, vertices_, facets_, &textures->drawn);
+    drawer_.Draw(size, mesh_, vertices_, facets_, &textures->drawn,
+                 images_->Mask(view).get());
     textures->drawn_mesh = num_meshes_;
   }
   return textures;

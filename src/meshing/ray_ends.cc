@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 namespace colmap_ext {
 
 namespace {
@@ -63,6 +65,21 @@ class EndCollector {
   RayEnds ends_;
 };
 
+// Whether the pixels around are masked, as far as they are in the image.
+bool IsMaskedAround(const GrayImage& mask, int row, int col) {
+  constexpr int kRadius = 2;  // px, a choice
+  for (int y = std::max(0, row - kRadius);
+       y <= std::min(mask.height - 1, row + kRadius); ++y) {
+    for (int x = std::max(0, col - kRadius);
+         x <= std::min(mask.width - 1, col + kRadius); ++x) {
+      if (mask.Row(y)[x] != 0) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 void RayEnds::Add(const RayEnds& others) {
@@ -97,6 +114,45 @@ RayEnds CropCloud(const Region& region, const std::vector<View>& views,
   }
   *cloud = std::move(kept);
   return collector.Take();
+}
+
+Region RegionOfCloud(const PointCloud& cloud) {
+  constexpr double kMargin = 0.1;
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& position : cloud.positions) {
+    box.extend(position);
+  }
+  Region region =
+      RegionBetween(box.min().cast<double>(), box.max().cast<double>());
+  region.half_sizes *= 1 + 2 * kMargin;
+  return region;
+}
+
+RayEnds BackgroundEnds(const Region& region, const View& view,
+                       uint32_t view_index, const GrayImage& mask) {
+  constexpr int kSpacing = static_cast<int>(kRayEndSpacing);
+  const Eigen::Vector3d center = view.Center();
+  // Beyond the region, whatever its depth.
+  const double length =
+      2 * ((region.center - center).norm() + region.half_sizes.norm());
+  RayEnds ends;
+  for (int row = kSpacing / 2; row < mask.height; row += kSpacing) {
+    for (int col = kSpacing / 2; col < mask.width; col += kSpacing) {
+      if (!IsMaskedAround(mask, row, col)) {
+        continue;
+      }
+      const Eigen::Vector3d way =
+          length *
+          RayDirection(view, col + 0.5, row + 0.5).cast<double>().normalized();
+      const SegmentPart part = PartInside(region, center, center + way);
+      if (!part.IsEmpty()) {
+        ends.positions.push_back((center + part.second * way).cast<float>());
+        ends.views.push_back(view_index);
+        ends.weights.push_back(1);
+      }
+    }
+  }
+  return ends;
 }
 
 PointCloud AppendEnds(const PointCloud& cloud, const RayEnds& ends) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "scene/gray_image.h"
 #include "scene/point_cloud.h"
 #include "scene/region.h"
 #include "scene/view.h"
@@ -39,6 +40,18 @@ double MarginOf(const Region& region);
 //         its margin.
 RayEnds CropCloud(const Region& region, const std::vector<View>& views,
                   const std::vector<float>& weights, PointCloud* cloud);
+
+// The box along the world's axes that holds all points, and a tenth of its size
+// more on each side.
+// \pre there are points
+Region RegionOfCloud(const PointCloud& cloud);
+
+// The ends of rays through what a mask leaves out: every kRayEndSpacing-th
+// pixel of such a row where pixels are masked for so far around that an
+// imprecise outline does no harm. They end where they leave a region.
+// \param mask  of the view's size, pixels of 0 are masked
+RayEnds BackgroundEnds(const Region& region, const View& view,
+                       uint32_t view_index, const GrayImage& mask);
 
 // A cloud with ends of rays behind its points, each seen by its view.
 PointCloud AppendEnds(const PointCloud& cloud, const RayEnds& ends);

@@ -132,7 +132,8 @@ std::shared_ptr<const MeshDrawings> CpuPhotometricEnergy::Drawings(
     work_.reset();
     drawings_.reset();  // Before there are others: they take memory.
     drawings_ = std::make_shared<const MeshDrawings>(
-        mesh, images_->Views(), options_.min_cosine, max_memory_);
+        mesh, images_->Views(), options_.min_cosine, max_memory_,
+        [images = images_](size_t view) { return images->Mask(view); });
   }
   return drawings_;
 }

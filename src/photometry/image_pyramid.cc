@@ -27,6 +27,15 @@ GrayImage Resize(const GrayImage& image, int width, int height) {
   return resized;
 }
 
+// A pixel is masked if any of those that it covers is.
+GrayImage ResizeMask(const GrayImage& mask, int width, int height) {
+  GrayImage resized = Resize(mask, width, height);
+  for (uint8_t& pixel : resized.pixels) {
+    pixel = pixel == 255 ? 255 : 0;
+  }
+  return resized;
+}
+
 }  // namespace
 
 View ViewAtLevel(const View& view, int level) {
@@ -36,13 +45,15 @@ View ViewAtLevel(const View& view, int level) {
 }
 
 ImagePyramid::ImagePyramid(std::vector<View> views, ReadGrayImage read_image,
-                           size_t max_memory)
+                           size_t max_memory, ReadGrayImage read_mask)
     : views_(std::move(views)),
       level_views_(views_),
       read_image_(std::move(read_image)),
+      read_mask_(std::move(read_mask)),
       max_memory_(max_memory),
       full_images_(max_memory),
-      level_images_(max_memory) {}
+      level_images_(max_memory),
+      level_masks_(max_memory) {}
 
 void ImagePyramid::SetLevel(int level) {
   if (level == level_) {
@@ -50,6 +61,7 @@ void ImagePyramid::SetLevel(int level) {
   }
   level_ = level;
   level_images_.Clear();
+  level_masks_.Clear();
   size_t level_memory = 0;
   for (size_t i = 0; i < views_.size(); ++i) {
     level_views_[i] = ViewAtLevel(views_[i], level);
@@ -94,6 +106,24 @@ std::shared_ptr<const GrayImage> ImagePyramid::Image(size_t view) {
     });
   });
   return image;
+}
+
+std::shared_ptr<const GrayImage> ImagePyramid::Mask(size_t view) {
+  if (!read_mask_) {
+    return nullptr;
+  }
+  std::shared_ptr<const GrayImage> mask;
+  tbb::this_task_arena::isolate([&] {  // as in Image()
+    const View& size = level_views_[view];
+    mask = level_masks_.Get(view, NumPixels(size), [&] {
+      GrayImage full = read_mask_(view);
+      return std::make_shared<const GrayImage>(
+          level_ == 0 || full.pixels.empty()
+              ? std::move(full)
+              : ResizeMask(full, size.width, size.height));
+    });
+  });
+  return mask->pixels.empty() ? nullptr : mask;
 }
 
 }  // namespace colmap_ext

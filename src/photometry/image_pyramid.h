@@ -23,8 +23,10 @@ class ImagePyramid {
   // \param views  the full size.
   // \param max_memory  of the images that are kept, bytes. The image read last
   //        is kept whatever it takes, and what is in use lives on.
+  // \param read_mask  of the views, pixels of 0 are masked; an empty image
+  //        where there is none; may be empty itself.
   ImagePyramid(std::vector<View> views, ReadGrayImage read_image,
-               size_t max_memory);
+               size_t max_memory, ReadGrayImage read_mask = {});
 
   // Drops what is kept of another level but the full size.
   // \pre no other thread uses the pyramid meanwhile
@@ -40,6 +42,12 @@ class ImagePyramid {
   //        its view's size.
   std::shared_ptr<const GrayImage> Image(size_t view);
 
+  // The mask of a view at the level, or nothing: a pixel is 0 if any of the
+  // full-size pixels that it covers is, else 255.
+  // \throw what read_mask throws.
+  std::shared_ptr<const GrayImage> Mask(size_t view);
+  bool HasMasks() const { return static_cast<bool>(read_mask_); }
+
   // [views] at the level.
   const std::vector<View>& Views() const { return level_views_; }
 
@@ -49,10 +57,12 @@ class ImagePyramid {
   std::vector<View> views_;
   std::vector<View> level_views_;
   ReadGrayImage read_image_;
+  ReadGrayImage read_mask_;
   size_t max_memory_;
   int level_ = 0;
   LruCache<const GrayImage> full_images_;   // of what level_images_ leaves
   LruCache<const GrayImage> level_images_;  // empty at level 0
+  LruCache<const GrayImage> level_masks_;
 };
 
 }  // namespace colmap_ext

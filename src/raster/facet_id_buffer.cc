@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -198,6 +199,15 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
     }
   }
   return buffer;
+}
+
+void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer) {
+  for (size_t i = 0; i < mask.pixels.size(); ++i) {
+    if (mask.pixels[i] == 0) {
+      buffer->facets[i] = kNoFacet;
+      buffer->inverse_depths[i] = std::numeric_limits<float>::infinity();
+    }
+  }
 }
 
 double PlaneSlope(const View& view, const FacetFrame& frame) {

@@ -7,6 +7,7 @@
 
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_frames.h"
+#include "scene/gray_image.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -19,7 +20,8 @@ struct FacetIdBuffer {
   int height = 0;                     // px
   std::vector<uint32_t> facets;       // [height * width] or kNoFacet
   std::vector<float> inverse_depths;  // [height * width], 1 / scene unit; 0
-                                      // where there is no facet
+                                      // where there is no facet, infinity
+                                      // where the pixel is masked
   std::vector<bool> is_facing;        // [F] the cosine between the normal and
                                       // the ray to the camera is above
                                       // min_cosine; false if it is not drawn
@@ -36,6 +38,11 @@ struct FacetIdBuffer {
 // \param min_cosine  see FacetIdBuffer::is_facing; in [0, 1).
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine);
+
+// Takes what a view shows in masked pixels, those of 0, out of what was drawn
+// into it: they show no facet, and IsNearest() holds for nothing there.
+// \pre the mask is of the buffer's size
+void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer);
 
 // By how much the inverse depth of a facet's plane changes in a view, at most,
 // from a pixel to one of the eight around it, 1 / scene unit.

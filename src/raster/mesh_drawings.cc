@@ -7,17 +7,23 @@
 namespace colmap_ext {
 
 MeshDrawings::MeshDrawings(TriangleMesh mesh, std::vector<View> views,
-                           double min_cosine, size_t max_memory)
+                           double min_cosine, size_t max_memory, ViewMask mask)
     : mesh_(std::move(mesh)),
       views_(std::move(views)),
       min_cosine_(min_cosine),
       max_memory_(max_memory),
+      mask_(std::move(mask)),
       drawn_(max_memory) {}
 
 std::shared_ptr<const FacetIdBuffer> MeshDrawings::Get(size_t view) const {
   return drawn_.Get(view, Memory(view), [&] {
-    return std::make_shared<const FacetIdBuffer>(
+    auto buffer = std::make_shared<FacetIdBuffer>(
         DrawFacets(views_[view], mesh_, min_cosine_));
+    const std::shared_ptr<const GrayImage> mask = mask_ ? mask_(view) : nullptr;
+    if (mask) {
+      EraseMasked(*mask, buffer.get());
+    }
+    return std::shared_ptr<const FacetIdBuffer>(std::move(buffer));
   });
 }
 

@@ -8,9 +8,13 @@
 #include "base/lru_cache.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_id_buffer.h"
+#include "scene/gray_image.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
+
+// The mask of a view, of its size; nothing where it has none.
+using ViewMask = std::function<std::shared_ptr<const GrayImage>(size_t view)>;
 
 // A mesh drawn into views, each view when it is first asked for. Subdivision,
 // labelling and energy share the drawings of a mesh. As many as memory allows
@@ -21,8 +25,10 @@ class MeshDrawings {
   // \param min_cosine  see DrawFacets().
   // \param max_memory  of the drawings that are kept, bytes; what is in use is
   //        kept whatever it takes.
+  // \param mask  of the views, whose masked pixels show nothing, see
+  //        EraseMasked(); may be empty.
   MeshDrawings(TriangleMesh mesh, std::vector<View> views, double min_cosine,
-               size_t max_memory);
+               size_t max_memory, ViewMask mask = {});
 
   const TriangleMesh& Mesh() const { return mesh_; }
   const std::vector<View>& Views() const { return views_; }
@@ -40,6 +46,7 @@ class MeshDrawings {
   std::vector<View> views_;
   double min_cosine_;
   size_t max_memory_;
+  ViewMask mask_;
   mutable LruCache<const FacetIdBuffer> drawn_;
 };
 

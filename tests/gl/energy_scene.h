@@ -45,13 +45,16 @@ class EnergyScene {
 
   // Of the scene's images; the scene has to outlive it.
   // \param scale  of the views' positions.
-  std::shared_ptr<ImagePyramid> Pyramid(double scale = 1) const {
+  // \param read_mask  see ImagePyramid.
+  std::shared_ptr<ImagePyramid> Pyramid(double scale = 1,
+                                        ReadGrayImage read_mask = {}) const {
     std::vector<View> views = Views();
     for (View& view : views) {
       view.cam_from_world_translation *= scale;
     }
     return std::make_shared<ImagePyramid>(
-        views, [this](size_t view) { return images_[view]; }, SIZE_MAX);
+        views, [this](size_t view) { return images_[view]; }, SIZE_MAX,
+        std::move(read_mask));
   }
 
   // The truth with each vertex moved along its normal.

@@ -87,6 +87,42 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorAtAllLevels) {
   }
 }
 
+// Stripes of every second image are masked.
+GrayImage StripedMask(const View& view, size_t index) {
+  GrayImage mask;
+  if (index % 2 == 0) {
+    mask = {view.width, view.height, {}};
+    for (int i = 0; i < view.width * view.height; ++i) {
+      mask.pixels.push_back(i % view.width / 16 % 3 == 0 ? 0 : 255);
+    }
+  }
+  return mask;
+}
+
+TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorUnderMasks) {
+  const EnergyScene& scene = Statue();
+  const auto read_mask = [&](size_t view) {
+    return StripedMask(scene.Views()[view], view);
+  };
+  const auto gl =
+      MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), -1, SIZE_MAX);
+  const auto cpu =
+      MakeCpuPhotometricEnergy({}, scene.Pyramid(1, read_mask), SIZE_MAX);
+  const auto whole = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
+  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  const FacetLabels labels = scene.Labels(2);
+  for (const int level : {1, 0}) {
+    SCOPED_TRACE(level);
+    for (PhotometricEnergy* energy : {gl.get(), cpu.get(), whole.get()}) {
+      energy->SetLevel(level);
+      energy->Render(mesh);
+    }
+    const PhotometricTerms expected = cpu->Evaluate(mesh, labels);
+    ExpectAgreement(gl->Evaluate(mesh, labels), expected);
+    EXPECT_GT(expected.energy, whole->Evaluate(mesh, labels).energy);
+  }
+}
+
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorWhateverTheOptions) {
   const EnergyScene scene("grid", 3, 160);
   const TriangleMesh mesh = scene.Perturbed(0.3, 1);

@@ -103,5 +103,39 @@ TEST_F(CropCloudTest, AppendsEndsBehindThePoints) {
   }
 }
 
+TEST(BackgroundEnds, AreWhereRaysOfMaskedPixelsLeave) {
+  const View view = FrontView(1);
+  const Region region = RegionBetween({-1, -1, -1}, {1, 1, 1});
+  GrayImage mask{view.width, view.height, {}};
+  for (int i = 0; i < view.width * view.height; ++i) {
+    mask.pixels.push_back(i % view.width < view.width / 2 ? 0 : 255);
+  }
+  const RayEnds ends = BackgroundEnds(region, view, 3, mask);
+  ASSERT_GT(ends.size(), 20u);
+  for (size_t i = 0; i < ends.size(); ++i) {
+    EXPECT_EQ(ends.views[i], 3u);
+    const Eigen::Vector3d end = ends.positions[i].cast<double>();
+    EXPECT_LT(view.ImageFromCam(view.CamFromWorld(end)).x(),
+              view.width / 2 - 2);
+    EXPECT_NEAR(end.cwiseAbs().maxCoeff(), 1, 1e-5);
+    EXPECT_GT(PartInside(region, view.Center(),
+                         view.Center() + 2 * (end - view.Center()))
+                  .second,
+              0.49);
+  }
+  mask.pixels.assign(mask.pixels.size(), 255);
+  EXPECT_EQ(BackgroundEnds(region, view, 0, mask).size(), 0u);
+  EXPECT_EQ(BackgroundEnds(region, view, 0, GrayImage()).size(), 0u);
+}
+
+TEST(RegionOfCloudTest, HoldsAllPoints) {
+  const PointCloud cloud = RandomCloud();
+  const Region region = RegionOfCloud(cloud);
+  for (const Eigen::Vector3f& position : cloud.positions) {
+    EXPECT_TRUE(region.Contains(position));
+  }
+  EXPECT_NEAR(region.half_sizes.x(), 4.8, 0.02);
+}
+
 }  // namespace
 }  // namespace colmap_ext

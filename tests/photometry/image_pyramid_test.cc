@@ -284,5 +284,40 @@ TEST(ImagePyramid, RefusesImagesOfAnotherSize) {
   }
 }
 
+// A pixel of a level is masked where any that it covers is.
+TEST(ImagePyramid, HalvesMasks) {
+  const View view = ViewOfSize(37, 21);
+  GrayImage mask{37, 21, std::vector<uint8_t>(37 * 21, 255)};
+  Random random(3);
+  for (int i = 0; i < 20; ++i) {
+    mask.pixels[random.Below(37 * 21)] = 0;
+  }
+  ImagePyramid pyramid({view, view}, {}, SIZE_MAX,
+                       [&](size_t i) { return i == 0 ? mask : GrayImage(); });
+  EXPECT_FALSE(pyramid.Mask(1));
+  EXPECT_EQ(pyramid.Mask(0)->pixels, mask.pixels);
+  for (const int level : {1, 2}) {
+    pyramid.SetLevel(level);
+    const GrayImage& halved = *pyramid.Mask(0);
+    ASSERT_EQ(halved.width, pyramid.Views()[0].width);
+    const double scale_x = 37.0 / halved.width;
+    const double scale_y = 21.0 / halved.height;
+    for (int row = 0; row < halved.height; ++row) {
+      for (int col = 0; col < halved.width; ++col) {
+        bool is_masked = false;
+        for (int y = 0; y < 21; ++y) {
+          for (int x = 0; x < 37; ++x) {
+            is_masked |= mask.Row(y)[x] == 0 && x + 1 > col * scale_x + 0.02 &&
+                         x < (col + 1) * scale_x - 0.02 &&
+                         y + 1 > row * scale_y + 0.02 &&
+                         y < (row + 1) * scale_y - 0.02;
+          }
+        }
+        EXPECT_EQ(halved.Row(row)[col], is_masked ? 0 : 255);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace colmap_ext

@@ -10,6 +10,7 @@
 
 #include "photometry/cpu_photometric_energy.h"
 #include "raster/facet_frames.h"
+#include "raster/facet_visibility.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
@@ -322,6 +323,83 @@ TEST(PhotometricOptions, ChecksThem) {
   options = {};
   options.min_cosine = 1;
   EXPECT_NE(options.Check(), "");
+}
+
+// The upper half of the first image.
+GrayImage UpperHalfMask(size_t view) {
+  if (view != 0) {
+    return {};
+  }
+  const View& size = Scene().dense.scene.views[0];
+  GrayImage mask{size.width, size.height, {}};
+  mask.pixels.assign(static_cast<size_t>(size.width) * size.height, 255);
+  std::fill(mask.pixels.begin(),
+            mask.pixels.begin() +
+                static_cast<ptrdiff_t>(size.height / 2) * size.width,
+            0);
+  return mask;
+}
+
+// The scene's images with other pixels under the mask, away from its border,
+// which sampling between pixels reaches.
+std::shared_ptr<ImagePyramid> MaskedPyramid(bool is_painted_over) {
+  const auto read = [is_painted_over](size_t view) {
+    GrayImage image = *Scene().Pyramid()->Image(view);
+    if (is_painted_over && view == 0) {
+      const auto end =
+          static_cast<ptrdiff_t>(image.height / 2 - 3) * image.width;
+      std::iota(image.pixels.begin(), image.pixels.begin() + end, uint8_t{1});
+    }
+    return image;
+  };
+  return std::make_shared<ImagePyramid>(Scene().dense.scene.views, read,
+                                        SIZE_MAX, &UpperHalfMask);
+}
+
+TEST(CpuPhotometricEnergy, MaskedPixelsAreNotCompared) {
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
+  const auto evaluate = [&](std::shared_ptr<ImagePyramid> images) {
+    const auto energy =
+        MakeCpuPhotometricEnergy({}, std::move(images), SIZE_MAX);
+    energy->Render(mesh);
+    return energy->Evaluate(mesh, labels);
+  };
+  const PhotometricTerms whole = evaluate(Scene().Pyramid());
+  const PhotometricTerms masked = evaluate(MaskedPyramid(false));
+  const PhotometricTerms painted = evaluate(MaskedPyramid(true));
+  EXPECT_EQ(masked.energies, painted.energies);
+  EXPECT_EQ(masked.slopes, painted.slopes);
+  double num_whole = 0;
+  double num_masked = 0;
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    EXPECT_LE(masked.num_pixels[i], whole.num_pixels[i]);
+    num_whole += whole.num_pixels[i];
+    num_masked += masked.num_pixels[i];
+  }
+  EXPECT_LT(num_masked, 0.95 * num_whole);
+  EXPECT_GT(num_masked, 0.1 * num_whole);
+}
+
+TEST(CpuPhotometricEnergy, FacetsAreNotSeenInMaskedPixels) {
+  const auto energy =
+      MakeCpuPhotometricEnergy({}, MaskedPyramid(false), SIZE_MAX);
+  const TriangleMesh mesh = Scene().dense.scene.surface;
+  const View& view = Scene().dense.scene.views[0];
+  const FacetVisibility visibility = FindVisibleFacets(*energy->Drawings(mesh));
+  size_t num_seen = 0;
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    if (visibility[i].empty() || visibility[i][0] != 0) {
+      continue;
+    }
+    ++num_seen;
+    const auto& [a, b, c] = mesh.facets[i];
+    const Eigen::Vector3f centroid =
+        (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3;
+    EXPECT_GE(view.ImageFromCam(view.CamFromWorld(centroid.cast<double>())).y(),
+              view.height / 2);
+  }
+  EXPECT_GT(num_seen, 10u);
 }
 
 }  // namespace

@@ -1,0 +1,167 @@
+#include "workspace/masks.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "base/edit_rows.h"
+#include "base/rows.h"
+#include "formats/errors.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+GrayImage ReadMask(const fs::path& path, const View& view,
+                   const PictureDecoder& decoder) {
+  std::optional<GrayImage> mask = decoder.read_gray(path);
+  if (!mask) {
+    throw FileError(path, "the mask can not be read");
+  }
+  if (mask->width != view.width || mask->height != view.height) {
+    throw FileError(
+        path, fmt::format("the mask has {} x {} pixels, its image {} x {}; "
+                          "undistort masks as their images are",
+                          mask->width, mask->height, view.width, view.height));
+  }
+  for (uint8_t& pixel : mask->pixels) {
+    pixel = pixel == 0 ? 0 : 255;
+  }
+  return *std::move(mask);
+}
+
+bool IsMasked(const GrayImage& mask, const View& view,
+              const Eigen::Vector3f& point) {
+  const Eigen::Vector3d in_camera = view.CamFromWorld(point.cast<double>());
+  if (!(in_camera.z() > 0)) {
+    return false;
+  }
+  const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
+  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.width &&
+         pixel.y() < view.height &&
+         mask.Row(static_cast<int>(pixel.y()))[static_cast<int>(pixel.x())] ==
+             0;
+}
+
+// An observation: a place in the values of the cloud's views, and its point.
+struct Observation {
+  uint64_t place;
+  uint32_t point;
+};
+
+// [views]
+Rows<Observation> ObservationsByView(const PointCloud& cloud,
+                                     size_t num_views) {
+  Rows<Observation> by_view(num_views);
+  for (const uint32_t view : cloud.views.values) {
+    ++by_view.offsets[view + 1];
+  }
+  for (size_t i = 0; i < num_views; ++i) {
+    by_view.offsets[i + 1] += by_view.offsets[i];
+  }
+  by_view.values.resize(cloud.views.values.size());
+  std::vector<uint64_t> next(by_view.offsets.begin(),
+                             by_view.offsets.end() - 1);
+  for (uint32_t point = 0; point < cloud.size(); ++point) {
+    for (uint64_t place = cloud.views.offsets[point];
+         place < cloud.views.offsets[point + 1]; ++place) {
+      by_view.values[next[cloud.views.values[place]]++] = {place, point};
+    }
+  }
+  return by_view;
+}
+
+// Drops the observations that are marked, and then points without any.
+void DropMasked(const std::vector<uint8_t>& is_masked, MaskReport* report,
+                PointCloud* cloud) {
+  const std::vector<uint64_t> offsets = cloud->views.offsets;
+  std::vector<uint8_t> is_kept(cloud->size());
+  EditRows(
+      [&](size_t point, std::span<uint32_t> row) -> std::optional<size_t> {
+        size_t size = 0;
+        for (size_t k = 0; k < row.size(); ++k) {
+          if (is_masked[offsets[point] + k] == 0) {
+            row[size++] = row[k];
+          }
+        }
+        report->num_masked_observations += row.size() - size;
+        is_kept[point] = size > 0;
+        return size > 0 ? std::optional(size) : std::nullopt;
+      },
+      &cloud->views);
+  size_t size = 0;
+  for (size_t i = 0; i < is_kept.size(); ++i) {
+    if (is_kept[i] != 0) {
+      cloud->positions[size] = cloud->positions[i];
+      if (!cloud->colors.empty()) {
+        cloud->colors[size] = cloud->colors[i];
+      }
+      ++size;
+    }
+  }
+  report->num_masked_points = is_kept.size() - size;
+  cloud->positions.resize(size);
+  cloud->colors.resize(cloud->colors.empty() ? 0 : size);
+}
+
+}  // namespace
+
+fs::path FindMask(const fs::path& folder, const std::string& image_name) {
+  const fs::path appended = folder / (image_name + ".png");
+  if (fs::exists(appended)) {
+    return appended;
+  }
+  const fs::path same = folder / image_name;
+  return same.extension() == ".png" && fs::exists(same) ? same : fs::path();
+}
+
+ReadGrayImage MaskReader(const fs::path& folder, const std::vector<View>& views,
+                         const PictureDecoder& decoder) {
+  if (!fs::is_directory(folder)) {
+    throw FileError(folder, "no such folder of masks");
+  }
+  if (std::ranges::all_of(views, [&](const View& view) {
+        return FindMask(folder, view.name).empty();
+      })) {
+    throw FileError(folder,
+                    fmt::format("it has no mask of any image, such as "
+                                "{}.png",
+                                views.empty() ? "image.jpg" : views[0].name));
+  }
+  return [folder, views, decoder](size_t view) {
+    const fs::path path = FindMask(folder, views[view].name);
+    return path.empty() ? GrayImage() : ReadMask(path, views[view], decoder);
+  };
+}
+
+MaskReport MaskCloud(const ReadGrayImage& read_mask,
+                     const std::vector<View>& views, PointCloud* cloud) {
+  const Rows<Observation> by_view = ObservationsByView(*cloud, views.size());
+  std::vector<uint8_t> is_masked(cloud->views.values.size(), 0);
+  std::atomic<size_t> num_masks = 0;
+  tbb::parallel_for(size_t{0}, views.size(), [&](size_t view) {
+    const GrayImage mask = read_mask(view);
+    if (mask.pixels.empty()) {
+      return;
+    }
+    ++num_masks;
+    for (const auto& [place, point] : by_view[view]) {
+      is_masked[place] = IsMasked(mask, views[view], cloud->positions[point]);
+    }
+  });
+  MaskReport report;
+  report.num_masks = num_masks;
+  DropMasked(is_masked, &report, cloud);
+  return report;
+}
+
+}  // namespace colmap_ext

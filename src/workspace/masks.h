@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "scene/gray_image.h"
+#include "scene/picture_decoder.h"
+#include "scene/point_cloud.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// The file of an image's mask, by COLMAP's convention: "a.jpg.png" for "a.jpg",
+// or, for PNG images, the same name.
+// \return an empty path if there is none
+std::filesystem::path FindMask(const std::filesystem::path& folder,
+                               const std::string& image_name);
+
+// Reads masks at the size of their images: pixels of 0 are masked, all others
+// are 255. Images without a file have an empty mask.
+//
+// \throw FileError if no image has a mask; when a mask is read, if it can not
+//        be, or is not of its image's size.
+ReadGrayImage MaskReader(const std::filesystem::path& folder,
+                         const std::vector<View>& views,
+                         const PictureDecoder& decoder);
+
+struct MaskReport {
+  size_t num_masks = 0;
+  size_t num_masked_observations = 0;  // of points, dropped
+  size_t num_masked_points = 0;        // that no view sees any more, dropped
+};
+
+// Drops the views that see a point in a masked pixel from the point, and the
+// points that no view is left of.
+MaskReport MaskCloud(const ReadGrayImage& read_mask,
+                     const std::vector<View>& views, PointCloud* cloud);
+
+}  // namespace colmap_ext

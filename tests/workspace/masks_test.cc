@@ -1,0 +1,122 @@
+#include "workspace/masks.h"
+
+#include "scene/look_at.h"
+#include "tests/formats/test_files.h"
+#include "tests/workspace/netpbm_decoder.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+
+std::string Pgm(int width, int height, const std::string& pixels) {
+  return "P5\n" + std::to_string(width) + " " + std::to_string(height) +
+         "\n255\n" + pixels;
+}
+
+// The left half is masked.
+std::string HalfMask() {
+  std::string pixels;
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    pixels += static_cast<char>(i % kWidth < kWidth / 2 ? 0 : 7);
+  }
+  return Pgm(kWidth, kHeight, pixels);
+}
+
+class MasksTest : public testing::Test {
+ protected:
+  MasksTest() {
+    for (const char* name : {"a/1.jpg", "2.png", "3.jpg"}) {
+      View view =
+          LookAtView({0, 0, -10}, {0, 0, 0}, {0, -1, 0}, kWidth, kHeight, 50);
+      view.name = name;
+      views_.push_back(view);
+    }
+    std::filesystem::create_directories(masks_ / "a");
+  }
+
+  ReadGrayImage Reader() const {
+    return MaskReader(masks_, views_, NetpbmDecoder());
+  }
+
+  // Points in the left and in the right half of the images.
+  PointCloud Cloud() const {
+    PointCloud cloud;
+    const Eigen::Vector3d left =
+        Eigen::Vector3d(views_[0].RayFromPixel() * Eigen::Vector3d(5, 15, 1));
+    const double side = left.x() < 0 ? -1 : 1;
+    for (int i = 0; i < 6; ++i) {
+      cloud.positions.emplace_back(i % 2 == 0 ? side : -side, 0.1 * i, 0);
+      cloud.colors.push_back({static_cast<uint8_t>(i), 0, 0});
+      cloud.views.AddRow(std::vector<uint32_t>{0, 2});
+    }
+    cloud.views.values.back() = 1;
+    return cloud;
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path masks_ = folder_.Path() / "masks";
+  std::vector<View> views_;
+};
+
+TEST_F(MasksTest, AreFoundByColmapsNames) {
+  WriteFile(masks_ / "a" / "1.jpg.png", HalfMask());
+  WriteFile(masks_ / "2.png", HalfMask());
+  WriteFile(masks_ / "3.jpg", HalfMask());
+  EXPECT_EQ(FindMask(masks_, "a/1.jpg"), masks_ / "a" / "1.jpg.png");
+  EXPECT_EQ(FindMask(masks_, "2.png"), masks_ / "2.png");
+  EXPECT_TRUE(FindMask(masks_, "3.jpg").empty());
+  WriteFile(masks_ / "2.png.png", HalfMask());
+  EXPECT_EQ(FindMask(masks_, "2.png"), masks_ / "2.png.png");
+}
+
+TEST_F(MasksTest, AreReadAtTheSizeOfTheirImages) {
+  WriteFile(masks_ / "a" / "1.jpg.png", HalfMask());
+  const ReadGrayImage read = Reader();
+  const GrayImage mask = read(0);
+  ASSERT_EQ(mask.width, kWidth);
+  EXPECT_EQ(mask.Row(3)[kWidth / 2 - 1], 0);
+  EXPECT_EQ(mask.Row(3)[kWidth / 2], 255);
+  EXPECT_TRUE(read(1).pixels.empty());
+  WriteFile(masks_ / "a" / "1.jpg.png", Pgm(2, 1, "ab"));
+  EXPECT_NE(FileErrorOf([&] { read(0); }).find("1.jpg.png"), std::string::npos);
+  WriteFile(masks_ / "a" / "1.jpg.png", "no picture");
+  EXPECT_NE(FileErrorOf([&] { read(0); }).find("1.jpg.png"), std::string::npos);
+}
+
+TEST_F(MasksTest, AFolderWithoutMasksIsRefused) {
+  EXPECT_NE(FileErrorOf([&] { Reader(); }).find("a/1.jpg.png"),
+            std::string::npos);
+  masks_ = folder_.Path() / "nothing";
+  EXPECT_NE(FileErrorOf([&] { Reader(); }).find("nothing"), std::string::npos);
+}
+
+TEST_F(MasksTest, PointsLoseMaskedViewsAndThoseWithoutViewsAreDropped) {
+  WriteFile(masks_ / "a" / "1.jpg.png", HalfMask());
+  WriteFile(masks_ / "3.jpg.png", HalfMask());
+  PointCloud cloud = Cloud();
+  const MaskReport report = MaskCloud(Reader(), views_, &cloud);
+  EXPECT_EQ(report.num_masks, 2u);
+  // Three points are in the right half of both images.
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(report.num_masked_points, 3u);
+  EXPECT_EQ(report.num_masked_observations, 6u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(cloud.colors[i][0], 2 * i + 1);
+    EXPECT_EQ(cloud.views[i].size(), 2u);
+  }
+}
+
+TEST_F(MasksTest, OneUnmaskedViewKeepsAPoint) {
+  WriteFile(masks_ / "a" / "1.jpg.png", HalfMask());
+  PointCloud cloud = Cloud();
+  const MaskReport report = MaskCloud(Reader(), views_, &cloud);
+  ASSERT_EQ(cloud.size(), 6u);
+  EXPECT_EQ(report.num_masked_observations, 3u);
+  EXPECT_EQ(std::vector<uint32_t>(cloud.views[0].begin(), cloud.views[0].end()),
+            std::vector<uint32_t>{2});
+}
+
+}  // namespace
+}  // namespace colmap_ext
