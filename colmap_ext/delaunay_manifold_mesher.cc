@@ -12,8 +12,10 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
+#include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "formats/atomic_file.h"
@@ -65,6 +67,9 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
                              : input_path);
   ExpectWritable(output_path);
   ExpectWritable(VisibilityPath(output_path));
+  if (!options.report_path.empty()) {
+    ExpectWritable(options.report_path);
+  }
   return output_path;
 }
 
@@ -83,7 +88,8 @@ std::vector<View> MeshingViews(const MesherOptions& options,
 }
 
 // Says where the pixels of max_proj_dist are other ones than our own option's.
-void PrintPixels(const MesherOptions& options, const Workspace& workspace) {
+void PrintPixels(const MesherOptions& options, const Workspace& workspace,
+                 ReportLog* log) {
   const auto it = std::find_if(workspace.camera_scales.begin(),
                                workspace.camera_scales.end(),
                                [](double scale) { return scale != 1; });
@@ -95,11 +101,19 @@ void PrintPixels(const MesherOptions& options, const Workspace& workspace) {
                     "of images such as {}",
                     distance, distance / *it,
                     workspace.views[it - workspace.camera_scales.begin()].name),
-        std::cout);
+        log);
   }
 }
 
-void MeshWorkspace(const MesherOptions& options) {
+PagePictures Draw(const Workspace& workspace, const ManifoldMesh& mesh) {
+  const PageCameras cameras = ChoosePageCameras(
+      workspace.views, mesh.attributes.views, workspace.report.path / "images",
+      ColmapPictureDecoder());
+  return DrawMeshing(cameras, workspace.cloud, mesh);
+}
+
+void MeshWorkspace(const MesherOptions& options,
+                   const std::vector<PageOption>& page_options) {
   const std::filesystem::path output_path = FindOutputPath(options);
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const auto progress = [&reporter](std::string_view stage, double share) {
@@ -116,17 +130,29 @@ void MeshWorkspace(const MesherOptions& options) {
     half_pixel = CorrectHalfPixel(options, &workspace);
   }
   reporter.Finish();
-  PrintReport(workspace.report, workspace.views.size(), half_pixel, std::cout);
-  PrintPixels(options, workspace);
+  ReportLog log(&std::cout);
+  PrintReport(workspace.report, workspace.views.size(), half_pixel, &log);
+  PrintPixels(options, workspace, &log);
   std::cout << std::endl;
   const ManifoldMesh mesh =
       MeshManifold(options.meshing, workspace.cloud,
                    MeshingViews(options, workspace), progress);
   Report(progress, "Writing the mesh", 0);
   WriteMesh(output_path, mesh.mesh, mesh.attributes);
+  PagePictures pictures;
+  if (!options.report_path.empty()) {
+    Report(progress, "Drawing the report", 0);
+    pictures = Draw(workspace, mesh);
+  }
   reporter.Finish();
-  PrintReport(mesh.report, std::cout);
-  PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);
+  PrintReport(mesh.report, &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  if (!options.report_path.empty()) {
+    WriteText(options.report_path,
+              MeshingPage({"delaunay_manifold_mesher", output_path.string(),
+                           Versions(), page_options},
+                          log, pictures));
+  }
   std::cout << "\nWrote " << output_path.string() << " and "
             << VisibilityPath(output_path).string() << std::endl;
 }
@@ -137,9 +163,9 @@ int RunDelaunayManifoldMesher(int argc, char** argv) {
   MesherOptions options;
   CommandOptions command;
   AddMesherOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); },
-                              &options.num_threads,
-                              [&options] { MeshWorkspace(options); }};
+  const CommandSteps steps = {
+      [&options] { options.Finish(); }, &options.num_threads,
+      [&options, &command] { MeshWorkspace(options, PageOptions(command)); }};
   return RunCommand(argc, argv, command, steps, Advice());
 }
 

@@ -169,8 +169,9 @@ void Evaluate(const EvaluatorOptions& options) {
     WriteText(options.json_path, EvaluationJson(options, evaluation));
   }
   reporter.Finish();
-  PrintEvaluation(options, evaluation, std::cout);
-  PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);
+  ReportLog log(&std::cout);
+  PrintEvaluation(options, evaluation, &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ struct MesherOptions {
   std::string input_path;      // or, as delaunay_mesher has it, this
   std::string output_path;
   std::string sparse_path;  // see WorkspaceOptions
+  std::string report_path;  // a page, .html
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;
 
