@@ -103,9 +103,8 @@ TEST_F(RunPageTest, HasAllThatIsPrinted) {
   const std::string page = RefinementPage(run_, log_, steps_, pictures_);
   ExpectGood(page);
   ExpectGood(MeshingPage(run_, log_, pictures_));
-  for (const char* text :
-       {"--given", "7.25", "1.2.3", "-12.5", "0.8125", "1/2 size",
-        "<b>98765</b>faces", "there is none"}) {
+  for (const char* text : {"--given", "7.25", "1.2.3", "-12.5", "0.8125",
+                           "1/2 size", "<b>98765</b>faces", "there is none"}) {
     EXPECT_TRUE(Has(page, text)) << text;
   }
   EXPECT_TRUE(Has(page, std::string("<li>") + kEscaped + "</li>"));
