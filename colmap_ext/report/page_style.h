@@ -35,12 +35,14 @@ p { margin: 0.2rem 0; }
 table { border-collapse: collapse; width: 100%; font-size: 0.85rem; }
 th, td { padding: 0.12rem 0; text-align: left; vertical-align: top;
   font-weight: normal; }
-th { min-width: 6.5rem; padding-right: 1rem; color: var(--soft);
+th { min-width: 5rem; padding-right: 1rem; color: var(--soft);
   overflow-wrap: anywhere; }
 td { overflow-wrap: anywhere; }
 th.inner { padding-left: 1rem; }
 td.numbers { white-space: pre;
   font-family: ui-monospace, "DejaVu Sans Mono", monospace; }
+.stages td, .stages th + th { padding: 0.12rem 0 0.12rem 1rem; text-align: right;
+  font-variant-numeric: tabular-nums; }
 tr.names td { color: var(--soft); }
 tr + tr { border-top: 1px solid var(--panel); }
 .long { max-height: 30rem; overflow-y: auto; }

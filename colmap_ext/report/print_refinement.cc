@@ -54,19 +54,15 @@ void PrintLabelings(const RefinementReport& report, ReportLog* log) {
 void PrintStages(const RefinementReport& report, ReportLog* log) {
   PrintHeading("Refinement", log);
   PrintText("", "    iterations         faces", log);
-  for (const auto& stage : SplitIntoStages(report.steps)) {
-    const RefinementStep& first = stage.front();
-    const RefinementStep& last = stage.back();
-    PrintText(StageName(last),
-              fmt::format("{:14}{:14}", last.iteration - first.iteration,
-                          last.num_facets),
-              log);
+  for (const StageText& stage : DescribeStages(report.steps)) {
+    PrintText(stage.name,
+              fmt::format("{:>14}{:>14}", stage.iterations, stage.faces), log);
     PrintText("  energy",
-              fmt::format("{:14.6g} -> {:.6g}", first.energy, last.energy),
+              fmt::format("{:>14} -> {}", stage.energy[0], stage.energy[1]),
               log);
     PrintText(
         "  mean ZNCC",
-        fmt::format("{:14.4f} -> {:.4f}", first.mean_zncc, last.mean_zncc),
+        fmt::format("{:>14} -> {}", stage.mean_zncc[0], stage.mean_zncc[1]),
         log);
   }
   PrintCount("steps shortened", report.num_shortened_steps, log);
@@ -96,6 +92,27 @@ std::vector<std::vector<RefinementStep>> SplitIntoStages(
 
 std::string StageName(const RefinementStep& step) {
   return LevelName(step.level) + (step.is_final ? ", final" : "");
+}
+
+std::vector<StageText> DescribeStages(
+    const std::vector<RefinementStep>& steps) {
+  const auto energy = [](const RefinementStep& step) {
+    return fmt::format("{:.6g}", step.energy);
+  };
+  const auto mean_zncc = [](const RefinementStep& step) {
+    return fmt::format("{:.4f}", step.mean_zncc);
+  };
+  std::vector<StageText> texts;
+  for (const auto& stage : SplitIntoStages(steps)) {
+    const RefinementStep& first = stage.front();
+    const RefinementStep& last = stage.back();
+    texts.push_back({StageName(last),
+                     std::to_string(last.iteration - first.iteration),
+                     std::to_string(last.num_facets),
+                     {energy(first), energy(last)},
+                     {mean_zncc(first), mean_zncc(last)}});
+  }
+  return texts;
 }
 
 std::string Describe(const RefinementStep& step) {

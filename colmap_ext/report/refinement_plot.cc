@@ -16,7 +16,7 @@ using Steps = std::vector<RefinementStep>;
 
 // All in pixels of the picture.
 constexpr double kStepWidth = 24;
-constexpr double kMinPanelWidth = 170;
+constexpr double kMinPanelWidth = 190;
 constexpr double kPanelHeight = 200;
 constexpr double kMargin = 24;   // around everything, and between panels
 constexpr double kPadding = 14;  // of a curve in its panel

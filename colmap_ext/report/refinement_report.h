@@ -21,6 +21,17 @@ std::vector<std::vector<RefinementStep>> SplitIntoStages(
 // Of a stage that the step is of: "1/2 size, final".
 std::string StageName(const RefinementStep& step);
 
+// A stage in words, for the screen and the page.
+struct StageText {
+  std::string name;
+  std::string iterations;
+  std::string faces;
+  std::string energy[2];     // before and after
+  std::string mean_zncc[2];  // likewise
+};
+
+std::vector<StageText> DescribeStages(const std::vector<RefinementStep>& steps);
+
 // One iteration in one line.
 std::string Describe(const RefinementStep& step);
 

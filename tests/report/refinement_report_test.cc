@@ -46,6 +46,18 @@ TEST(RefinementReportTest, SplitsIterationsIntoStages) {
             "px");
 }
 
+TEST(RefinementReportTest, DescribesStagesFromTheirFirstToTheirLastStep) {
+  const std::vector<StageText> stages = DescribeStages(Steps());
+  ASSERT_EQ(stages.size(), 3);
+  EXPECT_EQ(stages[0].name, "1/2 size");
+  EXPECT_EQ(stages[0].iterations, "1");
+  EXPECT_EQ(stages[0].faces, "16");
+  EXPECT_EQ(stages[0].energy[0], "0");
+  EXPECT_EQ(stages[0].energy[1], "-0.333333");
+  EXPECT_EQ(stages[0].mean_zncc[0], "0.0000");
+  EXPECT_EQ(stages[0].mean_zncc[1], "0.5000");
+}
+
 TEST(RefinementReportTest, PlotsAPanelAStage) {
   const std::string plot = StepsPlot(Steps());
   EXPECT_TRUE(plot.starts_with("<svg "));
