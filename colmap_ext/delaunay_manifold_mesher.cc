@@ -13,8 +13,10 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
+#include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "formats/atomic_file.h"
@@ -70,6 +72,9 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
   if (options.region.is_auto) {
     ExpectWritable(RegionPath(output_path));
   }
+  if (!options.report_path.empty()) {
+    ExpectWritable(options.report_path);
+  }
   return output_path;
 }
 
@@ -88,7 +93,8 @@ std::vector<View> MeshingViews(const MesherOptions& options,
 }
 
 // Says where the pixels of max_proj_dist are other ones than our own option's.
-void PrintPixels(const MesherOptions& options, const Workspace& workspace) {
+void PrintPixels(const MesherOptions& options, const Workspace& workspace,
+                 ReportLog* log) {
   const auto it = std::find_if(workspace.camera_scales.begin(),
                                workspace.camera_scales.end(),
                                [](double scale) { return scale != 1; });
@@ -100,7 +106,7 @@ void PrintPixels(const MesherOptions& options, const Workspace& workspace) {
                     "of images such as {}",
                     distance, distance / *it,
                     workspace.views[it - workspace.camera_scales.begin()].name),
-        std::cout);
+        log);
   }
 }
 
@@ -136,51 +142,87 @@ Masked MaskWorkspace(const MesherOptions& options,
   return masked;
 }
 
-// Reads the workspace and puts its points right.
-Workspace ReadPoints(const MesherOptions& options, const Progress& progress,
-                     std::optional<HalfPixelReport>* half_pixel) {
+// What is meshed.
+struct MesherInput {
+  Workspace workspace;
+  std::optional<HalfPixelReport> half_pixel;
+  ManifoldMeshingOptions meshing;
+  Masked masked;
+};
+
+MesherInput ReadInput(const MesherOptions& options, const Progress& progress) {
   Report(progress, "Reading the workspace", 0);
-  Workspace workspace = ReadWorkspace(options.InputPath(), options.workspace,
-                                      ColmapPictureDecoder());
+  MesherInput input{ReadWorkspace(options.InputPath(), options.workspace,
+                                  ColmapPictureDecoder()),
+                    {},
+                    options.meshing,
+                    {}};
   // Sparse points come from features, which do not have the error.
   if (options.half_pixel_correction &&
       options.workspace.input_type == InputType::kDense) {
     Report(progress, "Correcting the half pixel", 0);
-    *half_pixel = CorrectHalfPixel(options, &workspace);
+    input.half_pixel = CorrectHalfPixel(options, &input.workspace);
   }
-  return workspace;
+  input.meshing.region = options.region.Resolve(input.workspace.views,
+                                                input.workspace.sparse_points);
+  input.masked =
+      MaskWorkspace(options, input.meshing.region, progress, &input.workspace);
+  return input;
 }
 
-void MeshWorkspace(const MesherOptions& options) {
+void PrintInput(const MesherOptions& options, const MesherInput& input,
+                ReportLog* log) {
+  PrintReport(input.workspace.report, input.workspace.views.size(),
+              input.half_pixel, log);
+  PrintPixels(options, input.workspace, log);
+  if (input.masked.report) {
+    PrintReport(*input.masked.report, log);
+  }
+  PrintReport(input.meshing.region, log);
+  std::cout << std::endl;
+}
+
+PagePictures Draw(const Workspace& workspace, const ManifoldMesh& mesh) {
+  const PageCameras cameras = ChoosePageCameras(
+      workspace.views, mesh.attributes.views, workspace.report.path / "images",
+      ColmapPictureDecoder());
+  return DrawMeshing(cameras, workspace.cloud, mesh);
+}
+
+void MeshWorkspace(const MesherOptions& options,
+                   const std::vector<PageOption>& page_options) {
   const std::filesystem::path output_path = FindOutputPath(options);
+  const bool has_page = !options.report_path.empty();
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const auto progress = [&reporter](std::string_view stage, double share) {
     reporter.Update(stage, share);
   };
-  std::optional<HalfPixelReport> half_pixel;
-  Workspace workspace = ReadPoints(options, progress, &half_pixel);
-  ManifoldMeshingOptions meshing = options.meshing;
-  meshing.region =
-      options.region.Resolve(workspace.views, workspace.sparse_points);
-  const Masked masked =
-      MaskWorkspace(options, meshing.region, progress, &workspace);
+  MesherInput input = ReadInput(options, progress);
   reporter.Finish();
-  PrintReport(workspace.report, workspace.views.size(), half_pixel, std::cout);
-  PrintPixels(options, workspace);
-  if (masked.report) {
-    PrintReport(*masked.report, std::cout);
-  }
-  PrintReport(meshing.region, std::cout);
-  std::cout << std::endl;
-  const std::vector<View> views = MeshingViews(options, workspace);
-  const ManifoldMesh mesh = MeshManifold(meshing, std::move(workspace.cloud),
-                                         views, progress, masked.ends);
+  ReportLog log(&std::cout);
+  PrintInput(options, input, &log);
+  const std::vector<View> views = MeshingViews(options, input.workspace);
+  PointCloud& cloud = input.workspace.cloud;
+  const ManifoldMesh mesh =
+      MeshManifold(input.meshing, has_page ? cloud : std::move(cloud), views,
+                   progress, input.masked.ends);
   Report(progress, "Writing the mesh", 0);
   WriteMesh(output_path, mesh.mesh, mesh.attributes);
-  WriteFoundRegion(options.region, meshing.region, output_path);
+  WriteFoundRegion(options.region, input.meshing.region, output_path);
+  PagePictures pictures;
+  if (has_page) {
+    Report(progress, "Drawing the report", 0);
+    pictures = Draw(input.workspace, mesh);
+  }
   reporter.Finish();
-  PrintReport(mesh.report, std::cout);
-  PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);
+  PrintReport(mesh.report, &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  if (has_page) {
+    WriteText(options.report_path,
+              MeshingPage({"delaunay_manifold_mesher", output_path.string(),
+                           Versions(), page_options},
+                          log, pictures));
+  }
   std::cout << "\nWrote " << output_path.string() << " and "
             << VisibilityPath(output_path).string() << std::endl;
 }
@@ -191,9 +233,9 @@ int RunDelaunayManifoldMesher(int argc, char** argv) {
   MesherOptions options;
   CommandOptions command;
   AddMesherOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); },
-                              &options.num_threads,
-                              [&options] { MeshWorkspace(options); }};
+  const CommandSteps steps = {
+      [&options] { options.Finish(); }, &options.num_threads,
+      [&options, &command] { MeshWorkspace(options, PageOptions(command)); }};
   return RunCommand(argc, argv, command, steps, Advice());
 }
 

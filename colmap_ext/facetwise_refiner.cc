@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,9 +17,11 @@
 #include "colmap_ext/refinement/refinement_backend.h"
 #include "colmap_ext/refinement/refinement_input.h"
 #include "colmap_ext/refinement/refinement_state.h"
+#include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/report/refinement_report.h"
+#include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/terminal/stop_signal.h"
@@ -63,8 +66,9 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
     ExpectWritable(RegionPath(output));
   }
   if (!options.report_path.empty()) {
-    ExpectWritable(options.report_path);
+    ExpectWritable(options.StepsPath());
     ExpectWritable(options.PlotPath());
+    ExpectWritable(options.PagePath());
   }
   if (!options.labels_path.empty()) {
     ExpectWritable(options.labels_path);
@@ -75,9 +79,11 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
 // One run of the command, from its files to its files.
 class Refiner {
  public:
-  Refiner(const RefinerOptions& options, const RefinementPaths& paths)
+  Refiner(const RefinerOptions& options, const RefinementPaths& paths,
+          std::vector<PageOption> page_options)
       : options_(options),
         paths_(paths),
+        page_options_(std::move(page_options)),
         reporter_(std::cout, isatty(STDOUT_FILENO) != 0),
         progress_([this](std::string_view stage, double share) {
           reporter_.Update(stage, share);
@@ -90,7 +96,11 @@ class Refiner {
       GiveUp(refined.report);
     }
     Write(refined);
+    const PagePictures pictures = Draw(refined);
+    reporter_.Finish();
     Print(refined);
+    WritePage(refined.report.steps, pictures);
+    PrintFiles();
   }
 
  private:
@@ -98,6 +108,9 @@ class Refiner {
     input_ = ReadRefinementInput(options_, paths_, decoder_, progress_);
     Report(progress_, "Fingerprinting the files", 0);
     identity_ = IdentifyRun(options_, paths_, input_);
+    if (HasReport()) {
+      before_ = input_.mesh;
+    }
     level_ = options_.refinement.levels;
     if (options_.resume && fs::exists(StatePath(paths_.output))) {
       RefinementState state = ReadState(paths_.output, identity_, input_.views);
@@ -110,29 +123,29 @@ class Refiner {
       is_state_ours_ = true;
     }
     reporter_.Finish();
-    PrintReport(input_, std::cout);
+    PrintReport(input_, &log_);
     PrintStart();
   }
 
-  void PrintStart() const {
+  void PrintStart() {
     const std::string state_path = StatePath(paths_.output).string();
     if (is_state_ours_) {
       PrintText("goes on after", LevelName(level_) + ", by " + state_path,
-                std::cout);
+                &log_);
     } else if (options_.resume) {
       PrintText("starts from the beginning", "there is no " + state_path,
-                std::cout);
+                &log_);
     } else if (fs::exists(state_path)) {
       PrintText("starts from the beginning",
-                "--resume 1 would go on by " + state_path, std::cout);
+                "--resume 1 would go on by " + state_path, &log_);
     }
   }
 
   RefinedMesh Refine() {
     const RefinementBackend backend = MakeBackend(options_, input_.images);
-    PrintText("computed by", backend.description, std::cout);
+    PrintText("computed by", backend.description, &log_);
     if (!backend.warning.empty()) {
-      std::cout << "WARNING: " << backend.warning << "\n";
+      PrintWarning(backend.warning, &log_);
     }
     std::cout << std::endl;
     const StopSignal stop_signal;
@@ -238,34 +251,62 @@ class Refiner {
       WriteLabels(options_.labels_path, options_.LabelsPicturePath(),
                   refined.mesh, refined.labels, refined.views);
     }
-    reporter_.Finish();
   }
 
   bool AreCamerasRefined() const {
     return input_.camera_parts != RefinedParts::kNone;
   }
 
+  bool HasReport() const { return !options_.report_path.empty(); }
+
   void WriteReport(const RefinementReport& report) const {
-    if (!options_.report_path.empty()) {
-      WriteText(options_.report_path, StepsCsv(report.steps));
+    if (HasReport()) {
+      WriteText(options_.StepsPath(), StepsCsv(report.steps));
       WriteText(options_.PlotPath(), StepsPlot(report.steps));
     }
   }
 
-  void Print(const RefinedMesh& refined) const {
-    PrintReport(refined.report, Analyze(refined.mesh), std::cout);
+  PagePictures Draw(const RefinedMesh& refined) const {
+    if (!HasReport()) {
+      return {};
+    }
+    Report(progress_, "Drawing the report", 0);
+    const PageCameras cameras =
+        ChoosePageCameras(refined.views, refined.attributes.views,
+                          paths_.folder / "images", decoder_);
+    return DrawRefinement(cameras, before_, refined);
+  }
+
+  void WritePage(const std::vector<RefinementStep>& steps,
+                 const PagePictures& pictures) const {
+    if (HasReport()) {
+      WriteText(options_.PagePath(),
+                RefinementPage({"facetwise_refiner", paths_.output.string(),
+                                Versions(), page_options_},
+                               log_, steps, pictures));
+    }
+  }
+
+  void Print(const RefinedMesh& refined) {
+    PrintReport(refined.report, Analyze(refined.mesh), &log_);
     if (refined.report.is_held) {
-      std::cout << "WARNING: the images do not fit each other well enough to "
-                   "refine the mesh by them, which stays as it is; let "
-                   "--FacetwiseRefinement.refine_cameras poses align them\n";
+      PrintWarning(
+          "the images do not fit each other well enough to refine the mesh by "
+          "them, which stays as it is; let "
+          "--FacetwiseRefinement.refine_cameras "
+          "poses align them",
+          &log_);
     }
     if (refined.report.misalignment) {
-      PrintReport(*refined.report.misalignment, refined.views, std::cout);
+      PrintReport(*refined.report.misalignment, refined.views, &log_);
     }
     if (!refined.report.cameras.empty()) {
-      PrintReport(refined.report.cameras.back(), refined.views, std::cout);
+      PrintReport(refined.report.cameras.back(), refined.views, &log_);
     }
-    PrintReport(reporter_.StageTimes(), PeakMemory(), std::cout);
+    PrintReport(reporter_.StageTimes(), PeakMemory(), &log_);
+  }
+
+  void PrintFiles() const {
     std::cout << "\nWrote " << paths_.output.string()
               << (AreCamerasRefined() ? ", " : " and ")
               << VisibilityPath(paths_.output).string();
@@ -278,10 +319,13 @@ class Refiner {
 
   const RefinerOptions& options_;
   const RefinementPaths& paths_;
+  const std::vector<PageOption> page_options_;
   const PictureDecoder decoder_ = ColmapPictureDecoder();
   ProgressReporter reporter_;
   Progress progress_;
+  ReportLog log_{&std::cout};
   RefinementInput input_;
+  TriangleMesh before_;  // the input's, if it is reported on
   RunIdentity identity_;
   RefinementReport earlier_;              // of the run that is gone on with
   std::vector<Eigen::Vector3f> origins_;  // see RefinementStart
@@ -290,11 +334,12 @@ class Refiner {
   int signal_ = 0;
 };
 
-void RefineWorkspace(RefinerOptions options) {
+void RefineWorkspace(RefinerOptions options,
+                     const std::vector<PageOption>& page_options) {
   const RefinementPaths paths = FindRefinementPaths(options);
   options.ChooseTrim(paths.HasFusedPoints());
   CheckOutputs(options, paths);
-  Refiner(options, paths).Run();
+  Refiner(options, paths, page_options).Run();
 }
 
 }  // namespace
@@ -303,9 +348,9 @@ int RunFacetwiseRefiner(int argc, char** argv) {
   RefinerOptions options;
   CommandOptions command;
   AddRefinerOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); },
-                              &options.num_threads,
-                              [&options] { RefineWorkspace(options); }};
+  const CommandSteps steps = {
+      [&options] { options.Finish(); }, &options.num_threads,
+      [&options, &command] { RefineWorkspace(options, PageOptions(command)); }};
   return RunCommand(argc, argv, command, steps, Advice());
 }
 

@@ -177,9 +177,10 @@ void Evaluate(const EvaluatorOptions& options) {
     WriteText(options.json_path, EvaluationJson(options, evaluation));
   }
   reporter.Finish();
-  PrintReport(observability.region, std::cout);
-  PrintEvaluation(options, evaluation, std::cout);
-  PrintReport(reporter.StageTimes(), PeakMemory(), std::cout);
+  ReportLog log(&std::cout);
+  PrintReport(observability.region, &log);
+  PrintEvaluation(options, evaluation, &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
 }
 
 }  // namespace

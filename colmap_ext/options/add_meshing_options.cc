@@ -26,6 +26,9 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "sparse_path", &mesher->sparse_path,
       "The cameras, a sparse model or a folder with one, such as "
       "WORKSPACE/sparse-refined. Default: WORKSPACE/sparse");
+  manager->AddDefaultOption(
+      "report_path", &mesher->report_path,
+      "A page on the run, HTML: figures, and pictures from three cameras");
   manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
   manager->AddDefaultOption(

@@ -26,7 +26,8 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "WORKSPACE/sparse-refined. Default: WORKSPACE/sparse");
   manager->AddDefaultOption(
       "report_path", &refiner->report_path,
-      "A table of the iterations, CSV; its plot, SVG, lies beside it");
+      "A table of the iterations, CSV; beside it lie its plot, SVG, and a page "
+      "on the whole run, HTML, by whose name all three can be asked for too");
   manager->AddDefaultOption(
       "labels_path", &refiner->labels_path,
       "The mesh with its faces coloured by the pair of images that refined "

@@ -27,6 +27,10 @@ void MesherOptions::Finish() {
   if (!input_path.empty() && output_path.empty()) {
     throw OptionError("--output_path is required with --input_path");
   }
+  if (!report_path.empty() &&
+      std::filesystem::path(report_path).extension() != ".html") {
+    throw OptionError("--report_path is a page, and ends in .html");
+  }
   std::transform(words.input_type.begin(), words.input_type.end(),
                  words.input_type.begin(),
                  [](unsigned char c) { return std::tolower(c); });

@@ -15,6 +15,7 @@ struct MesherOptions {
   std::string input_path;      // or, as delaunay_mesher has it, this
   std::string output_path;
   std::string sparse_path;       // see WorkspaceOptions
+  std::string report_path;       // a page, .html
   RegionOption region;           // nothing is meshed outside
   std::string mask_path;         // a folder; empty: no masks
   bool mask_background = false;  // nothing is there where masks leave it out

@@ -25,7 +25,8 @@ void CheckPaths(const RefinerOptions& options) {
   if (options.PlotPath() == options.report_path &&
       !options.report_path.empty()) {
     throw OptionError(
-        "--report_path is a CSV, and the plot beside it ends in .svg");
+        "--report_path is a CSV or a page, .html, and the plot beside it ends "
+        "in .svg");
   }
   if (options.LabelsPicturePath() == options.labels_path &&
       !options.labels_path.empty()) {
@@ -96,8 +97,17 @@ fs::path RefinerOptions::OutputPath(const fs::path& folder) const {
   return output_path.empty() ? folder / kRefinerOutput : fs::path(output_path);
 }
 
+fs::path RefinerOptions::StepsPath() const {
+  const fs::path path = report_path;
+  return path == PagePath() ? fs::path(path).replace_extension(".csv") : path;
+}
+
 fs::path RefinerOptions::PlotPath() const {
   return fs::path(report_path).replace_extension(".svg");
+}
+
+fs::path RefinerOptions::PagePath() const {
+  return fs::path(report_path).replace_extension(".html");
 }
 
 fs::path RefinerOptions::LabelsPicturePath() const {

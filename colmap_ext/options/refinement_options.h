@@ -27,7 +27,7 @@ struct RefinerOptions {
   std::string output_path;  // empty: meshed-refined.ply in the workspace
   std::string fused_path;   // empty: fused.ply in the workspace
   std::string sparse_path;  // see WorkspaceOptions
-  std::string report_path;  // a CSV; its plot lies beside it
+  std::string report_path;  // a CSV, or the page beside it; see below
   std::string labels_path;  // a PLY; its picture lies beside it
   std::string mask_path;    // a folder; empty: no masks
   RegionOption region;      // outside the mesh is cut off
@@ -68,7 +68,9 @@ struct RefinerOptions {
 
   // Files that are written beside others, or by default.
   std::filesystem::path OutputPath(const std::filesystem::path& folder) const;
-  std::filesystem::path PlotPath() const;
+  std::filesystem::path StepsPath() const;  // CSV
+  std::filesystem::path PlotPath() const;   // SVG
+  std::filesystem::path PagePath() const;   // HTML
   std::filesystem::path LabelsPicturePath() const;
 
   // Of memory, for the images at a level, and for what is drawn into them.

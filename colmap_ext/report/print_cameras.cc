@@ -1,5 +1,4 @@
 #include <cstddef>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -19,15 +18,15 @@ constexpr double kFarMotion = 3;
 constexpr double kConverged = 0.05;
 
 void Warn(const std::vector<std::string>& names, const std::string& what,
-          std::ostream& stream) {
+          ReportLog* log) {
   if (names.empty()) {
     return;
   }
-  stream << "WARNING: " << what << ":";
+  std::string list;
   for (const std::string& name : names) {
-    stream << " " << name;
+    list += " " + name;
   }
-  stream << "\n";
+  PrintWarning(what + ":" + list, log);
 }
 
 }  // namespace
@@ -41,26 +40,26 @@ std::string Describe(const CameraRefinementReport& report) {
 }
 
 void PrintReport(const Misalignment& misalignment,
-                 const std::vector<View>& views, std::ostream& stream) {
-  PrintHeading("Alignment of the images", stream);
+                 const std::vector<View>& views, ReportLog* log) {
+  PrintHeading("Alignment of the images", log);
   PrintText("off by, px of the surface",
-            fmt::format("{:14.3f}", misalignment.by_cameras), stream);
+            fmt::format("{:14.3f}", misalignment.by_cameras), log);
   PrintText("the surface before, px",
-            fmt::format("{:14.3f}", misalignment.of_surface), stream);
+            fmt::format("{:14.3f}", misalignment.of_surface), log);
   std::vector<std::string> misaligned;
   for (const uint32_t view : MisalignedViews(misalignment)) {
     misaligned.push_back(views[view].name);
   }
   Warn(misaligned, "these images fit the others worse than the surface fits",
-       stream);
+       log);
 }
 
 void PrintReport(const CameraRefinementReport& report,
-                 const std::vector<View>& views, std::ostream& stream) {
-  PrintHeading("Cameras", stream);
+                 const std::vector<View>& views, ReportLog* log) {
+  PrintHeading("Cameras", log);
   PrintText("noise of the features, px",
-            fmt::format("{:14.3f}", report.track_sigma), stream);
-  PrintText("", "      moved by, px       windows      features", stream);
+            fmt::format("{:14.3f}", report.track_sigma), log);
+  PrintText("", "      moved by, px       windows      features", log);
   std::vector<std::string> far;
   std::vector<std::string> unsettled;
   std::vector<std::string> held;
@@ -69,7 +68,7 @@ void PrintReport(const CameraRefinementReport& report,
     PrintText(views[i].name,
               fmt::format("{:18.3f}{:14}{:14}", view.motion, view.num_windows,
                           view.num_observations),
-              stream);
+              log);
     if (view.motion > kFarMotion) {
       far.push_back(views[i].name);
     }
@@ -81,9 +80,9 @@ void PrintReport(const CameraRefinementReport& report,
     }
   }
   Warn(far, fmt::format("these images moved by more than {} px", kFarMotion),
-       stream);
-  Warn(unsettled, "these images did not converge", stream);
-  Warn(held, "too little is seen by these images to refine them", stream);
+       log);
+  Warn(unsettled, "these images did not converge", log);
+  Warn(held, "too little is seen by these images to refine them", log);
 }
 
 }  // namespace colmap_ext

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <ostream>
 
 #include <fmt/format.h>
 
@@ -16,83 +15,81 @@ std::string Number(double number) {
 }
 
 void PrintPair(const char* label, double accuracy, double completeness,
-               std::ostream& stream) {
-  PrintText(label, Number(accuracy) + Number(completeness), stream);
+               ReportLog* log) {
+  PrintText(label, Number(accuracy) + Number(completeness), log);
 }
 
 void PrintPair(const char* label, size_t accuracy, size_t completeness,
-               std::ostream& stream) {
-  PrintText(label, fmt::format("{:14}{:14}", accuracy, completeness), stream);
+               ReportLog* log) {
+  PrintText(label, fmt::format("{:14}{:14}", accuracy, completeness), log);
 }
 
 void PrintDistances(const SurfaceDistances& distances, bool drop_beyond,
-                    std::ostream& stream) {
+                    ReportLog* log) {
   const DistanceStatistics& accuracy = distances.accuracy;
   const DistanceStatistics& completeness = distances.completeness;
-  PrintHeading("Distances, scene units", stream);
-  PrintText("", "      accuracy  completeness", stream);
-  PrintPair("mean", accuracy.mean, completeness.mean, stream);
-  PrintPair("median", accuracy.median, completeness.median, stream);
+  PrintHeading("Distances, scene units", log);
+  PrintText("", "      accuracy  completeness", log);
+  PrintPair("mean", accuracy.mean, completeness.mean, log);
+  PrintPair("median", accuracy.median, completeness.median, log);
   PrintPair("90th percentile", accuracy.percentile90, completeness.percentile90,
-            stream);
-  PrintPair("samples", accuracy.num_samples, completeness.num_samples, stream);
+            log);
+  PrintPair("samples", accuracy.num_samples, completeness.num_samples, log);
   PrintPair(drop_beyond ? "  beyond the maximum, dropped"
                         : "  beyond the maximum, clipped",
-            accuracy.num_beyond, completeness.num_beyond, stream);
-  PrintText("average score", Number(distances.AverageScore()), stream);
-  PrintText("maximum distance", Number(distances.max_distance), stream);
-  PrintText("spacing of the samples", Number(distances.spacing), stream);
+            accuracy.num_beyond, completeness.num_beyond, log);
+  PrintText("average score", Number(distances.AverageScore()), log);
+  PrintText("maximum distance", Number(distances.max_distance), log);
+  PrintText("spacing of the samples", Number(distances.spacing), log);
 }
 
-void PrintDepths(const DepthErrors& depths, std::ostream& stream) {
-  PrintHeading("Depths", stream);
+void PrintDepths(const DepthErrors& depths, ReportLog* log) {
+  PrintHeading("Depths", log);
   for (size_t i = 0; i < depths.thresholds.size(); ++i) {
     PrintText(fmt::format("within {:.6g}", depths.thresholds[i]),
               std::isfinite(depths.Share(i))
                   ? fmt::format("{:12.2f} %", 100 * depths.Share(i))
                   : Number(depths.Share(i)),
-              stream);
+              log);
   }
-  Print("true depths", static_cast<int64_t>(depths.num_depths), stream);
-  Print("  without the mesh", static_cast<int64_t>(depths.num_missing), stream);
+  Print("true depths", static_cast<int64_t>(depths.num_depths), log);
+  Print("  without the mesh", static_cast<int64_t>(depths.num_missing), log);
 }
 
-void PrintTopology(const MeshReport& mesh, std::ostream& stream) {
-  PrintHeading("Mesh", stream);
+void PrintTopology(const MeshReport& mesh, ReportLog* log) {
+  PrintHeading("Mesh", log);
   PrintText("2-manifold",
-            mesh.IsManifold() ? "           yes" : "            no", stream);
+            mesh.IsManifold() ? "           yes" : "            no", log);
   if (!mesh.IsManifold()) {
-    PrintText("  defects", mesh.Defects(), stream);
+    PrintText("  defects", mesh.Defects(), log);
   }
-  Print("faces", static_cast<int64_t>(mesh.num_facets), stream);
-  Print("vertices", static_cast<int64_t>(mesh.num_vertices), stream);
-  Print("components", static_cast<int64_t>(mesh.num_components), stream);
-  Print("border loops", static_cast<int64_t>(mesh.num_border_loops), stream);
-  Print("border edges", static_cast<int64_t>(mesh.num_border_edges), stream);
+  Print("faces", static_cast<int64_t>(mesh.num_facets), log);
+  Print("vertices", static_cast<int64_t>(mesh.num_vertices), log);
+  Print("components", static_cast<int64_t>(mesh.num_components), log);
+  Print("border loops", static_cast<int64_t>(mesh.num_border_loops), log);
+  Print("border edges", static_cast<int64_t>(mesh.num_border_edges), log);
   if (mesh.IsManifold()) {
-    Print("genus", mesh.genus, stream);
+    Print("genus", mesh.genus, log);
   }
 }
 
 }  // namespace
 
 void PrintEvaluation(const EvaluatorOptions& options,
-                     const MeshEvaluation& evaluation, std::ostream& stream) {
-  PrintTopology(evaluation.topology, stream);
-  PrintIfAny("faces not finite, left out", evaluation.num_dropped_facets,
-             stream);
+                     const MeshEvaluation& evaluation, ReportLog* log) {
+  PrintTopology(evaluation.topology, log);
+  PrintIfAny("faces not finite, left out", evaluation.num_dropped_facets, log);
   if (evaluation.num_views > 0) {
-    PrintHeading("Seen by", stream);
-    Print("images", static_cast<int64_t>(evaluation.num_views), stream);
+    PrintHeading("Seen by", log);
+    Print("images", static_cast<int64_t>(evaluation.num_views), log);
     PrintIfAny("  without a true depth map",
-               evaluation.num_views_without_depths, stream);
+               evaluation.num_views_without_depths, log);
   }
   if (evaluation.distances) {
-    PrintDistances(*evaluation.distances, options.evaluation.drop_beyond,
-                   stream);
+    PrintDistances(*evaluation.distances, options.evaluation.drop_beyond, log);
   }
   if (evaluation.depths) {
-    PrintDepths(*evaluation.depths, stream);
+    PrintDepths(*evaluation.depths, log);
   }
 }
 

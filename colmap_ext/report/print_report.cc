@@ -1,7 +1,6 @@
 #include "colmap_ext/report/print_report.h"
 
 #include <cstdint>
-#include <ostream>
 #include <string>
 
 #include <fmt/format.h>
@@ -42,141 +41,138 @@ const char* Describe(OrderReason reason) {
   return "";
 }
 
-void PrintOrder(const VerifiedOrder& verified, std::ostream& stream) {
+void PrintOrder(const VerifiedOrder& verified, ReportLog* log) {
   PrintText("image order of fused.ply.vis", MeaningOf(verified.order.kind),
-            stream);
-  PrintText("  told by", Describe(verified.reason), stream);
+            log);
+  PrintText("  told by", Describe(verified.reason), log);
   PrintText("  points inside their images",
-            fmt::format("{:12.2f} %", 100 * verified.evidence.inside), stream);
+            fmt::format("{:12.2f} %", 100 * verified.evidence.inside), log);
   PrintText("  ... and facing them",
-            fmt::format("{:12.2f} %", 100 * verified.evidence.facing), stream);
+            fmt::format("{:12.2f} %", 100 * verified.evidence.facing), log);
 }
 
-void PrintCells(const ManifoldMeshingReport& report, std::ostream& stream) {
-  PrintHeading("Cells", stream);
-  Print("points in", static_cast<int64_t>(report.num_points), stream);
+void PrintCells(const ManifoldMeshingReport& report, ReportLog* log) {
+  PrintHeading("Cells", log);
+  Print("points in", static_cast<int64_t>(report.num_points), log);
   Print("  at the place of another",
-        static_cast<int64_t>(report.num_duplicate_points), stream);
-  PrintIfAny("  outside of the region", report.num_outside_points, stream);
-  PrintIfAny("rays beyond", report.num_ray_ends, stream);
-  Print("observations", static_cast<int64_t>(report.num_observations), stream);
+        static_cast<int64_t>(report.num_duplicate_points), log);
+  PrintIfAny("  outside of the region", report.num_outside_points, log);
+  PrintIfAny("rays beyond", report.num_ray_ends, log);
+  Print("observations", static_cast<int64_t>(report.num_observations), log);
   Print("vertices, after thinning", static_cast<int64_t>(report.num_vertices),
-        stream);
-  Print("cells", static_cast<int64_t>(report.num_cells), stream);
-  Print("  free", static_cast<int64_t>(report.num_free_cells), stream);
+        log);
+  Print("cells", static_cast<int64_t>(report.num_cells), log);
+  Print("  free", static_cast<int64_t>(report.num_free_cells), log);
   PrintText("distance sigma", fmt::format("{:14.6g}", report.distance_sigma),
-            stream);
-  Print("rays walked", static_cast<int64_t>(report.rays.num_rays), stream);
-  Print("  given up", static_cast<int64_t>(report.rays.num_lost_rays), stream);
+            log);
+  Print("rays walked", static_cast<int64_t>(report.rays.num_rays), log);
+  Print("  given up", static_cast<int64_t>(report.rays.num_lost_rays), log);
   if (report.num_sharp_rays > 0) {
-    Print("  strengthened", static_cast<int64_t>(report.num_sharp_rays),
-          stream);
+    Print("  strengthened", static_cast<int64_t>(report.num_sharp_rays), log);
   }
-  Print("facets crossed", static_cast<int64_t>(report.rays.num_steps), stream);
-  Print("maximum flow", report.flow, stream);
-  Print("minimum cut", report.cut, stream);
+  Print("facets crossed", static_cast<int64_t>(report.rays.num_steps), log);
+  Print("maximum flow", report.flow, log);
+  Print("minimum cut", report.cut, log);
 }
 
-void PrintFixing(const ManifoldMeshingReport& report, std::ostream& stream) {
-  PrintHeading("Singular vertices", stream);
+void PrintFixing(const ManifoldMeshingReport& report, ReportLog* log) {
+  PrintHeading("Singular vertices", log);
   Print("of the cut", static_cast<int64_t>(report.fixing.num_singular_raw),
-        stream);
+        log);
   Print("after fixing", static_cast<int64_t>(report.fixing.num_singular_fixed),
-        stream);
+        log);
   Print("after the split",
-        static_cast<int64_t>(report.mesh.num_singular_vertices), stream);
+        static_cast<int64_t>(report.mesh.num_singular_vertices), log);
   Print("cells relabelled",
-        static_cast<int64_t>(report.fixing.num_relabeled_cells), stream);
+        static_cast<int64_t>(report.fixing.num_relabeled_cells), log);
   Print("cells split", static_cast<int64_t>(report.fixing.num_split_cells),
-        stream);
+        log);
   Print("vertices split off", static_cast<int64_t>(report.num_split_vertices),
-        stream);
-  PrintIfAny("edges split", report.num_midpoints, stream);
+        log);
+  PrintIfAny("edges split", report.num_midpoints, log);
 }
 
-void PrintMesh(const ManifoldMeshingReport& report, std::ostream& stream) {
-  PrintHeading("Mesh", stream);
-  PrintIfAny("long faces dropped", report.num_long_facets, stream);
+void PrintMesh(const ManifoldMeshingReport& report, ReportLog* log) {
+  PrintHeading("Mesh", log);
+  PrintIfAny("long faces dropped", report.num_long_facets, log);
   PrintIfAny("small components dropped", report.small_components.num_components,
-             stream);
-  PrintIfAny("  their faces", report.small_components.num_facets, stream);
+             log);
+  PrintIfAny("  their faces", report.small_components.num_facets, log);
   const SelfIntersectionRepair& repair = report.self_intersections;
   PrintIfAny("self-intersections removed", repair.num_before - repair.num_after,
-             stream);
-  PrintIfAny("self-intersections left", repair.num_after, stream);
-  PrintReport(report.borders, stream);
-  Print("faces", static_cast<int64_t>(report.mesh.num_facets), stream);
-  Print("vertices", static_cast<int64_t>(report.mesh.num_vertices), stream);
-  Print("components", static_cast<int64_t>(report.mesh.num_components), stream);
+             log);
+  PrintIfAny("self-intersections left", repair.num_after, log);
+  PrintReport(report.borders, log);
+  Print("faces", static_cast<int64_t>(report.mesh.num_facets), log);
+  Print("vertices", static_cast<int64_t>(report.mesh.num_vertices), log);
+  Print("components", static_cast<int64_t>(report.mesh.num_components), log);
   Print("border loops", static_cast<int64_t>(report.mesh.num_border_loops),
-        stream);
+        log);
   Print("border edges", static_cast<int64_t>(report.mesh.num_border_edges),
-        stream);
-  Print("genus", report.mesh.genus, stream);
+        log);
+  Print("genus", report.mesh.genus, log);
 }
 
 }  // namespace
 
 void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
-                 std::ostream& stream) {
-  PrintHeading("Workspace", stream);
-  PrintText("folder", report.path.string(), stream);
-  PrintText("sparse model", report.sparse_path.string(), stream);
-  Print("images", static_cast<int64_t>(num_images), stream);
+                 ReportLog* log) {
+  PrintHeading("Workspace", log);
+  PrintText("folder", report.path.string(), log);
+  PrintText("sparse model", report.sparse_path.string(), log);
+  Print("images", static_cast<int64_t>(num_images), log);
   PrintIfAny("  not there, camera's size taken", report.num_missing_images,
-             stream);
+             log);
   PrintIfAny("  scaled, other than their camera", report.num_rescaled_images,
-             stream);
-  Print("sparse points", static_cast<int64_t>(report.num_sparse_points),
-        stream);
-  Print("points read", static_cast<int64_t>(report.points.num_points), stream);
+             log);
+  Print("sparse points", static_cast<int64_t>(report.num_sparse_points), log);
+  Print("points read", static_cast<int64_t>(report.points.num_points), log);
   Print("  dropped, not finite",
-        static_cast<int64_t>(report.points.num_not_finite), stream);
+        static_cast<int64_t>(report.points.num_not_finite), log);
   Print("  dropped, seen by no image",
-        static_cast<int64_t>(report.points.num_without_views), stream);
+        static_cast<int64_t>(report.points.num_without_views), log);
   PrintIfAny("  list images that are not there", report.points.num_out_of_range,
-             stream);
-  PrintIfAny("  list an image twice", report.points.num_with_repeats, stream);
+             log);
+  PrintIfAny("  list an image twice", report.points.num_with_repeats, log);
   if (report.is_order_verified) {
-    PrintOrder(report.order, stream);
+    PrintOrder(report.order, log);
   }
   if (half_pixel) {
     const HalfPixelSlope& slope = half_pixel->slope;
     PrintText("half pixel, times, corrected",
-              fmt::format("{:14.2f}", half_pixel->scale), stream);
+              fmt::format("{:14.2f}", half_pixel->scale), log);
     PrintText("  seen in the sparse points",
               slope.num_points > 0
                   ? fmt::format("{:14.2f} +- {:.2f}", slope.slope,
                                 slope.standard_error)
                   : "             -  too few of them",
-              stream);
+              log);
   }
 }
 
-void PrintReport(const BorderReport& report, std::ostream& stream) {
-  PrintIfAny("faces trimmed", report.trim.num_facets, stream);
+void PrintReport(const BorderReport& report, ReportLog* log) {
+  PrintIfAny("faces trimmed", report.trim.num_facets, log);
   PrintIfAny("  not confident, in small gaps, kept",
-             report.trim.num_kept_facets, stream);
+             report.trim.num_kept_facets, log);
   PrintIfAny("  cut off, dropped with them", report.trim.num_leftover_facets,
-             stream);
-  PrintIfAny("holes closed", report.holes.num_closed, stream);
-  PrintIfAny("  by faces", report.holes.num_facets, stream);
+             log);
+  PrintIfAny("holes closed", report.holes.num_closed, log);
+  PrintIfAny("  by faces", report.holes.num_facets, log);
   PrintIfAny("  by faces that intersect others", report.holes.num_intersecting,
-             stream);
-  PrintIfAny("holes left, would not be manifold", report.holes.NumLeft(),
-             stream);
+             log);
+  PrintIfAny("holes left, would not be manifold", report.holes.NumLeft(), log);
 }
 
-void PrintReport(const MaskReport& report, std::ostream& stream) {
-  Print("masks", static_cast<int64_t>(report.num_masks), stream);
+void PrintReport(const MaskReport& report, ReportLog* log) {
+  Print("masks", static_cast<int64_t>(report.num_masks), log);
   Print("  masked views of points",
-        static_cast<int64_t>(report.num_masked_observations), stream);
+        static_cast<int64_t>(report.num_masked_observations), log);
   Print("  points masked in all views",
-        static_cast<int64_t>(report.num_masked_points), stream);
+        static_cast<int64_t>(report.num_masked_points), log);
 }
 
-void PrintReport(const std::optional<Region>& region, std::ostream& stream) {
+void PrintReport(const std::optional<Region>& region, ReportLog* log) {
   if (!region) {
     return;
   }
@@ -185,30 +181,28 @@ void PrintReport(const std::optional<Region>& region, std::ostream& stream) {
   PrintText(
       "region, its centre",
       fmt::format("{:14.6g} {:.6g} {:.6g}", center.x(), center.y(), center.z()),
-      stream);
+      log);
   PrintText("  its size",
             fmt::format("{:14.6g} {:.6g} {:.6g}", size.x(), size.y(), size.z()),
-            stream);
+            log);
 }
 
-void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream) {
-  PrintCells(report, stream);
-  PrintFixing(report, stream);
-  PrintMesh(report, stream);
+void PrintReport(const ManifoldMeshingReport& report, ReportLog* log) {
+  PrintCells(report, log);
+  PrintFixing(report, log);
+  PrintMesh(report, log);
 }
 
 void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,
-                 std::ostream& stream) {
-  PrintHeading("Time", stream);
+                 ReportLog* log) {
+  PrintHeading("Time", log);
   double total = 0;
   for (const StageTime& time : stage_times) {
-    PrintText(time.stage, fmt::format("{:12.2f} s", time.seconds), stream);
+    PrintText(time.stage, fmt::format("{:12.2f} s", time.seconds), log);
     total += time.seconds;
   }
-  PrintText("all", fmt::format("{:12.2f} s", total), stream);
-  PrintText("peak memory", fmt::format("{:11.0f} MB", peak_memory / 1e6),
-            stream);
-  stream << std::flush;
+  PrintText("all", fmt::format("{:12.2f} s", total), log);
+  PrintText("peak memory", fmt::format("{:11.0f} MB", peak_memory / 1e6), log);
 }
 
 }  // namespace colmap_ext

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <iosfwd>
 #include <optional>
 #include <vector>
 
+#include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "meshing/manifold_meshing.h"
 #include "repair/edit_borders.h"
@@ -26,22 +26,22 @@ struct HalfPixelReport {
 // \param half_pixel  if it was corrected.
 void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
-                 std::ostream& stream);
+                 ReportLog* log);
 
 // What the masks left out.
-void PrintReport(const MaskReport& report, std::ostream& stream);
+void PrintReport(const MaskReport& report, ReportLog* log);
 
 // Where it is meshed or refined: nothing where that is everywhere.
-void PrintReport(const std::optional<Region>& region, std::ostream& stream);
+void PrintReport(const std::optional<Region>& region, ReportLog* log);
 
 // What was made of it.
-void PrintReport(const ManifoldMeshingReport& report, std::ostream& stream);
+void PrintReport(const ManifoldMeshingReport& report, ReportLog* log);
 
 // What was dropped and closed at its borders: nothing where that is nothing.
-void PrintReport(const BorderReport& report, std::ostream& stream);
+void PrintReport(const BorderReport& report, ReportLog* log);
 
 // What it took.
 void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,
-                 std::ostream& stream);
+                 ReportLog* log);
 
 }  // namespace colmap_ext

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <iosfwd>
 #include <string>
 #include <vector>
 
 #include "colmap_ext/refinement/refinement_input.h"
+#include "colmap_ext/report/print_lines.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
 
@@ -21,6 +21,17 @@ std::vector<std::vector<RefinementStep>> SplitIntoStages(
 // Of a stage that the step is of: "1/2 size, final".
 std::string StageName(const RefinementStep& step);
 
+// A stage in words, for the screen and the page.
+struct StageText {
+  std::string name;
+  std::string iterations;
+  std::string faces;
+  std::string energy[2];     // before and after
+  std::string mean_zncc[2];  // likewise
+};
+
+std::vector<StageText> DescribeStages(const std::vector<RefinementStep>& steps);
+
 // One iteration in one line.
 std::string Describe(const RefinementStep& step);
 
@@ -30,24 +41,30 @@ std::string Describe(const CameraRefinementReport& report);
 // The iterations as a table, one a row below a row of names.
 std::string StepsCsv(const std::vector<RefinementStep>& steps);
 
-// A plot of the energy by iteration, SVG: a panel with a scale of its own for
-// each stage.
+enum class StepValue { kEnergy, kMeanZncc };
+
+// A plot of a value by iteration: a panel with a scale of its own for each
+// stage. An SVG element as it stands in HTML.
+std::string StepsFigure(const std::vector<RefinementStep>& steps,
+                        StepValue value);
+
+// That of the energy as an SVG file.
 std::string StepsPlot(const std::vector<RefinementStep>& steps);
 
 // On the screen: what is going to be refined ...
-void PrintReport(const RefinementInput& input, std::ostream& stream);
+void PrintReport(const RefinementInput& input, ReportLog* log);
 
 // ... and what came of it.
 void PrintReport(const RefinementReport& report, const MeshReport& mesh,
-                 std::ostream& stream);
+                 ReportLog* log);
 
 // How well the images are aligned.
 void PrintReport(const Misalignment& misalignment,
-                 const std::vector<View>& views, std::ostream& stream);
+                 const std::vector<View>& views, ReportLog* log);
 
 // How far the cameras moved, image by image, with warnings of those that moved
 // far, did not converge, or could not be moved.
 void PrintReport(const CameraRefinementReport& report,
-                 const std::vector<View>& views, std::ostream& stream);
+                 const std::vector<View>& views, ReportLog* log);
 
 }  // namespace colmap_ext

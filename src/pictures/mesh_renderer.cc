@@ -7,8 +7,6 @@
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
-#include "spatial/bvh.h"
-
 namespace colmap_ext {
 namespace {
 
@@ -41,22 +39,23 @@ Color ToColor(const Vector3f& value) {
   return color;
 }
 
-class Renderer {
+// What a camera sees of a mesh.
+class Eye {
  public:
-  Renderer(const TriangleMesh& mesh, const View& view,
-           const FrontColor& front_color)
+  Eye(const TriangleMesh& mesh, const Bvh& bvh, const View& view)
       : mesh_(mesh),
+        bvh_(bvh),
         view_(view),
-        front_color_(front_color),
-        bvh_(mesh),
         eye_(view.Center().cast<float>()),
         // From above and to the left of the camera.
         sun_((view.cam_from_world_rotation.transpose() *
               Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
                  .cast<float>()) {}
 
-  // The mean of rays through the middles of the pixel's quarters.
-  Vector3f Pixel(int row, int col) const {
+  // In each of the colours: the mean of rays through the middles of the pixel's
+  // quarters.
+  std::vector<Vector3f> Pixel(int row, int col,
+                              const std::vector<FrontColor>& colors) const {
     RayPacket rays;
     rays.origin = eye_;
     for (int i = 0; i < 4; ++i) {
@@ -66,14 +65,17 @@ class Renderer {
                                         row + 0.25 + 0.5 * sub_row));
     }
     const HitPacket hits = bvh_.Intersect(rays);
-    Vector3f sum = Vector3f::Zero();
+    std::vector<Vector3f> means(colors.size(), Vector3f::Zero());
     for (int i = 0; i < 4; ++i) {
-      sum += hits.facet[i] < 0
-                 ? kBackground
-                 : Shade(hits.facet[i], hits.distance[i],
-                         Vector3f(rays.x[i], rays.y[i], rays.z[i]));
+      const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
+      for (size_t j = 0; j < colors.size(); ++j) {
+        means[j] += (hits.facet[i] < 0 ? kBackground
+                                       : Shade(hits.facet[i], hits.distance[i],
+                                               direction, colors[j])) /
+                    4;
+      }
     }
-    return sum / 4;
+    return means;
   }
 
  private:
@@ -82,7 +84,8 @@ class Renderer {
            0.25f * std::abs(normal.dot(direction.normalized()));
   }
 
-  Vector3f Shade(int32_t index, float depth, const Vector3f& direction) const {
+  Vector3f Shade(int32_t index, float depth, const Vector3f& direction,
+                 const FrontColor& front_color) const {
     const Facet& facet = mesh_.facets[index];
     const Vector3f& a = mesh_.vertices[facet[0]];
     const Vector3f& b = mesh_.vertices[facet[1]];
@@ -95,55 +98,75 @@ class Renderer {
     const Vector3f areas((b - point).cross(c - point).dot(normal),
                          (c - point).cross(a - point).dot(normal),
                          (a - point).cross(b - point).dot(normal));
-    return front_color_({static_cast<uint32_t>(index), depth, normal, areas,
-                         Light(normal, direction)});
+    return front_color({static_cast<uint32_t>(index), depth, normal, areas,
+                        Light(normal, direction)});
   }
 
   const TriangleMesh& mesh_;
+  const Bvh& bvh_;
   const View& view_;
-  const FrontColor& front_color_;
-  const Bvh bvh_;
   const Vector3f eye_;
   const Vector3f sun_;  // unit, to the light
 };
 
 }  // namespace
 
-ColorImage RenderMesh(const TriangleMesh& mesh, const View& view,
-                      const FrontColor& front_color) {
-  ColorImage image;
-  image.width = view.width;
-  image.height = view.height;
-  image.pixels.resize(static_cast<size_t>(view.width) * view.height);
-  const Renderer renderer(mesh, view, front_color);
+std::vector<ColorImage> MeshRenderer::Draw(
+    const View& view, const std::vector<FrontColor>& colors) const {
+  const ColorImage blank{
+      view.width, view.height,
+      std::vector<Color>(static_cast<size_t>(view.width) * view.height)};
+  std::vector<ColorImage> images(colors.size(), blank);
+  const Eye eye(mesh_, bvh_, view);
   tbb::parallel_for(0, view.height, [&](int row) {
     for (int col = 0; col < view.width; ++col) {
-      image.pixels[static_cast<size_t>(row) * view.width + col] =
-          ToColor(renderer.Pixel(row, col));
+      const std::vector<Vector3f> values = eye.Pixel(row, col, colors);
+      for (size_t i = 0; i < images.size(); ++i) {
+        images[i].pixels[static_cast<size_t>(row) * view.width + col] =
+            ToColor(values[i]);
+      }
     }
   });
-  return image;
+  return images;
 }
 
-ColorImage RenderVertexColors(const TriangleMesh& mesh,
-                              const std::vector<Color>& colors,
-                              const View& view) {
-  return RenderMesh(mesh, view, [&](const FrontHit& hit) {
+FrontColor VertexColors(const TriangleMesh& mesh,
+                        const std::vector<Color>& colors, float shade) {
+  return [&mesh, &colors, shade](const FrontHit& hit) {
     Vector3f mean = Vector3f::Zero();
     for (int i = 0; i < 3; ++i) {
       const Color& color = colors[mesh.facets[hit.facet][i]];
       mean += hit.areas[i] / hit.areas.sum() / 255 *
               Vector3f(color[0], color[1], color[2]);
     }
-    return mean;
-  });
+    return Vector3f(mean * (1 - shade + shade * hit.light));
+  };
+}
+
+FrontColor LabelColors(const std::vector<int32_t>& labels) {
+  return [&labels](const FrontHit& hit) {
+    return Vector3f(LabelBase(labels[hit.facet]) * hit.light);
+  };
+}
+
+FrontColor PlainColor() {
+  return [](const FrontHit& hit) { return Vector3f(kPlain * hit.light); };
+}
+
+ColorImage RenderMesh(const TriangleMesh& mesh, const View& view,
+                      const FrontColor& front_color) {
+  return MeshRenderer(mesh).Draw(view, {front_color})[0];
+}
+
+ColorImage RenderVertexColors(const TriangleMesh& mesh,
+                              const std::vector<Color>& colors,
+                              const View& view) {
+  return RenderMesh(mesh, view, VertexColors(mesh, colors, 0));
 }
 
 ColorImage RenderLabels(const TriangleMesh& mesh,
                         const std::vector<int32_t>& labels, const View& view) {
-  return RenderMesh(mesh, view, [&](const FrontHit& hit) {
-    return Vector3f(LabelBase(labels[hit.facet]) * hit.light);
-  });
+  return RenderMesh(mesh, view, LabelColors(labels));
 }
 
 Color LabelColor(int32_t label) { return ToColor(LabelBase(label)); }

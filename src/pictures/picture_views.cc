@@ -1,6 +1,7 @@
 #include "pictures/picture_views.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -105,6 +106,33 @@ View CropView(const View& view, double zoom, double u, double v, int width,
   crop.cx = (view.cx - u * view.width) * scale + 0.5 * width;
   crop.cy = (view.cy - v * view.height) * scale + 0.5 * height;
   return crop;
+}
+
+std::vector<size_t> SpreadViews(const std::vector<View>& views,
+                                const std::vector<size_t>& num_seen,
+                                size_t count) {
+  const auto most = std::max_element(num_seen.begin(), num_seen.end());
+  if (most == num_seen.end() || *most == 0 || count == 0) {
+    return {};
+  }
+  std::vector<size_t> chosen = {static_cast<size_t>(most - num_seen.begin())};
+  // To the nearest chosen view; 0 of those that see too little.
+  std::vector<double> distances(views.size(),
+                                std::numeric_limits<double>::infinity());
+  while (chosen.size() < count) {
+    for (size_t i = 0; i < views.size(); ++i) {
+      const double distance =
+          (views[i].Center() - views[chosen.back()].Center()).norm();
+      distances[i] =
+          2 * num_seen[i] >= *most ? std::min(distances[i], distance) : 0;
+    }
+    const auto farthest = std::max_element(distances.begin(), distances.end());
+    if (*farthest == 0) {
+      break;
+    }
+    chosen.push_back(farthest - distances.begin());
+  }
+  return chosen;
 }
 
 }  // namespace colmap_ext

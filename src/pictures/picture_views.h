@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,5 +26,16 @@ View AutomaticView(const TriangleMesh& mesh, int width, int height);
 // `zoom` times as large, as a picture of the given size.
 View CropView(const View& view, double zoom, double u, double v, int width,
               int height);
+
+// Returns up to `count` views that are spread out, of those that see much: of
+// the views that see half as much as the one that sees most, that one, and then
+// each time the one that is farthest from all that are chosen. Of equal ones
+// the first.
+// \param num_seen  [views] how much each sees; none of those that see nothing
+//        is returned.
+// \return indices of views, in the order of the choice
+std::vector<size_t> SpreadViews(const std::vector<View>& views,
+                                const std::vector<size_t>& num_seen,
+                                size_t count);
 
 }  // namespace colmap_ext

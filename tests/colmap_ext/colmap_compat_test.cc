@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "colmap_ext/write_png.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
@@ -26,6 +27,22 @@ TEST(ColmapPictureDecoder, ReadsPicturesInGrey) {
   ASSERT_TRUE(color);
   EXPECT_EQ(color->pixels, (std::vector<uint8_t>{20, 3, 255}));
   EXPECT_FALSE(decoder.read_gray(path / "none.png"));
+}
+
+TEST(ColmapPictureDecoder, ReadsOurPng) {
+  const TemporaryFolder folder;
+  ColorImage image{13, 7, {}};
+  for (int i = 0; i < 13 * 7; ++i) {
+    image.pixels.push_back({static_cast<uint8_t>(5 * i),
+                            static_cast<uint8_t>(i % 13),
+                            static_cast<uint8_t>(i * i)});
+  }
+  WritePng(folder.Path() / "a.png", image);
+  const std::optional<ColorImage> read =
+      ColmapPictureDecoder().read_color(folder.Path() / "a.png");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->width, 13);
+  EXPECT_EQ(read->pixels, image.pixels);
 }
 
 }  // namespace

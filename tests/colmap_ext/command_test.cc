@@ -4,6 +4,7 @@
 
 #include "formats/read_ply_cloud.h"
 #include "formats/read_visibility.h"
+#include "tests/colmap_ext/page_of_run.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
@@ -90,6 +91,27 @@ TEST_P(CommandTest, MeshesAWorkspace) {
   }
 }
 
+TEST_P(CommandTest, WritesAPage) {
+  sphere_.Write(path_);
+  const fs::path page_path = path_ / "<page>.html";
+  const std::string arguments =
+      Workspace() + " --report_path \"" + page_path.string() + "\"";
+  const Outcome outcome = Run(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string page = ReadFile(page_path);
+  ExpectPageOfRun(page, outcome);
+  EXPECT_NE(page.find("&lt;page&gt;.html"), std::string::npos);
+  for (const char* text : {"<h3>Points", "<h3>Mesh", "<h3>Confidence",
+                           "<h3>Vertex colours", "rays walked"}) {
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  }
+  EXPECT_GE(NumPictures(page), 12);
+  WriteFile(page_path, "before");
+  fs::remove(path_ / "fused.ply");
+  EXPECT_EQ(Run(arguments).exit_code, 1);
+  EXPECT_EQ(ReadFile(page_path), "before");
+}
+
 TEST_P(CommandTest, IsADropInForDelaunayMesher) {
   sphere_.Write(path_);
   const fs::path mesh_path = folder_.Path() / "mesh.ply";
@@ -147,6 +169,7 @@ TEST_P(CommandTest, RefusesBadOptions) {
   ExpectRefused(Workspace() + " --input_type fuzzy", "input_type");
   ExpectRefused(Workspace() + " --image_order random", "image_order");
   ExpectRefused(Workspace() + " --image_order frame", "image_order");
+  ExpectRefused(Workspace() + " --report_path page.csv", "ends in .html");
   ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.max_depth_dist 2",
                 "max_depth_dist");
   ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.max_proj_dist nan",
@@ -186,6 +209,8 @@ TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   for (const char* output : {"/proc/mesh.ply", "/dev/null/mesh.ply", "/tmp"}) {
     ExpectRefused(input + "--output_path " + output, "can not be written");
   }
+  ExpectRefused(Workspace() + " --report_path /proc/page.html",
+                "can not be written");
 }
 
 TEST_P(CommandTest, RefusesReadOnlyWorkspaces) {

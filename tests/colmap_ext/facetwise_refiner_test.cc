@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "formats/picture_size.h"
+#include "tests/colmap_ext/page_of_run.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/workspace/sphere_workspace.h"
 
@@ -13,6 +14,24 @@ namespace {
 namespace fs = std::filesystem;
 
 using FacetwiseRefinerTest = RefinerFixture;
+
+// Plots and pictures, which do not depend on time and memory.
+std::string PicturesOf(const std::string& page) {
+  const size_t start = page.find("<h2>Iterations");
+  return page.substr(start, page.find("<h2>Figures") - start);
+}
+
+// A page with plots and all pictures.
+void ExpectPage(const std::string& page, const Outcome& outcome) {
+  ExpectPageOfRun(page, outcome);
+  for (const char* text :
+       {"Energy by iteration", "Mean ZNCC by iteration", "<h3>Photograph",
+        "<h3>Before", "<h3>After", "<h3>Labels", "<h3>Confidence"}) {
+    EXPECT_NE(page.find(text), std::string::npos) << text;
+  }
+  EXPECT_EQ(page.find("there is none"), std::string::npos);
+  EXPECT_EQ(NumPictures(page), 15);
+}
 
 TEST_F(FacetwiseRefinerTest, ExplainsItsOptions) {
   const Outcome outcome = Run("-h");
@@ -147,6 +166,7 @@ TEST_F(FacetwiseRefinerTest, WritesReportLabelsAndSnapshots) {
   EXPECT_NE(labels.find("property int label\n"), std::string::npos);
   EXPECT_EQ(ReadPlyMesh(path_ / "labels.ply").facets.size(),
             ReadPlyMesh(path_ / kOutput).facets.size());
+  ExpectPage(ReadFile(path_ / "energy.html"), outcome);
   const auto size = ReadPictureSize(path_ / "labels.png");
   ASSERT_TRUE(size);
   EXPECT_EQ(size->width, 1024);
@@ -154,6 +174,27 @@ TEST_F(FacetwiseRefinerTest, WritesReportLabelsAndSnapshots) {
        {"meshed-refined.1.1.ply", "meshed-refined.0.1.ply"}) {
     EXPECT_GT(ReadPlyMesh(path_ / name).facets.size(), 1000) << name;
   }
+}
+
+TEST_F(FacetwiseRefinerTest, WritesAPageOfWhateverFilesAreCalled) {
+  const std::string name = "<b> & 'x' \xc3\xa4\xff.html";
+  const std::string arguments = Workspace() + Option("report_path", name) +
+                                " --FacetwiseRefinement.refine_cameras poses"
+                                " --FacetwiseRefinement.levels 1"
+                                " --FacetwiseRefinement.iterations 2";
+  const Outcome outcome = Run(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string page = ReadFile(path_ / name);
+  ExpectPage(page, outcome);
+  EXPECT_NE(page.find("&lt;b&gt; &amp; &#39;x&#39; \xc3\xa4\xef\xbf\xbd"),
+            std::string::npos);
+  EXPECT_NE(page.find("moved by, px"), std::string::npos);
+  for (const char* extension : {".csv", ".svg"}) {
+    EXPECT_TRUE(
+        fs::exists(fs::path(path_ / name).replace_extension(extension)));
+  }
+  ASSERT_EQ(Run(arguments).exit_code, 0);
+  EXPECT_EQ(PicturesOf(ReadFile(path_ / name)), PicturesOf(page));
 }
 
 TEST_F(FacetwiseRefinerTest, FindsTheWorkspaceOfAutomaticReconstructor) {

@@ -110,6 +110,19 @@ TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
   ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
 }
 
+TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
+  for (const char* path : {"a b/c.d.csv", "a b/c.d.html"}) {
+    R options;
+    options.report_path = path;
+    EXPECT_EQ(options.StepsPath(), "a b/c.d.csv");
+    EXPECT_EQ(options.PlotPath(), "a b/c.d.svg");
+    EXPECT_EQ(options.PagePath(), "a b/c.d.html");
+  }
+  R options;
+  options.report_path = "steps.txt";
+  EXPECT_EQ(options.StepsPath(), "steps.txt");
+}
+
 TEST(RefinerOptionsTest, RefusesImpossibleNumbers) {
   ExpectChangeRefused([](R* o) { o->refinement.levels = 0; }, "levels");
   ExpectChangeRefused([](R* o) { o->refinement.iterations = -1; },

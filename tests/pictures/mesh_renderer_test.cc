@@ -69,6 +69,32 @@ TEST(RenderLabels, ShadesTheColorsOfTheLabels) {
   }
 }
 
+TEST(MeshRenderer, DrawsSeveralColorsAsItDrawsEachAlone) {
+  const TriangleMesh mesh = Square();
+  const std::vector<Color> colors = {
+      {10, 20, 30}, {200, 0, 90}, {0, 0, 0}, {255, 255, 255}};
+  const std::vector<int32_t> labels = {3, 4};
+  const View view = ViewFrom(3);
+  const std::vector<ColorImage> images = MeshRenderer(mesh).Draw(
+      view, {PlainColor(), LabelColors(labels), VertexColors(mesh, colors, 0)});
+  ASSERT_EQ(images.size(), 3);
+  EXPECT_EQ(images[0].pixels, RenderLabels(mesh, {-1, -1}, view).pixels);
+  EXPECT_EQ(images[1].pixels, RenderLabels(mesh, labels, view).pixels);
+  EXPECT_EQ(images[2].pixels, RenderVertexColors(mesh, colors, view).pixels);
+}
+
+TEST(VertexColors, ShadesAsMuchAsIsAskedFor) {
+  const TriangleMesh mesh = Square();
+  const std::vector<Color> white(4, {255, 255, 255});
+  const auto brightness = [&](float shade) {
+    return Middle(
+        RenderMesh(mesh, ViewFrom(3), VertexColors(mesh, white, shade)))[0];
+  };
+  EXPECT_EQ(brightness(0), 255);
+  EXPECT_LT(brightness(1), brightness(0.5f));
+  EXPECT_NEAR(brightness(0.5f), (255 + brightness(1)) / 2.0, 1);
+}
+
 TEST(DrawPlyMesh, DrawsNormalsAndLines) {
   const PlyMesh ply{Square(), {}, {}, {}};
   EXPECT_EQ(Middle(DrawPlyMesh(ply, ViewFrom(3), DrawMode::kNormals, 1)),

@@ -46,6 +46,18 @@ TEST(RefinementReportTest, SplitsIterationsIntoStages) {
             "px");
 }
 
+TEST(RefinementReportTest, DescribesStagesFromTheirFirstToTheirLastStep) {
+  const std::vector<StageText> stages = DescribeStages(Steps());
+  ASSERT_EQ(stages.size(), 3);
+  EXPECT_EQ(stages[0].name, "1/2 size");
+  EXPECT_EQ(stages[0].iterations, "1");
+  EXPECT_EQ(stages[0].faces, "16");
+  EXPECT_EQ(stages[0].energy[0], "0");
+  EXPECT_EQ(stages[0].energy[1], "-0.333333");
+  EXPECT_EQ(stages[0].mean_zncc[0], "0.0000");
+  EXPECT_EQ(stages[0].mean_zncc[1], "0.5000");
+}
+
 TEST(RefinementReportTest, PlotsAPanelAStage) {
   const std::string plot = StepsPlot(Steps());
   EXPECT_TRUE(plot.starts_with("<svg "));
@@ -59,14 +71,34 @@ TEST(RefinementReportTest, PlotsAPanelAStage) {
   EXPECT_TRUE(StepsPlot({}).ends_with("</svg>\n"));
 }
 
-TEST(PrintLinesTest, AlignsNumbers) {
+TEST(RefinementReportTest, PlotsOtherValuesForPages) {
+  const std::string figure = StepsFigure(Steps(), StepValue::kMeanZncc);
+  EXPECT_TRUE(figure.starts_with("<svg role="));
+  EXPECT_NE(figure.find("Mean ZNCC"), std::string::npos);
+  EXPECT_NE(figure.find(">0.5000<"), std::string::npos);
+  EXPECT_EQ(figure.find("http"), std::string::npos);
+}
+
+TEST(PrintLinesTest, AlignsNumbersAndKeepsWhatIsPrinted) {
   std::ostringstream stream;
-  Print("faces", 12, stream);
-  PrintIfAny("none", 0, stream);
-  PrintText("label", "text", stream);
+  ReportLog log(&stream);
+  Print("faces", 12, &log);
+  PrintIfAny("none", 0, &log);
+  PrintHeading("Heading", &log);
+  PrintText("label", "text", &log);
+  PrintWarning("what", &log);
   EXPECT_EQ(stream.str(),
             "  faces                                             12\n"
-            "  label                                 text\n");
+            "\nHeading\n"
+            "  label                                 text\n"
+            "WARNING: what\n");
+  ASSERT_EQ(log.sections.size(), 2);
+  EXPECT_EQ(log.sections[0].heading, "");
+  EXPECT_EQ(log.sections[1].heading, "Heading");
+  ASSERT_EQ(log.sections[1].rows.size(), 1);
+  EXPECT_EQ(log.sections[1].rows[0].label, "label");
+  EXPECT_EQ(log.sections[1].rows[0].text, "text");
+  EXPECT_EQ(log.warnings, std::vector<std::string>{"what"});
 }
 
 }  // namespace

@@ -1,0 +1,154 @@
+#include "colmap_ext/report/page_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "pictures/error_colors.h"
+#include "pictures/mesh_renderer.h"
+#include "pictures/picture_views.h"
+#include "pictures/point_picture.h"
+#include "pictures/resize_picture.h"
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr size_t kNumCameras = 3;
+constexpr int kLongSide = 480;      // px, of a picture
+constexpr int kPointSide = 2;       // px
+constexpr float kSoftShade = 0.5f;  // lets the shape show through colours
+
+View PictureView(const View& view) {
+  const double scale = 1.0 * kLongSide / std::max(view.width, view.height);
+  const auto scaled = [scale](int side) {
+    return std::max(1, static_cast<int>(std::lround(scale * side)));
+  };
+  return ResizeView(view, scaled(view.width), scaled(view.height));
+}
+
+std::vector<size_t> CountSeen(const Rows<uint32_t>& vertex_views,
+                              size_t num_views) {
+  std::vector<size_t> num_seen(num_views, 0);
+  for (const uint32_t view : vertex_views.values) {
+    ++num_seen[view];
+  }
+  return num_seen;
+}
+
+// What a camera shows of a mesh, picture by picture, in one row each.
+void AddPictures(std::vector<ColorImage> pictures, size_t first_row,
+                 PagePictures* page) {
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    page->rows[first_row + i].pictures.push_back(std::move(pictures[i]));
+  }
+}
+
+std::vector<Color> ConfidenceColors(const VertexAttributes& attributes,
+                                    size_t num_vertices) {
+  std::vector<Color> colors(num_vertices, ErrorColor(0, 1));
+  for (size_t i = 0; i < attributes.confidences.size(); ++i) {
+    colors[i] = ErrorColor(attributes.confidences[i], 1);
+  }
+  return colors;
+}
+
+std::vector<int32_t> BestLabels(const FacetLabels& labels, size_t num_facets) {
+  std::vector<int32_t> best(num_facets, -1);
+  for (size_t i = 0; i < labels.NumFacets(); ++i) {
+    if (!labels.labels[i].empty()) {
+      best[i] = static_cast<int32_t>(labels.labels[i][0]);
+    }
+  }
+  return best;
+}
+
+PictureRow ConfidenceRow() {
+  return {"Confidence", "how well each vertex is known:", true, {}};
+}
+
+PagePictures StartPage(const PageCameras& cameras,
+                       const std::vector<PictureRow>& rows) {
+  PagePictures page;
+  for (const View& view : cameras.views) {
+    page.cameras.push_back(view.name);
+  }
+  page.rows = {{"Photograph", "", false, cameras.photos}};
+  page.rows.insert(page.rows.end(), rows.begin(), rows.end());
+  return page;
+}
+
+}  // namespace
+
+PageCameras ChoosePageCameras(const std::vector<View>& views,
+                              const Rows<uint32_t>& vertex_views,
+                              const std::filesystem::path& images_path,
+                              const PictureDecoder& decoder) {
+  PageCameras cameras;
+  for (const size_t index :
+       SpreadViews(views, CountSeen(vertex_views, views.size()), kNumCameras)) {
+    const View view = PictureView(views[index]);
+    const std::optional<ColorImage> photo =
+        decoder.read_color(images_path / view.name);
+    cameras.views.push_back(view);
+    cameras.photos.push_back(
+        photo ? ResizePicture(*photo, view.width, view.height) : ColorImage());
+  }
+  return cameras;
+}
+
+PagePictures DrawRefinement(const PageCameras& cameras,
+                            const TriangleMesh& before,
+                            const RefinedMesh& refined) {
+  PagePictures page = StartPage(
+      cameras,
+      {{"Before", "red: seen from behind", false, {}},
+       {"After", "", false, {}},
+       {"Labels",
+        "a colour for each pair of images, the best of each face; grey: none",
+        false,
+        {}},
+       ConfidenceRow()});
+  const MeshRenderer before_renderer(before);
+  const MeshRenderer renderer(refined.mesh);
+  const std::vector<int32_t> labels =
+      BestLabels(refined.labels, refined.mesh.facets.size());
+  const std::vector<Color> confidences =
+      ConfidenceColors(refined.attributes, refined.mesh.vertices.size());
+  const std::vector<FrontColor> colors = {
+      PlainColor(), LabelColors(labels),
+      VertexColors(refined.mesh, confidences, kSoftShade)};
+  for (const View& view : cameras.views) {
+    AddPictures(before_renderer.Draw(view, {PlainColor()}), 1, &page);
+    AddPictures(renderer.Draw(view, colors), 2, &page);
+  }
+  return page;
+}
+
+PagePictures DrawMeshing(const PageCameras& cameras, const PointCloud& cloud,
+                         const ManifoldMesh& mesh) {
+  PagePictures page =
+      StartPage(cameras, {{"Points", "that were read", false, {}},
+                          {"Mesh", "red: seen from behind", false, {}},
+                          ConfidenceRow(),
+                          {"Vertex colours", "", false, {}}});
+  const MeshRenderer renderer(mesh.mesh);
+  const std::vector<Color> confidences =
+      ConfidenceColors(mesh.attributes, mesh.mesh.vertices.size());
+  const bool has_colors = !mesh.attributes.colors.empty();
+  const std::vector<FrontColor> colors = {
+      PlainColor(), VertexColors(mesh.mesh, confidences, kSoftShade),
+      has_colors ? VertexColors(mesh.mesh, mesh.attributes.colors, 0)
+                 : PlainColor()};
+  for (const View& view : cameras.views) {
+    AddPictures({DrawPoints(cloud, view, kPointSide)}, 1, &page);
+    AddPictures(renderer.Draw(view, colors), 2, &page);
+  }
+  return page;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "scene/color_image.h"
+
+namespace colmap_ext {
+
+// Returns the bytes of a PNG file: red, green and blue of 8 bits.
+// \pre image.width > 0, image.height > 0
+std::string EncodePng(const ColorImage& image);
+
+}  // namespace colmap_ext
