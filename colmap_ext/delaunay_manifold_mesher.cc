@@ -22,6 +22,7 @@
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/write_mesh.h"
+#include "mesh/pixel_footprint.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
 #include "workspace/find_workspace.h"
@@ -207,7 +208,7 @@ void MeshWorkspace(const MesherOptions& options,
       MeshManifold(input.meshing, has_page ? cloud : std::move(cloud), views,
                    progress, input.masked.ends);
   Report(progress, "Writing the mesh", 0);
-  WriteMesh(output_path, mesh.mesh, mesh.attributes);
+  WriteMesh(output_path, mesh.mesh, mesh.attributes, options.transform);
   WriteFoundRegion(options.region, input.meshing.region, output_path);
   PagePictures pictures;
   if (has_page) {
@@ -216,6 +217,9 @@ void MeshWorkspace(const MesherOptions& options,
   }
   reporter.Finish();
   PrintReport(mesh.report, &log);
+  PrintFootprint(
+      MedianFootprint(mesh.mesh, mesh.attributes.views, input.workspace.views),
+      &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);
   if (has_page) {
     WriteText(options.report_path,

@@ -28,6 +28,8 @@
 #include "colmap_ext/write_labels.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"
+#include "mesh/clip_mesh.h"
+#include "mesh/pixel_footprint.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
 #include "workspace/write_sparse_model.h"
@@ -94,6 +96,9 @@ class Refiner {
     RefinedMesh refined = Refine();
     if (refined.report.is_stopped) {
       GiveUp(refined.report);
+    }
+    if (input_.region) {
+      CutOffOutside(*input_.region, &refined);
     }
     Write(refined);
     const PagePictures pictures = Draw(refined);
@@ -214,6 +219,15 @@ class Refiner {
     return report;
   }
 
+  // What has moved out of the region.
+  static void CutOffOutside(const Region& region, RefinedMesh* refined) {
+    CutMesh cut = CutOff(region, std::move(refined->mesh),
+                         std::move(refined->attributes));
+    refined->mesh = std::move(cut.mesh);
+    refined->attributes = std::move(cut.attributes);
+    refined->labels = refined->labels.From(cut.facet_sources);
+  }
+
   [[noreturn]] void GiveUp(const RefinementReport& report) {
     reporter_.Finish();
     WriteReport(report);
@@ -240,7 +254,8 @@ class Refiner {
               input_.camera_parts == RefinedParts::kPosesIntrinsics,
               refined.track_positions));
     }
-    WriteMesh(paths_.output, refined.mesh, refined.attributes);
+    WriteMesh(paths_.output, refined.mesh, refined.attributes,
+              options_.transform);
     WriteFoundRegion(options_.region, input_.region, paths_.output);
     if (is_state_ours_) {
       RemoveState(paths_.output, level_);
@@ -289,6 +304,9 @@ class Refiner {
 
   void Print(const RefinedMesh& refined) {
     PrintReport(refined.report, Analyze(refined.mesh), &log_);
+    PrintFootprint(
+        MedianFootprint(refined.mesh, refined.attributes.views, refined.views),
+        &log_);
     if (refined.report.is_held) {
       PrintWarning(
           "the images do not fit each other well enough to refine the mesh by "

@@ -43,6 +43,10 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "mask_background", &mesher->mask_background,
       "Masked pixels are background: what is seen through them is free space");
   manager->AddDefaultOption(
+      "transform_path", &mesher->transform_path,
+      "A transform of the mesh that is written, as model_aligner writes it; "
+      "positions are double then");
+  manager->AddDefaultOption(
       "region", &mesher->region.text,
       "What is meshed: a file (docs/scripts.md), two corners "
       "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, written "

@@ -44,6 +44,10 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "Masks of the images, a folder of PNG files, image.jpg.png for "
       "image.jpg: pixels of 0 are left out");
   manager->AddDefaultOption(
+      "transform_path", &refiner->transform_path,
+      "A transform of the mesh that is written, as model_aligner writes it; "
+      "positions are double then");
+  manager->AddDefaultOption(
       "region", &refiner->region.text,
       "What is refined, the rest is cut off: a file (docs/scripts.md), two "
       "corners "

@@ -6,6 +6,7 @@
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/image_order_option.h"
 #include "colmap_ext/options/words.h"
+#include "formats/read_transform.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {
@@ -44,6 +45,9 @@ void MesherOptions::Finish() {
     throw OptionError("--fused_path is of dense input, not of sparse");
   }
   region.Finish();
+  if (!transform_path.empty()) {
+    transform = ReadTransform(transform_path);
+  }
   if (mask_background && mask_path.empty()) {
     throw OptionError("--mask_background needs --mask_path");
   }

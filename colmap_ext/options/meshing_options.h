@@ -1,7 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+
+#include <Eigen/Core>
 
 #include "colmap_ext/options/region_option.h"
 #include "meshing/manifold_meshing.h"
@@ -14,10 +17,12 @@ struct MesherOptions {
   std::string workspace_path;  // either this
   std::string input_path;      // or, as delaunay_mesher has it, this
   std::string output_path;
-  std::string sparse_path;       // see WorkspaceOptions
-  std::string report_path;       // a page, .html
-  RegionOption region;           // nothing is meshed outside
-  std::string mask_path;         // a folder; empty: no masks
+  std::string sparse_path;     // see WorkspaceOptions
+  std::string report_path;     // a page, .html
+  std::string transform_path;  // of the mesh that is written; empty: none
+  std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
+  RegionOption region;                       // nothing is meshed outside
+  std::string mask_path;                     // a folder; empty: no masks
   bool mask_background = false;  // nothing is there where masks leave it out
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "colmap_ext/options/region_option.h"
 #include "refine/facetwise_refinement.h"
 #include "workspace/image_order.h"
@@ -30,7 +32,9 @@ struct RefinerOptions {
   std::string report_path;  // a CSV, or the page beside it; see below
   std::string labels_path;  // a PLY; its picture lies beside it
   std::string mask_path;    // a folder; empty: no masks
-  RegionOption region;      // outside the mesh is cut off
+  std::string transform_path;  // of the mesh that is written; empty: none
+  std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
+  RegionOption region;                       // outside the mesh is cut off
   bool resume = false;
 
   FacetwiseRefinementOptions refinement;

@@ -16,8 +16,6 @@
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
 #include "mesh/nearest_attributes.h"
 #include "mesh/topology.h"
 #include "workspace/find_workspace.h"
@@ -118,20 +116,17 @@ std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
   return repair;
 }
 
-// Cuts off what lies outside.
+// Cuts off what lies outside of the region, but for a margin: the border of
+// what is refined moves a little.
 void CutOff(const Region& region, const fs::path& path, MeshFile* file) {
-  ClippedMesh clipped = ClipMesh(region, std::move(file->mesh));
-  if (clipped.mesh.facets.empty()) {
+  constexpr double kMargin = 0.01;  // of the region's diagonal
+  CutMesh cut = CutOff(Grow(region, kMargin * 2 * region.half_sizes.norm()),
+                       std::move(file->mesh), std::move(file->attributes));
+  if (cut.mesh.facets.empty()) {
     throw FileError(path, "none of its faces lies in the region");
   }
-  if (!clipped.is_clipped) {
-    file->mesh = std::move(clipped.mesh);
-    return;
-  }
-  FanSplit split = SplitFans(clipped.mesh, PairHalfEdges(clipped.mesh.facets));
-  file->attributes = InterpolateAttributes(
-      InterpolateAttributes(file->attributes, clipped.sources), split.sources);
-  file->mesh = std::move(split.mesh);
+  file->mesh = std::move(cut.mesh);
+  file->attributes = std::move(cut.attributes);
 }
 
 // The vertices with their normals, as fused points are read.

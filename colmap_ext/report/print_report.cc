@@ -151,6 +151,11 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   }
 }
 
+void PrintFootprint(double footprint, ReportLog* log) {
+  PrintText("a pixel on it, scene units", fmt::format("{:14.6g}", footprint),
+            log);
+}
+
 void PrintReport(const BorderReport& report, ReportLog* log) {
   PrintIfAny("faces trimmed", report.trim.num_facets, log);
   PrintIfAny("  not confident, in small gaps, kept",

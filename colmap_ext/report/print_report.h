@@ -37,6 +37,10 @@ void PrintReport(const std::optional<Region>& region, ReportLog* log);
 // What was made of it.
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log);
 
+// What a pixel covers on the mesh, scene units, so that distances in options
+// can be judged.
+void PrintFootprint(double footprint, ReportLog* log);
+
 // What was dropped and closed at its borders: nothing where that is nothing.
 void PrintReport(const BorderReport& report, ReportLog* log);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
@@ -14,26 +15,40 @@ namespace colmap_ext {
 
 namespace {
 
-std::string Header(const TriangleMesh& mesh, bool has_colors,
+using Transform = std::optional<Eigen::Matrix4d>;
+
+std::string Header(const TriangleMesh& mesh, bool is_double, bool has_colors,
                    bool has_confidences) {
   return fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
-      "property float x\nproperty float y\nproperty float z\n{}{}"
-      "element face {}\nproperty list uchar int vertex_index\nend_header\n",
-      mesh.vertices.size(),
+      "ply\nformat binary_little_endian 1.0\nelement vertex {1}\n"
+      "property {0} x\nproperty {0} y\nproperty {0} z\n{2}{3}"
+      "element face {4}\nproperty list uchar int vertex_index\nend_header\n",
+      is_double ? "double" : "float", mesh.vertices.size(),
       has_colors
           ? "property uchar red\nproperty uchar green\nproperty uchar blue\n"
           : "",
       has_confidences ? "property float confidence\n" : "", mesh.facets.size());
 }
 
+void WritePosition(const Eigen::Vector3f& position, const Transform& transform,
+                   AtomicFile* file) {
+  if (!transform) {
+    file->Write(position.data(), 3 * sizeof(float));
+    return;
+  }
+  const Eigen::Vector3d transformed =
+      (*transform * position.cast<double>().homogeneous()).head<3>();
+  file->Write(transformed.data(), 3 * sizeof(double));
+}
+
 void WritePly(const TriangleMesh& mesh, const std::vector<Color>& colors,
-              const std::vector<float>& confidences, AtomicFile* file) {
-  const std::string header =
-      Header(mesh, !colors.empty(), !confidences.empty());
+              const std::vector<float>& confidences, const Transform& transform,
+              AtomicFile* file) {
+  const std::string header = Header(mesh, transform.has_value(),
+                                    !colors.empty(), !confidences.empty());
   file->Write(header.data(), header.size());
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    file->Write(mesh.vertices[i].data(), 3 * sizeof(float));
+    WritePosition(mesh.vertices[i], transform, file);
     if (!colors.empty()) {
       file->Write(colors[i]);
     }
@@ -69,12 +84,13 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
 }
 
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
-               const VertexAttributes& attributes) {
+               const VertexAttributes& attributes, const Transform& transform) {
   CheckSize(path, mesh);
   AtomicFile visibility_file(VisibilityPath(path));
   AtomicFile mesh_file(path);
   WriteVisibility(attributes, &visibility_file);
-  WritePly(mesh, attributes.colors, attributes.confidences, &mesh_file);
+  WritePly(mesh, attributes.colors, attributes.confidences, transform,
+           &mesh_file);
   AtomicFile* const files[] = {&visibility_file, &mesh_file};
   Commit(files);
 }
@@ -84,7 +100,7 @@ void WriteColoredMesh(const std::filesystem::path& path,
                       const std::vector<Color>& colors) {
   CheckSize(path, mesh);
   AtomicFile file(path);
-  WritePly(mesh, colors, {}, &file);
+  WritePly(mesh, colors, {}, std::nullopt, &file);
   AtomicFile* const files[] = {&file};
   Commit(files);
 }

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
@@ -18,9 +21,12 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path);
 // it PATH.vis, which images see each vertex, in the format of fused.ply.vis.
 // Both appear complete or not at all, the mesh last.
 //
+// \param transform  of the positions, homogeneous; they are double then, as the
+//        coordinates of maps need them.
 // \throw FileError if they can not be written.
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
-               const VertexAttributes& attributes);
+               const VertexAttributes& attributes,
+               const std::optional<Eigen::Matrix4d>& transform = std::nullopt);
 
 // The same without visibility and confidences.
 // \param colors  [V] or empty

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
+
+#include "mesh/fan_split.h"
+#include "mesh/half_edges.h"
 
 namespace colmap_ext {
 
@@ -52,16 +56,17 @@ class PlaneCut {
       return;
     }
     clipped_.is_clipped = true;
-    std::vector<Facet> facets;
-    std::swap(facets, clipped_.mesh.facets);
-    for (const Facet& facet : facets) {
-      Cut(facet);
+    const std::vector<Facet> facets = std::exchange(clipped_.mesh.facets, {});
+    const std::vector<uint32_t> sources =
+        std::exchange(clipped_.facet_sources, {});
+    for (size_t i = 0; i < facets.size(); ++i) {
+      Cut(facets[i], sources[i]);
     }
   }
 
  private:
   // Appends what of the facet is inside: a polygon of up to four corners.
-  void Cut(const Facet& facet) {
+  void Cut(const Facet& facet, uint32_t source) {
     std::array<uint32_t, 4> corners{};
     size_t size = 0;
     for (int k = 0; k < 3; ++k) {
@@ -81,6 +86,7 @@ class PlaneCut {
     // Not a facet of which nothing but an edge or a corner is left.
     for (size_t k = 2; k < size; ++k) {
       clipped_.mesh.facets.push_back({corners[0], corners[k - 1], corners[k]});
+      clipped_.facet_sources.push_back(source);
     }
   }
 
@@ -149,6 +155,8 @@ ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
   for (uint32_t i = 0; i < clipped.mesh.vertices.size(); ++i) {
     clipped.sources.push_back({i, i});
   }
+  clipped.facet_sources.resize(clipped.mesh.facets.size());
+  std::iota(clipped.facet_sources.begin(), clipped.facet_sources.end(), 0);
   const double rounding = RoundingOf(clipped.mesh);
   for (const HalfSpace& side : HalfSpacesOf(region)) {
     PlaneCut(side, rounding, &clipped).Run();
@@ -157,6 +165,22 @@ ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
     DropUnused(&clipped);
   }
   return clipped;
+}
+
+CutMesh CutOff(const Region& region, TriangleMesh mesh,
+               VertexAttributes attributes) {
+  ClippedMesh clipped = ClipMesh(region, std::move(mesh));
+  if (!clipped.is_clipped) {
+    return {std::move(clipped.mesh), std::move(attributes),
+            std::move(clipped.facet_sources)};
+  }
+  FanSplit split = SplitFans(clipped.mesh, PairHalfEdges(clipped.mesh.facets));
+  clipped.facet_sources.resize(split.mesh.facets.size(), kNoOldFacet);
+  return {
+      std::move(split.mesh),
+      InterpolateAttributes(InterpolateAttributes(attributes, clipped.sources),
+                            split.sources),
+      std::move(clipped.facet_sources)};
 }
 
 }  // namespace colmap_ext

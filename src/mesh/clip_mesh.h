@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
 #include "scene/region.h"
 
 namespace colmap_ext {
@@ -16,6 +17,8 @@ struct ClippedMesh {
   // [V] the two old vertices that a new one comes from: the ends of the edge
   // that the region's border cuts there, or twice the vertex that it is.
   std::vector<std::array<uint32_t, 2>> sources;
+
+  std::vector<uint32_t> facet_sources;  // [F] the old facet of each
 
   bool is_clipped = false;  // anything was cut off
 };
@@ -29,5 +32,19 @@ struct ClippedMesh {
 // order, parts of others come in their place.
 // \pre facet indices are in range, vertices are finite
 ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh);
+
+inline constexpr uint32_t kNoOldFacet = UINT32_MAX;
+
+struct CutMesh {
+  TriangleMesh mesh;
+  VertexAttributes attributes;          // [V]
+  std::vector<uint32_t> facet_sources;  // [F] the old facet; kNoOldFacet where
+                                        // an edge was split at its midpoint
+};
+
+// The same for a manifold mesh with attributes, which stays manifold.
+// Attributes of new vertices are those of InterpolateAttributes().
+CutMesh CutOff(const Region& region, TriangleMesh mesh,
+               VertexAttributes attributes);
 
 }  // namespace colmap_ext

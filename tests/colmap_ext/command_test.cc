@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include "formats/encode_png.h"
 #include "formats/read_ply_cloud.h"
 #include "formats/read_visibility.h"
 #include "tests/colmap_ext/page_of_run.h"
@@ -110,6 +111,108 @@ TEST_P(CommandTest, WritesAPage) {
   fs::remove(path_ / "fused.ply");
   EXPECT_EQ(Run(arguments).exit_code, 1);
   EXPECT_EQ(ReadFile(page_path), "before");
+}
+
+TEST_P(CommandTest, MeshesARegion) {
+  sphere_.Write(path_);
+  ASSERT_EQ(Run(Workspace() + " --region -2,-2,-2,2,2,0.3").exit_code, 0);
+  for (const Eigen::Vector3f& position :
+       ReadPlyCloud(path_ / kMeshName).positions) {
+    EXPECT_LE(position.z(), 0.3f + 1e-5f);
+  }
+  const Outcome outcome = Run(Workspace() + " --region auto");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("region, its centre"), std::string::npos);
+  const fs::path region = path_ / "meshed-delaunay-manifold.region.txt";
+  const std::string found = ReadFile(path_ / kMeshName);
+  ASSERT_EQ(
+      Run(Workspace() + " --region \"" + region.string() + "\"").exit_code, 0);
+  EXPECT_EQ(ReadFile(path_ / kMeshName), found);
+  fs::remove(path_ / kMeshName);
+  ExpectRefused(Workspace() + " --region nonsense", "--region");
+  ExpectRefused(Workspace() + " --region 5,5,5,6,6,6", "region");
+  ExpectRefused(Workspace() + " --region \"" + path_.string() + "\"",
+                path_.string());
+  WriteFile(region, "1 2 3");
+  ExpectRefused(Workspace() + " --region \"" + region.string() + "\"",
+                "not a region");
+}
+
+// Writes masks that leave out the upper part of every image.
+void WriteMasks(const SphereWorkspace& sphere, double share,
+                const fs::path& folder) {
+  for (const SphereWorkspace::Image& image : sphere.images) {
+    const View& view = image.view;
+    ColorImage mask{view.width, view.height, {}};
+    for (int i = 0; i < view.width * view.height; ++i) {
+      const uint8_t value = i < share * view.width * view.height ? 0 : 255;
+      mask.pixels.push_back({value, value, value});
+    }
+    const fs::path path = folder / (view.name + ".png");
+    fs::create_directories(path.parent_path());
+    WriteFile(path, EncodePng(mask));
+  }
+}
+
+TEST_P(CommandTest, LeavesOutWhatIsMasked) {
+  sphere_.Write(path_);
+  const fs::path masks = folder_.Path() / "masks";
+  const std::string arguments =
+      Workspace() + " --mask_path \"" + masks.string() + "\"";
+  WriteMasks(sphere_, 0.4, masks);
+  const Outcome outcome = Run(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("points masked in all views"), std::string::npos);
+  const Outcome carved = Run(arguments + " --mask_background 1");
+  ASSERT_EQ(carved.exit_code, 0) << carved.err;
+  EXPECT_NE(carved.out.find("rays beyond"), std::string::npos);
+  fs::remove(path_ / kMeshName);
+  ExpectRefused(Workspace() + " --mask_background 1", "--mask_path");
+  WriteMasks(sphere_, 1, masks);
+  ExpectRefused(arguments, "all points are masked");
+  const fs::path mask = masks / (sphere_.images[0].view.name + ".png");
+  WriteFile(mask, "no picture");
+  ExpectRefused(arguments, mask.string());
+  WriteFile(mask, EncodePng({2, 1, std::vector<Color>(2)}));
+  ExpectRefused(arguments, mask.string());
+  fs::remove_all(masks);
+  ExpectRefused(arguments, "no such folder of masks");
+}
+
+TEST_P(CommandTest, TransformsWhatItWrites) {
+  sphere_.Write(path_);
+  ASSERT_EQ(Run(Workspace()).exit_code, 0);
+  const PlyCloud before = ReadPlyCloud(path_ / kMeshName);
+  const fs::path transform = folder_.Path() / "transform.txt";
+  const std::string arguments =
+      Workspace() + " --transform_path \"" + transform.string() + "\"";
+  // A quarter turn around z, twice the size.
+  const std::string matrix = "0 -2 0 100\n2 0 0 200\n0 0 2 300\n0 0 0 1\n";
+  for (const std::string& text :
+       {matrix, std::string("2 0.70710678118654752 0 0 0.70710678118654752 "
+                            "100 200 300\n")}) {
+    WriteFile(transform, text);
+    ASSERT_EQ(Run(arguments).exit_code, 0);
+    EXPECT_NE(ReadFile(path_ / kMeshName).find("property double x"),
+              std::string::npos);
+    const PlyCloud after = ReadPlyCloud(path_ / kMeshName);
+    ASSERT_EQ(after.positions.size(), before.positions.size());
+    for (size_t i = 0; i < after.positions.size(); ++i) {
+      const Eigen::Vector3f& p = before.positions[i];
+      EXPECT_LT(
+          (after.positions[i] -
+           Eigen::Vector3f(100 - 2 * p.y(), 200 + 2 * p.x(), 300 + 2 * p.z()))
+              .norm(),
+          1e-4);
+    }
+  }
+  fs::remove(path_ / kMeshName);
+  for (const char* text :
+       {"", "1 2 3", "1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1",
+        "1 0 0 0 0 2 0 0 0 0 1 0 0 0 0 1", "0 1 0 0 0 0 0 0"}) {
+    WriteFile(transform, text);
+    ExpectRefused(arguments, "no similarity transform");
+  }
 }
 
 TEST_P(CommandTest, IsADropInForDelaunayMesher) {

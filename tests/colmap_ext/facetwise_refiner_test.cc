@@ -3,6 +3,9 @@
 #include <cstring>
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "formats/encode_png.h"
 #include "formats/picture_size.h"
 #include "tests/colmap_ext/page_of_run.h"
 #include "tests/colmap_ext/refiner_fixture.h"
@@ -290,6 +293,55 @@ TEST_F(FacetwiseRefinerTest, ListsImagesThatCanNotBeUsed) {
   fs::remove_all(images);
   ExpectRefused(Workspace() + " --FacetwiseRefinement.skip_missing_images 1",
                 "fewer than two images");
+}
+
+TEST_F(FacetwiseRefinerTest, RefinesARegion) {
+  const TriangleMesh input = ReadPlyMesh(path_ / kInput);
+  float top = -1e9f;
+  float bottom = 1e9f;
+  for (const Eigen::Vector3f& vertex : input.vertices) {
+    top = std::max(top, vertex.z());
+    bottom = std::min(bottom, vertex.z());
+  }
+  const double middle = (top + bottom) / 2;
+  const Outcome outcome =
+      Run(Workspace() + fmt::format(" --region=-9,-9,{},9,9,9", middle) +
+          " --FacetwiseRefinement.levels 1 --FacetwiseRefinement.iterations 2");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("region, its centre"), std::string::npos);
+  const TriangleMesh refined = ReadPlyMesh(path_ / kOutput);
+  EXPECT_TRUE(Analyze(refined).IsManifold());
+  float refined_bottom = 1e9f;
+  for (const Eigen::Vector3f& vertex : refined.vertices) {
+    refined_bottom = std::min(refined_bottom, vertex.z());
+  }
+  EXPECT_NEAR(refined_bottom, middle, 1e-4);
+  fs::remove(path_ / kOutput);
+  ExpectRefused(Workspace() + " --region 50,50,50,60,60,60",
+                "none of its faces lies in the region");
+}
+
+TEST_F(FacetwiseRefinerTest, LeavesOutWhatIsMasked) {
+  const fs::path masks = path_ / "masks";
+  fs::create_directory(masks);
+  for (const fs::directory_entry& entry :
+       fs::directory_iterator(path_ / "images")) {
+    ColorImage mask{160, 120, std::vector<Color>(160 * 120, {9, 9, 9})};
+    std::fill(mask.pixels.begin(), mask.pixels.begin() + 160 * 60,
+              Color{0, 0, 0});
+    WriteFile(masks / (entry.path().filename().string() + ".png"),
+              EncodePng(mask));
+  }
+  const std::string arguments =
+      Workspace() + Option("mask_path", "masks") +
+      " --FacetwiseRefinement.levels 1 --FacetwiseRefinement.iterations 2";
+  const Outcome outcome = Run(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("points masked in all views"), std::string::npos);
+  EXPECT_TRUE(Analyze(ReadPlyMesh(path_ / kOutput)).IsManifold());
+  fs::remove(path_ / kOutput);
+  fs::remove_all(masks);
+  ExpectRefused(arguments, "no such folder of masks");
 }
 
 TEST_F(FacetwiseRefinerTest, RefusesBadOptions) {

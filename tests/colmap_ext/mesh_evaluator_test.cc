@@ -179,6 +179,18 @@ TEST_F(MeshEvaluatorTest, DrawsTheErrors) {
             0);
 }
 
+TEST_F(MeshEvaluatorTest, RestrictsToARegion) {
+  const std::string json = Option("json_path", "figures.json");
+  ASSERT_EQ(Run(Basics() + json).exit_code, 0);
+  const double all = Number(ReadFile(Path("figures.json")), "num_samples");
+  ASSERT_EQ(Run(Basics() + json + " --region=-2,-2,0,2,2,2").exit_code, 0);
+  const std::string half = ReadFile(Path("figures.json"));
+  EXPECT_NEAR(Number(half, "num_samples") / all, 0.5, 0.05);
+  EXPECT_NEAR(Number(half, "num_samples", half.find("completeness")) / all, 0.5,
+              0.05);
+  ExpectRefusal(Run(Basics() + " --region auto"), "--workspace_path");
+}
+
 TEST_F(MeshEvaluatorTest, RestrictsToMaskAndPlane) {
   std::string header =
       "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 1, 1), }\n";

@@ -73,6 +73,28 @@ TEST(ClipMeshTest, NewVerticesLieOnTheEdgesThatAreCut) {
   }
 }
 
+TEST(ClipMeshTest, FacetsLieInThoseThatTheyComeFrom) {
+  const TriangleMesh sphere = MakeBumpySphere(0.1f);
+  const Region region = Turned({0.1, 0.2, 0.3}, {0.6, 0.7, 0.8});
+  VertexAttributes attributes;
+  attributes.views = Rows<uint32_t>(sphere.vertices.size());
+  const CutMesh cut = CutOff(region, sphere, attributes);
+  EXPECT_TRUE(Analyze(cut.mesh).IsManifold());
+  EXPECT_EQ(cut.attributes.views.size(), cut.mesh.vertices.size());
+  ASSERT_EQ(cut.facet_sources.size(), cut.mesh.facets.size());
+  for (size_t i = 0; i < cut.facet_sources.size(); ++i) {
+    const auto& [a, b, c] = sphere.facets[cut.facet_sources[i]];
+    const Eigen::Vector3f normal =
+        (sphere.vertices[b] - sphere.vertices[a])
+            .cross(sphere.vertices[c] - sphere.vertices[a])
+            .normalized();
+    for (const uint32_t vertex : cut.mesh.facets[i]) {
+      EXPECT_NEAR(normal.dot(cut.mesh.vertices[vertex] - sphere.vertices[a]), 0,
+                  1e-5f);
+    }
+  }
+}
+
 TEST(ClipMeshTest, LeavesAClippedMeshAsItIs) {
   const Region region = Turned({10.1, 0.2, 0.3}, {0.6, 0.7, 0.8});
   TriangleMesh mesh = MakeBumpySphere(0.1f);
