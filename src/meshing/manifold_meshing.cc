@@ -42,63 +42,32 @@ std::vector<float> Alphas(const ManifoldMeshingOptions& options,
   return alphas;
 }
 
-// What is meshed: points, and behind them ends of rays.
-struct MeshedCloud {
-  PointCloud cloud;
-  std::vector<float> weights;  // [P] of each observation
-  size_t num_points = 0;       // that are no ends
-};
-
-MeshedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
-                    const std::vector<View>& views, const RayEnds& given_ends,
-                    ManifoldMeshingReport* report) {
+// What is weighted.
+WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
+                      const std::vector<View>& views, const RayEnds& ends,
+                      ManifoldMeshingReport* report) {
   report->num_points = cloud.size();
   report->num_observations = cloud.views.values.size();
-  RayEnds ends = given_ends;
+  std::vector<float> weights = Alphas(options, cloud);
+  WeightedCloud weighted{std::move(cloud), std::move(weights),
+                         report->num_points};
+  RayEnds all_ends = ends;
   if (options.region) {
-    ends.Add(CropCloud(*options.region, views, Alphas(options, cloud), &cloud));
-    report->num_outside_points = report->num_points - cloud.size();
-    if (cloud.size() == 0) {
+    all_ends.Add(CropCloud(*options.region, views, &weighted));
+    report->num_outside_points = report->num_points - weighted.num_points;
+    if (weighted.num_points == 0) {
       throw std::invalid_argument("no point lies in the region");
     }
   }
-  MeshedCloud meshed{std::move(cloud), {}, 0};
-  meshed.num_points = meshed.cloud.size();
-  meshed.weights = Alphas(options, meshed.cloud);
-  report->num_ray_ends = ends.size();
-  if (ends.size() > 0) {
-    meshed.cloud = AppendEnds(meshed.cloud, ends);
-    meshed.weights.insert(meshed.weights.end(), ends.weights.begin(),
-                          ends.weights.end());
-  }
-  return meshed;
-}
-
-// [V] which vertices are ends of rays; empty: none. Points that were thinned
-// out in favour of such a vertex, and ends in favour of a point, vote for
-// nothing: their weights become zero.
-std::vector<uint8_t> FindEnds(const ThinnedTetrahedralization& thinned,
-                              MeshedCloud* meshed) {
-  if (meshed->num_points == meshed->cloud.size()) {
-    return {};
-  }
-  std::vector<uint8_t> is_end;
-  for (const uint32_t point : thinned.vertex_points) {
-    is_end.push_back(point >= meshed->num_points);
-  }
-  for (size_t point = 0; point < meshed->cloud.size(); ++point) {
-    if ((is_end[thinned.point_vertices[point]] != 0) !=
-        (point >= meshed->num_points)) {
-      meshed->weights[point] = 0;
-    }
-  }
-  return is_end;
+  report->num_ray_ends = all_ends.size();
+  AppendEnds(all_ends, &weighted);
+  return weighted;
 }
 
 // The graph whose minimum cut is the surface [Romanoni2020, section IV].
-// \param is_end [V] see FindEnds()
+// \param is_end [V] see MarkEnds()
 FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
-                    const MeshedCloud& meshed,
+                    const WeightedCloud& weighted,
                     const std::vector<uint8_t>& is_end,
                     const std::vector<View>& views,
                     const ThinnedTetrahedralization& thinned,
@@ -116,8 +85,8 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
     centers.push_back(view.Center());
   }
   Observations observations =
-      ObserveVertices(meshed.cloud, tetrahedra.points.size(),
-                      thinned.point_vertices, meshed.weights);
+      ObserveVertices(weighted.cloud, tetrahedra.points.size(),
+                      thinned.point_vertices, weighted.weights);
   observations.is_end = is_end;
   const VisibilityWeightOptions ray_options{report->distance_sigma,
                                             options.behind_sigma};
@@ -185,7 +154,7 @@ void Clip(const Region& region, FanSplit* surface) {
 
 // Drops what the options want dropped from the surface and makes what is left
 // manifold again.
-// \param is_end [V] of the tetrahedralization, see FindEnds()
+// \param is_end [V] of the tetrahedralization, see MarkEnds()
 void Filter(const ManifoldMeshingOptions& options,
             const std::vector<uint8_t>& is_end, FanSplit* surface,
             ManifoldMeshingReport* report) {
@@ -307,25 +276,26 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   }
   ManifoldMesh result;
   ManifoldMeshingReport& report = result.report;
-  MeshedCloud meshed = Prepare(options, std::move(cloud), views, ends, &report);
+  WeightedCloud weighted =
+      Prepare(options, std::move(cloud), views, ends, &report);
   ThinnedTetrahedralization thinned =
-      Tetrahedralize(meshed.cloud, views,
+      Tetrahedralize(weighted.cloud, views,
                      {options.max_proj_dist, options.max_depth_dist}, progress);
   report.num_duplicate_points = thinned.num_duplicate_points;
   report.num_vertices = thinned.tetrahedra.points.size();
   report.num_cells = thinned.tetrahedra.cells.size();
-  const std::vector<uint8_t> is_end = FindEnds(thinned, &meshed);
+  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
   const std::vector<float> supports = SupportOfVertices(
-      report.num_vertices, thinned.point_vertices, meshed.weights);
+      report.num_vertices, thinned.point_vertices, weighted.weights);
   FlowGraph graph =
-      MakeGraph(options, meshed, is_end, views, thinned, progress, &report);
+      MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
   std::vector<uint8_t> is_free = CutGraph(graph, progress, &report);
   report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
   graph = FlowGraph();
   FanSplit surface =
       Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
   result.attributes =
-      InheritAttributes(surface.mesh, meshed.cloud,
+      InheritAttributes(surface.mesh, weighted.cloud,
                         PointsOf(surface.sources, thinned.vertex_points));
   result.facet_confidences = FacetConfidences(
       surface.mesh, SupportOfSurface(supports, surface.sources),

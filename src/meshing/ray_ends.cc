@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <span>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -95,24 +94,27 @@ double MarginOf(const Region& region) {
 }
 
 RayEnds CropCloud(const Region& region, const std::vector<View>& views,
-                  const std::vector<float>& weights, PointCloud* cloud) {
+                  WeightedCloud* weighted) {
   EndCollector collector(region, views);
-  PointCloud kept;
-  for (size_t i = 0; i < cloud->size(); ++i) {
-    const std::span<const uint32_t> point_views = cloud->views[i];
-    if (collector.Grown().Contains(cloud->positions[i])) {
-      kept.positions.push_back(cloud->positions[i]);
-      kept.views.AddRow(point_views);
-      if (!cloud->colors.empty()) {
-        kept.colors.push_back(cloud->colors[i]);
+  const PointCloud& cloud = weighted->cloud;
+  WeightedCloud kept;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    const float weight = weighted->weights[i];
+    if (collector.Grown().Contains(cloud.positions[i])) {
+      kept.cloud.positions.push_back(cloud.positions[i]);
+      kept.cloud.views.AddRow(cloud.views[i]);
+      kept.weights.push_back(weight);
+      if (!cloud.colors.empty()) {
+        kept.cloud.colors.push_back(cloud.colors[i]);
       }
       continue;
     }
-    for (const uint32_t view : point_views) {
-      collector.Add(view, cloud->positions[i].cast<double>(), weights[i]);
+    for (const uint32_t view : cloud.views[i]) {
+      collector.Add(view, cloud.positions[i].cast<double>(), weight);
     }
   }
-  *cloud = std::move(kept);
+  kept.num_points = kept.cloud.size();
+  *weighted = std::move(kept);
   return collector.Take();
 }
 
@@ -155,17 +157,37 @@ RayEnds BackgroundEnds(const Region& region, const View& view,
   return ends;
 }
 
-PointCloud AppendEnds(const PointCloud& cloud, const RayEnds& ends) {
-  PointCloud joined = cloud;
-  joined.positions.insert(joined.positions.end(), ends.positions.begin(),
-                          ends.positions.end());
-  if (!joined.colors.empty()) {
-    joined.colors.resize(joined.positions.size());
+void AppendEnds(const RayEnds& ends, WeightedCloud* weighted) {
+  PointCloud& cloud = weighted->cloud;
+  cloud.positions.insert(cloud.positions.end(), ends.positions.begin(),
+                         ends.positions.end());
+  weighted->weights.insert(weighted->weights.end(), ends.weights.begin(),
+                           ends.weights.end());
+  if (!cloud.colors.empty()) {
+    cloud.colors.resize(cloud.positions.size());
   }
   for (const uint32_t view : ends.views) {
-    joined.views.AddRow(std::array{view});
+    cloud.views.AddRow(std::array{view});
   }
-  return joined;
+}
+
+std::vector<uint8_t> MarkEnds(const ThinnedTetrahedralization& thinned,
+                              WeightedCloud* weighted) {
+  const size_t num_points = weighted->num_points;
+  std::vector<uint8_t> is_end;
+  if (num_points == weighted->cloud.size()) {
+    return is_end;
+  }
+  for (const uint32_t point : thinned.vertex_points) {
+    is_end.push_back(point >= num_points);
+  }
+  for (size_t point = 0; point < weighted->cloud.size(); ++point) {
+    const bool is_at_end = is_end[thinned.point_vertices[point]] != 0;
+    if (is_at_end != (point >= num_points)) {
+      weighted->weights[point] = 0;
+    }
+  }
+  return is_end;
 }
 
 }  // namespace colmap_ext

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "delaunay/tetrahedralization.h"
 #include "scene/gray_image.h"
 #include "scene/point_cloud.h"
 #include "scene/region.h"
@@ -34,12 +35,19 @@ inline constexpr double kRayEndSpacing = 10;
 // its border, scene units: a share of its diagonal. A choice.
 double MarginOf(const Region& region);
 
+// Points that vote, and behind them ends of rays.
+struct WeightedCloud {
+  PointCloud cloud;
+  std::vector<float> weights;  // [P] of the votes of each
+  size_t num_points = 0;       // that are no ends
+};
+
 // Drops the points that lie further from a region than its margin.
-// \param weights [P] of the points' rays
+// \param weighted  without ends.
 // \return where the dropped points' rays that pass through the region leave
 //         its margin.
 RayEnds CropCloud(const Region& region, const std::vector<View>& views,
-                  const std::vector<float>& weights, PointCloud* cloud);
+                  WeightedCloud* weighted);
 
 // The box along the world's axes that holds all points, and a tenth of its size
 // more on each side.
@@ -53,7 +61,13 @@ Region RegionOfCloud(const PointCloud& cloud);
 RayEnds BackgroundEnds(const Region& region, const View& view,
                        uint32_t view_index, const GrayImage& mask);
 
-// A cloud with ends of rays behind its points, each seen by its view.
-PointCloud AppendEnds(const PointCloud& cloud, const RayEnds& ends);
+// Adds ends behind the points, each seen by its view.
+void AppendEnds(const RayEnds& ends, WeightedCloud* weighted);
+
+// [V] which vertices of a tetrahedralization are ends of rays; empty: none.
+// Points that were thinned out in favour of such a vertex, and ends in favour
+// of a point, vote for nothing: their weights become zero.
+std::vector<uint8_t> MarkEnds(const ThinnedTetrahedralization& thinned,
+                              WeightedCloud* weighted);
 
 }  // namespace colmap_ext

@@ -30,10 +30,11 @@ namespace {
 // unless that makes facets cross.
 void ImproveFacets(RefinedMesh* state) {
   ImprovedMesh improved = ImproveAngles(state->mesh);
-  if (RepairSelfIntersections(&improved.mesh).num_after >
-      state->report.num_self_intersections) {
+  const size_t num_crossing = RepairSelfIntersections(&improved.mesh).num_after;
+  if (num_crossing > state->report.num_self_intersections) {
     return;
   }
+  state->report.num_self_intersections = num_crossing;
   state->attributes =
       CarryAttributes(state->mesh, state->attributes, improved.sources);
   state->origins = ValuesAt(improved.sources, state->mesh, state->origins);

@@ -28,15 +28,14 @@ PointCloud RandomCloud() {
 class CropCloudTest : public testing::Test {
  protected:
   CropCloudTest() {
-    cropped_ = cloud_;
-    ends_ =
-        CropCloud(region_, views_, std::vector<float>(2000, 0.5f), &cropped_);
+    weighted_ = {cloud_, std::vector<float>(2000, 0.5f), 2000};
+    ends_ = CropCloud(region_, views_, &weighted_);
   }
 
   const Region region_ = RegionBetween({-1, -1, -1}, {1, 1, 1});
   const std::vector<View> views_ = {FrontView(-2), FrontView(2)};
   const PointCloud cloud_ = RandomCloud();
-  PointCloud cropped_;
+  WeightedCloud weighted_;
   RayEnds ends_;
 };
 
@@ -46,10 +45,10 @@ TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMargin) {
   for (const Eigen::Vector3f& position : cloud_.positions) {
     num_inside += grown.Contains(position);
   }
-  EXPECT_EQ(cropped_.size(), num_inside);
-  EXPECT_EQ(cropped_.colors.size(), num_inside);
-  EXPECT_EQ(cropped_.views.size(), num_inside);
-  for (const Eigen::Vector3f& position : cropped_.positions) {
+  EXPECT_EQ(weighted_.cloud.size(), num_inside);
+  EXPECT_EQ(weighted_.cloud.colors.size(), num_inside);
+  EXPECT_EQ(weighted_.cloud.views.size(), num_inside);
+  for (const Eigen::Vector3f& position : weighted_.cloud.positions) {
     EXPECT_TRUE(grown.Contains(position));
   }
 }
@@ -92,15 +91,36 @@ TEST_F(CropCloudTest, KeepsTheWeights) {
 }
 
 TEST_F(CropCloudTest, AppendsEndsBehindThePoints) {
-  const PointCloud joined = AppendEnds(cropped_, ends_);
-  ASSERT_EQ(joined.size(), cropped_.size() + ends_.size());
+  const PointCloud& joined = weighted_.cloud;
+  const size_t num_points = joined.size();
+  AppendEnds(ends_, &weighted_);
+  EXPECT_EQ(weighted_.num_points, num_points);
+  ASSERT_EQ(joined.size(), num_points + ends_.size());
   EXPECT_EQ(joined.colors.size(), joined.size());
+  ASSERT_EQ(weighted_.weights.size(), joined.size());
   for (size_t i = 0; i < ends_.size(); ++i) {
-    const size_t place = cropped_.size() + i;
+    const size_t place = num_points + i;
     EXPECT_EQ(joined.positions[place], ends_.positions[i]);
+    EXPECT_EQ(weighted_.weights[place], ends_.weights[i]);
     ASSERT_EQ(joined.views[place].size(), 1u);
     EXPECT_EQ(joined.views[place][0], ends_.views[i]);
   }
+}
+
+// A point that is thinned out in favour of an end, or the other way around,
+// votes for nothing.
+TEST(MarkEndsTest, SilencesWhatWasThinnedAcross) {
+  ThinnedTetrahedralization thinned;
+  thinned.vertex_points = {0, 2};         // the third is an end
+  thinned.point_vertices = {0, 1, 1, 0};  // of two points and two ends
+  WeightedCloud weighted;
+  weighted.cloud.positions.resize(4);
+  weighted.weights = {1, 1, 1, 1};
+  weighted.num_points = 2;
+  EXPECT_EQ(MarkEnds(thinned, &weighted), (std::vector<uint8_t>{0, 1}));
+  EXPECT_EQ(weighted.weights, (std::vector<float>{1, 0, 1, 0}));
+  weighted.num_points = 4;
+  EXPECT_TRUE(MarkEnds(thinned, &weighted).empty());
 }
 
 TEST(BackgroundEnds, AreWhereRaysOfMaskedPixelsLeave) {
