@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -12,10 +13,14 @@
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/viewing/draw_screenshots.h"
 #include "colmap_ext/viewing/read_shown_mesh.h"
+#include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/viewing/viewer_workspace.h"
 #include "colmap_ext/write_png.h"
 #include "formats/atomic_file.h"
 #include "viewer/mesh_colors.h"
+#include "viewer/scene_inbox.h"
+#include "viewer/viewer_session.h"
+#include "viewer/viewer_window.h"
 
 namespace colmap_ext {
 
@@ -85,8 +90,33 @@ void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
   std::cout << "Drawn by " << renderer << std::endl;
 }
 
+void OpenWindow(const ViewerOptions& options, ViewerPaths paths) {
+  const std::string title = "mesh_viewer " + paths.meshes[0].mesh.string();
+  SceneInbox inbox;
+  SceneLoader loader(std::move(paths), ColmapPictureDecoder(), &inbox);
+  ViewerSession session(&inbox, loader.Host([](const ColorImage& picture) {
+    return SaveNumbered(picture, &WritePng);
+  }),
+                        options.settings);
+  loader.LoadAll(options);
+  const int width = options.width > 0 ? options.width : ViewerOptions::kWidth;
+  const int height =
+      options.height > 0 ? options.height : std::max(1, width * 3 / 4);
+  try {
+    RunViewerWindow({title, width, height}, &session);
+  } catch (const NoWindowError& error) {
+    throw OptionError(error.what() +
+                      std::string("; --screenshot FILE.png draws without one"));
+  }
+}
+
 void LookAtMeshes(const ViewerOptions& options) {
-  TakeScreenshots(options, FindViewerPaths(options));
+  ViewerPaths paths = FindViewerPaths(options);
+  if (options.screenshot.empty()) {
+    OpenWindow(options, std::move(paths));
+  } else {
+    TakeScreenshots(options, paths);
+  }
 }
 
 }  // namespace

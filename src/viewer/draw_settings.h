@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 namespace colmap_ext {
@@ -29,8 +30,9 @@ struct DrawSettings {
   bool cameras = false;
   std::optional<size_t> image;  // of this view lies over it
   double image_opacity = 0.5;
-  double point_radius = 1.2;  // px
-  int samples = 2;            // a pixel is the mean of their square
+  std::optional<uint32_t> picked;  // facet, whose edges are drawn
+  double point_radius = 1.2;       // px
+  int samples = 2;                 // a pixel is the mean of their square
 };
 
 }  // namespace colmap_ext

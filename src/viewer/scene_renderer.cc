@@ -108,6 +108,9 @@ void SceneRenderer::Draw(const ShownScene& scene, const View& view,
   if (settings.image) {
     DrawImage(scene, settings, projection);
   }
+  if (settings.picked && settings.mesh < scene.meshes.size()) {
+    DrawPicked(scene.meshes[settings.mesh]->mesh, *settings.picked, projection);
+  }
   glBlitNamedFramebuffer(targets_->drawn.Name(), targets_->shown.Name(), 0, 0,
                          view.width * samples, view.height * samples, 0, 0,
                          view.width, view.height, GL_COLOR_BUFFER_BIT,
@@ -128,6 +131,23 @@ void SceneRenderer::DrawCameras(const ShownScene& scene,
   const auto samples = static_cast<float>(targets_->samples);
   line_pass_.Draw(FrustumLines(scene.views, depth), kBlue, projection,
                   kWidth * samples);
+}
+
+void SceneRenderer::DrawPicked(const TriangleMesh& mesh, uint32_t facet,
+                               const PictureProjection& projection) {
+  const Eigen::Vector3f kOrange(0.95F, 0.5F, 0.05F);
+  constexpr float kWidth = 2;  // px
+  if (facet >= mesh.facets.size()) {
+    return;
+  }
+  std::vector<Eigen::Vector3f> ends;
+  for (int k = 0; k < 3; ++k) {
+    ends.push_back(mesh.vertices[mesh.facets[facet][k]]);
+    ends.push_back(mesh.vertices[mesh.facets[facet][(k + 1) % 3]]);
+  }
+  glDisable(GL_DEPTH_TEST);
+  line_pass_.Draw(ends, kOrange, projection,
+                  kWidth * static_cast<float>(targets_->samples));
 }
 
 void SceneRenderer::DrawImage(const ShownScene& scene,

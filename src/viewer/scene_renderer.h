@@ -51,6 +51,8 @@ class SceneRenderer {
   void Prepare(const View& view, const DrawSettings& settings);
   void DrawCameras(const ShownScene& scene,
                    const PictureProjection& projection);
+  void DrawPicked(const TriangleMesh& mesh, uint32_t facet,
+                  const PictureProjection& projection);
   void DrawImage(const ShownScene& scene, const DrawSettings& settings,
                  const PictureProjection& projection);
 

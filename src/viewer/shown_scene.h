@@ -13,6 +13,7 @@
 #include "scene/color_image.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
+#include "viewer/facet_match.h"
 
 namespace colmap_ext {
 
@@ -39,6 +40,9 @@ struct ShownScene {
   std::vector<View> views;                                         // cameras
   std::map<size_t, std::shared_ptr<const ColorImage>> thumbnails;  // by view
   std::map<size_t, std::shared_ptr<const ColorImage>> images;      // by view
+  std::shared_ptr<const FacetMatch> match;  // of the facet picked last, or none
+  std::string status;                       // what is being done, in one line
+  std::vector<std::string> notes;           // what can not be shown, and why
 };
 
 }  // namespace colmap_ext
