@@ -22,11 +22,15 @@
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/terminal/stop_signal.h"
+#include "colmap_ext/viewing/live_view.h"
+#include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/write_labels.h"
+#include "colmap_ext/write_png.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
+#include "viewer/viewer_window.h"
 #include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
@@ -72,9 +76,12 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
 // One run of the command, from its files to its files.
 class Refiner {
  public:
-  Refiner(const RefinerOptions& options, const RefinementPaths& paths)
+  // \param live  shows it, or nullptr.
+  Refiner(const RefinerOptions& options, const RefinementPaths& paths,
+          LiveView* live)
       : options_(options),
         paths_(paths),
+        live_(live),
         reporter_(std::cout, isatty(STDOUT_FILENO) != 0),
         progress_([this](std::string_view stage, double share) {
           reporter_.Update(stage, share);
@@ -109,6 +116,9 @@ class Refiner {
     reporter_.Finish();
     PrintReport(input_, std::cout);
     PrintStart();
+    if (live_ != nullptr) {
+      live_->Start(input_.mesh, input_.attributes, input_.views, input_.points);
+    }
   }
 
   void PrintStart() const {
@@ -143,7 +153,13 @@ class Refiner {
     hooks.on_level = [this](int level, const RefinedMesh& state) {
       OnLevel(level, state);
     };
-    hooks.should_stop = [] { return StopSignal::Received() != 0; };
+    hooks.should_stop = [this] {
+      const auto is_interrupted = [] { return StopSignal::Received() != 0; };
+      if (live_ != nullptr) {
+        live_->WaitWhilePaused(is_interrupted);
+      }
+      return is_interrupted();
+    };
     FacetwiseRefinementOptions method = options_.refinement;
     method.cameras.parts = input_.camera_parts;
     RefinedMesh refined = RefineFacetwise(
@@ -159,6 +175,9 @@ class Refiner {
 
   void OnStep(const RefinementStep& step, const RefinedMesh& state) {
     reporter_.Note(Describe(step));
+    if (live_ != nullptr) {
+      live_->Show(state.mesh, state.attributes, Describe(step));
+    }
     if (options_.snapshot_interval > 0 && step.iteration > 0 &&
         step.iteration % options_.snapshot_interval == 0) {
       WriteColoredMesh(fs::path(paths_.output)
@@ -214,6 +233,9 @@ class Refiner {
   void Write(const RefinedMesh& refined) {
     Report(progress_, "Writing the mesh", 0);
     ExpectManifold(refined.mesh);
+    if (live_ != nullptr) {
+      live_->Show(refined.mesh, refined.attributes, "writing");
+    }
     // First: without it a mesh of refined cameras is of little use.
     if (AreCamerasRefined()) {
       WriteSparseModel(
@@ -274,6 +296,7 @@ class Refiner {
 
   const RefinerOptions& options_;
   const RefinementPaths& paths_;
+  LiveView* live_;
   const PictureDecoder decoder_ = ColmapPictureDecoder();
   ProgressReporter reporter_;
   Progress progress_;
@@ -286,11 +309,32 @@ class Refiner {
   int signal_ = 0;
 };
 
+void RefineInWindow(const RefinerOptions& options,
+                    const RefinementPaths& paths) {
+  try {
+    RunWithViewer(
+        "facetwise_refiner " + paths.mesh.string(), paths.folder,
+        ColmapPictureDecoder(),
+        [](const ColorImage& picture) {
+          return SaveNumbered(picture, &WritePng);
+        },
+        [&](LiveView* live) { Refiner(options, paths, live).Run(); });
+  } catch (const NoWindowError& error) {
+    throw OptionError(error.what() +
+                      std::string("; leave --viewer out, and look at the "
+                                  "result by mesh_viewer --screenshot"));
+  }
+}
+
 void RefineWorkspace(RefinerOptions options) {
   const RefinementPaths paths = FindRefinementPaths(options);
   options.ChooseTrim(paths.HasFusedPoints());
   CheckOutputs(options, paths);
-  Refiner(options, paths).Run();
+  if (options.viewer) {
+    RefineInWindow(options, paths);
+  } else {
+    Refiner(options, paths, nullptr).Run();
+  }
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct RefinerOptions {
   std::string report_path;  // a CSV; its plot lies beside it
   std::string labels_path;  // a PLY; its picture lies beside it
   bool resume = false;
+  bool viewer = false;  // shows the mesh in a window meanwhile
 
   FacetwiseRefinementOptions refinement;
   double trim = kAutoTrim;  // see BorderOptions

@@ -49,75 +49,61 @@ void SceneLoader::LoadWorkspace(const ViewerOptions& options) {
   Say("reading the points and cameras");
   try {
     ViewerWorkspace workspace = ReadViewerWorkspace(options, paths_, decoder_);
-    views_ = workspace.views;
-    inbox_->Put("workspace",
-                [views = views_, points = workspace.points](ShownScene* scene) {
-                  scene->views = views;
-                  scene->points = points;
-                });
+    inbox_->Put("workspace", [views = workspace.views,
+                              points = workspace.points](ShownScene* scene) {
+      scene->views = views;
+      scene->points = points;
+    });
     Note(workspace.notes);
   } catch (const std::exception& error) {
     Note({error.what()});
   }
 }
 
-void SceneLoader::LoadImage(size_t view) {
-  if (view >= views_.size()) {
-    return;
-  }
-  auto image =
-      ReadShownImage(paths_.folder, views_[view], kImageSize, decoder_);
+void SceneLoader::LoadImage(size_t index, const View& view) {
+  auto image = ReadShownImage(paths_.folder, view, kImageSize, decoder_);
   if (image == nullptr) {
-    Note({(paths_.folder / "images" / views_[view].name).string() +
+    Note({(paths_.folder / "images" / view.name).string() +
           ": can not be read"});
     return;
   }
   // One at a time: they are large.
-  inbox_->Put("image", [view, image](ShownScene* scene) {
+  inbox_->Put("image", [index, image](ShownScene* scene) {
     scene->images.clear();
-    scene->images[view] = image;
+    scene->images[index] = image;
   });
 }
 
-void SceneLoader::LoadThumbnails() {
-  if (std::exchange(are_thumbnails_loaded_, true)) {
-    return;
-  }
-  for (size_t view = 0; view < views_.size(); ++view) {
-    worker_.Add([this, view] {
-      Say(fmt::format("reading images, {} of {}", view + 1, views_.size()));
-      if (auto image = ReadShownImage(paths_.folder, views_[view],
-                                      kThumbnailSize, decoder_)) {
-        inbox_->Put(fmt::format("thumbnail {}", view),
-                    [view, image](ShownScene* scene) {
-                      scene->thumbnails[view] = image;
-                    });
+void SceneLoader::LoadThumbnails(const std::vector<View>& views) {
+  for (size_t i = 0; i < views.size(); ++i) {
+    worker_.Add([this, i, view = views[i], count = views.size()] {
+      Say(fmt::format("reading images, {} of {}", i + 1, count));
+      if (auto image =
+              ReadShownImage(paths_.folder, view, kThumbnailSize, decoder_)) {
+        inbox_->Put(
+            fmt::format("thumbnail {}", i),
+            [i, image](ShownScene* scene) { scene->thumbnails[i] = image; });
       }
     });
   }
   worker_.Add([this] { Say(""); });
 }
 
-void SceneLoader::Match(const ShownMesh& mesh, uint32_t facet, ViewPair pair) {
-  FacetMatch match;
-  const std::filesystem::path folder = paths_.folder / "images";
-  const auto read = [&](uint32_t view) {
-    return decoder_.read_gray(folder / views_[view].name);
+void SceneLoader::Match(const ShownMesh& mesh, uint32_t facet,
+                        const View& first, const View& second) {
+  const auto read = [&](const View& view) {
+    std::optional<GrayImage> image =
+        decoder_.read_gray(paths_.folder / "images" / view.name);
+    const bool fits =
+        image && image->width == view.width && image->height == view.height;
+    return fits ? std::move(image) : std::nullopt;
   };
-  if (std::max(pair.first, pair.second) < views_.size()) {
-    const View& first = views_[pair.first];
-    const View& second = views_[pair.second];
-    const std::optional<GrayImage> first_image = read(pair.first);
-    const std::optional<GrayImage> second_image = read(pair.second);
-    const auto fits = [](const View& view,
-                         const std::optional<GrayImage>& image) {
-      return image && image->width == view.width &&
-             image->height == view.height;
-    };
-    if (fits(first, first_image) && fits(second, second_image)) {
-      match = MatchFacet(mesh.mesh, facet, first, *first_image, second,
-                         *second_image);
-    }
+  const std::optional<GrayImage> first_image = read(first);
+  const std::optional<GrayImage> second_image = read(second);
+  FacetMatch match;
+  if (first_image && second_image) {
+    match = MatchFacet(mesh.mesh, facet, first, *first_image, second,
+                       *second_image);
   }
   inbox_->Put("match",
               [result = std::make_shared<const FacetMatch>(std::move(match))](
@@ -127,15 +113,18 @@ void SceneLoader::Match(const ShownMesh& mesh, uint32_t facet, ViewPair pair) {
 ViewerHost SceneLoader::Host(
     std::function<std::string(const ColorImage&)> save) {
   ViewerHost host;
-  host.load_image = [this](size_t view) {
-    worker_.AddFirst([this, view] { LoadImage(view); });
+  host.load_image = [this](size_t index, const View& view) {
+    worker_.AddFirst([this, index, view] { LoadImage(index, view); });
   };
-  host.load_thumbnails = [this] { worker_.Add([this] { LoadThumbnails(); }); };
+  host.load_thumbnails = [this](const std::vector<View>& views) {
+    LoadThumbnails(views);
+  };
   host.match_facet = [this](std::shared_ptr<const ShownMesh> mesh,
-                            uint32_t facet, ViewPair pair) {
-    worker_.AddFirst([this, mesh = std::move(mesh), facet, pair] {
+                            uint32_t facet, const View& first,
+                            const View& second) {
+    worker_.AddFirst([this, mesh = std::move(mesh), facet, first, second] {
       try {
-        Match(*mesh, facet, pair);
+        Match(*mesh, facet, first, second);
       } catch (const std::exception& error) {
         Note({error.what()});
       }

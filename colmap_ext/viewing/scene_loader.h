@@ -26,9 +26,6 @@ class SceneLoader {
   // The meshes, and then the workspace.
   void LoadAll(const ViewerOptions& options);
 
-  // Has the cameras already, by whose indices images are asked for.
-  void SetViews(std::vector<View> views) { views_ = std::move(views); }
-
   // What it does for the viewer.
   // \param save  saves a picture; see ViewerHost.
   ViewerHost Host(std::function<std::string(const ColorImage&)> save);
@@ -36,19 +33,18 @@ class SceneLoader {
  private:
   void LoadMesh(const ShownMeshPaths& paths);
   void LoadWorkspace(const ViewerOptions& options);
-  void LoadImage(size_t view);
-  void LoadThumbnails();
-  void Match(const ShownMesh& mesh, uint32_t facet, ViewPair pair);
+  void LoadImage(size_t index, const View& view);
+  void LoadThumbnails(const std::vector<View>& views);
+  void Match(const ShownMesh& mesh, uint32_t facet, const View& first,
+             const View& second);
   void Say(const std::string& status);
   void Note(const std::vector<std::string>& notes);
 
   // Used by the worker's thread alone, once it has jobs.
   ViewerPaths paths_;
   PictureDecoder decoder_;
-  std::vector<View> views_;
   std::vector<std::string> notes_;
   size_t num_meshes_ = 0;
-  bool are_thumbnails_loaded_ = false;
 
   SceneInbox* inbox_;
   BackgroundWorker worker_;  // The last, as it uses the others.

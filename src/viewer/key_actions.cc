@@ -22,13 +22,6 @@ struct ViewerActions {
             }};
   }
 
-  static void Cameras(ViewerSession* session) {
-    session->settings_.cameras = !session->settings_.cameras;
-    if (session->settings_.cameras && session->host_.load_thumbnails) {
-      session->host_.load_thumbnails();
-    }
-  }
-
   static void Image(ViewerSession* session) {
     session->SetImage(!session->settings_.image);
   }
@@ -77,7 +70,7 @@ struct ViewerActions {
         Toggle('W', "W", &DrawSettings::wireframe, "wireframe"),
         Toggle('B', "B", &DrawSettings::backfaces, "mark backs of faces"),
         Toggle('P', "P", &DrawSettings::points, "points"),
-        {{'C'}, "C", "cameras with their images", &Cameras},
+        Toggle('C', "C", &DrawSettings::cameras, "cameras with their images"),
         {{kKeyRight, ']'},
          "Right ]",
          "next camera",

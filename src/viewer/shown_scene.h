@@ -43,6 +43,7 @@ struct ShownScene {
   std::shared_ptr<const FacetMatch> match;  // of the facet picked last, or none
   std::string status;                       // what is being done, in one line
   std::vector<std::string> notes;           // what can not be shown, and why
+  bool is_over = false;                     // the viewer is to close
 };
 
 }  // namespace colmap_ext

@@ -5,9 +5,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "labeling/facet_labels.h"
 #include "scene/color_image.h"
+#include "scene/view.h"
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext {
@@ -15,10 +16,11 @@ namespace colmap_ext {
 // What the viewer asks of the program that it is part of. All return at once;
 // what they load comes by the SceneInbox.
 struct ViewerHost {
-  std::function<void(size_t view)> load_image;
-  std::function<void()> load_thumbnails;
+  // \param index  of the view in the scene.
+  std::function<void(size_t index, const View& view)> load_image;
+  std::function<void(const std::vector<View>& views)> load_thumbnails;
   std::function<void(std::shared_ptr<const ShownMesh> mesh, uint32_t facet,
-                     ViewPair pair)>
+                     const View& first, const View& second)>
       match_facet;
 
   // \return what became of it, in one line.

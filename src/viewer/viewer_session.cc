@@ -33,11 +33,7 @@ std::vector<size_t> ByName(const std::vector<View>& views) {
 
 ViewerSession::ViewerSession(SceneInbox* inbox, ViewerHost host,
                              DrawSettings settings)
-    : inbox_(inbox), host_(std::move(host)), settings_(settings) {
-  if (settings_.cameras && host_.load_thumbnails) {
-    host_.load_thumbnails();
-  }
-}
+    : inbox_(inbox), host_(std::move(host)), settings_(settings) {}
 
 bool ViewerSession::Update(double seconds) {
   seconds_ = seconds;
@@ -50,20 +46,28 @@ bool ViewerSession::Update(double seconds) {
     picked_.reset();  // The mesh is another one now.
     settings_.picked.reset();
   }
+  if (settings_.cameras && !scene_.views.empty() && host_.load_thumbnails &&
+      !std::exchange(are_thumbnails_asked_, true)) {
+    host_.load_thumbnails(scene_.views);
+  }
   if (flight_) {
     has_changed = true;
-    const double share = (seconds - flight_->start) / kFlightTime;
-    camera_ = flight_->to;
-    if (share < 1) {
-      camera_ = OrbitCamera(
-          BetweenViews(flight_->from.Picture(width_, height_),
-                       flight_->to.Picture(width_, height_), Ease(share)),
-          flight_->to.Pivot());
-    } else {
-      flight_.reset();
-    }
+    Fly(seconds);
   }
   return has_changed;
+}
+
+void ViewerSession::Fly(double seconds) {
+  const double share = (seconds - flight_->start) / kFlightTime;
+  camera_ = flight_->to;
+  if (share < 1) {
+    camera_ = OrbitCamera(
+        BetweenViews(flight_->from.Picture(width_, height_),
+                     flight_->to.Picture(width_, height_), Ease(share)),
+        flight_->to.Pivot());
+  } else {
+    flight_.reset();
+  }
 }
 
 void ViewerSession::SetSize(int width, int height) {
@@ -116,7 +120,8 @@ void ViewerSession::Pick(uint32_t facet) {
                    PairOfFacet(*picked_mesh_, facet, scene_.views),
                    !picked_mesh_->labels.empty()};
   if (picked_->pair && host_.match_facet) {
-    host_.match_facet(picked_mesh_, facet, *picked_->pair);
+    host_.match_facet(picked_mesh_, facet, scene_.views[picked_->pair->first],
+                      scene_.views[picked_->pair->second]);
   }
 }
 
@@ -169,7 +174,7 @@ void ViewerSession::SetImage(bool is_shown) {
   }
   settings_.image = at_view_;
   if (!scene_.images.contains(*at_view_) && host_.load_image) {
-    host_.load_image(*at_view_);
+    host_.load_image(*at_view_, scene_.views[*at_view_]);
   }
 }
 

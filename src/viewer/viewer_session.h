@@ -59,7 +59,7 @@ class ViewerSession {
   // Lines about what is seen.
   std::vector<std::string> Lines() const;
   bool IsHelpShown() const { return is_help_shown_; }
-  bool IsClosed() const { return is_closed_; }
+  bool IsClosed() const { return is_closed_ || scene_.is_over; }
 
   // Whether a picture is to be saved; once for each time.
   bool TakeScreenshotWish();
@@ -74,6 +74,7 @@ class ViewerSession {
     double start;  // seconds
   };
 
+  void Fly(double seconds);
   void FlyTo(const OrbitCamera& camera);
   void GoToView(size_t view);
   void StepView(int step);
@@ -95,6 +96,7 @@ class ViewerSession {
   double seconds_ = 0;
   int width_ = 1;
   int height_ = 1;
+  bool are_thumbnails_asked_ = false;
   bool is_help_shown_ = false;
   bool is_paused_ = false;
   bool is_closed_ = false;

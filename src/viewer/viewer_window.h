@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -16,8 +17,9 @@ class NoWindowError : public std::runtime_error {
 
 struct WindowOptions {
   std::string title;
-  int width = 1024;  // px
-  int height = 768;  // px
+  int width = 1024;                         // px
+  int height = 768;                         // px
+  std::function<void()> on_open = nullptr;  // once there is a window
 };
 
 // Shows a session in a window until that is closed. To be called by the

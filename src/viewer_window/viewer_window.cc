@@ -116,7 +116,11 @@ class WindowLoop {
 }  // namespace
 
 void RunViewerWindow(const WindowOptions& options, ViewerSession* session) {
-  WindowLoop(options, session).Run();
+  WindowLoop loop(options, session);
+  if (options.on_open) {
+    options.on_open();
+  }
+  loop.Run();
 }
 
 }  // namespace colmap_ext
