@@ -38,6 +38,8 @@ WindowInput::WindowInput(const GlfwWindow& window, ViewerSession* session)
     : window_(window), session_(session) {
   glfwSetWindowUserPointer(window.Get(), this);
   InstallCallbacks();
+  glfwGetCursorPos(window.Get(), &last_.x(), &last_.y());
+  last_ = last_.cwiseProduct(window.Scale());
 }
 
 void WindowInput::InstallCallbacks() {
@@ -61,12 +63,6 @@ void WindowInput::InstallCallbacks() {
       window, [](GLFWwindow* w, int, int) { Of(w)->has_changed_ = true; });
 }
 
-Eigen::Vector2d WindowInput::Position() const {
-  Eigen::Vector2d position;
-  glfwGetCursorPos(window_.Get(), &position.x(), &position.y());
-  return position.cwiseProduct(window_.Scale());
-}
-
 void WindowInput::OnKey(int key, int action) {
   if (action != GLFW_RELEASE) {
     session_->Press(SessionKey(key));
@@ -85,7 +81,6 @@ void WindowInput::OnButton(int button, int action, int modifiers) {
   if (ImGui::GetIO().WantCaptureMouse) {
     return;
   }
-  last_ = Position();
   const bool is_left = button == GLFW_MOUSE_BUTTON_LEFT;
   drag_ = is_left && (modifiers & GLFW_MOD_CONTROL) == 0 ? DragKind::kRotate
                                                          : DragKind::kPan;
@@ -106,9 +101,9 @@ void WindowInput::OnButton(int button, int action, int modifiers) {
 void WindowInput::OnMotion(const Eigen::Vector2d& position) {
   if (drag_) {
     session_->Drag(*drag_, last_, position);
-    last_ = position;
     has_changed_ = true;
   }
+  last_ = position;
 }
 
 void WindowInput::OnScroll(double steps) {

@@ -21,21 +21,19 @@ class WindowInput {
   // Whether anything came in since the last call.
   bool TakeChange();
 
-  // Whether a button is held.
-  bool IsDragging() const { return drag_.has_value(); }
-
  private:
   void OnKey(int key, int action);
   void OnButton(int button, int action, int modifiers);
   void OnMotion(const Eigen::Vector2d& position);
   void OnScroll(double steps);
   void InstallCallbacks();
-  Eigen::Vector2d Position() const;
 
   const GlfwWindow& window_;
   ViewerSession* session_;
   std::optional<DragKind> drag_;
-  Eigen::Vector2d last_ = {0, 0};        // of the mouse while it drags, px
+  // Where the mouse is by the events up to now, px: it may be elsewhere
+  // already.
+  Eigen::Vector2d last_ = {0, 0};
   Eigen::Vector2d last_click_ = {0, 0};  // px
   double last_click_time_ = -1;          // seconds
   std::optional<Eigen::Vector2i> double_click_;
