@@ -99,9 +99,12 @@ TriangleMesh PartOf(const TriangleMesh& mesh, const View& first,
   return part;
 }
 
-// The pixels that show the facet; of one that is too small, the middle.
-void SetCenters(const FacetIdBuffer& drawn, uint32_t facet, int radius,
-                CorrelationTile* tile) {
+// The pixels that show the facet; of one that is too small, the middle, unless
+// something hides it.
+// \param depth  of the facet, scene units
+void SetCenters(const FacetIdBuffer& drawn, uint32_t facet, double depth,
+                int radius, CorrelationTile* tile) {
+  constexpr double kHidden = 1.01;  // of its inverse depth; a choice
   for (int row = 0; row < tile->height; ++row) {
     for (int col = 0; col < tile->width; ++col) {
       const bool is_margin = row < radius || col < radius ||
@@ -111,8 +114,10 @@ void SetCenters(const FacetIdBuffer& drawn, uint32_t facet, int radius,
       tile->is_center[i] = !is_margin && drawn.facets[i] == facet ? 1 : 0;
     }
   }
-  if (std::ranges::count(tile->is_center, 1) == 0) {
-    tile->is_center[tile->Index(tile->height / 2, tile->width / 2)] = 1;
+  const size_t middle = tile->Index(tile->height / 2, tile->width / 2);
+  if (std::ranges::count(tile->is_center, 1) == 0 &&
+      drawn.inverse_depths[middle] * depth < kHidden) {
+    tile->is_center[middle] = 1;
   }
 }
 
@@ -202,7 +207,8 @@ FacetMatch MatchFacet(const TriangleMesh& mesh, uint32_t facet,
   CorrelationTile tile;
   TileGeometry geometry;
   tile.Resize(kPatchSize, kPatchSize);
-  SetCenters(drawn_i, facet, options.window_radius, &tile);
+  SetCenters(drawn_i, facet, first.CamFromWorld(center).z(),
+             options.window_radius, &tile);
   std::ranges::fill(tile.is_reached, 1);  // All of it is shown.
   PairWarp({i.view, i.image, drawn_i}, {j.view, j.image, drawn_j}, frames)
       .Compute(&tile, &geometry);

@@ -40,10 +40,11 @@ struct ShownScene {
   std::vector<View> views;                                         // cameras
   std::map<size_t, std::shared_ptr<const ColorImage>> thumbnails;  // by view
   std::map<size_t, std::shared_ptr<const ColorImage>> images;      // by view
-  std::shared_ptr<const FacetMatch> match;  // of the facet picked last, or none
-  std::string status;                       // what is being done, in one line
-  std::vector<std::string> notes;           // what can not be shown, and why
-  bool is_over = false;                     // the viewer is to close
+  std::shared_ptr<const FacetMatch>
+      match{};                       // of the facet picked last, or none
+  std::string status{};              // what is being done, in one line
+  std::vector<std::string> notes{};  // what can not be shown, and why
+  bool is_over = false;              // the viewer is to close
 };
 
 }  // namespace colmap_ext
