@@ -32,6 +32,7 @@ class SceneLoader {
 
  private:
   void LoadMesh(const ShownMeshPaths& paths);
+  void AddStandIn(const std::shared_ptr<const ShownMesh>& mesh);
   void LoadWorkspace(const ViewerOptions& options);
   void LoadImage(size_t index, const View& view);
   void LoadThumbnails(const std::vector<View>& views);

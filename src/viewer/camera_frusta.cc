@@ -11,7 +11,8 @@ std::array<Eigen::Vector3d, 4> ImageCorners(const View& view, double depth) {
   const Eigen::Matrix3d ray_from_pixel = view.RayFromPixel();
   std::array<Eigen::Vector3d, 4> corners;
   for (int i = 0; i < 4; ++i) {
-    const Eigen::Vector3d pixel(i % 2 * view.width, i / 2 * view.height, 1);
+    const int below = i / 2;
+    const Eigen::Vector3d pixel(i % 2 * view.width, below * view.height, 1);
     corners[i] = view.Center() + depth * (ray_from_pixel * pixel);
   }
   return corners;

@@ -31,8 +31,9 @@ struct DrawSettings {
   std::optional<size_t> image;  // of this view lies over it
   double image_opacity = 0.5;
   std::optional<uint32_t> picked;  // facet, whose edges are drawn
-  double point_radius = 1.2;       // px
-  int samples = 2;                 // a pixel is the mean of their square
+  bool stand_in = false;      // draws a coarse mesh in place of a large one
+  double point_radius = 1.2;  // px
+  int samples = 2;            // a pixel is the mean of their square
 };
 
 }  // namespace colmap_ext

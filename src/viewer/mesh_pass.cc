@@ -83,9 +83,13 @@ void MeshPass::Draw(const std::shared_ptr<const ShownMesh>& mesh,
 
 void MeshPass::Forget(const ShownScene& scene) {
   std::erase_if(uploaded_, [&](const auto& entry) {
-    return std::ranges::none_of(scene.meshes, [&](const auto& mesh) {
-      return mesh == entry.second.mesh.lock();
-    });
+    const std::shared_ptr<const ShownMesh> uploaded = entry.second.mesh.lock();
+    return std::ranges::none_of(
+               scene.meshes,
+               [&](const auto& mesh) { return mesh == uploaded; }) &&
+           std::ranges::none_of(scene.stand_ins, [&](const auto& stand_in) {
+             return stand_in.second == uploaded;
+           });
   });
 }
 

@@ -90,7 +90,11 @@ void SceneRenderer::Draw(const ShownScene& scene, const View& view,
   const auto diameter = static_cast<float>(2 * settings.point_radius * samples);
   mesh_pass_.Forget(scene);
   if (settings.mesh < scene.meshes.size()) {
-    const std::shared_ptr<const ShownMesh>& mesh = scene.meshes[settings.mesh];
+    std::shared_ptr<const ShownMesh> mesh = scene.meshes[settings.mesh];
+    const auto stand_in = scene.stand_ins.find(mesh.get());
+    if (settings.stand_in && stand_in != scene.stand_ins.end()) {
+      mesh = stand_in->second;
+    }
     if (mesh->mesh.facets.empty()) {
       mesh_point_pass_.Draw(mesh, mesh->mesh.vertices, mesh->colors, projection,
                             diameter);

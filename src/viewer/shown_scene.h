@@ -44,7 +44,9 @@ struct ShownScene {
       match{};                       // of the facet picked last, or none
   std::string status{};              // what is being done, in one line
   std::vector<std::string> notes{};  // what can not be shown, and why
-  bool is_over = false;              // the viewer is to close
+  // Of large meshes, for where drawing is slow; see CoarseMesh().
+  std::map<const ShownMesh*, std::shared_ptr<const ShownMesh>> stand_ins{};
+  bool is_over = false;  // the viewer is to close
 };
 
 }  // namespace colmap_ext

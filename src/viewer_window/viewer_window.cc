@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "gl/debug_output.h"
@@ -15,6 +16,8 @@ namespace colmap_ext {
 namespace {
 
 constexpr double kWait = 0.05;  // seconds, for what other threads leave
+// Without a change, before what is coarse is drawn in full, seconds; a choice.
+constexpr double kStill = 0.25;
 // After a change: a panel has its size from the second frame on.
 constexpr int kFrames = 3;
 constexpr double kSlowFrame = 0.04;  // seconds; a choice
@@ -40,11 +43,16 @@ class WindowLoop {
       PickDoubleClicked();
       if (has_come || has_input) {
         frames_left = kFrames;
+        last_change_ = glfwGetTime();
       }
-      if (size.minCoeff() > 0 && frames_left > 0) {
-        DrawScene(has_come || has_input);
+      const bool is_refined =
+          is_coarse_ && glfwGetTime() - last_change_ > kStill;
+      if (size.minCoeff() > 0 && (frames_left > 0 || is_refined)) {
+        if (has_come || has_input || is_refined) {
+          DrawScene(!is_refined);
+        }
         DrawWindow();
-        --frames_left;
+        frames_left = std::max(frames_left - 1, 0);
       }
     }
   }
@@ -59,15 +67,17 @@ class WindowLoop {
     }
   }
 
-  // Where it takes long, what moves is drawn with fewer samples.
+  // Where it takes long, what moves is drawn with fewer samples, and large
+  // meshes coarsely.
   void DrawScene(bool is_moving) {
     const std::optional<View> picture = session_->Picture();
-    if (!picture || !(is_moving || is_coarse_)) {
+    if (!picture) {
       return;
     }
     DrawSettings settings = session_->Settings();
     is_coarse_ = is_moving && is_slow_;
     settings.samples = is_coarse_ ? 1 : settings.samples;
+    settings.stand_in = is_coarse_;
     const double start = glfwGetTime();
     renderer_.Draw(session_->Scene(), *picture, settings);
     glFinish();
@@ -99,6 +109,9 @@ class WindowLoop {
 
   void PickDoubleClicked() {
     if (const auto place = input_.TakeDoubleClick()) {
+      if (is_coarse_) {
+        DrawScene(false);  // The facets have to be those of the mesh itself.
+      }
       session_->Pick(renderer_.FacetAt(place->y(), place->x()));
     }
   }
@@ -108,6 +121,7 @@ class WindowLoop {
   WindowInput input_;
   Overlay overlay_;
   SceneRenderer renderer_;
+  double last_change_ = 0;  // seconds
   bool is_slow_ = false;
   bool is_coarse_ = false;  // what is shown
   bool is_drawn_ = false;   // there is something to be shown
