@@ -57,9 +57,7 @@ struct ViewerActions {
     session->message_ = session->is_paused_ ? "paused; T goes on" : "";
   }
 
-  static std::vector<KeyAction> All() {
-    constexpr double kStep = 0.1;  // of the opacity
-    using Session = ViewerSession*;
+  static std::vector<KeyAction> ForMeshes() {
     return {
         Mode('1', "1", MeshMode::kShaded, "shaded"),
         Mode('2', "2", MeshMode::kColor, "colours of the vertices"),
@@ -71,6 +69,13 @@ struct ViewerActions {
         Toggle('B', "B", &DrawSettings::backfaces, "mark backs of faces"),
         Toggle('P', "P", &DrawSettings::points, "points"),
         Toggle('C', "C", &DrawSettings::cameras, "cameras with their images"),
+    };
+  }
+
+  static std::vector<KeyAction> ForViews() {
+    constexpr double kStep = 0.1;  // of the opacity
+    using Session = ViewerSession*;
+    return {
         {{kKeyRight, ']'},
          "Right ]",
          "next camera",
@@ -88,6 +93,12 @@ struct ViewerActions {
          "-",
          "... fainter",
          [](Session session) { Opacity(session, -kStep); }},
+    };
+  }
+
+  static std::vector<KeyAction> ForAll() {
+    using Session = ViewerSession*;
+    return {
         {{kKeyTab}, "Tab", "next mesh", &NextMesh},
         {{'R'}, "R", "first view", &Reset},
         {{'S'},
@@ -110,7 +121,14 @@ struct ViewerActions {
 };
 
 const std::vector<KeyAction>& KeyActions() {
-  static const std::vector<KeyAction> actions = ViewerActions::All();
+  static const std::vector<KeyAction> actions = [] {
+    std::vector<KeyAction> all = ViewerActions::ForMeshes();
+    for (const auto& more :
+         {ViewerActions::ForViews(), ViewerActions::ForAll()}) {
+      all.insert(all.end(), more.begin(), more.end());
+    }
+    return all;
+  }();
   return actions;
 }
 

@@ -30,6 +30,11 @@ double Distance(const ShownScene& scene, const View& view) {
   return distance > 0 ? distance : 1;
 }
 
+// Of points, px as they are drawn.
+float Diameter(const DrawSettings& settings) {
+  return static_cast<float>(2 * settings.point_radius * settings.samples);
+}
+
 }  // namespace
 
 SceneRenderer::Targets::Targets(int the_width, int the_height, int the_samples)
@@ -87,24 +92,13 @@ void SceneRenderer::Draw(const ShownScene& scene, const View& view,
   const PictureProjection projection{
       ResizeView(view, view.width * samples, view.height * samples),
       kNear * Distance(scene, view)};
-  const auto diameter = static_cast<float>(2 * settings.point_radius * samples);
   mesh_pass_.Forget(scene);
   if (settings.mesh < scene.meshes.size()) {
-    std::shared_ptr<const ShownMesh> mesh = scene.meshes[settings.mesh];
-    const auto stand_in = scene.stand_ins.find(mesh.get());
-    if (settings.stand_in && stand_in != scene.stand_ins.end()) {
-      mesh = stand_in->second;
-    }
-    if (mesh->mesh.facets.empty()) {
-      mesh_point_pass_.Draw(mesh, mesh->mesh.vertices, mesh->colors, projection,
-                            diameter);
-    } else {
-      mesh_pass_.Draw(mesh, settings, projection, static_cast<float>(samples));
-    }
+    DrawMesh(scene, settings, projection);
   }
   if (settings.points && scene.points) {
     point_pass_.Draw(scene.points, scene.points->positions,
-                     scene.points->colors, projection, diameter);
+                     scene.points->colors, projection, Diameter(settings));
   }
   if (settings.cameras) {
     DrawCameras(scene, projection);
@@ -122,6 +116,23 @@ void SceneRenderer::Draw(const ShownScene& scene, const View& view,
   glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   glDisable(GL_DEPTH_TEST);
   ThrowOnGlError("Drawing a picture");
+}
+
+void SceneRenderer::DrawMesh(const ShownScene& scene,
+                             const DrawSettings& settings,
+                             const PictureProjection& projection) {
+  std::shared_ptr<const ShownMesh> mesh = scene.meshes[settings.mesh];
+  const auto stand_in = scene.stand_ins.find(mesh.get());
+  if (settings.stand_in && stand_in != scene.stand_ins.end()) {
+    mesh = stand_in->second;
+  }
+  if (mesh->mesh.facets.empty()) {
+    mesh_point_pass_.Draw(mesh, mesh->mesh.vertices, mesh->colors, projection,
+                          Diameter(settings));
+  } else {
+    mesh_pass_.Draw(mesh, settings, projection,
+                    static_cast<float>(settings.samples));
+  }
 }
 
 void SceneRenderer::DrawCameras(const ShownScene& scene,

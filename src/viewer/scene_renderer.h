@@ -49,6 +49,8 @@ class SceneRenderer {
   };
 
   void Prepare(const View& view, const DrawSettings& settings);
+  void DrawMesh(const ShownScene& scene, const DrawSettings& settings,
+                const PictureProjection& projection);
   void DrawCameras(const ShownScene& scene,
                    const PictureProjection& projection);
   void DrawPicked(const TriangleMesh& mesh, uint32_t facet,
