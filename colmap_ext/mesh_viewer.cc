@@ -26,8 +26,6 @@ namespace colmap_ext {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 CommandAdvice Advice() {
   return {"look at fewer meshes at a time",
           "the mesh",

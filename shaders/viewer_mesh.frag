@@ -52,8 +52,12 @@ float Light(vec3 normal, vec3 direction) {
 
 // How much of the pixel is an edge. Facets of few pixels get fainter ones, or
 // nothing would be left but lines.
-float Line(vec3 weights) {
-  vec3 step = max(fwidth(weights), 1e-12);  // a px
+// \param gradients  of the weights, 1 / scene unit; what is fetched has no
+//        derivatives where neighbours are other facets.
+float Line(vec3 weights, mat3 gradients) {
+  vec3 step = max(abs(dFdx(from_eye) * gradients) +
+                      abs(dFdy(from_eye) * gradients),
+                  1e-12);  // a px
   vec3 distances = weights / step;
   float nearest = min(distances.x, min(distances.y, distances.z));
   float height = 1 / max(step.x, max(step.y, step.z));  // px
@@ -76,7 +80,10 @@ void main() {
   vec3 front = is_marked ? kBackColor : FrontColor(normal, weights);
   front *= mix(1, light, is_marked ? 1 : shading);
   if (wireframe == 1) {
-    front = mix(front, kLineColor, Line(weights));
+    mat3 gradients = mat3(cross(normal, c - b), cross(normal, a - c),
+                          cross(normal, b - a)) /
+                     max(doubled_area, 1e-37);
+    front = mix(front, kLineColor, Line(weights, gradients));
   }
   color = vec4(front, 1);
   facet = uint(gl_PrimitiveID);
