@@ -12,6 +12,7 @@ const std::vector<Command>& Commands() {
       {"delaunay_manifold_mesher", &RunDelaunayManifoldMesher},
       {"facetwise_refiner", &RunFacetwiseRefiner},
       {"mesh_evaluator", &RunMeshEvaluator},
+      {"mesh_viewer", &RunMeshViewer},
   };
   return commands;
 }

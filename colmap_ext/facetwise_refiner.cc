@@ -25,13 +25,17 @@
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/terminal/stop_signal.h"
+#include "colmap_ext/viewing/live_view.h"
+#include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/write_labels.h"
+#include "colmap_ext/write_png.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "mesh/pixel_footprint.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
+#include "viewer/viewer_window.h"
 #include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
@@ -81,11 +85,13 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
 // One run of the command, from its files to its files.
 class Refiner {
  public:
+  // \param live  shows it, or nullptr.
   Refiner(const RefinerOptions& options, const RefinementPaths& paths,
-          std::vector<PageOption> page_options)
+          std::vector<PageOption> page_options, LiveView* live)
       : options_(options),
         paths_(paths),
         page_options_(std::move(page_options)),
+        live_(live),
         reporter_(std::cout, isatty(STDOUT_FILENO) != 0),
         progress_([this](std::string_view stage, double share) {
           reporter_.Update(stage, share);
@@ -130,6 +136,9 @@ class Refiner {
     reporter_.Finish();
     PrintReport(input_, &log_);
     PrintStart();
+    if (live_ != nullptr) {
+      live_->Start(input_.mesh, input_.attributes, input_.views, input_.points);
+    }
   }
 
   void PrintStart() {
@@ -164,7 +173,13 @@ class Refiner {
     hooks.on_level = [this](int level, const RefinedMesh& state) {
       OnLevel(level, state);
     };
-    hooks.should_stop = [] { return StopSignal::Received() != 0; };
+    hooks.should_stop = [this] {
+      const auto is_interrupted = [] { return StopSignal::Received() != 0; };
+      if (live_ != nullptr) {
+        live_->WaitWhilePaused(is_interrupted);
+      }
+      return is_interrupted();
+    };
     FacetwiseRefinementOptions method = options_.refinement;
     method.cameras.parts = input_.camera_parts;
     RefinedMesh refined = RefineFacetwise(
@@ -180,6 +195,9 @@ class Refiner {
 
   void OnStep(const RefinementStep& step, const RefinedMesh& state) {
     reporter_.Note(Describe(step));
+    if (live_ != nullptr) {
+      live_->Show(state.mesh, state.attributes, Describe(step));
+    }
     if (options_.snapshot_interval > 0 && step.iteration > 0 &&
         step.iteration % options_.snapshot_interval == 0) {
       WriteColoredMesh(fs::path(paths_.output)
@@ -244,6 +262,9 @@ class Refiner {
   void Write(const RefinedMesh& refined) {
     Report(progress_, "Writing the mesh", 0);
     ExpectManifold(refined.mesh);
+    if (live_ != nullptr) {
+      live_->Show(refined.mesh, refined.attributes, "writing");
+    }
     // First: without it a mesh of refined cameras is of little use.
     if (AreCamerasRefined()) {
       WriteSparseModel(
@@ -338,6 +359,7 @@ class Refiner {
   const RefinerOptions& options_;
   const RefinementPaths& paths_;
   const std::vector<PageOption> page_options_;
+  LiveView* live_;
   const PictureDecoder decoder_ = ColmapPictureDecoder();
   ProgressReporter reporter_;
   Progress progress_;
@@ -352,12 +374,35 @@ class Refiner {
   int signal_ = 0;
 };
 
+void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
+                    const std::vector<PageOption>& page_options) {
+  try {
+    RunWithViewer(
+        "facetwise_refiner " + paths.mesh.string(), paths.folder,
+        ColmapPictureDecoder(),
+        [](const ColorImage& picture) {
+          return SaveNumbered(picture, &WritePng);
+        },
+        [&](LiveView* live) {
+          Refiner(options, paths, page_options, live).Run();
+        });
+  } catch (const NoWindowError& error) {
+    throw OptionError(error.what() +
+                      std::string("; leave --viewer out, and look at the "
+                                  "result by mesh_viewer --screenshot"));
+  }
+}
+
 void RefineWorkspace(RefinerOptions options,
                      const std::vector<PageOption>& page_options) {
   const RefinementPaths paths = FindRefinementPaths(options);
   options.ChooseTrim(paths.HasFusedPoints());
   CheckOutputs(options, paths);
-  Refiner(options, paths, page_options).Run();
+  if (options.viewer) {
+    RefineInWindow(options, paths, page_options);
+  } else {
+    Refiner(options, paths, page_options, nullptr).Run();
+  }
 }
 
 }  // namespace

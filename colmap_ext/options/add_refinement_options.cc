@@ -36,6 +36,10 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "resume", &refiner->resume,
       "Go on from the last complete level of a run that was interrupted");
   manager->AddDefaultOption(
+      "viewer", &refiner->viewer,
+      "Show the mesh as it changes, in a window; T pauses, and closing it does "
+      "not end the refinement");
+  manager->AddDefaultOption(
       "image_order", &refiner->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <sstream>
 #include <type_traits>
 
 #include <fmt/format.h>
@@ -19,6 +20,15 @@ std::string ToLower(std::string text) {
 
 bool Parse(const std::string& text, std::string* value) {
   *value = text;
+  return true;
+}
+
+bool Parse(const std::string& text, std::vector<std::string>* value) {
+  value->clear();
+  std::istringstream items(text);
+  for (std::string item; std::getline(items, item, kListSeparator);) {
+    value->push_back(item);
+  }
   return true;
 }
 
@@ -71,6 +81,8 @@ std::string TextOf(const CommandOptions::Value& value) {
         using T = std::remove_cvref_t<decltype(*pointer)>;
         if constexpr (std::is_same_v<T, bool>) {
           return fmt::format("{:d}", *pointer);
+        } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+          return fmt::format("{}", fmt::join(*pointer, ","));
         } else {
           return fmt::format("{}", *pointer);
         }

@@ -12,13 +12,20 @@ namespace colmap_ext {
 // differ by version, and which takes either a project file or options.
 class CommandOptions {
  public:
-  using Value = std::variant<std::string*, bool*, int*, double*>;
+  // The last takes several values, `--name VALUE VALUE`, and may be given more
+  // than once; a project file has one of them.
+  using Value = std::variant<std::string*, bool*, int*, double*,
+                             std::vector<std::string>*>;
 
   struct Option {
     std::string name;  // without dashes: "output_path", "Section.name"
     Value value;
     std::string default_value;  // as it is typed; may be empty
     std::string help;
+
+    bool IsList() const {
+      return std::holds_alternative<std::vector<std::string>*>(value);
+    }
   };
 
   // Another name of an option.
@@ -50,6 +57,9 @@ class CommandOptions {
   std::vector<Option> options_;
   std::vector<Alias> aliases_;
 };
+
+// Between the values of a list in the text that SetValue() takes.
+inline constexpr char kListSeparator = '\n';
 
 // The text that a value is typed as.
 std::string TextOf(const CommandOptions::Value& value);

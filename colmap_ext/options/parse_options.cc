@@ -106,6 +106,16 @@ class Names {
 // Options by the names that they are given by.
 using Texts = std::map<std::string, std::string>;
 
+// The values of a list, from argument i on, which is left at the last one.
+std::string ReadList(int argc, const char* const* argv, int* i) {
+  std::string list = argv[*i];
+  while (*i + 1 < argc && argv[*i + 1][0] != '-') {
+    list += kListSeparator;
+    list += argv[++*i];
+  }
+  return list;
+}
+
 // `--name VALUE`, `--name=VALUE`, `-h`.
 Texts ReadArguments(int argc, const char* const* argv, const Names& names,
                     ParsedOptions* parsed) {
@@ -129,9 +139,16 @@ Texts ReadArguments(int argc, const char* const* argv, const Names& names,
         (is_last || std::string_view(argv[i + 1]).starts_with("--"))) {
       throw OptionError(fmt::format("--{} needs a value", name));
     }
-    const std::string text =
-        equals == std::string::npos ? argv[++i] : argument.substr(equals + 1);
-    if (!texts.emplace(name, text).second) {
+    const CommandOptions::Option* const option = names.FindOption(name);
+    const bool is_list = option != nullptr && option->IsList();
+    const std::string text = equals != std::string::npos
+                                 ? argument.substr(equals + 1)
+                             : is_list ? ReadList(argc, argv, &++i)
+                                       : argv[++i];
+    const auto [given, is_new] = texts.emplace(name, text);
+    if (!is_new && is_list) {
+      given->second += kListSeparator + text;
+    } else if (!is_new) {
       throw OptionError(fmt::format("--{} is given twice", name));
     }
   }
@@ -174,7 +191,7 @@ void Apply(const CommandOptions::Option& option, const std::string& name,
            const std::string& text) {
   if (!SetValue(text, option.value)) {
     const char* const kinds[] = {"a text", "0 or 1", "a whole number",
-                                 "a number"};
+                                 "a number", "a list"};
     throw OptionError(fmt::format("--{}: '{}' is not {}", name, text,
                                   kinds[option.value.index()]));
   }

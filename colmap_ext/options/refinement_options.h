@@ -36,6 +36,7 @@ struct RefinerOptions {
   std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
   RegionOption region;                       // outside the mesh is cut off
   bool resume = false;
+  bool viewer = false;  // shows the mesh in a window meanwhile
 
   FacetwiseRefinementOptions refinement;
   double trim = kAutoTrim;  // see BorderOptions

@@ -50,8 +50,9 @@ class HeaderParser {
         ParseElement(items);
       } else if (keyword == "property") {
         ParseProperty(items);
-      } else if (keyword != "comment" && keyword != "obj_info" &&
-                 !keyword.empty()) {
+      } else if (keyword == "comment") {
+        std::getline(items >> std::ws, header_.comments.emplace_back());
+      } else if (keyword != "obj_info" && !keyword.empty()) {
         Throw("PLY header: unknown line '" + line + "'");
       }
     }

@@ -45,7 +45,8 @@ struct PlyElement {
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
-  std::vector<PlyElement> elements;  // in the order of the file
+  std::vector<PlyElement> elements;   // in the order of the file
+  std::vector<std::string> comments;  // what follows the word
 };
 
 // \throw FileError if it is not a PLY header.

@@ -18,6 +18,7 @@ struct VertexLayout {
   std::array<int, 3> normal;
   std::array<int, 3> color;
   int confidence = -1;  // -1: none
+  int label = -1;       // -1: none
   bool has_normals = false;
   bool has_colors = false;
 };
@@ -52,12 +53,24 @@ VertexLayout FindLayout(const PlyElement& vertex,
       layout.confidence = -1;
     }
   }
+  layout.label = vertex.Find("label");
+  if (layout.label >= 0 &&
+      vertex.properties[layout.label].type != PlyType::kInt32) {
+    layout.label = -1;
+  }
   return layout;
 }
 
 // In [0, 1]; what is not a number is no confidence.
 float ClampConfidence(double value) {
   return value >= 0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f;
+}
+
+// Those that are no counts stand for none, as ASCII files may have any number.
+int32_t ToLabel(double value) {
+  return value >= 0 && value <= std::numeric_limits<int32_t>::max()
+             ? static_cast<int32_t>(value)
+             : -1;
 }
 
 // Cut off to [0, 255]; 0 for what is not a number, as ASCII files may say
@@ -77,6 +90,7 @@ PlyCloud ReadPlyVertices(const PlyElement& vertex,
   cloud.normals.resize(layout.has_normals ? vertex.count : 0);
   cloud.colors.resize(layout.has_colors ? vertex.count : 0);
   cloud.confidences.resize(layout.confidence >= 0 ? vertex.count : 0);
+  cloud.labels.resize(layout.label >= 0 ? vertex.count : 0);
   std::vector<double> values(vertex.properties.size());
   for (uint64_t i = 0; i < vertex.count; ++i) {
     for (size_t j = 0; j < values.size(); ++j) {
@@ -98,6 +112,9 @@ PlyCloud ReadPlyVertices(const PlyElement& vertex,
     }
     if (layout.confidence >= 0) {
       cloud.confidences[i] = ClampConfidence(values[layout.confidence]);
+    }
+    if (layout.label >= 0) {
+      cloud.labels[i] = ToLabel(values[layout.label]);
     }
   }
   return cloud;

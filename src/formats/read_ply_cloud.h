@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -16,12 +17,13 @@ struct PlyCloud {
   std::vector<Eigen::Vector3f> normals;    // [P] or empty
   std::vector<Color> colors;               // [P] or empty
   std::vector<float> confidences{};        // [P] in [0, 1] or empty
+  std::vector<int32_t> labels{};           // [P] or empty; -1: none
 };
 
 // Reads the vertices of a PLY file: ASCII or binary of either byte order, the
 // properties in any order and of any numeric type; colours are taken if they
-// are uchar, confidences if they are float or double. Other properties, lists,
-// and elements are skipped.
+// are uchar, confidences if they are float or double, the property label if it
+// is int. Other properties, lists, and elements are skipped.
 //
 // We have a reader of our own since COLMAP's (util/ply) aborts on what it does
 // not expect and trusts counts, and none is packaged apart from libraries that

@@ -79,6 +79,28 @@ void CheckFacets(const TriangleMesh& mesh, const std::filesystem::path& path) {
   }
 }
 
+// Of comments "label N: NAME".
+std::vector<std::string> LabelNames(const std::vector<std::string>& comments) {
+  std::vector<std::string> names;
+  for (const std::string& comment : comments) {
+    const std::string start = fmt::format("label {}: ", names.size());
+    if (comment.starts_with(start)) {
+      names.push_back(comment.substr(start.size()));
+    }
+  }
+  return names;
+}
+
+// Those of their first corners: vertices are there once for each label.
+std::vector<int32_t> FacetLabelsOf(const std::vector<Facet>& facets,
+                                   const std::vector<int32_t>& vertex_labels) {
+  std::vector<int32_t> labels;
+  for (size_t i = 0; !vertex_labels.empty() && i < facets.size(); ++i) {
+    labels.push_back(vertex_labels[facets[i][0]]);
+  }
+  return labels;
+}
+
 }  // namespace
 
 ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
@@ -86,6 +108,8 @@ ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
   const PlyHeader header = ReadPlyHeader(&reader);
   PlyNumberReader numbers(&reader, header.format, "the mesh");
   ColoredMesh read;
+  read.label_names = LabelNames(header.comments);
+  std::vector<int32_t> vertex_labels;
   TriangleMesh& mesh = read.mesh;
   for (const PlyElement& element : header.elements) {
     numbers.ExpectRoomFor(element);
@@ -94,6 +118,8 @@ ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
       mesh.vertices = std::move(vertices.positions);
       read.colors = std::move(vertices.colors);
       read.confidences = std::move(vertices.confidences);
+      read.normals = std::move(vertices.normals);
+      vertex_labels = std::move(vertices.labels);
     } else if (element.name == "face") {
       mesh.facets = ReadFacets(element, path, &numbers);
     } else {
@@ -104,6 +130,7 @@ ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
     throw FileError(path, "it has no vertices");
   }
   CheckFacets(mesh, path);
+  read.labels = FacetLabelsOf(mesh.facets, vertex_labels);
   return read;
 }
 

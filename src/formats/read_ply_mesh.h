@@ -1,7 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "mesh/triangle_mesh.h"
 #include "scene/point_cloud.h"
@@ -20,12 +24,17 @@ TriangleMesh ReadPlyMesh(const std::filesystem::path& path);
 
 struct ColoredMesh {
   TriangleMesh mesh;
-  std::vector<Color> colors;       // [V] or empty
-  std::vector<float> confidences;  // [V] in [0, 1] or empty
+  std::vector<Color> colors;             // [V] or empty
+  std::vector<float> confidences;        // [V] in [0, 1] or empty
+  std::vector<Eigen::Vector3f> normals;  // [V] or empty
+  std::vector<int32_t> labels;           // [F] or empty; -1: none
+  std::vector<std::string> label_names;  // of the labels, as far as the file
+                                         // names them
 };
 
-// The same with the vertices' colours, if they have uchar ones, and their
-// confidences, if they have float or double ones; these are clamped to [0, 1].
+// The same with the vertices' colours, if they have uchar ones, their
+// confidences, if they have float or double ones, clamped to [0, 1], their
+// normals, and the facets' labels as WriteLabeledMesh() writes them.
 ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path);
 
 }  // namespace colmap_ext

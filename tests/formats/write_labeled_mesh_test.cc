@@ -34,6 +34,12 @@ TEST_F(WriteLabeledMeshTest, KeepsTheFacetsAndTheirColors) {
   }
 }
 
+TEST_F(WriteLabeledMeshTest, IsReadWithLabelsAndTheirNames) {
+  const ColoredMesh read = ReadColoredPlyMesh(path_);
+  EXPECT_EQ(read.labels, labels_.labels);
+  EXPECT_EQ(read.label_names, labels_.names);
+}
+
 TEST_F(WriteLabeledMeshTest, SplitsVerticesOnlyBetweenLabels) {
   const TriangleMesh mesh = ReadPlyMesh(path_);
   EXPECT_EQ(mesh.vertices.size(), 3 + 4);

@@ -19,6 +19,7 @@ class ParseOptionsTest : public testing::Test {
     options_.AddDefaultOption("Ours.size", &number_, "[px] How large");
     options_.AddDefaultOption("Ours.count", &count_);
     options_.AddDefaultOption("Ours.flag", &flag_);
+    options_.AddDefaultOption("paths", &paths_);
     options_.AddAlias("Theirs.size", "Ours.size", ", larger", &is_theirs_);
     options_.AddAlias("Theirs.count", "Ours.count");
   }
@@ -51,6 +52,7 @@ class ParseOptionsTest : public testing::Test {
   double number_ = 20;
   int count_ = -1;
   bool flag_ = false;
+  std::vector<std::string> paths_;
   bool is_theirs_ = false;
   CommandOptions options_;
   TemporaryFolder folder_;
@@ -70,6 +72,14 @@ TEST_F(ParseOptionsTest, SetsWhatIsGivenAndLeavesTheRest) {
   EXPECT_FALSE(is_theirs_);
   Parse({"--output_path="});
   EXPECT_EQ(text_, "");
+}
+
+TEST_F(ParseOptionsTest, ListsTakeSeveralValuesSeveralTimes) {
+  Parse({"--paths", "a,b", "c d", "--Ours.size", "5", "--paths=e"});
+  EXPECT_EQ(paths_, (std::vector<std::string>{"a,b", "c d", "e"}));
+  EXPECT_EQ(number_, 5);
+  ExpectRefused({"--paths"}, "--paths needs a value");
+  ExpectRefused({"--Ours.size", "5", "6"}, "'6' stands without an option");
 }
 
 TEST_F(ParseOptionsTest, TakesNamesCutShortWhereTheyAreClear) {

@@ -3,14 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "scene/look_at.h"
-#include "tests/synthetic/draw_ply_mesh.h"
 
 namespace colmap_ext {
 namespace {
-
-using synthetic::DrawMode;
-using synthetic::DrawPlyMesh;
-using synthetic::PlyMesh;
 
 // A square in the plane z = 0 whose front is seen from z > 0.
 TriangleMesh Square() {
@@ -93,28 +88,6 @@ TEST(VertexColors, ShadesAsMuchAsIsAskedFor) {
   EXPECT_EQ(brightness(0), 255);
   EXPECT_LT(brightness(1), brightness(0.5f));
   EXPECT_NEAR(brightness(0.5f), (255 + brightness(1)) / 2.0, 1);
-}
-
-TEST(DrawPlyMesh, DrawsNormalsAndLines) {
-  const PlyMesh ply{Square(), {}, {}, {}};
-  EXPECT_EQ(Middle(DrawPlyMesh(ply, ViewFrom(3), DrawMode::kNormals, 1)),
-            (Color{128, 128, 255}));
-  const ColorImage shaded = DrawPlyMesh(ply, ViewFrom(3), DrawMode::kShaded, 1);
-  const ColorImage lines =
-      DrawPlyMesh(ply, ViewFrom(3), DrawMode::kWireframe, 1);
-  EXPECT_NE(lines.pixels, shaded.pixels);
-  EXPECT_EQ(Middle(lines), Middle(shaded));
-}
-
-TEST(DrawPlyMesh, DrawsTheNearerOfTwoPoints) {
-  const PlyMesh ply{{{{0.1f, 0, 0}, {0.1f, 0, -1}}, {}},
-                    {},
-                    {{10, 20, 30}, {200, 200, 200}},
-                    {}};
-  EXPECT_EQ(Middle(DrawPlyMesh(ply, ViewFrom(3), DrawMode::kShaded, 2)),
-            (Color{10, 20, 30}));
-  EXPECT_EQ(Middle(DrawPlyMesh(ply, ViewFrom(-3), DrawMode::kShaded, 2)),
-            (Color{200, 200, 200}));
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 
 #include <Eigen/Geometry>
 
+#include "formats/write_mesh.h"
 #include "tests/synthetic/colmap_workspace.h"
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/parallel.h"
-#include "tests/synthetic/ply_mesh.h"
 
 namespace colmap_ext::synthetic {
 namespace {
@@ -152,7 +152,7 @@ void WriteTruth(const fs::path& path, const DenseScene& scene,
                 const std::vector<uint32_t>& ids) {
   const std::vector<View>& views = scene.scene.views;
   fs::create_directories(path / "depth_maps");
-  WritePlyMesh((path / "mesh.ply").string(), scene.scene.surface);
+  WriteColoredMesh(path / "mesh.ply", scene.scene.surface, {});
   WriteCamerasText(path / "cameras.txt", views[0]);
   WriteImagesText(path / "images.txt", views, ids,
                   std::vector<std::string>(views.size()));

@@ -1,0 +1,124 @@
+#include "colmap_ext/viewing/live_view.h"
+
+#include <chrono>
+#include <exception>
+#include <thread>
+#include <utility>
+
+#include "colmap_ext/viewing/scene_loader.h"
+#include "viewer/viewer_session.h"
+#include "viewer/viewer_window.h"
+
+namespace colmap_ext {
+
+namespace {
+
+std::shared_ptr<const ShownMesh> ToShown(const std::string& name,
+                                         const TriangleMesh& mesh,
+                                         const VertexAttributes& attributes) {
+  auto shown = std::make_shared<ShownMesh>();
+  shown->name = name;
+  shown->mesh = mesh;
+  shown->colors = attributes.colors;
+  shown->views = attributes.views;
+  shown->confidences = attributes.confidences;
+  return shown;
+}
+
+}  // namespace
+
+void LiveView::Start(const TriangleMesh& mesh,
+                     const VertexAttributes& attributes,
+                     const std::vector<View>& views, const PointCloud& points) {
+  auto cloud = std::make_shared<PointCloud>();
+  cloud->positions = points.positions;
+  cloud->colors = points.colors;
+  inbox_.Put("1 scene", [before = ToShown("before", mesh, attributes), views,
+                         cloud](ShownScene* scene) {
+    scene->meshes = {before, before};
+    scene->views = views;
+    scene->points = cloud;
+  });
+}
+
+void LiveView::Show(const TriangleMesh& mesh,
+                    const VertexAttributes& attributes,
+                    const std::string& status) {
+  if (!is_watched_) {
+    return;
+  }
+  inbox_.Put("2 mesh", [now = ToShown("refined", mesh, attributes)](
+                           ShownScene* scene) { scene->meshes[0] = now; });
+  Say(status);
+}
+
+void LiveView::Say(const std::string& status) {
+  inbox_.Put("3 status",
+             [status](ShownScene* scene) { scene->status = status; });
+}
+
+void LiveView::WaitWhilePaused(const std::function<bool()>& should_stop) {
+  // A signal wakes nobody.
+  constexpr std::chrono::milliseconds kWait(100);
+  std::unique_lock lock(mutex_);
+  while (is_paused_ && !should_stop()) {
+    changed_.wait_for(lock, kWait);
+  }
+}
+
+void LiveView::Pause(bool is_paused) {
+  {
+    const std::lock_guard lock(mutex_);
+    is_paused_ = is_paused;
+  }
+  changed_.notify_all();
+}
+
+void LiveView::Leave() {
+  is_watched_ = false;
+  Pause(false);
+}
+
+void RunWithViewer(const std::string& title, const std::string& folder,
+                   const PictureDecoder& decoder,
+                   const std::function<std::string(const ColorImage&)>& save,
+                   const std::function<void(LiveView*)>& work) {
+  LiveView live;
+  SceneLoader loader({folder, {}}, decoder, live.Inbox());
+  ViewerHost host = loader.Host(save);
+  host.pause = [&live](bool is_paused) { live.Pause(is_paused); };
+  ViewerSession session(live.Inbox(), std::move(host), {});
+  std::exception_ptr error;
+  std::thread thread;
+  WindowOptions options;
+  options.title = title;
+  options.on_open = [&] {
+    thread = std::thread([&] {
+      try {
+        work(&live);
+        live.Say("the refinement is finished");
+      } catch (...) {
+        error = std::current_exception();
+        live.Inbox()->Put("4 end",
+                          [](ShownScene* scene) { scene->is_over = true; });
+      }
+    });
+  };
+  std::exception_ptr window_error;
+  try {
+    RunViewerWindow(options, &session);
+  } catch (...) {
+    window_error = std::current_exception();
+  }
+  live.Leave();
+  if (thread.joinable()) {
+    thread.join();
+  }
+  for (const std::exception_ptr& thrown : {error, window_error}) {
+    if (thrown) {
+      std::rethrow_exception(thrown);
+    }
+  }
+}
+
+}  // namespace colmap_ext

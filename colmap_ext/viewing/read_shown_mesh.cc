@@ -1,0 +1,107 @@
+#include "colmap_ext/viewing/read_shown_mesh.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "formats/errors.h"
+#include "formats/read_ply_mesh.h"
+#include "formats/read_visibility.h"
+#include "formats/write_mesh.h"
+
+namespace colmap_ext {
+
+namespace {
+
+// Moves vertices that are not finite to one that is, and empties their facets,
+// so that indices stay what they were.
+void DropInfinite(const std::filesystem::path& path, TriangleMesh* mesh) {
+  const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
+  const auto first =
+      std::find_if(mesh->vertices.begin(), mesh->vertices.end(), is_finite);
+  if (first == mesh->vertices.end()) {
+    throw FileError(path, "none of its vertices is finite");
+  }
+  for (Facet& facet : mesh->facets) {
+    if (!std::ranges::all_of(facet, [&](uint32_t vertex) {
+          return is_finite(mesh->vertices[vertex]);
+        })) {
+      facet = {facet[0], facet[0], facet[0]};
+    }
+  }
+  std::replace_if(mesh->vertices.begin(), mesh->vertices.end(),
+                  std::not_fn(is_finite), Eigen::Vector3f(*first));
+}
+
+void AddLabels(const std::filesystem::path& path, ShownMesh* shown,
+               std::vector<std::string>* notes) {
+  ColoredMesh labeled = ReadColoredPlyMesh(path);
+  if (labeled.labels.empty()) {
+    throw FileError(path,
+                    "it has no labels; facetwise_refiner --labels_path "
+                    "writes them");
+  }
+  if (labeled.labels.size() != shown->mesh.facets.size()) {
+    notes->push_back(path.string() + " is not of " + shown->name +
+                     ", which has another number of faces");
+    return;
+  }
+  shown->labels = std::move(labeled.labels);
+  shown->label_names = std::move(labeled.label_names);
+}
+
+void AddErrors(const std::filesystem::path& path, ShownMesh* shown,
+               std::vector<std::string>* notes) {
+  ColoredMesh colored = ReadColoredPlyMesh(path);
+  if (colored.colors.empty()) {
+    throw FileError(path,
+                    "it has no colours; mesh_evaluator "
+                    "--error_mesh_path writes them");
+  }
+  if (colored.mesh.vertices.size() != shown->mesh.vertices.size()) {
+    notes->push_back(path.string() + " is not of " + shown->name +
+                     ", which has another number of vertices");
+    return;
+  }
+  shown->error_colors = std::move(colored.colors);
+}
+
+void AddVisibility(const std::filesystem::path& path, ShownMesh* shown,
+                   std::vector<std::string>* notes) {
+  try {
+    shown->views = ReadVisibility(path, shown->mesh.vertices.size());
+  } catch (const FileError& error) {
+    notes->push_back(error.what());
+  }
+}
+
+}  // namespace
+
+ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
+                        std::vector<std::string>* notes) {
+  ColoredMesh read = ReadColoredPlyMesh(paths.mesh);
+  ShownMesh shown;
+  shown.name = paths.mesh.filename().string();
+  shown.mesh = std::move(read.mesh);
+  shown.colors = std::move(read.colors);
+  shown.confidences = std::move(read.confidences);
+  shown.labels = std::move(read.labels);
+  shown.label_names = std::move(read.label_names);
+  DropInfinite(paths.mesh, &shown.mesh);
+  for (const Eigen::Vector3f& normal : read.normals) {
+    if (normal.allFinite()) {
+      shown.front += normal.cast<double>();
+    }
+  }
+  if (!paths.labels.empty()) {
+    AddLabels(paths.labels, &shown, notes);
+  }
+  if (!paths.errors.empty()) {
+    AddErrors(paths.errors, &shown, notes);
+  }
+  if (const auto path = VisibilityPath(paths.mesh); exists(path)) {
+    AddVisibility(path, &shown, notes);
+  }
+  return shown;
+}
+
+}  // namespace colmap_ext

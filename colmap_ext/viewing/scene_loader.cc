@@ -1,0 +1,168 @@
+#include "colmap_ext/viewing/scene_loader.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "viewer/coarse_mesh.h"
+#include "viewer/facet_match.h"
+
+namespace colmap_ext {
+
+void SceneLoader::LoadAll(const ViewerOptions& options) {
+  for (const ShownMeshPaths& mesh : paths_.meshes) {
+    worker_.Add([this, mesh] { LoadMesh(mesh); });
+    if (&mesh == &paths_.meshes.front() && !paths_.folder.empty()) {
+      worker_.Add([this, options] { LoadWorkspace(options); });
+    }
+  }
+  worker_.Add([this] { Say(""); });
+}
+
+void SceneLoader::Say(const std::string& status) {
+  inbox_->Put("status",
+              [status](ShownScene* scene) { scene->status = status; });
+}
+
+void SceneLoader::Note(const std::vector<std::string>& notes) {
+  notes_.insert(notes_.end(), notes.begin(), notes.end());
+  inbox_->Put("notes",
+              [all = notes_](ShownScene* scene) { scene->notes = all; });
+}
+
+void SceneLoader::LoadMesh(const ShownMeshPaths& paths) {
+  Say(fmt::format("reading {} ({} of {})", paths.mesh.filename().string(),
+                  ++num_meshes_, paths_.meshes.size()));
+  try {
+    std::vector<std::string> notes;
+    auto mesh = std::make_shared<const ShownMesh>(ReadShownMesh(paths, &notes));
+    inbox_->Put(fmt::format("mesh {:06}", num_meshes_),
+                [mesh](ShownScene* scene) { scene->meshes.push_back(mesh); });
+    Note(notes);
+    AddStandIn(mesh);
+  } catch (const std::exception& error) {
+    Note({error.what()});
+  }
+}
+
+void SceneLoader::AddStandIn(const std::shared_ptr<const ShownMesh>& mesh) {
+  constexpr size_t kMaxFacets =
+      150'000;  // one frame in 0.1 s or so by llvmpipe
+  if (mesh->mesh.facets.size() < 2 * kMaxFacets) {
+    return;
+  }
+  auto coarse =
+      std::make_shared<const ShownMesh>(CoarseMesh(*mesh, kMaxFacets));
+  inbox_->Put(fmt::format("stand-in {:06}", num_meshes_),
+              [mesh, coarse](ShownScene* scene) {
+                scene->stand_ins[mesh.get()] = coarse;
+              });
+}
+
+void SceneLoader::LoadWorkspace(const ViewerOptions& options) {
+  Say("reading the points and cameras");
+  try {
+    ViewerWorkspace workspace = ReadViewerWorkspace(options, paths_, decoder_);
+    inbox_->Put("workspace", [views = workspace.views,
+                              points = workspace.points](ShownScene* scene) {
+      scene->views = views;
+      scene->points = points;
+    });
+    Note(workspace.notes);
+  } catch (const std::exception& error) {
+    Note({error.what()});
+  }
+}
+
+void SceneLoader::LoadImage(size_t index, const View& view) {
+  auto image = ReadShownImage(paths_.folder, view, kImageSize, decoder_);
+  if (image == nullptr) {
+    Note({(paths_.folder / "images" / view.name).string() +
+          ": can not be read"});
+    return;
+  }
+  // One at a time: they are large.
+  inbox_->Put("image", [index, image](ShownScene* scene) {
+    scene->images.clear();
+    scene->images[index] = image;
+  });
+}
+
+void SceneLoader::LoadThumbnails(const std::vector<View>& views) {
+  for (size_t i = 0; i < views.size(); ++i) {
+    worker_.Add([this, i, view = views[i], count = views.size()] {
+      Say(fmt::format("reading images, {} of {}", i + 1, count));
+      if (auto image =
+              ReadShownImage(paths_.folder, view, kThumbnailSize, decoder_)) {
+        inbox_->Put(
+            fmt::format("thumbnail {}", i),
+            [i, image](ShownScene* scene) { scene->thumbnails[i] = image; });
+      }
+    });
+  }
+  worker_.Add([this] { Say(""); });
+}
+
+void SceneLoader::Match(const ShownMesh& mesh, uint32_t facet,
+                        const View& first, const View& second) {
+  const auto read = [&](const View& view) {
+    std::optional<GrayImage> image =
+        decoder_.read_gray(paths_.folder / "images" / view.name);
+    const bool fits =
+        image && image->width == view.width && image->height == view.height;
+    return fits ? std::move(image) : std::nullopt;
+  };
+  const std::optional<GrayImage> first_image = read(first);
+  const std::optional<GrayImage> second_image = read(second);
+  FacetMatch match;
+  if (first_image && second_image) {
+    match = MatchFacet(mesh.mesh, facet, first, *first_image, second,
+                       *second_image);
+  }
+  inbox_->Put("match",
+              [result = std::make_shared<const FacetMatch>(std::move(match))](
+                  ShownScene* scene) { scene->match = result; });
+}
+
+ViewerHost SceneLoader::Host(
+    std::function<std::string(const ColorImage&)> save) {
+  ViewerHost host;
+  host.load_image = [this](size_t index, const View& view) {
+    worker_.AddFirst([this, index, view] { LoadImage(index, view); });
+  };
+  host.load_thumbnails = [this](const std::vector<View>& views) {
+    LoadThumbnails(views);
+  };
+  host.match_facet = [this](std::shared_ptr<const ShownMesh> mesh,
+                            uint32_t facet, const View& first,
+                            const View& second) {
+    worker_.AddFirst([this, mesh = std::move(mesh), facet, first, second] {
+      try {
+        Match(*mesh, facet, first, second);
+      } catch (const std::exception& error) {
+        Note({error.what()});
+      }
+    });
+  };
+  host.save_picture = std::move(save);
+  return host;
+}
+
+std::string SaveNumbered(const ColorImage& picture,
+                         const std::function<void(const std::filesystem::path&,
+                                                  const ColorImage&)>& write) {
+  std::filesystem::path path;
+  for (int i = 1; path.empty() || std::filesystem::exists(path); ++i) {
+    path = fmt::format("mesh_viewer.{:03}.png", i);
+  }
+  try {
+    write(path, picture);
+    return "saved " + std::filesystem::absolute(path).string();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,88 @@
+#include "viewer/coarse_mesh.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "base/mix_bits.h"
+
+namespace colmap_ext {
+
+namespace {
+
+double AreaOf(const TriangleMesh& mesh) {
+  double area = 0;
+  for (const Facet& facet : mesh.facets) {
+    const Eigen::Vector3f& a = mesh.vertices[facet[0]];
+    area +=
+        0.5 *
+        (mesh.vertices[facet[1]] - a).cross(mesh.vertices[facet[2]] - a).norm();
+  }
+  return area;
+}
+
+// [V] the first vertex in the same cube of a grid.
+std::vector<uint32_t> FirstInCube(const TriangleMesh& mesh, double side) {
+  std::vector<uint32_t> firsts;
+  firsts.reserve(mesh.vertices.size());
+  std::unordered_map<uint64_t, uint32_t> first_of_cube;
+  for (uint32_t i = 0; i < mesh.vertices.size(); ++i) {
+    uint64_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto place =
+          static_cast<int64_t>(std::floor(mesh.vertices[i][axis] / side));
+      key = MixBits(key ^ static_cast<uint64_t>(place));
+    }
+    firsts.push_back(first_of_cube.try_emplace(key, i).first->second);
+  }
+  return firsts;
+}
+
+template <typename T>
+void Keep(const std::vector<T>& values, uint32_t index, std::vector<T>* kept) {
+  if (!values.empty()) {
+    kept->push_back(values[index]);
+  }
+}
+
+}  // namespace
+
+ShownMesh CoarseMesh(const ShownMesh& mesh, size_t max_facets) {
+  // Two facets for a square of a cube's side.
+  const double side =
+      std::sqrt(2 * AreaOf(mesh.mesh) / static_cast<double>(max_facets));
+  const std::vector<uint32_t> firsts =
+      FirstInCube(mesh.mesh, side > 0 ? side : 1);
+  ShownMesh coarse;
+  coarse.name = mesh.name;
+  constexpr uint32_t kNone = UINT32_MAX;
+  std::vector<uint32_t> new_index(firsts.size(), kNone);
+  for (uint32_t i = 0; i < mesh.mesh.facets.size(); ++i) {
+    Facet facet;
+    for (int k = 0; k < 3; ++k) {
+      facet[k] = firsts[mesh.mesh.facets[i][k]];
+    }
+    if (facet[0] == facet[1] || facet[1] == facet[2] || facet[2] == facet[0]) {
+      continue;
+    }
+    for (uint32_t& vertex : facet) {
+      if (new_index[vertex] == kNone) {
+        new_index[vertex] = static_cast<uint32_t>(coarse.mesh.vertices.size());
+        coarse.mesh.vertices.push_back(mesh.mesh.vertices[vertex]);
+        Keep(mesh.colors, vertex, &coarse.colors);
+        Keep(mesh.error_colors, vertex, &coarse.error_colors);
+        Keep(mesh.confidences, vertex, &coarse.confidences);
+      }
+      vertex = new_index[vertex];
+    }
+    coarse.mesh.facets.push_back(facet);
+    Keep(mesh.labels, i, &coarse.labels);
+  }
+  return coarse;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,107 @@
+#include "viewer/facet_match.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "scene/look_at.h"
+#include "viewer/shown_scene.h"
+#include "viewer/shrink_image.h"
+
+namespace colmap_ext {
+namespace {
+
+// A textured plane z = 0, and images of it.
+class FacetMatchTest : public testing::Test {
+ protected:
+  static View ViewFrom(const Eigen::Vector3d& eye, const std::string& name) {
+    View view = LookAtView(eye, {0, 0, 0}, {0, 1, 0}, 200, 160, 260);
+    view.name = name;
+    return view;
+  }
+
+  // What a camera sees of the plane, moved in z and seen where it is not.
+  static GrayImage ImageOf(const View& view, double height) {
+    GrayImage image{view.width, view.height, {}};
+    for (int row = 0; row < view.height; ++row) {
+      for (int col = 0; col < view.width; ++col) {
+        const Eigen::Vector3d ray =
+            RayDirection(view, col + 0.5, row + 0.5).cast<double>();
+        const Eigen::Vector3d eye = view.Center();
+        const Eigen::Vector3d point = eye + (height - eye.z()) / ray.z() * ray;
+        image.pixels.push_back(static_cast<uint8_t>(
+            128 + 50 * std::sin(43 * point.x() + 5 * std::sin(31 * point.y())) +
+            40 * std::cos(37 * point.y())));
+      }
+    }
+    return image;
+  }
+
+  const View first_ = ViewFrom({0.3, 0.2, 3}, "first");
+  const View second_ = ViewFrom({-0.5, 0.1, 2.8}, "a second one");
+  const TriangleMesh mesh_ = {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+                              {{0, 1, 2}, {0, 2, 3}}};
+};
+
+TEST_F(FacetMatchTest, ImagesOfTheSurfaceAgree) {
+  const FacetMatch match = MatchFacet(mesh_, 0, first_, ImageOf(first_, 0),
+                                      second_, ImageOf(second_, 0));
+  ASSERT_TRUE(match.zncc);
+  EXPECT_GT(*match.zncc, 0.97);
+  ASSERT_EQ(match.first.pixels.size(), match.warped.pixels.size());
+  double difference = 0;
+  for (size_t i = 0; i < match.first.pixels.size(); ++i) {
+    difference += std::abs(match.first.pixels[i] - match.warped.pixels[i]);
+  }
+  EXPECT_LT(difference / match.first.pixels.size(), 6);
+}
+
+TEST_F(FacetMatchTest, ImagesOfAnotherSurfaceDoNot) {
+  const FacetMatch match = MatchFacet(mesh_, 0, first_, ImageOf(first_, 0.3),
+                                      second_, ImageOf(second_, 0.3));
+  ASSERT_TRUE(match.zncc);
+  EXPECT_LT(*match.zncc, 0.6);
+}
+
+TEST_F(FacetMatchTest, WhatIsHiddenOrBehindIsNotCompared) {
+  TriangleMesh hidden = mesh_;
+  for (const Eigen::Vector3f& vertex : mesh_.vertices) {
+    hidden.vertices.push_back(vertex + Eigen::Vector3f(0, 0, 0.5F));
+  }
+  hidden.facets.push_back({4, 5, 6});
+  hidden.facets.push_back({4, 6, 7});
+  EXPECT_FALSE(MatchFacet(hidden, 0, first_, ImageOf(first_, 0), second_,
+                          ImageOf(second_, 0))
+                   .zncc);
+  const View behind = ViewFrom({0, 0, -3}, "behind");
+  EXPECT_FALSE(MatchFacet(mesh_, 0, first_, ImageOf(first_, 0), behind,
+                          ImageOf(behind, 0))
+                   .zncc);
+}
+
+TEST_F(FacetMatchTest, PairsComeFromLabelsWithSpacesInNames) {
+  ShownMesh shown;
+  shown.mesh = mesh_;
+  const std::vector<View> views = {second_, first_};
+  EXPECT_FALSE(PairOfFacet(shown, 0, views));
+  shown.labels = {0, -1};
+  shown.label_names = {"first a second one"};
+  EXPECT_EQ(PairOfFacet(shown, 0, views), (ViewPair{1, 0}));
+  EXPECT_FALSE(PairOfFacet(shown, 1, views));
+  shown.label_names = {"first another"};
+  EXPECT_FALSE(PairOfFacet(shown, 0, views));
+}
+
+TEST(ShrinkImage, KeepsMeansAndAspect) {
+  ColorImage image{100, 50, std::vector<Color>(5000, {10, 20, 30})};
+  image.pixels[0] = {110, 20, 30};
+  const ColorImage small = ShrinkImage(image, 25);
+  EXPECT_EQ(small.width, 25);
+  EXPECT_EQ(small.height, 12);
+  EXPECT_GT(small.pixels[0][0], 10);
+  EXPECT_EQ(small.pixels[1], (Color{10, 20, 30}));
+  EXPECT_EQ(ShrinkImage(image, 100).pixels, image.pixels);
+}
+
+}  // namespace
+}  // namespace colmap_ext
