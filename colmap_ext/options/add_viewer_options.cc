@@ -24,6 +24,10 @@ void AddPathOptions(CommandOptions* manager, ViewerOptions* viewer) {
       "The cameras, a sparse model or a folder with one, such as "
       "WORKSPACE/sparse-refined. Default: that of the workspace");
   manager->AddDefaultOption(
+      "region", &viewer->region.text,
+      "What is shown of the meshes: a file (docs/scripts.md), or two corners "
+      "x0,y0,z0,x1,y1,z1 of a box");
+  manager->AddDefaultOption(
       "image_order", &viewer->image_order_word,
       "How .vis files count the images: auto, file, image_id, frame, frame_id");
 }

@@ -87,6 +87,12 @@ void ViewerOptions::Finish() {
   if (workspace_path.empty() && mesh_paths.empty()) {
     throw OptionError("--workspace_path or --mesh_path is required");
   }
+  region.Finish();
+  if (region.is_auto) {
+    throw OptionError(
+        "--region auto is not for mesh_viewer, but the file that it made: "
+        "MESH.region.txt");
+  }
   image_order = ParseImageOrder(image_order_word);
   settings.mode = ParseMode(mode_word);
   ParseCenter(center_words, &center_u, &center_v);

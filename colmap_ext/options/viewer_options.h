@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "colmap_ext/options/region_option.h"
 #include "viewer/draw_settings.h"
 #include "workspace/image_order.h"
 
@@ -17,6 +18,7 @@ struct ViewerOptions {
   std::string labels_path;              // of facetwise_refiner
   std::string error_mesh_path;          // of mesh_evaluator
   std::string sparse_path;              // see WorkspaceOptions
+  RegionOption region;                  // what is shown of the meshes
   std::string image_order_word = "auto";
   std::optional<ImageOrderKind> image_order;
 

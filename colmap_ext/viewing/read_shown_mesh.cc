@@ -1,12 +1,14 @@
 #include "colmap_ext/viewing/read_shown_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
+#include "mesh/clip_mesh.h"
 
 namespace colmap_ext {
 
@@ -74,6 +76,53 @@ void AddVisibility(const std::filesystem::path& path, ShownMesh* shown,
   }
 }
 
+template <typename T>
+std::vector<T> ValuesAt(const std::vector<std::array<uint32_t, 2>>& sources,
+                        const std::vector<T>& values) {
+  std::vector<T> at;
+  for (size_t i = 0; i < sources.size() && !values.empty(); ++i) {
+    at.push_back(values[sources[i][0]]);
+  }
+  return at;
+}
+
+ClippedMesh ClipCloud(const Region& region, const TriangleMesh& cloud) {
+  ClippedMesh clipped;
+  for (uint32_t i = 0; i < cloud.vertices.size(); ++i) {
+    if (region.Contains(cloud.vertices[i])) {
+      clipped.mesh.vertices.push_back(cloud.vertices[i]);
+      clipped.sources.push_back({i, i});
+    }
+  }
+  return clipped;
+}
+
+// Leaves what lies in the region. Vertices on its border are like those inside
+// that their edges come from.
+void Crop(const Region& region, ShownMesh* shown) {
+  ClippedMesh clipped = shown->mesh.facets.empty()
+                            ? ClipCloud(region, shown->mesh)
+                            : ClipMesh(region, std::move(shown->mesh));
+  shown->colors = ValuesAt(clipped.sources, shown->colors);
+  shown->error_colors = ValuesAt(clipped.sources, shown->error_colors);
+  shown->confidences = ValuesAt(clipped.sources, shown->confidences);
+  if (shown->views.size() > 0) {
+    Rows<uint32_t> views;
+    for (const auto& source : clipped.sources) {
+      views.AddRow(shown->views[source[0]]);
+    }
+    shown->views = std::move(views);
+  }
+  std::vector<int32_t> labels;
+  for (const uint32_t source : clipped.facet_sources) {
+    if (source < shown->labels.size()) {
+      labels.push_back(shown->labels[source]);
+    }
+  }
+  shown->labels = std::move(labels);
+  shown->mesh = std::move(clipped.mesh);
+}
+
 }  // namespace
 
 ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
@@ -100,6 +149,12 @@ ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
   }
   if (const auto path = VisibilityPath(paths.mesh); exists(path)) {
     AddVisibility(path, &shown, notes);
+  }
+  if (paths.region) {
+    Crop(*paths.region, &shown);
+    if (shown.mesh.vertices.empty()) {
+      throw FileError(paths.mesh, "nothing of it lies in the region");
+    }
   }
   return shown;
 }

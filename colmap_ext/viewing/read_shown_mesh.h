@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "scene/region.h"
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext {
@@ -13,6 +15,7 @@ struct ShownMeshPaths {
   std::filesystem::path mesh;
   std::filesystem::path labels;  // see ViewerOptions; may be empty
   std::filesystem::path errors;
+  std::optional<Region> region;  // what is shown of it; nothing: all
 };
 
 // Reads a mesh or cloud, and its .vis if there is one. Facets with a vertex

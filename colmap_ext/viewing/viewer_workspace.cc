@@ -82,8 +82,8 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options) {
     if (!fs::exists(mesh)) {
       throw FileError(mesh, "no such file");
     }
-    paths.meshes.push_back(
-        {mesh, options.labels_path, options.error_mesh_path});
+    paths.meshes.push_back({mesh, options.labels_path, options.error_mesh_path,
+                            options.region.region});
   }
   return paths;
 }

@@ -90,6 +90,28 @@ TEST_F(MeshViewerTest, EachModeIsAnotherPicture) {
   }
 }
 
+// Half of the scene, in the same view.
+TEST_F(MeshViewerTest, ShowsARegion) {
+  const std::string camera = " --camera 0000.png --width 200";
+  const ColorImage whole = Screenshot(camera);
+  const ColorImage half = Screenshot("--region=-9,-9,-9,0,9,9" + camera);
+  size_t num_whole = 0;
+  size_t num_half = 0;
+  for (size_t i = 0; i < whole.pixels.size(); ++i) {
+    num_whole += whole.pixels[i] != Color{255, 255, 255};
+    num_half += half.pixels[i] != Color{255, 255, 255};
+  }
+  EXPECT_GT(num_half, num_whole / 10);
+  EXPECT_LT(num_half, num_whole * 9 / 10);
+  for (const char* name : {kInput, "fused.ply"}) {
+    const std::string mesh = "--mesh_path " + Quote((path_ / name).string());
+    ExpectRefusal(View(mesh + " --screenshot a.png --region 70,70,70,80,80,80"),
+                  "nothing of it lies in the region");
+  }
+  ExpectRefusal(View(Workspace() + " --screenshot a.png --region auto"),
+                ".region.txt");
+}
+
 TEST_F(MeshViewerTest, SaysWhatAModeMisses) {
   const Outcome outcome =
       View(Workspace() + " --mode labels --screenshot shot.png");
