@@ -1,48 +1,22 @@
-#include <unistd.h>
-
-#include <filesystem>
-#include <iostream>
-#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_refinement_options.h"
-#include "colmap_ext/refinement/refinable_cameras.h"
-#include "colmap_ext/refinement/refinement_backend.h"
 #include "colmap_ext/refinement/refinement_input.h"
-#include "colmap_ext/refinement/refinement_state.h"
-#include "colmap_ext/report/page_pictures.h"
-#include "colmap_ext/report/print_lines.h"
-#include "colmap_ext/report/print_report.h"
-#include "colmap_ext/report/refinement_report.h"
+#include "colmap_ext/refinement_run.h"
 #include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/terminal/stop_signal.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "colmap_ext/viewing/scene_loader.h"
-#include "colmap_ext/write_labels.h"
 #include "colmap_ext/write_png.h"
-#include "formats/atomic_file.h"
-#include "formats/write_mesh.h"
-#include "mesh/clip_mesh.h"
-#include "mesh/pixel_footprint.h"
-#include "mesh/topology.h"
-#include "refine/facetwise_refinement.h"
 #include "viewer/viewer_window.h"
-#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 CommandAdvice Advice() {
   return {
@@ -56,324 +30,6 @@ CommandAdvice Advice() {
         "--FacetwiseRefinement.skip_missing_images 1"}}};
 }
 
-// Before anything is read, so that nobody waits for what can not be written.
-void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
-  const fs::path& output = paths.output;
-  ExpectWritable(output);
-  ExpectWritable(VisibilityPath(output));
-  ExpectWritable(StatePath(output));
-  if (options.refinement.cameras.parts != RefinedParts::kNone) {
-    std::error_code ignored;
-    ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
-                       ? paths.refined_sparse / "images.bin"
-                       : paths.refined_sparse);
-  }
-  if (options.region.is_auto) {
-    ExpectWritable(RegionPath(output));
-  }
-  if (!options.report_path.empty()) {
-    ExpectWritable(options.StepsPath());
-    ExpectWritable(options.PlotPath());
-    ExpectWritable(options.PagePath());
-  }
-  if (!options.labels_path.empty()) {
-    ExpectWritable(options.labels_path);
-    ExpectWritable(options.LabelsPicturePath());
-  }
-}
-
-// One run of the command, from its files to its files.
-class Refiner {
- public:
-  // \param live  shows it, or nullptr.
-  Refiner(const RefinerOptions& options, const RefinementPaths& paths,
-          std::vector<PageOption> page_options, LiveView* live)
-      : options_(options),
-        paths_(paths),
-        page_options_(std::move(page_options)),
-        live_(live),
-        reporter_(std::cout, isatty(STDOUT_FILENO) != 0),
-        progress_([this](std::string_view stage, double share) {
-          reporter_.Update(stage, share);
-        }) {}
-
-  void Run() {
-    Read();
-    RefinedMesh refined = Refine();
-    if (refined.report.is_stopped) {
-      GiveUp(refined.report);
-    }
-    if (input_.region) {
-      CutOffOutside(*input_.region, &refined);
-    }
-    Write(refined);
-    const PagePictures pictures = Draw(refined);
-    reporter_.Finish();
-    Print(refined);
-    WritePage(refined.report.steps, pictures);
-    PrintFiles();
-  }
-
- private:
-  void Read() {
-    input_ = ReadRefinementInput(options_, paths_, decoder_, progress_);
-    Report(progress_, "Fingerprinting the files", 0);
-    identity_ = IdentifyRun(options_, paths_, input_);
-    if (HasReport()) {
-      before_ = input_.mesh;
-    }
-    level_ = options_.refinement.levels;
-    if (options_.resume && fs::exists(StatePath(paths_.output))) {
-      RefinementState state = ReadState(paths_.output, identity_, input_.views);
-      level_ = state.level;
-      input_.mesh = std::move(state.mesh);
-      input_.attributes = std::move(state.attributes);
-      origins_ = std::move(state.origins);
-      input_.views = std::move(state.views);
-      earlier_ = std::move(state.report);
-      is_state_ours_ = true;
-    }
-    reporter_.Finish();
-    PrintReport(input_, &log_);
-    PrintStart();
-    if (live_ != nullptr) {
-      live_->Start(input_.mesh, input_.attributes, input_.views, input_.points);
-    }
-  }
-
-  void PrintStart() {
-    const std::string state_path = StatePath(paths_.output).string();
-    if (is_state_ours_) {
-      PrintText("goes on after", LevelName(level_) + ", by " + state_path,
-                &log_);
-    } else if (options_.resume) {
-      PrintText("starts from the beginning", "there is no " + state_path,
-                &log_);
-    } else if (fs::exists(state_path)) {
-      PrintText("starts from the beginning",
-                "--resume 1 would go on by " + state_path, &log_);
-    }
-  }
-
-  RefinedMesh Refine() {
-    const RefinementBackend backend = MakeBackend(options_, input_.images);
-    PrintText("computed by", backend.description, &log_);
-    if (!backend.warning.empty()) {
-      PrintWarning(backend.warning, &log_);
-    }
-    std::cout << std::endl;
-    const StopSignal stop_signal;
-    RefinementHooks hooks;
-    hooks.progress = progress_;
-    hooks.on_step = [this](const RefinementStep& step,
-                           const RefinedMesh& state) { OnStep(step, state); };
-    hooks.on_cameras = [this](const CameraRefinementReport& report) {
-      reporter_.Note(Describe(report));
-    };
-    hooks.on_level = [this](int level, const RefinedMesh& state) {
-      OnLevel(level, state);
-    };
-    hooks.should_stop = [this] {
-      const auto is_interrupted = [] { return StopSignal::Received() != 0; };
-      if (live_ != nullptr) {
-        live_->WaitWhilePaused(is_interrupted);
-      }
-      return is_interrupted();
-    };
-    FacetwiseRefinementOptions method = options_.refinement;
-    method.cameras.parts = input_.camera_parts;
-    RefinedMesh refined = RefineFacetwise(
-        method,
-        {std::move(input_.mesh), std::move(input_.attributes),
-         std::move(origins_), level_ - 1, input_.has_fused_points,
-         input_.cameras, earlier_.misalignment},
-        input_.views, input_.points, backend.energy.get(), hooks);
-    signal_ = StopSignal::Received();
-    refined.report = WithEarlier(std::move(refined.report));
-    return refined;
-  }
-
-  void OnStep(const RefinementStep& step, const RefinedMesh& state) {
-    reporter_.Note(Describe(step));
-    if (live_ != nullptr) {
-      live_->Show(state.mesh, state.attributes, Describe(step));
-    }
-    if (options_.snapshot_interval > 0 && step.iteration > 0 &&
-        step.iteration % options_.snapshot_interval == 0) {
-      WriteColoredMesh(fs::path(paths_.output)
-                           .replace_extension(fmt::format(
-                               ".{}.{}.ply", step.level, step.iteration)),
-                       state.mesh, state.attributes.colors);
-    }
-  }
-
-  void OnLevel(int level, const RefinedMesh& state) {
-    if (level > 0) {
-      WriteState(paths_.output, identity_,
-                 {level, state.mesh, state.attributes, state.origins,
-                  state.views, WithEarlier(state.report)});
-      is_state_ours_ = true;
-      level_ = level;
-    }
-  }
-
-  // A report of this run, with what an interrupted one did before it.
-  RefinementReport WithEarlier(RefinementReport report) const {
-    const double seconds =
-        earlier_.steps.empty() ? 0 : earlier_.steps.back().seconds;
-    for (RefinementStep& step : report.steps) {
-      step.seconds += seconds;
-    }
-    report.steps.insert(report.steps.begin(), earlier_.steps.begin(),
-                        earlier_.steps.end());
-    report.labelings.insert(report.labelings.begin(),
-                            earlier_.labelings.begin(),
-                            earlier_.labelings.end());
-    report.num_shortened_steps += earlier_.num_shortened_steps;
-    report.num_unconverged_solutions += earlier_.num_unconverged_solutions;
-    report.num_flipped_facets += earlier_.num_flipped_facets;
-    report.num_removed_self_intersections +=
-        earlier_.num_removed_self_intersections;
-    return report;
-  }
-
-  // What has moved out of the region.
-  static void CutOffOutside(const Region& region, RefinedMesh* refined) {
-    CutMesh cut = CutOff(region, std::move(refined->mesh),
-                         std::move(refined->attributes));
-    refined->mesh = std::move(cut.mesh);
-    refined->attributes = std::move(cut.attributes);
-    refined->labels = refined->labels.From(cut.facet_sources);
-  }
-
-  [[noreturn]] void GiveUp(const RefinementReport& report) {
-    reporter_.Finish();
-    WriteReport(report);
-    if (!is_state_ours_) {
-      throw Interruption(signal_,
-                         "no level was complete, and nothing was written");
-    }
-    throw Interruption(signal_,
-                       "the mesh refined up to " + LevelName(level_) + " is " +
-                           LevelMeshPath(paths_.output, level_).string() +
-                           "; --resume 1 goes on from it");
-  }
-
-  void Write(const RefinedMesh& refined) {
-    Report(progress_, "Writing the mesh", 0);
-    ExpectManifold(refined.mesh);
-    if (live_ != nullptr) {
-      live_->Show(refined.mesh, refined.attributes, "writing");
-    }
-    // First: without it a mesh of refined cameras is of little use.
-    if (AreCamerasRefined()) {
-      WriteSparseModel(
-          paths_.refined_sparse,
-          WithRefinedCameras(
-              std::move(input_.sparse_model),
-              input_.workspace.order.order.images, refined.views,
-              input_.camera_parts == RefinedParts::kPosesIntrinsics,
-              refined.track_positions));
-    }
-    WriteMesh(paths_.output, refined.mesh, refined.attributes,
-              options_.transform);
-    WriteFoundRegion(options_.region, input_.region, paths_.output);
-    if (is_state_ours_) {
-      RemoveState(paths_.output, level_);
-    }
-    WriteReport(refined.report);
-    if (!options_.labels_path.empty()) {
-      Report(progress_, "Drawing the labels", 0);
-      WriteLabels(options_.labels_path, options_.LabelsPicturePath(),
-                  refined.mesh, refined.labels, refined.views);
-    }
-  }
-
-  bool AreCamerasRefined() const {
-    return input_.camera_parts != RefinedParts::kNone;
-  }
-
-  bool HasReport() const { return !options_.report_path.empty(); }
-
-  void WriteReport(const RefinementReport& report) const {
-    if (HasReport()) {
-      WriteText(options_.StepsPath(), StepsCsv(report.steps));
-      WriteText(options_.PlotPath(), StepsPlot(report.steps));
-    }
-  }
-
-  PagePictures Draw(const RefinedMesh& refined) const {
-    if (!HasReport()) {
-      return {};
-    }
-    Report(progress_, "Drawing the report", 0);
-    const PageCameras cameras =
-        ChoosePageCameras(refined.views, refined.attributes.views,
-                          paths_.folder / "images", decoder_);
-    return DrawRefinement(cameras, before_, refined);
-  }
-
-  void WritePage(const std::vector<RefinementStep>& steps,
-                 const PagePictures& pictures) const {
-    if (HasReport()) {
-      WriteText(options_.PagePath(),
-                RefinementPage({"facetwise_refiner", paths_.output.string(),
-                                Versions(), page_options_},
-                               log_, steps, pictures));
-    }
-  }
-
-  void Print(const RefinedMesh& refined) {
-    PrintReport(refined.report, Analyze(refined.mesh), &log_);
-    PrintFootprint(
-        MedianFootprint(refined.mesh, refined.attributes.views, refined.views),
-        &log_);
-    if (refined.report.is_held) {
-      PrintWarning(
-          "the images do not fit each other well enough to refine the mesh by "
-          "them, which stays as it is; let "
-          "--FacetwiseRefinement.refine_cameras "
-          "poses align them",
-          &log_);
-    }
-    if (refined.report.misalignment) {
-      PrintReport(*refined.report.misalignment, refined.views, &log_);
-    }
-    if (!refined.report.cameras.empty()) {
-      PrintReport(refined.report.cameras.back(), refined.views, &log_);
-    }
-    PrintReport(reporter_.StageTimes(), PeakMemory(), &log_);
-  }
-
-  void PrintFiles() const {
-    std::cout << "\nWrote " << paths_.output.string()
-              << (AreCamerasRefined() ? ", " : " and ")
-              << VisibilityPath(paths_.output).string();
-    if (AreCamerasRefined()) {
-      std::cout << " and " << paths_.refined_sparse.string()
-                << ", which belong together";
-    }
-    std::cout << std::endl;
-  }
-
-  const RefinerOptions& options_;
-  const RefinementPaths& paths_;
-  const std::vector<PageOption> page_options_;
-  LiveView* live_;
-  const PictureDecoder decoder_ = ColmapPictureDecoder();
-  ProgressReporter reporter_;
-  Progress progress_;
-  ReportLog log_{&std::cout};
-  RefinementInput input_;
-  TriangleMesh before_;  // the input's, if it is reported on
-  RunIdentity identity_;
-  RefinementReport earlier_;              // of the run that is gone on with
-  std::vector<Eigen::Vector3f> origins_;  // see RefinementStart
-  int level_ = 0;  // the last complete one; above all before the first
-  bool is_state_ours_ = false;  // the state on the disk is that of level_
-  int signal_ = 0;
-};
-
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
                     const std::vector<PageOption>& page_options) {
   try {
@@ -384,7 +40,7 @@ void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
           return SaveNumbered(picture, &WritePng);
         },
         [&](LiveView* live) {
-          Refiner(options, paths, page_options, live).Run();
+          RunRefinement(options, paths, page_options, live);
         });
   } catch (const NoWindowError& error) {
     throw OptionError(error.what() +
@@ -401,7 +57,7 @@ void RefineWorkspace(RefinerOptions options,
   if (options.viewer) {
     RefineInWindow(options, paths, page_options);
   } else {
-    Refiner(options, paths, page_options, nullptr).Run();
+    RunRefinement(options, paths, page_options, nullptr);
   }
 }
 

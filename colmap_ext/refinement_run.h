@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "colmap_ext/options/refinement_options.h"
+#include "colmap_ext/refinement/refinement_input.h"
+#include "colmap_ext/report/run_pages.h"
+#include "colmap_ext/viewing/live_view.h"
+
+namespace colmap_ext {
+
+// Called before anything is read, so that nobody waits for what can not be
+// written.
+// \throw FileError if a file that the run writes can not be.
+void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths);
+
+// One run of facetwise_refiner, from its files to its files.
+// \param page_options  for the report's page.
+// \param live  shows it, or nullptr.
+// \throw FileError for whatever is missing, damaged or does not fit together;
+//        Interruption if a signal ended it.
+void RunRefinement(const RefinerOptions& options, const RefinementPaths& paths,
+                   const std::vector<PageOption>& page_options, LiveView* live);
+
+}  // namespace colmap_ext
