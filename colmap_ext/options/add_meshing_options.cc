@@ -35,6 +35,9 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "image_order", &mesher->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
+}
+
+void AddSceneOptions(CommandOptions* manager, MesherOptions* mesher) {
   manager->AddDefaultOption(
       "mask_path", &mesher->mask_path,
       "Masks of the images, a folder of PNG files, image.jpg.png for "
@@ -158,6 +161,7 @@ void AddAliases(CommandOptions* manager, MesherOptions* mesher) {
 
 void AddMesherOptions(CommandOptions* manager, MesherOptions* mesher) {
   AddPathOptions(manager, mesher);
+  AddSceneOptions(manager, mesher);
   AddVoteOptions(manager, mesher);
   AddSurfaceOptions(manager, mesher);
   AddAliases(manager, mesher);

@@ -43,6 +43,9 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "image_order", &refiner->words.image_order,
       "How fused.ply.vis counts the images, where it can not be told: {auto, "
       "file, image_id, frame, frame_id}");
+}
+
+void AddSceneOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "mask_path", &refiner->mask_path,
       "Masks of the images, a folder of PNG files, image.jpg.png for "
@@ -54,9 +57,8 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "region", &refiner->region.text,
       "What is refined, the rest is cut off: a file (docs/scripts.md), two "
-      "corners "
-      "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, written "
-      "to OUTPUT.region.txt");
+      "corners x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, "
+      "written to OUTPUT.region.txt");
 }
 
 void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {
@@ -177,6 +179,7 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
 
 void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner) {
   AddPathOptions(manager, refiner);
+  AddSceneOptions(manager, refiner);
   AddMethodOptions(manager, refiner);
   AddPairOptions(manager, refiner);
   AddVariantOptions(manager, refiner);

@@ -103,16 +103,24 @@ class Refinement {
           RefinedConfidences(state->mesh, refined.terms, options_.photometric,
                              ConfidencesByPoints(*state));
     }
-    state->report.num_shortened_steps += refined.num_shortened_steps;
-    state->report.num_unconverged_solutions +=
-        refined.num_unconverged_solutions;
-    state->report.num_flipped_facets +=
-        CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
+    Count(refined, before, state);
     if (level == 0 && options_.remeshing && !refined.is_stopped) {
       RemoveSelfIntersections(state);
       ImproveFacets(state);
     }
     return !refined.is_stopped;
+  }
+
+  // Adds what became of a level to the report.
+  // \param before [V] where the vertices were
+  static void Count(const RefinedLevel& level,
+                    const std::vector<Eigen::Vector3f>& before,
+                    RefinedMesh* state) {
+    RefinementReport& report = state->report;
+    report.num_shortened_steps += level.num_shortened_steps;
+    report.num_unconverged_solutions += level.num_unconverged_solutions;
+    report.num_flipped_facets +=
+        CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
   }
 
   // [V] of the surface without the images: by the points, if they can tell, and
