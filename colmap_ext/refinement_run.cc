@@ -24,7 +24,6 @@
 #include "colmap_ext/write_labels.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"
-#include "mesh/clip_mesh.h"
 #include "mesh/pixel_footprint.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
@@ -56,9 +55,6 @@ class Refiner {
     RefinedMesh refined = Refine();
     if (refined.report.is_stopped) {
       GiveUp(refined.report);
-    }
-    if (input_.region) {
-      CutOffOutside(*input_.region, &refined);
     }
     Write(refined);
     const PagePictures pictures = Draw(refined);
@@ -136,6 +132,7 @@ class Refiner {
     };
     FacetwiseRefinementOptions method = options_.refinement;
     method.cameras.parts = input_.camera_parts;
+    method.region = input_.region;
     RefinedMesh refined = RefineFacetwise(
         method,
         {std::move(input_.mesh), std::move(input_.attributes),
@@ -189,15 +186,6 @@ class Refiner {
     report.num_removed_self_intersections +=
         earlier_.num_removed_self_intersections;
     return report;
-  }
-
-  // What has moved out of the region.
-  static void CutOffOutside(const Region& region, RefinedMesh* refined) {
-    CutMesh cut = CutOff(region, std::move(refined->mesh),
-                         std::move(refined->attributes));
-    refined->mesh = std::move(cut.mesh);
-    refined->attributes = std::move(cut.attributes);
-    refined->labels = refined->labels.From(cut.facet_sources);
   }
 
   [[noreturn]] void GiveUp(const RefinementReport& report) {

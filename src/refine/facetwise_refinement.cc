@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "labeling/view_pairs.h"
+#include "mesh/clip_mesh.h"
 #include "mesh/facet_normals.h"
 #include "mesh/vertex_confidences.h"
 #include "photometry/image_pyramid.h"
@@ -304,6 +305,19 @@ void FinishBorders(const BorderOptions& options, RefinedMesh* refined) {
   refined->report.borders = edited.report;
 }
 
+// Cuts off what lies outside of the region.
+// \return whether anything does
+bool CutOffOutside(const Region& region, RefinedMesh* refined) {
+  CutMesh cut =
+      CutOff(region, std::move(refined->mesh), std::move(refined->attributes));
+  const bool is_cut = cut.facet_sources.size() != refined->labels.NumFacets();
+  refined->mesh = std::move(cut.mesh);
+  refined->attributes = std::move(cut.attributes);
+  refined->origins = refined->mesh.vertices;  // no step follows
+  refined->labels = refined->labels.From(cut.facet_sources);
+  return is_cut;
+}
+
 }  // namespace
 
 std::string FacetwiseRefinementOptions::Check() const {
@@ -385,9 +399,11 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
     Report(hooks.progress, "Finishing the borders", 0);
     FinishBorders(options.borders, &complete);
     refinement.RemoveSelfIntersections(&complete);
+    const bool is_cut =
+        options.region && CutOffOutside(*options.region, &complete);
     const BorderReport& borders = complete.report.borders;
     const bool have_changed =
-        borders.trim.num_facets > 0 || borders.holes.num_closed > 0;
+        is_cut || borders.trim.num_facets > 0 || borders.holes.num_closed > 0;
     if (options.remeshing && have_changed && !complete.report.is_held) {
       ImproveFacets(&complete);
     }

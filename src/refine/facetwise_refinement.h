@@ -20,6 +20,7 @@
 #include "repair/edit_borders.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
+#include "scene/region.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -73,6 +74,9 @@ struct FacetwiseRefinementOptions {
   // What is dropped from the result, and closed. A facet is about a window
   // wide: four rings tell what a gap of a dozen windows' width would show.
   BorderOptions borders{.trim_rings = 4};
+
+  // What has moved out of it is cut off at last; nothing: all stays.
+  std::optional<Region> region = std::nullopt;
 
   // What is wrong with the options, in one line; empty when all is well.
   std::string Check() const;
