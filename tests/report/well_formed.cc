@@ -1,6 +1,8 @@
 #include "tests/report/well_formed.h"
 
-#include <regex>
+#include <algorithm>
+#include <cctype>
+#include <string_view>
 #include <vector>
 
 namespace colmap_ext {
@@ -35,19 +37,32 @@ size_t TagEnd(const std::string& document, size_t start) {
   return document.size();
 }
 
-// The attributes one by one: a regular expression of them all would need a deep
-// stack for long ones.
-bool AreAttributesGood(std::string text) {
-  static const std::regex kName("^\\s+[a-zA-Z-]+=\"");
-  std::smatch match;
-  while (std::regex_search(text, match, kName)) {
-    const size_t end = text.find('"', match.length());
-    if (end == std::string::npos || text.find('<', match.length()) < end) {
+bool AreAttributesGood(std::string_view text) {
+  constexpr std::string_view kBlanks = " \n";
+  for (;;) {
+    const size_t start = text.find_first_not_of(kBlanks);
+    if (start == 0 && text != "/") {
+      return false;  // no blank before the attribute
+    }
+    if (start == std::string_view::npos || text.substr(start) == "/") {
+      return true;
+    }
+    text.remove_prefix(start);
+    const size_t equals = text.find("=\"");
+    const auto is_of_name = [](char c) {
+      return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '-';
+    };
+    if (equals == std::string_view::npos || equals == 0 ||
+        !std::ranges::all_of(text.substr(0, equals), is_of_name)) {
       return false;
     }
-    text = text.substr(end + 1);
+    text.remove_prefix(equals + 2);
+    const size_t end = text.find('"');
+    if (end == std::string_view::npos || text.find('<') < end) {
+      return false;
+    }
+    text.remove_prefix(end + 1);
   }
-  return text.empty() || text == "/";
 }
 
 // \param tag  without its brackets.
