@@ -153,7 +153,7 @@ TEST_F(ResumeTest, RefusesToGoOnWithOtherPosesOrPictures) {
 TEST_F(ResumeTest, RefusesToGoOnInAnotherOrderOfTheImages) {
   InterruptAtTheSecondLevel();
   // Images are in the order that this COLMAP's stereo_fusion counts them by.
-#if COLMAP_EXT_COLMAP_VERSION >= 31100
+#if COLMAP_EXT_COLMAP_VERSION >= 31200
   ExpectRefusal(Run(Workspace() + " --resume 1 --image_order file"),
                 "image_order was 'image_id' and is 'file'");
 #else
