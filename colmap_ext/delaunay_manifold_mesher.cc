@@ -70,7 +70,7 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
                              : input_path);
   ExpectWritable(output_path);
   ExpectWritable(VisibilityPath(output_path));
-  if (options.region.is_auto) {
+  if (options.scene.region.is_auto) {
     ExpectWritable(RegionPath(output_path));
   }
   if (!options.report_path.empty()) {
@@ -121,17 +121,17 @@ struct Masked {
 Masked MaskWorkspace(const MesherOptions& options,
                      const std::optional<Region>& region,
                      const Progress& progress, Workspace* workspace) {
-  if (options.mask_path.empty()) {
+  if (options.scene.mask_path.empty()) {
     return {};
   }
   Report(progress, "Masking points", 0);
   const std::vector<View>& views = workspace->views;
   const ReadGrayImage read_mask =
-      MaskReader(options.mask_path, views, ColmapPictureDecoder());
+      MaskReader(options.scene.mask_path, views, ColmapPictureDecoder());
   Masked masked;
   masked.report = MaskCloud(read_mask, views, &workspace->cloud);
   if (workspace->cloud.size() == 0) {
-    throw FileError(options.mask_path, "all points are masked");
+    throw FileError(options.scene.mask_path, "all points are masked");
   }
   if (options.mask_background) {
     const Region bounds = region ? Grow(*region, MarginOf(*region))
@@ -164,8 +164,8 @@ MesherInput ReadInput(const MesherOptions& options, const Progress& progress) {
     Report(progress, "Correcting the half pixel", 0);
     input.half_pixel = CorrectHalfPixel(options, &input.workspace);
   }
-  input.meshing.region = options.region.Resolve(input.workspace.views,
-                                                input.workspace.sparse_points);
+  input.meshing.region = options.scene.region.Resolve(
+      input.workspace.views, input.workspace.sparse_points);
   input.masked =
       MaskWorkspace(options, input.meshing.region, progress, &input.workspace);
   return input;
@@ -208,8 +208,8 @@ void MeshWorkspace(const MesherOptions& options,
       MeshManifold(input.meshing, has_page ? cloud : std::move(cloud), views,
                    progress, input.masked.ends);
   Report(progress, "Writing the mesh", 0);
-  WriteMesh(output_path, mesh.mesh, mesh.attributes, options.transform);
-  WriteFoundRegion(options.region, input.meshing.region, output_path);
+  WriteMesh(output_path, mesh.mesh, mesh.attributes, options.scene.transform);
+  WriteFoundRegion(options.scene.region, input.meshing.region, output_path);
   PagePictures pictures;
   if (has_page) {
     Report(progress, "Drawing the report", 0);

@@ -218,8 +218,8 @@ class Refiner {
               refined.track_positions));
     }
     WriteMesh(paths_.output, refined.mesh, refined.attributes,
-              options_.transform);
-    WriteFoundRegion(options_.region, input_.region, paths_.output);
+              options_.scene.transform);
+    WriteFoundRegion(options_.scene.region, input_.region, paths_.output);
     if (is_state_ours_) {
       RemoveState(paths_.output, level_);
     }
@@ -329,7 +329,7 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
                        ? paths.refined_sparse / "images.bin"
                        : paths.refined_sparse);
   }
-  if (options.region.is_auto) {
+  if (options.scene.region.is_auto) {
     ExpectWritable(RegionPath(output));
   }
   if (!options.report_path.empty()) {

@@ -37,25 +37,6 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "file, image_id, frame, frame_id}");
 }
 
-void AddSceneOptions(CommandOptions* manager, MesherOptions* mesher) {
-  manager->AddDefaultOption(
-      "mask_path", &mesher->mask_path,
-      "Masks of the images, a folder of PNG files, image.jpg.png for "
-      "image.jpg: pixels of 0 are left out");
-  manager->AddDefaultOption(
-      "mask_background", &mesher->mask_background,
-      "Masked pixels are background: what is seen through them is free space");
-  manager->AddDefaultOption(
-      "transform_path", &mesher->transform_path,
-      "A transform of the mesh that is written, as model_aligner writes it; "
-      "positions are double then");
-  manager->AddDefaultOption(
-      "region", &mesher->region.text,
-      "What is meshed: a file (docs/scripts.md), two corners "
-      "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, written "
-      "to OUTPUT.region.txt");
-}
-
 void AddVoteOptions(CommandOptions* manager, MesherOptions* mesher) {
   ManifoldMeshingOptions* meshing = &mesher->meshing;
   manager->AddDefaultOption(
@@ -161,7 +142,10 @@ void AddAliases(CommandOptions* manager, MesherOptions* mesher) {
 
 void AddMesherOptions(CommandOptions* manager, MesherOptions* mesher) {
   AddPathOptions(manager, mesher);
-  AddSceneOptions(manager, mesher);
+  AddSceneOptions(manager, "What is meshed", &mesher->scene);
+  manager->AddDefaultOption(
+      "mask_background", &mesher->mask_background,
+      "Masked pixels are background: what is seen through them is free space");
   AddVoteOptions(manager, mesher);
   AddSurfaceOptions(manager, mesher);
   AddAliases(manager, mesher);

@@ -45,22 +45,6 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "file, image_id, frame, frame_id}");
 }
 
-void AddSceneOptions(CommandOptions* manager, RefinerOptions* refiner) {
-  manager->AddDefaultOption(
-      "mask_path", &refiner->mask_path,
-      "Masks of the images, a folder of PNG files, image.jpg.png for "
-      "image.jpg: pixels of 0 are left out");
-  manager->AddDefaultOption(
-      "transform_path", &refiner->transform_path,
-      "A transform of the mesh that is written, as model_aligner writes it; "
-      "positions are double then");
-  manager->AddDefaultOption(
-      "region", &refiner->region.text,
-      "What is refined, the rest is cut off: a file (docs/scripts.md), two "
-      "corners x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, "
-      "written to OUTPUT.region.txt");
-}
-
 void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {
   FacetwiseRefinementOptions* refinement = &refiner->refinement;
   manager->AddDefaultOption(
@@ -179,7 +163,8 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
 
 void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner) {
   AddPathOptions(manager, refiner);
-  AddSceneOptions(manager, refiner);
+  AddSceneOptions(manager, "What is refined, the rest is cut off",
+                  &refiner->scene);
   AddMethodOptions(manager, refiner);
   AddPairOptions(manager, refiner);
   AddVariantOptions(manager, refiner);

@@ -6,7 +6,6 @@
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/image_order_option.h"
 #include "colmap_ext/options/words.h"
-#include "formats/read_transform.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {
@@ -44,11 +43,8 @@ void MesherOptions::Finish() {
       !workspace.fused_path.empty()) {
     throw OptionError("--fused_path is of dense input, not of sparse");
   }
-  region.Finish();
-  if (!transform_path.empty()) {
-    transform = ReadTransform(transform_path);
-  }
-  if (mask_background && mask_path.empty()) {
+  scene.Finish();
+  if (mask_background && scene.mask_path.empty()) {
     throw OptionError("--mask_background needs --mask_path");
   }
   workspace.image_order = ParseImageOrder(words.image_order);

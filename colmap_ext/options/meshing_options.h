@@ -4,9 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <Eigen/Core>
-
-#include "colmap_ext/options/region_option.h"
+#include "colmap_ext/options/scene_options.h"
 #include "meshing/manifold_meshing.h"
 #include "workspace/workspace.h"
 
@@ -17,12 +15,9 @@ struct MesherOptions {
   std::string workspace_path;  // either this
   std::string input_path;      // or, as delaunay_mesher has it, this
   std::string output_path;
-  std::string sparse_path;     // see WorkspaceOptions
-  std::string report_path;     // a page, .html
-  std::string transform_path;  // of the mesh that is written; empty: none
-  std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
-  RegionOption region;                       // nothing is meshed outside
-  std::string mask_path;                     // a folder; empty: no masks
+  std::string sparse_path;  // see WorkspaceOptions
+  std::string report_path;  // a page, .html
+  SceneOptions scene;
   bool mask_background = false;  // nothing is there where masks leave it out
   WorkspaceOptions workspace;
   ManifoldMeshingOptions meshing;

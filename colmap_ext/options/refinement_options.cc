@@ -3,7 +3,6 @@
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/image_order_option.h"
 #include "colmap_ext/options/words.h"
-#include "formats/read_transform.h"
 
 namespace colmap_ext {
 
@@ -77,10 +76,7 @@ void RefinerOptions::Finish() {
        {"poses", RefinedParts::kPoses},
        {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   refinement.cameras.only_if_misaligned = words.refine_cameras == "auto";
-  region.Finish();
-  if (!transform_path.empty()) {
-    transform = ReadTransform(transform_path);
-  }
+  scene.Finish();
   ChooseTrim(true);
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);

@@ -4,9 +4,7 @@
 #include <optional>
 #include <string>
 
-#include <Eigen/Core>
-
-#include "colmap_ext/options/region_option.h"
+#include "colmap_ext/options/scene_options.h"
 #include "refine/facetwise_refinement.h"
 #include "workspace/image_order.h"
 
@@ -31,10 +29,7 @@ struct RefinerOptions {
   std::string sparse_path;  // see WorkspaceOptions
   std::string report_path;  // a CSV, or the page beside it; see below
   std::string labels_path;  // a PLY; its picture lies beside it
-  std::string mask_path;    // a folder; empty: no masks
-  std::string transform_path;  // of the mesh that is written; empty: none
-  std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
-  RegionOption region;                       // outside the mesh is cut off
+  SceneOptions scene;
   bool resume = false;
   bool viewer = false;  // shows the mesh in a window meanwhile
 

@@ -192,8 +192,8 @@ void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
                    const PictureDecoder& decoder, RefinementInput* input) {
   const fs::path images_path = paths.folder / "images";
   ReadGrayImage read_mask;
-  if (!options.mask_path.empty()) {
-    read_mask = MaskReader(options.mask_path, input->views, decoder);
+  if (!options.scene.mask_path.empty()) {
+    read_mask = MaskReader(options.scene.mask_path, input->views, decoder);
     input->masks = MaskCloud(read_mask, input->views, &input->points);
   }
   input->images = std::make_shared<ImagePyramid>(
@@ -281,7 +281,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   ExpectViews(file.attributes, workspace.views.size(),
               VisibilityPath(paths.mesh));
   input.region =
-      options.region.Resolve(workspace.views, workspace.sparse_points);
+      options.scene.region.Resolve(workspace.views, workspace.sparse_points);
   if (input.region) {
     CutOff(*input.region, paths.mesh, &file);
   }

@@ -71,7 +71,7 @@ RunIdentity IdentifyRun(const RefinerOptions& options,
   if (input.masks) {
     for (const View& view : input.views) {
       files.emplace_back("masks/" + view.name,
-                         FindMask(options.mask_path, view.name));
+                         FindMask(options.scene.mask_path, view.name));
     }
   }
   std::vector<fs::path> file_paths;

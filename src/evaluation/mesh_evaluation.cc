@@ -65,24 +65,15 @@ TriangleMesh FinitePart(const TriangleMesh& surface, bool is_points) {
   return part;
 }
 
-bool IsInImage(const View& view, const Eigen::Vector3f& point) {
-  const Eigen::Vector3d in_camera = view.CamFromWorld(point.cast<double>());
-  if (!(in_camera.z() > 0)) {
-    return false;
-  }
-  const Eigen::Vector2d at = view.ImageFromCam(in_camera);
-  return at.x() >= 0 && at.y() >= 0 && at.x() < view.width &&
-         at.y() < view.height;
-}
-
 Points PointsInImages(const Points& points, const std::vector<View>& views) {
   Points inside;
-  std::copy_if(points.begin(), points.end(), std::back_inserter(inside),
-               [&](const Eigen::Vector3f& point) {
-                 return std::any_of(
-                     views.begin(), views.end(),
-                     [&](const View& view) { return IsInImage(view, point); });
-               });
+  std::copy_if(
+      points.begin(), points.end(), std::back_inserter(inside),
+      [&](const Eigen::Vector3f& point) {
+        return std::any_of(views.begin(), views.end(), [&](const View& view) {
+          return PixelInImage(view, point.cast<double>()).has_value();
+        });
+      });
   return inside;
 }
 

@@ -175,7 +175,7 @@ CutMesh CutOff(const Region& region, TriangleMesh mesh,
             std::move(clipped.facet_sources)};
   }
   FanSplit split = SplitFans(clipped.mesh, PairHalfEdges(clipped.mesh.facets));
-  clipped.facet_sources.resize(split.mesh.facets.size(), kNoOldFacet);
+  clipped.facet_sources.resize(split.mesh.facets.size(), kNoSource);
   return {
       std::move(split.mesh),
       InterpolateAttributes(InterpolateAttributes(attributes, clipped.sources),

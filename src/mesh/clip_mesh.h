@@ -33,13 +33,11 @@ struct ClippedMesh {
 // \pre facet indices are in range, vertices are finite
 ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh);
 
-inline constexpr uint32_t kNoOldFacet = UINT32_MAX;
-
 struct CutMesh {
   TriangleMesh mesh;
   VertexAttributes attributes;          // [V]
-  std::vector<uint32_t> facet_sources;  // [F] the old facet; kNoOldFacet where
-                                        // an edge was split at its midpoint
+  std::vector<uint32_t> facet_sources;  // [F] the old facet; kNoSource where an
+                                        // edge was split at its midpoint
 };
 
 // The same for a manifold mesh with attributes, which stays manifold.

@@ -46,7 +46,6 @@ class ImagePyramid {
   // full-size pixels that it covers is, else 255.
   // \throw what read_mask throws.
   std::shared_ptr<const GrayImage> Mask(size_t view);
-  bool HasMasks() const { return static_cast<bool>(read_mask_); }
 
   // [views] at the level.
   const std::vector<View>& Views() const { return level_views_; }

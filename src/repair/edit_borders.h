@@ -35,8 +35,6 @@ struct BorderReport {
   HoleReport holes;
 };
 
-inline constexpr uint32_t kNoSource = UINT32_MAX;
-
 struct EditedMesh {
   TriangleMesh mesh;                     // manifold
   VertexAttributes attributes;           // [V]

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <Eigen/Core>
@@ -52,6 +53,22 @@ struct View {
     return cam_from_world_rotation.transpose() * cam_from_pixel;
   }
 };
+
+// The image point that a point of the world is seen at; nothing if it is behind
+// the camera or outside of the image.
+inline std::optional<Eigen::Vector2d> PixelInImage(
+    const View& view, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d in_camera = view.CamFromWorld(point);
+  if (!(in_camera.z() > 0)) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
+  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.width &&
+        pixel.y() < view.height)) {
+    return std::nullopt;
+  }
+  return pixel;
+}
 
 // Direction in the world frame of the ray through an image point, with a z of 1
 // in the camera's frame, so that distances along it are depths.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -41,14 +40,10 @@ GrayImage ReadMask(const fs::path& path, const View& view,
 
 bool IsMasked(const GrayImage& mask, const View& view,
               const Eigen::Vector3f& point) {
-  const Eigen::Vector3d in_camera = view.CamFromWorld(point.cast<double>());
-  if (!(in_camera.z() > 0)) {
-    return false;
-  }
-  const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
-  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.width &&
-         pixel.y() < view.height &&
-         mask.Row(static_cast<int>(pixel.y()))[static_cast<int>(pixel.x())] ==
+  const std::optional<Eigen::Vector2d> pixel =
+      PixelInImage(view, point.cast<double>());
+  return pixel &&
+         mask.Row(static_cast<int>(pixel->y()))[static_cast<int>(pixel->x())] ==
              0;
 }
 
