@@ -10,7 +10,9 @@ target_compile_options(colmap_ext_flags INTERFACE
   # GCC 12 sees overlaps in std::string's operator+ (GCC bug 105329).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # Same rounding with and without fused multiply-add: same mesh everywhere.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # Nothing asks for errno or the flags of exceptions; vectors have neither.
+  -fno-math-errno -fno-trapping-math)
 
 if(COLMAP_EXT_SANITIZE)
   target_compile_options(colmap_ext_flags INTERFACE

@@ -6,7 +6,7 @@
 #include <tbb/parallel_sort.h>
 
 #include "base/mix_bits.h"
-#include "delaunay/space_filling_curve.h"
+#include "mesh/space_filling_curve.h"
 
 namespace colmap_ext {
 namespace {

@@ -9,8 +9,8 @@ namespace {
 constexpr uint32_t kNotOfPair = UINT32_MAX;
 
 // \param phi  barycentric coordinates of the pixel on its facet.
-void AddDerivatives(const Eigen::Vector3f& phi, float slope, float curvature,
-                    FacetSums* sum) {
+void AddDerivatives(const std::array<float, 3>& phi, float slope,
+                    float curvature, FacetSums* sum) {
   for (int k = 0, m = 0; k < 3; ++k) {
     sum->slopes[k] += phi[k] * slope;
     for (int l = k; l < 3; ++l, ++m) {
@@ -43,9 +43,7 @@ void DirectionEvaluator::MarkCenters(const FacetIdBuffer& drawn_i) {
 
 // Adds a tile's sums to the pair's facets. Pixels of other facets are part of
 // the windows, but get no derivative.
-void DirectionEvaluator::AddTile(const std::vector<FacetFrame>& frames,
-                                 const PairWarp& warp,
-                                 std::vector<FacetSums>* sums) const {
+void DirectionEvaluator::AddTile(std::vector<FacetSums>* sums) const {
   for (int row = 0; row < tile_.height; ++row) {
     for (int col = 0; col < tile_.width; ++col) {
       const size_t at = tile_.Index(row, col);
@@ -59,11 +57,8 @@ void DirectionEvaluator::AddTile(const std::vector<FacetFrame>& frames,
         sum.weight += tile_.weights[at];
         sum.num_pixels += 1;
       }
-      const Eigen::Vector3d point = warp.Point(
-          frames[facet], geometry_.first_row + row, geometry_.first_col + col);
       const float motion = geometry_.motion[at];
-      AddDerivatives(frames[facet].Barycentric(point).cast<float>(),
-                     tile_.derivatives[at] * motion,
+      AddDerivatives(geometry_.barycentric[at], tile_.derivatives[at] * motion,
                      tile_.curvatures[at] * motion * motion, &sum);
     }
   }
@@ -89,7 +84,7 @@ std::vector<FacetSums> DirectionEvaluator::Evaluate(
     tile_.FindReached(radius);
     warp.Compute(&tile_, &geometry_);
     correlation_.Compute(max_relative_depth, &tile_);
-    AddTile(frames, warp, &sums);
+    AddTile(&sums);
   }
   for (const uint32_t facet : facets) {
     places_[facet] = kNotOfPair;

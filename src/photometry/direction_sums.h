@@ -40,8 +40,7 @@ class DirectionEvaluator {
 
  private:
   void MarkCenters(const FacetIdBuffer& drawn_i);
-  void AddTile(const std::vector<FacetFrame>& frames, const PairWarp& warp,
-               std::vector<FacetSums>* sums) const;
+  void AddTile(std::vector<FacetSums>* sums) const;
 
   PhotometricOptions options_;
   WindowCorrelation correlation_;

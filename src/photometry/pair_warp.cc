@@ -8,6 +8,12 @@
 
 namespace colmap_ext {
 
+namespace {
+
+constexpr uint32_t kNoPlace = UINT32_MAX;
+
+}  // namespace
+
 PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
                    const std::vector<FacetFrame>& frames)
     : i_(i),
@@ -18,90 +24,130 @@ PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
       pixel_j_from_pixel_i_(j.view.PixelFromRay() * ray_from_pixel_i_),
       epipole_(j.view.PixelFromRay() * (center_i_ - j.view.Center())) {}
 
-Eigen::Vector3d PairWarp::Point(const FacetFrame& frame, int row,
-                                int col) const {
-  const Eigen::Vector3d ray =
-      ray_from_pixel_i_ * Eigen::Vector3d(col + 0.5, row + 0.5, 1);
-  const double depth =
-      frame.normal.dot(frame.corner - center_i_) / frame.normal.dot(ray);
-  return center_i_ + depth * ray;
-}
-
 PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
   const FacetFrame& frame = frames_[facet];
+  const Eigen::Vector3d from_corner = center_i_ - frame.corner;
+  const Eigen::Matrix3d pixel_from_ray = ray_from_pixel_i_.transpose();
   Plane plane;
   plane.facet = facet;
   plane.is_facing = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
-  plane.nearness = 1 / frame.normal.dot(frame.corner - center_i_);
-  plane.inverse_depth =
-      plane.nearness * (ray_from_pixel_i_.transpose() * frame.normal);
+  plane.nearness = -1 / frame.normal.dot(from_corner);
+  plane.inverse_depth = plane.nearness * (pixel_from_ray * frame.normal);
   plane.slope = PlaneSlope(j_.view, frame);
+  plane.barycentric = {frame.gradient_1.dot(from_corner),
+                       frame.gradient_2.dot(from_corner)};
+  plane.barycentric_by_depth = {pixel_from_ray * frame.gradient_1,
+                                pixel_from_ray * frame.gradient_2};
   return plane;
+}
+
+// Gives the pixels of a row that may be valid places in a list of the tile's
+// facets, to which it appends those that are new. A facet that is shown beside
+// or above a pixel too has its place already, as a rule; else it gets another.
+// \param places  [width] in: of the row above, out: of this row.
+void PairWarp::FindPlaces(int row, int first_col, int last_col,
+                          const CorrelationTile& tile,
+                          const TileGeometry& geometry,
+                          std::vector<uint32_t>* facets,
+                          std::vector<uint32_t>* places) const {
+  const int image_row = geometry.first_row + row;
+  const uint32_t* shown = i_.drawn.facets.data() +
+                          i_.drawn.Index(image_row, 0) + geometry.first_col;
+  const uint32_t* shown_above = shown - i_.drawn.width;
+  const uint8_t* grays = i_.image.Row(image_row) + geometry.first_col;
+  const uint8_t* is_reached = tile.is_reached.data() + tile.Index(row, 0);
+  uint32_t left = kNoPlace;
+  uint32_t above_left = kNoPlace;
+  for (int col = first_col; col <= last_col; ++col) {
+    const uint32_t above = (*places)[col];
+    const uint32_t above_right = col < last_col ? (*places)[col + 1] : kNoPlace;
+    const uint32_t facet = shown[col];
+    uint32_t place = kNoPlace;
+    if (is_reached[col] != 0 && facet != kNoFacet && !IsSaturated(grays[col])) {
+      if (left != kNoPlace && shown[col - 1] == facet) {
+        place = left;
+      } else if (above != kNoPlace && shown_above[col] == facet) {
+        place = above;
+      } else if (above_left != kNoPlace && shown_above[col - 1] == facet) {
+        place = above_left;
+      } else if (above_right != kNoPlace && shown_above[col + 1] == facet) {
+        place = above_right;
+      } else {
+        place = static_cast<uint32_t>(facets->size());
+        facets->push_back(facet);
+        __builtin_prefetch(&frames_[facet]);  // Both lines, of all new facets
+        __builtin_prefetch(&frames_[facet].gradient_1);  // at a time.
+      }
+    }
+    above_left = above;
+    left = place;
+    (*places)[col] = place;
+  }
 }
 
 // Homogeneous pixel in j: p = M (u, v, 1) + e w (docs/method.md, section 5.2),
 // w the inverse depth, in units of the depth in i.
-PairWarp::Sample PairWarp::Warp(const Plane& plane,
-                                const Eigen::Vector3d& pixel_i) const {
-  Sample sample;
-  const double inverse_depth = plane.inverse_depth.dot(pixel_i);
-  if (!plane.is_facing || !(inverse_depth > 0)) {
-    return sample;
-  }
-  const Eigen::Vector3d ray_in_j = pixel_j_from_pixel_i_ * pixel_i;
+void PairWarp::ComputePixel(const Row& row, int col, const Plane& plane,
+                            CorrelationTile* tile,
+                            TileGeometry* geometry) const {
+  const double u_i = geometry->first_col + col + 0.5;
+  const auto value_of = [&](const Eigen::Vector3d& form) {
+    return form.x() * u_i + (form.y() * row.v + form.z());
+  };
+  const double inverse_depth = value_of(plane.inverse_depth);
+  const Eigen::Vector3d ray_in_j = pixel_j_from_pixel_i_.col(0) * u_i + row.p;
   const Eigen::Vector3d p = ray_in_j + epipole_ * inverse_depth;
-  if (!(p.z() > 0)) {
-    return sample;
+  if (!plane.is_facing || !(inverse_depth > 0) || !(p.z() > 0)) {
+    return;
   }
   const double scale = 1 / p.z();
   const double u = p.x() * scale;
   const double v = p.y() * scale;
-  const int width = j_.image.width;
-  const int height = j_.image.height;
-  if (!(u >= 0.5 && v >= 0.5 && u < width - 0.5 && v < height - 0.5)) {
-    return sample;
+  const bool is_inside = u >= 0.5 && v >= 0.5 && u < j_.image.width - 0.5 &&
+                         v < j_.image.height - 0.5;
+  if (!is_inside || !IsNearest(j_.view, j_.drawn, plane.facet, plane.slope, u,
+                               v, inverse_depth * scale)) {
+    return;
   }
-  if (!IsNearest(j_.view, j_.drawn, plane.facet, plane.slope, u, v,
-                 inverse_depth * scale)) {
-    return sample;
-  }
-  const Interpolated interpolated = Interpolate(j_.image, u, v);
-  sample.is_valid = true;
-  sample.value = interpolated.value;
-  sample.motion = static_cast<float>(
-      (interpolated.by_u * (ray_in_j.x() - u * ray_in_j.z()) +
-       interpolated.by_v * (ray_in_j.y() - v * ray_in_j.z())) *
-      scale * plane.nearness);
-  return sample;
+  const Interpolated sample = Interpolate(j_.image, u, v);
+  const size_t at = tile->Index(row.row, col);
+  geometry->facets[at] = plane.facet;
+  geometry->motion[at] =
+      static_cast<float>((sample.by_u * (ray_in_j.x() - u * ray_in_j.z()) +
+                          sample.by_v * (ray_in_j.y() - v * ray_in_j.z())) *
+                         scale * plane.nearness);
+  const double depth = 1 / inverse_depth;
+  const auto second = static_cast<float>(
+      plane.barycentric[0] + depth * value_of(plane.barycentric_by_depth[0]));
+  const auto third = static_cast<float>(
+      plane.barycentric[1] + depth * value_of(plane.barycentric_by_depth[1]));
+  geometry->barycentric[at] = {1 - second - third, second, third};
+  tile->warped[at] = sample.value;
+  tile->is_valid[at] = 1;
 }
 
 void PairWarp::ComputeRow(int row, int first_col, int last_col,
+                          const std::vector<Plane>& planes,
+                          const std::vector<uint32_t>& places,
                           CorrelationTile* tile, TileGeometry* geometry) const {
   const int image_row = geometry->first_row + row;
-  Plane plane;
+  const double v = image_row + 0.5;
+  const Row of_row{
+      row, v, pixel_j_from_pixel_i_.col(1) * v + pixel_j_from_pixel_i_.col(2)};
+  const uint8_t* grays = i_.image.Row(image_row) + geometry->first_col;
+  const float* inverse_depths = i_.drawn.inverse_depths.data() +
+                                i_.drawn.Index(image_row, geometry->first_col);
   for (int col = first_col; col <= last_col; ++col) {
-    const int image_col = geometry->first_col + col;
+    if (places[col] == kNoPlace) {
+      continue;
+    }
+    ComputePixel(of_row, col, planes[places[col]], tile, geometry);
     const size_t at = tile->Index(row, col);
-    const size_t pixel = i_.drawn.Index(image_row, image_col);
-    const uint32_t facet = i_.drawn.facets[pixel];
-    const uint8_t gray = i_.image.Row(image_row)[image_col];
-    if (tile->is_reached[at] == 0 || facet == kNoFacet || IsSaturated(gray)) {
-      continue;
+    if (tile->is_valid[at] > 0) {
+      tile->image[at] = grays[col];
+      // As drawn, so that no mask changes as the surface moves.
+      tile->inverse_depths[at] = inverse_depths[col];
     }
-    if (facet != plane.facet) {
-      plane = PlaneOf(facet);
-    }
-    const Sample sample = Warp(plane, {image_col + 0.5, image_row + 0.5, 1});
-    if (!sample.is_valid) {
-      continue;
-    }
-    geometry->facets[at] = facet;
-    geometry->motion[at] = sample.motion;
-    tile->image[at] = gray;
-    tile->warped[at] = sample.value;
-    tile->is_valid[at] = 1;
-    // As drawn, so that no mask changes as the surface moves.
-    tile->inverse_depths[at] = i_.drawn.inverse_depths[pixel];
   }
 }
 
@@ -109,6 +155,7 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
   const size_t size = static_cast<size_t>(tile->width) * tile->height;
   geometry->facets.assign(size, kNoFacet);
   geometry->motion.assign(size, 0);
+  geometry->barycentric.resize(size);
   for (auto* plane :
        {&tile->image, &tile->warped, &tile->is_valid, &tile->inverse_depths}) {
     plane->assign(size, 0);
@@ -119,8 +166,15 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
   const int first_col = std::max(0, -geometry->first_col);
   const int last_col =
       std::min(tile->width, i_.image.width - geometry->first_col) - 1;
+  std::vector<uint32_t> facets;
+  std::vector<Plane> planes;  // [facets]
+  std::vector<uint32_t> places(tile->width, kNoPlace);
   for (int row = first_row; row <= last_row; ++row) {
-    ComputeRow(row, first_col, last_col, tile, geometry);
+    FindPlaces(row, first_col, last_col, *tile, *geometry, &facets, &places);
+    while (planes.size() < facets.size()) {
+      planes.push_back(PlaneOf(facets[planes.size()]));
+    }
+    ComputeRow(row, first_col, last_col, planes, places, tile, geometry);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct TileGeometry {
   // distance that the surface moves along its normal, mu of docs/method.md,
   // section 5.2; 0 where it is not valid.
   std::vector<float> motion;
+  // [height * width] barycentric coordinates on the facet, where it is valid.
+  std::vector<std::array<float, 3>> barycentric;
 };
 
 // Image I_j seen from i by way of the surface (docs/method.md, section 5.2).
@@ -47,33 +50,39 @@ class PairWarp {
   // point: nothing is drawn there in front of it.
   void Compute(CorrelationTile* tile, TileGeometry* geometry) const;
 
-  // The point on a facet's plane that pixel (row, col) of i shows.
-  Eigen::Vector3d Point(const FacetFrame& frame, int row, int col) const;
-
  private:
-  // What the pixels of a facet have in common.
+  // What the pixels of a facet have in common. Vectors are linear forms of a
+  // pixel (u, v, 1) of i.
   struct Plane {
     uint32_t facet = kNoFacet;
-    bool is_facing = false;         // both cameras
-    Eigen::Vector3d inverse_depth;  // by (u, v, 1) in i
-    double nearness = 0;            // 1 / (n . (corner - centre of i)), 1 /
-                                    // scene unit
-    double slope = 0;               // in j, see PlaneSlope()
+    bool is_facing = false;  // both cameras
+    Eigen::Vector3d inverse_depth{0, 0, 0};
+    double nearness = 0;  // 1 / (n . (corner - centre of i)), 1 / scene unit
+    double slope = 0;     // in j, see PlaneSlope()
+    // The barycentric coordinates of the second and third corner at the centre
+    // of i, and by how much they change with the depth.
+    std::array<double, 2> barycentric{};
+    std::array<Eigen::Vector3d, 2> barycentric_by_depth{};
   };
 
-  // A sample of I_j.
-  struct Sample {
-    bool is_valid = false;
-    float value = 0;   // grey value
-    float motion = 0;  // see TileGeometry
+  // What the pixels of a row have in common.
+  struct Row {
+    int row;            // of the tile
+    double v;           // px
+    Eigen::Vector3d p;  // M (0, v, 1)
   };
 
-  // Row `row` of the tile, columns first_col to last_col.
-  void ComputeRow(int row, int first_col, int last_col, CorrelationTile* tile,
+  void ComputeRow(int row, int first_col, int last_col,
+                  const std::vector<Plane>& planes,
+                  const std::vector<uint32_t>& places, CorrelationTile* tile,
                   TileGeometry* geometry) const;
+  void ComputePixel(const Row& row, int col, const Plane& plane,
+                    CorrelationTile* tile, TileGeometry* geometry) const;
+  void FindPlaces(int row, int first_col, int last_col,
+                  const CorrelationTile& tile, const TileGeometry& geometry,
+                  std::vector<uint32_t>* facets,
+                  std::vector<uint32_t>* places) const;
   Plane PlaneOf(uint32_t facet) const;
-  // \param pixel_i  (u, v, 1)
-  Sample Warp(const Plane& plane, const Eigen::Vector3d& pixel_i) const;
 
   DrawnView i_;
   DrawnView j_;

@@ -50,84 +50,33 @@ void CorrelationTile::FindReached(int radius) {
   }
 }
 
-// docs/method.md, sections 5.3 and 5.5. With N pixels, means I' and J',
-// variances A and B, covariance C:
-//   w c(ZNCC), c(Z) = s log(1 - Z / s), dc / dZ = -s / (s - Z)
-//   ZNCC = C / sqrt(A B)
-//   dZNCC / dJ(y) = ((I(y) - I') / sqrt(A B) - ZNCC (J(y) - J') / B) / N
-//   w = m / (m + e), m = min(A, B)
-//   dw / dJ(y) = e / (m + e)^2 * 2 (J(y) - J') / N if B < A, else 0.
-// 1 - ZNCC is half the squared distance of I and J, normalised. Gauss-Newton's
-// second derivative is the square of that distance's first one, 1 / (N B),
-// times w |dc / dZ|: without what couples the pixels of a window, and without
-// the derivative of the normalisation.
-inline WindowCorrelation::Window WindowCorrelation::Correlate(
-    const Sums& sums) const {
+WindowCorrelation::WindowCorrelation(const PhotometricOptions& options,
+                                     SimdLevel level)
+    : options_(options), rows_(options.window_radius, level) {
   // More than half of the window has to be seen: the centre's surface is the
   // larger part of it.
   constexpr float kMinShare = 0.5F;
-  const int side = 2 * options_.window_radius + 1;
-  const float scale = 1 / std::max(sums.count, 1.0F);
-  const float mean_image = sums.image * scale;
-  const float mean_warped = sums.warped * scale;
-  const float a =
-      std::max(sums.image_squared * scale - mean_image * mean_image, 0.0F);
-  const float b =
-      std::max(sums.warped_squared * scale - mean_warped * mean_warped, 0.0F);
-  const float covariance = sums.product * scale - mean_image * mean_warped;
-  const float smaller = std::min(a, b);
-  const bool is_good =
-      sums.count > kMinShare * side * side && smaller > kMinVariance;
-  const float safe_b = is_good ? b : 1.0F;
-  const float root = is_good ? std::sqrt(a * b) : 1.0F;
-  // Rounding can leave the range.
-  const float zncc = std::clamp(covariance / root, -1.0F, 1.0F);
-  const float noisy = smaller + static_cast<float>(options_.noise_variance);
-  const float weight = is_good ? smaller / noisy : 0.0F;
-  const float weight_slope =
-      is_good && b < a
-          ? static_cast<float>(options_.noise_variance) / (noisy * noisy)
-          : 0.0F;
-  const float slope = saturation_ / (saturation_ - zncc);
-  const auto cost = static_cast<float>(
-      saturation_ * std::log(1 - zncc / static_cast<double>(saturation_)));
-  Window window;
-  window.weight = weight;
-  window.energy = weight * cost;
-  window.by_image = -weight * slope * scale / root;
-  window.by_warped =
-      scale * (zncc * weight * slope / safe_b + 2 * cost * weight_slope);
-  window.constant =
-      -window.by_image * mean_image - window.by_warped * mean_warped;
-  window.curvature = weight * slope * scale / safe_b;
-  return window;
+  const int side = 2 * options.window_radius + 1;
+  constants_.min_count = kMinShare * static_cast<float>(side * side);
+  constants_.min_variance = kMinVariance;
+  constants_.noise_variance = static_cast<float>(options.noise_variance);
+  constants_.saturation = static_cast<float>(1 + options.residual_floor);
 }
 
-// Of the part of each pixel's window that lies on the tile.
-void WindowCorrelation::BoxSum(const std::vector<float>& in,
-                               const CorrelationTile& tile,
-                               std::vector<float>* out) {
-  const int radius = options_.window_radius;
-  const int width = tile.width;
-  out->assign(in.size(), 0);
-  rows_.assign(in.size(), 0);
-  for (int row = 0; row < tile.height; ++row) {
-    float* sum = rows_.data() + tile.Index(row, 0);
-    const int first = std::max(row - radius, 0);
-    const int last = std::min(row + radius, tile.height - 1);
-    for (int other = first; other <= last; ++other) {
-      const float* from = in.data() + tile.Index(other, 0);
-      for (int col = 0; col < width; ++col) {
-        sum[col] += from[col];
-      }
-    }
-    float* to = out->data() + tile.Index(row, 0);
-    for (int k = -radius; k <= radius; ++k) {
-      for (int col = std::max(-k, 0); col < width - std::max(k, 0); ++col) {
-        to[col] += sum[col + k];
-      }
-    }
+void WindowCorrelation::Windows::Resize(int width, int height, int radius) {
+  const size_t size = static_cast<size_t>(width) * (height + 2 * radius);
+  for (auto* plane : {&by_image, &by_warped, &constants, &curvatures}) {
+    plane->assign(size, 0);
   }
+}
+
+WindowRow WindowCorrelation::Windows::Row(int row, int radius,
+                                          CorrelationTile* tile) {
+  const size_t at = tile->Index(row, 0);
+  const size_t padded = tile->Index(row + radius, 0);
+  return {tile->weights.data() + at, tile->energies.data() + at,
+          by_image.data() + padded,  by_warped.data() + padded,
+          constants.data() + padded, curvatures.data() + padded};
 }
 
 // Correlation does not depend on means; without them less is lost to rounding.
@@ -152,92 +101,40 @@ void WindowCorrelation::SubtractMeans(const CorrelationTile& tile) {
   }
 }
 
-// The ranges of the inverse depths in the columns of the windows of a row: to
-// plane_ the highest, to rows_ the lowest.
-void WindowCorrelation::FindDepthRanges(const CorrelationTile& tile, int row) {
-  constexpr float kMax = std::numeric_limits<float>::max();
-  float* low = rows_.data() + tile.Index(row, 0);
-  float* high = plane_.data() + tile.Index(row, 0);
-  for (int k = -options_.window_radius; k <= options_.window_radius; ++k) {
-    const size_t other = tile.Index(row + k, 0);
-    for (int col = 0; col < tile.width; ++col) {
-      const float depth = tile.inverse_depths[other + col];
-      const bool is_valid = tile.is_valid[other + col] > 0;
-      low[col] = std::min(low[col], is_valid ? depth : kMax);
-      high[col] = std::max(high[col], is_valid ? depth : 0.0F);
-    }
-  }
-}
-
-void WindowCorrelation::FindDiscontinuities(float max_relative_depth,
-                                            const CorrelationTile& tile) {
-  const int radius = options_.window_radius;
-  is_broken_.assign(tile.image.size(), 0);
+// Tells which windows of a row a discontinuity runs through.
+void WindowCorrelation::FindBroken(float max_relative_depth,
+                                   const CorrelationTile& tile, int row) {
+  const int width = tile.width;
+  is_broken_.assign(width, 0);
   if (!options_.occlusion_masking) {
     return;
   }
-  rows_.assign(tile.image.size(), std::numeric_limits<float>::max());
-  plane_.assign(tile.image.size(), 0);
-  for (int row = radius; row < tile.height - radius; ++row) {
-    FindDepthRanges(tile, row);
-    const size_t begin = tile.Index(row, 0);
-    for (int col = radius; col < tile.width - radius; ++col) {
-      const float center = tile.inverse_depths[begin + col];
-      float lowest = center;
-      float highest = center;
-      for (int k = -radius; k <= radius; ++k) {
-        lowest = std::min(lowest, rows_[begin + col + k]);
-        highest = std::max(highest, plane_[begin + col + k]);
-      }
-      is_broken_[begin + col] = std::max(highest - center, center - lowest) >
-                                max_relative_depth * center;
-    }
+  const size_t top = tile.Index(row - options_.window_radius, 0);
+  auto& [lowest, highest, unused_1, unused_2] = row_;
+  rows_.FindRange(width, tile.inverse_depths.data() + top,
+                  tile.is_valid.data() + top, lowest.data(), highest.data());
+  const float* centers = tile.inverse_depths.data() + tile.Index(row, 0);
+  for (int col = 0; col < width; ++col) {
+    const float center = centers[col];
+    is_broken_[col] = std::max(highest[col] - center, center - lowest[col]) >
+                      max_relative_depth * center;
   }
 }
 
-// The windows that no discontinuity runs through, all at a time.
-void WindowCorrelation::CorrelateWhole(CorrelationTile* tile) {
-  const size_t size = tile->image.size();
-  plane_.resize(size);
-  BoxSum(tile->is_valid, *tile, &count_);
-  BoxSum(image_, *tile, &sum_image_);
-  BoxSum(warped_, *tile, &sum_warped_);
-  const auto box_sum_of_products = [&](const std::vector<float>& a,
-                                       const std::vector<float>& b,
-                                       std::vector<float>* out) {
-    for (size_t i = 0; i < size; ++i) {
-      plane_[i] = a[i] * b[i];
-    }
-    BoxSum(plane_, *tile, out);
-  };
-  box_sum_of_products(image_, image_, &sum_image_squared_);
-  box_sum_of_products(warped_, warped_, &sum_warped_squared_);
-  box_sum_of_products(image_, warped_, &sum_product_);
-  for (auto* plane : {&by_image_, &by_warped_, &constant_, &curvature_}) {
-    plane->resize(size);
+// The windows of a row that no discontinuity runs through, all at a time.
+void WindowCorrelation::CorrelateRow(int row, CorrelationTile* tile) {
+  const int width = tile->width;
+  const size_t top = tile->Index(row - options_.window_radius, 0);
+  const size_t at = tile->Index(row, 0);
+  rows_.Sum(width, image_.data() + top, warped_.data() + top,
+            tile->is_valid.data() + top, &sums_);
+  for (int col = 0; col < width; ++col) {
+    is_counted_[col] = tile->is_center[at + col] != 0 && is_broken_[col] == 0
+                           ? tile->is_valid[at + col]
+                           : 0;
   }
-  for (size_t i = 0; i < size; ++i) {
-    Window window;
-    if (tile->is_center[i] != 0 && is_broken_[i] == 0 &&
-        tile->is_valid[i] > 0) {
-      window = Correlate({count_[i], sum_image_[i], sum_warped_[i],
-                          sum_image_squared_[i], sum_warped_squared_[i],
-                          sum_product_[i]});
-    }
-    tile->weights[i] = window.weight;
-    tile->energies[i] = window.energy;
-    by_image_[i] = window.by_image;
-    by_warped_[i] = window.by_warped;
-    constant_[i] = window.constant;
-    curvature_[i] = window.curvature;
-  }
-}
-
-// Whether the window counts, and a discontinuity runs through it.
-bool WindowCorrelation::IsMasked(const CorrelationTile& tile,
-                                 size_t center) const {
-  return is_broken_[center] != 0 && tile.is_center[center] != 0 &&
-         tile.is_valid[center] > 0;
+  rows_.Correlate(constants_, width, sums_, is_counted_.data(),
+                  windows_.Row(row, options_.window_radius, tile));
 }
 
 // Calls function(i) for the pixels of a window on the surface of its centre.
@@ -260,68 +157,94 @@ void WindowCorrelation::ForEachPixel(float max_relative_depth,
 
 void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
                                               int col, CorrelationTile* tile) {
-  Sums sums;
+  RowSums& sums = masked_sums_;
+  for (auto* sum : {&sums.count, &sums.image, &sums.warped, &sums.image_squared,
+                    &sums.warped_squared, &sums.product}) {
+    sum->assign(1, 0);
+  }
   ForEachPixel(max_relative_depth, *tile, row, col, [&](size_t i) {
-    sums.count += 1;
-    sums.image += image_[i];
-    sums.warped += warped_[i];
-    sums.image_squared += image_[i] * image_[i];
-    sums.warped_squared += warped_[i] * warped_[i];
-    sums.product += image_[i] * warped_[i];
+    sums.count[0] += 1;
+    sums.image[0] += image_[i];
+    sums.warped[0] += warped_[i];
+    sums.image_squared[0] += image_[i] * image_[i];
+    sums.warped_squared[0] += warped_[i] * warped_[i];
+    sums.product[0] += image_[i] * warped_[i];
   });
-  const Window window = Correlate(sums);
-  if (!(window.weight > 0)) {
+  const size_t center = tile->Index(row, col);
+  const float is_counted = 1;
+  float by_image = 0;
+  float by_warped = 0;
+  float constant = 0;
+  float curvature = 0;
+  rows_.Correlate(constants_, 1, sums, &is_counted,
+                  {&tile->weights[center], &tile->energies[center], &by_image,
+                   &by_warped, &constant, &curvature});
+  if (!(tile->weights[center] > 0)) {
     return;
   }
-  const size_t center = tile->Index(row, col);
-  tile->weights[center] = window.weight;
-  tile->energies[center] = window.energy;
   ForEachPixel(max_relative_depth, *tile, row, col, [&](size_t i) {
-    masked_derivatives_[i] += window.by_image * image_[i] +
-                              window.by_warped * warped_[i] + window.constant;
-    masked_curvatures_[i] += window.curvature;
+    masked_derivatives_[i] +=
+        by_image * image_[i] + by_warped * warped_[i] + constant;
+    masked_curvatures_[i] += curvature;
   });
 }
 
-// The others, one by one: pixels across the discontinuity are left out
-// [Romanoni2019].
-void WindowCorrelation::CorrelateMasked(float max_relative_depth,
+// The others that count, one by one: pixels across the discontinuity are left
+// out [Romanoni2019].
+void WindowCorrelation::CorrelateMasked(float max_relative_depth, int row,
                                         CorrelationTile* tile) {
   const int radius = options_.window_radius;
-  masked_derivatives_.assign(tile->image.size(), 0);
-  masked_curvatures_.assign(tile->image.size(), 0);
-  for (int row = radius; row < tile->height - radius; ++row) {
-    for (int col = radius; col < tile->width - radius; ++col) {
-      if (IsMasked(*tile, tile->Index(row, col))) {
-        CorrelateMaskedWindow(max_relative_depth, row, col, tile);
-      }
+  for (int col = radius; col < tile->width - radius; ++col) {
+    const size_t center = tile->Index(row, col);
+    if (is_broken_[col] != 0 && tile->is_center[center] != 0 &&
+        tile->is_valid[center] > 0) {
+      CorrelateMaskedWindow(max_relative_depth, row, col, tile);
     }
   }
 }
 
-// Each pixel's from the windows that contain it. The sums run over the margins
-// too, where there are no centres.
-void WindowCorrelation::GatherDerivatives(CorrelationTile* tile) {
-  BoxSum(by_image_, *tile, &sum_image_);
-  BoxSum(by_warped_, *tile, &sum_warped_);
-  BoxSum(constant_, *tile, &count_);
-  BoxSum(curvature_, *tile, &sum_product_);
-  for (size_t i = 0; i < tile->image.size(); ++i) {
+// Those of the pixels of a row, each from the windows that contain it. The sums
+// run over the margins too, where there are no centres.
+void WindowCorrelation::GatherDerivatives(int row, CorrelationTile* tile) {
+  const size_t at = tile->Index(row, 0);
+  auto& [by_image, by_warped, constants, curvatures] = row_;
+  rows_.Sum(tile->width, windows_.by_image.data() + at, by_image.data());
+  rows_.Sum(tile->width, windows_.by_warped.data() + at, by_warped.data());
+  rows_.Sum(tile->width, windows_.constants.data() + at, constants.data());
+  rows_.Sum(tile->width, windows_.curvatures.data() + at, curvatures.data());
+  for (int col = 0; col < tile->width; ++col) {
+    const size_t i = at + col;
     const float valid = tile->is_valid[i];
     tile->derivatives[i] =
-        valid * (image_[i] * sum_image_[i] + warped_[i] * sum_warped_[i] +
-                 count_[i] + masked_derivatives_[i]);
-    tile->curvatures[i] = valid * (sum_product_[i] + masked_curvatures_[i]);
+        valid * (image_[i] * by_image[col] + warped_[i] * by_warped[col] +
+                 constants[col] + masked_derivatives_[i]);
+    tile->curvatures[i] = valid * (curvatures[col] + masked_curvatures_[i]);
   }
 }
 
 void WindowCorrelation::Compute(float max_relative_depth,
                                 CorrelationTile* tile) {
+  const int radius = options_.window_radius;
+  const int width = tile->width;
   SubtractMeans(*tile);
-  FindDiscontinuities(max_relative_depth, *tile);
-  CorrelateWhole(tile);
-  CorrelateMasked(max_relative_depth, tile);
-  GatherDerivatives(tile);
+  windows_.Resize(width, tile->height, radius);
+  masked_derivatives_.assign(tile->image.size(), 0);
+  masked_curvatures_.assign(tile->image.size(), 0);
+  std::ranges::fill(tile->weights, 0.0F);
+  std::ranges::fill(tile->energies, 0.0F);
+  sums_.Resize(width);
+  is_counted_.resize(width);
+  for (std::vector<float>& row : row_) {
+    row.resize(width);
+  }
+  for (int row = radius; row < tile->height - radius; ++row) {
+    FindBroken(max_relative_depth, *tile, row);
+    CorrelateRow(row, tile);
+    CorrelateMasked(max_relative_depth, row, tile);
+  }
+  for (int row = 0; row < tile->height; ++row) {
+    GatherDerivatives(row, tile);
+  }
 }
 
 }  // namespace colmap_ext

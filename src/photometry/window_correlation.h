@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "base/simd_level.h"
 #include "photometry/photometric_energy.h"
+#include "photometry/window_rows.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -57,63 +60,53 @@ float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i);
 // Holds scratch: each thread has its own.
 class WindowCorrelation {
  public:
-  explicit WindowCorrelation(const PhotometricOptions& options)
-      : options_(options),
-        saturation_(static_cast<float>(1 + options.residual_floor)) {}
+  explicit WindowCorrelation(const PhotometricOptions& options,
+                             SimdLevel level = BestSimdLevel());
 
   // \param max_relative_depth  see MaxRelativeDepth().
   void Compute(float max_relative_depth, CorrelationTile* tile);
 
  private:
-  // Of one window: the value of w c, its derivative by I_ij of a pixel,
-  // by_image I_i + by_warped I_ij + constant there, and the second derivative.
-  struct Window {
-    float weight = 0;
-    float energy = 0;
-    float by_image = 0;
-    float by_warped = 0;
-    float constant = 0;
-    float curvature = 0;
+  // Of the windows of a tile that no discontinuity runs through, see WindowRow:
+  // [height + 2 radius][width], with rows of zeros above and below, so that
+  // every pixel has as many rows of windows around it.
+  struct Windows {
+    void Resize(int width, int height, int radius);
+    // Of a row, with its weights and energies in the tile.
+    WindowRow Row(int row, int radius, CorrelationTile* tile);
+
+    std::vector<float> by_image, by_warped, constants, curvatures;
   };
 
-  // Sums over the window's pixels.
-  struct Sums {
-    float count = 0;
-    float image = 0;
-    float warped = 0;
-    float image_squared = 0;
-    float warped_squared = 0;
-    float product = 0;
-  };
-
-  Window Correlate(const Sums& sums) const;
-  void FindDiscontinuities(float max_relative_depth,
-                           const CorrelationTile& tile);
   void SubtractMeans(const CorrelationTile& tile);
-  void CorrelateWhole(CorrelationTile* tile);
-  bool IsMasked(const CorrelationTile& tile, size_t center) const;
+  void FindBroken(float max_relative_depth, const CorrelationTile& tile,
+                  int row);
+  void CorrelateRow(int row, CorrelationTile* tile);
   template <typename Function>
   void ForEachPixel(float max_relative_depth, const CorrelationTile& tile,
                     int row, int col, const Function& function) const;
-  void CorrelateMasked(float max_relative_depth, CorrelationTile* tile);
+  void CorrelateMasked(float max_relative_depth, int row,
+                       CorrelationTile* tile);
   void CorrelateMaskedWindow(float max_relative_depth, int row, int col,
                              CorrelationTile* tile);
-  void FindDepthRanges(const CorrelationTile& tile, int row);
-  void GatherDerivatives(CorrelationTile* tile);
-  void BoxSum(const std::vector<float>& in, const CorrelationTile& tile,
-              std::vector<float>* out);
+  void GatherDerivatives(int row, CorrelationTile* tile);
 
   PhotometricOptions options_;
-  float saturation_;  // s
+  WindowConstants constants_;
+  WindowRows rows_;
 
   // Scratch, [height * width].
   std::vector<float> image_, warped_;  // without their means; 0 where invalid
-  std::vector<float> plane_, rows_;
-  std::vector<float> count_, sum_image_, sum_warped_, sum_image_squared_,
-      sum_warped_squared_, sum_product_;
-  std::vector<float> by_image_, by_warped_, constant_, curvature_;
   std::vector<float> masked_derivatives_, masked_curvatures_;
+  Windows windows_;
+
+  RowSums masked_sums_;  // of one window
+
+  // Of a row, [width].
+  RowSums sums_;
   std::vector<uint8_t> is_broken_;  // a discontinuity runs through the window
+  std::vector<float> is_counted_;   // 1: of the others, those that count
+  std::array<std::vector<float>, 4> row_;
 };
 
 }  // namespace colmap_ext

@@ -61,10 +61,12 @@ inline bool IsNearest(const View& view, const FacetIdBuffer& drawn,
   // as a neighbor that is drawn there may be steeper.
   constexpr double kTolerance = 2;
   const size_t pixel = drawn.Index(static_cast<int>(v), static_cast<int>(u));
+  if (drawn.facets[pixel] == facet) {
+    return true;
+  }
   const double footprint = inverse_depth / std::min(view.fx, view.fy);
-  return drawn.facets[pixel] == facet ||
-         drawn.inverse_depths[pixel] <=
-             inverse_depth + kTolerance * (slope + footprint);
+  return drawn.inverse_depths[pixel] <=
+         inverse_depth + kTolerance * (slope + footprint);
 }
 
 }  // namespace colmap_ext

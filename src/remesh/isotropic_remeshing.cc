@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "mesh/space_filling_curve.h"
 #include "remesh/anchored_mesh.h"
 #include "remesh/collapse_short_edges.h"
 #include "remesh/flip_edges.h"
@@ -40,8 +41,8 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   RemeshedSurface remeshed;
   CompactMesh compact = work.edit.Compact();
   remeshed.mesh = std::move(compact.mesh);
-  for (const uint32_t vertex : compact.vertices) {
-    remeshed.sources.push_back(work.anchors[vertex].source);
+  for (const uint32_t vertex : SortAlongCurve(&remeshed.mesh)) {
+    remeshed.sources.push_back(work.anchors[compact.vertices[vertex]].source);
   }
   return remeshed;
 }

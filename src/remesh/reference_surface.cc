@@ -64,10 +64,10 @@ bool ReferenceSurface::IsFollowedBy(
   }
   const Vector3f samples[] = {(a + b + c) / 3, (a + b) / 2, (b + c) / 2,
                               (c + a) / 2};
-  return std::all_of(
-      std::begin(samples), std::end(samples), [&](const Vector3f& sample) {
-        return bvh_.NearestFacet(sample, normal, tolerance) != Bvh::kNoFacet;
-      });
+  return std::all_of(std::begin(samples), std::end(samples),
+                     [&](const Vector3f& sample) {
+                       return bvh_.IsNear(sample, normal, tolerance);
+                     });
 }
 
 }  // namespace colmap_ext

@@ -252,7 +252,7 @@ void Bvh::Approach(const Vector3d& point, const double* nearest_squared,
     }
     const Node& node = nodes_[index];
     for (uint32_t i = 0; i < node.num_facets; ++i) {
-      function(node.next + i, DistanceSquared(corners_[node.next + i], point));
+      function(node.next + i);
     }
     if (node.num_facets == 0) {
       std::pair near{DistanceSquared(nodes_[index + 1], point), index + 1};
@@ -267,9 +267,11 @@ void Bvh::Approach(const Vector3d& point, const double* nearest_squared,
 }
 
 double Bvh::Distance(const Vector3f& query, double max_distance) const {
+  const Vector3d point = query.cast<double>();
   double nearest = max_distance * max_distance;
   bool is_found = false;
-  Approach(query.cast<double>(), &nearest, [&](uint32_t /*i*/, double squared) {
+  Approach(point, &nearest, [&](uint32_t i) {
+    const double squared = DistanceSquared(corners_[i], point);
     if (squared < nearest) {
       nearest = squared;
       is_found = true;
@@ -280,16 +282,35 @@ double Bvh::Distance(const Vector3f& query, double max_distance) const {
 
 uint32_t Bvh::NearestFacet(const Vector3f& query, const Vector3f& normal,
                            double max_distance) const {
+  const Vector3d point = query.cast<double>();
   double nearest = max_distance * max_distance;
   uint32_t facet = kNoFacet;
-  Approach(query.cast<double>(), &nearest, [&](uint32_t i, double squared) {
-    if (squared < nearest &&
-        corners_[i].edge1.cross(corners_[i].edge2).dot(normal) > 0) {
+  Approach(point, &nearest, [&](uint32_t i) {
+    if (!Faces(i, normal)) {
+      return;
+    }
+    const double squared = DistanceSquared(corners_[i], point);
+    if (squared < nearest) {
       nearest = squared;
       facet = facets_[i];
     }
   });
   return facet;
+}
+
+bool Bvh::IsNear(const Vector3f& query, const Vector3f& normal,
+                 double max_distance) const {
+  const Vector3d point = query.cast<double>();
+  double bound = max_distance * max_distance;
+  bool is_found = false;
+  Approach(point, &bound, [&](uint32_t i) {
+    if (!is_found && Faces(i, normal) &&
+        DistanceSquared(corners_[i], point) < bound) {
+      is_found = true;
+      bound = 0;  // Nothing is nearer.
+    }
+  });
+  return is_found;
 }
 
 }  // namespace colmap_ext

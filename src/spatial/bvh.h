@@ -60,6 +60,10 @@ class Bvh {
                         const Eigen::Vector3f& normal,
                         double max_distance) const;
 
+  // Whether NearestFacet() finds any, which takes less time to tell.
+  bool IsNear(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+              double max_distance) const;
+
   static constexpr uint32_t kNoFacet = UINT32_MAX;
 
  private:
@@ -85,8 +89,12 @@ class Bvh {
                                 const Eigen::Vector3d& point);
   static double DistanceSquared(const Node& node, const Eigen::Vector3d& point);
 
-  // Calls function(i, distance_squared) for facets in the order of the leaves,
-  // those that may be nearer than *nearest_squared, which the function lowers.
+  bool Faces(uint32_t i, const Eigen::Vector3f& normal) const {
+    return corners_[i].edge1.cross(corners_[i].edge2).dot(normal) > 0;
+  }
+
+  // Calls function(i) for facets in the order of the leaves, those that may be
+  // nearer than *nearest_squared, which the function lowers.
   template <typename Function>
   void Approach(const Eigen::Vector3d& point, const double* nearest_squared,
                 const Function& function) const;

@@ -189,6 +189,24 @@ TEST(WindowCorrelation, AgreesWithADirectComputation) {
   }
 }
 
+TEST(WindowCorrelation, IsTheSameWhateverTheProcessorsVectors) {
+  if (BestSimdLevel() == SimdLevel::kBaseline) {
+    GTEST_SKIP() << "this processor has no wider vectors: NOT TESTED";
+  }
+  for (Case& ragged : RaggedCases()) {
+    CorrelationTile& narrow = ragged.tile;
+    CorrelationTile wide = narrow;
+    WindowCorrelation(ragged.options, SimdLevel::kBaseline)
+        .Compute(ragged.max_relative_depth, &narrow);
+    WindowCorrelation(ragged.options, BestSimdLevel())
+        .Compute(ragged.max_relative_depth, &wide);
+    EXPECT_EQ(narrow.weights, wide.weights);
+    EXPECT_EQ(narrow.energies, wide.energies);
+    EXPECT_EQ(narrow.derivatives, wide.derivatives);
+    EXPECT_EQ(narrow.curvatures, wide.curvatures);
+  }
+}
+
 TEST(WindowCorrelation, DerivativesAreThoseOfFiniteDifferences) {
   constexpr double kStep = 1e-3;
   for (Case& ragged : RaggedCases()) {

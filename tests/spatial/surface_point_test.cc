@@ -88,6 +88,8 @@ TEST(NearestFacet, IsThatOfASearchThroughAll) {
     EXPECT_GT(Normal(mesh, found).dot(normal), 0);
     EXPECT_NEAR(DistanceTo(mesh, found, point), nearest, 1e-5);
     EXPECT_EQ(bvh.NearestFacet(point, normal, 0.9 * nearest), Bvh::kNoFacet);
+    EXPECT_TRUE(bvh.IsNear(point, normal, 1.1 * nearest));
+    EXPECT_FALSE(bvh.IsNear(point, normal, 0.9 * nearest));
   }
 }
 

@@ -1,6 +1,9 @@
-#include "delaunay/space_filling_curve.h"
+#include "mesh/space_filling_curve.h"
 
 #include <algorithm>
+#include <numeric>
+
+#include <tbb/parallel_sort.h>
 
 namespace colmap_ext {
 namespace {
@@ -39,6 +42,29 @@ std::vector<uint64_t> MortonKeys(const std::vector<Eigen::Vector3f>& points) {
               Spread(static_cast<uint64_t>(p.z())) << 2;
   }
   return keys;
+}
+
+std::vector<uint32_t> SortAlongCurve(TriangleMesh* mesh) {
+  const std::vector<uint64_t> keys = MortonKeys(mesh->vertices);
+  std::vector<uint32_t> order(keys.size());
+  std::iota(order.begin(), order.end(), 0);
+  tbb::parallel_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+  });
+  std::vector<Eigen::Vector3f> vertices(order.size());
+  std::vector<uint32_t> places(order.size());
+  for (uint32_t i = 0; i < order.size(); ++i) {
+    vertices[i] = mesh->vertices[order[i]];
+    places[order[i]] = i;
+  }
+  mesh->vertices = std::move(vertices);
+  for (Facet& facet : mesh->facets) {
+    facet = {places[facet[0]], places[facet[1]], places[facet[2]]};
+  }
+  std::ranges::stable_sort(mesh->facets, {}, [](const Facet& facet) {
+    return *std::ranges::min_element(facet);
+  });
+  return order;
 }
 
 }  // namespace colmap_ext

@@ -1,0 +1,113 @@
+#include "mesh/space_filling_curve.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "tests/mesh/shapes.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr int kNumBits = 21;
+
+uint64_t Interleave(const Eigen::Vector3f& point) {
+  uint64_t key = 0;
+  for (int bit = 0; bit < kNumBits; ++bit) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto coordinate = static_cast<uint64_t>(point[axis]);
+      key |= (coordinate >> bit & 1) << (3 * bit + axis);
+    }
+  }
+  return key;
+}
+
+// Of whole numbers from -limit to limit.
+std::vector<Eigen::Vector3f> RandomPoints(size_t count, int limit,
+                                          Random* random) {
+  std::vector<Eigen::Vector3f> points(count);
+  for (Eigen::Vector3f& point : points) {
+    for (int axis = 0; axis < 3; ++axis) {
+      point[axis] = static_cast<float>(random->Integer(-limit, limit));
+    }
+  }
+  return points;
+}
+
+TEST(MortonKeys, InterleaveTheBits) {
+  constexpr int kHalf = 1 << (kNumBits - 1);
+  constexpr float kLast = 2 * kHalf - 1;
+  Random random(1);
+  std::vector<Eigen::Vector3f> points = RandomPoints(1000, kHalf - 1, &random);
+  for (Eigen::Vector3f& point : points) {
+    point.array() += kHalf;
+  }
+  points.emplace_back(0, 0, 0);
+  points.emplace_back(kLast, kLast, kLast);
+  const std::vector<uint64_t> keys = MortonKeys(points);
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(keys[i], Interleave(points[i]));
+  }
+}
+
+TEST(MortonKeys, DoNotDependOnPlaceAndScale) {
+  Random random(2);
+  const std::vector<Eigen::Vector3f> points = RandomPoints(500, 1000, &random);
+  std::vector<Eigen::Vector3f> moved = points;
+  for (Eigen::Vector3f& point : moved) {
+    point = 8 * point + Eigen::Vector3f(1000, -5000, 16000);
+  }
+  EXPECT_EQ(MortonKeys(moved), MortonKeys(points));
+}
+
+TEST(MortonKeys, OfPointsAtOnePlaceAreOne) {
+  const std::vector<uint64_t> keys =
+      MortonKeys(std::vector<Eigen::Vector3f>(3, {1, 2, 3}));
+  EXPECT_EQ(keys, std::vector<uint64_t>(3, 0));
+  EXPECT_TRUE(MortonKeys({}).empty());
+}
+
+// The same mesh, in which the vertices of a facet are near in memory.
+TEST(SortAlongCurve, KeepsTheMeshAndBringsNeighborsTogether) {
+  const TriangleMesh sphere = MakeBumpySphere(0.1F);
+  TriangleMesh mesh = sphere;
+  Random random(1);
+  std::vector<uint32_t> places(mesh.vertices.size());
+  std::iota(places.begin(), places.end(), 0);
+  random.Shuffle(&places);
+  for (uint32_t i = 0; i < places.size(); ++i) {
+    mesh.vertices[places[i]] = sphere.vertices[i];
+  }
+  for (Facet& facet : mesh.facets) {
+    facet = {places[facet[0]], places[facet[1]], places[facet[2]]};
+  }
+  const TriangleMesh before = mesh;
+  const std::vector<uint32_t> order = SortAlongCurve(&mesh);
+  ASSERT_EQ(mesh.vertices.size(), before.vertices.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    EXPECT_EQ(mesh.vertices[i], before.vertices[order[i]]);
+  }
+  std::vector<Facet> facets;
+  for (const auto& [a, b, c] : mesh.facets) {
+    facets.push_back({order[a], order[b], order[c]});
+  }
+  std::vector<Facet> expected = before.facets;
+  std::ranges::sort(facets);
+  std::ranges::sort(expected);
+  EXPECT_EQ(facets, expected);
+  const auto spread = [](const TriangleMesh& any) {
+    double sum = 0;
+    for (const Facet& facet : any.facets) {
+      const auto [low, high] = std::ranges::minmax(facet);
+      sum += high - low;
+    }
+    return sum;
+  };
+  EXPECT_LT(spread(mesh), 0.1 * spread(before));
+  EXPECT_EQ(SortAlongCurve(&mesh)[7], 7);
+}
+
+}  // namespace
+}  // namespace colmap_ext
