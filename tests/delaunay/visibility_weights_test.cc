@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 

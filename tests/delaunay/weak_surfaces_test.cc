@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "delaunay/cell_graph.h"
+#include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 
