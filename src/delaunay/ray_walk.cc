@@ -1,5 +1,6 @@
 #include "delaunay/ray_walk.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,13 +12,6 @@ namespace colmap_ext {
 namespace {
 
 using Cell = Tetrahedralization::Cell;
-
-// A vertex as the ray sees it.
-struct Corner {
-  uint32_t vertex;
-  double x, y;  // its offset from the ray's origin, across the ray
-  double size;  // sum of the absolute components of the offset
-};
 
 // A ray on its way: the cell where it is, and the facet through which it
 // leaves.
@@ -100,18 +94,20 @@ class Walk {
       path_->end = cell_;
       return false;
     }
-    const Corner apex = CornerAt(apex_);
-    // Of the edges from the entry's corners to the apex: which ones turn
-    // counter-clockwise, as bits.
-    const unsigned turns = TurnsAround(corners_[0], apex) |
-                           TurnsAround(corners_[1], apex) << 1 |
-                           TurnsAround(corners_[2], apex) << 2;
+    const Eigen::Vector3d offset = Offset(apex_);
+    const double x = offset.dot(axis_x_);
+    const double y = offset.dot(axis_y_);
+    const double size = offset.lpNorm<1>();
+    const unsigned turns = TurnsTo(x, y, size);
     // The exit is opposite to the corner whose successor's edge does not turn
     // and whose predecessor's does. All or none is no line in general position.
     constexpr std::array<uint8_t, 8> kLeftCorner = {0, 1, 2, 1, 0, 0, 2, 0};
     const unsigned left = kLeftCorner[turns];
-    exit_ = tetrahedra_->IndexOf(cell_, corners_[left].vertex);
-    corners_[left] = apex;
+    exit_ = tetrahedra_->IndexOf(cell_, corners_[left]);
+    corners_[left] = apex_;
+    x_[left] = x;
+    y_[left] = y;
+    size_[left] = size;
     return true;
   }
 
@@ -128,7 +124,7 @@ class Walk {
       if (edge < 0) {
         return true;
       }
-      const uint32_t opposite = corners_[(edge + 2) % 3].vertex;
+      const uint32_t opposite = corners_[(edge + 2) % 3];
       cell_ = cell.neighbors[tetrahedra_->IndexOf(cell_, opposite)];
       if (tetrahedra_->IsInfinite(cell_)) {
         return false;
@@ -139,9 +135,9 @@ class Walk {
   // From the origin to the facet through which the ray leaves the cell, scene
   // units.
   double ExitDistance() const {
-    const Eigen::Vector3d a = Offset(corners_[0].vertex);
+    const Eigen::Vector3d a = Offset(corners_[0]);
     const Eigen::Vector3d normal =
-        (Offset(corners_[1].vertex) - a).cross(Offset(corners_[2].vertex) - a);
+        (Offset(corners_[1]) - a).cross(Offset(corners_[2]) - a);
     return a.dot(normal) / direction_.dot(normal);
   }
 
@@ -162,46 +158,65 @@ class Walk {
     return tetrahedra_->points[vertex].cast<double>() - origin_;
   }
 
-  Corner CornerAt(uint32_t vertex) const {
-    const Eigen::Vector3d offset = Offset(vertex);
-    return {vertex, offset.dot(axis_x_), offset.dot(axis_y_),
-            offset.lpNorm<1>()};
-  }
-
   void SetExitCorners(const Cell& cell) {
     const auto& inward = kFacetCorners[exit_];
-    corners_ = {CornerAt(cell.vertices[inward[0]]),
-                CornerAt(cell.vertices[inward[2]]),
-                CornerAt(cell.vertices[inward[1]])};
+    corners_ = {cell.vertices[inward[0]], cell.vertices[inward[2]],
+                cell.vertices[inward[1]]};
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d offset = Offset(corners_[i]);
+      x_[i] = offset.dot(axis_x_);
+      y_[i] = offset.dot(axis_y_);
+      size_[i] = offset.lpNorm<1>();
+    }
   }
 
   // The edge of the exit facet (from corner i to i + 1) on whose outer side the
   // ray passes, or -1 where it passes within the facet.
   int FirstEdgePassedOutside() const {
     for (int i = 0; i < 3; ++i) {
-      if (!TurnsAround(corners_[i], corners_[(i + 1) % 3])) {
+      const int k = (i + 1) % 3;
+      const double determinant = x_[i] * y_[k] - y_[i] * x_[k];
+      const bool is_sure =
+          std::abs(determinant) > kErrorBound * size_[i] * size_[k];
+      if (is_sure ? determinant < 0 : !TurnsExactly(corners_[i], corners_[k])) {
         return i;
       }
     }
     return -1;
   }
 
-  // Whether the directed edge from u to v turns counter-clockwise around the
-  // ray (RaySideExact). In floating point it is the determinant of the offsets
-  // across the ray. Each of its four factors is off by less than 8 e times the
+  // Whether the directed edges from the three corners to the apex turn
+  // counter-clockwise around the ray (RaySideExact), as bits. In floating point
+  // it is the determinant of the offsets across the ray.
+  // \param x, y, size  of the apex
+  unsigned TurnsTo(double x, double y, double size) const {
+    const double d0 = x_[0] * y - y_[0] * x;
+    const double d1 = x_[1] * y - y_[1] * x;
+    const double d2 = x_[2] * y - y_[2] * x;
+    const double largest = std::max(std::max(size_[0], size_[1]), size_[2]);
+    const double least =
+        std::min(std::min(std::abs(d0), std::abs(d1)), std::abs(d2));
+    if (least > kErrorBound * size * largest) [[likely]] {
+      return static_cast<unsigned>(d0 > 0) |
+             static_cast<unsigned>(d1 > 0) << 1 |
+             static_cast<unsigned>(d2 > 0) << 2;
+    }
+    return TurnsExactly(corners_[0], apex_) |
+           TurnsExactly(corners_[1], apex_) << 1 |
+           TurnsExactly(corners_[2], apex_) << 2;
+  }
+
+  [[gnu::noinline]] unsigned TurnsExactly(uint32_t u, uint32_t v) const {
+    return RaySideExact(origin_, ray_->target,
+                        tetrahedra_->points[u].cast<double>(),
+                        tetrahedra_->points[v].cast<double>()) > 0;
+  }
+
+  // Each of the four factors of a determinant is off by less than 8 e times the
   // size of its corner (the axes by 4 e, the product's three terms by the
   // rest), e = 2^-53, and so the determinant by less than 40 e times both
   // sizes.
-  unsigned TurnsAround(const Corner& u, const Corner& v) const {
-    constexpr double kErrorBound = 40 * 0x1p-53;
-    const double determinant = u.x * v.y - u.y * v.x;
-    if (std::abs(determinant) > kErrorBound * u.size * v.size) [[likely]] {
-      return determinant > 0;
-    }
-    return RaySideExact(origin_, ray_->target,
-                        tetrahedra_->points[u.vertex].cast<double>(),
-                        tetrahedra_->points[v.vertex].cast<double>()) > 0;
-  }
+  static constexpr double kErrorBound = 40 * 0x1p-53;
 
   const Tetrahedralization* tetrahedra_;
   Eigen::Vector3d origin_;
@@ -218,12 +233,17 @@ class Walk {
   uint32_t exit_ = 0;
   uint32_t apex_ = kInfiniteVertex;  // the corner opposite to the entry
   bool is_near_ = true;
-  float distance_ = 0;             // of the exit
-  std::array<Corner, 3> corners_;  // of the exit, normal along the ray
+  float distance_ = 0;  // of the exit
+  // The corners of the exit, normal along the ray, and their offsets from the
+  // ray's origin: across the ray, and the sum of the absolute components.
+  std::array<uint32_t, 3> corners_;
+  std::array<double, 3> x_;
+  std::array<double, 3> y_;
+  std::array<double, 3> size_;
 };
 
 // How many rays take turns. Tuned on: fountain; by: 4, 8 and 16.
-constexpr size_t kNumTurns = 8;
+constexpr size_t kNumTurns = 16;
 
 }  // namespace
 
@@ -245,21 +265,34 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
 
 void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
               std::span<RayPath> paths) {
-  std::vector<Walk> walks;  // that have just started or found their exit
+  std::vector<Walk> walks;
   walks.reserve(kNumTurns);
+  // Drops a walk that has ended; the last one takes its place.
+  const auto drop = [&walks](size_t i) {
+    walks[i] = walks.back();
+    walks.pop_back();
+  };
   for (size_t num_started = 0; num_started < rays.size() || !walks.empty();) {
     while (walks.size() < kNumTurns && num_started < rays.size()) {
-      Walk walk(tetrahedra, rays[num_started], &paths[num_started]);
+      walks.emplace_back(tetrahedra, rays[num_started], &paths[num_started]);
       ++num_started;
-      if (walk.Start()) {
-        walks.push_back(walk);
+      if (!walks.back().Start()) {
+        walks.pop_back();
       }
     }
-    std::erase_if(walks, [](Walk& walk) { return !walk.Leave(); });
+    for (size_t i = walks.size(); i-- > 0;) {
+      if (!walks[i].Leave()) {
+        drop(i);
+      }
+    }
     for (Walk& walk : walks) {
       walk.Enter();
     }
-    std::erase_if(walks, [](Walk& walk) { return !walk.FindExit(); });
+    for (size_t i = walks.size(); i-- > 0;) {
+      if (!walks[i].FindExit()) {
+        drop(i);
+      }
+    }
   }
 }
 

@@ -54,7 +54,7 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  double near_distance, std::vector<Crossing>* crossings);
 
 // The same for many rays. Several of them go on by turns, so that none waits
-// for memory: twice as fast.
+// for memory.
 // \param paths [rays] are overwritten
 void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
               std::span<RayPath> paths);
