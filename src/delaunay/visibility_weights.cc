@@ -69,7 +69,7 @@ class Voter {
  public:
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
         const std::vector<Center>& centers,
-        const VisibilityWeightOptions& options, FlowGraph* graph,
+        const VisibilityWeightOptions& options, FlowCapacities* graph,
         std::vector<uint32_t>* free_support)
       : tetrahedra_(tetrahedra),
         observations_(observations),
@@ -201,7 +201,7 @@ class Voter {
   const VisibilityWeightOptions& options_;
   const double near_distance_;
   const double normalization_;
-  FlowGraph* graph_;
+  FlowCapacities* graph_;
   std::vector<uint32_t>* free_support_;  // [cells], or null
   RayReport report_;
   std::vector<Ray> rays_;  // of a batch
@@ -252,7 +252,7 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
-                               FlowGraph* graph, const Progress& progress,
+                               FlowCapacities* graph, const Progress& progress,
                                std::vector<uint32_t>* free_support) {
   Report(progress, kStage, 0);
   if (free_support != nullptr) {

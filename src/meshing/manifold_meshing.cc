@@ -66,15 +66,16 @@ WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
 
 // The graph whose minimum cut is the surface [Romanoni2020, section IV].
 // \param is_end [V] see MarkEnds()
-FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
-                    const WeightedCloud& weighted,
-                    const std::vector<uint8_t>& is_end,
-                    const std::vector<View>& views,
-                    const ThinnedTetrahedralization& thinned,
-                    const Progress& progress, ManifoldMeshingReport* report) {
+FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
+                         const WeightedCloud& weighted,
+                         const std::vector<uint8_t>& is_end,
+                         const std::vector<View>& views,
+                         const ThinnedTetrahedralization& thinned,
+                         const Progress& progress,
+                         ManifoldMeshingReport* report) {
   const Tetrahedralization& tetrahedra = thinned.tetrahedra;
   Report(progress, "Weighing facets", 0);
-  FlowGraph graph = EmptyGraph(tetrahedra);
+  FlowCapacities graph = ZeroCapacities(tetrahedra);
   AddQualityWeights(tetrahedra, options.quality_regularization, &graph);
   constexpr double kSigmaPercentile = 25;  // as in COLMAP's delaunay_mesher
   report->distance_sigma =
@@ -101,12 +102,14 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   return graph;
 }
 
-std::vector<uint8_t> CutGraph(const FlowGraph& graph, const Progress& progress,
+std::vector<uint8_t> CutGraph(const Tetrahedralization& tetrahedra,
+                              const FlowCapacities& graph,
+                              const Progress& progress,
                               ManifoldMeshingReport* report) {
   Report(progress, "Cutting the graph", 0);
-  MinCut cut = ComputeMinCut(graph);
+  MinCut cut = ComputeMinCut(NeighborsOf(tetrahedra), graph);
   report->flow = cut.flow;
-  report->cut = CutValue(graph, cut.on_source_side);
+  report->cut = CutValue(NeighborsOf(tetrahedra), graph, cut.on_source_side);
   report->num_free_cells = static_cast<size_t>(
       std::count(cut.on_source_side.begin(), cut.on_source_side.end(), 1));
   if (report->flow != report->cut) {
@@ -116,7 +119,7 @@ std::vector<uint8_t> CutGraph(const FlowGraph& graph, const Progress& progress,
 }
 
 FixingReport Fix(const ManifoldMeshingOptions& options,
-                 Tetrahedralization* tetrahedra, FlowGraph* graph,
+                 Tetrahedralization* tetrahedra, FlowCapacities* graph,
                  std::vector<uint8_t>* is_free, const Progress& progress) {
   Report(progress, "Fixing singular vertices", 0);
   if (options.preemptive_fixing) {
@@ -293,11 +296,12 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
   const std::vector<float> supports = SupportOfVertices(
       report.num_vertices, thinned.point_vertices, weighted.weights);
-  FlowGraph graph =
+  FlowCapacities graph =
       MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
-  std::vector<uint8_t> is_free = CutGraph(graph, progress, &report);
+  std::vector<uint8_t> is_free =
+      CutGraph(thinned.tetrahedra, graph, progress, &report);
   report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
-  graph = FlowGraph();
+  graph = {};
   FanSplit surface =
       Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
   result.attributes =
