@@ -228,6 +228,45 @@ std::vector<std::array<uint32_t, 2>> PointsOf(
   return points;
 }
 
+// The surface with the attributes and confidences of its points. What it is
+// made from is gone when it returns.
+ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
+                         PointCloud cloud, const std::vector<View>& views,
+                         const Progress& progress, const RayEnds& ends) {
+  ManifoldMesh result;
+  ManifoldMeshingReport& report = result.report;
+  WeightedCloud weighted =
+      Prepare(options, std::move(cloud), views, ends, &report);
+  ThinnedTetrahedralization thinned =
+      Tetrahedralize(weighted.cloud, views,
+                     {options.max_proj_dist, options.max_depth_dist}, progress);
+  report.num_duplicate_points = thinned.num_duplicate_points;
+  report.num_vertices = thinned.tetrahedra.points.size();
+  report.num_cells = thinned.tetrahedra.cells.size();
+  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
+  const std::vector<float> supports = SupportOfVertices(
+      report.num_vertices, thinned.point_vertices, weighted.weights);
+  FlowCapacities graph =
+      MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
+  // The cut needs most memory: what has served goes before.
+  std::vector<float>().swap(weighted.weights);
+  std::vector<uint32_t>().swap(thinned.point_vertices);
+  std::vector<uint8_t> is_free =
+      CutGraph(thinned.tetrahedra, graph, progress, &report);
+  report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
+  graph = {};
+  FanSplit surface =
+      Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
+  result.attributes =
+      InheritAttributes(surface.mesh, weighted.cloud,
+                        PointsOf(surface.sources, thinned.vertex_points));
+  result.facet_confidences = FacetConfidences(
+      surface.mesh, SupportOfSurface(supports, surface.sources),
+      result.attributes.views, views);
+  result.mesh = std::move(surface.mesh);
+  return result;
+}
+
 // Trims the mesh, closes its holes, and gives confidences to the vertices of
 // what comes out.
 // \param result  with facet_confidences
@@ -253,64 +292,15 @@ void FinishBorders(const BorderOptions& options, const Progress& progress,
 
 }  // namespace
 
-std::string ManifoldMeshingOptions::Check() const {
-  const std::pair<bool, const char*> rules[] = {
-      {max_proj_dist >= 0, "max_proj_dist must not be negative"},
-      {max_depth_dist >= 0 && max_depth_dist <= 1,
-       "max_depth_dist must lie in [0, 1]"},
-      {visibility_sigma > 0, "visibility_sigma must be positive"},
-      {alpha_vis > 0 && alpha_vis <= 1, "alpha_vis must lie in (0, 1]"},
-      {distance_sigma_factor > 0, "distance_sigma_factor must be positive"},
-      {behind_sigma > 0, "behind_sigma must be positive"},
-      {quality_regularization >= 0 && quality_regularization <= 1e4,
-       "quality_regularization must lie in [0, 10000]"},
-      {max_side_length_factor >= 0,
-       "max_side_length_factor must not be negative"},
-      {max_side_length_percentile >= 0 && max_side_length_percentile <= 100,
-       "max_side_length_percentile must lie in [0, 100]"},
-      {min_component_faces >= 0, "min_component_faces must not be negative"}};
-  for (const auto& [holds, message] : rules) {
-    if (!holds) {
-      return message;
-    }
-  }
-  return borders.Check();
-}
-
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           PointCloud cloud, const std::vector<View>& views,
                           const Progress& progress, const RayEnds& ends) {
   if (cloud.views.values.empty()) {
     throw std::invalid_argument("no view sees any point: nothing to mesh");
   }
-  ManifoldMesh result;
+  ManifoldMesh result =
+      MakeSurface(options, std::move(cloud), views, progress, ends);
   ManifoldMeshingReport& report = result.report;
-  WeightedCloud weighted =
-      Prepare(options, std::move(cloud), views, ends, &report);
-  ThinnedTetrahedralization thinned =
-      Tetrahedralize(weighted.cloud, views,
-                     {options.max_proj_dist, options.max_depth_dist}, progress);
-  report.num_duplicate_points = thinned.num_duplicate_points;
-  report.num_vertices = thinned.tetrahedra.points.size();
-  report.num_cells = thinned.tetrahedra.cells.size();
-  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
-  const std::vector<float> supports = SupportOfVertices(
-      report.num_vertices, thinned.point_vertices, weighted.weights);
-  FlowCapacities graph =
-      MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
-  std::vector<uint8_t> is_free =
-      CutGraph(thinned.tetrahedra, graph, progress, &report);
-  report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
-  graph = {};
-  FanSplit surface =
-      Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
-  result.attributes =
-      InheritAttributes(surface.mesh, weighted.cloud,
-                        PointsOf(surface.sources, thinned.vertex_points));
-  result.facet_confidences = FacetConfidences(
-      surface.mesh, SupportOfSurface(supports, surface.sources),
-      result.attributes.views, views);
-  result.mesh = std::move(surface.mesh);
   FinishBorders(options.borders, progress, &result);
   if (options.remeshing) {
     Report(progress, "Remeshing", 0);

@@ -16,19 +16,25 @@ constexpr uint8_t kTerminal = 4;  // the source or the sink itself
 constexpr uint8_t kOrphan = 5;
 constexpr uint8_t kFree = 6;  // in no tree
 
+// A distance as a node holds it. Those beyond count as one: distances choose
+// between parents, nothing depends on them.
+uint16_t Near(uint32_t distance) {
+  return static_cast<uint16_t>(std::min<uint32_t>(distance, UINT16_MAX));
+}
+
 int32_t Clamp(uint32_t capacity) {
   return static_cast<int32_t>(std::min(capacity, kMaxCapacity));
 }
 
-struct Node {
+struct alignas(32) Node {
   std::array<int32_t, 4> residual;  // of the arcs to the neighbors
   int32_t terminal;                 // > 0: from the source, < 0: to the sink
   uint32_t next_active;             // itself: last in the queue; kNone: not in
-  uint32_t distance;                // to the terminal, at the time `stamp`
   uint32_t stamp;
-  uint8_t mirrors;  // which arc of each neighbor leads back, two bits each
-  uint8_t parent;
-  bool in_sink_tree;
+  uint16_t distance;  // to the terminal, at the time `stamp`; Near()
+  uint8_t mirrors;    // which arc of each neighbor leads back, two bits each
+  uint8_t parent : 7;
+  bool in_sink_tree : 1;
 
   uint8_t Mirror(int arc) const { return mirrors >> (2 * arc) & 3; }
 };
@@ -162,7 +168,7 @@ class Solver {
 
   static void Adopt(Node* child, const Node& parent, int arc_of_parent) {
     child->parent = parent.Mirror(arc_of_parent);
-    child->distance = parent.distance + 1;
+    child->distance = Near(parent.distance + 1u);
     child->stamp = parent.stamp;
   }
 
@@ -247,7 +253,7 @@ class Solver {
       }
     }
     if (nearest != kNone) {
-      node.distance = nearest + 1;
+      node.distance = Near(nearest + 1);
       node.stamp = time_;
       return;
     }
@@ -294,7 +300,7 @@ class Solver {
     for (at = index; nodes_[at].stamp != time_;
          at = neighbors_[at][nodes_[at].parent]) {
       nodes_[at].stamp = time_;
-      nodes_[at].distance = remaining--;
+      nodes_[at].distance = Near(remaining--);
     }
     return distance;
   }
