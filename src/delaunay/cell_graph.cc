@@ -5,17 +5,18 @@
 
 namespace colmap_ext {
 
-FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra) {
-  FlowGraph graph;
+NeighborView NeighborsOf(const Tetrahedralization& tetrahedra) {
+  return {&tetrahedra.cells.data()->neighbors,
+          sizeof(Tetrahedralization::Cell)};
+}
+
+FlowCapacities ZeroCapacities(const Tetrahedralization& tetrahedra) {
+  FlowCapacities graph;
   const size_t num_cells = tetrahedra.cells.size();
   const size_t capacity = WithSpareCells(num_cells);
-  graph.neighbors.reserve(capacity);
   graph.capacities.reserve(capacity);
   graph.source.reserve(capacity);
   graph.sink.reserve(capacity);
-  for (const auto& cell : tetrahedra.cells) {
-    graph.neighbors.push_back(cell.neighbors);
-  }
   graph.capacities.resize(num_cells, {0, 0, 0, 0});
   graph.source.resize(num_cells, 0);
   graph.sink.resize(num_cells, 0);

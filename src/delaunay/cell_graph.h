@@ -14,8 +14,11 @@ namespace colmap_ext {
 inline constexpr double kWeightUnit = 4096;
 
 // The graph of the cells: node i is cell i, arc k of a node leads through facet
-// k of its cell. All capacities are zero.
-FlowGraph EmptyGraph(const Tetrahedralization& tetrahedra);
+// k of its cell.
+NeighborView NeighborsOf(const Tetrahedralization& tetrahedra);
+
+// Of that graph.
+FlowCapacities ZeroCapacities(const Tetrahedralization& tetrahedra);
 
 // A weight, 0 or more, in units of capacity; at most kMaxCapacity.
 uint32_t ToCapacity(double weight);

@@ -1,5 +1,6 @@
 #include "delaunay/insertion_order.h"
 
+#include <array>
 #include <bit>
 #include <numeric>
 
@@ -43,21 +44,21 @@ std::vector<uint32_t> DistinctPoints(
   return points;
 }
 
-std::vector<uint32_t> InsertionOrder(const std::vector<uint32_t>& points) {
+std::vector<uint32_t> InsertionOrder(size_t num_points) {
   // A point is in round k with probability 2^-(k + 1): its hash starts with k
   // zero bits.
-  std::vector<uint8_t> rounds(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    rounds[i] = static_cast<uint8_t>(std::countl_zero(Hash(i) | 1));
+  constexpr int kNumRounds = 64;
+  std::array<size_t, kNumRounds + 1> ends = {};  // [63 - round]
+  const auto slot = [](size_t point) {
+    return kNumRounds - 1 - std::countl_zero(Hash(point) | 1);
+  };
+  for (size_t point = 0; point < num_points; ++point) {
+    ++ends[slot(point) + 1];
   }
-  std::vector<uint32_t> order;
-  order.reserve(points.size());
-  for (int round = 63; round >= 0; --round) {
-    for (size_t i = 0; i < points.size(); ++i) {
-      if (rounds[i] == round) {
-        order.push_back(points[i]);
-      }
-    }
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<uint32_t> order(num_points);
+  for (size_t point = 0; point < num_points; ++point) {
+    order[ends[slot(point)]++] = static_cast<uint32_t>(point);
   }
   return order;
 }

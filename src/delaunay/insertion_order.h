@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,9 +19,9 @@ std::vector<uint32_t> DistinctPoints(
     std::vector<uint32_t>* representatives);
 
 // A biased randomized insertion order [Amenta2003]: random rounds of doubling
-// size, each in the order of the points. Seeds are fixed.
-// \param points in their order along the curve
-// \return the same points
-std::vector<uint32_t> InsertionOrder(const std::vector<uint32_t>& points);
+// size, each in ascending order. Seeds are fixed.
+// \param num_points  along the curve
+// \return [num_points] indices of points
+std::vector<uint32_t> InsertionOrder(size_t num_points);
 
 }  // namespace colmap_ext

@@ -1,5 +1,6 @@
 #include "delaunay/predicates.h"
 
+#include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 namespace colmap_ext {
@@ -10,6 +11,22 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 Kernel::Point_3 ToCgal(const Eigen::Vector3d& p) {
   return {p.x(), p.y(), p.z()};
 }
+
+Kernel::Point_3 ToCgal(const Eigen::Vector3f& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+// CGAL's perturbed predicates.
+class Perturbed : public CGAL::Delaunay_triangulation_3<Kernel> {
+ public:
+  using Delaunay_triangulation_3::coplanar_side_of_bounded_circle;
+  using Delaunay_triangulation_3::side_of_oriented_sphere;
+
+  static const Perturbed& Instance() {
+    static const Perturbed instance;
+    return instance;
+  }
+};
 
 // The sign of the component `axis` of the cross product (u - o) x (v - o).
 int CrossSign(const Eigen::Vector3d& o, const Eigen::Vector3d& u,
@@ -35,6 +52,31 @@ int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
     sign = CrossSign(origin, u, v, axis);
   }
   return sign;
+}
+
+bool IsOnLine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+              const Eigen::Vector3f& c) {
+  return CGAL::collinear(ToCgal(a), ToCgal(b), ToCgal(c));
+}
+
+int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& d) {
+  return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
+}
+
+bool IsInSphere(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& d,
+                const Eigen::Vector3f& p) {
+  return Perturbed::Instance().side_of_oriented_sphere(
+             ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d), ToCgal(p),
+             /*perturb=*/true) == CGAL::ON_POSITIVE_SIDE;
+}
+
+bool IsInCircle(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& p) {
+  return Perturbed::Instance().coplanar_side_of_bounded_circle(
+             ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(p), /*perturb=*/true) ==
+         CGAL::ON_BOUNDED_SIDE;
 }
 
 }  // namespace colmap_ext

@@ -20,4 +20,25 @@ int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
                  const Eigen::Vector3d& u, const Eigen::Vector3d& v);
 
+// Whether c lies on the line through a and b.
+bool IsOnLine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+              const Eigen::Vector3f& c);
+
+// The sign of det(b - a, c - a, d - a).
+int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& d);
+
+// Whether p lies inside the sphere through a, b, c and d. Points on the sphere
+// are told apart by a symbolic perturbation that depends on the positions alone
+// [Devillers2011], so that the Delaunay tetrahedralization is unique.
+// \pre Orientation(a, b, c, d) > 0, p is none of them
+bool IsInSphere(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& d,
+                const Eigen::Vector3f& p);
+
+// Whether p lies inside the circle through a, b and c, perturbed alike.
+// \pre all lie in a plane, a, b and c not on a line, p is none of them
+bool IsInCircle(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& p);
+
 }  // namespace colmap_ext

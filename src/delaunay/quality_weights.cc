@@ -35,7 +35,7 @@ double CosFacetSphereAngle(const Tetrahedralization& tetrahedra,
 }
 
 void AddQualityWeights(const Tetrahedralization& tetrahedra, double weight,
-                       FlowGraph* graph) {
+                       FlowCapacities* graph) {
   const auto num_cells = static_cast<uint32_t>(tetrahedra.cells.size());
   std::vector<std::array<float, 4>> cosines(num_cells);
   tbb::parallel_for(uint32_t{0}, num_cells, [&](uint32_t cell) {

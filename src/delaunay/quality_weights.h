@@ -20,7 +20,7 @@ namespace colmap_ext {
 // \param weight of the term, 0 or more
 // \param graph  of the cells: node i is cell i; capacities in 1 / kWeightUnit
 void AddQualityWeights(const Tetrahedralization& tetrahedra, double weight,
-                       FlowGraph* graph);
+                       FlowCapacities* graph);
 
 // The cosine of the angle between the plane of facet 0 ... 3 of a cell and the
 // cell's circumscribing sphere: the signed distance of the sphere's centre from

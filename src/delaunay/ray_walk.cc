@@ -1,8 +1,8 @@
 #include "delaunay/ray_walk.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -13,24 +13,19 @@ namespace {
 
 using Cell = Tetrahedralization::Cell;
 
-// A vertex as the ray sees it.
-struct Corner {
-  uint32_t vertex;
-  double x, y;  // its offset from the ray's origin, across the ray
-  double size;  // sum of the absolute components of the offset
-};
-
 // A ray on its way: the cell where it is, and the facet through which it
 // leaves.
 class Walk {
  public:
-  Walk(const Tetrahedralization& tetrahedra, uint32_t origin,
-       const Eigen::Vector3d& target)
-      : tetrahedra_(tetrahedra),
-        origin_(tetrahedra.points[origin].cast<double>()),
-        target_(target),
-        direction_(target - origin_),
+  Walk(const Tetrahedralization& tetrahedra, const Ray& ray, RayPath* path)
+      : tetrahedra_(&tetrahedra),
+        origin_(tetrahedra.points[ray.origin].cast<double>()),
+        ray_(&ray),
+        path_(path),
+        direction_(ray.target - origin_),
         length_(direction_.norm()) {
+    path_->crossings.clear();
+    path_->end = kNoCell;
     if (length_ > 0) {
       // Right-handed: axis_x x axis_y is the direction.
       direction_ /= length_;
@@ -39,24 +34,99 @@ class Walk {
     }
   }
 
-  uint32_t cell() const { return cell_; }
-  double length() const { return length_; }
+  // Finds the first cell.
+  // \return false where the walk has ended
+  bool Start() {
+    if (!(length_ > 0)) {
+      return false;
+    }
+    if (!StartAtVertex(ray_->origin)) {
+      path_->end = cell_;
+      return false;
+    }
+    return true;
+  }
 
+  // A step has three parts. Between them others may take theirs, while memory
+  // that the next part needs is fetched.
+
+  // The first part: finds the next cell.
+  // \return false where the walk has ended
+  bool Leave() {
+    if (cell_ == ray_->end) {
+      path_->end = cell_;
+      return false;
+    }
+    // A line crosses a cell once; more crossings would be a bug of ours, which
+    // must not hang.
+    if (path_->crossings.size() > tetrahedra_->cells.size()) {
+      return false;
+    }
+    distance_ = std::numeric_limits<float>::infinity();
+    if (is_near_ && !MeasureExit()) {
+      path_->end = cell_;
+      return false;
+    }
+    next_ = tetrahedra_->cells[cell_].neighbors[exit_];
+    __builtin_prefetch(&tetrahedra_->cells[next_]);
+    return true;
+  }
+
+  // The second part: crosses the facet.
+  void Enter() {
+    entry_ = tetrahedra_->FacetTo(next_, cell_);
+    path_->crossings.push_back(
+        {4 * cell_ + exit_, 4 * next_ + entry_, distance_});
+    cell_ = next_;
+    apex_ = tetrahedra_->cells[cell_].vertices[entry_];
+    if (apex_ != kInfiniteVertex) {
+      __builtin_prefetch(&tetrahedra_->points[apex_]);
+    }
+  }
+
+  // The third part: finds the facet through which the ray leaves the cell that
+  // it just entered. Its corners turn counter-clockwise around the ray, as
+  // those of the entry do: the apex takes the place of the corner that the exit
+  // does not have.
+  // \return false where the walk has ended
+  bool FindExit() {
+    if (apex_ == kInfiniteVertex) {
+      path_->end = cell_;
+      return false;
+    }
+    const Eigen::Vector3d offset = Offset(apex_);
+    const double x = offset.dot(axis_x_);
+    const double y = offset.dot(axis_y_);
+    const double size = offset.lpNorm<1>();
+    const unsigned turns = TurnsTo(x, y, size);
+    // The exit is opposite to the corner whose successor's edge does not turn
+    // and whose predecessor's does. All or none is no line in general position.
+    constexpr std::array<uint8_t, 8> kLeftCorner = {0, 1, 2, 1, 0, 0, 2, 0};
+    const unsigned left = kLeftCorner[turns];
+    exit_ = tetrahedra_->IndexOf(cell_, corners_[left]);
+    corners_[left] = apex_;
+    x_[left] = x;
+    y_[left] = y;
+    size_[left] = size;
+    return true;
+  }
+
+ private:
   // Finds the cell around the vertex that the ray enters, by a visibility walk.
   // \return false where the ray leaves the hull at once; the cell is infinite.
   bool StartAtVertex(uint32_t vertex) {
-    cell_ = tetrahedra_.vertex_cells[vertex];
+    cell_ = tetrahedra_->vertex_cells[vertex];
     for (;;) {
-      const Cell& cell = tetrahedra_.cells[cell_];
-      exit_ = tetrahedra_.IndexOf(cell_, vertex);
+      const Cell& cell = tetrahedra_->cells[cell_];
+      exit_ = tetrahedra_->IndexOf(cell_, vertex);
       SetExitCorners(cell);
       const int edge = FirstEdgePassedOutside();
       if (edge < 0) {
         return true;
       }
-      const uint32_t opposite = corners_[(edge + 2) % 3].vertex;
-      cell_ = cell.neighbors[tetrahedra_.IndexOf(cell_, opposite)];
-      if (tetrahedra_.IsInfinite(cell_)) {
+      const uint32_t opposite = corners_[(edge + 2) % 3];
+      cell_ = cell.neighbors[tetrahedra_->IndexOf(cell_, opposite)];
+      if (tetrahedra_->IsInfinite(cell_)) {
         return false;
       }
     }
@@ -65,178 +135,165 @@ class Walk {
   // From the origin to the facet through which the ray leaves the cell, scene
   // units.
   double ExitDistance() const {
-    const Eigen::Vector3d a = Offset(corners_[0].vertex);
+    const Eigen::Vector3d a = Offset(corners_[0]);
     const Eigen::Vector3d normal =
-        (Offset(corners_[1].vertex) - a).cross(Offset(corners_[2].vertex) - a);
+        (Offset(corners_[1]) - a).cross(Offset(corners_[2]) - a);
     return a.dot(normal) / direction_.dot(normal);
   }
 
-  // Crosses the facet.
-  void Leave(float distance, std::vector<Crossing>* crossings) {
-    const uint32_t next = tetrahedra_.cells[cell_].neighbors[exit_];
-    entry_ = tetrahedra_.FacetTo(next, cell_);
-    crossings->push_back({4 * cell_ + exit_, 4 * next + entry_, distance});
-    cell_ = next;
-  }
-
-  // Finds the facet through which the ray leaves the cell that it just entered.
-  // Its corners turn counter-clockwise around the ray, as those of the entry
-  // do: the apex takes the place of the corner that the exit does not have.
-  // \return false where the cell is infinite
-  bool FindExit() {
-    const uint32_t vertex = tetrahedra_.cells[cell_].vertices[entry_];
-    if (vertex == kInfiniteVertex) {
+  // Sets the distance of the exit.
+  // \return false where the target comes first
+  bool MeasureExit() {
+    const double distance = ExitDistance();
+    const bool ends_at_target = ray_->end == kNoCell;
+    if (ends_at_target && distance >= length_) {
       return false;
     }
-    const Corner apex = CornerAt(vertex);
-    // Of the edges from the entry's corners to the apex: which ones turn
-    // counter-clockwise, as bits.
-    const unsigned turns = TurnsAround(corners_[0], apex) |
-                           TurnsAround(corners_[1], apex) << 1 |
-                           TurnsAround(corners_[2], apex) << 2;
-    // The exit is opposite to the corner whose successor's edge does not turn
-    // and whose predecessor's does. All or none is no line in general position.
-    constexpr std::array<uint8_t, 8> kLeftCorner = {0, 1, 2, 1, 0, 0, 2, 0};
-    const unsigned left = kLeftCorner[turns];
-    exit_ = tetrahedra_.IndexOf(cell_, corners_[left].vertex);
-    corners_[left] = apex;
+    distance_ = static_cast<float>(distance);
+    is_near_ = ends_at_target || distance <= ray_->near_distance;
     return true;
   }
 
- private:
   Eigen::Vector3d Offset(uint32_t vertex) const {
-    return tetrahedra_.points[vertex].cast<double>() - origin_;
-  }
-
-  Corner CornerAt(uint32_t vertex) const {
-    const Eigen::Vector3d offset = Offset(vertex);
-    return {vertex, offset.dot(axis_x_), offset.dot(axis_y_),
-            offset.lpNorm<1>()};
+    return tetrahedra_->points[vertex].cast<double>() - origin_;
   }
 
   void SetExitCorners(const Cell& cell) {
     const auto& inward = kFacetCorners[exit_];
-    corners_ = {CornerAt(cell.vertices[inward[0]]),
-                CornerAt(cell.vertices[inward[2]]),
-                CornerAt(cell.vertices[inward[1]])};
+    corners_ = {cell.vertices[inward[0]], cell.vertices[inward[2]],
+                cell.vertices[inward[1]]};
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d offset = Offset(corners_[i]);
+      x_[i] = offset.dot(axis_x_);
+      y_[i] = offset.dot(axis_y_);
+      size_[i] = offset.lpNorm<1>();
+    }
   }
 
   // The edge of the exit facet (from corner i to i + 1) on whose outer side the
   // ray passes, or -1 where it passes within the facet.
   int FirstEdgePassedOutside() const {
     for (int i = 0; i < 3; ++i) {
-      if (!TurnsAround(corners_[i], corners_[(i + 1) % 3])) {
+      const int k = (i + 1) % 3;
+      const double determinant = x_[i] * y_[k] - y_[i] * x_[k];
+      const bool is_sure =
+          std::abs(determinant) > kErrorBound * size_[i] * size_[k];
+      if (is_sure ? determinant < 0 : !TurnsExactly(corners_[i], corners_[k])) {
         return i;
       }
     }
     return -1;
   }
 
-  // Whether the directed edge from u to v turns counter-clockwise around the
-  // ray (RaySideExact). In floating point it is the determinant of the offsets
-  // across the ray. Each of its four factors is off by less than 8 e times the
+  // Whether the directed edges from the three corners to the apex turn
+  // counter-clockwise around the ray (RaySideExact), as bits. In floating point
+  // it is the determinant of the offsets across the ray.
+  // \param x, y, size  of the apex
+  unsigned TurnsTo(double x, double y, double size) const {
+    const double d0 = x_[0] * y - y_[0] * x;
+    const double d1 = x_[1] * y - y_[1] * x;
+    const double d2 = x_[2] * y - y_[2] * x;
+    const double largest = std::max(std::max(size_[0], size_[1]), size_[2]);
+    const double least =
+        std::min(std::min(std::abs(d0), std::abs(d1)), std::abs(d2));
+    if (least > kErrorBound * size * largest) [[likely]] {
+      return static_cast<unsigned>(d0 > 0) |
+             static_cast<unsigned>(d1 > 0) << 1 |
+             static_cast<unsigned>(d2 > 0) << 2;
+    }
+    return TurnsExactly(corners_[0], apex_) |
+           TurnsExactly(corners_[1], apex_) << 1 |
+           TurnsExactly(corners_[2], apex_) << 2;
+  }
+
+  [[gnu::noinline]] unsigned TurnsExactly(uint32_t u, uint32_t v) const {
+    return RaySideExact(origin_, ray_->target,
+                        tetrahedra_->points[u].cast<double>(),
+                        tetrahedra_->points[v].cast<double>()) > 0;
+  }
+
+  // Each of the four factors of a determinant is off by less than 8 e times the
   // size of its corner (the axes by 4 e, the product's three terms by the
   // rest), e = 2^-53, and so the determinant by less than 40 e times both
   // sizes.
-  unsigned TurnsAround(const Corner& u, const Corner& v) const {
-    constexpr double kErrorBound = 40 * 0x1p-53;
-    const double determinant = u.x * v.y - u.y * v.x;
-    if (std::abs(determinant) > kErrorBound * u.size * v.size) [[likely]] {
-      return determinant > 0;
-    }
-    return RaySideExact(origin_, target_,
-                        tetrahedra_.points[u.vertex].cast<double>(),
-                        tetrahedra_.points[v.vertex].cast<double>()) > 0;
-  }
+  static constexpr double kErrorBound = 40 * 0x1p-53;
 
-  const Tetrahedralization& tetrahedra_;
-  const Eigen::Vector3d origin_;
-  const Eigen::Vector3d target_;
+  const Tetrahedralization* tetrahedra_;
+  Eigen::Vector3d origin_;
+  const Ray* ray_;
+  RayPath* path_;
   Eigen::Vector3d direction_;  // unit
-  const double length_;
+  double length_;
   Eigen::Vector3d axis_x_;
   Eigen::Vector3d axis_y_;
 
   uint32_t cell_ = kNoCell;
+  uint32_t next_ = kNoCell;
   uint32_t entry_ = 0;
   uint32_t exit_ = 0;
-  std::array<Corner, 3> corners_;  // of the exit, normal along the ray
+  uint32_t apex_ = kInfiniteVertex;  // the corner opposite to the entry
+  bool is_near_ = true;
+  float distance_ = 0;  // of the exit
+  // The corners of the exit, normal along the ray, and their offsets from the
+  // ray's origin: across the ray, and the sum of the absolute components.
+  std::array<uint32_t, 3> corners_;
+  std::array<double, 3> x_;
+  std::array<double, 3> y_;
+  std::array<double, 3> size_;
 };
+
+// How many rays take turns. Tuned on: fountain; by: 4, 8 and 16.
+constexpr size_t kNumTurns = 16;
 
 }  // namespace
 
 uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  const Eigen::Vector3d& target, uint32_t end,
                  double near_distance, std::vector<Crossing>* crossings) {
-  crossings->clear();
-  Walk walk(tetrahedra, origin, target);
-  if (!(walk.length() > 0)) {
-    return kNoCell;
+  const Ray ray = {origin, target, end, near_distance};
+  RayPath path;
+  path.crossings.swap(*crossings);
+  Walk walk(tetrahedra, ray, &path);
+  bool goes_on = walk.Start();
+  while (goes_on && walk.Leave()) {
+    walk.Enter();
+    goes_on = walk.FindExit();
   }
-  if (!walk.StartAtVertex(origin)) {
-    return walk.cell();
-  }
-  // A line crosses a cell once; more crossings would be a bug of ours, which
-  // must not hang.
-  const size_t max_crossings = tetrahedra.cells.size();
-  bool is_near = true;
-  while (walk.cell() != end && crossings->size() <= max_crossings) {
-    float distance = std::numeric_limits<float>::infinity();
-    if (is_near) {
-      const double exit_distance = walk.ExitDistance();
-      if (end == kNoCell && exit_distance >= walk.length()) {
-        return walk.cell();
-      }
-      distance = static_cast<float>(exit_distance);
-      is_near = end == kNoCell || exit_distance <= near_distance;
-    }
-    walk.Leave(distance, crossings);
-    if (!walk.FindExit()) {
-      return walk.cell();
-    }
-  }
-  return walk.cell() == end ? end : kNoCell;
+  crossings->swap(path.crossings);
+  return path.end;
 }
 
-uint32_t Locate(const Tetrahedralization& tetrahedra,
-                const Eigen::Vector3d& point, uint32_t hint) {
-  uint32_t cell_index = hint;
-  uint32_t previous = kNoCell;
-  while (!tetrahedra.IsInfinite(cell_index)) {
-    const Cell& cell = tetrahedra.cells[cell_index];
-    uint32_t next = kNoCell;
-    for (int i = 0; i < 4 && next == kNoCell; ++i) {
-      if (cell.neighbors[i] == previous) {
-        continue;
-      }
-      const auto& corners = kFacetCorners[i];
-      const auto corner = [&](int k) -> Eigen::Vector3d {
-        return tetrahedra.points[cell.vertices[corners[k]]].cast<double>();
-      };
-      if (Orientation(corner(0), corner(1), corner(2), point) < 0) {
-        next = cell.neighbors[i];
+void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
+              std::span<RayPath> paths) {
+  std::vector<Walk> walks;
+  walks.reserve(kNumTurns);
+  // Drops a walk that has ended; the last one takes its place.
+  const auto drop = [&walks](size_t i) {
+    walks[i] = walks.back();
+    walks.pop_back();
+  };
+  for (size_t num_started = 0; num_started < rays.size() || !walks.empty();) {
+    while (walks.size() < kNumTurns && num_started < rays.size()) {
+      walks.emplace_back(tetrahedra, rays[num_started], &paths[num_started]);
+      ++num_started;
+      if (!walks.back().Start()) {
+        walks.pop_back();
       }
     }
-    if (next == kNoCell) {
-      break;
+    for (size_t i = walks.size(); i-- > 0;) {
+      if (!walks[i].Leave()) {
+        drop(i);
+      }
     }
-    previous = std::exchange(cell_index, next);
-  }
-  return cell_index;
-}
-
-bool IsStrictlyInside(const Tetrahedralization& tetrahedra, uint32_t cell_index,
-                      const Eigen::Vector3d& point) {
-  const Cell& cell = tetrahedra.cells[cell_index];
-  for (const auto& corners : kFacetCorners) {
-    const auto corner = [&](int k) -> Eigen::Vector3d {
-      return tetrahedra.points[cell.vertices[corners[k]]].cast<double>();
-    };
-    if (Orientation(corner(0), corner(1), corner(2), point) <= 0) {
-      return false;
+    for (Walk& walk : walks) {
+      walk.Enter();
+    }
+    for (size_t i = walks.size(); i-- > 0;) {
+      if (!walks[i].FindExit()) {
+        drop(i);
+      }
     }
   }
-  return true;
 }
 
 }  // namespace colmap_ext

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,38 +20,43 @@ struct Crossing {
   float distance = std::numeric_limits<float>::infinity();
 };
 
+struct Ray {
+  uint32_t origin = 0;     // a vertex
+  Eigen::Vector3d target;  // world frame
+  uint32_t end = kNoCell;  // the cell where it ends, or kNoCell
+  // Distances are computed up to the first one beyond, scene units, and all of
+  // them where `end` is kNoCell.
+  double near_distance = 0;
+};
+
+// The way of a ray.
+struct RayPath {
+  std::vector<Crossing> crossings;  // in order
+  // Where it ends, or kNoCell where it had to be given up (the target is the
+  // origin); then the crossings mean nothing.
+  uint32_t end = kNoCell;
+};
+
 // Walks a ray from cell to cell through the tetrahedralization and lists the
-// facets that it crosses, in order. It ends where it enters the cell `end` or
-// an infinite one; where `end` is kNoCell it ends in the cell of the target.
+// facets that it crosses. It ends where it enters the cell `end` or an infinite
+// one; where `end` is kNoCell it ends in the cell of the target.
 //
 // All turns are exact and those of one ray in general position, so that every
 // walk ends [Devillers2002], whether the ray runs through vertices, along edges
 // or within facets.
-// Distances are computed up to the first one beyond `near_distance`, and all of
-// them where `end` is kNoCell.
 //
-// \param origin  a vertex
-// \param target, near_distance  world frame, scene units
-// \param end     a cell, or kNoCell
+// \param origin, target, end, near_distance  see Ray
 // \param crossings  are overwritten
 // \pre Delaunay: a walk around a vertex relies on it to end.
-// \return the cell where the walk ended, or kNoCell where it had to be given up
-//         (the target is the origin); then *crossings means nothing.
+// \return the cell where the walk ended, or kNoCell (RayPath)
 uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  const Eigen::Vector3d& target, uint32_t end,
                  double near_distance, std::vector<Crossing>* crossings);
 
-// The cell that holds a point: one of them where it lies on a facet, an
-// infinite one where it lies beyond the hull.
-// \param point world frame
-// \param hint  a finite cell near the point
-// \pre Delaunay
-uint32_t Locate(const Tetrahedralization& tetrahedra,
-                const Eigen::Vector3d& point, uint32_t hint);
-
-// Whether the point lies within the cell and on none of its facets.
-// \pre the cell is finite
-bool IsStrictlyInside(const Tetrahedralization& tetrahedra, uint32_t cell,
-                      const Eigen::Vector3d& point);
+// The same for many rays. Several of them go on by turns, so that none waits
+// for memory.
+// \param paths [rays] are overwritten
+void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
+              std::span<RayPath> paths);
 
 }  // namespace colmap_ext

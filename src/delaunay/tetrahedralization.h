@@ -23,6 +23,15 @@ inline constexpr uint32_t kNoCell = UINT32_MAX;
 inline constexpr std::array<std::array<int, 3>, 4> kFacetCorners = {
     {{{1, 3, 2}}, {{0, 2, 3}}, {{0, 3, 1}}, {{0, 1, 2}}}};
 
+// Where a value stands among four that differ. Without branches, which nobody
+// could predict.
+// \pre it is one of them
+inline uint32_t PlaceOf(uint32_t value, const std::array<uint32_t, 4>& values) {
+  return static_cast<uint32_t>(values[1] == value) +
+         2 * static_cast<uint32_t>(values[2] == value) +
+         3 * static_cast<uint32_t>(values[3] == value);
+}
+
 // A tetrahedralization of points in flat arrays. Cells are positively oriented:
 // det(v1 - v0, v2 - v0, v3 - v0) > 0, for infinite cells with the infinite
 // vertex beyond the hull.
@@ -45,18 +54,13 @@ struct Tetrahedralization {
   // Which corner of the cell the vertex is.
   // \pre it is one of them
   uint32_t IndexOf(uint32_t cell, uint32_t vertex) const {
-    const auto& v = cells[cell].vertices;
-    return v[0] == vertex ? 0 : v[1] == vertex ? 1 : v[2] == vertex ? 2 : 3;
+    return PlaceOf(vertex, cells[cell].vertices);
   }
 
   // Which facet of the cell leads to the neighbor.
   // \pre it is one of them
   uint32_t FacetTo(uint32_t cell, uint32_t neighbor) const {
-    const auto& n = cells[cell].neighbors;
-    return n[0] == neighbor   ? 0
-           : n[1] == neighbor ? 1
-           : n[2] == neighbor ? 2
-                              : 3;
+    return PlaceOf(neighbor, cells[cell].neighbors);
   }
 };
 

@@ -1,13 +1,16 @@
 #include "delaunay/visibility_weights.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 
 namespace colmap_ext {
@@ -23,6 +26,9 @@ constexpr double kNearSigmas = 5;
 // neighboring rays find their cells in the cache. Any other number gives the
 // same result.
 constexpr uint32_t kBlock = 256;
+
+// Rays that are walked together. Their paths fit a core's cache.
+constexpr size_t kBatch = 64;
 
 // A camera's centre and the cell that holds it.
 struct Center {
@@ -63,7 +69,7 @@ class Voter {
  public:
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
         const std::vector<Center>& centers,
-        const VisibilityWeightOptions& options, FlowGraph* graph,
+        const VisibilityWeightOptions& options, FlowCapacities* graph,
         std::vector<uint32_t>* free_support)
       : tetrahedra_(tetrahedra),
         observations_(observations),
@@ -77,11 +83,6 @@ class Voter {
 
   // \param begin, end  vertices
   void VoteBlock(uint32_t begin, uint32_t end) {
-    struct Observation {
-      uint32_t view;
-      uint32_t vertex;
-      float alpha;
-    };
     std::vector<Observation> block;
     for (uint32_t vertex = begin; vertex < end; ++vertex) {
       for (uint64_t k = observations_.offsets[vertex];
@@ -94,95 +95,104 @@ class Voter {
                      [](const Observation& a, const Observation& b) {
                        return a.view < b.view;
                      });
-    for (const auto& [view, vertex, alpha] : block) {
-      if (observations_.IsEnd(vertex)) {
-        VoteFree(vertex, centers_[view], alpha);
-      } else {
-        Vote(vertex, centers_[view], alpha);
-      }
+    for (size_t i = 0; i < block.size(); i += kBatch) {
+      VoteBatch({block.data() + i, std::min(kBatch, block.size() - i)});
     }
   }
 
   const RayReport& report() const { return report_; }
 
  private:
-  void Vote(uint32_t vertex, const Center& center, double alpha) {
-    ++report_.num_rays;
-    const uint32_t source_cell = WalkRay(tetrahedra_, vertex, center.position,
-                                         center.cell, near_distance_, &front_);
-    const Eigen::Vector3d position = tetrahedra_.points[vertex].cast<double>();
-    const Eigen::Vector3d direction = (position - center.position).normalized();
-    const Eigen::Vector3d target =
-        position + options_.behind_sigma * options_.distance_sigma * direction;
-    const uint32_t sink_cell = source_cell != kNoCell
-                                   ? WalkRay(tetrahedra_, vertex, target,
-                                             kNoCell, near_distance_, &behind_)
-                                   : kNoCell;
-    if (sink_cell == kNoCell) {
-      ++report_.num_lost_rays;
-      return;
+  struct Observation {
+    uint32_t view;
+    uint32_t vertex;
+    float alpha;
+  };
+
+  // \param batch  kBatch observations at most
+  void VoteBatch(std::span<const Observation> batch) {
+    rays_.clear();
+    for (const Observation& observation : batch) {
+      rays_.push_back(RayToCenter(observation));
     }
-    report_.num_steps += front_.size() + behind_.size();
-    AddCapacity(ToCapacity(alpha), &graph_->source[source_cell]);
-    for (const Crossing& crossing : front_) {
-      AddSoft(alpha, crossing.distance, crossing.entry_arc);
+    WalkRays(tetrahedra_, rays_, front_);
+    for (size_t i = 0; i < batch.size(); ++i) {
+      rays_[i] = RayBehind(batch[i]);
     }
-    for (const Crossing& crossing : behind_) {
-      AddSoft(alpha, crossing.distance, crossing.exit_arc);
-    }
-    AddCapacity(ToCapacity(alpha), &graph_->sink[sink_cell]);
-    if (free_support_ != nullptr) {
-      AddFreeSupport(ToCapacity(alpha), source_cell);
+    WalkRays(tetrahedra_, rays_, behind_);
+    for (size_t i = 0; i < batch.size(); ++i) {
+      ++report_.num_rays;
+      if (front_[i].end == kNoCell || behind_[i].end == kNoCell) {
+        ++report_.num_lost_rays;
+        continue;
+      }
+      report_.num_steps +=
+          front_[i].crossings.size() + behind_[i].crossings.size();
+      Vote(batch[i], front_[i], behind_[i]);
     }
   }
 
-  // The ray to an end, and on to the hull.
-  void VoteFree(uint32_t vertex, const Center& center, double alpha) {
-    ++report_.num_rays;
+  Ray RayToCenter(const Observation& observation) const {
+    const Center& center = centers_[observation.view];
+    return {observation.vertex, center.position, center.cell,
+            NearDistance(observation.vertex)};
+  }
+
+  // Behind an end it goes on to the hull, as no cell is kNoCell - 1.
+  Ray RayBehind(const Observation& observation) const {
+    const uint32_t vertex = observation.vertex;
+    const Eigen::Vector3d& center = centers_[observation.view].position;
     const Eigen::Vector3d position = tetrahedra_.points[vertex].cast<double>();
-    const uint32_t source_cell =
-        WalkRay(tetrahedra_, vertex, center.position, center.cell, 0, &front_);
-    // No cell is kNoCell - 1, so that the walk ends beyond the hull.
-    const uint32_t last_cell =
-        source_cell != kNoCell
-            ? WalkRay(tetrahedra_, vertex, 2 * position - center.position,
-                      kNoCell - 1, 0, &behind_)
-            : kNoCell;
-    if (last_cell == kNoCell) {
-      ++report_.num_lost_rays;
-      return;
+    if (observations_.IsEnd(vertex)) {
+      return {vertex, 2 * position - center, kNoCell - 1, 0};
     }
-    report_.num_steps += front_.size() + behind_.size();
-    const uint32_t weight = ToCapacity(alpha);
-    AddCapacity(weight, &graph_->source[source_cell]);
-    for (const Crossing& crossing : front_) {
-      AddCapacity(
-          weight,
-          &graph_->capacities[crossing.entry_arc / 4][crossing.entry_arc % 4]);
+    const Eigen::Vector3d direction = (position - center).normalized();
+    return {
+        vertex,
+        position + options_.behind_sigma * options_.distance_sigma * direction,
+        kNoCell, near_distance_};
+  }
+
+  double NearDistance(uint32_t vertex) const {
+    return observations_.IsEnd(vertex) ? 0 : near_distance_;
+  }
+
+  void Vote(const Observation& observation, const RayPath& front,
+            const RayPath& behind) {
+    const uint32_t weight = ToCapacity(observation.alpha);
+    const bool is_end = observations_.IsEnd(observation.vertex);
+    AddCapacity(weight, &graph_->source[front.end]);
+    for (const Crossing& crossing : front.crossings) {
+      AddVote(observation.alpha, weight, is_end, crossing.distance,
+              crossing.entry_arc);
     }
-    for (const Crossing& crossing : behind_) {
-      AddCapacity(
-          weight,
-          &graph_->capacities[crossing.exit_arc / 4][crossing.exit_arc % 4]);
+    for (const Crossing& crossing : behind.crossings) {
+      AddVote(observation.alpha, weight, is_end, crossing.distance,
+              crossing.exit_arc);
+    }
+    if (!is_end) {
+      AddCapacity(weight, &graph_->sink[behind.end]);
     }
     if (free_support_ != nullptr) {
-      AddFreeSupport(weight, source_cell);
+      AddFreeSupport(weight, front);
     }
   }
 
-  void AddFreeSupport(uint32_t weight, uint32_t source_cell) {
-    for (const Crossing& crossing : front_) {
+  void AddFreeSupport(uint32_t weight, const RayPath& front) {
+    for (const Crossing& crossing : front.crossings) {
       AddCapacity(weight, &(*free_support_)[crossing.exit_arc / 4]);
     }
-    AddCapacity(weight, &(*free_support_)[source_cell]);
+    AddCapacity(weight, &(*free_support_)[front.end]);
   }
 
-  void AddSoft(double alpha, double distance, uint32_t arc) {
-    const double soft = distance < near_distance_
-                            ? 1 - std::exp(distance * distance * normalization_)
-                            : 1;
-    AddCapacity(ToCapacity(alpha * soft),
-                &graph_->capacities[arc / 4][arc % 4]);
+  // \param weight  of the observation, far from the point or where it is an end
+  void AddVote(double alpha, uint32_t weight, bool is_end, double distance,
+               uint32_t arc) {
+    if (!is_end && distance < near_distance_) {
+      weight = ToCapacity(alpha *
+                          (1 - std::exp(distance * distance * normalization_)));
+    }
+    AddCapacity(weight, &graph_->capacities[arc / 4][arc % 4]);
   }
 
   const Tetrahedralization& tetrahedra_;
@@ -191,11 +201,12 @@ class Voter {
   const VisibilityWeightOptions& options_;
   const double near_distance_;
   const double normalization_;
-  FlowGraph* graph_;
+  FlowCapacities* graph_;
   std::vector<uint32_t>* free_support_;  // [cells], or null
   RayReport report_;
-  std::vector<Crossing> front_;
-  std::vector<Crossing> behind_;
+  std::vector<Ray> rays_;  // of a batch
+  std::array<RayPath, kBatch> front_;
+  std::array<RayPath, kBatch> behind_;
 };
 
 }  // namespace
@@ -241,7 +252,7 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
-                               FlowGraph* graph, const Progress& progress,
+                               FlowCapacities* graph, const Progress& progress,
                                std::vector<uint32_t>* free_support) {
   Report(progress, kStage, 0);
   if (free_support != nullptr) {

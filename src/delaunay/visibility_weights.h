@@ -78,7 +78,8 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
-                               FlowGraph* graph, const Progress& progress = {},
+                               FlowCapacities* graph,
+                               const Progress& progress = {},
                                std::vector<uint32_t>* free_support = nullptr);
 
 }  // namespace colmap_ext

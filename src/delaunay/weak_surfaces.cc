@@ -107,7 +107,7 @@ size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,
                              const std::vector<Eigen::Vector3d>& centers,
                              const std::vector<uint32_t>& free_support,
                              const VisibilityWeightOptions& options,
-                             FlowGraph* graph) {
+                             FlowCapacities* graph) {
   const std::vector<SupportJump> jumps =
       MeasureJumps(tetrahedra, observations, centers, free_support, options);
   const double median = MedianFront(jumps);

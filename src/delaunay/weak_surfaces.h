@@ -59,6 +59,6 @@ size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,
                              const std::vector<Eigen::Vector3d>& centers,
                              const std::vector<uint32_t>& free_support,
                              const VisibilityWeightOptions& options,
-                             FlowGraph* graph);
+                             FlowCapacities* graph);
 
 }  // namespace colmap_ext

@@ -107,13 +107,13 @@ int64_t ExcessOf(const StarGraph& graph, const std::vector<uint8_t>& is_free) {
 //      twice. Cells to flip do: a facet between them contains their common
 //      vertex, and they are of one component.
 int64_t EnergyAround(const Tetrahedralization& tetrahedra,
-                     const FlowGraph& graph,
+                     const FlowCapacities& graph,
                      const std::vector<uint8_t>& is_free, const Cells& cells) {
   int64_t energy = 0;
   for (const uint32_t cell : cells) {
     energy += is_free[cell] ? graph.sink[cell] : graph.source[cell];
     for (int i = 0; i < 4; ++i) {
-      const uint32_t other = graph.neighbors[cell][i];
+      const uint32_t other = tetrahedra.cells[cell].neighbors[i];
       if (is_free[cell] && !is_free[other]) {
         energy += graph.capacities[cell][i];
       } else if (!is_free[cell] && is_free[other]) {
@@ -127,7 +127,7 @@ int64_t EnergyAround(const Tetrahedralization& tetrahedra,
 // Chooses among the flips around one vertex.
 class FlipChooser {
  public:
-  FlipChooser(const Tetrahedralization& tetrahedra, const FlowGraph& graph,
+  FlipChooser(const Tetrahedralization& tetrahedra, const FlowCapacities& graph,
               int64_t max_excess, std::vector<uint8_t>* is_free)
       : tetrahedra_(tetrahedra),
         graph_(graph),
@@ -177,7 +177,7 @@ class FlipChooser {
   }
 
   const Tetrahedralization& tetrahedra_;
-  const FlowGraph& graph_;
+  const FlowCapacities& graph_;
   std::vector<uint8_t>* is_free_;
   FlipChange best_change_;
   Cells best_cells_;
@@ -187,7 +187,7 @@ class FlipChooser {
 }  // namespace
 
 std::vector<uint32_t> BestFlip(const Tetrahedralization& tetrahedra,
-                               const FlowGraph& graph, uint32_t vertex,
+                               const FlowCapacities& graph, uint32_t vertex,
                                int64_t max_excess,
                                std::vector<uint8_t>* is_free) {
   FlipChooser chooser(tetrahedra, graph, max_excess, is_free);

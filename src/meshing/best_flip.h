@@ -32,7 +32,7 @@ struct FlipChange {
 // \return without repeats; empty where the vertex is not singular or all
 //         changes exceed max_excess
 std::vector<uint32_t> BestFlip(const Tetrahedralization& tetrahedra,
-                               const FlowGraph& graph, uint32_t vertex,
+                               const FlowCapacities& graph, uint32_t vertex,
                                int64_t max_excess,
                                std::vector<uint8_t>* is_free);
 

@@ -4,8 +4,8 @@
 
 namespace colmap_ext {
 
-void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra, FlowGraph* graph,
-               std::vector<uint8_t>* is_free) {
+void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
+               FlowCapacities* graph, std::vector<uint8_t>* is_free) {
   const Tetrahedralization::Cell parent = tetrahedra->cells[cell];
   const auto first_new = static_cast<uint32_t>(tetrahedra->cells.size());
   const std::array<uint32_t, 4> children = {cell, first_new, first_new + 1,
@@ -18,7 +18,6 @@ void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra, FlowGraph* graph,
   tetrahedra->points.push_back(position.cast<float>());
   tetrahedra->vertex_cells.push_back(cell);
   tetrahedra->cells.resize(first_new + 3);
-  graph->neighbors.resize(first_new + 3);
   graph->capacities.resize(first_new + 3);
   graph->source.resize(first_new + 3, graph->source[cell] / 4);
   graph->sink.resize(first_new + 3, graph->sink[cell] / 4);
@@ -32,13 +31,11 @@ void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra, FlowGraph* graph,
     child.vertices[i] = centroid;
     child.neighbors[i] = parent.neighbors[i];
     tetrahedra->cells[children[i]] = child;
-    graph->neighbors[children[i]] = child.neighbors;
     graph->capacities[children[i]] = {0, 0, 0, 0};
     graph->capacities[children[i]][i] = capacities[i];
     const uint32_t outer = parent.neighbors[i];
     const int back = tetrahedra->FacetTo(outer, cell);
     tetrahedra->cells[outer].neighbors[back] = children[i];
-    graph->neighbors[outer][back] = children[i];
     tetrahedra->vertex_cells[parent.vertices[i]] = children[(i + 1) % 4];
   }
 }

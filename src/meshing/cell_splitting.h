@@ -17,7 +17,7 @@ namespace colmap_ext {
 // \param tetrahedra is no longer Delaunay afterwards
 // \param graph      of the cells: node i is cell i
 // \param is_free    [C] labels of the cells, 1: free space, 0: matter
-void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra, FlowGraph* graph,
-               std::vector<uint8_t>* is_free);
+void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
+               FlowCapacities* graph, std::vector<uint8_t>* is_free);
 
 }  // namespace colmap_ext

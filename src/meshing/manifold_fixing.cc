@@ -31,7 +31,7 @@ std::optional<size_t> Largest(const VertexStar& star, bool is_free) {
 
 class Fixer {
  public:
-  Fixer(Tetrahedralization* tetrahedra, FlowGraph* graph,
+  Fixer(Tetrahedralization* tetrahedra, FlowCapacities* graph,
         std::vector<uint8_t>* is_free)
       : tetrahedra_(tetrahedra),
         graph_(graph),
@@ -158,7 +158,7 @@ class Fixer {
   }
 
   Tetrahedralization* tetrahedra_;
-  FlowGraph* graph_;
+  FlowCapacities* graph_;
   std::vector<uint8_t>* is_free_;
   SingularVertexTracker tracker_;
   FixingReport report_;
@@ -169,7 +169,7 @@ class Fixer {
 
 FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
-                                 FlowGraph* graph,
+                                 FlowCapacities* graph,
                                  std::vector<uint8_t>* is_free) {
   return Fixer(tetrahedra, graph, is_free).Run(rule);
 }

@@ -40,7 +40,7 @@ struct FixingReport {
 // \param is_free    [C] labels of the cells, 1: free space, 0: matter
 FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
-                                 FlowGraph* graph,
+                                 FlowCapacities* graph,
                                  std::vector<uint8_t>* is_free);
 
 }  // namespace colmap_ext

@@ -11,12 +11,10 @@
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "delaunay/weak_surfaces.h"
-#include "mesh/clip_mesh.h"
 #include "mesh/facet_confidences.h"
-#include "mesh/facet_filters.h"
 #include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
 #include "mesh/vertex_confidences.h"
+#include "meshing/filter_surface.h"
 #include "meshing/point_support.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"
@@ -66,15 +64,16 @@ WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
 
 // The graph whose minimum cut is the surface [Romanoni2020, section IV].
 // \param is_end [V] see MarkEnds()
-FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
-                    const WeightedCloud& weighted,
-                    const std::vector<uint8_t>& is_end,
-                    const std::vector<View>& views,
-                    const ThinnedTetrahedralization& thinned,
-                    const Progress& progress, ManifoldMeshingReport* report) {
+FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
+                         const WeightedCloud& weighted,
+                         const std::vector<uint8_t>& is_end,
+                         const std::vector<View>& views,
+                         const ThinnedTetrahedralization& thinned,
+                         const Progress& progress,
+                         ManifoldMeshingReport* report) {
   const Tetrahedralization& tetrahedra = thinned.tetrahedra;
   Report(progress, "Weighing facets", 0);
-  FlowGraph graph = EmptyGraph(tetrahedra);
+  FlowCapacities graph = ZeroCapacities(tetrahedra);
   AddQualityWeights(tetrahedra, options.quality_regularization, &graph);
   constexpr double kSigmaPercentile = 25;  // as in COLMAP's delaunay_mesher
   report->distance_sigma =
@@ -101,12 +100,14 @@ FlowGraph MakeGraph(const ManifoldMeshingOptions& options,
   return graph;
 }
 
-std::vector<uint8_t> CutGraph(const FlowGraph& graph, const Progress& progress,
+std::vector<uint8_t> CutGraph(const Tetrahedralization& tetrahedra,
+                              const FlowCapacities& graph,
+                              const Progress& progress,
                               ManifoldMeshingReport* report) {
   Report(progress, "Cutting the graph", 0);
-  MinCut cut = ComputeMinCut(graph);
+  MinCut cut = ComputeMinCut(NeighborsOf(tetrahedra), graph);
   report->flow = cut.flow;
-  report->cut = CutValue(graph, cut.on_source_side);
+  report->cut = CutValue(NeighborsOf(tetrahedra), graph, cut.on_source_side);
   report->num_free_cells = static_cast<size_t>(
       std::count(cut.on_source_side.begin(), cut.on_source_side.end(), 1));
   if (report->flow != report->cut) {
@@ -116,7 +117,7 @@ std::vector<uint8_t> CutGraph(const FlowGraph& graph, const Progress& progress,
 }
 
 FixingReport Fix(const ManifoldMeshingOptions& options,
-                 Tetrahedralization* tetrahedra, FlowGraph* graph,
+                 Tetrahedralization* tetrahedra, FlowCapacities* graph,
                  std::vector<uint8_t>* is_free, const Progress& progress) {
   Report(progress, "Fixing singular vertices", 0);
   if (options.preemptive_fixing) {
@@ -126,66 +127,6 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
   report.num_singular_raw = SingularVertices(*tetrahedra, *is_free).size();
   report.num_singular_fixed = report.num_singular_raw;
   return report;
-}
-
-// Makes sources in a surface those that the surface's vertices have themselves.
-void ComposeSources(const FanSplit& surface,
-                    std::vector<std::array<uint32_t, 2>>* sources) {
-  for (auto& [a, b] : *sources) {
-    a = surface.sources[a][0];
-    b = surface.sources[b][1];
-  }
-}
-
-// Drops the facets that have an end of rays as a corner, where nothing tells
-// whether there is a surface.
-// \return how many
-size_t DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
-  const auto is_at_end = [&](uint32_t vertex) {
-    const auto& [a, b] = surface->sources[vertex];
-    return (a < is_end.size() && is_end[a] != 0) ||
-           (b < is_end.size() && is_end[b] != 0);
-  };
-  return std::erase_if(surface->mesh.facets, [&](const Facet& facet) {
-    return std::ranges::any_of(facet, is_at_end);
-  });
-}
-
-// Cuts the surface off at the region's border.
-// \return whether it reaches beyond
-bool Clip(const Region& region, FanSplit* surface) {
-  ClippedMesh clipped = ClipMesh(region, std::move(surface->mesh));
-  ComposeSources(*surface, &clipped.sources);
-  surface->mesh = std::move(clipped.mesh);
-  surface->sources = std::move(clipped.sources);
-  return clipped.is_clipped;
-}
-
-// Drops what the options want dropped from the surface and makes what is left
-// manifold again.
-// \param is_end [V] of the tetrahedralization, see MarkEnds()
-void Filter(const ManifoldMeshingOptions& options,
-            const std::vector<uint8_t>& is_end, FanSplit* surface,
-            ManifoldMeshingReport* report) {
-  const size_t num_at_ends = DropFacetsAtEnds(is_end, surface);
-  report->num_long_facets =
-      DropLongFacets(options.max_side_length_factor,
-                     options.max_side_length_percentile, &surface->mesh);
-  const bool is_clipped = options.region && Clip(*options.region, surface);
-  report->small_components = DropSmallComponents(
-      static_cast<size_t>(options.min_component_faces), &surface->mesh);
-  if (num_at_ends + report->num_long_facets +
-              report->small_components.num_facets ==
-          0 &&
-      !is_clipped) {
-    return;
-  }
-  FanSplit split =
-      SplitFans(surface->mesh, PairHalfEdges(surface->mesh.facets));
-  ComposeSources(*surface, &split.sources);
-  split.num_split_vertices += surface->num_split_vertices;
-  split.num_midpoints += surface->num_midpoints;
-  *surface = std::move(split);
 }
 
 FanSplit Extract(const ManifoldMeshingOptions& options,
@@ -199,7 +140,7 @@ FanSplit Extract(const ManifoldMeshingOptions& options,
     const ExtractedSurface extracted = ExtractSurface(tetrahedra, is_free);
     surface = SplitFans(extracted.mesh, extracted.partners);
   }
-  Filter(options, is_end, &surface, report);
+  FilterSurface(options, is_end, &surface, report);
   report->num_split_vertices = surface.num_split_vertices;
   report->num_midpoints = surface.num_midpoints;
   if (surface.mesh.facets.empty()) {
@@ -223,6 +164,45 @@ std::vector<std::array<uint32_t, 2>> PointsOf(
     points.push_back({point(a), point(b)});
   }
   return points;
+}
+
+// The surface with the attributes and confidences of its points. What it is
+// made from is gone when it returns.
+ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
+                         PointCloud cloud, const std::vector<View>& views,
+                         const Progress& progress, const RayEnds& ends) {
+  ManifoldMesh result;
+  ManifoldMeshingReport& report = result.report;
+  WeightedCloud weighted =
+      Prepare(options, std::move(cloud), views, ends, &report);
+  ThinnedTetrahedralization thinned =
+      Tetrahedralize(weighted.cloud, views,
+                     {options.max_proj_dist, options.max_depth_dist}, progress);
+  report.num_duplicate_points = thinned.num_duplicate_points;
+  report.num_vertices = thinned.tetrahedra.points.size();
+  report.num_cells = thinned.tetrahedra.cells.size();
+  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
+  const std::vector<float> supports = SupportOfVertices(
+      report.num_vertices, thinned.point_vertices, weighted.weights);
+  FlowCapacities graph =
+      MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
+  // The cut needs most memory: what has served goes before.
+  std::vector<float>().swap(weighted.weights);
+  std::vector<uint32_t>().swap(thinned.point_vertices);
+  std::vector<uint8_t> is_free =
+      CutGraph(thinned.tetrahedra, graph, progress, &report);
+  report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
+  graph = {};
+  FanSplit surface =
+      Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
+  result.attributes =
+      InheritAttributes(surface.mesh, weighted.cloud,
+                        PointsOf(surface.sources, thinned.vertex_points));
+  result.facet_confidences = FacetConfidences(
+      surface.mesh, SupportOfSurface(supports, surface.sources),
+      result.attributes.views, views);
+  result.mesh = std::move(surface.mesh);
+  return result;
 }
 
 // Trims the mesh, closes its holes, and gives confidences to the vertices of
@@ -250,63 +230,15 @@ void FinishBorders(const BorderOptions& options, const Progress& progress,
 
 }  // namespace
 
-std::string ManifoldMeshingOptions::Check() const {
-  const std::pair<bool, const char*> rules[] = {
-      {max_proj_dist >= 0, "max_proj_dist must not be negative"},
-      {max_depth_dist >= 0 && max_depth_dist <= 1,
-       "max_depth_dist must lie in [0, 1]"},
-      {visibility_sigma > 0, "visibility_sigma must be positive"},
-      {alpha_vis > 0 && alpha_vis <= 1, "alpha_vis must lie in (0, 1]"},
-      {distance_sigma_factor > 0, "distance_sigma_factor must be positive"},
-      {behind_sigma > 0, "behind_sigma must be positive"},
-      {quality_regularization >= 0 && quality_regularization <= 1e4,
-       "quality_regularization must lie in [0, 10000]"},
-      {max_side_length_factor >= 0,
-       "max_side_length_factor must not be negative"},
-      {max_side_length_percentile >= 0 && max_side_length_percentile <= 100,
-       "max_side_length_percentile must lie in [0, 100]"},
-      {min_component_faces >= 0, "min_component_faces must not be negative"}};
-  for (const auto& [holds, message] : rules) {
-    if (!holds) {
-      return message;
-    }
-  }
-  return borders.Check();
-}
-
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           PointCloud cloud, const std::vector<View>& views,
                           const Progress& progress, const RayEnds& ends) {
   if (cloud.views.values.empty()) {
     throw std::invalid_argument("no view sees any point: nothing to mesh");
   }
-  ManifoldMesh result;
+  ManifoldMesh result =
+      MakeSurface(options, std::move(cloud), views, progress, ends);
   ManifoldMeshingReport& report = result.report;
-  WeightedCloud weighted =
-      Prepare(options, std::move(cloud), views, ends, &report);
-  ThinnedTetrahedralization thinned =
-      Tetrahedralize(weighted.cloud, views,
-                     {options.max_proj_dist, options.max_depth_dist}, progress);
-  report.num_duplicate_points = thinned.num_duplicate_points;
-  report.num_vertices = thinned.tetrahedra.points.size();
-  report.num_cells = thinned.tetrahedra.cells.size();
-  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
-  const std::vector<float> supports = SupportOfVertices(
-      report.num_vertices, thinned.point_vertices, weighted.weights);
-  FlowGraph graph =
-      MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
-  std::vector<uint8_t> is_free = CutGraph(graph, progress, &report);
-  report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
-  graph = FlowGraph();
-  FanSplit surface =
-      Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
-  result.attributes =
-      InheritAttributes(surface.mesh, weighted.cloud,
-                        PointsOf(surface.sources, thinned.vertex_points));
-  result.facet_confidences = FacetConfidences(
-      surface.mesh, SupportOfSurface(supports, surface.sources),
-      result.attributes.views, views);
-  result.mesh = std::move(surface.mesh);
   FinishBorders(options.borders, progress, &result);
   if (options.remeshing) {
     Report(progress, "Remeshing", 0);

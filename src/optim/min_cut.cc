@@ -16,25 +16,33 @@ constexpr uint8_t kTerminal = 4;  // the source or the sink itself
 constexpr uint8_t kOrphan = 5;
 constexpr uint8_t kFree = 6;  // in no tree
 
+// A distance as a node holds it. Those beyond count as one: distances choose
+// between parents, nothing depends on them.
+uint16_t Near(uint32_t distance) {
+  return static_cast<uint16_t>(std::min<uint32_t>(distance, UINT16_MAX));
+}
+
 int32_t Clamp(uint32_t capacity) {
   return static_cast<int32_t>(std::min(capacity, kMaxCapacity));
 }
 
-struct alignas(64) Node {
-  std::array<uint32_t, 4> neighbors;
+struct alignas(32) Node {
   std::array<int32_t, 4> residual;  // of the arcs to the neighbors
   int32_t terminal;                 // > 0: from the source, < 0: to the sink
   uint32_t next_active;             // itself: last in the queue; kNone: not in
-  uint32_t distance;                // to the terminal, at the time `stamp`
   uint32_t stamp;
-  std::array<uint8_t, 4> mirror;  // which arc of the neighbor leads back
-  uint8_t parent;
-  bool in_sink_tree;
+  uint16_t distance;  // to the terminal, at the time `stamp`; Near()
+  uint8_t mirrors;    // which arc of each neighbor leads back, two bits each
+  uint8_t parent : 7;
+  bool in_sink_tree : 1;
+
+  uint8_t Mirror(int arc) const { return mirrors >> (2 * arc) & 3; }
 };
 
 class Solver {
  public:
-  explicit Solver(const FlowGraph& graph) : nodes_(graph.size()) {
+  Solver(NeighborView neighbors, const FlowCapacities& graph)
+      : neighbors_(neighbors), nodes_(graph.size()) {
     const auto num_nodes = static_cast<uint32_t>(nodes_.size());
     tbb::parallel_for(uint32_t{0}, num_nodes,
                       [&](uint32_t i) { InitializeNode(graph, i); });
@@ -67,18 +75,17 @@ class Solver {
   }
 
  private:
-  void InitializeNode(const FlowGraph& graph, uint32_t index) {
+  void InitializeNode(const FlowCapacities& graph, uint32_t index) {
     Node& node = nodes_[index];
-    node.neighbors = graph.neighbors[index];
+    node.mirrors = 0;
     for (int k = 0; k < 4; ++k) {
       node.residual[k] = Clamp(graph.capacities[index][k]);
-      node.mirror[k] = 0;
-      if (node.neighbors[k] != kNoNeighbor) {
-        const auto& back = graph.neighbors[node.neighbors[k]];
-        while (back[node.mirror[k]] != index) {
-          ++node.mirror[k];
-          assert(node.mirror[k] < 4);
-        }
+      const uint32_t other = neighbors_[index][k];
+      if (other != kNoNeighbor) {
+        const auto back = std::ranges::find(neighbors_[other], index);
+        assert(back != neighbors_[other].end());
+        node.mirrors |=
+            static_cast<uint8_t>((back - neighbors_[other].begin()) << (2 * k));
       }
     }
     node.terminal = Clamp(graph.source[index]) - Clamp(graph.sink[index]);
@@ -116,16 +123,14 @@ class Solver {
   // The residual capacity between a node and its neighbor k in the direction in
   // which flow passes in the node's tree from the node to the neighbor's side:
   // away from the source, or from the neighbor towards the sink.
-  int32_t Outward(const Node& node, int k) const {
-    return node.in_sink_tree
-               ? nodes_[node.neighbors[k]].residual[node.mirror[k]]
-               : node.residual[k];
+  int32_t Outward(const Node& node, int k, const Node& neighbor) const {
+    return node.in_sink_tree ? neighbor.residual[node.Mirror(k)]
+                             : node.residual[k];
   }
 
-  int32_t Inward(const Node& node, int k) const {
-    return node.in_sink_tree
-               ? node.residual[k]
-               : nodes_[node.neighbors[k]].residual[node.mirror[k]];
+  int32_t Inward(const Node& node, int k, const Node& neighbor) const {
+    return node.in_sink_tree ? node.residual[k]
+                             : neighbor.residual[node.Mirror(k)];
   }
 
   // Lets the tree grow from an active node. Where it meets the other tree, flow
@@ -134,18 +139,21 @@ class Solver {
   bool Grow(uint32_t index) {
     Node& node = nodes_[index];
     for (int k = 0; k < 4; ++k) {
-      const uint32_t other = node.neighbors[k];
-      if (other == kNoNeighbor || Outward(node, k) == 0) {
+      const uint32_t other = neighbors_[index][k];
+      if (other == kNoNeighbor) {
         continue;
       }
       Node& neighbor = nodes_[other];
+      if (Outward(node, k, neighbor) == 0) {
+        continue;
+      }
       if (neighbor.parent == kFree) {
         neighbor.in_sink_tree = node.in_sink_tree;
         Adopt(&neighbor, node, k);
         Activate(other);
       } else if (neighbor.in_sink_tree != node.in_sink_tree) {
         if (node.in_sink_tree) {
-          Augment(other, node.mirror[k]);
+          Augment(other, node.Mirror(k));
         } else {
           Augment(index, k);
         }
@@ -159,20 +167,20 @@ class Solver {
   }
 
   static void Adopt(Node* child, const Node& parent, int arc_of_parent) {
-    child->parent = parent.mirror[arc_of_parent];
-    child->distance = parent.distance + 1;
+    child->parent = parent.Mirror(arc_of_parent);
+    child->distance = Near(parent.distance + 1u);
     child->stamp = parent.stamp;
   }
 
   // Pushes as much as fits from the source to the sink over the arc from a node
   // of the source's tree to one of the sink's.
   void Augment(uint32_t from, int arc) {
-    const uint32_t to = nodes_[from].neighbors[arc];
+    const uint32_t to = neighbors_[from][arc];
     int32_t amount = nodes_[from].residual[arc];
     amount = std::min(amount, Bottleneck(from));
     amount = std::min(amount, Bottleneck(to));
     nodes_[from].residual[arc] -= amount;
-    nodes_[to].residual[nodes_[from].mirror[arc]] += amount;
+    nodes_[to].residual[nodes_[from].Mirror(arc)] += amount;
     Push(from, amount);
     Push(to, amount);
     flow_ += amount;
@@ -190,8 +198,9 @@ class Solver {
       if (node.parent == kTerminal) {
         return std::min(amount, std::abs(node.terminal));
       }
-      amount = std::min(amount, Inward(node, node.parent));
-      index = node.neighbors[node.parent];
+      const uint32_t parent = neighbors_[index][node.parent];
+      amount = std::min(amount, Inward(node, node.parent, nodes_[parent]));
+      index = parent;
     }
   }
 
@@ -208,9 +217,9 @@ class Solver {
         }
         return;
       }
-      const uint32_t parent = node.neighbors[arc];
+      const uint32_t parent = neighbors_[index][arc];
       int32_t& towards_parent = node.residual[arc];
-      int32_t& from_parent = nodes_[parent].residual[node.mirror[arc]];
+      int32_t& from_parent = nodes_[parent].residual[node.Mirror(arc)];
       towards_parent += node.in_sink_tree ? -amount : amount;
       from_parent += node.in_sink_tree ? amount : -amount;
       if ((node.in_sink_tree ? towards_parent : from_parent) == 0) {
@@ -231,10 +240,10 @@ class Solver {
     Node& node = nodes_[index];
     uint32_t nearest = kNone;
     for (int k = 0; k < 4; ++k) {
-      const uint32_t other = node.neighbors[k];
+      const uint32_t other = neighbors_[index][k];
       if (other == kNoNeighbor || nodes_[other].parent == kFree ||
           nodes_[other].in_sink_tree != node.in_sink_tree ||
-          Inward(node, k) == 0) {
+          Inward(node, k, nodes_[other]) == 0) {
         continue;
       }
       const uint32_t distance = DistanceToTerminal(other);
@@ -244,21 +253,21 @@ class Solver {
       }
     }
     if (nearest != kNone) {
-      node.distance = nearest + 1;
+      node.distance = Near(nearest + 1);
       node.stamp = time_;
       return;
     }
     node.parent = kFree;
     for (int k = 0; k < 4; ++k) {
-      const uint32_t other = node.neighbors[k];
+      const uint32_t other = neighbors_[index][k];
       if (other == kNoNeighbor || nodes_[other].parent == kFree ||
           nodes_[other].in_sink_tree != node.in_sink_tree) {
         continue;
       }
-      if (Inward(node, k) > 0) {
+      if (Inward(node, k, nodes_[other]) > 0) {
         Activate(other);
       }
-      if (nodes_[other].parent == node.mirror[k]) {
+      if (nodes_[other].parent == node.Mirror(k)) {
         MakeOrphan(other);
       }
     }
@@ -285,17 +294,18 @@ class Solver {
         return kNone;
       }
       ++distance;
-      at = node.neighbors[node.parent];
+      at = neighbors_[at][node.parent];
     }
     uint32_t remaining = distance;
     for (at = index; nodes_[at].stamp != time_;
-         at = nodes_[at].neighbors[nodes_[at].parent]) {
+         at = neighbors_[at][nodes_[at].parent]) {
       nodes_[at].stamp = time_;
-      nodes_[at].distance = remaining--;
+      nodes_[at].distance = Near(remaining--);
     }
     return distance;
   }
 
+  const NeighborView neighbors_;
   std::vector<Node> nodes_;
   std::vector<uint32_t> orphans_;
   uint32_t first_active_ = kNone;
@@ -306,15 +316,19 @@ class Solver {
 
 }  // namespace
 
-MinCut ComputeMinCut(const FlowGraph& graph) {
-  Solver solver(graph);
+MinCut ComputeMinCut(NeighborView neighbors, const FlowCapacities& capacities) {
+  Solver solver(neighbors, capacities);
   MinCut cut;
   cut.flow = solver.Run();
   cut.on_source_side = solver.SourceSide();
   return cut;
 }
 
-int64_t CutValue(const FlowGraph& graph,
+MinCut ComputeMinCut(const FlowGraph& graph) {
+  return ComputeMinCut(NeighborView(graph), graph);
+}
+
+int64_t CutValue(NeighborView neighbors, const FlowCapacities& graph,
                  const std::vector<uint8_t>& on_source_side) {
   int64_t value = 0;
   for (size_t i = 0; i < graph.size(); ++i) {
@@ -324,13 +338,18 @@ int64_t CutValue(const FlowGraph& graph,
     }
     value += Clamp(graph.sink[i]);
     for (int k = 0; k < 4; ++k) {
-      const uint32_t other = graph.neighbors[i][k];
+      const uint32_t other = neighbors[i][k];
       if (other != kNoNeighbor && !on_source_side[other]) {
         value += Clamp(graph.capacities[i][k]);
       }
     }
   }
   return value;
+}
+
+int64_t CutValue(const FlowGraph& graph,
+                 const std::vector<uint8_t>& on_source_side) {
+  return CutValue(NeighborView(graph), graph, on_source_side);
 }
 
 }  // namespace colmap_ext

@@ -13,18 +13,43 @@ inline constexpr uint32_t kNoNeighbor = UINT32_MAX;
 // bits holds the sum of the residual capacities of an arc and of its reverse.
 inline constexpr uint32_t kMaxCapacity = (1u << 30) - 1;
 
-// A directed graph with a source and a sink, whose nodes have at most four
-// neighbors: the cells of a tetrahedralization. Capacities are integers, so
-// that sums do not depend on their order and a cut equals its flow exactly.
-struct FlowGraph {
-  std::vector<std::array<uint32_t, 4>> neighbors;   // [N], or kNoNeighbor;
-                                                    // symmetric, no repeats
+// The capacities of a directed graph with a source and a sink, whose nodes have
+// at most four neighbors: the cells of a tetrahedralization. They are integers,
+// so that sums do not depend on their order and a cut equals its flow exactly.
+struct FlowCapacities {
   std::vector<std::array<uint32_t, 4>> capacities;  // [N], of the arc to each
                                                     // neighbor
   std::vector<uint32_t> source;                     // [N], from the source
   std::vector<uint32_t> sink;                       // [N], to the sink
 
-  size_t size() const { return neighbors.size(); }
+  size_t size() const { return source.size(); }
+};
+
+// The same with its neighbors.
+struct FlowGraph : FlowCapacities {
+  std::vector<std::array<uint32_t, 4>> neighbors;  // [N], or kNoNeighbor;
+                                                   // symmetric, no repeats
+};
+
+// The neighbors of nodes where they lie, in rows of four among other data.
+class NeighborView {
+ public:
+  // \param first   the row of node 0
+  // \param stride  from row to row, bytes
+  NeighborView(const std::array<uint32_t, 4>* first, size_t stride)
+      : first_(reinterpret_cast<const std::byte*>(first)), stride_(stride) {}
+
+  explicit NeighborView(const FlowGraph& graph)
+      : NeighborView(graph.neighbors.data(), sizeof(graph.neighbors[0])) {}
+
+  const std::array<uint32_t, 4>& operator[](size_t node) const {
+    return *reinterpret_cast<const std::array<uint32_t, 4>*>(first_ +
+                                                             node * stride_);
+  }
+
+ private:
+  const std::byte* first_;
+  size_t stride_;
 };
 
 struct MinCut {
@@ -37,10 +62,13 @@ struct MinCut {
 // cuts the one with the fewest nodes on the source's side, which is unique.
 //
 // \pre neighbors are symmetric and without repeats
+MinCut ComputeMinCut(NeighborView neighbors, const FlowCapacities& capacities);
 MinCut ComputeMinCut(const FlowGraph& graph);
 
 // The sum of the capacities of the arcs that lead from the source's side to the
 // sink's.
+int64_t CutValue(NeighborView neighbors, const FlowCapacities& capacities,
+                 const std::vector<uint8_t>& on_source_side);
 int64_t CutValue(const FlowGraph& graph,
                  const std::vector<uint8_t>& on_source_side);
 

@@ -34,7 +34,7 @@ struct Stages {
                         thinned.point_vertices,
                         std::vector<float>(scene.fused.cloud.size(), 1.0f));
     sigma = EdgeLengthPercentile(thinned.tetrahedra, 25);
-    graph = EmptyGraph(thinned.tetrahedra);
+    graph = ZeroCapacities(thinned.tetrahedra);
     empty_graph = graph;
     AddQualityWeights(thinned.tetrahedra, 1, &graph);
     AddVisibilityWeights(thinned.tetrahedra, observations, centers, {sigma, 1},
@@ -56,8 +56,8 @@ struct Stages {
   std::vector<Eigen::Vector3d> centers;
   Observations observations;
   double sigma = 0;
-  FlowGraph empty_graph;
-  FlowGraph graph;
+  FlowCapacities empty_graph;
+  FlowCapacities graph;
 };
 
 void CountPoints(const Stages& stages, benchmark::State* state) {
@@ -78,7 +78,7 @@ void BM_Tetrahedralize(benchmark::State& state) {
 void BM_WalkRays(benchmark::State& state) {
   const Stages& stages = Stages::OfWidth(state.range(0));
   for (auto _ : state) {
-    FlowGraph graph = stages.empty_graph;
+    FlowCapacities graph = stages.empty_graph;
     AddVisibilityWeights(stages.thinned.tetrahedra, stages.observations,
                          stages.centers, {stages.sigma, 1}, &graph);
     benchmark::DoNotOptimize(graph);
@@ -89,7 +89,8 @@ void BM_WalkRays(benchmark::State& state) {
 void BM_MinCut(benchmark::State& state) {
   const Stages& stages = Stages::OfWidth(state.range(0));
   for (auto _ : state) {
-    benchmark::DoNotOptimize(ComputeMinCut(stages.graph));
+    benchmark::DoNotOptimize(
+        ComputeMinCut(NeighborsOf(stages.thinned.tetrahedra), stages.graph));
   }
   CountPoints(stages, &state);
 }

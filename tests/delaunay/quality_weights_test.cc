@@ -97,7 +97,7 @@ TEST(AddQualityWeights, AreThoseOfTheWorseCellInBothDirections) {
   const Tetrahedralization tetrahedra =
       DelaunayOf(RandomPoints(200, 1000, &random));
   for (const double weight : {0.0, 1.0, 2.5}) {
-    FlowGraph graph = EmptyGraph(tetrahedra);
+    FlowCapacities graph = ZeroCapacities(tetrahedra);
     for (auto& capacities : graph.capacities) {
       capacities.fill(100);  // it adds
     }

@@ -114,9 +114,9 @@ Tetrahedralization DelaunayOf(const std::vector<Eigen::Vector3f>& points) {
   return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
 }
 
-FlowGraph RandomGraphOf(const Tetrahedralization& tetrahedra,
-                        uint32_t max_capacity, Random* random) {
-  FlowGraph graph = EmptyGraph(tetrahedra);
+FlowCapacities RandomGraphOf(const Tetrahedralization& tetrahedra,
+                             uint32_t max_capacity, Random* random) {
+  FlowCapacities graph = ZeroCapacities(tetrahedra);
   for (size_t i = 0; i < graph.size(); ++i) {
     for (uint32_t& capacity : graph.capacities[i]) {
       capacity = random->Below(max_capacity + 1);

@@ -36,8 +36,8 @@ PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points);
 Tetrahedralization DelaunayOf(const std::vector<Eigen::Vector3f>& points);
 
 // Capacities up to a maximum.
-FlowGraph RandomGraphOf(const Tetrahedralization& tetrahedra,
-                        uint32_t max_capacity, Random* random);
+FlowCapacities RandomGraphOf(const Tetrahedralization& tetrahedra,
+                             uint32_t max_capacity, Random* random);
 
 // Labels of cells, 1 for free: independent ones of several densities, smooth
 // ones, and every other cell. Infinite cells alike.

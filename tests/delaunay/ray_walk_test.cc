@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "delaunay/locate.h"
 #include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
 

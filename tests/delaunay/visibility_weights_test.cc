@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 
@@ -19,7 +20,7 @@ class TwoCells : public testing::Test {
  protected:
   static constexpr float kAlpha = 0.75f;
 
-  TwoCells() : graph_(EmptyGraph(tetrahedra_)) {
+  TwoCells() : graph_(ZeroCapacities(tetrahedra_)) {
     top_ = VertexAt({0, 0, 3});
     bottom_ = VertexAt({0, 0, -3});
     for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
@@ -90,7 +91,7 @@ class TwoCells : public testing::Test {
 
   const Tetrahedralization tetrahedra_ = DelaunayOf(
       {{2, 0, 0}, {-1, 1.75, 0}, {-1, -1.75, 0}, {0, 0, 3}, {0, 0, -3}});
-  FlowGraph graph_;
+  FlowCapacities graph_;
   uint32_t top_ = 0;
   uint32_t bottom_ = 0;
   uint32_t upper_ = kNoCell;
@@ -250,7 +251,7 @@ struct Scenery {
   }
 
   // Votes of every stride-th vertex.
-  RayReport Vote(size_t first, size_t stride, FlowGraph* graph) const {
+  RayReport Vote(size_t first, size_t stride, FlowCapacities* graph) const {
     Observations part;
     for (size_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
       for (uint64_t k = observations.offsets[vertex];
@@ -274,7 +275,7 @@ struct Scenery {
   std::vector<Eigen::Vector3d> centers;
 };
 
-void ExpectSame(const FlowGraph& a, const FlowGraph& b) {
+void ExpectSame(const FlowCapacities& a, const FlowCapacities& b) {
   EXPECT_EQ(a.capacities, b.capacities);
   EXPECT_EQ(a.source, b.source);
   EXPECT_EQ(a.sink, b.sink);
@@ -282,7 +283,7 @@ void ExpectSame(const FlowGraph& a, const FlowGraph& b) {
 
 TEST(VisibilityWeights, DependNeitherOnThreadsNorOnTheOrder) {
   const Scenery scenery;
-  std::vector<FlowGraph> graphs(3, EmptyGraph(scenery.tetrahedra));
+  std::vector<FlowCapacities> graphs(3, ZeroCapacities(scenery.tetrahedra));
   for (const int num_threads : {1, 2}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism,
@@ -315,7 +316,7 @@ TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
 
 TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
   const Scenery scenery;
-  FlowGraph graph = EmptyGraph(scenery.tetrahedra);
+  FlowCapacities graph = ZeroCapacities(scenery.tetrahedra);
   scenery.Vote(0, 1, &graph);
   uint64_t expected = 0;
   for (const float alpha : scenery.observations.alphas) {

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "delaunay/cell_graph.h"
+#include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 
@@ -41,16 +42,16 @@ struct Scenery {
 
   // Votes, and the free-space support. In every other cell it is taken away, or
   // no ray of a random scene would end sharply.
-  FlowGraph VoteHalfBlind(std::vector<uint32_t>* support) const {
-    FlowGraph graph = Vote(support);
+  FlowCapacities VoteHalfBlind(std::vector<uint32_t>* support) const {
+    FlowCapacities graph = Vote(support);
     for (size_t cell = 0; cell < support->size(); cell += 2) {
       (*support)[cell] = 0;
     }
     return graph;
   }
 
-  FlowGraph Vote(std::vector<uint32_t>* support) const {
-    FlowGraph graph = EmptyGraph(tetrahedra);
+  FlowCapacities Vote(std::vector<uint32_t>* support) const {
+    FlowCapacities graph = ZeroCapacities(tetrahedra);
     AddVisibilityWeights(tetrahedra, observations, centers, kOptions, &graph,
                          {}, support);
     return graph;
@@ -190,8 +191,8 @@ TEST(MeasureJump, LosesRaysWithoutDirection) {
 TEST(WeakSurfaceWeights, OnlyStrengthenVotesForMatter) {
   const Scenery scenery(1500);
   std::vector<uint32_t> support;
-  const FlowGraph before = scenery.VoteHalfBlind(&support);
-  FlowGraph after = before;
+  const FlowCapacities before = scenery.VoteHalfBlind(&support);
+  FlowCapacities after = before;
   const size_t num_sharp =
       AddWeakSurfaceWeights(scenery.tetrahedra, scenery.observations,
                             scenery.centers, support, kOptions, &after);
@@ -217,7 +218,7 @@ TEST(WeakSurfaceWeights, OnlyStrengthenVotesForMatter) {
 TEST(WeakSurfaceWeights, AreWhatEachRaysJumpSays) {
   const Scenery scenery(500);
   std::vector<uint32_t> support;
-  FlowGraph graph = scenery.VoteHalfBlind(&support);
+  FlowCapacities graph = scenery.VoteHalfBlind(&support);
   std::vector<uint32_t> expected = graph.sink;
   std::vector<SupportJump> jumps;
   std::vector<uint32_t> fronts;
@@ -250,7 +251,7 @@ TEST(WeakSurfaceWeights, AreWhatEachRaysJumpSays) {
 TEST(WeakSurfaceWeights, DoNotDependOnThreads) {
   const Scenery scenery(1500);
   std::vector<std::vector<uint32_t>> supports(2);
-  std::vector<FlowGraph> graphs(2);
+  std::vector<FlowCapacities> graphs(2);
   for (const size_t i : {0, 1}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, 1 + 3 * i);
@@ -266,8 +267,8 @@ TEST(WeakSurfaceWeights, DoNotDependOnThreads) {
 TEST(FreeSupport, LeavesTheVotesAsTheyAre) {
   const Scenery scenery(500);
   std::vector<uint32_t> support;
-  const FlowGraph with = scenery.Vote(&support);
-  const FlowGraph without = scenery.Vote(nullptr);
+  const FlowCapacities with = scenery.Vote(&support);
+  const FlowCapacities without = scenery.Vote(nullptr);
   EXPECT_EQ(with.capacities, without.capacities);
   EXPECT_EQ(with.source, without.source);
   EXPECT_EQ(with.sink, without.sink);
@@ -275,7 +276,7 @@ TEST(FreeSupport, LeavesTheVotesAsTheyAre) {
 
 TEST(WeakSurfaceWeights, NeedNoRays) {
   const Scenery scenery(60);
-  FlowGraph graph = EmptyGraph(scenery.tetrahedra);
+  FlowCapacities graph = ZeroCapacities(scenery.tetrahedra);
   Observations none;
   none.offsets.resize(61, 0);
   EXPECT_EQ(AddWeakSurfaceWeights(scenery.tetrahedra, none, scenery.centers,

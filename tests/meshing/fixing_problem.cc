@@ -38,9 +38,13 @@ void ExpectConsistent(const FixingProblem& problem) {
   ASSERT_EQ(DefectOf(problem.tetrahedra, false), "");
   ASSERT_EQ(problem.graph.size(), problem.tetrahedra.cells.size());
   ASSERT_EQ(problem.labels.size(), problem.tetrahedra.cells.size());
-  for (size_t i = 0; i < problem.graph.size(); ++i) {
-    ASSERT_EQ(problem.graph.neighbors[i],
-              problem.tetrahedra.cells[i].neighbors);
+}
+
+void ExpectSameCells(const Tetrahedralization& a, const Tetrahedralization& b) {
+  ASSERT_EQ(a.cells.size(), b.cells.size());
+  for (size_t i = 0; i < a.cells.size(); ++i) {
+    ASSERT_EQ(a.cells[i].vertices, b.cells[i].vertices);
+    ASSERT_EQ(a.cells[i].neighbors, b.cells[i].neighbors);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
 #include "optim/min_cut.h"
 #include "tests/random.h"
@@ -15,12 +16,14 @@ namespace colmap_ext {
 // Labelled cells and the graph whose cut the labels are.
 struct FixingProblem {
   Tetrahedralization tetrahedra;
-  FlowGraph graph;              // node i is cell i
+  FlowCapacities graph;         // node i is cell i
   std::vector<uint8_t> labels;  // [C], 1: free space, 0: matter
 
   std::vector<uint32_t> Singular() const;
 
-  int64_t Energy() const { return CutValue(graph, labels); }
+  int64_t Energy() const {
+    return CutValue(NeighborsOf(tetrahedra), graph, labels);
+  }
 
   // Components beyond the second, summed over all vertices.
   size_t Excess() const;
@@ -31,5 +34,7 @@ FixingProblem RandomProblem(const std::vector<Eigen::Vector3f>& points,
 
 // Fails where the arrays do not agree with each other.
 void ExpectConsistent(const FixingProblem& problem);
+
+void ExpectSameCells(const Tetrahedralization& a, const Tetrahedralization& b);
 
 }  // namespace colmap_ext

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "delaunay/cell_graph.h"
 #include "meshing/cell_splitting.h"
 #include "meshing/vertex_star.h"
 
@@ -14,7 +15,7 @@ using Cells = std::vector<uint32_t>;
 
 class Reference {
  public:
-  Reference(Tetrahedralization* tetrahedra, FlowGraph* graph,
+  Reference(Tetrahedralization* tetrahedra, FlowCapacities* graph,
             std::vector<uint8_t>* is_free)
       : tetrahedra_(*tetrahedra), graph_(*graph), is_free_(*is_free) {}
 
@@ -170,7 +171,9 @@ class Reference {
     return excess;
   }
 
-  int64_t Energy() const { return CutValue(graph_, is_free_); }
+  int64_t Energy() const {
+    return CutValue(NeighborsOf(tetrahedra_), graph_, is_free_);
+  }
 
   static size_t Largest(const VertexStar& star, bool is_free) {
     size_t largest = SIZE_MAX;
@@ -213,7 +216,7 @@ class Reference {
   }
 
   Tetrahedralization& tetrahedra_;
-  FlowGraph& graph_;
+  FlowCapacities& graph_;
   std::vector<uint8_t>& is_free_;
   FixingReport report_;
 };
@@ -221,7 +224,8 @@ class Reference {
 }  // namespace
 
 FixingReport ReferenceFixing(FixingRule rule, Tetrahedralization* tetrahedra,
-                             FlowGraph* graph, std::vector<uint8_t>* is_free) {
+                             FlowCapacities* graph,
+                             std::vector<uint8_t>* is_free) {
   return Reference(tetrahedra, graph, is_free).Run(rule);
 }
 

@@ -11,6 +11,7 @@ namespace colmap_ext {
 // What FixSingularVertices does, written down without regard for time: after
 // every pass all vertices are examined again, labels are copied to be put back.
 FixingReport ReferenceFixing(FixingRule rule, Tetrahedralization* tetrahedra,
-                             FlowGraph* graph, std::vector<uint8_t>* is_free);
+                             FlowCapacities* graph,
+                             std::vector<uint8_t>* is_free);
 
 }  // namespace colmap_ext

@@ -1,0 +1,86 @@
+#include "delaunay/growing_complex.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "delaunay/predicates.h"
+
+namespace colmap_ext {
+namespace {
+
+// The first points in their order that span a volume, positively oriented.
+std::array<uint32_t, 4> FindSimplex(
+    std::span<const uint32_t> order,
+    const std::vector<Eigen::Vector3f>& points) {
+  const uint32_t a = order[0];
+  const uint32_t b = order[1];
+  size_t i = 2;
+  while (i < order.size() && IsOnLine(points[a], points[b], points[order[i]])) {
+    ++i;
+  }
+  for (size_t k = i + 1; k < order.size(); ++k) {
+    const uint32_t c = order[i];
+    const uint32_t d = order[k];
+    const int side = Orientation(points[a], points[b], points[c], points[d]);
+    if (side != 0) {
+      return side > 0 ? std::array{a, b, c, d} : std::array{b, a, c, d};
+    }
+  }
+  throw std::invalid_argument(
+      "the points lie in a plane: there is no volume to mesh");
+}
+
+uint32_t IndexOf(const GrowingComplex::Cell& cell, uint32_t vertex) {
+  uint32_t index = 0;
+  while (cell.vertices[index] != vertex) {
+    ++index;
+  }
+  return index;
+}
+
+}  // namespace
+
+void AddFreeCells(size_t num_cells, GrowingComplex* complex) {
+  const size_t begin = complex->cells.size();
+  if (begin + num_cells >= UINT32_MAX / 4) {
+    throw std::invalid_argument(
+        "too many points for 32-bit indices: raise max_proj_dist");
+  }
+  complex->cells.resize(begin + num_cells);
+  complex->is_marked.resize(begin + num_cells, 0);
+  for (size_t i = begin + num_cells; i > begin; --i) {
+    complex->free_cells.push_back(static_cast<uint32_t>(i - 1));
+  }
+}
+
+std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
+                                     GrowingComplex* complex) {
+  const std::array<uint32_t, 4> simplex = FindSimplex(order, complex->points);
+  complex->vertex_cells.assign(complex->points.size(), kNoCell);
+  std::vector<GrowingComplex::Cell>& cells = complex->cells;
+  // The finite cell, and behind each of its facets i the infinite cell 1 + i,
+  // which is the finite one mirrored.
+  cells.resize(5);
+  complex->is_marked.assign(cells.size(), 0);
+  cells[0].vertices = simplex;
+  for (uint32_t i = 0; i < 4; ++i) {
+    cells[1 + i].vertices = simplex;
+    cells[1 + i].vertices[i] = kInfiniteVertex;
+    std::swap(cells[1 + i].vertices[(i + 1) % 4],
+              cells[1 + i].vertices[(i + 2) % 4]);
+    complex->vertex_cells[simplex[i]] = 0;
+  }
+  for (uint32_t i = 0; i < 4; ++i) {
+    cells[0].mates[i] = 4 * (1 + i) + i;
+    cells[1 + i].mates[i] = i;
+    for (uint32_t k = 0; k < 4; ++k) {
+      if (k != i) {
+        cells[1 + i].mates[IndexOf(cells[1 + i], simplex[k])] =
+            4 * (1 + k) + IndexOf(cells[1 + k], simplex[i]);
+      }
+    }
+  }
+  return simplex;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "delaunay/tetrahedralization.h"
+
+namespace colmap_ext {
+
+// A Delaunay tetrahedralization while points are inserted. A point is a vertex
+// once it is inserted. Cells are oriented as those of a Tetrahedralization, and
+// infinite ones close the hull.
+struct GrowingComplex {
+  struct alignas(32) Cell {
+    std::array<uint32_t, 4> vertices;  // index into points, or kInfiniteVertex
+    // [i]: the facet opposite to vertex i as its other cell has it, an arc: 4 *
+    // cell + facet.
+    std::array<uint32_t, 4> mates;
+  };
+
+  std::vector<Eigen::Vector3f> points;  // [P], distinct
+  std::vector<Cell> cells;              // [C], those not in use included
+  std::vector<uint8_t> is_marked;       // [C], scratch of an insertion
+  std::vector<uint32_t> vertex_cells;  // [P], a finite cell of each, or kNoCell
+  std::vector<uint32_t> free_cells;    // not in use
+};
+
+// Appends cells that are not in use.
+// \throw std::invalid_argument where there are too many cells for 32-bit arcs
+void AddFreeCells(size_t num_cells, GrowingComplex* complex);
+
+// Makes a complex of the first points in their order that span a volume.
+// \param order  indices of points
+// \return the four points
+// \throw std::invalid_argument where the points span no volume
+std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
+                                     GrowingComplex* complex);
+
+}  // namespace colmap_ext

@@ -1,0 +1,183 @@
+#include "delaunay/insert_points.h"
+
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace colmap_ext {
+namespace {
+
+// Cells for each point: a little more than the 6.8 of uniform random points,
+// which have more than those of a surface.
+constexpr size_t kCellsPerPoint = 7;
+
+// Spare cells of an inserter, for the insertion in hand and for vertices with
+// more cells than usual.
+constexpr size_t kSpareCells = 4096;
+
+// Points of a part that are worth a thread.
+constexpr size_t kMinPartPoints = 2048;
+
+using Points = std::span<const uint32_t>;
+
+// A range of vertices, and what of a round lies in it, ascending.
+struct Part {
+  PointInserter inserter;
+  uint32_t begin;
+  uint32_t end;
+  Points points;
+  std::vector<uint32_t> left_over;  // points that it could not insert
+};
+
+void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
+               std::vector<uint32_t>* to) {
+  const size_t kept = from->size() - std::min(num_cells, from->size());
+  to->insert(to->end(), from->begin() + static_cast<ptrdiff_t>(kept),
+             from->end());
+  from->resize(kept);
+}
+
+// The cell of a vertex in a range, all of whose vertices are the
+// inserter's; kNoCell where none is found.
+uint32_t FindOwnCell(const PointInserter& inserter, uint32_t begin,
+                     uint32_t end, const GrowingComplex& complex) {
+  for (uint32_t vertex = begin; vertex < end; ++vertex) {
+    const uint32_t cell = complex.vertex_cells[vertex];
+    if (cell != kNoCell && inserter.IsOwn(cell)) {
+      return cell;
+    }
+  }
+  return kNoCell;
+}
+
+void InsertPart(const GrowingComplex& complex, Part* part) {
+  uint32_t hint = FindOwnCell(part->inserter, part->begin, part->end, complex);
+  for (const uint32_t point : part->points) {
+    if (complex.vertex_cells[point] != kNoCell) {
+      continue;
+    }
+    const uint32_t cell =
+        hint != kNoCell ? part->inserter.Locate(point, hint) : kNoCell;
+    const uint32_t inserted =
+        cell != kNoCell ? part->inserter.Insert(point, cell) : kNoCell;
+    if (inserted != kNoCell) {
+      hint = inserted;
+    } else {
+      part->left_over.push_back(point);
+    }
+  }
+}
+
+// \param borders  of the parts: ascending, from 0 to the number of points
+// \return the points that could not be inserted, ascending
+std::vector<uint32_t> InsertInParts(Points points,
+                                    const std::vector<uint32_t>& borders,
+                                    GrowingComplex* complex) {
+  const size_t num_parts = borders.size() - 1;
+  const size_t num_cells =
+      kCellsPerPoint * points.size() + kSpareCells * num_parts;
+  if (complex->free_cells.size() < num_cells) {
+    AddFreeCells(num_cells - complex->free_cells.size(), complex);
+  }
+  std::vector<Part> parts;
+  for (size_t i = 0; i < num_parts; ++i) {
+    const auto begin = std::ranges::lower_bound(points, borders[i]);
+    const auto end = std::ranges::lower_bound(points, borders[i + 1]);
+    parts.push_back({PointInserter(borders[i], borders[i + 1], complex),
+                     borders[i],
+                     borders[i + 1],
+                     Points(begin, end),
+                     {}});
+    MoveCells(kCellsPerPoint * parts[i].points.size() + kSpareCells,
+              &complex->free_cells, &parts[i].inserter.free_cells());
+  }
+  tbb::parallel_for(size_t{0}, num_parts,
+                    [&](size_t i) { InsertPart(*complex, &parts[i]); });
+  std::vector<uint32_t> left_over;
+  for (Part& part : parts) {
+    std::vector<uint32_t>& cells = part.inserter.free_cells();
+    MoveCells(cells.size(), &cells, &complex->free_cells);
+    left_over.insert(left_over.end(), part.left_over.begin(),
+                     part.left_over.end());
+  }
+  return left_over;
+}
+
+// \param shift  of the borders, in parts
+std::vector<uint32_t> Borders(size_t num_points, size_t num_parts,
+                              double shift) {
+  std::vector<uint32_t> borders = {0};
+  const double size =
+      static_cast<double>(num_points) / static_cast<double>(num_parts);
+  for (size_t i = 0; i < num_parts; ++i) {
+    const auto border =
+        static_cast<uint32_t>((static_cast<double>(i) + shift) * size);
+    if (border > borders.back()) {
+      borders.push_back(border);
+    }
+  }
+  borders.push_back(static_cast<uint32_t>(num_points));
+  return borders;
+}
+
+void InsertSerially(Points points, GrowingComplex* complex) {
+  const auto num_points = static_cast<uint32_t>(complex->points.size());
+  PointInserter inserter(0, num_points, complex);
+  inserter.free_cells().swap(complex->free_cells);
+  uint32_t hint = FindOwnCell(inserter, 0, num_points, *complex);
+  for (const uint32_t point : points) {
+    if (complex->vertex_cells[point] == kNoCell) {
+      hint =
+          InsertPoint(point, inserter.Locate(point, hint), &inserter, complex);
+    }
+  }
+  inserter.free_cells().swap(complex->free_cells);
+}
+
+// What lies at a border of the parts is tried again in parts with other
+// borders, before it is inserted by one thread.
+void InsertRound(Points points, GrowingComplex* complex) {
+  std::vector<uint32_t> left_over(points.begin(), points.end());
+  for (const double shift : {0.0, 0.5}) {
+    const size_t num_parts =
+        std::min<size_t>(tbb::this_task_arena::max_concurrency(),
+                         left_over.size() / kMinPartPoints);
+    if (num_parts > 1) {
+      left_over = InsertInParts(
+          left_over, Borders(complex->points.size(), num_parts, shift),
+          complex);
+    }
+  }
+  InsertSerially(left_over, complex);
+}
+
+}  // namespace
+
+uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
+                     GrowingComplex* complex) {
+  for (;;) {
+    const uint32_t inserted = inserter->Insert(point, cell);
+    if (inserted != kNoCell) {
+      return inserted;
+    }
+    AddFreeCells(kSpareCells, complex);
+    MoveCells(kSpareCells, &complex->free_cells, &inserter->free_cells());
+  }
+}
+
+void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
+                  GrowingComplex* complex) {
+  complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
+  StartComplex(order, complex);
+  for (auto begin = order.begin(); begin != order.end();) {
+    const auto end = std::is_sorted_until(begin, order.end());
+    InsertRound(Points(begin, end), complex);
+    begin = end;
+    Report(progress, kTriangulatingStage,
+           static_cast<double>(begin - order.begin()) /
+               static_cast<double>(order.size()));
+  }
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "delaunay/growing_complex.h"
+#include "delaunay/point_inserter.h"
+#include "scene/progress.h"
+
+namespace colmap_ext {
+
+inline constexpr char kTriangulatingStage[] = "Triangulating points";
+
+// Inserts a point, whatever it takes.
+// \param inserter  of all vertices
+// \param cell      that holds the point
+// \return a finite cell at the point
+uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
+                     GrowingComplex* complex);
+
+// Inserts all points into an empty complex, in parallel. The result does not
+// depend on the number of threads.
+// \param order  of insertion: rounds, each ascending (InsertionOrder)
+// \throw std::invalid_argument where the points span no volume or are too many
+//        for 32-bit cell indices
+void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
+                  GrowingComplex* complex);
+
+}  // namespace colmap_ext

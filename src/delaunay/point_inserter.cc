@@ -1,0 +1,201 @@
+#include "delaunay/point_inserter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "delaunay/predicates.h"
+
+namespace colmap_ext {
+namespace {
+
+using Cell = GrowingComplex::Cell;
+
+constexpr uint32_t kNoMate = UINT32_MAX;
+
+// The corner that is the infinite vertex; 4 where none is.
+uint32_t InfiniteCorner(const Cell& cell) {
+  uint32_t corner = 0;
+  while (corner < 4 && cell.vertices[corner] != kInfiniteVertex) {
+    ++corner;
+  }
+  return corner;
+}
+
+// The orientation of a cell with a point in the place of corner i.
+int OrientationWith(const GrowingComplex& complex, const Cell& cell, uint32_t i,
+                    uint32_t point) {
+  std::array<uint32_t, 4> v = cell.vertices;
+  v[i] = point;
+  const auto& p = complex.points;
+  return Orientation(p[v[0]], p[v[1]], p[v[2]], p[v[3]]);
+}
+
+}  // namespace
+
+bool PointInserter::IsOwn(uint32_t cell) const {
+  return std::ranges::all_of(
+      complex_->cells[cell].vertices, [&](uint32_t vertex) {
+        return vertex - begin_ < end_ - begin_ || vertex == kInfiniteVertex;
+      });
+}
+
+uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
+  uint32_t at = hint;
+  uint32_t entry = 4;
+  for (;;) {
+    const Cell& cell = complex_->cells[at];
+    uint32_t exit = 0;
+    while (exit < 4 && (exit == entry ||
+                        OrientationWith(*complex_, cell, exit, point) >= 0)) {
+      ++exit;
+    }
+    if (exit == 4) {
+      return at;
+    }
+    at = cell.mates[exit] / 4;
+    entry = cell.mates[exit] % 4;
+    if (!IsOwn(at)) {
+      return kNoCell;
+    }
+    if (complex_->cells[at].vertices[entry] == kInfiniteVertex) {
+      return at;
+    }
+  }
+}
+
+uint32_t PointInserter::Insert(uint32_t point, uint32_t cell) {
+  const bool is_found = FindCavity(point, cell);
+  const uint32_t result = is_found ? FillCavity(point) : kNoCell;
+  LeaveCavity();
+  return result;
+}
+
+bool PointInserter::IsInConflict(uint32_t index, uint32_t point) const {
+  const Cell& cell = complex_->cells[index];
+  const auto& points = complex_->points;
+  const auto corner = [&](uint32_t i) -> const Eigen::Vector3f& {
+    return points[cell.vertices[i]];
+  };
+  const uint32_t infinite = InfiniteCorner(cell);
+  if (infinite == 4) {
+    return IsInSphere(corner(0), corner(1), corner(2), corner(3),
+                      points[point]);
+  }
+  const int side = OrientationWith(*complex_, cell, infinite, point);
+  return side != 0 ? side > 0
+                   : IsInCircle(corner((infinite + 1) % 4),
+                                corner((infinite + 2) % 4),
+                                corner((infinite + 3) % 4), points[point]);
+}
+
+// \return whether all its cells are its own
+bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
+  boundary_.clear();
+  cavity_.assign(1, cell);
+  complex_->is_marked[cell] = 1;
+  for (size_t k = 0; k < cavity_.size(); ++k) {
+    for (uint32_t i = 0; i < 4; ++i) {
+      const uint32_t other = complex_->cells[cavity_[k]].mates[i] / 4;
+      if (complex_->is_marked[other]) {
+        continue;
+      }
+      if (!IsInConflict(other, point)) {
+        boundary_.push_back(4 * cavity_[k] + i);
+      } else if (IsOwn(other)) {
+        complex_->is_marked[other] = 1;
+        cavity_.push_back(other);
+      } else {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// \return a new finite cell, or kNoCell where too few are free
+uint32_t PointInserter::FillCavity(uint32_t point) {
+  if (free_cells_.size() < boundary_.size()) {
+    return kNoCell;
+  }
+  new_cells_.clear();
+  for (const uint32_t arc : boundary_) {
+    new_cells_.push_back(AddCell(point, arc));
+  }
+  uint32_t finite = kNoCell;
+  for (size_t i = 0; i < boundary_.size(); ++i) {
+    Connect(new_cells_[i], boundary_[i]);
+    if (InfiniteCorner(complex_->cells[new_cells_[i]]) == 4) {
+      finite = new_cells_[i];
+    }
+  }
+  free_cells_.insert(free_cells_.end(), cavity_.begin(), cavity_.end());
+  return finite;
+}
+
+// Makes the cell from the point to a facet of the cavity's boundary: the cell
+// within, with the point in the place of the corner opposite to the facet.
+uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
+  const uint32_t index = free_cells_.back();
+  free_cells_.pop_back();
+  std::vector<Cell>& cells = complex_->cells;
+  Cell& cell = cells[index];
+  cell.vertices = cells[arc / 4].vertices;
+  cell.vertices[arc % 4] = point;
+  cell.mates.fill(kNoMate);
+  const uint32_t outside = cells[arc / 4].mates[arc % 4];
+  cell.mates[arc % 4] = outside;
+  cells[outside / 4].mates[outside % 4] = 4 * index + arc % 4;
+  if (InfiniteCorner(cell) == 4) {
+    for (const uint32_t vertex : cell.vertices) {
+      complex_->vertex_cells[vertex] = index;
+    }
+  }
+  return index;
+}
+
+// Connects a new cell with the new ones beside it.
+// \param arc  the facet of the cavity's boundary that the cell was made from
+void PointInserter::Connect(uint32_t cell, uint32_t arc) {
+  std::vector<Cell>& cells = complex_->cells;
+  for (uint32_t i = 0; i < 4; ++i) {
+    if (cells[cell].mates[i] == kNoMate) {
+      const uint32_t mate = TurnThroughCavity(arc, i);
+      cells[cell].mates[i] = mate;
+      cells[mate / 4].mates[mate % 4] = 4 * cell + i;
+    }
+  }
+}
+
+// Turns through the cavity around an edge of a facet of its boundary, up to the
+// next facet of the boundary.
+// \param arc   the facet
+// \param exit  the corner of the facet that is not on the edge
+// \return the facet that the new cell there has with the one at the start
+uint32_t PointInserter::TurnThroughCavity(uint32_t arc, uint32_t exit) const {
+  const std::vector<Cell>& cells = complex_->cells;
+  uint32_t at = arc / 4;
+  uint32_t entry = arc % 4;
+  for (;;) {
+    const uint32_t mate = cells[at].mates[exit];
+    const uint32_t next = mate / 4;
+    if (!complex_->is_marked[next]) {
+      // What lies behind has the new cell for a neighbor already.
+      return cells[next].mates[mate % 4] / 4 * 4 + entry;
+    }
+    const uint32_t pivot = cells[at].vertices[entry];
+    at = next;
+    entry = mate % 4;
+    exit = 0;
+    while (cells[at].vertices[exit] != pivot) {
+      ++exit;
+    }
+  }
+}
+
+void PointInserter::LeaveCavity() {
+  for (const uint32_t cell : cavity_) {
+    complex_->is_marked[cell] = 0;
+  }
+}
+
+}  // namespace colmap_ext
