@@ -8,12 +8,19 @@
 // Loops that have to become part of what calls them, see RunAt().
 #define INLINE inline __attribute__((always_inline))
 
+// Loops whose arrays do not overlap, which GCC forgets of inlined functions.
+#if defined(__clang__)
+#define INDEPENDENT
+#else
+#define INDEPENDENT _Pragma("GCC ivdep")
+#endif
+
 namespace colmap_ext {
 
 namespace {
 
 INLINE void Add(int size, const float* __restrict from, float* __restrict to) {
-#pragma GCC ivdep
+  INDEPENDENT
   for (int i = 0; i < size; ++i) {
     to[i] += from[i];
   }
@@ -39,7 +46,7 @@ INLINE void AddPixels(int width, const float* __restrict image,
   float* __restrict images_squared = columns + 3 * width;
   float* __restrict warpeds_squared = columns + 4 * width;
   float* __restrict products = columns + 5 * width;
-#pragma GCC ivdep
+  INDEPENDENT
   for (int i = 0; i < width; ++i) {
     columns[i] += is_valid[i];
     images[i] += image[i];
@@ -54,7 +61,7 @@ INLINE void Widen(int size, const float* __restrict values,
                   const float* __restrict is_valid, float* __restrict lowest,
                   float* __restrict highest) {
   constexpr float kMax = std::numeric_limits<float>::max();
-#pragma GCC ivdep
+  INDEPENDENT
   for (int i = 0; i < size; ++i) {
     lowest[i] = std::min(lowest[i], is_valid[i] > 0 ? values[i] : kMax);
     highest[i] = std::max(highest[i], is_valid[i] > 0 ? values[i] : -kMax);
@@ -87,7 +94,7 @@ INLINE void FindZnccs(
   const float min_variance = of_all.min_variance;
   const float noise = of_all.noise_variance;
   const float saturation = of_all.saturation;
-#pragma GCC ivdep
+  INDEPENDENT
   for (int i = 0; i < width; ++i) {
     const float scale = 1 / std::max(count[i], 1.0F);
     const float mean_image = image[i] * scale;
@@ -124,7 +131,7 @@ INLINE void Finish(int width, const float* __restrict count,
                    const float* __restrict weights, float* __restrict energies,
                    const float* __restrict by_image,
                    float* __restrict by_warped, float* __restrict constants) {
-#pragma GCC ivdep
+  INDEPENDENT
   for (int i = 0; i < width; ++i) {
     const float scale = 1 / std::max(count[i], 1.0F);
     const float by = scale * (by_warped[i] + energies[i] * constants[i]);

@@ -44,7 +44,7 @@ struct WindowRow {
 // row counts. Holds scratch: each thread has its own.
 class WindowRows {
  public:
-  WindowRows(int radius, SimdLevel level = BestSimdLevel())
+  explicit WindowRows(int radius, SimdLevel level = BestSimdLevel())
       : radius_(radius), level_(level) {}
 
   // \param is_valid  1 or 0; the images are 0 where it is 0.
