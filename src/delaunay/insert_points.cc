@@ -1,6 +1,7 @@
 #include "delaunay/insert_points.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -20,6 +21,36 @@ constexpr size_t kSpareCells = 4096;
 constexpr size_t kMinPartPoints = 2048;
 
 using Points = std::span<const uint32_t>;
+
+// Reports how many of all points are inserted, by threads at once.
+class InsertionProgress {
+ public:
+  InsertionProgress(size_t num_points, const Progress& progress)
+      : num_points_(num_points), progress_(progress) {}
+
+  // To be called for each point of a thread: every so many are reported.
+  // \param num_inserted  by the thread
+  void Count(size_t num_inserted) {
+    constexpr size_t kStep = 16384;
+    if (num_inserted % kStep == 0) {
+      const std::lock_guard lock(mutex_);
+      SetDone(num_done_ + kStep);
+    }
+  }
+
+  // \pre no other thread counts
+  void SetDone(size_t num_done) {
+    num_done_ = num_done;
+    Report(progress_, kTriangulatingStage,
+           static_cast<double>(num_done) / static_cast<double>(num_points_));
+  }
+
+ private:
+  size_t num_points_;
+  const Progress& progress_;
+  std::mutex mutex_;
+  size_t num_done_ = 0;
+};
 
 // A range of vertices, and what of a round lies in it, ascending.
 struct Part {
@@ -51,7 +82,9 @@ uint32_t FindOwnCell(const PointInserter& inserter, uint32_t begin,
   return kNoCell;
 }
 
-void InsertPart(const GrowingComplex& complex, Part* part) {
+void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
+                Part* part) {
+  size_t num_inserted = 0;
   uint32_t hint = FindOwnCell(part->inserter, part->begin, part->end, complex);
   for (const uint32_t point : part->points) {
     if (complex.vertex_cells[point] != kNoCell) {
@@ -63,6 +96,7 @@ void InsertPart(const GrowingComplex& complex, Part* part) {
         cell != kNoCell ? part->inserter.Insert(point, cell) : kNoCell;
     if (inserted != kNoCell) {
       hint = inserted;
+      progress->Count(++num_inserted);
     } else {
       part->left_over.push_back(point);
     }
@@ -73,6 +107,7 @@ void InsertPart(const GrowingComplex& complex, Part* part) {
 // \return the points that could not be inserted, ascending
 std::vector<uint32_t> InsertInParts(Points points,
                                     const std::vector<uint32_t>& borders,
+                                    InsertionProgress* progress,
                                     GrowingComplex* complex) {
   const size_t num_parts = borders.size() - 1;
   const size_t num_cells =
@@ -92,8 +127,9 @@ std::vector<uint32_t> InsertInParts(Points points,
     MoveCells(kCellsPerPoint * parts[i].points.size() + kSpareCells,
               &complex->free_cells, &parts[i].inserter.free_cells());
   }
-  tbb::parallel_for(size_t{0}, num_parts,
-                    [&](size_t i) { InsertPart(*complex, &parts[i]); });
+  tbb::parallel_for(size_t{0}, num_parts, [&](size_t i) {
+    InsertPart(*complex, progress, &parts[i]);
+  });
   std::vector<uint32_t> left_over;
   for (Part& part : parts) {
     std::vector<uint32_t>& cells = part.inserter.free_cells();
@@ -137,7 +173,8 @@ void InsertSerially(Points points, GrowingComplex* complex) {
 
 // What lies at a border of the parts is tried again in parts with other
 // borders, before it is inserted by one thread.
-void InsertRound(Points points, GrowingComplex* complex) {
+void InsertRound(Points points, InsertionProgress* progress,
+                 GrowingComplex* complex) {
   std::vector<uint32_t> left_over(points.begin(), points.end());
   for (const double shift : {0.0, 0.5}) {
     const size_t num_parts =
@@ -146,7 +183,7 @@ void InsertRound(Points points, GrowingComplex* complex) {
     if (num_parts > 1) {
       left_over = InsertInParts(
           left_over, Borders(complex->points.size(), num_parts, shift),
-          complex);
+          progress, complex);
     }
   }
   InsertSerially(left_over, complex);
@@ -170,13 +207,12 @@ void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
                   GrowingComplex* complex) {
   complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
   StartComplex(order, complex);
+  InsertionProgress inserted(order.size(), progress);
   for (auto begin = order.begin(); begin != order.end();) {
     const auto end = std::is_sorted_until(begin, order.end());
-    InsertRound(Points(begin, end), complex);
+    InsertRound(Points(begin, end), &inserted, complex);
     begin = end;
-    Report(progress, kTriangulatingStage,
-           static_cast<double>(begin - order.begin()) /
-               static_cast<double>(order.size()));
+    inserted.SetDone(static_cast<size_t>(begin - order.begin()));
   }
 }
 

@@ -122,6 +122,10 @@ void InsertThinned(const PointCloud& cloud, const std::vector<View>& views,
   bool spans_volume = false;
   uint32_t hint = 0;
   for (size_t i = 0; i < order.size(); ++i) {
+    if (i % 65536 == 0) {
+      Report(progress, kTriangulatingStage,
+             static_cast<double>(i) / static_cast<double>(order.size()));
+    }
     const uint32_t point = order[i];
     if (complex->vertex_cells[point] != kNoCell) {
       spans_volume = spans_volume || point == simplex[3];
@@ -134,10 +138,6 @@ void InsertThinned(const PointCloud& cloud, const std::vector<View>& views,
       continue;
     }
     hint = InsertPoint(point, cell, &inserter, complex);
-    if (i % 65536 == 0) {
-      Report(progress, kTriangulatingStage,
-             static_cast<double>(i) / static_cast<double>(order.size()));
-    }
   }
   complex->free_cells = std::move(inserter.free_cells());
 }

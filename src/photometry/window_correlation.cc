@@ -63,20 +63,10 @@ WindowCorrelation::WindowCorrelation(const PhotometricOptions& options,
   constants_.saturation = static_cast<float>(1 + options.residual_floor);
 }
 
-void WindowCorrelation::Windows::Resize(int width, int height, int radius) {
-  const size_t size = static_cast<size_t>(width) * (height + 2 * radius);
+void WindowCorrelation::Windows::Assign(size_t size) {
   for (auto* plane : {&by_image, &by_warped, &constants, &curvatures}) {
     plane->assign(size, 0);
   }
-}
-
-WindowRow WindowCorrelation::Windows::Row(int row, int radius,
-                                          CorrelationTile* tile) {
-  const size_t at = tile->Index(row, 0);
-  const size_t padded = tile->Index(row + radius, 0);
-  return {tile->weights.data() + at, tile->energies.data() + at,
-          by_image.data() + padded,  by_warped.data() + padded,
-          constants.data() + padded, curvatures.data() + padded};
 }
 
 // Correlation does not depend on means; without them less is lost to rounding.
@@ -110,13 +100,12 @@ void WindowCorrelation::FindBroken(float max_relative_depth,
     return;
   }
   const size_t top = tile.Index(row - options_.window_radius, 0);
-  auto& [lowest, highest, unused_1, unused_2] = row_;
   rows_.FindRange(width, tile.inverse_depths.data() + top,
-                  tile.is_valid.data() + top, lowest.data(), highest.data());
+                  tile.is_valid.data() + top, lowest_.data(), highest_.data());
   const float* centers = tile.inverse_depths.data() + tile.Index(row, 0);
   for (int col = 0; col < width; ++col) {
     const float center = centers[col];
-    is_broken_[col] = std::max(highest[col] - center, center - lowest[col]) >
+    is_broken_[col] = std::max(highest_[col] - center, center - lowest_[col]) >
                       max_relative_depth * center;
   }
 }
@@ -126,6 +115,7 @@ void WindowCorrelation::CorrelateRow(int row, CorrelationTile* tile) {
   const int width = tile->width;
   const size_t top = tile->Index(row - options_.window_radius, 0);
   const size_t at = tile->Index(row, 0);
+  const size_t padded = tile->Index(row + options_.window_radius, 0);
   rows_.Sum(width, image_.data() + top, warped_.data() + top,
             tile->is_valid.data() + top, &sums_);
   for (int col = 0; col < width; ++col) {
@@ -133,8 +123,12 @@ void WindowCorrelation::CorrelateRow(int row, CorrelationTile* tile) {
                            ? tile->is_valid[at + col]
                            : 0;
   }
-  rows_.Correlate(constants_, width, sums_, is_counted_.data(),
-                  windows_.Row(row, options_.window_radius, tile));
+  rows_.Correlate(
+      constants_, width, sums_, is_counted_.data(),
+      {tile->weights.data() + at, tile->energies.data() + at,
+       windows_.by_image.data() + padded, windows_.by_warped.data() + padded,
+       windows_.constants.data() + padded,
+       windows_.curvatures.data() + padded});
 }
 
 // Calls function(i) for the pixels of a window on the surface of its centre.
@@ -207,18 +201,23 @@ void WindowCorrelation::CorrelateMasked(float max_relative_depth, int row,
 // run over the margins too, where there are no centres.
 void WindowCorrelation::GatherDerivatives(int row, CorrelationTile* tile) {
   const size_t at = tile->Index(row, 0);
-  auto& [by_image, by_warped, constants, curvatures] = row_;
-  rows_.Sum(tile->width, windows_.by_image.data() + at, by_image.data());
-  rows_.Sum(tile->width, windows_.by_warped.data() + at, by_warped.data());
-  rows_.Sum(tile->width, windows_.constants.data() + at, constants.data());
-  rows_.Sum(tile->width, windows_.curvatures.data() + at, curvatures.data());
+  const auto sum = [&](const std::vector<float>& of_windows,
+                       std::vector<float>* to) {
+    rows_.Sum(tile->width, of_windows.data() + at, to->data());
+  };
+  sum(windows_.by_image, &row_.by_image);
+  sum(windows_.by_warped, &row_.by_warped);
+  sum(windows_.constants, &row_.constants);
+  sum(windows_.curvatures, &row_.curvatures);
   for (int col = 0; col < tile->width; ++col) {
     const size_t i = at + col;
     const float valid = tile->is_valid[i];
     tile->derivatives[i] =
-        valid * (image_[i] * by_image[col] + warped_[i] * by_warped[col] +
-                 constants[col] + masked_derivatives_[i]);
-    tile->curvatures[i] = valid * (curvatures[col] + masked_curvatures_[i]);
+        valid *
+        (image_[i] * row_.by_image[col] + warped_[i] * row_.by_warped[col] +
+         row_.constants[col] + masked_derivatives_[i]);
+    tile->curvatures[i] =
+        valid * (row_.curvatures[col] + masked_curvatures_[i]);
   }
 }
 
@@ -227,16 +226,15 @@ void WindowCorrelation::Compute(float max_relative_depth,
   const int radius = options_.window_radius;
   const int width = tile->width;
   SubtractMeans(*tile);
-  windows_.Resize(width, tile->height, radius);
+  windows_.Assign(tile->Index(tile->height + 2 * radius, 0));
   masked_derivatives_.assign(tile->image.size(), 0);
   masked_curvatures_.assign(tile->image.size(), 0);
   std::ranges::fill(tile->weights, 0.0F);
   std::ranges::fill(tile->energies, 0.0F);
-  sums_.Resize(width);
   is_counted_.resize(width);
-  for (std::vector<float>& row : row_) {
-    row.resize(width);
-  }
+  lowest_.resize(width);
+  highest_.resize(width);
+  row_.Assign(width);
   for (int row = radius; row < tile->height - radius; ++row) {
     FindBroken(max_relative_depth, *tile, row);
     CorrelateRow(row, tile);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -67,13 +66,9 @@ class WindowCorrelation {
   void Compute(float max_relative_depth, CorrelationTile* tile);
 
  private:
-  // Of the windows of a tile that no discontinuity runs through, see WindowRow:
-  // [height + 2 radius][width], with rows of zeros above and below, so that
-  // every pixel has as many rows of windows around it.
+  // See WindowRow.
   struct Windows {
-    void Resize(int width, int height, int radius);
-    // Of a row, with its weights and energies in the tile.
-    WindowRow Row(int row, int radius, CorrelationTile* tile);
+    void Assign(size_t size);  // zeros
 
     std::vector<float> by_image, by_warped, constants, curvatures;
   };
@@ -98,6 +93,10 @@ class WindowCorrelation {
   // Scratch, [height * width].
   std::vector<float> image_, warped_;  // without their means; 0 where invalid
   std::vector<float> masked_derivatives_, masked_curvatures_;
+
+  // Of the windows that no discontinuity runs through: [height + 2 radius]
+  // [width], with rows of zeros above and below, so that every pixel has as
+  // many rows of windows around it.
   Windows windows_;
 
   RowSums masked_sums_;  // of one window
@@ -106,7 +105,8 @@ class WindowCorrelation {
   RowSums sums_;
   std::vector<uint8_t> is_broken_;  // a discontinuity runs through the window
   std::vector<float> is_counted_;   // 1: of the others, those that count
-  std::array<std::vector<float>, 4> row_;
+  std::vector<float> lowest_, highest_;  // inverse depths of the windows
+  Windows row_;                          // sums of windows_
 };
 
 }  // namespace colmap_ext
