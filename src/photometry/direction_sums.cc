@@ -27,16 +27,16 @@ DirectionEvaluator::DirectionEvaluator(const PhotometricOptions& options,
       correlation_(options),
       places_(num_facets, kNotOfPair) {}
 
-// Those of the tile's core that show one of the pair's facets.
-void DirectionEvaluator::MarkCenters(const FacetIdBuffer& drawn_i) {
-  const int radius = options_.window_radius;
+// Those of the rectangle that show one of the pair's facets.
+void DirectionEvaluator::MarkCenters(const PixelRectangle& rectangle,
+                                     const FacetIdBuffer& drawn_i) {
   std::fill(tile_.is_center.begin(), tile_.is_center.end(), 0);
-  for (int row = radius; row < tile_.height - radius; ++row) {
-    for (int col = radius; col < tile_.width - radius; ++col) {
-      const uint32_t facet = drawn_i.facets[drawn_i.Index(
-          geometry_.first_row + row, geometry_.first_col + col)];
-      tile_.is_center[tile_.Index(row, col)] =
-          facet != kNoFacet && places_[facet] != kNotOfPair;
+  for (int row = rectangle.first_row; row <= rectangle.last_row; ++row) {
+    const uint32_t* shown = drawn_i.facets.data() + drawn_i.Index(row, 0);
+    for (int col = rectangle.first_col; col <= rectangle.last_col; ++col) {
+      tile_.is_center[tile_.Index(row - geometry_.first_row,
+                                  col - geometry_.first_col)] =
+          shown[col] != kNoFacet && places_[shown[col]] != kNotOfPair;
     }
   }
 }
@@ -72,15 +72,17 @@ std::vector<FacetSums> DirectionEvaluator::Evaluate(
     places_[facets[k]] = static_cast<uint32_t>(k);
   }
   const PairWarp warp(i, j, frames);
+  constexpr int kMultiple = 8;  // see WindowRows
   const int radius = options_.window_radius;
   const float max_relative_depth = MaxRelativeDepth(options_, i.view);
   std::vector<FacetSums> sums(facets.size());
   for (const PixelRectangle& rectangle : tiles) {
-    tile_.Resize(rectangle.last_col - rectangle.first_col + 1 + 2 * radius,
+    const int width = rectangle.last_col - rectangle.first_col + 1 + 2 * radius;
+    tile_.Resize((width + kMultiple - 1) / kMultiple * kMultiple,
                  rectangle.last_row - rectangle.first_row + 1 + 2 * radius);
     geometry_.first_row = rectangle.first_row - radius;
     geometry_.first_col = rectangle.first_col - radius;
-    MarkCenters(i.drawn);
+    MarkCenters(rectangle, i.drawn);
     tile_.FindReached(radius);
     warp.Compute(&tile_, &geometry_);
     correlation_.Compute(max_relative_depth, &tile_);

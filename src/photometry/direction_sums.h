@@ -39,7 +39,8 @@ class DirectionEvaluator {
                                   const std::vector<PixelRectangle>& tiles);
 
  private:
-  void MarkCenters(const FacetIdBuffer& drawn_i);
+  void MarkCenters(const PixelRectangle& rectangle,
+                   const FacetIdBuffer& drawn_i);
   void AddTile(std::vector<FacetSums>* sums) const;
 
   PhotometricOptions options_;

@@ -7,6 +7,7 @@
 
 // Loops that have to become part of what calls them, see RunAt().
 #define INLINE inline __attribute__((always_inline))
+#define INLINE_BODY __attribute__((always_inline))
 
 // Loops whose arrays do not overlap, which GCC forgets of inlined functions.
 #if defined(__clang__)
@@ -19,52 +20,87 @@ namespace colmap_ext {
 
 namespace {
 
-INLINE void Add(int size, const float* __restrict from, float* __restrict to) {
-  INDEPENDENT
-  for (int i = 0; i < size; ++i) {
-    to[i] += from[i];
+// term(0) + ... + term(kCount - 1), in this order.
+template <int kCount, typename Term>
+INLINE float SumOf(const Term& term) {
+  if constexpr (kCount == 1) {
+    return term(0);
+  } else {
+    return SumOf<kCount - 1>(term) + term(kCount - 1);
   }
 }
 
-// Sums of 2 radius + 1 values beside each other.
-INLINE void SumAlongRow(int width, int radius, const float* __restrict from,
-                        float* __restrict to) {
-  std::fill_n(to, width, 0.0F);
-  for (int k = -radius; k <= radius; ++k) {
-    const int first = std::max(-k, 0);
-    Add(width - std::max(k, 0) - first, from + first + k, to + first);
+template <int kCount, typename Term>
+INLINE float LowestOf(const Term& term) {
+  if constexpr (kCount == 1) {
+    return term(0);
+  } else {
+    return std::min(LowestOf<kCount - 1>(term), term(kCount - 1));
   }
 }
 
-// Adds a row of pixels to the sums of columns.
-INLINE void AddPixels(int width, const float* __restrict image,
-                      const float* __restrict warped,
-                      const float* __restrict is_valid,
-                      float* __restrict columns) {
-  float* __restrict images = columns + width;
-  float* __restrict warpeds = columns + 2 * width;
-  float* __restrict images_squared = columns + 3 * width;
-  float* __restrict warpeds_squared = columns + 4 * width;
-  float* __restrict products = columns + 5 * width;
+template <int kCount, typename Term>
+INLINE float HighestOf(const Term& term) {
+  if constexpr (kCount == 1) {
+    return term(0);
+  } else {
+    return std::max(HighestOf<kCount - 1>(term), term(kCount - 1));
+  }
+}
+
+// Sums of the windows' columns, [6][stride].
+template <int kSide>
+INLINE void SumColumns(int width, const float* __restrict image,
+                       const float* __restrict warped,
+                       const float* __restrict is_valid, int stride,
+                       float* __restrict columns) {
   INDEPENDENT
   for (int i = 0; i < width; ++i) {
-    columns[i] += is_valid[i];
-    images[i] += image[i];
-    warpeds[i] += warped[i];
-    images_squared[i] += image[i] * image[i];
-    warpeds_squared[i] += warped[i] * warped[i];
-    products[i] += image[i] * warped[i];
+    const auto in = [&](const float* plane) INLINE_BODY {
+      return [=](int k) INLINE_BODY { return plane[k * width + i]; };
+    };
+    const auto product = [&](const float* a, const float* b) INLINE_BODY {
+      return [=](int k)
+                 INLINE_BODY { return a[k * width + i] * b[k * width + i]; };
+    };
+    columns[i] = SumOf<kSide>(in(is_valid));
+    columns[stride + i] = SumOf<kSide>(in(image));
+    columns[2 * stride + i] = SumOf<kSide>(in(warped));
+    columns[3 * stride + i] = SumOf<kSide>(product(image, image));
+    columns[4 * stride + i] = SumOf<kSide>(product(warped, warped));
+    columns[5 * stride + i] = SumOf<kSide>(product(image, warped));
   }
 }
 
-INLINE void Widen(int size, const float* __restrict values,
-                  const float* __restrict is_valid, float* __restrict lowest,
-                  float* __restrict highest) {
-  constexpr float kMax = std::numeric_limits<float>::max();
+// Sums of kSide columns beside each other.
+template <int kSide>
+INLINE void SumAlongRow(int width, const float* __restrict columns,
+                        float* __restrict sums) {
   INDEPENDENT
-  for (int i = 0; i < size; ++i) {
-    lowest[i] = std::min(lowest[i], is_valid[i] > 0 ? values[i] : kMax);
-    highest[i] = std::max(highest[i], is_valid[i] > 0 ? values[i] : -kMax);
+  for (int i = 0; i < width; ++i) {
+    sums[i] = SumOf<kSide>([&](int k) INLINE_BODY { return columns[i + k]; });
+  }
+}
+
+// Calls body.operator()<2 radius + 1>().
+// \pre 1 <= radius <= 7
+template <typename Body>
+INLINE void WithSide(int radius, const Body& body) {
+  switch (radius) {
+    case 1:
+      return body.template operator()<3>();
+    case 2:
+      return body.template operator()<5>();
+    case 3:
+      return body.template operator()<7>();
+    case 4:
+      return body.template operator()<9>();
+    case 5:
+      return body.template operator()<11>();
+    case 6:
+      return body.template operator()<13>();
+    default:
+      return body.template operator()<15>();
   }
 }
 
@@ -143,75 +179,88 @@ INLINE void Finish(int width, const float* __restrict count,
 
 }  // namespace
 
+float* WindowRows::Columns(int num_rows, int width, float margin) {
+  columns_.assign(static_cast<size_t>(num_rows) * (width + 2 * radius_),
+                  margin);
+  return columns_.data() + radius_;
+}
+
 void WindowRows::Sum(int width, const float* image, const float* warped,
                      const float* is_valid, RowSums* sums) {
-  columns_.assign(size_t{6} * width, 0);
   sums->Resize(width);
-  RunAt(
-      level_, [&]() __attribute__((always_inline)) {
-        float* columns = columns_.data();
-        for (int row = 0; row <= 2 * radius_; ++row) {
-          const ptrdiff_t at = ptrdiff_t{row} * width;
-          AddPixels(width, image + at, warped + at, is_valid + at, columns);
-        }
-        for (auto* sum :
-             {&sums->count, &sums->image, &sums->warped, &sums->image_squared,
-              &sums->warped_squared, &sums->product}) {
-          SumAlongRow(width, radius_, columns, sum->data());
-          columns += width;
-        }
-      });
+  const int stride = width + 2 * radius_;
+  float* columns = Columns(6, width, 0);
+  const auto sum = [&]<int kSide>() INLINE_BODY {
+    SumColumns<kSide>(width, image, warped, is_valid, stride, columns);
+    const float* row = columns - kSide / 2;
+    for (auto* of_windows :
+         {&sums->count, &sums->image, &sums->warped, &sums->image_squared,
+          &sums->warped_squared, &sums->product}) {
+      SumAlongRow<kSide>(width, row, of_windows->data());
+      row += stride;
+    }
+  };
+  RunAt(level_, [&]() INLINE_BODY { WithSide(radius_, sum); });
 }
 
 void WindowRows::Sum(int width, const float* values, float* sums) {
-  columns_.assign(width, 0);
-  RunAt(
-      level_, [&]() __attribute__((always_inline)) {
-        for (int row = 0; row <= 2 * radius_; ++row) {
-          Add(width, values + ptrdiff_t{row} * width, columns_.data());
-        }
-        SumAlongRow(width, radius_, columns_.data(), sums);
-      });
+  float* columns = Columns(1, width, 0);
+  const auto sum = [&]<int kSide>() INLINE_BODY {
+    INDEPENDENT
+    for (int i = 0; i < width; ++i) {
+      columns[i] = SumOf<kSide>(
+          [&](int k) INLINE_BODY { return values[k * width + i]; });
+    }
+    SumAlongRow<kSide>(width, columns - kSide / 2, sums);
+  };
+  RunAt(level_, [&]() INLINE_BODY { WithSide(radius_, sum); });
 }
 
 void WindowRows::FindRange(int width, const float* values,
                            const float* is_valid, float* lowest,
                            float* highest) {
-  columns_.resize(size_t{2} * width);
+  constexpr float kMax = std::numeric_limits<float>::max();
+  const int stride = width + 2 * radius_;
+  float* low = Columns(2, width, kMax);
+  float* high = low + stride;
+  std::fill_n(high - radius_, stride, -kMax);
   const float* center = values + ptrdiff_t{radius_} * width;
-  std::copy_n(center, width, lowest);
-  std::copy_n(center, width, highest);
-  RunAt(
-      level_, [&]() __attribute__((always_inline)) {
-        constexpr float kMax = std::numeric_limits<float>::max();
-        float* __restrict low = columns_.data();
-        float* __restrict high = low + width;
-        std::fill_n(low, width, kMax);
-        std::fill_n(high, width, -kMax);
-        for (int row = 0; row <= 2 * radius_; ++row) {
-          const ptrdiff_t at = ptrdiff_t{row} * width;
-          Widen(width, values + at, is_valid + at, low, high);
-        }
-        for (int k = -radius_; k <= radius_; ++k) {
-          for (int i = std::max(-k, 0); i < width - std::max(k, 0); ++i) {
-            lowest[i] = std::min(lowest[i], low[i + k]);
-            highest[i] = std::max(highest[i], high[i + k]);
-          }
-        }
-      });
+  const auto find = [&]<int kSide>() INLINE_BODY {
+    constexpr int kRadius = kSide / 2;
+    INDEPENDENT
+    for (int i = 0; i < width; ++i) {
+      const auto valid = [&](float otherwise) INLINE_BODY {
+        return [=](int k) INLINE_BODY {
+          const int at = k * width + i;
+          return is_valid[at] > 0 ? values[at] : otherwise;
+        };
+      };
+      low[i] = LowestOf<kSide>(valid(kMax));
+      high[i] = HighestOf<kSide>(valid(-kMax));
+    }
+    INDEPENDENT
+    for (int i = 0; i < width; ++i) {
+      lowest[i] = std::min(center[i], LowestOf<kSide>([&](int k) INLINE_BODY {
+                             return low[i - kRadius + k];
+                           }));
+      highest[i] = std::max(center[i], HighestOf<kSide>([&](int k) INLINE_BODY {
+                              return high[i - kRadius + k];
+                            }));
+    }
+  };
+  RunAt(level_, [&]() INLINE_BODY { WithSide(radius_, find); });
 }
 
 void WindowRows::Correlate(const WindowConstants& constants, int width,
                            const RowSums& sums, const float* is_counted,
                            const WindowRow& row) const {
-  RunAt(
-      level_, [&]() __attribute__((always_inline)) {
-        FindZnccs(constants, width, sums.count.data(), sums.image.data(),
-                  sums.warped.data(), sums.image_squared.data(),
-                  sums.warped_squared.data(), sums.product.data(), is_counted,
-                  row.weights, row.energies, row.by_image, row.by_warped,
-                  row.constants, row.curvatures);
-      });
+  RunAt(level_, [&]() INLINE_BODY {
+    FindZnccs(constants, width, sums.count.data(), sums.image.data(),
+              sums.warped.data(), sums.image_squared.data(),
+              sums.warped_squared.data(), sums.product.data(), is_counted,
+              row.weights, row.energies, row.by_image, row.by_warped,
+              row.constants, row.curvatures);
+  });
   const double s = constants.saturation;
   for (int i = 0; i < width; ++i) {
     row.energies[i] =
@@ -219,12 +268,11 @@ void WindowRows::Correlate(const WindowConstants& constants, int width,
             ? static_cast<float>(s * std::log(1 - row.energies[i] / s))
             : 0;
   }
-  RunAt(
-      level_, [&]() __attribute__((always_inline)) {
-        Finish(width, sums.count.data(), sums.image.data(), sums.warped.data(),
-               row.weights, row.energies, row.by_image, row.by_warped,
-               row.constants);
-      });
+  RunAt(level_, [&]() INLINE_BODY {
+    Finish(width, sums.count.data(), sums.image.data(), sums.warped.data(),
+           row.weights, row.energies, row.by_image, row.by_warped,
+           row.constants);
+  });
 }
 
 }  // namespace colmap_ext

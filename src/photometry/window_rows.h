@@ -39,11 +39,13 @@ struct WindowRow {
 };
 
 // The arithmetic of square windows, for the windows around the pixels of one
-// row at a time. Planes are given from the row `radius` above on, with a stride
-// of `width`; of a window that reaches beyond the row's ends, the part on the
-// row counts. Holds scratch: each thread has its own.
+// row at a time: the quicker if `width` is a multiple of 8. Planes are given
+// from the row `radius` above on, with a stride of `width`; of a window that
+// reaches beyond the row's ends, the part on the row counts. Holds scratch:
+// each thread has its own.
 class WindowRows {
  public:
+  // \pre 1 <= radius <= 7
   explicit WindowRows(int radius, SimdLevel level = BestSimdLevel())
       : radius_(radius), level_(level) {}
 
@@ -65,9 +67,13 @@ class WindowRows {
                  const WindowRow& row) const;
 
  private:
+  // Rows of sums of columns, with `margin` before and behind each of them.
+  // \return the first one; the others follow by width + 2 radius
+  float* Columns(int num_rows, int width, float margin);
+
   int radius_;
   SimdLevel level_;
-  std::vector<float> columns_;  // of the windows: [6 * width]
+  std::vector<float> columns_;
 };
 
 }  // namespace colmap_ext
