@@ -62,17 +62,34 @@ void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
   }
 }
 
+// When a node has chosen by what its neighbors have, and when its labels
+// changed at last: the number of the round; 0: never.
+struct History {
+  std::vector<uint8_t> chosen;   // [N]
+  std::vector<uint8_t> changed;  // [N]
+
+  // Whether the node's choice may come out another way than at the last time.
+  bool IsOutdated(const PottsProblem& problem, uint32_t node) const {
+    return chosen[node] == 0 ||
+           std::ranges::any_of(problem.neighbors[node], [&](uint32_t neighbor) {
+             return neighbor != UINT32_MAX && changed[neighbor] >= chosen[node];
+           });
+  }
+};
+
 // The labels that some nodes have after a round: those of nodes that do not
 // choose in it stay.
 void ChooseInRound(const PottsProblem& problem, const LabelSets& given,
                    const LabelSets& sets, int round,
-                   const tbb::blocked_range<uint32_t>& nodes,
+                   const tbb::blocked_range<uint32_t>& nodes, History* history,
                    std::vector<uint32_t>* next) {
   const double weight = round > 0 ? problem.weight / 3 : 0;
   std::vector<PricedLabel> row;
   for (uint32_t node = nodes.begin(); node != nodes.end(); ++node) {
     uint32_t* begin = next->data() + sets.offsets[node];
-    if (round == 0 || ChoosesIn(round, node)) {
+    if (round == 0 ||
+        (ChoosesIn(round, node) && history->IsOutdated(problem, node))) {
+      history->chosen[node] = static_cast<uint8_t>(round);
       ChooseCheapest(problem, given, sets, node, weight, &row, begin,
                      next->data() + sets.offsets[node + 1]);
     } else {
@@ -111,12 +128,21 @@ LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
   }
   sets.labels.resize(sets.offsets.back());
   std::vector<uint32_t> next(sets.labels.size());
+  History history{std::vector<uint8_t>(num_nodes, 0),
+                  std::vector<uint8_t>(num_nodes, 0)};
   for (int round = 0; round < kRounds; ++round) {
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, num_nodes),
                       [&](const tbb::blocked_range<uint32_t>& nodes) {
                         ChooseInRound(problem, given, sets, round, nodes,
-                                      &next);
+                                      &history, &next);
                       });
+    tbb::parallel_for(uint32_t{0}, num_nodes, [&](uint32_t node) {
+      const uint32_t* end = sets.Labels(node + 1);
+      if (!std::equal(sets.Labels(node), end,
+                      next.data() + sets.offsets[node])) {
+        history.changed[node] = static_cast<uint8_t>(round);
+      }
+    });
     sets.labels.swap(next);
   }
   return sets;

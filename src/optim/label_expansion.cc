@@ -12,26 +12,38 @@ namespace colmap_ext {
 
 namespace {
 
-// The nodes that have each label.
+// Consecutive nodes.
+struct Block {
+  uint32_t begin = 0;
+  uint32_t end = 0;
+};
+
+// So small that the cuts' graphs fit a core's cache. On a sphere of a million
+// facets with 17 labels each, the energy that is left above the lower bound is
+// 1.42 % after a round, 1.08 % after two; 0.88 % after one of a single block,
+// which takes four times as long.
+constexpr uint32_t kBlockSize = 1 << 16;
+
+// The nodes of a block that have each label.
 struct NodesOfLabels {
   std::vector<uint64_t> offsets;  // [L + 1], into nodes
   std::vector<uint32_t> nodes;    // ascending in each row
 };
 
-NodesOfLabels FindNodes(const PottsProblem& problem) {
-  uint32_t num_labels = 0;
-  for (const uint32_t label : problem.labels) {
-    num_labels = std::max(num_labels, label + 1);
-  }
+NodesOfLabels FindNodes(const PottsProblem& problem, Block block) {
+  const auto begin = problem.labels.begin() +
+                     static_cast<ptrdiff_t>(problem.offsets[block.begin]);
+  const auto end = problem.labels.begin() +
+                   static_cast<ptrdiff_t>(problem.offsets[block.end]);
+  const uint32_t num_labels =
+      begin == end ? 0 : *std::max_element(begin, end) + 1;
   NodesOfLabels result;
   std::vector<uint64_t>& offsets = result.offsets;
   offsets.assign(num_labels + 2, 0);
-  for (const uint32_t label : problem.labels) {
-    ++offsets[label + 2];
-  }
+  std::for_each(begin, end, [&](uint32_t label) { ++offsets[label + 2]; });
   std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-  result.nodes.resize(problem.labels.size());
-  for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+  result.nodes.resize(static_cast<size_t>(end - begin));
+  for (uint32_t node = block.begin; node < block.end; ++node) {
     const uint32_t* labels = problem.Labels(node);
     for (uint32_t i = 0; i < problem.NumLabels(node); ++i) {
       result.nodes[offsets[labels[i] + 1]++] = node;
@@ -41,28 +53,36 @@ NodesOfLabels FindNodes(const PottsProblem& problem) {
   return result;
 }
 
-class Expansion {
- public:
-  Expansion(const PottsProblem& problem, std::vector<uint32_t> choices)
-      : problem_(problem),
-        choices_(std::move(choices)),
-        nodes_of_labels_(FindNodes(problem)),
-        places_(problem.NumNodes(), kNoNeighbor) {
-    float largest = 0;
-    for (const float cost : problem.costs) {
-      largest = std::max(largest, cost);
-    }
-    // A node pays for a label and for three edges at most.
-    const double most = largest + 3 * problem.weight;
-    scale_ = most > 0 ? kMaxCapacity / most : 0;
+// What a cost of 1 is as a capacity. A node pays for a label and for three
+// edges at most.
+double CapacityScale(const PottsProblem& problem) {
+  float largest = 0;
+  for (const float cost : problem.costs) {
+    largest = std::max(largest, cost);
   }
+  const double most = largest + 3 * problem.weight;
+  return most > 0 ? kMaxCapacity / most : 0;
+}
 
-  std::vector<uint32_t> Run() {
+// The round for a block's nodes, while the others keep their labels.
+class BlockExpansion {
+ public:
+  // \param choices [N] those of the block change, those of its neighbors are
+  //        read
+  BlockExpansion(const PottsProblem& problem, double scale, Block block,
+                 std::vector<uint32_t>* choices)
+      : problem_(problem),
+        scale_(scale),
+        block_(block),
+        choices_(*choices),
+        nodes_of_labels_(FindNodes(problem, block)),
+        places_(block.end - block.begin, kNoNeighbor) {}
+
+  void Run() {
     for (uint32_t label = 0; label + 1 < nodes_of_labels_.offsets.size();
          ++label) {
       Expand(label);
     }
-    return std::move(choices_);
   }
 
  private:
@@ -75,11 +95,12 @@ class Expansion {
     graph_.capacities.assign(num_nodes, {});
     graph_.source.resize(num_nodes);
     graph_.sink.resize(num_nodes);
-    tbb::parallel_for(size_t{0}, num_nodes,
-                      [&](size_t i) { AddNode(i, label); });
+    for (size_t i = 0; i < num_nodes; ++i) {
+      AddNode(i, label);
+    }
     const MinCut cut = ComputeMinCut(graph_);
     for (size_t i = 0; i < num_nodes; ++i) {
-      places_[movable_[i]] = kNoNeighbor;
+      places_[movable_[i] - block_.begin] = kNoNeighbor;
       if (cut.on_source_side[i] != 0) {
         choices_[movable_[i]] = Place(movable_[i], label);
       }
@@ -93,7 +114,7 @@ class Expansion {
          i < nodes_of_labels_.offsets[label + 1]; ++i) {
       const uint32_t node = nodes_of_labels_.nodes[i];
       if (Chosen(node) != label) {
-        places_[node] = static_cast<uint32_t>(movable_.size());
+        places_[node - block_.begin] = static_cast<uint32_t>(movable_.size());
         movable_.push_back(node);
       }
     }
@@ -112,14 +133,15 @@ class Expansion {
         continue;
       }
       const bool differs = Chosen(other) != Chosen(node);
-      if (places_[other] == kNoNeighbor) {
+      const uint32_t other_place = PlaceInGraph(other);
+      if (other_place == kNoNeighbor) {
         keep += differs ? problem_.weight : 0;
         take += Chosen(other) != label ? problem_.weight : 0;
         continue;
       }
       const bool is_second = node > other;
       keep += differs && is_second ? problem_.weight : 0;
-      graph_.neighbors[place][k] = places_[other];
+      graph_.neighbors[place][k] = other_place;
       graph_.capacities[place][k] =
           differs && !is_second ? 0 : Capacity(problem_.weight);
     }
@@ -129,6 +151,13 @@ class Expansion {
 
   uint32_t Chosen(uint32_t node) const {
     return problem_.Labels(node)[choices_[node]];
+  }
+
+  // In movable_, or kNoNeighbor.
+  uint32_t PlaceInGraph(uint32_t node) const {
+    return node >= block_.begin && node < block_.end
+               ? places_[node - block_.begin]
+               : kNoNeighbor;
   }
 
   uint32_t Place(uint32_t node, uint32_t label) const {
@@ -143,19 +172,68 @@ class Expansion {
   }
 
   const PottsProblem& problem_;
-  std::vector<uint32_t> choices_;
-  NodesOfLabels nodes_of_labels_;
-  double scale_ = 0;               // capacity of a cost of 1
+  const double scale_;
+  const Block block_;
+  std::vector<uint32_t>& choices_;
+  const NodesOfLabels nodes_of_labels_;
   std::vector<uint32_t> movable_;  // nodes
-  std::vector<uint32_t> places_;   // [N] into movable_, or kNoNeighbor
+  std::vector<uint32_t> places_;   // [nodes of the block], see PlaceInGraph
   FlowGraph graph_;                // of movable_
 };
+
+// \param first_size  of the first block, nodes; all others have kBlockSize
+std::vector<Block> Blocks(uint32_t num_nodes, uint32_t first_size) {
+  std::vector<Block> blocks;
+  uint32_t end = first_size;
+  for (uint32_t begin = 0; begin < num_nodes; begin = end, end += kBlockSize) {
+    blocks.push_back({begin, std::min(num_nodes, end)});
+  }
+  return blocks;
+}
+
+// Blocks of the same color have no edges between them: each has the least color
+// that no neighbor before it has.
+std::vector<std::vector<Block>> ColorBlocks(const PottsProblem& problem,
+                                            uint32_t first_size) {
+  std::vector<std::vector<Block>> colors;
+  std::vector<uint32_t> color_of;  // [blocks]
+  for (const Block& block :
+       Blocks(static_cast<uint32_t>(problem.NumNodes()), first_size)) {
+    std::vector<uint8_t> is_taken(colors.size() + 1, 0);
+    for (uint32_t node = block.begin; node < block.end; ++node) {
+      for (const uint32_t other : problem.neighbors[node]) {
+        if (other < block.begin) {
+          is_taken[color_of[(other + kBlockSize - first_size) / kBlockSize]] =
+              1;
+        }
+      }
+    }
+    const auto color = static_cast<uint32_t>(std::ranges::find(is_taken, 0) -
+                                             is_taken.begin());
+    colors.resize(std::max<size_t>(colors.size(), color + 1));
+    colors[color].push_back(block);
+    color_of.push_back(color);
+  }
+  return colors;
+}
 
 }  // namespace
 
 std::vector<uint32_t> ExpandLabels(const PottsProblem& problem,
                                    std::vector<uint32_t> choices) {
-  return Expansion(problem, std::move(choices)).Run();
+  const double scale = CapacityScale(problem);
+  const bool is_one_block = problem.NumNodes() <= kBlockSize;
+  for (const uint32_t first_size : {kBlockSize, kBlockSize / 2}) {
+    for (const auto& blocks : ColorBlocks(problem, first_size)) {
+      tbb::parallel_for(size_t{0}, blocks.size(), [&](size_t i) {
+        BlockExpansion(problem, scale, blocks[i], &choices).Run();
+      });
+    }
+    if (is_one_block) {
+      break;
+    }
+  }
+  return choices;
 }
 
 }  // namespace colmap_ext

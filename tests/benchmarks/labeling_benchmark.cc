@@ -72,7 +72,7 @@ struct LabeledSphere {
       AddViews((mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c])
                    .cast<double>()
                    .normalized(),
-               &visibility.views);
+               &visibility.values);
       visibility.EndRow();
     }
   }

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "optim/label_expansion.h"
 #include "tests/optim/random_potts.h"
@@ -64,6 +65,30 @@ TEST(ExpandLabels, EndsWhereNoExpansionHelps) {
                   LeastOfExpansions(problem, label, choices), 1e-5);
     }
   }
+}
+
+// More nodes than a block has: 90,000.
+PottsProblem ManyBlocks() {
+  return RandomProblem(90000, Wall(300), 4, 0.8, 0.5, 7);
+}
+
+TEST(ExpandLabels, ComesCloseToTheBoundInBlocks) {
+  const PottsProblem problem = ManyBlocks();
+  const double bound = SolvePotts(problem).lower_bound;
+  std::vector<uint32_t> choices = FirstChoices(problem);
+  choices = ExpandLabels(problem, choices);
+  EXPECT_LT(PottsEnergy(problem, choices), 1.03 * bound);
+  const std::vector<uint32_t> again = ExpandLabels(problem, choices);
+  EXPECT_LE(PottsEnergy(problem, again), PottsEnergy(problem, choices) + 1e-3);
+}
+
+TEST(ExpandLabels, GivesTheSameWithAnyNumberOfThreads) {
+  const PottsProblem problem = ManyBlocks();
+  const std::vector<uint32_t> choices =
+      ExpandLabels(problem, FirstChoices(problem));
+  const tbb::global_control one_thread(
+      tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(ExpandLabels(problem, FirstChoices(problem)), choices);
 }
 
 TEST(ExpandLabels, ExpandsNothing) {
