@@ -62,6 +62,16 @@ struct AnchoredMesh {
             Corner(edit.Apex(half))};
   }
 
+  // The corners of the facets on both sides of an edge, some of them twice
+  // where there is one facet: what an operation on the edge looks at, together
+  // with the facets around them.
+  std::array<uint32_t, 4> CornersAround(uint32_t half) const {
+    const uint32_t apex = edit.Apex(half);
+    const uint32_t partner = edit.Partner(half);
+    return {edit.From(half), edit.To(half), apex,
+            partner == kNoHalfEdge ? apex : edit.Apex(partner)};
+  }
+
   EditableMesh edit;
   std::vector<Anchor> anchors;  // [V] of `edit`
 };

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "remesh/speculation.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -15,6 +17,12 @@ using Eigen::Vector3f;
 struct Place {
   Vector3f position;
   Anchor anchor;
+};
+
+// An edge, and where it collapses to.
+struct CollapsePlan {
+  uint32_t half;
+  Place place;
 };
 
 float DistanceToSegment(const Vector3f& p, const Vector3f& a,
@@ -31,29 +39,24 @@ class Collapser {
  public:
   Collapser(const ReferenceSurface& reference, float max_ratio,
             AnchoredMesh* mesh)
-      : reference_(reference), max_ratio_(max_ratio), mesh_(mesh) {}
+      : reference_(reference),
+        max_ratio_(max_ratio),
+        mesh_(mesh),
+        changed_(mesh->edit.NumVertices()) {}
 
-  bool Collapse(uint32_t half) {
-    EditableMesh& edit = mesh_->edit;
-    // A vertex of a border takes in one from the inside.
-    if (edit.IsBorderVertex(edit.From(half)) &&
-        !edit.IsBorderVertex(edit.To(half))) {
-      half = edit.Partner(half);
-    }
-    if (!edit.CanCollapse(half)) {
-      return false;
-    }
-    const uint32_t from = edit.From(half);
-    const uint32_t to = edit.To(half);
-    if (!edit.IsBorderVertex(to)) {
-      return CollapseToMiddle(half) || CollapseTo(half, PlaceOf(to)) ||
-             CollapseTo(half, PlaceOf(from));
-    }
-    if (!edit.IsBorderVertex(from)) {
-      return CollapseTo(half, PlaceOf(to));
-    }
-    return (IsStraight(from, to) && CollapseTo(half, PlaceOf(to))) ||
-           (IsStraight(to, from) && CollapseTo(half, PlaceOf(from)));
+  // Collapses one edge after the other, where that may be done.
+  // \param choose  size_t -> std::optional<uint32_t>, the half-edge
+  // \param corners  size_t -> what choose() looks at, see ApplyInOrder()
+  // \return how many
+  template <typename Choose, typename Corners>
+  size_t Collapse(size_t count, const Choose& choose, const Corners& corners) {
+    const auto propose = [&](size_t i) -> std::optional<CollapsePlan> {
+      const std::optional<uint32_t> half = choose(i);
+      return half ? Plan(*half) : std::nullopt;
+    };
+    return ApplyInOrder(
+        count, propose, corners, [&](const CollapsePlan& plan) { Apply(plan); },
+        &changed_);
   }
 
  private:
@@ -61,8 +64,42 @@ class Collapser {
     return {mesh_->edit.Position(vertex), mesh_->anchors[vertex]};
   }
 
-  // To the point of the reference next to the edge's middle.
-  bool CollapseToMiddle(uint32_t half) {
+  std::optional<CollapsePlan> Plan(uint32_t half) const {
+    const EditableMesh& edit = mesh_->edit;
+    // A vertex of a border takes in one from the inside.
+    if (edit.IsBorderVertex(edit.From(half)) &&
+        !edit.IsBorderVertex(edit.To(half))) {
+      half = edit.Partner(half);
+    }
+    if (!edit.CanCollapse(half)) {
+      return std::nullopt;
+    }
+    const uint32_t from = edit.From(half);
+    const uint32_t to = edit.To(half);
+    if (!edit.IsBorderVertex(to)) {
+      for (const std::optional<Place>& place :
+           {MiddlePlace(half), std::optional(PlaceOf(to)),
+            std::optional(PlaceOf(from))}) {
+        if (place && MayCollapse(half, *place)) {
+          return CollapsePlan{half, *place};
+        }
+      }
+      return std::nullopt;
+    }
+    const bool is_border_edge = edit.IsBorderVertex(from);
+    if ((!is_border_edge || IsStraight(from, to)) &&
+        MayCollapse(half, PlaceOf(to))) {
+      return CollapsePlan{half, PlaceOf(to)};
+    }
+    if (is_border_edge && IsStraight(to, from) &&
+        MayCollapse(half, PlaceOf(from))) {
+      return CollapsePlan{half, PlaceOf(from)};
+    }
+    return std::nullopt;
+  }
+
+  // The point of the reference next to the edge's middle.
+  std::optional<Place> MiddlePlace(uint32_t half) const {
     const uint32_t from = mesh_->edit.From(half);
     const uint32_t to = mesh_->edit.To(half);
     const Anchor& anchor = mesh_->anchors[from];
@@ -70,22 +107,29 @@ class Collapser {
         (mesh_->edit.Position(from) + mesh_->edit.Position(to)) / 2;
     // Most are refused here, before anything is looked up.
     if (!KeepsShape(half, {middle, anchor})) {
-      return false;
+      return std::nullopt;
     }
     const Anchor nearest = reference_.Nearest(
         middle, anchor.normal + mesh_->anchors[to].normal, anchor.source.facet);
-    return CollapseTo(half, {reference_.Position(nearest), nearest});
+    return Place{reference_.Position(nearest), nearest};
   }
 
-  bool CollapseTo(uint32_t half, const Place& place) {
-    if (!KeepsShape(half, place) || !FollowsReference(half, place)) {
-      return false;
+  bool MayCollapse(uint32_t half, const Place& place) const {
+    return KeepsShape(half, place) && FollowsReference(half, place);
+  }
+
+  // Outdates the plans for edges at a vertex next to the ends.
+  void Apply(const CollapsePlan& plan) {
+    EditableMesh& edit = mesh_->edit;
+    const uint32_t to = edit.To(plan.half);
+    for (const uint32_t end : {edit.From(plan.half), to}) {
+      changed_.Mark(end);
+      edit.ForEachNeighbor(end,
+                           [&](uint32_t neighbor) { changed_.Mark(neighbor); });
     }
-    const uint32_t to = mesh_->edit.To(half);
-    mesh_->edit.Collapse(half);
-    mesh_->edit.Move(to, place.position);
-    mesh_->anchors[to] = place.anchor;
-    return true;
+    edit.Collapse(plan.half);
+    edit.Move(to, plan.place.position);
+    mesh_->anchors[to] = plan.place.anchor;
   }
 
   // Whether a border hardly moves when a vertex of it is merged into its
@@ -152,6 +196,7 @@ class Collapser {
   const ReferenceSurface& reference_;
   float max_ratio_;
   AnchoredMesh* mesh_;
+  ChangedVertices changed_;
 };
 
 // The edges that are too short, the shortest first.
@@ -170,13 +215,17 @@ size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
   constexpr int kMaxRounds = 2;  // later ones find next to nothing
   size_t num_collapses = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    size_t num_in_round = 0;
-    for (const uint32_t half : ShortEdges(*mesh, min_ratio)) {
-      if (!mesh->edit.IsRemovedFacet(half / 3) &&
-          mesh->RelativeLength(half) < min_ratio) {
-        num_in_round += collapser.Collapse(half) ? 1 : 0;
-      }
-    }
+    const std::vector<uint32_t> edges = ShortEdges(*mesh, min_ratio);
+    const auto choose = [&](size_t i) -> std::optional<uint32_t> {
+      const uint32_t half = edges[i];
+      return !mesh->edit.IsRemovedFacet(half / 3) &&
+                     mesh->RelativeLength(half) < min_ratio
+                 ? std::optional(half)
+                 : std::nullopt;
+    };
+    const size_t num_in_round = collapser.Collapse(
+        edges.size(), choose,
+        [&](size_t i) { return mesh->CornersAround(edges[i]); });
     num_collapses += num_in_round;
     if (num_in_round == 0) {
       break;
@@ -188,23 +237,27 @@ size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
 size_t CollapseNeedles(const ReferenceSurface& reference, float max_ratio,
                        AnchoredMesh* mesh) {
   constexpr float kMaxCosine = 0.966F;  // 15 degrees
-  Collapser collapser(reference, max_ratio, mesh);
   const EditableMesh& edit = mesh->edit;
-  size_t num_collapses = 0;
-  for (uint32_t facet = 0; facet < edit.NumFacets(); ++facet) {
-    if (edit.IsRemovedFacet(facet) ||
-        LargestCosine(mesh->Corners(3 * facet)) <= kMaxCosine) {
-      continue;
-    }
+  const auto shortest_edge = [&](uint32_t facet) {
     uint32_t shortest = 3 * facet;
     for (uint32_t half = 3 * facet + 1; half < 3 * facet + 3; ++half) {
       if (mesh->Length(half) < mesh->Length(shortest)) {
         shortest = half;
       }
     }
-    num_collapses += collapser.Collapse(shortest) ? 1 : 0;
-  }
-  return num_collapses;
+    return shortest;
+  };
+  const auto choose = [&](size_t i) -> std::optional<uint32_t> {
+    const auto facet = static_cast<uint32_t>(i);
+    return !edit.IsRemovedFacet(facet) &&
+                   LargestCosine(mesh->Corners(3 * facet)) > kMaxCosine
+               ? std::optional(shortest_edge(facet))
+               : std::nullopt;
+  };
+  return Collapser(reference, max_ratio, mesh)
+      .Collapse(edit.NumFacets(), choose, [&](size_t facet) {
+        return mesh->CornersAround(shortest_edge(static_cast<uint32_t>(facet)));
+      });
 }
 
 }  // namespace colmap_ext

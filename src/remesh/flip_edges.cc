@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
+
+#include "remesh/speculation.h"
 
 namespace colmap_ext {
 namespace {
@@ -61,10 +64,45 @@ bool MayFlip(const ReferenceSurface& reference, const Quad& quad) {
          reference.IsFollowedBy({to, apex, other});
 }
 
+// Flips the edges for which is_better(quad) holds, one after the other, where
+// they may.
+// \param is_better  Quad -> bool
+// \param on_flip    Quad -> void, before each flip
+template <typename IsBetter, typename OnFlip>
+size_t FlipEdges(const ReferenceSurface& reference, const IsBetter& is_better,
+                 const OnFlip& on_flip, AnchoredMesh* mesh) {
+  EditableMesh& edit = mesh->edit;
+  const auto propose = [&](size_t i) -> std::optional<uint32_t> {
+    const auto half = static_cast<uint32_t>(i);
+    if (!edit.IsFirstOfEdge(half) || edit.Partner(half) == kNoHalfEdge) {
+      return std::nullopt;
+    }
+    const Quad quad = QuadOf(*mesh, half);
+    return is_better(quad) && edit.CanFlip(half) && MayFlip(reference, quad)
+               ? std::optional(half)
+               : std::nullopt;
+  };
+  ChangedVertices changed(edit.NumVertices());
+  const auto flip = [&](uint32_t half) {
+    const Quad quad = QuadOf(*mesh, half);
+    on_flip(quad);
+    edit.Flip(half);
+    for (const uint32_t vertex : quad.vertices) {
+      changed.Mark(vertex);
+    }
+  };
+  return ApplyInOrder(
+      edit.NumHalfEdges(), propose,
+      [&](size_t half) {
+        return mesh->CornersAround(static_cast<uint32_t>(half));
+      },
+      flip, &changed);
+}
+
 }  // namespace
 
 size_t FlipForValence(const ReferenceSurface& reference, AnchoredMesh* mesh) {
-  EditableMesh& edit = mesh->edit;
+  const EditableMesh& edit = mesh->edit;
   // How many edges more than wanted each vertex has.
   std::vector<int> excess(edit.NumVertices(), 0);
   for (uint32_t vertex = 0; vertex < excess.size(); ++vertex) {
@@ -75,13 +113,8 @@ size_t FlipForValence(const ReferenceSurface& reference, AnchoredMesh* mesh) {
   }
   // Facets whose angles get smaller than 20 degrees are not worth it.
   constexpr float kMaxCosine = 0.94F;
-  size_t num_flips = 0;
-  for (uint32_t half = 0; half < edit.NumHalfEdges(); ++half) {
-    if (!edit.IsFirstOfEdge(half) || !edit.CanFlip(half)) {
-      continue;
-    }
-    const Quad quad = QuadOf(*mesh, half);
-    constexpr std::array<int, 4> kChange = {-1, -1, 1, 1};
+  constexpr std::array<int, 4> kChange = {-1, -1, 1, 1};
+  const auto is_better = [&](const Quad& quad) {
     int gain = 0;
     for (int k = 0; k < 4; ++k) {
       const int now = excess[quad.vertices[k]];
@@ -89,43 +122,33 @@ size_t FlipForValence(const ReferenceSurface& reference, AnchoredMesh* mesh) {
       gain += now * now - then * then;
     }
     if (gain <= 0) {
-      continue;
+      return false;
     }
     const Angles angles = WorstAngles(quad);
-    if (angles.after < std::max(kMaxCosine, angles.before) &&
-        MayFlip(reference, quad)) {
-      edit.Flip(half);
-      ++num_flips;
-      for (int k = 0; k < 4; ++k) {
-        excess[quad.vertices[k]] += kChange[k];
-      }
+    return angles.after < std::max(kMaxCosine, angles.before);
+  };
+  const auto on_flip = [&](const Quad& quad) {
+    for (int k = 0; k < 4; ++k) {
+      excess[quad.vertices[k]] += kChange[k];
     }
-  }
-  return num_flips;
+  };
+  return FlipEdges(reference, is_better, on_flip, mesh);
 }
 
 size_t FlipForAngles(const ReferenceSurface& reference, float min_cosine,
                      AnchoredMesh* mesh) {
-  EditableMesh& edit = mesh->edit;
   constexpr int kMaxRounds = 4;      // later ones find next to nothing
   constexpr float kMinGain = 1e-3F;  // of the cosine, so that rounding does
                                      // not flip edges back and forth
+  const auto is_better = [&](const Quad& quad) {
+    const Angles angles = WorstAngles(quad);
+    return angles.before >= min_cosine &&
+           angles.after < angles.before - kMinGain;
+  };
+  const auto on_flip = [](const Quad& /*quad*/) {};
   size_t num_flips = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    size_t num_in_round = 0;
-    for (uint32_t half = 0; half < edit.NumHalfEdges(); ++half) {
-      if (!edit.IsFirstOfEdge(half) || edit.Partner(half) == kNoHalfEdge) {
-        continue;
-      }
-      const Quad quad = QuadOf(*mesh, half);
-      const Angles angles = WorstAngles(quad);
-      if (angles.before >= min_cosine &&
-          angles.after < angles.before - kMinGain && edit.CanFlip(half) &&
-          MayFlip(reference, quad)) {
-        edit.Flip(half);
-        ++num_in_round;
-      }
-    }
+    const size_t num_in_round = FlipEdges(reference, is_better, on_flip, mesh);
     num_flips += num_in_round;
     if (num_in_round == 0) {
       break;

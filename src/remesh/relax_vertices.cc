@@ -1,6 +1,9 @@
 #include "remesh/relax_vertices.h"
 
+#include <algorithm>
 #include <array>
+#include <bitset>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -61,34 +64,60 @@ bool MayMove(const ReferenceSurface& reference, const AnchoredMesh& mesh,
   return may_move;
 }
 
+// The vertices in groups without neighbors, ascending: each is in the first
+// group that none of its neighbors before it is in. One that finds none of 64
+// is left out.
+std::vector<std::vector<uint32_t>> IndependentGroups(
+    const EditableMesh& mesh, const std::vector<uint32_t>& vertices) {
+  constexpr size_t kMaxGroups = 64;
+  std::vector<uint8_t> group_of(mesh.NumVertices(), kMaxGroups);
+  std::vector<std::vector<uint32_t>> groups;
+  for (const uint32_t vertex : vertices) {
+    std::bitset<kMaxGroups + 1> is_taken;
+    mesh.ForEachNeighbor(
+        vertex, [&](uint32_t neighbor) { is_taken.set(group_of[neighbor]); });
+    size_t group = 0;
+    while (group < kMaxGroups && is_taken[group]) {
+      ++group;
+    }
+    if (group < kMaxGroups) {
+      group_of[vertex] = static_cast<uint8_t>(group);
+      groups.resize(std::max(groups.size(), group + 1));
+      groups[group].push_back(vertex);
+    }
+  }
+  return groups;
+}
+
 }  // namespace
 
 void RelaxVertices(const ReferenceSurface& reference,
                    const std::vector<uint8_t>& is_chosen, AnchoredMesh* mesh) {
   EditableMesh& edit = mesh->edit;
-  const auto stays = [&](uint32_t vertex) {
-    return edit.IsRemovedVertex(vertex) || edit.IsBorderVertex(vertex) ||
-           (!is_chosen.empty() && is_chosen[vertex] == 0);
-  };
-  // The targets are found side by side, from the same mesh; whether the facets
-  // allow them is then asked vertex by vertex.
+  std::vector<uint32_t> vertices;  // that may move
+  for (uint32_t vertex = 0; vertex < edit.NumVertices(); ++vertex) {
+    if (!edit.IsRemovedVertex(vertex) && !edit.IsBorderVertex(vertex) &&
+        (is_chosen.empty() || is_chosen[vertex] != 0)) {
+      vertices.push_back(vertex);
+    }
+  }
+  const auto groups = IndependentGroups(edit, vertices);
+  std::vector<Anchor> targets(edit.NumVertices());
   for (const float share : {1.0F, 0.5F}) {
-    std::vector<Anchor> targets(edit.NumVertices());
-    tbb::parallel_for(size_t{0}, targets.size(), [&](size_t i) {
-      const uint32_t vertex = static_cast<uint32_t>(i);
-      if (!stays(vertex)) {
-        targets[i] = Target(reference, *mesh, vertex, share);
-      }
+    // All targets are found from the same mesh; whether the facets allow them
+    // is then asked group by group.
+    tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
+      targets[vertices[i]] = Target(reference, *mesh, vertices[i], share);
     });
-    for (uint32_t vertex = 0; vertex < targets.size(); ++vertex) {
-      if (stays(vertex)) {
-        continue;
-      }
-      const Vector3f position = reference.Position(targets[vertex]);
-      if (MayMove(reference, *mesh, vertex, {position, &targets[vertex]})) {
-        edit.Move(vertex, position);
-        mesh->anchors[vertex] = targets[vertex];
-      }
+    for (const std::vector<uint32_t>& group : groups) {
+      tbb::parallel_for(size_t{0}, group.size(), [&](size_t i) {
+        const uint32_t vertex = group[i];
+        const Vector3f position = reference.Position(targets[vertex]);
+        if (MayMove(reference, *mesh, vertex, {position, &targets[vertex]})) {
+          edit.Move(vertex, position);
+          mesh->anchors[vertex] = targets[vertex];
+        }
+      });
     }
   }
 }

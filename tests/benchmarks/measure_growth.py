@@ -1,0 +1,278 @@
+#!/usr/bin/env python3
+"""How time and memory of every stage grow, as Markdown tables.
+
+  measure_growth.py --program build/release/bin/colmap_ext \\
+      --make_workspace build/release/tests/make_workspace \\
+      [--points WORKSPACE] [--images] [--pairs] [--pixels] [--faces]
+
+--points  the mesher on 1/8, 1/4 and 1/2 of a workspace's points, on all, and on
+          2 x 2 and 4 x 4 copies of it side by side, each with its own images
+--images  the refiner on a rendered statue seen by 6, 12, 24 and 48 images
+--pairs   the same with 48 images, where each has 2 to 16 partners
+--pixels  the same with 12 images of 1/4 to 4 times the pixels
+--faces   the same with faces of 28 to 3.5 pixels
+
+A stage's exponent is that of the power law through its times (least squares of
+logarithms); stages that never take 0.1 s have none. Exponents of memory are of
+what is above the memory of the smallest run.
+"""
+
+import argparse
+import math
+import pathlib
+import re
+import struct
+import sys
+import tempfile
+
+from compare_meshers import print_table, run
+
+MIN_TIME = 0.05  # s, of a run that counts for an exponent
+
+
+class Cloud:
+    """fused.ply and fused.ply.vis as records."""
+
+    def __init__(self, workspace):
+        ply = (workspace / "fused.ply").read_bytes()
+        end = ply.index(b"end_header\n") + len(b"end_header\n")
+        self.header = ply[:end].decode()
+        self.count = int(re.search(r"element vertex (\d+)",
+                                   self.header).group(1))
+        size = (len(ply) - end) // self.count
+        self.rows = [ply[end + i * size:end + (i + 1) * size]
+                     for i in range(self.count)]
+        vis = (workspace / "fused.ply.vis").read_bytes()
+        words = memoryview(vis)[8:].cast("I")
+        self.views, at = [], 0
+        for _ in range(self.count):
+            self.views.append(words[at + 1:at + 1 + words[at]].tolist())
+            at += 1 + words[at]
+
+    def write(self, folder, rows, views):
+        header = self.header.replace(f"element vertex {self.count}",
+                                     f"element vertex {len(rows)}")
+        with open(folder / "fused.ply", "wb") as file:
+            file.write(header.encode())
+            file.writelines(rows)
+        with open(folder / "fused.ply.vis", "wb") as file:
+            file.write(struct.pack("<Q", len(views)))
+            file.writelines(struct.pack(f"<{len(row) + 1}I", len(row), *row)
+                            for row in views)
+
+
+def read_images(workspace):
+    """Of sparse/images.bin, in the order of their ids (fused.ply.vis counts
+    them so): pose, camera, name."""
+    data = (workspace / "sparse" / "images.bin").read_bytes()
+    images, at = [], 8
+    for _ in range(struct.unpack_from("<Q", data)[0]):
+        image_id, *pose, camera = struct.unpack_from("<I7dI", data, at)
+        end = data.index(b"\0", at + 64)
+        images.append((image_id, pose, camera, data[at + 64:end].decode()))
+        points = struct.unpack_from("<Q", data, end + 1)[0]
+        at = end + 9 + 24 * points
+    return sorted(images)
+
+
+def rotated(quaternion, vector):
+    w, axis = quaternion[0], quaternion[1:]
+
+    def cross(a, b):
+        return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                a[0] * b[1] - a[1] * b[0]]
+    once = [2 * value for value in cross(axis, vector)]
+    twice = cross(axis, once)
+    return [vector[i] + w * once[i] + twice[i] for i in range(3)]
+
+
+def write_part(workspace, cloud, folder, stride):
+    folder.mkdir()
+    for name in ("sparse", "images"):
+        (folder / name).symlink_to((workspace / name).resolve())
+    cloud.write(folder, cloud.rows[::stride], cloud.views[::stride])
+
+
+def write_tiles(workspace, cloud, folder, side):
+    """side x side copies next to each other, along the two longest axes."""
+    points = [struct.unpack_from("<3f", row) for row in cloud.rows]
+    ranges = []
+    for axis in range(3):
+        values = sorted(point[axis] for point in points)
+        ranges.append(1.1 * (values[int(0.98 * len(values))]
+                             - values[int(0.02 * len(values))]))
+    axes = sorted(range(3), key=lambda axis: -ranges[axis])[:2]
+    images = read_images(workspace)
+    rows, views, new_images = [], [], []
+    for tile in range(side * side):
+        offset = [0.0] * 3
+        offset[axes[0]] = ranges[axes[0]] * (tile // side)
+        offset[axes[1]] = ranges[axes[1]] * (tile % side)
+        rows += [struct.pack("<3f", *(p + o for p, o in zip(point, offset)))
+                 + row[12:] for point, row in zip(points, cloud.rows)]
+        shift = len(images) * tile
+        views += [[view + shift for view in row] for row in cloud.views]
+        for i, (_, pose, camera, name) in enumerate(images):
+            moved = rotated(pose[:4], offset)
+            new_images.append((shift + i + 1, pose[:4] + [
+                t - m for t, m in zip(pose[4:], moved)], camera,
+                f"{tile:03}_{name}", name))
+    for name in ("sparse", "images"):
+        (folder / name).mkdir(parents=True)
+    cloud.write(folder, rows, views)
+    (folder / "sparse" / "cameras.bin").write_bytes(
+        (workspace / "sparse" / "cameras.bin").read_bytes())
+    with open(folder / "sparse" / "images.bin", "wb") as file:
+        file.write(struct.pack("<Q", len(new_images)))
+        for image_id, pose, camera, name, source in new_images:
+            file.write(struct.pack("<I7dI", image_id, *pose, camera)
+                       + name.encode() + b"\0" + struct.pack("<Q", 0))
+            (folder / "images" / name).symlink_to(
+                (workspace / "images" / source).resolve())
+    (folder / "sparse" / "points3D.bin").write_bytes(struct.pack("<Q", 0))
+
+
+def exponent(factors, values):
+    """Of the power law through the values, or None."""
+    pairs = [(math.log(f), math.log(v)) for f, v in zip(factors, values)
+             if v > MIN_TIME]
+    if len(pairs) < 3 or max(values) < 2 * MIN_TIME:
+        return None
+    mean_x = sum(x for x, _ in pairs) / len(pairs)
+    mean_y = sum(y for _, y in pairs) / len(pairs)
+    return (sum((x - mean_x) * (y - mean_y) for x, y in pairs)
+            / sum((x - mean_x) ** 2 for x, _ in pairs))
+
+
+def times(output):
+    """Seconds of each stage, in the order of the report."""
+    return {name: float(seconds) for name, seconds in
+            re.findall(r"^\s\s(\S.*?)\s+([\d.]+) s$", output, re.MULTILINE)}
+
+
+def count_of(output, name):
+    found = re.findall(rf"^\s*{name}\s+(\d+)$", output, re.MULTILINE)
+    return int(found[-1]) if found else 0
+
+
+def table(title, heads, factors, results, count):
+    """results: what run() returns; count: the report's line that is counted."""
+    columns = [times(result["output"]) for result in results]
+    stages = {stage: None for column in columns for stage in column}
+
+    def row(name, values, digits):
+        power = exponent(factors, values)
+        return [name, *(f"{value:.{digits}f}" for value in values),
+                "" if power is None else f"{power:.2f}"]
+    rows = [row(count, [count_of(result["output"], count)
+                        for result in results], 0)]
+    rows += [row(stage, [column.get(stage, 0) for column in columns], 2)
+             for stage in stages]
+    rows.append(row("CPU s", [result["cpu"] for result in results], 1))
+    peaks = [result["peak"] for result in results]
+    rows.append(["peak MB", *(f"{peak:.0f}" for peak in peaks),
+                 f"{exponent(factors, peaks):.2f}"])
+    print_table(title, ["", *heads, "exponent"], rows)
+
+
+def checked(command):
+    result = run([str(word) for word in command])
+    if not result["ok"]:
+        sys.exit(f"{command} failed:\n{result['output']}")
+    return result
+
+
+def mesh(args, workspace):
+    return checked([args.program, "delaunay_manifold_mesher",
+                    "--workspace_path", workspace])
+
+
+def refine(args, workspace, options=()):
+    words = [f"--FacetwiseRefinement.{word}" if i % 2 == 0 else word
+             for i, word in enumerate(("backend", "cpu", "refine_cameras",
+                                       "none", *options))]
+    return checked([args.program, "facetwise_refiner", "--workspace_path",
+                    workspace, *words])
+
+
+def render(args, folder, images, width):
+    checked([args.make_workspace, "--output_path", folder, "--num_images",
+             images, "--width", width, "--height", width * 3 // 4])
+    mesh(args, folder)
+    return folder
+
+
+def measure_points(args, folder):
+    cloud = Cloud(args.points)
+    results = []
+    sizes = ["1/8", "1/4", "1/2", "1", "4", "16"]
+    factors = [1 / 8, 1 / 4, 1 / 2, 1, 4, 16]
+    for size, factor in zip(sizes, factors):
+        workspace = folder / f"points-{factor}"
+        if factor <= 1:
+            write_part(args.points, cloud, workspace, round(1 / factor))
+        else:
+            write_tiles(args.points, cloud, workspace, round(factor ** 0.5))
+        results.append(mesh(args, workspace))
+    table(f"{args.points.name}: the mesher by its points, s", sizes, factors,
+          results, "vertices, after thinning")
+
+
+def measure_images(args, folder):
+    counts = [6, 12, 24, 48]
+    results = [refine(args, render(args, folder / f"images-{count}", count,
+                                   320)) for count in counts]
+    table("statue, 320 x 240: the refiner by its images, s", counts, counts,
+          results, "faces")
+
+
+def measure_pairs(args, folder):
+    counts = [2, 4, 8, 16]
+    workspace = render(args, folder / "pairs", 48, 320)
+    results = [refine(args, workspace, ["pairs_per_image", count])
+               for count in counts]
+    table("statue, 48 images of 320 x 240: the refiner by the partners of each,"
+          " s", counts, counts, results, "faces")
+
+
+def measure_pixels(args, folder):
+    widths = [160, 320, 640, 1280]
+    results = [refine(args, render(args, folder / f"pixels-{width}", 12,
+                                   width)) for width in widths]
+    table("statue, 12 images: the refiner by its pixels, s",
+          [f"{width} x {width * 3 // 4}" for width in widths],
+          [width * width for width in widths], results, "faces")
+
+
+def measure_faces(args, folder):
+    areas = [28, 14, 7, 3.5]
+    workspace = render(args, folder / "faces", 12, 640)
+    results = [refine(args, workspace, ["max_face_area", area])
+               for area in areas]
+    table("statue, 12 images of 640 x 480: the refiner by its faces, s",
+          [f"{area} px²" for area in areas],
+          [count_of(result["output"], "faces") for result in results], results,
+          "faces")
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--make_workspace", required=True)
+    parser.add_argument("--points", type=pathlib.Path, metavar="WORKSPACE")
+    for name in ("images", "pairs", "pixels", "faces"):
+        parser.add_argument(f"--{name}", action="store_true")
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        for name, measure in (("points", measure_points),
+                              ("images", measure_images),
+                              ("pairs", measure_pairs),
+                              ("pixels", measure_pixels),
+                              ("faces", measure_faces)):
+            if getattr(args, name):
+                measure(args, pathlib.Path(temporary))
+
+
+if __name__ == "__main__":
+    main()
