@@ -64,10 +64,31 @@ bool ReferenceSurface::IsFollowedBy(
   }
   const Vector3f samples[] = {(a + b + c) / 3, (a + b) / 2, (b + c) / 2,
                               (c + a) / 2};
-  return std::all_of(std::begin(samples), std::end(samples),
-                     [&](const Vector3f& sample) {
-                       return bvh_.IsNear(sample, normal, tolerance);
-                     });
+  return std::ranges::all_of(samples, [&](const Vector3f& sample) {
+    return std::ranges::any_of(facet,
+                               [&](const AnchoredCorner& corner) {
+                                 return IsNearFacet(corner.anchor->source.facet,
+                                                    sample, normal, tolerance);
+                               }) ||
+           bvh_.IsNear(sample, normal, tolerance);
+  });
+}
+
+// The quick answer for many samples, before all facets are asked.
+bool ReferenceSurface::IsNearFacet(uint32_t facet, const Vector3f& position,
+                                   const Vector3f& normal,
+                                   float tolerance) const {
+  const auto& [a, b, c] = mesh_.facets[facet];
+  const Vector3f& corner = mesh_.vertices[a];
+  const Vector3f across =
+      (mesh_.vertices[b] - corner).cross(mesh_.vertices[c] - corner);
+  const float height = across.dot(position - corner);
+  return across.dot(normal) > 0 &&
+         height * height < tolerance * tolerance * across.squaredNorm() &&
+         (ValueAt(NearestPointOfFacet(mesh_, facet, position), mesh_,
+                  mesh_.vertices) -
+          position)
+                 .squaredNorm() < tolerance * tolerance;
 }
 
 }  // namespace colmap_ext

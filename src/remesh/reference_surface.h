@@ -56,6 +56,8 @@ class ReferenceSurface {
 
  private:
   Anchor At(const SurfacePoint& source) const;
+  bool IsNearFacet(uint32_t facet, const Eigen::Vector3f& position,
+                   const Eigen::Vector3f& normal, float tolerance) const;
 
   const TriangleMesh& mesh_;
   std::vector<float> lengths_;
