@@ -157,21 +157,21 @@ class Voter {
     return observations_.IsEnd(vertex) ? 0 : near_distance_;
   }
 
+  // Where flow is pushed along the ray at once (docs/method.md, section 2.3),
+  // from both of its ends towards the point.
   void Vote(const Observation& observation, const RayPath& front,
             const RayPath& behind) {
     const uint32_t weight = ToCapacity(observation.alpha);
     const bool is_end = observations_.IsEnd(observation.vertex);
-    AddCapacity(weight, &graph_->source[front.end]);
-    for (const Crossing& crossing : front.crossings) {
-      AddVote(observation.alpha, weight, is_end, crossing.distance,
-              crossing.entry_arc);
-    }
-    for (const Crossing& crossing : behind.crossings) {
-      AddVote(observation.alpha, weight, is_end, crossing.distance,
-              crossing.exit_arc);
-    }
-    if (!is_end) {
-      AddCapacity(weight, &graph_->sink[behind.end]);
+    PushAlong(front, observation.alpha, is_end, &Crossing::exit_arc,
+              &graph_->source);
+    if (is_end) {
+      for (const Crossing& crossing : behind.crossings) {
+        AddToArc(weight, crossing.exit_arc);
+      }
+    } else {
+      PushAlong(behind, observation.alpha, is_end, &Crossing::entry_arc,
+                &graph_->sink);
     }
     if (free_support_ != nullptr) {
       AddFreeSupport(weight, front);
@@ -185,14 +185,43 @@ class Voter {
     AddCapacity(weight, &(*free_support_)[front.end]);
   }
 
-  // \param weight  of the observation, far from the point or where it is an end
-  void AddVote(double alpha, uint32_t weight, bool is_end, double distance,
-               uint32_t arc) {
-    if (!is_end && distance < near_distance_) {
-      weight = ToCapacity(alpha *
-                          (1 - std::exp(distance * distance * normalization_)));
+  // A path of arcs whose weights do not fall from the point outwards, to a
+  // terminal arc of the whole weight. As much flow as each arc takes leaves its
+  // reverse with the capacity, and the cells with what the next arc did not
+  // take.
+  // \param reverse_arc  of each arc
+  // \param terminal [cells] source or sink
+  void PushAlong(const RayPath& path, float alpha, bool is_end,
+                 uint32_t Crossing::*reverse_arc,
+                 std::vector<uint32_t>* terminal) {
+    const uint32_t whole = ToCapacity(alpha);
+    uint32_t before = 0;
+    for (const Crossing& crossing : path.crossings) {
+      uint32_t weight = whole;
+      if (!is_end && crossing.distance < near_distance_) {
+        weight = std::max(before, SoftWeight(alpha, crossing.distance));
+      }
+      AddToArc(weight, crossing.*reverse_arc);
+      AddToTerminal(weight - before, crossing.exit_arc / 4, terminal);
+      before = weight;
     }
+    AddToTerminal(whole - before, path.end, terminal);
+  }
+
+  uint32_t SoftWeight(double alpha, double distance) const {
+    return ToCapacity(alpha *
+                      (1 - std::exp(distance * distance * normalization_)));
+  }
+
+  void AddToArc(uint32_t weight, uint32_t arc) {
     AddCapacity(weight, &graph_->capacities[arc / 4][arc % 4]);
+  }
+
+  static void AddToTerminal(uint32_t weight, uint32_t cell,
+                            std::vector<uint32_t>* terminal) {
+    if (weight > 0) {
+      AddCapacity(weight, &(*terminal)[cell]);
+    }
   }
 
   const Tetrahedralization& tetrahedra_;

@@ -66,8 +66,10 @@ struct RayReport {
 // the hull, get alpha, and the sink nothing.
 // The paper [Romanoni2020] prints 1 - e^(d / 2 sigma), which is never positive.
 //
-// Adds to graph->capacities, source and sink. Sums of integers: the result does
-// not depend on the number of threads. Sums stop growing a little above
+// Adds to graph->capacities, source and sink, after flow was pushed along each
+// ray: what every labelling costs is the same, and little is left to push for
+// the cut (docs/method.md, section 2.3). Sums of integers: the result does not
+// depend on the number of threads. Sums stop growing a little above
 // kMaxCapacity.
 //
 // \param centers [views] camera centres, world frame

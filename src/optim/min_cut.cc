@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 namespace colmap_ext {
 namespace {
@@ -39,62 +40,62 @@ struct alignas(32) Node {
   uint8_t Mirror(int arc) const { return mirrors >> (2 * arc) & 3; }
 };
 
-class Solver {
+// The cut's nodes and arcs, and what flows.
+struct Network {
+  NeighborView neighbors;
+  std::vector<Node> nodes;
+};
+
+// Augments paths within a region: consecutive nodes and the arcs between them.
+// What it leaves, flow and trees, is where a larger region around it goes on.
+class RegionSolver {
  public:
-  Solver(NeighborView neighbors, const FlowCapacities& graph)
-      : neighbors_(neighbors), nodes_(graph.size()) {
-    const auto num_nodes = static_cast<uint32_t>(nodes_.size());
-    tbb::parallel_for(uint32_t{0}, num_nodes,
-                      [&](uint32_t i) { InitializeNode(graph, i); });
-    for (uint32_t i = 0; i < num_nodes; ++i) {
-      // What goes straight through the node.
-      flow_ += std::min(Clamp(graph.source[i]), Clamp(graph.sink[i]));
+  // \param start_time  later than all times at which the nodes got distances
+  RegionSolver(Network* network, uint32_t begin, uint32_t end,
+               uint32_t start_time)
+      : neighbors_(network->neighbors),
+        nodes_(network->nodes.data()),
+        begin_(begin),
+        size_(end - begin),
+        time_(start_time) {}
+
+  // In a region where nothing flows yet, all that the terminals reach.
+  void ActivateTerminals() {
+    for (uint32_t i = begin_; i < begin_ + size_; ++i) {
       if (nodes_[i].terminal != 0) {
         Activate(i);
       }
     }
   }
 
-  int64_t Run() {
+  // In a region of two that are solved, the nodes in trees with arcs from one
+  // to the other.
+  // \param middle  the first node of the second one
+  void ActivateAcross(uint32_t middle) {
+    for (uint32_t i = begin_; i < begin_ + size_; ++i) {
+      if (nodes_[i].parent != kFree &&
+          std::ranges::any_of(neighbors_[i], [&](uint32_t other) {
+            return IsInside(other) && (other < middle) != (i < middle);
+          })) {
+        Activate(i);
+      }
+    }
+  }
+
+  void Run() {
     while (first_active_ != kNone) {
       const uint32_t node = first_active_;
       if (nodes_[node].parent == kFree || !Grow(node)) {
         PopActive();
       }
     }
-    return flow_;
   }
 
-  std::vector<uint8_t> SourceSide() const {
-    std::vector<uint8_t> side(nodes_.size());
-    std::transform(nodes_.begin(), nodes_.end(), side.begin(),
-                   [](const Node& node) {
-                     return node.parent != kFree && !node.in_sink_tree;
-                   });
-    return side;
-  }
+  int64_t flow() const { return flow_; }
+  uint32_t time() const { return time_; }
 
  private:
-  void InitializeNode(const FlowCapacities& graph, uint32_t index) {
-    Node& node = nodes_[index];
-    node.mirrors = 0;
-    for (int k = 0; k < 4; ++k) {
-      node.residual[k] = Clamp(graph.capacities[index][k]);
-      const uint32_t other = neighbors_[index][k];
-      if (other != kNoNeighbor) {
-        const auto back = std::ranges::find(neighbors_[other], index);
-        assert(back != neighbors_[other].end());
-        node.mirrors |=
-            static_cast<uint8_t>((back - neighbors_[other].begin()) << (2 * k));
-      }
-    }
-    node.terminal = Clamp(graph.source[index]) - Clamp(graph.sink[index]);
-    node.in_sink_tree = node.terminal < 0;
-    node.parent = node.terminal != 0 ? kTerminal : kFree;
-    node.distance = 1;
-    node.stamp = 0;
-    node.next_active = kNone;
-  }
+  bool IsInside(uint32_t node) const { return node - begin_ < size_; }
 
   void Activate(uint32_t index) {
     if (nodes_[index].next_active != kNone) {
@@ -140,7 +141,7 @@ class Solver {
     Node& node = nodes_[index];
     for (int k = 0; k < 4; ++k) {
       const uint32_t other = neighbors_[index][k];
-      if (other == kNoNeighbor) {
+      if (!IsInside(other)) {
         continue;
       }
       Node& neighbor = nodes_[other];
@@ -241,7 +242,7 @@ class Solver {
     uint32_t nearest = kNone;
     for (int k = 0; k < 4; ++k) {
       const uint32_t other = neighbors_[index][k];
-      if (other == kNoNeighbor || nodes_[other].parent == kFree ||
+      if (!IsInside(other) || nodes_[other].parent == kFree ||
           nodes_[other].in_sink_tree != node.in_sink_tree ||
           Inward(node, k, nodes_[other]) == 0) {
         continue;
@@ -260,7 +261,7 @@ class Solver {
     node.parent = kFree;
     for (int k = 0; k < 4; ++k) {
       const uint32_t other = neighbors_[index][k];
-      if (other == kNoNeighbor || nodes_[other].parent == kFree ||
+      if (!IsInside(other) || nodes_[other].parent == kFree ||
           nodes_[other].in_sink_tree != node.in_sink_tree) {
         continue;
       }
@@ -306,21 +307,88 @@ class Solver {
   }
 
   const NeighborView neighbors_;
-  std::vector<Node> nodes_;
+  Node* const nodes_;
+  const uint32_t begin_;
+  const uint32_t size_;
   std::vector<uint32_t> orphans_;
   uint32_t first_active_ = kNone;
   uint32_t last_active_ = kNone;
-  uint32_t time_ = 0;
+  uint32_t time_;
   int64_t flow_ = 0;
 };
+
+// Nothing flows; nodes with a terminal are in its tree.
+void InitializeNode(const FlowCapacities& graph, uint32_t index,
+                    Network* network) {
+  const auto& row = network->neighbors[index];
+  Node& node = network->nodes[index];
+  node.mirrors = 0;
+  for (int k = 0; k < 4; ++k) {
+    node.residual[k] = Clamp(graph.capacities[index][k]);
+    if (row[k] != kNoNeighbor) {
+      const auto& others = network->neighbors[row[k]];
+      const auto back = std::ranges::find(others, index);
+      assert(back != others.end());
+      node.mirrors |= static_cast<uint8_t>((back - others.begin()) << (2 * k));
+    }
+  }
+  node.terminal = Clamp(graph.source[index]) - Clamp(graph.sink[index]);
+  node.in_sink_tree = node.terminal < 0;
+  node.parent = node.terminal != 0 ? kTerminal : kFree;
+  node.distance = 1;
+  node.stamp = 0;
+  node.next_active = kNone;
+}
+
+// A region that is solved.
+struct Solved {
+  int64_t flow = 0;
+  uint32_t time = 0;
+};
+
+// Solves both halves of a region side by side and then goes on where they meet
+// [Liu2010].
+Solved Solve(uint32_t begin, uint32_t end, Network* network) {
+  // So large that few paths lead from region to region.
+  constexpr uint32_t kMinRegion = 1 << 16;
+  if (end - begin < 2 * kMinRegion) {
+    RegionSolver solver(network, begin, end, 0);
+    solver.ActivateTerminals();
+    solver.Run();
+    return {solver.flow(), solver.time()};
+  }
+  const uint32_t middle = begin + (end - begin) / 2;
+  Solved first;
+  Solved second;
+  tbb::parallel_invoke([&] { first = Solve(begin, middle, network); },
+                       [&] { second = Solve(middle, end, network); });
+  RegionSolver solver(network, begin, end,
+                      std::max(first.time, second.time) + 1);
+  solver.ActivateAcross(middle);
+  solver.Run();
+  return {first.flow + second.flow + solver.flow(), solver.time()};
+}
 
 }  // namespace
 
 MinCut ComputeMinCut(NeighborView neighbors, const FlowCapacities& capacities) {
-  Solver solver(neighbors, capacities);
+  const auto num_nodes = static_cast<uint32_t>(capacities.size());
+  Network network{neighbors, std::vector<Node>(num_nodes)};
+  tbb::parallel_for(uint32_t{0}, num_nodes, [&](uint32_t i) {
+    InitializeNode(capacities, i, &network);
+  });
   MinCut cut;
-  cut.flow = solver.Run();
-  cut.on_source_side = solver.SourceSide();
+  cut.flow = Solve(0, num_nodes, &network).flow;
+  for (uint32_t i = 0; i < num_nodes; ++i) {
+    // What goes straight through the node.
+    cut.flow +=
+        std::min(Clamp(capacities.source[i]), Clamp(capacities.sink[i]));
+  }
+  cut.on_source_side.resize(num_nodes);
+  std::ranges::transform(network.nodes, cut.on_source_side.begin(),
+                         [](const Node& node) {
+                           return node.parent != kFree && !node.in_sink_tree;
+                         });
   return cut;
 }
 

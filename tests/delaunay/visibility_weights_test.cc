@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "delaunay/cell_graph.h"
 #include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
@@ -20,7 +22,9 @@ class TwoCells : public testing::Test {
  protected:
   static constexpr float kAlpha = 0.75f;
 
-  TwoCells() : graph_(ZeroCapacities(tetrahedra_)) {
+  TwoCells()
+      : graph_(ZeroCapacities(tetrahedra_)),
+        expected_(ZeroCapacities(tetrahedra_)) {
     top_ = VertexAt({0, 0, 3});
     bottom_ = VertexAt({0, 0, -3});
     for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
@@ -54,32 +58,43 @@ class TwoCells : public testing::Test {
                                 {sigma, behind_sigma}, &graph_);
   }
 
-  // Takes a capacity out of the graph, so that what is left must be zero.
-  static double Take(uint32_t* capacity) {
-    return std::exchange(*capacity, 0) / kWeightUnit;
+  // What a ray votes by the formulas, for each facet and cell by itself.
+  void ExpectSource(uint32_t cell, double weight) {
+    expected_.source[cell] += Units(weight);
   }
-  double TakeArc(uint32_t from, uint32_t to) {
-    return Take(&graph_.capacities[from][tetrahedra_.FacetTo(from, to)]);
+  void ExpectSink(uint32_t cell, double weight) {
+    expected_.sink[cell] += Units(weight);
+  }
+  void ExpectArc(uint32_t from, uint32_t to, double weight) {
+    expected_.capacities[from][tetrahedra_.FacetTo(from, to)] += Units(weight);
   }
 
-  // Of the infinite cells around the bottom.
-  double TakeSinkBelow() {
-    double sink = 0;
-    for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
-      const auto& v = tetrahedra_.cells[cell].vertices;
-      if (tetrahedra_.IsInfinite(cell) &&
-          std::count(v.begin(), v.end(), bottom_) > 0) {
-        sink += Take(&graph_.sink[cell]);
+  static uint32_t Units(double weight) {
+    return static_cast<uint32_t>(std::lround(weight * kWeightUnit));
+  }
+
+  // The cell where the ray behind a vertex ends.
+  uint32_t EndBehind(uint32_t vertex, const Eigen::Vector3d& center,
+                     double distance) const {
+    const Eigen::Vector3d position = tetrahedra_.points[vertex].cast<double>();
+    std::vector<Crossing> crossings;
+    return WalkRay(tetrahedra_, vertex,
+                   position + distance * (position - center).normalized(),
+                   kNoCell, 0, &crossings);
+  }
+
+  // What every labelling of the cells costs is all that a graph means.
+  void ExpectSameCuts(double tolerance = 1) const {
+    const NeighborView neighbors = NeighborsOf(tetrahedra_);
+    for (uint32_t labels = 0; labels < 1U << graph_.size(); ++labels) {
+      std::vector<uint8_t> is_free(graph_.size());
+      for (size_t i = 0; i < is_free.size(); ++i) {
+        is_free[i] = labels >> i & 1;
       }
-    }
-    return sink;
-  }
-
-  void ExpectNothingLeft() const {
-    for (size_t i = 0; i < graph_.size(); ++i) {
-      EXPECT_EQ(graph_.source[i], 0u);
-      EXPECT_EQ(graph_.sink[i], 0u);
-      EXPECT_EQ(graph_.capacities[i], (std::array<uint32_t, 4>{}));
+      ASSERT_NEAR(static_cast<double>(CutValue(neighbors, graph_, is_free)),
+                  static_cast<double>(CutValue(neighbors, expected_, is_free)),
+                  tolerance)
+          << labels;
     }
   }
 
@@ -87,11 +102,10 @@ class TwoCells : public testing::Test {
     return kAlpha * (1 - std::exp(-distance * distance / (2 * sigma * sigma)));
   }
 
-  static constexpr double kRounding = 0.51 / kWeightUnit;
-
   const Tetrahedralization tetrahedra_ = DelaunayOf(
       {{2, 0, 0}, {-1, 1.75, 0}, {-1, -1.75, 0}, {0, 0, 3}, {0, 0, -3}});
   FlowCapacities graph_;
+  FlowCapacities expected_;
   uint32_t top_ = 0;
   uint32_t bottom_ = 0;
   uint32_t upper_ = kNoCell;
@@ -108,35 +122,34 @@ TEST_F(TwoCells, AreTwo) {
 TEST_F(TwoCells, CameraWithinACell) {
   // From the bottom through the triangle into the upper cell. Behind the bottom
   // there is nothing.
-  const RayReport report = Observe(bottom_, {0, 0, 1}, 2.0, 3.0);
+  const Eigen::Vector3d center(0, 0, 1);
+  const RayReport report = Observe(bottom_, center, 2.0, 3.0);
   EXPECT_EQ(report.num_rays, 1u);
   EXPECT_EQ(report.num_lost_rays, 0u);
   EXPECT_EQ(report.num_steps, 1u);
-  EXPECT_NEAR(Take(&graph_.source[upper_]), kAlpha, kRounding);
-  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, 2), kRounding);
-  EXPECT_NEAR(TakeSinkBelow(), kAlpha, kRounding);
-  ExpectNothingLeft();
+  ExpectSource(upper_, kAlpha);
+  ExpectArc(upper_, lower_, Soft(3, 2));
+  ExpectSink(EndBehind(bottom_, center, 6), kAlpha);
+  ExpectSameCuts();
 }
 
 TEST_F(TwoCells, CameraBeyondTheHull) {
   // From the bottom through the triangle and out of the upper cell, opposite to
   // the corner that x and y are furthest from.
   const Eigen::Vector3d direction(0.3, 0.03, 1);
-  const RayReport report =
-      Observe(bottom_, Eigen::Vector3d(0, 0, -3) + 100 * direction, 2.0, 1e-3);
+  const Eigen::Vector3d center = Eigen::Vector3d(0, 0, -3) + 100 * direction;
+  const RayReport report = Observe(bottom_, center, 2.0, 1e-3);
   EXPECT_EQ(report.num_steps, 2u);
   const uint32_t beyond = Beyond(upper_, VertexAt({-1, -1.75, 0}));
   ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
-  EXPECT_NEAR(Take(&graph_.source[beyond]), kAlpha, kRounding);
-  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3 * direction.norm(), 2),
-              kRounding);
+  ExpectSource(beyond, kAlpha);
+  ExpectArc(upper_, lower_, Soft(3 * direction.norm(), 2));
   // The facet's plane goes through (2, 0, 0), (-1, 1.75, 0) and (0, 0, 3):
   // x / 2 + (12 / 14) y + z / 3 = 1.
   const double t = 2 / (0.3 / 2 + 0.03 * 12 / 14 + 1.0 / 3);
-  EXPECT_NEAR(TakeArc(beyond, upper_), Soft(t * direction.norm(), 2),
-              kRounding);
-  EXPECT_NEAR(TakeSinkBelow(), kAlpha, kRounding);
-  ExpectNothingLeft();
+  ExpectArc(beyond, upper_, Soft(t * direction.norm(), 2));
+  ExpectSink(EndBehind(bottom_, center, 2e-3), kAlpha);
+  ExpectSameCuts();
 }
 
 TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
@@ -147,6 +160,7 @@ TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
     double behind_sigma;
     bool reaches_lower;
   };
+  const Eigen::Vector3d center(0, 0, 50);
   for (const Case& expected :
        {Case{1, 2.99, false}, Case{1, 3.01, true}, Case{2, 2, true},
         // Beyond where soft weights are one.
@@ -154,37 +168,32 @@ TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
         Case{0.1, 29, false}}) {
     SCOPED_TRACE(testing::Message()
                  << expected.sigma << " " << expected.behind_sigma);
-    Observe(top_, {0, 0, 50}, expected.sigma, expected.behind_sigma);
-    double source = 0;
-    for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
-      if (tetrahedra_.IsInfinite(cell)) {
-        source += Take(&graph_.source[cell]);
-      }
-    }
-    EXPECT_NEAR(source, kAlpha, kRounding);
+    graph_ = expected_ = ZeroCapacities(tetrahedra_);
+    Observe(top_, center, expected.sigma, expected.behind_sigma);
+    // The first cell before the top.
+    std::vector<Crossing> crossings;
+    ExpectSource(WalkRay(tetrahedra_, top_, center, kNoCell, 0, &crossings),
+                 kAlpha);
     if (expected.reaches_lower) {
-      EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, expected.sigma), kRounding);
+      ExpectArc(upper_, lower_, Soft(3, expected.sigma));
     }
-    EXPECT_NEAR(Take(&graph_.sink[expected.reaches_lower ? lower_ : upper_]),
-                kAlpha, kRounding);
-    ExpectNothingLeft();
+    ExpectSink(expected.reaches_lower ? lower_ : upper_, kAlpha);
+    ExpectSameCuts();
   }
 }
 
 TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
-  Observe(top_, {0, 0, 50}, 3, 3);
-  EXPECT_NEAR(TakeArc(upper_, lower_), Soft(3, 3), kRounding);
-  double arc = 0;
-  double sink = 0;
-  for (const uint32_t beyond : tetrahedra_.cells[lower_].neighbors) {
-    if (beyond != upper_) {
-      arc += TakeArc(lower_, beyond);
-      sink += Take(&graph_.sink[beyond]);
-    }
-    Take(&graph_.source[beyond]);
-  }
-  EXPECT_NEAR(arc, Soft(6, 3), kRounding);  // at the bottom
-  EXPECT_NEAR(sink, kAlpha, kRounding);
+  const Eigen::Vector3d center(0, 0, 50);
+  Observe(top_, center, 3, 3);
+  std::vector<Crossing> crossings;
+  ExpectSource(WalkRay(tetrahedra_, top_, center, kNoCell, 0, &crossings),
+               kAlpha);
+  const uint32_t beyond = EndBehind(top_, center, 9);
+  ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
+  ExpectArc(upper_, lower_, Soft(3, 3));
+  ExpectArc(lower_, beyond, Soft(6, 3));  // at the bottom
+  ExpectSink(beyond, kAlpha);
+  ExpectSameCuts();
 }
 
 TEST_F(TwoCells, CameraAtThePoint) {
@@ -206,28 +215,59 @@ TEST_F(TwoCells, SumsDoNotWrapAround) {
   for (int i = 0; i < 3; ++i) {
     Observe(bottom_, {0, 0, 1}, 2.0, 3.0);
   }
-  EXPECT_GE(graph_.source[upper_], kMaxCapacity);
-  EXPECT_LE(graph_.source[upper_], kMaxCapacity + 4096);
-  const uint32_t arc =
-      graph_.capacities[upper_][tetrahedra_.FacetTo(upper_, lower_)];
-  EXPECT_GE(arc, kMaxCapacity);
-  EXPECT_LE(arc, kMaxCapacity + 4096);
+  for (size_t i = 0; i < graph_.size(); ++i) {
+    for (const uint32_t capacity :
+         {graph_.source[i], graph_.sink[i], graph_.capacities[i][0],
+          graph_.capacities[i][1], graph_.capacities[i][2],
+          graph_.capacities[i][3]}) {
+      EXPECT_GE(capacity, kMaxCapacity);
+      EXPECT_LE(capacity, kMaxCapacity + 4096);
+    }
+  }
 }
 
 TEST_F(TwoCells, AVertexMayStandForMillionsOfPoints) {
+  const Eigen::Vector3d center(0, 0, 1);
   for (const float alpha : {2e5f, 3e5f, 2e6f, 1e30f}) {
-    Observe(bottom_, {0, 0, 1}, 1.0, 1.0, alpha);
-    const auto expected = static_cast<uint32_t>(
-        std::min<double>(kWeightUnit * alpha, kMaxCapacity));
-    for (uint32_t* capacity :
-         {&graph_.source[upper_],
-          &graph_.capacities[upper_][tetrahedra_.FacetTo(upper_, lower_)]}) {
-      EXPECT_LE(*capacity, expected);
-      EXPECT_GT(*capacity, 0.98 * expected);  // soft at three sigmas
-      *capacity = 0;
-    }
-    TakeSinkBelow();
-    ExpectNothingLeft();
+    graph_ = expected_ = ZeroCapacities(tetrahedra_);
+    Observe(bottom_, center, 1.0, 1.0, alpha);
+    const double most = std::min<double>(alpha, kMaxCapacity / kWeightUnit);
+    const double soft = std::min<double>(Soft(3, 1) / kAlpha * alpha, most);
+    ExpectSource(upper_, most);
+    ExpectArc(upper_, lower_, soft);
+    ExpectSink(EndBehind(bottom_, center, 1), most);
+    ExpectSameCuts(2e-6 * kWeightUnit * most);
+  }
+}
+
+// A ray's votes by the formulas, from the path that WalkRay() finds.
+void AddByFormula(const Tetrahedralization& tetrahedra,
+                  const Observations& observations, uint32_t vertex, uint64_t k,
+                  const Eigen::Vector3d& center,
+                  const VisibilityWeightOptions& options,
+                  FlowCapacities* graph) {
+  const float alpha = observations.alphas[k];
+  const Eigen::Vector3d position = tetrahedra.points[vertex].cast<double>();
+  const auto soft = [&](double distance) {
+    const double ratio = distance / options.distance_sigma;
+    return ToCapacity(alpha * (1 - std::exp(-ratio * ratio / 2)));
+  };
+  std::vector<Crossing> crossings;
+  uint32_t cell = Locate(tetrahedra, center, 0);
+  uint32_t end = WalkRay(tetrahedra, vertex, center,
+                         tetrahedra.IsInfinite(cell) ? kNoCell - 1 : cell, 1e9,
+                         &crossings);
+  graph->source[end] += ToCapacity(alpha);
+  for (const auto& [exit_arc, entry_arc, distance] : crossings) {
+    graph->capacities[entry_arc / 4][entry_arc % 4] += soft(distance);
+  }
+  end = WalkRay(tetrahedra, vertex,
+                position + options.behind_sigma * options.distance_sigma *
+                               (position - center).normalized(),
+                kNoCell, 1e9, &crossings);
+  graph->sink[end] += ToCapacity(alpha);
+  for (const auto& [exit_arc, entry_arc, distance] : crossings) {
+    graph->capacities[exit_arc / 4][exit_arc % 4] += soft(distance);
   }
 }
 
@@ -262,8 +302,10 @@ struct Scenery {
       }
       part.offsets.push_back(part.size());
     }
-    return AddVisibilityWeights(tetrahedra, part, centers, {20, 3}, graph);
+    return AddVisibilityWeights(tetrahedra, part, centers, kOptions, graph);
   }
+
+  static constexpr VisibilityWeightOptions kOptions = {20, 3};
 
   static Tetrahedralization MakeTetrahedra() {
     Random random(2);
@@ -314,6 +356,39 @@ TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
             (std::vector<float>{0.75f, 0.75f, 0.5f, 0.75f}));
 }
 
+// A cut costs what the formulas say, whatever the cells' labels are: all free
+// but a few, all matter but a few, half and half, and on both sides of planes.
+TEST(VisibilityWeights, CutsCostWhatTheFormulasSay) {
+  const Scenery scenery;
+  const Tetrahedralization& tetrahedra = scenery.tetrahedra;
+  FlowCapacities graph = ZeroCapacities(tetrahedra);
+  scenery.Vote(0, 1, &graph);
+  FlowCapacities expected = ZeroCapacities(tetrahedra);
+  for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
+    for (uint64_t k = scenery.observations.offsets[vertex];
+         k < scenery.observations.offsets[vertex + 1]; ++k) {
+      AddByFormula(tetrahedra, scenery.observations, vertex, k,
+                   scenery.centers[scenery.observations.views[k]],
+                   Scenery::kOptions, &expected);
+    }
+  }
+  const NeighborView neighbors = NeighborsOf(tetrahedra);
+  Random random(3);
+  for (const double share : {0.0, 0.001, 0.1, 0.5, 0.9, 0.999, 1.0}) {
+    std::vector<uint8_t> is_free(tetrahedra.cells.size());
+    for (uint8_t& value : is_free) {
+      value = random.Chance(share) ? 1 : 0;
+    }
+    const auto value =
+        static_cast<double>(CutValue(neighbors, expected, is_free));
+    // Weights beyond 5 sigma count as whole: one unit a facet at most.
+    EXPECT_NEAR(static_cast<double>(CutValue(neighbors, graph, is_free)), value,
+                1e-6 * value + 2);
+  }
+  EXPECT_EQ(ComputeMinCut(neighbors, graph).on_source_side,
+            ComputeMinCut(neighbors, expected).on_source_side);
+}
+
 TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
   const Scenery scenery;
   FlowCapacities graph = ZeroCapacities(scenery.tetrahedra);
@@ -327,14 +402,6 @@ TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
       expected);
   EXPECT_EQ(std::accumulate(graph.sink.begin(), graph.sink.end(), uint64_t{0}),
             expected);
-  // Cameras within the hull have theirs in their cells.
-  for (const Eigen::Vector3d& center : scenery.centers) {
-    const Tetrahedralization& tetrahedra = scenery.tetrahedra;
-    const uint32_t cell = Locate(tetrahedra, center, 0);
-    if (!tetrahedra.IsInfinite(cell)) {
-      EXPECT_GT(graph.source[cell], 0u);
-    }
-  }
 }
 
 }  // namespace
