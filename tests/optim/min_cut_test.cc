@@ -213,32 +213,47 @@ TEST(MinCut, AgreesWithBoostOnLargerGraphs) {
   }
 }
 
+// Cuts a graph, and the same graph with other numbers of nodes and slots.
+void ExpectSameWithOtherNumbers(const FlowGraph& graph, Random* random) {
+  const MinCut cut = ComputeMinCut(graph);
+  EXPECT_EQ(CutValue(graph, cut.on_source_side), cut.flow);
+  std::vector<uint32_t> number(graph.size());
+  std::iota(number.begin(), number.end(), 0);
+  random->Shuffle(&number);
+  FlowGraph renumbered = graph;
+  for (uint32_t i = 0; i < graph.size(); ++i) {
+    const uint32_t rotation = random->Below(4);  // of the slots
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t other = graph.neighbors[i][k];
+      const uint32_t slot = (k + rotation) % 4;
+      renumbered.neighbors[number[i]][slot] =
+          other == kNoNeighbor ? kNoNeighbor : number[other];
+      renumbered.capacities[number[i]][slot] = graph.capacities[i][k];
+    }
+    renumbered.source[number[i]] = graph.source[i];
+    renumbered.sink[number[i]] = graph.sink[i];
+  }
+  const MinCut other_cut = ComputeMinCut(renumbered);
+  EXPECT_EQ(other_cut.flow, cut.flow);
+  for (uint32_t i = 0; i < graph.size(); ++i) {
+    ASSERT_EQ(other_cut.on_source_side[number[i]], cut.on_source_side[i]);
+  }
+}
+
 TEST(MinCut, DoesNotDependOnTheNumbering) {
   Random random(4);
   for (const Capacities kind : kAllCapacities) {
-    const FlowGraph graph = RandomGraph(3000, 12000, kind, &random);
-    const MinCut cut = ComputeMinCut(graph);
-    std::vector<uint32_t> number(graph.size());
-    std::iota(number.begin(), number.end(), 0);
-    random.Shuffle(&number);
-    FlowGraph renumbered = graph;
-    for (uint32_t i = 0; i < graph.size(); ++i) {
-      const uint32_t rotation = random.Below(4);  // of the slots
-      for (uint32_t k = 0; k < 4; ++k) {
-        const uint32_t other = graph.neighbors[i][k];
-        const uint32_t slot = (k + rotation) % 4;
-        renumbered.neighbors[number[i]][slot] =
-            other == kNoNeighbor ? kNoNeighbor : number[other];
-        renumbered.capacities[number[i]][slot] = graph.capacities[i][k];
-      }
-      renumbered.source[number[i]] = graph.source[i];
-      renumbered.sink[number[i]] = graph.sink[i];
-    }
-    const MinCut other_cut = ComputeMinCut(renumbered);
-    EXPECT_EQ(other_cut.flow, cut.flow);
-    for (uint32_t i = 0; i < graph.size(); ++i) {
-      ASSERT_EQ(other_cut.on_source_side[number[i]], cut.on_source_side[i]);
-    }
+    ExpectSameWithOtherNumbers(RandomGraph(3000, 12000, kind, &random),
+                               &random);
+  }
+}
+
+// Regions that are cut side by side, four of them.
+TEST(MinCut, LargeGraphsDoNotDependOnTheNumberingEither) {
+  Random random(6);
+  for (const Capacities kind : {Capacities::kWide, Capacities::kMostlyZero}) {
+    ExpectSameWithOtherNumbers(RandomGraph(270000, 700000, kind, &random),
+                               &random);
   }
 }
 
