@@ -108,6 +108,13 @@ bool Meet(const Corners& a, const Corners& b) {
          (AnyEdgeMeets(a, a_sides, b) || AnyEdgeMeets(b, b_sides, a));
 }
 
+// Whether a facet but for its corner k lies on one side of another's plane.
+bool LiesAside(const Corners& corners, int k, const Corners& plane) {
+  return Side(plane[0], plane[1], plane[2], corners[(k + 1) % 3]) *
+             Side(plane[0], plane[1], plane[2], corners[(k + 2) % 3]) >
+         0;
+}
+
 // Whether the side opposite of corner k meets a facet.
 bool OppositeSideMeets(const Corners& corners, int k, const Corners& facet) {
   const Vector3f& p = corners[(k + 1) % 3];
@@ -158,6 +165,10 @@ bool MeetBeyondCommon(const Corners& a, const Corners& b, const Facet& first,
   const CommonCorners in_first = FindCommon(first, second);
   if (in_first.num_common == 0) {
     return Meet(a, b);
+  }
+  // Most facets with one common corner end here.
+  if (in_first.num_common == 1 && LiesAside(a, in_first.common, b)) {
+    return false;
   }
   const CommonCorners in_second = FindCommon(second, first);
   if (in_first.num_common == 1) {

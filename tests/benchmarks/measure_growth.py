@@ -13,8 +13,7 @@
 --faces   the same with faces of 28 to 3.5 pixels
 
 A stage's exponent is that of the power law through its times (least squares of
-logarithms); stages that never take 0.1 s have none. Exponents of memory are of
-what is above the memory of the smallest run.
+logarithms); stages that never take 0.1 s have none.
 """
 
 import argparse
@@ -150,8 +149,8 @@ def times(output):
             re.findall(r"^\s\s(\S.*?)\s+([\d.]+) s$", output, re.MULTILINE)}
 
 
-def count_of(output, name):
-    found = re.findall(rf"^\s*{name}\s+(\d+)$", output, re.MULTILINE)
+def count_of(output, name, unit=""):
+    found = re.findall(rf"^\s*{name}\s+(\d+){unit}$", output, re.MULTILINE)
     return int(found[-1]) if found else 0
 
 
@@ -169,10 +168,10 @@ def table(title, heads, factors, results, count):
     rows += [row(stage, [column.get(stage, 0) for column in columns], 2)
              for stage in stages]
     rows.append(row("CPU s", [result["cpu"] for result in results], 1))
-    peaks = [result["peak"] for result in results]
-    rows.append(["peak MB", *(f"{peak:.0f}" for peak in peaks),
-                 f"{exponent(factors, peaks):.2f}"])
-    print_table(title, ["", *heads, "exponent"], rows)
+    peaks = [count_of(result["output"], "peak memory", " MB")
+             for result in results]
+    rows.append(["peak MB", *(f"{peak:.0f}" for peak in peaks), ""])
+    print_table(title, ["", *map(str, heads), "exponent"], rows)
 
 
 def checked(command):
@@ -214,8 +213,10 @@ def measure_points(args, folder):
         else:
             write_tiles(args.points, cloud, workspace, round(factor ** 0.5))
         results.append(mesh(args, workspace))
-    table(f"{args.points.name}: the mesher by its points, s", sizes, factors,
-          results, "vertices, after thinning")
+    vertices = [count_of(result["output"], "vertices, after thinning")
+                for result in results]
+    table(f"{args.points.name}: the mesher by its points, s; exponents by the"
+          " vertices", sizes, vertices, results, "vertices, after thinning")
 
 
 def measure_images(args, folder):

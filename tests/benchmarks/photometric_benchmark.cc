@@ -1,10 +1,14 @@
-// One evaluation of the photometric energy by the processor and by OpenGL, on
-// two threads, by the width of a synthetic statue's images: with the mesh drawn
-// before, and with drawing it.
+// One evaluation of the photometric energy by the processor, on two threads, or
+// by OpenGL (`--backend cpu`, `gl`; both if none is said), by the width of a
+// synthetic statue's images: with the mesh drawn before, and with drawing it.
+// Every row says what computed it.
 
+#include <algorithm>
 #include <cstdint>
 #include <exception>
+#include <iostream>
 #include <memory>
+#include <string>
 
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
@@ -72,24 +76,53 @@ void Run(benchmark::State& state, bool is_gl, bool draws) {
       num_pixels * static_cast<double>(state.iterations())));
 }
 
-void BM_EvaluateCpu(benchmark::State& state) { Run(state, false, false); }
-void BM_EvaluateGl(benchmark::State& state) { Run(state, true, false); }
-void BM_RenderAndEvaluateCpu(benchmark::State& state) {
-  Run(state, false, true);
+void Register(const std::string& backend) {
+  const bool is_gl = backend == "gl";
+  for (const bool draws : {false, true}) {
+    const std::string name =
+        std::string(draws ? "RenderAndEvaluate" : "Evaluate") + "/" + backend;
+    benchmark::RegisterBenchmark(name.c_str(), Run, is_gl, draws)
+        ->Arg(320)
+        ->Arg(640)
+        ->Arg(1280)
+        ->Arg(2560)
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->MeasureProcessCPUTime();
+  }
 }
-void BM_RenderAndEvaluateGl(benchmark::State& state) { Run(state, true, true); }
 
-void Widths(benchmark::internal::Benchmark* benchmark) {
-  benchmark->Arg(320)->Arg(640)->Arg(1280);
-  benchmark->Unit(benchmark::kMillisecond)
-      ->UseRealTime()
-      ->MeasureProcessCPUTime();
+// Takes `--backend NAME` out of the arguments.
+std::string TakeBackend(int* argc, char** argv) {
+  std::string backend = "all";
+  for (int i = 1; i + 1 < *argc; ++i) {
+    if (std::string(argv[i]) == "--backend") {
+      backend = argv[i + 1];
+      std::copy(argv + i + 2, argv + *argc, argv + i);
+      *argc -= 2;
+    }
+  }
+  return backend;
 }
-
-BENCHMARK(BM_EvaluateCpu)->Apply(Widths);
-BENCHMARK(BM_EvaluateGl)->Apply(Widths);
-BENCHMARK(BM_RenderAndEvaluateCpu)->Apply(Widths);
-BENCHMARK(BM_RenderAndEvaluateGl)->Apply(Widths);
 
 }  // namespace
 }  // namespace colmap_ext
+
+int main(int argc, char** argv) {
+  const std::string backend = colmap_ext::TakeBackend(&argc, argv);
+  if (backend != "cpu" && backend != "gl" && backend != "all") {
+    std::cerr << "--backend has to be cpu, gl or all, not " << backend << "\n";
+    return 1;
+  }
+  for (const char* each : {"cpu", "gl"}) {
+    if (backend == each || backend == "all") {
+      colmap_ext::Register(each);
+    }
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+    return 1;
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
