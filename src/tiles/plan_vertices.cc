@@ -45,4 +45,23 @@ void AddTile(const std::vector<Eigen::Vector3f>& positions,
   blocks->tile_begins.push_back(static_cast<uint32_t>(blocks->NumBlocks()));
 }
 
+std::vector<Eigen::Vector3f> PositionsOf(const PlanVertices& plan,
+                                         const std::vector<uint32_t>& ids) {
+  const PlanBlocks& blocks = plan.Blocks();
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<Eigen::Vector3f> of_block;
+  uint32_t end = 0;
+  uint32_t begin = 0;
+  for (const uint32_t id : ids) {
+    if (id >= end) {
+      const uint32_t block = blocks.BlockOf(id);
+      begin = blocks.begins[block];
+      end = blocks.begins[block + 1];
+      of_block = plan.ReadPositions(begin, end);
+    }
+    positions.push_back(of_block[id - begin]);
+  }
+  return positions;
+}
+
 }  // namespace colmap_ext

@@ -59,4 +59,9 @@ class PlanVertices {
   virtual Observations ReadObservations(uint32_t begin, uint32_t end) const = 0;
 };
 
+// Positions of vertices, whichever tiles they are of.
+// \param ids  ascending
+std::vector<Eigen::Vector3f> PositionsOf(const PlanVertices& plan,
+                                         const std::vector<uint32_t>& ids);
+
 }  // namespace colmap_ext

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "delaunay/cell_graph.h"
-#include "delaunay/edge_lengths.h"
+#include "delaunay/insert_points.h"
+#include "delaunay/insertion_order.h"
 #include "delaunay/quality_weights.h"
-#include "tests/delaunay/random_complex.h"
+#include "delaunay/take_tetrahedra.h"
 #include "tests/random.h"
 
 namespace colmap_ext {
@@ -38,7 +40,7 @@ void AddPoint(const Eigen::Vector3d& point, const IsSeen& is_seen,
 
 }  // namespace
 
-SeenScene SphereScene(size_t num_points, uint64_t seed) {
+SeenScene SphereScene(size_t num_points, uint64_t seed, double noise) {
   Random random(seed);
   SeenScene scene;
   for (int i = 0; i < 20; ++i) {
@@ -46,7 +48,8 @@ SeenScene SphereScene(size_t num_points, uint64_t seed) {
   }
   for (size_t i = 0; i < num_points; ++i) {
     const Eigen::Vector3d normal = OnUnitSphere(&random);
-    const Eigen::Vector3d point = normal * (1 + 0.02 * (2 * random.Unit() - 1));
+    const Eigen::Vector3d point =
+        normal * (1 + noise * (2 * random.Unit() - 1));
     AddPoint(
         point,
         [&](const Eigen::Vector3d& center) {
@@ -91,10 +94,13 @@ SeenScene GroundScene(size_t num_points, uint64_t seed) {
 
 WholeCut CutWhole(const SeenScene& scene, const MemoryPlan& plan) {
   WholeCut whole;
-  const ThinnedTetrahedralization all =
-      Tetrahedralize(CloudOf(plan.positions()), {}, {0, 0});
-  whole.tetrahedra = all.tetrahedra;
-  whole.ids = all.vertex_points;
+  const auto num_vertices = static_cast<uint32_t>(plan.positions().size());
+  whole.ids.resize(num_vertices);
+  std::iota(whole.ids.begin(), whole.ids.end(), 0);
+  GrowingComplex complex;
+  complex.points = plan.positions();
+  InsertPoints(InsertionOrder(num_vertices), {}, &complex);
+  whole.tetrahedra = TakeTetrahedra(whole.ids, &complex);
   const Observations& by_id = plan.observations();
   Observations observations;
   for (const uint32_t id : whole.ids) {

@@ -9,6 +9,7 @@
 
 #include "delaunay/tetrahedralization.h"
 #include "tests/tiles/memory_plan.h"
+#include "tiles/cell_key.h"
 #include "tiles/tile_cut.h"
 
 namespace colmap_ext {
@@ -22,12 +23,12 @@ struct SeenScene {
 };
 
 // A noisy sphere that cameras around it see, and some points far off.
-SeenScene SphereScene(size_t num_points, uint64_t seed);
+SeenScene SphereScene(size_t num_points, uint64_t seed, double noise = 0.02);
 
 // A wavy ground that cameras above it see.
 SeenScene GroundScene(size_t num_points, uint64_t seed);
 
-// All vertices of a plan on one machine.
+// All vertices of a plan on one machine, in the plan's order.
 struct WholeCut {
   Tetrahedralization tetrahedra;
   std::vector<uint32_t> ids;  // [V] the plan's
@@ -37,7 +38,6 @@ struct WholeCut {
 WholeCut CutWhole(const SeenScene& scene, const MemoryPlan& plan);
 
 // A cell by its corners' ids, in order.
-using CellKey = std::array<uint32_t, 4>;
 CellKey KeyOf(const Tetrahedralization::Cell& cell,
               const std::vector<uint32_t>& ids);
 std::map<CellKey, uint32_t> CellsByKey(const WholeCut& whole);
