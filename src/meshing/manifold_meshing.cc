@@ -20,28 +20,13 @@
 namespace colmap_ext {
 namespace {
 
-// [P], the weight of each observation of a point.
-std::vector<float> Alphas(const ManifoldMeshingOptions& options,
-                          const PointCloud& cloud) {
-  std::vector<float> alphas(cloud.size(),
-                            static_cast<float>(options.alpha_vis));
-  if (options.alpha_kind == ObservationWeight::kTracks) {
-    for (size_t point = 0; point < cloud.size(); ++point) {
-      const double ratio = static_cast<double>(cloud.views[point].size()) /
-                           options.visibility_sigma;
-      alphas[point] = static_cast<float>(1 - std::exp(-0.5 * ratio * ratio));
-    }
-  }
-  return alphas;
-}
-
 // The points that vote, and the ends of rays.
 WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
                       const std::vector<View>& views, const RayEnds& ends,
                       ManifoldMeshingReport* report) {
   report->num_points = cloud.size();
   report->num_observations = cloud.views.values.size();
-  std::vector<float> weights = Alphas(options, cloud);
+  std::vector<float> weights = ObservationWeights(options, cloud);
   WeightedCloud weighted{std::move(cloud), std::move(weights),
                          report->num_points};
   RayEnds all_ends = ends;
@@ -159,6 +144,20 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
 }
 
 }  // namespace
+
+std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
+                                      const PointCloud& cloud) {
+  std::vector<float> alphas(cloud.size(),
+                            static_cast<float>(options.alpha_vis));
+  if (options.alpha_kind == ObservationWeight::kTracks) {
+    for (size_t point = 0; point < cloud.size(); ++point) {
+      const double ratio = static_cast<double>(cloud.views[point].size()) /
+                           options.visibility_sigma;
+      alphas[point] = static_cast<float>(1 - std::exp(-0.5 * ratio * ratio));
+    }
+  }
+  return alphas;
+}
 
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           PointCloud cloud, const std::vector<View>& views,

@@ -18,8 +18,9 @@ class SeamGraph {
   explicit SeamGraph(const std::vector<TileSeam>& seams) {
     for (const TileSeam& seam : seams) {
       for (const SharedCell& cell : seam.shared) {
-        const auto [entry, is_new] = known_.try_emplace(cell.key, cell.label);
-        if (!is_new && entry->second != cell.label) {
+        const auto label = static_cast<uint8_t>(cell.label);
+        const auto [entry, is_new] = known_.try_emplace(cell.key, label);
+        if (!is_new && entry->second != label) {
           ThrowContradiction();
         }
       }

@@ -35,7 +35,7 @@ struct UnknownCell {
 // A star cell with vertices of several tiles whose label the tile could tell.
 struct SharedCell {
   CellKey key;
-  uint8_t label;
+  uint32_t label;  // kMatter or kFreeSpace; as wide as the key, without gaps
 };
 
 // What a tile leaves for the cut of the seams.
