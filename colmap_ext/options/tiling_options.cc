@@ -19,6 +19,9 @@ void PlannerOptions::Finish() {
   if (!(distance_sigma >= 0)) {
     throw OptionError("--distance_sigma must not be negative");
   }
+  if (seam_rings < -1) {
+    throw OptionError("--seam_rings must be -1 or more");
+  }
   if (mesher.meshing.weak_surfaces) {
     throw OptionError(
         "DelaunayManifoldMeshing.weak_surfaces compares each ray with all "
@@ -50,6 +53,10 @@ void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
       "distance_sigma", &planner->distance_sigma,
       "[scene units] The expected noise of the points; 0: as "
       "DelaunayManifoldMeshing.distance_sigma_factor says");
+  manager->AddDefaultOption(
+      "seam_rings", &planner->seam_rings,
+      "[cells] How wide the merger cuts again on both sides of a seam; -1: "
+      "wherever one machine could decide otherwise, which takes memory");
   manager->AddDefaultOption("fused_path", &mesher->words.fused_path,
                             "The fused points, where they are not fused.ply of "
                             "the workspace");

@@ -15,6 +15,7 @@ struct PlannerOptions {
   double max_memory_gb = 8;   // of a tile's job
   int num_tiles = 0;          // 0: as many as the memory asks for
   double distance_sigma = 0;  // scene units; 0: from the edges' lengths
+  int seam_rings = 4;         // TileCutOptions
 
   // \throw OptionError if something is wrong with any of the options.
   void Finish();

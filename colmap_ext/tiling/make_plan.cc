@@ -117,6 +117,7 @@ class Planner {
     plan_.options["image_order"] = mesher.words.image_order;
     plan_.options["distance_sigma"] =
         fmt::format("{}", options_.distance_sigma);
+    plan_.seam_rings = options_.seam_rings;
     num_tiles_ = options_.num_tiles > 0
                      ? static_cast<size_t>(options_.num_tiles)
                      : NumTilesForMemory();

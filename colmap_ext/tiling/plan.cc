@@ -83,6 +83,7 @@ Plan PlanFrom(const Json& json) {
   plan.distance_sigma = json.at("distance_sigma");
   plan.half_pixel_scale = json.at("half_pixel_scale");
   plan.has_colors = json.at("has_colors");
+  plan.seam_rings = json.at("seam_rings");
   for (const Json& tile : json.at("tiles")) {
     plan.tiles.push_back(TileFrom(tile));
   }
@@ -108,7 +109,8 @@ fs::path CutPath(const fs::path& folder, size_t tile) {
 }
 
 uint64_t IdentityOf(const Plan& plan, size_t num_tiles) {
-  uint64_t hash = Hash(fmt::format("{} {}\n", kPlanVersion, num_tiles));
+  uint64_t hash =
+      Hash(fmt::format("{} {} {}\n", kPlanVersion, num_tiles, plan.seam_rings));
   for (const auto* pairs : {&plan.inputs, &plan.options}) {
     for (const auto& [name, value] : *pairs) {
       hash = Hash(name + '=' + value + '\n', hash);
@@ -124,7 +126,8 @@ void WritePlan(const fs::path& folder, const Plan& plan) {
                {"options", plan.options},
                {"distance_sigma", plan.distance_sigma},
                {"half_pixel_scale", plan.half_pixel_scale},
-               {"has_colors", plan.has_colors}};
+               {"has_colors", plan.has_colors},
+               {"seam_rings", plan.seam_rings}};
   for (const PlannedTile& tile : plan.tiles) {
     json["tiles"].push_back(ToJson(tile));
   }

@@ -30,6 +30,7 @@ struct Plan {
   double distance_sigma = 0;                   // scene units
   double half_pixel_scale = 0;
   bool has_colors = false;
+  int seam_rings = 0;  // TileCutOptions
   std::vector<View> views;
   std::vector<PlannedTile> tiles;
   uint64_t identity = 0;  // of inputs and options

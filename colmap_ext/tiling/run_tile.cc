@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 TileCutOptions CutOptions(const Plan& plan,
                           const ManifoldMeshingOptions& meshing) {
   return {{plan.distance_sigma, meshing.behind_sigma},
-          meshing.quality_regularization};
+          meshing.quality_regularization,
+          plan.seam_rings};
 }
 
 std::vector<Eigen::Vector3d> CentersOf(const Plan& plan) {

@@ -197,11 +197,21 @@ class Walk {
   }
 
   // From the origin to the facet through which the ray leaves the cell, scene
-  // units.
+  // units. It starts at the lowest corner, so that rounding depends on the ray
+  // and the facet alone and not on the way there.
   double ExitDistance() const {
-    const Eigen::Vector3d a = Offset(corners_[0]);
-    const Eigen::Vector3d normal =
-        (Offset(corners_[1]) - a).cross(Offset(corners_[2]) - a);
+    const auto is_lower = [this](uint32_t u, uint32_t v) {
+      const Eigen::Vector3f& p = tetrahedra_->points[u];
+      const Eigen::Vector3f& q = tetrahedra_->points[v];
+      return std::lexicographical_compare(p.begin(), p.end(), q.begin(),
+                                          q.end());
+    };
+    const auto first = static_cast<size_t>(
+        std::ranges::min_element(corners_, is_lower) - corners_.begin());
+    const Eigen::Vector3d a = Offset(corners_[first]);
+    const Eigen::Vector3d b = Offset(corners_[(first + 1) % 3]);
+    const Eigen::Vector3d c = Offset(corners_[(first + 2) % 3]);
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
     return a.dot(normal) / direction_.dot(normal);
   }
 

@@ -125,7 +125,7 @@ class Certifier {
         [&](uint32_t vertex) { return vertex < num_own_; });
   }
 
-  // The cells in question that have a new vertex or are beside one that has:
+  // The cells in question that have a new vertex, or are beside one that has:
   // others have been searched before.
   // \param first_new  vertex of the last round
   std::vector<uint32_t> NewCells(uint32_t first_new) {
@@ -135,13 +135,19 @@ class Certifier {
     }
     std::vector<uint32_t> cells;
     for (uint32_t cell = 0; cell < complex_.cells.size(); ++cell) {
-      if (is_used_[cell] == 0 || !HasOwnVertex(cell) ||
-          !HasNewVertex(cell, first_new)) {
+      if (is_used_[cell] == 0 || !HasNewVertex(cell, first_new)) {
         continue;
       }
-      cells.push_back(cell);
+      const bool is_star = HasOwnVertex(cell);
+      bool is_beside = false;
       for (const uint32_t mate : complex_.cells[cell].mates) {
-        cells.push_back(mate / 4);
+        if (is_star) {
+          cells.push_back(mate / 4);
+        }
+        is_beside = is_beside || HasOwnVertex(mate / 4);
+      }
+      if (is_star || is_beside) {
+        cells.push_back(cell);
       }
     }
     std::ranges::sort(cells);

@@ -18,9 +18,8 @@ struct SeamLabels {
 };
 
 // Cuts the cells that no tile could tell, with the labels of all others fixed:
-// the labels are those of the minimum cut of the whole plan
-// (PersistentLabels). They depend on what the tiles left alone, not on the
-// order of the cells in it.
+// as the minimum cut of the whole plan does where it has the same labels of
+// those. The result depends on what the tiles left alone, not on their order.
 // \param seams [tiles] of all tiles of the plan
 // \throw std::logic_error where the tiles contradict each other
 SeamLabels CutSeams(const std::vector<TileSeam>& seams);

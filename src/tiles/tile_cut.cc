@@ -7,8 +7,8 @@
 
 #include "delaunay/cell_graph.h"
 #include "delaunay/quality_weights.h"
-#include "tiles/persistent_labels.h"
 #include "tiles/ray_mask.h"
+#include "tiles/tile_labels.h"
 
 namespace colmap_ext {
 namespace {
@@ -200,6 +200,23 @@ class TileVotes {
   Observations observations_;            // of the batch, by points
 };
 
+// A cell with vertices of other tiles is a star cell of those, too.
+std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile) {
+  std::vector<CellPlace> places;
+  for (const Tetrahedralization::Cell& cell : tile.tetrahedra.cells) {
+    int num_own = 0;
+    int num_others = 0;
+    for (const uint32_t vertex : cell.vertices) {
+      num_own += vertex < tile.num_own;
+      num_others += vertex >= tile.num_own && vertex != kInfiniteVertex;
+    }
+    places.push_back(num_own == 0      ? CellPlace::kBeyond
+                     : num_others == 0 ? CellPlace::kInner
+                                       : CellPlace::kShared);
+  }
+  return places;
+}
+
 }  // namespace
 
 TileCut CutTile(const PlanVertices& plan, uint32_t tile,
@@ -216,12 +233,8 @@ TileCut CutTile(const PlanVertices& plan, uint32_t tile,
   result.rays =
       TileVotes(plan, result.tile, centers, rays, &result.graph).Run(progress);
   Report(progress, "Cutting the graph", 0);
-  std::vector<uint8_t> is_star(tetrahedra.cells.size());
-  for (uint32_t cell = 0; cell < is_star.size(); ++cell) {
-    is_star[cell] = result.tile.IsStarCell(cell);
-  }
-  result.labels =
-      PersistentLabels(NeighborsOf(tetrahedra), result.graph, is_star);
+  result.labels = LabelPart(NeighborsOf(tetrahedra), result.graph,
+                            PlacesOf(result.tile), options.seam_rings);
   return result;
 }
 

@@ -17,6 +17,9 @@ namespace colmap_ext {
 struct TileCutOptions {
   VisibilityWeightOptions rays;
   double quality_regularization = 1;
+  // Cells within so many of those that are shared are left to the cut of the
+  // seams; -1: all that the cut of all tiles could label otherwise.
+  int seam_rings = 4;
 };
 
 // A tile with what the votes and the cut say of its star cells.
@@ -24,7 +27,7 @@ struct TileCut {
   TileTetrahedra tile;
   FlowCapacities graph;  // [cells] as that of all cells of the plan, for the
                          // arcs from and to star cells
-  std::vector<uint8_t> labels;  // [cells] PersistentLabels() of the star cells
+  std::vector<uint8_t> labels;  // [cells] LabelPart() of the star cells
   RayReport rays;               // walked here
 };
 

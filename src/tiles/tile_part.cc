@@ -18,8 +18,8 @@ UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
     return IdOf(cut.tile, corners[k]);
   });
   UnknownCell unknown;
-  unknown.source = cut.graph.source[cell];
-  unknown.sink = cut.graph.sink[cell];
+  unknown.source = std::min(cut.graph.source[cell], kMaxCapacity);
+  unknown.sink = std::min(cut.graph.sink[cell], kMaxCapacity);
   for (int i = 0; i < 4; ++i) {
     const uint32_t k = order[i];
     const uint32_t other = neighbors[k];

@@ -9,8 +9,8 @@
 #include "delaunay/tetrahedralization.h"
 #include "optim/min_cut.h"
 #include "tiles/cell_key.h"
-#include "tiles/persistent_labels.h"
 #include "tiles/tile_cut.h"
+#include "tiles/tile_labels.h"
 
 namespace colmap_ext {
 

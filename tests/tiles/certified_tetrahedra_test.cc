@@ -15,21 +15,27 @@ namespace {
 
 using Corners = std::array<uint32_t, 4>;
 
-// The cells at some vertices, each by its sorted corners.
+// The cells at some vertices and those beside them, each by its sorted corners.
 std::set<Corners> StarCells(const Tetrahedralization& tetrahedra,
                             const std::vector<uint32_t>& ids, uint32_t begin,
                             uint32_t end) {
-  std::set<Corners> cells;
-  for (const Tetrahedralization::Cell& cell : tetrahedra.cells) {
-    Corners corners = cell.vertices;
-    bool is_in_range = false;
+  const auto corners_of = [&](uint32_t cell) {
+    Corners corners = tetrahedra.cells[cell].vertices;
     for (uint32_t& corner : corners) {
       corner = corner == kInfiniteVertex ? corner : ids[corner];
-      is_in_range = is_in_range || (corner >= begin && corner < end);
     }
-    if (is_in_range) {
-      std::ranges::sort(corners);
+    std::ranges::sort(corners);
+    return corners;
+  };
+  std::set<Corners> cells;
+  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+    const Corners corners = corners_of(cell);
+    if (std::ranges::any_of(
+            corners, [&](uint32_t id) { return id >= begin && id < end; })) {
       cells.insert(corners);
+      for (const uint32_t neighbor : tetrahedra.cells[cell].neighbors) {
+        cells.insert(corners_of(neighbor));
+      }
     }
   }
   return cells;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "delaunay/cell_graph.h"
 #include "mesh/fan_split.h"
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"
@@ -33,26 +35,18 @@ std::multiset<Triangle> TrianglesOf(const TriangleMesh& mesh) {
   return triangles;
 }
 
-// The surface of all vertices on one machine, in the order of the plan.
-struct WholeSurface {
-  TriangleMesh mesh;
-  size_t num_singular = 0;
-};
-
-WholeSurface SurfaceOfWhole(const SeenScene& scene, const MemoryPlan& plan,
+// The surface of all vertices on one machine.
+TriangleMesh SurfaceOfWhole(const SeenScene& scene, const MemoryPlan& plan,
                             bool is_fixed) {
   WholeCut whole = CutWhole(scene, plan);
-  WholeSurface surface;
-  surface.num_singular =
-      SingularVertices(whole.tetrahedra, whole.labels).size();
   if (is_fixed) {
+    EXPECT_GT(SingularVertices(whole.tetrahedra, whole.labels).size(), 100u);
     FixSingularVertices(FixingRule::kEnergy, &whole.tetrahedra, &whole.graph,
                         &whole.labels);
   }
   const ExtractedSurface extracted =
       ExtractSurface(whole.tetrahedra, whole.labels);
-  surface.mesh = SplitFans(extracted.mesh, extracted.partners).mesh;
-  return surface;
+  return SplitFans(extracted.mesh, extracted.partners).mesh;
 }
 
 TriangleMesh MergeAll(const MemoryPlan& plan, const MemoryParts& parts,
@@ -71,20 +65,18 @@ void ExpectSameSurface(const SeenScene& scene, size_t num_tiles,
   const MemoryPlan plan = PlanOf(scene.points, num_tiles, scene.observations);
   const MemoryParts parts(scene, plan);
   const TriangleMesh merged = MergeAll(plan, parts, is_fixed);
-  const WholeSurface whole = SurfaceOfWhole(scene, plan, is_fixed);
+  const TriangleMesh whole = SurfaceOfWhole(scene, plan, is_fixed);
   EXPECT_TRUE(Analyze(merged).IsManifold()) << Analyze(merged).Defects();
   EXPECT_GT(merged.facets.size(), 100u);
-  EXPECT_EQ(merged.vertices.size(), whole.mesh.vertices.size());
+  EXPECT_EQ(merged.vertices.size(), whole.vertices.size());
   const auto a = TrianglesOf(merged);
-  const auto b = TrianglesOf(whole.mesh);
+  const auto b = TrianglesOf(whole);
   std::vector<Triangle> only_a;
   std::vector<Triangle> only_b;
   std::ranges::set_difference(a, b, std::back_inserter(only_a));
   std::ranges::set_difference(b, a, std::back_inserter(only_b));
   EXPECT_EQ(only_a.size(), 0u);
   EXPECT_EQ(only_b.size(), 0u);
-  std::cout << "facets " << a.size() << " singular " << whole.num_singular
-            << std::endl;
 }
 
 TEST(MergeSurface, IsThatOfOneMachine) {
@@ -102,6 +94,45 @@ TEST(MergeSurface, IsThatOfOneMachineWithSingularVerticesFixed) {
       ExpectSameSurface(scene, num_tiles, true);
     }
   }
+}
+
+// What the cut of a merged plan costs over that of one machine, as a share.
+double ExtraEnergy(const SeenScene& scene, size_t num_tiles) {
+  const MemoryPlan plan = PlanOf(scene.points, num_tiles, scene.observations);
+  const MemoryParts parts(scene, plan);
+  const SeamLabels seam = CutSeams(parts.seams());
+  const WholeCut whole = CutWhole(scene, plan);
+  const std::map<CellKey, uint32_t> cells = CellsByKey(whole);
+  std::vector<uint8_t> labels(whole.labels.size(), kNotKnown);
+  for (uint32_t tile = 0; tile < num_tiles; ++tile) {
+    const auto part = parts.ReadPart(tile);
+    std::vector<uint8_t> of_tile = part->labels;
+    ApplySeamLabels(seam, part->tile, &of_tile);
+    for (uint32_t cell = 0; cell < of_tile.size(); ++cell) {
+      if (part->tile.IsStarCell(cell)) {
+        uint8_t& label = labels[cells.at(
+            KeyOf(part->tile.tetrahedra.cells[cell], part->tile.ids))];
+        EXPECT_TRUE(label == kNotKnown || label == of_tile[cell]);
+        label = of_tile[cell];
+      }
+    }
+  }
+  EXPECT_EQ(std::ranges::count(labels, kNotKnown), 0);
+  const NeighborView neighbors = NeighborsOf(whole.tetrahedra);
+  const auto least =
+      static_cast<double>(CutValue(neighbors, whole.graph, whole.labels));
+  return static_cast<double>(CutValue(neighbors, whole.graph, labels)) / least -
+         1;
+}
+
+TEST(CutSeams, NarrowBandsCostNextToNothing) {
+  SeenScene scene = GroundScene(10000, 11);
+  scene.options.seam_rings = 4;
+  const double extra = ExtraEnergy(scene, 4);
+  EXPECT_GE(extra, 0);
+  EXPECT_LT(extra, 1e-3);
+  scene.options.seam_rings = -1;
+  EXPECT_EQ(ExtraEnergy(scene, 4), 0);
 }
 
 TEST(CutSeams, DoesNotDependOnTheOrderOfTiles) {

@@ -67,6 +67,7 @@ SeenScene SphereScene(size_t num_points, uint64_t seed, double noise) {
         &scene);
   }
   scene.options.rays = {0.02, 1};
+  scene.options.seam_rings = -1;
   return scene;
 }
 
@@ -89,6 +90,7 @@ SeenScene GroundScene(size_t num_points, uint64_t seed) {
         &scene);
   }
   scene.options.rays = {0.05, 1};
+  scene.options.seam_rings = -1;
   return scene;
 }
 

@@ -14,7 +14,8 @@
 
 namespace colmap_ext {
 
-// Points with rays, and what is to be done with them.
+// Points with rays, and what is to be done with them: all that is not sure is
+// cut at the seams, so that the result is that of one machine.
 struct SeenScene {
   std::vector<Eigen::Vector3f> points;
   Observations observations;  // by points
