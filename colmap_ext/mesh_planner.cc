@@ -48,19 +48,19 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
             log);
   PrintText("time, all tiles",
             fmt::format("{:.2f} h of a core", all.seconds / 3600), log);
-  const int last = static_cast<int>(plan.tiles.size()) - 1;
+  const size_t last = plan.tiles.size() - 1;
   std::cout << fmt::format(
-      "\nOn Slurm:\n  scripts/slurm/mesh_plan {0}\n"
-      "which is\n"
+      "\nOn Slurm, both at once:\n  scripts/slurm/mesh_tiles {0} MESH.ply\n"
+      "which queues\n"
       "  sbatch --array=0-{1} --mem={2}M scripts/slurm/tile.sbatch {0}\n"
-      "  sbatch --dependency=afterok:JOB --mem={3}M "
-      "scripts/slurm/merge.sbatch {0} MESH\n"
+      "  sbatch --dependency=afterok:... --mem={3}M "
+      "scripts/slurm/merge.sbatch {0} MESH.ply\n"
       "On one machine:\n"
       "  seq 0 {1} | xargs -P 2 -I T colmap delaunay_manifold_mesher --plan "
-      "{0} "
-      "--tile T\n  colmap mesh_merger --plan {0} --output_path MESH\n",
-      folder, last, static_cast<int>(1024 * memory),
-      static_cast<int>(1024 * MergerMemoryGb(plan)));
+      "{0} --tile T\n  colmap mesh_merger --plan {0} --output_path "
+      "MESH.ply\n",
+      folder, last, static_cast<int>(1126 * memory) + 1,
+      static_cast<int>(1126 * MergerMemoryGb(plan)) + 1);
 }
 
 void MakeAndPrint(const PlannerOptions& options) {

@@ -207,7 +207,9 @@ void PrintReport(const std::optional<Region>& region, ReportLog* log) {
 }
 
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log) {
-  PrintCells(report, log);
+  if (report.num_points > 0) {  // else they were cut in tiles
+    PrintCells(report, log);
+  }
   PrintFixing(report, log);
   PrintMesh(report, log);
 }

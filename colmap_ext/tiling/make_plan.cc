@@ -80,6 +80,10 @@ class Planner {
     sample_ = ReadSampledWorkspace(options_.mesher.InputPath(),
                                    options_.mesher.workspace, decoder_,
                                    kMaxSamplePoints);
+    if (num_tiles_ * kMinTileSample > sample_.cloud.size()) {
+      throw FileError(files_.path,
+                      fmt::format("too few points for {} tiles", num_tiles_));
+    }
     report_->workspace = sample_.report;
     plan_.views = sample_.views;
     plan_.has_colors = !sample_.cloud.colors.empty();
@@ -227,10 +231,6 @@ class Planner {
   }
 
   void ShareOut(PointShares* shares) {
-    if (num_tiles_ * kMinTileSample > sample_.cloud.size()) {
-      throw FileError(files_.path,
-                      fmt::format("too few points for {} tiles", num_tiles_));
-    }
     const SplitTree tree = SplitSample(num_tiles_);
     plan_.tiles.resize(num_tiles_);
     ForEachPoint([&](const PointCloud& piece, size_t point) {
