@@ -24,7 +24,7 @@ enum class CellPlace : uint8_t {
 //
 // Matter for sure is what stays matter even if all nodes beyond the part are
 // free space: then it is matter in the minimum cut of the whole graph, too, as
-// free space grows with free space around it [Kolmogorov2007]. The opposite
+// free space grows with free space around it [Gallo1989]. The opposite
 // tells next to nothing: what makes free space of a node comes along the rays
 // from the cameras, which are beyond most parts.
 //
