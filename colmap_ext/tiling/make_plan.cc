@@ -321,11 +321,11 @@ Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
 }
 
 double TileMemoryGb(size_t num_vertices) {
-  return 0.15 + 1000e-9 * static_cast<double>(num_vertices);
+  return 0.06 + 1200e-9 * static_cast<double>(num_vertices);
 }
 
 double TileSeconds(size_t num_vertices) {
-  return 3 + 70e-6 * static_cast<double>(num_vertices);
+  return 1 + 160e-6 * static_cast<double>(num_vertices);
 }
 
 double MergerMemoryGb(const Plan& plan) {

@@ -37,7 +37,7 @@ struct PlanBlocks {
 };
 
 // How many vertices a block has; the last one of a tile may have less.
-inline constexpr uint32_t kBlockVertices = 1024;
+inline constexpr uint32_t kBlockVertices = 512;
 
 // Adds the blocks of one more tile.
 // \param positions    of its vertices
