@@ -12,6 +12,8 @@ const std::vector<Command>& Commands() {
       {"delaunay_manifold_mesher", &RunDelaunayManifoldMesher},
       {"facetwise_refiner", &RunFacetwiseRefiner},
       {"mesh_evaluator", &RunMeshEvaluator},
+      {"mesh_merger", &RunMeshMerger},
+      {"mesh_planner", &RunMeshPlanner},
       {"mesh_viewer", &RunMeshViewer},
   };
   return commands;

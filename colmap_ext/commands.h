@@ -25,6 +25,8 @@ void EnableDenseMeshing();
 int RunDelaunayManifoldMesher(int argc, char** argv);
 int RunFacetwiseRefiner(int argc, char** argv);
 int RunMeshEvaluator(int argc, char** argv);
+int RunMeshMerger(int argc, char** argv);
+int RunMeshPlanner(int argc, char** argv);
 int RunMeshViewer(int argc, char** argv);
 
 }  // namespace colmap_ext

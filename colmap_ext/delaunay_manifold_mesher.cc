@@ -19,6 +19,7 @@
 #include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/run_tile.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/write_mesh.h"
@@ -231,15 +232,40 @@ void MeshWorkspace(const MesherOptions& options,
             << VisibilityPath(output_path).string() << std::endl;
 }
 
+void MeshTile(const MesherOptions& options) {
+  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+  const TileReport report =
+      RunTile(options.plan_path, static_cast<uint32_t>(options.tile),
+              [&reporter](std::string_view stage, double share) {
+                reporter.Update(stage, share);
+              });
+  reporter.Finish();
+  if (report.is_kept) {
+    std::cout << "Tile " << options.tile << " is done already: nothing to do"
+              << std::endl;
+    return;
+  }
+  ReportLog log(&std::cout);
+  PrintReport(report, &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  std::cout << "\nTile " << options.tile << " is done" << std::endl;
+}
+
 }  // namespace
 
 int RunDelaunayManifoldMesher(int argc, char** argv) {
   MesherOptions options;
   CommandOptions command;
   AddMesherOptions(&command, &options);
-  const CommandSteps steps = {
-      [&options] { options.Finish(); }, &options.num_threads,
-      [&options, &command] { MeshWorkspace(options, PageOptions(command)); }};
+  const CommandSteps steps = {[&options] { options.Finish(); },
+                              &options.num_threads,
+                              [&options, &command] {
+                                if (options.plan_path.empty()) {
+                                  MeshWorkspace(options, PageOptions(command));
+                                } else {
+                                  MeshTile(options);
+                                }
+                              }};
   return RunCommand(argc, argv, command, steps, Advice());
 }
 

@@ -29,6 +29,12 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
   manager->AddDefaultOption(
       "report_path", &mesher->report_path,
       "A page on the run, HTML: figures, and pictures from three cameras");
+  manager->AddDefaultOption(
+      "plan", &mesher->plan_path,
+      "The folder of mesh_planner. One tile of it is done, with the plan's "
+      "options; mesh_merger makes the mesh of all");
+  manager->AddDefaultOption("tile", &mesher->tile,
+                            "The tile of the plan, from 0 on");
   manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
   manager->AddDefaultOption(
@@ -140,14 +146,18 @@ void AddAliases(CommandOptions* manager, MesherOptions* mesher) {
 
 }  // namespace
 
+void AddMeshingOptions(CommandOptions* manager, MesherOptions* mesher) {
+  AddVoteOptions(manager, mesher);
+  AddSurfaceOptions(manager, mesher);
+}
+
 void AddMesherOptions(CommandOptions* manager, MesherOptions* mesher) {
   AddPathOptions(manager, mesher);
   AddSceneOptions(manager, "What is meshed", &mesher->scene);
   manager->AddDefaultOption(
       "mask_background", &mesher->mask_background,
       "Masked pixels are background: what is seen through them is free space");
-  AddVoteOptions(manager, mesher);
-  AddSurfaceOptions(manager, mesher);
+  AddMeshingOptions(manager, mesher);
   AddAliases(manager, mesher);
 }
 

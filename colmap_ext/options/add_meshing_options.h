@@ -10,4 +10,7 @@ namespace colmap_ext {
 // \param mesher  has to outlive the manager's parsing.
 void AddMesherOptions(CommandOptions* manager, MesherOptions* mesher);
 
+// Those that say how the mesh is made, DelaunayManifoldMeshing.*, alone.
+void AddMeshingOptions(CommandOptions* manager, MesherOptions* mesher);
+
 }  // namespace colmap_ext

@@ -21,6 +21,10 @@ std::filesystem::path MesherOptions::OutputPath(
 }
 
 void MesherOptions::Finish() {
+  if (!plan_path.empty() || tile >= 0) {
+    FinishTile();
+    return;
+  }
   if (workspace_path.empty() == input_path.empty()) {
     throw OptionError("either --workspace_path or --input_path is required");
   }
@@ -59,6 +63,18 @@ void MesherOptions::Finish() {
   if (const std::string error = meshing.Check(); !error.empty()) {
     throw OptionError("DelaunayManifoldMeshing." + error);
   }
+}
+
+void MesherOptions::FinishTile() const {
+  if (plan_path.empty() || tile < 0) {
+    throw OptionError("--plan and --tile belong together");
+  }
+  if (!InputPath().empty() || !output_path.empty() || !report_path.empty()) {
+    throw OptionError(
+        "--plan says what is meshed: leave out --workspace_path, --input_path, "
+        "--output_path and --report_path");
+  }
+  CheckNumThreads(num_threads);
 }
 
 }  // namespace colmap_ext

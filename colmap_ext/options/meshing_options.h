@@ -17,6 +17,8 @@ struct MesherOptions {
   std::string output_path;
   std::string sparse_path;  // see WorkspaceOptions
   std::string report_path;  // a page, .html
+  std::string plan_path;    // a plan's folder, instead of a workspace
+  int tile = -1;            // of the plan
   SceneOptions scene;
   bool mask_background = false;  // nothing is there where masks leave it out
   WorkspaceOptions workspace;
@@ -51,6 +53,9 @@ struct MesherOptions {
   // Passes the words on to the options that they stand for.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
+
+ private:
+  void FinishTile() const;
 };
 
 }  // namespace colmap_ext

@@ -151,6 +151,20 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   }
 }
 
+void PrintReport(const TileReport& report, ReportLog* log) {
+  PrintHeading("Tile", log);
+  Print("vertices", static_cast<int64_t>(report.num_vertices), log);
+  Print("of other tiles, too", static_cast<int64_t>(report.num_other_vertices),
+        log);
+  Print("rounds until none was missing",
+        static_cast<int64_t>(report.num_rounds), log);
+  Print("cells", static_cast<int64_t>(report.num_star_cells), log);
+  Print("left to the merger", static_cast<int64_t>(report.num_unknown_cells),
+        log);
+  Print("rays walked", static_cast<int64_t>(report.rays.num_rays), log);
+  PrintIfAny("rays given up", report.rays.num_lost_rays, log);
+}
+
 void PrintFootprint(double footprint, ReportLog* log) {
   PrintText("a pixel on it, scene units", fmt::format("{:14.6g}", footprint),
             log);
@@ -193,7 +207,9 @@ void PrintReport(const std::optional<Region>& region, ReportLog* log) {
 }
 
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log) {
-  PrintCells(report, log);
+  if (report.num_points > 0) {  // else they were cut in tiles
+    PrintCells(report, log);
+  }
   PrintFixing(report, log);
   PrintMesh(report, log);
 }

@@ -6,6 +6,7 @@
 
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/run_tile.h"
 #include "meshing/manifold_meshing.h"
 #include "repair/edit_borders.h"
 #include "scene/half_pixel_slope.h"
@@ -36,6 +37,9 @@ void PrintReport(const std::optional<Region>& region, ReportLog* log);
 
 // What was made of it.
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log);
+
+// What was done of a tile of a plan.
+void PrintReport(const TileReport& report, ReportLog* log);
 
 // What a pixel covers on the mesh, scene units, so that distances in options
 // can be judged.

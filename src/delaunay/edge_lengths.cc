@@ -60,8 +60,8 @@ void AppendLengths(const Tetrahedralization& tetrahedra,
 
 }  // namespace
 
-float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
-                           const std::vector<uint8_t>& is_left_out) {
+std::vector<float> EdgeLengths(const Tetrahedralization& tetrahedra,
+                               const std::vector<uint8_t>& is_left_out) {
   constexpr size_t kBlock = 1 << 14;  // cells: 512 kB, fits a core's cache
   const size_t num_cells = tetrahedra.cells.size();
   std::vector<std::vector<float>> lengths((num_cells + kBlock - 1) / kBlock);
@@ -77,7 +77,13 @@ float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
     all.insert(all.end(), block.begin(), block.end());
     std::vector<float>().swap(block);
   }
-  return Percentile(percent, &all);
+  return all;
+}
+
+float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
+                           const std::vector<uint8_t>& is_left_out) {
+  std::vector<float> lengths = EdgeLengths(tetrahedra, is_left_out);
+  return Percentile(percent, &lengths);
 }
 
 }  // namespace colmap_ext

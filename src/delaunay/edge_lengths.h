@@ -15,4 +15,8 @@ namespace colmap_ext {
 float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
                            const std::vector<uint8_t>& is_left_out = {});
 
+// The lengths themselves, in no particular order.
+std::vector<float> EdgeLengths(const Tetrahedralization& tetrahedra,
+                               const std::vector<uint8_t>& is_left_out = {});
+
 }  // namespace colmap_ext

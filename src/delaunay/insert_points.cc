@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <numeric>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -214,6 +215,17 @@ void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
     begin = end;
     inserted.SetDone(static_cast<size_t>(begin - order.begin()));
   }
+}
+
+void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
+                      GrowingComplex* complex) {
+  std::vector<uint32_t> added(positions.size());
+  std::iota(added.begin(), added.end(),
+            static_cast<uint32_t>(complex->points.size()));
+  complex->points.insert(complex->points.end(), positions.begin(),
+                         positions.end());
+  complex->vertex_cells.resize(complex->points.size(), kNoCell);
+  InsertSerially(added, complex);
 }
 
 }  // namespace colmap_ext

@@ -27,4 +27,11 @@ uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
 void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
                   GrowingComplex* complex);
 
+// Appends points to a complex and inserts them, one after the other: fast where
+// neighbors in the list are neighbors in space.
+// \pre the positions are new to the complex
+// \throw std::invalid_argument as InsertPoints()
+void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
+                      GrowingComplex* complex);
+
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "delaunay/predicates.h"
+#include "delaunay/cell_conflict.h"
 
 namespace colmap_ext {
 namespace {
@@ -11,24 +11,6 @@ namespace {
 using Cell = GrowingComplex::Cell;
 
 constexpr uint32_t kNoMate = UINT32_MAX;
-
-// The corner that is the infinite vertex; 4 where none is.
-uint32_t InfiniteCorner(const Cell& cell) {
-  uint32_t corner = 0;
-  while (corner < 4 && cell.vertices[corner] != kInfiniteVertex) {
-    ++corner;
-  }
-  return corner;
-}
-
-// The orientation of a cell with a point in the place of corner i.
-int OrientationWith(const GrowingComplex& complex, const Cell& cell, uint32_t i,
-                    uint32_t point) {
-  std::array<uint32_t, 4> v = cell.vertices;
-  v[i] = point;
-  const auto& p = complex.points;
-  return Orientation(p[v[0]], p[v[1]], p[v[2]], p[v[3]]);
-}
 
 }  // namespace
 
@@ -45,8 +27,9 @@ uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
   for (;;) {
     const Cell& cell = complex_->cells[at];
     uint32_t exit = 0;
-    while (exit < 4 && (exit == entry ||
-                        OrientationWith(*complex_, cell, exit, point) >= 0)) {
+    while (exit < 4 &&
+           (exit == entry || OrientationWith(*complex_, cell, exit,
+                                             complex_->points[point]) >= 0)) {
       ++exit;
     }
     if (exit == 4) {
@@ -70,24 +53,6 @@ uint32_t PointInserter::Insert(uint32_t point, uint32_t cell) {
   return result;
 }
 
-bool PointInserter::IsInConflict(uint32_t index, uint32_t point) const {
-  const Cell& cell = complex_->cells[index];
-  const auto& points = complex_->points;
-  const auto corner = [&](uint32_t i) -> const Eigen::Vector3f& {
-    return points[cell.vertices[i]];
-  };
-  const uint32_t infinite = InfiniteCorner(cell);
-  if (infinite == 4) {
-    return IsInSphere(corner(0), corner(1), corner(2), corner(3),
-                      points[point]);
-  }
-  const int side = OrientationWith(*complex_, cell, infinite, point);
-  return side != 0 ? side > 0
-                   : IsInCircle(corner((infinite + 1) % 4),
-                                corner((infinite + 2) % 4),
-                                corner((infinite + 3) % 4), points[point]);
-}
-
 // \return whether all its cells are its own
 bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
   boundary_.clear();
@@ -99,7 +64,7 @@ bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
       if (complex_->is_marked[other]) {
         continue;
       }
-      if (!IsInConflict(other, point)) {
+      if (!IsInConflict(*complex_, other, complex_->points[point])) {
         boundary_.push_back(4 * cavity_[k] + i);
       } else if (IsOwn(other)) {
         complex_->is_marked[other] = 1;

@@ -41,7 +41,6 @@ class PointInserter {
   bool IsOwn(uint32_t cell) const;
 
  private:
-  bool IsInConflict(uint32_t cell, uint32_t point) const;
   bool FindCavity(uint32_t point, uint32_t cell);
   uint32_t FillCavity(uint32_t point);
   uint32_t AddCell(uint32_t point, uint32_t arc);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unordered_set>
 
 #include <Eigen/Geometry>
 
@@ -19,7 +20,7 @@ class Walk {
  public:
   Walk(const Tetrahedralization& tetrahedra, const Ray& ray, RayPath* path)
       : tetrahedra_(&tetrahedra),
-        origin_(tetrahedra.points[ray.origin].cast<double>()),
+        origin_(OriginOf(tetrahedra, ray)),
         ray_(&ray),
         path_(path),
         direction_(ray.target - origin_),
@@ -40,11 +41,13 @@ class Walk {
     if (!(length_ > 0)) {
       return false;
     }
-    if (!StartAtVertex(ray_->origin)) {
+    const bool is_started = ray_->origin != kNoVertex
+                                ? StartAtVertex(ray_->origin)
+                                : StartInCell(ray_->start_cell);
+    if (!is_started) {
       path_->end = cell_;
-      return false;
     }
-    return true;
+    return is_started;
   }
 
   // A step has three parts. Between them others may take theirs, while memory
@@ -112,6 +115,67 @@ class Walk {
   }
 
  private:
+  static Eigen::Vector3d OriginOf(const Tetrahedralization& tetrahedra,
+                                  const Ray& ray) {
+    return ray.origin != kNoVertex
+               ? tetrahedra.points[ray.origin].cast<double>()
+               : ray.position;
+  }
+
+  // Finds the facet through which the ray leaves the cell that it starts in.
+  // \return false where it misses the hull, or nobody knows the cell
+  bool StartInCell(uint32_t cell) {
+    cell_ = cell;
+    if (cell == kNoCell) {
+      return false;
+    }
+    if (tetrahedra_->IsInfinite(cell)) {
+      return StartBeyondHull();
+    }
+    exit_ = 0;
+    SetExitCorners(tetrahedra_->cells[cell]);
+    // A line through the inside leaves through one facet.
+    while (FirstEdgePassedOutside() >= 0 && exit_ < 3) {
+      ++exit_;
+      SetExitCorners(tetrahedra_->cells[cell]);
+    }
+    return true;
+  }
+
+  // Finds the facet of the hull through which the ray comes in, among those
+  // that its origin sees, which are connected.
+  bool StartBeyondHull() {
+    std::vector<uint32_t> queue(1, cell_);
+    std::unordered_set<uint32_t> seen(queue.begin(), queue.end());
+    for (size_t i = 0; i < queue.size(); ++i) {
+      const Cell& cell = tetrahedra_->cells[queue[i]];
+      exit_ = tetrahedra_->IndexOf(queue[i], kInfiniteVertex);
+      SetExitCorners(cell);
+      if (!IsBeyondExit(origin_)) {
+        continue;
+      }
+      if (FirstEdgePassedOutside() < 0) {
+        cell_ = queue[i];
+        return !IsBeyondExit(ray_->target);
+      }
+      for (uint32_t k = 0; k < 4; ++k) {
+        if (k != exit_ && seen.insert(cell.neighbors[k]).second) {
+          queue.push_back(cell.neighbors[k]);
+        }
+      }
+    }
+    return false;
+  }
+
+  // Whether a place lies on the hull's outer side of the exit of an infinite
+  // cell.
+  bool IsBeyondExit(const Eigen::Vector3d& place) const {
+    const auto corner = [&](int i) -> Eigen::Vector3d {
+      return tetrahedra_->points[corners_[i]].cast<double>();
+    };
+    return Orientation(corner(0), corner(1), corner(2), place) < 0;
+  }
+
   // Finds the cell around the vertex that the ray enters, by a visibility walk.
   // \return false where the ray leaves the hull at once; the cell is infinite.
   bool StartAtVertex(uint32_t vertex) {
@@ -133,11 +197,21 @@ class Walk {
   }
 
   // From the origin to the facet through which the ray leaves the cell, scene
-  // units.
+  // units. It starts at the lowest corner, so that rounding depends on the ray
+  // and the facet alone and not on the way there.
   double ExitDistance() const {
-    const Eigen::Vector3d a = Offset(corners_[0]);
-    const Eigen::Vector3d normal =
-        (Offset(corners_[1]) - a).cross(Offset(corners_[2]) - a);
+    const auto is_lower = [this](uint32_t u, uint32_t v) {
+      const Eigen::Vector3f& p = tetrahedra_->points[u];
+      const Eigen::Vector3f& q = tetrahedra_->points[v];
+      return std::lexicographical_compare(p.begin(), p.end(), q.begin(),
+                                          q.end());
+    };
+    const auto first = static_cast<size_t>(
+        std::ranges::min_element(corners_, is_lower) - corners_.begin());
+    const Eigen::Vector3d a = Offset(corners_[first]);
+    const Eigen::Vector3d b = Offset(corners_[(first + 1) % 3]);
+    const Eigen::Vector3d c = Offset(corners_[(first + 2) % 3]);
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
     return a.dot(normal) / direction_.dot(normal);
   }
 

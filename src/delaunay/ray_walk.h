@@ -20,13 +20,20 @@ struct Crossing {
   float distance = std::numeric_limits<float>::infinity();
 };
 
+inline constexpr uint32_t kNoVertex = UINT32_MAX;
+
 struct Ray {
-  uint32_t origin = 0;     // a vertex
+  uint32_t origin = 0;     // a vertex, or kNoVertex
   Eigen::Vector3d target;  // world frame
   uint32_t end = kNoCell;  // the cell where it ends, or kNoCell
   // Distances are computed up to the first one beyond, scene units, and all of
   // them where `end` is kNoCell.
   double near_distance = 0;
+  // Where `origin` is kNoVertex: where the ray starts, and the cell that has
+  // this place strictly inside, or an infinite one that it lies beyond the hull
+  // of.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  uint32_t start_cell = kNoCell;
 };
 
 // The way of a ray.

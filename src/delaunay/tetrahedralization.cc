@@ -11,6 +11,7 @@
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "delaunay/insertion_order.h"
+#include "delaunay/take_tetrahedra.h"
 #include "delaunay/thinning.h"
 
 namespace colmap_ext {
@@ -48,20 +49,6 @@ void FollowRepresentatives(const std::vector<uint32_t>& representatives,
     }
     (*point_vertices)[point] = (*point_vertices)[representative];
   }
-}
-
-// The first finite cell of each vertex.
-std::vector<uint32_t> FirstCells(const Tetrahedralization& tetrahedra) {
-  std::vector<uint32_t> first(tetrahedra.points.size(), kNoCell);
-  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
-    if (tetrahedra.IsInfinite(cell)) {
-      continue;
-    }
-    for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
-      first[vertex] = std::min(first[vertex], cell);
-    }
-  }
-  return first;
 }
 
 // Replaces points along the curve by their vertices.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,6 +18,11 @@ namespace colmap_ext {
 struct VisibilityWeightOptions {
   double distance_sigma = 1;  // scene units
   double behind_sigma = 1;    // in distance sigmas
+  // A place within the hull. A ray that leaves the hull at its vertex ends in
+  // the infinite cell over whose facet it goes, as seen from there: this
+  // depends on the ray and the hull alone. Nothing: in any infinite cell at the
+  // vertex.
+  std::optional<Eigen::Vector3d> inner_place = std::nullopt;
 };
 
 // What votes: each view of each vertex, compressed sparse rows.
@@ -83,5 +89,18 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                FlowCapacities* graph,
                                const Progress& progress = {},
                                std::vector<uint32_t>* free_support = nullptr);
+
+// The same votes of points that are not vertices: what their rays do beyond
+// the cells that hold them. A point that lies on a facet is moved off it, by a
+// millionth of sigma.
+//
+// \param points [P] world frame, near each other where they follow each other
+// \param observations [P] rows of the points, not of vertices
+RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
+                                    const std::vector<Eigen::Vector3f>& points,
+                                    const Observations& observations,
+                                    const std::vector<Eigen::Vector3d>& centers,
+                                    const VisibilityWeightOptions& options,
+                                    FlowCapacities* graph);
 
 }  // namespace colmap_ext

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/rows.h"
+#include "formats/byte_reader.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -39,5 +40,24 @@ inline constexpr VisibilityOwner kFusedCloud = {
 //        file's size justifies.
 Visibility ReadVisibility(const std::filesystem::path& path, size_t num_points,
                           const VisibilityOwner& owner = kFusedCloud);
+
+// Reads the same piece by piece.
+class VisibilityReader {
+ public:
+  // \throw FileError as ReadVisibility(), for what the head tells
+  VisibilityReader(const std::filesystem::path& path, size_t num_points,
+                   const VisibilityOwner& owner = kFusedCloud);
+
+  // Appends the rows of the next points.
+  // \throw FileError if the file ends before
+  void Read(size_t num_points, Visibility* visibility);
+
+  uint64_t RemainingBytes() const { return reader_.Remaining(); }
+  void ExpectEnd() const { reader_.ExpectEnd(); }
+
+ private:
+  ByteReader reader_;
+  size_t point_ = 0;  // the next one
+};
 
 }  // namespace colmap_ext

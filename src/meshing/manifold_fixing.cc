@@ -32,11 +32,11 @@ std::optional<size_t> Largest(const VertexStar& star, bool is_free) {
 class Fixer {
  public:
   Fixer(Tetrahedralization* tetrahedra, FlowCapacities* graph,
-        std::vector<uint8_t>* is_free)
+        std::vector<uint8_t>* is_free, const std::vector<uint8_t>& is_left)
       : tetrahedra_(tetrahedra),
         graph_(graph),
         is_free_(is_free),
-        tracker_(*tetrahedra, is_free) {}
+        tracker_(*tetrahedra, is_free, is_left) {}
 
   FixingReport Run(FixingRule rule) {
     report_.num_singular_raw = tracker_.Singular().size();
@@ -170,8 +170,9 @@ class Fixer {
 FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,
-                                 std::vector<uint8_t>* is_free) {
-  return Fixer(tetrahedra, graph, is_free).Run(rule);
+                                 std::vector<uint8_t>* is_free,
+                                 const std::vector<uint8_t>& is_left) {
+  return Fixer(tetrahedra, graph, is_free, is_left).Run(rule);
 }
 
 }  // namespace colmap_ext

@@ -38,9 +38,12 @@ struct FixingReport {
 // \param tetrahedra no longer Delaunay where cells are split (SplitCell)
 // \param graph      the cut's: node i is cell i
 // \param is_free    [C] labels of the cells, 1: free space, 0: matter
+// \param is_left    [V] 1: singular or not, the vertex stays as it is; empty:
+//        none does
 FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,
-                                 std::vector<uint8_t>* is_free);
+                                 std::vector<uint8_t>* is_free,
+                                 const std::vector<uint8_t>& is_left = {});
 
 }  // namespace colmap_ext

@@ -11,34 +11,14 @@
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "delaunay/weak_surfaces.h"
-#include "mesh/facet_confidences.h"
-#include "mesh/fan_split.h"
-#include "mesh/vertex_confidences.h"
-#include "meshing/filter_surface.h"
+#include "meshing/finish_surface.h"
 #include "meshing/point_support.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"
 #include "optim/min_cut.h"
-#include "remesh/remesh_evenly.h"
-#include "repair/self_intersection_repair.h"
 
 namespace colmap_ext {
 namespace {
-
-// [P], the weight of each observation of a point.
-std::vector<float> Alphas(const ManifoldMeshingOptions& options,
-                          const PointCloud& cloud) {
-  std::vector<float> alphas(cloud.size(),
-                            static_cast<float>(options.alpha_vis));
-  if (options.alpha_kind == ObservationWeight::kTracks) {
-    for (size_t point = 0; point < cloud.size(); ++point) {
-      const double ratio = static_cast<double>(cloud.views[point].size()) /
-                           options.visibility_sigma;
-      alphas[point] = static_cast<float>(1 - std::exp(-0.5 * ratio * ratio));
-    }
-  }
-  return alphas;
-}
 
 // The points that vote, and the ends of rays.
 WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
@@ -46,7 +26,7 @@ WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
                       ManifoldMeshingReport* report) {
   report->num_points = cloud.size();
   report->num_observations = cloud.views.values.size();
-  std::vector<float> weights = Alphas(options, cloud);
+  std::vector<float> weights = ObservationWeights(options, cloud);
   WeightedCloud weighted{std::move(cloud), std::move(weights),
                          report->num_points};
   RayEnds all_ends = ends;
@@ -129,43 +109,6 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
   return report;
 }
 
-FanSplit Extract(const ManifoldMeshingOptions& options,
-                 const Tetrahedralization& tetrahedra,
-                 const std::vector<uint8_t>& is_free,
-                 const std::vector<uint8_t>& is_end, const Progress& progress,
-                 ManifoldMeshingReport* report) {
-  Report(progress, "Extracting the surface", 0);
-  FanSplit surface;
-  {
-    const ExtractedSurface extracted = ExtractSurface(tetrahedra, is_free);
-    surface = SplitFans(extracted.mesh, extracted.partners);
-  }
-  FilterSurface(options, is_end, &surface, report);
-  report->num_split_vertices = surface.num_split_vertices;
-  report->num_midpoints = surface.num_midpoints;
-  if (surface.mesh.facets.empty()) {
-    throw std::invalid_argument(
-        "the points and views enclose no surface: nothing to mesh");
-  }
-  return surface;
-}
-
-// The fused points that the surface's vertices come from.
-std::vector<std::array<uint32_t, 2>> PointsOf(
-    const std::vector<std::array<uint32_t, 2>>& vertices,
-    const std::vector<uint32_t>& vertex_points) {
-  const auto point = [&](uint32_t vertex) {
-    // Centroids of split cells come after the vertices that are points.
-    return vertex < vertex_points.size() ? vertex_points[vertex] : kNoPoint;
-  };
-  std::vector<std::array<uint32_t, 2>> points;
-  points.reserve(vertices.size());
-  for (const auto& [a, b] : vertices) {
-    points.push_back({point(a), point(b)});
-  }
-  return points;
-}
-
 // The surface with the attributes and confidences of its points. What it is
 // made from is gone when it returns.
 ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
@@ -193,42 +136,28 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
       CutGraph(thinned.tetrahedra, graph, progress, &report);
   report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
   graph = {};
-  FanSplit surface =
-      Extract(options, thinned.tetrahedra, is_free, is_end, progress, &report);
-  result.attributes =
-      InheritAttributes(surface.mesh, weighted.cloud,
-                        PointsOf(surface.sources, thinned.vertex_points));
-  result.facet_confidences = FacetConfidences(
-      surface.mesh, SupportOfSurface(supports, surface.sources),
-      result.attributes.views, views);
-  result.mesh = std::move(surface.mesh);
+  Report(progress, "Extracting the surface", 0);
+  SplitSurface(options, ExtractSurface(thinned.tetrahedra, is_free),
+               {weighted.cloud, thinned.vertex_points, supports, is_end}, views,
+               &result);
   return result;
 }
 
-// Trims the mesh, closes its holes, and gives confidences to the vertices of
-// what comes out.
-// \param result  with facet_confidences
-void FinishBorders(const BorderOptions& options, const Progress& progress,
-                   ManifoldMesh* result) {
-  Report(progress, "Finishing the borders", 0);
-  EditedMesh edited =
-      EditBorders(options, std::move(result->mesh),
-                  std::move(result->attributes), result->facet_confidences);
-  std::vector<float> facet_confidences;
-  facet_confidences.reserve(edited.facet_sources.size());
-  for (const uint32_t source : edited.facet_sources) {
-    facet_confidences.push_back(
-        source == kNoSource ? 0.0f : result->facet_confidences[source]);
-  }
-  result->mesh = std::move(edited.mesh);
-  result->attributes = std::move(edited.attributes);
-  result->attributes.confidences =
-      VertexConfidences(result->mesh, facet_confidences);
-  result->facet_confidences = std::move(facet_confidences);
-  result->report.borders = edited.report;
-}
-
 }  // namespace
+
+std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
+                                      const PointCloud& cloud) {
+  std::vector<float> alphas(cloud.size(),
+                            static_cast<float>(options.alpha_vis));
+  if (options.alpha_kind == ObservationWeight::kTracks) {
+    for (size_t point = 0; point < cloud.size(); ++point) {
+      const double ratio = static_cast<double>(cloud.views[point].size()) /
+                           options.visibility_sigma;
+      alphas[point] = static_cast<float>(1 - std::exp(-0.5 * ratio * ratio));
+    }
+  }
+  return alphas;
+}
 
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
                           PointCloud cloud, const std::vector<View>& views,
@@ -238,22 +167,7 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   }
   ManifoldMesh result =
       MakeSurface(options, std::move(cloud), views, progress, ends);
-  ManifoldMeshingReport& report = result.report;
-  FinishBorders(options.borders, progress, &result);
-  if (options.remeshing) {
-    Report(progress, "Remeshing", 0);
-    RemeshEvenly(&result.mesh, &result.attributes);
-    result.facet_confidences =
-        MeanOfCorners(result.mesh.facets, result.attributes.confidences);
-  }
-  Report(progress, "Repairing self-intersections", 0);
-  report.self_intersections = RepairSelfIntersections(&result.mesh);
-  Report(progress, "Checking the mesh", 0);
-  report.mesh = Analyze(result.mesh);
-  if (!report.mesh.IsManifold()) {
-    throw std::logic_error("the mesh is not manifold: " +
-                           report.mesh.Defects());
-  }
+  FinishSurface(options, progress, &result);
   return result;
 }
 

@@ -133,6 +133,10 @@ struct ManifoldMesh {
   ManifoldMeshingReport report;
 };
 
+// [P], the weight of each observation of a point.
+std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
+                                      const PointCloud& cloud);
+
 // The 2-manifold surface between what the views see through and what they do
 // not: Delaunay tetrahedralization, visibility votes, minimum cut, fixing of
 // singular vertices, surface, filters, confidences, borders [Romanoni2020,

@@ -159,11 +159,15 @@ std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
 }
 
 SingularVertexTracker::SingularVertexTracker(
-    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free)
+    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free,
+    const std::vector<uint8_t>& is_left)
     : tetrahedra_(tetrahedra),
       is_free_(is_free),
+      is_left_(is_left),
       singular_(SingularVertices(tetrahedra, *is_free)),
-      num_examined_vertices_(tetrahedra.points.size()) {}
+      num_examined_vertices_(tetrahedra.points.size()) {
+  std::erase_if(singular_, [this](uint32_t vertex) { return IsLeft(vertex); });
+}
 
 const std::vector<uint32_t>& SingularVertexTracker::Singular() {
   std::sort(touched_.begin(), touched_.end());
@@ -197,7 +201,7 @@ void SingularVertexTracker::UndoFlips(size_t num_flips) {
 void SingularVertexTracker::FlipCell(uint32_t cell) {
   (*is_free_)[cell] = !(*is_free_)[cell];
   for (const uint32_t vertex : tetrahedra_.cells[cell].vertices) {
-    if (vertex != kInfiniteVertex) {
+    if (vertex != kInfiniteVertex && !IsLeft(vertex)) {
       touched_.push_back(vertex);
     }
   }

@@ -25,8 +25,10 @@ class SingularVertexTracker {
  public:
   // Examines every vertex once.
   // \param is_free [C] labels of the cells, changed by Flip and UndoFlips
+  // \param is_left [V] 1: the vertex is not looked at; empty: all are
   SingularVertexTracker(const Tetrahedralization& tetrahedra,
-                        std::vector<uint8_t>* is_free);
+                        std::vector<uint8_t>* is_free,
+                        const std::vector<uint8_t>& is_left = {});
 
   // The singular vertices, in ascending order. Examines the vertices of the
   // cells that have changed since the last call.
@@ -47,9 +49,13 @@ class SingularVertexTracker {
 
  private:
   void FlipCell(uint32_t cell);
+  bool IsLeft(uint32_t vertex) const {
+    return vertex < is_left_.size() && is_left_[vertex] != 0;
+  }
 
   const Tetrahedralization& tetrahedra_;
   std::vector<uint8_t>* is_free_;
+  const std::vector<uint8_t> is_left_;
   std::vector<uint32_t>
       singular_;                   // ascending; before the touched ones changed
   std::vector<uint32_t> touched_;  // vertices of flipped cells, with repeats

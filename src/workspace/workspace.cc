@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "formats/cloud_stream.h"
 #include "formats/errors.h"
 #include "formats/read_ply_cloud.h"
 #include "formats/read_visibility.h"
@@ -65,6 +66,40 @@ SeenCloud ReadFusedCloud(const fs::path& path) {
   SeenCloud seen{ReadPlyCloud(path), {}, path, path.string() + ".vis"};
   seen.visibility =
       ReadVisibility(seen.visibility_path, seen.cloud.positions.size());
+  if (seen.visibility.values.empty()) {
+    throw FileError(seen.path, "no points that any image sees");
+  }
+  return seen;
+}
+
+void AppendPoint(const CloudPiece& from, size_t point, SeenCloud* to) {
+  to->cloud.positions.push_back(from.cloud.positions[point]);
+  if (!from.cloud.normals.empty()) {
+    to->cloud.normals.push_back(from.cloud.normals[point]);
+  }
+  if (!from.cloud.colors.empty()) {
+    to->cloud.colors.push_back(from.cloud.colors[point]);
+  }
+  to->visibility.AddRow(from.visibility[point]);
+}
+
+SeenCloud SampleFusedCloud(const FusedFiles& files, size_t max_points) {
+  constexpr size_t kPiecePoints = 1 << 18;
+  const size_t num_points = CountPlyVertices(files.path);
+  const size_t stride =
+      std::max<size_t>(1, (num_points + max_points - 1) / max_points);
+  SeenCloud seen{{}, {}, files.path, files.visibility_path};
+  size_t first = 0;  // of the piece
+  StreamCloud(files.path, files.visibility_path, kPiecePoints,
+              [&](const CloudPiece& piece) {
+                const size_t size = piece.cloud.positions.size();
+                for (size_t i = 0; i < size; ++i) {
+                  if ((first + i) % stride == 0) {
+                    AppendPoint(piece, i, &seen);
+                  }
+                }
+                first += size;
+              });
   if (seen.visibility.values.empty()) {
     throw FileError(seen.path, "no points that any image sees");
   }
@@ -173,6 +208,23 @@ Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
                     [&fused_path] { return ReadFusedCloud(fused_path); });
   }
   return Assemble(path, options, decoder, nullptr);
+}
+
+FusedFiles FindFusedFiles(const fs::path& path,
+                          const WorkspaceOptions& options) {
+  const fs::path fused = options.fused_path.empty()
+                             ? FindDenseFolder(path, options) / "fused.ply"
+                             : options.fused_path;
+  return {fused, fused.string() + ".vis"};
+}
+
+Workspace ReadSampledWorkspace(const fs::path& path,
+                               const WorkspaceOptions& options,
+                               const PictureDecoder& decoder,
+                               size_t max_points) {
+  const FusedFiles files = FindFusedFiles(path, options);
+  return Assemble(FindDenseFolder(path, options), options, decoder,
+                  [&] { return SampleFusedCloud(files, max_points); });
 }
 
 Workspace ReadMeshWorkspace(const fs::path& folder,

@@ -74,6 +74,24 @@ Workspace ReadWorkspace(const std::filesystem::path& path,
                         const WorkspaceOptions& options,
                         const PictureDecoder& decoder);
 
+// The files of the fused points of a workspace.
+struct FusedFiles {
+  std::filesystem::path path;
+  std::filesystem::path visibility_path;
+};
+
+// \throw FileError as FindDenseFolder()
+FusedFiles FindFusedFiles(const std::filesystem::path& path,
+                          const WorkspaceOptions& options);
+
+// The same of a sample of the fused points, every so many, without ever holding
+// more: views, sparse points and the order of the images are those of all.
+// \param max_points  2 or more; where there are no more all are there
+Workspace ReadSampledWorkspace(const std::filesystem::path& path,
+                               const WorkspaceOptions& options,
+                               const PictureDecoder& decoder,
+                               size_t max_points);
+
 // A cloud, which images see each point, and the files that both are of.
 struct SeenCloud {
   PlyCloud cloud;

@@ -1,0 +1,61 @@
+#include <unistd.h>
+
+#include <iostream>
+#include <string>
+
+#include "colmap_ext/commands.h"
+#include "colmap_ext/options/tiling_options.h"
+#include "colmap_ext/report/print_lines.h"
+#include "colmap_ext/report/print_report.h"
+#include "colmap_ext/run_command.h"
+#include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/run_tile.h"
+#include "formats/atomic_file.h"
+#include "formats/write_mesh.h"
+
+namespace colmap_ext {
+
+namespace {
+
+CommandAdvice Advice() {
+  return {"a machine with more memory has to merge: it holds the surface",
+          "the plan's folder",
+          {}};
+}
+
+void Merge(const MergerOptions& options) {
+  ExpectWritable(options.output_path);
+  ExpectWritable(VisibilityPath(options.output_path));
+  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+  const auto progress = [&reporter](std::string_view stage, double share) {
+    reporter.Update(stage, share);
+  };
+  MergeReport report;
+  const ManifoldMesh mesh = MergePlan(options.plan_path, progress, &report);
+  Report(progress, "Writing the mesh", 0);
+  WriteMesh(options.output_path, mesh.mesh, mesh.attributes);
+  reporter.Finish();
+  ReportLog log(&std::cout);
+  PrintHeading("Tiles", &log);
+  Print("tiles", static_cast<int64_t>(report.num_tiles), &log);
+  Print("cells cut at the seams", static_cast<int64_t>(report.num_cut_cells),
+        &log);
+  PrintReport(mesh.report, &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  std::cout << "\nWrote " << options.output_path << " and "
+            << VisibilityPath(options.output_path).string() << std::endl;
+}
+
+}  // namespace
+
+int RunMeshMerger(int argc, char** argv) {
+  MergerOptions options;
+  CommandOptions command;
+  AddMergerOptions(&command, &options);
+  const CommandSteps steps = {[&options] { options.Finish(); },
+                              &options.num_threads,
+                              [&options] { Merge(options); }};
+  return RunCommand(argc, argv, command, steps, Advice());
+}
+
+}  // namespace colmap_ext

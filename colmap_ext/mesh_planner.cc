@@ -1,0 +1,98 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "colmap_ext/colmap_compat.h"
+#include "colmap_ext/commands.h"
+#include "colmap_ext/options/tiling_options.h"
+#include "colmap_ext/report/print_lines.h"
+#include "colmap_ext/report/print_report.h"
+#include "colmap_ext/run_command.h"
+#include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/make_plan.h"
+
+namespace colmap_ext {
+
+namespace {
+
+CommandAdvice Advice() {
+  return {"more tiles take less each: --num_tiles",
+          "fused.ply, fused.ply.vis and sparse/",
+          {{Alternative::kSayImageOrder, "; say it with --image_order"},
+           {Alternative::kOtherImageOrder, "; choose another --image_order"}}};
+}
+
+void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
+  PlannedTile all;
+  double memory = 0;
+  for (const PlannedTile& tile : plan.tiles) {
+    all.num_points += tile.num_points;
+    all.num_vertices += tile.num_vertices;
+    all.num_rays += tile.num_rays;
+    all.seconds += tile.seconds;
+    memory = std::max(memory, tile.memory_gb);
+  }
+  PrintHeading("Plan", log);
+  Print("tiles", static_cast<int64_t>(plan.tiles.size()), log);
+  Print("points", static_cast<int64_t>(all.num_points), log);
+  Print("vertices, after thinning", static_cast<int64_t>(all.num_vertices),
+        log);
+  Print("rays", static_cast<int64_t>(all.num_rays), log);
+  PrintText("distance sigma", fmt::format("{:.4g}", plan.distance_sigma), log);
+  PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
+  PrintText("memory, merger", fmt::format("{:.1f} GB", MergerMemoryGb(plan)),
+            log);
+  PrintText("time, all tiles",
+            fmt::format("{:.2f} h of a core", all.seconds / 3600), log);
+  const size_t last = plan.tiles.size() - 1;
+  std::cout << fmt::format(
+      "\nOn Slurm, both at once:\n  scripts/slurm/mesh_tiles {0} MESH.ply\n"
+      "which queues\n"
+      "  sbatch --array=0-{1} --mem={2}M scripts/slurm/tile.sbatch {0}\n"
+      "  sbatch --dependency=afterok:... --mem={3}M "
+      "scripts/slurm/merge.sbatch {0} MESH.ply\n"
+      "On one machine:\n"
+      "  seq 0 {1} | xargs -P 2 -I T colmap delaunay_manifold_mesher --plan "
+      "{0} --tile T\n  colmap mesh_merger --plan {0} --output_path "
+      "MESH.ply\n",
+      folder, last, static_cast<int>(1126 * memory) + 1,
+      static_cast<int>(1126 * MergerMemoryGb(plan)) + 1);
+}
+
+void MakeAndPrint(const PlannerOptions& options) {
+  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+  const auto progress = [&reporter](std::string_view stage, double share) {
+    reporter.Update(stage, share);
+  };
+  PlanReport report;
+  const Plan plan =
+      MakePlan(options, ColmapPictureDecoder(), progress, &report);
+  reporter.Finish();
+  ReportLog log(&std::cout);
+  if (report.is_kept) {
+    std::cout << "This plan is there already: nothing to do" << std::endl;
+  } else {
+    PrintReport(report.workspace, plan.views.size(), report.half_pixel, &log);
+  }
+  PrintPlan(plan, options.output_path, &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  std::cout << "\nPlanned " << options.output_path << std::endl;
+}
+
+}  // namespace
+
+int RunMeshPlanner(int argc, char** argv) {
+  PlannerOptions options;
+  CommandOptions command;
+  AddPlannerOptions(&command, &options);
+  const CommandSteps steps = {[&options] { options.Finish(); },
+                              &options.mesher.num_threads,
+                              [&options] { MakeAndPrint(options); }};
+  return RunCommand(argc, argv, command, steps, Advice());
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,82 @@
+#include "colmap_ext/options/tiling_options.h"
+
+#include "colmap_ext/errors.h"
+#include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/options/words.h"
+
+namespace colmap_ext {
+
+void PlannerOptions::Finish() {
+  if (output_path.empty()) {
+    throw OptionError("--output_path is required: the plan's folder");
+  }
+  if (!(max_memory_gb > 0)) {
+    throw OptionError("--max_memory_gb must be positive");
+  }
+  if (num_tiles < 0) {
+    throw OptionError("--num_tiles must not be negative");
+  }
+  if (!(distance_sigma >= 0)) {
+    throw OptionError("--distance_sigma must not be negative");
+  }
+  if (seam_rings < -1) {
+    throw OptionError("--seam_rings must be -1 or more");
+  }
+  if (mesher.meshing.weak_surfaces) {
+    throw OptionError(
+        "DelaunayManifoldMeshing.weak_surfaces compares each ray with all "
+        "others, which no tile knows: leave it out");
+  }
+  mesher.Finish();
+}
+
+void MergerOptions::Finish() const {
+  if (plan_path.empty() || output_path.empty()) {
+    throw OptionError("--plan and --output_path are required");
+  }
+  CheckNumThreads(num_threads);
+}
+
+void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
+  MesherOptions* mesher = &planner->mesher;
+  manager->AddDefaultOption("workspace_path", &mesher->workspace_path,
+                            "The dense workspace, as "
+                            "delaunay_manifold_mesher takes it");
+  manager->AddDefaultOption("output_path", &planner->output_path,
+                            "The plan, a folder. What is there of the same "
+                            "plan is kept");
+  manager->AddDefaultOption("max_memory_gb", &planner->max_memory_gb,
+                            "[GB] What the job of a tile may take");
+  manager->AddDefaultOption("num_tiles", &planner->num_tiles,
+                            "[tiles] 0: as many as max_memory_gb asks for");
+  manager->AddDefaultOption(
+      "distance_sigma", &planner->distance_sigma,
+      "[scene units] The expected noise of the points; 0: as "
+      "DelaunayManifoldMeshing.distance_sigma_factor says");
+  manager->AddDefaultOption(
+      "seam_rings", &planner->seam_rings,
+      "[cells] How wide the merger cuts again on both sides of a seam; -1: "
+      "wherever one machine could decide otherwise, which takes memory");
+  manager->AddDefaultOption("fused_path", &mesher->words.fused_path,
+                            "The fused points, where they are not fused.ply of "
+                            "the workspace");
+  manager->AddDefaultOption("sparse_path", &mesher->sparse_path,
+                            "The cameras. Default: WORKSPACE/sparse");
+  manager->AddDefaultOption("image_order", &mesher->words.image_order,
+                            "How fused.ply.vis counts the images, where it can "
+                            "not be told: {auto, file, image_id, frame, "
+                            "frame_id}");
+  AddMeshingOptions(manager, mesher);
+}
+
+void AddMergerOptions(CommandOptions* manager, MergerOptions* merger) {
+  manager->AddDefaultOption("plan", &merger->plan_path,
+                            "The folder of mesh_planner, all of whose tiles "
+                            "are done");
+  manager->AddDefaultOption("output_path", &merger->output_path, "The mesh");
+  manager->AddDefaultOption("num_threads", &merger->num_threads,
+                            "[threads] -1 for all; the result does not depend "
+                            "on it");
+}
+
+}  // namespace colmap_ext

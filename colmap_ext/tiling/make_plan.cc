@@ -1,0 +1,341 @@
+#include "colmap_ext/tiling/make_plan.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/tiling/plan_files.h"
+#include "colmap_ext/tiling/point_shares.h"
+#include "formats/cloud_stream.h"
+#include "formats/errors.h"
+#include "meshing/manifold_meshing.h"
+#include "scene/half_pixel.h"
+#include "tiles/split_tree.h"
+#include "tiles/thin_tile.h"
+#include "workspace/find_workspace.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Points that are held to find the order of the images, to share out the
+// others, and to calibrate the half pixel.
+constexpr size_t kMaxSamplePoints = 1 << 20;
+constexpr size_t kPiecePoints = 1 << 18;
+
+// How many of the points are vertices after the usual thinning. Measured on:
+// fountain, bunny and sceaux, 0.26 to 0.35.
+constexpr double kThinnedShare = 0.3;
+
+// Keeps others from planning in the folder.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder)
+      : descriptor_(open((folder / "plan.lock").c_str(),
+                         O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+    if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      throw FileError(folder, descriptor_ < 0
+                                  ? "can not be written"
+                                  : "another mesh_planner is at work there");
+    }
+  }
+  ~FolderLock() { close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+class Planner {
+ public:
+  Planner(const PlannerOptions& options, const PictureDecoder& decoder,
+          const Progress& progress, PlanReport* report)
+      : options_(options),
+        folder_(options.output_path),
+        decoder_(decoder),
+        progress_(progress),
+        report_(report),
+        files_(FindFusedFiles(options.mesher.InputPath(),
+                              options.mesher.workspace)),
+        num_points_(CountPlyVertices(files_.path)) {}
+
+  Plan Run() {
+    Identify();
+    if (IsThere()) {
+      report_->is_kept = true;
+      return ReadPlan(folder_);
+    }
+    fs::remove(PlanPath(folder_));
+    Report(progress_, "Sampling the points", 0);
+    sample_ = ReadSampledWorkspace(options_.mesher.InputPath(),
+                                   options_.mesher.workspace, decoder_,
+                                   kMaxSamplePoints);
+    if (num_tiles_ * kMinTileSample > sample_.cloud.size()) {
+      throw FileError(files_.path,
+                      fmt::format("too few points for {} tiles", num_tiles_));
+    }
+    report_->workspace = sample_.report;
+    plan_.views = sample_.views;
+    plan_.has_colors = !sample_.cloud.colors.empty();
+    CalibrateHalfPixel();
+    PointShares shares(folder_, num_tiles_);
+    ShareOut(&shares);
+    ThinTiles(&shares);
+    WritePlan(folder_, plan_);
+    return plan_;
+  }
+
+ private:
+  void Identify() {
+    const MesherOptions& mesher = options_.mesher;
+    plan_.workspace_path = mesher.workspace_path;
+    const fs::path sparse = FindSparseFolder(
+        mesher.sparse_path.empty()
+            ? FindDenseFolder(mesher.InputPath(), mesher.workspace)
+            : fs::path(mesher.sparse_path));
+    for (const fs::path& input : {files_.path, files_.visibility_path}) {
+      plan_.inputs[fs::absolute(input).string()] = QuickFingerprint(input);
+    }
+    for (const auto& entry : fs::directory_iterator(sparse)) {
+      plan_.inputs[fs::absolute(entry.path()).string()] =
+          QuickFingerprint(entry.path());
+    }
+    MesherOptions typed = mesher;
+    CommandOptions command;
+    AddMeshingOptions(&command, &typed);
+    for (const CommandOptions::Option& option : command.Options()) {
+      if (option.name != "DelaunayManifoldMeshing.num_threads") {
+        plan_.options[option.name] = option.default_value;
+      }
+    }
+    plan_.options["image_order"] = mesher.words.image_order;
+    plan_.options["distance_sigma"] =
+        fmt::format("{}", options_.distance_sigma);
+    plan_.seam_rings = options_.seam_rings;
+    num_tiles_ = options_.num_tiles > 0
+                     ? static_cast<size_t>(options_.num_tiles)
+                     : NumTilesForMemory();
+    plan_.identity = IdentityOf(plan_, num_tiles_);
+  }
+
+  size_t NumTilesForMemory() const {
+    const double share =
+        options_.mesher.meshing.max_proj_dist > 0 ? kThinnedShare : 1;
+    size_t num_tiles = 1;
+    while (num_tiles < num_points_ &&
+           TileMemoryGb(static_cast<size_t>(
+               share * static_cast<double>(num_points_) /
+               static_cast<double>(num_tiles))) > options_.max_memory_gb) {
+      ++num_tiles;
+    }
+    return num_tiles;
+  }
+
+  bool IsThere() const {
+    if (!fs::exists(PlanPath(folder_)) || ReadIdentity() != plan_.identity) {
+      return false;
+    }
+    for (size_t tile = 0; tile < num_tiles_; ++tile) {
+      if (!HasVertices(folder_, plan_.identity, tile)) {
+        return false;
+      }
+    }
+    return fs::exists(BlocksPath(folder_));
+  }
+
+  // A plan that can not be read is made again.
+  uint64_t ReadIdentity() const {
+    try {
+      return ReadPlan(folder_).identity;
+    } catch (const FileError&) {
+      return ~plan_.identity;
+    }
+  }
+
+  void CalibrateHalfPixel() {
+    if (!options_.mesher.half_pixel_correction) {
+      return;
+    }
+    Report(progress_, "Correcting the half pixel", 0);
+    HalfPixelReport half_pixel;
+    if (options_.mesher.half_pixel_calibration) {
+      const PointCloud dense =
+          num_points_ <= kMaxSamplePoints ? sample_.cloud : ReadDenseSample();
+      half_pixel.slope = RegressHalfPixel(
+          dense,
+          HalfPixelOffsets(dense, sample_.views, sample_.depth_map_scales),
+          sample_.sparse_points);
+      half_pixel.scale = CalibratedScale(half_pixel.slope);
+    }
+    report_->half_pixel = half_pixel;
+    plan_.half_pixel_scale = half_pixel.scale;
+  }
+
+  // All points of some of many parts of space: as dense as the cloud.
+  PointCloud ReadDenseSample() {
+    constexpr size_t kPartPoints = 4096;
+    const size_t num_parts =
+        std::min(num_points_ / kPartPoints, sample_.cloud.size() / 16);
+    const SplitTree parts = SplitSample(num_parts);
+    const size_t stride =
+        (num_points_ + kMaxSamplePoints - 1) / kMaxSamplePoints;
+    PointCloud dense;
+    ForEachPoint([&](const PointCloud& piece, size_t point) {
+      if (parts.PartOf(piece.positions[point]) % stride == 0) {
+        dense.positions.push_back(piece.positions[point]);
+        dense.views.AddRow(piece.views[point]);
+      }
+    });
+    return dense;
+  }
+
+  // By points and rays, which take about as long.
+  SplitTree SplitSample(size_t num_parts) const {
+    constexpr float kRay = 0.5f;  // of what a point takes
+    std::vector<float> weights;
+    for (size_t i = 0; i < sample_.cloud.size(); ++i) {
+      weights.push_back(
+          1 + kRay * static_cast<float>(sample_.cloud.views[i].size()));
+    }
+    return {sample_.cloud.positions, weights, num_parts};
+  }
+
+  // The points that can be meshed.
+  template <typename Visit>
+  void ForEachPoint(const Visit& visit) {
+    size_t num_done = 0;
+    StreamCloud(files_.path, files_.visibility_path, kPiecePoints,
+                [&](CloudPiece piece) {
+                  num_done += piece.cloud.positions.size();
+                  FilterReport ignored;
+                  const PointCloud cloud = FilterCloud(
+                      std::move(piece.cloud), std::move(piece.visibility),
+                      sample_.views.size(), &ignored);
+                  for (size_t i = 0; i < cloud.size(); ++i) {
+                    visit(cloud, i);
+                  }
+                  Report(progress_, kSharing,
+                         static_cast<double>(num_done) /
+                             static_cast<double>(num_points_));
+                });
+  }
+
+  void ShareOut(PointShares* shares) {
+    const SplitTree tree = SplitSample(num_tiles_);
+    plan_.tiles.resize(num_tiles_);
+    ForEachPoint([&](const PointCloud& piece, size_t point) {
+      const PointCloud corrected = Correct(piece, point);
+      const uint32_t tile = tree.PartOf(corrected.positions[0]);
+      shares->Add(tile, corrected, 0);
+      ++plan_.tiles[tile].num_points;
+    });
+  }
+
+  // A point by itself, the half pixel put right.
+  PointCloud Correct(const PointCloud& piece, size_t point) const {
+    PointCloud single;
+    single.positions.push_back(piece.positions[point]);
+    if (!piece.colors.empty()) {
+      single.colors.push_back(piece.colors[point]);
+    }
+    single.views.AddRow(piece.views[point]);
+    if (options_.mesher.half_pixel_correction) {
+      single.positions[0] +=
+          static_cast<float>(plan_.half_pixel_scale) *
+          HalfPixelOffsets(single, sample_.views, sample_.depth_map_scales)[0];
+    }
+    return single;
+  }
+
+  void ThinTiles(PointShares* shares) {
+    const ManifoldMeshingOptions& meshing = options_.mesher.meshing;
+    PlanBlocks blocks;
+    std::vector<EdgeSample> edges;
+    for (size_t tile = 0; tile < num_tiles_; ++tile) {
+      Report(progress_, "Thinning the tiles",
+             static_cast<double>(tile) / static_cast<double>(num_tiles_));
+      const PointCloud cloud = shares->Take(tile);
+      if (cloud.size() == 0) {
+        throw FileError(files_.path,
+                        fmt::format("too few points for {} tiles", num_tiles_));
+      }
+      const TileVertices vertices =
+          ThinTile(cloud, ObservationWeights(meshing, cloud), sample_.views,
+                   {meshing.max_proj_dist, meshing.max_depth_dist});
+      WriteVertices(folder_, plan_.identity, tile, vertices);
+      AddTile(vertices.positions, vertices.observations, &blocks);
+      edges.push_back(vertices.edges);
+      PlannedTile& planned = plan_.tiles[tile];
+      planned.num_vertices = vertices.positions.size();
+      planned.num_rays = vertices.observations.size();
+      planned.memory_gb = TileMemoryGb(planned.num_vertices);
+      planned.seconds = TileSeconds(planned.num_vertices);
+    }
+    WriteBlocks(folder_, plan_.identity, blocks);
+    plan_.distance_sigma =
+        options_.distance_sigma > 0
+            ? options_.distance_sigma
+            : meshing.distance_sigma_factor * MergedPercentile(edges);
+    if (!(plan_.distance_sigma > 0)) {
+      throw FileError(files_.path, "the points of no tile span a volume");
+    }
+  }
+
+  static constexpr char kSharing[] = "Sharing out the points";
+  // Points of the sample that a tile has to have.
+  static constexpr size_t kMinTileSample = 16;
+
+  const PlannerOptions& options_;
+  const fs::path folder_;
+  const PictureDecoder& decoder_;
+  const Progress& progress_;
+  PlanReport* report_;
+  const FusedFiles files_;
+  const size_t num_points_;
+  size_t num_tiles_ = 1;
+  Workspace sample_;
+  Plan plan_;
+};
+
+}  // namespace
+
+Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
+              const Progress& progress, PlanReport* report) {
+  std::error_code error;
+  fs::create_directories(options.output_path, error);
+  if (error) {
+    throw FileError(options.output_path, "can not be made: " + error.message());
+  }
+  const FolderLock lock(options.output_path);
+  return Planner(options, decoder, progress, report).Run();
+}
+
+double TileMemoryGb(size_t num_vertices) {
+  return 0.06 + 1200e-9 * static_cast<double>(num_vertices);
+}
+
+double TileSeconds(size_t num_vertices) {
+  return 1 + 160e-6 * static_cast<double>(num_vertices);
+}
+
+double MergerMemoryGb(const Plan& plan) {
+  double num_vertices = 0;
+  double largest = 0;
+  for (const PlannedTile& tile : plan.tiles) {
+    num_vertices += static_cast<double>(tile.num_vertices);
+    largest = std::max(largest, static_cast<double>(tile.num_vertices));
+  }
+  return 0.15 + 360e-9 * num_vertices + 400e-9 * largest;
+}
+
+}  // namespace colmap_ext

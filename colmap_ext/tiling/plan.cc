@@ -1,0 +1,211 @@
+#include "colmap_ext/tiling/plan.h"
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "colmap_ext/options/add_meshing_options.h"
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// FNV-1a of 64 bits [FowlerNollVo].
+uint64_t Hash(const std::string& text, uint64_t hash = 0xcbf29ce484222325) {
+  for (const char c : text) {
+    hash = (hash ^ static_cast<uint8_t>(c)) * 0x100000001b3;
+  }
+  return hash;
+}
+
+Json ToJson(const View& view) {
+  std::vector<double> rotation(9);
+  std::vector<double> translation(3);
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()) =
+      view.cam_from_world_rotation;
+  Eigen::Map<Eigen::Vector3d>(translation.data()) =
+      view.cam_from_world_translation;
+  return {{"name", view.name},
+          {"width", view.width},
+          {"height", view.height},
+          {"focal", {view.fx, view.fy}},
+          {"center", {view.cx, view.cy}},
+          {"rotation", rotation},
+          {"translation", translation}};
+}
+
+View ViewFrom(const Json& json) {
+  View view;
+  view.name = json.at("name");
+  view.width = json.at("width");
+  view.height = json.at("height");
+  view.fx = json.at("focal").at(0);
+  view.fy = json.at("focal").at(1);
+  view.cx = json.at("center").at(0);
+  view.cy = json.at("center").at(1);
+  const std::vector<double> rotation = json.at("rotation");
+  const std::vector<double> translation = json.at("translation");
+  for (int i = 0; i < 9; ++i) {
+    view.cam_from_world_rotation(i / 3, i % 3) =
+        rotation.at(static_cast<size_t>(i));
+  }
+  for (int i = 0; i < 3; ++i) {
+    view.cam_from_world_translation[i] = translation.at(static_cast<size_t>(i));
+  }
+  return view;
+}
+
+Json ToJson(const PlannedTile& tile) {
+  return {{"points", tile.num_points},
+          {"vertices", tile.num_vertices},
+          {"rays", tile.num_rays},
+          {"memory_gb", tile.memory_gb},
+          {"core_seconds", tile.seconds}};
+}
+
+PlannedTile TileFrom(const Json& json) {
+  return {json.at("points"), json.at("vertices"), json.at("rays"),
+          json.at("memory_gb"), json.at("core_seconds")};
+}
+
+Plan PlanFrom(const Json& json) {
+  Plan plan;
+  plan.workspace_path = std::string(json.at("workspace"));
+  plan.inputs = json.at("inputs");
+  plan.options = json.at("options");
+  plan.distance_sigma = json.at("distance_sigma");
+  plan.half_pixel_scale = json.at("half_pixel_scale");
+  plan.has_colors = json.at("has_colors");
+  plan.seam_rings = json.at("seam_rings");
+  for (const Json& tile : json.at("tiles")) {
+    plan.tiles.push_back(TileFrom(tile));
+  }
+  for (const Json& view : json.at("views")) {
+    plan.views.push_back(ViewFrom(view));
+  }
+  plan.identity = IdentityOf(plan, plan.tiles.size());
+  return plan;
+}
+
+}  // namespace
+
+fs::path PlanPath(const fs::path& folder) { return folder / "plan.json"; }
+
+fs::path BlocksPath(const fs::path& folder) { return folder / "blocks.bin"; }
+
+fs::path VerticesPath(const fs::path& folder, size_t tile) {
+  return folder / fmt::format("tile{:05}.vertices.bin", tile);
+}
+
+fs::path CutPath(const fs::path& folder, size_t tile) {
+  return folder / fmt::format("tile{:05}.cut.bin", tile);
+}
+
+uint64_t IdentityOf(const Plan& plan, size_t num_tiles) {
+  uint64_t hash =
+      Hash(fmt::format("{} {} {}\n", kPlanVersion, num_tiles, plan.seam_rings));
+  for (const auto* pairs : {&plan.inputs, &plan.options}) {
+    for (const auto& [name, value] : *pairs) {
+      hash = Hash(name + '=' + value + '\n', hash);
+    }
+  }
+  return hash;
+}
+
+void WritePlan(const fs::path& folder, const Plan& plan) {
+  Json json = {{"version", kPlanVersion},
+               {"workspace", plan.workspace_path.string()},
+               {"inputs", plan.inputs},
+               {"options", plan.options},
+               {"distance_sigma", plan.distance_sigma},
+               {"half_pixel_scale", plan.half_pixel_scale},
+               {"has_colors", plan.has_colors},
+               {"seam_rings", plan.seam_rings}};
+  for (const PlannedTile& tile : plan.tiles) {
+    json["tiles"].push_back(ToJson(tile));
+  }
+  for (const View& view : plan.views) {
+    json["views"].push_back(ToJson(view));
+  }
+  WriteText(PlanPath(folder), json.dump(1) + "\n");
+}
+
+Plan ReadPlan(const fs::path& folder) {
+  const fs::path path = PlanPath(folder);
+  std::ifstream file(path);
+  if (!file) {
+    throw FileError(path, "no plan there: make it by mesh_planner");
+  }
+  try {
+    const Json json = Json::parse(file);
+    if (json.at("version") != kPlanVersion) {
+      throw FileError(path,
+                      fmt::format("has the version {}, not {}: plan again by "
+                                  "mesh_planner",
+                                  json.at("version").dump(), kPlanVersion));
+    }
+    return PlanFrom(json);
+  } catch (const nlohmann::json::exception&) {
+    throw FileError(path, "damaged: plan again by mesh_planner");
+  } catch (const std::out_of_range&) {
+    throw FileError(path, "damaged: plan again by mesh_planner");
+  }
+}
+
+std::string QuickFingerprint(const fs::path& path) {
+  constexpr uint64_t kNumSamples = 64;
+  constexpr uint64_t kSampleBytes = 16384;
+  std::error_code error;
+  const uint64_t size = fs::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) {
+    return "none";
+  }
+  uint64_t hash = Hash("");
+  std::string sample(kSampleBytes, '\0');
+  for (uint64_t i = 0; i < kNumSamples; ++i) {
+    const uint64_t last = size - std::min(size, kSampleBytes);
+    file.clear();
+    file.seekg(static_cast<std::streamoff>(last * i / (kNumSamples - 1)));
+    file.read(sample.data(), static_cast<std::streamsize>(kSampleBytes));
+    hash = Hash(sample.substr(0, static_cast<size_t>(file.gcount())), hash);
+  }
+  return fmt::format("{} bytes, samples {:016x}", size, hash);
+}
+
+void ExpectSameInputs(const Plan& plan) {
+  for (const auto& [path, fingerprint] : plan.inputs) {
+    const std::string now = QuickFingerprint(path);
+    if (now != "none" && now != fingerprint) {
+      throw FileError(path,
+                      "has changed since it was planned: plan again by "
+                      "mesh_planner");
+    }
+  }
+}
+
+MesherOptions MeshingOptionsOf(const fs::path& folder, const Plan& plan) {
+  MesherOptions options;
+  options.workspace_path = plan.workspace_path.string();
+  CommandOptions command;
+  AddMeshingOptions(&command, &options);
+  for (const CommandOptions::Option& option : command.Options()) {
+    const auto found = plan.options.find(option.name);
+    if (found != plan.options.end() && !SetValue(found->second, option.value)) {
+      throw FileError(PlanPath(folder), "damaged at " + option.name +
+                                            ": plan again by "
+                                            "mesh_planner");
+    }
+  }
+  options.Finish();
+  return options;
+}
+
+}  // namespace colmap_ext

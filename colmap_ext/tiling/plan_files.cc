@@ -1,0 +1,246 @@
+#include "colmap_ext/tiling/plan_files.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "delaunay/take_tetrahedra.h"
+#include "formats/errors.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the sections of the files are, in their order.
+constexpr char kVerticesKind[] = "CEVERT01";
+enum VerticesSection {
+  kPositions,
+  kRayOffsets,
+  kRayViews,
+  kRayAlphas,
+  kSupports,
+  kColors,
+  kViewOffsets,
+  kViews,
+  kNumVerticesSections
+};
+
+constexpr char kBlocksKind[] = "CEBLOCK1";
+enum BlocksSection {
+  kTileBegins,
+  kBegins,
+  kBoxes,
+  kBlockViewOffsets,
+  kBlockViews,
+  kSum,
+  kNumBlocksSections
+};
+
+constexpr char kCutKind[] = "CECUT001";
+enum CutSection {
+  kCutIds,
+  kCutNumOwn,
+  kCutCells,
+  kCutLabels,
+  kCutCapacities,
+  kCutSource,
+  kCutSink,
+  kCutUnknown,
+  kCutShared,
+  kNumCutSections
+};
+
+// A corner of a box as it is in a file.
+using Corner = std::array<float, 3>;
+
+Corner CornerOf(const Eigen::Vector3f& place) {
+  return {place.x(), place.y(), place.z()};
+}
+
+// Rows from a file: offsets and what they are offsets into.
+std::vector<uint64_t> ReadOffsets(const SectionReader& file, size_t section,
+                                  size_t begin, size_t end) {
+  return file.Read<uint64_t>(section, begin, end + 1);
+}
+
+}  // namespace
+
+void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
+                   const TileVertices& vertices) {
+  SectionWriter file(VerticesPath(folder, tile), kVerticesKind, identity,
+                     kNumVerticesSections);
+  file.Add(vertices.positions);
+  file.Add(vertices.observations.offsets);
+  file.Add(vertices.observations.views);
+  file.Add(vertices.observations.alphas);
+  file.Add(vertices.supports);
+  file.Add(vertices.colors);
+  file.Add(vertices.views.offsets);
+  file.Add(vertices.views.values);
+  file.Commit();
+}
+
+void WriteBlocks(const fs::path& folder, uint64_t identity,
+                 const PlanBlocks& blocks) {
+  std::vector<Corner> corners;
+  for (const Eigen::AlignedBox3f& box : blocks.boxes) {
+    corners.push_back(CornerOf(box.min()));
+    corners.push_back(CornerOf(box.max()));
+  }
+  SectionWriter file(BlocksPath(folder), kBlocksKind, identity,
+                     kNumBlocksSections);
+  file.Add(blocks.tile_begins);
+  file.Add(blocks.begins);
+  file.Add(corners);
+  file.Add(blocks.views.offsets);
+  file.Add(blocks.views.values);
+  file.Add(std::vector<double>(blocks.sum.data(), blocks.sum.data() + 3));
+  file.Commit();
+}
+
+void WriteCut(const fs::path& folder, uint64_t identity, size_t tile,
+              const TileCut& cut, const TileSeam& seam) {
+  SectionWriter file(CutPath(folder, tile), kCutKind, identity,
+                     kNumCutSections);
+  file.Add(cut.tile.ids);
+  file.Add(std::vector<uint32_t>(1, cut.tile.num_own));
+  file.Add(cut.tile.tetrahedra.cells);
+  file.Add(cut.labels);
+  file.Add(cut.graph.capacities);
+  file.Add(cut.graph.source);
+  file.Add(cut.graph.sink);
+  file.Add(seam.unknown);
+  file.Add(seam.shared);
+  file.Commit();
+}
+
+bool HasVertices(const fs::path& folder, uint64_t identity, size_t tile) {
+  return HasSections(VerticesPath(folder, tile), kVerticesKind, identity,
+                     kNumVerticesSections);
+}
+
+bool HasCut(const fs::path& folder, uint64_t identity, size_t tile) {
+  return HasSections(CutPath(folder, tile), kCutKind, identity,
+                     kNumCutSections);
+}
+
+FilePlan::FilePlan(const fs::path& folder, const Plan& plan) {
+  const SectionReader file(BlocksPath(folder), kBlocksKind, plan.identity,
+                           kNumBlocksSections);
+  blocks_.tile_begins = file.ReadAll<uint32_t>(kTileBegins);
+  blocks_.begins = file.ReadAll<uint32_t>(kBegins);
+  const auto corners = file.ReadAll<Corner>(kBoxes);
+  for (size_t i = 0; i + 1 < corners.size(); i += 2) {
+    blocks_.boxes.emplace_back(Eigen::Vector3f(corners[i].data()),
+                               Eigen::Vector3f(corners[i + 1].data()));
+  }
+  blocks_.views = Rows<uint32_t>(file.ReadAll<uint64_t>(kBlockViewOffsets),
+                                 file.ReadAll<uint32_t>(kBlockViews));
+  const auto sum = file.Read<double>(kSum, 0, 3);
+  blocks_.sum = Eigen::Vector3d(sum.data());
+  if (blocks_.NumTiles() != plan.tiles.size()) {
+    throw FileError(BlocksPath(folder), "damaged: plan again by mesh_planner");
+  }
+  for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
+    files_.push_back(std::make_unique<SectionReader>(
+        VerticesPath(folder, tile), kVerticesKind, plan.identity,
+        kNumVerticesSections));
+  }
+}
+
+std::vector<Eigen::Vector3f> FilePlan::ReadPositions(uint32_t begin,
+                                                     uint32_t end) const {
+  if (begin == end) {
+    return {};
+  }
+  const uint32_t tile = blocks_.TileOf(begin);
+  const uint32_t first = blocks_.FirstVertex(tile);
+  return files_[tile]->Read<Eigen::Vector3f>(kPositions, begin - first,
+                                             end - first);
+}
+
+Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
+  Observations read;
+  if (begin == end) {
+    return read;
+  }
+  const uint32_t tile = blocks_.TileOf(begin);
+  const uint32_t first = blocks_.FirstVertex(tile);
+  const SectionReader& file = *files_[tile];
+  read.offsets = ReadOffsets(file, kRayOffsets, begin - first, end - first);
+  const uint64_t from = read.offsets.front();
+  const uint64_t to = read.offsets.back();
+  read.views = file.Read<uint32_t>(kRayViews, from, to);
+  read.alphas = file.Read<float>(kRayAlphas, from, to);
+  for (uint64_t& offset : read.offsets) {
+    offset -= from;
+  }
+  return read;
+}
+
+TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
+  TileVertices read;
+  for (auto it = ids.begin(); it != ids.end();) {
+    const uint32_t tile = blocks_.TileOf(*it);
+    const uint32_t first = blocks_.FirstVertex(tile);
+    const SectionReader& file = *files_[tile];
+    const auto supports = file.ReadAll<float>(kSupports);
+    const auto colors = file.ReadAll<Color>(kColors);
+    const Rows<uint32_t> views(file.ReadAll<uint64_t>(kViewOffsets),
+                               file.ReadAll<uint32_t>(kViews));
+    for (; it != ids.end() && *it < blocks_.FirstVertex(tile + 1); ++it) {
+      const uint32_t vertex = *it - first;
+      read.supports.push_back(supports[vertex]);
+      if (!colors.empty()) {
+        read.colors.push_back(colors[vertex]);
+      }
+      read.views.AddRow(views[vertex]);
+    }
+  }
+  return read;
+}
+
+FileParts::FileParts(const fs::path& folder, const Plan& plan) {
+  for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
+    const fs::path path = CutPath(folder, tile);
+    if (!fs::exists(path)) {
+      throw FileError(path, "tile " + std::to_string(tile) +
+                                " is not done: run delaunay_manifold_mesher "
+                                "--plan " +
+                                folder.string() + " --tile " +
+                                std::to_string(tile));
+    }
+    files_.push_back(std::make_unique<SectionReader>(
+        path, kCutKind, plan.identity, kNumCutSections));
+  }
+}
+
+TileSeam FileParts::ReadSeam(uint32_t tile) const {
+  return {files_[tile]->ReadAll<UnknownCell>(kCutUnknown),
+          files_[tile]->ReadAll<SharedCell>(kCutShared)};
+}
+
+std::shared_ptr<const TilePart> FileParts::ReadPart(uint32_t tile) const {
+  const SectionReader& file = *files_[tile];
+  auto part = std::make_shared<TilePart>();
+  part->tile.ids = file.ReadAll<uint32_t>(kCutIds);
+  part->tile.num_own = file.Read<uint32_t>(kCutNumOwn, 0, 1)[0];
+  Tetrahedralization& tetrahedra = part->tile.tetrahedra;
+  tetrahedra.cells = file.ReadAll<Tetrahedralization::Cell>(kCutCells);
+  tetrahedra.points.assign(part->tile.ids.size(), Eigen::Vector3f::Zero());
+  tetrahedra.vertex_cells = FirstCells(tetrahedra);
+  part->labels = file.ReadAll<uint8_t>(kCutLabels);
+  return part;
+}
+
+FlowCapacities FileParts::ReadGraph(uint32_t tile) const {
+  const SectionReader& file = *files_[tile];
+  FlowCapacities graph;
+  graph.capacities = file.ReadAll<std::array<uint32_t, 4>>(kCutCapacities);
+  graph.source = file.ReadAll<uint32_t>(kCutSource);
+  graph.sink = file.ReadAll<uint32_t>(kCutSink);
+  return graph;
+}
+
+}  // namespace colmap_ext

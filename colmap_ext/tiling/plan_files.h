@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "colmap_ext/tiling/plan.h"
+#include "colmap_ext/tiling/section_file.h"
+#include "tiles/plan_vertices.h"
+#include "tiles/thin_tile.h"
+#include "tiles/tile_cut.h"
+#include "tiles/tile_part.h"
+
+namespace colmap_ext {
+
+// The files of a plan's tiles.
+
+// \throw FileError if it can not be written
+void WriteVertices(const std::filesystem::path& folder, uint64_t identity,
+                   size_t tile, const TileVertices& vertices);
+void WriteBlocks(const std::filesystem::path& folder, uint64_t identity,
+                 const PlanBlocks& blocks);
+void WriteCut(const std::filesystem::path& folder, uint64_t identity,
+              size_t tile, const TileCut& cut, const TileSeam& seam);
+
+bool HasVertices(const std::filesystem::path& folder, uint64_t identity,
+                 size_t tile);
+bool HasCut(const std::filesystem::path& folder, uint64_t identity,
+            size_t tile);
+
+// The vertices of a plan on disk.
+class FilePlan : public PlanVertices {
+ public:
+  // \throw FileError if a file is missing, damaged, or of another plan
+  FilePlan(const std::filesystem::path& folder, const Plan& plan);
+
+  const PlanBlocks& Blocks() const override { return blocks_; }
+  std::vector<Eigen::Vector3f> ReadPositions(uint32_t begin,
+                                             uint32_t end) const override;
+  Observations ReadObservations(uint32_t begin, uint32_t end) const override;
+
+  // What the mesh inherits: colours, views and supports of some vertices.
+  // \param ids  ascending
+  TileVertices ReadAttributes(const std::vector<uint32_t>& ids) const;
+
+ private:
+  PlanBlocks blocks_;
+  std::vector<std::unique_ptr<SectionReader>> files_;  // [tiles]
+};
+
+// What the tiles' jobs have left on disk.
+class FileParts : public TileParts {
+ public:
+  // \throw FileError if a tile is not done
+  FileParts(const std::filesystem::path& folder, const Plan& plan);
+
+  TileSeam ReadSeam(uint32_t tile) const override;
+  std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const override;
+  FlowCapacities ReadGraph(uint32_t tile) const override;
+
+ private:
+  std::vector<std::unique_ptr<SectionReader>> files_;  // [tiles]
+};
+
+}  // namespace colmap_ext

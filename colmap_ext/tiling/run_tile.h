@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "colmap_ext/tiling/plan.h"
+#include "delaunay/visibility_weights.h"
+#include "meshing/manifold_meshing.h"
+#include "scene/progress.h"
+#include "tiles/seam_cut.h"
+
+namespace colmap_ext {
+
+struct TileReport {
+  bool is_kept = false;  // it was done before: nothing was done
+  size_t num_vertices = 0;
+  size_t num_other_vertices = 0;  // of other tiles that were needed
+  size_t num_rounds = 0;          // until none was missing
+  size_t num_star_cells = 0;
+  size_t num_unknown_cells = 0;  // left to the merger
+  RayReport rays;
+};
+
+// Does a tile of a plan, once: its file is there whole or not at all.
+// \throw FileError if the plan or its files are missing, damaged or of another
+//        plan, or there is no such tile, or an input has changed
+TileReport RunTile(const std::filesystem::path& folder, uint32_t tile,
+                   const Progress& progress);
+
+struct MergeReport {
+  size_t num_tiles = 0;
+  size_t num_cut_cells = 0;  // at the seams
+};
+
+// The mesh of a plan all of whose tiles are done.
+// \throw FileError as RunTile(), and where a tile is not done
+ManifoldMesh MergePlan(const std::filesystem::path& folder,
+                       const Progress& progress, MergeReport* report);
+
+}  // namespace colmap_ext

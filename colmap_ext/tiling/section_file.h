@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/atomic_file.h"
+
+namespace colmap_ext {
+
+// A binary file of a plan: 8 bytes that name the kind, the identity of the
+// plan, the number of sections, and the sections, each after its number of
+// bytes. Little-endian.
+
+// Writes one. It appears complete or not at all.
+class SectionWriter {
+ public:
+  // \param kind  8 characters
+  // \throw FileError as AtomicFile
+  SectionWriter(const std::filesystem::path& path, const std::string& kind,
+                uint64_t identity, uint64_t num_sections);
+
+  // \throw FileError if the disk is full
+  template <typename T>
+  void Add(const std::vector<T>& values) {
+    file_.Write(uint64_t{values.size() * sizeof(T)});
+    file_.Write(values.data(), values.size() * sizeof(T));
+  }
+
+  // \throw FileError
+  void Commit();
+
+ private:
+  AtomicFile file_;
+};
+
+// Reads one. Safe from several threads.
+class SectionReader {
+ public:
+  // \throw FileError if the file is missing, damaged, or of another kind or
+  //        plan
+  SectionReader(const std::filesystem::path& path, const std::string& kind,
+                uint64_t identity, uint64_t num_sections);
+
+  // How many values of a type a section has.
+  template <typename T>
+  size_t Count(size_t section) const {
+    return sizes_[section] / sizeof(T);
+  }
+
+  // \pre the section has so many
+  // \throw FileError if the file can not be read
+  template <typename T>
+  std::vector<T> Read(size_t section, size_t begin, size_t end) const {
+    std::vector<T> values(end - begin);
+    ReadBytes(offsets_[section] + begin * sizeof(T), values.size() * sizeof(T),
+              values.data());
+    return values;
+  }
+
+  template <typename T>
+  std::vector<T> ReadAll(size_t section) const {
+    return Read<T>(section, 0, Count<T>(section));
+  }
+
+ private:
+  // An open file, closed with the object.
+  struct Descriptor {
+    int value = -1;
+    Descriptor() = default;
+    ~Descriptor();
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+  };
+
+  void ReadBytes(uint64_t offset, size_t num_bytes, void* bytes) const;
+
+  std::filesystem::path path_;
+  Descriptor descriptor_;
+  std::vector<uint64_t> offsets_;  // [sections], bytes
+  std::vector<uint64_t> sizes_;    // [sections], bytes
+};
+
+// Whether there is such a file of the plan.
+bool HasSections(const std::filesystem::path& path, const std::string& kind,
+                 uint64_t identity, uint64_t num_sections);
+
+}  // namespace colmap_ext

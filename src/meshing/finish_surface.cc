@@ -1,0 +1,110 @@
+#include "meshing/finish_surface.h"
+
+#include <array>
+#include <stdexcept>
+#include <utility>
+
+#include "mesh/facet_confidences.h"
+#include "mesh/fan_split.h"
+#include "mesh/vertex_confidences.h"
+#include "meshing/filter_surface.h"
+#include "meshing/inherit_attributes.h"
+#include "meshing/point_support.h"
+#include "remesh/remesh_evenly.h"
+#include "repair/self_intersection_repair.h"
+
+namespace colmap_ext {
+namespace {
+
+FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
+                        const ExtractedSurface& extracted,
+                        const std::vector<uint8_t>& is_end,
+                        ManifoldMeshingReport* report) {
+  FanSplit surface = SplitFans(extracted.mesh, extracted.partners);
+  FilterSurface(options, is_end, &surface, report);
+  report->num_split_vertices = surface.num_split_vertices;
+  report->num_midpoints = surface.num_midpoints;
+  if (surface.mesh.facets.empty()) {
+    throw std::invalid_argument(
+        "the points and views enclose no surface: nothing to mesh");
+  }
+  return surface;
+}
+
+// The fused points that the surface's vertices come from.
+std::vector<std::array<uint32_t, 2>> PointsOf(
+    const std::vector<std::array<uint32_t, 2>>& vertices,
+    const std::vector<uint32_t>& vertex_points) {
+  const auto point = [&](uint32_t vertex) {
+    // Centroids of split cells come after the vertices that are points.
+    return vertex < vertex_points.size() ? vertex_points[vertex] : kNoPoint;
+  };
+  std::vector<std::array<uint32_t, 2>> points;
+  points.reserve(vertices.size());
+  for (const auto& [a, b] : vertices) {
+    points.push_back({point(a), point(b)});
+  }
+  return points;
+}
+
+// Trims the mesh, closes its holes, and gives confidences to the vertices of
+// what comes out.
+// \param result  with facet_confidences
+void FinishBorders(const BorderOptions& options, const Progress& progress,
+                   ManifoldMesh* result) {
+  Report(progress, "Finishing the borders", 0);
+  EditedMesh edited =
+      EditBorders(options, std::move(result->mesh),
+                  std::move(result->attributes), result->facet_confidences);
+  std::vector<float> facet_confidences;
+  facet_confidences.reserve(edited.facet_sources.size());
+  for (const uint32_t source : edited.facet_sources) {
+    facet_confidences.push_back(
+        source == kNoSource ? 0.0f : result->facet_confidences[source]);
+  }
+  result->mesh = std::move(edited.mesh);
+  result->attributes = std::move(edited.attributes);
+  result->attributes.confidences =
+      VertexConfidences(result->mesh, facet_confidences);
+  result->facet_confidences = std::move(facet_confidences);
+  result->report.borders = edited.report;
+}
+
+}  // namespace
+
+void SplitSurface(const ManifoldMeshingOptions& options,
+                  ExtractedSurface extracted, const SurfacePoints& points,
+                  const std::vector<View>& views, ManifoldMesh* result) {
+  FanSplit surface =
+      SplitAndFilter(options, extracted, points.is_end, &result->report);
+  extracted = {};
+  result->attributes =
+      InheritAttributes(surface.mesh, points.cloud,
+                        PointsOf(surface.sources, points.vertex_points));
+  result->facet_confidences = FacetConfidences(
+      surface.mesh, SupportOfSurface(points.supports, surface.sources),
+      result->attributes.views, views);
+  result->mesh = std::move(surface.mesh);
+}
+
+void FinishSurface(const ManifoldMeshingOptions& options,
+                   const Progress& progress, ManifoldMesh* result) {
+  ManifoldMeshingReport& report = result->report;
+  FinishBorders(options.borders, progress, result);
+  if (options.remeshing) {
+    Report(progress, "Remeshing", 0);
+    RemeshEvenly(&result->mesh, &result->attributes);
+    result->facet_confidences =
+        MeanOfCorners(result->mesh.facets, result->attributes.confidences);
+  }
+  Report(progress, "Repairing self-intersections", 0);
+  report.self_intersections = RepairSelfIntersections(&result->mesh);
+  Report(progress, "Checking the mesh", 0);
+  report.mesh = Analyze(result->mesh);
+  if (!report.mesh.IsManifold()) {
+    throw std::logic_error("the mesh is not manifold: " +
+                           report.mesh.Defects());
+  }
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,272 @@
+#include "tiles/certified_tetrahedra.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "base/lru_cache.h"
+#include "base/mix_bits.h"
+#include "delaunay/cell_conflict.h"
+#include "delaunay/growing_complex.h"
+#include "delaunay/insert_points.h"
+#include "delaunay/insertion_order.h"
+#include "delaunay/take_tetrahedra.h"
+#include "tiles/box_tree.h"
+#include "tiles/conflict_zone.h"
+
+namespace colmap_ext {
+namespace {
+
+using Positions = std::vector<Eigen::Vector3f>;
+
+constexpr uint32_t kNone = UINT32_MAX;
+
+// Bytes of positions of other tiles that are kept for the next search.
+constexpr size_t kCacheBytes = size_t{256} << 20;
+
+// A number in [0, 1) that is always the same one for a block.
+double ChanceOf(uint32_t block) {
+  return static_cast<double>(MixBits((block + 1) * kSplitMixStep) >> 11) *
+         0x1p-53;
+}
+
+// How many vertices of another tile's block are there from the start: all of
+// them within its own size of the tile, and ever fewer, by the square of the
+// distance, so that each ring of blocks around the tile has as many.
+uint32_t NumFirst(uint32_t num_vertices, uint32_t block,
+                  const Eigen::AlignedBox3f& box,
+                  const Eigen::AlignedBox3f& own_box) {
+  // At one block's size. A choice: some hundred vertices a ring.
+  constexpr double kVertices = 64;
+  const double size_squared = box.diagonal().squaredNorm();
+  const double distance_squared = own_box.squaredExteriorDistance(box);
+  if (distance_squared <= size_squared) {
+    return num_vertices;
+  }
+  const double wanted =
+      kVertices * size_squared / distance_squared + ChanceOf(block);
+  return std::min(num_vertices, static_cast<uint32_t>(wanted));
+}
+
+class Certifier {
+ public:
+  Certifier(const PlanVertices& plan, uint32_t tile)
+      : plan_(plan),
+        blocks_(plan.Blocks()),
+        tree_(blocks_.boxes),
+        cache_(kCacheBytes),
+        is_loaded_(blocks_.NumBlocks()) {
+    const uint32_t first = blocks_.FirstVertex(tile);
+    num_own_ = blocks_.FirstVertex(tile + 1) - first;
+    ids_.resize(num_own_);
+    std::iota(ids_.begin(), ids_.end(), first);
+    complex_.points = plan.ReadPositions(first, first + num_own_);
+    for (uint32_t block = blocks_.tile_begins[tile];
+         block < blocks_.tile_begins[tile + 1]; ++block) {
+      is_loaded_[block].assign(SizeOf(block), 1);
+      own_box_.extend(blocks_.boxes[block]);
+    }
+    AddFirstVertices();
+  }
+
+  TileTetrahedra Run(const Progress& progress) {
+    InsertPoints(InsertionOrder(complex_.points.size()), progress, &complex_);
+    size_t num_rounds = 0;
+    for (uint32_t first_new = 0; first_new < complex_.points.size();
+         ++num_rounds) {
+      const std::vector<uint32_t> missing = FindMissing(first_new);
+      first_new = static_cast<uint32_t>(complex_.points.size());
+      Insert(missing);
+    }
+    return Finish(num_rounds);
+  }
+
+ private:
+  uint32_t SizeOf(uint32_t block) const {
+    return blocks_.begins[block + 1] - blocks_.begins[block];
+  }
+
+  void AddFirstVertices() {
+    for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
+      if (!is_loaded_[block].empty()) {
+        continue;
+      }
+      const uint32_t size = SizeOf(block);
+      const uint32_t count =
+          NumFirst(size, block, blocks_.boxes[block], own_box_);
+      if (count == 0) {
+        continue;
+      }
+      const auto positions = Read(block);
+      is_loaded_[block].assign(size, 0);
+      for (uint32_t i = 0; i < count; ++i) {
+        const auto place = static_cast<uint32_t>(uint64_t{i} * size / count);
+        is_loaded_[block][place] = 1;
+        ids_.push_back(blocks_.begins[block] + place);
+        complex_.points.push_back((*positions)[place]);
+      }
+    }
+  }
+
+  std::shared_ptr<Positions> Read(uint32_t block) {
+    return cache_.Get(block, SizeOf(block) * sizeof(Eigen::Vector3f), [&] {
+      return std::make_shared<Positions>(plan_.ReadPositions(
+          blocks_.begins[block], blocks_.begins[block + 1]));
+    });
+  }
+
+  bool HasOwnVertex(uint32_t cell) const {
+    return std::ranges::any_of(
+        complex_.cells[cell].vertices,
+        [&](uint32_t vertex) { return vertex < num_own_; });
+  }
+
+  // The cells in question that have a new vertex, or are beside one that has:
+  // others have been searched before.
+  // \param first_new  vertex of the last round
+  std::vector<uint32_t> NewCells(uint32_t first_new) {
+    is_used_.assign(complex_.cells.size(), 1);
+    for (const uint32_t cell : complex_.free_cells) {
+      is_used_[cell] = 0;
+    }
+    std::vector<uint32_t> cells;
+    for (uint32_t cell = 0; cell < complex_.cells.size(); ++cell) {
+      if (is_used_[cell] == 0 || !HasNewVertex(cell, first_new)) {
+        continue;
+      }
+      const bool is_star = HasOwnVertex(cell);
+      bool is_beside = false;
+      for (const uint32_t mate : complex_.cells[cell].mates) {
+        if (is_star) {
+          cells.push_back(mate / 4);
+        }
+        is_beside = is_beside || HasOwnVertex(mate / 4);
+      }
+      if (is_star || is_beside) {
+        cells.push_back(cell);
+      }
+    }
+    std::ranges::sort(cells);
+    const auto repeats = std::ranges::unique(cells);
+    cells.erase(repeats.begin(), repeats.end());
+    return cells;
+  }
+
+  bool HasNewVertex(uint32_t cell, uint32_t first_new) const {
+    return std::ranges::any_of(
+        complex_.cells[cell].vertices, [&](uint32_t vertex) {
+          return vertex >= first_new && vertex != kInfiniteVertex;
+        });
+  }
+
+  // The vertices to insert next, ascending.
+  std::vector<uint32_t> FindMissing(uint32_t first_new) {
+    const std::vector<uint32_t> cells = NewCells(first_new);
+    std::vector<uint32_t> missing(cells.size());
+    tbb::parallel_for(size_t{0}, cells.size(),
+                      [&](size_t i) { missing[i] = FindInZone(cells[i]); });
+    std::ranges::sort(missing);
+    const auto repeats = std::ranges::unique(missing);
+    missing.erase(repeats.begin(), repeats.end());
+    if (!missing.empty() && missing.back() == kNone) {
+      missing.pop_back();
+    }
+    return missing;
+  }
+
+  // The deepest vertex in a cell's zone of conflict that is missing, of the
+  // first block that has any; kNone where the zone is empty.
+  uint32_t FindInZone(uint32_t cell) {
+    const ConflictZone zone(complex_, cell);
+    uint32_t found = kNone;
+    tree_.Search(
+        [&](const Eigen::AlignedBox3f& box) { return zone.MayTouch(box); },
+        [&](uint32_t block) {
+          found = FindInBlock(block, cell, zone);
+          return found != kNone;
+        });
+    return found;
+  }
+
+  uint32_t FindInBlock(uint32_t block, uint32_t cell,
+                       const ConflictZone& zone) {
+    const std::vector<uint8_t>& is_loaded = is_loaded_[block];
+    if (std::ranges::find(is_loaded, 0) == is_loaded.end() &&
+        !is_loaded.empty()) {
+      return kNone;
+    }
+    const auto positions = Read(block);
+    uint32_t deepest = kNone;
+    double depth = 0;
+    for (uint32_t i = 0; i < positions->size(); ++i) {
+      if (!is_loaded.empty() && is_loaded[i] != 0) {
+        continue;
+      }
+      const double at = zone.Depth((*positions)[i]);
+      if (at >= depth && IsInConflict(complex_, cell, (*positions)[i])) {
+        deepest = blocks_.begins[block] + i;
+        depth = at;
+      }
+    }
+    return deepest;
+  }
+
+  // \param missing  ascending
+  void Insert(const std::vector<uint32_t>& missing) {
+    Positions positions;
+    for (const uint32_t id : missing) {
+      const uint32_t block = blocks_.BlockOf(id);
+      if (is_loaded_[block].empty()) {
+        is_loaded_[block].assign(SizeOf(block), 0);
+      }
+      is_loaded_[block][id - blocks_.begins[block]] = 1;
+      positions.push_back((*Read(block))[id - blocks_.begins[block]]);
+      ids_.push_back(id);
+    }
+    InsertMorePoints(positions, &complex_);
+  }
+
+  TileTetrahedra Finish(size_t num_rounds) {
+    // The own vertices stay first.
+    std::vector<uint32_t> order(ids_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin() + num_own_, order.end(),
+              [&](uint32_t a, uint32_t b) { return ids_[a] < ids_[b]; });
+    TileTetrahedra result;
+    std::vector<uint32_t> numbers(ids_.size());
+    for (uint32_t i = 0; i < order.size(); ++i) {
+      numbers[order[i]] = i;
+      result.ids.push_back(ids_[order[i]]);
+    }
+    result.tetrahedra = TakeTetrahedra(numbers, &complex_);
+    result.num_own = num_own_;
+    result.num_rounds = num_rounds;
+    return result;
+  }
+
+  const PlanVertices& plan_;
+  const PlanBlocks& blocks_;
+  BoxTree tree_;
+  LruCache<Positions> cache_;
+  // [blocks][vertices of the block] 1: in the complex; empty: none is.
+  std::vector<std::vector<uint8_t>> is_loaded_;
+  Eigen::AlignedBox3f own_box_;
+  uint32_t num_own_ = 0;
+  std::vector<uint32_t> ids_;  // [complex points]
+  GrowingComplex complex_;
+  std::vector<uint8_t> is_used_;  // [cells] of a round
+};
+
+}  // namespace
+
+TileTetrahedra CertifyTile(const PlanVertices& plan, uint32_t tile,
+                           const Progress& progress) {
+  Report(progress, kTriangulatingStage, 0);
+  return Certifier(plan, tile).Run(progress);
+}
+
+}  // namespace colmap_ext

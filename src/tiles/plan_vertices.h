@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "base/rows.h"
+#include "delaunay/visibility_weights.h"
+
+namespace colmap_ext {
+
+// What a job knows of all vertices of a plan without holding them. Vertices are
+// numbered tile after tile, and along a space-filling curve in each tile; a
+// block is a range of them within one tile.
+struct PlanBlocks {
+  std::vector<uint32_t> tile_begins{0};    // [tiles + 1], blocks
+  std::vector<uint32_t> begins{0};         // [blocks + 1], vertices
+  std::vector<Eigen::AlignedBox3f> boxes;  // [blocks] of the vertices
+  Rows<uint32_t> views;  // [blocks] those that see any of the vertices
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of all positions
+
+  size_t NumTiles() const { return tile_begins.size() - 1; }
+  size_t NumBlocks() const { return boxes.size(); }
+  uint32_t NumVertices() const { return begins.back(); }
+
+  // The mean of all positions, which lies within their hull.
+  Eigen::Vector3d Center() const { return sum / NumVertices(); }
+
+  // The first vertex of a tile; of the number of tiles: the end.
+  uint32_t FirstVertex(size_t tile) const { return begins[tile_begins[tile]]; }
+
+  uint32_t TileOf(uint32_t vertex) const;
+  uint32_t BlockOf(uint32_t vertex) const;
+};
+
+// How many vertices a block has; the last one of a tile may have less.
+inline constexpr uint32_t kBlockVertices = 512;
+
+// Adds the blocks of one more tile.
+// \param positions    of its vertices
+// \param observations of its vertices, by rows
+void AddTile(const std::vector<Eigen::Vector3f>& positions,
+             const Observations& observations, PlanBlocks* blocks);
+
+// The vertices of a plan, to be read where they are needed. All positions
+// differ. Reading is safe from several threads.
+class PlanVertices {
+ public:
+  virtual ~PlanVertices() = default;
+
+  virtual const PlanBlocks& Blocks() const = 0;
+
+  // \param begin, end  vertices of one tile
+  virtual std::vector<Eigen::Vector3f> ReadPositions(uint32_t begin,
+                                                     uint32_t end) const = 0;
+  virtual Observations ReadObservations(uint32_t begin, uint32_t end) const = 0;
+};
+
+// Positions of vertices, whichever tiles they are of.
+// \param ids  ascending
+std::vector<Eigen::Vector3f> PositionsOf(const PlanVertices& plan,
+                                         const std::vector<uint32_t>& ids);
+
+}  // namespace colmap_ext

@@ -1,0 +1,209 @@
+#include "tiles/ray_mask.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace colmap_ext {
+namespace {
+
+// Voxels are marked as if they were larger by this share, so that rounding on
+// the way of a ray leaves out none that counts.
+constexpr double kSlack = 1e-3;
+
+size_t SumIndex(int x, int y, int z) {
+  constexpr size_t kStride = RayMask::kSize + 1;
+  return (static_cast<size_t>(x) * kStride + static_cast<size_t>(y)) * kStride +
+         static_cast<size_t>(z);
+}
+
+int ClampToVoxel(double at) {
+  return static_cast<int>(
+      std::clamp(std::floor(at), 0.0, RayMask::kSize - 1.0));
+}
+
+// The part of a segment within a box from 0 to `size`, as shares of it; begins
+// after its end where there is none.
+std::array<double, 2> ClipToBox(const Eigen::Vector3d& from,
+                                const Eigen::Vector3d& way, double size) {
+  double begin = 0;
+  double end = 1;
+  for (int i = 0; i < 3; ++i) {
+    if (way[i] == 0) {
+      if (from[i] < -kSlack || from[i] > size + kSlack) {
+        return {1, 0};
+      }
+      continue;
+    }
+    const double a = (-kSlack - from[i]) / way[i];
+    const double b = (size + kSlack - from[i]) / way[i];
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+  }
+  return {begin, end};
+}
+
+}  // namespace
+
+RayMask::RayMask(const Eigen::AlignedBox3d& bounds)
+    : origin_(bounds.min()), is_marked_(size_t{kSize} * kSize * kSize, 0) {
+  const double largest = std::max(bounds.sizes().maxCoeff(), 1e-30);
+  for (int i = 0; i < 3; ++i) {
+    voxels_per_unit_[i] = kSize / std::max(bounds.sizes()[i], 1e-6 * largest);
+  }
+}
+
+std::vector<RayMask::Plane> RayMask::PlanesAround(
+    std::span<const Eigen::Vector3d> corners) {
+  std::vector<Plane> planes;
+  const auto add = [&](const Eigen::Vector3d& normal) {
+    // A normal that is hardly one tells nothing.
+    if (normal.norm() > 1e-9) {
+      double offset = -INFINITY;
+      for (const Eigen::Vector3d& corner : corners) {
+        offset = std::max(offset, normal.dot(corner));
+      }
+      planes.push_back({normal, offset});
+    }
+  };
+  for (size_t i = 0; i + 2 < corners.size(); ++i) {
+    for (size_t j = i + 1; j + 1 < corners.size(); ++j) {
+      for (size_t k = j + 1; k < corners.size(); ++k) {
+        const Eigen::Vector3d normal =
+            (corners[j] - corners[i]).cross(corners[k] - corners[i]);
+        add(normal);
+        add(-normal);
+      }
+    }
+  }
+  return planes;
+}
+
+void RayMask::Mark(std::span<const Eigen::Vector3d> corners) {
+  std::vector<Eigen::Vector3d> places;
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& corner : corners) {
+    places.push_back(ToVoxels(corner));
+    box.extend(places.back());
+  }
+  box.min().array() -= kSlack;
+  box.max().array() += kSlack;
+  Voxel first;
+  int extent = 0;
+  for (int i = 0; i < 3; ++i) {
+    first[i] = ClampToVoxel(box.min()[i]);
+    extent = std::max(extent, ClampToVoxel(box.max()[i]) - first[i] + 1);
+  }
+  if (extent <= 2) {
+    MarkWithin({}, box, first, 2);
+  } else {
+    MarkWithin(PlanesAround(places), box, {0, 0, 0}, kSize);
+  }
+}
+
+// Marks the voxels of a cube that are not beyond a plane nor out of the box.
+void RayMask::MarkWithin(const std::vector<Plane>& planes,
+                         const Eigen::AlignedBox3d& box, const Voxel& first,
+                         int size) {
+  const Eigen::Vector3d center(first[0] + 0.5 * size, first[1] + 0.5 * size,
+                               first[2] + 0.5 * size);
+  const double half = 0.5 * size + kSlack;
+  const Eigen::Vector3d halves = Eigen::Vector3d::Constant(half);
+  if (!box.intersects(Eigen::AlignedBox3d(center - halves, center + halves))) {
+    return;
+  }
+  for (const Plane& plane : planes) {
+    if (plane.normal.dot(center) - half * plane.normal.lpNorm<1>() >
+        plane.offset) {
+      return;
+    }
+  }
+  if (size == 1) {
+    MarkVoxel(first);
+    return;
+  }
+  const int child = size / 2;
+  for (int i = 0; i < 8; ++i) {
+    MarkWithin(planes, box,
+               {first[0] + child * (i & 1), first[1] + child * (i >> 1 & 1),
+                first[2] + child * (i >> 2)},
+               child);
+  }
+}
+
+void RayMask::MarkVoxel(const Voxel& voxel) {
+  if (std::ranges::max(voxel) < kSize) {
+    std::atomic_ref<uint8_t>(is_marked_[IndexOf(voxel)])
+        .store(1, std::memory_order_relaxed);
+  }
+}
+
+void RayMask::Finish() {
+  constexpr size_t kStride = kSize + 1;
+  sums_.assign(kStride * kStride * kStride, 0);
+  for (int x = 0; x < kSize; ++x) {
+    for (int y = 0; y < kSize; ++y) {
+      uint32_t row = 0;
+      for (int z = 0; z < kSize; ++z) {
+        row += is_marked_[IndexOf({x, y, z})];
+        sums_[SumIndex(x + 1, y + 1, z + 1)] =
+            row + sums_[SumIndex(x, y + 1, z + 1)] +
+            sums_[SumIndex(x + 1, y, z + 1)] - sums_[SumIndex(x, y, z + 1)];
+      }
+    }
+  }
+}
+
+bool RayMask::MayTouch(const Eigen::AlignedBox3d& box) const {
+  const Eigen::Vector3d lower = ToVoxels(box.min());
+  const Eigen::Vector3d upper = ToVoxels(box.max());
+  if ((upper.array() < -kSlack).any() ||
+      (lower.array() > kSize + kSlack).any()) {
+    return false;
+  }
+  const int x0 = ClampToVoxel(lower.x());
+  const int y0 = ClampToVoxel(lower.y());
+  const int z0 = ClampToVoxel(lower.z());
+  const int x1 = ClampToVoxel(upper.x()) + 1;
+  const int y1 = ClampToVoxel(upper.y()) + 1;
+  const int z1 = ClampToVoxel(upper.z()) + 1;
+  const auto sum = [&](int x, int y, int z) {
+    return sums_[SumIndex(x, y, z)];
+  };
+  return sum(x1, y1, z1) - sum(x0, y1, z1) - sum(x1, y0, z1) - sum(x1, y1, z0) +
+             sum(x0, y0, z1) + sum(x0, y1, z0) + sum(x1, y0, z0) -
+             sum(x0, y0, z0) !=
+         0;
+}
+
+// Goes from voxel to voxel [Amanatides1987].
+bool RayMask::MayCross(const Eigen::Vector3d& from,
+                       const Eigen::Vector3d& to) const {
+  const Eigen::Vector3d start = ToVoxels(from);
+  const Eigen::Vector3d way = ToVoxels(to) - start;
+  const auto [begin, end] = ClipToBox(start, way, kSize);
+  if (!(begin <= end)) {
+    return false;
+  }
+  Voxel voxel;
+  Voxel step;
+  std::array<double, 3> next;  // share of the way to the next voxel an axis
+  for (int i = 0; i < 3; ++i) {
+    voxel[i] = ClampToVoxel(start[i] + begin * way[i]);
+    step[i] = way[i] > 0 ? 1 : -1;
+    next[i] =
+        way[i] != 0 ? (voxel[i] + (way[i] > 0) - start[i]) / way[i] : INFINITY;
+  }
+  while (is_marked_[IndexOf(voxel)] == 0) {
+    const auto axis =
+        static_cast<size_t>(std::ranges::min_element(next) - next.begin());
+    voxel[axis] += step[axis];
+    if (next[axis] > end || voxel[axis] < 0 || voxel[axis] >= kSize) {
+      return false;
+    }
+    next[axis] += std::abs(1 / way[static_cast<Eigen::Index>(axis)]);
+  }
+  return true;
+}
+
+}  // namespace colmap_ext

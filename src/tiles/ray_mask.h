@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace colmap_ext {
+
+// A coarse picture of a part of space, to tell which rays can not pass through
+// it: voxels of a box, marked where the part reaches into them.
+class RayMask {
+ public:
+  static constexpr int kSize = 64;  // voxels an axis
+
+  // \param bounds  of all that is to be marked
+  explicit RayMask(const Eigen::AlignedBox3d& bounds);
+
+  // Marks what a tetrahedron or a triangle may reach into. Safe from several
+  // threads.
+  // \param corners  four or three
+  void Mark(std::span<const Eigen::Vector3d> corners);
+
+  // To be called after the last mark.
+  void Finish();
+
+  // Whether a segment may pass through what is marked.
+  bool MayCross(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+
+  // Whether anything may be marked within a box.
+  bool MayTouch(const Eigen::AlignedBox3d& box) const;
+
+ private:
+  struct Plane {
+    Eigen::Vector3d normal;
+    double offset;  // what is to be marked lies at normal.dot(x) <= offset
+  };
+  using Voxel = std::array<int, 3>;
+
+  Eigen::Vector3d ToVoxels(const Eigen::Vector3d& place) const {
+    return (place - origin_).cwiseProduct(voxels_per_unit_);
+  }
+  size_t IndexOf(const Voxel& voxel) const {
+    return (static_cast<size_t>(voxel[0]) * kSize +
+            static_cast<size_t>(voxel[1])) *
+               kSize +
+           static_cast<size_t>(voxel[2]);
+  }
+  static std::vector<Plane> PlanesAround(
+      std::span<const Eigen::Vector3d> corners);
+  void MarkWithin(const std::vector<Plane>& planes,
+                  const Eigen::AlignedBox3d& box, const Voxel& first, int size);
+  void MarkVoxel(const Voxel& voxel);
+
+  Eigen::Vector3d origin_;
+  Eigen::Vector3d voxels_per_unit_;
+  std::vector<uint8_t> is_marked_;  // [kSize^3]
+  // [(kSize + 1)^3] how many are marked before a voxel in all three axes.
+  std::vector<uint32_t> sums_;
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,118 @@
+#include "tiles/thin_tile.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "base/percentile.h"
+#include "delaunay/edge_lengths.h"
+#include "delaunay/insertion_order.h"
+#include "delaunay/predicates.h"
+#include "meshing/point_support.h"
+
+namespace colmap_ext {
+namespace {
+
+// Edge lengths that are kept of a tile. Any percentile of many tiles is known
+// to 1 / 4096 of their edges then.
+constexpr size_t kMaxLengths = 4096;
+
+bool SpansVolume(const std::vector<Eigen::Vector3f>& positions,
+                 const std::vector<uint32_t>& points) {
+  const auto at = [&](size_t i) -> const Eigen::Vector3f& {
+    return positions[points[i]];
+  };
+  size_t i = 2;
+  while (i < points.size() && IsOnLine(at(0), at(1), at(i))) {
+    ++i;
+  }
+  size_t k = i + 1;
+  while (k < points.size() && Orientation(at(0), at(1), at(i), at(k)) == 0) {
+    ++k;
+  }
+  return k < points.size();
+}
+
+EdgeSample SampleEdges(const Tetrahedralization& tetrahedra) {
+  std::vector<float> all = EdgeLengths(tetrahedra);
+  EdgeSample sample;
+  sample.num_edges = all.size();
+  std::ranges::sort(all);
+  const size_t count = std::min(kMaxLengths, all.size());
+  for (size_t i = 0; i < count; ++i) {
+    sample.lengths.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
+  }
+  sample.percentile = Percentile(kSigmaPercentile, &all);
+  return sample;
+}
+
+// Every point a vertex, but for repeated ones.
+ThinnedTetrahedralization KeepAll(const PointCloud& cloud) {
+  ThinnedTetrahedralization kept;
+  std::vector<uint32_t> representatives;
+  kept.vertex_points = DistinctPoints(cloud.positions, &representatives);
+  std::vector<uint32_t> vertex_of(cloud.size());
+  for (uint32_t i = 0; i < kept.vertex_points.size(); ++i) {
+    vertex_of[kept.vertex_points[i]] = i;
+    kept.tetrahedra.points.push_back(cloud.positions[kept.vertex_points[i]]);
+  }
+  for (const uint32_t representative : representatives) {
+    kept.point_vertices.push_back(vertex_of[representative]);
+  }
+  return kept;
+}
+
+}  // namespace
+
+TileVertices ThinTile(const PointCloud& cloud,
+                      const std::vector<float>& weights,
+                      const std::vector<View>& views,
+                      const ThinningOptions& options,
+                      const Progress& progress) {
+  ThinnedTetrahedralization thinned = KeepAll(cloud);
+  TileVertices vertices;
+  if (SpansVolume(cloud.positions, thinned.vertex_points)) {
+    thinned = Tetrahedralize(cloud, views, options, progress);
+    vertices.edges = SampleEdges(thinned.tetrahedra);
+  }
+  const size_t num_vertices = thinned.vertex_points.size();
+  vertices.positions = std::move(thinned.tetrahedra.points);
+  vertices.observations =
+      ObserveVertices(cloud, num_vertices, thinned.point_vertices, weights);
+  vertices.supports =
+      SupportOfVertices(num_vertices, thinned.point_vertices, weights);
+  for (const uint32_t point : thinned.vertex_points) {
+    if (!cloud.colors.empty()) {
+      vertices.colors.push_back(cloud.colors[point]);
+    }
+    vertices.views.AddRow(cloud.views[point]);
+  }
+  return vertices;
+}
+
+float MergedPercentile(const std::vector<EdgeSample>& samples) {
+  if (samples.size() == 1) {
+    return samples[0].percentile;
+  }
+  std::vector<std::pair<float, double>> lengths;  // with how many each is for
+  double total = 0;
+  for (const EdgeSample& sample : samples) {
+    for (const float length : sample.lengths) {
+      lengths.emplace_back(length,
+                           static_cast<double>(sample.num_edges) /
+                               static_cast<double>(sample.lengths.size()));
+    }
+    total += static_cast<double>(sample.num_edges);
+  }
+  std::ranges::sort(lengths);
+  double sum = 0;
+  for (const auto& [length, count] : lengths) {
+    sum += count;
+    if (sum >= kSigmaPercentile / 100 * total) {
+      return length;
+    }
+  }
+  return 0;
+}
+
+}  // namespace colmap_ext

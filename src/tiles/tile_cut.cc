@@ -1,0 +1,241 @@
+#include "tiles/tile_cut.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "delaunay/cell_graph.h"
+#include "delaunay/quality_weights.h"
+#include "tiles/ray_mask.h"
+#include "tiles/tile_labels.h"
+
+namespace colmap_ext {
+namespace {
+
+// Vertices of other tiles whose rays are walked at a time.
+constexpr size_t kBatchVertices = 1 << 16;
+
+// Rays that may pass through a tile's star cells.
+class RayFilter {
+ public:
+  RayFilter(const PlanBlocks& blocks, const TileTetrahedra& tile,
+            const std::vector<Eigen::Vector3d>& centers,
+            const VisibilityWeightOptions& options)
+      : blocks_(blocks),
+        centers_(centers),
+        behind_(options.behind_sigma * options.distance_sigma),
+        mask_(BoundsOf(blocks)) {
+    const Tetrahedralization& tetrahedra = tile.tetrahedra;
+    tbb::parallel_for(size_t{0}, tetrahedra.cells.size(), [&](size_t i) {
+      const auto cell = static_cast<uint32_t>(i);
+      if (!tile.IsStarCell(cell)) {
+        return;
+      }
+      std::vector<Eigen::Vector3d> corners;
+      for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
+        if (vertex != kInfiniteVertex) {
+          corners.push_back(tetrahedra.points[vertex].cast<double>());
+        }
+      }
+      mask_.Mark(corners);
+    });
+    mask_.Finish();
+  }
+
+  // Whether any ray of a block may.
+  bool MayPass(uint32_t block) const {
+    const Eigen::AlignedBox3d box = Grown(blocks_.boxes[block]);
+    return std::ranges::any_of(blocks_.views[block], [&](uint32_t view) {
+      return mask_.MayTouch(box.merged(Eigen::AlignedBox3d(centers_[view])));
+    });
+  }
+
+  // Appends the rays of a vertex that may to the observations' last row.
+  void Append(const Observations& from, size_t row,
+              const Eigen::Vector3f& position, Observations* to) const {
+    const Eigen::Vector3d place = position.cast<double>();
+    for (uint64_t k = from.offsets[row]; k < from.offsets[row + 1]; ++k) {
+      const Eigen::Vector3d& center = centers_[from.views[k]];
+      const Eigen::Vector3d end =
+          place + behind_ * (place - center).normalized();
+      if (mask_.MayCross(center, end)) {
+        to->views.push_back(from.views[k]);
+        to->alphas.push_back(from.alphas[k]);
+      }
+    }
+  }
+
+ private:
+  static Eigen::AlignedBox3d BoundsOf(const PlanBlocks& blocks) {
+    Eigen::AlignedBox3f bounds;
+    for (const Eigen::AlignedBox3f& box : blocks.boxes) {
+      bounds.extend(box);
+    }
+    return {bounds.min().cast<double>(), bounds.max().cast<double>()};
+  }
+
+  Eigen::AlignedBox3d Grown(const Eigen::AlignedBox3f& box) const {
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(behind_);
+    return {box.min().cast<double>() - margin,
+            box.max().cast<double>() + margin};
+  }
+
+  const PlanBlocks& blocks_;
+  const std::vector<Eigen::Vector3d>& centers_;
+  double behind_;
+  RayMask mask_;
+};
+
+// Adds the votes of a plan to a tile's graph.
+class TileVotes {
+ public:
+  TileVotes(const PlanVertices& plan, const TileTetrahedra& tile,
+            const std::vector<Eigen::Vector3d>& centers,
+            const VisibilityWeightOptions& options, FlowCapacities* graph)
+      : plan_(plan),
+        blocks_(plan.Blocks()),
+        tile_(tile),
+        centers_(centers),
+        options_(options),
+        filter_(blocks_, tile, centers, options),
+        graph_(graph) {}
+
+  RayReport Run(const Progress& progress) {
+    AddVertices(progress);
+    for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
+      if (filter_.MayPass(block)) {
+        AddBlock(block);
+      }
+      if (points_.size() >= kBatchVertices) {
+        AddBatch();
+      }
+    }
+    AddBatch();
+    return report_;
+  }
+
+ private:
+  // The rays of the tile's vertices, block by block as their ids follow.
+  void AddVertices(const Progress& progress) {
+    Observations observations;
+    Observations of_block;
+    uint32_t block = UINT32_MAX;
+    for (size_t i = 0; i < tile_.ids.size(); ++i) {
+      const uint32_t id = tile_.ids[i];
+      if (block == UINT32_MAX || id < blocks_.begins[block] ||
+          id >= blocks_.begins[block + 1]) {
+        block = blocks_.BlockOf(id);
+        of_block = plan_.ReadObservations(blocks_.begins[block],
+                                          blocks_.begins[block + 1]);
+      }
+      filter_.Append(of_block, id - blocks_.begins[block],
+                     tile_.tetrahedra.points[i], &observations);
+      observations.offsets.push_back(observations.size());
+    }
+    Count(AddVisibilityWeights(tile_.tetrahedra, observations, centers_,
+                               options_, graph_, progress));
+  }
+
+  // Collects the rays of vertices that are not the tile's.
+  void AddBlock(uint32_t block) {
+    const uint32_t begin = blocks_.begins[block];
+    const uint32_t end = blocks_.begins[block + 1];
+    if (IsVertex(begin) && begin < end &&
+        NumVertices(begin, end) == end - begin) {
+      return;
+    }
+    const std::vector<Eigen::Vector3f> positions =
+        plan_.ReadPositions(begin, end);
+    const Observations of_block = plan_.ReadObservations(begin, end);
+    for (uint32_t id = begin; id < end; ++id) {
+      if (IsVertex(id)) {
+        continue;
+      }
+      const size_t num_before = observations_.size();
+      filter_.Append(of_block, id - begin, positions[id - begin],
+                     &observations_);
+      if (observations_.size() > num_before) {
+        observations_.offsets.push_back(observations_.size());
+        points_.push_back(positions[id - begin]);
+      }
+    }
+  }
+
+  void AddBatch() {
+    Count(AddOuterVisibilityWeights(tile_.tetrahedra, points_, observations_,
+                                    centers_, options_, graph_));
+    points_.clear();
+    observations_ = {};
+  }
+
+  bool IsVertex(uint32_t id) const { return NumVertices(id, id + 1) == 1; }
+
+  // How many of a range of ids are vertices of the tile.
+  size_t NumVertices(uint32_t begin, uint32_t end) const {
+    const auto count = [&](size_t first, size_t last) {
+      const auto from = tile_.ids.begin() + static_cast<ptrdiff_t>(first);
+      const auto to = tile_.ids.begin() + static_cast<ptrdiff_t>(last);
+      return static_cast<size_t>(std::lower_bound(from, to, end) -
+                                 std::lower_bound(from, to, begin));
+    };
+    return count(0, tile_.num_own) + count(tile_.num_own, tile_.ids.size());
+  }
+
+  void Count(const RayReport& report) {
+    report_.num_rays += report.num_rays;
+    report_.num_lost_rays += report.num_lost_rays;
+    report_.num_steps += report.num_steps;
+  }
+
+  const PlanVertices& plan_;
+  const PlanBlocks& blocks_;
+  const TileTetrahedra& tile_;
+  const std::vector<Eigen::Vector3d>& centers_;
+  const VisibilityWeightOptions& options_;
+  RayFilter filter_;
+  FlowCapacities* graph_;
+  RayReport report_;
+  std::vector<Eigen::Vector3f> points_;  // of the batch
+  Observations observations_;            // of the batch, by points
+};
+
+// A cell with vertices of other tiles is a star cell of those, too.
+std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile) {
+  std::vector<CellPlace> places;
+  for (const Tetrahedralization::Cell& cell : tile.tetrahedra.cells) {
+    int num_own = 0;
+    int num_others = 0;
+    for (const uint32_t vertex : cell.vertices) {
+      num_own += vertex < tile.num_own;
+      num_others += vertex >= tile.num_own && vertex != kInfiniteVertex;
+    }
+    places.push_back(num_own == 0      ? CellPlace::kBeyond
+                     : num_others == 0 ? CellPlace::kInner
+                                       : CellPlace::kShared);
+  }
+  return places;
+}
+
+}  // namespace
+
+TileCut CutTile(const PlanVertices& plan, uint32_t tile,
+                const std::vector<Eigen::Vector3d>& centers,
+                const TileCutOptions& options, const Progress& progress) {
+  TileCut result;
+  result.tile = CertifyTile(plan, tile, progress);
+  const Tetrahedralization& tetrahedra = result.tile.tetrahedra;
+  Report(progress, "Weighing facets", 0);
+  result.graph = ZeroCapacities(tetrahedra);
+  AddQualityWeights(tetrahedra, options.quality_regularization, &result.graph);
+  VisibilityWeightOptions rays = options.rays;
+  rays.inner_place = plan.Blocks().Center();
+  result.rays =
+      TileVotes(plan, result.tile, centers, rays, &result.graph).Run(progress);
+  Report(progress, "Cutting the graph", 0);
+  result.labels = LabelPart(NeighborsOf(tetrahedra), result.graph,
+                            PlacesOf(result.tile), options.seam_rings);
+  return result;
+}
+
+}  // namespace colmap_ext

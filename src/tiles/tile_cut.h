@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "delaunay/visibility_weights.h"
+#include "optim/min_cut.h"
+#include "scene/progress.h"
+#include "tiles/certified_tetrahedra.h"
+#include "tiles/plan_vertices.h"
+
+namespace colmap_ext {
+
+struct TileCutOptions {
+  VisibilityWeightOptions rays;
+  double quality_regularization = 1;
+  // Cells within so many of those that are shared are left to the cut of the
+  // seams; -1: all that the cut of all tiles could label otherwise.
+  int seam_rings = 4;
+};
+
+// A tile with what the votes and the cut say of its star cells.
+struct TileCut {
+  TileTetrahedra tile;
+  FlowCapacities graph;  // [cells] as that of all cells of the plan, for the
+                         // arcs from and to star cells
+  std::vector<uint8_t> labels;  // [cells] LabelPart() of the star cells
+  RayReport rays;               // walked here
+};
+
+// Triangulates a tile, counts the votes of all rays of the plan that pass its
+// star cells, and cuts.
+// \param centers [views] camera centres, world frame
+TileCut CutTile(const PlanVertices& plan, uint32_t tile,
+                const std::vector<Eigen::Vector3d>& centers,
+                const TileCutOptions& options, const Progress& progress = {});
+
+}  // namespace colmap_ext

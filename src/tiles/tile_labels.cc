@@ -1,0 +1,97 @@
+#include "tiles/tile_labels.h"
+
+#include <algorithm>
+#include <array>
+
+#include <tbb/parallel_for.h>
+
+namespace colmap_ext {
+namespace {
+
+uint32_t Clamp(uint32_t capacity) { return std::min(capacity, kMaxCapacity); }
+
+uint32_t PlaceAmong(uint32_t node, const std::array<uint32_t, 4>& nodes) {
+  return static_cast<uint32_t>(std::ranges::find(nodes, node) - nodes.begin());
+}
+
+// The graph of the part with free space beyond: the arcs from there are those
+// of the source.
+FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
+                                   const FlowCapacities& graph,
+                                   const std::vector<CellPlace>& places) {
+  FlowCapacities part = graph;
+  tbb::parallel_for(size_t{0}, graph.size(), [&](size_t node) {
+    if (places[node] == CellPlace::kBeyond) {
+      part.source[node] = 0;
+      part.sink[node] = 0;
+      part.capacities[node].fill(0);
+      return;
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t other = neighbors[node][k];
+      if (places[other] == CellPlace::kBeyond) {
+        const uint32_t back =
+            PlaceAmong(static_cast<uint32_t>(node), neighbors[other]);
+        part.source[node] =
+            Clamp(part.source[node]) + Clamp(graph.capacities[other][back]);
+        part.capacities[node][k] = 0;
+      }
+    }
+  });
+  return part;
+}
+
+// Nodes of the part within some rings of the shared ones; -1: all.
+std::vector<uint8_t> Band(NeighborView neighbors,
+                          const std::vector<CellPlace>& places, int rings) {
+  std::vector<uint8_t> is_band(places.size(), 0);
+  std::vector<uint32_t> front;
+  for (uint32_t node = 0; node < places.size(); ++node) {
+    if (places[node] == CellPlace::kShared ||
+        (rings < 0 && places[node] == CellPlace::kInner)) {
+      is_band[node] = 1;
+      front.push_back(node);
+    }
+  }
+  for (int ring = 0; ring < rings; ++ring) {
+    std::vector<uint32_t> next;
+    for (const uint32_t node : front) {
+      for (const uint32_t other : neighbors[node]) {
+        if (places[other] == CellPlace::kInner && is_band[other] == 0) {
+          is_band[other] = 1;
+          next.push_back(other);
+        }
+      }
+    }
+    front.swap(next);
+  }
+  return is_band;
+}
+
+}  // namespace
+
+std::vector<uint8_t> LabelPart(NeighborView neighbors,
+                               const FlowCapacities& graph,
+                               const std::vector<CellPlace>& places,
+                               int rings) {
+  std::vector<uint8_t> labels = ComputeMinCut(neighbors, graph).on_source_side;
+  if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
+    return labels;
+  }
+  const std::vector<uint8_t> most =
+      ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
+          .on_source_side;
+  const std::vector<uint8_t> is_band = Band(neighbors, places, rings);
+  for (size_t node = 0; node < labels.size(); ++node) {
+    if (places[node] == CellPlace::kBeyond) {
+      labels[node] = kNotKnown;
+    } else if (most[node] == 0) {
+      labels[node] = kMatter;
+    } else if (is_band[node] != 0) {
+      labels[node] = kNotKnown;
+    }
+  }
+  return labels;
+}
+
+}  // namespace colmap_ext

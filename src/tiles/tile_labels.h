@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "optim/min_cut.h"
+
+namespace colmap_ext {
+
+// What is known of a cell's label.
+inline constexpr uint8_t kMatter = 0;
+inline constexpr uint8_t kFreeSpace = 1;
+inline constexpr uint8_t kNotKnown = 2;
+
+// Where a cell lies.
+enum class CellPlace : uint8_t {
+  kInner,   // all its neighbors are of the part
+  kShared,  // of the part, and of others
+  kBeyond,  // not of the part
+};
+
+// Labels of the nodes of a part of a graph: [N] one of the above; kNotKnown
+// beyond the part.
+//
+// Matter for sure is what stays matter even if all nodes beyond the part are
+// free space: then it is matter in the minimum cut of the whole graph, too, as
+// free space grows with free space around it [Gallo1989]. The opposite
+// tells next to nothing: what makes free space of a node comes along the rays
+// from the cameras, which are beyond most parts.
+//
+// All other nodes of the part are not known within some rings of nodes around
+// those that are shared, and further inside have the label of the minimum cut
+// of the graph as it is, which goes on beyond the part, if coarsely.
+//
+// \param graph   complete for the arcs from and to the nodes of the part
+// \param places  [N]
+// \param rings   -1: all that is not matter for sure is not known
+std::vector<uint8_t> LabelPart(NeighborView neighbors,
+                               const FlowCapacities& graph,
+                               const std::vector<CellPlace>& places, int rings);
+
+}  // namespace colmap_ext

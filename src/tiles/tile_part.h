@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "delaunay/tetrahedralization.h"
+#include "optim/min_cut.h"
+#include "tiles/cell_key.h"
+#include "tiles/tile_cut.h"
+#include "tiles/tile_labels.h"
+
+namespace colmap_ext {
+
+// In place of the label of a cell that is not in the part.
+inline constexpr uint8_t kOutside = 3;
+
+// A star cell whose label the tile could not tell, with all that the cut of the
+// seams needs. Arrays of four are by the corners of the key: what lies across
+// the facet opposite to each.
+struct UnknownCell {
+  CellKey key;
+  std::array<uint32_t, 4> apexes;  // the vertex across that is not the facet's
+  std::array<uint8_t, 4> labels;   // kMatter ... kOutside, of the cell across
+  std::array<uint32_t, 4> out;     // capacity of the arc to it
+  std::array<uint32_t, 4> back;    // and of the one from it
+  uint32_t source;
+  uint32_t sink;
+
+  bool operator==(const UnknownCell&) const = default;
+};
+
+// A star cell with vertices of several tiles whose label the tile could tell.
+struct SharedCell {
+  CellKey key;
+  uint32_t label;  // kMatter or kFreeSpace; as wide as the key, without gaps
+};
+
+// What a tile leaves for the cut of the seams.
+struct TileSeam {
+  std::vector<UnknownCell> unknown;
+  std::vector<SharedCell> shared;
+};
+
+TileSeam SeamOf(const TileCut& cut, const PlanBlocks& blocks);
+
+// What a tile leaves for the surface.
+struct TilePart {
+  // Without points, but for their number.
+  TileTetrahedra tile;
+  std::vector<uint8_t> labels;  // [cells]; kNotKnown is also what is no star
+                                // cell
+};
+
+// What the tiles of a plan have left, to be read one after the other.
+class TileParts {
+ public:
+  virtual ~TileParts() = default;
+  virtual TileSeam ReadSeam(uint32_t tile) const = 0;
+  virtual std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const = 0;
+  virtual FlowCapacities ReadGraph(uint32_t tile) const = 0;
+};
+
+}  // namespace colmap_ext

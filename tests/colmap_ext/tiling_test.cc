@@ -1,0 +1,200 @@
+// The commands of a plan as a user runs them.
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "formats/read_ply_mesh.h"
+#include "mesh/topology.h"
+#include "tests/colmap_ext/run_shell.h"
+#include "tests/formats/test_files.h"
+#include "tests/workspace/sphere_workspace.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TilingTest : public testing::Test {
+ protected:
+  TilingTest() { SphereWorkspace().Write(workspace_); }
+
+  static Outcome Run(const std::string& arguments) {
+    return RunShell("\"" COLMAP_EXT_PROGRAM "\" " + arguments);
+  }
+
+  Outcome MakePlan(int num_tiles, const std::string& more = "") const {
+    return Run("mesh_planner --workspace_path " + Quote(workspace_) +
+               " --output_path " + Quote(plan_) + " --num_tiles " +
+               std::to_string(num_tiles) + " " + more);
+  }
+
+  Outcome MakeTile(int tile) const {
+    return Run("delaunay_manifold_mesher --plan " + Quote(plan_) + " --tile " +
+               std::to_string(tile));
+  }
+
+  Outcome Merge() const {
+    return Run("mesh_merger --plan " + Quote(plan_) + " --output_path " +
+               Quote(mesh_));
+  }
+
+  // \return the mesh's bytes
+  std::string MakeMesh(const std::vector<int>& tiles) const {
+    for (const int tile : tiles) {
+      const Outcome outcome = MakeTile(tile);
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    const Outcome outcome = Merge();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return ReadFile(mesh_) + ReadFile(mesh_.string() + ".vis");
+  }
+
+  static std::string Quote(const fs::path& path) {
+    return '"' + path.string() + '"';
+  }
+
+  TemporaryFolder folder_;
+  fs::path workspace_ = folder_.Path() / "a workspace";
+  fs::path plan_ = folder_.Path() / "a plan";
+  fs::path mesh_ = folder_.Path() / "merged.ply";
+};
+
+// The corners of all faces, each turned so that the lowest is the first.
+std::vector<std::array<std::array<float, 3>, 3>> FacesOf(const fs::path& path) {
+  const TriangleMesh mesh = ReadPlyMesh(path);
+  std::vector<std::array<std::array<float, 3>, 3>> faces;
+  for (const Facet& facet : mesh.facets) {
+    std::array<std::array<float, 3>, 3>& face = faces.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3f& p = mesh.vertices[facet[k]];
+      face[k] = {p.x(), p.y(), p.z()};
+    }
+    std::ranges::rotate(face, std::ranges::min_element(face));
+  }
+  std::ranges::sort(faces);
+  return faces;
+}
+
+TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachine) {
+  ASSERT_EQ(MakePlan(1).exit_code, 0);
+  MakeMesh({0});
+  ASSERT_EQ(
+      Run("delaunay_manifold_mesher --workspace_path " + Quote(workspace_))
+          .exit_code,
+      0);
+  EXPECT_EQ(FacesOf(mesh_),
+            FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+}
+
+TEST_F(TilingTest, TilesMakeAMeshWithoutSeams) {
+  const std::string keep_all = "--DelaunayManifoldMeshing.max_proj_dist 0 ";
+  ASSERT_EQ(MakePlan(1, keep_all).exit_code, 0);
+  MakeMesh({0});
+  const auto whole = FacesOf(mesh_);
+  const std::string plan_json = ReadFile(plan_ / "plan.json");
+  const size_t at = plan_json.find("\"distance_sigma\": ") + 18;
+  const std::string sigma = plan_json.substr(at, plan_json.find(',', at) - at);
+  for (const int num_tiles : {2, 4}) {
+    const Outcome planned =
+        MakePlan(num_tiles, keep_all + "--distance_sigma " + sigma);
+    ASSERT_EQ(planned.exit_code, 0) << planned.err;
+    std::vector<int> tiles;
+    for (int tile = 0; tile < num_tiles; ++tile) {
+      tiles.push_back(tile);
+    }
+    MakeMesh(tiles);
+    EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
+    EXPECT_EQ(FacesOf(mesh_), whole) << num_tiles;
+  }
+}
+
+TEST_F(TilingTest, OrderAndRepetitionChangeNothing) {
+  ASSERT_EQ(MakePlan(3).exit_code, 0);
+  const std::string forward = MakeMesh({0, 1, 2});
+  const Outcome planned = MakePlan(3);
+  EXPECT_NE(planned.out.find("nothing to do"), std::string::npos);
+  const Outcome again = MakeTile(1);
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_NE(again.out.find("nothing to do"), std::string::npos);
+  fs::remove_all(plan_);
+  ASSERT_EQ(MakePlan(3).exit_code, 0);
+  EXPECT_EQ(MakeMesh({2, 0, 1}), forward);
+}
+
+TEST_F(TilingTest, KilledJobsLeaveNoHarm) {
+  ASSERT_EQ(MakePlan(2).exit_code, 0);
+  const std::string undisturbed = MakeMesh({0, 1});
+  fs::remove_all(plan_);
+  ASSERT_EQ(MakePlan(2).exit_code, 0);
+  for (const char* seconds : {"0.01", "0.03", "0.05", "0.08", "0.2"}) {
+    RunShell(std::string("timeout -s KILL ") + seconds +
+             " \"" COLMAP_EXT_PROGRAM "\" delaunay_manifold_mesher --plan " +
+             Quote(plan_) + " --tile 1");
+  }
+  EXPECT_EQ(MakeMesh({1, 0}), undisturbed);
+}
+
+TEST_F(TilingTest, TwoMergersAtOnceDoNotDisturbEachOther) {
+  ASSERT_EQ(MakePlan(2).exit_code, 0);
+  const std::string alone = MakeMesh({0, 1});
+  const std::string command = "\"" COLMAP_EXT_PROGRAM "\" mesh_merger --plan " +
+                              Quote(plan_) + " --output_path " + Quote(mesh_);
+  const Outcome outcome =
+      RunShell(command + " > /dev/null & " + command + " > /dev/null; wait");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(ReadFile(mesh_) + ReadFile(mesh_.string() + ".vis"), alone);
+}
+
+TEST_F(TilingTest, RefusesWhatDoesNotFitTogether) {
+  ExpectRefusal(MakeTile(0), "make it by mesh_planner");
+  ExpectRefusal(MakePlan(2, "--DelaunayManifoldMeshing.weak_surfaces 1"),
+                "weak_surfaces");
+  ExpectRefusal(MakePlan(100000), "too few points for 100000 tiles");
+  ASSERT_EQ(MakePlan(2).exit_code, 0);
+  ExpectRefusal(MakeTile(2), "has no tile 2, but those from 0 to 1");
+  ExpectRefusal(Run("delaunay_manifold_mesher --tile 0"), "belong together");
+  ExpectRefusal(Run("delaunay_manifold_mesher --plan " + Quote(plan_) +
+                    " --tile 0 --workspace_path " + Quote(workspace_)),
+                "leave out --workspace_path");
+  ASSERT_EQ(MakeTile(0).exit_code, 0);
+  ExpectRefusal(Merge(), "tile 1 is not done");
+  EXPECT_FALSE(fs::exists(mesh_));
+}
+
+TEST_F(TilingTest, RefusesDamagedAndOtherPlans) {
+  ASSERT_EQ(MakePlan(2).exit_code, 0);
+  ASSERT_EQ(MakeTile(0).exit_code, 0);
+  ASSERT_EQ(MakeTile(1).exit_code, 0);
+  const fs::path cut = plan_ / "tile00001.cut.bin";
+  const std::string bytes = ReadFile(cut);
+  WriteFile(cut, bytes.substr(0, bytes.size() / 2));
+  ExpectRefusal(Merge(), "truncated or damaged");
+  // Another plan's: done again, not merged.
+  ASSERT_EQ(MakePlan(2, "--DelaunayManifoldMeshing.behind_sigma 2").exit_code,
+            0);
+  WriteFile(cut, bytes);
+  ExpectRefusal(Merge(), "belongs to another plan");
+  MakeMesh({0, 1});
+  const std::string json = ReadFile(plan_ / "plan.json");
+  WriteFile(plan_ / "plan.json",
+            "{\"version\": 77" + json.substr(json.find(',')));
+  ExpectRefusal(MakeTile(0), "has the version 77");
+  WriteFile(plan_ / "plan.json", json.substr(0, json.size() / 2));
+  ExpectRefusal(MakeTile(0), "damaged");
+}
+
+TEST_F(TilingTest, RefusesInputsThatChanged) {
+  ASSERT_EQ(MakePlan(2).exit_code, 0);
+  std::string fused = ReadFile(workspace_ / "fused.ply");
+  fused.back() = static_cast<char>(fused.back() + 1);
+  WriteFile(workspace_ / "fused.ply", fused);
+  ExpectRefusal(MakeTile(0), "has changed since it was planned");
+}
+
+}  // namespace
+}  // namespace colmap_ext

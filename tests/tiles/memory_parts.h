@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tests/tiles/memory_plan.h"
+#include "tests/tiles/seen_scene.h"
+#include "tiles/tile_part.h"
+
+namespace colmap_ext {
+
+// The parts of all tiles of a plan, made at once.
+class MemoryParts : public TileParts {
+ public:
+  MemoryParts(const SeenScene& scene, const MemoryPlan& plan);
+
+  TileSeam ReadSeam(uint32_t tile) const override { return seams_[tile]; }
+  std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const override {
+    return parts_[tile];
+  }
+  FlowCapacities ReadGraph(uint32_t tile) const override {
+    return graphs_[tile];
+  }
+
+  const std::vector<TileSeam>& seams() const { return seams_; }
+
+ private:
+  std::vector<TileSeam> seams_;
+  std::vector<std::shared_ptr<const TilePart>> parts_;
+  std::vector<FlowCapacities> graphs_;
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "delaunay/tetrahedralization.h"
+#include "tests/tiles/memory_plan.h"
+#include "tiles/cell_key.h"
+#include "tiles/tile_cut.h"
+
+namespace colmap_ext {
+
+// Points with rays, and what is to be done with them: all that is not sure is
+// cut at the seams, so that the result is that of one machine.
+struct SeenScene {
+  std::vector<Eigen::Vector3f> points;
+  Observations observations;  // by points
+  std::vector<Eigen::Vector3d> centers;
+  TileCutOptions options;
+};
+
+// A noisy sphere that cameras around it see, and some points far off.
+SeenScene SphereScene(size_t num_points, uint64_t seed, double noise = 0.02);
+
+// A wavy ground that cameras above it see.
+SeenScene GroundScene(size_t num_points, uint64_t seed);
+
+// All vertices of a plan on one machine, in the plan's order.
+struct WholeCut {
+  Tetrahedralization tetrahedra;
+  std::vector<uint32_t> ids;  // [V] the plan's
+  FlowCapacities graph;
+  std::vector<uint8_t> labels;
+};
+WholeCut CutWhole(const SeenScene& scene, const MemoryPlan& plan);
+
+// A cell by its corners' ids, in order.
+CellKey KeyOf(const Tetrahedralization::Cell& cell,
+              const std::vector<uint32_t>& ids);
+std::map<CellKey, uint32_t> CellsByKey(const WholeCut& whole);
+
+}  // namespace colmap_ext
