@@ -113,7 +113,7 @@ uint64_t IdentityOf(const Plan& plan, size_t num_tiles) {
       Hash(fmt::format("{} {} {}\n", kPlanVersion, num_tiles, plan.seam_rings));
   for (const auto* pairs : {&plan.inputs, &plan.options}) {
     for (const auto& [name, value] : *pairs) {
-      hash = Hash(name + '=' + value + '\n', hash);
+      hash = Hash(fmt::format("{}={}\n", name, value), hash);
     }
   }
   return hash;

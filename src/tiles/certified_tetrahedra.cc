@@ -151,8 +151,7 @@ class Certifier {
       }
     }
     std::ranges::sort(cells);
-    const auto repeats = std::ranges::unique(cells);
-    cells.erase(repeats.begin(), repeats.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     return cells;
   }
 
@@ -170,8 +169,7 @@ class Certifier {
     tbb::parallel_for(size_t{0}, cells.size(),
                       [&](size_t i) { missing[i] = FindInZone(cells[i]); });
     std::ranges::sort(missing);
-    const auto repeats = std::ranges::unique(missing);
-    missing.erase(repeats.begin(), repeats.end());
+    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
     if (!missing.empty() && missing.back() == kNone) {
       missing.pop_back();
     }

@@ -75,8 +75,7 @@ class SurfaceCollector {
       ids.insert(ids.end(), facet.begin(), facet.end());
     }
     std::ranges::sort(ids);
-    const auto repeats = std::ranges::unique(ids);
-    ids.erase(repeats.begin(), repeats.end());
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     std::vector<Facet>& facets = merged.extracted.mesh.facets;
     facets = std::move(facets_);
     for (Facet& facet : facets) {

@@ -36,8 +36,7 @@ void AddTile(const std::vector<Eigen::Vector3f>& positions,
         observations.views.begin() + observations.offsets[begin],
         observations.views.begin() + observations.offsets[end]);
     std::ranges::sort(views);
-    const auto repeats = std::ranges::unique(views);
-    views.erase(repeats.begin(), repeats.end());
+    views.erase(std::unique(views.begin(), views.end()), views.end());
     blocks->begins.push_back(first + end);
     blocks->boxes.push_back(box);
     blocks->views.AddRow(views);

@@ -171,8 +171,8 @@ Patch Assemble(const PlanVertices& plan, const std::vector<PatchCell>& cells) {
     }
   }
   std::ranges::sort(patch.ids);
-  const auto repeats = std::ranges::unique(patch.ids);
-  patch.ids.erase(repeats.begin(), repeats.end());
+  patch.ids.erase(std::unique(patch.ids.begin(), patch.ids.end()),
+                  patch.ids.end());
   patch.tetrahedra.points = PositionsOf(plan, patch.ids);
   patch.tetrahedra.vertex_cells.assign(patch.ids.size(), kNoCell);
   for (const PatchCell& cell : cells) {

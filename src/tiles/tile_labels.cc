@@ -83,12 +83,12 @@ std::vector<uint8_t> LabelPart(NeighborView neighbors,
           .on_source_side;
   const std::vector<uint8_t> is_band = Band(neighbors, places, rings);
   for (size_t node = 0; node < labels.size(); ++node) {
-    if (places[node] == CellPlace::kBeyond) {
+    const bool is_sure = most[node] == 0;
+    if (places[node] == CellPlace::kBeyond ||
+        (!is_sure && is_band[node] != 0)) {
       labels[node] = kNotKnown;
-    } else if (most[node] == 0) {
+    } else if (is_sure) {
       labels[node] = kMatter;
-    } else if (is_band[node] != 0) {
-      labels[node] = kNotKnown;
     }
   }
   return labels;
