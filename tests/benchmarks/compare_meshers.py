@@ -5,15 +5,13 @@ Runs COLMAP's delaunay_mesher, ours and, where its programs are on the PATH,
 OpenMVS' ReconstructMesh one after the other on copies of dense workspaces, and
 prints Markdown tables: time, memory and what was written; accuracy where the
 truth is known (truth/mesh.ply in the workspace), by mesh_evaluator; singular
-vertices by rule; time per stage over the number of points. A figure that could
-not be measured is left out as '-'.
+vertices by rule. A figure that could not be measured is left out as '-'.
 
   compare_meshers.py --colmap build/release/bin/colmap [--threads 2] \\
-      [--check mesh_check.py] [--parts] [--no_thinning SECONDS] WORKSPACE...
+      [--check mesh_check.py] [--no_thinning SECONDS] WORKSPACE...
 
 --check     a script of one's own that prints `singular_vertices: N` and
             `nonmanifold_edges: N` for a mesh
---parts     also 1/8, 1/4 and 1/2 of the points of the first workspace
 --no_thinning  the first workspace also with max_proj_dist 0, given up after so
             many seconds
 """
@@ -151,31 +149,6 @@ def pixel_ratio(workspace):
     return width / struct.unpack(">H", data[at + 7:at + 9])[0]
 
 
-def take_part(workspace, part, stride):
-    """A workspace of every stride-th fused point."""
-    part.mkdir()
-    for name in ("sparse", "images"):
-        (part / name).symlink_to((workspace / name).resolve())
-    cloud = (workspace / "fused.ply").read_bytes()
-    end = cloud.index(b"end_header\n") + len(b"end_header\n")
-    header = cloud[:end].decode()
-    count = int(re.search(r"element vertex (\d+)", header).group(1))
-    size = (len(cloud) - end) // count
-    rows, views, at = [], [], 8
-    vis = (workspace / "fused.ply.vis").read_bytes()
-    for i in range(count):
-        length = 4 + 4 * struct.unpack_from("<I", vis, at)[0]
-        if i % stride == 0:
-            rows.append(cloud[end + i * size:end + (i + 1) * size])
-            views.append(vis[at:at + length])
-        at += length
-    header = header.replace(f"element vertex {count}",
-                            f"element vertex {len(rows)}")
-    (part / "fused.ply").write_bytes(header.encode() + b"".join(rows))
-    (part / "fused.ply.vis").write_bytes(
-        struct.pack("<Q", len(rows)) + b"".join(views))
-
-
 def print_table(title, head, rows):
     print(f"\n### {title}\n")
     print("| " + " | ".join(head) + " |")
@@ -260,30 +233,12 @@ def compare_rules(args, workspaces, folder):
                  "written, by an independent check"], rows)
 
 
-def compare_parts(args, workspace, folder):
-    stages, columns = [], []
-    for stride in (8, 4, 2, 1):
-        part = folder / f"part-{stride}"
-        take_part(workspace, part, stride)
-        result = mesh(args, OURS, part, folder / "part.ply")
-        times = re.findall(r"^\s\s(\S.*?)\s+([\d.]+) s$", result["output"],
-                           re.MULTILINE)
-        stages = [name for name, _ in times]
-        columns.append([f"{float(seconds):.2f}" for _, seconds in times]
-                       + [f"{result['peak']:.0f}"])
-    rows = [[name, *values] for name, values in
-            zip(stages + ["peak MB"], zip(*columns))]
-    print_table(f"{workspace.name}: seconds per stage, by share of the points",
-                ["", "1/8", "1/4", "1/2", "all"], rows)
-
-
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--colmap", required=True)
     parser.add_argument("--check")
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--parts", action="store_true")
     parser.add_argument("--no_thinning", type=int, metavar="SECONDS")
     parser.add_argument("workspaces", nargs="+", type=pathlib.Path)
     args = parser.parse_args()
@@ -297,8 +252,6 @@ def main():
             compare(args, workspace, folder,
                     args.no_thinning if workspace == workspaces[0] else None)
         compare_rules(args, workspaces, folder)
-        if args.parts:
-            compare_parts(args, workspaces[0], folder)
 
 
 if __name__ == "__main__":
