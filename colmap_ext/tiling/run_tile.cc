@@ -96,7 +96,7 @@ TileReport RunTile(const fs::path& folder, uint32_t tile,
   const FilePlan vertices(folder, plan);
   const TileCut cut = CutTile(vertices, tile, CentersOf(plan),
                               CutOptions(plan, options.meshing), progress);
-  const TileSeam seam = SeamOf(cut, vertices.Blocks());
+  const TileSeam seam = SeamOf(cut);
   Report(progress, "Writing the tile", 0);
   WriteCut(folder, plan.identity, tile, cut, seam);
   report.num_vertices = cut.tile.num_own;

@@ -53,6 +53,19 @@ void AddFreeCells(size_t num_cells, GrowingComplex* complex) {
   }
 }
 
+bool SpansVolume(const std::vector<Eigen::Vector3f>& points) {
+  size_t i = 2;
+  while (i < points.size() && IsOnLine(points[0], points[1], points[i])) {
+    ++i;
+  }
+  size_t k = i + 1;
+  while (k < points.size() &&
+         Orientation(points[0], points[1], points[i], points[k]) == 0) {
+    ++k;
+  }
+  return k < points.size();
+}
+
 std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
                                      GrowingComplex* complex) {
   const std::array<uint32_t, 4> simplex = FindSimplex(order, complex->points);

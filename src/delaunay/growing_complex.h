@@ -34,6 +34,10 @@ struct GrowingComplex {
 // \throw std::invalid_argument where there are too many cells for 32-bit arcs
 void AddFreeCells(size_t num_cells, GrowingComplex* complex);
 
+// Whether not all points lie in a plane.
+// \pre they differ
+bool SpansVolume(const std::vector<Eigen::Vector3f>& points);
+
 // Makes a complex of the first points in their order that span a volume.
 // \param order  indices of points
 // \return the four points

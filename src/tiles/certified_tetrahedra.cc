@@ -71,6 +71,9 @@ class Certifier {
       own_box_.extend(blocks_.boxes[block]);
     }
     AddFirstVertices();
+    if (!SpansVolume(complex_.points)) {
+      AddAllVertices();
+    }
   }
 
   TileTetrahedra Run(const Progress& progress) {
@@ -101,15 +104,31 @@ class Certifier {
       if (count == 0) {
         continue;
       }
-      const auto positions = Read(block);
-      is_loaded_[block].assign(size, 0);
       for (uint32_t i = 0; i < count; ++i) {
-        const auto place = static_cast<uint32_t>(uint64_t{i} * size / count);
-        is_loaded_[block][place] = 1;
-        ids_.push_back(blocks_.begins[block] + place);
-        complex_.points.push_back((*positions)[place]);
+        AddVertex(block, static_cast<uint32_t>(uint64_t{i} * size / count));
       }
     }
+  }
+
+  // Where what is around the tile lies in a plane.
+  void AddAllVertices() {
+    for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
+      for (uint32_t i = 0; i < SizeOf(block); ++i) {
+        if (is_loaded_[block].empty() || is_loaded_[block][i] == 0) {
+          AddVertex(block, i);
+        }
+      }
+    }
+  }
+
+  // \param place  in the block
+  void AddVertex(uint32_t block, uint32_t place) {
+    if (is_loaded_[block].empty()) {
+      is_loaded_[block].assign(SizeOf(block), 0);
+    }
+    is_loaded_[block][place] = 1;
+    ids_.push_back(blocks_.begins[block] + place);
+    complex_.points.push_back((*Read(block))[place]);
   }
 
   std::shared_ptr<Positions> Read(uint32_t block) {

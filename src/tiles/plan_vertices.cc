@@ -21,6 +21,25 @@ uint32_t PlanBlocks::TileOf(uint32_t vertex) const {
   return RangeOf(tile_begins, BlockOf(vertex));
 }
 
+uint32_t PlanBlocks::OwnerOf(const std::array<uint32_t, 4>& corners) const {
+  std::array<uint32_t, 4> tiles;
+  for (size_t i = 0; i < 4; ++i) {
+    tiles[i] =
+        corners[i] == kInfiniteVertex ? kInfiniteVertex : TileOf(corners[i]);
+  }
+  uint32_t owner = kInfiniteVertex;
+  int64_t most = 0;
+  for (const uint32_t tile : tiles) {
+    const int64_t count = std::ranges::count(tiles, tile);
+    if (tile != kInfiniteVertex &&
+        (count > most || (count == most && tile < owner))) {
+      owner = tile;
+      most = count;
+    }
+  }
+  return owner;
+}
+
 void AddTile(const std::vector<Eigen::Vector3f>& positions,
              const Observations& observations, PlanBlocks* blocks) {
   const auto num_vertices = static_cast<uint32_t>(positions.size());

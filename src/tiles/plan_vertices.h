@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -33,6 +34,10 @@ struct PlanBlocks {
   uint32_t FirstVertex(size_t tile) const { return begins[tile_begins[tile]]; }
 
   uint32_t TileOf(uint32_t vertex) const;
+
+  // The tile that a cell belongs to: the one that most of its finite corners
+  // are of, the first of several.
+  uint32_t OwnerOf(const std::array<uint32_t, 4>& corners) const;
   uint32_t BlockOf(uint32_t vertex) const;
 };
 

@@ -14,21 +14,11 @@ namespace {
   throw std::logic_error("the tiles contradict each other at a seam");
 }
 
-// Whether two tiles say the same of a cell. A ray that starts on a facet in one
+// Whether two tiles say the same of an arc. A ray that starts on a facet in one
 // of them is moved there by a millionth of sigma, which rounding may show.
-bool Agree(const UnknownCell& a, const UnknownCell& b) {
+bool Agree(uint32_t a, uint32_t b) {
   constexpr int64_t kMaxDifference = 16;  // of 4096 a ray
-  bool agree = a.apexes == b.apexes;
-  const auto compare = [&](uint32_t x, uint32_t y) {
-    agree = agree && std::abs(int64_t{x} - int64_t{y}) <= kMaxDifference;
-  };
-  for (int i = 0; i < 4; ++i) {
-    compare(a.out[i], b.out[i]);
-    compare(a.back[i], b.back[i]);
-  }
-  compare(a.source, b.source);
-  compare(a.sink, b.sink);
-  return agree;
+  return std::abs(int64_t{a} - int64_t{b}) <= kMaxDifference;
 }
 
 class SeamGraph {
@@ -36,20 +26,16 @@ class SeamGraph {
   explicit SeamGraph(const std::vector<TileSeam>& seams) {
     for (const TileSeam& seam : seams) {
       for (const SharedCell& cell : seam.shared) {
-        const auto label = static_cast<uint8_t>(cell.label);
-        const auto [entry, is_new] = known_.try_emplace(cell.key, label);
-        if (!is_new && entry->second != label) {
-          ThrowContradiction();
-        }
+        known_[cell.key] = static_cast<uint8_t>(cell.label);
+      }
+      cells_.insert(cells_.end(), seam.unknown.begin(), seam.unknown.end());
+    }
+    std::ranges::sort(cells_, {}, &UnknownCell::key);
+    for (uint32_t node = 0; node < cells_.size(); ++node) {
+      if (!nodes_.emplace(cells_[node].key, node).second) {
+        ThrowContradiction();
       }
     }
-    for (const TileSeam& seam : seams) {
-      for (const UnknownCell& cell : seam.unknown) {
-        Collect(cell);
-      }
-    }
-    std::ranges::stable_sort(cells_, {}, &UnknownCell::key);
-    Unite();
   }
 
   SeamLabels Cut() {
@@ -59,7 +45,7 @@ class SeamGraph {
       throw std::logic_error("the minimum cut differs from the maximum flow");
     }
     SeamLabels result;
-    result.labels = std::move(solved_);
+    result.labels = std::move(known_);
     result.num_cut_cells = cells_.size();
     result.flow = cut.flow;
     for (size_t node = 0; node < cells_.size(); ++node) {
@@ -69,40 +55,6 @@ class SeamGraph {
   }
 
  private:
-  // Cells that another tile could tell are solved.
-  void Collect(const UnknownCell& cell) {
-    const auto found = known_.find(cell.key);
-    if (found != known_.end()) {
-      solved_[cell.key] = found->second;
-    } else {
-      cells_.push_back(cell);
-    }
-  }
-
-  // Makes one cell of those of several tiles, with all that they know of what
-  // is beside it.
-  // \pre sorted
-  void Unite() {
-    size_t size = 0;
-    for (const UnknownCell& cell : cells_) {
-      if (size == 0 || cells_[size - 1].key != cell.key) {
-        nodes_[cell.key] = static_cast<uint32_t>(size);
-        cells_[size++] = cell;
-        continue;
-      }
-      UnknownCell& first = cells_[size - 1];
-      if (!Agree(first, cell)) {
-        ThrowContradiction();
-      }
-      for (int i = 0; i < 4; ++i) {
-        if (cell.labels[i] <= kFreeSpace) {
-          first.labels[i] = cell.labels[i];
-        }
-      }
-    }
-    cells_.resize(size);
-  }
-
   void AddArcs() {
     graph_.capacities.assign(cells_.size(), {0, 0, 0, 0});
     graph_.neighbors.assign(
@@ -125,6 +77,14 @@ class SeamGraph {
     other = Sorted(other);
     const auto found = nodes_.find(other);
     if (found != nodes_.end()) {
+      const UnknownCell& neighbor = cells_[found->second];
+      const auto back =
+          static_cast<size_t>(std::ranges::find(neighbor.key, cell.apexes[i]) -
+                              neighbor.key.begin());
+      if (neighbor.apexes[back] != cell.key[i] ||
+          !Agree(neighbor.back[back], cell.out[i])) {
+        ThrowContradiction();
+      }
       graph_.neighbors[node][i] = found->second;
       graph_.capacities[node][i] = cell.out[i];
       return;
@@ -145,7 +105,6 @@ class SeamGraph {
   }
 
   std::unordered_map<CellKey, uint8_t, KeyHash> known_;
-  std::unordered_map<CellKey, uint8_t, KeyHash> solved_;
   std::vector<UnknownCell> cells_;  // [nodes]
   std::unordered_map<CellKey, uint32_t, KeyHash> nodes_;
   FlowGraph graph_;

@@ -14,7 +14,8 @@ namespace {
 struct PatchCell {
   CellKey corners;
   uint8_t label = 0;
-  std::array<uint32_t, 4> capacities;
+  bool has_capacities = false;  // which its own tile knows
+  std::array<uint32_t, 4> capacities = {0, 0, 0, 0};
   uint32_t source = 0;
   uint32_t sink = 0;
 };
@@ -90,6 +91,7 @@ class PatchCollector {
 
   // In the order of their corners.
   std::vector<PatchCell> Take() {
+    AddMissingCapacities();
     std::vector<PatchCell> cells;
     for (auto& [key, cell] : cells_) {
       cells.push_back(cell);
@@ -109,14 +111,60 @@ class PatchCollector {
       IncidentCells(part->tile.tetrahedra, id - blocks_.FirstVertex(tile),
                     &star);
       for (const uint32_t index : star) {
-        PatchCell cell{part->tile.tetrahedra.cells[index].vertices,
-                       labels[index], graph.capacities[index],
-                       graph.source[index], graph.sink[index]};
-        for (uint32_t& corner : cell.corners) {
-          corner = corner == kInfiniteVertex ? corner : part->tile.ids[corner];
+        AddCell(tile, *part, graph, labels[index], index);
+      }
+    }
+  }
+
+  void AddCell(uint32_t tile, const TilePart& part, const FlowCapacities& graph,
+               uint8_t label, uint32_t index) {
+    PatchCell cell{part.tile.tetrahedra.cells[index].vertices, label};
+    for (uint32_t& corner : cell.corners) {
+      corner = corner == kInfiniteVertex ? corner : part.tile.ids[corner];
+    }
+    const CellKey key = Sorted(cell.corners);
+    PatchCell& kept = cells_.try_emplace(key, cell).first->second;
+    if (kept.has_capacities || blocks_.OwnerOf(key) != tile) {
+      return;
+    }
+    cell.has_capacities = true;
+    cell.capacities = graph.capacities[index];
+    cell.source = graph.source[index];
+    cell.sink = graph.sink[index];
+    SortCorners(&cell);
+    kept = cell;
+  }
+
+  // Reads cells whose own tiles were not asked yet: all around one of their
+  // vertices there, of which those that are in the patch count.
+  void AddMissingCapacities() {
+    std::map<uint32_t, Ring> by_tile;
+    for (const auto& [key, cell] : cells_) {
+      if (!cell.has_capacities) {
+        const uint32_t owner = blocks_.OwnerOf(key);
+        by_tile[owner].insert(*std::ranges::find_if(key, [&](uint32_t id) {
+          return id != kInfiniteVertex && blocks_.TileOf(id) == owner;
+        }));
+      }
+    }
+    for (const auto& [tile, ids] : by_tile) {
+      const auto part = parts_.ReadPart(tile);
+      const FlowCapacities graph = parts_.ReadGraph(tile);
+      std::vector<uint32_t> star;
+      for (const uint32_t id : ids) {
+        IncidentCells(part->tile.tetrahedra, id - blocks_.FirstVertex(tile),
+                      &star);
+        for (const uint32_t index : star) {
+          CellKey key = part->tile.tetrahedra.cells[index].vertices;
+          for (uint32_t& corner : key) {
+            corner =
+                corner == kInfiniteVertex ? corner : part->tile.ids[corner];
+          }
+          const auto found = cells_.find(Sorted(key));
+          if (found != cells_.end()) {
+            AddCell(tile, *part, graph, found->second.label, index);
+          }
         }
-        SortCorners(&cell);
-        cells_.emplace(Sorted(cell.corners), cell);
       }
     }
   }

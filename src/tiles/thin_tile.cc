@@ -6,8 +6,8 @@
 
 #include "base/percentile.h"
 #include "delaunay/edge_lengths.h"
+#include "delaunay/growing_complex.h"
 #include "delaunay/insertion_order.h"
-#include "delaunay/predicates.h"
 #include "meshing/point_support.h"
 
 namespace colmap_ext {
@@ -16,22 +16,6 @@ namespace {
 // Edge lengths that are kept of a tile. Any percentile of many tiles is known
 // to 1 / 4096 of their edges then.
 constexpr size_t kMaxLengths = 4096;
-
-bool SpansVolume(const std::vector<Eigen::Vector3f>& positions,
-                 const std::vector<uint32_t>& points) {
-  const auto at = [&](size_t i) -> const Eigen::Vector3f& {
-    return positions[points[i]];
-  };
-  size_t i = 2;
-  while (i < points.size() && IsOnLine(at(0), at(1), at(i))) {
-    ++i;
-  }
-  size_t k = i + 1;
-  while (k < points.size() && Orientation(at(0), at(1), at(i), at(k)) == 0) {
-    ++k;
-  }
-  return k < points.size();
-}
 
 EdgeSample SampleEdges(const Tetrahedralization& tetrahedra) {
   std::vector<float> all = EdgeLengths(tetrahedra);
@@ -71,7 +55,7 @@ TileVertices ThinTile(const PointCloud& cloud,
                       const Progress& progress) {
   ThinnedTetrahedralization thinned = KeepAll(cloud);
   TileVertices vertices;
-  if (SpansVolume(cloud.positions, thinned.vertex_points)) {
+  if (SpansVolume(thinned.tetrahedra.points)) {
     thinned = Tetrahedralize(cloud, views, options, progress);
     vertices.edges = SampleEdges(thinned.tetrahedra);
   }

@@ -16,10 +16,33 @@ namespace {
 // Vertices of other tiles whose rays are walked at a time.
 constexpr size_t kBatchVertices = 1 << 16;
 
-// Rays that may pass through a tile's star cells.
+// [cells], see TileCut
+std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile, uint32_t home,
+                                const PlanBlocks& blocks) {
+  std::vector<CellPlace> places;
+  for (const Tetrahedralization::Cell& cell : tile.tetrahedra.cells) {
+    std::array<uint32_t, 4> corners = cell.vertices;
+    int num_own = 0;
+    int num_others = 0;
+    for (uint32_t& corner : corners) {
+      num_own += corner < tile.num_own;
+      num_others += corner >= tile.num_own && corner != kInfiniteVertex;
+      corner = corner == kInfiniteVertex ? corner : tile.ids[corner];
+    }
+    const bool is_own =
+        num_own > 0 && (num_others == 0 || blocks.OwnerOf(corners) == home);
+    places.push_back(!is_own           ? CellPlace::kBeyond
+                     : num_others == 0 ? CellPlace::kInner
+                                       : CellPlace::kShared);
+  }
+  return places;
+}
+
+// Rays that may pass through a tile's cells.
 class RayFilter {
  public:
   RayFilter(const PlanBlocks& blocks, const TileTetrahedra& tile,
+            const std::vector<CellPlace>& places,
             const std::vector<Eigen::Vector3d>& centers,
             const VisibilityWeightOptions& options)
       : blocks_(blocks),
@@ -28,12 +51,11 @@ class RayFilter {
         mask_(BoundsOf(blocks)) {
     const Tetrahedralization& tetrahedra = tile.tetrahedra;
     tbb::parallel_for(size_t{0}, tetrahedra.cells.size(), [&](size_t i) {
-      const auto cell = static_cast<uint32_t>(i);
-      if (!tile.IsStarCell(cell)) {
+      if (places[i] == CellPlace::kBeyond) {
         return;
       }
       std::vector<Eigen::Vector3d> corners;
-      for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
+      for (const uint32_t vertex : tetrahedra.cells[i].vertices) {
         if (vertex != kInfiniteVertex) {
           corners.push_back(tetrahedra.points[vertex].cast<double>());
         }
@@ -91,6 +113,7 @@ class RayFilter {
 class TileVotes {
  public:
   TileVotes(const PlanVertices& plan, const TileTetrahedra& tile,
+            const std::vector<CellPlace>& places,
             const std::vector<Eigen::Vector3d>& centers,
             const VisibilityWeightOptions& options, FlowCapacities* graph)
       : plan_(plan),
@@ -98,7 +121,7 @@ class TileVotes {
         tile_(tile),
         centers_(centers),
         options_(options),
-        filter_(blocks_, tile, centers, options),
+        filter_(blocks_, tile, places, centers, options),
         graph_(graph) {}
 
   RayReport Run(const Progress& progress) {
@@ -200,23 +223,6 @@ class TileVotes {
   Observations observations_;            // of the batch, by points
 };
 
-// A cell with vertices of other tiles is a star cell of those, too.
-std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile) {
-  std::vector<CellPlace> places;
-  for (const Tetrahedralization::Cell& cell : tile.tetrahedra.cells) {
-    int num_own = 0;
-    int num_others = 0;
-    for (const uint32_t vertex : cell.vertices) {
-      num_own += vertex < tile.num_own;
-      num_others += vertex >= tile.num_own && vertex != kInfiniteVertex;
-    }
-    places.push_back(num_own == 0      ? CellPlace::kBeyond
-                     : num_others == 0 ? CellPlace::kInner
-                                       : CellPlace::kShared);
-  }
-  return places;
-}
-
 }  // namespace
 
 TileCut CutTile(const PlanVertices& plan, uint32_t tile,
@@ -225,16 +231,18 @@ TileCut CutTile(const PlanVertices& plan, uint32_t tile,
   TileCut result;
   result.tile = CertifyTile(plan, tile, progress);
   const Tetrahedralization& tetrahedra = result.tile.tetrahedra;
+  result.places = PlacesOf(result.tile, tile, plan.Blocks());
   Report(progress, "Weighing facets", 0);
   result.graph = ZeroCapacities(tetrahedra);
   AddQualityWeights(tetrahedra, options.quality_regularization, &result.graph);
   VisibilityWeightOptions rays = options.rays;
   rays.inner_place = plan.Blocks().Center();
   result.rays =
-      TileVotes(plan, result.tile, centers, rays, &result.graph).Run(progress);
+      TileVotes(plan, result.tile, result.places, centers, rays, &result.graph)
+          .Run(progress);
   Report(progress, "Cutting the graph", 0);
   result.labels = LabelPart(NeighborsOf(tetrahedra), result.graph,
-                            PlacesOf(result.tile), options.seam_rings);
+                            result.places, options.seam_rings);
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include "scene/progress.h"
 #include "tiles/certified_tetrahedra.h"
 #include "tiles/plan_vertices.h"
+#include "tiles/tile_labels.h"
 
 namespace colmap_ext {
 
@@ -25,14 +26,17 @@ struct TileCutOptions {
 // A tile with what the votes and the cut say of its star cells.
 struct TileCut {
   TileTetrahedra tile;
+  // [cells] kInner and kShared are the star cells that belong to the tile
+  // (PlanBlocks::OwnerOf).
+  std::vector<CellPlace> places;
   FlowCapacities graph;  // [cells] as that of all cells of the plan, for the
-                         // arcs from and to star cells
-  std::vector<uint8_t> labels;  // [cells] LabelPart() of the star cells
+                         // arcs from and to those
+  std::vector<uint8_t> labels;  // [cells] LabelPart() of those
   RayReport rays;               // walked here
 };
 
 // Triangulates a tile, counts the votes of all rays of the plan that pass its
-// star cells, and cuts.
+// cells, and cuts.
 // \param centers [views] camera centres, world frame
 TileCut CutTile(const PlanVertices& plan, uint32_t tile,
                 const std::vector<Eigen::Vector3d>& centers,

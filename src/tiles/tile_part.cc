@@ -27,7 +27,7 @@ UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
     unknown.key[i] = IdOf(cut.tile, vertices[k]);
     unknown.apexes[i] = IdOf(cut.tile, tetrahedra.cells[other].vertices[back]);
     unknown.labels[i] =
-        cut.tile.IsStarCell(other) ? cut.labels[other] : kOutside;
+        cut.places[other] != CellPlace::kBeyond ? cut.labels[other] : kOutside;
     unknown.out[i] = std::min(cut.graph.capacities[cell][k], kMaxCapacity);
     unknown.back[i] = std::min(cut.graph.capacities[other][back], kMaxCapacity);
   }
@@ -36,28 +36,19 @@ UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
 
 }  // namespace
 
-TileSeam SeamOf(const TileCut& cut, const PlanBlocks& blocks) {
-  const TileTetrahedra& tile = cut.tile;
-  const uint32_t begin = tile.num_own > 0 ? tile.ids[0] : 0;
-  const uint32_t home = blocks.TileOf(begin);
-  const uint32_t end = blocks.FirstVertex(home + 1);
+TileSeam SeamOf(const TileCut& cut) {
   TileSeam seam;
-  for (uint32_t cell = 0; cell < tile.tetrahedra.cells.size(); ++cell) {
-    if (!tile.IsStarCell(cell)) {
+  for (uint32_t cell = 0; cell < cut.places.size(); ++cell) {
+    if (cut.places[cell] == CellPlace::kBeyond) {
       continue;
     }
     if (cut.labels[cell] == kNotKnown) {
       seam.unknown.push_back(UnknownOf(cut, cell));
-      continue;
-    }
-    CellKey key = tile.tetrahedra.cells[cell].vertices;
-    bool is_shared = false;
-    for (uint32_t& corner : key) {
-      corner = IdOf(tile, corner);
-      is_shared = is_shared || (corner != kInfiniteVertex &&
-                                (corner < begin || corner >= end));
-    }
-    if (is_shared) {
+    } else if (cut.places[cell] == CellPlace::kShared) {
+      CellKey key = cut.tile.tetrahedra.cells[cell].vertices;
+      for (uint32_t& corner : key) {
+        corner = IdOf(cut.tile, corner);
+      }
       seam.shared.push_back({Sorted(key), cut.labels[cell]});
     }
   }

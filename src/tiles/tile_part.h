@@ -14,12 +14,12 @@
 
 namespace colmap_ext {
 
-// In place of the label of a cell that is not in the part.
+// In place of the label of a cell that is not the tile's.
 inline constexpr uint8_t kOutside = 3;
 
-// A star cell whose label the tile could not tell, with all that the cut of the
-// seams needs. Arrays of four are by the corners of the key: what lies across
-// the facet opposite to each.
+// A cell of the tile whose label it could not tell, with all that the cut of
+// the seams needs. Arrays of four are by the corners of the key: what lies
+// across the facet opposite to each.
 struct UnknownCell {
   CellKey key;
   std::array<uint32_t, 4> apexes;  // the vertex across that is not the facet's
@@ -32,7 +32,7 @@ struct UnknownCell {
   bool operator==(const UnknownCell&) const = default;
 };
 
-// A star cell with vertices of several tiles whose label the tile could tell.
+// A cell of the tile with vertices of others, too, whose label it could tell.
 struct SharedCell {
   CellKey key;
   uint32_t label;  // kMatter or kFreeSpace; as wide as the key, without gaps
@@ -44,14 +44,13 @@ struct TileSeam {
   std::vector<SharedCell> shared;
 };
 
-TileSeam SeamOf(const TileCut& cut, const PlanBlocks& blocks);
+TileSeam SeamOf(const TileCut& cut);
 
 // What a tile leaves for the surface.
 struct TilePart {
   // Without points, but for their number.
   TileTetrahedra tile;
-  std::vector<uint8_t> labels;  // [cells]; kNotKnown is also what is no star
-                                // cell
+  std::vector<uint8_t> labels;  // [cells]; kNotKnown where it is not the tile's
 };
 
 // What the tiles of a plan have left, to be read one after the other.

@@ -102,6 +102,22 @@ TEST(CertifyTile, StarsOfDifficultPoints) {
   }
 }
 
+// A tile and all that is around it in a plane.
+TEST(CertifyTile, StarsOfAPlane) {
+  Random random(4);
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 4000; ++i) {
+    points.emplace_back(static_cast<float>(random.Unit()),
+                        static_cast<float>(random.Unit()), 0.0f);
+  }
+  for (int i = 0; i < 20; ++i) {
+    points.emplace_back(static_cast<float>(50 + random.Unit()),
+                        static_cast<float>(random.Unit()),
+                        static_cast<float>(random.Unit()));
+  }
+  ExpectStarsOfAll(PlanOf(points, 4));
+}
+
 TEST(CertifyTile, DoesNotDependOnThreads) {
   Random random(3);
   const MemoryPlan plan = PlanOf(OnSphere(8000, &random), 3);

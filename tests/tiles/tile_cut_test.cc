@@ -31,7 +31,7 @@ class TileAndWhole {
     size_t num_star = 0;
     size_t num_known = 0;
     for (uint32_t i = 0; i < cut.tile.tetrahedra.cells.size(); ++i) {
-      if (!cut.tile.IsStarCell(i)) {
+      if (cut.places[i] == CellPlace::kBeyond) {
         EXPECT_EQ(cut.labels[i], kNotKnown);
         continue;
       }

@@ -1,0 +1,73 @@
+#include "tiles/ray_mask.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+Eigen::Vector3d Anywhere(double from, double to, Random* random) {
+  const auto at = [&] { return from + (to - from) * random->Unit(); };
+  const double x = at();
+  const double y = at();
+  return {x, y, at()};
+}
+
+// Of a tetrahedron or a triangle.
+Eigen::Vector3d Within(const std::vector<Eigen::Vector3d>& corners,
+                       Random* random) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double total = 0;
+  for (const Eigen::Vector3d& corner : corners) {
+    const double weight = random->Unit() + 1e-9;
+    sum += weight * corner;
+    total += weight;
+  }
+  return sum / total;
+}
+
+TEST(RayMask, LeavesOutNoRayThroughWhatIsMarked) {
+  Random random(1);
+  const Eigen::AlignedBox3d bounds(Eigen::Vector3d(0, 0, 0),
+                                   Eigen::Vector3d(10, 10, 1));
+  for (int i = 0; i < 200; ++i) {
+    RayMask mask(bounds);
+    std::vector<Eigen::Vector3d> corners;
+    const int num_corners = 3 + static_cast<int>(random.Below(2));
+    for (int k = 0; k < num_corners; ++k) {
+      corners.push_back(Anywhere(0, 1, &random).cwiseProduct(bounds.max()));
+    }
+    mask.Mark(corners);
+    mask.Finish();
+    for (int k = 0; k < 50; ++k) {
+      const Eigen::Vector3d from = Anywhere(-5, 15, &random);
+      const Eigen::Vector3d through = Within(corners, &random);
+      const Eigen::Vector3d to = through + random.Unit() * (through - from);
+      EXPECT_TRUE(mask.MayCross(from, to));
+      EXPECT_TRUE(mask.MayTouch(Eigen::AlignedBox3d(through).extend(from)));
+    }
+  }
+}
+
+TEST(RayMask, LeavesOutMostRaysElsewhere) {
+  Random random(2);
+  RayMask mask({Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(10, 10, 10)});
+  const std::vector<Eigen::Vector3d> corners = {
+      {1, 1, 1}, {2, 1, 1}, {1, 2, 1}, {1, 1, 2}};
+  mask.Mark(corners);
+  mask.Finish();
+  EXPECT_FALSE(
+      mask.MayTouch({Eigen::Vector3d(5, 5, 5), Eigen::Vector3d(9, 9, 9)}));
+  size_t num_crossing = 0;
+  for (int i = 0; i < 1000; ++i) {
+    num_crossing +=
+        mask.MayCross(Anywhere(0, 10, &random), Anywhere(0, 10, &random));
+  }
+  EXPECT_LT(num_crossing, 100u);
+}
+
+}  // namespace
+}  // namespace colmap_ext
