@@ -335,7 +335,7 @@ double MergerMemoryGb(const Plan& plan) {
     num_vertices += static_cast<double>(tile.num_vertices);
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
-  return 0.15 + 360e-9 * num_vertices + 400e-9 * largest;
+  return 0.1 + 500e-9 * num_vertices + 400e-9 * largest;
 }
 
 }  // namespace colmap_ext
