@@ -35,9 +35,9 @@ class ChangedVertices {
 // \param propose  size_t -> std::optional<Plan>; changes nothing
 // \param corners  size_t -> the vertices near which nothing may change for the
 //        plan to stay as it is
-// \param apply  Plan -> void; marks those vertices of all plans that it
-// outdates \param changed  of all the mesh's vertices \return the number of
-// plans applied
+// \param apply  Plan -> void; marks the corners of the plans that it outdates
+// \param changed  of all the mesh's vertices
+// \return the number of plans applied
 template <typename Propose, typename Corners, typename Apply>
 size_t ApplyInOrder(size_t count, const Propose& propose,
                     const Corners& corners, const Apply& apply,
