@@ -58,12 +58,6 @@ Corner CornerOf(const Eigen::Vector3f& place) {
   return {place.x(), place.y(), place.z()};
 }
 
-// Rows from a file: offsets and what they are offsets into.
-std::vector<uint64_t> ReadOffsets(const SectionReader& file, size_t section,
-                                  size_t begin, size_t end) {
-  return file.Read<uint64_t>(section, begin, end + 1);
-}
-
 }  // namespace
 
 void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
@@ -168,7 +162,8 @@ Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
   const uint32_t tile = blocks_.TileOf(begin);
   const uint32_t first = blocks_.FirstVertex(tile);
   const SectionReader& file = *files_[tile];
-  read.offsets = ReadOffsets(file, kRayOffsets, begin - first, end - first);
+  read.offsets =
+      file.Read<uint64_t>(kRayOffsets, begin - first, end - first + 1);
   const uint64_t from = read.offsets.front();
   const uint64_t to = read.offsets.back();
   read.views = file.Read<uint32_t>(kRayViews, from, to);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,6 +29,20 @@ struct TileTetrahedra {
       }
     }
     return false;
+  }
+
+  // The plan's vertex of one of the tile's; that at infinity is the same.
+  uint32_t IdOf(uint32_t vertex) const {
+    return vertex == kInfiniteVertex ? vertex : ids[vertex];
+  }
+
+  // The plan's vertices at the corners of a cell.
+  std::array<uint32_t, 4> CornersOf(uint32_t cell) const {
+    std::array<uint32_t, 4> corners = tetrahedra.cells[cell].vertices;
+    for (uint32_t& corner : corners) {
+      corner = IdOf(corner);
+    }
+    return corners;
   }
 };
 

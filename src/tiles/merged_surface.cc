@@ -30,8 +30,7 @@ struct Source {
 // Collects facets by the plan's vertices.
 class SurfaceCollector {
  public:
-  // \param is_ours  whether the facet or edge with these vertices, ascending,
-  // is
+  // \param is_ours  vertices of a facet or an edge, ascending -> whether it is
   //        taken from this source
   template <typename IsOurs>
   void Add(const Source& source, const IsOurs& is_ours) {

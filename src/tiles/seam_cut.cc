@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "delaunay/cell_graph.h"
 #include "optim/min_cut.h"
 #include "tiles/tile_labels.h"
 
@@ -98,9 +99,9 @@ class SeamGraph {
       label = known->second;
     }
     if (label == kFreeSpace) {
-      graph_.source[node] += cell.back[i];
+      AddCapacity(cell.back[i], &graph_.source[node]);
     } else {
-      graph_.sink[node] += cell.out[i];
+      AddCapacity(cell.out[i], &graph_.sink[node]);
     }
   }
 
@@ -126,11 +127,7 @@ void ApplySeamLabels(const SeamLabels& seam, const TileTetrahedra& tile,
       (*labels)[cell] = kMatter;
       continue;
     }
-    CellKey key = tile.tetrahedra.cells[cell].vertices;
-    for (uint32_t& corner : key) {
-      corner = corner == kInfiniteVertex ? corner : tile.ids[corner];
-    }
-    const auto found = seam.labels.find(Sorted(key));
+    const auto found = seam.labels.find(Sorted(tile.CornersOf(cell)));
     if (found == seam.labels.end()) {
       ThrowContradiction();
     }

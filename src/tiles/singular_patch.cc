@@ -118,10 +118,7 @@ class PatchCollector {
 
   void AddCell(uint32_t tile, const TilePart& part, const FlowCapacities& graph,
                uint8_t label, uint32_t index) {
-    PatchCell cell{part.tile.tetrahedra.cells[index].vertices, label};
-    for (uint32_t& corner : cell.corners) {
-      corner = corner == kInfiniteVertex ? corner : part.tile.ids[corner];
-    }
+    PatchCell cell{part.tile.CornersOf(index), label};
     const CellKey key = Sorted(cell.corners);
     PatchCell& kept = cells_.try_emplace(key, cell).first->second;
     if (kept.has_capacities || blocks_.OwnerOf(key) != tile) {
@@ -155,12 +152,7 @@ class PatchCollector {
         IncidentCells(part->tile.tetrahedra, id - blocks_.FirstVertex(tile),
                       &star);
         for (const uint32_t index : star) {
-          CellKey key = part->tile.tetrahedra.cells[index].vertices;
-          for (uint32_t& corner : key) {
-            corner =
-                corner == kInfiniteVertex ? corner : part->tile.ids[corner];
-          }
-          const auto found = cells_.find(Sorted(key));
+          const auto found = cells_.find(Sorted(part->tile.CornersOf(index)));
           if (found != cells_.end()) {
             AddCell(tile, *part, graph, found->second.label, index);
           }

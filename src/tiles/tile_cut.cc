@@ -20,17 +20,17 @@ constexpr size_t kBatchVertices = 1 << 16;
 std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile, uint32_t home,
                                 const PlanBlocks& blocks) {
   std::vector<CellPlace> places;
-  for (const Tetrahedralization::Cell& cell : tile.tetrahedra.cells) {
-    std::array<uint32_t, 4> corners = cell.vertices;
+  const auto& cells = tile.tetrahedra.cells;
+  for (uint32_t cell = 0; cell < cells.size(); ++cell) {
     int num_own = 0;
     int num_others = 0;
-    for (uint32_t& corner : corners) {
-      num_own += corner < tile.num_own;
-      num_others += corner >= tile.num_own && corner != kInfiniteVertex;
-      corner = corner == kInfiniteVertex ? corner : tile.ids[corner];
+    for (const uint32_t vertex : cells[cell].vertices) {
+      num_own += vertex < tile.num_own;
+      num_others += vertex >= tile.num_own && vertex != kInfiniteVertex;
     }
     const bool is_own =
-        num_own > 0 && (num_others == 0 || blocks.OwnerOf(corners) == home);
+        num_own > 0 &&
+        (num_others == 0 || blocks.OwnerOf(tile.CornersOf(cell)) == home);
     places.push_back(!is_own           ? CellPlace::kBeyond
                      : num_others == 0 ? CellPlace::kInner
                                        : CellPlace::kShared);

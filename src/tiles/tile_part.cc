@@ -6,16 +6,12 @@
 namespace colmap_ext {
 namespace {
 
-uint32_t IdOf(const TileTetrahedra& tile, uint32_t vertex) {
-  return vertex == kInfiniteVertex ? vertex : tile.ids[vertex];
-}
-
 UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
   const Tetrahedralization& tetrahedra = cut.tile.tetrahedra;
   const auto& [vertices, neighbors] = tetrahedra.cells[cell];
   std::array<uint32_t, 4> order = {0, 1, 2, 3};
   std::ranges::sort(order, {}, [&, &corners = vertices](uint32_t k) {
-    return IdOf(cut.tile, corners[k]);
+    return cut.tile.IdOf(corners[k]);
   });
   UnknownCell unknown;
   unknown.source = std::min(cut.graph.source[cell], kMaxCapacity);
@@ -24,8 +20,8 @@ UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
     const uint32_t k = order[i];
     const uint32_t other = neighbors[k];
     const uint32_t back = tetrahedra.FacetTo(other, cell);
-    unknown.key[i] = IdOf(cut.tile, vertices[k]);
-    unknown.apexes[i] = IdOf(cut.tile, tetrahedra.cells[other].vertices[back]);
+    unknown.key[i] = cut.tile.IdOf(vertices[k]);
+    unknown.apexes[i] = cut.tile.IdOf(tetrahedra.cells[other].vertices[back]);
     unknown.labels[i] =
         cut.places[other] != CellPlace::kBeyond ? cut.labels[other] : kOutside;
     unknown.out[i] = std::min(cut.graph.capacities[cell][k], kMaxCapacity);
@@ -45,11 +41,8 @@ TileSeam SeamOf(const TileCut& cut) {
     if (cut.labels[cell] == kNotKnown) {
       seam.unknown.push_back(UnknownOf(cut, cell));
     } else if (cut.places[cell] == CellPlace::kShared) {
-      CellKey key = cut.tile.tetrahedra.cells[cell].vertices;
-      for (uint32_t& corner : key) {
-        corner = IdOf(cut.tile, corner);
-      }
-      seam.shared.push_back({Sorted(key), cut.labels[cell]});
+      seam.shared.push_back(
+          {Sorted(cut.tile.CornersOf(cell)), cut.labels[cell]});
     }
   }
   return seam;
