@@ -4,9 +4,9 @@ layout(std430, binding = 0) readonly buffer DrawnVertices {
   float drawn_vertices[];
 };
 layout(std430, binding = 1) readonly buffer Facets { uint facets[]; };
-layout(std430, binding = 3) readonly buffer PairFacets { uint pair_facets[]; };
+layout(std430, binding = 3) readonly buffer ChosenFacets { uint chosen_facets[]; };
 
-uniform uint first_facet;  // of the pair, in pair_facets
+uniform uint first_facet;  // of the pair, in chosen_facets
 uniform uint num_facets;
 uniform dvec3 center_i;
 uniform mat3 pixel_from_world_i;  // from a point relative to camera i to its

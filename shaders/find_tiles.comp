@@ -16,7 +16,7 @@ void main() {
   if (thread >= num_facets) {
     return;
   }
-  uint facet = pair_facets[first_facet + thread];
+  uint facet = chosen_facets[first_facet + thread];
   label_stamps[facet] = stamp;
   ivec4 box = FacetBox(facet);
   if (box.z < box.x || box.w < box.y) {

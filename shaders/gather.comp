@@ -77,7 +77,7 @@ void main() {
   if (thread >= num_facets) {
     return;
   }
-  uint facet = pair_facets[first_facet + thread];
+  uint facet = chosen_facets[first_facet + thread];
   ivec4 box = FacetBox(facet);
   Barycentric barycentric = BarycentricOf(facet, box.xy);
   vec3 energy = vec3(0);  // energy, weight, number of pixels

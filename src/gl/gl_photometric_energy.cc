@@ -74,17 +74,19 @@ class Evaluator {
   std::vector<FacetSums> Evaluate(const TriangleMesh& mesh,
                                   const FacetLabels& labels) {
     const size_t num_facets = mesh.facets.size();
-    const Rows<uint32_t> pair_facets = GroupByPair(labels);
+    const Rows<uint32_t> facets = GroupByDirection(labels);
     vertices_.Assign(mesh.vertices);
-    pair_facets_.Assign(pair_facets.values);
+    chosen_facets_.Assign(facets.values);
     ComputeNormals(num_facets);
     sums_.Resize(num_facets * sizeof(FacetSums));
     sums_.SetZero();
-    for (size_t pair = 0; pair < labels.pairs.size(); ++pair) {
-      const auto first = static_cast<uint32_t>(pair_facets.offsets[pair]);
-      const auto last = static_cast<uint32_t>(pair_facets.offsets[pair + 1]);
-      if (first != last) {
-        AddPair(labels.pairs[pair], first, last - first);
+    for (size_t i = 0; i < facets.size(); ++i) {
+      const auto [first, second] = labels.pairs[i / 2];
+      const auto begin = static_cast<uint32_t>(facets.offsets[i]);
+      const auto end = static_cast<uint32_t>(facets.offsets[i + 1]);
+      if (begin != end) {
+        AddDirection(i % 2 == 0 ? first : second, i % 2 == 0 ? second : first,
+                     begin, end - begin);
       }
     }
     return sums_.Read<FacetSums>(num_facets);
@@ -101,30 +103,26 @@ class Evaluator {
     Dispatch(facet_normals_, num_facets);
   }
 
-  void AddPair(const ViewPair& pair, uint32_t first_facet,
-               uint32_t num_facets) {
-    const PairBuffers buffers = {views_.Vertices(), vertices_, views_.Facets(),
-                                 pair_facets_,      normals_,  sums_};
-    const std::shared_ptr<const ViewTextures> first = views_.Get(pair.first);
-    const std::shared_ptr<const ViewTextures> second = views_.Get(pair.second);
-    const View& first_view = images_->Views()[pair.first];
-    const View& second_view = images_->Views()[pair.second];
+  // \param i  the view where view j is compared
+  void AddDirection(uint32_t i, uint32_t j, uint32_t first_facet,
+                    uint32_t num_facets) {
+    const std::shared_ptr<const ViewTextures> textures_i = views_.Get(i);
+    const std::shared_ptr<const ViewTextures> textures_j = views_.Get(j);
+    const std::vector<View>& views = images_->Views();
     passes_.Run(
-        {first_view, second_view, *first, *second, first_facet, num_facets},
-        buffers);
-    passes_.Run(
-        {second_view, first_view, *second, *first, first_facet, num_facets},
-        buffers);
+        {views[i], views[j], *textures_i, *textures_j, first_facet, num_facets},
+        {views_.Vertices(), vertices_, views_.Facets(), chosen_facets_,
+         normals_, sums_});
   }
 
   std::shared_ptr<ImagePyramid> images_;
   ViewTextureCache views_;
   Program facet_normals_;
   PairPasses passes_;
-  GlBuffer vertices_;     // the present ones
-  GlBuffer pair_facets_;  // see GroupByPair()
-  GlBuffer normals_;      // [F][3] double
-  GlBuffer sums_;         // [F] FacetSums
+  GlBuffer vertices_;       // the present ones
+  GlBuffer chosen_facets_;  // see GroupByDirection()
+  GlBuffer normals_;        // [F][3] double
+  GlBuffer sums_;           // [F] FacetSums
 };
 
 class GlPhotometricEnergy : public PhotometricEnergy {

@@ -21,7 +21,7 @@ enum StorageBinding : GLuint {
   kDrawnVertices = 0,
   kFacets = 1,
   kNormals = 2,
-  kPairFacets = 3,
+  kChosenFacets = 3,
   kLabelStamps = 4,
   kTiles = 5,
   kTileStamps = 6,
@@ -197,7 +197,7 @@ void PairPasses::Run(const PairDirection& direction,
   buffers.drawn_vertices.BindToStorage(kDrawnVertices);
   buffers.facets.BindToStorage(kFacets);
   buffers.normals.BindToStorage(kNormals);
-  buffers.pair_facets.BindToStorage(kPairFacets);
+  buffers.chosen_facets.BindToStorage(kChosenFacets);
   buffers.vertices.BindToStorage(kVertices);
   buffers.sums.BindToStorage(kSums);
   label_stamps_.BindToStorage(kLabelStamps);

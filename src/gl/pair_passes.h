@@ -17,9 +17,10 @@ struct PairBuffers {
   const GlBuffer& drawn_vertices;  // [V][3] float, those that were drawn
   const GlBuffer& vertices;        // [V][3] float, the present ones
   const GlBuffer& facets;          // [F][3] uint
-  const GlBuffer& pair_facets;  // uint, all pairs', by pair: see GroupByPair()
-  const GlBuffer& normals;      // [F][3] double, the present ones
-  const GlBuffer& sums;         // [F][12] float, added to: see gather.comp
+  const GlBuffer& chosen_facets;   // uint, of all directions: see
+                                   // GroupByDirection()
+  const GlBuffer& normals;         // [F][3] double, the present ones
+  const GlBuffer& sums;            // [F][12] float, added to: see gather.comp
 };
 
 // One direction of a pair, i <- j.
@@ -28,12 +29,12 @@ struct PairDirection {
   const View& view_j;
   const ViewTextures& textures_i;
   const ViewTextures& textures_j;
-  uint32_t first_facet = 0;  // of the pair's, in pair_facets
+  uint32_t first_facet = 0;  // of the direction's, in chosen_facets
   uint32_t num_facets = 0;
 };
 
-// What a direction of a pair adds to the sums of the facets labelled with it,
-// in passes over the tiles of image i that show them: warp image j, correlate
+// What a direction of a pair adds to the sums of the facets compared in it, in
+// passes over the tiles of image i that show them: warp image j, correlate
 // windows, differentiate; then gather facet by facet.
 class PairPasses {
  public:

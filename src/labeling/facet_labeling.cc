@@ -106,7 +106,7 @@ FacetLabels AllLabels(const CandidatePairs& candidates,
   std::vector<uint32_t> order(num_facets);
   std::iota(order.begin(), order.end(), 0);
   AddCandidates(candidates, order, &problem);
-  return {pairs, {std::move(problem.offsets), std::move(problem.labels)}};
+  return {pairs, {std::move(problem.offsets), std::move(problem.labels)}, {}};
 }
 
 FacetLabels BestLabels(const std::vector<ViewPair>& pairs,

@@ -17,17 +17,39 @@ struct ViewPair {
   bool operator==(const ViewPair&) const = default;
 };
 
+// The directions of a pair: in which of its views it is compared, the other
+// one's image being warped there. A direction's index among those of all pairs
+// is twice the pair's, and one more for the second view.
+enum Directions : uint8_t { kInFirst = 1, kInSecond = 2, kBothDirections = 3 };
+
 // By which pairs of views each facet is refined: one or several labels a facet,
 // or none (docs/method.md, section 4; [Romanoni2020, section V]).
 struct FacetLabels {
   std::vector<ViewPair> pairs;  // [L], ascending
   Rows<uint32_t> labels;  // [F] indices into pairs, the best first, no repeats
+  std::vector<uint8_t> directions;  // of labels.values; empty: all both
 
   size_t NumFacets() const { return labels.size(); }
 
+  // Calls function(direction) for the directions of a facet's labels.
+  template <typename Function>
+  void ForEachDirection(size_t facet, const Function& function) const {
+    for (uint64_t i = labels.offsets[facet]; i < labels.offsets[facet + 1];
+         ++i) {
+      const uint8_t chosen =
+          directions.empty() ? uint8_t{kBothDirections} : directions[i];
+      if ((chosen & kInFirst) != 0) {
+        function(2 * labels.values[i]);
+      }
+      if ((chosen & kInSecond) != 0) {
+        function(2 * labels.values[i] + 1);
+      }
+    }
+  }
+
   // The same with at most the first `count` labels of each facet.
   FacetLabels First(size_t count) const {
-    FacetLabels first{pairs, {}};
+    FacetLabels first{pairs, {}, {}};
     for (size_t i = 0; i < NumFacets(); ++i) {
       first.labels.AddRow(labels[i].first(std::min(labels[i].size(), count)));
     }
@@ -38,7 +60,7 @@ struct FacetLabels {
   // \param sources  the facet that each comes from; not below F: from none, and
   //        it has no label.
   FacetLabels From(const std::vector<uint32_t>& sources) const {
-    FacetLabels from{pairs, {}};
+    FacetLabels from{pairs, {}, {}};
     for (const uint32_t source : sources) {
       if (source < NumFacets()) {
         from.labels.AddRow(labels[source]);
@@ -52,7 +74,7 @@ struct FacetLabels {
   // The same without the labels of the other facets.
   // \param is_chosen [F]
   FacetLabels Of(const std::vector<uint8_t>& is_chosen) const {
-    FacetLabels chosen{pairs, {}};
+    FacetLabels chosen{pairs, {}, {}};
     for (size_t i = 0; i < NumFacets(); ++i) {
       chosen.labels.AddRow(
           labels[i].first(is_chosen[i] != 0 ? labels[i].size() : 0));

@@ -94,7 +94,7 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
   // What a labelling of the drawn mesh says about where to compare.
   struct Work {
     std::vector<ViewPair> pairs;
-    Rows<uint32_t> pair_facets;  // see GroupByPair()
+    Rows<uint32_t> facets;  // see GroupByDirection()
     std::vector<TiledDirection> directions;
   };
 
@@ -141,11 +141,10 @@ std::shared_ptr<const MeshDrawings> CpuPhotometricEnergy::Drawings(
 // Evaluations between two calls of Render() have the same labels, as a rule.
 const CpuPhotometricEnergy::Work& CpuPhotometricEnergy::WorkFor(
     const FacetLabels& labels) {
-  Rows<uint32_t> pair_facets = GroupByPair(labels);
-  if (!work_ || work_->pairs != labels.pairs ||
-      work_->pair_facets != pair_facets) {
+  Rows<uint32_t> facets = GroupByDirection(labels);
+  if (!work_ || work_->pairs != labels.pairs || work_->facets != facets) {
     work_.reset();
-    work_ = Work{labels.pairs, std::move(pair_facets),
+    work_ = Work{labels.pairs, std::move(facets),
                  FindDirections(*drawings_, labels)};
   }
   return *work_;
@@ -163,7 +162,7 @@ std::vector<FacetSums> CpuPhotometricEnergy::EvaluateDirection(
   const std::vector<View>& views = images_->Views();
   return evaluator->Evaluate({views[direction.i], *image_i, *drawn_i},
                              {views[direction.j], *image_j, *drawn_j}, frames,
-                             work.pair_facets[direction.pair], direction.tiles);
+                             work.facets[direction.direction], direction.tiles);
 }
 
 PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
@@ -181,7 +180,7 @@ PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
                                  &evaluators.local());
       },
       [&](size_t i, const std::vector<FacetSums>& sums) {
-        const auto facets = work.pair_facets[work.directions[i].pair];
+        const auto facets = work.facets[work.directions[i].direction];
         for (size_t k = 0; k < facets.size(); ++k) {
           AddFacet(sums[k], facets[k], &terms);
         }

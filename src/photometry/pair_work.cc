@@ -12,19 +12,21 @@ namespace {
 
 constexpr uint32_t kNotOfView = UINT32_MAX;
 
-// The pairs that a view is of.
-struct PairsOfView {
-  std::vector<uint32_t> pairs;   // ascending
-  std::vector<uint32_t> places;  // [L] in `pairs`, or kNotOfView
+// The directions that are compared in a view.
+struct DirectionsOfView {
+  std::vector<uint32_t> directions;  // ascending
+  std::vector<uint32_t> places;      // [2 L] in `directions`, or kNotOfView
 };
 
-PairsOfView FindPairs(const std::vector<ViewPair>& pairs, uint32_t view) {
-  PairsOfView of_view;
-  of_view.places.assign(pairs.size(), kNotOfView);
-  for (uint32_t i = 0; i < pairs.size(); ++i) {
-    if (pairs[i].first == view || pairs[i].second == view) {
-      of_view.places[i] = static_cast<uint32_t>(of_view.pairs.size());
-      of_view.pairs.push_back(i);
+DirectionsOfView FindDirectionsOf(const std::vector<ViewPair>& pairs,
+                                  uint32_t view) {
+  DirectionsOfView of_view;
+  of_view.places.assign(2 * pairs.size(), kNotOfView);
+  for (uint32_t i = 0; i < of_view.places.size(); ++i) {
+    const ViewPair& pair = pairs[i / 2];
+    if ((i % 2 == 0 ? pair.first : pair.second) == view) {
+      of_view.places[i] = static_cast<uint32_t>(of_view.directions.size());
+      of_view.directions.push_back(i);
     }
   }
   return of_view;
@@ -42,12 +44,12 @@ void Extend(int row, int col, PixelRectangle* tile) {
 
 // The tiles of one row of squares.
 struct TileBand {
-  TileBand(size_t num_pairs, int width)
+  TileBand(size_t num_directions, int width)
       : num_cols((width + kTileSize - 1) / kTileSize),
-        tiles(num_pairs * num_cols) {}
+        tiles(num_directions * num_cols) {}
 
   size_t num_cols;
-  std::vector<PixelRectangle> tiles;  // [pairs of the view * num_cols]
+  std::vector<PixelRectangle> tiles;  // [directions of the view * num_cols]
 };
 
 void AddPixels(const FacetIdBuffer& drawn, int row, const FacetLabels& labels,
@@ -57,12 +59,13 @@ void AddPixels(const FacetIdBuffer& drawn, int row, const FacetLabels& labels,
     if (facet == kNoFacet) {
       continue;
     }
-    for (const uint32_t label : labels.labels[facet]) {
-      if (places[label] != kNotOfView) {
+    labels.ForEachDirection(facet, [&](uint32_t direction) {
+      const uint32_t place = places[direction];
+      if (place != kNotOfView) {
         Extend(row, col,
-               &band->tiles[places[label] * band->num_cols + col / kTileSize]);
+               &band->tiles[place * band->num_cols + col / kTileSize]);
       }
-    }
+    });
   }
 }
 
@@ -72,11 +75,11 @@ std::vector<TiledDirection> DirectionsTo(uint32_t view,
   std::vector<TiledDirection> directions;
   std::vector<std::vector<PixelRectangle>> tiles =
       FindTiles(drawn, view, labels);
-  for (uint32_t pair = 0; pair < tiles.size(); ++pair) {
-    if (!tiles[pair].empty()) {
-      const auto [first, second] = labels.pairs[pair];
+  for (uint32_t i = 0; i < tiles.size(); ++i) {
+    if (!tiles[i].empty()) {
+      const auto [first, second] = labels.pairs[i / 2];
       directions.push_back(
-          {pair, view, first == view ? second : first, std::move(tiles[pair])});
+          {i, view, first == view ? second : first, std::move(tiles[i])});
     }
   }
   return directions;
@@ -84,39 +87,41 @@ std::vector<TiledDirection> DirectionsTo(uint32_t view,
 
 }  // namespace
 
-Rows<uint32_t> GroupByPair(const FacetLabels& labels) {
-  Rows<uint32_t> pair_facets(labels.pairs.size());
-  for (const uint32_t label : labels.labels.values) {
-    ++pair_facets.offsets[label + 1];
-  }
-  for (size_t i = 0; i < labels.pairs.size(); ++i) {
-    pair_facets.offsets[i + 1] += pair_facets.offsets[i];
-  }
-  std::vector<uint64_t> next(pair_facets.offsets.begin(),
-                             pair_facets.offsets.end() - 1);
-  pair_facets.values.resize(labels.labels.values.size());
-  for (uint32_t facet = 0; facet < labels.NumFacets(); ++facet) {
-    for (const uint32_t label : labels.labels[facet]) {
-      pair_facets.values[next[label]++] = facet;
+Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
+  Rows<uint32_t> facets(2 * labels.pairs.size());
+  const auto for_each = [&labels](const auto& function) {
+    for (uint32_t facet = 0; facet < labels.NumFacets(); ++facet) {
+      labels.ForEachDirection(
+          facet, [&](uint32_t direction) { function(facet, direction); });
     }
+  };
+  for_each(
+      [&](uint32_t, uint32_t direction) { ++facets.offsets[direction + 1]; });
+  for (size_t i = 1; i < facets.offsets.size(); ++i) {
+    facets.offsets[i] += facets.offsets[i - 1];
   }
-  return pair_facets;
+  facets.values.resize(facets.offsets.back());
+  std::vector<uint64_t> next(facets.offsets.begin(), facets.offsets.end() - 1);
+  for_each([&](uint32_t facet, uint32_t direction) {
+    facets.values[next[direction]++] = facet;
+  });
+  return facets;
 }
 
 std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
                                                    uint32_t view,
                                                    const FacetLabels& labels) {
-  const PairsOfView of_view = FindPairs(labels.pairs, view);
-  std::vector<std::vector<PixelRectangle>> tiles(labels.pairs.size());
+  const DirectionsOfView of_view = FindDirectionsOf(labels.pairs, view);
+  std::vector<std::vector<PixelRectangle>> tiles(of_view.places.size());
   for (int first = 0; first < drawn.height; first += kTileSize) {
-    TileBand band(of_view.pairs.size(), drawn.width);
+    TileBand band(of_view.directions.size(), drawn.width);
     const int end = std::min(first + kTileSize, drawn.height);
     for (int row = first; row < end; ++row) {
       AddPixels(drawn, row, labels, of_view.places, &band);
     }
     for (size_t i = 0; i < band.tiles.size(); ++i) {
       if (!band.tiles[i].IsEmpty()) {
-        tiles[of_view.pairs[i / band.num_cols]].push_back(band.tiles[i]);
+        tiles[of_view.directions[i / band.num_cols]].push_back(band.tiles[i]);
       }
     }
   }

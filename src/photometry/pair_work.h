@@ -11,8 +11,8 @@
 
 namespace colmap_ext {
 
-// [L] the facets that each pair refines, ascending.
-Rows<uint32_t> GroupByPair(const FacetLabels& labels);
+// [2 L] the facets that are compared in each direction, ascending.
+Rows<uint32_t> GroupByDirection(const FacetLabels& labels);
 
 // A rectangle of pixels, both ends included.
 struct PixelRectangle {
@@ -26,23 +26,23 @@ struct PixelRectangle {
 // floats, is 0.3 MB. Results depend on it by rounding only.
 inline constexpr int kTileSize = 48;
 
-// [L] the pixels of a view that show facets labelled with each pair: in each
-// square of kTileSize^2 pixels that has any, the smallest rectangle around
-// them, row by row. Empty for pairs that the view is not of.
+// [2 L] the pixels of a view that show facets compared there in each direction:
+// in each square of kTileSize^2 pixels that has any, the smallest rectangle
+// around them, row by row. Empty for directions of other views.
 std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
                                                    uint32_t view,
                                                    const FacetLabels& labels);
 
 // A direction of a pair, i <- j, and the tiles of image i where it is compared.
 struct TiledDirection {
-  uint32_t pair = 0;
+  uint32_t direction = 0;  // its index, see Directions
   uint32_t i = 0;
   uint32_t j = 0;
   std::vector<PixelRectangle> tiles;  // at least one
 };
 
-// The directions of all pairs that some pixel shows facets of, by their view i,
-// so that few views are in use at a time.
+// The directions that some pixel shows facets of, by their view i, so that few
+// views are in use at a time.
 std::vector<TiledDirection> FindDirections(const MeshDrawings& drawings,
                                            const FacetLabels& labels);
 

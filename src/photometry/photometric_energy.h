@@ -43,8 +43,9 @@ struct PhotometricOptions {
 // The photometric energy of a mesh under a labelling of its facets
 // (docs/method.md, section 5.1),
 //
-//   E = sum over pairs {i, j}, over both of their directions, over the pixels
-//       x of image i that show a facet labelled with the pair
+//   E = sum over pairs {i, j}, over their directions, both or one
+//       (FacetLabels::directions), over the pixels x of image i that show a
+//       facet labelled with the pair and compared in the direction
 //       of w(x) c(ZNCC(I_i, I_ij; window of x)),   c(Z) = s log(1 - Z / s),
 //
 // I_ij being the image I_j seen from i by way of the surface, w = m / (m +

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "labeling/compared_directions.h"
 #include "mesh/vertex_normals.h"
 #include "mesh/vertex_rings.h"
 #include "refine/confirmed_facets.h"
@@ -314,7 +315,9 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
   state = FollowCameras(level, stage, Iterate(stage, std::move(state)));
   if (!state.is_stopped &&
       few_labels.labels.values.size() < labels.labels.values.size()) {
-    state = FinishByAllLabels(labels, std::move(stage), std::move(state));
+    const FacetLabels compared =
+        InSmallerView(labels, state.surface.mesh, level.views);
+    state = FinishByAllLabels(compared, std::move(stage), std::move(state));
   }
   if (!is_all_confirmed) {
     TakeOthers(is_confirmed, first_terms, &state.surface.terms);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gl/gl_error.h"
+#include "labeling/compared_directions.h"
 #include "photometry/cpu_photometric_energy.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"
@@ -144,6 +145,20 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorWhateverTheOptions) {
   }
 }
 
+TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInOneDirection) {
+  const EnergyScene& scene = Statue();
+  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  const FacetLabels labels =
+      InSmallerView(scene.Labels(2), mesh, scene.Views());
+  const auto gl = MakeGl(scene);
+  const auto cpu = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
+  gl->Render(mesh);
+  cpu->Render(mesh);
+  const PhotometricTerms expected = cpu->Evaluate(mesh, labels);
+  ExpectAgreement(gl->Evaluate(mesh, labels), expected);
+  EXPECT_GT(expected.energy, cpu->Evaluate(mesh, scene.Labels(2)).energy);
+}
+
 TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
   const EnergyScene& scene = Statue();
   const auto energy = MakeGl(scene);
@@ -151,7 +166,7 @@ TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
   FacetLabels labels = scene.Labels(1);
   const PhotometricTerms all = energy->Evaluate(scene.Truth(), labels);
   // Every second facet of the others loses its label.
-  FacetLabels half{labels.pairs, {}};
+  FacetLabels half{labels.pairs, {}, {}};
   for (size_t facet = 0; facet < labels.NumFacets(); ++facet) {
     const auto row = labels.labels[facet];
     if (facet % 2 == 0) {

@@ -13,7 +13,8 @@ namespace {
 
 constexpr uint32_t kNumViews = 4;
 
-// Up to three of the pairs of four views for each facet.
+// Up to three of the pairs of four views for each facet, compared in one
+// direction or both.
 FacetLabels RandomLabels(uint32_t num_facets, Random* random) {
   FacetLabels labels;
   for (uint32_t a = 0; a < kNumViews; ++a) {
@@ -31,7 +32,23 @@ FacetLabels RandomLabels(uint32_t num_facets, Random* random) {
                                 all.begin() + random->Below(4));
     labels.labels.EndRow();
   }
+  for (size_t i = 0; i < labels.labels.values.size(); ++i) {
+    labels.directions.push_back(random->Integer(kInFirst, kBothDirections));
+  }
   return labels;
+}
+
+// Whether a facet is compared in a direction.
+bool IsCompared(const FacetLabels& labels, uint32_t facet, uint32_t direction) {
+  for (uint64_t i = labels.labels.offsets[facet];
+       i < labels.labels.offsets[facet + 1]; ++i) {
+    if (labels.labels.values[i] == direction / 2 &&
+        (labels.directions[i] & (direction % 2 == 0 ? kInFirst : kInSecond)) !=
+            0) {
+      return true;
+    }
+  }
+  return false;
 }
 
 // Patches of facets, and places without any.
@@ -54,34 +71,39 @@ FacetIdBuffer RandomBuffer(int width, int height, uint32_t num_facets,
   return buffer;
 }
 
-TEST(GroupByPair, TurnsTheLabelsRound) {
+TEST(GroupByDirection, TurnsTheLabelsRound) {
   Random random(1);
   for (const uint32_t num_facets : {0u, 1u, 5u, 300u}) {
     const FacetLabels labels = RandomLabels(num_facets, &random);
-    const Rows<uint32_t> by_pair = GroupByPair(labels);
-    ASSERT_EQ(by_pair.offsets.size(), labels.pairs.size() + 1);
-    EXPECT_EQ(by_pair.offsets.front(), 0);
-    EXPECT_EQ(by_pair.offsets.back(), labels.labels.values.size());
-    std::vector<std::vector<uint32_t>> rows(labels.pairs.size());
-    for (uint32_t facet = 0; facet < num_facets; ++facet) {
-      for (const uint32_t label : labels.labels[facet]) {
-        rows[label].push_back(facet);
+    const Rows<uint32_t> by_direction = GroupByDirection(labels);
+    ASSERT_EQ(by_direction.size(), 2 * labels.pairs.size());
+    for (uint32_t direction = 0; direction < by_direction.size(); ++direction) {
+      std::vector<uint32_t> expected;
+      for (uint32_t facet = 0; facet < num_facets; ++facet) {
+        if (IsCompared(labels, facet, direction)) {
+          expected.push_back(facet);
+        }
       }
-    }
-    for (size_t pair = 0; pair < rows.size(); ++pair) {
-      EXPECT_EQ(std::vector<uint32_t>(
-                    by_pair.values.begin() + by_pair.offsets[pair],
-                    by_pair.values.begin() + by_pair.offsets[pair + 1]),
-                rows[pair]);
+      const auto facets = by_direction[direction];
+      EXPECT_EQ(std::vector<uint32_t>(facets.begin(), facets.end()), expected);
     }
   }
 }
 
-// The squares with pixels of a pair, and the rectangles around those.
+TEST(GroupByDirection, TakesBothUnlessToldOtherwise) {
+  Random random(2);
+  FacetLabels labels = RandomLabels(40, &random);
+  std::ranges::fill(labels.directions, kBothDirections);
+  const Rows<uint32_t> told = GroupByDirection(labels);
+  labels.directions.clear();
+  EXPECT_EQ(GroupByDirection(labels), told);
+}
+
+// The squares with pixels of a direction, and the rectangles around those.
 using Squares = std::map<std::pair<int, int>, std::array<int, 4>>;
 
 Squares ExpectedSquares(const FacetIdBuffer& drawn, const FacetLabels& labels,
-                        uint32_t pair) {
+                        uint32_t direction) {
   Squares squares;
   for (int row = 0; row < drawn.height; ++row) {
     for (int col = 0; col < drawn.width; ++col) {
@@ -89,8 +111,7 @@ Squares ExpectedSquares(const FacetIdBuffer& drawn, const FacetLabels& labels,
       if (facet == kNoFacet) {
         continue;
       }
-      const auto row_labels = labels.labels[facet];
-      if (std::count(row_labels.begin(), row_labels.end(), pair) == 0) {
+      if (!IsCompared(labels, facet, direction)) {
         continue;
       }
       auto& [first_row, last_row, first_col, last_col] =
@@ -117,15 +138,15 @@ TEST(FindTiles, AreTheSmallestRectanglesInEachSquare) {
         RandomBuffer(width, height, num_facets, &random);
     for (uint32_t view = 0; view < kNumViews; ++view) {
       const auto tiles = FindTiles(drawn, view, labels);
-      ASSERT_EQ(tiles.size(), labels.pairs.size());
-      for (uint32_t pair = 0; pair < labels.pairs.size(); ++pair) {
-        if (labels.pairs[pair].first != view &&
-            labels.pairs[pair].second != view) {
-          EXPECT_TRUE(tiles[pair].empty());
+      ASSERT_EQ(tiles.size(), 2 * labels.pairs.size());
+      for (uint32_t direction = 0; direction < tiles.size(); ++direction) {
+        const auto [first, second] = labels.pairs[direction / 2];
+        if ((direction % 2 == 0 ? first : second) != view) {
+          EXPECT_TRUE(tiles[direction].empty());
           continue;
         }
         Squares squares;
-        for (const PixelRectangle& tile : tiles[pair]) {
+        for (const PixelRectangle& tile : tiles[direction]) {
           EXPECT_EQ(tile.first_row / kTileSize, tile.last_row / kTileSize);
           EXPECT_EQ(tile.first_col / kTileSize, tile.last_col / kTileSize);
           EXPECT_TRUE(
@@ -136,7 +157,7 @@ TEST(FindTiles, AreTheSmallestRectanglesInEachSquare) {
                                          tile.first_col, tile.last_col})
                   .second);
         }
-        EXPECT_EQ(squares, ExpectedSquares(drawn, labels, pair));
+        EXPECT_EQ(squares, ExpectedSquares(drawn, labels, direction));
       }
     }
   }

@@ -161,6 +161,28 @@ TEST(CpuPhotometricEnergy, IsLowestNearTheTruth) {
   }
 }
 
+// Pairs that are compared in both directions add what each of them says.
+TEST(CpuPhotometricEnergy, DirectionsAddUp) {
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+  energy->Render(mesh);
+  FacetLabels labels = LabelAll({{0, 1}, {0, 7}}, mesh.facets.size());
+  const PhotometricTerms both = energy->Evaluate(mesh, labels);
+  labels.directions.assign(labels.labels.values.size(), kInFirst);
+  const PhotometricTerms first = energy->Evaluate(mesh, labels);
+  labels.directions.assign(labels.labels.values.size(), kInSecond);
+  const PhotometricTerms second = energy->Evaluate(mesh, labels);
+  EXPECT_LT(first.energy, 0);
+  EXPECT_LT(second.energy, 0);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    EXPECT_EQ(first.num_pixels[i] + second.num_pixels[i], both.num_pixels[i]);
+    EXPECT_NEAR(first.energies[i] + second.energies[i], both.energies[i],
+                1e-5 * std::abs(both.energies[i]));
+    EXPECT_NEAR(first.curvatures[i][0] + second.curvatures[i][0],
+                both.curvatures[i][0], 1e-5 * both.curvatures[i][0]);
+  }
+}
+
 TEST(CpuPhotometricEnergy, SaysNothingOfFacetsWithoutLabel) {
   const TriangleMesh mesh = PerturbedTruth(0.3F);
   const size_t num_labeled = mesh.facets.size() / 2;

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "mesh/triangle_mesh.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// Returns the area that a facet covers in a view's image, px^2, wherever it
+// ends and whatever lies before it.
+// \pre its corners lie before the camera
+double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
+                   const View& view);
+
+}  // namespace colmap_ext
