@@ -110,13 +110,21 @@ std::vector<double> Margins(const Surface& surface, const TileCells& cells,
   return margins;
 }
 
-// Fitted to tiles of bunny and sceaux (docs/benchmarks.md): what a square pixel
-// of surface takes, with a factor of safety.
-void EstimateJob(const RefinerOptions& options, RefinementTile* tile) {
+// Fitted to tiles of bunny (docs/benchmarks.md), rounded up: what a square
+// pixel of surface takes, and one of an image with what is drawn into it.
+void EstimateJob(const std::vector<View>& views, double max_memory_gb,
+                 RefinementTile* tile) {
+  constexpr double kBaseGb = 0.06;
   constexpr double kGbPerPixel = 1.5e-7;
-  constexpr double kSecondsPerPixel = 8e-5;
-  tile->memory_gb = 0.1 + kGbPerPixel * tile->pixels + options.max_memory_gb;
-  tile->seconds = 5 + kSecondsPerPixel * tile->pixels;
+  constexpr double kGbPerImagePixel = 9e-9;
+  constexpr double kSecondsPerPixel = 4e-5;
+  double num_pixels = 0;
+  for (const View& view : views) {
+    num_pixels += static_cast<double>(view.width) * view.height;
+  }
+  tile->memory_gb = kBaseGb + kGbPerPixel * tile->pixels +
+                    std::min(max_memory_gb, kGbPerImagePixel * num_pixels);
+  tile->seconds = kSecondsPerPixel * tile->pixels;
 }
 
 void CountPixels(const Surface& surface, const TileCells& cells,
@@ -160,7 +168,7 @@ std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
   CountPixels(surface, cells, plan.views, &tiles);
   for (size_t tile = 0; tile < cells.size(); ++tile) {
     tiles[tile].color = colors[tile];
-    EstimateJob(options, &tiles[tile]);
+    EstimateJob(plan.views, options.max_memory_gb, &tiles[tile]);
   }
   return tiles;
 }

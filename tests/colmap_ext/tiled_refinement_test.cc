@@ -27,9 +27,8 @@ class TiledRefinementTest : public RefinerFixture {
     for (int tile = 0; tile < num_tiles; ++tile) {
       RunCommand("delaunay_manifold_mesher " + Plan() + Tile(tile));
     }
-    const Outcome merged = RunCommand("mesh_merger " + Plan() +
-                                      " --output_path " +
-                                      Quote(merged_.string()));
+    const Outcome merged = RunCommand(
+        "mesh_merger " + Plan() + " --output_path " + Quote(merged_.string()));
     EXPECT_EQ(merged.exit_code, 0) << merged.err;
   }
 
@@ -66,8 +65,7 @@ class TiledRefinementTest : public RefinerFixture {
   }
 
   Outcome MergeRefined() const {
-    return RunCommand("mesh_merger " + Plan() +
-                      " --refined 1 --output_path " +
+    return RunCommand("mesh_merger " + Plan() + " --refined 1 --output_path " +
                       Quote(refined_.string()));
   }
 

@@ -81,7 +81,7 @@ TEST(MayHide, IsTrueOfWhatLiesBetween) {
   for (int i = 0; i < 2000; ++i) {
     Eigen::AlignedBox3f seen(corner(1));
     seen.extend(corner(1));
-    Eigen::AlignedBox3f box(corner(5));
+    Eigen::AlignedBox3f box(corner(2));
     box.extend(Eigen::Vector3f(box.min() + corner(1)));
     const Eigen::Vector3f center = corner(8);
     const bool may_hide = MayHide(box, center, seen);
