@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/tiling/plan_files.h"
 #include "colmap_ext/tiling/surface_files.h"
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
@@ -59,6 +60,35 @@ void ExpectPlansMesh(const fs::path& path, const Plan& plan,
     throw FileError(path, "not 2-manifold (" + report.Defects() +
                               "): take the mesh that mesh_merger has written");
   }
+}
+
+// Whether a vertex is one of the plan.
+bool IsPlanned(const FilePlan& plan, const Eigen::Vector3f& vertex) {
+  const PlanBlocks& blocks = plan.Blocks();
+  for (size_t block = 0; block < blocks.NumBlocks(); ++block) {
+    if (blocks.boxes[block].contains(vertex)) {
+      const std::vector<Eigen::Vector3f> positions =
+          plan.ReadPositions(blocks.begins[block], blocks.begins[block + 1]);
+      if (std::ranges::find(positions, vertex) != positions.end()) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Whether a mesh has been made of the vertices of a plan: most are its own
+// then, if it was not remeshed.
+bool IsOfPlan(const FilePlan& plan, const TriangleMesh& mesh) {
+  constexpr size_t kNumSamples = 200;
+  const size_t stride = mesh.vertices.size() / kNumSamples + 1;
+  size_t num_samples = 0;
+  size_t num_planned = 0;
+  for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
+    ++num_samples;
+    num_planned += IsPlanned(plan, mesh.vertices[i]) ? 1 : 0;
+  }
+  return 2 * num_planned >= num_samples;
 }
 
 Surface ReadSurface(const fs::path& path, const Plan& plan) {
@@ -225,6 +255,12 @@ RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
   }
   Report(progress, "Reading the mesh", 0);
   const Surface surface = ReadSurface(mesh_path, plan);
+  if (!MeshingOptionsOf(folder, plan).meshing.remeshing &&
+      !IsOfPlan(FilePlan(folder, plan), surface.mesh)) {
+    throw FileError(mesh_path,
+                    "was not made of the points of the plan: it belongs to "
+                    "another one");
+  }
   report->num_vertices = surface.mesh.vertices.size();
   report->num_facets = surface.mesh.facets.size();
   Report(progress, "Colouring the tiles", 0);

@@ -138,6 +138,13 @@ TEST_F(TiledRefinementTest, RefusesTheMeshOfAnotherPlan) {
   WriteFile(VisibilityPath(merged_), visibility);
   ExpectRefusal(PlanRefinement(), "it belongs to another plan");
   EXPECT_FALSE(fs::exists(plan_ / "refine.json"));
+  TriangleMesh moved = ReadPlyMesh(path_ / kInput);
+  for (Eigen::Vector3f& vertex : moved.vertices) {
+    vertex *= 0.999F;
+  }
+  Visibility none(moved.vertices.size());
+  WriteMesh(merged_, moved, {{}, none, {}});
+  ExpectRefusal(PlanRefinement(), "it belongs to another one");
 }
 
 }  // namespace
