@@ -61,7 +61,7 @@ std::vector<SurfaceId> RemovedFacets(const SurfaceStore& store,
 
 // So that the lowest corner is the first.
 Facet Turned(Facet facet) {
-  std::ranges::rotate(facet, std::ranges::min_element(facet));
+  std::rotate(facet.begin(), std::ranges::min_element(facet), facet.end());
   return facet;
 }
 

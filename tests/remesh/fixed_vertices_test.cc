@@ -27,7 +27,7 @@ FixedVertices Half(const TriangleMesh& mesh) {
 }
 
 Facet Turned(Facet facet) {
-  std::ranges::rotate(facet, std::ranges::min_element(facet));
+  std::rotate(facet.begin(), std::ranges::min_element(facet), facet.end());
   return facet;
 }
 
