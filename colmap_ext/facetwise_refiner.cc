@@ -9,6 +9,7 @@
 #include "colmap_ext/refinement_run.h"
 #include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
+#include "colmap_ext/tiled_refinement.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/write_png.h"
@@ -69,7 +70,13 @@ int RunFacetwiseRefiner(int argc, char** argv) {
   AddRefinerOptions(&command, &options);
   const CommandSteps steps = {
       [&options] { options.Finish(); }, &options.num_threads,
-      [&options, &command] { RefineWorkspace(options, PageOptions(command)); }};
+      [&options, &command] {
+        if (options.plan_path.empty()) {
+          RefineWorkspace(options, PageOptions(command));
+        } else {
+          RunTiledRefinement(options);
+        }
+      }};
   return RunCommand(argc, argv, command, steps, Advice());
 }
 

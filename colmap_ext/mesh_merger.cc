@@ -5,13 +5,17 @@
 
 #include "colmap_ext/commands.h"
 #include "colmap_ext/options/tiling_options.h"
+#include "colmap_ext/refinement/refinement_state.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
+#include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/refine_tile.h"
 #include "colmap_ext/tiling/run_tile.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"
+#include "mesh/topology.h"
 
 namespace colmap_ext {
 
@@ -23,9 +27,22 @@ CommandAdvice Advice() {
           {}};
 }
 
-void Merge(const MergerOptions& options) {
-  ExpectWritable(options.output_path);
-  ExpectWritable(VisibilityPath(options.output_path));
+void MergeRefinedTiles(const MergerOptions& options) {
+  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+  const auto progress = [&reporter](std::string_view stage, double share) {
+    reporter.Update(stage, share);
+  };
+  const RefinedMesh refined = MergeRefined(options.plan_path, progress);
+  Report(progress, "Writing the mesh", 0);
+  ExpectManifold(refined.mesh);
+  WriteMesh(options.output_path, refined.mesh, refined.attributes);
+  reporter.Finish();
+  ReportLog log(&std::cout);
+  PrintReport(refined.report, Analyze(refined.mesh), &log);
+  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+}
+
+void MergeTiles(const MergerOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const auto progress = [&reporter](std::string_view stage, double share) {
     reporter.Update(stage, share);
@@ -42,6 +59,16 @@ void Merge(const MergerOptions& options) {
         &log);
   PrintReport(mesh.report, &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+}
+
+void Merge(const MergerOptions& options) {
+  ExpectWritable(options.output_path);
+  ExpectWritable(VisibilityPath(options.output_path));
+  if (options.is_refined) {
+    MergeRefinedTiles(options);
+  } else {
+    MergeTiles(options);
+  }
   std::cout << "\nWrote " << options.output_path << " and "
             << VisibilityPath(options.output_path).string() << std::endl;
 }

@@ -33,6 +33,13 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "The mesh with its faces coloured by the pair of images that refined "
       "them, PLY; a picture of it, PNG, lies beside it");
   manager->AddDefaultOption(
+      "plan", &refiner->plan_path,
+      "The folder of mesh_planner. With input_path, the mesh that mesh_merger "
+      "made of it, the refinement of its tiles is planned; with tile, one is "
+      "refined, and mesh_merger --refined 1 makes the mesh of all");
+  manager->AddDefaultOption("tile", &refiner->tile,
+                            "The tile of the plan, from 0 on");
+  manager->AddDefaultOption(
       "resume", &refiner->resume,
       "Go on from the last complete level of a run that was interrupted");
   manager->AddDefaultOption(
@@ -135,6 +142,13 @@ void AddBorderOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "[edges] Holes of up to as many are closed; -1: all, 0: none");
 }
 
+void AddMissingImagesOption(CommandOptions* manager, RefinerOptions* refiner) {
+  manager->AddDefaultOption("FacetwiseRefinement.skip_missing_images",
+                            &refiner->skip_missing_images,
+                            "Go on without images that are missing, can not be "
+                            "read, or are not of their camera's size");
+}
+
 void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption("FacetwiseRefinement.backend",
                             &refiner->words.backend,
@@ -150,10 +164,7 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb,
       "[GB] For images; if they do not fit they are read again and again");
-  manager->AddDefaultOption("FacetwiseRefinement.skip_missing_images",
-                            &refiner->skip_missing_images,
-                            "Go on without images that are missing, can not be "
-                            "read, or are not of their camera's size");
+  AddMissingImagesOption(manager, refiner);
   manager->AddDefaultOption(
       "FacetwiseRefinement.snapshot_interval", &refiner->snapshot_interval,
       "[iterations] Write OUTPUT.LEVEL.ITERATION.ply every so many; 0: never");
@@ -170,6 +181,14 @@ void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner) {
   AddVariantOptions(manager, refiner);
   AddBorderOptions(manager, refiner);
   AddRunOptions(manager, refiner);
+}
+
+void AddResultOptions(CommandOptions* manager, RefinerOptions* refiner) {
+  AddMethodOptions(manager, refiner);
+  AddPairOptions(manager, refiner);
+  AddVariantOptions(manager, refiner);
+  AddBorderOptions(manager, refiner);
+  AddMissingImagesOption(manager, refiner);
 }
 
 }  // namespace colmap_ext

@@ -9,4 +9,7 @@ namespace colmap_ext {
 // \param refiner  has to outlive the manager's parsing.
 void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner);
 
+// Those of them that decide what becomes of a mesh and its pictures.
+void AddResultOptions(CommandOptions* manager, RefinerOptions* refiner);
+
 }  // namespace colmap_ext

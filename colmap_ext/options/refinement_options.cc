@@ -35,6 +35,42 @@ void CheckPaths(const RefinerOptions& options) {
   }
 }
 
+// A plan says what is refined.
+void CheckPlan(const RefinerOptions& options) {
+  if (options.plan_path.empty()) {
+    throw OptionError("--tile needs --plan");
+  }
+  for (const std::string* path :
+       {&options.workspace_path, &options.output_path, &options.fused_path,
+        &options.sparse_path, &options.report_path, &options.labels_path,
+        &options.scene.mask_path, &options.scene.transform_path,
+        &options.scene.region.text}) {
+    if (!path->empty()) {
+      throw OptionError(
+          "--plan says what is refined: of the paths, leave out all but "
+          "--input_path, and masks, regions and transforms");
+    }
+  }
+  if (options.resume || options.viewer || options.snapshot_interval > 0) {
+    throw OptionError(
+        "--resume, --viewer and snapshot_interval are not for plans: a tile is "
+        "refined at one go");
+  }
+  if (options.input_path.empty() != (options.tile >= 0)) {
+    throw OptionError(
+        options.tile >= 0
+            ? "--input_path is for the planning, without --tile"
+            : "--plan needs --tile, or --input_path, the plan's mesh, to plan "
+              "its refinement");
+  }
+  if (options.words.refine_cameras != "auto" &&
+      options.words.refine_cameras != "none") {
+    throw OptionError(
+        "cameras are not refined in tiles: refine them before, without --plan, "
+        "and plan by mesh_planner --sparse_path WORKSPACE/sparse-refined");
+  }
+}
+
 void CheckNumbers(const RefinerOptions& options) {
   if (options.window < 3 || options.window % 2 == 0) {
     throw OptionError("window must be odd, and 3 or more");
@@ -54,7 +90,16 @@ void CheckNumbers(const RefinerOptions& options) {
 }  // namespace
 
 void RefinerOptions::Finish() {
-  CheckPaths(*this);
+  if (!plan_path.empty() || tile >= 0) {
+    CheckPlan(*this);
+  } else {
+    CheckPaths(*this);
+  }
+  scene.Finish();
+  FinishMethod();
+}
+
+void RefinerOptions::FinishMethod() {
   CheckNumbers(*this);
   image_order = ParseImageOrder(words.image_order);
   backend = ParseWord<Backend>(
@@ -76,7 +121,6 @@ void RefinerOptions::Finish() {
        {"poses", RefinedParts::kPoses},
        {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   refinement.cameras.only_if_misaligned = words.refine_cameras == "auto";
-  scene.Finish();
   ChooseTrim(true);
   if (const std::string error = refinement.Check(); !error.empty()) {
     throw OptionError("FacetwiseRefinement." + error);

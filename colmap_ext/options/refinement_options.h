@@ -29,6 +29,8 @@ struct RefinerOptions {
   std::string sparse_path;  // see WorkspaceOptions
   std::string report_path;  // a CSV, or the page beside it; see below
   std::string labels_path;  // a PLY; its picture lies beside it
+  std::string plan_path;    // a plan's folder, instead of a workspace
+  int tile = -1;            // of the plan; -1: the refinement is planned
   SceneOptions scene;
   bool resume = false;
   bool viewer = false;  // shows the mesh in a window meanwhile
@@ -58,6 +60,9 @@ struct RefinerOptions {
   // Passes words, and the window, on to the options that they stand for.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
+
+  // The same of those that AddResultOptions() adds alone.
+  void FinishMethod();
 
   // Whether cameras that can not be refined are taken as they are.
   bool AllowsFixedCameras() const { return words.refine_cameras == "auto"; }

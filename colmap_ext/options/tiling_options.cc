@@ -74,6 +74,9 @@ void AddMergerOptions(CommandOptions* manager, MergerOptions* merger) {
                             "The folder of mesh_planner, all of whose tiles "
                             "are done");
   manager->AddDefaultOption("output_path", &merger->output_path, "The mesh");
+  manager->AddDefaultOption("refined", &merger->is_refined,
+                            "The mesh of the tiles as facetwise_refiner has "
+                            "refined them");
   manager->AddDefaultOption("num_threads", &merger->num_threads,
                             "[threads] -1 for all; the result does not depend "
                             "on it");

@@ -25,6 +25,7 @@ struct PlannerOptions {
 struct MergerOptions {
   std::string plan_path;
   std::string output_path;
+  bool is_refined = false;  // of the tiles that are refined
   int num_threads = -1;
 
   // \throw OptionError

@@ -233,6 +233,10 @@ class Planner {
   void ShareOut(PointShares* shares) {
     const SplitTree tree = SplitSample(num_tiles_);
     plan_.tiles.resize(num_tiles_);
+    const std::vector<Eigen::AlignedBox3f> cells = tree.Cells();
+    for (size_t tile = 0; tile < num_tiles_; ++tile) {
+      plan_.tiles[tile].cell = cells[tile];
+    }
     ForEachPoint([&](const PointCloud& piece, size_t point) {
       const PointCloud corrected = Correct(piece, point);
       const uint32_t tile = tree.PartOf(corrected.positions[0]);

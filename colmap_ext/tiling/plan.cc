@@ -1,7 +1,9 @@
 #include "colmap_ext/tiling/plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,14 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// FNV-1a of 64 bits [FowlerNollVo].
-uint64_t Hash(const std::string& text, uint64_t hash = 0xcbf29ce484222325) {
-  for (const char c : text) {
-    hash = (hash ^ static_cast<uint8_t>(c)) * 0x100000001b3;
-  }
-  return hash;
-}
 
 Json ToJson(const View& view) {
   std::vector<double> rotation(9);
@@ -62,17 +56,39 @@ View ViewFrom(const Json& json) {
   return view;
 }
 
+// Both corners; what is infinite is null.
+Json ToJson(const Eigen::AlignedBox3f& box) {
+  Json json;
+  for (const Eigen::Vector3f& corner : {box.min(), box.max()}) {
+    for (const float value : corner) {
+      json.push_back(std::isfinite(value) ? Json(value) : Json());
+    }
+  }
+  return json;
+}
+
+Eigen::AlignedBox3f BoxFrom(const Json& json) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Eigen::AlignedBox3f box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Json& low = json.at(static_cast<size_t>(axis));
+    const Json& high = json.at(static_cast<size_t>(axis + 3));
+    box.min()[axis] = low.is_null() ? -kInfinity : low.get<float>();
+    box.max()[axis] = high.is_null() ? kInfinity : high.get<float>();
+  }
+  return box;
+}
+
 Json ToJson(const PlannedTile& tile) {
-  return {{"points", tile.num_points},
-          {"vertices", tile.num_vertices},
-          {"rays", tile.num_rays},
-          {"memory_gb", tile.memory_gb},
-          {"core_seconds", tile.seconds}};
+  return {{"points", tile.num_points},    {"vertices", tile.num_vertices},
+          {"rays", tile.num_rays},        {"memory_gb", tile.memory_gb},
+          {"core_seconds", tile.seconds}, {"cell", ToJson(tile.cell)}};
 }
 
 PlannedTile TileFrom(const Json& json) {
-  return {json.at("points"), json.at("vertices"), json.at("rays"),
-          json.at("memory_gb"), json.at("core_seconds")};
+  return {json.at("points"),       json.at("vertices"),
+          json.at("rays"),         json.at("memory_gb"),
+          json.at("core_seconds"), BoxFrom(json.at("cell"))};
 }
 
 Plan PlanFrom(const Json& json) {
@@ -96,6 +112,13 @@ Plan PlanFrom(const Json& json) {
 
 }  // namespace
 
+uint64_t HashText(const std::string& text, uint64_t hash) {
+  for (const char c : text) {
+    hash = (hash ^ static_cast<uint8_t>(c)) * 0x100000001b3;
+  }
+  return hash;
+}
+
 fs::path PlanPath(const fs::path& folder) { return folder / "plan.json"; }
 
 fs::path BlocksPath(const fs::path& folder) { return folder / "blocks.bin"; }
@@ -109,11 +132,11 @@ fs::path CutPath(const fs::path& folder, size_t tile) {
 }
 
 uint64_t IdentityOf(const Plan& plan, size_t num_tiles) {
-  uint64_t hash =
-      Hash(fmt::format("{} {} {}\n", kPlanVersion, num_tiles, plan.seam_rings));
+  uint64_t hash = HashText(
+      fmt::format("{} {} {}\n", kPlanVersion, num_tiles, plan.seam_rings));
   for (const auto* pairs : {&plan.inputs, &plan.options}) {
     for (const auto& [name, value] : *pairs) {
-      hash = Hash(fmt::format("{}={}\n", name, value), hash);
+      hash = HashText(fmt::format("{}={}\n", name, value), hash);
     }
   }
   return hash;
@@ -168,14 +191,14 @@ std::string QuickFingerprint(const fs::path& path) {
   if (error || !file) {
     return "none";
   }
-  uint64_t hash = Hash("");
+  uint64_t hash = HashText("");
   std::string sample(kSampleBytes, '\0');
   for (uint64_t i = 0; i < kNumSamples; ++i) {
     const uint64_t last = size - std::min(size, kSampleBytes);
     file.clear();
     file.seekg(static_cast<std::streamoff>(last * i / (kNumSamples - 1)));
     file.read(sample.data(), static_cast<std::streamsize>(kSampleBytes));
-    hash = Hash(sample.substr(0, static_cast<size_t>(file.gcount())), hash);
+    hash = HashText(sample.substr(0, static_cast<size_t>(file.gcount())), hash);
   }
   return fmt::format("{} bytes, samples {:016x}", size, hash);
 }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "colmap_ext/options/meshing_options.h"
 #include "scene/view.h"
 
@@ -18,7 +20,8 @@ struct PlannedTile {
   uint64_t num_vertices = 0;
   uint64_t num_rays = 0;
   double memory_gb = 0;
-  double seconds = 0;  // of one core
+  double seconds = 0;        // of one core
+  Eigen::AlignedBox3f cell;  // whose points it has, see SplitTree::Cells()
 };
 
 // PLAN/plan.json: all that the jobs of a plan share but the vertices.
@@ -36,7 +39,7 @@ struct Plan {
   uint64_t identity = 0;  // of inputs and options
 };
 
-inline constexpr int kPlanVersion = 1;
+inline constexpr int kPlanVersion = 2;
 
 // In a plan's folder.
 std::filesystem::path PlanPath(const std::filesystem::path& folder);
@@ -57,6 +60,10 @@ Plan ReadPlan(const std::filesystem::path& folder);
 // \throw FileError if an input is not as it was when it was planned. One that
 //        is not there any more is not missed.
 void ExpectSameInputs(const Plan& plan);
+
+// FNV-1a of 64 bits [FowlerNollVo].
+// \param hash  of what comes before the text
+uint64_t HashText(const std::string& text, uint64_t hash = 0xcbf29ce484222325);
 
 // The size of a file and a hash of samples of it, so that it costs next to
 // nothing; "none" if it can not be read.

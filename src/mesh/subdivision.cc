@@ -61,15 +61,18 @@ uint32_t LongestHalfEdge(const TriangleMesh& mesh, const Edges& edges,
 
 // [E] whether an edge gets a midpoint. The set is the closure of the given
 // edges under "a cut facet is cut at its longest edge", hence independent of
-// the order.
+// the order; edges that stay are never cut.
 std::vector<uint8_t> ChooseCutEdges(const TriangleMesh& mesh,
                                     const Edges& edges,
-                                    const std::vector<uint8_t>& is_to_split) {
+                                    const std::vector<uint8_t>& is_to_split,
+                                    const FixedVertices& fixed) {
   std::vector<uint8_t> is_cut(edges.size(), 0);
   std::vector<uint32_t> touched;  // facets
   const auto cut = [&](uint32_t half) {
     const uint32_t edge = edges.edge_of_half[half];
-    if (!is_cut[edge]) {
+    const bool is_fixed = IsFixed(fixed, FromVertex(mesh.facets, half)) &&
+                          IsFixed(fixed, ToVertex(mesh.facets, half));
+    if (!is_cut[edge] && !is_fixed) {
       is_cut[edge] = 1;
       for (uint32_t i = edges.offsets[edge]; i < edges.offsets[edge + 1]; ++i) {
         touched.push_back(edges.halves[i].second / 3);
@@ -168,11 +171,13 @@ void CutFacet(const TriangleMesh& mesh, const Facet& facet,
 }  // namespace
 
 Subdivision Subdivide(const TriangleMesh& mesh,
-                      const std::vector<uint8_t>& is_to_split) {
+                      const std::vector<uint8_t>& is_to_split,
+                      const FixedVertices& fixed) {
   assert(is_to_split.size() == mesh.facets.size());
   const auto num_facets = static_cast<uint32_t>(mesh.facets.size());
   const Edges edges(mesh.facets);
-  const std::vector<uint8_t> is_cut = ChooseCutEdges(mesh, edges, is_to_split);
+  const std::vector<uint8_t> is_cut =
+      ChooseCutEdges(mesh, edges, is_to_split, fixed);
   Subdivision result;
   result.mesh.vertices = mesh.vertices;
   for (uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
@@ -31,9 +32,11 @@ struct Subdivision {
 // topology; in any other mesh all facets at an edge share its midpoint, too.
 //
 // \param is_to_split [F] not 0: chosen
+// \param fixed  of the mesh: edges between them are not cut
 // \pre facet indices are in range, no facet repeats a vertex, fewer than 2^32
 //      vertices come out
 Subdivision Subdivide(const TriangleMesh& mesh,
-                      const std::vector<uint8_t>& is_to_split);
+                      const std::vector<uint8_t>& is_to_split,
+                      const FixedVertices& fixed = {});
 
 }  // namespace colmap_ext

@@ -8,6 +8,7 @@
 #include "mesh/vertex_attributes.h"
 #include "raster/facet_visibility.h"
 #include "raster/mesh_drawings.h"
+#include "refine/fixed_sources.h"
 
 namespace colmap_ext {
 
@@ -19,10 +20,13 @@ namespace colmap_ext {
 // \param draw  draws the mesh into the views; called again for each new mesh.
 // \param attributes  [V] a new vertex gets those between its edge's ends.
 // \param origins  [V] see RefinedMesh; a new vertex gets the mean.
+// \param fixed_sources  of the mesh; edges between vertices that stay are not
+//        cut, and facets there are left as they are
 // \return which views see the facets of the mesh that is left.
 FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
                                      TriangleMesh* mesh,
                                      VertexAttributes* attributes,
-                                     std::vector<Eigen::Vector3f>* origins);
+                                     std::vector<Eigen::Vector3f>* origins,
+                                     FixedSources* fixed_sources);
 
 }  // namespace colmap_ext

@@ -27,11 +27,18 @@ namespace colmap_ext {
 
 namespace {
 
+constexpr int kRepairRounds = 8;  // see RepairSelfIntersections()
+
 // Gives thin facets, which steps along the normals leave, a better shape,
 // unless that makes facets cross.
 void ImproveFacets(RefinedMesh* state) {
-  ImprovedMesh improved = ImproveAngles(state->mesh);
-  const size_t num_crossing = RepairSelfIntersections(&improved.mesh).num_after;
+  ImprovedMesh improved =
+      ImproveAngles(state->mesh, FixedOf(state->fixed_sources));
+  FixedSources fixed =
+      CarrySources(state->fixed_sources, improved.fixed_sources);
+  const size_t num_crossing =
+      RepairSelfIntersections(&improved.mesh, kRepairRounds, FixedOf(fixed))
+          .num_after;
   if (num_crossing > state->report.num_self_intersections) {
     return;
   }
@@ -41,6 +48,35 @@ void ImproveFacets(RefinedMesh* state) {
   state->origins = ValuesAt(improved.sources, state->mesh, state->origins);
   state->labels = state->labels.From(improved.facet_sources);
   state->mesh = std::move(improved.mesh);
+  state->fixed_sources = std::move(fixed);
+}
+
+// \return whether the mesh is another one now
+bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
+  Report(progress, "Repairing self-intersections", 0);
+  const SelfIntersectionRepair repair = RepairSelfIntersections(
+      &state->mesh, kRepairRounds, FixedOf(state->fixed_sources));
+  state->report.num_removed_self_intersections +=
+      repair.num_before - repair.num_after;
+  state->report.num_self_intersections = repair.num_after;
+  return repair.num_after < repair.num_before;
+}
+
+// Facets that stay are not refined: no view sees them.
+void HideFixed(const RefinedMesh& state, FacetVisibility* visibility) {
+  const FixedVertices fixed = FixedOf(state.fixed_sources);
+  if (fixed.empty()) {
+    return;
+  }
+  FacetVisibility of_free;
+  for (size_t i = 0; i < visibility->size(); ++i) {
+    if (IsFixed(fixed, state.mesh.facets[i])) {
+      of_free.EndRow();
+    } else {
+      of_free.AddRow((*visibility)[i]);
+    }
+  }
+  *visibility = std::move(of_free);
 }
 
 class Refinement {
@@ -68,7 +104,7 @@ class Refinement {
   bool RefineAtLevel(int level, RefinedMesh* state) {
     energy_->SetLevel(level);
     energy_->SetViews(state->views);
-    RemoveSelfIntersections(state);
+    RemoveSelfIntersections(hooks_.progress, state);
     RefineViews(state->mesh, state);
     std::vector<View> views;
     for (const View& view : state->views) {
@@ -95,9 +131,11 @@ class Refinement {
     const auto move_cameras = [&](const TriangleMesh& mesh) {
       return level == 0 && RefineViews(mesh, state);
     };
-    RefinedLevel refined = RefineLevel(
-        options_, {level, state->labels, views, state->origins, move_cameras},
-        state->mesh, energy_, on_step);
+    RefinedLevel refined =
+        RefineLevel(options_,
+                    {level, state->labels, views, state->origins, move_cameras,
+                     FixedOf(state->fixed_sources)},
+                    state->mesh, energy_, on_step);
     state->mesh = std::move(refined.mesh);
     if (level == 0) {
       state->attributes.confidences =
@@ -106,7 +144,7 @@ class Refinement {
     }
     Count(refined, before, state);
     if (level == 0 && options_.remeshing && !refined.is_stopped) {
-      RemoveSelfIntersections(state);
+      RemoveSelfIntersections(hooks_.progress, state);
       ImproveFacets(state);
     }
     return !refined.is_stopped;
@@ -178,16 +216,6 @@ class Refinement {
            !pairs_.empty();
   }
 
-  // \return whether the mesh is another one now
-  bool RemoveSelfIntersections(RefinedMesh* state) {
-    Report(hooks_.progress, "Repairing self-intersections", 0);
-    const SelfIntersectionRepair repair = RepairSelfIntersections(&state->mesh);
-    state->report.num_removed_self_intersections +=
-        repair.num_before - repair.num_after;
-    state->report.num_self_intersections = repair.num_after;
-    return repair.num_after < repair.num_before;
-  }
-
  private:
   // Of each view that may be compared with it to refine the cameras: more than
   // to refine the surface, as many images together fix a pose. A choice.
@@ -256,12 +284,15 @@ class Refinement {
     FacetVisibility visibility =
         is_remeshed
             ? RemeshForImages(options_.max_face_area, draw, &state->mesh,
-                              &state->attributes, &state->origins)
+                              &state->attributes, &state->origins,
+                              &state->fixed_sources)
             : SubdivideLargeFacets(options_.max_face_area, draw, &state->mesh,
-                                   &state->attributes, &state->origins);
-    if (RemoveSelfIntersections(state)) {
+                                   &state->attributes, &state->origins,
+                                   &state->fixed_sources);
+    if (RemoveSelfIntersections(hooks_.progress, state)) {
       visibility = FindVisibleFacets(*draw(state->mesh));
     }
+    HideFixed(*state, &visibility);
     Report(hooks_.progress, "Labelling facets", 0);
     FacetLabeling labeling = LabelFacets(
         labeling_, state->mesh, state->attributes, pairs_, visibility, views);
@@ -365,9 +396,12 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
   if (start.origins.empty()) {
     start.origins = start.mesh.vertices;
   }
+  FixedSources fixed_sources =
+      SourcesOf(start.fixed, start.mesh.vertices.size());
   RefinedMesh complete{std::move(start.mesh),
                        std::move(start.attributes),
                        std::move(start.origins),
+                       std::move(fixed_sources),
                        {},
                        views,
                        {},
@@ -395,20 +429,24 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
     Report(hooks.progress, "Looking for self-intersections", 0);
     complete.report.num_self_intersections =
         FindSelfIntersections(complete.mesh).size();
-  } else {
-    Report(hooks.progress, "Finishing the borders", 0);
-    FinishBorders(options.borders, &complete);
-    refinement.RemoveSelfIntersections(&complete);
-    const bool is_cut =
-        options.region && CutOffOutside(*options.region, &complete);
-    const BorderReport& borders = complete.report.borders;
-    const bool have_changed =
-        is_cut || borders.trim.num_facets > 0 || borders.holes.num_closed > 0;
-    if (options.remeshing && have_changed && !complete.report.is_held) {
-      ImproveFacets(&complete);
-    }
+  } else if (!start.is_part) {
+    FinishRefinement(options, hooks.progress, &complete);
   }
   return complete;
+}
+
+void FinishRefinement(const FacetwiseRefinementOptions& options,
+                      const Progress& progress, RefinedMesh* refined) {
+  Report(progress, "Finishing the borders", 0);
+  FinishBorders(options.borders, refined);
+  RemoveSelfIntersections(progress, refined);
+  const bool is_cut = options.region && CutOffOutside(*options.region, refined);
+  const BorderReport& borders = refined->report.borders;
+  const bool have_changed =
+      is_cut || borders.trim.num_facets > 0 || borders.holes.num_closed > 0;
+  if (options.remeshing && have_changed && !refined->report.is_held) {
+    ImproveFacets(refined);
+  }
 }
 
 }  // namespace colmap_ext

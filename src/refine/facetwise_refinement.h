@@ -13,10 +13,12 @@
 #include "cameras/refine_cameras.h"
 #include "labeling/facet_labeling.h"
 #include "labeling/facet_labels.h"
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
+#include "refine/fixed_sources.h"
 #include "repair/edit_borders.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
@@ -151,6 +153,12 @@ struct RefinementStart {
   std::shared_ptr<const RefinableCameras> cameras = nullptr;
   // As the run that is gone on with found it; none: not known, or a new run.
   std::optional<Misalignment> misalignment = std::nullopt;
+  // Of the mesh. What stays is seen, hides what lies behind it, and is smooth
+  // with what moves, but has no labels of its own.
+  FixedVertices fixed = {};
+  // The mesh is a part of a surface: its borders are left as they are, and
+  // FinishRefinement() is called for the whole.
+  bool is_part = false;
 };
 
 struct RefinedMesh {
@@ -160,6 +168,7 @@ struct RefinedMesh {
                                          // the last level is complete
   std::vector<Eigen::Vector3f> origins;  // [V] on the input's surface, where
                                          // the vertices come from
+  FixedSources fixed_sources;            // of the start's vertices
   FacetLabels labels;                    // [F] of the last level; none of
                                          // facets that close a hole
   std::vector<View> views;               // as they were refined
@@ -211,5 +220,11 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const std::vector<View>& views,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks);
+
+// What follows the last level: the borders are trimmed and closed, what lies
+// outside of the region is cut off, self-intersections are repaired.
+// \throw std::invalid_argument if the trimming leaves nothing.
+void FinishRefinement(const FacetwiseRefinementOptions& options,
+                      const Progress& progress, RefinedMesh* refined);
 
 }  // namespace colmap_ext

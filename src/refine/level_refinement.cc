@@ -101,6 +101,7 @@ SmoothnessDomain MakeDomain(const RefinementLevel& level,
       PixelsOfVertices(surface.mesh, surface.terms, domain.footprints);
   domain.is_seen = SeenVertices(surface.mesh, surface.terms);
   domain.rings = std::move(rings);
+  domain.fixed = level.fixed;
   if (level.level == 0) {
     domain.trusted_relief = TrustedReliefWhereSeen(level, surface.mesh, domain);
   }
@@ -131,7 +132,7 @@ std::vector<double> SolveForMotion(const Stage& stage, State* state) {
   const Surface& surface = state->surface;
   const NormalEquations equations(surface.mesh, surface.normals,
                                   stage.domain.rings, surface.terms,
-                                  state->smoothness.plate);
+                                  state->smoothness.plate, stage.domain.fixed);
   if (stage.options.solver == RefinementSolver::kGaussNewton) {
     LinearSolution solution = equations.Solve({});
     state->num_unconverged_solutions += solution.is_converged ? 0 : 1;
@@ -171,7 +172,7 @@ double Step(const Stage& stage, State* state) {
     if (next.terms.energy + plate.Energy() < state->Energy()) {
       state->surface = std::move(next);
       state->smoothness.plate = std::move(plate);
-      return MeanMotion(motion, domain.footprints);
+      return MeanMotion(motion, domain.footprints, domain.fixed);
     }
     for (double& distance : motion) {
       distance /= 2;

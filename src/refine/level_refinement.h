@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "labeling/facet_labels.h"
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
@@ -25,6 +26,7 @@ struct RefinementLevel {
   const std::vector<View>& views;  // of the level's images' sizes
   const std::vector<Eigen::Vector3f>& origins;  // [V] see RefinedMesh
   MoveCameras move_cameras = {};  // before the final iterations; may be empty
+  FixedVertices fixed = {};       // of the mesh
 };
 
 struct RefinedLevel {

@@ -39,11 +39,23 @@ NormalEquations::NormalEquations(const TriangleMesh& mesh,
                                  const std::vector<Eigen::Vector3f>& normals,
                                  const VertexRings& rings,
                                  const PhotometricTerms& terms,
-                                 const ThinPlate& plate)
-    : normals_(normals), rings_(rings), plate_(plate) {
+                                 const ThinPlate& plate, FixedVertices fixed)
+    : normals_(normals),
+      rings_(rings),
+      plate_(plate),
+      fixed_(std::move(fixed)) {
   AddPhotometric(mesh, terms);
   FindSmoothnessChanges();
   AddSmoothness();
+  ClearFixed(&gradient_);
+}
+
+void NormalEquations::ClearFixed(std::vector<double>* values) const {
+  for (uint32_t i = 0; i < fixed_.size(); ++i) {
+    if (IsFixed(fixed_, i)) {
+      (*values)[i] = 0;
+    }
+  }
 }
 
 void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
@@ -152,6 +164,7 @@ void NormalEquations::Multiply(const std::vector<double>& in,
       (*out)[i] += sum;
     }
   });
+  ClearFixed(out);
 }
 
 LinearSolution NormalEquations::Solve(const SolverOptions& options) const {
@@ -167,6 +180,7 @@ LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
   for (size_t i = 0; i < signs.size(); ++i) {
     signs[i] = RandomSign(i);
   }
+  ClearFixed(&signs);
   std::vector<double> image(signs.size());
   Multiply(signs, true, &image);
   LinearSolution determined = Solve(std::move(image), options);
@@ -174,6 +188,7 @@ LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
     determined.values[i] =
         plate_.coefficients[i] > 0 ? 1 - signs[i] * determined.values[i] : 0.0;
   }
+  ClearFixed(&determined.values);
   return determined;
 }
 

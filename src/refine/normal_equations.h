@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_rings.h"
 #include "photometry/photometric_energy.h"
@@ -33,10 +34,13 @@ class NormalEquations {
  public:
   // \param mesh, normals, rings, terms, plate  of the same mesh. References to
   //        normals, rings and plate are kept.
+  // \param fixed  of the mesh: not moved, so that the others are solved for
+  // with
+  //        these where they are
   NormalEquations(const TriangleMesh& mesh,
                   const std::vector<Eigen::Vector3f>& normals,
                   const VertexRings& rings, const PhotometricTerms& terms,
-                  const ThinPlate& plate);
+                  const ThinPlate& plate, FixedVertices fixed = {});
 
   // The gradient, [V], 1 / scene unit.
   const std::vector<double>& Gradient() const { return gradient_; }
@@ -70,9 +74,13 @@ class NormalEquations {
   LinearSolution Solve(std::vector<double> right_hand_side,
                        const SolverOptions& options) const;
 
+  // Sets what belongs to vertices that stay to 0.
+  void ClearFixed(std::vector<double>* values) const;
+
   const std::vector<Eigen::Vector3f>& normals_;
   const VertexRings& rings_;
   const ThinPlate& plate_;
+  FixedVertices fixed_;
   std::vector<double> gradient_;
   std::vector<double> diagonal_;
   std::vector<double> photometric_diagonal_;

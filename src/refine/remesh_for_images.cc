@@ -79,7 +79,8 @@ std::vector<float> WantedLengths(double area, const TriangleMesh& mesh,
 FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
                                 TriangleMesh* mesh,
                                 VertexAttributes* attributes,
-                                std::vector<Eigen::Vector3f>* origins) {
+                                std::vector<Eigen::Vector3f>* origins,
+                                FixedSources* fixed_sources) {
   std::vector<float> lengths;
   {
     const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
@@ -87,11 +88,12 @@ FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
         area, *mesh,
         RefinableAreas(*mesh, drawings->Views(), FindVisibleFacets(*drawings)));
   }
-  RemeshedSurface remeshed =
-      RemeshIsotropically(*mesh, lengths, TolerancesOf(lengths));
+  RemeshedSurface remeshed = RemeshIsotropically(
+      *mesh, lengths, TolerancesOf(lengths), FixedOf(*fixed_sources));
   *attributes = CarryAttributes(*mesh, *attributes, remeshed.sources);
   *origins = ValuesAt(remeshed.sources, *mesh, *origins);
   *mesh = std::move(remeshed.mesh);
+  *fixed_sources = CarrySources(*fixed_sources, remeshed.fixed_sources);
   return FindVisibleFacets(*draw(*mesh));
 }
 

@@ -8,6 +8,7 @@
 #include "mesh/vertex_attributes.h"
 #include "raster/facet_visibility.h"
 #include "raster/mesh_drawings.h"
+#include "refine/fixed_sources.h"
 
 namespace colmap_ext {
 
@@ -19,10 +20,12 @@ namespace colmap_ext {
 // \param attributes  [V] see CarryAttributes().
 // \param origins  [V] see RefinedMesh; new vertices get those between their
 //        facet's corners.
+// \param fixed_sources  of the mesh
 // \return which views see the facets of the new mesh.
 FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
                                 TriangleMesh* mesh,
                                 VertexAttributes* attributes,
-                                std::vector<Eigen::Vector3f>* origins);
+                                std::vector<Eigen::Vector3f>* origins,
+                                FixedSources* fixed_sources);
 
 }  // namespace colmap_ext

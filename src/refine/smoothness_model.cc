@@ -42,6 +42,9 @@ std::vector<double> Roughness(const SmoothnessDomain& domain,
     const double with = model.plate.residuals[i];
     const double without = domain.is_seen[i] != 0 ? own[i] : with;
     roughness[i] = roughness[i] * (with * with + without * without) / 2;
+    if (IsFixed(domain.fixed, static_cast<uint32_t>(i))) {
+      roughness[i] = 0;
+    }
   }
   return roughness;
 }
@@ -104,7 +107,7 @@ SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
   // estimates, of a rough surface, do not throw it about.
   constexpr double kMaxChange = 4;
   const NormalEquations equations(surface.mesh, surface.normals, domain.rings,
-                                  surface.terms, model.plate);
+                                  surface.terms, model.plate, domain.fixed);
   LinearSolution determined = equations.Determined({});
   *num_unconverged += determined.is_converged ? 0 : 1;
   SmoothnessEvidence evidence{std::move(determined.values),

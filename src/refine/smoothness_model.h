@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_rings.h"
 #include "photometry/photometric_energy.h"
@@ -26,6 +27,7 @@ struct SmoothnessDomain {
   std::vector<double> trusted_relief;  // of the input's surface, scene units; 0
                                        // where it is not seen. Empty at coarse
                                        // levels.
+  FixedVertices fixed;
 };
 
 // What the smoothness asks of a surface.

@@ -167,12 +167,17 @@ MovedMesh MoveSafely(const TriangleMesh& mesh, const VertexRings& rings,
 }
 
 double MeanMotion(const std::vector<double>& motion,
-                  const std::vector<float>& footprints) {
+                  const std::vector<float>& footprints,
+                  const FixedVertices& fixed) {
   double sum = 0;
-  for (size_t i = 0; i < motion.size(); ++i) {
-    sum += std::abs(motion[i]) / footprints[i];
+  size_t num_free = 0;
+  for (uint32_t i = 0; i < motion.size(); ++i) {
+    if (!IsFixed(fixed, i)) {
+      sum += std::abs(motion[i]) / footprints[i];
+      ++num_free;
+    }
   }
-  return sum / static_cast<double>(motion.size());
+  return num_free > 0 ? sum / static_cast<double>(num_free) : 0;
 }
 
 }  // namespace colmap_ext

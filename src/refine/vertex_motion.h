@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_rings.h"
 #include "spatial/facet_tree.h"
@@ -36,8 +37,9 @@ MovedMesh MoveSafely(const TriangleMesh& mesh, const VertexRings& rings,
                      const std::vector<Eigen::Vector3f>& normals,
                      std::vector<double> motion, FacetTree* tree);
 
-// The mean of the vertices' motion, px.
+// The mean of the motion of the vertices that may move, px.
 double MeanMotion(const std::vector<double>& motion,
-                  const std::vector<float>& footprints);
+                  const std::vector<float>& footprints,
+                  const FixedVertices& fixed = {});
 
 }  // namespace colmap_ext

@@ -1,12 +1,16 @@
 #include "remesh/anchored_mesh.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace colmap_ext {
 
 AnchoredMesh::AnchoredMesh(const TriangleMesh& mesh,
-                           const ReferenceSurface& reference)
-    : edit(mesh), anchors(mesh.vertices.size()) {
+                           const ReferenceSurface& reference,
+                           FixedVertices fixed_vertices)
+    : edit(mesh),
+      anchors(mesh.vertices.size()),
+      fixed(std::move(fixed_vertices)) {
   for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
     for (uint32_t k = 0; k < 3; ++k) {
       anchors[mesh.facets[facet][k]] = reference.AtCorner(3 * facet + k);

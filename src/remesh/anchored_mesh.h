@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "remesh/editable_mesh.h"
 #include "remesh/reference_surface.h"
@@ -17,7 +18,13 @@ namespace colmap_ext {
 // started as.
 struct AnchoredMesh {
   // \pre the mesh is that of the reference, and manifold
-  AnchoredMesh(const TriangleMesh& mesh, const ReferenceSurface& reference);
+  AnchoredMesh(const TriangleMesh& mesh, const ReferenceSurface& reference,
+               FixedVertices fixed_vertices = {});
+
+  // Whether an edge has to stay.
+  bool IsFixedEdge(uint32_t half) const {
+    return IsFixed(fixed, edit.From(half)) && IsFixed(fixed, edit.To(half));
+  }
 
   float Length(uint32_t half) const {
     return (edit.Position(edit.To(half)) - edit.Position(edit.From(half)))
@@ -74,6 +81,7 @@ struct AnchoredMesh {
 
   EditableMesh edit;
   std::vector<Anchor> anchors;  // [V] of `edit`
+  FixedVertices fixed;          // of `edit`
 };
 
 // The smallest of a facet's angles, as its cosine: from 1/2 to 1, the worse the

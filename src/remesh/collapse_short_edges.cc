@@ -66,32 +66,46 @@ class Collapser {
 
   std::optional<CollapsePlan> Plan(uint32_t half) const {
     const EditableMesh& edit = mesh_->edit;
-    // A vertex of a border takes in one from the inside.
+    // A vertex of a border takes in one from the inside, and one that stays any
+    // other.
     if (edit.IsBorderVertex(edit.From(half)) &&
         !edit.IsBorderVertex(edit.To(half))) {
       half = edit.Partner(half);
+    } else if (IsFixed(mesh_->fixed, edit.From(half)) &&
+               !edit.IsBorderVertex(edit.To(half))) {
+      half = edit.Partner(half);
     }
-    if (!edit.CanCollapse(half)) {
+    if (IsFixed(mesh_->fixed, edit.From(half)) || !edit.CanCollapse(half)) {
       return std::nullopt;
     }
-    const uint32_t from = edit.From(half);
-    const uint32_t to = edit.To(half);
-    if (!edit.IsBorderVertex(to)) {
-      for (const std::optional<Place>& place :
-           {MiddlePlace(half), std::optional(PlaceOf(to)),
-            std::optional(PlaceOf(from))}) {
-        if (place && MayCollapse(half, *place)) {
-          return CollapsePlan{half, *place};
-        }
+    return edit.IsBorderVertex(edit.To(half)) ? PlanAtBorder(half)
+                                              : PlanInside(half);
+  }
+
+  std::optional<CollapsePlan> PlanInside(uint32_t half) const {
+    const uint32_t from = mesh_->edit.From(half);
+    const uint32_t to = mesh_->edit.To(half);
+    std::array<std::optional<Place>, 3> places = {std::nullopt, PlaceOf(to)};
+    if (!IsFixed(mesh_->fixed, to)) {
+      places = {MiddlePlace(half), PlaceOf(to), PlaceOf(from)};
+    }
+    for (const std::optional<Place>& place : places) {
+      if (place && MayCollapse(half, *place)) {
+        return CollapsePlan{half, *place};
       }
-      return std::nullopt;
     }
-    const bool is_border_edge = edit.IsBorderVertex(from);
+    return std::nullopt;
+  }
+
+  std::optional<CollapsePlan> PlanAtBorder(uint32_t half) const {
+    const uint32_t from = mesh_->edit.From(half);
+    const uint32_t to = mesh_->edit.To(half);
+    const bool is_border_edge = mesh_->edit.IsBorderVertex(from);
     if ((!is_border_edge || IsStraight(from, to)) &&
         MayCollapse(half, PlaceOf(to))) {
       return CollapsePlan{half, PlaceOf(to)};
     }
-    if (is_border_edge && IsStraight(to, from) &&
+    if (is_border_edge && !IsFixed(mesh_->fixed, to) && IsStraight(to, from) &&
         MayCollapse(half, PlaceOf(from))) {
       return CollapsePlan{half, PlaceOf(from)};
     }

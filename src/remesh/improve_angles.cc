@@ -29,14 +29,15 @@ std::vector<uint8_t> CornersOfThinFacets(const AnchoredMesh& mesh,
 
 }  // namespace
 
-ImprovedMesh ImproveAngles(const TriangleMesh& mesh) {
+ImprovedMesh ImproveAngles(const TriangleMesh& mesh,
+                           const FixedVertices& fixed) {
   constexpr float kMinCosine = 0.906F;  // 25 degrees: a choice
   constexpr float kMaxRatio = 2;        // edges may get so long
   constexpr int kIterations = 3;        // later ones find next to nothing
   std::vector<float> lengths = MeanEdgeLengths(mesh);
   const std::vector<float> tolerances = TolerancesOf(lengths);
   const ReferenceSurface reference(mesh, std::move(lengths), tolerances);
-  AnchoredMesh work(mesh, reference);
+  AnchoredMesh work(mesh, reference, fixed);
   for (int i = 0; i < kIterations; ++i) {
     FlipForAngles(reference, kMinCosine, &work);
     RelaxVertices(reference, CornersOfThinFacets(work, kMinCosine), &work);
@@ -44,9 +45,14 @@ ImprovedMesh ImproveAngles(const TriangleMesh& mesh) {
   }
   FlipForAngles(reference, kMinCosine, &work);
   CompactMesh compact = work.edit.Compact();
-  ImprovedMesh improved{std::move(compact.mesh), {}, std::move(compact.facets)};
+  ImprovedMesh improved{
+      std::move(compact.mesh), {}, std::move(compact.facets), {}};
   for (const uint32_t vertex : compact.vertices) {
     improved.sources.push_back(work.anchors[vertex].source);
+    if (!fixed.empty()) {
+      improved.fixed_sources.push_back(IsFixed(fixed, vertex) ? vertex
+                                                              : kNoSource);
+    }
   }
   return improved;
 }

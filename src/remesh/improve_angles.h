@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "spatial/surface_point.h"
 
@@ -14,6 +15,7 @@ struct ImprovedMesh {
                                         // vertex
   std::vector<uint32_t> facet_sources;  // [F] the old facet in whose place each
                                         // stands
+  std::vector<uint32_t> fixed_sources;  // see RemeshedSurface
 };
 
 // Improves the facets of a mesh that have a small angle, and leaves all others
@@ -22,7 +24,9 @@ struct ImprovedMesh {
 // than a tenth of the edges around it where its normal differs from the old
 // one's, and borders stay in place.
 //
+// \param fixed  of the mesh
 // \pre the mesh is manifold, its vertices are finite
-ImprovedMesh ImproveAngles(const TriangleMesh& mesh);
+ImprovedMesh ImproveAngles(const TriangleMesh& mesh,
+                           const FixedVertices& fixed = {});
 
 }  // namespace colmap_ext

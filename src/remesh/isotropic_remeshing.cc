@@ -1,5 +1,6 @@
 #include "remesh/isotropic_remeshing.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -12,10 +13,33 @@
 #include "remesh/split_long_edges.h"
 
 namespace colmap_ext {
+namespace {
+
+// Lengths that allow for the edges that stay: beside a longer one no split
+// would ever make edges short enough.
+std::vector<float> WithFixedEdges(const TriangleMesh& mesh,
+                                  const FixedVertices& fixed,
+                                  std::vector<float> lengths) {
+  for (const Facet& facet : mesh.facets) {
+    for (int k = 0; !fixed.empty() && k < 3; ++k) {
+      const uint32_t a = facet[k];
+      const uint32_t b = facet[(k + 1) % 3];
+      if (IsFixed(fixed, a) && IsFixed(fixed, b)) {
+        const float length = (mesh.vertices[a] - mesh.vertices[b]).norm();
+        lengths[a] = std::max(lengths[a], length);
+        lengths[b] = std::max(lengths[b], length);
+      }
+    }
+  }
+  return lengths;
+}
+
+}  // namespace
 
 RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
                                     const std::vector<float>& lengths,
-                                    const std::vector<float>& tolerances) {
+                                    const std::vector<float>& tolerances,
+                                    const FixedVertices& fixed) {
   // An edge is split or collapsed where its halves, or the edge twice as long,
   // come closer to the wanted length [Botsch2004].
   constexpr float kMaxRatio = 4.0F / 3;
@@ -23,8 +47,9 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   constexpr float kNeedleRatio = 2;  // edges may get so long to end a needle
   constexpr float kAllFacets = 0;    // have an angle of less than 90 degrees
   constexpr int kIterations = 5;     // as [Botsch2004] has them
-  const ReferenceSurface reference(mesh, lengths, tolerances);
-  AnchoredMesh work(mesh, reference);
+  const ReferenceSurface reference(mesh, WithFixedEdges(mesh, fixed, lengths),
+                                   tolerances);
+  AnchoredMesh work(mesh, reference, fixed);
   for (int i = 0; i < kIterations; ++i) {
     SplitLongEdges(reference, kMaxRatio, &work);
     CollapseShortEdges(reference, kMinRatio, kMaxRatio, &work);
@@ -42,7 +67,12 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   CompactMesh compact = work.edit.Compact();
   remeshed.mesh = std::move(compact.mesh);
   for (const uint32_t vertex : SortAlongCurve(&remeshed.mesh)) {
-    remeshed.sources.push_back(work.anchors[compact.vertices[vertex]].source);
+    const uint32_t old_vertex = compact.vertices[vertex];
+    remeshed.sources.push_back(work.anchors[old_vertex].source);
+    if (!fixed.empty()) {
+      remeshed.fixed_sources.push_back(IsFixed(fixed, old_vertex) ? old_vertex
+                                                                  : kNoSource);
+    }
   }
   return remeshed;
 }

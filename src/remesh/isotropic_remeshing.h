@@ -1,17 +1,22 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "spatial/surface_point.h"
 
 namespace colmap_ext {
 
 struct RemeshedSurface {
-  TriangleMesh mesh;                  // manifold, of the old one's topology
-  std::vector<SurfacePoint> sources;  // [V] on the old mesh, nearest to each
-                                      // vertex
+  TriangleMesh mesh;                    // manifold, of the old one's topology
+  std::vector<SurfacePoint> sources;    // [V] on the old mesh, nearest to each
+                                        // vertex
+  std::vector<uint32_t> fixed_sources;  // [V] the old vertex that one that
+                                        // stays was, or kNoSource; empty where
+                                        // none stays
 };
 
 // Gives a mesh well-shaped facets of a wanted size: long edges are split, short
@@ -23,9 +28,11 @@ struct RemeshedSurface {
 // \param lengths [V] of edges, wanted at the vertices, scene units, positive;
 //        they should vary slowly: LimitGradation()
 // \param tolerances [V] scene units, positive
+// \param fixed  of the mesh
 // \pre the mesh is manifold, its vertices are finite
 RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
                                     const std::vector<float>& lengths,
-                                    const std::vector<float>& tolerances);
+                                    const std::vector<float>& tolerances,
+                                    const FixedVertices& fixed = {});
 
 }  // namespace colmap_ext

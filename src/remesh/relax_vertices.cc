@@ -97,6 +97,7 @@ void RelaxVertices(const ReferenceSurface& reference,
   std::vector<uint32_t> vertices;  // that may move
   for (uint32_t vertex = 0; vertex < edit.NumVertices(); ++vertex) {
     if (!edit.IsRemovedVertex(vertex) && !edit.IsBorderVertex(vertex) &&
+        !IsFixed(mesh->fixed, vertex) &&
         (is_chosen.empty() || is_chosen[vertex] != 0)) {
       vertices.push_back(vertex);
     }

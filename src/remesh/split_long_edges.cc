@@ -14,7 +14,8 @@ namespace {
 std::vector<uint32_t> LongEdges(const AnchoredMesh& mesh, float max_ratio) {
   return mesh.EdgesBy([&](uint32_t half) -> std::optional<float> {
     const float ratio = mesh.RelativeLength(half);
-    return ratio > max_ratio ? std::optional(-ratio) : std::nullopt;
+    return ratio > max_ratio && !mesh.IsFixedEdge(half) ? std::optional(-ratio)
+                                                        : std::nullopt;
   });
 }
 

@@ -18,10 +18,21 @@ void SortUnique(std::vector<uint32_t>* values) {
 
 }  // namespace
 
-GuardedMesh::GuardedMesh(TriangleMesh mesh)
-    : mesh_(std::move(mesh)), tree_(mesh_) {
+GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed)
+    : mesh_(std::move(mesh)), fixed_(std::move(fixed)), tree_(mesh_) {
   Update();
-  ReplacePairs({}, FindSelfIntersections(mesh_, tree_));
+  std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_);
+  DropFixedPairs(&pairs);
+  ReplacePairs({}, pairs);
+}
+
+void GuardedMesh::DropFixedPairs(std::vector<FacetPair>* pairs) const {
+  if (!fixed_.empty()) {
+    std::erase_if(*pairs, [&](const FacetPair& pair) {
+      return IsFixed(fixed_, mesh_.facets[pair[0]]) &&
+             IsFixed(fixed_, mesh_.facets[pair[1]]);
+    });
+  }
 }
 
 void GuardedMesh::Update() {
@@ -100,6 +111,7 @@ std::optional<std::vector<FacetPair>> GuardedMesh::FewerPairs(
     const std::vector<FacetPair>& old_pairs) {
   tree_.Extend(mesh_, facets);
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_, facets);
+  DropFixedPairs(&pairs);
   work_ += facets.size() + pairs.size();
   if (pairs.size() < old_pairs.size() &&
       std::includes(old_pairs.begin(), old_pairs.end(), pairs.begin(),
@@ -188,7 +200,9 @@ bool GuardedMesh::Flip(uint32_t half) {
   const uint32_t left = ToVertex(mesh_.facets, NextHalfEdge(half));
   const uint32_t right = ToVertex(mesh_.facets, NextHalfEdge(partner));
   const auto ring = rings_.neighbors[left];
-  if (left == right || std::binary_search(ring.begin(), ring.end(), right)) {
+  const bool is_fixed = IsFixed(fixed_, from) && IsFixed(fixed_, to);
+  if (is_fixed || left == right ||
+      std::binary_search(ring.begin(), ring.end(), right)) {
     return false;
   }
   const std::vector<uint32_t> facets = {std::min(first, second),

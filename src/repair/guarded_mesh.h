@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_rings.h"
 #include "spatial/facet_tree.h"
@@ -30,10 +31,12 @@ struct VertexTargets {
 // degrees apart.
 class GuardedMesh {
  public:
+  // \param fixed  of the mesh. Pairs of two facets that stay do not count.
   // \pre the mesh is manifold
-  explicit GuardedMesh(TriangleMesh mesh);
+  explicit GuardedMesh(TriangleMesh mesh, FixedVertices fixed = {});
 
   const TriangleMesh& mesh() const { return mesh_; }
+  const FixedVertices& fixed() const { return fixed_; }
   const VertexRings& rings() const { return rings_; }
 
   // [3 F] as PairHalfEdges().
@@ -53,6 +56,7 @@ class GuardedMesh {
   // The number of pairs that a move would leave; nothing if it is not allowed.
   std::optional<size_t> PairsAfter(const VertexTargets& targets);
 
+  // \pre none of the vertices is fixed
   // \return whether it is allowed, and done
   bool Move(const VertexTargets& targets);
 
@@ -68,6 +72,7 @@ class GuardedMesh {
   using Partners = std::map<uint32_t, std::set<uint32_t>>;
 
   std::vector<uint32_t> FacetsOf(const std::vector<uint32_t>& vertices) const;
+  void DropFixedPairs(std::vector<FacetPair>* pairs) const;
   void ReplacePairs(const std::vector<FacetPair>& old_pairs,
                     const std::vector<FacetPair>& new_pairs);
   void Swap(VertexTargets* targets);
@@ -95,6 +100,7 @@ class GuardedMesh {
   static bool TurnsOver(const Shape& before, const Shape& after);
 
   TriangleMesh mesh_;
+  FixedVertices fixed_;
   VertexRings rings_;
   std::vector<uint32_t> partners_;
   FacetTree tree_;

@@ -32,8 +32,11 @@ constexpr size_t kMaxWork = 100'000;
 // Changes the facets' surroundings as a whole.
 bool SmoothOrPush(const std::vector<uint32_t>& facets, int num_rings,
                   GuardedMesh* mesh) {
-  const std::vector<uint32_t> vertices =
+  std::vector<uint32_t> vertices =
       VerticesAround(mesh->mesh(), mesh->rings(), facets, num_rings);
+  std::erase_if(vertices, [mesh](uint32_t vertex) {
+    return IsFixed(mesh->fixed(), vertex);
+  });
   for (const int num_rounds : kSmoothingRounds) {
     if (mesh->Move(
             Smoothed(mesh->mesh(), mesh->rings(), vertices, num_rounds))) {
@@ -145,9 +148,10 @@ void MeasureMotion(const std::vector<Eigen::Vector3f>& before,
 }  // namespace
 
 SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
-                                               int max_rounds) {
+                                               int max_rounds,
+                                               const FixedVertices& fixed) {
   SelfIntersectionRepair repair;
-  GuardedMesh guarded(*mesh);
+  GuardedMesh guarded(*mesh, fixed);
   repair.num_before = guarded.NumPairs();
   if (repair.num_before > 0) {
     SeparateCopies(&guarded);

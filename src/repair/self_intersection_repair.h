@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
@@ -32,8 +33,10 @@ struct SelfIntersectionRepair {
 // The result does not depend on the number of threads.
 //
 // \param max_rounds  0 or more; 0 moves copies apart only
+// \param fixed  of the mesh; pairs of two facets that stay do not count
 // \pre the mesh is manifold
 SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
-                                               int max_rounds = 8);
+                                               int max_rounds = 8,
+                                               const FixedVertices& fixed = {});
 
 }  // namespace colmap_ext

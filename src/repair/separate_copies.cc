@@ -104,7 +104,7 @@ size_t SeparateCopies(GuardedMesh* mesh) {
   for (int pass = 0; pass < kMaxPasses; ++pass) {
     const size_t num_pairs = mesh->NumPairs();
     for (const uint32_t vertex : FindCopies(*mesh)) {
-      if (MoveApart(vertex, mesh)) {
+      if (!IsFixed(mesh->fixed(), vertex) && MoveApart(vertex, mesh)) {
         moved.push_back(vertex);
       }
     }

@@ -1,8 +1,10 @@
 #include "tiles/split_tree.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 namespace colmap_ext {
 namespace {
@@ -105,6 +107,31 @@ uint32_t SplitTree::PartOf(const Eigen::Vector3f& point) const {
     at = node.children[point[node.axis] < node.border ? 0 : 1];
   }
   return at - kLeaf;
+}
+
+std::vector<Eigen::AlignedBox3f> SplitTree::Cells() const {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  std::vector<Eigen::AlignedBox3f> cells(nodes_.size() + 1);
+  std::vector<std::pair<uint32_t, Eigen::AlignedBox3f>> stack = {
+      {root_,
+       {Eigen::Vector3f::Constant(-kInfinity),
+        Eigen::Vector3f::Constant(kInfinity)}}};
+  while (!stack.empty()) {
+    const auto [index, box] = stack.back();
+    stack.pop_back();
+    if ((index & kLeaf) != 0) {
+      cells[index - kLeaf] = box;
+      continue;
+    }
+    const Node& node = nodes_[index];
+    Eigen::AlignedBox3f first = box;
+    Eigen::AlignedBox3f second = box;
+    first.max()[node.axis] = node.border;
+    second.min()[node.axis] = node.border;
+    stack.emplace_back(node.children[0], first);
+    stack.emplace_back(node.children[1], second);
+  }
+  return cells;
 }
 
 }  // namespace colmap_ext

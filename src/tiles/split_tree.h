@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace colmap_ext {
 
@@ -20,6 +20,9 @@ class SplitTree {
 
   // Points at one place are in one part.
   uint32_t PartOf(const Eigen::Vector3f& point) const;
+
+  // [parts] the boxes of the parts, infinite outwards.
+  std::vector<Eigen::AlignedBox3f> Cells() const;
 
  private:
   struct Node {

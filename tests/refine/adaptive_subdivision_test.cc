@@ -80,8 +80,10 @@ Subdivided Subdivide(double max_area, const TriangleMesh& mesh,
     return std::make_shared<const MeshDrawings>(drawn, views, kMinCosine,
                                                 SIZE_MAX);
   };
-  const FacetVisibility visibility = SubdivideLargeFacets(
-      max_area, draw, &result.mesh, &result.attributes, &result.origins);
+  FixedSources fixed;
+  const FacetVisibility visibility =
+      SubdivideLargeFacets(max_area, draw, &result.mesh, &result.attributes,
+                           &result.origins, &fixed);
   EXPECT_EQ(visibility, VisibleFacets(result.mesh, views, kMinCosine));
   return result;
 }

@@ -111,6 +111,38 @@ TEST(RefineFacetwise, StaysNearTheTruth) {
   EXPECT_LT(MedianError(refined.mesh), 0.2);
 }
 
+TEST(RefineFacetwise, LeavesFixedVerticesAndFacetsAsTheyAre) {
+  const TriangleMesh mesh = PerturbedTruth();
+  RefinementStart start{mesh, NoAttributes(mesh), {}, 1};
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    start.fixed.push_back(vertex.x() > 0 ? 1 : 0);
+  }
+  start.is_part = true;
+  const FixedVertices fixed = start.fixed;
+  const RefinedMesh refined = Refine(SmallOptions(), start);
+  const FixedSources& sources = refined.fixed_sources;
+  ASSERT_EQ(sources.size(), refined.mesh.vertices.size());
+  size_t num_found = 0;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    if (sources[i] != kNoSource) {
+      EXPECT_EQ(mesh.vertices[sources[i]], refined.mesh.vertices[i]);
+      ++num_found;
+    }
+  }
+  EXPECT_EQ(num_found, std::ranges::count(fixed, 1));
+  const auto count = [](const TriangleMesh& of, const FixedVertices& by) {
+    return std::ranges::count_if(
+        of.facets, [&](const Facet& facet) { return IsFixed(by, facet); });
+  };
+  EXPECT_GE(count(refined.mesh, FixedOf(sources)), count(mesh, fixed));
+  EXPECT_TRUE(Analyze(refined.mesh).IsManifold());
+  const FixedVertices fixed_after = FixedOf(sources);
+  for (size_t i = 0; i < refined.mesh.facets.size(); ++i) {
+    EXPECT_TRUE(!IsFixed(fixed_after, refined.mesh.facets[i]) ||
+                refined.labels.labels[i].empty());
+  }
+}
+
 // Cameras that are off by a fixed turn each, and the features that true ones
 // show.
 struct DisturbedCameras {

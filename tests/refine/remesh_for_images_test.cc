@@ -42,8 +42,9 @@ Remeshed Remesh(double area, const TriangleMesh& mesh) {
     return std::make_shared<const MeshDrawings>(drawn, Views(), kMinCosine,
                                                 SIZE_MAX);
   };
-  result.visibility = RemeshForImages(area, draw, &result.mesh,
-                                      &result.attributes, &result.origins);
+  FixedSources fixed;
+  result.visibility = RemeshForImages(
+      area, draw, &result.mesh, &result.attributes, &result.origins, &fixed);
   return result;
 }
 

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "colmap_ext/options/refinement_options.h"
+#include "colmap_ext/tiling/refinement_plan.h"
+#include "refine/facetwise_refinement.h"
+#include "scene/picture_decoder.h"
+
+namespace colmap_ext {
+
+struct RefineTileReport {
+  bool is_kept = false;  // it was done before: nothing was done
+  uint32_t color = 0;
+  size_t num_views = 0;     // that were read
+  size_t num_facets = 0;    // of the surface that were read
+  size_t num_removed = 0;   // of them refined
+  size_t num_added = 0;     // that they became
+  std::string computed_by;  // the backend
+  RefinementReport refinement;
+};
+
+// Refines a tile of a plan, once: its file is there whole or not at all.
+//
+// The job's facets are those in the tile's cell and a margin around it, but for
+// what the tiles of lower colours have refined in their own cells. All else is
+// fixed, and read as far as it may hide the tile from a camera.
+// \param options  how to compute; what to compute comes from the plan
+// \param hooks  may stop it
+// \throw FileError if something is missing, damaged or of another plan, a tile
+//        of a lower colour is not refined, or an input has changed
+RefineTileReport RefineTile(const std::filesystem::path& folder, uint32_t tile,
+                            RefinerOptions options,
+                            const PictureDecoder& decoder,
+                            const RefinementHooks& hooks);
+
+// The refined surface of a plan, all of whose tiles are refined: their patches
+// put together, borders and self-intersections as RefineFacetwise() leaves
+// them. \throw FileError as RefineTile(), and where patches do not fit together
+RefinedMesh MergeRefined(const std::filesystem::path& folder,
+                         const Progress& progress);
+
+}  // namespace colmap_ext
