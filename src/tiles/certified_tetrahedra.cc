@@ -23,6 +23,26 @@ namespace {
 
 using Positions = std::vector<Eigen::Vector3f>;
 
+// Vertices of a block whose box is known.
+constexpr uint32_t kGroup = 32;
+
+// The vertices of a block.
+struct BlockVertices {
+  Positions positions;
+  std::vector<Eigen::AlignedBox3f> boxes;  // of each kGroup of them
+};
+
+BlockVertices WithBoxes(Positions positions) {
+  BlockVertices block{std::move(positions), {}};
+  for (size_t i = 0; i < block.positions.size(); ++i) {
+    if (i % kGroup == 0) {
+      block.boxes.emplace_back();
+    }
+    block.boxes.back().extend(block.positions[i]);
+  }
+  return block;
+}
+
 constexpr uint32_t kNone = UINT32_MAX;
 
 // Bytes of positions of other tiles that are kept for the next search.
@@ -59,7 +79,8 @@ class Certifier {
         blocks_(plan.Blocks()),
         tree_(blocks_.boxes),
         cache_(kCacheBytes),
-        is_loaded_(blocks_.NumBlocks()) {
+        is_loaded_(blocks_.NumBlocks()),
+        num_loaded_(blocks_.NumBlocks(), 0) {
     const uint32_t first = blocks_.FirstVertex(tile);
     num_own_ = blocks_.FirstVertex(tile + 1) - first;
     ids_.resize(num_own_);
@@ -68,6 +89,7 @@ class Certifier {
     for (uint32_t block = blocks_.tile_begins[tile];
          block < blocks_.tile_begins[tile + 1]; ++block) {
       is_loaded_[block].assign(SizeOf(block), 1);
+      num_loaded_[block] = SizeOf(block);
       own_box_.extend(blocks_.boxes[block]);
     }
     AddFirstVertices();
@@ -123,18 +145,23 @@ class Certifier {
 
   // \param place  in the block
   void AddVertex(uint32_t block, uint32_t place) {
+    MarkLoaded(block, place);
+    ids_.push_back(blocks_.begins[block] + place);
+    complex_.points.push_back(Read(block)->positions[place]);
+  }
+
+  void MarkLoaded(uint32_t block, uint32_t place) {
     if (is_loaded_[block].empty()) {
       is_loaded_[block].assign(SizeOf(block), 0);
     }
     is_loaded_[block][place] = 1;
-    ids_.push_back(blocks_.begins[block] + place);
-    complex_.points.push_back((*Read(block))[place]);
+    ++num_loaded_[block];
   }
 
-  std::shared_ptr<Positions> Read(uint32_t block) {
+  std::shared_ptr<BlockVertices> Read(uint32_t block) {
     return cache_.Get(block, SizeOf(block) * sizeof(Eigen::Vector3f), [&] {
-      return std::make_shared<Positions>(plan_.ReadPositions(
-          blocks_.begins[block], blocks_.begins[block + 1]));
+      return std::make_shared<BlockVertices>(WithBoxes(plan_.ReadPositions(
+          blocks_.begins[block], blocks_.begins[block + 1])));
     });
   }
 
@@ -212,19 +239,23 @@ class Certifier {
   uint32_t FindInBlock(uint32_t block, uint32_t cell,
                        const ConflictZone& zone) {
     const std::vector<uint8_t>& is_loaded = is_loaded_[block];
-    if (std::ranges::find(is_loaded, 0) == is_loaded.end() &&
-        !is_loaded.empty()) {
+    if (num_loaded_[block] == SizeOf(block)) {
       return kNone;
     }
-    const auto positions = Read(block);
+    const auto vertices = Read(block);
+    const Positions& positions = vertices->positions;
     uint32_t deepest = kNone;
     double depth = 0;
-    for (uint32_t i = 0; i < positions->size(); ++i) {
+    for (uint32_t i = 0; i < positions.size(); ++i) {
+      if (i % kGroup == 0 && !zone.MayTouch(vertices->boxes[i / kGroup])) {
+        i += kGroup - 1;
+        continue;
+      }
       if (!is_loaded.empty() && is_loaded[i] != 0) {
         continue;
       }
-      const double at = zone.Depth((*positions)[i]);
-      if (at >= depth && IsInConflict(complex_, cell, (*positions)[i])) {
+      const double at = zone.Depth(positions[i]);
+      if (at >= depth && IsInConflict(complex_, cell, positions[i])) {
         deepest = blocks_.begins[block] + i;
         depth = at;
       }
@@ -237,11 +268,8 @@ class Certifier {
     Positions positions;
     for (const uint32_t id : missing) {
       const uint32_t block = blocks_.BlockOf(id);
-      if (is_loaded_[block].empty()) {
-        is_loaded_[block].assign(SizeOf(block), 0);
-      }
-      is_loaded_[block][id - blocks_.begins[block]] = 1;
-      positions.push_back((*Read(block))[id - blocks_.begins[block]]);
+      MarkLoaded(block, id - blocks_.begins[block]);
+      positions.push_back(Read(block)->positions[id - blocks_.begins[block]]);
       ids_.push_back(id);
     }
     InsertMorePoints(positions, &complex_);
@@ -268,9 +296,10 @@ class Certifier {
   const PlanVertices& plan_;
   const PlanBlocks& blocks_;
   BoxTree tree_;
-  LruCache<Positions> cache_;
+  LruCache<BlockVertices> cache_;
   // [blocks][vertices of the block] 1: in the complex; empty: none is.
   std::vector<std::vector<uint8_t>> is_loaded_;
+  std::vector<uint32_t> num_loaded_;  // [blocks]
   Eigen::AlignedBox3f own_box_;
   uint32_t num_own_ = 0;
   std::vector<uint32_t> ids_;  // [complex points]
