@@ -335,7 +335,9 @@ double MergerMemoryGb(const Plan& plan) {
     num_vertices += static_cast<double>(tile.num_vertices);
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
-  return 0.1 + 500e-9 * num_vertices + 400e-9 * largest;
+  const double fixing = 200e-9 * num_vertices + 800e-9 * largest;
+  const double repairing = 350e-9 * num_vertices;
+  return 0.1 + std::max(fixing, repairing);
 }
 
 }  // namespace colmap_ext
