@@ -27,13 +27,11 @@ void Merge(const MergerOptions& options) {
   ExpectWritable(options.output_path);
   ExpectWritable(VisibilityPath(options.output_path));
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const auto progress = [&reporter](std::string_view stage, double share) {
-    reporter.Update(stage, share);
-  };
+  const Progress progress = reporter.AsProgress();
   MergeReport report;
   const ManifoldMesh mesh = MergePlan(options.plan_path, progress, &report);
   Report(progress, "Writing the mesh", 0);
-  WriteMesh(options.output_path, mesh.mesh, mesh.attributes);
+  WriteMesh(options.output_path, mesh.mesh, mesh.attributes, options.transform);
   reporter.Finish();
   ReportLog log(&std::cout);
   PrintHeading("Tiles", &log);

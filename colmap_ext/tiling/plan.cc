@@ -75,6 +75,10 @@ PlannedTile TileFrom(const Json& json) {
           json.at("memory_gb"), json.at("core_seconds")};
 }
 
+std::string ChecksumOf(const Json& json) {
+  return fmt::format("{:016x}", Hash(json.dump()));
+}
+
 Plan PlanFrom(const Json& json) {
   Plan plan;
   plan.workspace_path = std::string(json.at("workspace"));
@@ -134,6 +138,7 @@ void WritePlan(const fs::path& folder, const Plan& plan) {
   for (const View& view : plan.views) {
     json["views"].push_back(ToJson(view));
   }
+  json["checksum"] = ChecksumOf(json);
   WriteText(PlanPath(folder), json.dump(1) + "\n");
 }
 
@@ -144,12 +149,17 @@ Plan ReadPlan(const fs::path& folder) {
     throw FileError(path, "no plan there: make it by mesh_planner");
   }
   try {
-    const Json json = Json::parse(file);
+    Json json = Json::parse(file);
     if (json.at("version") != kPlanVersion) {
       throw FileError(path,
                       fmt::format("has the version {}, not {}: plan again by "
                                   "mesh_planner",
                                   json.at("version").dump(), kPlanVersion));
+    }
+    const std::string checksum = json.at("checksum");
+    json.erase("checksum");
+    if (checksum != ChecksumOf(json)) {
+      throw FileError(path, "damaged or edited: plan again by mesh_planner");
     }
     return PlanFrom(json);
   } catch (const nlohmann::json::exception&) {

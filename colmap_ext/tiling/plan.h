@@ -36,7 +36,7 @@ struct Plan {
   uint64_t identity = 0;  // of inputs and options
 };
 
-inline constexpr int kPlanVersion = 1;
+inline constexpr int kPlanVersion = 2;
 
 // In a plan's folder.
 std::filesystem::path PlanPath(const std::filesystem::path& folder);

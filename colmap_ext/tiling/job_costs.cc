@@ -1,0 +1,27 @@
+#include "colmap_ext/tiling/job_costs.h"
+
+#include <algorithm>
+
+namespace colmap_ext {
+
+double TileMemoryGb(size_t num_vertices) {
+  return 0.06 + 1200e-9 * static_cast<double>(num_vertices);
+}
+
+double TileSeconds(size_t num_vertices) {
+  return 1 + 160e-6 * static_cast<double>(num_vertices);
+}
+
+double MergerMemoryGb(const Plan& plan) {
+  double num_vertices = 0;
+  double largest = 0;
+  for (const PlannedTile& tile : plan.tiles) {
+    num_vertices += static_cast<double>(tile.num_vertices);
+    largest = std::max(largest, static_cast<double>(tile.num_vertices));
+  }
+  const double fixing = 200e-9 * num_vertices + 800e-9 * largest;
+  const double repairing = 350e-9 * num_vertices;
+  return 0.1 + std::max(fixing, repairing);
+}
+
+}  // namespace colmap_ext
