@@ -9,7 +9,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/tiling/describe_plan.h"
 #include "colmap_ext/tiling/folder_lock.h"
 #include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/plan_files.h"
@@ -81,32 +81,7 @@ class Planner {
 
  private:
   void Identify() {
-    const MesherOptions& mesher = options_.mesher;
-    plan_.workspace_path = mesher.workspace_path;
-    const fs::path sparse = FindSparseFolder(
-        mesher.sparse_path.empty()
-            ? FindDenseFolder(mesher.InputPath(), mesher.workspace)
-            : fs::path(mesher.sparse_path));
-    for (const fs::path& input : {files_.path, files_.visibility_path}) {
-      plan_.inputs[fs::absolute(input).string()] = QuickFingerprint(input);
-    }
-    for (const auto& entry : fs::directory_iterator(sparse)) {
-      plan_.inputs[fs::absolute(entry.path()).string()] =
-          QuickFingerprint(entry.path());
-    }
-    MesherOptions typed = mesher;
-    CommandOptions command;
-    AddMeshingOptions(&command, &typed);
-    for (const CommandOptions::Option& option : command.Options()) {
-      if (option.name != "DelaunayManifoldMeshing.num_threads") {
-        plan_.options[option.name] = option.default_value;
-      }
-    }
-    plan_.options["image_order"] = mesher.words.image_order;
-    plan_.options["mask_path"] = mesher.scene.mask_path;
-    plan_.options["distance_sigma"] =
-        fmt::format("{}", options_.distance_sigma);
-    plan_.seam_rings = options_.seam_rings;
+    plan_ = DescribePlan(options_, files_);
     num_tiles_ = options_.num_tiles > 0
                      ? static_cast<size_t>(options_.num_tiles)
                      : NumTilesForMemory();

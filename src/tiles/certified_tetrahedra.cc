@@ -8,13 +8,13 @@
 
 #include <tbb/parallel_for.h>
 
-#include "base/lru_cache.h"
 #include "base/mix_bits.h"
 #include "delaunay/cell_conflict.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "delaunay/insertion_order.h"
 #include "delaunay/take_tetrahedra.h"
+#include "tiles/block_cache.h"
 #include "tiles/box_tree.h"
 #include "tiles/conflict_zone.h"
 
@@ -23,30 +23,7 @@ namespace {
 
 using Positions = std::vector<Eigen::Vector3f>;
 
-// Vertices of a block whose box is known.
-constexpr uint32_t kGroup = 32;
-
-// The vertices of a block.
-struct BlockVertices {
-  Positions positions;
-  std::vector<Eigen::AlignedBox3f> boxes;  // of each kGroup of them
-};
-
-BlockVertices WithBoxes(Positions positions) {
-  BlockVertices block{std::move(positions), {}};
-  for (size_t i = 0; i < block.positions.size(); ++i) {
-    if (i % kGroup == 0) {
-      block.boxes.emplace_back();
-    }
-    block.boxes.back().extend(block.positions[i]);
-  }
-  return block;
-}
-
 constexpr uint32_t kNone = UINT32_MAX;
-
-// Bytes of positions of other tiles that are kept for the next search.
-constexpr size_t kCacheBytes = size_t{256} << 20;
 
 // A number in [0, 1) that is always the same one for a block.
 double ChanceOf(uint32_t block) {
@@ -78,7 +55,7 @@ class Certifier {
       : plan_(plan),
         blocks_(plan.Blocks()),
         tree_(blocks_.boxes),
-        cache_(kCacheBytes),
+        cache_(plan),
         is_loaded_(blocks_.NumBlocks()),
         num_loaded_(blocks_.NumBlocks(), 0) {
     const uint32_t first = blocks_.FirstVertex(tile);
@@ -147,7 +124,7 @@ class Certifier {
   void AddVertex(uint32_t block, uint32_t place) {
     MarkLoaded(block, place);
     ids_.push_back(blocks_.begins[block] + place);
-    complex_.points.push_back(Read(block)->positions[place]);
+    complex_.points.push_back(cache_.Read(block)->positions[place]);
   }
 
   void MarkLoaded(uint32_t block, uint32_t place) {
@@ -156,13 +133,6 @@ class Certifier {
     }
     is_loaded_[block][place] = 1;
     ++num_loaded_[block];
-  }
-
-  std::shared_ptr<BlockVertices> Read(uint32_t block) {
-    return cache_.Get(block, SizeOf(block) * sizeof(Eigen::Vector3f), [&] {
-      return std::make_shared<BlockVertices>(WithBoxes(plan_.ReadPositions(
-          blocks_.begins[block], blocks_.begins[block + 1])));
-    });
   }
 
   bool HasOwnVertex(uint32_t cell) const {
@@ -242,13 +212,14 @@ class Certifier {
     if (num_loaded_[block] == SizeOf(block)) {
       return kNone;
     }
-    const auto vertices = Read(block);
+    const auto vertices = cache_.Read(block);
     const Positions& positions = vertices->positions;
     uint32_t deepest = kNone;
     double depth = 0;
     for (uint32_t i = 0; i < positions.size(); ++i) {
-      if (i % kGroup == 0 && !zone.MayTouch(vertices->boxes[i / kGroup])) {
-        i += kGroup - 1;
+      if (i % kGroupVertices == 0 &&
+          !zone.MayTouch(vertices->boxes[i / kGroupVertices])) {
+        i += kGroupVertices - 1;
         continue;
       }
       if (!is_loaded.empty() && is_loaded[i] != 0) {
@@ -269,7 +240,8 @@ class Certifier {
     for (const uint32_t id : missing) {
       const uint32_t block = blocks_.BlockOf(id);
       MarkLoaded(block, id - blocks_.begins[block]);
-      positions.push_back(Read(block)->positions[id - blocks_.begins[block]]);
+      positions.push_back(
+          cache_.Read(block)->positions[id - blocks_.begins[block]]);
       ids_.push_back(id);
     }
     InsertMorePoints(positions, &complex_);
@@ -296,7 +268,7 @@ class Certifier {
   const PlanVertices& plan_;
   const PlanBlocks& blocks_;
   BoxTree tree_;
-  LruCache<BlockVertices> cache_;
+  BlockCache cache_;
   // [blocks][vertices of the block] 1: in the complex; empty: none is.
   std::vector<std::vector<uint8_t>> is_loaded_;
   std::vector<uint32_t> num_loaded_;  // [blocks]
