@@ -1,11 +1,15 @@
 #include "colmap_ext/tiling/job_costs.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace colmap_ext {
 
 double TileMemoryGb(size_t num_vertices) {
-  return 0.06 + 1200e-9 * static_cast<double>(num_vertices);
+  // Others lie along the borders.
+  const auto own = static_cast<double>(num_vertices);
+  const double others = 600 * std::sqrt(own);
+  return 0.06 + 700e-9 * (own + others);
 }
 
 double TileSeconds(size_t num_vertices) {

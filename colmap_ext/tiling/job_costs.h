@@ -7,8 +7,7 @@
 namespace colmap_ext {
 
 // What a tile's job takes: fitted to tiles of fountain side by side, of 40,000
-// and 160,000 vertices (docs/benchmarks.md). Larger ones take less a vertex, as
-// less lies along their borders.
+// and 160,000 vertices (docs/benchmarks.md).
 double TileMemoryGb(size_t num_vertices);
 double TileSeconds(size_t num_vertices);
 // ... and the merger, which holds the surface.

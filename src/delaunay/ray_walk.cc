@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include "delaunay/predicates.h"
-#include "delaunay/ray_line.h"
 
 namespace colmap_ext {
 namespace {
@@ -19,10 +18,8 @@ using Cell = Tetrahedralization::Cell;
 // leaves.
 class Walk {
  public:
-  Walk(const Tetrahedralization& tetrahedra, const CellPart* part,
-       const Ray& ray, RayPath* path)
+  Walk(const Tetrahedralization& tetrahedra, const Ray& ray, RayPath* path)
       : tetrahedra_(&tetrahedra),
-        part_(part),
         origin_(OriginOf(tetrahedra, ray)),
         ray_(&ray),
         path_(path),
@@ -43,13 +40,6 @@ class Walk {
   bool Start() {
     if (!(length_ > 0)) {
       return false;
-    }
-    if (ray_->start_arc != kNoArc) {
-      cell_ = ray_->start_arc / 4;
-      exit_ = ray_->start_arc % 4;
-      SetExitCorners(tetrahedra_->cells[cell_]);
-      is_near_ = false;
-      return true;
     }
     const bool is_started = ray_->origin != kNoVertex
                                 ? StartAtVertex(ray_->origin)
@@ -103,8 +93,7 @@ class Walk {
   // does not have.
   // \return false where the walk has ended
   bool FindExit() {
-    const bool has_left = part_ != nullptr && !is_near_ && !part_->Has(cell_);
-    if (apex_ == kInfiniteVertex || has_left) {
+    if (apex_ == kInfiniteVertex) {
       path_->end = cell_;
       return false;
     }
@@ -207,11 +196,29 @@ class Walk {
     }
   }
 
+  // From the origin to the facet through which the ray leaves the cell, scene
+  // units. It starts at the lowest corner, so that rounding depends on the ray
+  // and the facet alone and not on the way there.
+  double ExitDistance() const {
+    const auto is_lower = [this](uint32_t u, uint32_t v) {
+      const Eigen::Vector3f& p = tetrahedra_->points[u];
+      const Eigen::Vector3f& q = tetrahedra_->points[v];
+      return std::lexicographical_compare(p.begin(), p.end(), q.begin(),
+                                          q.end());
+    };
+    const auto first = static_cast<size_t>(
+        std::ranges::min_element(corners_, is_lower) - corners_.begin());
+    const Eigen::Vector3d a = Offset(corners_[first]);
+    const Eigen::Vector3d b = Offset(corners_[(first + 1) % 3]);
+    const Eigen::Vector3d c = Offset(corners_[(first + 2) % 3]);
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    return a.dot(normal) / direction_.dot(normal);
+  }
+
   // Sets the distance of the exit.
   // \return false where the target comes first
   bool MeasureExit() {
-    const double distance =
-        FacetDistance(*tetrahedra_, corners_, origin_, direction_);
+    const double distance = ExitDistance();
     const bool ends_at_target = ray_->end == kNoCell;
     if (ends_at_target && distance >= length_) {
       return false;
@@ -244,7 +251,7 @@ class Walk {
       const int k = (i + 1) % 3;
       const double determinant = x_[i] * y_[k] - y_[i] * x_[k];
       const bool is_sure =
-          std::abs(determinant) > kTurnErrorBound * size_[i] * size_[k];
+          std::abs(determinant) > kErrorBound * size_[i] * size_[k];
       if (is_sure ? determinant < 0 : !TurnsExactly(corners_[i], corners_[k])) {
         return i;
       }
@@ -263,7 +270,7 @@ class Walk {
     const double largest = std::max(std::max(size_[0], size_[1]), size_[2]);
     const double least =
         std::min(std::min(std::abs(d0), std::abs(d1)), std::abs(d2));
-    if (least > kTurnErrorBound * size * largest) [[likely]] {
+    if (least > kErrorBound * size * largest) [[likely]] {
       return static_cast<unsigned>(d0 > 0) |
              static_cast<unsigned>(d1 > 0) << 1 |
              static_cast<unsigned>(d2 > 0) << 2;
@@ -279,8 +286,13 @@ class Walk {
                         tetrahedra_->points[v].cast<double>()) > 0;
   }
 
+  // Each of the four factors of a determinant is off by less than 8 e times the
+  // size of its corner (the axes by 4 e, the product's three terms by the
+  // rest), e = 2^-53, and so the determinant by less than 40 e times both
+  // sizes.
+  static constexpr double kErrorBound = 40 * 0x1p-53;
+
   const Tetrahedralization* tetrahedra_;
-  const CellPart* part_;  // or null
   Eigen::Vector3d origin_;
   const Ray* ray_;
   RayPath* path_;
@@ -315,7 +327,7 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
   const Ray ray = {origin, target, end, near_distance};
   RayPath path;
   path.crossings.swap(*crossings);
-  Walk walk(tetrahedra, nullptr, ray, &path);
+  Walk walk(tetrahedra, ray, &path);
   bool goes_on = walk.Start();
   while (goes_on && walk.Leave()) {
     walk.Enter();
@@ -326,7 +338,7 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
 }
 
 void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
-              std::span<RayPath> paths, const CellPart* part) {
+              std::span<RayPath> paths) {
   std::vector<Walk> walks;
   walks.reserve(kNumTurns);
   // Drops a walk that has ended; the last one takes its place.
@@ -336,8 +348,7 @@ void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
   };
   for (size_t num_started = 0; num_started < rays.size() || !walks.empty();) {
     while (walks.size() < kNumTurns && num_started < rays.size()) {
-      walks.emplace_back(tetrahedra, part, rays[num_started],
-                         &paths[num_started]);
+      walks.emplace_back(tetrahedra, rays[num_started], &paths[num_started]);
       ++num_started;
       if (!walks.back().Start()) {
         walks.pop_back();

@@ -7,7 +7,6 @@
 
 #include <Eigen/Core>
 
-#include "delaunay/cell_part.h"
 #include "delaunay/tetrahedralization.h"
 
 namespace colmap_ext {
@@ -22,7 +21,6 @@ struct Crossing {
 };
 
 inline constexpr uint32_t kNoVertex = UINT32_MAX;
-inline constexpr uint32_t kNoArc = UINT32_MAX;
 
 struct Ray {
   uint32_t origin = 0;     // a vertex, or kNoVertex
@@ -36,9 +34,6 @@ struct Ray {
   // of.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   uint32_t start_cell = kNoCell;
-  // A facet that the ray passes through, as the arc of the cell that it leaves
-  // there: the walk starts with it, and no distance is computed. Or kNoArc.
-  uint32_t start_arc = kNoArc;
 };
 
 // The way of a ray.
@@ -68,9 +63,7 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
 // The same for many rays. Several of them go on by turns, so that none waits
 // for memory.
 // \param paths [rays] are overwritten
-// \param part  if given, a ray ends where it enters a cell that is not of the
-//        part, unless distances are still asked for
 void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
-              std::span<RayPath> paths, const CellPart* part = nullptr);
+              std::span<RayPath> paths);
 
 }  // namespace colmap_ext

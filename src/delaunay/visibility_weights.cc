@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <mutex>
 #include <numeric>
 #include <span>
@@ -9,12 +10,18 @@
 
 #include <tbb/parallel_for.h>
 
-#include "delaunay/path_votes.h"
-#include "delaunay/ray_places.h"
+#include "delaunay/locate.h"
+#include "delaunay/predicates.h"
 #include "delaunay/ray_walk.h"
 
 namespace colmap_ext {
 namespace {
+
+constexpr char kStage[] = "Walking rays";
+
+// Sigmas. Beyond them the soft weight differs from one by exp(-12.5) at most,
+// 0.015 of the weights' unit: less than a weight is rounded by.
+constexpr double kNearSigmas = 5;
 
 // Vertices whose rays are walked by one thread, camera after camera, so that
 // neighboring rays find their cells in the cache. Any other number gives the
@@ -24,25 +31,105 @@ constexpr uint32_t kBlock = 256;
 // Rays that are walked together. Their paths fit a core's cache.
 constexpr size_t kBatch = 64;
 
-// Walks the rays of vertices and counts their votes.
+// A camera's centre and the cell that holds it.
+struct Center {
+  Eigen::Vector3d position;
+  uint32_t cell = 0;  // no cell's index where it lies beyond the hull
+};
+
+// A place and the cell that has it strictly inside, or an infinite one.
+struct Place {
+  Eigen::Vector3d position;
+  uint32_t cell = kNoCell;
+};
+
+// A place on a facet lies strictly inside no cell, and a walk may end in
+// another one than it does, as it treats the place as moved by an
+// infinitesimal step. Such a place is moved, by a millionth of the points'
+// noise at each try and in a direction that no simple plane contains.
+Place FindPlace(const Tetrahedralization& tetrahedra,
+                const Eigen::Vector3d& position, double sigma, uint32_t hint) {
+  constexpr int kMaxTries = 64;
+  Place place;
+  for (int k = 0; k < kMaxTries; ++k) {
+    place.position =
+        position + 1e-6 * sigma * k * Eigen::Vector3d(1, 0.618, 0.382);
+    const uint32_t cell = Locate(tetrahedra, place.position, hint);
+    if (tetrahedra.IsInfinite(cell) ||
+        IsStrictlyInside(tetrahedra, cell, place.position)) {
+      place.cell = cell;
+      break;
+    }
+  }
+  return place;
+}
+
+std::vector<Center> LocateCenters(const Tetrahedralization& tetrahedra,
+                                  const std::vector<Eigen::Vector3d>& centers,
+                                  double sigma) {
+  std::vector<Center> located(centers.size());
+  for (size_t i = 0; i < centers.size(); ++i) {
+    const Place place = FindPlace(tetrahedra, centers[i], sigma,
+                                  tetrahedra.vertex_cells.front());
+    const bool is_inside =
+        place.cell != kNoCell && !tetrahedra.IsInfinite(place.cell);
+    located[i] = {place.position,
+                  is_inside ? place.cell
+                            : static_cast<uint32_t>(tetrahedra.cells.size())};
+  }
+  return located;
+}
+
+// Points that are not vertices, each with the cell that it lies in.
+std::vector<Place> LocatePoints(const Tetrahedralization& tetrahedra,
+                                const std::vector<Eigen::Vector3f>& points,
+                                double sigma) {
+  std::vector<Place> located;
+  located.reserve(points.size());
+  uint32_t hint = tetrahedra.vertex_cells.front();
+  for (const Eigen::Vector3f& point : points) {
+    located.push_back(FindPlace(tetrahedra, point.cast<double>(), sigma, hint));
+    const uint32_t cell = located.back().cell;
+    if (cell != kNoCell && !tetrahedra.IsInfinite(cell)) {
+      hint = cell;
+    }
+  }
+  return located;
+}
+
+// Walks the rays of vertices, or of other points, and counts their votes.
 class Voter {
  public:
+  // \param places  of the points; null: they are the vertices
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
-        const std::vector<RayPlace>& centers,
+        const std::vector<Place>* places, const std::vector<Center>& centers,
         const VisibilityWeightOptions& options, FlowCapacities* graph,
         std::vector<uint32_t>* free_support)
       : tetrahedra_(tetrahedra),
         observations_(observations),
+        places_(places),
         centers_(centers),
+        options_(options),
         near_distance_(kNearSigmas * options.distance_sigma),
-        behind_distance_(options.behind_sigma * options.distance_sigma),
-        votes_(tetrahedra, options, graph),
+        normalization_(-0.5 /
+                       (options.distance_sigma * options.distance_sigma)),
+        graph_(graph),
         free_support_(free_support) {}
 
   // \param begin, end  vertices
   void VoteBlock(uint32_t begin, uint32_t end) {
-    const std::vector<Observation> block =
-        ObservationsByView(observations_, begin, end);
+    std::vector<Observation> block;
+    for (uint32_t vertex = begin; vertex < end; ++vertex) {
+      for (uint64_t k = observations_.offsets[vertex];
+           k < observations_.offsets[vertex + 1]; ++k) {
+        block.push_back(
+            {observations_.views[k], vertex, observations_.alphas[k]});
+      }
+    }
+    std::stable_sort(block.begin(), block.end(),
+                     [](const Observation& a, const Observation& b) {
+                       return a.view < b.view;
+                     });
     for (size_t i = 0; i < block.size(); i += kBatch) {
       VoteBatch({block.data() + i, std::min(kBatch, block.size() - i)});
     }
@@ -51,14 +138,17 @@ class Voter {
   const RayReport& report() const { return report_; }
 
  private:
+  struct Observation {
+    uint32_t view;
+    uint32_t vertex;
+    float alpha;
+  };
+
   // \param batch  kBatch observations at most
   void VoteBatch(std::span<const Observation> batch) {
     rays_.clear();
     for (const Observation& observation : batch) {
-      const RayPlace& center = centers_[observation.view];
-      rays_.push_back(
-          {observation.vertex, center.position, center.cell,
-           observations_.IsEnd(observation.vertex) ? 0 : near_distance_});
+      rays_.push_back(RayToCenter(observation));
     }
     WalkRays(tetrahedra_, rays_, front_);
     for (size_t i = 0; i < batch.size(); ++i) {
@@ -77,8 +167,24 @@ class Voter {
     }
   }
 
+  Ray RayToCenter(const Observation& observation) const {
+    const Center& center = centers_[observation.view];
+    return RayFrom(observation.vertex, center.position, center.cell,
+                   NearDistance(observation.vertex));
+  }
+
+  Ray RayFrom(uint32_t vertex, const Eigen::Vector3d& target, uint32_t end,
+              double near_distance) const {
+    if (places_ == nullptr) {
+      return {vertex, target, end, near_distance};
+    }
+    const Place& place = (*places_)[vertex];
+    return {kNoVertex, target, end, near_distance, place.position, place.cell};
+  }
+
   Eigen::Vector3d PositionOf(uint32_t vertex) const {
-    return tetrahedra_.points[vertex].cast<double>();
+    return places_ != nullptr ? (*places_)[vertex].position
+                              : tetrahedra_.points[vertex].cast<double>();
   }
 
   // Behind an end it goes on to the hull, as no cell is kNoCell - 1.
@@ -87,24 +193,79 @@ class Voter {
     const Eigen::Vector3d& center = centers_[observation.view].position;
     const Eigen::Vector3d position = PositionOf(vertex);
     if (observations_.IsEnd(vertex)) {
-      return {vertex, 2 * position - center, kNoCell - 1, 0};
+      return RayFrom(vertex, 2 * position - center, kNoCell - 1, 0);
     }
     const Eigen::Vector3d direction = (position - center).normalized();
-    return {vertex, position + behind_distance_ * direction, kNoCell,
-            near_distance_};
+    return RayFrom(
+        vertex,
+        position + options_.behind_sigma * options_.distance_sigma * direction,
+        kNoCell, near_distance_);
   }
 
+  double NearDistance(uint32_t vertex) const {
+    return observations_.IsEnd(vertex) ? 0 : near_distance_;
+  }
+
+  // Where flow is pushed along the ray at once (docs/method.md, section 2.3),
+  // from both of its ends towards the point.
   void Vote(const Observation& observation, const RayPath& front,
             const RayPath& behind) {
-    const Observer observer = {
-        observation.vertex, PositionOf(observation.vertex),
-        centers_[observation.view].position, observation.alpha,
-        observations_.IsEnd(observation.vertex)};
-    votes_.AddFront(observer, front);
-    votes_.AddBehind(observer, behind);
-    if (free_support_ != nullptr) {
-      AddFreeSupport(ToCapacity(observation.alpha), front);
+    const uint32_t weight = ToCapacity(observation.alpha);
+    const bool is_end = observations_.IsEnd(observation.vertex);
+    PushAlong(front, observation, &Crossing::exit_arc, &graph_->source);
+    if (is_end) {
+      for (const Crossing& crossing : behind.crossings) {
+        AddToArc(weight, crossing.exit_arc);
+      }
+    } else {
+      PushAlong(behind, observation, &Crossing::entry_arc, &graph_->sink);
     }
+    if (free_support_ != nullptr) {
+      AddFreeSupport(weight, front);
+    }
+  }
+
+  // Adds to the cell where a ray ends. Where that is beyond the hull, which a
+  // part of all vertices has another one of, it is all that may be the one.
+  void AddAtEnds(uint32_t weight, const Observation& observation,
+                 const RayPath& path, std::vector<uint32_t>* sums) {
+    if (!options_.inner_place || places_ != nullptr ||
+        !path.crossings.empty() || !tetrahedra_.IsInfinite(path.end)) {
+      AddCapacity(weight, &(*sums)[path.end]);
+      return;
+    }
+    const Eigen::Vector3d& center = centers_[observation.view].position;
+    const Eigen::Vector3d origin = PositionOf(observation.vertex);
+    const bool is_front = sums == &graph_->source;
+    const Eigen::Vector3d target = is_front ? center : 2 * origin - center;
+    IncidentCells(tetrahedra_, observation.vertex, &star_);
+    for (const uint32_t cell : star_) {
+      if (tetrahedra_.IsInfinite(cell) &&
+          GoesOver(cell, observation.vertex, target)) {
+        AddCapacity(weight, &(*sums)[cell]);
+      }
+    }
+  }
+
+  // Whether the ray from a vertex goes over the facet of an infinite cell, as
+  // seen from the inner place.
+  bool GoesOver(uint32_t cell, uint32_t vertex,
+                const Eigen::Vector3d& target) const {
+    const auto& vertices = tetrahedra_.cells[cell].vertices;
+    // Counter-clockwise seen from outside.
+    std::array<uint32_t, 3> facet;
+    const uint32_t infinite = tetrahedra_.IndexOf(cell, kInfiniteVertex);
+    for (int i = 0; i < 3; ++i) {
+      facet[i] = vertices[kFacetCorners[infinite][i]];
+    }
+    const auto at =
+        static_cast<size_t>(std::ranges::find(facet, vertex) - facet.begin());
+    const auto side = [&](size_t next) {
+      return RaySideExact(PositionOf(vertex), target,
+                          PositionOf(facet[(at + next) % 3]),
+                          *options_.inner_place);
+    };
+    return side(1) > 0 && side(2) < 0;
   }
 
   void AddFreeSupport(uint32_t weight, const RayPath& front) {
@@ -114,18 +275,85 @@ class Voter {
     AddCapacity(weight, &(*free_support_)[front.end]);
   }
 
+  // A path of arcs whose weights do not fall from the point outwards, to a
+  // terminal arc of the whole weight. As much flow as each arc takes leaves its
+  // reverse with the capacity, and the cells with what the next arc did not
+  // take.
+  // \param reverse_arc  of each arc
+  // \param terminal [cells] source or sink
+  void PushAlong(const RayPath& path, const Observation& observation,
+                 uint32_t Crossing::*reverse_arc,
+                 std::vector<uint32_t>* terminal) {
+    const uint32_t whole = ToCapacity(observation.alpha);
+    const bool is_end = observations_.IsEnd(observation.vertex);
+    uint32_t before = 0;
+    for (const Crossing& crossing : path.crossings) {
+      uint32_t weight = whole;
+      if (!is_end && crossing.distance < near_distance_) {
+        weight = SoftWeight(observation.alpha, crossing.distance);
+      }
+      AddToArc(weight, crossing.*reverse_arc);
+      if (weight > before) {  // Distances fall by a rounding at most.
+        AddCapacity(weight - before, &(*terminal)[crossing.exit_arc / 4]);
+      }
+      before = weight;
+    }
+    if (whole > before) {
+      AddAtEnds(whole - before, observation, path, terminal);
+    }
+  }
+
+  uint32_t SoftWeight(double alpha, double distance) const {
+    return ToCapacity(alpha *
+                      (1 - std::exp(distance * distance * normalization_)));
+  }
+
+  void AddToArc(uint32_t weight, uint32_t arc) {
+    AddCapacity(weight, &graph_->capacities[arc / 4][arc % 4]);
+  }
+
   const Tetrahedralization& tetrahedra_;
   const Observations& observations_;
-  const std::vector<RayPlace>& centers_;
+  const std::vector<Place>* places_;
+  const std::vector<Center>& centers_;
+  const VisibilityWeightOptions& options_;
   const double near_distance_;
-  const double behind_distance_;
-  PathVotes votes_;
+  const double normalization_;
+  FlowCapacities* graph_;
   std::vector<uint32_t>* free_support_;  // [cells], or null
   RayReport report_;
-  std::vector<Ray> rays_;  // of a batch
+  std::vector<uint32_t> star_;  // scratch
+  std::vector<Ray> rays_;       // of a batch
   std::array<RayPath, kBatch> front_;
   std::array<RayPath, kBatch> behind_;
 };
+
+// Counts the votes of all rows of observations.
+RayReport Vote(const Tetrahedralization& tetrahedra,
+               const Observations& observations,
+               const std::vector<Place>* places,
+               const std::vector<Eigen::Vector3d>& centers,
+               const VisibilityWeightOptions& options, FlowCapacities* graph,
+               const Progress& progress, std::vector<uint32_t>* free_support) {
+  const std::vector<Center> located =
+      LocateCenters(tetrahedra, centers, options.distance_sigma);
+  const auto num_rows = static_cast<uint32_t>(observations.offsets.size() - 1);
+  const uint32_t num_blocks = (num_rows + kBlock - 1) / kBlock;
+  std::mutex mutex;
+  size_t num_done = 0;
+  RayReport report;
+  tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
+    Voter voter(tetrahedra, observations, places, located, options, graph,
+                free_support);
+    voter.VoteBlock(block * kBlock, std::min(num_rows, (block + 1) * kBlock));
+    const std::lock_guard lock(mutex);
+    report.num_rays += voter.report().num_rays;
+    report.num_lost_rays += voter.report().num_lost_rays;
+    report.num_steps += voter.report().num_steps;
+    Report(progress, kStage, static_cast<double>(++num_done) / num_blocks);
+  });
+  return report;
+}
 
 }  // namespace
 
@@ -166,46 +394,30 @@ Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
   return observations;
 }
 
-std::vector<Observation> ObservationsByView(const Observations& observations,
-                                            uint32_t begin, uint32_t end) {
-  std::vector<Observation> block;
-  for (uint32_t vertex = begin; vertex < end; ++vertex) {
-    for (uint64_t k = observations.offsets[vertex];
-         k < observations.offsets[vertex + 1]; ++k) {
-      block.push_back({observations.views[k], vertex, observations.alphas[k]});
-    }
-  }
-  std::ranges::stable_sort(block, {}, &Observation::view);
-  return block;
-}
-
 RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Observations& observations,
                                const std::vector<Eigen::Vector3d>& centers,
                                const VisibilityWeightOptions& options,
                                FlowCapacities* graph, const Progress& progress,
                                std::vector<uint32_t>* free_support) {
-  Report(progress, kWalkingStage, 0);
+  Report(progress, kStage, 0);
   if (free_support != nullptr) {
     free_support->assign(tetrahedra.cells.size(), 0);
   }
-  const std::vector<RayPlace> located =
-      LocateCenters(tetrahedra, centers, options.distance_sigma);
-  const auto num_rows = static_cast<uint32_t>(observations.offsets.size() - 1);
-  const uint32_t num_blocks = (num_rows + kBlock - 1) / kBlock;
-  std::mutex mutex;
-  size_t num_done = 0;
-  RayReport report;
-  tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
-    Voter voter(tetrahedra, observations, located, options, graph,
-                free_support);
-    voter.VoteBlock(block * kBlock, std::min(num_rows, (block + 1) * kBlock));
-    const std::lock_guard lock(mutex);
-    report += voter.report();
-    Report(progress, kWalkingStage,
-           static_cast<double>(++num_done) / num_blocks);
-  });
-  return report;
+  return Vote(tetrahedra, observations, nullptr, centers, options, graph,
+              progress, free_support);
+}
+
+RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
+                                    const std::vector<Eigen::Vector3f>& points,
+                                    const Observations& observations,
+                                    const std::vector<Eigen::Vector3d>& centers,
+                                    const VisibilityWeightOptions& options,
+                                    FlowCapacities* graph) {
+  const std::vector<Place> places =
+      LocatePoints(tetrahedra, points, options.distance_sigma);
+  return Vote(tetrahedra, observations, &places, centers, options, graph, {},
+              nullptr);
 }
 
 }  // namespace colmap_ext

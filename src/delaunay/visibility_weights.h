@@ -57,28 +57,7 @@ struct RayReport {
   size_t num_rays = 0;       // walked, before and behind their points
   size_t num_lost_rays = 0;  // given up; they contribute nothing
   size_t num_steps = 0;      // facets crossed by all rays
-
-  RayReport& operator+=(const RayReport& other) {
-    num_rays += other.num_rays;
-    num_lost_rays += other.num_lost_rays;
-    num_steps += other.num_steps;
-    return *this;
-  }
 };
-
-inline constexpr char kWalkingStage[] = "Walking rays";
-
-// A view of a vertex.
-struct Observation {
-  uint32_t view;
-  uint32_t vertex;
-  float alpha;  // weight
-};
-
-// Those of a range of vertices, view after view, so that neighboring rays find
-// their cells in the cache.
-std::vector<Observation> ObservationsByView(const Observations& observations,
-                                            uint32_t begin, uint32_t end);
 
 // The votes of all observations for free space and matter [Labatut2009; Vu2012;
 // Romanoni2020, section IV]. For a ray from the camera centre c to the point p,
@@ -110,5 +89,18 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                FlowCapacities* graph,
                                const Progress& progress = {},
                                std::vector<uint32_t>* free_support = nullptr);
+
+// The same votes of points that are not vertices: what their rays do beyond
+// the cells that hold them. A point that lies on a facet is moved off it, by a
+// millionth of sigma.
+//
+// \param points [P] world frame, near each other where they follow each other
+// \param observations [P] rows of the points, not of vertices
+RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
+                                    const std::vector<Eigen::Vector3f>& points,
+                                    const Observations& observations,
+                                    const std::vector<Eigen::Vector3d>& centers,
+                                    const VisibilityWeightOptions& options,
+                                    FlowCapacities* graph);
 
 }  // namespace colmap_ext

@@ -52,8 +52,7 @@ uint32_t NumFirst(uint32_t num_vertices, uint32_t block,
 class Certifier {
  public:
   Certifier(const PlanVertices& plan, uint32_t tile)
-      : plan_(plan),
-        blocks_(plan.Blocks()),
+      : blocks_(plan.Blocks()),
         tree_(blocks_.boxes),
         cache_(plan),
         is_loaded_(blocks_.NumBlocks()),
@@ -265,7 +264,6 @@ class Certifier {
     return result;
   }
 
-  const PlanVertices& plan_;
   const PlanBlocks& blocks_;
   BoxTree tree_;
   BlockCache cache_;

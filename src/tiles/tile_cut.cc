@@ -6,18 +6,15 @@
 #include <tbb/parallel_for.h>
 
 #include "delaunay/cell_graph.h"
-#include "delaunay/cell_part.h"
-#include "delaunay/part_votes.h"
 #include "delaunay/quality_weights.h"
-#include "delaunay/ray_walk.h"
 #include "tiles/ray_mask.h"
 #include "tiles/tile_labels.h"
 
 namespace colmap_ext {
 namespace {
 
-// Points whose rays are walked at a time.
-constexpr size_t kBatchPoints = 1 << 16;
+// Vertices of other tiles whose rays are walked at a time.
+constexpr size_t kBatchVertices = 1 << 16;
 
 // [cells], see TileCut
 std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile, uint32_t home,
@@ -112,15 +109,6 @@ class RayFilter {
   RayMask mask_;
 };
 
-CellPart PartOf(const TileTetrahedra& tile,
-                const std::vector<CellPlace>& places) {
-  std::vector<uint8_t> is_inside;
-  for (const CellPlace place : places) {
-    is_inside.push_back(place != CellPlace::kBeyond);
-  }
-  return {tile.tetrahedra, std::move(is_inside)};
-}
-
 // Adds the votes of a plan to a tile's graph.
 class TileVotes {
  public:
@@ -131,66 +119,108 @@ class TileVotes {
       : plan_(plan),
         blocks_(plan.Blocks()),
         tile_(tile),
+        centers_(centers),
+        options_(options),
         filter_(blocks_, tile, places, centers, options),
-        part_(PartOf(tile, places)),
-        votes_(tile.tetrahedra, part_, centers, options, graph) {}
+        graph_(graph) {}
 
   RayReport Run(const Progress& progress) {
-    RayReport report;
+    AddVertices(progress);
     for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
       if (filter_.MayPass(block)) {
         AddBlock(block);
       }
-      if (points_.size() >= kBatchPoints || block + 1 == blocks_.NumBlocks()) {
-        report += votes_.Add(points_);
-        points_ = {};
-        Report(progress, kWalkingStage,
-               static_cast<double>(block + 1) /
-                   static_cast<double>(blocks_.NumBlocks()));
+      if (points_.size() >= kBatchVertices) {
+        AddBatch();
       }
     }
-    return report;
+    AddBatch();
+    return report_;
   }
 
  private:
-  // Collects the rays of a block's vertices.
+  // The rays of the tile's vertices, block by block as their ids follow.
+  void AddVertices(const Progress& progress) {
+    Observations observations;
+    Observations of_block;
+    uint32_t block = UINT32_MAX;
+    for (size_t i = 0; i < tile_.ids.size(); ++i) {
+      const uint32_t id = tile_.ids[i];
+      if (block == UINT32_MAX || id < blocks_.begins[block] ||
+          id >= blocks_.begins[block + 1]) {
+        block = blocks_.BlockOf(id);
+        of_block = plan_.ReadObservations(blocks_.begins[block],
+                                          blocks_.begins[block + 1]);
+      }
+      filter_.Append(of_block, id - blocks_.begins[block],
+                     tile_.tetrahedra.points[i], &observations);
+      observations.offsets.push_back(observations.size());
+    }
+    Count(AddVisibilityWeights(tile_.tetrahedra, observations, centers_,
+                               options_, graph_, progress));
+  }
+
+  // Collects the rays of vertices that are not the tile's.
   void AddBlock(uint32_t block) {
     const uint32_t begin = blocks_.begins[block];
     const uint32_t end = blocks_.begins[block + 1];
+    if (IsVertex(begin) && begin < end &&
+        NumVertices(begin, end) == end - begin) {
+      return;
+    }
     const std::vector<Eigen::Vector3f> positions =
         plan_.ReadPositions(begin, end);
     const Observations of_block = plan_.ReadObservations(begin, end);
     for (uint32_t id = begin; id < end; ++id) {
-      const size_t num_before = points_.observations.size();
+      if (IsVertex(id)) {
+        continue;
+      }
+      const size_t num_before = observations_.size();
       filter_.Append(of_block, id - begin, positions[id - begin],
-                     &points_.observations);
-      if (points_.observations.size() > num_before) {
-        points_.observations.offsets.push_back(points_.observations.size());
-        points_.positions.push_back(positions[id - begin]);
-        points_.vertices.push_back(VertexOf(id));
+                     &observations_);
+      if (observations_.size() > num_before) {
+        observations_.offsets.push_back(observations_.size());
+        points_.push_back(positions[id - begin]);
       }
     }
   }
 
-  // The tile's vertex, or kNoVertex.
-  uint32_t VertexOf(uint32_t id) const {
-    const auto own_end = tile_.ids.begin() + tile_.num_own;
-    auto found = std::lower_bound(tile_.ids.begin(), own_end, id);
-    if (found == own_end || *found != id) {
-      found = std::lower_bound(own_end, tile_.ids.end(), id);
-    }
-    return found != tile_.ids.end() && *found == id
-               ? static_cast<uint32_t>(found - tile_.ids.begin())
-               : kNoVertex;
+  void AddBatch() {
+    Count(AddOuterVisibilityWeights(tile_.tetrahedra, points_, observations_,
+                                    centers_, options_, graph_));
+    points_.clear();
+    observations_ = {};
+  }
+
+  bool IsVertex(uint32_t id) const { return NumVertices(id, id + 1) == 1; }
+
+  // How many of a range of ids are vertices of the tile.
+  size_t NumVertices(uint32_t begin, uint32_t end) const {
+    const auto count = [&](size_t first, size_t last) {
+      const auto from = tile_.ids.begin() + static_cast<ptrdiff_t>(first);
+      const auto to = tile_.ids.begin() + static_cast<ptrdiff_t>(last);
+      return static_cast<size_t>(std::lower_bound(from, to, end) -
+                                 std::lower_bound(from, to, begin));
+    };
+    return count(0, tile_.num_own) + count(tile_.num_own, tile_.ids.size());
+  }
+
+  void Count(const RayReport& report) {
+    report_.num_rays += report.num_rays;
+    report_.num_lost_rays += report.num_lost_rays;
+    report_.num_steps += report.num_steps;
   }
 
   const PlanVertices& plan_;
   const PlanBlocks& blocks_;
   const TileTetrahedra& tile_;
+  const std::vector<Eigen::Vector3d>& centers_;
+  const VisibilityWeightOptions& options_;
   RayFilter filter_;
-  const CellPart part_;
-  PartVotes votes_;
-  PartPoints points_;  // of a batch
+  FlowCapacities* graph_;
+  RayReport report_;
+  std::vector<Eigen::Vector3f> points_;  // of the batch
+  Observations observations_;            // of the batch, by points
 };
 
 }  // namespace

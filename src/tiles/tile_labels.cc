@@ -14,12 +14,11 @@ uint32_t PlaceAmong(uint32_t node, const std::array<uint32_t, 4>& nodes) {
   return static_cast<uint32_t>(std::ranges::find(nodes, node) - nodes.begin());
 }
 
-// What lies beyond the part in a cut of it.
-enum class Beyond { kFreeSpace, kNothing };
-
-// The graph of the part. Arcs from free space beyond are those of the source.
-FlowCapacities PartGraph(NeighborView neighbors, const FlowCapacities& graph,
-                         const std::vector<CellPlace>& places, Beyond beyond) {
+// The graph of the part with free space beyond: the arcs from there are those
+// of the source.
+FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
+                                   const FlowCapacities& graph,
+                                   const std::vector<CellPlace>& places) {
   FlowCapacities part = graph;
   tbb::parallel_for(size_t{0}, graph.size(), [&](size_t node) {
     if (places[node] == CellPlace::kBeyond) {
@@ -30,15 +29,12 @@ FlowCapacities PartGraph(NeighborView neighbors, const FlowCapacities& graph,
     }
     for (uint32_t k = 0; k < 4; ++k) {
       const uint32_t other = neighbors[node][k];
-      if (places[other] != CellPlace::kBeyond) {
-        continue;
-      }
-      part.capacities[node][k] = 0;
-      if (beyond == Beyond::kFreeSpace) {
+      if (places[other] == CellPlace::kBeyond) {
         const uint32_t back =
             PlaceAmong(static_cast<uint32_t>(node), neighbors[other]);
         part.source[node] =
             Clamp(part.source[node]) + Clamp(graph.capacities[other][back]);
+        part.capacities[node][k] = 0;
       }
     }
   });
@@ -78,15 +74,13 @@ std::vector<uint8_t> LabelPart(NeighborView neighbors,
                                const FlowCapacities& graph,
                                const std::vector<CellPlace>& places,
                                int rings) {
+  std::vector<uint8_t> labels = ComputeMinCut(neighbors, graph).on_source_side;
   if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
-    return ComputeMinCut(neighbors, graph).on_source_side;
+    return labels;
   }
-  const auto cut = [&](Beyond beyond) {
-    return ComputeMinCut(neighbors, PartGraph(neighbors, graph, places, beyond))
-        .on_source_side;
-  };
-  std::vector<uint8_t> labels = cut(Beyond::kNothing);
-  const std::vector<uint8_t> most = cut(Beyond::kFreeSpace);
+  const std::vector<uint8_t> most =
+      ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
+          .on_source_side;
   const std::vector<uint8_t> is_band = Band(neighbors, places, rings);
   for (size_t node = 0; node < labels.size(); ++node) {
     const bool is_sure = most[node] == 0;
