@@ -196,9 +196,7 @@ void MeshWorkspace(const MesherOptions& options,
   const std::filesystem::path output_path = FindOutputPath(options);
   const bool has_page = !options.report_path.empty();
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const auto progress = [&reporter](std::string_view stage, double share) {
-    reporter.Update(stage, share);
-  };
+  const Progress progress = reporter.AsProgress();
   MesherInput input = ReadInput(options, progress);
   reporter.Finish();
   ReportLog log(&std::cout);
@@ -236,9 +234,7 @@ void MeshTile(const MesherOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const TileReport report =
       RunTile(options.plan_path, static_cast<uint32_t>(options.tile),
-              [&reporter](std::string_view stage, double share) {
-                reporter.Update(stage, share);
-              });
+              reporter.AsProgress());
   reporter.Finish();
   if (report.is_kept) {
     std::cout << "Tile " << options.tile << " is done already: nothing to do"

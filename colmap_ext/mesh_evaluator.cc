@@ -156,9 +156,7 @@ void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
 void Evaluate(const EvaluatorOptions& options) {
   CheckOutputs(options);
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const auto progress = [&reporter](std::string_view stage, double share) {
-    reporter.Update(stage, share);
-  };
+  const Progress progress = reporter.AsProgress();
   Report(progress, "Reading", 0);
   const auto [views, sparse_points] = ReadEvaluatedViews(options);
   const TriangleMesh mesh = ReadMesh(options);

@@ -29,13 +29,12 @@ CommandAdvice Advice() {
 
 void MergeRefinedTiles(const MergerOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const auto progress = [&reporter](std::string_view stage, double share) {
-    reporter.Update(stage, share);
-  };
+  const Progress progress = reporter.AsProgress();
   const RefinedMesh refined = MergeRefined(options.plan_path, progress);
   Report(progress, "Writing the mesh", 0);
   ExpectManifold(refined.mesh);
-  WriteMesh(options.output_path, refined.mesh, refined.attributes);
+  WriteMesh(options.output_path, refined.mesh, refined.attributes,
+            options.transform);
   reporter.Finish();
   ReportLog log(&std::cout);
   PrintReport(refined.report, Analyze(refined.mesh), &log);
@@ -44,13 +43,11 @@ void MergeRefinedTiles(const MergerOptions& options) {
 
 void MergeTiles(const MergerOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const auto progress = [&reporter](std::string_view stage, double share) {
-    reporter.Update(stage, share);
-  };
+  const Progress progress = reporter.AsProgress();
   MergeReport report;
   const ManifoldMesh mesh = MergePlan(options.plan_path, progress, &report);
   Report(progress, "Writing the mesh", 0);
-  WriteMesh(options.output_path, mesh.mesh, mesh.attributes);
+  WriteMesh(options.output_path, mesh.mesh, mesh.attributes, options.transform);
   reporter.Finish();
   ReportLog log(&std::cout);
   PrintHeading("Tiles", &log);

@@ -13,6 +13,7 @@
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/make_plan.h"
 
 namespace colmap_ext {
@@ -65,9 +66,7 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
 
 void MakeAndPrint(const PlannerOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const auto progress = [&reporter](std::string_view stage, double share) {
-    reporter.Update(stage, share);
-  };
+  const Progress progress = reporter.AsProgress();
   PlanReport report;
   const Plan plan =
       MakePlan(options, ColmapPictureDecoder(), progress, &report);
@@ -77,6 +76,9 @@ void MakeAndPrint(const PlannerOptions& options) {
     std::cout << "This plan is there already: nothing to do" << std::endl;
   } else {
     PrintReport(report.workspace, plan.views.size(), report.half_pixel, &log);
+    if (report.masks) {
+      PrintReport(*report.masks, &log);
+    }
   }
   PrintPlan(plan, options.output_path, &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);

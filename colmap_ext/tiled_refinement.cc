@@ -60,12 +60,9 @@ void PrintPlan(const RefinementPlan& plan, const std::string& folder,
 void PlanTiles(const RefinerOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   RefinementPlanReport report;
-  const RefinementPlan plan = PlanRefinement(
-      options.plan_path, options.input_path, options,
-      [&reporter](std::string_view stage, double share) {
-        reporter.Update(stage, share);
-      },
-      &report);
+  const RefinementPlan plan =
+      PlanRefinement(options.plan_path, options.input_path, options,
+                     reporter.AsProgress(), &report);
   reporter.Finish();
   if (report.is_kept) {
     std::cout << "This refinement is planned already: nothing to do"
@@ -94,9 +91,7 @@ void RefineOne(const RefinerOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const StopSignal stop_signal;
   RefinementHooks hooks;
-  hooks.progress = [&reporter](std::string_view stage, double share) {
-    reporter.Update(stage, share);
-  };
+  hooks.progress = reporter.AsProgress();
   hooks.on_step = [&reporter](const RefinementStep& step, const RefinedMesh&) {
     reporter.Note(Describe(step));
   };

@@ -3,6 +3,7 @@
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_meshing_options.h"
 #include "colmap_ext/options/words.h"
+#include "formats/read_transform.h"
 
 namespace colmap_ext {
 
@@ -30,11 +31,14 @@ void PlannerOptions::Finish() {
   mesher.Finish();
 }
 
-void MergerOptions::Finish() const {
+void MergerOptions::Finish() {
   if (plan_path.empty() || output_path.empty()) {
     throw OptionError("--plan and --output_path are required");
   }
   CheckNumThreads(num_threads);
+  if (!transform_path.empty()) {
+    transform = ReadTransform(transform_path);
+  }
 }
 
 void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
@@ -62,6 +66,10 @@ void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
                             "the workspace");
   manager->AddDefaultOption("sparse_path", &mesher->sparse_path,
                             "The cameras. Default: WORKSPACE/sparse");
+  manager->AddDefaultOption(
+      "mask_path", &mesher->scene.mask_path,
+      "Masks of the images, a folder of PNG files, image.jpg.png for "
+      "image.jpg: pixels of 0 are left out");
   manager->AddDefaultOption("image_order", &mesher->words.image_order,
                             "How fused.ply.vis counts the images, where it can "
                             "not be told: {auto, file, image_id, frame, "
@@ -77,6 +85,10 @@ void AddMergerOptions(CommandOptions* manager, MergerOptions* merger) {
   manager->AddDefaultOption("refined", &merger->is_refined,
                             "The mesh of the tiles as facetwise_refiner has "
                             "refined them");
+  manager->AddDefaultOption(
+      "transform_path", &merger->transform_path,
+      "A transform of the mesh that is written, as model_aligner writes it; "
+      "positions are double then");
   manager->AddDefaultOption("num_threads", &merger->num_threads,
                             "[threads] -1 for all; the result does not depend "
                             "on it");

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
+
+#include <Eigen/Core>
 
 #include "colmap_ext/options/command_options.h"
 #include "colmap_ext/options/meshing_options.h"
@@ -25,11 +28,13 @@ struct PlannerOptions {
 struct MergerOptions {
   std::string plan_path;
   std::string output_path;
-  bool is_refined = false;  // of the tiles that are refined
+  bool is_refined = false;     // of the tiles that are refined
+  std::string transform_path;  // of the mesh that is written; empty: none
+  std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
   int num_threads = -1;
 
-  // \throw OptionError
-  void Finish() const;
+  // \throw OptionError, or FileError if the transform can not be read
+  void Finish();
 };
 
 // Add them to those of a command.

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/progress.h"
+
 namespace colmap_ext {
 
 struct StageTime {
@@ -26,6 +28,12 @@ class ProgressReporter {
 
   // \param share  of the stage that is done, 0 ... 1.
   void Update(std::string_view stage, double share);
+
+  // The same, for what reports to a Progress while this object lives.
+  Progress AsProgress() {
+    return
+        [this](std::string_view stage, double share) { Update(stage, share); };
+  }
 
   // Prints how the present stage goes: within the moving line on a terminal, on
   // a line of its own in a log.

@@ -1,17 +1,17 @@
 #include "colmap_ext/tiling/make_plan.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
-#include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/tiling/describe_plan.h"
+#include "colmap_ext/tiling/folder_lock.h"
+#include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/plan_files.h"
 #include "colmap_ext/tiling/point_shares.h"
 #include "formats/cloud_stream.h"
@@ -21,6 +21,7 @@
 #include "tiles/split_tree.h"
 #include "tiles/thin_tile.h"
 #include "workspace/find_workspace.h"
+#include "workspace/masks.h"
 
 namespace colmap_ext {
 namespace {
@@ -36,25 +37,8 @@ constexpr size_t kPiecePoints = 1 << 18;
 // fountain, bunny and sceaux, 0.26 to 0.35.
 constexpr double kThinnedShare = 0.3;
 
-// Keeps others from planning in the folder.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder)
-      : descriptor_(open((folder / "plan.lock").c_str(),
-                         O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-    if (descriptor_ < 0 || flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-      throw FileError(folder, descriptor_ < 0
-                                  ? "can not be written"
-                                  : "another mesh_planner is at work there");
-    }
-  }
-  ~FolderLock() { close(descriptor_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int descriptor_;
-};
+// What thinning takes, GB a point. Measured on: fountain tiled.
+constexpr double kThinningGb = 400e-9;
 
 class Planner {
  public:
@@ -97,31 +81,7 @@ class Planner {
 
  private:
   void Identify() {
-    const MesherOptions& mesher = options_.mesher;
-    plan_.workspace_path = mesher.workspace_path;
-    const fs::path sparse = FindSparseFolder(
-        mesher.sparse_path.empty()
-            ? FindDenseFolder(mesher.InputPath(), mesher.workspace)
-            : fs::path(mesher.sparse_path));
-    for (const fs::path& input : {files_.path, files_.visibility_path}) {
-      plan_.inputs[fs::absolute(input).string()] = QuickFingerprint(input);
-    }
-    for (const auto& entry : fs::directory_iterator(sparse)) {
-      plan_.inputs[fs::absolute(entry.path()).string()] =
-          QuickFingerprint(entry.path());
-    }
-    MesherOptions typed = mesher;
-    CommandOptions command;
-    AddMeshingOptions(&command, &typed);
-    for (const CommandOptions::Option& option : command.Options()) {
-      if (option.name != "DelaunayManifoldMeshing.num_threads") {
-        plan_.options[option.name] = option.default_value;
-      }
-    }
-    plan_.options["image_order"] = mesher.words.image_order;
-    plan_.options["distance_sigma"] =
-        fmt::format("{}", options_.distance_sigma);
-    plan_.seam_rings = options_.seam_rings;
+    plan_ = DescribePlan(options_, files_);
     num_tiles_ = options_.num_tiles > 0
                      ? static_cast<size_t>(options_.num_tiles)
                      : NumTilesForMemory();
@@ -261,29 +221,33 @@ class Planner {
     return single;
   }
 
+  // Some tiles at a time, as many as there are threads and memory for. What
+  // comes out is the same as one after the other.
   void ThinTiles(PointShares* shares) {
     const ManifoldMeshingOptions& meshing = options_.mesher.meshing;
     PlanBlocks blocks;
     std::vector<EdgeSample> edges;
-    for (size_t tile = 0; tile < num_tiles_; ++tile) {
+    const size_t group = NumTilesAtOnce();
+    for (size_t begin = 0; begin < num_tiles_; begin += group) {
       Report(progress_, "Thinning the tiles",
-             static_cast<double>(tile) / static_cast<double>(num_tiles_));
-      const PointCloud cloud = shares->Take(tile);
-      if (cloud.size() == 0) {
-        throw FileError(files_.path,
-                        fmt::format("too few points for {} tiles", num_tiles_));
+             static_cast<double>(begin) / static_cast<double>(num_tiles_));
+      std::vector<PointCloud> clouds;
+      for (size_t tile = begin; tile < std::min(begin + group, num_tiles_);
+           ++tile) {
+        clouds.push_back(TakePoints(tile, shares));
       }
-      const TileVertices vertices =
-          ThinTile(cloud, ObservationWeights(meshing, cloud), sample_.views,
-                   {meshing.max_proj_dist, meshing.max_depth_dist});
-      WriteVertices(folder_, plan_.identity, tile, vertices);
-      AddTile(vertices.positions, vertices.observations, &blocks);
-      edges.push_back(vertices.edges);
-      PlannedTile& planned = plan_.tiles[tile];
-      planned.num_vertices = vertices.positions.size();
-      planned.num_rays = vertices.observations.size();
-      planned.memory_gb = TileMemoryGb(planned.num_vertices);
-      planned.seconds = TileSeconds(planned.num_vertices);
+      std::vector<TileVertices> thinned(clouds.size());
+      tbb::parallel_for(size_t{0}, clouds.size(), [&](size_t i) {
+        thinned[i] = ThinTile(clouds[i], ObservationWeights(meshing, clouds[i]),
+                              sample_.views,
+                              {meshing.max_proj_dist, meshing.max_depth_dist});
+        clouds[i] = {};
+      });
+      for (size_t i = 0; i < thinned.size(); ++i) {
+        Write(begin + i, thinned[i], &blocks);
+        edges.push_back(std::move(thinned[i].edges));
+        thinned[i] = {};
+      }
     }
     WriteBlocks(folder_, plan_.identity, blocks);
     plan_.distance_sigma =
@@ -293,6 +257,50 @@ class Planner {
     if (!(plan_.distance_sigma > 0)) {
       throw FileError(files_.path, "the points of no tile span a volume");
     }
+  }
+
+  size_t NumTilesAtOnce() const {
+    size_t most = 1;
+    for (const PlannedTile& tile : plan_.tiles) {
+      most = std::max<size_t>(most, tile.num_points);
+    }
+    const double memory_gb = kThinningGb * static_cast<double>(most);
+    const auto at_once = static_cast<size_t>(
+        std::clamp(options_.max_memory_gb / memory_gb, 1.0, 1e6));
+    return std::min(
+        at_once, static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
+  }
+
+  // Without those that are masked.
+  PointCloud TakePoints(size_t tile, PointShares* shares) {
+    PointCloud cloud = shares->Take(tile);
+    const std::string& mask_path = options_.mesher.scene.mask_path;
+    if (!mask_path.empty()) {
+      const MaskReport masked =
+          MaskCloud(MaskReader(mask_path, sample_.views, decoder_),
+                    sample_.views, &cloud);
+      if (!report_->masks) {
+        report_->masks.emplace();
+      }
+      report_->masks->num_masks = masked.num_masks;
+      report_->masks->num_masked_points += masked.num_masked_points;
+      report_->masks->num_masked_observations += masked.num_masked_observations;
+    }
+    if (cloud.size() == 0) {
+      throw FileError(files_.path,
+                      fmt::format("too few points for {} tiles", num_tiles_));
+    }
+    return cloud;
+  }
+
+  void Write(size_t tile, const TileVertices& vertices, PlanBlocks* blocks) {
+    WriteVertices(folder_, plan_.identity, tile, vertices);
+    AddTile(vertices.positions, vertices.observations, blocks);
+    PlannedTile& planned = plan_.tiles[tile];
+    planned.num_vertices = vertices.positions.size();
+    planned.num_rays = vertices.observations.size();
+    planned.memory_gb = TileMemoryGb(planned.num_vertices);
+    planned.seconds = TileSeconds(planned.num_vertices);
   }
 
   static constexpr char kSharing[] = "Sharing out the points";
@@ -322,24 +330,6 @@ Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
   }
   const FolderLock lock(options.output_path);
   return Planner(options, decoder, progress, report).Run();
-}
-
-double TileMemoryGb(size_t num_vertices) {
-  return 0.06 + 1200e-9 * static_cast<double>(num_vertices);
-}
-
-double TileSeconds(size_t num_vertices) {
-  return 1 + 160e-6 * static_cast<double>(num_vertices);
-}
-
-double MergerMemoryGb(const Plan& plan) {
-  double num_vertices = 0;
-  double largest = 0;
-  for (const PlannedTile& tile : plan.tiles) {
-    num_vertices += static_cast<double>(tile.num_vertices);
-    largest = std::max(largest, static_cast<double>(tile.num_vertices));
-  }
-  return 0.1 + 500e-9 * num_vertices + 400e-9 * largest;
 }
 
 }  // namespace colmap_ext

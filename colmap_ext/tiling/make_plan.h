@@ -7,6 +7,7 @@
 #include "colmap_ext/tiling/plan.h"
 #include "scene/picture_decoder.h"
 #include "scene/progress.h"
+#include "workspace/masks.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
@@ -15,22 +16,15 @@ struct PlanReport {
   bool is_kept = false;  // the same plan was there: nothing was done
   WorkspaceReport workspace;
   std::optional<HalfPixelReport> half_pixel;
+  std::optional<MaskReport> masks;
 };
 
 // Makes a plan and its files. The points are read twice, piece by piece (three
 // times where there are many and the half pixel is calibrated); no more of them
-// are held than a tile has.
+// are held than a few tiles have.
 // \throw FileError for whatever is wrong with the workspace, or can not be
 //        written, or where another planner is at work
 Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
               const Progress& progress, PlanReport* report);
-
-// What a tile's job takes: fitted to tiles of fountain side by side, of 40,000
-// and 160,000 vertices (docs/benchmarks.md). Larger ones take less a vertex, as
-// less lies along their borders.
-double TileMemoryGb(size_t num_vertices);
-double TileSeconds(size_t num_vertices);
-// ... and the merger, which holds the surface.
-double MergerMemoryGb(const Plan& plan);
 
 }  // namespace colmap_ext

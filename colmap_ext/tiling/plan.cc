@@ -91,6 +91,10 @@ PlannedTile TileFrom(const Json& json) {
           json.at("core_seconds"), BoxFrom(json.at("cell"))};
 }
 
+std::string ChecksumOf(const Json& json) {
+  return fmt::format("{:016x}", HashText(json.dump()));
+}
+
 Plan PlanFrom(const Json& json) {
   Plan plan;
   plan.workspace_path = std::string(json.at("workspace"));
@@ -157,6 +161,7 @@ void WritePlan(const fs::path& folder, const Plan& plan) {
   for (const View& view : plan.views) {
     json["views"].push_back(ToJson(view));
   }
+  json["checksum"] = ChecksumOf(json);
   WriteText(PlanPath(folder), json.dump(1) + "\n");
 }
 
@@ -167,12 +172,17 @@ Plan ReadPlan(const fs::path& folder) {
     throw FileError(path, "no plan there: make it by mesh_planner");
   }
   try {
-    const Json json = Json::parse(file);
+    Json json = Json::parse(file);
     if (json.at("version") != kPlanVersion) {
       throw FileError(path,
                       fmt::format("has the version {}, not {}: plan again by "
                                   "mesh_planner",
                                   json.at("version").dump(), kPlanVersion));
+    }
+    const std::string checksum = json.at("checksum");
+    json.erase("checksum");
+    if (checksum != ChecksumOf(json)) {
+      throw FileError(path, "damaged or edited: plan again by mesh_planner");
     }
     return PlanFrom(json);
   } catch (const nlohmann::json::exception&) {

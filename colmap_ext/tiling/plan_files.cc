@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // What the sections of the files are, in their order.
-constexpr char kVerticesKind[] = "CEVERT01";
+constexpr char kVerticesKind[] = "CEVERT02";
 enum VerticesSection {
   kPositions,
   kRayOffsets,
@@ -26,7 +26,7 @@ enum VerticesSection {
   kNumVerticesSections
 };
 
-constexpr char kBlocksKind[] = "CEBLOCK1";
+constexpr char kBlocksKind[] = "CEBLOCK2";
 enum BlocksSection {
   kTileBegins,
   kBegins,
@@ -37,7 +37,7 @@ enum BlocksSection {
   kNumBlocksSections
 };
 
-constexpr char kCutKind[] = "CECUT001";
+constexpr char kCutKind[] = "CECUT002";
 enum CutSection {
   kCutIds,
   kCutNumOwn,

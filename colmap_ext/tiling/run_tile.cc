@@ -130,10 +130,13 @@ ManifoldMesh MergePlan(const fs::path& folder, const Progress& progress,
     Report(progress, "Extracting the surface", 0);
     merged = MergeSurface(vertices, parts, seam, patch);
   }
-  const MergedPoints points = PointsOf(vertices, merged);
-  SplitSurface(options, std::move(merged.extracted),
-               {points.cloud, points.vertex_points, points.supports, {}},
-               plan.views, &result);
+  {
+    const MergedPoints points = PointsOf(vertices, merged);
+    std::vector<uint32_t>().swap(merged.ids);
+    SplitSurface(options, std::move(merged.extracted),
+                 {points.cloud, points.vertex_points, points.supports, {}},
+                 plan.views, &result);
+  }
   FinishSurface(options, progress, &result);
   return result;
 }

@@ -12,7 +12,9 @@ namespace colmap_ext {
 
 // A binary file of a plan: 8 bytes that name the kind, the identity of the
 // plan, the number of sections, and the sections, each after its number of
-// bytes. Little-endian.
+// bytes. Then a checksum of each kSectionChunk bytes of all that, and at last
+// one of these and how many bytes it was. Little-endian.
+inline constexpr size_t kSectionChunk = 8192;
 
 // Writes one. It appears complete or not at all.
 class SectionWriter {
@@ -25,18 +27,25 @@ class SectionWriter {
   // \throw FileError if the disk is full
   template <typename T>
   void Add(const std::vector<T>& values) {
-    file_.Write(uint64_t{values.size() * sizeof(T)});
-    file_.Write(values.data(), values.size() * sizeof(T));
+    const uint64_t num_bytes = values.size() * sizeof(T);
+    Write(&num_bytes, sizeof(num_bytes));
+    Write(values.data(), num_bytes);
   }
 
   // \throw FileError
   void Commit();
 
  private:
+  void Write(const void* bytes, size_t num_bytes);
+  void EndChunk();
+
   AtomicFile file_;
+  std::vector<char> chunk_;  // that is not complete
+  std::vector<uint64_t> checksums_;
+  uint64_t num_bytes_ = 0;
 };
 
-// Reads one. Safe from several threads.
+// Reads one, and checks what it reads. Safe from several threads.
 class SectionReader {
  public:
   // \throw FileError if the file is missing, damaged, or of another kind or
@@ -51,7 +60,7 @@ class SectionReader {
   }
 
   // \pre the section has so many
-  // \throw FileError if the file can not be read
+  // \throw FileError if the file can not be read, or is damaged there
   template <typename T>
   std::vector<T> Read(size_t section, size_t begin, size_t end) const {
     std::vector<T> values(end - begin);
@@ -75,12 +84,18 @@ class SectionReader {
     Descriptor& operator=(const Descriptor&) = delete;
   };
 
+  void ReadChecksums(uint64_t size);
   void ReadBytes(uint64_t offset, size_t num_bytes, void* bytes) const;
+  void ReadUnchecked(uint64_t offset, size_t num_bytes, void* bytes) const;
+  void CheckChunk(uint64_t chunk, const char* bytes, size_t num_bytes) const;
+  [[noreturn]] void ThrowDamaged() const;
 
   std::filesystem::path path_;
   Descriptor descriptor_;
-  std::vector<uint64_t> offsets_;  // [sections], bytes
-  std::vector<uint64_t> sizes_;    // [sections], bytes
+  uint64_t num_bytes_ = 0;           // that have checksums
+  std::vector<uint64_t> checksums_;  // of each kSectionChunk of them
+  std::vector<uint64_t> offsets_;    // [sections], bytes
+  std::vector<uint64_t> sizes_;      // [sections], bytes
 };
 
 // Whether there is such a file of the plan.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <unordered_map>
 #include <utility>
 
 namespace colmap_ext {
@@ -30,19 +31,19 @@ Attributes OfPoints(const PointCloud& cloud, uint32_t a, uint32_t b) {
 }
 
 // The mean colour, and the views that at least half of the neighbors have.
-Attributes OfNeighbors(const std::vector<const Attributes*>& neighbors) {
+Attributes OfNeighbors(const std::vector<Attributes>& neighbors) {
   Attributes attributes;
   const size_t count = neighbors.size();
   std::vector<uint32_t> views;
   for (int k = 0; k < 3; ++k) {
     size_t sum = count / 2;
-    for (const Attributes* neighbor : neighbors) {
-      sum += neighbor->color[k];
+    for (const Attributes& neighbor : neighbors) {
+      sum += neighbor.color[k];
     }
     attributes.color[k] = static_cast<uint8_t>(sum / count);
   }
-  for (const Attributes* neighbor : neighbors) {
-    views.insert(views.end(), neighbor->views.begin(), neighbor->views.end());
+  for (const Attributes& neighbor : neighbors) {
+    views.insert(views.end(), neighbor.views.begin(), neighbor.views.end());
   }
   std::sort(views.begin(), views.end());
   for (auto first = views.begin(); first != views.end();) {
@@ -55,79 +56,95 @@ Attributes OfNeighbors(const std::vector<const Attributes*>& neighbors) {
   return attributes;
 }
 
-// The neighbors of each vertex whose attributes are not known.
-std::vector<std::vector<uint32_t>> NeighborsOfUnknown(
-    const TriangleMesh& mesh, const std::vector<uint8_t>& is_known) {
-  std::vector<std::vector<uint32_t>> neighbors(mesh.vertices.size());
-  for (const Facet& facet : mesh.facets) {
-    for (int k = 0; k < 3; ++k) {
-      if (!is_known[facet[k]]) {
-        neighbors[facet[k]].push_back(facet[(k + 1) % 3]);
+// Gives attributes to all vertices; holds those alone that are inherited.
+class Inheritance {
+ public:
+  Inheritance(const TriangleMesh& mesh, const PointCloud& cloud,
+              const std::vector<std::array<uint32_t, 2>>& points)
+      : mesh_(mesh), cloud_(cloud), points_(points) {
+    for (const Facet& facet : mesh.facets) {
+      for (int k = 0; k < 3; ++k) {
+        if (!IsOfPoints(facet[k])) {
+          neighbors_[facet[k]].push_back(facet[(k + 1) % 3]);
+        }
       }
     }
+    for (const auto& [vertex, neighbors] : neighbors_) {
+      unknown_.push_back(vertex);
+    }
+    std::ranges::sort(unknown_);
   }
-  return neighbors;
-}
 
-// A round: gives attributes to the vertices that have known neighbors.
-// \return whether there were any
-bool InheritOnce(const std::vector<std::vector<uint32_t>>& neighbors,
-                 std::vector<uint8_t>* is_known,
-                 std::vector<Attributes>* attributes) {
-  std::vector<std::pair<size_t, Attributes>> found;
-  std::vector<const Attributes*> known;
-  for (size_t i = 0; i < neighbors.size(); ++i) {
-    known.clear();
-    for (const uint32_t neighbor : neighbors[i]) {
-      if ((*is_known)[neighbor]) {
-        known.push_back(&(*attributes)[neighbor]);
+  VertexAttributes Run() {
+    // From the known vertices inwards.
+    while (InheritOnce()) {
+    }
+    VertexAttributes result;
+    for (uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
+      const Attributes attributes = IsKnown(i) ? Of(i) : Attributes();
+      if (!cloud_.colors.empty()) {
+        result.colors.push_back(attributes.color);
+      }
+      result.views.AddRow(attributes.views);
+    }
+    return result;
+  }
+
+ private:
+  bool IsOfPoints(uint32_t vertex) const {
+    const auto& [a, b] = points_[vertex];
+    return a != kNoPoint && b != kNoPoint;
+  }
+
+  bool IsKnown(uint32_t vertex) const {
+    return IsOfPoints(vertex) || inherited_.contains(vertex);
+  }
+
+  // \pre it is known
+  Attributes Of(uint32_t vertex) const {
+    return IsOfPoints(vertex)
+               ? OfPoints(cloud_, points_[vertex][0], points_[vertex][1])
+               : inherited_.at(vertex);
+  }
+
+  // A round: gives attributes to the vertices that have known neighbors.
+  // \return whether there were any
+  bool InheritOnce() {
+    std::vector<std::pair<uint32_t, Attributes>> found;
+    std::vector<Attributes> known;
+    for (const uint32_t vertex : unknown_) {
+      known.clear();
+      for (const uint32_t neighbor : neighbors_.at(vertex)) {
+        if (IsKnown(neighbor)) {
+          known.push_back(Of(neighbor));
+        }
+      }
+      if (!known.empty()) {
+        found.emplace_back(vertex, OfNeighbors(known));
       }
     }
-    if (!(*is_known)[i] && !known.empty()) {
-      found.emplace_back(i, OfNeighbors(known));
+    for (auto& [vertex, attributes] : found) {
+      inherited_[vertex] = std::move(attributes);
     }
+    std::erase_if(unknown_,
+                  [&](uint32_t vertex) { return inherited_.contains(vertex); });
+    return !found.empty();
   }
-  for (auto& [vertex, attribute] : found) {
-    (*attributes)[vertex] = std::move(attribute);
-    (*is_known)[vertex] = 1;
-  }
-  return !found.empty();
-}
 
-VertexAttributes Flatten(const std::vector<Attributes>& attributes,
-                         bool has_colors) {
-  VertexAttributes result;
-  for (const Attributes& attribute : attributes) {
-    if (has_colors) {
-      result.colors.push_back(attribute.color);
-    }
-    result.views.values.insert(result.views.values.end(),
-                               attribute.views.begin(), attribute.views.end());
-    result.views.EndRow();
-  }
-  return result;
-}
+  const TriangleMesh& mesh_;
+  const PointCloud& cloud_;
+  const std::vector<std::array<uint32_t, 2>>& points_;
+  std::vector<uint32_t> unknown_;  // vertices, ascending
+  std::unordered_map<uint32_t, std::vector<uint32_t>> neighbors_;  // of those
+  std::unordered_map<uint32_t, Attributes> inherited_;
+};
 
 }  // namespace
 
 VertexAttributes InheritAttributes(
     const TriangleMesh& mesh, const PointCloud& cloud,
     const std::vector<std::array<uint32_t, 2>>& points) {
-  const size_t num_vertices = mesh.vertices.size();
-  std::vector<Attributes> attributes(num_vertices);
-  std::vector<uint8_t> is_known(num_vertices, 0);
-  for (size_t i = 0; i < num_vertices; ++i) {
-    const auto [a, b] = points[i];
-    is_known[i] = a != kNoPoint && b != kNoPoint;
-    if (is_known[i]) {
-      attributes[i] = OfPoints(cloud, a, b);
-    }
-  }
-  const auto neighbors = NeighborsOfUnknown(mesh, is_known);
-  // From the known vertices inwards.
-  while (InheritOnce(neighbors, &is_known, &attributes)) {
-  }
-  return Flatten(attributes, !cloud.colors.empty());
+  return Inheritance(mesh, cloud, points).Run();
 }
 
 }  // namespace colmap_ext

@@ -63,9 +63,8 @@ struct FacetwiseRefinementOptions {
   // others few. In [-1, 1]; -1 refines all, as in the paper.
   double min_zncc = 0.5;
 
-  // Partners of each view, those with which it shares the most points. Tuned on
-  // the scenes of docs/benchmarks.md.
-  int pairs_per_image = 6;
+  // Partners of each view, those with which it shares the most points.
+  int pairs_per_image = 4;
 
   FacetLabelingOptions labeling;
 

@@ -8,13 +8,13 @@
 
 #include <tbb/parallel_for.h>
 
-#include "base/lru_cache.h"
 #include "base/mix_bits.h"
 #include "delaunay/cell_conflict.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "delaunay/insertion_order.h"
 #include "delaunay/take_tetrahedra.h"
+#include "tiles/block_cache.h"
 #include "tiles/box_tree.h"
 #include "tiles/conflict_zone.h"
 
@@ -24,9 +24,6 @@ namespace {
 using Positions = std::vector<Eigen::Vector3f>;
 
 constexpr uint32_t kNone = UINT32_MAX;
-
-// Bytes of positions of other tiles that are kept for the next search.
-constexpr size_t kCacheBytes = size_t{256} << 20;
 
 // A number in [0, 1) that is always the same one for a block.
 double ChanceOf(uint32_t block) {
@@ -55,11 +52,11 @@ uint32_t NumFirst(uint32_t num_vertices, uint32_t block,
 class Certifier {
  public:
   Certifier(const PlanVertices& plan, uint32_t tile)
-      : plan_(plan),
-        blocks_(plan.Blocks()),
+      : blocks_(plan.Blocks()),
         tree_(blocks_.boxes),
-        cache_(kCacheBytes),
-        is_loaded_(blocks_.NumBlocks()) {
+        cache_(plan),
+        is_loaded_(blocks_.NumBlocks()),
+        num_loaded_(blocks_.NumBlocks(), 0) {
     const uint32_t first = blocks_.FirstVertex(tile);
     num_own_ = blocks_.FirstVertex(tile + 1) - first;
     ids_.resize(num_own_);
@@ -68,6 +65,7 @@ class Certifier {
     for (uint32_t block = blocks_.tile_begins[tile];
          block < blocks_.tile_begins[tile + 1]; ++block) {
       is_loaded_[block].assign(SizeOf(block), 1);
+      num_loaded_[block] = SizeOf(block);
       own_box_.extend(blocks_.boxes[block]);
     }
     AddFirstVertices();
@@ -123,19 +121,17 @@ class Certifier {
 
   // \param place  in the block
   void AddVertex(uint32_t block, uint32_t place) {
+    MarkLoaded(block, place);
+    ids_.push_back(blocks_.begins[block] + place);
+    complex_.points.push_back(cache_.Read(block)->positions[place]);
+  }
+
+  void MarkLoaded(uint32_t block, uint32_t place) {
     if (is_loaded_[block].empty()) {
       is_loaded_[block].assign(SizeOf(block), 0);
     }
     is_loaded_[block][place] = 1;
-    ids_.push_back(blocks_.begins[block] + place);
-    complex_.points.push_back((*Read(block))[place]);
-  }
-
-  std::shared_ptr<Positions> Read(uint32_t block) {
-    return cache_.Get(block, SizeOf(block) * sizeof(Eigen::Vector3f), [&] {
-      return std::make_shared<Positions>(plan_.ReadPositions(
-          blocks_.begins[block], blocks_.begins[block + 1]));
-    });
+    ++num_loaded_[block];
   }
 
   bool HasOwnVertex(uint32_t cell) const {
@@ -212,19 +208,24 @@ class Certifier {
   uint32_t FindInBlock(uint32_t block, uint32_t cell,
                        const ConflictZone& zone) {
     const std::vector<uint8_t>& is_loaded = is_loaded_[block];
-    if (std::ranges::find(is_loaded, 0) == is_loaded.end() &&
-        !is_loaded.empty()) {
+    if (num_loaded_[block] == SizeOf(block)) {
       return kNone;
     }
-    const auto positions = Read(block);
+    const auto vertices = cache_.Read(block);
+    const Positions& positions = vertices->positions;
     uint32_t deepest = kNone;
     double depth = 0;
-    for (uint32_t i = 0; i < positions->size(); ++i) {
+    for (uint32_t i = 0; i < positions.size(); ++i) {
+      if (i % kGroupVertices == 0 &&
+          !zone.MayTouch(vertices->boxes[i / kGroupVertices])) {
+        i += kGroupVertices - 1;
+        continue;
+      }
       if (!is_loaded.empty() && is_loaded[i] != 0) {
         continue;
       }
-      const double at = zone.Depth((*positions)[i]);
-      if (at >= depth && IsInConflict(complex_, cell, (*positions)[i])) {
+      const double at = zone.Depth(positions[i]);
+      if (at >= depth && IsInConflict(complex_, cell, positions[i])) {
         deepest = blocks_.begins[block] + i;
         depth = at;
       }
@@ -237,11 +238,9 @@ class Certifier {
     Positions positions;
     for (const uint32_t id : missing) {
       const uint32_t block = blocks_.BlockOf(id);
-      if (is_loaded_[block].empty()) {
-        is_loaded_[block].assign(SizeOf(block), 0);
-      }
-      is_loaded_[block][id - blocks_.begins[block]] = 1;
-      positions.push_back((*Read(block))[id - blocks_.begins[block]]);
+      MarkLoaded(block, id - blocks_.begins[block]);
+      positions.push_back(
+          cache_.Read(block)->positions[id - blocks_.begins[block]]);
       ids_.push_back(id);
     }
     InsertMorePoints(positions, &complex_);
@@ -265,12 +264,12 @@ class Certifier {
     return result;
   }
 
-  const PlanVertices& plan_;
   const PlanBlocks& blocks_;
   BoxTree tree_;
-  LruCache<Positions> cache_;
+  BlockCache cache_;
   // [blocks][vertices of the block] 1: in the complex; empty: none is.
   std::vector<std::vector<uint8_t>> is_loaded_;
+  std::vector<uint32_t> num_loaded_;  // [blocks]
   Eigen::AlignedBox3f own_box_;
   uint32_t num_own_ = 0;
   std::vector<uint32_t> ids_;  // [complex points]

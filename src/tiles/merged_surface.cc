@@ -141,9 +141,8 @@ std::vector<Eigen::Vector3f> PositionsOf(const PlanVertices& plan,
   std::vector<Eigen::Vector3f> positions =
       PositionsOf(plan, std::vector<uint32_t>(ids.begin(), first_centroid));
   for (auto id = first_centroid; id != ids.end(); ++id) {
-    positions.push_back(
-        patch.tetrahedra
-            .points[std::ranges::find(patch.ids, *id) - patch.ids.begin()]);
+    positions.push_back(patch.tetrahedra.points[static_cast<size_t>(
+        std::ranges::lower_bound(patch.ids, *id) - patch.ids.begin())]);
   }
   return positions;
 }

@@ -19,9 +19,10 @@ namespace colmap_ext {
 struct SingularPatch {
   Tetrahedralization tetrahedra;  // the cell `border` is beside those that are
                                   // not there, and is free space
-  std::vector<uint32_t> ids;      // [V] the plan's; those from its number of
-                                  // vertices on are centroids of split cells
-  std::vector<uint8_t> labels;    // [cells]
+  std::vector<uint32_t> ids;      // [V] the plan's, ascending; those from its
+                              // number of vertices on are centroids of split
+                              // cells
+  std::vector<uint8_t> labels;  // [cells]
   // The plan's vertices and centroids at cells that were relabelled or split.
   std::unordered_set<uint32_t> changed;
   FixingReport report;

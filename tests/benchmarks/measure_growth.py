@@ -4,9 +4,11 @@
   measure_growth.py --program build/release/bin/colmap_ext \\
       --make_workspace build/release/tests/make_workspace \\
       [--points WORKSPACE] [--images] [--pairs] [--pixels] [--faces]
+  measure_growth.py --copies WORKSPACE SIDE FOLDER
 
 --points  the mesher on 1/8, 1/4 and 1/2 of a workspace's points, on all, and on
           2 x 2 and 4 x 4 copies of it side by side, each with its own images
+--copies  makes a workspace of SIDE x SIDE copies, and nothing else
 --images  the refiner on a rendered statue seen by 6, 12, 24 and 48 images
 --pairs   the same with 48 images, where each has 2 to 16 partners
 --pixels  the same with 12 images of 1/4 to 4 times the pixels
@@ -49,15 +51,32 @@ class Cloud:
             at += 1 + words[at]
 
     def write(self, folder, rows, views):
-        header = self.header.replace(f"element vertex {self.count}",
-                                     f"element vertex {len(rows)}")
-        with open(folder / "fused.ply", "wb") as file:
-            file.write(header.encode())
-            file.writelines(rows)
-        with open(folder / "fused.ply.vis", "wb") as file:
-            file.write(struct.pack("<Q", len(views)))
-            file.writelines(struct.pack(f"<{len(row) + 1}I", len(row), *row)
+        with Writer(self, folder, len(rows)) as writer:
+            writer.add(rows, views)
+
+
+class Writer:
+    """Writes fused.ply and fused.ply.vis piece by piece."""
+
+    def __init__(self, cloud, folder, count):
+        self.ply = open(folder / "fused.ply", "wb")
+        self.vis = open(folder / "fused.ply.vis", "wb")
+        header = cloud.header.replace(f"element vertex {cloud.count}",
+                                      f"element vertex {count}")
+        self.ply.write(header.encode())
+        self.vis.write(struct.pack("<Q", count))
+
+    def add(self, rows, views):
+        self.ply.writelines(rows)
+        self.vis.writelines(struct.pack(f"<{len(row) + 1}I", len(row), *row)
                             for row in views)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.ply.close()
+        self.vis.close()
 
 
 def read_images(workspace):
@@ -102,23 +121,24 @@ def write_tiles(workspace, cloud, folder, side):
                              - values[int(0.02 * len(values))]))
     axes = sorted(range(3), key=lambda axis: -ranges[axis])[:2]
     images = read_images(workspace)
-    rows, views, new_images = [], [], []
-    for tile in range(side * side):
-        offset = [0.0] * 3
-        offset[axes[0]] = ranges[axes[0]] * (tile // side)
-        offset[axes[1]] = ranges[axes[1]] * (tile % side)
-        rows += [struct.pack("<3f", *(p + o for p, o in zip(point, offset)))
-                 + row[12:] for point, row in zip(points, cloud.rows)]
-        shift = len(images) * tile
-        views += [[view + shift for view in row] for row in cloud.views]
-        for i, (_, pose, camera, name) in enumerate(images):
-            moved = rotated(pose[:4], offset)
-            new_images.append((shift + i + 1, pose[:4] + [
-                t - m for t, m in zip(pose[4:], moved)], camera,
-                f"{tile:03}_{name}", name))
+    new_images = []
     for name in ("sparse", "images"):
         (folder / name).mkdir(parents=True)
-    cloud.write(folder, rows, views)
+    with Writer(cloud, folder, side * side * cloud.count) as writer:
+        for tile in range(side * side):
+            offset = [0.0] * 3
+            offset[axes[0]] = ranges[axes[0]] * (tile // side)
+            offset[axes[1]] = ranges[axes[1]] * (tile % side)
+            shift = len(images) * tile
+            writer.add((struct.pack("<3f", *(p + o for p, o in zip(
+                point, offset))) + row[12:]
+                for point, row in zip(points, cloud.rows)),
+                ([view + shift for view in row] for row in cloud.views))
+            for i, (_, pose, camera, name) in enumerate(images):
+                moved = rotated(pose[:4], offset)
+                new_images.append((shift + i + 1, pose[:4] + [
+                    t - m for t, m in zip(pose[4:], moved)], camera,
+                    f"{tile:03}_{name}", name))
     (folder / "sparse" / "cameras.bin").write_bytes(
         (workspace / "sparse" / "cameras.bin").read_bytes())
     with open(folder / "sparse" / "images.bin", "wb") as file:
@@ -259,12 +279,19 @@ def measure_faces(args, folder):
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--program", required=True)
-    parser.add_argument("--make_workspace", required=True)
+    parser.add_argument("--program")
+    parser.add_argument("--make_workspace")
     parser.add_argument("--points", type=pathlib.Path, metavar="WORKSPACE")
+    parser.add_argument("--copies", nargs=3,
+                        metavar=("WORKSPACE", "SIDE", "FOLDER"))
     for name in ("images", "pairs", "pixels", "faces"):
         parser.add_argument(f"--{name}", action="store_true")
     args = parser.parse_args()
+    if args.copies:
+        workspace, side, folder = args.copies
+        write_tiles(pathlib.Path(workspace), Cloud(pathlib.Path(workspace)),
+                    pathlib.Path(folder), int(side))
+        return
     with tempfile.TemporaryDirectory() as temporary:
         for name, measure in (("points", measure_points),
                               ("images", measure_images),

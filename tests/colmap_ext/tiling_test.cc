@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "formats/encode_png.h"
 #include "formats/read_ply_mesh.h"
 #include "mesh/topology.h"
 #include "tests/colmap_ext/run_shell.h"
@@ -89,6 +90,57 @@ TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachine) {
       0);
   EXPECT_EQ(FacesOf(mesh_),
             FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+}
+
+TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
+  const fs::path masks = folder_.Path() / "masks";
+  for (const SphereWorkspace::Image& image : SphereWorkspace().images) {
+    const View& view = image.view;
+    ColorImage mask{view.width, view.height, {}};
+    for (int i = 0; i < view.width * view.height; ++i) {
+      const uint8_t value = i < 0.4 * view.width * view.height ? 0 : 255;
+      mask.pixels.push_back({value, value, value});
+    }
+    const fs::path path = masks / (view.name + ".png");
+    fs::create_directories(path.parent_path());
+    WriteFile(path, EncodePng(mask));
+  }
+  const std::string option = " --mask_path " + Quote(masks);
+  const Outcome planned = MakePlan(1, option);
+  ASSERT_EQ(planned.exit_code, 0) << planned.err;
+  EXPECT_NE(planned.out.find("points masked in all views"), std::string::npos);
+  MakeMesh({0});
+  ASSERT_EQ(Run("delaunay_manifold_mesher --workspace_path " +
+                Quote(workspace_) + option)
+                .exit_code,
+            0);
+  EXPECT_EQ(FacesOf(mesh_),
+            FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+  fs::remove_all(masks);
+  ExpectRefusal(MakePlan(2, option), "no such folder of masks");
+}
+
+TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
+  const fs::path transform = folder_.Path() / "transform.txt";
+  WriteFile(transform, "0 -2 0 100\n2 0 0 200\n0 0 2 300\n0 0 0 1\n");
+  const std::string option = " --transform_path " + Quote(transform);
+  ASSERT_EQ(MakePlan(1).exit_code, 0);
+  ASSERT_EQ(MakeTile(0).exit_code, 0);
+  ASSERT_EQ(Run("mesh_merger --plan " + Quote(plan_) + " --output_path " +
+                Quote(mesh_) + option)
+                .exit_code,
+            0);
+  ASSERT_EQ(Run("delaunay_manifold_mesher --workspace_path " +
+                Quote(workspace_) + option)
+                .exit_code,
+            0);
+  EXPECT_EQ(FacesOf(mesh_),
+            FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+  EXPECT_NE(ReadFile(mesh_).find("property double x"), std::string::npos);
+  WriteFile(transform, "1 2 3");
+  ExpectRefusal(Run("mesh_merger --plan " + Quote(plan_) + " --output_path " +
+                    Quote(mesh_) + option),
+                "no similarity transform");
 }
 
 TEST_F(TilingTest, TilesMakeAMeshWithoutSeams) {
@@ -186,6 +238,38 @@ TEST_F(TilingTest, RefusesDamagedAndOtherPlans) {
   ExpectRefusal(MakeTile(0), "has the version 77");
   WriteFile(plan_ / "plan.json", json.substr(0, json.size() / 2));
   ExpectRefusal(MakeTile(0), "damaged");
+}
+
+// Flips a bit of a byte.
+void Damage(const fs::path& path, size_t at) {
+  std::string bytes = ReadFile(path);
+  bytes[at] = static_cast<char>(bytes[at] ^ 4);
+  WriteFile(path, bytes);
+}
+
+TEST_F(TilingTest, ADamagedByteIsToldWhereItIsRead) {
+  ASSERT_EQ(MakePlan(2).exit_code, 0);
+  const std::string undamaged = MakeMesh({0, 1});
+  for (const char* name : {"tile00001.cut.bin", "tile00000.vertices.bin",
+                           "blocks.bin", "plan.json"}) {
+    const size_t size = fs::file_size(plan_ / name);
+    int num_refused = 0;
+    for (const double share : {0.0, 0.01, 0.3, 0.6, 0.9, 0.99, 0.99999}) {
+      const auto at = static_cast<size_t>(share * static_cast<double>(size));
+      Damage(plan_ / name, at);
+      const Outcome outcome = Merge();
+      if (outcome.exit_code != 0) {
+        ExpectRefusal(outcome, name);
+        ++num_refused;
+      } else {
+        EXPECT_EQ(ReadFile(mesh_) + ReadFile(mesh_.string() + ".vis"),
+                  undamaged);
+      }
+      Damage(plan_ / name, at);
+    }
+    EXPECT_GE(num_refused, 3) << name;
+  }
+  EXPECT_EQ(MakeMesh({0, 1}), undamaged);
 }
 
 TEST_F(TilingTest, RefusesInputsThatChanged) {

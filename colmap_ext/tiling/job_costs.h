@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstddef>
+
+#include "colmap_ext/tiling/plan.h"
+
+namespace colmap_ext {
+
+// What a tile's job takes: fitted to tiles of fountain side by side, of 40,000
+// and 160,000 vertices (docs/benchmarks.md).
+double TileMemoryGb(size_t num_vertices);
+double TileSeconds(size_t num_vertices);
+// ... and the merger, which holds the surface.
+double MergerMemoryGb(const Plan& plan);
+
+}  // namespace colmap_ext
