@@ -32,6 +32,9 @@ void AddPathOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "labels_path", &refiner->labels_path,
       "The mesh with its faces coloured by the pair of images that refined "
       "them, PLY; a picture of it, PNG, lies beside it");
+}
+
+void AddModeOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "plan", &refiner->plan_path,
       "The folder of mesh_planner. With input_path, the mesh that mesh_merger "
@@ -174,6 +177,7 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
 
 void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner) {
   AddPathOptions(manager, refiner);
+  AddModeOptions(manager, refiner);
   AddSceneOptions(manager, "What is refined, the rest is cut off",
                   &refiner->scene);
   AddMethodOptions(manager, refiner);

@@ -115,18 +115,11 @@ class Refinement {
     Report(hooks_.progress, stage, 0);
     const std::vector<Eigen::Vector3f> before = state->mesh.vertices;
     const auto on_step = [&](RefinementStep step, const TriangleMesh& mesh) {
-      step.seconds = std::chrono::duration<double>(
-                         std::chrono::steady_clock::now() - start_)
-                         .count();
       state->mesh.vertices = mesh.vertices;
-      state->report.steps.push_back(step);
       Report(hooks_.progress, stage,
              std::min(1.0, static_cast<double>(step.iteration) /
                                options_.iterations));
-      if (hooks_.on_step) {
-        hooks_.on_step(step, *state);
-      }
-      return !(hooks_.should_stop && hooks_.should_stop());
+      return AddStep(step, state);
     };
     const auto move_cameras = [&](const TriangleMesh& mesh) {
       return level == 0 && RefineViews(mesh, state);
@@ -148,6 +141,19 @@ class Refinement {
       ImproveFacets(state);
     }
     return !refined.is_stopped;
+  }
+
+  // Adds a step to the report, and tells who wants to know.
+  // \return whether to go on.
+  bool AddStep(RefinementStep step, RefinedMesh* state) const {
+    step.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_)
+            .count();
+    state->report.steps.push_back(step);
+    if (hooks_.on_step) {
+      hooks_.on_step(step, *state);
+    }
+    return !(hooks_.should_stop && hooks_.should_stop());
   }
 
   // Adds what became of a level to the report.
