@@ -71,8 +71,9 @@ Eigen::AlignedBox3f BoxFrom(const Json& json) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Eigen::AlignedBox3f box;
   for (int axis = 0; axis < 3; ++axis) {
-    const Json& low = json.at(static_cast<size_t>(axis));
-    const Json& high = json.at(static_cast<size_t>(axis + 3));
+    const auto place = static_cast<size_t>(axis);
+    const Json& low = json.at(place);
+    const Json& high = json.at(place + 3);
     box.min()[axis] = low.is_null() ? -kInfinity : low.get<float>();
     box.max()[axis] = high.is_null() ? kInfinity : high.get<float>();
   }

@@ -68,11 +68,9 @@ class Collapser {
     const EditableMesh& edit = mesh_->edit;
     // A vertex of a border takes in one from the inside, and one that stays any
     // other.
-    if (edit.IsBorderVertex(edit.From(half)) &&
+    if ((edit.IsBorderVertex(edit.From(half)) ||
+         IsFixed(mesh_->fixed, edit.From(half))) &&
         !edit.IsBorderVertex(edit.To(half))) {
-      half = edit.Partner(half);
-    } else if (IsFixed(mesh_->fixed, edit.From(half)) &&
-               !edit.IsBorderVertex(edit.To(half))) {
       half = edit.Partner(half);
     }
     if (IsFixed(mesh_->fixed, edit.From(half)) || !edit.CanCollapse(half)) {
