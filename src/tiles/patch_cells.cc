@@ -85,17 +85,25 @@ std::vector<PatchCell> PatchCollector::Take() {
   return std::move(cells_);
 }
 
-void PatchCollector::AddStarsOf(uint32_t tile,
-                                const std::vector<uint32_t>& ids) {
+template <typename Ids, typename Function>
+void PatchCollector::ForEachCellAt(uint32_t tile, const Ids& ids,
+                                   const Function& function) const {
   const Tile from = Read(tile);
   std::vector<uint32_t> star;
   for (const uint32_t id : ids) {
     IncidentCells(from.part->tile.tetrahedra, id - blocks_.FirstVertex(tile),
                   &star);
     for (const uint32_t index : star) {
-      AddCell(tile, from, index);
+      function(from, index);
     }
   }
+}
+
+void PatchCollector::AddStarsOf(uint32_t tile,
+                                const std::vector<uint32_t>& ids) {
+  ForEachCellAt(tile, ids, [&](const Tile& from, uint32_t index) {
+    AddCell(tile, from, index);
+  });
 }
 
 void PatchCollector::AddCell(uint32_t tile, const Tile& from, uint32_t index) {
@@ -133,18 +141,12 @@ void PatchCollector::AddMissingCapacities() {
     }
   }
   for (const auto& [tile, ids] : by_tile) {
-    const Tile from = Read(tile);
-    std::vector<uint32_t> star;
-    for (const uint32_t id : ids) {
-      IncidentCells(from.part->tile.tetrahedra, id - blocks_.FirstVertex(tile),
-                    &star);
-      for (const uint32_t index : star) {
-        const CellKey key = Sorted(from.part->tile.CornersOf(index));
-        if (slots_[SlotOf(key)] != kNoSlot) {
-          AddCell(tile, from, index);
-        }
+    ForEachCellAt(tile, ids, [&, tile](const Tile& from, uint32_t index) {
+      const CellKey key = Sorted(from.part->tile.CornersOf(index));
+      if (slots_[SlotOf(key)] != kNoSlot) {
+        AddCell(tile, from, index);
       }
-    }
+    });
   }
 }
 

@@ -52,6 +52,11 @@ class PatchCollector {
   };
 
   Tile Read(uint32_t tile) const;
+  // Calls function(from, cell) for the cells at vertices of a tile, more than
+  // once for those at several.
+  template <typename Ids, typename Function>
+  void ForEachCellAt(uint32_t tile, const Ids& ids,
+                     const Function& function) const;
   void AddStarsOf(uint32_t tile, const std::vector<uint32_t>& ids);
   void AddCell(uint32_t tile, const Tile& from, uint32_t index);
   void AddMissingCapacities();

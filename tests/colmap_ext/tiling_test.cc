@@ -20,6 +20,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The corners of all faces, each turned so that the lowest is the first.
+std::vector<std::array<std::array<float, 3>, 3>> FacesOf(const fs::path& path) {
+  const TriangleMesh mesh = ReadPlyMesh(path);
+  std::vector<std::array<std::array<float, 3>, 3>> faces;
+  for (const Facet& facet : mesh.facets) {
+    std::array<std::array<float, 3>, 3>& face = faces.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3f& p = mesh.vertices[facet[k]];
+      face[k] = {p.x(), p.y(), p.z()};
+    }
+    std::ranges::rotate(face, std::ranges::min_element(face));
+  }
+  std::ranges::sort(faces);
+  return faces;
+}
+
 class TilingTest : public testing::Test {
  protected:
   TilingTest() { SphereWorkspace().Write(workspace_); }
@@ -55,6 +71,15 @@ class TilingTest : public testing::Test {
     return ReadFile(mesh_) + ReadFile(mesh_.string() + ".vis");
   }
 
+  // The merged mesh is the one that the mesher makes.
+  void ExpectMeshersFaces(const std::string& options = "") const {
+    const Outcome outcome = Run("delaunay_manifold_mesher --workspace_path " +
+                                Quote(workspace_) + options);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(FacesOf(mesh_),
+              FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+  }
+
   static std::string Quote(const fs::path& path) {
     return '"' + path.string() + '"';
   }
@@ -65,31 +90,10 @@ class TilingTest : public testing::Test {
   fs::path mesh_ = folder_.Path() / "merged.ply";
 };
 
-// The corners of all faces, each turned so that the lowest is the first.
-std::vector<std::array<std::array<float, 3>, 3>> FacesOf(const fs::path& path) {
-  const TriangleMesh mesh = ReadPlyMesh(path);
-  std::vector<std::array<std::array<float, 3>, 3>> faces;
-  for (const Facet& facet : mesh.facets) {
-    std::array<std::array<float, 3>, 3>& face = faces.emplace_back();
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3f& p = mesh.vertices[facet[k]];
-      face[k] = {p.x(), p.y(), p.z()};
-    }
-    std::ranges::rotate(face, std::ranges::min_element(face));
-  }
-  std::ranges::sort(faces);
-  return faces;
-}
-
 TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachine) {
   ASSERT_EQ(MakePlan(1).exit_code, 0);
   MakeMesh({0});
-  ASSERT_EQ(
-      Run("delaunay_manifold_mesher --workspace_path " + Quote(workspace_))
-          .exit_code,
-      0);
-  EXPECT_EQ(FacesOf(mesh_),
-            FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+  ExpectMeshersFaces();
 }
 
 TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
@@ -110,12 +114,7 @@ TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
   ASSERT_EQ(planned.exit_code, 0) << planned.err;
   EXPECT_NE(planned.out.find("points masked in all views"), std::string::npos);
   MakeMesh({0});
-  ASSERT_EQ(Run("delaunay_manifold_mesher --workspace_path " +
-                Quote(workspace_) + option)
-                .exit_code,
-            0);
-  EXPECT_EQ(FacesOf(mesh_),
-            FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+  ExpectMeshersFaces(option);
   fs::remove_all(masks);
   ExpectRefusal(MakePlan(2, option), "no such folder of masks");
 }
@@ -130,12 +129,7 @@ TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
                 Quote(mesh_) + option)
                 .exit_code,
             0);
-  ASSERT_EQ(Run("delaunay_manifold_mesher --workspace_path " +
-                Quote(workspace_) + option)
-                .exit_code,
-            0);
-  EXPECT_EQ(FacesOf(mesh_),
-            FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+  ExpectMeshersFaces(option);
   EXPECT_NE(ReadFile(mesh_).find("property double x"), std::string::npos);
   WriteFile(transform, "1 2 3");
   ExpectRefusal(Run("mesh_merger --plan " + Quote(plan_) + " --output_path " +
