@@ -141,12 +141,13 @@ void PatchCollector::AddMissingCapacities() {
     }
   }
   for (const auto& [tile, ids] : by_tile) {
-    ForEachCellAt(tile, ids, [&, tile](const Tile& from, uint32_t index) {
-      const CellKey key = Sorted(from.part->tile.CornersOf(index));
-      if (slots_[SlotOf(key)] != kNoSlot) {
-        AddCell(tile, from, index);
-      }
-    });
+    ForEachCellAt(
+        tile, ids, [this, owner = tile](const Tile& from, uint32_t index) {
+          const CellKey key = Sorted(from.part->tile.CornersOf(index));
+          if (slots_[SlotOf(key)] != kNoSlot) {
+            AddCell(owner, from, index);
+          }
+        });
   }
 }
 
