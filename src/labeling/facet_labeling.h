@@ -21,7 +21,7 @@ struct FacetLabelingOptions {
   // Labels of each facet that the final iterations use, the first ones
   // included; 0: no more than pairs_per_facet, as [Romanoni2020]. Tuned on the
   // scenes of docs/benchmarks.md.
-  int final_pairs_per_facet = 20;
+  int final_pairs_per_facet = 18;
 
   // Cost of a change of labels between neighbors. log 9: docs/method.md,
   // section 4.4; [Romanoni2020, section V, equation (5)].
