@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "colmap_ext facetwise_refiner resume";
-constexpr int kVersion = 5;
+constexpr int kVersion = 6;
 
 // Objects in lists in the top object. Deeper values are dropped unread, so that
 // no nesting takes memory.
@@ -119,6 +119,7 @@ LabelingReport ToLabeling(const Json& json) {
 Json ToJson(const RefinementStep& step) {
   return {{"level", step.level},
           {"is_final", step.is_final},
+          {"num_pairs", step.num_pairs},
           {"iteration", step.iteration},
           {"energy", NumberToJson(step.energy)},
           {"photometric_energy", NumberToJson(step.photometric_energy)},
@@ -133,6 +134,7 @@ RefinementStep ToStep(const Json& json) {
   RefinementStep step;
   step.level = Count<int>(json, "level");
   step.is_final = Flag(json, "is_final");
+  step.num_pairs = Count<size_t>(json, "num_pairs");
   step.iteration = Count<int>(json, "iteration");
   step.energy = Number(json, "energy");
   step.photometric_energy = Number(json, "photometric_energy");

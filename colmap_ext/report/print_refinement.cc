@@ -82,7 +82,8 @@ std::vector<std::vector<RefinementStep>> SplitIntoStages(
   std::vector<std::vector<RefinementStep>> stages;
   for (const RefinementStep& step : steps) {
     if (stages.empty() || stages.back().back().level != step.level ||
-        stages.back().back().is_final != step.is_final) {
+        stages.back().back().is_final != step.is_final ||
+        stages.back().back().num_pairs != step.num_pairs) {
       stages.emplace_back();
     }
     stages.back().push_back(step);
@@ -91,7 +92,9 @@ std::vector<std::vector<RefinementStep>> SplitIntoStages(
 }
 
 std::string StageName(const RefinementStep& step) {
-  return LevelName(step.level) + (step.is_final ? ", final" : "");
+  return LevelName(step.level) +
+         (step.is_final ? fmt::format(", final, {} pairs", step.num_pairs)
+                        : "");
 }
 
 std::vector<StageText> DescribeStages(

@@ -18,7 +18,7 @@ std::string LevelName(int level);
 std::vector<std::vector<RefinementStep>> SplitIntoStages(
     const std::vector<RefinementStep>& steps);
 
-// Of a stage that the step is of: "1/2 size, final".
+// Of a stage that the step is of: "1/2 size, final, 6 pairs".
 std::string StageName(const RefinementStep& step);
 
 // A stage in words, for the screen and the page.

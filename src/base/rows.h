@@ -34,6 +34,12 @@ struct Rows {
     return {values.data() + offsets[row], values.data() + offsets[row + 1]};
   }
 
+  // Room for that many rows and values in all.
+  void Reserve(size_t num_rows, size_t num_values) {
+    offsets.reserve(num_rows + 1);
+    values.reserve(num_values);
+  }
+
   // Makes a row of the values added since the last one.
   void EndRow() { offsets.push_back(values.size()); }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -18,10 +19,16 @@ struct FacetLabelingOptions {
   // Labels of each facet that the first iterations use. [Romanoni2020] has 1.
   int pairs_per_facet = 1;
 
-  // Labels of each facet that the final iterations use, the first ones
-  // included; 0: no more than pairs_per_facet, as [Romanoni2020]. Tuned on the
-  // scenes of docs/benchmarks.md.
+  // Labels of each facet that the last iterations use, the first ones included;
+  // 0: no more than pairs_per_facet, as [Romanoni2020]. Tuned on the scenes of
+  // docs/benchmarks.md.
   int final_pairs_per_facet = 18;
+
+  // Labels of each facet that the final iterations before these use, at the
+  // coarser levels all of them: a third. Tuned likewise.
+  int FirstFinalPairs() const {
+    return std::max(pairs_per_facet, (final_pairs_per_facet + 2) / 3);
+  }
 
   // Cost of a change of labels between neighbors. log 9: docs/method.md,
   // section 4.4; [Romanoni2020, section V, equation (5)].

@@ -31,6 +31,15 @@ struct FacetLabels {
 
   size_t NumFacets() const { return labels.size(); }
 
+  // Of the facet that has most.
+  size_t MaxLabelsOfFacet() const {
+    size_t count = 0;
+    for (size_t i = 0; i < NumFacets(); ++i) {
+      count = std::max(count, labels[i].size());
+    }
+    return count;
+  }
+
   // Calls function(direction) for the directions of a facet's labels.
   template <typename Function>
   void ForEachDirection(size_t facet, const Function& function) const {
@@ -75,6 +84,7 @@ struct FacetLabels {
   // \param is_chosen [F]
   FacetLabels Of(const std::vector<uint8_t>& is_chosen) const {
     FacetLabels chosen{pairs, {}, {}};
+    chosen.labels.Reserve(NumFacets(), labels.values.size());
     for (size_t i = 0; i < NumFacets(); ++i) {
       chosen.labels.AddRow(
           labels[i].first(is_chosen[i] != 0 ? labels[i].size() : 0));

@@ -10,7 +10,6 @@
 
 #include "photometry/direction_sums.h"
 #include "photometry/pair_work.h"
-#include "raster/facet_frames.h"
 #include "raster/mesh_drawings.h"
 
 namespace colmap_ext {
@@ -99,9 +98,10 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
   };
 
   const Work& WorkFor(const FacetLabels& labels);
-  std::vector<FacetSums> EvaluateDirection(
-      const std::vector<FacetFrame>& frames, const Work& work,
-      const TiledDirection& direction, DirectionEvaluator* evaluator) const;
+  std::vector<FacetSums> EvaluateDirection(const TriangleMesh& mesh,
+                                           const Work& work,
+                                           const TiledDirection& direction,
+                                           DirectionEvaluator* evaluator) const;
 
   PhotometricOptions options_;
   std::shared_ptr<ImagePyramid> images_;
@@ -141,18 +141,18 @@ std::shared_ptr<const MeshDrawings> CpuPhotometricEnergy::Drawings(
 // Evaluations between two calls of Render() have the same labels, as a rule.
 const CpuPhotometricEnergy::Work& CpuPhotometricEnergy::WorkFor(
     const FacetLabels& labels) {
-  Rows<uint32_t> facets = GroupByDirection(labels);
-  if (!work_ || work_->pairs != labels.pairs || work_->facets != facets) {
+  if (!work_ || work_->pairs != labels.pairs ||
+      !IsGroupedByDirection(labels, work_->facets)) {
     work_.reset();
-    work_ = Work{labels.pairs, std::move(facets),
+    work_ = Work{labels.pairs, GroupByDirection(labels),
                  FindDirections(*drawings_, labels)};
   }
   return *work_;
 }
 
 std::vector<FacetSums> CpuPhotometricEnergy::EvaluateDirection(
-    const std::vector<FacetFrame>& frames, const Work& work,
-    const TiledDirection& direction, DirectionEvaluator* evaluator) const {
+    const TriangleMesh& mesh, const Work& work, const TiledDirection& direction,
+    DirectionEvaluator* evaluator) const {
   const std::shared_ptr<const GrayImage> image_i = images_->Image(direction.i);
   const std::shared_ptr<const GrayImage> image_j = images_->Image(direction.j);
   const std::shared_ptr<const FacetIdBuffer> drawn_i =
@@ -161,7 +161,7 @@ std::vector<FacetSums> CpuPhotometricEnergy::EvaluateDirection(
       drawings_->Get(direction.j);
   const std::vector<View>& views = images_->Views();
   return evaluator->Evaluate({views[direction.i], *image_i, *drawn_i},
-                             {views[direction.j], *image_j, *drawn_j}, frames,
+                             {views[direction.j], *image_j, *drawn_j}, mesh,
                              work.facets[direction.direction], direction.tiles);
 }
 
@@ -169,14 +169,13 @@ PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
                                                 const FacetLabels& labels) {
   assert(drawings_ && drawings_->Mesh().facets.size() == mesh.facets.size());
   const Work& work = WorkFor(labels);
-  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   tbb::enumerable_thread_specific<DirectionEvaluator> evaluators(
       [&] { return DirectionEvaluator(options_, mesh.facets.size()); });
   PhotometricTerms terms = EmptyTerms(mesh.facets.size());
   ComputeInOrder(
       work.directions.size(),
       [&](size_t i) {
-        return EvaluateDirection(frames, work, work.directions[i],
+        return EvaluateDirection(mesh, work, work.directions[i],
                                  &evaluators.local());
       },
       [&](size_t i, const std::vector<FacetSums>& sums) {

@@ -65,13 +65,13 @@ void DirectionEvaluator::AddTile(std::vector<FacetSums>* sums) const {
 }
 
 std::vector<FacetSums> DirectionEvaluator::Evaluate(
-    const DrawnView& i, const DrawnView& j,
-    const std::vector<FacetFrame>& frames, std::span<const uint32_t> facets,
+    const DrawnView& i, const DrawnView& j, const TriangleMesh& mesh,
+    std::span<const uint32_t> facets,
     const std::vector<PixelRectangle>& tiles) {
   for (size_t k = 0; k < facets.size(); ++k) {
     places_[facets[k]] = static_cast<uint32_t>(k);
   }
-  const PairWarp warp(i, j, frames);
+  const PairWarp warp(i, j, mesh);
   constexpr int kMultiple = 8;  // see WindowRows
   const int radius = options_.window_radius;
   const float max_relative_depth = MaxRelativeDepth(options_, i.view);

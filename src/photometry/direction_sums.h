@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "mesh/triangle_mesh.h"
 #include "photometry/pair_warp.h"
 #include "photometry/pair_work.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
-#include "raster/facet_frames.h"
 
 namespace colmap_ext {
 
@@ -29,12 +29,12 @@ class DirectionEvaluator {
  public:
   DirectionEvaluator(const PhotometricOptions& options, size_t num_facets);
 
-  // \param frames  [F] of the present mesh.
+  // \param mesh  as it is at present.
   // \param facets  those that the pair refines.
   // \param tiles  of image i, see FindTiles().
   // \return [facets]
   std::vector<FacetSums> Evaluate(const DrawnView& i, const DrawnView& j,
-                                  const std::vector<FacetFrame>& frames,
+                                  const TriangleMesh& mesh,
                                   std::span<const uint32_t> facets,
                                   const std::vector<PixelRectangle>& tiles);
 

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "photometry/interpolation.h"
+#include "raster/facet_frames.h"
 
 namespace colmap_ext {
 
@@ -15,17 +16,17 @@ constexpr uint32_t kNoPlace = UINT32_MAX;
 }  // namespace
 
 PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
-                   const std::vector<FacetFrame>& frames)
+                   const TriangleMesh& mesh)
     : i_(i),
       j_(j),
-      frames_(frames),
+      mesh_(mesh),
       center_i_(i.view.Center()),
       ray_from_pixel_i_(i.view.RayFromPixel()),
       pixel_j_from_pixel_i_(j.view.PixelFromRay() * ray_from_pixel_i_),
       epipole_(j.view.PixelFromRay() * (center_i_ - j.view.Center())) {}
 
 PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
-  const FacetFrame& frame = frames_[facet];
+  const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
   const Eigen::Vector3d from_corner = center_i_ - frame.corner;
   const Eigen::Matrix3d pixel_from_ray = ray_from_pixel_i_.transpose();
   Plane plane;
@@ -75,8 +76,7 @@ void PairWarp::FindPlaces(int row, int first_col, int last_col,
       } else {
         place = static_cast<uint32_t>(facets->size());
         facets->push_back(facet);
-        __builtin_prefetch(&frames_[facet]);  // Both lines, of all new facets
-        __builtin_prefetch(&frames_[facet].gradient_1);  // at a time.
+        __builtin_prefetch(&mesh_.facets[facet]);  // Of all new ones at a time.
       }
     }
     above_left = above;

@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
+#include "mesh/triangle_mesh.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
-#include "raster/facet_frames.h"
 #include "raster/facet_id_buffer.h"
 #include "scene/gray_image.h"
 #include "scene/view.h"
@@ -38,9 +38,8 @@ struct TileGeometry {
 // Image I_j seen from i by way of the surface (docs/method.md, section 5.2).
 class PairWarp {
  public:
-  // \param frames  [F] of the present mesh; kept by reference.
-  PairWarp(const DrawnView& i, const DrawnView& j,
-           const std::vector<FacetFrame>& frames);
+  // \param mesh  as it is at present; kept by reference.
+  PairWarp(const DrawnView& i, const DrawnView& j, const TriangleMesh& mesh);
 
   // Fills the tile's image, warped image, validity and inverse depths, and the
   // geometry's arrays, of tile.width and height from geometry.first_row and
@@ -86,7 +85,7 @@ class PairWarp {
 
   DrawnView i_;
   DrawnView j_;
-  const std::vector<FacetFrame>& frames_;
+  const TriangleMesh& mesh_;
   Eigen::Vector3d center_i_;
   Eigen::Matrix3d ray_from_pixel_i_;  // (u, v, 1) -> world ray with z 1
   Eigen::Matrix3d

@@ -108,6 +108,25 @@ Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
   return facets;
 }
 
+bool IsGroupedByDirection(const FacetLabels& labels,
+                          const Rows<uint32_t>& facets) {
+  if (facets.size() != 2 * labels.pairs.size()) {
+    return false;
+  }
+  std::vector<uint64_t> next(facets.offsets.begin(), facets.offsets.end() - 1);
+  bool is_same = true;
+  for (uint32_t facet = 0; is_same && facet < labels.NumFacets(); ++facet) {
+    labels.ForEachDirection(facet, [&](uint32_t direction) {
+      uint64_t& at = next[direction];
+      is_same = is_same && at < facets.offsets[direction + 1] &&
+                facets.values[at] == facet;
+      ++at;
+    });
+  }
+  return is_same &&
+         std::equal(next.begin(), next.end(), facets.offsets.begin() + 1);
+}
+
 std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
                                                    uint32_t view,
                                                    const FacetLabels& labels) {

@@ -14,6 +14,10 @@ namespace colmap_ext {
 // [2 L] the facets that are compared in each direction, ascending.
 Rows<uint32_t> GroupByDirection(const FacetLabels& labels);
 
+// Whether these are the rows of GroupByDirection(), which it does not build.
+bool IsGroupedByDirection(const FacetLabels& labels,
+                          const Rows<uint32_t>& facets);
+
 // A rectangle of pixels, both ends included.
 struct PixelRectangle {
   int first_row = 0, last_row = -1;

@@ -87,7 +87,6 @@ class Refinement {
              const RefinementHooks& hooks,
              std::shared_ptr<const RefinableCameras> cameras)
       : options_(options),
-        labeling_(options.labeling),
         points_(points),
         has_fused_points_(has_fused_points),
         cameras_(std::move(cameras)),
@@ -232,10 +231,11 @@ class Refinement {
   void AverageOverPairs() {
     constexpr int kPairs = 4;
     constexpr int kFinalPairs = 24;
-    labeling_.pairs_per_facet = std::max(labeling_.pairs_per_facet, kPairs);
-    if (labeling_.final_pairs_per_facet > 0) {
-      labeling_.final_pairs_per_facet =
-          std::max(labeling_.final_pairs_per_facet, kFinalPairs);
+    FacetLabelingOptions& labeling = options_.labeling;
+    labeling.pairs_per_facet = std::max(labeling.pairs_per_facet, kPairs);
+    if (labeling.final_pairs_per_facet > 0) {
+      labeling.final_pairs_per_facet =
+          std::max(labeling.final_pairs_per_facet, kFinalPairs);
     }
   }
 
@@ -300,16 +300,19 @@ class Refinement {
     }
     HideFixed(*state, &visibility);
     Report(hooks_.progress, "Labelling facets", 0);
+    FacetLabelingOptions options = options_.labeling;
+    if (level > 0 && options.final_pairs_per_facet > 0) {
+      options.final_pairs_per_facet = options.FirstFinalPairs();
+    }
     FacetLabeling labeling = LabelFacets(
-        labeling_, state->mesh, state->attributes, pairs_, visibility, views);
+        options, state->mesh, state->attributes, pairs_, visibility, views);
     state->report.labelings.push_back(
         {level, pairs_.size(), labeling.num_unlabeled_facets,
          labeling.initial_energy, labeling.final_energy, labeling.lower_bound});
     state->labels = std::move(labeling.labels);
   }
 
-  const FacetwiseRefinementOptions& options_;
-  FacetLabelingOptions labeling_;
+  FacetwiseRefinementOptions options_;
   const PointCloud& points_;
   bool has_fused_points_;
   std::shared_ptr<const RefinableCameras> cameras_;  // none: not refined

@@ -87,10 +87,11 @@ struct FacetwiseRefinementOptions {
 // One iteration of the solver, for the log and the report.
 struct RefinementStep {
   int level = 0;          // the images are 2^level times smaller
-  bool is_final = false;  // by all pairs of each facet, see level_refinement.h
+  bool is_final = false;  // by more pairs of each facet, level_refinement.h
+  size_t num_pairs = 0;   // of a facet, at most
   int iteration = 0;      // of the level, from 1. 0 is the state that it starts
                           // from, and the last number is repeated with that
-                          // which the final iterations start from.
+                          // which iterations by more pairs start from.
   double energy = 0;      // photometric and smoothness
   double photometric_energy = 0;
   double mean_zncc = 0;  // over the pixels that are compared, weighted

@@ -26,7 +26,7 @@ struct Stage {
   int level = 0;
   bool is_final = false;
   int max_iterations = 0;
-  const FacetLabels& labels;
+  FacetLabels labels;
   SmoothnessDomain domain;
   PhotometricEnergy* energy = nullptr;
   FacetTree* tree = nullptr;  // of the mesh's facets
@@ -197,6 +197,7 @@ bool Report(const Stage& stage, const State& state, double mean_motion) {
   RefinementStep step;
   step.level = stage.level;
   step.is_final = stage.is_final;
+  step.num_pairs = stage.labels.MaxLabelsOfFacet();
   step.iteration = state.iteration;
   step.energy = state.Energy();
   step.photometric_energy = state.surface.terms.energy;
@@ -254,25 +255,47 @@ State FollowCameras(const RefinementLevel& level, const Stage& stage,
   return is_to_follow ? Iterate(stage, std::move(state)) : std::move(state);
 }
 
-// All labels from the same surface on: it is drawn again, and its vertices
+// More labels from the same surface on: it is drawn again, and its vertices
 // account for more pixels.
-State FinishByAllLabels(const FacetLabels& labels, Stage stage, State state) {
-  constexpr int kFinalIterations = 2;
-  constexpr int kLastIterations = 4;  // of the finest level: none follows
-  const int num_iterations =
-      stage.level == 0 ? kLastIterations : kFinalIterations;
-  Stage final_stage{stage.options,  stage.level, true,
-                    num_iterations, labels,      std::move(stage.domain),
-                    stage.energy,   stage.tree,  stage.on_step};
-  SmoothnessDomain& domain = final_stage.domain;
+State GoOnByLabels(FacetLabels labels, int num_iterations, Stage* stage,
+                   State state) {
+  stage->labels = std::move(labels);
+  stage->is_final = true;
+  stage->max_iterations = num_iterations;
+  SmoothnessDomain& domain = stage->domain;
   state.surface = DrawSurface(std::move(state.surface.mesh), domain.rings,
-                              labels, stage.energy);
+                              stage->labels, stage->energy);
   state.drift = 0;
   domain.num_pixels = PixelsOfVertices(state.surface.mesh, state.surface.terms,
                                        domain.footprints);
   state.smoothness = MakeSmoothnessModel(std::move(state.smoothness.target),
                                          domain, state.surface);
-  return Iterate(final_stage, std::move(state));
+  return Iterate(*stage, std::move(state));
+}
+
+// The final iterations: at the finest level, which none follows, the first of
+// them by a part of the labels.
+State Finish(FacetLabels labels, const std::vector<View>& views, Stage* stage,
+             State state) {
+  constexpr int kIterations = 2;
+  const bool is_finest = stage->level == 0;
+  const auto num_first =
+      static_cast<size_t>(stage->options.labeling.FirstFinalPairs());
+  const bool is_by_part = is_finest && labels.MaxLabelsOfFacet() > num_first;
+  const auto in_smaller_view = [&](FacetLabels chosen) {
+    return InSmallerView(std::move(chosen), state.surface.mesh, views);
+  };
+  if (is_by_part) {
+    FacetLabels part = in_smaller_view(labels.First(num_first));
+    state = GoOnByLabels(std::move(part), kIterations, stage, std::move(state));
+  }
+  if (state.is_stopped) {
+    return state;
+  }
+  labels = in_smaller_view(std::move(labels));
+  return GoOnByLabels(std::move(labels),
+                      is_finest && !is_by_part ? 2 * kIterations : kIterations,
+                      stage, std::move(state));
 }
 
 }  // namespace
@@ -286,26 +309,29 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
   constexpr double kFirstWeight = 20;
   const bool is_classical =
       options.labeling.pair_selection == PairSelection::kClassical;
-  const FacetLabels all_few_labels = level.labels.First(
-      is_classical ? SIZE_MAX : options.labeling.pairs_per_facet);
   VertexRings rings = MakeVertexRings(mesh);
   FacetTree tree(mesh);
+  Stage stage{options,
+              level.level,
+              false,
+              options.iterations,
+              level.labels.First(
+                  is_classical ? SIZE_MAX : options.labeling.pairs_per_facet),
+              {},
+              energy,
+              &tree,
+              on_step};
   State state;
-  state.surface = DrawSurface(std::move(mesh), rings, all_few_labels, energy);
+  state.surface = DrawSurface(std::move(mesh), rings, stage.labels, energy);
   const std::vector<uint8_t> is_confirmed =
       ConfirmedFacets(state.surface.mesh, rings, state.surface.terms,
                       options.photometric, options.min_zncc);
+  stage.domain = MakeDomain(level, state.surface, std::move(rings));
   const bool is_all_confirmed =
       std::count(is_confirmed.begin(), is_confirmed.end(), 0) == 0;
-  const FacetLabels few_labels = all_few_labels.Of(is_confirmed);
-  const FacetLabels labels = level.labels.Of(is_confirmed);
-  Stage stage{options,    level.level,
-              false,      options.iterations,
-              few_labels, MakeDomain(level, state.surface, std::move(rings)),
-              energy,     &tree,
-              on_step};
   PhotometricTerms first_terms;
   if (!is_all_confirmed) {
+    stage.labels = stage.labels.Of(is_confirmed);
     first_terms = std::move(state.surface.terms);
     state.surface = EvaluateSurface(std::move(state.surface.mesh), stage);
   }
@@ -314,11 +340,10 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
                                       kFirstWeight * options.smoothness_weight),
                           stage.domain, state.surface);
   state = FollowCameras(level, stage, Iterate(stage, std::move(state)));
+  FacetLabels labels = level.labels.Of(is_confirmed);
   if (!state.is_stopped &&
-      few_labels.labels.values.size() < labels.labels.values.size()) {
-    const FacetLabels compared =
-        InSmallerView(labels, state.surface.mesh, level.views);
-    state = FinishByAllLabels(compared, std::move(stage), std::move(state));
+      stage.labels.labels.values.size() < labels.labels.values.size()) {
+    state = Finish(std::move(labels), level.views, &stage, std::move(state));
   }
   if (!is_all_confirmed) {
     TakeOthers(is_confirmed, first_terms, &state.surface.terms);

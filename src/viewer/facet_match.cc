@@ -10,7 +10,6 @@
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
-#include "raster/facet_frames.h"
 #include "raster/facet_id_buffer.h"
 #include "viewer/shown_scene.h"
 
@@ -203,14 +202,13 @@ FacetMatch MatchFacet(const TriangleMesh& mesh, uint32_t facet,
   const TriangleMesh part = PartOf(mesh, i.view, j.view, &facet);
   const FacetIdBuffer drawn_i = DrawFacets(i.view, part, options.min_cosine);
   const FacetIdBuffer drawn_j = DrawFacets(j.view, part, options.min_cosine);
-  const std::vector<FacetFrame> frames = ComputeFacetFrames(part);
   CorrelationTile tile;
   TileGeometry geometry;
   tile.Resize(kPatchSize, kPatchSize);
   SetCenters(drawn_i, facet, first.CamFromWorld(center).z(),
              options.window_radius, &tile);
   std::ranges::fill(tile.is_reached, 1);  // All of it is shown.
-  PairWarp({i.view, i.image, drawn_i}, {j.view, j.image, drawn_j}, frames)
+  PairWarp({i.view, i.image, drawn_i}, {j.view, j.image, drawn_j}, part)
       .Compute(&tile, &geometry);
   FacetMatch match{i.image, {kPatchSize, kPatchSize, {}}, std::nullopt};
   for (size_t k = 0; k < tile.warped.size(); ++k) {

@@ -54,20 +54,21 @@ struct WarpScene {
       : mesh(std::move(surface)),
         views{view_i, view_j},
         images{Paint(view_i, mesh), Paint(view_j, mesh)},
-        drawn{DrawFacets(view_i, mesh, 0.1), DrawFacets(view_j, mesh, 0.1)},
-        frames(ComputeFacetFrames(mesh)) {}
+        drawn{DrawFacets(view_i, mesh, 0.1), DrawFacets(view_j, mesh, 0.1)} {}
 
   PairWarp Warp(int i, int j) const {
-    return {{views[i], images[i], drawn[i]},
-            {views[j], images[j], drawn[j]},
-            frames};
+    return {
+        {views[i], images[i], drawn[i]}, {views[j], images[j], drawn[j]}, mesh};
+  }
+
+  FacetFrame Frame(uint32_t facet) const {
+    return ComputeFacetFrame(mesh, mesh.facets[facet]);
   }
 
   TriangleMesh mesh;
   View views[2];
   GrayImage images[2];
   FacetIdBuffer drawn[2];
-  std::vector<FacetFrame> frames;
 };
 
 struct Warped {
@@ -133,8 +134,8 @@ TEST(PairWarp, FindsWhereOnTheirFacetsPixelsLie) {
         continue;
       }
       ++num_compared;
-      const Vector3d expected = scene.frames[facet].Barycentric(
-          PointAt(scene.views[0], scene.frames[facet], row, col));
+      const Vector3d expected = scene.Frame(facet).Barycentric(
+          PointAt(scene.views[0], scene.Frame(facet), row, col));
       for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(warped.geometry.barycentric[at][k], expected[k], 1e-6);
         EXPECT_GT(warped.geometry.barycentric[at][k], -0.02);
@@ -165,7 +166,7 @@ TEST(PairWarp, OfTheTrueSurfaceShowsTheSame) {
         EXPECT_EQ(warped.tile.inverse_depths[at],
                   scene.drawn[i].inverse_depths[at]);
         const Vector3d point =
-            PointAt(scene.views[i], scene.frames[facet], row, col);
+            PointAt(scene.views[i], scene.Frame(facet), row, col);
         const double depth = view_j.CamFromWorld(point).z();
         const DepthRange around =
             DepthsAround(bvh, view_j, SeenAt(view_j, point), 2.5);
@@ -198,7 +199,7 @@ TEST(PairWarp, IsValidWhereBothViewsSeeTheFacet) {
           continue;
         }
         const Vector3d point =
-            PointAt(scene.views[i], scene.frames[facet], row, col);
+            PointAt(scene.views[i], scene.Frame(facet), row, col);
         const Vector2d pixel = SeenAt(scene.views[j], point);
         if (!(pixel.minCoeff() >= 0.5 &&
               pixel.x() <= scene.views[j].width - 0.5 &&
@@ -257,14 +258,31 @@ TEST(PairWarp, IsNotValidOnFacetsThatTurnAway) {
   }
 }
 
+// The same facets, each with vertices of its own.
+TriangleMesh Apart(const TriangleMesh& mesh) {
+  TriangleMesh apart;
+  for (const Facet& facet : mesh.facets) {
+    const auto first = static_cast<uint32_t>(apart.vertices.size());
+    for (const uint32_t vertex : facet) {
+      apart.vertices.push_back(mesh.vertices[vertex]);
+    }
+    apart.facets.push_back({first, first + 1, first + 2});
+  }
+  return apart;
+}
+
 // What is drawn stays, the facets move along their normals.
 TEST(PairWarp, TellsHowImagesChangeAsTheSurfaceMoves) {
   WarpScene scene = MakeScene();
+  scene.mesh = Apart(scene.mesh);
   const Warped warped = Compute(scene, 0, 1);
   const double step = 0.02 * 3 / 190;  // of a pixel's footprint
   const auto move = [&](double distance) {
-    for (size_t i = 0; i < scene.frames.size(); ++i) {
-      scene.frames[i].corner += distance * scene.frames[i].normal;
+    for (const Facet& facet : scene.mesh.facets) {
+      const Vector3d normal = ComputeFacetFrame(scene.mesh, facet).normal;
+      for (const uint32_t vertex : facet) {
+        scene.mesh.vertices[vertex] += (distance * normal).cast<float>();
+      }
     }
   };
   move(step);

@@ -90,6 +90,23 @@ TEST(GroupByDirection, TurnsTheLabelsRound) {
   }
 }
 
+TEST(GroupByDirection, IsKnownWithoutBeingBuilt) {
+  Random random(3);
+  FacetLabels labels = RandomLabels(300, &random);
+  const Rows<uint32_t> by_direction = GroupByDirection(labels);
+  EXPECT_TRUE(IsGroupedByDirection(labels, by_direction));
+  for (int k = 0; k < 20; ++k) {
+    Rows<uint32_t> other = by_direction;
+    ++other.values[random.Below(static_cast<uint32_t>(other.values.size()))];
+    EXPECT_FALSE(IsGroupedByDirection(labels, other));
+    FacetLabels fewer = labels.First(1 + k % 2);
+    EXPECT_EQ(IsGroupedByDirection(fewer, by_direction),
+              GroupByDirection(fewer) == by_direction);
+  }
+  labels.pairs.push_back({7, 8});
+  EXPECT_FALSE(IsGroupedByDirection(labels, by_direction));
+}
+
 TEST(GroupByDirection, TakesBothUnlessToldOtherwise) {
   Random random(2);
   FacetLabels labels = RandomLabels(40, &random);

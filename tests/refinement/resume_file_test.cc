@@ -27,6 +27,7 @@ ResumeRecord MakeRecord() {
   record.report.steps[0].energy = 1.0 / 3;
   record.report.steps[0].mean_zncc = std::nextafter(0.9, 1);
   record.report.steps[1].is_final = true;
+  record.report.steps[1].num_pairs = 18;
   record.report.steps[1].iteration = 4;
   record.report.steps[1].photometric_energy = kInfinity;
   record.report.steps[1].mean_step = 5e-324;
@@ -87,6 +88,7 @@ TEST(ResumeFileTest, ReadsNumbersBackAsTheyWere) {
             std::numeric_limits<double>::infinity());
   EXPECT_EQ(read.report.steps[1].mean_step, 5e-324);
   EXPECT_TRUE(read.report.steps[1].is_final);
+  EXPECT_EQ(read.report.steps[1].num_pairs, 18);
   EXPECT_EQ(read.report.steps[1].num_facets, 12);
   EXPECT_EQ(read.cameras, record.cameras);
   EXPECT_EQ(ResumeText(read), ResumeText(record));
@@ -112,7 +114,7 @@ TEST(ResumeFileTest, RefusesOtherTexts) {
   ExpectDamaged("null");
   ExpectDamaged(text + "x");
   ExpectDamaged(Replace(text, "facetwise_refiner", "mesher"));
-  ExpectDamaged(Replace(text, "\"version\": 5", "\"version\": 3"));
+  ExpectDamaged(Replace(text, "\"version\": 6", "\"version\": 3"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": 0"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": -1"));
   ExpectDamaged(Replace(text, "\"level\": 2", "\"level\": 2.5"));

@@ -22,17 +22,18 @@ std::vector<RefinementStep> Steps() {
   steps[1].num_facets = 16;
   steps[3].is_final = true;
   steps[3].iteration = 1;
+  steps[3].num_pairs = 18;
   return steps;
 }
 
 TEST(RefinementReportTest, WritesARowAnIteration) {
   EXPECT_EQ(StepsCsv(Steps()),
             "level,final,iteration,energy,photometric_energy,mean_zncc,"
-            "mean_step_px,seconds,vertices,faces\n"
-            "1,0,0,0,0,0,0,0.000,0,0\n"
-            "1,0,1,-0.333333333,0,0.5,0.25,1.500,10,16\n"
-            "0,0,0,0,0,0,0,0.000,0,0\n"
-            "0,1,1,0,0,0,0,0.000,0,0\n");
+            "mean_step_px,seconds,vertices,faces,pairs\n"
+            "1,0,0,0,0,0,0,0.000,0,0,0\n"
+            "1,0,1,-0.333333333,0,0.5,0.25,1.500,10,16,0\n"
+            "0,0,0,0,0,0,0,0.000,0,0,0\n"
+            "0,1,1,0,0,0,0,0.000,0,0,18\n");
 }
 
 TEST(RefinementReportTest, SplitsIterationsIntoStages) {
@@ -40,7 +41,7 @@ TEST(RefinementReportTest, SplitsIterationsIntoStages) {
   ASSERT_EQ(stages.size(), 3);
   EXPECT_EQ(stages[0].size(), 2);
   EXPECT_EQ(StageName(stages[0][0]), "1/2 size");
-  EXPECT_EQ(StageName(stages[2][0]), "full size, final");
+  EXPECT_EQ(StageName(stages[2][0]), "full size, final, 18 pairs");
   EXPECT_EQ(Describe(Steps()[1]),
             "1/2 size, iteration 1: energy -0.333333, ZNCC 0.5000, step 0.250 "
             "px");
