@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "colmap_ext facetwise_refiner resume";
-constexpr int kVersion = 5;
+constexpr int kVersion = 6;
 
 // Objects in lists in the top object. Deeper values are dropped unread, so that
 // no nesting takes memory.
@@ -210,6 +210,7 @@ ResumeRecord ToRecord(const Json& json) {
   record.mesh = Text(json, "mesh");
   record.visibility = Text(json, "visibility");
   record.origins = Text(json, "origins");
+  record.fixed = Text(json, "fixed");
   for (const Json& camera : List(json, "cameras")) {
     record.cameras.push_back(ToCameraNumbers(camera));
   }
@@ -270,6 +271,7 @@ std::string ResumeText(const ResumeRecord& record) {
   json["mesh"] = record.mesh;
   json["visibility"] = record.visibility;
   json["origins"] = record.origins;
+  json["fixed"] = record.fixed;
   Json& cameras = json["cameras"] = Json::array();
   for (const CameraNumbers& numbers : record.cameras) {
     cameras.push_back(numbers);

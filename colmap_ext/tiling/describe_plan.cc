@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/refinement/file_fingerprint.h"
 
 namespace colmap_ext {
 
