@@ -193,7 +193,7 @@ TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
 // Three statues in a row, of which the outer ones share a colour.
 TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   fs::remove_all(path_);
-  const synthetic::DenseScene statue = MakeStatue(6);
+  const synthetic::DenseScene statue = MakeStatue(8);
   WriteWorkspace(synthetic::MakeSceneRow(statue, 3, {20, 0, 0}), 1,
                  path_.string());
   MakePlan(3);
@@ -201,7 +201,7 @@ TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   ASSERT_EQ(TilesOf(0).size(), 2);
   ASSERT_EQ(TilesOf(1).size(), 1);
   ASSERT_EQ(MergeRefined().exit_code, 0);
-  ExpectGoodMesh(refined_, 18);
+  ExpectGoodMesh(refined_, 24);
   const std::string undisturbed = ReadFile(refined_);
   for (int tile = 0; tile < 3; ++tile) {
     fs::remove(PatchPath(tile));
@@ -212,8 +212,8 @@ TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   ExpectRefusal(Run(Plan() + Tile(TilesOf(1)[0])), "of colour 0 is not");
   const std::string command = Quote(kProgram) + " facetwise_refiner " + Plan() +
                               " --FacetwiseRefinement.backend cpu";
-  const Outcome both = RunShell(command + Tile(second) + " & " + command +
-                                Tile(first) + " && wait $!");
+  const Outcome both = RunShell("{ " + command + Tile(second) + " & " +
+                                command + Tile(first) + " && wait $!; }");
   EXPECT_EQ(both.exit_code, 0) << both.err;
   RefineAgain(TilesOf(1)[0]);
   ASSERT_EQ(MergeRefined().exit_code, 0);
