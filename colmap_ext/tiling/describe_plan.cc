@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 Plan DescribePlan(const PlannerOptions& options, const FusedFiles& files) {
   Plan plan;
   const MesherOptions& mesher = options.mesher;
-  plan.workspace_path = mesher.workspace_path;
+  plan.workspace_path = fs::absolute(mesher.workspace_path);
   const fs::path sparse = FindSparseFolder(
       mesher.sparse_path.empty()
           ? FindDenseFolder(mesher.InputPath(), mesher.workspace)
