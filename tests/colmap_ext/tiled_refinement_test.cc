@@ -220,6 +220,22 @@ TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   EXPECT_TRUE(ReadFile(refined_) == undisturbed);
 }
 
+TEST_F(TiledRefinementTest, AFullDiskLosesNothing) {
+  MakePlan(2);
+  RefineTiles(2);
+  const int tile = TilesOf(1).at(0);
+  const std::string undisturbed = ReadFile(PatchPath(tile));
+  const std::string files = List(plan_);
+  fs::remove(PatchPath(tile));
+  ExpectRefusal(RunShell("trap '' XFSZ; ulimit -f 16; " + Quote(kProgram) +
+                         " facetwise_refiner " + Plan() + Tile(tile) +
+                         " --FacetwiseRefinement.backend cpu"),
+                "can not be written");
+  RefineAgain(tile);
+  EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
+  EXPECT_EQ(List(plan_), files);
+}
+
 TEST_F(TiledRefinementTest, OnePlannerAtATime) {
   MakePlan(1);
   const std::string locked =
