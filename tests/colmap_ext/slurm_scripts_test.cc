@@ -78,7 +78,7 @@ TEST_F(SlurmScriptsTest, MergesBehindAllTiles) {
           Quote(folder_.Path() / "mesh.ply") + " --partition=big");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(HasCall("--array=0-2 --mem=")) << ReadFile(calls_);
-  EXPECT_TRUE(HasCall("--dependency=afterok:100_0:100_1:100_2 --mem="));
+  EXPECT_TRUE(HasCall("--dependency=afterok:100_0:100_1:100_2 --kill-on"));
   EXPECT_TRUE(HasCall("--partition=big"));
 }
 
