@@ -11,7 +11,7 @@
 #include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/tiling/refine_tile.h"
+#include "colmap_ext/tiling/merge_refined.h"
 #include "colmap_ext/tiling/run_tile.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"

@@ -162,7 +162,7 @@ class Refiner {
     if (level > 0) {
       WriteState(paths_.output, identity_,
                  {level, state.mesh, state.attributes, state.origins,
-                  state.views, WithEarlier(state.report)});
+                  state.fixed_sources, state.views, WithEarlier(state.report)});
       is_state_ours_ = true;
       level_ = level;
     }

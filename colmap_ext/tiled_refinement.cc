@@ -78,6 +78,9 @@ void PlanTiles(const RefinerOptions& options) {
 void Print(const RefineTileReport& report, ReportLog* log) {
   PrintHeading("Tile", log);
   Print("colour", report.color, log);
+  if (report.resumed_level > 0) {
+    PrintText("went on after", LevelName(report.resumed_level), log);
+  }
   Print("images read", static_cast<int64_t>(report.num_views), log);
   Print("faces read", static_cast<int64_t>(report.num_facets), log);
   Print("faces refined", static_cast<int64_t>(report.num_removed), log);
@@ -101,7 +104,12 @@ void RefineOne(const RefinerOptions& options) {
                  options, ColmapPictureDecoder(), hooks);
   reporter.Finish();
   if (report.refinement.is_stopped) {
-    throw Interruption(StopSignal::Received(), "the tile is not refined");
+    throw Interruption(StopSignal::Received(),
+                       report.last_level > 0
+                           ? "the tile is refined up to " +
+                                 LevelName(report.last_level) +
+                                 "; the next job goes on from it"
+                           : "the tile is not refined");
   }
   if (report.is_kept) {
     std::cout << "Tile " << options.tile << " is refined already: nothing to do"

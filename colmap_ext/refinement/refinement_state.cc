@@ -51,7 +51,7 @@ void ExpectSameRun(const RunIdentity& before, const RunIdentity& identity,
                    const fs::path& path) {
   // Names that are no UTF-8 are not written as they are.
   const RunIdentity now =
-      ParseResumeText(ResumeText({identity, 1, "", "", "", {}, {}}), path)
+      ParseResumeText(ResumeText({identity, 1, "", "", "", "", {}, {}}), path)
           .identity;
   for (size_t i = 0; i < std::min(before.size(), now.size()); ++i) {
     if (before[i].first != now[i].first) {
@@ -74,16 +74,54 @@ void ExpectUnchanged(const fs::path& path, const std::string& fingerprint) {
   }
 }
 
+constexpr VisibilityOwner kLevelMesh = {"mesh", "start anew, without --resume",
+                                        std::nullopt};
+
+// A row of one value for each vertex that stays, of none for the others.
+Rows<uint32_t> RowsOf(const FixedSources& sources) {
+  Rows<uint32_t> rows;
+  for (const uint32_t source : sources) {
+    if (source != kNoSource) {
+      rows.values.push_back(source);
+    }
+    rows.EndRow();
+  }
+  return rows;
+}
+
+FixedSources SourcesFrom(const Rows<uint32_t>& rows) {
+  FixedSources sources;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    sources.push_back(rows[i].empty() ? kNoSource : rows[i].front());
+  }
+  return sources;
+}
+
+void WriteLevelMesh(const fs::path& path, const fs::path& origin_path,
+                    const RefinementState& state) {
+  WriteMesh(path, state.mesh, state.attributes);
+  const TriangleMesh origins{state.origins, state.mesh.facets};
+  if (state.fixed_sources.empty()) {
+    WriteColoredMesh(origin_path, origins, {});
+  } else {
+    WriteMesh(origin_path, origins, {{}, RowsOf(state.fixed_sources)});
+  }
+}
+
 void ReadLevelMesh(const fs::path& path, const fs::path& origin_path,
                    RefinementState* state) {
   ColoredMesh read = ReadColoredPlyMesh(path);
+  const size_t num_vertices = read.mesh.vertices.size();
   Visibility visibility =
-      ReadVisibility(VisibilityPath(path), read.mesh.vertices.size(),
-                     {"mesh", "start anew, without --resume", std::nullopt});
+      ReadVisibility(VisibilityPath(path), num_vertices, kLevelMesh);
   state->mesh = std::move(read.mesh);
   state->attributes = {std::move(read.colors), std::move(visibility),
                        std::move(read.confidences)};
   state->origins = ReadPlyMesh(origin_path).vertices;
+  if (fs::exists(VisibilityPath(origin_path))) {
+    state->fixed_sources = SourcesFrom(
+        ReadVisibility(VisibilityPath(origin_path), num_vertices, kLevelMesh));
+  }
 }
 
 void RemoveLevelMesh(const fs::path& output, int level) {
@@ -92,6 +130,7 @@ void RemoveLevelMesh(const fs::path& output, int level) {
   fs::remove(path, ignored);
   fs::remove(VisibilityPath(path), ignored);
   fs::remove(LevelOriginPath(output, level), ignored);
+  fs::remove(VisibilityPath(LevelOriginPath(output, level)), ignored);
 }
 
 }  // namespace
@@ -118,14 +157,14 @@ void WriteState(const fs::path& output, const RunIdentity& identity,
                 const RefinementState& state) {
   ExpectManifold(state.mesh);
   const fs::path mesh_path = LevelMeshPath(output, state.level);
-  WriteMesh(mesh_path, state.mesh, state.attributes);
   const fs::path origin_path = LevelOriginPath(output, state.level);
-  WriteColoredMesh(origin_path, {state.origins, state.mesh.facets}, {});
+  WriteLevelMesh(mesh_path, origin_path, state);
   WriteText(StatePath(output),
             ResumeText({identity, state.level, Fingerprint(mesh_path),
                         Fingerprint(VisibilityPath(mesh_path)),
-                        Fingerprint(origin_path), CameraNumbersOf(state.views),
-                        state.report}));
+                        Fingerprint(origin_path),
+                        Fingerprint(VisibilityPath(origin_path)),
+                        CameraNumbersOf(state.views), state.report}));
   RemoveLevelMesh(output, state.level + 1);
 }
 
@@ -139,6 +178,7 @@ RefinementState ReadState(const fs::path& output, const RunIdentity& identity,
   ExpectUnchanged(mesh_path, record.mesh);
   ExpectUnchanged(VisibilityPath(mesh_path), record.visibility);
   ExpectUnchanged(origin_path, record.origins);
+  ExpectUnchanged(VisibilityPath(origin_path), record.fixed);
   RefinementState state;
   state.level = record.level;
   state.report = std::move(record.report);

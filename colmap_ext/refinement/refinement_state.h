@@ -9,19 +9,22 @@
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "refine/facetwise_refinement.h"
+#include "refine/fixed_sources.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
 
 // What an interrupted refinement leaves, to go on from: the mesh of the last
 // complete level as OUTPUT.levelN.ply with its .vis, where its vertices come
-// from as OUTPUT.levelN.origin.ply, and OUTPUT.ply.resume (resume_file.h).
+// from as OUTPUT.levelN.origin.ply, which of them stay as the .vis of that, and
+// OUTPUT.ply.resume (resume_file.h).
 
 struct RefinementState {
   int level = 0;  // the last one that is complete, 1 or more
   TriangleMesh mesh;
   VertexAttributes attributes;
   std::vector<Eigen::Vector3f> origins;  // [V] see RefinedMesh
+  FixedSources fixed_sources;            // [V] see RefinedMesh, or empty
   std::vector<View> views;               // refined up to there
   RefinementReport report;               // up to there
 };
@@ -32,8 +35,7 @@ std::filesystem::path LevelMeshPath(const std::filesystem::path& output,
 std::filesystem::path LevelOriginPath(const std::filesystem::path& output,
                                       int level);
 
-// Writes the four files, the mesh checked, and removes those of the level
-// before.
+// Writes these files, the mesh checked, and removes those of the level before.
 // \throw FileError if they can not be written; std::logic_error if the mesh is
 //        not manifold.
 void WriteState(const std::filesystem::path& output,

@@ -212,6 +212,7 @@ ResumeRecord ToRecord(const Json& json) {
   record.mesh = Text(json, "mesh");
   record.visibility = Text(json, "visibility");
   record.origins = Text(json, "origins");
+  record.fixed = Text(json, "fixed");
   for (const Json& camera : List(json, "cameras")) {
     record.cameras.push_back(ToCameraNumbers(camera));
   }
@@ -272,6 +273,7 @@ std::string ResumeText(const ResumeRecord& record) {
   json["mesh"] = record.mesh;
   json["visibility"] = record.visibility;
   json["origins"] = record.origins;
+  json["fixed"] = record.fixed;
   Json& cameras = json["cameras"] = Json::array();
   for (const CameraNumbers& numbers : record.cameras) {
     cameras.push_back(numbers);

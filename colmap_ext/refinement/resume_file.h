@@ -32,6 +32,7 @@ struct ResumeRecord {
   std::string mesh;  // fingerprints
   std::string visibility;
   std::string origins;
+  std::string fixed;                   // "none" where no vertex stays
   std::vector<CameraNumbers> cameras;  // [views]
   RefinementReport report;  // steps, labelings, and counts up to the level
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/refinement/file_fingerprint.h"
 
 namespace colmap_ext {
 
@@ -11,7 +12,7 @@ namespace fs = std::filesystem;
 Plan DescribePlan(const PlannerOptions& options, const FusedFiles& files) {
   Plan plan;
   const MesherOptions& mesher = options.mesher;
-  plan.workspace_path = mesher.workspace_path;
+  plan.workspace_path = fs::absolute(mesher.workspace_path);
   const fs::path sparse = FindSparseFolder(
       mesher.sparse_path.empty()
           ? FindDenseFolder(mesher.InputPath(), mesher.workspace)

@@ -18,7 +18,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
   if (is_open) {
     close(descriptor_);
   }
-  throw FileError(folder, is_open ? "another mesh_planner is at work there"
+  throw FileError(folder, is_open ? "another planner is at work there"
                                   : "can not be written");
 }
 

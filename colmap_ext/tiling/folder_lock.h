@@ -4,7 +4,8 @@
 
 namespace colmap_ext {
 
-// Keeps others from planning in a folder, as long as it lives.
+// Keeps others from planning in a folder, meshes or their refinement, as long
+// as it lives.
 class FolderLock {
  public:
   // \throw FileError if another has it, or the folder can not be written

@@ -5,15 +5,23 @@
 
 namespace colmap_ext {
 
-double TileMemoryGb(size_t num_vertices) {
-  // Others lie along the borders.
+namespace {
+
+// Of a tile within others, its own vertices and those of others that its job
+// holds, which lie along the borders.
+double NumHeld(size_t num_vertices) {
   const auto own = static_cast<double>(num_vertices);
-  const double others = 600 * std::sqrt(own);
-  return 0.06 + 700e-9 * (own + others);
+  return own + 640 * std::sqrt(own);
+}
+
+}  // namespace
+
+double TileMemoryGb(size_t num_vertices) {
+  return 0.06 + 830e-9 * NumHeld(num_vertices);
 }
 
 double TileSeconds(size_t num_vertices) {
-  return 1 + 160e-6 * static_cast<double>(num_vertices);
+  return 1 + 60e-6 * NumHeld(num_vertices);
 }
 
 double MergerMemoryGb(const Plan& plan) {

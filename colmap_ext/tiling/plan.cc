@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/refinement/file_fingerprint.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 
@@ -93,7 +94,7 @@ PlannedTile TileFrom(const Json& json) {
 }
 
 std::string ChecksumOf(const Json& json) {
-  return fmt::format("{:016x}", HashText(json.dump()));
+  return fmt::format("{:016x}", HashBytes(json.dump()));
 }
 
 Plan PlanFrom(const Json& json) {
@@ -117,13 +118,6 @@ Plan PlanFrom(const Json& json) {
 
 }  // namespace
 
-uint64_t HashText(const std::string& text, uint64_t hash) {
-  for (const char c : text) {
-    hash = (hash ^ static_cast<uint8_t>(c)) * 0x100000001b3;
-  }
-  return hash;
-}
-
 fs::path PlanPath(const fs::path& folder) { return folder / "plan.json"; }
 
 fs::path BlocksPath(const fs::path& folder) { return folder / "blocks.bin"; }
@@ -137,11 +131,11 @@ fs::path CutPath(const fs::path& folder, size_t tile) {
 }
 
 uint64_t IdentityOf(const Plan& plan, size_t num_tiles) {
-  uint64_t hash = HashText(
+  uint64_t hash = HashBytes(
       fmt::format("{} {} {}\n", kPlanVersion, num_tiles, plan.seam_rings));
   for (const auto* pairs : {&plan.inputs, &plan.options}) {
     for (const auto& [name, value] : *pairs) {
-      hash = HashText(fmt::format("{}={}\n", name, value), hash);
+      hash = HashBytes(fmt::format("{}={}\n", name, value), hash);
     }
   }
   return hash;
@@ -191,27 +185,6 @@ Plan ReadPlan(const fs::path& folder) {
   } catch (const std::out_of_range&) {
     throw FileError(path, "damaged: plan again by mesh_planner");
   }
-}
-
-std::string QuickFingerprint(const fs::path& path) {
-  constexpr uint64_t kNumSamples = 64;
-  constexpr uint64_t kSampleBytes = 16384;
-  std::error_code error;
-  const uint64_t size = fs::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file) {
-    return "none";
-  }
-  uint64_t hash = HashText("");
-  std::string sample(kSampleBytes, '\0');
-  for (uint64_t i = 0; i < kNumSamples; ++i) {
-    const uint64_t last = size - std::min(size, kSampleBytes);
-    file.clear();
-    file.seekg(static_cast<std::streamoff>(last * i / (kNumSamples - 1)));
-    file.read(sample.data(), static_cast<std::streamsize>(kSampleBytes));
-    hash = HashText(sample.substr(0, static_cast<size_t>(file.gcount())), hash);
-  }
-  return fmt::format("{} bytes, samples {:016x}", size, hash);
 }
 
 void ExpectSameInputs(const Plan& plan) {

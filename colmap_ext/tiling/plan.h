@@ -61,14 +61,6 @@ Plan ReadPlan(const std::filesystem::path& folder);
 //        is not there any more is not missed.
 void ExpectSameInputs(const Plan& plan);
 
-// FNV-1a of 64 bits [FowlerNollVo].
-// \param hash  of what comes before the text
-uint64_t HashText(const std::string& text, uint64_t hash = 0xcbf29ce484222325);
-
-// The size of a file and a hash of samples of it, so that it costs next to
-// nothing; "none" if it can not be read.
-std::string QuickFingerprint(const std::filesystem::path& path);
-
 // The meshing's options of a plan.
 // \throw FileError if one is not known
 MesherOptions MeshingOptionsOf(const std::filesystem::path& folder,

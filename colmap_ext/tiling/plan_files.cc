@@ -51,13 +51,6 @@ enum CutSection {
   kNumCutSections
 };
 
-// A corner of a box as it is in a file.
-using Corner = std::array<float, 3>;
-
-Corner CornerOf(const Eigen::Vector3f& place) {
-  return {place.x(), place.y(), place.z()};
-}
-
 }  // namespace
 
 void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
@@ -77,16 +70,11 @@ void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
 
 void WriteBlocks(const fs::path& folder, uint64_t identity,
                  const PlanBlocks& blocks) {
-  std::vector<Corner> corners;
-  for (const Eigen::AlignedBox3f& box : blocks.boxes) {
-    corners.push_back(CornerOf(box.min()));
-    corners.push_back(CornerOf(box.max()));
-  }
   SectionWriter file(BlocksPath(folder), kBlocksKind, identity,
                      kNumBlocksSections);
   file.Add(blocks.tile_begins);
   file.Add(blocks.begins);
-  file.Add(corners);
+  file.Add(blocks.boxes);
   file.Add(blocks.views.offsets);
   file.Add(blocks.views.values);
   file.Add(std::vector<double>(blocks.sum.data(), blocks.sum.data() + 3));
@@ -124,11 +112,7 @@ FilePlan::FilePlan(const fs::path& folder, const Plan& plan) {
                            kNumBlocksSections);
   blocks_.tile_begins = file.ReadAll<uint32_t>(kTileBegins);
   blocks_.begins = file.ReadAll<uint32_t>(kBegins);
-  const auto corners = file.ReadAll<Corner>(kBoxes);
-  for (size_t i = 0; i + 1 < corners.size(); i += 2) {
-    blocks_.boxes.emplace_back(Eigen::Vector3f(corners[i].data()),
-                               Eigen::Vector3f(corners[i + 1].data()));
-  }
+  blocks_.boxes = file.ReadAll<Eigen::AlignedBox3f>(kBoxes);
   blocks_.views = Rows<uint32_t>(file.ReadAll<uint64_t>(kBlockViewOffsets),
                                  file.ReadAll<uint32_t>(kBlockViews));
   const auto sum = file.Read<double>(kSum, 0, 3);

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/refinement/file_fingerprint.h"
+#include "colmap_ext/tiling/folder_lock.h"
 #include "colmap_ext/tiling/plan_files.h"
 #include "colmap_ext/tiling/surface_files.h"
 #include "formats/errors.h"
@@ -243,6 +245,7 @@ RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
                               const Progress& progress,
                               RefinementPlanReport* report) {
   const Plan plan = ReadPlan(folder);
+  const FolderLock lock(folder);
   if (!fs::exists(mesh_path)) {
     throw FileError(mesh_path, "no such file; merge the tiles by mesh_merger");
   }

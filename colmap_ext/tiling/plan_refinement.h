@@ -20,8 +20,7 @@ struct RefinementPlanReport {
 // colours. Holds the mesh.
 // \param mesh_path  as mesh_merger has written it, with its .vis
 // \throw FileError if a file is missing, damaged, or of another plan, or can
-// not
-//        be written
+//        not be written, or where another planner is at work
 RefinementPlan PlanRefinement(const std::filesystem::path& folder,
                               const std::filesystem::path& mesh_path,
                               const RefinerOptions& options,

@@ -20,10 +20,13 @@ struct RefineTileReport {
   size_t num_removed = 0;   // of them refined
   size_t num_added = 0;     // that they became
   std::string computed_by;  // the backend
+  int resumed_level = 0;    // after which it went on; 0: from the start
+  int last_level = 0;       // that is complete on disk; 0: none
   RefinementReport refinement;
 };
 
-// Refines a tile of a plan, once: its file is there whole or not at all.
+// Refines a tile of a plan, once: its file is there whole or not at all. A job
+// that was ended goes on after the last level that is complete.
 //
 // The job's facets are those in the tile's cell and a margin around it, but for
 // what the tiles of lower colours have refined in their own cells. All else is
@@ -36,11 +39,5 @@ RefineTileReport RefineTile(const std::filesystem::path& folder, uint32_t tile,
                             RefinerOptions options,
                             const PictureDecoder& decoder,
                             const RefinementHooks& hooks);
-
-// The refined surface of a plan, all of whose tiles are refined: their patches
-// put together, borders and self-intersections as RefineFacetwise() leaves
-// them. \throw FileError as RefineTile(), and where patches do not fit together
-RefinedMesh MergeRefined(const std::filesystem::path& folder,
-                         const Progress& progress);
 
 }  // namespace colmap_ext

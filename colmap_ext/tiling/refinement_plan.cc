@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/refinement/file_fingerprint.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 
@@ -82,10 +83,10 @@ fs::path RefinementPlanPath(const fs::path& folder) {
 
 uint64_t IdentityOf(const RefinementPlan& plan) {
   uint64_t hash =
-      HashText(fmt::format("{} {}\n", kVersion, plan.plan_identity));
+      HashBytes(fmt::format("{} {}\n", kVersion, plan.plan_identity));
   for (const auto* pairs : {&plan.inputs, &plan.options}) {
     for (const auto& [name, value] : *pairs) {
-      hash = HashText(fmt::format("{}={}\n", name, value), hash);
+      hash = HashBytes(fmt::format("{}={}\n", name, value), hash);
     }
   }
   return hash;

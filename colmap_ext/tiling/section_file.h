@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "formats/atomic_file.h"
 
 namespace colmap_ext {
@@ -15,6 +17,9 @@ namespace colmap_ext {
 // bytes. Then a checksum of each kSectionChunk bytes of all that, and at last
 // one of these and how many bytes it was. Little-endian.
 inline constexpr size_t kSectionChunk = 8192;
+
+// Values are written as they are in memory: boxes as their two corners.
+static_assert(sizeof(Eigen::AlignedBox3f) == 6 * sizeof(float));
 
 // Writes one. It appears complete or not at all.
 class SectionWriter {

@@ -1,7 +1,6 @@
 #include "colmap_ext/tiling/surface_files.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -38,17 +37,6 @@ constexpr size_t kBlockFacets = 4096;
 
 // Vertices that are not needed, but read to be done with one reading.
 constexpr uint32_t kMaxGap = 256;
-
-using BoxCorners = std::array<float, 6>;
-
-BoxCorners CornersOf(const Eigen::AlignedBox3f& box) {
-  return {box.min().x(), box.min().y(), box.min().z(),
-          box.max().x(), box.max().y(), box.max().z()};
-}
-
-Eigen::AlignedBox3f BoxFrom(const BoxCorners& corners) {
-  return {Eigen::Vector3f(corners.data()), Eigen::Vector3f(corners.data() + 3)};
-}
 
 void AddMesh(const TriangleMesh& mesh, const VertexAttributes& attributes,
              SectionWriter* file) {
@@ -114,14 +102,14 @@ fs::path PatchPath(const fs::path& folder, size_t tile) {
 void WriteSurface(const fs::path& folder, uint64_t identity,
                   const TriangleMesh& mesh,
                   const VertexAttributes& attributes) {
-  std::vector<BoxCorners> boxes;
+  std::vector<Eigen::AlignedBox3f> boxes;
   for (size_t first = 0; first < mesh.facets.size(); first += kBlockFacets) {
     const size_t last = std::min(first + kBlockFacets, mesh.facets.size());
     Eigen::AlignedBox3f box;
     for (size_t facet = first; facet < last; ++facet) {
       box.extend(BoxOf(mesh, mesh.facets[facet]));
     }
-    boxes.push_back(CornersOf(box));
+    boxes.push_back(box);
   }
   SectionWriter file(SurfacePath(folder), kSurfaceKind, identity,
                      kNumSurfaceSections);
@@ -135,7 +123,7 @@ void WritePatch(const fs::path& folder, uint64_t identity, size_t tile,
   SectionWriter file(PatchPath(folder, tile), kPatchKind, identity,
                      kNumPatchSections);
   AddMesh(patch.part.mesh, patch.part.attributes, &file);
-  file.Add(std::vector<BoxCorners>{CornersOf(patch.box)});
+  file.Add(std::vector<Eigen::AlignedBox3f>{patch.box});
   file.Add(patch.part.ids);
   file.Add(patch.removed);
   file.Commit();
@@ -155,9 +143,7 @@ FileSurface::FileSurface(fs::path folder, uint64_t identity)
     : folder_(std::move(folder)),
       identity_(identity),
       file_(SurfacePath(folder_), kSurfaceKind, identity, kNumSurfaceSections) {
-  for (const BoxCorners& corners : file_.ReadAll<BoxCorners>(kBoxes)) {
-    boxes_.push_back(BoxFrom(corners));
-  }
+  boxes_ = file_.ReadAll<Eigen::AlignedBox3f>(kBoxes);
 }
 
 SurfacePart FileSurface::ReadBlock(size_t block) const {
@@ -192,7 +178,7 @@ SectionReader FileSurface::Patch(uint32_t tile) const {
 }
 
 Eigen::AlignedBox3f FileSurface::PatchBox(uint32_t tile) const {
-  return BoxFrom(Patch(tile).Read<BoxCorners>(kBoxes, 0, 1)[0]);
+  return Patch(tile).Read<Eigen::AlignedBox3f>(kBoxes, 0, 1)[0];
 }
 
 std::vector<SurfaceId> FileSurface::ReadRemoved(uint32_t tile) const {

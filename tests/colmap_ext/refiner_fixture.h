@@ -28,14 +28,18 @@ inline const std::string kProgram;
 
 inline std::string Quote(const std::string& text) { return "\"" + text + "\""; }
 
+inline synthetic::DenseScene MakeStatue(int num_images) {
+  synthetic::DenseSceneOptions options;
+  options.scene.num_images = num_images;
+  options.scene.width = 160;
+  options.scene.height = 120;
+  return MakeDenseScene(options);
+}
+
 // A workspace that delaunay_manifold_mesher has been run on.
 struct MeshedWorkspace {
   MeshedWorkspace() {
-    synthetic::DenseSceneOptions options;
-    options.scene.num_images = 8;
-    options.scene.width = 160;
-    options.scene.height = 120;
-    const synthetic::DenseScene scene = MakeDenseScene(options);
+    const synthetic::DenseScene scene = MakeStatue(8);
     truth = scene.scene.surface;
     WriteWorkspace(scene, 1, folder.Path().string());
     std::filesystem::remove_all(folder.Path() / "truth");
@@ -94,7 +98,8 @@ class RefinerFixture : public testing::Test {
   }
 
   // The output is as promised.
-  void ExpectGoodMesh(const std::filesystem::path& path) const {
+  void ExpectGoodMesh(const std::filesystem::path& path,
+                      uint32_t num_views = 8) const {
     const ColoredMesh refined = ReadColoredPlyMesh(path);
     EXPECT_TRUE(Analyze(refined.mesh).IsManifold())
         << Analyze(refined.mesh).Defects();
@@ -105,7 +110,7 @@ class RefinerFixture : public testing::Test {
     EXPECT_GT(visibility.values.size(), refined.mesh.vertices.size());
     EXPECT_LT(
         *std::max_element(visibility.values.begin(), visibility.values.end()),
-        8);
+        num_views);
   }
 
   // The average score of what the images see of a mesh, scene units.

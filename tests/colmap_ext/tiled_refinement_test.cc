@@ -1,10 +1,16 @@
 // The refinement of a plan's tiles as a user runs it.
 
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "tests/colmap_ext/process.h"
 #include "tests/colmap_ext/refiner_fixture.h"
+#include "tests/synthetic/scene_row.h"
 
 namespace colmap_ext {
 namespace {
@@ -69,6 +75,31 @@ class TiledRefinementTest : public RefinerFixture {
                       Quote(refined_.string()));
   }
 
+  fs::path PatchPath(int tile) const {
+    return plan_ / ("tile0000" + std::to_string(tile) + ".refined.bin");
+  }
+
+  // Sends a tile's job a signal when it has printed the text.
+  // \return as waitpid() has it.
+  int Interrupt(int tile, const std::string& text, int signal) const {
+    Process process(
+        kProgram,
+        {"facetwise_refiner", "--FacetwiseRefinement.backend", "cpu", "--plan",
+         plan_.string(), "--tile", std::to_string(tile)},
+        folder_.Path() / "err");
+    EXPECT_TRUE(process.WaitFor(text)) << ReadFile(folder_.Path() / "err");
+    process.Signal(signal);
+    return process.Wait();
+  }
+
+  // Refines a tile, its patch gone.
+  // \return what the job prints
+  std::string RefineAgain(int tile) const {
+    const Outcome outcome = Run(Plan() + Tile(tile));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out;
+  }
+
   std::string Plan() const { return "--plan " + Quote(plan_.string()); }
   static std::string Tile(int tile) {
     return " --tile " + std::to_string(tile);
@@ -103,7 +134,7 @@ TEST_F(TiledRefinementTest, KilledAndRepeatedJobsChangeNothing) {
   const std::string undisturbed = ReadFile(refined_);
   EXPECT_NE(PlanRefinement().out.find("nothing to do"), std::string::npos);
   EXPECT_NE(Run(Plan() + Tile(0)).out.find("nothing to do"), std::string::npos);
-  fs::remove(plan_ / "tile00000.refined.bin");
+  fs::remove(PatchPath(0));
   for (const char* seconds : {"0.02", "0.1", "0.4"}) {
     RunShell(std::string("timeout -s KILL ") + seconds + " " + Quote(kProgram) +
              " facetwise_refiner " + Plan() + Tile(0) +
@@ -114,6 +145,110 @@ TEST_F(TiledRefinementTest, KilledAndRepeatedJobsChangeNothing) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
   ASSERT_EQ(MergeRefined().exit_code, 0);
   EXPECT_EQ(ReadFile(refined_), undisturbed);
+}
+
+TEST_F(TiledRefinementTest, GoesOnAfterTheLastCompleteLevel) {
+  MakePlan(2);
+  RefineTiles(2);
+  const int tile = TilesOf(1).at(0);  // next to what is fixed
+  const std::string undisturbed = ReadFile(PatchPath(tile));
+  const std::string files = List(plan_);
+  fs::remove(PatchPath(tile));
+  const int status = Interrupt(tile, "full size, iteration 0", SIGTERM);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 143);
+  EXPECT_NE(ReadFile(folder_.Path() / "err").find("1/2 size"),
+            std::string::npos);
+  EXPECT_TRUE(WIFSIGNALED(Interrupt(tile, "full size, iteration 1", SIGKILL)));
+  EXPECT_FALSE(fs::exists(PatchPath(tile)));
+  EXPECT_NE(RefineAgain(tile).find("went on after"), std::string::npos);
+  EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
+  EXPECT_EQ(List(plan_), files);
+}
+
+TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
+  MakePlan(2);
+  RefineTiles(2);
+  const int tile = TilesOf(1).at(0);
+  const std::string undisturbed = ReadFile(PatchPath(tile));
+  fs::path state = PatchPath(tile);
+  state += ".resume";
+  fs::remove(PatchPath(tile));
+  Interrupt(tile, "full size, iteration 0", SIGKILL);
+  const std::string of_this_run = ReadFile(state);
+  WriteFile(state, of_this_run.substr(0, of_this_run.size() / 2));
+  EXPECT_EQ(RefineAgain(tile).find("went on after"), std::string::npos);
+  EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
+  fs::remove(PatchPath(tile));
+  Interrupt(tile, "full size, iteration 0", SIGKILL);
+  std::string of_another = ReadFile(state);
+  const std::string key = "\"surface\",\n   \"";
+  char& digit = of_another.at(of_another.find(key) + key.size());
+  digit = digit == '0' ? '1' : '0';
+  WriteFile(state, of_another);
+  EXPECT_EQ(RefineAgain(tile).find("went on after"), std::string::npos);
+  EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
+}
+
+// Three statues in a row, of which the outer ones share a colour.
+TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
+  fs::remove_all(path_);
+  const synthetic::DenseScene statue = MakeStatue(8);
+  WriteWorkspace(synthetic::MakeSceneRow(statue, 3, {20, 0, 0}), 1,
+                 path_.string());
+  MakePlan(3);
+  RefineTiles(3);
+  ASSERT_EQ(TilesOf(0).size(), 2);
+  ASSERT_EQ(TilesOf(1).size(), 1);
+  ASSERT_EQ(MergeRefined().exit_code, 0);
+  ExpectGoodMesh(refined_, 24);
+  const std::string undisturbed = ReadFile(refined_);
+  for (int tile = 0; tile < 3; ++tile) {
+    fs::remove(PatchPath(tile));
+  }
+  const int first = TilesOf(0)[0];
+  const int second = TilesOf(0)[1];
+  EXPECT_TRUE(WIFSIGNALED(Interrupt(first, "full size, iteration 0", SIGKILL)));
+  ExpectRefusal(Run(Plan() + Tile(TilesOf(1)[0])), "of colour 0 is not");
+  const std::string command = Quote(kProgram) + " facetwise_refiner " + Plan() +
+                              " --FacetwiseRefinement.backend cpu";
+  const Outcome both = RunShell("{ " + command + Tile(second) + " & " +
+                                command + Tile(first) + " && wait $!; }");
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  RefineAgain(TilesOf(1)[0]);
+  ASSERT_EQ(MergeRefined().exit_code, 0);
+  EXPECT_TRUE(ReadFile(refined_) == undisturbed);
+}
+
+TEST_F(TiledRefinementTest, AFullDiskLosesNothing) {
+  MakePlan(2);
+  RefineTiles(2);
+  const int tile = TilesOf(1).at(0);
+  const std::string undisturbed = ReadFile(PatchPath(tile));
+  const std::string files = List(plan_);
+  fs::remove(PatchPath(tile));
+  ExpectRefusal(RunShell("trap '' XFSZ; ulimit -f 16; " + Quote(kProgram) +
+                         " facetwise_refiner " + Plan() + Tile(tile) +
+                         " --FacetwiseRefinement.backend cpu"),
+                "can not be written");
+  RefineAgain(tile);
+  EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
+  EXPECT_EQ(List(plan_), files);
+}
+
+TEST_F(TiledRefinementTest, OnePlannerAtATime) {
+  MakePlan(1);
+  const std::string locked =
+      "flock " + Quote((plan_ / "plan.lock").string()) + " " + Quote(kProgram);
+  ExpectRefusal(RunShell(locked + " facetwise_refiner " + Plan() +
+                         " --input_path " + Quote(merged_.string())),
+                "another planner is at work there");
+  ExpectRefusal(
+      RunShell(locked + " mesh_planner " + Workspace() + " --output_path " +
+               Quote(plan_.string()) + " --num_tiles 2"),
+      "another planner is at work there");
+  EXPECT_FALSE(fs::exists(plan_ / "refine.json"));
+  EXPECT_EQ(PlanRefinement().exit_code, 0);
 }
 
 TEST_F(TiledRefinementTest, SaysWhatIsMissing) {

@@ -17,6 +17,7 @@ ResumeRecord MakeRecord() {
   record.mesh = "1 bytes, hash 0";
   record.visibility = "none";
   record.origins = "2 bytes, hash 1";
+  record.fixed = "3 bytes, hash 2";
   record.report.num_shortened_steps = size_t{1} << 60;
   record.report.num_unconverged_solutions = 5;
   record.report.num_flipped_facets = 7;
@@ -65,6 +66,7 @@ TEST(ResumeFileTest, ReadsNumbersBackAsTheyWere) {
   EXPECT_EQ(read.mesh, record.mesh);
   EXPECT_EQ(read.visibility, record.visibility);
   EXPECT_EQ(read.origins, record.origins);
+  EXPECT_EQ(read.fixed, record.fixed);
   EXPECT_EQ(read.report.num_shortened_steps, size_t{1} << 60);
   EXPECT_EQ(read.report.num_unconverged_solutions, 5);
   EXPECT_EQ(read.report.num_flipped_facets, 7);
