@@ -22,16 +22,16 @@ int ClampToVoxel(double at) {
       std::clamp(std::floor(at), 0.0, RayMask::kSize - 1.0));
 }
 
-// The part of a segment within a box from 0 to `size`, as shares of it; begins
-// after its end where there is none.
-std::array<double, 2> ClipToBox(const Eigen::Vector3d& from,
-                                const Eigen::Vector3d& way, double size) {
+// The part of a way within a box from 0 to `size`, as multiples of it; empty
+// where there is none.
+RayRange ClipToBox(const Eigen::Vector3d& from, const Eigen::Vector3d& way,
+                   double length, double size) {
   double begin = 0;
-  double end = 1;
+  double end = length;
   for (int i = 0; i < 3; ++i) {
     if (way[i] == 0) {
       if (from[i] < -kSlack || from[i] > size + kSlack) {
-        return {1, 0};
+        return {};
       }
       continue;
     }
@@ -176,34 +176,60 @@ bool RayMask::MayTouch(const Eigen::AlignedBox3d& box) const {
          0;
 }
 
-// Goes from voxel to voxel [Amanatides1987].
-bool RayMask::MayCross(const Eigen::Vector3d& from,
-                       const Eigen::Vector3d& to) const {
+RayRange RayMask::RangeOf(const Eigen::Vector3d& from,
+                          const Eigen::Vector3d& direction,
+                          double length) const {
+  if (direction.isZero(0)) {
+    return {0, 0};
+  }
   const Eigen::Vector3d start = ToVoxels(from);
-  const Eigen::Vector3d way = ToVoxels(to) - start;
-  const auto [begin, end] = ClipToBox(start, way, kSize);
-  if (!(begin <= end)) {
-    return false;
+  const Eigen::Vector3d way = direction.cwiseProduct(voxels_per_unit_);
+  RayRange range = ClipToBox(start, way, length, kSize);
+  if (range.IsEmpty()) {
+    return range;
   }
-  Voxel voxel;
+  const double end = range.end;
+  range.begin = FirstMark(start, way, range.begin, end);
+  if (range.begin <= end) {
+    range.end = -FirstMark(start, -way, -end, -range.begin);
+  }
+  return range;
+}
+
+// Goes from voxel to voxel [Amanatides1987].
+// \param way  voxels
+// \param begin, end  multiples of the way
+// \return where the first marked voxel begins, or infinity
+double RayMask::FirstMark(const Eigen::Vector3d& from,
+                          const Eigen::Vector3d& way, double begin,
+                          double end) const {
+  constexpr std::array<int, 3> kStrides = {kSize * kSize, kSize, 1};
+  Voxel left;  // how many voxels there are to go
   Voxel step;
-  std::array<double, 3> next;  // share of the way to the next voxel an axis
+  std::array<double, 3> next;  // multiple of the way to the next voxel
+  std::array<double, 3> width;
+  int index = 0;
   for (int i = 0; i < 3; ++i) {
-    voxel[i] = ClampToVoxel(start[i] + begin * way[i]);
-    step[i] = way[i] > 0 ? 1 : -1;
+    const int voxel = ClampToVoxel(from[i] + begin * way[i]);
+    index += kStrides[i] * voxel;
+    left[i] = way[i] > 0 ? kSize - 1 - voxel : voxel;
+    step[i] = way[i] > 0 ? kStrides[i] : -kStrides[i];
+    width[i] = way[i] != 0 ? std::abs(1 / way[i]) : INFINITY;
     next[i] =
-        way[i] != 0 ? (voxel[i] + (way[i] > 0) - start[i]) / way[i] : INFINITY;
+        way[i] != 0 ? (voxel + (way[i] > 0) - from[i]) / way[i] : INFINITY;
   }
-  while (is_marked_[IndexOf(voxel)] == 0) {
-    const auto axis =
-        static_cast<size_t>(std::ranges::min_element(next) - next.begin());
-    voxel[axis] += step[axis];
-    if (next[axis] > end || voxel[axis] < 0 || voxel[axis] >= kSize) {
-      return false;
+  while (is_marked_[static_cast<size_t>(index)] == 0) {
+    const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2)
+                                       : (next[1] < next[2] ? 1 : 2);
+    begin = next[axis];
+    if (!(begin <= end) || left[axis] == 0) {
+      return INFINITY;
     }
-    next[axis] += std::abs(1 / way[static_cast<Eigen::Index>(axis)]);
+    --left[axis];
+    index += step[axis];
+    next[axis] += width[axis];
   }
-  return true;
+  return begin;
 }
 
 }  // namespace colmap_ext

@@ -9,6 +9,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "delaunay/visibility_weights.h"
+
 namespace colmap_ext {
 
 // A coarse picture of a part of space, to tell which rays can not pass through
@@ -28,8 +30,12 @@ class RayMask {
   // To be called after the last mark.
   void Finish();
 
-  // Whether a segment may pass through what is marked.
-  bool MayCross(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+  // What of a way may pass through what is marked, from the first mark to the
+  // last one.
+  // \param direction  unit
+  // \param length  scene units, or infinity
+  RayRange RangeOf(const Eigen::Vector3d& from,
+                   const Eigen::Vector3d& direction, double length) const;
 
   // Whether anything may be marked within a box.
   bool MayTouch(const Eigen::AlignedBox3d& box) const;
@@ -55,6 +61,8 @@ class RayMask {
   void MarkWithin(const std::vector<Plane>& planes,
                   const Eigen::AlignedBox3d& box, const Voxel& first, int size);
   void MarkVoxel(const Voxel& voxel);
+  double FirstMark(const Eigen::Vector3d& from, const Eigen::Vector3d& way,
+                   double begin, double end) const;
 
   Eigen::Vector3d origin_;
   Eigen::Vector3d voxels_per_unit_;

@@ -14,11 +14,12 @@ uint32_t PlaceAmong(uint32_t node, const std::array<uint32_t, 4>& nodes) {
   return static_cast<uint32_t>(std::ranges::find(nodes, node) - nodes.begin());
 }
 
-// The graph of the part with free space beyond: the arcs from there are those
-// of the source.
-FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
-                                   const FlowCapacities& graph,
-                                   const std::vector<CellPlace>& places) {
+// The graph of the part by itself. What comes from beyond is added to the
+// source, from(node), and to the sink.
+template <typename From, typename To>
+FlowCapacities GraphOfPart(NeighborView neighbors, const FlowCapacities& graph,
+                           const std::vector<CellPlace>& places,
+                           const From& from, const To& to) {
   FlowCapacities part = graph;
   tbb::parallel_for(size_t{0}, graph.size(), [&](size_t node) {
     if (places[node] == CellPlace::kBeyond) {
@@ -28,17 +29,32 @@ FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
       return;
     }
     for (uint32_t k = 0; k < 4; ++k) {
-      const uint32_t other = neighbors[node][k];
-      if (places[other] == CellPlace::kBeyond) {
-        const uint32_t back =
-            PlaceAmong(static_cast<uint32_t>(node), neighbors[other]);
-        part.source[node] =
-            Clamp(part.source[node]) + Clamp(graph.capacities[other][back]);
+      if (places[neighbors[node][k]] == CellPlace::kBeyond) {
         part.capacities[node][k] = 0;
       }
     }
+    part.source[node] = Clamp(part.source[node]) + from(node);
+    part.sink[node] = Clamp(part.sink[node]) + to(node);
   });
   return part;
+}
+
+// With free space beyond: the arcs from there are those of the source.
+FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
+                                   const FlowCapacities& graph,
+                                   const std::vector<CellPlace>& places) {
+  const auto from = [&](size_t node) {
+    uint32_t sum = 0;
+    for (const uint32_t other : neighbors[node]) {
+      if (places[other] == CellPlace::kBeyond) {
+        const uint32_t back =
+            PlaceAmong(static_cast<uint32_t>(node), neighbors[other]);
+        sum = Clamp(sum) + Clamp(graph.capacities[other][back]);
+      }
+    }
+    return Clamp(sum);
+  };
+  return GraphOfPart(neighbors, graph, places, from, [](size_t) { return 0u; });
 }
 
 // Nodes of the part within some rings of the shared ones; -1: all.
@@ -73,11 +89,19 @@ std::vector<uint8_t> Band(NeighborView neighbors,
 std::vector<uint8_t> LabelPart(NeighborView neighbors,
                                const FlowCapacities& graph,
                                const std::vector<CellPlace>& places,
-                               int rings) {
-  std::vector<uint8_t> labels = ComputeMinCut(neighbors, graph).on_source_side;
+                               const std::vector<uint32_t>& free_space,
+                               const std::vector<uint32_t>& matter, int rings) {
   if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
-    return labels;
+    return ComputeMinCut(neighbors, graph).on_source_side;
   }
+  std::vector<uint8_t> labels =
+      ComputeMinCut(
+          neighbors,
+          GraphOfPart(
+              neighbors, graph, places,
+              [&](size_t node) { return Clamp(free_space[node]); },
+              [&](size_t node) { return Clamp(matter[node]); }))
+          .on_source_side;
   const std::vector<uint8_t> most =
       ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
           .on_source_side;
