@@ -90,14 +90,13 @@ bool RayMaker::ToCenter(uint32_t vertex, const ViewCenter& center, bool is_end,
   return Start(vertex, (center.position - PositionOf(vertex)).norm(), ray);
 }
 
-// Behind an end it goes on to the hull, as no cell is kNoCell - 1.
 bool RayMaker::Behind(uint32_t vertex, const ViewCenter& center, bool is_end,
                       Ray* ray) {
   const Eigen::Vector3d position = PositionOf(vertex);
   const Eigen::Vector3d direction = (position - center.position).normalized();
   const double length = options_.behind_sigma * options_.distance_sigma;
   if (is_end) {
-    *ray = {vertex, 2 * position - center.position, kNoCell - 1, 0};
+    *ray = {vertex, 2 * position - center.position, kToHull, 0};
     return Start(vertex, std::numeric_limits<double>::infinity(), ray);
   }
   *ray = {vertex, position + length * direction, kNoCell, near_distance_};

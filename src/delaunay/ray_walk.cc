@@ -164,7 +164,7 @@ class Walk {
       }
       if (FirstEdgePassedOutside() < 0) {
         cell_ = queue[i];
-        return !IsBeyondExit(ray_->target);
+        return ray_->end == kToHull || !IsBeyondExit(ray_->target);
       }
       for (uint32_t k = 0; k < 4; ++k) {
         if (k != exit_ && seen.insert(cell.neighbors[k]).second) {

@@ -22,6 +22,10 @@ struct Crossing {
 
 inline constexpr uint32_t kNoVertex = UINT32_MAX;
 
+// In place of the cell where a ray ends: it goes on to the hull, as no cell is
+// this one.
+inline constexpr uint32_t kToHull = kNoCell - 1;
+
 struct Ray {
   uint32_t origin = 0;     // a vertex, or kNoVertex
   Eigen::Vector3d target;  // world frame

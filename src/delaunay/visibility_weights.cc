@@ -265,7 +265,8 @@ class Voter {
       before = weight;
     }
     enter(path.end);
-    if (was_inside && whole > before) {
+    // Where it leaves the hull at once the end may be another one.
+    if (whole > before && (was_inside || path.crossings.empty())) {
       AddAtEnds(whole - before, observation, path, terminal);
     }
   }

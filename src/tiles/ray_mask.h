@@ -17,7 +17,7 @@ namespace colmap_ext {
 // it: voxels of a box, marked where the part reaches into them.
 class RayMask {
  public:
-  static constexpr int kSize = 64;  // voxels an axis
+  static constexpr int kSize = 128;  // voxels an axis
 
   // \param bounds  of all that is to be marked
   explicit RayMask(const Eigen::AlignedBox3d& bounds);

@@ -69,6 +69,9 @@ class RayFilter {
 
   // Whether any ray of a block may.
   bool MayPass(uint32_t block) const {
+    if (blocks_.have_ends[block] != 0) {
+      return true;  // Behind ends rays go on to the hull.
+    }
     const Eigen::AlignedBox3d box = Grown(blocks_.boxes[block]);
     return std::ranges::any_of(blocks_.views[block], [&](uint32_t view) {
       return mask_.MayTouch(box.merged(Eigen::AlignedBox3d(centers_[view])));
@@ -192,6 +195,7 @@ class TileVotes {
     to->alphas.insert(to->alphas.end(), from.alphas.begin() + begin,
                       from.alphas.begin() + end);
     to->offsets.push_back(to->size());
+    to->is_end.push_back(from.IsEnd(row));
   }
 
   bool IsVertex(uint32_t id) const { return NumVertices(id, id + 1) == 1; }

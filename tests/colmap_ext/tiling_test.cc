@@ -80,6 +80,31 @@ class TilingTest : public testing::Test {
               FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
   }
 
+  // Tiles make the mesh of one tile, where all points are kept.
+  void ExpectNoSeams(const std::string& options) const {
+    const std::string keep_all =
+        options + "--DelaunayManifoldMeshing.max_proj_dist 0 ";
+    ASSERT_EQ(MakePlan(1, keep_all).exit_code, 0);
+    MakeMesh({0});
+    const auto whole = FacesOf(mesh_);
+    const std::string plan_json = ReadFile(plan_ / "plan.json");
+    const size_t at = plan_json.find("\"distance_sigma\": ") + 18;
+    const std::string sigma =
+        plan_json.substr(at, plan_json.find(',', at) - at);
+    for (const int num_tiles : {2, 4}) {
+      const Outcome planned =
+          MakePlan(num_tiles, keep_all + "--distance_sigma " + sigma);
+      ASSERT_EQ(planned.exit_code, 0) << planned.err;
+      std::vector<int> tiles;
+      for (int tile = 0; tile < num_tiles; ++tile) {
+        tiles.push_back(tile);
+      }
+      MakeMesh(tiles);
+      EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
+      EXPECT_EQ(FacesOf(mesh_), whole) << num_tiles;
+    }
+  }
+
   static std::string Quote(const fs::path& path) {
     return '"' + path.string() + '"';
   }
@@ -115,6 +140,13 @@ TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
   EXPECT_NE(planned.out.find("points masked in all views"), std::string::npos);
   MakeMesh({0});
   ExpectMeshersFaces(option);
+  const std::string background = option + " --mask_background 1";
+  ASSERT_EQ(MakePlan(1, background).exit_code, 0);
+  MakeMesh({0});
+  ExpectMeshersFaces(background);
+  ASSERT_EQ(MakePlan(2, background).exit_code, 0);
+  MakeMesh({0, 1});
+  EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
   fs::remove_all(masks);
   ExpectRefusal(MakePlan(2, option), "no such folder of masks");
 }
@@ -137,26 +169,21 @@ TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
                 "no similarity transform");
 }
 
-TEST_F(TilingTest, TilesMakeAMeshWithoutSeams) {
-  const std::string keep_all = "--DelaunayManifoldMeshing.max_proj_dist 0 ";
-  ASSERT_EQ(MakePlan(1, keep_all).exit_code, 0);
-  MakeMesh({0});
-  const auto whole = FacesOf(mesh_);
-  const std::string plan_json = ReadFile(plan_ / "plan.json");
-  const size_t at = plan_json.find("\"distance_sigma\": ") + 18;
-  const std::string sigma = plan_json.substr(at, plan_json.find(',', at) - at);
-  for (const int num_tiles : {2, 4}) {
-    const Outcome planned =
-        MakePlan(num_tiles, keep_all + "--distance_sigma " + sigma);
+TEST_F(TilingTest, TilesMakeAMeshWithoutSeams) { ExpectNoSeams(""); }
+
+TEST_F(TilingTest, OneTileMeshesARegion) {
+  for (const std::string option :
+       {" --region=-0.8,-2,-2,0.7,2,1.5", " --region auto"}) {
+    const Outcome planned = MakePlan(1, option);
     ASSERT_EQ(planned.exit_code, 0) << planned.err;
-    std::vector<int> tiles;
-    for (int tile = 0; tile < num_tiles; ++tile) {
-      tiles.push_back(tile);
-    }
-    MakeMesh(tiles);
-    EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
-    EXPECT_EQ(FacesOf(mesh_), whole) << num_tiles;
+    MakeMesh({0});
+    ExpectMeshersFaces(option);
   }
+  EXPECT_TRUE(fs::exists(folder_.Path() / "merged.region.txt"));
+}
+
+TEST_F(TilingTest, TilesMeshARegionWithoutSeams) {
+  ExpectNoSeams("--region=-0.8,-2,-2,0.7,2,1.5 ");
 }
 
 TEST_F(TilingTest, OrderAndRepetitionChangeNothing) {
