@@ -51,7 +51,8 @@ void MergeTiles(const MergerOptions& options) {
   Report(progress, "Writing the mesh", 0);
   WriteMesh(options.output_path, mesh.mesh, mesh.attributes, options.transform);
   if (report.found_region) {
-    WriteText(RegionPath(options.output_path), RegionText(*report.found_region));
+    WriteText(RegionPath(options.output_path),
+              RegionText(*report.found_region));
   }
   reporter.Finish();
   ReportLog log(&std::cout);

@@ -35,7 +35,7 @@ struct Plan {
   double distance_sigma = 0;                   // scene units
   double half_pixel_scale = 0;
   bool has_colors = false;
-  int seam_rings = 0;  // TileCutOptions
+  int seam_rings = 0;            // TileCutOptions
   std::optional<Region> region;  // what is meshed
   std::vector<View> views;
   std::vector<PlannedTile> tiles;

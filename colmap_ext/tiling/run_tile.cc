@@ -140,10 +140,10 @@ ManifoldMesh MergePlan(const fs::path& folder, const Progress& progress,
   {
     const MergedPoints points = PointsOf(vertices, merged);
     std::vector<uint32_t>().swap(merged.ids);
-    SplitSurface(options, std::move(merged.extracted),
-                 {points.cloud, points.vertex_points, points.supports,
-                  points.is_end},
-                 plan.views, &result);
+    SplitSurface(
+        options, std::move(merged.extracted),
+        {points.cloud, points.vertex_points, points.supports, points.is_end},
+        plan.views, &result);
   }
   FinishSurface(options, progress, &result);
   return result;

@@ -45,8 +45,7 @@ void TilePoints::CollectEnds() {
   if (options_.mask_background) {
     const Region bounds = BackgroundBounds();
     for (uint32_t view = 0; view < views_.size(); ++view) {
-      AddToTiles(
-          BackgroundEnds(bounds, views_[view], view, read_mask_(view)));
+      AddToTiles(BackgroundEnds(bounds, views_[view], view, read_mask_(view)));
     }
   }
   if (!collector_) {

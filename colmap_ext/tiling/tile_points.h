@@ -16,7 +16,6 @@
 #include "tiles/split_tree.h"
 #include "workspace/masks.h"
 
-
 namespace colmap_ext {
 
 // The points of a plan's tiles, and the ends of rays that meet no surface: what

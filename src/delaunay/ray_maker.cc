@@ -42,13 +42,12 @@ std::vector<ViewCenter> LocateCenters(
   std::vector<ViewCenter> located;
   for (const Eigen::Vector3d& center : centers) {
     uint32_t cell = kNoCell;
-    const Eigen::Vector3d position =
-        MoveOffFacets(tetrahedra, center, sigma,
-                      tetrahedra.vertex_cells.front(), &cell);
+    const Eigen::Vector3d position = MoveOffFacets(
+        tetrahedra, center, sigma, tetrahedra.vertex_cells.front(), &cell);
     const bool is_inside = cell != kNoCell && !tetrahedra.IsInfinite(cell);
     located.push_back(
-        {position, is_inside ? cell
-                             : static_cast<uint32_t>(tetrahedra.cells.size())});
+        {position,
+         is_inside ? cell : static_cast<uint32_t>(tetrahedra.cells.size())});
   }
   return located;
 }
@@ -75,8 +74,8 @@ const RayMaker::Place& RayMaker::PlaceOf(uint32_t vertex) {
   Place& place = it->second;
   if (is_new) {
     place.position =
-        MoveOffFacets(tetrahedra_, PositionOf(vertex),
-                      options_.distance_sigma, point_hint_, &place.cell);
+        MoveOffFacets(tetrahedra_, PositionOf(vertex), options_.distance_sigma,
+                      point_hint_, &place.cell);
     if (place.cell != kNoCell && !tetrahedra_.IsInfinite(place.cell)) {
       point_hint_ = place.cell;
     }

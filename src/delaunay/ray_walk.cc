@@ -41,9 +41,10 @@ class Walk {
     if (!(length_ > 0)) {
       return false;
     }
-    const bool is_started = ray_->start_cell != kNoCell
-                                ? StartInCell(ray_->start_cell)
-                            : ray_->origin != kNoVertex && StartAtVertex(ray_->origin);
+    const bool is_started =
+        ray_->start_cell != kNoCell
+            ? StartInCell(ray_->start_cell)
+            : ray_->origin != kNoVertex && StartAtVertex(ray_->origin);
     if (!is_started) {
       path_->end = cell_;
     }

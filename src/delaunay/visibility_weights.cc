@@ -180,8 +180,8 @@ class Voter {
   // part of all vertices has another one of, it is all that may be the one.
   void AddAtEnds(uint32_t weight, const Observation& observation,
                  const RayPath& path, std::vector<uint32_t>* sums) {
-    if (!options_.inner_place || !has_vertices_ ||
-        !path.crossings.empty() || !tetrahedra_.IsInfinite(path.end)) {
+    if (!options_.inner_place || !has_vertices_ || !path.crossings.empty() ||
+        !tetrahedra_.IsInfinite(path.end)) {
       AddCapacity(weight, &(*sums)[path.end]);
       return;
     }
@@ -294,9 +294,9 @@ class Voter {
   FlowCapacities* graph_;
   std::vector<uint32_t>* free_support_;  // [cells], or null
   RayReport report_;
-  std::vector<uint32_t> star_;   // scratch
-  std::vector<Ray> rays_;        // of a batch
-  std::vector<size_t> walked_;   // [rays] which of the batch
+  std::vector<uint32_t> star_;  // scratch
+  std::vector<Ray> rays_;       // of a batch
+  std::vector<size_t> walked_;  // [rays] which of the batch
   std::array<RayPath, kBatch> listed_;
   std::array<RayPath, kBatch> front_;
   std::array<RayPath, kBatch> behind_;
@@ -308,7 +308,8 @@ RayReport Vote(const Tetrahedralization& tetrahedra,
                const std::vector<Eigen::Vector3f>* points,
                const std::vector<Eigen::Vector3d>& centers,
                const VisibilityWeightOptions& options, VotingPart* part,
-               FlowCapacities* graph, const Progress& progress, std::vector<uint32_t>* free_support) {
+               FlowCapacities* graph, const Progress& progress,
+               std::vector<uint32_t>* free_support) {
   const std::vector<ViewCenter> located =
       LocateCenters(tetrahedra, centers, options.distance_sigma);
   const auto num_rows = static_cast<uint32_t>(observations.offsets.size() - 1);

@@ -57,9 +57,14 @@ TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
                       const ThinningOptions& options,
                       const Progress& progress) {
   const PointCloud& cloud = weighted.cloud;
-  ThinnedTetrahedralization thinned = KeepAll(cloud);
+  ThinnedTetrahedralization thinned;
   TileVertices vertices;
-  if (SpansVolume(thinned.tetrahedra.points)) {
+  bool spans_volume = SpansVolume(cloud.positions);
+  if (!spans_volume) {  // Or the first points are the same.
+    thinned = KeepAll(cloud);
+    spans_volume = SpansVolume(thinned.tetrahedra.points);
+  }
+  if (spans_volume) {
     thinned = Tetrahedralize(cloud, views, options, progress);
   }
   const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
@@ -68,9 +73,8 @@ TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
   }
   const size_t num_vertices = thinned.vertex_points.size();
   vertices.positions = std::move(thinned.tetrahedra.points);
-  vertices.observations =
-      ObserveVertices(cloud, num_vertices, thinned.point_vertices,
-                      weighted.weights);
+  vertices.observations = ObserveVertices(
+      cloud, num_vertices, thinned.point_vertices, weighted.weights);
   vertices.observations.is_end = is_end;
   vertices.supports =
       SupportOfVertices(num_vertices, thinned.point_vertices, weighted.weights);

@@ -95,12 +95,11 @@ std::vector<uint8_t> LabelPart(NeighborView neighbors,
     return ComputeMinCut(neighbors, graph).on_source_side;
   }
   std::vector<uint8_t> labels =
-      ComputeMinCut(
-          neighbors,
-          GraphOfPart(
-              neighbors, graph, places,
-              [&](size_t node) { return Clamp(free_space[node]); },
-              [&](size_t node) { return Clamp(matter[node]); }))
+      ComputeMinCut(neighbors,
+                    GraphOfPart(
+                        neighbors, graph, places,
+                        [&](size_t node) { return Clamp(free_space[node]); },
+                        [&](size_t node) { return Clamp(matter[node]); }))
           .on_source_side;
   const std::vector<uint8_t> most =
       ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))

@@ -50,12 +50,11 @@ TEST(RayMask, LeavesOutNoRayThroughWhatIsMarked) {
       const Eigen::Vector3d to = through + random.Unit() * (through - from);
       const Eigen::Vector3d direction = (to - from).normalized();
       const double at = (through - from).norm();
-      const RayRange range =
-          mask.RangeOf(from, direction, (to - from).norm());
+      const RayRange range = mask.RangeOf(from, direction, (to - from).norm());
       EXPECT_LT(range.begin, at);
       EXPECT_GE(range.end, std::min(at, (to - from).norm()));
-      const RayRange back = mask.RangeOf(
-          to, -direction, std::numeric_limits<double>::infinity());
+      const RayRange back =
+          mask.RangeOf(to, -direction, std::numeric_limits<double>::infinity());
       EXPECT_LE(back.begin, (to - through).norm());
       EXPECT_GT(back.end, (to - through).norm());
       EXPECT_TRUE(mask.MayTouch(Eigen::AlignedBox3d(through).extend(from)));
