@@ -17,9 +17,8 @@ size_t SumIndex(int x, int y, int z) {
          static_cast<size_t>(z);
 }
 
-int ClampToVoxel(double at) {
-  return static_cast<int>(
-      std::clamp(std::floor(at), 0.0, RayMask::kSize - 1.0));
+int ClampToVoxel(double at, int size = RayMask::kSize) {
+  return static_cast<int>(std::clamp(std::floor(at), 0.0, size - 1.0));
 }
 
 // The part of a way within a box from 0 to `size`, as multiples of it; empty
@@ -139,6 +138,17 @@ void RayMask::MarkVoxel(const Voxel& voxel) {
 }
 
 void RayMask::Finish() {
+  is_coarse_marked_.assign(size_t{kCoarseSize} * kCoarseSize * kCoarseSize, 0);
+  for (int x = 0; x < kSize; ++x) {
+    for (int y = 0; y < kSize; ++y) {
+      for (int z = 0; z < kSize; ++z) {
+        const int coarse =
+            (x / kRatio * kCoarseSize + y / kRatio) * kCoarseSize + z / kRatio;
+        is_coarse_marked_[static_cast<size_t>(coarse)] |=
+            is_marked_[IndexOf({x, y, z})];
+      }
+    }
+  }
   constexpr size_t kStride = kSize + 1;
   sums_.assign(kStride * kStride * kStride, 0);
   for (int x = 0; x < kSize; ++x) {
@@ -196,29 +206,40 @@ RayRange RayMask::RangeOf(const Eigen::Vector3d& from,
   return range;
 }
 
-// Goes from voxel to voxel [Amanatides1987].
 // \param way  voxels
 // \param begin, end  multiples of the way
 // \return where the first marked voxel begins, or infinity
 double RayMask::FirstMark(const Eigen::Vector3d& from,
                           const Eigen::Vector3d& way, double begin,
                           double end) const {
-  constexpr std::array<int, 3> kStrides = {kSize * kSize, kSize, 1};
+  begin = FirstMarkOf<kCoarseSize>(is_coarse_marked_, from / kRatio,
+                                   way / kRatio, begin, end);
+  return begin <= end ? FirstMarkOf<kSize>(is_marked_, from, way, begin, end)
+                      : INFINITY;
+}
+
+// Goes from voxel to voxel [Amanatides1987].
+template <int kGridSize>
+double RayMask::FirstMarkOf(const std::vector<uint8_t>& is_marked,
+                            const Eigen::Vector3d& from,
+                            const Eigen::Vector3d& way, double begin,
+                            double end) {
+  constexpr std::array<int, 3> kStrides = {kGridSize * kGridSize, kGridSize, 1};
   Voxel left;  // how many voxels there are to go
   Voxel step;
   std::array<double, 3> next;  // multiple of the way to the next voxel
   std::array<double, 3> width;
   int index = 0;
   for (int i = 0; i < 3; ++i) {
-    const int voxel = ClampToVoxel(from[i] + begin * way[i]);
+    const int voxel = ClampToVoxel(from[i] + begin * way[i], kGridSize);
     index += kStrides[i] * voxel;
-    left[i] = way[i] > 0 ? kSize - 1 - voxel : voxel;
+    left[i] = way[i] > 0 ? kGridSize - 1 - voxel : voxel;
     step[i] = way[i] > 0 ? kStrides[i] : -kStrides[i];
     width[i] = way[i] != 0 ? std::abs(1 / way[i]) : INFINITY;
     next[i] =
         way[i] != 0 ? (voxel + (way[i] > 0) - from[i]) / way[i] : INFINITY;
   }
-  while (is_marked_[static_cast<size_t>(index)] == 0) {
+  while (is_marked[static_cast<size_t>(index)] == 0) {
     const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2)
                                        : (next[1] < next[2] ? 1 : 2);
     begin = next[axis];

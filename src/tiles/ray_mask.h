@@ -41,6 +41,9 @@ class RayMask {
   bool MayTouch(const Eigen::AlignedBox3d& box) const;
 
  private:
+  static constexpr int kRatio = 4;
+  static constexpr int kCoarseSize = kSize / kRatio;
+
   struct Plane {
     Eigen::Vector3d normal;
     double offset;  // what is to be marked lies at normal.dot(x) <= offset
@@ -63,10 +66,17 @@ class RayMask {
   void MarkVoxel(const Voxel& voxel);
   double FirstMark(const Eigen::Vector3d& from, const Eigen::Vector3d& way,
                    double begin, double end) const;
+  template <int kGridSize>
+  static double FirstMarkOf(const std::vector<uint8_t>& is_marked,
+                            const Eigen::Vector3d& from,
+                            const Eigen::Vector3d& way, double begin,
+                            double end);
 
   Eigen::Vector3d origin_;
   Eigen::Vector3d voxels_per_unit_;
   std::vector<uint8_t> is_marked_;  // [kSize^3]
+  // [kCoarseSize^3] where any of kRatio^3 voxels is
+  std::vector<uint8_t> is_coarse_marked_;
   // [(kSize + 1)^3] how many are marked before a voxel in all three axes.
   std::vector<uint32_t> sums_;
 };

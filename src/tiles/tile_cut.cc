@@ -67,15 +67,21 @@ class RayFilter {
 
   const RayMask& mask() const { return mask_; }
 
-  // Whether any ray of a block may.
-  bool MayPass(uint32_t block) const {
-    if (blocks_.have_ends[block] != 0) {
-      return true;  // Behind ends rays go on to the hull.
-    }
+  // Marks the views from which any ray to a block's vertices may.
+  // \param may_pass [views] 0; is set to 1
+  // \return whether there are any
+  bool MarkViews(uint32_t block, std::vector<uint8_t>* may_pass) const {
     const Eigen::AlignedBox3d box = Grown(blocks_.boxes[block]);
-    return std::ranges::any_of(blocks_.views[block], [&](uint32_t view) {
-      return mask_.MayTouch(box.merged(Eigen::AlignedBox3d(centers_[view])));
-    });
+    bool has_any = false;
+    for (const uint32_t view : blocks_.views[block]) {
+      // Behind ends rays go on to the hull.
+      if (blocks_.have_ends[block] != 0 ||
+          mask_.MayTouch(box.merged(Eigen::AlignedBox3d(centers_[view])))) {
+        (*may_pass)[view] = 1;
+        has_any = true;
+      }
+    }
+    return has_any;
   }
 
  private:
@@ -127,7 +133,8 @@ class TileVotes {
   RayReport Run(const Progress& progress) {
     AddVertices(progress);
     for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
-      if (filter_.MayPass(block)) {
+      may_pass_.assign(centers_.size(), 0);
+      if (filter_.MarkViews(block, &may_pass_)) {
         AddBlock(block);
       }
       if (points_.size() >= kBatchVertices) {
@@ -143,6 +150,7 @@ class TileVotes {
  private:
   // The rays of the tile's vertices, block by block as their ids follow.
   void AddVertices(const Progress& progress) {
+    may_pass_.assign(centers_.size(), 1);
     Observations observations;
     Observations of_block;
     uint32_t block = UINT32_MAX;
@@ -155,6 +163,7 @@ class TileVotes {
                                           blocks_.begins[block + 1]);
       }
       Append(of_block, id - blocks_.begins[block], &observations);
+      EndRow(of_block.IsEnd(id - blocks_.begins[block]), &observations);
     }
     Count(AddPartVisibilityWeights(tile_.tetrahedra, observations, centers_,
                                    options_, &part_, graph_, progress));
@@ -175,8 +184,12 @@ class TileVotes {
       if (IsVertex(id)) {
         continue;
       }
+      const size_t num_before = observations_.size();
       Append(of_block, id - begin, &observations_);
-      points_.push_back(positions[id - begin]);
+      if (observations_.size() > num_before) {
+        EndRow(of_block.IsEnd(id - begin), &observations_);
+        points_.push_back(positions[id - begin]);
+      }
     }
   }
 
@@ -187,15 +200,19 @@ class TileVotes {
     observations_ = {};
   }
 
-  static void Append(const Observations& from, size_t row, Observations* to) {
-    const auto begin = static_cast<ptrdiff_t>(from.offsets[row]);
-    const auto end = static_cast<ptrdiff_t>(from.offsets[row + 1]);
-    to->views.insert(to->views.end(), from.views.begin() + begin,
-                     from.views.begin() + end);
-    to->alphas.insert(to->alphas.end(), from.alphas.begin() + begin,
-                      from.alphas.begin() + end);
-    to->offsets.push_back(to->size());
-    to->is_end.push_back(from.IsEnd(row));
+  // Appends the rays of a vertex from the views that are marked.
+  void Append(const Observations& from, size_t row, Observations* to) const {
+    for (uint64_t k = from.offsets[row]; k < from.offsets[row + 1]; ++k) {
+      if (may_pass_[from.views[k]] != 0) {
+        to->views.push_back(from.views[k]);
+        to->alphas.push_back(from.alphas[k]);
+      }
+    }
+  }
+
+  static void EndRow(bool is_end, Observations* observations) {
+    observations->offsets.push_back(observations->size());
+    observations->is_end.push_back(is_end);
   }
 
   bool IsVertex(uint32_t id) const { return NumVertices(id, id + 1) == 1; }
@@ -228,6 +245,7 @@ class TileVotes {
   RayReport report_;
   std::vector<Eigen::Vector3f> points_;  // of the batch
   Observations observations_;            // of the batch, by points
+  std::vector<uint8_t> may_pass_;        // [views] whose rays are asked for
 };
 
 }  // namespace
