@@ -13,7 +13,7 @@ double TileMemoryGb(size_t num_vertices) {
 }
 
 double TileSeconds(size_t num_vertices) {
-  return 1 + 160e-6 * static_cast<double>(num_vertices);
+  return 1 + 90e-6 * static_cast<double>(num_vertices);
 }
 
 double MergerMemoryGb(const Plan& plan) {

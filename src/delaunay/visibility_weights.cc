@@ -151,10 +151,10 @@ class Voter {
       PushAlong(front, observation, &Crossing::exit_arc, &graph_->source,
                 part_ != nullptr ? &part_->free_space : nullptr);
     }
-    if (behind.end == kNotWalked) {
-    } else if (observations_.IsEnd(observation.vertex)) {
+    const bool is_end = observations_.IsEnd(observation.vertex);
+    if (behind.end != kNotWalked && is_end) {
       AddFreeSpace(weight, behind);
-    } else {
+    } else if (behind.end != kNotWalked) {
       PushAlong(behind, observation, &Crossing::entry_arc, &graph_->sink,
                 part_ != nullptr ? &part_->matter : nullptr);
     }
