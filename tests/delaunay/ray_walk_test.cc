@@ -270,7 +270,8 @@ TEST_F(GenericRayWalk, StartsAndEndsOnItsWay) {
       const size_t last =
           first +
           random_.Below(static_cast<uint32_t>(crossings_.size() - first));
-      ray.last_distance = crossings_[last].distance;
+      // Rounded to float.
+      ray.last_distance = (1 + 1e-6) * crossings_[last].distance;
       RayPath path;
       WalkRays(tetrahedra_, {&ray, 1}, {&path, 1});
       ASSERT_NE(path.end, kNoCell);
