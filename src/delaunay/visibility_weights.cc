@@ -383,17 +383,6 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
               graph, progress, free_support);
 }
 
-RayReport AddPartVisibilityWeights(const Tetrahedralization& tetrahedra,
-                                   const Observations& observations,
-                                   const std::vector<Eigen::Vector3d>& centers,
-                                   const VisibilityWeightOptions& options,
-                                   VotingPart* part, FlowCapacities* graph,
-                                   const Progress& progress) {
-  Report(progress, kStage, 0);
-  return Vote(tetrahedra, observations, nullptr, centers, options, part, graph,
-              progress, nullptr);
-}
-
 RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
                                     const std::vector<Eigen::Vector3f>& points,
                                     const Observations& observations,

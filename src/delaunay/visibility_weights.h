@@ -115,15 +115,7 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Progress& progress = {},
                                std::vector<uint32_t>* free_support = nullptr);
 
-// The same votes for a part of the cells.
-RayReport AddPartVisibilityWeights(const Tetrahedralization& tetrahedra,
-                                   const Observations& observations,
-                                   const std::vector<Eigen::Vector3d>& centers,
-                                   const VisibilityWeightOptions& options,
-                                   VotingPart* part, FlowCapacities* graph,
-                                   const Progress& progress = {});
-
-// The same votes of points that are not vertices, and lie beyond the part. A
+// The same votes, for a part of the cells, of points that are not vertices. A
 // point that lies on a facet is moved off it, by a millionth of sigma.
 //
 // \param points [P] world frame, near each other where they follow each other

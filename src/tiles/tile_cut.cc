@@ -165,8 +165,8 @@ class TileVotes {
       Append(of_block, id - blocks_.begins[block], &observations);
       EndRow(of_block.IsEnd(id - blocks_.begins[block]), &observations);
     }
-    Count(AddPartVisibilityWeights(tile_.tetrahedra, observations, centers_,
-                                   options_, &part_, graph_, progress));
+    Count(AddVisibilityWeights(tile_.tetrahedra, observations, centers_,
+                               options_, graph_, progress));
   }
 
   // Collects the rays of vertices that are not the tile's.

@@ -14,12 +14,23 @@ uint32_t PlaceAmong(uint32_t node, const std::array<uint32_t, 4>& nodes) {
   return static_cast<uint32_t>(std::ranges::find(nodes, node) - nodes.begin());
 }
 
-// The graph of the part by itself. What comes from beyond is added to the
-// source, from(node), and to the sink.
-template <typename From, typename To>
-FlowCapacities GraphOfPart(NeighborView neighbors, const FlowCapacities& graph,
-                           const std::vector<CellPlace>& places,
-                           const From& from, const To& to) {
+// With what rays bring along.
+FlowCapacities WithBrought(const FlowCapacities& graph,
+                           const std::vector<uint32_t>& free_space,
+                           const std::vector<uint32_t>& matter) {
+  FlowCapacities sum = graph;
+  for (size_t node = 0; node < graph.size(); ++node) {
+    sum.source[node] = Clamp(sum.source[node]) + Clamp(free_space[node]);
+    sum.sink[node] = Clamp(sum.sink[node]) + Clamp(matter[node]);
+  }
+  return sum;
+}
+
+// The graph of the part with free space beyond: the arcs from there are those
+// of the source.
+FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
+                                   const FlowCapacities& graph,
+                                   const std::vector<CellPlace>& places) {
   FlowCapacities part = graph;
   tbb::parallel_for(size_t{0}, graph.size(), [&](size_t node) {
     if (places[node] == CellPlace::kBeyond) {
@@ -29,32 +40,17 @@ FlowCapacities GraphOfPart(NeighborView neighbors, const FlowCapacities& graph,
       return;
     }
     for (uint32_t k = 0; k < 4; ++k) {
-      if (places[neighbors[node][k]] == CellPlace::kBeyond) {
-        part.capacities[node][k] = 0;
-      }
-    }
-    part.source[node] = Clamp(part.source[node]) + from(node);
-    part.sink[node] = Clamp(part.sink[node]) + to(node);
-  });
-  return part;
-}
-
-// With free space beyond: the arcs from there are those of the source.
-FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
-                                   const FlowCapacities& graph,
-                                   const std::vector<CellPlace>& places) {
-  const auto from = [&](size_t node) {
-    uint32_t sum = 0;
-    for (const uint32_t other : neighbors[node]) {
+      const uint32_t other = neighbors[node][k];
       if (places[other] == CellPlace::kBeyond) {
         const uint32_t back =
             PlaceAmong(static_cast<uint32_t>(node), neighbors[other]);
-        sum = Clamp(sum) + Clamp(graph.capacities[other][back]);
+        part.source[node] =
+            Clamp(part.source[node]) + Clamp(graph.capacities[other][back]);
+        part.capacities[node][k] = 0;
       }
     }
-    return Clamp(sum);
-  };
-  return GraphOfPart(neighbors, graph, places, from, [](size_t) { return 0u; });
+  });
+  return part;
 }
 
 // Nodes of the part within some rings of the shared ones; -1: all.
@@ -95,11 +91,7 @@ std::vector<uint8_t> LabelPart(NeighborView neighbors,
     return ComputeMinCut(neighbors, graph).on_source_side;
   }
   std::vector<uint8_t> labels =
-      ComputeMinCut(neighbors,
-                    GraphOfPart(
-                        neighbors, graph, places,
-                        [&](size_t node) { return Clamp(free_space[node]); },
-                        [&](size_t node) { return Clamp(matter[node]); }))
+      ComputeMinCut(neighbors, WithBrought(graph, free_space, matter))
           .on_source_side;
   const std::vector<uint8_t> most =
       ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))

@@ -30,7 +30,8 @@ enum class CellPlace : uint8_t {
 //
 // All other nodes of the part are not known within some rings of nodes around
 // those that are shared, and further inside have the label of the minimum cut
-// of the part by itself, with what rays bring along from beyond.
+// of the graph as it is, which goes on beyond the part, if coarsely, with what
+// rays bring along from there.
 //
 // \param graph   complete for the arcs from and to the nodes of the part
 // \param places  [N]
