@@ -4,6 +4,7 @@
 #include <string>
 
 #include "colmap_ext/commands.h"
+#include "colmap_ext/options/region_option.h"
 #include "colmap_ext/options/tiling_options.h"
 #include "colmap_ext/refinement/refinement_state.h"
 #include "colmap_ext/report/print_lines.h"
@@ -14,6 +15,7 @@
 #include "colmap_ext/tiling/merge_refined.h"
 #include "colmap_ext/tiling/run_tile.h"
 #include "formats/atomic_file.h"
+#include "formats/read_region.h"
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 
@@ -48,6 +50,10 @@ void MergeTiles(const MergerOptions& options) {
   const ManifoldMesh mesh = MergePlan(options.plan_path, progress, &report);
   Report(progress, "Writing the mesh", 0);
   WriteMesh(options.output_path, mesh.mesh, mesh.attributes, options.transform);
+  if (report.found_region) {
+    WriteText(RegionPath(options.output_path),
+              RegionText(*report.found_region));
+  }
   reporter.Finish();
   ReportLog log(&std::cout);
   PrintHeading("Tiles", &log);

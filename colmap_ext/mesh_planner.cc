@@ -79,6 +79,9 @@ void MakeAndPrint(const PlannerOptions& options) {
     if (report.masks) {
       PrintReport(*report.masks, &log);
     }
+    PrintReport(report.region, &log);
+    PrintIfAny("points outside of the region", report.num_outside_points, &log);
+    PrintIfAny("rays beyond", report.num_ray_ends, &log);
   }
   PrintPlan(plan, options.output_path, &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);

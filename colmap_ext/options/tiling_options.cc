@@ -70,6 +70,14 @@ void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
       "mask_path", &mesher->scene.mask_path,
       "Masks of the images, a folder of PNG files, image.jpg.png for "
       "image.jpg: pixels of 0 are left out");
+  manager->AddDefaultOption(
+      "mask_background", &mesher->mask_background,
+      "Masked pixels are background: what is seen through them is free space");
+  manager->AddDefaultOption(
+      "region", &mesher->scene.region.text,
+      "What is meshed: a file (docs/scripts.md), two corners "
+      "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, which "
+      "mesh_merger writes to OUTPUT.region.txt");
   manager->AddDefaultOption("image_order", &mesher->words.image_order,
                             "How fused.ply.vis counts the images, where it can "
                             "not be told: {auto, file, image_id, frame, "

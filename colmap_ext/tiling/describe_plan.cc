@@ -34,6 +34,11 @@ Plan DescribePlan(const PlannerOptions& options, const FusedFiles& files) {
   }
   plan.options["image_order"] = mesher.words.image_order;
   plan.options["mask_path"] = mesher.scene.mask_path;
+  plan.options["mask_background"] = mesher.mask_background ? "1" : "0";
+  plan.options["region"] = mesher.scene.region.text;
+  if (const fs::path region = mesher.scene.region.text; fs::exists(region)) {
+    plan.inputs[fs::absolute(region).string()] = QuickFingerprint(region);
+  }
   plan.options["distance_sigma"] = fmt::format("{}", options.distance_sigma);
   plan.seam_rings = options.seam_rings;
   return plan;

@@ -32,7 +32,7 @@ double MergerMemoryGb(const Plan& plan) {
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
   const double fixing = 200e-9 * num_vertices + 800e-9 * largest;
-  const double repairing = 350e-9 * num_vertices;
+  const double repairing = 390e-9 * num_vertices;
   return 0.1 + std::max(fixing, repairing);
 }
 

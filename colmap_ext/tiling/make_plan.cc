@@ -13,7 +13,7 @@
 #include "colmap_ext/tiling/folder_lock.h"
 #include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/plan_files.h"
-#include "colmap_ext/tiling/point_shares.h"
+#include "colmap_ext/tiling/tile_points.h"
 #include "formats/cloud_stream.h"
 #include "formats/errors.h"
 #include "meshing/manifold_meshing.h"
@@ -64,17 +64,20 @@ class Planner {
     sample_ = ReadSampledWorkspace(options_.mesher.InputPath(),
                                    options_.mesher.workspace, decoder_,
                                    kMaxSamplePoints);
-    if (num_tiles_ * kMinTileSample > sample_.cloud.size()) {
-      throw FileError(files_.path,
-                      fmt::format("too few points for {} tiles", num_tiles_));
-    }
     report_->workspace = sample_.report;
     plan_.views = sample_.views;
     plan_.has_colors = !sample_.cloud.colors.empty();
     CalibrateHalfPixel();
-    PointShares shares(folder_, num_tiles_);
-    ShareOut(&shares);
-    ThinTiles(&shares);
+    plan_.region = options_.mesher.scene.region.Resolve(sample_.views,
+                                                        sample_.sparse_points);
+    report_->region = plan_.region;
+    CropSample();
+    const SplitTree tree = SplitSample(num_tiles_);
+    TilePoints points(folder_, tree, num_tiles_, num_points_, options_.mesher,
+                      sample_.views, decoder_, plan_.region);
+    ShareOut(tree, &points);
+    ThinTiles(&points);
+    report_->masks = points.masks();
     WritePlan(folder_, plan_);
     return plan_;
   }
@@ -159,6 +162,29 @@ class Planner {
     return dense;
   }
 
+  // Leaves what masks and the region do.
+  void CropSample() {
+    const SceneOptions& scene = options_.mesher.scene;
+    if (!scene.mask_path.empty()) {
+      MaskCloud(MaskReader(scene.mask_path, sample_.views, decoder_),
+                sample_.views, &sample_.cloud);
+    }
+    if (plan_.region) {
+      WeightedCloud weighted{std::move(sample_.cloud), {}, 0};
+      weighted.weights.resize(weighted.cloud.size());
+      CropCloud(*plan_.region, sample_.views, &weighted);
+      sample_.cloud = std::move(weighted.cloud);
+    }
+    if (num_tiles_ * kMinTileSample > sample_.cloud.size()) {
+      ThrowTooFew();
+    }
+  }
+
+  [[noreturn]] void ThrowTooFew() const {
+    throw FileError(files_.path,
+                    fmt::format("too few points for {} tiles", num_tiles_));
+  }
+
   // By points and rays, which take about as long.
   SplitTree SplitSample(size_t num_parts) const {
     constexpr float kRay = 0.5f;  // of what a point takes
@@ -190,19 +216,20 @@ class Planner {
                 });
   }
 
-  void ShareOut(PointShares* shares) {
-    const SplitTree tree = SplitSample(num_tiles_);
+  void ShareOut(const SplitTree& tree, TilePoints* points) {
     plan_.tiles.resize(num_tiles_);
     const std::vector<Eigen::AlignedBox3f> cells = tree.Cells();
     for (size_t tile = 0; tile < num_tiles_; ++tile) {
       plan_.tiles[tile].cell = cells[tile];
     }
     ForEachPoint([&](const PointCloud& piece, size_t point) {
-      const PointCloud corrected = Correct(piece, point);
-      const uint32_t tile = tree.PartOf(corrected.positions[0]);
-      shares->Add(tile, corrected, 0);
-      ++plan_.tiles[tile].num_points;
+      if (const auto tile = points->Add(Correct(piece, point))) {
+        ++plan_.tiles[*tile].num_points;
+      }
     });
+    points->CollectEnds();
+    report_->num_outside_points = points->num_outside_points();
+    report_->num_ray_ends = points->num_ray_ends();
   }
 
   // A point by itself, the half pixel put right.
@@ -223,7 +250,7 @@ class Planner {
 
   // Some tiles at a time, as many as there are threads and memory for. What
   // comes out is the same as one after the other.
-  void ThinTiles(PointShares* shares) {
+  void ThinTiles(TilePoints* points) {
     const ManifoldMeshingOptions& meshing = options_.mesher.meshing;
     PlanBlocks blocks;
     std::vector<EdgeSample> edges;
@@ -231,15 +258,17 @@ class Planner {
     for (size_t begin = 0; begin < num_tiles_; begin += group) {
       Report(progress_, "Thinning the tiles",
              static_cast<double>(begin) / static_cast<double>(num_tiles_));
-      std::vector<PointCloud> clouds;
+      std::vector<WeightedCloud> clouds;
       for (size_t tile = begin; tile < std::min(begin + group, num_tiles_);
            ++tile) {
-        clouds.push_back(TakePoints(tile, shares));
+        clouds.push_back(points->Take(tile));
+        if (clouds.back().num_points == 0) {
+          ThrowTooFew();
+        }
       }
       std::vector<TileVertices> thinned(clouds.size());
       tbb::parallel_for(size_t{0}, clouds.size(), [&](size_t i) {
-        thinned[i] = ThinTile(clouds[i], ObservationWeights(meshing, clouds[i]),
-                              sample_.views,
+        thinned[i] = ThinTile(std::move(clouds[i]), sample_.views,
                               {meshing.max_proj_dist, meshing.max_depth_dist});
         clouds[i] = {};
       });
@@ -269,28 +298,6 @@ class Planner {
         std::clamp(options_.max_memory_gb / memory_gb, 1.0, 1e6));
     return std::min(
         at_once, static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
-  }
-
-  // Without those that are masked.
-  PointCloud TakePoints(size_t tile, PointShares* shares) {
-    PointCloud cloud = shares->Take(tile);
-    const std::string& mask_path = options_.mesher.scene.mask_path;
-    if (!mask_path.empty()) {
-      const MaskReport masked =
-          MaskCloud(MaskReader(mask_path, sample_.views, decoder_),
-                    sample_.views, &cloud);
-      if (!report_->masks) {
-        report_->masks.emplace();
-      }
-      report_->masks->num_masks = masked.num_masks;
-      report_->masks->num_masked_points += masked.num_masked_points;
-      report_->masks->num_masked_observations += masked.num_masked_observations;
-    }
-    if (cloud.size() == 0) {
-      throw FileError(files_.path,
-                      fmt::format("too few points for {} tiles", num_tiles_));
-    }
-    return cloud;
   }
 
   void Write(size_t tile, const TileVertices& vertices, PlanBlocks* blocks) {

@@ -7,6 +7,7 @@
 #include "colmap_ext/tiling/plan.h"
 #include "scene/picture_decoder.h"
 #include "scene/progress.h"
+#include "scene/region.h"
 #include "workspace/masks.h"
 #include "workspace/workspace.h"
 
@@ -17,6 +18,9 @@ struct PlanReport {
   WorkspaceReport workspace;
   std::optional<HalfPixelReport> half_pixel;
   std::optional<MaskReport> masks;
+  std::optional<Region> region;
+  size_t num_outside_points = 0;  // beyond the region's margin
+  size_t num_ray_ends = 0;        // of a region and of masked pixels
 };
 
 // Makes a plan and its files. The points are read twice, piece by piece (three

@@ -57,6 +57,35 @@ View ViewFrom(const Json& json) {
   return view;
 }
 
+// As RegionText() has it: axes, centre, half sizes.
+Json ToJson(const Region& region) {
+  Json json;
+  for (int row = 0; row < 3; ++row) {
+    for (int col = 0; col < 3; ++col) {
+      json.push_back(region.region_from_world(row, col));
+    }
+  }
+  for (const Eigen::Vector3d& vector : {region.center, region.half_sizes}) {
+    for (const double value : vector) {
+      json.push_back(value);
+    }
+  }
+  return json;
+}
+
+Region RegionFrom(const Json& json) {
+  Region region;
+  for (int i = 0; i < 15; ++i) {
+    const double value = json.at(static_cast<size_t>(i));
+    if (i < 9) {
+      region.region_from_world(i / 3, i % 3) = value;
+    } else {
+      (i < 12 ? region.center : region.half_sizes)[i % 3] = value;
+    }
+  }
+  return region;
+}
+
 // Both corners; what is infinite is null.
 Json ToJson(const Eigen::AlignedBox3f& box) {
   Json json;
@@ -106,6 +135,9 @@ Plan PlanFrom(const Json& json) {
   plan.half_pixel_scale = json.at("half_pixel_scale");
   plan.has_colors = json.at("has_colors");
   plan.seam_rings = json.at("seam_rings");
+  if (json.contains("region")) {
+    plan.region = RegionFrom(json.at("region"));
+  }
   for (const Json& tile : json.at("tiles")) {
     plan.tiles.push_back(TileFrom(tile));
   }
@@ -150,6 +182,9 @@ void WritePlan(const fs::path& folder, const Plan& plan) {
                {"half_pixel_scale", plan.half_pixel_scale},
                {"has_colors", plan.has_colors},
                {"seam_rings", plan.seam_rings}};
+  if (plan.region) {
+    json["region"] = ToJson(*plan.region);
+  }
   for (const PlannedTile& tile : plan.tiles) {
     json["tiles"].push_back(ToJson(tile));
   }

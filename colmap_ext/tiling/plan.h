@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "colmap_ext/options/meshing_options.h"
+#include "scene/region.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -33,13 +35,14 @@ struct Plan {
   double distance_sigma = 0;                   // scene units
   double half_pixel_scale = 0;
   bool has_colors = false;
-  int seam_rings = 0;  // TileCutOptions
+  int seam_rings = 0;            // TileCutOptions
+  std::optional<Region> region;  // what is meshed
   std::vector<View> views;
   std::vector<PlannedTile> tiles;
   uint64_t identity = 0;  // of inputs and options
 };
 
-inline constexpr int kPlanVersion = 2;
+inline constexpr int kPlanVersion = 3;
 
 // In a plan's folder.
 std::filesystem::path PlanPath(const std::filesystem::path& folder);

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // What the sections of the files are, in their order.
-constexpr char kVerticesKind[] = "CEVERT02";
+constexpr char kVerticesKind[] = "CEVERT03";
 enum VerticesSection {
   kPositions,
   kRayOffsets,
@@ -23,10 +23,11 @@ enum VerticesSection {
   kColors,
   kViewOffsets,
   kViews,
+  kIsEnd,
   kNumVerticesSections
 };
 
-constexpr char kBlocksKind[] = "CEBLOCK2";
+constexpr char kBlocksKind[] = "CEBLOCK3";
 enum BlocksSection {
   kTileBegins,
   kBegins,
@@ -34,6 +35,7 @@ enum BlocksSection {
   kBlockViewOffsets,
   kBlockViews,
   kSum,
+  kHaveEnds,
   kNumBlocksSections
 };
 
@@ -65,6 +67,7 @@ void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
   file.Add(vertices.colors);
   file.Add(vertices.views.offsets);
   file.Add(vertices.views.values);
+  file.Add(vertices.observations.is_end);
   file.Commit();
 }
 
@@ -78,6 +81,7 @@ void WriteBlocks(const fs::path& folder, uint64_t identity,
   file.Add(blocks.views.offsets);
   file.Add(blocks.views.values);
   file.Add(std::vector<double>(blocks.sum.data(), blocks.sum.data() + 3));
+  file.Add(blocks.have_ends);
   file.Commit();
 }
 
@@ -117,6 +121,7 @@ FilePlan::FilePlan(const fs::path& folder, const Plan& plan) {
                                  file.ReadAll<uint32_t>(kBlockViews));
   const auto sum = file.Read<double>(kSum, 0, 3);
   blocks_.sum = Eigen::Vector3d(sum.data());
+  blocks_.have_ends = file.ReadAll<uint8_t>(kHaveEnds);
   if (blocks_.NumTiles() != plan.tiles.size()) {
     throw FileError(BlocksPath(folder), "damaged: plan again by mesh_planner");
   }
@@ -152,6 +157,9 @@ Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
   const uint64_t to = read.offsets.back();
   read.views = file.Read<uint32_t>(kRayViews, from, to);
   read.alphas = file.Read<float>(kRayAlphas, from, to);
+  if (file.Count<uint8_t>(kIsEnd) > 0) {
+    read.is_end = file.Read<uint8_t>(kIsEnd, begin - first, end - first);
+  }
   for (uint64_t& offset : read.offsets) {
     offset -= from;
   }
@@ -166,6 +174,7 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
     const SectionReader& file = *files_[tile];
     const auto supports = file.ReadAll<float>(kSupports);
     const auto colors = file.ReadAll<Color>(kColors);
+    const auto is_end = file.ReadAll<uint8_t>(kIsEnd);
     const Rows<uint32_t> views(file.ReadAll<uint64_t>(kViewOffsets),
                                file.ReadAll<uint32_t>(kViews));
     for (; it != ids.end() && *it < blocks_.FirstVertex(tile + 1); ++it) {
@@ -174,6 +183,8 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
       if (!colors.empty()) {
         read.colors.push_back(colors[vertex]);
       }
+      read.observations.is_end.push_back(!is_end.empty() &&
+                                         is_end[vertex] != 0);
       read.views.AddRow(views[vertex]);
     }
   }

@@ -38,6 +38,7 @@ struct MergedPoints {
   PointCloud cloud;
   std::vector<uint32_t> vertex_points;
   std::vector<float> supports;
+  std::vector<uint8_t> is_end;
 };
 
 MergedPoints PointsOf(const FilePlan& vertices, const MergedSurface& merged) {
@@ -52,6 +53,7 @@ MergedPoints PointsOf(const FilePlan& vertices, const MergedSurface& merged) {
   points.cloud.colors = std::move(read.colors);
   points.cloud.views = std::move(read.views);
   points.supports = std::move(read.supports);
+  points.is_end = std::move(read.observations.is_end);
   points.vertex_points.resize(points.cloud.size());
   std::iota(points.vertex_points.begin(), points.vertex_points.end(), 0);
   return points;
@@ -114,7 +116,12 @@ ManifoldMesh MergePlan(const fs::path& folder, const Progress& progress,
                        MergeReport* report) {
   const Plan plan = ReadPlan(folder);
   ExpectSameInputs(plan);
-  const ManifoldMeshingOptions options = MeshingOptionsOf(folder, plan).meshing;
+  ManifoldMeshingOptions options = MeshingOptionsOf(folder, plan).meshing;
+  options.region = plan.region;
+  if (const auto found = plan.options.find("region");
+      found != plan.options.end() && found->second == "auto") {
+    report->found_region = plan.region;
+  }
   const FilePlan vertices(folder, plan);
   const FileParts parts(folder, plan);
   report->num_tiles = plan.tiles.size();
@@ -133,9 +140,10 @@ ManifoldMesh MergePlan(const fs::path& folder, const Progress& progress,
   {
     const MergedPoints points = PointsOf(vertices, merged);
     std::vector<uint32_t>().swap(merged.ids);
-    SplitSurface(options, std::move(merged.extracted),
-                 {points.cloud, points.vertex_points, points.supports, {}},
-                 plan.views, &result);
+    SplitSurface(
+        options, std::move(merged.extracted),
+        {points.cloud, points.vertex_points, points.supports, points.is_end},
+        plan.views, &result);
   }
   FinishSurface(options, progress, &result);
   return result;

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "colmap_ext/tiling/plan.h"
 #include "delaunay/visibility_weights.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/progress.h"
+#include "scene/region.h"
 #include "tiles/seam_cut.h"
 
 namespace colmap_ext {
@@ -30,6 +32,8 @@ TileReport RunTile(const std::filesystem::path& folder, uint32_t tile,
 struct MergeReport {
   size_t num_tiles = 0;
   size_t num_cut_cells = 0;  // at the seams
+  // That was found for the plan, by --region auto.
+  std::optional<Region> found_region;
 };
 
 // The mesh of a plan all of whose tiles are done.

@@ -22,6 +22,10 @@ struct Crossing {
 
 inline constexpr uint32_t kNoVertex = UINT32_MAX;
 
+// In place of the cell where a ray ends: it goes on to the hull, as no cell is
+// this one.
+inline constexpr uint32_t kToHull = kNoCell - 1;
+
 struct Ray {
   uint32_t origin = 0;     // a vertex, or kNoVertex
   Eigen::Vector3d target;  // world frame
@@ -29,18 +33,22 @@ struct Ray {
   // Distances are computed up to the first one beyond, scene units, and all of
   // them where `end` is kNoCell.
   double near_distance = 0;
-  // Where `origin` is kNoVertex: where the ray starts, and the cell that has
-  // this place strictly inside, or an infinite one that it lies beyond the hull
-  // of.
+  // Where `origin` is kNoVertex: where the ray comes from.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  // Where the walk starts: a finite cell that the ray passes through, or an
+  // infinite one that `position` lies beyond the hull of; kNoCell: at `origin`.
   uint32_t start_cell = kNoCell;
+  // The walk may end once all that is left of it lies farther from the origin,
+  // scene units.
+  double last_distance = std::numeric_limits<double>::infinity();
 };
 
 // The way of a ray.
 struct RayPath {
   std::vector<Crossing> crossings;  // in order
   // Where it ends, or kNoCell where it had to be given up (the target is the
-  // origin); then the crossings mean nothing.
+  // origin, or the ray misses the cell to start in); then the crossings mean
+  // nothing.
   uint32_t end = kNoCell;
 };
 

@@ -3,66 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <utility>
-
-#include <Eigen/Geometry>
 
 namespace colmap_ext {
 
 namespace {
-
-// Collects the rays of one view after the other, one a square of its image.
-class EndCollector {
- public:
-  EndCollector(const Region& region, const std::vector<View>& views)
-      : region_(region), grown_(Grow(region, MarginOf(region))), views_(views) {
-    for (const View& view : views) {
-      centers_.push_back(view.Center());
-    }
-    squares_.resize(views.size());
-  }
-
-  const Region& Grown() const { return grown_; }
-
-  // Of the ray to a point that lies beyond.
-  void Add(uint32_t view_index, const Eigen::Vector3d& point, float weight) {
-    const Eigen::Vector3d& center = centers_[view_index];
-    if (PartInside(region_, center, point).IsEmpty()) {
-      return;
-    }
-    const View& view = views_[view_index];
-    const Eigen::Vector3d in_camera = view.CamFromWorld(point);
-    if (!(in_camera.z() > 0)) {
-      return;
-    }
-    const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
-    const std::pair<int, int> square = {
-        static_cast<int>(std::floor(pixel.x() / kRayEndSpacing)),
-        static_cast<int>(std::floor(pixel.y() / kRayEndSpacing))};
-    const auto [it, is_new] =
-        squares_[view_index].try_emplace(square, ends_.size());
-    if (!is_new) {
-      ends_.weights[it->second] += weight;
-      return;
-    }
-    const double share = PartInside(grown_, center, point).second;
-    ends_.positions.push_back(
-        (center + share * (point - center)).cast<float>());
-    ends_.views.push_back(view_index);
-    ends_.weights.push_back(weight);
-  }
-
-  RayEnds Take() { return std::move(ends_); }
-
- private:
-  Region region_;
-  Region grown_;
-  const std::vector<View>& views_;
-  std::vector<Eigen::Vector3d> centers_;
-  std::vector<std::map<std::pair<int, int>, size_t>> squares_;  // [views]
-  RayEnds ends_;
-};
 
 // Whether the pixels around are masked, as far as they are in the image.
 bool IsMaskedAround(const GrayImage& mask, int row, int col) {
@@ -81,6 +26,49 @@ bool IsMaskedAround(const GrayImage& mask, int row, int col) {
 
 }  // namespace
 
+RayEndCollector::RayEndCollector(const Region& region,
+                                 const std::vector<View>& views)
+    : region_(region), grown_(Grow(region, MarginOf(region))), views_(views) {
+  for (const View& view : views) {
+    centers_.push_back(view.Center());
+  }
+  squares_.resize(views.size());
+}
+
+void RayEndCollector::Add(const Eigen::Vector3f& point,
+                          std::span<const uint32_t> views, float weight) {
+  for (const uint32_t view : views) {
+    AddRay(view, point.cast<double>(), weight);
+  }
+}
+
+void RayEndCollector::AddRay(uint32_t view_index, const Eigen::Vector3d& point,
+                             float weight) {
+  const Eigen::Vector3d& center = centers_[view_index];
+  if (PartInside(region_, center, point).IsEmpty()) {
+    return;
+  }
+  const View& view = views_[view_index];
+  const Eigen::Vector3d in_camera = view.CamFromWorld(point);
+  if (!(in_camera.z() > 0)) {
+    return;
+  }
+  const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
+  const std::pair<int, int> square = {
+      static_cast<int>(std::floor(pixel.x() / kRayEndSpacing)),
+      static_cast<int>(std::floor(pixel.y() / kRayEndSpacing))};
+  const auto [it, is_new] =
+      squares_[view_index].try_emplace(square, ends_.size());
+  if (!is_new) {
+    ends_.weights[it->second] += weight;
+    return;
+  }
+  const double share = PartInside(grown_, center, point).second;
+  ends_.positions.push_back((center + share * (point - center)).cast<float>());
+  ends_.views.push_back(view_index);
+  ends_.weights.push_back(weight);
+}
+
 void RayEnds::Add(const RayEnds& others) {
   positions.insert(positions.end(), others.positions.begin(),
                    others.positions.end());
@@ -95,12 +83,12 @@ double MarginOf(const Region& region) {
 
 RayEnds CropCloud(const Region& region, const std::vector<View>& views,
                   WeightedCloud* weighted) {
-  EndCollector collector(region, views);
+  RayEndCollector collector(region, views);
   const PointCloud& cloud = weighted->cloud;
   WeightedCloud kept;
   for (size_t i = 0; i < cloud.size(); ++i) {
     const float weight = weighted->weights[i];
-    if (collector.Grown().Contains(cloud.positions[i])) {
+    if (!collector.IsOutside(cloud.positions[i])) {
       kept.cloud.positions.push_back(cloud.positions[i]);
       kept.cloud.views.AddRow(cloud.views[i]);
       kept.weights.push_back(weight);
@@ -109,9 +97,7 @@ RayEnds CropCloud(const Region& region, const std::vector<View>& views,
       }
       continue;
     }
-    for (const uint32_t view : cloud.views[i]) {
-      collector.Add(view, cloud.positions[i].cast<double>(), weight);
-    }
+    collector.Add(cloud.positions[i], cloud.views[i], weight);
   }
   kept.num_points = kept.cloud.size();
   *weighted = std::move(kept);
@@ -119,11 +105,15 @@ RayEnds CropCloud(const Region& region, const std::vector<View>& views,
 }
 
 Region RegionOfCloud(const PointCloud& cloud) {
-  constexpr double kMargin = 0.1;
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& position : cloud.positions) {
     box.extend(position);
   }
+  return RegionAround(box);
+}
+
+Region RegionAround(const Eigen::AlignedBox3f& box) {
+  constexpr double kMargin = 0.1;
   Region region =
       RegionBetween(box.min().cast<double>(), box.max().cast<double>());
   region.half_sizes *= 1 + 2 * kMargin;

@@ -2,9 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "delaunay/tetrahedralization.h"
 #include "scene/gray_image.h"
@@ -42,10 +46,38 @@ struct WeightedCloud {
   size_t num_points = 0;       // that are no ends
 };
 
+// Collects the ends of rays to points that are dropped as they lie further from
+// a region than its margin: where rays that pass through the region leave the
+// margin. Of one view there is one a square of the image, at the first ray.
+class RayEndCollector {
+ public:
+  RayEndCollector(const Region& region, const std::vector<View>& views);
+
+  // Whether a point is dropped.
+  bool IsOutside(const Eigen::Vector3f& point) const {
+    return !grown_.Contains(point);
+  }
+
+  // \param weight  of each observation of the point
+  void Add(const Eigen::Vector3f& point, std::span<const uint32_t> views,
+           float weight);
+
+  RayEnds Take() { return std::move(ends_); }
+
+ private:
+  void AddRay(uint32_t view_index, const Eigen::Vector3d& point, float weight);
+
+  Region region_;
+  Region grown_;
+  const std::vector<View>& views_;
+  std::vector<Eigen::Vector3d> centers_;
+  std::vector<std::map<std::pair<int, int>, size_t>> squares_;  // [views]
+  RayEnds ends_;
+};
+
 // Drops the points that lie further from a region than its margin.
 // \param weighted  without ends.
-// \return where the dropped points' rays that pass through the region leave
-//         its margin.
+// \return the ends of their rays
 RayEnds CropCloud(const Region& region, const std::vector<View>& views,
                   WeightedCloud* weighted);
 
@@ -53,6 +85,9 @@ RayEnds CropCloud(const Region& region, const std::vector<View>& views,
 // more on each side.
 // \pre there are points
 Region RegionOfCloud(const PointCloud& cloud);
+
+// The same of the box of all points.
+Region RegionAround(const Eigen::AlignedBox3f& box);
 
 // The ends of rays through what a mask leaves out: every kRayEndSpacing-th
 // pixel of such a row where pixels are masked for so far around that an

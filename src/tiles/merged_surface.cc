@@ -69,35 +69,65 @@ class SurfaceCollector {
 
   MergedSurface Take() {
     MergedSurface merged;
-    std::vector<uint32_t>& ids = merged.ids;
-    for (const Facet& facet : facets_) {
-      ids.insert(ids.end(), facet.begin(), facet.end());
-    }
-    std::ranges::sort(ids);
-    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     std::vector<Facet>& facets = merged.extracted.mesh.facets;
     facets = std::move(facets_);
-    for (Facet& facet : facets) {
-      for (uint32_t& vertex : facet) {
-        vertex = static_cast<uint32_t>(std::ranges::lower_bound(ids, vertex) -
-                                       ids.begin());
-      }
-    }
+    merged.ids = NumberVertices(&facets);
     merged.extracted.partners = PairHalfEdges(facets);
-    ApplyFixes(ids, &merged.extracted);
+    ApplyFixes(merged.ids, &merged.extracted);
     return merged;
   }
 
  private:
+  // Numbers the vertices that are used.
+  // \return [V] the plan's vertex of each, ascending
+  static std::vector<uint32_t> NumberVertices(std::vector<Facet>* facets) {
+    uint32_t end = 0;
+    for (const Facet& facet : *facets) {
+      end = std::max(end, std::ranges::max(facet) + 1);
+    }
+    std::vector<uint32_t> numbers(end, kNoSource);
+    for (const Facet& facet : *facets) {
+      for (const uint32_t id : facet) {
+        numbers[id] = 0;
+      }
+    }
+    std::vector<uint32_t> ids;
+    for (uint32_t id = 0; id < end; ++id) {
+      if (numbers[id] != kNoSource) {
+        numbers[id] = static_cast<uint32_t>(ids.size());
+        ids.push_back(id);
+      }
+    }
+    for (Facet& facet : *facets) {
+      for (uint32_t& vertex : facet) {
+        vertex = numbers[vertex];
+      }
+    }
+    return ids;
+  }
+
   void ApplyFixes(const std::vector<uint32_t>& ids,
                   ExtractedSurface* surface) const {
     const std::vector<Facet>& facets = surface->mesh.facets;
     std::unordered_map<FacetKey, uint32_t, KeyHash> places;
+    std::vector<uint8_t> is_asked_for(ids.size(), 0);
     for (const PartnerFix& fix : fixes_) {
-      places[fix.facet] = kNoSource;
-      places[fix.partner] = kNoSource;
+      for (const FacetKey& facet : {fix.facet, fix.partner}) {
+        places[facet] = kNoSource;
+        for (const uint32_t id : facet) {
+          const auto at = std::ranges::lower_bound(ids, id);
+          if (at != ids.end()) {
+            is_asked_for[static_cast<size_t>(at - ids.begin())] = 1;
+          }
+        }
+      }
     }
-    for (uint32_t i = 0; i < facets.size() && !places.empty(); ++i) {
+    for (uint32_t i = 0; i < facets.size(); ++i) {
+      if (std::ranges::any_of(facets[i], [&](uint32_t vertex) {
+            return is_asked_for[vertex] == 0;
+          })) {
+        continue;
+      }
       const auto found = places.find(Sorted(
           FacetKey{ids[facets[i][0]], ids[facets[i][1]], ids[facets[i][2]]}));
       if (found != places.end()) {

@@ -55,32 +55,66 @@ std::vector<uint32_t> PatchCollector::FindSingular() const {
   return singular;
 }
 
-Ring PatchCollector::AddStars(const Ring& vertices) {
-  std::map<uint32_t, std::vector<uint32_t>> by_tile;
+Ring PatchCollector::AddRings(const std::vector<uint32_t>& vertices) {
   for (const uint32_t id : vertices) {
-    if (is_added_.insert(id).second) {
-      by_tile[blocks_.TileOf(id)].push_back(id);
+    Reach(id, 0, nullptr, kNoSlot);
+  }
+  while (!waiting_.empty()) {
+    auto next = waiting_.extract(waiting_.begin());
+    AddRingsIn(next.key(), std::move(next.mapped()));
+  }
+  Ring first;
+  for (const auto& [id, ring] : rings_) {
+    if (ring <= 1) {
+      first.insert(id);
     }
   }
-  const size_t num_before = cells_.size();
-  for (const auto& [tile, ids] : by_tile) {
-    AddStarsOf(tile, ids);
-  }
-  Ring ring = vertices;
-  for (size_t i = num_before; i < cells_.size(); ++i) {
-    for (const uint32_t id : cells_[i].corners) {
-      if (id != kInfiniteVertex) {
-        ring.insert(id);
+  return first;
+}
+
+// Goes on from vertices of a tile as far as that has their cells.
+void PatchCollector::AddRingsIn(uint32_t tile, std::vector<uint32_t> ids) {
+  const Tile from = Read(tile);
+  std::vector<uint32_t> star;
+  for (uint8_t ring = 0; ring < kNumRings; ++ring) {
+    for (size_t i = 0; i < ids.size(); ++i) {
+      if (rings_.at(ids[i]) != ring) {
+        continue;
+      }
+      IncidentCells(from.part->tile.tetrahedra,
+                    ids[i] - blocks_.FirstVertex(tile), &star);
+      for (const uint32_t index : star) {
+        AddCell(tile, from, index);
+        for (const uint32_t id : from.part->tile.CornersOf(index)) {
+          Reach(id, static_cast<uint8_t>(ring + 1), &ids, tile);
+        }
       }
     }
   }
-  return ring;
+}
+
+// Has the cells at a vertex added, if it lies in a lower ring than was known.
+// \param here  vertices of the tile that is being read
+void PatchCollector::Reach(uint32_t id, uint8_t ring,
+                           std::vector<uint32_t>* here, uint32_t tile) {
+  if (id == kInfiniteVertex) {
+    return;
+  }
+  const auto [found, is_new] = rings_.try_emplace(id, ring);
+  if (!is_new && found->second <= ring) {
+    return;
+  }
+  found->second = ring;
+  if (ring < kNumRings) {
+    const uint32_t home = blocks_.TileOf(id);
+    (home == tile ? *here : waiting_[home]).push_back(id);
+  }
 }
 
 std::vector<PatchCell> PatchCollector::Take() {
   AddMissingCapacities();
   std::vector<uint32_t>().swap(slots_);
-  Ring().swap(is_added_);
+  std::unordered_map<uint32_t, uint8_t>().swap(rings_);
   std::ranges::sort(cells_, {}, &PatchCell::corners);
   return std::move(cells_);
 }
@@ -97,13 +131,6 @@ void PatchCollector::ForEachCellAt(uint32_t tile, const Ids& ids,
       function(from, index);
     }
   }
-}
-
-void PatchCollector::AddStarsOf(uint32_t tile,
-                                const std::vector<uint32_t>& ids) {
-  ForEachCellAt(tile, ids, [&](const Tile& from, uint32_t index) {
-    AddCell(tile, from, index);
-  });
 }
 
 void PatchCollector::AddCell(uint32_t tile, const Tile& from, uint32_t index) {

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -26,6 +28,10 @@ struct PatchCell {
 
 using Ring = std::unordered_set<uint32_t>;
 
+// Flips at a vertex concern its own cells, and are judged by the cells of their
+// vertices.
+inline constexpr uint8_t kNumRings = 3;
+
 // Collects cells around vertices from all tiles.
 class PatchCollector {
  public:
@@ -36,9 +42,10 @@ class PatchCollector {
   // All singular vertices, ascending.
   std::vector<uint32_t> FindSingular() const;
 
-  // Adds all cells at the vertices.
-  // \return the vertices with those at the same cells
-  Ring AddStars(const Ring& vertices);
+  // Adds all cells in kNumRings rings around the vertices, reading few tiles
+  // more than once.
+  // \return the vertices with those at the cells of the first ring
+  Ring AddRings(const std::vector<uint32_t>& vertices);
 
   // In the order of their corners. To be called last.
   std::vector<PatchCell> Take();
@@ -57,7 +64,9 @@ class PatchCollector {
   template <typename Ids, typename Function>
   void ForEachCellAt(uint32_t tile, const Ids& ids,
                      const Function& function) const;
-  void AddStarsOf(uint32_t tile, const std::vector<uint32_t>& ids);
+  void AddRingsIn(uint32_t tile, std::vector<uint32_t> ids);
+  void Reach(uint32_t id, uint8_t ring, std::vector<uint32_t>* here,
+             uint32_t tile);
   void AddCell(uint32_t tile, const Tile& from, uint32_t index);
   void AddMissingCapacities();
 
@@ -72,7 +81,9 @@ class PatchCollector {
   // A table of open addresses: places in cells_, or kNoSlot; a power of two of
   // them, half of which at most are taken.
   std::vector<uint32_t> slots_;
-  Ring is_added_;
+  // How many rings each vertex is off those that were asked for.
+  std::unordered_map<uint32_t, uint8_t> rings_;
+  std::map<uint32_t, std::vector<uint32_t>> waiting_;  // vertices by tile
 };
 
 }  // namespace colmap_ext

@@ -59,6 +59,11 @@ void AddTile(const std::vector<Eigen::Vector3f>& positions,
     blocks->begins.push_back(first + end);
     blocks->boxes.push_back(box);
     blocks->views.AddRow(views);
+    bool has_ends = false;
+    for (uint32_t i = begin; i < end; ++i) {
+      has_ends = has_ends || observations.IsEnd(i);
+    }
+    blocks->have_ends.push_back(has_ends);
   }
   blocks->tile_begins.push_back(static_cast<uint32_t>(blocks->NumBlocks()));
 }

@@ -21,6 +21,7 @@ struct PlanBlocks {
   std::vector<uint32_t> begins{0};         // [blocks + 1], vertices
   std::vector<Eigen::AlignedBox3f> boxes;  // [blocks] of the vertices
   Rows<uint32_t> views;  // [blocks] those that see any of the vertices
+  std::vector<uint8_t> have_ends;  // [blocks] 1: some are ends of rays
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of all positions
 
   size_t NumTiles() const { return tile_begins.size() - 1; }

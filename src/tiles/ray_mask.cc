@@ -17,21 +17,20 @@ size_t SumIndex(int x, int y, int z) {
          static_cast<size_t>(z);
 }
 
-int ClampToVoxel(double at) {
-  return static_cast<int>(
-      std::clamp(std::floor(at), 0.0, RayMask::kSize - 1.0));
+int ClampToVoxel(double at, int size = RayMask::kSize) {
+  return static_cast<int>(std::clamp(std::floor(at), 0.0, size - 1.0));
 }
 
-// The part of a segment within a box from 0 to `size`, as shares of it; begins
-// after its end where there is none.
-std::array<double, 2> ClipToBox(const Eigen::Vector3d& from,
-                                const Eigen::Vector3d& way, double size) {
+// The part of a way within a box from 0 to `size`, as multiples of it; empty
+// where there is none.
+RayRange ClipToBox(const Eigen::Vector3d& from, const Eigen::Vector3d& way,
+                   double length, double size) {
   double begin = 0;
-  double end = 1;
+  double end = length;
   for (int i = 0; i < 3; ++i) {
     if (way[i] == 0) {
       if (from[i] < -kSlack || from[i] > size + kSlack) {
-        return {1, 0};
+        return {};
       }
       continue;
     }
@@ -139,6 +138,17 @@ void RayMask::MarkVoxel(const Voxel& voxel) {
 }
 
 void RayMask::Finish() {
+  is_coarse_marked_.assign(size_t{kCoarseSize} * kCoarseSize * kCoarseSize, 0);
+  for (int x = 0; x < kSize; ++x) {
+    for (int y = 0; y < kSize; ++y) {
+      for (int z = 0; z < kSize; ++z) {
+        const int coarse =
+            (x / kRatio * kCoarseSize + y / kRatio) * kCoarseSize + z / kRatio;
+        is_coarse_marked_[static_cast<size_t>(coarse)] |=
+            is_marked_[IndexOf({x, y, z})];
+      }
+    }
+  }
   constexpr size_t kStride = kSize + 1;
   sums_.assign(kStride * kStride * kStride, 0);
   for (int x = 0; x < kSize; ++x) {
@@ -176,34 +186,71 @@ bool RayMask::MayTouch(const Eigen::AlignedBox3d& box) const {
          0;
 }
 
-// Goes from voxel to voxel [Amanatides1987].
-bool RayMask::MayCross(const Eigen::Vector3d& from,
-                       const Eigen::Vector3d& to) const {
+RayRange RayMask::RangeOf(const Eigen::Vector3d& from,
+                          const Eigen::Vector3d& direction,
+                          double length) const {
+  if (direction.isZero(0)) {
+    return {0, 0};
+  }
   const Eigen::Vector3d start = ToVoxels(from);
-  const Eigen::Vector3d way = ToVoxels(to) - start;
-  const auto [begin, end] = ClipToBox(start, way, kSize);
-  if (!(begin <= end)) {
-    return false;
+  const Eigen::Vector3d way = direction.cwiseProduct(voxels_per_unit_);
+  RayRange range = ClipToBox(start, way, length, kSize);
+  if (range.IsEmpty()) {
+    return range;
   }
-  Voxel voxel;
+  const double end = range.end;
+  range.begin = FirstMark(start, way, range.begin, end);
+  if (range.begin <= end) {
+    range.end = -FirstMark(start, -way, -end, -range.begin);
+  }
+  return range;
+}
+
+// \param way  voxels
+// \param begin, end  multiples of the way
+// \return where the first marked voxel begins, or infinity
+double RayMask::FirstMark(const Eigen::Vector3d& from,
+                          const Eigen::Vector3d& way, double begin,
+                          double end) const {
+  begin = FirstMarkOf<kCoarseSize>(is_coarse_marked_, from / kRatio,
+                                   way / kRatio, begin, end);
+  return begin <= end ? FirstMarkOf<kSize>(is_marked_, from, way, begin, end)
+                      : INFINITY;
+}
+
+// Goes from voxel to voxel [Amanatides1987].
+template <int kGridSize>
+double RayMask::FirstMarkOf(const std::vector<uint8_t>& is_marked,
+                            const Eigen::Vector3d& from,
+                            const Eigen::Vector3d& way, double begin,
+                            double end) {
+  constexpr std::array<int, 3> kStrides = {kGridSize * kGridSize, kGridSize, 1};
+  Voxel left;  // how many voxels there are to go
   Voxel step;
-  std::array<double, 3> next;  // share of the way to the next voxel an axis
+  std::array<double, 3> next;  // multiple of the way to the next voxel
+  std::array<double, 3> width;
+  int index = 0;
   for (int i = 0; i < 3; ++i) {
-    voxel[i] = ClampToVoxel(start[i] + begin * way[i]);
-    step[i] = way[i] > 0 ? 1 : -1;
+    const int voxel = ClampToVoxel(from[i] + begin * way[i], kGridSize);
+    index += kStrides[i] * voxel;
+    left[i] = way[i] > 0 ? kGridSize - 1 - voxel : voxel;
+    step[i] = way[i] > 0 ? kStrides[i] : -kStrides[i];
+    width[i] = way[i] != 0 ? std::abs(1 / way[i]) : INFINITY;
     next[i] =
-        way[i] != 0 ? (voxel[i] + (way[i] > 0) - start[i]) / way[i] : INFINITY;
+        way[i] != 0 ? (voxel + (way[i] > 0) - from[i]) / way[i] : INFINITY;
   }
-  while (is_marked_[IndexOf(voxel)] == 0) {
-    const auto axis =
-        static_cast<size_t>(std::ranges::min_element(next) - next.begin());
-    voxel[axis] += step[axis];
-    if (next[axis] > end || voxel[axis] < 0 || voxel[axis] >= kSize) {
-      return false;
+  while (is_marked[static_cast<size_t>(index)] == 0) {
+    const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2)
+                                       : (next[1] < next[2] ? 1 : 2);
+    begin = next[axis];
+    if (!(begin <= end) || left[axis] == 0) {
+      return INFINITY;
     }
-    next[axis] += std::abs(1 / way[static_cast<Eigen::Index>(axis)]);
+    --left[axis];
+    index += step[axis];
+    next[axis] += width[axis];
   }
-  return true;
+  return begin;
 }
 
 }  // namespace colmap_ext

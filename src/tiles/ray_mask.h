@@ -9,13 +9,15 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "delaunay/visibility_weights.h"
+
 namespace colmap_ext {
 
 // A coarse picture of a part of space, to tell which rays can not pass through
 // it: voxels of a box, marked where the part reaches into them.
 class RayMask {
  public:
-  static constexpr int kSize = 64;  // voxels an axis
+  static constexpr int kSize = 128;  // voxels an axis
 
   // \param bounds  of all that is to be marked
   explicit RayMask(const Eigen::AlignedBox3d& bounds);
@@ -28,13 +30,20 @@ class RayMask {
   // To be called after the last mark.
   void Finish();
 
-  // Whether a segment may pass through what is marked.
-  bool MayCross(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+  // What of a way may pass through what is marked, from the first mark to the
+  // last one.
+  // \param direction  unit
+  // \param length  scene units, or infinity
+  RayRange RangeOf(const Eigen::Vector3d& from,
+                   const Eigen::Vector3d& direction, double length) const;
 
   // Whether anything may be marked within a box.
   bool MayTouch(const Eigen::AlignedBox3d& box) const;
 
  private:
+  static constexpr int kRatio = 4;
+  static constexpr int kCoarseSize = kSize / kRatio;
+
   struct Plane {
     Eigen::Vector3d normal;
     double offset;  // what is to be marked lies at normal.dot(x) <= offset
@@ -55,10 +64,19 @@ class RayMask {
   void MarkWithin(const std::vector<Plane>& planes,
                   const Eigen::AlignedBox3d& box, const Voxel& first, int size);
   void MarkVoxel(const Voxel& voxel);
+  double FirstMark(const Eigen::Vector3d& from, const Eigen::Vector3d& way,
+                   double begin, double end) const;
+  template <int kGridSize>
+  static double FirstMarkOf(const std::vector<uint8_t>& is_marked,
+                            const Eigen::Vector3d& from,
+                            const Eigen::Vector3d& way, double begin,
+                            double end);
 
   Eigen::Vector3d origin_;
   Eigen::Vector3d voxels_per_unit_;
   std::vector<uint8_t> is_marked_;  // [kSize^3]
+  // [kCoarseSize^3] where any of kRatio^3 voxels is
+  std::vector<uint8_t> is_coarse_marked_;
   // [(kSize + 1)^3] how many are marked before a voxel in all three axes.
   std::vector<uint32_t> sums_;
 };

@@ -124,8 +124,7 @@ SingularPatch FixPatches(const PlanVertices& plan, const TileParts& parts,
   if (singular.empty()) {
     return result;
   }
-  const Ring fixed = collector.AddStars(Ring(singular.begin(), singular.end()));
-  collector.AddStars(collector.AddStars(fixed));
+  const Ring fixed = collector.AddRings(singular);
   const std::vector<PatchCell> cells = collector.Take();
   Patch patch = Assemble(plan, cells);
   std::vector<uint8_t> is_left;

@@ -17,10 +17,15 @@ namespace {
 // to 1 / 4096 of their edges then.
 constexpr size_t kMaxLengths = 4096;
 
-EdgeSample SampleEdges(const Tetrahedralization& tetrahedra) {
-  std::vector<float> all = EdgeLengths(tetrahedra);
+// \param is_end [V] edges of these do not count; empty: all do
+EdgeSample SampleEdges(const Tetrahedralization& tetrahedra,
+                       const std::vector<uint8_t>& is_end) {
+  std::vector<float> all = EdgeLengths(tetrahedra, is_end);
   EdgeSample sample;
   sample.num_edges = all.size();
+  if (all.empty()) {
+    return sample;
+  }
   std::ranges::sort(all);
   const size_t count = std::min(kMaxLengths, all.size());
   for (size_t i = 0; i < count; ++i) {
@@ -48,23 +53,31 @@ ThinnedTetrahedralization KeepAll(const PointCloud& cloud) {
 
 }  // namespace
 
-TileVertices ThinTile(const PointCloud& cloud,
-                      const std::vector<float>& weights,
-                      const std::vector<View>& views,
+TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
                       const ThinningOptions& options,
                       const Progress& progress) {
-  ThinnedTetrahedralization thinned = KeepAll(cloud);
+  const PointCloud& cloud = weighted.cloud;
+  ThinnedTetrahedralization thinned;
   TileVertices vertices;
-  if (SpansVolume(thinned.tetrahedra.points)) {
+  bool spans_volume = SpansVolume(cloud.positions);
+  if (!spans_volume) {  // Or the first points are the same.
+    thinned = KeepAll(cloud);
+    spans_volume = SpansVolume(thinned.tetrahedra.points);
+  }
+  if (spans_volume) {
     thinned = Tetrahedralize(cloud, views, options, progress);
-    vertices.edges = SampleEdges(thinned.tetrahedra);
+  }
+  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
+  if (!thinned.tetrahedra.cells.empty()) {
+    vertices.edges = SampleEdges(thinned.tetrahedra, is_end);
   }
   const size_t num_vertices = thinned.vertex_points.size();
   vertices.positions = std::move(thinned.tetrahedra.points);
-  vertices.observations =
-      ObserveVertices(cloud, num_vertices, thinned.point_vertices, weights);
+  vertices.observations = ObserveVertices(
+      cloud, num_vertices, thinned.point_vertices, weighted.weights);
+  vertices.observations.is_end = is_end;
   vertices.supports =
-      SupportOfVertices(num_vertices, thinned.point_vertices, weights);
+      SupportOfVertices(num_vertices, thinned.point_vertices, weighted.weights);
   for (const uint32_t point : thinned.vertex_points) {
     if (!cloud.colors.empty()) {
       vertices.colors.push_back(cloud.colors[point]);

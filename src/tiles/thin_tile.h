@@ -7,6 +7,7 @@
 
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
+#include "meshing/ray_ends.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
@@ -26,7 +27,8 @@ inline constexpr double kSigmaPercentile = 25;
 // The vertices that a tile's points leave, and what belongs to them.
 struct TileVertices {
   std::vector<Eigen::Vector3f> positions;  // [V] along the curve
-  Observations observations;               // [V] of the points they stand for
+  Observations observations;               // [V] of the points they stand for,
+                                           // with what are ends of rays
   std::vector<float> supports;             // [V] SupportOfVertices()
   std::vector<Color> colors;               // [V] or empty
   Rows<uint32_t> views;                    // [V] of the vertex's own point
@@ -35,11 +37,9 @@ struct TileVertices {
 
 // Thins the points of a tile by themselves: what is kept depends on no other
 // tile. A tile whose points span no volume keeps them all.
-// \param weights [points] of each observation
+// \param weighted  the points, and the ends of rays that lie in the tile
 // \pre the cloud has points
-TileVertices ThinTile(const PointCloud& cloud,
-                      const std::vector<float>& weights,
-                      const std::vector<View>& views,
+TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
                       const ThinningOptions& options,
                       const Progress& progress = {});
 

@@ -38,7 +38,7 @@ std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile, uint32_t home,
   return places;
 }
 
-// Rays that may pass through a tile's cells.
+// Where rays may pass through a tile's cells.
 class RayFilter {
  public:
   RayFilter(const PlanBlocks& blocks, const TileTetrahedra& tile,
@@ -65,27 +65,23 @@ class RayFilter {
     mask_.Finish();
   }
 
-  // Whether any ray of a block may.
-  bool MayPass(uint32_t block) const {
-    const Eigen::AlignedBox3d box = Grown(blocks_.boxes[block]);
-    return std::ranges::any_of(blocks_.views[block], [&](uint32_t view) {
-      return mask_.MayTouch(box.merged(Eigen::AlignedBox3d(centers_[view])));
-    });
-  }
+  const RayMask& mask() const { return mask_; }
 
-  // Appends the rays of a vertex that may to the observations' last row.
-  void Append(const Observations& from, size_t row,
-              const Eigen::Vector3f& position, Observations* to) const {
-    const Eigen::Vector3d place = position.cast<double>();
-    for (uint64_t k = from.offsets[row]; k < from.offsets[row + 1]; ++k) {
-      const Eigen::Vector3d& center = centers_[from.views[k]];
-      const Eigen::Vector3d end =
-          place + behind_ * (place - center).normalized();
-      if (mask_.MayCross(center, end)) {
-        to->views.push_back(from.views[k]);
-        to->alphas.push_back(from.alphas[k]);
+  // Marks the views from which any ray to a block's vertices may.
+  // \param may_pass [views] 0; is set to 1
+  // \return whether there are any
+  bool MarkViews(uint32_t block, std::vector<uint8_t>* may_pass) const {
+    const Eigen::AlignedBox3d box = Grown(blocks_.boxes[block]);
+    bool has_any = false;
+    for (const uint32_t view : blocks_.views[block]) {
+      // Behind ends rays go on to the hull.
+      if (blocks_.have_ends[block] != 0 ||
+          mask_.MayTouch(box.merged(Eigen::AlignedBox3d(centers_[view])))) {
+        (*may_pass)[view] = 1;
+        has_any = true;
       }
     }
+    return has_any;
   }
 
  private:
@@ -122,12 +118,23 @@ class TileVotes {
         centers_(centers),
         options_(options),
         filter_(blocks_, tile, places, centers, options),
-        graph_(graph) {}
+        graph_(graph) {
+    for (const CellPlace place : places) {
+      part_.is_inside.push_back(place != CellPlace::kBeyond);
+    }
+    part_.range = [this](const Eigen::Vector3d& from,
+                         const Eigen::Vector3d& direction, double length) {
+      return filter_.mask().RangeOf(from, direction, length);
+    };
+    part_.free_space.resize(places.size());
+    part_.matter.resize(places.size());
+  }
 
   RayReport Run(const Progress& progress) {
     AddVertices(progress);
     for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
-      if (filter_.MayPass(block)) {
+      may_pass_.assign(centers_.size(), 0);
+      if (filter_.MarkViews(block, &may_pass_)) {
         AddBlock(block);
       }
       if (points_.size() >= kBatchVertices) {
@@ -138,9 +145,12 @@ class TileVotes {
     return report_;
   }
 
+  const VotingPart& part() const { return part_; }
+
  private:
   // The rays of the tile's vertices, block by block as their ids follow.
   void AddVertices(const Progress& progress) {
+    may_pass_.assign(centers_.size(), 1);
     Observations observations;
     Observations of_block;
     uint32_t block = UINT32_MAX;
@@ -152,9 +162,8 @@ class TileVotes {
         of_block = plan_.ReadObservations(blocks_.begins[block],
                                           blocks_.begins[block + 1]);
       }
-      filter_.Append(of_block, id - blocks_.begins[block],
-                     tile_.tetrahedra.points[i], &observations);
-      observations.offsets.push_back(observations.size());
+      Append(of_block, id - blocks_.begins[block], &observations);
+      EndRow(of_block.IsEnd(id - blocks_.begins[block]), &observations);
     }
     Count(AddVisibilityWeights(tile_.tetrahedra, observations, centers_,
                                options_, graph_, progress));
@@ -176,10 +185,9 @@ class TileVotes {
         continue;
       }
       const size_t num_before = observations_.size();
-      filter_.Append(of_block, id - begin, positions[id - begin],
-                     &observations_);
+      Append(of_block, id - begin, &observations_);
       if (observations_.size() > num_before) {
-        observations_.offsets.push_back(observations_.size());
+        EndRow(of_block.IsEnd(id - begin), &observations_);
         points_.push_back(positions[id - begin]);
       }
     }
@@ -187,9 +195,24 @@ class TileVotes {
 
   void AddBatch() {
     Count(AddOuterVisibilityWeights(tile_.tetrahedra, points_, observations_,
-                                    centers_, options_, graph_));
+                                    centers_, options_, &part_, graph_));
     points_.clear();
     observations_ = {};
+  }
+
+  // Appends the rays of a vertex from the views that are marked.
+  void Append(const Observations& from, size_t row, Observations* to) const {
+    for (uint64_t k = from.offsets[row]; k < from.offsets[row + 1]; ++k) {
+      if (may_pass_[from.views[k]] != 0) {
+        to->views.push_back(from.views[k]);
+        to->alphas.push_back(from.alphas[k]);
+      }
+    }
+  }
+
+  static void EndRow(bool is_end, Observations* observations) {
+    observations->offsets.push_back(observations->size());
+    observations->is_end.push_back(is_end);
   }
 
   bool IsVertex(uint32_t id) const { return NumVertices(id, id + 1) == 1; }
@@ -217,10 +240,12 @@ class TileVotes {
   const std::vector<Eigen::Vector3d>& centers_;
   const VisibilityWeightOptions& options_;
   RayFilter filter_;
+  VotingPart part_;
   FlowCapacities* graph_;
   RayReport report_;
   std::vector<Eigen::Vector3f> points_;  // of the batch
   Observations observations_;            // of the batch, by points
+  std::vector<uint8_t> may_pass_;        // [views] whose rays are asked for
 };
 
 }  // namespace
@@ -237,12 +262,13 @@ TileCut CutTile(const PlanVertices& plan, uint32_t tile,
   AddQualityWeights(tetrahedra, options.quality_regularization, &result.graph);
   VisibilityWeightOptions rays = options.rays;
   rays.inner_place = plan.Blocks().Center();
-  result.rays =
-      TileVotes(plan, result.tile, result.places, centers, rays, &result.graph)
-          .Run(progress);
+  TileVotes votes(plan, result.tile, result.places, centers, rays,
+                  &result.graph);
+  result.rays = votes.Run(progress);
   Report(progress, "Cutting the graph", 0);
   result.labels = LabelPart(NeighborsOf(tetrahedra), result.graph,
-                            result.places, options.seam_rings);
+                            result.places, votes.part().free_space,
+                            votes.part().matter, options.seam_rings);
   return result;
 }
 

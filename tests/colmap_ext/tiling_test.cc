@@ -36,6 +36,16 @@ std::vector<std::array<std::array<float, 3>, 3>> FacesOf(const fs::path& path) {
   return faces;
 }
 
+// Ascending.
+std::vector<std::array<float, 3>> VerticesOf(const fs::path& path) {
+  std::vector<std::array<float, 3>> vertices;
+  for (const Eigen::Vector3f& p : ReadPlyMesh(path).vertices) {
+    vertices.push_back({p.x(), p.y(), p.z()});
+  }
+  std::ranges::sort(vertices);
+  return vertices;
+}
+
 class TilingTest : public testing::Test {
  protected:
   TilingTest() { SphereWorkspace().Write(workspace_); }
@@ -80,6 +90,44 @@ class TilingTest : public testing::Test {
               FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
   }
 
+  // Tiles make the mesh of one tile, where all points are kept: the same
+  // vertices, and the same faces whose corners' x coordinates all count.
+  template <typename Counts>
+  void ExpectNoSeams(const std::string& options, const Counts& counts) const {
+    const auto faces_that_count = [&] {
+      auto faces = FacesOf(mesh_);
+      std::erase_if(faces, [&](const auto& face) {
+        return std::ranges::any_of(
+            face, [&](const auto& corner) { return !counts(corner[0]); });
+      });
+      return faces;
+    };
+    const std::string keep_all =
+        options + "--DelaunayManifoldMeshing.max_proj_dist 0 ";
+    ASSERT_EQ(MakePlan(1, keep_all).exit_code, 0);
+    MakeMesh({0});
+    const auto whole = faces_that_count();
+    const auto vertices = VerticesOf(mesh_);
+    ASSERT_GT(whole.size(), 100u);
+    const std::string plan_json = ReadFile(plan_ / "plan.json");
+    const size_t at = plan_json.find("\"distance_sigma\": ") + 18;
+    const std::string sigma =
+        plan_json.substr(at, plan_json.find(',', at) - at);
+    for (const int num_tiles : {2, 4}) {
+      const Outcome planned =
+          MakePlan(num_tiles, keep_all + "--distance_sigma " + sigma);
+      ASSERT_EQ(planned.exit_code, 0) << planned.err;
+      std::vector<int> tiles;
+      for (int tile = 0; tile < num_tiles; ++tile) {
+        tiles.push_back(tile);
+      }
+      MakeMesh(tiles);
+      EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
+      EXPECT_EQ(faces_that_count(), whole) << num_tiles;
+      EXPECT_EQ(VerticesOf(mesh_), vertices) << num_tiles;
+    }
+  }
+
   static std::string Quote(const fs::path& path) {
     return '"' + path.string() + '"';
   }
@@ -115,6 +163,13 @@ TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
   EXPECT_NE(planned.out.find("points masked in all views"), std::string::npos);
   MakeMesh({0});
   ExpectMeshersFaces(option);
+  const std::string background = option + " --mask_background 1";
+  ASSERT_EQ(MakePlan(1, background).exit_code, 0);
+  MakeMesh({0});
+  ExpectMeshersFaces(background);
+  ASSERT_EQ(MakePlan(2, background).exit_code, 0);
+  MakeMesh({0, 1});
+  EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
   fs::remove_all(masks);
   ExpectRefusal(MakePlan(2, option), "no such folder of masks");
 }
@@ -138,25 +193,25 @@ TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
 }
 
 TEST_F(TilingTest, TilesMakeAMeshWithoutSeams) {
-  const std::string keep_all = "--DelaunayManifoldMeshing.max_proj_dist 0 ";
-  ASSERT_EQ(MakePlan(1, keep_all).exit_code, 0);
-  MakeMesh({0});
-  const auto whole = FacesOf(mesh_);
-  const std::string plan_json = ReadFile(plan_ / "plan.json");
-  const size_t at = plan_json.find("\"distance_sigma\": ") + 18;
-  const std::string sigma = plan_json.substr(at, plan_json.find(',', at) - at);
-  for (const int num_tiles : {2, 4}) {
-    const Outcome planned =
-        MakePlan(num_tiles, keep_all + "--distance_sigma " + sigma);
+  ExpectNoSeams("", [](float) { return true; });
+}
+
+TEST_F(TilingTest, OneTileMeshesARegion) {
+  for (const std::string option :
+       {" --region=-0.8,-2,-2,0.7,2,1.5", " --region auto"}) {
+    const Outcome planned = MakePlan(1, option);
     ASSERT_EQ(planned.exit_code, 0) << planned.err;
-    std::vector<int> tiles;
-    for (int tile = 0; tile < num_tiles; ++tile) {
-      tiles.push_back(tile);
-    }
-    MakeMesh(tiles);
-    EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
-    EXPECT_EQ(FacesOf(mesh_), whole) << num_tiles;
+    MakeMesh({0});
+    ExpectMeshersFaces(option);
   }
+  EXPECT_TRUE(fs::exists(folder_.Path() / "merged.region.txt"));
+}
+
+// At the border of a region the two halves of a facet that is cut may have the
+// other diagonal.
+TEST_F(TilingTest, TilesMeshARegionWithoutSeams) {
+  ExpectNoSeams("--region=-0.8,-2,-2,0.7,2,1.5 ",
+                [](float x) { return x > -0.799f && x < 0.699f; });
 }
 
 TEST_F(TilingTest, OrderAndRepetitionChangeNothing) {

@@ -251,6 +251,70 @@ TEST_F(GenericRayWalk, EndsAtTheTargetHoweverFewDistancesAreAskedFor) {
   }
 }
 
+// Of the whole way it has the crossings behind the one before the cell that it
+// starts in, and those up to the last distance at least.
+TEST_F(GenericRayWalk, StartsAndEndsOnItsWay) {
+  size_t num_short = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Ray ray;
+    ray.origin = RandomOrigin();
+    ray.target = RandomTarget(2 * kRange);
+    ray.near_distance = kEverywhere;
+    WalkRay(tetrahedra_, ray.origin, ray.target, kNoCell, kEverywhere,
+            &crossings_);
+    for (size_t first = 0; first < crossings_.size(); ++first) {
+      ray.start_cell = crossings_[first].entry_arc / 4;
+      if (tetrahedra_.IsInfinite(ray.start_cell)) {
+        continue;
+      }
+      const size_t last =
+          first +
+          random_.Below(static_cast<uint32_t>(crossings_.size() - first));
+      // Rounded to float.
+      ray.last_distance = (1 + 1e-6) * crossings_[last].distance;
+      RayPath path;
+      WalkRays(tetrahedra_, {&ray, 1}, {&path, 1});
+      ASSERT_NE(path.end, kNoCell);
+      ASSERT_GE(path.crossings.size(), last - first);
+      ASSERT_LE(path.crossings.size(), crossings_.size() - first - 1);
+      num_short += path.crossings.size() < crossings_.size() - first - 1;
+      for (size_t i = 0; i < path.crossings.size(); ++i) {
+        const Crossing& expected = crossings_[first + 1 + i];
+        ASSERT_EQ(path.crossings[i].exit_arc, expected.exit_arc);
+        ASSERT_EQ(path.crossings[i].entry_arc, expected.entry_arc);
+        ASSERT_EQ(path.crossings[i].distance, expected.distance);
+      }
+    }
+  }
+  EXPECT_GT(num_short, 100u);
+}
+
+TEST_F(GenericRayWalk, SaysWhereItMissesTheCellToStartIn) {
+  size_t num_missed = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Ray ray;
+    ray.origin = RandomOrigin();
+    ray.target = RandomTarget(kRange);
+    ray.end = kToHull;
+    ray.start_cell =
+        random_.Below(static_cast<uint32_t>(tetrahedra_.cells.size()));
+    if (tetrahedra_.IsInfinite(ray.start_cell)) {
+      continue;
+    }
+    RayPath path;
+    WalkRays(tetrahedra_, {&ray, 1}, {&path, 1});
+    if (path.end == kNoCell) {
+      ++num_missed;
+      WalkRay(tetrahedra_, ray.origin, ray.target, kToHull, 0, &crossings_);
+      for (const Crossing& crossing : crossings_) {
+        ASSERT_NE(crossing.exit_arc / 4, ray.start_cell);
+        ASSERT_NE(crossing.entry_arc / 4, ray.start_cell);
+      }
+    }
+  }
+  EXPECT_GT(num_missed, 100u);
+}
+
 TEST_F(GenericRayWalk, TheWayBackCrossesTheSameFacets) {
   const auto num_points = static_cast<uint32_t>(tetrahedra_.points.size());
   for (uint32_t u = 0; u < num_points; ++u) {

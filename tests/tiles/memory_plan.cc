@@ -18,6 +18,7 @@ void MemoryPlan::Add(const std::vector<Eigen::Vector3f>& positions,
       observations_.alphas.push_back(observations.alphas[k]);
     }
     observations_.offsets.push_back(observations_.size());
+    observations_.is_end.push_back(observations.IsEnd(row));
   }
 }
 
@@ -35,6 +36,7 @@ Observations MemoryPlan::ReadObservations(uint32_t begin, uint32_t end) const {
       read.alphas.push_back(observations_.alphas[k]);
     }
     read.offsets.push_back(read.size());
+    read.is_end.push_back(observations_.IsEnd(row));
   }
   return read;
 }
@@ -67,6 +69,7 @@ MemoryPlan PlanOf(const std::vector<Eigen::Vector3f>& points, size_t num_tiles,
         }
       }
       of_tile.offsets.push_back(of_tile.size());
+      of_tile.is_end.push_back(observations.IsEnd(point));
     }
     plan.Add(along_curve, of_tile);
   }

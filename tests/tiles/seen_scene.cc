@@ -94,6 +94,22 @@ SeenScene GroundScene(size_t num_points, uint64_t seed) {
   return scene;
 }
 
+SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed) {
+  SeenScene scene = GroundScene(num_points, seed);
+  scene.observations.is_end.assign(scene.points.size(), 0);
+  Random random(seed + 1);
+  for (uint32_t i = 0; i < num_points / 10; ++i) {
+    const Eigen::Vector3d point(10 * random.Unit(), 10 * random.Unit(),
+                                2 + 3 * random.Unit());
+    scene.points.push_back(point.cast<float>());
+    scene.observations.views.push_back(i % 25);
+    scene.observations.alphas.push_back(0.5f);
+    scene.observations.offsets.push_back(scene.observations.size());
+    scene.observations.is_end.push_back(1);
+  }
+  return scene;
+}
+
 WholeCut CutWhole(const SeenScene& scene, const MemoryPlan& plan) {
   WholeCut whole;
   const auto num_vertices = static_cast<uint32_t>(plan.positions().size());
@@ -111,6 +127,7 @@ WholeCut CutWhole(const SeenScene& scene, const MemoryPlan& plan) {
       observations.alphas.push_back(by_id.alphas[k]);
     }
     observations.offsets.push_back(observations.size());
+    observations.is_end.push_back(by_id.IsEnd(id));
   }
   whole.graph = ZeroCapacities(whole.tetrahedra);
   AddQualityWeights(whole.tetrahedra, scene.options.quality_regularization,

@@ -29,6 +29,9 @@ SeenScene SphereScene(size_t num_points, uint64_t seed, double noise = 0.02);
 // A wavy ground that cameras above it see.
 SeenScene GroundScene(size_t num_points, uint64_t seed);
 
+// The same with rays that end in the air, one for every ten points.
+SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed);
+
 // All vertices of a plan on one machine, in the plan's order.
 struct WholeCut {
   Tetrahedralization tetrahedra;

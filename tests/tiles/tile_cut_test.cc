@@ -103,6 +103,10 @@ TEST(CutTile, VotesAndLabelsAreThoseOfAllPointsOnTheGround) {
   ExpectSameCut(GroundScene(10000, 2), 4, 0.4);
 }
 
+TEST(CutTile, RaysThatEndInTheAirVoteAsInTheWhole) {
+  ExpectSameCut(GroundSceneWithEnds(6000, 4), 4, 0.3);
+}
+
 TEST(CutTile, OneTileKnowsAll) {
   const SeenScene scene = SphereScene(2000, 3);
   const MemoryPlan plan = PlanOf(scene.points, 1, scene.observations);
