@@ -41,10 +41,9 @@ class Walk {
     if (!(length_ > 0)) {
       return false;
     }
-    const bool is_started =
-        ray_->start_cell != kNoCell
-            ? StartInCell(ray_->start_cell)
-            : ray_->origin != kNoVertex && StartAtVertex(ray_->origin);
+    const bool is_started = ray_->origin != kNoVertex
+                                ? StartAtVertex(ray_->origin)
+                                : StartInCell(ray_->start_cell);
     if (!is_started) {
       path_->end = cell_;
     }
@@ -57,7 +56,7 @@ class Walk {
   // The first part: finds the next cell.
   // \return false where the walk has ended
   bool Leave() {
-    if (cell_ == ray_->end || IsBeyondLast()) {
+    if (cell_ == ray_->end) {
       path_->end = cell_;
       return false;
     }
@@ -111,7 +110,6 @@ class Walk {
     corners_[left] = apex_;
     x_[left] = x;
     y_[left] = y;
-    z_[left] = offset.dot(direction_);
     size_[left] = size;
     return true;
   }
@@ -125,30 +123,23 @@ class Walk {
   }
 
   // Finds the facet through which the ray leaves the cell that it starts in.
-  // \return false where it misses the hull, or the cell, which is kNoCell then
+  // \return false where it misses the hull, or nobody knows the cell
   bool StartInCell(uint32_t cell) {
     cell_ = cell;
+    if (cell == kNoCell) {
+      return false;
+    }
     if (tetrahedra_->IsInfinite(cell)) {
       return StartBeyondHull();
     }
+    exit_ = 0;
+    SetExitCorners(tetrahedra_->cells[cell]);
     // A line through the inside leaves through one facet.
-    for (exit_ = 0; exit_ < 4; ++exit_) {
+    while (FirstEdgePassedOutside() >= 0 && exit_ < 3) {
+      ++exit_;
       SetExitCorners(tetrahedra_->cells[cell]);
-      if (FirstEdgePassedOutside() < 0) {
-        return true;
-      }
     }
-    cell_ = kNoCell;
-    return false;
-  }
-
-  // Whether the exit, and so all of the way that is left, lies beyond the last
-  // distance that counts.
-  bool IsBeyondLast() const {
-    const double last = ray_->last_distance;
-    return std::max(std::max(z_[0], z_[1]), z_[2]) > last &&
-           (std::min(std::min(z_[0], z_[1]), z_[2]) > last ||
-            ExitDistance() > last);
+    return true;
   }
 
   // Finds the facet of the hull through which the ray comes in, among those
@@ -249,7 +240,6 @@ class Walk {
       const Eigen::Vector3d offset = Offset(corners_[i]);
       x_[i] = offset.dot(axis_x_);
       y_[i] = offset.dot(axis_y_);
-      z_[i] = offset.dot(direction_);
       size_[i] = offset.lpNorm<1>();
     }
   }
@@ -319,12 +309,10 @@ class Walk {
   bool is_near_ = true;
   float distance_ = 0;  // of the exit
   // The corners of the exit, normal along the ray, and their offsets from the
-  // ray's origin: across and along the ray, and the sum of the absolute
-  // components.
+  // ray's origin: across the ray, and the sum of the absolute components.
   std::array<uint32_t, 3> corners_;
   std::array<double, 3> x_;
   std::array<double, 3> y_;
-  std::array<double, 3> z_;  // along the ray
   std::array<double, 3> size_;
 };
 

@@ -33,22 +33,18 @@ struct Ray {
   // Distances are computed up to the first one beyond, scene units, and all of
   // them where `end` is kNoCell.
   double near_distance = 0;
-  // Where `origin` is kNoVertex: where the ray comes from.
+  // Where `origin` is kNoVertex: where the ray starts, and the cell that has
+  // this place strictly inside, or an infinite one that it lies beyond the hull
+  // of.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  // Where the walk starts: a finite cell that the ray passes through, or an
-  // infinite one that `position` lies beyond the hull of; kNoCell: at `origin`.
   uint32_t start_cell = kNoCell;
-  // The walk may end once all that is left of it lies farther from the origin,
-  // scene units.
-  double last_distance = std::numeric_limits<double>::infinity();
 };
 
 // The way of a ray.
 struct RayPath {
   std::vector<Crossing> crossings;  // in order
   // Where it ends, or kNoCell where it had to be given up (the target is the
-  // origin, or the ray misses the cell to start in); then the crossings mean
-  // nothing.
+  // origin); then the crossings mean nothing.
   uint32_t end = kNoCell;
 };
 

@@ -10,14 +10,18 @@
 
 #include <tbb/parallel_for.h>
 
+#include "delaunay/locate.h"
 #include "delaunay/predicates.h"
-#include "delaunay/ray_maker.h"
 #include "delaunay/ray_walk.h"
 
 namespace colmap_ext {
 namespace {
 
 constexpr char kStage[] = "Walking rays";
+
+// Sigmas. Beyond them the soft weight differs from one by exp(-12.5) at most,
+// 0.015 of the weights' unit: less than a weight is rounded by.
+constexpr double kNearSigmas = 5;
 
 // Vertices whose rays are walked by one thread, camera after camera, so that
 // neighboring rays find their cells in the cache. Any other number gives the
@@ -27,25 +31,88 @@ constexpr uint32_t kBlock = 256;
 // Rays that are walked together. Their paths fit a core's cache.
 constexpr size_t kBatch = 64;
 
+// A camera's centre and the cell that holds it.
+struct Center {
+  Eigen::Vector3d position;
+  uint32_t cell = 0;  // no cell's index where it lies beyond the hull
+};
+
+// A place and the cell that has it strictly inside, or an infinite one.
+struct Place {
+  Eigen::Vector3d position;
+  uint32_t cell = kNoCell;
+};
+
+// A place on a facet lies strictly inside no cell, and a walk may end in
+// another one than it does, as it treats the place as moved by an
+// infinitesimal step. Such a place is moved, by a millionth of the points'
+// noise at each try and in a direction that no simple plane contains.
+Place FindPlace(const Tetrahedralization& tetrahedra,
+                const Eigen::Vector3d& position, double sigma, uint32_t hint) {
+  constexpr int kMaxTries = 64;
+  Place place;
+  for (int k = 0; k < kMaxTries; ++k) {
+    place.position =
+        position + 1e-6 * sigma * k * Eigen::Vector3d(1, 0.618, 0.382);
+    const uint32_t cell = Locate(tetrahedra, place.position, hint);
+    if (tetrahedra.IsInfinite(cell) ||
+        IsStrictlyInside(tetrahedra, cell, place.position)) {
+      place.cell = cell;
+      break;
+    }
+  }
+  return place;
+}
+
+std::vector<Center> LocateCenters(const Tetrahedralization& tetrahedra,
+                                  const std::vector<Eigen::Vector3d>& centers,
+                                  double sigma) {
+  std::vector<Center> located(centers.size());
+  for (size_t i = 0; i < centers.size(); ++i) {
+    const Place place = FindPlace(tetrahedra, centers[i], sigma,
+                                  tetrahedra.vertex_cells.front());
+    const bool is_inside =
+        place.cell != kNoCell && !tetrahedra.IsInfinite(place.cell);
+    located[i] = {place.position,
+                  is_inside ? place.cell
+                            : static_cast<uint32_t>(tetrahedra.cells.size())};
+  }
+  return located;
+}
+
+// Points that are not vertices, each with the cell that it lies in.
+std::vector<Place> LocatePoints(const Tetrahedralization& tetrahedra,
+                                const std::vector<Eigen::Vector3f>& points,
+                                double sigma) {
+  std::vector<Place> located;
+  located.reserve(points.size());
+  uint32_t hint = tetrahedra.vertex_cells.front();
+  for (const Eigen::Vector3f& point : points) {
+    located.push_back(FindPlace(tetrahedra, point.cast<double>(), sigma, hint));
+    const uint32_t cell = located.back().cell;
+    if (cell != kNoCell && !tetrahedra.IsInfinite(cell)) {
+      hint = cell;
+    }
+  }
+  return located;
+}
+
 // Walks the rays of vertices, or of other points, and counts their votes.
 class Voter {
  public:
-  // \param points  that the rows are of; null: they are of the vertices
-  // \param part    null: all cells
+  // \param places  of the points; null: they are the vertices
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
-        const std::vector<Eigen::Vector3f>* points,
-        const std::vector<ViewCenter>& centers,
-        const VisibilityWeightOptions& options, VotingPart* part,
-        FlowCapacities* graph, std::vector<uint32_t>* free_support)
+        const std::vector<Place>* places, const std::vector<Center>& centers,
+        const VisibilityWeightOptions& options, FlowCapacities* graph,
+        std::vector<uint32_t>* free_support)
       : tetrahedra_(tetrahedra),
         observations_(observations),
-        has_vertices_(points == nullptr),
+        places_(places),
         centers_(centers),
         options_(options),
+        near_distance_(kNearSigmas * options.distance_sigma),
         normalization_(-0.5 /
                        (options.distance_sigma * options.distance_sigma)),
-        maker_(tetrahedra, points, options, part),
-        part_(part),
         graph_(graph),
         free_support_(free_support) {}
 
@@ -79,12 +146,16 @@ class Voter {
 
   // \param batch  kBatch observations at most
   void VoteBatch(std::span<const Observation> batch) {
-    Walk(batch, &RayMaker::ToCenter, front_);
-    Walk(batch, &RayMaker::Behind, behind_);
+    rays_.clear();
+    for (const Observation& observation : batch) {
+      rays_.push_back(RayToCenter(observation));
+    }
+    WalkRays(tetrahedra_, rays_, front_);
     for (size_t i = 0; i < batch.size(); ++i) {
-      if (front_[i].end == kNotWalked && behind_[i].end == kNotWalked) {
-        continue;
-      }
+      rays_[i] = RayBehind(batch[i]);
+    }
+    WalkRays(tetrahedra_, rays_, behind_);
+    for (size_t i = 0; i < batch.size(); ++i) {
       ++report_.num_rays;
       if (front_[i].end == kNoCell || behind_[i].end == kNoCell) {
         ++report_.num_lost_rays;
@@ -96,50 +167,43 @@ class Voter {
     }
   }
 
-  using MakeRay = bool (RayMaker::*)(uint32_t vertex, const ViewCenter& center,
-                                     bool is_end, Ray* ray);
-
-  // \param paths [batch] are overwritten
-  void Walk(std::span<const Observation> batch, MakeRay make_ray,
-            std::span<RayPath> paths) {
-    rays_.clear();
-    walked_.clear();
-    for (size_t i = 0; i < batch.size(); ++i) {
-      paths[i].end = kNotWalked;
-      Ray ray;
-      if ((maker_.*make_ray)(batch[i].vertex, centers_[batch[i].view],
-                             observations_.IsEnd(batch[i].vertex), &ray)) {
-        rays_.push_back(ray);
-        walked_.push_back(i);
-      }
-    }
-    WalkListed(paths);
-    // A ray may miss the cell on its way that it starts in, by a rounding.
-    size_t num_missed = 0;
-    for (size_t k = 0; k < rays_.size(); ++k) {
-      if (paths[walked_[k]].end == kNoCell &&
-          maker_.StartAtPoint(batch[walked_[k]].vertex, &rays_[k])) {
-        rays_[num_missed] = rays_[k];
-        walked_[num_missed++] = walked_[k];
-      }
-    }
-    rays_.resize(num_missed);
-    WalkListed(paths);
+  Ray RayToCenter(const Observation& observation) const {
+    const Center& center = centers_[observation.view];
+    return RayFrom(observation.vertex, center.position, center.cell,
+                   NearDistance(observation.vertex));
   }
 
-  // Walks rays_; ray k has the path walked_[k].
-  void WalkListed(std::span<RayPath> paths) {
-    for (size_t k = 0; k < rays_.size(); ++k) {
-      std::swap(listed_[k], paths[walked_[k]]);
+  Ray RayFrom(uint32_t vertex, const Eigen::Vector3d& target, uint32_t end,
+              double near_distance) const {
+    if (places_ == nullptr) {
+      return {vertex, target, end, near_distance};
     }
-    WalkRays(tetrahedra_, rays_, listed_);
-    for (size_t k = 0; k < rays_.size(); ++k) {
-      std::swap(listed_[k], paths[walked_[k]]);
-    }
+    const Place& place = (*places_)[vertex];
+    return {kNoVertex, target, end, near_distance, place.position, place.cell};
   }
 
-  bool IsInside(uint32_t cell) const {
-    return part_ == nullptr || part_->is_inside[cell] != 0;
+  Eigen::Vector3d PositionOf(uint32_t vertex) const {
+    return places_ != nullptr ? (*places_)[vertex].position
+                              : tetrahedra_.points[vertex].cast<double>();
+  }
+
+  // Behind an end it goes on to the hull.
+  Ray RayBehind(const Observation& observation) const {
+    const uint32_t vertex = observation.vertex;
+    const Eigen::Vector3d& center = centers_[observation.view].position;
+    const Eigen::Vector3d position = PositionOf(vertex);
+    if (observations_.IsEnd(vertex)) {
+      return RayFrom(vertex, 2 * position - center, kToHull, 0);
+    }
+    const Eigen::Vector3d direction = (position - center).normalized();
+    return RayFrom(
+        vertex,
+        position + options_.behind_sigma * options_.distance_sigma * direction,
+        kNoCell, near_distance_);
+  }
+
+  double NearDistance(uint32_t vertex) const {
+    return observations_.IsEnd(vertex) ? 0 : near_distance_;
   }
 
   // Where flow is pushed along the ray at once (docs/method.md, section 2.3),
@@ -147,32 +211,17 @@ class Voter {
   void Vote(const Observation& observation, const RayPath& front,
             const RayPath& behind) {
     const uint32_t weight = ToCapacity(observation.alpha);
-    if (front.end != kNotWalked) {
-      PushAlong(front, observation, &Crossing::exit_arc, &graph_->source,
-                part_ != nullptr ? &part_->free_space : nullptr);
-    }
     const bool is_end = observations_.IsEnd(observation.vertex);
-    if (behind.end != kNotWalked && is_end) {
-      AddFreeSpace(weight, behind);
-    } else if (behind.end != kNotWalked) {
-      PushAlong(behind, observation, &Crossing::entry_arc, &graph_->sink,
-                part_ != nullptr ? &part_->matter : nullptr);
+    PushAlong(front, observation, &Crossing::exit_arc, &graph_->source);
+    if (is_end) {
+      for (const Crossing& crossing : behind.crossings) {
+        AddToArc(weight, crossing.exit_arc);
+      }
+    } else {
+      PushAlong(behind, observation, &Crossing::entry_arc, &graph_->sink);
     }
     if (free_support_ != nullptr) {
       AddFreeSupport(weight, front);
-    }
-  }
-
-  // Behind an end of rays.
-  void AddFreeSpace(uint32_t weight, const RayPath& path) {
-    bool was_inside = true;
-    for (const Crossing& crossing : path.crossings) {
-      const bool is_inside = IsInside(crossing.exit_arc / 4);
-      if (is_inside && !was_inside) {
-        AddCapacity(weight, &part_->free_space[crossing.exit_arc / 4]);
-      }
-      was_inside = is_inside;
-      AddToArc(weight, crossing.exit_arc);
     }
   }
 
@@ -180,13 +229,13 @@ class Voter {
   // part of all vertices has another one of, it is all that may be the one.
   void AddAtEnds(uint32_t weight, const Observation& observation,
                  const RayPath& path, std::vector<uint32_t>* sums) {
-    if (!options_.inner_place || !has_vertices_ || !path.crossings.empty() ||
-        !tetrahedra_.IsInfinite(path.end)) {
+    if (!options_.inner_place || places_ != nullptr ||
+        !path.crossings.empty() || !tetrahedra_.IsInfinite(path.end)) {
       AddCapacity(weight, &(*sums)[path.end]);
       return;
     }
     const Eigen::Vector3d& center = centers_[observation.view].position;
-    const Eigen::Vector3d origin = maker_.PositionOf(observation.vertex);
+    const Eigen::Vector3d origin = PositionOf(observation.vertex);
     const bool is_front = sums == &graph_->source;
     const Eigen::Vector3d target = is_front ? center : 2 * origin - center;
     IncidentCells(tetrahedra_, observation.vertex, &star_);
@@ -212,8 +261,8 @@ class Voter {
     const auto at =
         static_cast<size_t>(std::ranges::find(facet, vertex) - facet.begin());
     const auto side = [&](size_t next) {
-      return RaySideExact(maker_.PositionOf(vertex), target,
-                          maker_.PositionOf(facet[(at + next) % 3]),
+      return RaySideExact(PositionOf(vertex), target,
+                          PositionOf(facet[(at + next) % 3]),
                           *options_.inner_place);
     };
     return side(1) > 0 && side(2) < 0;
@@ -232,41 +281,24 @@ class Voter {
   // take.
   // \param reverse_arc  of each arc
   // \param terminal [cells] source or sink
-  // \param brought [cells] what comes along from beyond the part
   void PushAlong(const RayPath& path, const Observation& observation,
                  uint32_t Crossing::*reverse_arc,
-                 std::vector<uint32_t>* terminal,
-                 std::vector<uint32_t>* brought) {
+                 std::vector<uint32_t>* terminal) {
     const uint32_t whole = ToCapacity(observation.alpha);
     const bool is_end = observations_.IsEnd(observation.vertex);
     uint32_t before = 0;
-    bool was_inside = true;
-    const auto enter = [&](uint32_t cell) {
-      const bool is_inside = IsInside(cell);
-      if (is_inside && !was_inside) {
-        AddCapacity(before, &(*brought)[cell]);
-      }
-      was_inside = is_inside;
-    };
     for (const Crossing& crossing : path.crossings) {
-      const uint32_t cell = crossing.exit_arc / 4;
-      enter(cell);
-      if (!was_inside && !IsInside(crossing.entry_arc / 4)) {
-        continue;
-      }
       uint32_t weight = whole;
-      if (!is_end && crossing.distance < maker_.near_distance()) {
+      if (!is_end && crossing.distance < near_distance_) {
         weight = SoftWeight(observation.alpha, crossing.distance);
       }
       AddToArc(weight, crossing.*reverse_arc);
-      if (was_inside && weight > before) {  // Distances fall by a rounding.
-        AddCapacity(weight - before, &(*terminal)[cell]);
+      if (weight > before) {  // Distances fall by a rounding at most.
+        AddCapacity(weight - before, &(*terminal)[crossing.exit_arc / 4]);
       }
       before = weight;
     }
-    enter(path.end);
-    // Where it leaves the hull at once the end may be another one.
-    if (whole > before && (was_inside || path.crossings.empty())) {
+    if (whole > before) {
       AddAtEnds(whole - before, observation, path, terminal);
     }
   }
@@ -280,24 +312,18 @@ class Voter {
     AddCapacity(weight, &graph_->capacities[arc / 4][arc % 4]);
   }
 
-  // Of a ray that nothing of is in the part.
-  static constexpr uint32_t kNotWalked = kNoCell - 1;
-
   const Tetrahedralization& tetrahedra_;
   const Observations& observations_;
-  const bool has_vertices_;
-  const std::vector<ViewCenter>& centers_;
+  const std::vector<Place>* places_;
+  const std::vector<Center>& centers_;
   const VisibilityWeightOptions& options_;
+  const double near_distance_;
   const double normalization_;
-  RayMaker maker_;
-  VotingPart* part_;
   FlowCapacities* graph_;
   std::vector<uint32_t>* free_support_;  // [cells], or null
   RayReport report_;
   std::vector<uint32_t> star_;  // scratch
   std::vector<Ray> rays_;       // of a batch
-  std::vector<size_t> walked_;  // [rays] which of the batch
-  std::array<RayPath, kBatch> listed_;
   std::array<RayPath, kBatch> front_;
   std::array<RayPath, kBatch> behind_;
 };
@@ -305,12 +331,11 @@ class Voter {
 // Counts the votes of all rows of observations.
 RayReport Vote(const Tetrahedralization& tetrahedra,
                const Observations& observations,
-               const std::vector<Eigen::Vector3f>* points,
+               const std::vector<Place>* places,
                const std::vector<Eigen::Vector3d>& centers,
-               const VisibilityWeightOptions& options, VotingPart* part,
-               FlowCapacities* graph, const Progress& progress,
-               std::vector<uint32_t>* free_support) {
-  const std::vector<ViewCenter> located =
+               const VisibilityWeightOptions& options, FlowCapacities* graph,
+               const Progress& progress, std::vector<uint32_t>* free_support) {
+  const std::vector<Center> located =
       LocateCenters(tetrahedra, centers, options.distance_sigma);
   const auto num_rows = static_cast<uint32_t>(observations.offsets.size() - 1);
   const uint32_t num_blocks = (num_rows + kBlock - 1) / kBlock;
@@ -318,7 +343,7 @@ RayReport Vote(const Tetrahedralization& tetrahedra,
   size_t num_done = 0;
   RayReport report;
   tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
-    Voter voter(tetrahedra, observations, points, located, options, part, graph,
+    Voter voter(tetrahedra, observations, places, located, options, graph,
                 free_support);
     voter.VoteBlock(block * kBlock, std::min(num_rows, (block + 1) * kBlock));
     const std::lock_guard lock(mutex);
@@ -379,8 +404,8 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
   if (free_support != nullptr) {
     free_support->assign(tetrahedra.cells.size(), 0);
   }
-  return Vote(tetrahedra, observations, nullptr, centers, options, nullptr,
-              graph, progress, free_support);
+  return Vote(tetrahedra, observations, nullptr, centers, options, graph,
+              progress, free_support);
 }
 
 RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
@@ -388,9 +413,11 @@ RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
                                     const Observations& observations,
                                     const std::vector<Eigen::Vector3d>& centers,
                                     const VisibilityWeightOptions& options,
-                                    VotingPart* part, FlowCapacities* graph) {
-  return Vote(tetrahedra, observations, &points, centers, options, part, graph,
-              {}, nullptr);
+                                    FlowCapacities* graph) {
+  const std::vector<Place> places =
+      LocatePoints(tetrahedra, points, options.distance_sigma);
+  return Vote(tetrahedra, observations, &places, centers, options, graph, {},
+              nullptr);
 }
 
 }  // namespace colmap_ext

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -54,30 +53,6 @@ Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
                              const std::vector<uint32_t>& point_vertices,
                              const std::vector<float>& point_alphas);
 
-// A part of a ray's way, by distances from where it comes from, scene units.
-struct RayRange {
-  double begin = 0;
-  double end = -1;
-
-  bool IsEmpty() const { return end < begin; }
-};
-
-// Some of the cells. Votes are counted for them and the facets around them
-// alone, and rays are walked where they may pass them.
-struct VotingPart {
-  std::vector<uint8_t> is_inside;  // [cells] 1 or 0
-  // What of a way may lie in the part. Safe from several threads.
-  // \param direction  unit
-  // \param length  scene units, or infinity
-  std::function<RayRange(const Eigen::Vector3d& from,
-                         const Eigen::Vector3d& direction, double length)>
-      range;
-  // [cells] What rays bring along from cells beyond the part: free space, where
-  // they come from their point, and matter, where they come from behind it.
-  std::vector<uint32_t> free_space;
-  std::vector<uint32_t> matter;
-};
-
 struct RayReport {
   size_t num_rays = 0;       // walked, before and behind their points
   size_t num_lost_rays = 0;  // given up; they contribute nothing
@@ -115,8 +90,9 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Progress& progress = {},
                                std::vector<uint32_t>* free_support = nullptr);
 
-// The same votes, for a part of the cells, of points that are not vertices. A
-// point that lies on a facet is moved off it, by a millionth of sigma.
+// The same votes of points that are not vertices: what their rays do beyond
+// the cells that hold them. A point that lies on a facet is moved off it, by a
+// millionth of sigma.
 //
 // \param points [P] world frame, near each other where they follow each other
 // \param observations [P] rows of the points, not of vertices
@@ -125,6 +101,6 @@ RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
                                     const Observations& observations,
                                     const std::vector<Eigen::Vector3d>& centers,
                                     const VisibilityWeightOptions& options,
-                                    VotingPart* part, FlowCapacities* graph);
+                                    FlowCapacities* graph);
 
 }  // namespace colmap_ext

@@ -32,19 +32,16 @@ double ChanceOf(uint32_t block) {
 }
 
 // How many vertices of another tile's block are there from the start: all of
-// them within a third of its size of the tile, and ever fewer, by the square of
-// the distance, so that each ring of blocks around the tile has as many. What
-// is missing of them is found later.
+// them within its own size of the tile, and ever fewer, by the square of the
+// distance, so that each ring of blocks around the tile has as many.
 uint32_t NumFirst(uint32_t num_vertices, uint32_t block,
                   const Eigen::AlignedBox3f& box,
                   const Eigen::AlignedBox3f& own_box) {
-  // At one block's size. Both tuned on: fountain tiled 4 x 4; by: 1, 1/3 and
-  // 1/7 of the size, 64 and 16 vertices.
-  constexpr double kVertices = 16;
-  constexpr double kNear = 0.1;  // squared
+  // At one block's size. A choice: some hundred vertices a ring.
+  constexpr double kVertices = 64;
   const double size_squared = box.diagonal().squaredNorm();
   const double distance_squared = own_box.squaredExteriorDistance(box);
-  if (distance_squared <= kNear * size_squared) {
+  if (distance_squared <= size_squared) {
     return num_vertices;
   }
   const double wanted =

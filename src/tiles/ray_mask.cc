@@ -21,16 +21,17 @@ int ClampToVoxel(double at, int size = RayMask::kSize) {
   return static_cast<int>(std::clamp(std::floor(at), 0.0, size - 1.0));
 }
 
-// The part of a way within a box from 0 to `size`, as multiples of it; empty
-// where there is none.
-RayRange ClipToBox(const Eigen::Vector3d& from, const Eigen::Vector3d& way,
-                   double length, double size) {
+// The part of a way within a box from 0 to `size`, as multiples of it; begins
+// after its end where there is none.
+std::array<double, 2> ClipToBox(const Eigen::Vector3d& from,
+                                const Eigen::Vector3d& way, double length,
+                                double size) {
   double begin = 0;
   double end = length;
   for (int i = 0; i < 3; ++i) {
     if (way[i] == 0) {
       if (from[i] < -kSlack || from[i] > size + kSlack) {
-        return {};
+        return {1, 0};
       }
       continue;
     }
@@ -186,24 +187,15 @@ bool RayMask::MayTouch(const Eigen::AlignedBox3d& box) const {
          0;
 }
 
-RayRange RayMask::RangeOf(const Eigen::Vector3d& from,
-                          const Eigen::Vector3d& direction,
-                          double length) const {
+bool RayMask::MayPass(const Eigen::Vector3d& from,
+                      const Eigen::Vector3d& direction, double length) const {
   if (direction.isZero(0)) {
-    return {0, 0};
+    return true;
   }
   const Eigen::Vector3d start = ToVoxels(from);
   const Eigen::Vector3d way = direction.cwiseProduct(voxels_per_unit_);
-  RayRange range = ClipToBox(start, way, length, kSize);
-  if (range.IsEmpty()) {
-    return range;
-  }
-  const double end = range.end;
-  range.begin = FirstMark(start, way, range.begin, end);
-  if (range.begin <= end) {
-    range.end = -FirstMark(start, -way, -end, -range.begin);
-  }
-  return range;
+  const auto [begin, end] = ClipToBox(start, way, length, kSize);
+  return begin <= end && FirstMark(start, way, begin, end) <= end;
 }
 
 // \param way  voxels

@@ -9,8 +9,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "delaunay/visibility_weights.h"
-
 namespace colmap_ext {
 
 // A coarse picture of a part of space, to tell which rays can not pass through
@@ -30,12 +28,11 @@ class RayMask {
   // To be called after the last mark.
   void Finish();
 
-  // What of a way may pass through what is marked, from the first mark to the
-  // last one.
+  // Whether a way may pass through what is marked.
   // \param direction  unit
   // \param length  scene units, or infinity
-  RayRange RangeOf(const Eigen::Vector3d& from,
-                   const Eigen::Vector3d& direction, double length) const;
+  bool MayPass(const Eigen::Vector3d& from, const Eigen::Vector3d& direction,
+               double length) const;
 
   // Whether anything may be marked within a box.
   bool MayTouch(const Eigen::AlignedBox3d& box) const;

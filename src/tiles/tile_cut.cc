@@ -1,6 +1,7 @@
 #include "tiles/tile_cut.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -38,7 +39,7 @@ std::vector<CellPlace> PlacesOf(const TileTetrahedra& tile, uint32_t home,
   return places;
 }
 
-// Where rays may pass through a tile's cells.
+// Rays that may pass through a tile's cells.
 class RayFilter {
  public:
   RayFilter(const PlanBlocks& blocks, const TileTetrahedra& tile,
@@ -65,23 +66,34 @@ class RayFilter {
     mask_.Finish();
   }
 
-  const RayMask& mask() const { return mask_; }
-
-  // Marks the views from which any ray to a block's vertices may.
-  // \param may_pass [views] 0; is set to 1
-  // \return whether there are any
-  bool MarkViews(uint32_t block, std::vector<uint8_t>* may_pass) const {
+  // Whether any ray of a block may.
+  bool MayPass(uint32_t block) const {
     const Eigen::AlignedBox3d box = Grown(blocks_.boxes[block]);
-    bool has_any = false;
-    for (const uint32_t view : blocks_.views[block]) {
-      // Behind ends rays go on to the hull.
-      if (blocks_.have_ends[block] != 0 ||
-          mask_.MayTouch(box.merged(Eigen::AlignedBox3d(centers_[view])))) {
-        (*may_pass)[view] = 1;
-        has_any = true;
+    // Behind ends rays go on to the hull.
+    return blocks_.have_ends[block] != 0 ||
+           std::ranges::any_of(blocks_.views[block], [&](uint32_t view) {
+             return mask_.MayTouch(
+                 box.merged(Eigen::AlignedBox3d(centers_[view])));
+           });
+  }
+
+  // Appends a row with the rays of a vertex that may.
+  void Append(const Observations& from, size_t row,
+              const Eigen::Vector3f& position, Observations* to) const {
+    const Eigen::Vector3d place = position.cast<double>();
+    for (uint64_t k = from.offsets[row]; k < from.offsets[row + 1]; ++k) {
+      const Eigen::Vector3d& center = centers_[from.views[k]];
+      const Eigen::Vector3d way = place - center;
+      const double length = from.IsEnd(row)
+                                ? std::numeric_limits<double>::infinity()
+                                : way.norm() + behind_;
+      if (mask_.MayPass(center, way.normalized(), length)) {
+        to->views.push_back(from.views[k]);
+        to->alphas.push_back(from.alphas[k]);
       }
     }
-    return has_any;
+    to->offsets.push_back(to->size());
+    to->is_end.push_back(from.IsEnd(row));
   }
 
  private:
@@ -118,23 +130,12 @@ class TileVotes {
         centers_(centers),
         options_(options),
         filter_(blocks_, tile, places, centers, options),
-        graph_(graph) {
-    for (const CellPlace place : places) {
-      part_.is_inside.push_back(place != CellPlace::kBeyond);
-    }
-    part_.range = [this](const Eigen::Vector3d& from,
-                         const Eigen::Vector3d& direction, double length) {
-      return filter_.mask().RangeOf(from, direction, length);
-    };
-    part_.free_space.resize(places.size());
-    part_.matter.resize(places.size());
-  }
+        graph_(graph) {}
 
   RayReport Run(const Progress& progress) {
     AddVertices(progress);
     for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
-      may_pass_.assign(centers_.size(), 0);
-      if (filter_.MarkViews(block, &may_pass_)) {
+      if (filter_.MayPass(block)) {
         AddBlock(block);
       }
       if (points_.size() >= kBatchVertices) {
@@ -145,12 +146,9 @@ class TileVotes {
     return report_;
   }
 
-  const VotingPart& part() const { return part_; }
-
  private:
   // The rays of the tile's vertices, block by block as their ids follow.
   void AddVertices(const Progress& progress) {
-    may_pass_.assign(centers_.size(), 1);
     Observations observations;
     Observations of_block;
     uint32_t block = UINT32_MAX;
@@ -162,8 +160,8 @@ class TileVotes {
         of_block = plan_.ReadObservations(blocks_.begins[block],
                                           blocks_.begins[block + 1]);
       }
-      Append(of_block, id - blocks_.begins[block], &observations);
-      EndRow(of_block.IsEnd(id - blocks_.begins[block]), &observations);
+      filter_.Append(of_block, id - blocks_.begins[block],
+                     tile_.tetrahedra.points[i], &observations);
     }
     Count(AddVisibilityWeights(tile_.tetrahedra, observations, centers_,
                                options_, graph_, progress));
@@ -185,34 +183,22 @@ class TileVotes {
         continue;
       }
       const size_t num_before = observations_.size();
-      Append(of_block, id - begin, &observations_);
+      filter_.Append(of_block, id - begin, positions[id - begin],
+                     &observations_);
       if (observations_.size() > num_before) {
-        EndRow(of_block.IsEnd(id - begin), &observations_);
         points_.push_back(positions[id - begin]);
+      } else {
+        observations_.offsets.pop_back();
+        observations_.is_end.pop_back();
       }
     }
   }
 
   void AddBatch() {
     Count(AddOuterVisibilityWeights(tile_.tetrahedra, points_, observations_,
-                                    centers_, options_, &part_, graph_));
+                                    centers_, options_, graph_));
     points_.clear();
     observations_ = {};
-  }
-
-  // Appends the rays of a vertex from the views that are marked.
-  void Append(const Observations& from, size_t row, Observations* to) const {
-    for (uint64_t k = from.offsets[row]; k < from.offsets[row + 1]; ++k) {
-      if (may_pass_[from.views[k]] != 0) {
-        to->views.push_back(from.views[k]);
-        to->alphas.push_back(from.alphas[k]);
-      }
-    }
-  }
-
-  static void EndRow(bool is_end, Observations* observations) {
-    observations->offsets.push_back(observations->size());
-    observations->is_end.push_back(is_end);
   }
 
   bool IsVertex(uint32_t id) const { return NumVertices(id, id + 1) == 1; }
@@ -240,12 +226,10 @@ class TileVotes {
   const std::vector<Eigen::Vector3d>& centers_;
   const VisibilityWeightOptions& options_;
   RayFilter filter_;
-  VotingPart part_;
   FlowCapacities* graph_;
   RayReport report_;
   std::vector<Eigen::Vector3f> points_;  // of the batch
   Observations observations_;            // of the batch, by points
-  std::vector<uint8_t> may_pass_;        // [views] whose rays are asked for
 };
 
 }  // namespace
@@ -262,13 +246,12 @@ TileCut CutTile(const PlanVertices& plan, uint32_t tile,
   AddQualityWeights(tetrahedra, options.quality_regularization, &result.graph);
   VisibilityWeightOptions rays = options.rays;
   rays.inner_place = plan.Blocks().Center();
-  TileVotes votes(plan, result.tile, result.places, centers, rays,
-                  &result.graph);
-  result.rays = votes.Run(progress);
+  result.rays =
+      TileVotes(plan, result.tile, result.places, centers, rays, &result.graph)
+          .Run(progress);
   Report(progress, "Cutting the graph", 0);
   result.labels = LabelPart(NeighborsOf(tetrahedra), result.graph,
-                            result.places, votes.part().free_space,
-                            votes.part().matter, options.seam_rings);
+                            result.places, options.seam_rings);
   return result;
 }
 

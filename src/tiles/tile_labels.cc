@@ -14,18 +14,6 @@ uint32_t PlaceAmong(uint32_t node, const std::array<uint32_t, 4>& nodes) {
   return static_cast<uint32_t>(std::ranges::find(nodes, node) - nodes.begin());
 }
 
-// With what rays bring along.
-FlowCapacities WithBrought(const FlowCapacities& graph,
-                           const std::vector<uint32_t>& free_space,
-                           const std::vector<uint32_t>& matter) {
-  FlowCapacities sum = graph;
-  for (size_t node = 0; node < graph.size(); ++node) {
-    sum.source[node] = Clamp(sum.source[node]) + Clamp(free_space[node]);
-    sum.sink[node] = Clamp(sum.sink[node]) + Clamp(matter[node]);
-  }
-  return sum;
-}
-
 // The graph of the part with free space beyond: the arcs from there are those
 // of the source.
 FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
@@ -85,14 +73,11 @@ std::vector<uint8_t> Band(NeighborView neighbors,
 std::vector<uint8_t> LabelPart(NeighborView neighbors,
                                const FlowCapacities& graph,
                                const std::vector<CellPlace>& places,
-                               const std::vector<uint32_t>& free_space,
-                               const std::vector<uint32_t>& matter, int rings) {
+                               int rings) {
+  std::vector<uint8_t> labels = ComputeMinCut(neighbors, graph).on_source_side;
   if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
-    return ComputeMinCut(neighbors, graph).on_source_side;
+    return labels;
   }
-  std::vector<uint8_t> labels =
-      ComputeMinCut(neighbors, WithBrought(graph, free_space, matter))
-          .on_source_side;
   const std::vector<uint8_t> most =
       ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
           .on_source_side;

@@ -30,18 +30,13 @@ enum class CellPlace : uint8_t {
 //
 // All other nodes of the part are not known within some rings of nodes around
 // those that are shared, and further inside have the label of the minimum cut
-// of the graph as it is, which goes on beyond the part, if coarsely, with what
-// rays bring along from there.
+// of the graph as it is, which goes on beyond the part, if coarsely.
 //
 // \param graph   complete for the arcs from and to the nodes of the part
 // \param places  [N]
-// \param free_space, matter [N] what rays bring along, see VotingPart; empty
-//        where all nodes are of the part
 // \param rings   -1: all that is not matter for sure is not known
 std::vector<uint8_t> LabelPart(NeighborView neighbors,
                                const FlowCapacities& graph,
-                               const std::vector<CellPlace>& places,
-                               const std::vector<uint32_t>& free_space,
-                               const std::vector<uint32_t>& matter, int rings);
+                               const std::vector<CellPlace>& places, int rings);
 
 }  // namespace colmap_ext
