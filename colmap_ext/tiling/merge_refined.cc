@@ -8,6 +8,7 @@
 #include "colmap_ext/tiling/surface_files.h"
 #include "formats/errors.h"
 #include "mesh/topology.h"
+#include "refine/finish_refinement.h"
 
 namespace colmap_ext {
 

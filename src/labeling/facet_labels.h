@@ -31,7 +31,7 @@ struct FacetLabels {
 
   size_t NumFacets() const { return labels.size(); }
 
-  // Of the facet that has most.
+  // The largest number of labels that a facet has.
   size_t MaxLabelsOfFacet() const {
     size_t count = 0;
     for (size_t i = 0; i < NumFacets(); ++i) {

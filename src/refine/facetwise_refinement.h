@@ -221,10 +221,4 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks);
 
-// What follows the last level: the borders are trimmed and closed, what lies
-// outside of the region is cut off, self-intersections are repaired.
-// \throw std::invalid_argument if the trimming leaves nothing.
-void FinishRefinement(const FacetwiseRefinementOptions& options,
-                      const Progress& progress, RefinedMesh* refined);
-
 }  // namespace colmap_ext

@@ -255,8 +255,8 @@ State FollowCameras(const RefinementLevel& level, const Stage& stage,
   return is_to_follow ? Iterate(stage, std::move(state)) : std::move(state);
 }
 
-// More labels from the same surface on: it is drawn again, and its vertices
-// account for more pixels.
+// Goes on from the present surface by more labels: it is drawn again, and its
+// vertices account for more pixels.
 State GoOnByLabels(FacetLabels labels, int num_iterations, Stage* stage,
                    State state) {
   stage->labels = std::move(labels);
