@@ -110,8 +110,8 @@ void AddPairOptions(CommandOptions* manager, RefinerOptions* refiner) {
   manager->AddDefaultOption(
       "FacetwiseRefinement.final_pairs_per_facet",
       &refinement->labeling.final_pairs_per_facet,
-      "The same in the last iterations, if more, and a third in those before "
-      "and at the smaller sizes; 0 leaves these out: the paper's method");
+      "The same in the last iterations of all, if more, and a third in those "
+      "before; 0 leaves these out: the paper's method");
   manager->AddDefaultOption("FacetwiseRefinement.potts_weight",
                             &refinement->labeling.potts_weight,
                             "Cost of refining neighboring faces by different "

@@ -24,8 +24,8 @@ struct FacetLabelingOptions {
   // docs/benchmarks.md.
   int final_pairs_per_facet = 18;
 
-  // Labels of each facet that the final iterations before these use, at the
-  // coarser levels all of them: a third. Tuned likewise.
+  // Labels of each facet that the final iterations before these use: a third.
+  // Tuned likewise.
   int FirstFinalPairs() const {
     return std::max(pairs_per_facet, (final_pairs_per_facet + 2) / 3);
   }

@@ -262,8 +262,8 @@ class Refinement {
     HideFixed(*state, &visibility);
     Report(hooks_.progress, "Labelling facets", 0);
     FacetLabelingOptions options = options_.labeling;
-    if (level > 0 && options.final_pairs_per_facet > 0) {
-      options.final_pairs_per_facet = options.FirstFinalPairs();
+    if (level > 0) {
+      options.final_pairs_per_facet = 0;  // the finest level alone has them
     }
     FacetLabeling labeling = LabelFacets(
         options, state->mesh, state->attributes, pairs_, visibility, views);

@@ -214,8 +214,9 @@ State Iterate(const Stage& stage, State state) {
   // Px, mean motion since the mesh was drawn, from which on it is drawn again.
   // What is visible changes by less than a window then.
   constexpr double kMaxDrift = 0.1;
-  // Of the energy, that an iteration has to gain for another one to follow.
-  constexpr double kMinGain = 2e-4;
+  // Of the energy, that an iteration has to gain for another one to follow; the
+  // finer levels go on from what a coarser one leaves. Found by trial.
+  const double min_gain = stage.level == 0 ? 2e-4 : 1e-3;
   state.is_stopped = !Report(stage, state, 0);
   for (int i = 0; i < stage.max_iterations && !state.is_stopped; ++i) {
     if (state.drift > kMaxDrift) {
@@ -235,7 +236,7 @@ State Iterate(const Stage& stage, State state) {
     ++state.iteration;
     state.drift += mean_motion;
     state.is_stopped = !Report(stage, state, mean_motion);
-    if (before - state.Energy() < kMinGain * std::abs(before)) {
+    if (before - state.Energy() < min_gain * std::abs(before)) {
       break;
     }
   }
@@ -273,15 +274,13 @@ State GoOnByLabels(FacetLabels labels, int num_iterations, Stage* stage,
   return Iterate(*stage, std::move(state));
 }
 
-// The final iterations: at the finest level, which none follows, the first of
-// them by a part of the labels.
+// The final iterations, the first of them by a part of the labels.
 State Finish(FacetLabels labels, const std::vector<View>& views, Stage* stage,
              State state) {
   constexpr int kIterations = 2;
-  const bool is_finest = stage->level == 0;
   const auto num_first =
       static_cast<size_t>(stage->options.labeling.FirstFinalPairs());
-  const bool is_by_part = is_finest && labels.MaxLabelsOfFacet() > num_first;
+  const bool is_by_part = labels.MaxLabelsOfFacet() > num_first;
   const auto in_smaller_view = [&](FacetLabels chosen) {
     return InSmallerView(std::move(chosen), state.surface.mesh, views);
   };
@@ -294,8 +293,8 @@ State Finish(FacetLabels labels, const std::vector<View>& views, Stage* stage,
   }
   labels = in_smaller_view(std::move(labels));
   return GoOnByLabels(std::move(labels),
-                      is_finest && !is_by_part ? 2 * kIterations : kIterations,
-                      stage, std::move(state));
+                      is_by_part ? kIterations : 2 * kIterations, stage,
+                      std::move(state));
 }
 
 }  // namespace
@@ -341,7 +340,7 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
                           stage.domain, state.surface);
   state = FollowCameras(level, stage, Iterate(stage, std::move(state)));
   FacetLabels labels = level.labels.Of(is_confirmed);
-  if (!state.is_stopped &&
+  if (level.level == 0 && !state.is_stopped &&
       stage.labels.labels.values.size() < labels.labels.values.size()) {
     state = Finish(std::move(labels), level.views, &stage, std::move(state));
   }

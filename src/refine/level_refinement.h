@@ -53,8 +53,8 @@ using OnLevelStep =
 // options.iterations steps, or when a step gains next to nothing.
 //
 // The first `pairs_per_facet` labels of each facet are used first, all of them
-// in the final iterations: progress needs many iterations, but the noise that
-// remains depends on the last ones only.
+// in the final iterations, which the finest level alone has: progress needs
+// many iterations, but the noise that remains depends on the last ones only.
 //
 // The surface is to be smooth (refine/thin_plate.h) at the finest level, where
 // it is seen. Elsewhere, and at the coarser levels, it is the motion of the

@@ -99,12 +99,13 @@ void FacetTree::Sort(size_t first_leaf, size_t last_leaf,
 }
 
 void FacetTree::FillNodes() {
-  for (size_t leaf = 0; leaf < NumLeaves(); ++leaf) {
-    nodes_[NumLeaves() - 1 + leaf].setEmpty();
+  tbb::parallel_for(size_t{0}, NumLeaves(), [&](size_t leaf) {
+    Box& box = nodes_[NumLeaves() - 1 + leaf];
+    box.setEmpty();
     for (size_t i = First(leaf); i < First(leaf + 1); ++i) {
-      nodes_[NumLeaves() - 1 + leaf].extend(boxes_[i]);
+      box.extend(boxes_[i]);
     }
-  }
+  });
   for (size_t node = NumLeaves() - 1; node-- > 0;) {
     nodes_[node] = nodes_[2 * node + 1].merged(nodes_[2 * node + 2]);
   }

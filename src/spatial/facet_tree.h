@@ -50,7 +50,11 @@ class FacetTree {
     const Box& box = nodes_[NumLeaves() - 1 + leaf];
     ForEachLeafIn(box, leaf, 0, 0, NumLeaves(), [&](size_t other_leaf) {
       const size_t other_last = First(other_leaf + 1);
+      const Box& other_box = nodes_[NumLeaves() - 1 + other_leaf];
       for (size_t i = first; i < last; ++i) {
+        if (!boxes_[i].intersects(other_box)) {
+          continue;
+        }
         for (size_t j = other_leaf == leaf ? i + 1 : First(other_leaf);
              j < other_last; ++j) {
           if (boxes_[i].intersects(boxes_[j])) {

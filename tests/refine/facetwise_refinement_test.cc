@@ -330,6 +330,19 @@ TEST(RefineFacetwise, LowersTheEnergyFromStepToStep) {
   }
 }
 
+TEST(RefineFacetwise, HasFinalIterationsAtTheFinestLevelAlone) {
+  const TriangleMesh mesh = PerturbedTruth();
+  const RefinedMesh refined =
+      Refine(SmallOptions(), {mesh, NoAttributes(mesh), {}, 1});
+  size_t num_coarse = 0;
+  for (const RefinementStep& step : refined.report.steps) {
+    num_coarse += step.level > 0 ? 1 : 0;
+    EXPECT_LE(step.is_final, step.level == 0);
+  }
+  EXPECT_GT(num_coarse, 1);
+  EXPECT_TRUE(refined.report.steps.back().is_final);
+}
+
 TEST(RefineFacetwise, DoesNotDependOnThreads) {
   const TriangleMesh mesh = PerturbedTruth();
   std::vector<RefinedMesh> results;
