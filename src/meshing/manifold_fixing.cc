@@ -1,7 +1,10 @@
 #include "meshing/manifold_fixing.h"
 
+#include <algorithm>
 #include <optional>
 #include <span>
+
+#include <tbb/parallel_for.h>
 
 #include "meshing/best_flip.h"
 #include "meshing/cell_splitting.h"
@@ -96,12 +99,32 @@ class Fixer {
     }
   }
 
-  // \pre vertices stay as they are while labels change
+  // Flips what is best at one vertex after the other. All are chosen side by
+  // side, and once more where an earlier flip changed what was looked at.
+  // \pre the tracker's singular vertices are up to date, and vertices stay as
+  //      they are
   void FlipBest(const std::vector<uint32_t>& vertices, int64_t max_excess) {
-    for (const uint32_t vertex : vertices) {
-      tracker_.Flip(
-          BestFlip(*tetrahedra_, *graph_, vertex, max_excess, is_free_));
+    const auto best = [&](size_t i) {
+      return BestFlip(
+          *tetrahedra_, *graph_, vertices[i], max_excess, *is_free_,
+          [this](uint32_t vertex) { return tracker_.IsRegular(vertex); });
+    };
+    std::vector<std::vector<uint32_t>> flips(vertices.size());
+    tbb::parallel_for(size_t{0}, flips.size(),
+                      [&](size_t i) { flips[i] = best(i); });
+    for (size_t i = 0; i < flips.size(); ++i) {
+      tracker_.Flip(IsTouchedAround(vertices[i]) ? best(i) : flips[i]);
     }
+  }
+
+  // Whether labels have changed that BestFlip looks at.
+  bool IsTouchedAround(uint32_t vertex) {
+    IncidentCells(*tetrahedra_, vertex, &cells_);
+    return std::ranges::any_of(cells_, [this](uint32_t cell) {
+      return std::ranges::any_of(
+          tetrahedra_->cells[cell].vertices,
+          [this](uint32_t corner) { return tracker_.IsTouched(corner); });
+    });
   }
 
   // The paper's rule, first for matter and then for free space.
@@ -162,7 +185,8 @@ class Fixer {
   std::vector<uint8_t>* is_free_;
   SingularVertexTracker tracker_;
   FixingReport report_;
-  VertexStar star_;  // of the vertex in hand
+  VertexStar star_;              // of the vertex in hand
+  std::vector<uint32_t> cells_;  // at the vertex in hand
 };
 
 }  // namespace

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "delaunay/tetrahedralization.h"
@@ -34,6 +36,18 @@ class SingularVertexTracker {
   // cells that have changed since the last call.
   const std::vector<uint32_t>& Singular();
 
+  // Whether a vertex was not singular at the last call, and is at no cell that
+  // has changed since. Safe from several threads.
+  bool IsRegular(uint32_t vertex) const {
+    return !IsLeft(vertex) && !is_touched_.contains(vertex) &&
+           !std::binary_search(singular_.begin(), singular_.end(), vertex);
+  }
+
+  // Whether a vertex is at a cell that has changed since the last call.
+  bool IsTouched(uint32_t vertex) const {
+    return is_touched_.contains(vertex);
+  }
+
   // Swaps free space and matter in some cells.
   void Flip(std::span<const uint32_t> cells);
 
@@ -57,8 +71,8 @@ class SingularVertexTracker {
   std::vector<uint8_t>* is_free_;
   const std::vector<uint8_t> is_left_;
   std::vector<uint32_t>
-      singular_;                   // ascending; before the touched ones changed
-  std::vector<uint32_t> touched_;  // vertices of flipped cells, with repeats
+      singular_;  // ascending; before the touched ones changed
+  std::unordered_set<uint32_t> is_touched_;  // finite vertices of flipped cells
   std::vector<uint32_t> flips_;    // cells
   size_t num_examined_vertices_ = 0;
 };
