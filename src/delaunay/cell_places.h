@@ -48,8 +48,8 @@ class CellPlaces {
   // That of the cell, or the free one where it belongs.
   uint32_t* SlotOf(uint32_t cell, const std::vector<uint32_t>& cells) {
     // Fibonacci hashing: the upper bits of the product are the mixed ones.
-    size_t slot = (cell * 0x9e3779b97f4a7c15u) >>
-                  (64 - std::countr_zero(num_slots_));
+    size_t slot =
+        (cell * 0x9e3779b97f4a7c15u) >> (64 - std::countr_zero(num_slots_));
     while (slots_[slot] != kFree && cells[slots_[slot]] != cell) {
       slot = (slot + 1) & (num_slots_ - 1);
     }

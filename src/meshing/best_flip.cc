@@ -131,8 +131,7 @@ struct Candidate {
 
   // Whether it is the better one, as far as its change is known.
   bool IsBefore(const Candidate& other) const {
-    return change == other.change ? place < other.place
-                                  : change < other.change;
+    return change == other.change ? place < other.place : change < other.change;
   }
 };
 

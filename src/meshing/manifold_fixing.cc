@@ -35,11 +35,15 @@ std::optional<size_t> Largest(const VertexStar& star, bool is_free) {
 class Fixer {
  public:
   Fixer(Tetrahedralization* tetrahedra, FlowCapacities* graph,
-        std::vector<uint8_t>* is_free, const std::vector<uint8_t>& is_left)
+        std::vector<uint8_t>* is_free, const PartialComplex* partial)
       : tetrahedra_(tetrahedra),
         graph_(graph),
         is_free_(is_free),
-        tracker_(*tetrahedra, is_free, is_left) {}
+        partial_(partial),
+        tracker_(
+            partial != nullptr
+                ? SingularVertexTracker(*tetrahedra, is_free, partial->singular)
+                : SingularVertexTracker(*tetrahedra, is_free)) {}
 
   FixingReport Run(FixingRule rule) {
     report_.num_singular_raw = tracker_.Singular().size();
@@ -55,10 +59,19 @@ class Fixer {
   }
 
  private:
+  // With the cells around them, ascending.
+  const std::vector<uint32_t>& Singular() {
+    const std::vector<uint32_t>& singular = tracker_.Singular();
+    if (partial_ != nullptr && !singular.empty()) {
+      partial_->complete(singular);
+    }
+    return singular;
+  }
+
   void FixByPaper() {
-    KeepLargestComponents(tracker_.Singular());
-    SplitSmallComponents(tracker_.Singular());
-    KeepLargestComponents(tracker_.Singular());
+    KeepLargestComponents(Singular());
+    SplitSmallComponents(Singular());
+    KeepLargestComponents(Singular());
   }
 
   void FixByEnergy() {
@@ -74,7 +87,7 @@ class Fixer {
     size_t num_flips = 0;
     do {
       num_flips = tracker_.num_flips();
-      FlipBest(tracker_.Singular(), /*max_excess=*/-1);
+      FlipBest(Singular(), /*max_excess=*/-1);
     } while (tracker_.num_flips() != num_flips);
   }
 
@@ -83,7 +96,7 @@ class Fixer {
   // better ones may follow. Takes them back where no fewer vertices are
   // singular in the end.
   void SplitAndFlip() {
-    const std::vector<uint32_t> singular = tracker_.Singular();
+    const std::vector<uint32_t> singular = Singular();
     SplitSmallComponents(singular);
     const size_t num_flips = tracker_.num_flips();
     FlipBest(singular, /*max_excess=*/0);
@@ -183,6 +196,7 @@ class Fixer {
   Tetrahedralization* tetrahedra_;
   FlowCapacities* graph_;
   std::vector<uint8_t>* is_free_;
+  const PartialComplex* partial_;
   SingularVertexTracker tracker_;
   FixingReport report_;
   VertexStar star_;              // of the vertex in hand
@@ -195,8 +209,8 @@ FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,
                                  std::vector<uint8_t>* is_free,
-                                 const std::vector<uint8_t>& is_left) {
-  return Fixer(tetrahedra, graph, is_free, is_left).Run(rule);
+                                 const PartialComplex* partial) {
+  return Fixer(tetrahedra, graph, is_free, partial).Run(rule);
 }
 
 }  // namespace colmap_ext

@@ -115,9 +115,9 @@ bool IsAtMostOneCycle(std::span<LinkEdge> edges) {
   uint32_t at = start;
   size_t length = 0;
   do {
-    const auto edge =
-        is_sorted ? std::ranges::lower_bound(edges, LinkEdge{at, 0})
-                  : std::ranges::find(edges, at, &LinkEdge::first);
+    const auto edge = is_sorted
+                          ? std::ranges::lower_bound(edges, LinkEdge{at, 0})
+                          : std::ranges::find(edges, at, &LinkEdge::first);
     at = edge->second;
     ++length;
   } while (at != start && length < edges.size());
@@ -165,20 +165,21 @@ std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
 }
 
 SingularVertexTracker::SingularVertexTracker(
-    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free,
-    const std::vector<uint8_t>& is_left)
-    : tetrahedra_(tetrahedra),
-      is_free_(is_free),
-      is_left_(is_left),
-      singular_(SingularVertices(tetrahedra, *is_free)),
-      num_examined_vertices_(tetrahedra.points.size()) {
-  std::erase_if(singular_, [this](uint32_t vertex) { return IsLeft(vertex); });
+    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free)
+    : SingularVertexTracker(tetrahedra, is_free,
+                            SingularVertices(tetrahedra, *is_free)) {
+  num_examined_vertices_ = tetrahedra.points.size();
 }
 
+SingularVertexTracker::SingularVertexTracker(
+    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free,
+    std::vector<uint32_t> singular)
+    : tetrahedra_(tetrahedra),
+      is_free_(is_free),
+      singular_(std::move(singular)) {}
+
 const std::vector<uint32_t>& SingularVertexTracker::Singular() {
-  std::vector<uint32_t> touched;
-  std::ranges::copy_if(is_touched_, std::back_inserter(touched),
-                       [this](uint32_t vertex) { return !IsLeft(vertex); });
+  std::vector<uint32_t> touched(is_touched_.begin(), is_touched_.end());
   std::ranges::sort(touched);
   num_examined_vertices_ += touched.size();
   const std::vector<uint32_t> found =

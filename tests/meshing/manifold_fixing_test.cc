@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "mesh/fan_split.h"
 #include "mesh/topology.h"
@@ -163,6 +164,73 @@ TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
     EXPECT_GT(reference.num_examined_vertices, bound);
     EXPECT_EQ(problem.labels, copy.labels);
   }
+}
+
+TEST_P(FixSingularVerticesTest, IsTheSameAtEveryNumberOfThreads) {
+  Random random(8);
+  const Problem problem = LargeProblemWithFewSingularVertices(300, &random);
+  std::vector<Problem> results;
+  for (const size_t num_threads : {1, 2, 5}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    Problem& fixed = results.emplace_back(problem);
+    const FixingReport report = FixSingularVertices(
+        GetParam(), &fixed.tetrahedra, &fixed.graph, &fixed.labels);
+    EXPECT_GT(report.num_singular_raw, 200u);
+    EXPECT_EQ(fixed.labels, results[0].labels);
+    ExpectSameCells(fixed.tetrahedra, results[0].tetrahedra);
+  }
+}
+
+// Where cells come as they are asked for: the same as where all are there.
+TEST_P(FixSingularVerticesTest, AsksForAllThatItLooksAt) {
+  Random random(9);
+  const Problem whole = LargeProblemWithFewSingularVertices(300, &random);
+  Problem expected = whole;
+  FixSingularVertices(GetParam(), &expected.tetrahedra, &expected.graph,
+                      &expected.labels);
+  Problem hidden = whole;
+  std::vector<uint8_t> is_shown(whole.labels.size(), 0);
+  const auto show_around = [&](uint32_t vertex) {
+    std::vector<uint32_t> cells;
+    IncidentCells(hidden.tetrahedra, vertex, &cells);
+    for (const uint32_t cell : cells) {
+      if (cell < is_shown.size() && is_shown[cell] == 0) {
+        is_shown[cell] = 1;
+        hidden.labels[cell] = whole.labels[cell];
+      }
+    }
+  };
+  PartialComplex partial;
+  partial.singular = whole.Singular();
+  partial.complete = [&](const std::vector<uint32_t>& vertices) {
+    std::vector<uint32_t> cells;
+    for (const uint32_t vertex : vertices) {
+      IncidentCells(hidden.tetrahedra, vertex, &cells);
+      for (const uint32_t cell : cells) {
+        for (const uint32_t corner : hidden.tetrahedra.cells[cell].vertices) {
+          if (corner != kInfiniteVertex) {
+            show_around(corner);
+          }
+        }
+      }
+    }
+  };
+  // What is not shown yet has the other label.
+  for (uint8_t& label : hidden.labels) {
+    label = !label;
+  }
+  FixSingularVertices(GetParam(), &hidden.tetrahedra, &hidden.graph,
+                      &hidden.labels, &partial);
+  size_t num_hidden = 0;
+  for (size_t cell = 0; cell < is_shown.size(); ++cell) {
+    num_hidden += is_shown[cell] == 0;
+    hidden.labels[cell] =
+        is_shown[cell] != 0 ? hidden.labels[cell] : whole.labels[cell];
+  }
+  EXPECT_GT(num_hidden, is_shown.size() / 10);
+  EXPECT_EQ(hidden.labels, expected.labels);
+  ExpectSameCells(hidden.tetrahedra, expected.tetrahedra);
 }
 
 INSTANTIATE_TEST_SUITE_P(
