@@ -46,7 +46,7 @@ std::vector<Cells> Candidates(const Tetrahedralization& tetrahedra,
   StarGraph graph;
   MakeStarGraph(tetrahedra, vertex, &graph);
   VertexStar star;
-  MakeVertexStar(graph, is_free, &star);
+  MakeVertexStar(graph, CellLabels(is_free), &star);
   std::vector<Cells> candidates;
   if (!star.IsSingular()) {
     return candidates;
@@ -64,7 +64,7 @@ std::vector<Cells> Candidates(const Tetrahedralization& tetrahedra,
     add(Cells(component.begin(), component.end()));
     Cells others = CellsOfOthers(star, first);
     RemovePairs(&others);
-    MakeVertexStar(graph, {is_free, others}, &once_flipped);
+    MakeVertexStar(graph, CellLabels(is_free, others), &once_flipped);
     for (size_t second = 0; second < once_flipped.NumComponents(); ++second) {
       if (once_flipped.is_free[second] != star.is_free[first]) {
         Cells cells = CellsOfOthers(once_flipped, second);
@@ -152,13 +152,14 @@ class FlipRater {
     const auto regular = std::ranges::stable_partition(
         candidate.vertices,
         [this](uint32_t vertex) { return !is_regular_(vertex); });
+    const CellLabels before(is_free_);
+    const CellLabels after(is_free_, candidate.cells);
     for (auto at = candidate.vertices.begin(); at != regular.begin(); ++at) {
-      candidate.change.excess -= ExcessOf(GraphAt(*at), is_free_);
+      candidate.change.excess -= ExcessOf(GraphAt(*at), before);
     }
     candidate.change.energy =
-        EnergyAround(tetrahedra_, graph_, {is_free_, candidate.cells},
-                     candidate.cells) -
-        EnergyAround(tetrahedra_, graph_, is_free_, candidate.cells);
+        EnergyAround(tetrahedra_, graph_, after, candidate.cells) -
+        EnergyAround(tetrahedra_, graph_, before, candidate.cells);
     return candidate;
   }
 

@@ -131,10 +131,11 @@ std::vector<uint32_t> SingularAmong(const Tetrahedralization& tetrahedra,
   std::vector<uint8_t> is_singular(vertices.size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, vertices.size()),
                     [&](const tbb::blocked_range<size_t>& range) {
+                      const CellLabels labels(is_free);
                       StarGraph star;
                       for (size_t i = range.begin(); i < range.end(); ++i) {
                         MakeStarGraph(tetrahedra, vertices[i], &star);
-                        is_singular[i] = CountComponents(star, is_free) > 2;
+                        is_singular[i] = CountComponents(star, labels) > 2;
                       }
                     });
   std::vector<uint32_t> singular;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <ranges>
 
 #include "delaunay/cell_places.h"
 
@@ -10,14 +9,15 @@ namespace colmap_ext {
 namespace {
 
 // Calls visit(places) with the places in graph.cells of each component.
-// \param seeds  places, all of them: in this order components are found
-template <typename Seeds, typename Visit>
+// \param seed_at  [S] -> all places: in this order components are found
+template <typename SeedAt, typename Visit>
 void ForEachComponent(const StarGraph& graph, const CellLabels& labels,
-                      const Seeds& seeds, const Visit& visit) {
+                      const SeedAt& seed_at, const Visit& visit) {
   thread_local std::vector<uint8_t> is_visited;
   thread_local std::vector<uint32_t> places;
   is_visited.assign(graph.cells.size(), 0);
-  for (const uint32_t seed : seeds) {
+  for (uint32_t k = 0; k < graph.cells.size(); ++k) {
+    const uint32_t seed = seed_at(k);
     if (is_visited[seed]) {
       continue;
     }
@@ -78,29 +78,29 @@ void MakeVertexStar(const StarGraph& graph, const CellLabels& labels,
   star->cells.clear();
   star->offsets.assign(1, 0);
   star->is_free.clear();
-  ForEachComponent(graph, labels, seeds,
-                   [&](const std::vector<uint32_t>& places) {
-                     for (const uint32_t place : places) {
-                       star->cells.push_back(graph.cells[place]);
-                     }
-                     star->offsets.push_back(star->cells.size());
-                     star->is_free.push_back(labels[star->cells.back()]);
-                   });
+  ForEachComponent(
+      graph, labels, [&](uint32_t k) { return seeds[k]; },
+      [&](const std::vector<uint32_t>& places) {
+        for (const uint32_t place : places) {
+          star->cells.push_back(graph.cells[place]);
+        }
+        star->offsets.push_back(star->cells.size());
+        star->is_free.push_back(labels[star->cells.back()]);
+      });
 }
 
 void MakeVertexStar(const Tetrahedralization& tetrahedra,
-                    const CellLabels& labels, uint32_t vertex,
+                    const std::vector<uint8_t>& is_free, uint32_t vertex,
                     VertexStar* star) {
   thread_local StarGraph graph;
   MakeStarGraph(tetrahedra, vertex, &graph);
-  MakeVertexStar(graph, labels, star);
+  MakeVertexStar(graph, CellLabels(is_free), star);
 }
 
 size_t CountComponents(const StarGraph& graph, const CellLabels& labels) {
   size_t count = 0;
   ForEachComponent(
-      graph, labels,
-      std::views::iota(uint32_t{0}, static_cast<uint32_t>(graph.cells.size())),
+      graph, labels, [](uint32_t k) { return k; },
       [&](const std::vector<uint32_t>&) { ++count; });
   return count;
 }

@@ -17,8 +17,8 @@ class CellLabels {
   // \param is_free [C] 1: free space, 0: matter
   // \param flipped cells, ascending
   // Both have to live on.
-  CellLabels(const std::vector<uint8_t>& is_free,
-             std::span<const uint32_t> flipped = {});
+  explicit CellLabels(const std::vector<uint8_t>& is_free,
+                      std::span<const uint32_t> flipped = {});
 
   uint8_t operator[](uint32_t cell) const {
     const bool may_be_flipped = ((residues_ >> (cell % 64)) & 1) != 0;
@@ -71,7 +71,7 @@ void MakeStarGraph(const Tetrahedralization& tetrahedra, uint32_t vertex,
 void MakeVertexStar(const StarGraph& graph, const CellLabels& labels,
                     VertexStar* star);
 void MakeVertexStar(const Tetrahedralization& tetrahedra,
-                    const CellLabels& labels, uint32_t vertex,
+                    const std::vector<uint8_t>& is_free, uint32_t vertex,
                     VertexStar* star);
 
 // VertexStar::NumComponents for some labels. Much faster than to make the star.
