@@ -149,12 +149,12 @@ class FlipRater {
   Candidate Bound(Cells cells, size_t place) {
     Candidate candidate{std::move(cells), {}, {}, place};
     candidate.vertices = VerticesOf(tetrahedra_, candidate.cells);
-    const auto regular = std::ranges::stable_partition(
-        candidate.vertices,
+    const auto regular = std::stable_partition(
+        candidate.vertices.begin(), candidate.vertices.end(),
         [this](uint32_t vertex) { return !is_regular_(vertex); });
     const CellLabels before(is_free_);
     const CellLabels after(is_free_, candidate.cells);
-    for (auto at = candidate.vertices.begin(); at != regular.begin(); ++at) {
+    for (auto at = candidate.vertices.begin(); at != regular; ++at) {
       candidate.change.excess -= ExcessOf(GraphAt(*at), before);
     }
     candidate.change.energy =

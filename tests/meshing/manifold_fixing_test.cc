@@ -121,30 +121,6 @@ TEST_P(FixSingularVerticesTest, IsWhatExaminingAllVerticesAfterEachPassGives) {
   EXPECT_GT(num_split_cells, 0u);
 }
 
-// Free space on one side of a plane, matter on the other, and pairs of cells of
-// the other label that meet in one vertex.
-Problem LargeProblemWithFewSingularVertices(int num_pairs, Random* random) {
-  Problem problem;
-  problem.tetrahedra = DelaunayOf(RandomPoints(6000, 1 << 20, random));
-  const Tetrahedralization& tetrahedra = problem.tetrahedra;
-  problem.graph = RandomGraphOf(tetrahedra, 1000, random);
-  for (const auto& cell : tetrahedra.cells) {
-    const uint32_t lowest =
-        *std::min_element(cell.vertices.begin(), cell.vertices.end());
-    problem.labels.push_back(tetrahedra.points[lowest].x() > 0);
-  }
-  std::vector<uint32_t> cells;
-  for (int pair = 0; pair < num_pairs; ++pair) {
-    const uint32_t vertex =
-        random->Below(static_cast<uint32_t>(tetrahedra.points.size()));
-    IncidentCells(tetrahedra, vertex, &cells);
-    for (const uint32_t cell : {cells.front(), cells.back()}) {
-      problem.labels[cell] = !problem.labels[cell];
-    }
-  }
-  return problem;
-}
-
 // The cost without a clock: all vertices are examined once, and then those
 // around what was relabelled alone.
 TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
@@ -180,57 +156,6 @@ TEST_P(FixSingularVerticesTest, IsTheSameAtEveryNumberOfThreads) {
     EXPECT_EQ(fixed.labels, results[0].labels);
     ExpectSameCells(fixed.tetrahedra, results[0].tetrahedra);
   }
-}
-
-// Where cells come as they are asked for: the same as where all are there.
-TEST_P(FixSingularVerticesTest, AsksForAllThatItLooksAt) {
-  Random random(9);
-  const Problem whole = LargeProblemWithFewSingularVertices(300, &random);
-  Problem expected = whole;
-  FixSingularVertices(GetParam(), &expected.tetrahedra, &expected.graph,
-                      &expected.labels);
-  Problem hidden = whole;
-  std::vector<uint8_t> is_shown(whole.labels.size(), 0);
-  const auto show_around = [&](uint32_t vertex) {
-    std::vector<uint32_t> cells;
-    IncidentCells(hidden.tetrahedra, vertex, &cells);
-    for (const uint32_t cell : cells) {
-      if (cell < is_shown.size() && is_shown[cell] == 0) {
-        is_shown[cell] = 1;
-        hidden.labels[cell] = whole.labels[cell];
-      }
-    }
-  };
-  PartialComplex partial;
-  partial.singular = whole.Singular();
-  partial.complete = [&](const std::vector<uint32_t>& vertices) {
-    std::vector<uint32_t> cells;
-    for (const uint32_t vertex : vertices) {
-      IncidentCells(hidden.tetrahedra, vertex, &cells);
-      for (const uint32_t cell : cells) {
-        for (const uint32_t corner : hidden.tetrahedra.cells[cell].vertices) {
-          if (corner != kInfiniteVertex) {
-            show_around(corner);
-          }
-        }
-      }
-    }
-  };
-  // What is not shown yet has the other label.
-  for (uint8_t& label : hidden.labels) {
-    label = !label;
-  }
-  FixSingularVertices(GetParam(), &hidden.tetrahedra, &hidden.graph,
-                      &hidden.labels, &partial);
-  size_t num_hidden = 0;
-  for (size_t cell = 0; cell < is_shown.size(); ++cell) {
-    num_hidden += is_shown[cell] == 0;
-    hidden.labels[cell] =
-        is_shown[cell] != 0 ? hidden.labels[cell] : whole.labels[cell];
-  }
-  EXPECT_GT(num_hidden, is_shown.size() / 10);
-  EXPECT_EQ(hidden.labels, expected.labels);
-  ExpectSameCells(hidden.tetrahedra, expected.tetrahedra);
 }
 
 INSTANTIATE_TEST_SUITE_P(
