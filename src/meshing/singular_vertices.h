@@ -47,9 +47,6 @@ class SingularVertexTracker {
            !std::binary_search(singular_.begin(), singular_.end(), vertex);
   }
 
-  // Whether a vertex is at a cell that has changed since the last call.
-  bool IsTouched(uint32_t vertex) const { return is_touched_.contains(vertex); }
-
   // Swaps free space and matter in some cells.
   void Flip(std::span<const uint32_t> cells);
 
