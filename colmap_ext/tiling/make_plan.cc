@@ -153,10 +153,12 @@ class Planner {
     const size_t stride =
         (num_points_ + kMaxSamplePoints - 1) / kMaxSamplePoints;
     PointCloud dense;
-    ForEachPoint([&](const PointCloud& piece, size_t point) {
-      if (parts.PartOf(piece.positions[point]) % stride == 0) {
-        dense.positions.push_back(piece.positions[point]);
-        dense.views.AddRow(piece.views[point]);
+    ForEachPiece([&](const PointCloud& piece) {
+      for (size_t point = 0; point < piece.size(); ++point) {
+        if (parts.PartOf(piece.positions[point]) % stride == 0) {
+          dense.positions.push_back(piece.positions[point]);
+          dense.views.AddRow(piece.views[point]);
+        }
       }
     });
     return dense;
@@ -196,24 +198,21 @@ class Planner {
     return {sample_.cloud.positions, weights, num_parts};
   }
 
-  // The points that can be meshed.
+  // The points that can be meshed, some at a time.
   template <typename Visit>
-  void ForEachPoint(const Visit& visit) {
+  void ForEachPiece(const Visit& visit) {
     size_t num_done = 0;
-    StreamCloud(files_.path, files_.visibility_path, kPiecePoints,
-                [&](CloudPiece piece) {
-                  num_done += piece.cloud.positions.size();
-                  FilterReport ignored;
-                  const PointCloud cloud = FilterCloud(
-                      std::move(piece.cloud), std::move(piece.visibility),
-                      sample_.views.size(), &ignored);
-                  for (size_t i = 0; i < cloud.size(); ++i) {
-                    visit(cloud, i);
-                  }
-                  Report(progress_, kSharing,
-                         static_cast<double>(num_done) /
-                             static_cast<double>(num_points_));
-                });
+    StreamCloud(
+        files_.path, files_.visibility_path, kPiecePoints,
+        [&](CloudPiece piece) {
+          num_done += piece.cloud.positions.size();
+          FilterReport ignored;
+          visit(FilterCloud(std::move(piece.cloud), std::move(piece.visibility),
+                            sample_.views.size(), &ignored));
+          Report(
+              progress_, kSharing,
+              static_cast<double>(num_done) / static_cast<double>(num_points_));
+        });
   }
 
   void ShareOut(const SplitTree& tree, TilePoints* points) {
@@ -222,9 +221,12 @@ class Planner {
     for (size_t tile = 0; tile < num_tiles_; ++tile) {
       plan_.tiles[tile].cell = cells[tile];
     }
-    ForEachPoint([&](const PointCloud& piece, size_t point) {
-      if (const auto tile = points->Add(Correct(piece, point))) {
-        ++plan_.tiles[*tile].num_points;
+    ForEachPiece([&](PointCloud piece) {
+      Correct(&piece);
+      for (size_t point = 0; point < piece.size(); ++point) {
+        if (const auto tile = points->Add(piece, point)) {
+          ++plan_.tiles[*tile].num_points;
+        }
       }
     });
     points->CollectEnds();
@@ -232,20 +234,17 @@ class Planner {
     report_->num_ray_ends = points->num_ray_ends();
   }
 
-  // A point by itself, the half pixel put right.
-  PointCloud Correct(const PointCloud& piece, size_t point) const {
-    PointCloud single;
-    single.positions.push_back(piece.positions[point]);
-    if (!piece.colors.empty()) {
-      single.colors.push_back(piece.colors[point]);
+  // Puts the half pixel right.
+  void Correct(PointCloud* piece) const {
+    if (!options_.mesher.half_pixel_correction) {
+      return;
     }
-    single.views.AddRow(piece.views[point]);
-    if (options_.mesher.half_pixel_correction) {
-      single.positions[0] +=
-          static_cast<float>(plan_.half_pixel_scale) *
-          HalfPixelOffsets(single, sample_.views, sample_.depth_map_scales)[0];
+    const std::vector<Eigen::Vector3f> offsets =
+        HalfPixelOffsets(*piece, sample_.views, sample_.depth_map_scales);
+    for (size_t point = 0; point < piece->size(); ++point) {
+      piece->positions[point] +=
+          static_cast<float>(plan_.half_pixel_scale) * offsets[point];
     }
-    return single;
   }
 
   // Some tiles at a time, as many as there are threads and memory for. What

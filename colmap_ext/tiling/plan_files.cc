@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "delaunay/take_tetrahedra.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -39,10 +38,11 @@ enum BlocksSection {
   kNumBlocksSections
 };
 
-constexpr char kCutKind[] = "CECUT002";
+constexpr char kCutKind[] = "CECUT003";
 enum CutSection {
   kCutIds,
   kCutNumOwn,
+  kCutFirstCells,
   kCutCells,
   kCutLabels,
   kCutCapacities,
@@ -91,6 +91,7 @@ void WriteCut(const fs::path& folder, uint64_t identity, size_t tile,
                      kNumCutSections);
   file.Add(cut.tile.ids);
   file.Add(std::vector<uint32_t>(1, cut.tile.num_own));
+  file.Add(cut.tile.tetrahedra.vertex_cells);
   file.Add(cut.tile.tetrahedra.cells);
   file.Add(cut.labels);
   file.Add(cut.graph.capacities);
@@ -219,18 +220,31 @@ std::shared_ptr<const TilePart> FileParts::ReadPart(uint32_t tile) const {
   Tetrahedralization& tetrahedra = part->tile.tetrahedra;
   tetrahedra.cells = file.ReadAll<Tetrahedralization::Cell>(kCutCells);
   tetrahedra.points.assign(part->tile.ids.size(), Eigen::Vector3f::Zero());
-  tetrahedra.vertex_cells = FirstCells(tetrahedra);
+  tetrahedra.vertex_cells = file.ReadAll<uint32_t>(kCutFirstCells);
   part->labels = file.ReadAll<uint8_t>(kCutLabels);
   return part;
 }
 
-FlowCapacities FileParts::ReadGraph(uint32_t tile) const {
+PartVertices FileParts::ReadVertices(uint32_t tile) const {
+  return {files_[tile]->ReadAll<uint32_t>(kCutIds),
+          files_[tile]->ReadAll<uint32_t>(kCutFirstCells)};
+}
+
+uint32_t FileParts::NumCells(uint32_t tile) const {
+  return static_cast<uint32_t>(files_[tile]->Count<uint8_t>(kCutLabels));
+}
+
+PartCells FileParts::ReadCells(uint32_t tile, uint32_t begin,
+                               uint32_t end) const {
   const SectionReader& file = *files_[tile];
-  FlowCapacities graph;
-  graph.capacities = file.ReadAll<std::array<uint32_t, 4>>(kCutCapacities);
-  graph.source = file.ReadAll<uint32_t>(kCutSource);
-  graph.sink = file.ReadAll<uint32_t>(kCutSink);
-  return graph;
+  PartCells read;
+  read.cells = file.Read<Tetrahedralization::Cell>(kCutCells, begin, end);
+  read.labels = file.Read<uint8_t>(kCutLabels, begin, end);
+  read.graph.capacities =
+      file.Read<std::array<uint32_t, 4>>(kCutCapacities, begin, end);
+  read.graph.source = file.Read<uint32_t>(kCutSource, begin, end);
+  read.graph.sink = file.Read<uint32_t>(kCutSink, begin, end);
+  return read;
 }
 
 }  // namespace colmap_ext

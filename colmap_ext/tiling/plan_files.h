@@ -57,7 +57,10 @@ class FileParts : public TileParts {
 
   TileSeam ReadSeam(uint32_t tile) const override;
   std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const override;
-  FlowCapacities ReadGraph(uint32_t tile) const override;
+  PartVertices ReadVertices(uint32_t tile) const override;
+  uint32_t NumCells(uint32_t tile) const override;
+  PartCells ReadCells(uint32_t tile, uint32_t begin,
+                      uint32_t end) const override;
 
  private:
   std::vector<std::unique_ptr<SectionReader>> files_;  // [tiles]

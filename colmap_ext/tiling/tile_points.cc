@@ -29,15 +29,16 @@ TilePoints::TilePoints(const std::filesystem::path& folder,
   }
 }
 
-std::optional<uint32_t> TilePoints::Add(const PointCloud& cloud) {
+std::optional<uint32_t> TilePoints::Add(const PointCloud& cloud, size_t point) {
   const size_t number = num_added_++;
-  if (collector_ && collector_->IsOutside(cloud.positions[0])) {
+  const Eigen::Vector3f& position = cloud.positions[point];
+  if (collector_ && collector_->IsOutside(position)) {
     ++num_outside_;
-    shares_.Add(num_tiles_ + number * num_tiles_ / num_points_, cloud, 0);
+    shares_.Add(num_tiles_ + number * num_tiles_ / num_points_, cloud, point);
     return std::nullopt;
   }
-  const uint32_t tile = tree_.PartOf(cloud.positions[0]);
-  shares_.Add(tile, cloud, 0);
+  const uint32_t tile = tree_.PartOf(position);
+  shares_.Add(tile, cloud, point);
   return tile;
 }
 

@@ -32,9 +32,9 @@ class TilePoints {
              const std::optional<Region>& region);
 
   // The next point, half pixel put right.
-  // \param cloud  of that one
+  // \param point  of the cloud
   // \return its tile; nothing where it lies beyond the region
-  std::optional<uint32_t> Add(const PointCloud& cloud);
+  std::optional<uint32_t> Add(const PointCloud& cloud, size_t point);
 
   // To be called after the last point.
   void CollectEnds();

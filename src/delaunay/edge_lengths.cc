@@ -22,9 +22,12 @@ bool IsLowestCellOfEdge(const Tetrahedralization& tetrahedra, uint32_t first,
   const uint32_t u = start[from];
   const uint32_t v = start[to];
   uint32_t index = first;
-  // The other two corners: the walk leaves through the facet opposite to one.
+  // The other two corners: the walk leaves through the facet opposite to one,
+  // and comes back through the other's.
   int leave = 0;
   while (leave == from || leave == to) ++leave;
+  const int back = 6 - from - to - leave;
+  if (tetrahedra.cells[first].neighbors[back] < first) return false;
   for (;;) {
     const uint32_t next = tetrahedra.cells[index].neighbors[leave];
     if (next == first) return true;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <unordered_set>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
 #include "delaunay/cell_order.h"
+#include "delaunay/cell_places.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "delaunay/insertion_order.h"
@@ -85,25 +85,15 @@ ThinnedTetrahedralization Flatten(const std::vector<uint32_t>& points,
 
 void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
                    std::vector<uint32_t>* cells) {
-  // A vertex has some 25 cells, but an outlier can have thousands. Up to this
-  // many (256 bytes) a linear search is faster than a hash table.
-  constexpr size_t kMaxLinearSearch = 64;
-  std::unordered_set<uint32_t> seen;
-  const auto is_new = [&](uint32_t cell) {
-    if (cells->size() <= kMaxLinearSearch) {
-      return std::find(cells->begin(), cells->end(), cell) == cells->end();
-    }
-    if (seen.empty()) {
-      seen.insert(cells->begin(), cells->end());
-    }
-    return seen.insert(cell).second;
-  };
-  cells->assign(1, tetrahedra.vertex_cells[vertex]);
+  thread_local CellPlaces places;
+  places.Clear();
+  cells->clear();
+  places.PlaceIn(tetrahedra.vertex_cells[vertex], cells);
   for (size_t i = 0; i < cells->size(); ++i) {
     const Tetrahedralization::Cell& cell = tetrahedra.cells[(*cells)[i]];
     for (int k = 0; k < 4; ++k) {
-      if (cell.vertices[k] != vertex && is_new(cell.neighbors[k])) {
-        cells->push_back(cell.neighbors[k]);
+      if (cell.vertices[k] != vertex) {
+        places.PlaceIn(cell.neighbors[k], cells);
       }
     }
   }

@@ -12,12 +12,6 @@ namespace {
 
 using Cells = std::vector<uint32_t>;
 
-void Flip(const Cells& cells, std::vector<uint8_t>* is_free) {
-  for (const uint32_t cell : cells) {
-    (*is_free)[cell] = !(*is_free)[cell];
-  }
-}
-
 // The cells of all components of the kept one's label but that one.
 Cells CellsOfOthers(const VertexStar& star, size_t kept) {
   Cells cells;
@@ -47,9 +41,12 @@ void RemovePairs(Cells* cells) {
 
 // All flips that BestFlip chooses from, sorted cells each.
 std::vector<Cells> Candidates(const Tetrahedralization& tetrahedra,
-                              uint32_t vertex, std::vector<uint8_t>* is_free) {
+                              uint32_t vertex,
+                              const std::vector<uint8_t>& is_free) {
+  StarGraph graph;
+  MakeStarGraph(tetrahedra, vertex, &graph);
   VertexStar star;
-  MakeVertexStar(tetrahedra, *is_free, vertex, &star);
+  MakeVertexStar(graph, CellLabels(is_free), &star);
   std::vector<Cells> candidates;
   if (!star.IsSingular()) {
     return candidates;
@@ -65,10 +62,9 @@ std::vector<Cells> Candidates(const Tetrahedralization& tetrahedra,
   for (size_t first = 0; first < star.NumComponents(); ++first) {
     const auto component = star.Component(first);
     add(Cells(component.begin(), component.end()));
-    const Cells others = CellsOfOthers(star, first);
-    Flip(others, is_free);
-    MakeVertexStar(tetrahedra, *is_free, vertex, &once_flipped);
-    Flip(others, is_free);
+    Cells others = CellsOfOthers(star, first);
+    RemovePairs(&others);
+    MakeVertexStar(graph, CellLabels(is_free, others), &once_flipped);
     for (size_t second = 0; second < once_flipped.NumComponents(); ++second) {
       if (once_flipped.is_free[second] != star.is_free[first]) {
         Cells cells = CellsOfOthers(once_flipped, second);
@@ -97,9 +93,9 @@ std::vector<uint32_t> VerticesOf(const Tetrahedralization& tetrahedra,
 }
 
 // Components beyond the second around a vertex.
-int64_t ExcessOf(const StarGraph& graph, const std::vector<uint8_t>& is_free) {
+int64_t ExcessOf(const StarGraph& graph, const CellLabels& labels) {
   return std::max<int64_t>(
-      0, static_cast<int64_t>(CountComponents(graph, is_free)) - 2);
+      0, static_cast<int64_t>(CountComponents(graph, labels)) - 2);
 }
 
 // The part of the cut's value that depends on the labels of the cells.
@@ -107,16 +103,18 @@ int64_t ExcessOf(const StarGraph& graph, const std::vector<uint8_t>& is_free) {
 //      twice. Cells to flip do: a facet between them contains their common
 //      vertex, and they are of one component.
 int64_t EnergyAround(const Tetrahedralization& tetrahedra,
-                     const FlowCapacities& graph,
-                     const std::vector<uint8_t>& is_free, const Cells& cells) {
+                     const FlowCapacities& graph, const CellLabels& labels,
+                     const Cells& cells) {
   int64_t energy = 0;
   for (const uint32_t cell : cells) {
-    energy += is_free[cell] ? graph.sink[cell] : graph.source[cell];
+    const bool is_free = labels[cell] != 0;
+    energy += is_free ? graph.sink[cell] : graph.source[cell];
     for (int i = 0; i < 4; ++i) {
       const uint32_t other = tetrahedra.cells[cell].neighbors[i];
-      if (is_free[cell] && !is_free[other]) {
+      const bool is_other_free = labels[other] != 0;
+      if (is_free && !is_other_free) {
         energy += graph.capacities[cell][i];
-      } else if (!is_free[cell] && is_free[other]) {
+      } else if (!is_free && is_other_free) {
         energy += graph.capacities[other][tetrahedra.FacetTo(other, cell)];
       }
     }
@@ -124,64 +122,73 @@ int64_t EnergyAround(const Tetrahedralization& tetrahedra,
   return energy;
 }
 
-// Chooses among the flips around one vertex.
-class FlipChooser {
+// Cells to flip, and their place among all candidates.
+struct Candidate {
+  Cells cells;
+  std::vector<uint32_t> vertices;  // those that may be singular first
+  FlipChange change;               // first: what it can not be below
+  size_t place = 0;
+
+  // Whether it is the better one, as far as its change is known.
+  bool IsBefore(const Candidate& other) const {
+    return change == other.change ? place < other.place : change < other.change;
+  }
+};
+
+// Rates the flips around one vertex.
+class FlipRater {
  public:
-  FlipChooser(const Tetrahedralization& tetrahedra, const FlowCapacities& graph,
-              int64_t max_excess, std::vector<uint8_t>* is_free)
+  FlipRater(const Tetrahedralization& tetrahedra, const FlowCapacities& graph,
+            const std::vector<uint8_t>& is_free, const IsRegular& is_regular)
       : tetrahedra_(tetrahedra),
         graph_(graph),
         is_free_(is_free),
-        best_change_{max_excess + 1, std::numeric_limits<int64_t>::min()} {}
+        is_regular_(is_regular) {}
 
-  // Keeps the cells where their flip is better than the best one so far.
-  void Offer(Cells cells) {
-    const std::vector<uint32_t> vertices = VerticesOf(tetrahedra_, cells);
-    FlipChange change;
-    for (const uint32_t vertex : vertices) {
-      change.excess -= At(vertex).excess;
+  // With the very change of the energy, and an excess of nothing afterwards.
+  Candidate Bound(Cells cells, size_t place) {
+    Candidate candidate{std::move(cells), {}, {}, place};
+    candidate.vertices = VerticesOf(tetrahedra_, candidate.cells);
+    const auto regular = std::stable_partition(
+        candidate.vertices.begin(), candidate.vertices.end(),
+        [this](uint32_t vertex) { return !is_regular_(vertex); });
+    const CellLabels before(is_free_);
+    const CellLabels after(is_free_, candidate.cells);
+    for (auto at = candidate.vertices.begin(); at != regular; ++at) {
+      candidate.change.excess -= ExcessOf(GraphAt(*at), before);
     }
-    change.energy = -EnergyAround(tetrahedra_, graph_, *is_free_, cells);
-    Flip(cells, is_free_);
-    // What the vertices add is not negative: no need to see all of them.
-    for (size_t i = 0;
-         i < vertices.size() && change.excess <= best_change_.excess; ++i) {
-      change.excess += ExcessOf(At(vertices[i]).graph, *is_free_);
-    }
-    change.energy += EnergyAround(tetrahedra_, graph_, *is_free_, cells);
-    Flip(cells, is_free_);
-    if (change < best_change_) {
-      best_change_ = change;
-      best_cells_ = std::move(cells);
+    candidate.change.energy =
+        EnergyAround(tetrahedra_, graph_, after, candidate.cells) -
+        EnergyAround(tetrahedra_, graph_, before, candidate.cells);
+    return candidate;
+  }
+
+  // Adds what the vertices do afterwards, until the best one so far is better.
+  void Rate(const Candidate& best, Candidate* candidate) {
+    const CellLabels labels(is_free_, candidate->cells);
+    for (const uint32_t vertex : candidate->vertices) {
+      if (best.IsBefore(*candidate)) {
+        return;
+      }
+      candidate->change.excess += ExcessOf(GraphAt(vertex), labels);
     }
   }
 
-  const Cells& best_cells() const { return best_cells_; }
-
  private:
-  // What all flips share at a vertex, and so is computed once.
-  struct Surroundings {
-    StarGraph graph;
-    int64_t excess = 0;  // before a flip
-  };
-
-  // \pre no cells are flipped when it is called for the first time
-  const Surroundings& At(uint32_t vertex) {
-    const auto [entry, is_new] = surroundings_.try_emplace(vertex);
-    Surroundings& surroundings = entry->second;
+  // All flips share it, and so it is made once.
+  const StarGraph& GraphAt(uint32_t vertex) {
+    const auto [entry, is_new] = graphs_.try_emplace(vertex);
     if (is_new) {
-      MakeStarGraph(tetrahedra_, vertex, &surroundings.graph);
-      surroundings.excess = ExcessOf(surroundings.graph, *is_free_);
+      MakeStarGraph(tetrahedra_, vertex, &entry->second);
     }
-    return surroundings;
+    return entry->second;
   }
 
   const Tetrahedralization& tetrahedra_;
   const FlowCapacities& graph_;
-  std::vector<uint8_t>* is_free_;
-  FlipChange best_change_;
-  Cells best_cells_;
-  std::unordered_map<uint32_t, Surroundings> surroundings_;  // of vertices
+  const std::vector<uint8_t>& is_free_;
+  const IsRegular& is_regular_;
+  std::unordered_map<uint32_t, StarGraph> graphs_;  // of vertices
 };
 
 }  // namespace
@@ -189,12 +196,27 @@ class FlipChooser {
 std::vector<uint32_t> BestFlip(const Tetrahedralization& tetrahedra,
                                const FlowCapacities& graph, uint32_t vertex,
                                int64_t max_excess,
-                               std::vector<uint8_t>* is_free) {
-  FlipChooser chooser(tetrahedra, graph, max_excess, is_free);
+                               const std::vector<uint8_t>& is_free,
+                               const IsRegular& is_regular) {
+  FlipRater rater(tetrahedra, graph, is_free, is_regular);
+  std::vector<Candidate> candidates;
   for (Cells& cells : Candidates(tetrahedra, vertex, is_free)) {
-    chooser.Offer(std::move(cells));
+    candidates.push_back(rater.Bound(std::move(cells), candidates.size()));
   }
-  return chooser.best_cells();
+  // Small ones first: they tell about larger ones that these are no better,
+  // from the stars of few vertices.
+  std::ranges::stable_sort(candidates, {}, [](const Candidate& candidate) {
+    return candidate.vertices.size();
+  });
+  Candidate best;
+  best.change = {max_excess + 1, std::numeric_limits<int64_t>::min()};
+  for (Candidate& candidate : candidates) {
+    rater.Rate(best, &candidate);
+    if (candidate.IsBefore(best)) {
+      best = std::move(candidate);
+    }
+  }
+  return best.cells;
 }
 
 }  // namespace colmap_ext

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "delaunay/tetrahedralization.h"
@@ -18,7 +19,11 @@ struct FlipChange {
     return excess != other.excess ? excess < other.excess
                                   : energy < other.energy;
   }
+  bool operator==(const FlipChange& other) const = default;
 };
+
+// Whether a vertex is known not to be singular.
+using IsRegular = std::function<bool(uint32_t)>;
 
 // The cells whose flip makes a singular vertex less singular: with the lowest
 // change among
@@ -27,13 +32,17 @@ struct FlipChange {
 //     components of the other label but one, as these are after the first flip.
 // Of equal changes the first one found is taken.
 //
+// Reads labels of cells that have a vertex in common with the vertex's cells.
+//
 // \param max_excess of the change
-// \param is_free    [C] labels of the cells, changed on the way and put back
-// \return without repeats; empty where the vertex is not singular or all
-//         changes exceed max_excess
+// \param is_free    [C] labels of the cells
+// \param is_regular saves looking at the stars of these vertices
+// \return ascending; empty where the vertex is not singular or all changes
+//         exceed max_excess
 std::vector<uint32_t> BestFlip(const Tetrahedralization& tetrahedra,
                                const FlowCapacities& graph, uint32_t vertex,
                                int64_t max_excess,
-                               std::vector<uint8_t>* is_free);
+                               const std::vector<uint8_t>& is_free,
+                               const IsRegular& is_regular);
 
 }  // namespace colmap_ext

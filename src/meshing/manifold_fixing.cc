@@ -1,7 +1,11 @@
 #include "meshing/manifold_fixing.h"
 
+#include <algorithm>
 #include <optional>
 #include <span>
+#include <unordered_set>
+
+#include <tbb/parallel_for.h>
 
 #include "meshing/best_flip.h"
 #include "meshing/cell_splitting.h"
@@ -15,6 +19,10 @@ namespace {
 // Tuned on: fountain, 7 times side by side, 452 singular vertices; by: those
 // left after 0, 1, 2 and 3 rounds: 12, 11, 11 and 9.
 constexpr int kMaxSplitRounds = 3;
+
+// Vertices whose flips are chosen side by side. More keep more threads busy,
+// but more of them have to be chosen again. The result is the same.
+constexpr size_t kSideBySide = 32;
 
 // The component of a label with the most cells, the first one of equal ones.
 std::optional<size_t> Largest(const VertexStar& star, bool is_free) {
@@ -32,11 +40,15 @@ std::optional<size_t> Largest(const VertexStar& star, bool is_free) {
 class Fixer {
  public:
   Fixer(Tetrahedralization* tetrahedra, FlowCapacities* graph,
-        std::vector<uint8_t>* is_free, const std::vector<uint8_t>& is_left)
+        std::vector<uint8_t>* is_free, const PartialComplex* partial)
       : tetrahedra_(tetrahedra),
         graph_(graph),
         is_free_(is_free),
-        tracker_(*tetrahedra, is_free, is_left) {}
+        partial_(partial),
+        tracker_(
+            partial != nullptr
+                ? SingularVertexTracker(*tetrahedra, is_free, partial->singular)
+                : SingularVertexTracker(*tetrahedra, is_free)) {}
 
   FixingReport Run(FixingRule rule) {
     report_.num_singular_raw = tracker_.Singular().size();
@@ -52,10 +64,19 @@ class Fixer {
   }
 
  private:
+  // With the cells around them, ascending.
+  const std::vector<uint32_t>& Singular() {
+    const std::vector<uint32_t>& singular = tracker_.Singular();
+    if (partial_ != nullptr && !singular.empty()) {
+      partial_->complete(singular);
+    }
+    return singular;
+  }
+
   void FixByPaper() {
-    KeepLargestComponents(tracker_.Singular());
-    SplitSmallComponents(tracker_.Singular());
-    KeepLargestComponents(tracker_.Singular());
+    KeepLargestComponents(Singular());
+    SplitSmallComponents(Singular());
+    KeepLargestComponents(Singular());
   }
 
   void FixByEnergy() {
@@ -71,7 +92,7 @@ class Fixer {
     size_t num_flips = 0;
     do {
       num_flips = tracker_.num_flips();
-      FlipBest(tracker_.Singular(), /*max_excess=*/-1);
+      FlipBest(Singular(), /*max_excess=*/-1);
     } while (tracker_.num_flips() != num_flips);
   }
 
@@ -80,7 +101,7 @@ class Fixer {
   // better ones may follow. Takes them back where no fewer vertices are
   // singular in the end.
   void SplitAndFlip() {
-    const std::vector<uint32_t> singular = tracker_.Singular();
+    const std::vector<uint32_t> singular = Singular();
     SplitSmallComponents(singular);
     const size_t num_flips = tracker_.num_flips();
     FlipBest(singular, /*max_excess=*/0);
@@ -96,12 +117,45 @@ class Fixer {
     }
   }
 
-  // \pre vertices stay as they are while labels change
+  // Flips what is best at one vertex after the other. Some at a time are chosen
+  // side by side, and once more where an earlier flip of these changed what was
+  // looked at.
+  // \pre the tracker's singular vertices are up to date, and vertices stay as
+  //      they are
   void FlipBest(const std::vector<uint32_t>& vertices, int64_t max_excess) {
-    for (const uint32_t vertex : vertices) {
-      tracker_.Flip(
-          BestFlip(*tetrahedra_, *graph_, vertex, max_excess, is_free_));
+    const auto best = [&](size_t i) {
+      return BestFlip(
+          *tetrahedra_, *graph_, vertices[i], max_excess, *is_free_,
+          [this](uint32_t vertex) { return tracker_.IsRegular(vertex); });
+    };
+    std::vector<std::vector<uint32_t>> flips(vertices.size());
+    for (size_t begin = 0; begin < flips.size(); begin += kSideBySide) {
+      const size_t end = std::min(begin + kSideBySide, flips.size());
+      tbb::parallel_for(begin, end, [&](size_t i) { flips[i] = best(i); });
+      touched_.clear();
+      for (size_t i = begin; i < end; ++i) {
+        Flip(IsTouchedAround(vertices[i]) ? best(i) : flips[i]);
+      }
     }
+  }
+
+  void Flip(const std::vector<uint32_t>& cells) {
+    tracker_.Flip(cells);
+    for (const uint32_t cell : cells) {
+      const auto& vertices = tetrahedra_->cells[cell].vertices;
+      touched_.insert(vertices.begin(), vertices.end());
+    }
+    touched_.erase(kInfiniteVertex);
+  }
+
+  // Whether labels have changed that BestFlip looks at.
+  bool IsTouchedAround(uint32_t vertex) {
+    IncidentCells(*tetrahedra_, vertex, &cells_);
+    return std::ranges::any_of(cells_, [this](uint32_t cell) {
+      return std::ranges::any_of(
+          tetrahedra_->cells[cell].vertices,
+          [this](uint32_t corner) { return touched_.contains(corner); });
+    });
   }
 
   // The paper's rule, first for matter and then for free space.
@@ -160,9 +214,13 @@ class Fixer {
   Tetrahedralization* tetrahedra_;
   FlowCapacities* graph_;
   std::vector<uint8_t>* is_free_;
+  const PartialComplex* partial_;
   SingularVertexTracker tracker_;
   FixingReport report_;
-  VertexStar star_;  // of the vertex in hand
+  VertexStar star_;              // of the vertex in hand
+  std::vector<uint32_t> cells_;  // at the vertex in hand
+  // At cells that were flipped since flips were chosen side by side.
+  std::unordered_set<uint32_t> touched_;
 };
 
 }  // namespace
@@ -171,8 +229,8 @@ FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,
                                  std::vector<uint8_t>* is_free,
-                                 const std::vector<uint8_t>& is_left) {
-  return Fixer(tetrahedra, graph, is_free, is_left).Run(rule);
+                                 const PartialComplex* partial) {
+  return Fixer(tetrahedra, graph, is_free, partial).Run(rule);
 }
 
 }  // namespace colmap_ext

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "delaunay/tetrahedralization.h"
@@ -30,6 +31,14 @@ struct FixingReport {
   size_t num_examined_vertices = 0;
 };
 
+// A tetrahedralization that is not all there.
+struct PartialComplex {
+  std::vector<uint32_t> singular;  // all singular vertices, ascending
+  // Is called with singular vertices before anything is changed at them: has to
+  // append what is missing of the cells at them and at the vertices of those.
+  std::function<void(const std::vector<uint32_t>& vertices)> complete;
+};
+
 // Preemptive fixing of singular vertices [Romanoni2020, section IV]: changes
 // the labels of cells around them, and splits cells, so that the surface needs
 // fewer copies of vertices to become manifold. After one look at all vertices
@@ -38,12 +47,11 @@ struct FixingReport {
 // \param tetrahedra no longer Delaunay where cells are split (SplitCell)
 // \param graph      the cut's: node i is cell i
 // \param is_free    [C] labels of the cells, 1: free space, 0: matter
-// \param is_left    [V] 1: singular or not, the vertex stays as it is; empty:
-//        none does
+// \param partial    nullptr: all cells are there
 FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,
                                  std::vector<uint8_t>* is_free,
-                                 const std::vector<uint8_t>& is_left = {});
+                                 const PartialComplex* partial = nullptr);
 
 }  // namespace colmap_ext

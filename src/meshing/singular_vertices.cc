@@ -98,24 +98,30 @@ BoundaryLinks CollectBoundaryLinks(const Tetrahedralization& tetrahedra,
 // Whether the edges form one simple cycle, or are none at all. A planar graph
 // whose vertices all have as many edges in as out divides the sphere into two
 // regions just then: into the two components of a vertex that is not singular.
-// \param edges are sorted
+// \pre as many edges lead to each vertex as from it
+// \param edges are sorted where they are many
 bool IsAtMostOneCycle(std::span<LinkEdge> edges) {
+  constexpr size_t kMaxLinearSearch = 32;  // edges: 256 bytes
   if (edges.empty()) {
     return true;
   }
-  std::sort(edges.begin(), edges.end());
+  const bool is_sorted = edges.size() > kMaxLinearSearch;
+  if (is_sorted) {
+    std::ranges::sort(edges);
+  }
+  // Always on by the first edge from a vertex: a walk that returns after as
+  // many steps as there are edges has passed as many vertices.
+  const uint32_t start = edges.front().first;
+  uint32_t at = start;
   size_t length = 0;
-  uint32_t at = edges.front().first;
   do {
-    const auto edge =
-        std::lower_bound(edges.begin(), edges.end(), LinkEdge{at, 0});
-    if (edge + 1 != edges.end() && (edge + 1)->first == at) {
-      return false;
-    }
+    const auto edge = is_sorted
+                          ? std::ranges::lower_bound(edges, LinkEdge{at, 0})
+                          : std::ranges::find(edges, at, &LinkEdge::first);
     at = edge->second;
     ++length;
-  } while (at != edges.front().first);
-  return length == edges.size();
+  } while (at != start && length < edges.size());
+  return at == start && length == edges.size();
 }
 
 // Those vertices that are singular, in their order.
@@ -125,10 +131,11 @@ std::vector<uint32_t> SingularAmong(const Tetrahedralization& tetrahedra,
   std::vector<uint8_t> is_singular(vertices.size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, vertices.size()),
                     [&](const tbb::blocked_range<size_t>& range) {
-                      VertexStar star;
+                      const CellLabels labels(is_free);
+                      StarGraph star;
                       for (size_t i = range.begin(); i < range.end(); ++i) {
-                        MakeVertexStar(tetrahedra, is_free, vertices[i], &star);
-                        is_singular[i] = star.IsSingular();
+                        MakeStarGraph(tetrahedra, vertices[i], &star);
+                        is_singular[i] = CountComponents(star, labels) > 2;
                       }
                     });
   std::vector<uint32_t> singular;
@@ -159,29 +166,32 @@ std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
 }
 
 SingularVertexTracker::SingularVertexTracker(
-    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free,
-    const std::vector<uint8_t>& is_left)
-    : tetrahedra_(tetrahedra),
-      is_free_(is_free),
-      is_left_(is_left),
-      singular_(SingularVertices(tetrahedra, *is_free)),
-      num_examined_vertices_(tetrahedra.points.size()) {
-  std::erase_if(singular_, [this](uint32_t vertex) { return IsLeft(vertex); });
+    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free)
+    : SingularVertexTracker(tetrahedra, is_free,
+                            SingularVertices(tetrahedra, *is_free)) {
+  num_examined_vertices_ = tetrahedra.points.size();
 }
 
+SingularVertexTracker::SingularVertexTracker(
+    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free,
+    std::vector<uint32_t> singular)
+    : tetrahedra_(tetrahedra),
+      is_free_(is_free),
+      singular_(std::move(singular)) {}
+
 const std::vector<uint32_t>& SingularVertexTracker::Singular() {
-  std::sort(touched_.begin(), touched_.end());
-  touched_.erase(std::unique(touched_.begin(), touched_.end()), touched_.end());
-  num_examined_vertices_ += touched_.size();
+  std::vector<uint32_t> touched(is_touched_.begin(), is_touched_.end());
+  std::ranges::sort(touched);
+  num_examined_vertices_ += touched.size();
   const std::vector<uint32_t> found =
-      SingularAmong(tetrahedra_, *is_free_, touched_);
+      SingularAmong(tetrahedra_, *is_free_, touched);
   std::vector<uint32_t> untouched;
-  std::set_difference(singular_.begin(), singular_.end(), touched_.begin(),
-                      touched_.end(), std::back_inserter(untouched));
+  std::set_difference(singular_.begin(), singular_.end(), touched.begin(),
+                      touched.end(), std::back_inserter(untouched));
   singular_.clear();
   std::merge(untouched.begin(), untouched.end(), found.begin(), found.end(),
              std::back_inserter(singular_));
-  touched_.clear();
+  is_touched_.clear();
   return singular_;
 }
 
@@ -201,8 +211,8 @@ void SingularVertexTracker::UndoFlips(size_t num_flips) {
 void SingularVertexTracker::FlipCell(uint32_t cell) {
   (*is_free_)[cell] = !(*is_free_)[cell];
   for (const uint32_t vertex : tetrahedra_.cells[cell].vertices) {
-    if (vertex != kInfiniteVertex && !IsLeft(vertex)) {
-      touched_.push_back(vertex);
+    if (vertex != kInfiniteVertex) {
+      is_touched_.insert(vertex);
     }
   }
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "delaunay/tetrahedralization.h"
@@ -25,14 +27,25 @@ class SingularVertexTracker {
  public:
   // Examines every vertex once.
   // \param is_free [C] labels of the cells, changed by Flip and UndoFlips
-  // \param is_left [V] 1: the vertex is not looked at; empty: all are
+  SingularVertexTracker(const Tetrahedralization& tetrahedra,
+                        std::vector<uint8_t>* is_free);
+
+  // Examines none.
+  // \param singular  all singular vertices, ascending
   SingularVertexTracker(const Tetrahedralization& tetrahedra,
                         std::vector<uint8_t>* is_free,
-                        const std::vector<uint8_t>& is_left = {});
+                        std::vector<uint32_t> singular);
 
   // The singular vertices, in ascending order. Examines the vertices of the
   // cells that have changed since the last call.
   const std::vector<uint32_t>& Singular();
+
+  // Whether a vertex was not singular at the last call, and is at no cell that
+  // has changed since. Safe from several threads.
+  bool IsRegular(uint32_t vertex) const {
+    return !is_touched_.contains(vertex) &&
+           !std::binary_search(singular_.begin(), singular_.end(), vertex);
+  }
 
   // Swaps free space and matter in some cells.
   void Flip(std::span<const uint32_t> cells);
@@ -49,17 +62,13 @@ class SingularVertexTracker {
 
  private:
   void FlipCell(uint32_t cell);
-  bool IsLeft(uint32_t vertex) const {
-    return vertex < is_left_.size() && is_left_[vertex] != 0;
-  }
 
   const Tetrahedralization& tetrahedra_;
   std::vector<uint8_t>* is_free_;
-  const std::vector<uint8_t> is_left_;
   std::vector<uint32_t>
-      singular_;                   // ascending; before the touched ones changed
-  std::vector<uint32_t> touched_;  // vertices of flipped cells, with repeats
-  std::vector<uint32_t> flips_;    // cells
+      singular_;  // ascending; before the touched ones changed
+  std::unordered_set<uint32_t> is_touched_;  // finite vertices of flipped cells
+  std::vector<uint32_t> flips_;              // cells
   size_t num_examined_vertices_ = 0;
 };
 

@@ -1,12 +1,14 @@
 #include "scene/half_pixel.h"
 
+#include <tbb/parallel_for.h>
+
 namespace colmap_ext {
 
 std::vector<Eigen::Vector3f> HalfPixelOffsets(
     const PointCloud& cloud, const std::vector<View>& views,
     const std::vector<double>& depth_map_scales) {
   std::vector<Eigen::Vector3f> offsets(cloud.size(), Eigen::Vector3f::Zero());
-  for (size_t point = 0; point < cloud.size(); ++point) {
+  tbb::parallel_for(size_t{0}, cloud.size(), [&](size_t point) {
     const auto seen_by = cloud.views[point];
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const uint32_t index : seen_by) {
@@ -23,7 +25,7 @@ std::vector<Eigen::Vector3f> HalfPixelOffsets(
       offsets[point] =
           (sum / static_cast<double>(seen_by.size())).cast<float>();
     }
-  }
+  });
   return offsets;
 }
 

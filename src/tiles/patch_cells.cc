@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include <tbb/parallel_sort.h>
+
 #include "meshing/singular_vertices.h"
 
 namespace colmap_ext {
@@ -32,13 +34,6 @@ void SortCorners(PatchCell* cell) {
 
 }  // namespace
 
-PatchCollector::Tile PatchCollector::Read(uint32_t tile) const {
-  Tile read{parts_.ReadPart(tile), parts_.ReadGraph(tile), {}};
-  read.labels = read.part->labels;
-  ApplySeamLabels(seam_, read.part->tile, &read.labels);
-  return read;
-}
-
 std::vector<uint32_t> PatchCollector::FindSingular() const {
   std::vector<uint32_t> singular;
   for (uint32_t tile = 0; tile < blocks_.NumTiles(); ++tile) {
@@ -55,7 +50,8 @@ std::vector<uint32_t> PatchCollector::FindSingular() const {
   return singular;
 }
 
-Ring PatchCollector::AddRings(const std::vector<uint32_t>& vertices) {
+std::vector<PatchCell> PatchCollector::Take(
+    const std::vector<uint32_t>& vertices) {
   for (const uint32_t id : vertices) {
     Reach(id, 0, nullptr, kNoSlot);
   }
@@ -63,29 +59,30 @@ Ring PatchCollector::AddRings(const std::vector<uint32_t>& vertices) {
     auto next = waiting_.extract(waiting_.begin());
     AddRingsIn(next.key(), std::move(next.mapped()));
   }
-  Ring first;
-  for (const auto& [id, ring] : rings_) {
-    if (ring <= 1) {
-      first.insert(id);
-    }
-  }
-  return first;
+  AddMissingCapacities();
+  num_taken_ = keys_.size();
+  std::vector<PatchCell> cells = std::move(cells_);
+  cells_.clear();
+  tbb::parallel_sort(cells.begin(), cells.end(),
+                     [](const PatchCell& a, const PatchCell& b) {
+                       return a.corners < b.corners;
+                     });
+  return cells;
 }
 
 // Goes on from vertices of a tile as far as that has their cells.
 void PatchCollector::AddRingsIn(uint32_t tile, std::vector<uint32_t> ids) {
-  const Tile from = Read(tile);
+  TileWindow from(parts_, seam_, tile);
   std::vector<uint32_t> star;
   for (uint8_t ring = 0; ring < kNumRings; ++ring) {
     for (size_t i = 0; i < ids.size(); ++i) {
       if (rings_.at(ids[i]) != ring) {
         continue;
       }
-      IncidentCells(from.part->tile.tetrahedra,
-                    ids[i] - blocks_.FirstVertex(tile), &star);
+      from.CellsAt(ids[i] - blocks_.FirstVertex(tile), &star);
       for (const uint32_t index : star) {
-        AddCell(tile, from, index);
-        for (const uint32_t id : from.part->tile.CornersOf(index)) {
+        AddCell(tile, index, &from);
+        for (const uint32_t id : from.CornersOf(index)) {
           Reach(id, static_cast<uint8_t>(ring + 1), &ids, tile);
         }
       }
@@ -97,7 +94,7 @@ void PatchCollector::AddRingsIn(uint32_t tile, std::vector<uint32_t> ids) {
 // \param here  vertices of the tile that is being read
 void PatchCollector::Reach(uint32_t id, uint8_t ring,
                            std::vector<uint32_t>* here, uint32_t tile) {
-  if (id == kInfiniteVertex) {
+  if (id == kInfiniteVertex || ring >= kNumRings) {
     return;
   }
   const auto [found, is_new] = rings_.try_emplace(id, ring);
@@ -105,51 +102,35 @@ void PatchCollector::Reach(uint32_t id, uint8_t ring,
     return;
   }
   found->second = ring;
-  if (ring < kNumRings) {
-    const uint32_t home = blocks_.TileOf(id);
-    (home == tile ? *here : waiting_[home]).push_back(id);
-  }
+  const uint32_t home = blocks_.TileOf(id);
+  (home == tile ? *here : waiting_[home]).push_back(id);
 }
 
-std::vector<PatchCell> PatchCollector::Take() {
-  AddMissingCapacities();
-  std::vector<uint32_t>().swap(slots_);
-  std::unordered_map<uint32_t, uint8_t>().swap(rings_);
-  std::ranges::sort(cells_, {}, &PatchCell::corners);
-  return std::move(cells_);
-}
-
-template <typename Ids, typename Function>
-void PatchCollector::ForEachCellAt(uint32_t tile, const Ids& ids,
-                                   const Function& function) const {
-  const Tile from = Read(tile);
-  std::vector<uint32_t> star;
-  for (const uint32_t id : ids) {
-    IncidentCells(from.part->tile.tetrahedra, id - blocks_.FirstVertex(tile),
-                  &star);
-    for (const uint32_t index : star) {
-      function(from, index);
-    }
-  }
-}
-
-void PatchCollector::AddCell(uint32_t tile, const Tile& from, uint32_t index) {
-  PatchCell cell{from.part->tile.CornersOf(index), from.labels[index]};
+void PatchCollector::AddCell(uint32_t tile, uint32_t index, TileWindow* from) {
+  PatchCell cell{from->CornersOf(index)};
   const CellKey key = Sorted(cell.corners);
   GrowSlots();
   uint32_t* slot = &slots_[SlotOf(key)];
-  if (*slot == kNoSlot) {
-    *slot = static_cast<uint32_t>(cells_.size());
+  const bool is_new = *slot == kNoSlot;
+  if (is_new) {
+    *slot = static_cast<uint32_t>(keys_.size());
+    keys_.push_back(key);
+    cell.label = from->LabelOf(index);
     cells_.push_back(cell);
   }
-  PatchCell& kept = cells_[*slot];
+  if (*slot < num_taken_) {
+    return;
+  }
+  PatchCell& kept = cells_[*slot - num_taken_];
   if (kept.has_capacities || blocks_.OwnerOf(key) != tile) {
     return;
   }
+  cell.label = kept.label;
   cell.has_capacities = true;
-  cell.capacities = from.graph.capacities[index];
-  cell.source = from.graph.source[index];
-  cell.sink = from.graph.sink[index];
+  const TileWindow::Capacities capacities = from->CapacitiesOf(index);
+  cell.capacities = capacities.facets;
+  cell.source = capacities.source;
+  cell.sink = capacities.sink;
   SortCorners(&cell);
   kept = cell;
 }
@@ -157,7 +138,7 @@ void PatchCollector::AddCell(uint32_t tile, const Tile& from, uint32_t index) {
 // Reads cells whose own tiles were not asked yet: all around one of their
 // vertices there, of which those that are in the patch count.
 void PatchCollector::AddMissingCapacities() {
-  std::map<uint32_t, Ring> by_tile;
+  std::map<uint32_t, std::unordered_set<uint32_t>> by_tile;
   for (const PatchCell& cell : cells_) {
     if (!cell.has_capacities) {
       const uint32_t owner = blocks_.OwnerOf(cell.corners);
@@ -167,22 +148,24 @@ void PatchCollector::AddMissingCapacities() {
           }));
     }
   }
+  std::vector<uint32_t> star;
   for (const auto& [tile, ids] : by_tile) {
-    ForEachCellAt(
-        tile, ids, [this, owner = tile](const Tile& from, uint32_t index) {
-          const CellKey key = Sorted(from.part->tile.CornersOf(index));
-          if (slots_[SlotOf(key)] != kNoSlot) {
-            AddCell(owner, from, index);
-          }
-        });
+    TileWindow from(parts_, seam_, tile);
+    for (const uint32_t id : ids) {
+      from.CellsAt(id - blocks_.FirstVertex(tile), &star);
+      for (const uint32_t index : star) {
+        if (slots_[SlotOf(Sorted(from.CornersOf(index)))] != kNoSlot) {
+          AddCell(tile, index, &from);
+        }
+      }
+    }
   }
 }
 
 size_t PatchCollector::SlotOf(const CellKey& key) const {
   const size_t mask = slots_.size() - 1;
   size_t slot = KeyHash()(key) & mask;
-  while (slots_[slot] != kNoSlot &&
-         Sorted(cells_[slots_[slot]].corners) != key) {
+  while (slots_[slot] != kNoSlot && keys_[slots_[slot]] != key) {
     slot = (slot + 1) & mask;
   }
   return slot;
@@ -191,12 +174,12 @@ size_t PatchCollector::SlotOf(const CellKey& key) const {
 // Makes room for one more cell.
 void PatchCollector::GrowSlots() {
   constexpr size_t kFirst = 1 << 12;
-  if (2 * (cells_.size() + 1) <= slots_.size()) {
+  if (2 * (keys_.size() + 1) <= slots_.size()) {
     return;
   }
   slots_.assign(std::max(kFirst, 2 * slots_.size()), kNoSlot);
-  for (uint32_t i = 0; i < cells_.size(); ++i) {
-    slots_[SlotOf(Sorted(cells_[i].corners))] = i;
+  for (uint32_t i = 0; i < keys_.size(); ++i) {
+    slots_[SlotOf(keys_[i])] = i;
   }
 }
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "tiles/plan_vertices.h"
 #include "tiles/seam_cut.h"
 #include "tiles/tile_part.h"
+#include "tiles/tile_window.h"
 
 namespace colmap_ext {
 
@@ -26,11 +26,9 @@ struct PatchCell {
   uint32_t sink = 0;
 };
 
-using Ring = std::unordered_set<uint32_t>;
-
 // Flips at a vertex concern its own cells, and are judged by the cells of their
 // vertices.
-inline constexpr uint8_t kNumRings = 3;
+inline constexpr uint8_t kNumRings = 2;
 
 // Collects cells around vertices from all tiles.
 class PatchCollector {
@@ -42,43 +40,28 @@ class PatchCollector {
   // All singular vertices, ascending.
   std::vector<uint32_t> FindSingular() const;
 
-  // Adds all cells in kNumRings rings around the vertices, reading few tiles
-  // more than once.
-  // \return the vertices with those at the cells of the first ring
-  Ring AddRings(const std::vector<uint32_t>& vertices);
-
-  // In the order of their corners. To be called last.
-  std::vector<PatchCell> Take();
+  // All cells in kNumRings rings around the vertices that have not been taken
+  // before, in the order of their corners. Reads what it needs of the tiles.
+  std::vector<PatchCell> Take(const std::vector<uint32_t>& vertices);
 
  private:
-  // A part with the labels of the seams.
-  struct Tile {
-    std::shared_ptr<const TilePart> part;
-    FlowCapacities graph;
-    std::vector<uint8_t> labels;
-  };
-
-  Tile Read(uint32_t tile) const;
-  // Calls function(from, cell) for the cells at vertices of a tile, more than
-  // once for those at several.
-  template <typename Ids, typename Function>
-  void ForEachCellAt(uint32_t tile, const Ids& ids,
-                     const Function& function) const;
   void AddRingsIn(uint32_t tile, std::vector<uint32_t> ids);
   void Reach(uint32_t id, uint8_t ring, std::vector<uint32_t>* here,
              uint32_t tile);
-  void AddCell(uint32_t tile, const Tile& from, uint32_t index);
+  void AddCell(uint32_t tile, uint32_t index, TileWindow* from);
   void AddMissingCapacities();
 
-  // The place of a cell in cells_, or of the slot where it belongs.
+  // The place of a cell in keys_, or of the slot where it belongs.
   size_t SlotOf(const CellKey& key) const;
   void GrowSlots();
 
   const PlanBlocks& blocks_;
   const TileParts& parts_;
   const SeamLabels& seam_;
-  std::vector<PatchCell> cells_;
-  // A table of open addresses: places in cells_, or kNoSlot; a power of two of
+  std::vector<CellKey> keys_;  // of all cells so far
+  size_t num_taken_ = 0;
+  std::vector<PatchCell> cells_;  // of the others
+  // A table of open addresses: places in keys_, or kNoSlot; a power of two of
   // them, half of which at most are taken.
   std::vector<uint32_t> slots_;
   // How many rings each vertex is off those that were asked for.

@@ -113,6 +113,14 @@ class SeamGraph {
 
 }  // namespace
 
+uint8_t SeamLabels::At(const CellKey& corners) const {
+  const auto found = labels.find(Sorted(corners));
+  if (found == labels.end()) {
+    ThrowContradiction();
+  }
+  return found->second;
+}
+
 SeamLabels CutSeams(const std::vector<TileSeam>& seams) {
   return SeamGraph(seams).Cut();
 }
@@ -127,11 +135,7 @@ void ApplySeamLabels(const SeamLabels& seam, const TileTetrahedra& tile,
       (*labels)[cell] = kMatter;
       continue;
     }
-    const auto found = seam.labels.find(Sorted(tile.CornersOf(cell)));
-    if (found == seam.labels.end()) {
-      ThrowContradiction();
-    }
-    (*labels)[cell] = found->second;
+    (*labels)[cell] = seam.At(tile.CornersOf(cell));
   }
 }
 

@@ -13,6 +13,10 @@ namespace colmap_ext {
 // Labels of the cells that their tiles could not tell, and of those that are
 // shared.
 struct SeamLabels {
+  // \param corners  in any order
+  // \throw std::logic_error where there is none
+  uint8_t At(const CellKey& corners) const;
+
   std::unordered_map<CellKey, uint8_t, KeyHash> labels;
   size_t num_cut_cells = 0;  // that the tiles could not tell
   int64_t flow = 0;          // through them

@@ -17,7 +17,7 @@ namespace colmap_ext {
 // The cells around the singular vertices of a plan, whichever tiles they are
 // of, with the labels that fixing gives them.
 struct SingularPatch {
-  Tetrahedralization tetrahedra;  // the cell `border` is beside those that are
+  Tetrahedralization tetrahedra;  // the first cell is beside those that are
                                   // not there, and is free space
   std::vector<uint32_t> ids;      // [V] the plan's, ascending; those from its
                               // number of vertices on are centroids of split
@@ -28,10 +28,11 @@ struct SingularPatch {
   FixingReport report;
 };
 
-// Finds all singular vertices and fixes them (FixSingularVertices), in three
+// Finds all singular vertices and fixes them (FixSingularVertices), in two
 // rings of cells around them: flips at a vertex concern its own cells, and are
-// judged by the cells of their vertices. So it takes memory for the rings and
-// for one tile at a time.
+// judged by the cells of their vertices. Rings around vertices that become
+// singular on the way are added then. So it takes memory for the rings and for
+// one tile at a time.
 SingularPatch FixPatches(const PlanVertices& plan, const TileParts& parts,
                          const SeamLabels& seam, FixingRule rule);
 

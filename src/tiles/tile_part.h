@@ -53,13 +53,30 @@ struct TilePart {
   std::vector<uint8_t> labels;  // [cells]; kNotKnown where it is not the tile's
 };
 
+// The vertices of a part.
+struct PartVertices {
+  std::vector<uint32_t> ids;          // [V] as TileTetrahedra has them
+  std::vector<uint32_t> first_cells;  // [V] Tetrahedralization::vertex_cells
+};
+
+// Some consecutive cells of a part.
+struct PartCells {
+  std::vector<Tetrahedralization::Cell> cells;
+  std::vector<uint8_t> labels;
+  FlowCapacities graph;
+};
+
 // What the tiles of a plan have left, to be read one after the other.
 class TileParts {
  public:
   virtual ~TileParts() = default;
   virtual TileSeam ReadSeam(uint32_t tile) const = 0;
   virtual std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const = 0;
-  virtual FlowCapacities ReadGraph(uint32_t tile) const = 0;
+  virtual PartVertices ReadVertices(uint32_t tile) const = 0;
+  virtual uint32_t NumCells(uint32_t tile) const = 0;
+  // \param begin, end  cells
+  virtual PartCells ReadCells(uint32_t tile, uint32_t begin,
+                              uint32_t end) const = 0;
 };
 
 }  // namespace colmap_ext

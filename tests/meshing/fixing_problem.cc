@@ -34,6 +34,29 @@ FixingProblem RandomProblem(const std::vector<Eigen::Vector3f>& points,
   return problem;
 }
 
+FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
+                                                  Random* random) {
+  FixingProblem problem;
+  problem.tetrahedra = DelaunayOf(RandomPoints(6000, 1 << 20, random));
+  const Tetrahedralization& tetrahedra = problem.tetrahedra;
+  problem.graph = RandomGraphOf(tetrahedra, 1000, random);
+  for (const auto& cell : tetrahedra.cells) {
+    const uint32_t lowest =
+        *std::min_element(cell.vertices.begin(), cell.vertices.end());
+    problem.labels.push_back(tetrahedra.points[lowest].x() > 0);
+  }
+  std::vector<uint32_t> cells;
+  for (int pair = 0; pair < num_pairs; ++pair) {
+    const uint32_t vertex =
+        random->Below(static_cast<uint32_t>(tetrahedra.points.size()));
+    IncidentCells(tetrahedra, vertex, &cells);
+    for (const uint32_t cell : {cells.front(), cells.back()}) {
+      problem.labels[cell] = !problem.labels[cell];
+    }
+  }
+  return problem;
+}
+
 void ExpectConsistent(const FixingProblem& problem) {
   ASSERT_EQ(DefectOf(problem.tetrahedra, false), "");
   ASSERT_EQ(problem.graph.size(), problem.tetrahedra.cells.size());

@@ -32,6 +32,11 @@ struct FixingProblem {
 FixingProblem RandomProblem(const std::vector<Eigen::Vector3f>& points,
                             Random* random);
 
+// Free space on one side of a plane, matter on the other, and pairs of cells of
+// the other label that meet in one vertex.
+FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
+                                                  Random* random);
+
 // Fails where the arrays do not agree with each other.
 void ExpectConsistent(const FixingProblem& problem);
 

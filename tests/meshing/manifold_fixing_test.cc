@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "mesh/fan_split.h"
 #include "mesh/topology.h"
@@ -120,30 +121,6 @@ TEST_P(FixSingularVerticesTest, IsWhatExaminingAllVerticesAfterEachPassGives) {
   EXPECT_GT(num_split_cells, 0u);
 }
 
-// Free space on one side of a plane, matter on the other, and pairs of cells of
-// the other label that meet in one vertex.
-Problem LargeProblemWithFewSingularVertices(int num_pairs, Random* random) {
-  Problem problem;
-  problem.tetrahedra = DelaunayOf(RandomPoints(6000, 1 << 20, random));
-  const Tetrahedralization& tetrahedra = problem.tetrahedra;
-  problem.graph = RandomGraphOf(tetrahedra, 1000, random);
-  for (const auto& cell : tetrahedra.cells) {
-    const uint32_t lowest =
-        *std::min_element(cell.vertices.begin(), cell.vertices.end());
-    problem.labels.push_back(tetrahedra.points[lowest].x() > 0);
-  }
-  std::vector<uint32_t> cells;
-  for (int pair = 0; pair < num_pairs; ++pair) {
-    const uint32_t vertex =
-        random->Below(static_cast<uint32_t>(tetrahedra.points.size()));
-    IncidentCells(tetrahedra, vertex, &cells);
-    for (const uint32_t cell : {cells.front(), cells.back()}) {
-      problem.labels[cell] = !problem.labels[cell];
-    }
-  }
-  return problem;
-}
-
 // The cost without a clock: all vertices are examined once, and then those
 // around what was relabelled alone.
 TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
@@ -162,6 +139,22 @@ TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
                                                    &copy.graph, &copy.labels);
     EXPECT_GT(reference.num_examined_vertices, bound);
     EXPECT_EQ(problem.labels, copy.labels);
+  }
+}
+
+TEST_P(FixSingularVerticesTest, IsTheSameAtEveryNumberOfThreads) {
+  Random random(8);
+  const Problem problem = LargeProblemWithFewSingularVertices(300, &random);
+  std::vector<Problem> results;
+  for (const size_t num_threads : {1, 2, 5}) {
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, num_threads);
+    Problem& fixed = results.emplace_back(problem);
+    const FixingReport report = FixSingularVertices(
+        GetParam(), &fixed.tetrahedra, &fixed.graph, &fixed.labels);
+    EXPECT_GT(report.num_singular_raw, 200u);
+    EXPECT_EQ(fixed.labels, results[0].labels);
+    ExpectSameCells(fixed.tetrahedra, results[0].tetrahedra);
   }
 }
 

@@ -19,9 +19,12 @@ class MemoryParts : public TileParts {
   std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const override {
     return parts_[tile];
   }
-  FlowCapacities ReadGraph(uint32_t tile) const override {
-    return graphs_[tile];
+  PartVertices ReadVertices(uint32_t tile) const override;
+  uint32_t NumCells(uint32_t tile) const override {
+    return static_cast<uint32_t>(parts_[tile]->labels.size());
   }
+  PartCells ReadCells(uint32_t tile, uint32_t begin,
+                      uint32_t end) const override;
 
   const std::vector<TileSeam>& seams() const { return seams_; }
 

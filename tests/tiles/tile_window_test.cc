@@ -1,0 +1,48 @@
+#include "tiles/tile_window.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/tiles/memory_parts.h"
+#include "tests/tiles/memory_plan.h"
+#include "tests/tiles/seen_scene.h"
+
+namespace colmap_ext {
+namespace {
+
+// More cells than a block has.
+TEST(TileWindow, ShowsTheCellsOfAPart) {
+  const SeenScene scene = GroundScene(4000, 3);
+  const MemoryPlan plan = PlanOf(scene.points, 3, scene.observations);
+  const MemoryParts parts(scene, plan);
+  const SeamLabels seam = CutSeams(parts.seams());
+  size_t num_at_seams = 0;
+  for (uint32_t tile = 0; tile < 3; ++tile) {
+    const auto part = parts.ReadPart(tile);
+    std::vector<uint8_t> labels = part->labels;
+    ApplySeamLabels(seam, part->tile, &labels);
+    TileWindow window(parts, seam, tile);
+    std::vector<uint32_t> expected;
+    std::vector<uint32_t> cells;
+    for (uint32_t vertex = 0; vertex < part->tile.num_own; ++vertex) {
+      IncidentCells(part->tile.tetrahedra, vertex, &expected);
+      window.CellsAt(vertex, &cells);
+      ASSERT_EQ(cells, expected);
+      for (const uint32_t cell : cells) {
+        ASSERT_EQ(window.CornersOf(cell), part->tile.CornersOf(cell));
+        ASSERT_EQ(window.LabelOf(cell), labels[cell]);
+        num_at_seams += part->labels[cell] == kNotKnown;
+        const PartCells one = parts.ReadCells(tile, cell, cell + 1);
+        const TileWindow::Capacities capacities = window.CapacitiesOf(cell);
+        ASSERT_EQ(capacities.facets, one.graph.capacities[0]);
+        ASSERT_EQ(capacities.source, one.graph.source[0]);
+        ASSERT_EQ(capacities.sink, one.graph.sink[0]);
+      }
+    }
+  }
+  EXPECT_GT(num_at_seams, 100u);
+}
+
+}  // namespace
+}  // namespace colmap_ext
