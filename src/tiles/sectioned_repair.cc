@@ -1,0 +1,397 @@
+#include "tiles/sectioned_repair.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "mesh/vertex_rings.h"
+#include "repair/crossing_clusters.h"
+#include "spatial/facet_tree.h"
+#include "tiles/box_tree.h"
+
+namespace colmap_ext {
+namespace {
+
+using Box = Eigen::AlignedBox3f;
+
+constexpr int kMaxRounds = 8;  // as RepairSelfIntersections()
+
+// Some facets of a mesh, each with its number, in any order.
+struct FacetList {
+  std::vector<std::pair<uint32_t, Facet>> facets;
+
+  void Add(uint32_t number, const Facet& facet) {
+    facets.emplace_back(number, facet);
+  }
+
+  MeshPart Gather(const SectionedMesh& mesh) {
+    std::ranges::sort(facets);
+    const auto repeats = std::ranges::unique(facets);
+    facets.erase(repeats.begin(), repeats.end());
+    std::vector<uint32_t> numbers;
+    std::vector<Facet> gathered;
+    for (const auto& [number, facet] : facets) {
+      numbers.push_back(number);
+      gathered.push_back(facet);
+    }
+    return GatherPart(mesh, std::move(numbers), std::move(gathered));
+  }
+};
+
+MeshPart ReadSection(const SectionedMesh& mesh, size_t section) {
+  const uint32_t begin = mesh.FirstFacet(section);
+  const uint32_t end = mesh.FirstFacet(section + 1);
+  std::vector<uint32_t> numbers(end - begin);
+  std::iota(numbers.begin(), numbers.end(), begin);
+  return GatherPart(mesh, std::move(numbers), mesh.ReadFacets(begin, end));
+}
+
+// Appends pairs of a part by the mesh's facets, where they count.
+template <typename Counts>
+void AddPairs(const MeshPart& part, const std::vector<FacetPair>& found,
+              const Counts& counts, std::vector<FacetPair>* pairs) {
+  for (const auto& [a, b] : found) {
+    if (counts(part.facets[a], part.facets[b])) {
+      pairs->push_back({part.facets[a], part.facets[b]});
+    }
+  }
+}
+
+// Facets of later sections whose boxes meet those of a section's facets, and
+// the latter.
+FacetList MeetingLater(const SectionedMesh& mesh, size_t section,
+                       const MeshPart& own, const FacetTree& tree) {
+  Box box;
+  for (const Eigen::Vector3f& position : own.mesh.vertices) {
+    box.extend(position);
+  }
+  FacetList list;
+  const auto add_near = [&](uint32_t first, const std::vector<Facet>& facets) {
+    std::vector<uint32_t> numbers(facets.size());
+    std::iota(numbers.begin(), numbers.end(), first);
+    const MeshPart block = GatherPart(mesh, std::move(numbers), facets);
+    for (uint32_t i = 0; i < facets.size(); ++i) {
+      const size_t count = list.facets.size();
+      tree.ForEachNear(BoxOf(block.mesh, i), [&](uint32_t near) {
+        Facet facet = own.mesh.facets[near];
+        for (uint32_t& vertex : facet) {
+          vertex = own.vertices[vertex];
+        }
+        list.Add(own.facets[near], facet);
+      });
+      if (list.facets.size() > count) {
+        list.Add(first + i, facets[i]);
+      }
+    }
+  };
+  for (size_t other = section + 1; other < mesh.NumSections(); ++other) {
+    mesh.ForEachBlock(
+        other, [&](const Box& block) { return block.intersects(box); },
+        add_near);
+  }
+  return list;
+}
+
+// Vertices around some facets.
+class RingSearch {
+ public:
+  RingSearch(const SectionedMesh& mesh, uint8_t num_rings)
+      : mesh_(mesh), num_rings_(num_rings) {}
+
+  void Start(const std::vector<uint32_t>& facets) {
+    for (const uint32_t number : facets) {
+      const Facet facet = mesh_.ReadFacets(number, number + 1)[0];
+      for (const uint32_t vertex : facet) {
+        Reach(vertex, 0);
+      }
+    }
+  }
+
+  // \return all facets at the vertices within the rings
+  FacetList Run() {
+    std::map<size_t, std::vector<std::pair<uint32_t, Facet>>> found;
+    while (!waiting_.empty()) {
+      const size_t section = *waiting_.begin();
+      waiting_.erase(waiting_.begin());
+      found[section] = SearchIn(section);
+    }
+    FacetList list;
+    for (auto& [section, facets] : found) {
+      list.facets.insert(list.facets.end(), facets.begin(), facets.end());
+    }
+    return list;
+  }
+
+ private:
+  void Reach(uint32_t vertex, uint8_t ring) {
+    const auto [found, is_new] = rings_.try_emplace(vertex, ring);
+    if (!is_new && found->second <= ring) {
+      return;
+    }
+    found->second = ring;
+    for (size_t section = 0; section < mesh_.NumSections(); ++section) {
+      if (Has(section, vertex)) {
+        waiting_.insert(section);
+      }
+    }
+  }
+
+  bool Has(size_t section, uint32_t vertex) const {
+    return (vertex >= mesh_.FirstVertex(section) &&
+            vertex < mesh_.FirstVertex(section + 1)) ||
+           std::ranges::binary_search(mesh_.Shared(section), vertex);
+  }
+
+  std::vector<std::pair<uint32_t, Facet>> SearchIn(size_t section) {
+    const uint32_t first = mesh_.FirstFacet(section);
+    const std::vector<Facet> facets =
+        mesh_.ReadFacets(first, mesh_.FirstFacet(section + 1));
+    const uint32_t begin = mesh_.FirstVertex(section);
+    const uint32_t end = mesh_.FirstVertex(section + 1);
+    const uint8_t beyond = num_rings_ + 1;
+    std::vector<uint8_t> own(end - begin, beyond);
+    for (const auto& [vertex, ring] : rings_) {
+      if (vertex >= begin && vertex < end) {
+        own[vertex - begin] = ring;
+      }
+    }
+    const auto ring_of = [&](uint32_t vertex) {
+      if (vertex >= begin && vertex < end) {
+        return own[vertex - begin];
+      }
+      const auto found = rings_.find(vertex);
+      return found == rings_.end() ? beyond : found->second;
+    };
+    const auto ring_of_facet = [&](const Facet& facet) {
+      return std::min(
+          {ring_of(facet[0]), ring_of(facet[1]), ring_of(facet[2])});
+    };
+    for (uint8_t ring = 0; ring < num_rings_; ++ring) {
+      for (const Facet& facet : facets) {
+        if (ring_of_facet(facet) != ring) {
+          continue;
+        }
+        for (const uint32_t vertex : facet) {
+          if (ring_of(vertex) <= ring + 1) {
+            continue;
+          }
+          if (vertex >= begin && vertex < end) {
+            own[vertex - begin] = ring + 1;
+          }
+          ReachFrom(section, vertex, ring + 1);
+        }
+      }
+    }
+    std::vector<std::pair<uint32_t, Facet>> found;
+    for (uint32_t i = 0; i < facets.size(); ++i) {
+      if (ring_of_facet(facets[i]) <= num_rings_) {
+        found.emplace_back(first + i, facets[i]);
+      }
+    }
+    return found;
+  }
+
+  // Other sections that have the vertex have to go on from there.
+  void ReachFrom(size_t section, uint32_t vertex, uint8_t ring) {
+    if (std::ranges::binary_search(mesh_.Shared(section), vertex)) {
+      const bool was_waiting = waiting_.contains(section);
+      Reach(vertex, ring);
+      if (!was_waiting) {
+        waiting_.erase(section);
+      }
+    } else {
+      rings_[vertex] = ring;
+    }
+  }
+
+  const SectionedMesh& mesh_;
+  const uint8_t num_rings_;
+  std::unordered_map<uint32_t, uint8_t> rings_;  // of vertices
+  std::set<size_t> waiting_;                     // sections
+};
+
+class SectionsRepair {
+ public:
+  explicit SectionsRepair(SectionedMesh* mesh)
+      : mesh_(*mesh), pairs_(FindSelfIntersections(*mesh)) {}
+
+  SelfIntersectionRepair Run() {
+    repair_.num_before = pairs_.size();
+    const size_t max_work = MaxRepairWork(mesh_.NumFacets());
+    RunSteps({true, 0, 1, max_work});
+    if (work_ <= max_work) {
+      RunSteps({false, 1, kMaxRounds, max_work - work_});
+    }
+    repair_.num_after = pairs_.size();
+    for (const auto& [vertex, before] : before_) {
+      const auto after = mesh_.ReadPositions(vertex, vertex + 1)[0];
+      MeasureMotion(before, after, &repair_);
+    }
+    return repair_;
+  }
+
+ private:
+  void RunSteps(const RepairSteps& steps) {
+    if (pairs_.empty()) {
+      return;
+    }
+    std::vector<uint32_t> seeds;
+    for (const FacetPair& pair : pairs_) {
+      seeds.insert(seeds.end(), pair.begin(), pair.end());
+    }
+    RingSearch search(mesh_, static_cast<uint8_t>(MovedRings(steps) + 2));
+    search.Start(seeds);
+    FacetList around = search.Run();
+    // Facets go little farther than their edges are long.
+    for (float margin = 1; !TryWithin(margin, steps, around); margin *= 2) {
+    }
+  }
+
+  // \return whether nothing moved out of what was looked at
+  bool TryWithin(float margin, const RepairSteps& steps, FacetList around) {
+    const std::vector<Box> boxes =
+        BoxesOf(around.Gather(mesh_), MovedRings(steps) + 1, margin);
+    AddWithin(boxes, &around);
+    const MeshPart before = around.Gather(mesh_);
+    TriangleMesh after = before.mesh;
+    const RepairedPart repaired = RepairPart(steps, &after);
+    std::vector<uint32_t> changed;
+    for (uint32_t i = 0; i < after.facets.size(); ++i) {
+      const Facet& facet = after.facets[i];
+      if (facet != before.mesh.facets[i] ||
+          std::ranges::any_of(facet, [&](uint32_t vertex) {
+            return after.vertices[vertex] != before.mesh.vertices[vertex];
+          })) {
+        changed.push_back(i);
+        const Box box = BoxOf(after, i);
+        if (std::ranges::none_of(
+                boxes, [&](const Box& b) { return b.contains(box); })) {
+          return false;
+        }
+      }
+    }
+    Apply(before, after, changed);
+    pairs_.clear();
+    AddPairs(
+        before, repaired.after, [](uint32_t, uint32_t) { return true; },
+        &pairs_);
+    work_ += repaired.work;
+    repair_.num_flipped_edges += repaired.num_flipped_edges;
+    return true;
+  }
+
+  // Around the vertices within some rings of each cluster of pairs, and as many
+  // times their longest edge.
+  std::vector<Box> BoxesOf(const MeshPart& around, int num_rings,
+                           float margin) const {
+    const auto place = [&](uint32_t number) {
+      return static_cast<uint32_t>(
+          std::ranges::lower_bound(around.facets, number) -
+          around.facets.begin());
+    };
+    std::vector<FacetPair> pairs;
+    for (const auto& [a, b] : pairs_) {
+      pairs.push_back({place(a), place(b)});
+    }
+    const VertexRings rings = MakeVertexRings(around.mesh);
+    const std::vector<Eigen::Vector3f>& positions = around.mesh.vertices;
+    std::vector<Box> boxes;
+    for (const auto& cluster : CrossingClusters(around.mesh, pairs)) {
+      Box& box = boxes.emplace_back();
+      float longest = 0;
+      for (const uint32_t vertex :
+           VerticesAround(around.mesh, rings, cluster, num_rings)) {
+        box.extend(positions[vertex]);
+        for (const uint32_t neighbor : rings.neighbors[vertex]) {
+          box.extend(positions[neighbor]);
+          longest = std::max(longest,
+                             (positions[vertex] - positions[neighbor]).norm());
+        }
+      }
+      box.min().array() -= margin * longest;
+      box.max().array() += margin * longest;
+    }
+    return boxes;
+  }
+
+  void AddWithin(const std::vector<Box>& boxes, FacetList* list) const {
+    const BoxTree tree(boxes);
+    const auto is_within = [&](const Box& box) {
+      return tree.Search([&](const Box& b) { return b.intersects(box); },
+                         [](uint32_t) { return true; });
+    };
+    for (size_t section = 0; section < mesh_.NumSections(); ++section) {
+      mesh_.ForEachBlock(section, is_within,
+                         [&](uint32_t first, const std::vector<Facet>& facets) {
+                           std::vector<uint32_t> numbers(facets.size());
+                           std::iota(numbers.begin(), numbers.end(), first);
+                           const MeshPart block =
+                               GatherPart(mesh_, std::move(numbers), facets);
+                           for (uint32_t i = 0; i < facets.size(); ++i) {
+                             if (is_within(BoxOf(block.mesh, i))) {
+                               list->Add(first + i, facets[i]);
+                             }
+                           }
+                         });
+    }
+  }
+
+  void Apply(const MeshPart& before, const TriangleMesh& after,
+             const std::vector<uint32_t>& changed) {
+    for (uint32_t i = 0; i < after.vertices.size(); ++i) {
+      if (after.vertices[i] != before.mesh.vertices[i]) {
+        before_.try_emplace(before.vertices[i], before.mesh.vertices[i]);
+        mesh_.Move(before.vertices[i], after.vertices[i]);
+      }
+    }
+    for (const uint32_t i : changed) {
+      Facet facet = after.facets[i];
+      for (uint32_t& vertex : facet) {
+        vertex = before.vertices[vertex];
+      }
+      mesh_.Replace(before.facets[i], facet, BoxOf(after, i));
+    }
+  }
+
+  SectionedMesh& mesh_;
+  std::vector<FacetPair> pairs_;  // that are left
+  size_t work_ = 0;
+  SelfIntersectionRepair repair_;
+  std::map<uint32_t, Eigen::Vector3f> before_;  // of vertices that moved
+};
+
+}  // namespace
+
+std::vector<FacetPair> FindSelfIntersections(const SectionedMesh& mesh) {
+  std::vector<FacetPair> pairs;
+  for (size_t section = 0; section < mesh.NumSections(); ++section) {
+    const MeshPart own = ReadSection(mesh, section);
+    if (own.facets.empty()) {
+      continue;
+    }
+    const FacetTree tree(own.mesh);
+    AddPairs(
+        own, FindSelfIntersections(own.mesh, tree),
+        [](uint32_t, uint32_t) { return true; }, &pairs);
+    FacetList meeting = MeetingLater(mesh, section, own, tree);
+    if (!meeting.facets.empty()) {
+      const uint32_t end = mesh.FirstFacet(section + 1);
+      const MeshPart part = meeting.Gather(mesh);
+      AddPairs(
+          part, FindSelfIntersections(part.mesh),
+          [&](uint32_t a, uint32_t b) { return a < end && b >= end; }, &pairs);
+    }
+  }
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+SelfIntersectionRepair RepairSections(SectionedMesh* mesh) {
+  return SectionsRepair(mesh).Run();
+}
+
+}  // namespace colmap_ext
