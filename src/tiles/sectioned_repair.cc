@@ -245,34 +245,75 @@ class SectionsRepair {
     }
     RingSearch search(mesh_, static_cast<uint8_t>(MovedRings(steps) + 2));
     search.Start(seeds);
-    FacetList around = search.Run();
-    // Facets go little farther than their edges are long.
-    for (float margin = 1; !TryWithin(margin, steps, around); margin *= 2) {
+    const FacetList around = search.Run();
+    std::vector<Box> boxes = ReachOf(around, MovedRings(steps));
+    while (!TryWithin(steps, around, &boxes)) {
     }
   }
 
-  // \return whether nothing moved out of what was looked at
-  bool TryWithin(float margin, const RepairSteps& steps, FacetList around) {
-    const std::vector<Box> boxes =
-        BoxesOf(around.Gather(mesh_), MovedRings(steps) + 1, margin);
-    AddWithin(boxes, &around);
+  // Where facets that may move are, and a little around each.
+  std::vector<Box> ReachOf(FacetList around, int num_rings) const {
+    const MeshPart part = around.Gather(mesh_);
+    std::vector<uint32_t> crossing;
+    for (const FacetPair& pair : pairs_) {
+      for (const uint32_t number : pair) {
+        crossing.push_back(static_cast<uint32_t>(
+            std::ranges::lower_bound(part.facets, number) -
+            part.facets.begin()));
+      }
+    }
+    std::vector<uint8_t> may_move(part.vertices.size(), 0);
+    for (const uint32_t vertex : VerticesAround(
+             part.mesh, MakeVertexRings(part.mesh), crossing, num_rings)) {
+      may_move[vertex] = 1;
+    }
+    std::vector<Box> boxes;
+    for (uint32_t i = 0; i < part.facets.size(); ++i) {
+      const auto& [a, b, c] = part.mesh.facets[i];
+      if (may_move[a] != 0 || may_move[b] != 0 || may_move[c] != 0) {
+        boxes.push_back(Widened(BoxOf(part.mesh, i)));
+      }
+    }
+    return boxes;
+  }
+
+  // A choice: what goes farther takes another try.
+  static Box Widened(Box box) {
+    const float margin = 0.1F * box.diagonal().norm();
+    box.min().array() -= margin;
+    box.max().array() += margin;
+    return box;
+  }
+
+  // Does the steps with all facets that meet the boxes.
+  // \param boxes  gets those of facets that went out of them
+  // \return whether there are none, and all is done
+  bool TryWithin(const RepairSteps& steps, FacetList around,
+                 std::vector<Box>* boxes) {
+    AddWithin(*boxes, &around);
     const MeshPart before = around.Gather(mesh_);
     TriangleMesh after = before.mesh;
     const RepairedPart repaired = RepairPart(steps, &after);
+    const BoxTree tree(*boxes);
+    const size_t num_boxes = boxes->size();
     std::vector<uint32_t> changed;
     for (uint32_t i = 0; i < after.facets.size(); ++i) {
       const Facet& facet = after.facets[i];
-      if (facet != before.mesh.facets[i] ||
-          std::ranges::any_of(facet, [&](uint32_t vertex) {
-            return after.vertices[vertex] != before.mesh.vertices[vertex];
+      if (facet == before.mesh.facets[i] &&
+          std::ranges::all_of(facet, [&](uint32_t vertex) {
+            return after.vertices[vertex] == before.mesh.vertices[vertex];
           })) {
-        changed.push_back(i);
-        const Box box = BoxOf(after, i);
-        if (std::ranges::none_of(
-                boxes, [&](const Box& b) { return b.contains(box); })) {
-          return false;
-        }
+        continue;
       }
+      changed.push_back(i);
+      const Box box = BoxOf(after, i);
+      if (!tree.Search([&](const Box& b) { return b.contains(box); },
+                       [](uint32_t) { return true; })) {
+        boxes->push_back(Widened(box));
+      }
+    }
+    if (boxes->size() > num_boxes) {
+      return false;
     }
     Apply(before, after, changed);
     pairs_.clear();
@@ -282,40 +323,6 @@ class SectionsRepair {
     work_ += repaired.work;
     repair_.num_flipped_edges += repaired.num_flipped_edges;
     return true;
-  }
-
-  // Around the vertices within some rings of each cluster of pairs, and as many
-  // times their longest edge.
-  std::vector<Box> BoxesOf(const MeshPart& around, int num_rings,
-                           float margin) const {
-    const auto place = [&](uint32_t number) {
-      return static_cast<uint32_t>(
-          std::ranges::lower_bound(around.facets, number) -
-          around.facets.begin());
-    };
-    std::vector<FacetPair> pairs;
-    for (const auto& [a, b] : pairs_) {
-      pairs.push_back({place(a), place(b)});
-    }
-    const VertexRings rings = MakeVertexRings(around.mesh);
-    const std::vector<Eigen::Vector3f>& positions = around.mesh.vertices;
-    std::vector<Box> boxes;
-    for (const auto& cluster : CrossingClusters(around.mesh, pairs)) {
-      Box& box = boxes.emplace_back();
-      float longest = 0;
-      for (const uint32_t vertex :
-           VerticesAround(around.mesh, rings, cluster, num_rings)) {
-        box.extend(positions[vertex]);
-        for (const uint32_t neighbor : rings.neighbors[vertex]) {
-          box.extend(positions[neighbor]);
-          longest = std::max(longest,
-                             (positions[vertex] - positions[neighbor]).norm());
-        }
-      }
-      box.min().array() -= margin * longest;
-      box.max().array() += margin * longest;
-    }
-    return boxes;
   }
 
   void AddWithin(const std::vector<Box>& boxes, FacetList* list) const {
