@@ -24,7 +24,7 @@ namespace colmap_ext {
 namespace {
 
 CommandAdvice Advice() {
-  return {"a machine with more memory has to merge: it holds the surface",
+  return {"a machine with more memory has to merge, or smaller tiles",
           "the plan's folder",
           {}};
 }
