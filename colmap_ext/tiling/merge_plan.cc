@@ -1,8 +1,6 @@
 #include "colmap_ext/tiling/merge_plan.h"
 
-#include <algorithm>
 #include <memory>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -15,6 +13,7 @@
 #include "tiles/merged_surface.h"
 #include "tiles/seam_cut.h"
 #include "tiles/singular_patch.h"
+#include "tiles/vertex_points.h"
 
 namespace colmap_ext {
 namespace {
@@ -46,7 +45,12 @@ Fixed CutAndFix(const FilePlan& plan, const FileParts& parts,
   return fixed;
 }
 
-// Appends what is written of a vertex; reads it as it was written.
+ReadAttributes Reader(const FilePlan& plan) {
+  return [&plan](const std::vector<uint32_t>& ids) {
+    return plan.ReadAttributes(ids);
+  };
+}
+
 void WriteBanded(const fs::path& path,
                  const std::optional<Eigen::Matrix4d>& transform,
                  const BandedMesh& banded) {
@@ -102,39 +106,11 @@ void MergeInBands(const ManifoldMeshingOptions& options,
     bands->Finish(surface.PatchFixes());
   }
   Report(progress, "Splitting vertices", 0);
-  const BandedMesh banded = FinishBands(
-      options, *bands,
-      [&](const std::vector<uint32_t>& ids) {
-        return plan.ReadAttributes(ids);
-      },
-      views, progress, make_store, &report->meshing);
+  const BandedMesh banded = FinishBands(options, *bands, Reader(plan), views,
+                                        progress, make_store, &report->meshing);
   bands.reset();
   Report(progress, "Writing the mesh", 0);
   WriteBanded(output_path, transform, banded);
-}
-
-// The points of the surface's vertices. Centroids have none.
-struct MergedPoints {
-  PointCloud cloud;
-  std::vector<uint32_t> vertex_points;
-  std::vector<float> supports;
-  std::vector<uint8_t> is_end;
-};
-
-MergedPoints PointsOf(const FilePlan& vertices,
-                      const std::vector<uint32_t>& ids) {
-  const auto end =
-      std::ranges::lower_bound(ids, vertices.Blocks().NumVertices());
-  TileVertices read =
-      vertices.ReadAttributes(std::vector<uint32_t>(ids.begin(), end));
-  MergedPoints points;
-  points.cloud.colors = std::move(read.colors);
-  points.cloud.views = std::move(read.views);
-  points.supports = std::move(read.supports);
-  points.is_end = std::move(read.observations.is_end);
-  points.vertex_points.resize(points.supports.size());
-  std::iota(points.vertex_points.begin(), points.vertex_points.end(), 0);
-  return points;
 }
 
 void MergeWhole(const ManifoldMeshingOptions& options,
@@ -151,12 +127,11 @@ void MergeWhole(const ManifoldMeshingOptions& options,
   ManifoldMesh result;
   result.report = report->meshing;
   {
-    const MergedPoints points = PointsOf(plan, merged.ids);
+    const VertexPoints points =
+        PointsOf(merged.ids, plan.Blocks().NumVertices(), Reader(plan));
     std::vector<uint32_t>().swap(merged.ids);
-    SplitSurface(
-        options, std::move(merged.extracted),
-        {points.cloud, points.vertex_points, points.supports, points.is_end},
-        views, &result);
+    SplitSurface(options, std::move(merged.extracted), points.AsSurfacePoints(),
+                 views, &result);
   }
   FinishSurface(options, progress, &result);
   report->meshing = result.report;

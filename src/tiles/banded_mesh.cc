@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -20,18 +19,6 @@
 
 namespace colmap_ext {
 namespace {
-
-// The points of a band's vertices. Centroids have none.
-struct BandPoints {
-  PointCloud cloud;
-  std::vector<uint32_t> vertex_points;
-  std::vector<float> supports;
-  std::vector<uint8_t> is_end;
-
-  SurfacePoints AsSurfacePoints() const {
-    return {cloud, vertex_points, supports, is_end};
-  }
-};
 
 // A band, split and filtered.
 struct FinishedBand {
@@ -61,36 +48,26 @@ class BandFinisher {
     StoredVector<float> sides(make_store_);
     StreamedQuantile quantile;
     for (uint32_t tile = 0; tile < bands_.NumTiles(); ++tile) {
-      const SurfaceBand band = bands_.Read(tile);
-      const FanSplit surface =
-          SplitWithoutEnds(band.surface.extracted,
-                           PointsOf(band.surface.ids).is_end, band.is_own);
-      limits_.largest_coordinate =
-          std::max(limits_.largest_coordinate, LargestCoordinate(surface.mesh));
-      std::vector<float> of_tile = LongestSides(surface.mesh);
-      size_t num_own = 0;
-      for (size_t i = 0; i < of_tile.size(); ++i) {
-        if (band.is_own[surface.facet_sources[i]] != 0) {
-          quantile.Count(of_tile[i], 1);
-          of_tile[num_own++] = of_tile[i];
-        }
+      const std::vector<float> of_tile = SidesOf(tile);
+      for (const float side : of_tile) {
+        quantile.Count(side, 1);
       }
-      of_tile.resize(num_own);
       sides.Append(of_tile);
     }
-    limits_.longest_side = std::numeric_limits<double>::infinity();
-    if (options_.max_side_length_factor > 0 && sides.size() > 0) {
-      // As Percentile().
-      const auto last = static_cast<double>(sides.size() - 1);
-      quantile.Seek(
-          1 + std::round(options_.max_side_length_percentile / 100 * last));
-      sides.ForEachChunk([&](const std::vector<float>& chunk) {
-        for (const float side : chunk) {
-          quantile.Keep(side, 1);
-        }
-      });
-      limits_.longest_side = options_.max_side_length_factor * quantile.Find();
+    if (options_.max_side_length_factor <= 0 || sides.size() == 0) {
+      limits_.longest_side = std::numeric_limits<double>::infinity();
+      return;
     }
+    // The rank of Percentile().
+    const auto last = static_cast<double>(sides.size() - 1);
+    quantile.Seek(1 +
+                  std::round(options_.max_side_length_percentile / 100 * last));
+    sides.ForEachChunk([&](const std::vector<float>& chunk) {
+      for (const float side : chunk) {
+        quantile.Keep(side, 1);
+      }
+    });
+    limits_.longest_side = options_.max_side_length_factor * quantile.Find();
   }
 
   // The second time.
@@ -134,23 +111,31 @@ class BandFinisher {
   }
 
  private:
-  BandPoints PointsOf(const std::vector<uint32_t>& ids) const {
-    const auto end = std::ranges::lower_bound(ids, bands_.NumPlanVertices());
-    TileVertices read = read_(std::vector<uint32_t>(ids.begin(), end));
-    BandPoints points;
-    points.cloud.positions.resize(static_cast<size_t>(end - ids.begin()));
-    points.cloud.colors = std::move(read.colors);
-    points.cloud.views = std::move(read.views);
-    points.supports = std::move(read.supports);
-    points.is_end = std::move(read.observations.is_end);
-    points.vertex_points.resize(points.cloud.size());
-    std::iota(points.vertex_points.begin(), points.vertex_points.end(), 0);
-    return points;
+  VertexPoints PointsOf(const SurfaceBand& band) const {
+    return colmap_ext::PointsOf(band.surface.ids, bands_.NumPlanVertices(),
+                                read_);
+  }
+
+  // Of the tile's own facets.
+  std::vector<float> SidesOf(uint32_t tile) {
+    const SurfaceBand band = bands_.Read(tile);
+    const FanSplit surface = SplitWithoutEnds(
+        band.surface.extracted, PointsOf(band).is_end, band.is_own);
+    limits_.largest_coordinate =
+        std::max(limits_.largest_coordinate, LargestCoordinate(surface.mesh));
+    const std::vector<float> sides = LongestSides(surface.mesh);
+    std::vector<float> own;
+    for (size_t i = 0; i < sides.size(); ++i) {
+      if (band.is_own[surface.facet_sources[i]] != 0) {
+        own.push_back(sides[i]);
+      }
+    }
+    return own;
   }
 
   FinishedBand Finish(uint32_t tile, ManifoldMeshingReport* report) const {
     SurfaceBand band = bands_.Read(tile);
-    const BandPoints points = PointsOf(band.surface.ids);
+    const VertexPoints points = PointsOf(band);
     FinishedBand finished;
     finished.surface =
         SplitWithoutEnds(band.surface.extracted, points.is_end, band.is_own);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,7 @@
 #include "scene/view.h"
 #include "tiles/sectioned_mesh.h"
 #include "tiles/surface_bands.h"
-#include "tiles/thin_tile.h"
+#include "tiles/vertex_points.h"
 
 namespace colmap_ext {
 
@@ -31,11 +30,6 @@ struct BandedMesh {
   StoredVector<uint32_t> num_views;  // [V] of each vertex
   StoredVector<uint32_t> views;      // one vertex' after the other's
 };
-
-// Reads colours, views, supports and ends of some of the plan's vertices, by
-// ids, ascending.
-using ReadAttributes =
-    std::function<TileVertices(const std::vector<uint32_t>&)>;
 
 // What of the options takes the whole surface, and can not be done in bands;
 // empty: nothing.

@@ -18,8 +18,7 @@ std::vector<uint32_t> NumberVertices(std::vector<Facet>* facets) {
     ids.insert(ids.end(), facet.begin(), facet.end());
   }
   std::ranges::sort(ids);
-  const auto repeats = std::ranges::unique(ids);
-  ids.erase(repeats.begin(), repeats.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   ids.shrink_to_fit();
   for (Facet& facet : *facets) {
     for (uint32_t& vertex : facet) {

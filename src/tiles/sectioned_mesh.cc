@@ -25,8 +25,8 @@ void SectionedMesh::Add(const std::vector<Eigen::Vector3f>& positions,
 
 void SectionedMesh::Finish() {
   std::ranges::sort(all_shared_);
-  const auto repeats = std::ranges::unique(all_shared_);
-  all_shared_.erase(repeats.begin(), repeats.end());
+  all_shared_.erase(std::unique(all_shared_.begin(), all_shared_.end()),
+                    all_shared_.end());
   all_shared_.shrink_to_fit();
 }
 
@@ -73,8 +73,8 @@ MeshPart GatherPart(const SectionedMesh& mesh, std::vector<uint32_t> numbers,
     part.vertices.insert(part.vertices.end(), facet.begin(), facet.end());
   }
   std::ranges::sort(part.vertices);
-  const auto repeats = std::ranges::unique(part.vertices);
-  part.vertices.erase(repeats.begin(), repeats.end());
+  part.vertices.erase(std::unique(part.vertices.begin(), part.vertices.end()),
+                      part.vertices.end());
   for (Facet& facet : facets) {
     for (uint32_t& vertex : facet) {
       vertex = static_cast<uint32_t>(

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <set>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -12,6 +10,7 @@
 #include "repair/crossing_clusters.h"
 #include "spatial/facet_tree.h"
 #include "tiles/box_tree.h"
+#include "tiles/facet_rings.h"
 
 namespace colmap_ext {
 namespace {
@@ -19,28 +18,6 @@ namespace {
 using Box = Eigen::AlignedBox3f;
 
 constexpr int kMaxRounds = 8;  // as RepairSelfIntersections()
-
-// Some facets of a mesh, each with its number, in any order.
-struct FacetList {
-  std::vector<std::pair<uint32_t, Facet>> facets;
-
-  void Add(uint32_t number, const Facet& facet) {
-    facets.emplace_back(number, facet);
-  }
-
-  MeshPart Gather(const SectionedMesh& mesh) {
-    std::ranges::sort(facets);
-    const auto repeats = std::ranges::unique(facets);
-    facets.erase(repeats.begin(), repeats.end());
-    std::vector<uint32_t> numbers;
-    std::vector<Facet> gathered;
-    for (const auto& [number, facet] : facets) {
-      numbers.push_back(number);
-      gathered.push_back(facet);
-    }
-    return GatherPart(mesh, std::move(numbers), std::move(gathered));
-  }
-};
 
 MeshPart ReadSection(const SectionedMesh& mesh, size_t section) {
   const uint32_t begin = mesh.FirstFacet(section);
@@ -96,124 +73,6 @@ FacetList MeetingLater(const SectionedMesh& mesh, size_t section,
   return list;
 }
 
-// Vertices around some facets.
-class RingSearch {
- public:
-  RingSearch(const SectionedMesh& mesh, uint8_t num_rings)
-      : mesh_(mesh), num_rings_(num_rings) {}
-
-  void Start(const std::vector<uint32_t>& facets) {
-    for (const uint32_t number : facets) {
-      const Facet facet = mesh_.ReadFacets(number, number + 1)[0];
-      for (const uint32_t vertex : facet) {
-        Reach(vertex, 0);
-      }
-    }
-  }
-
-  // \return all facets at the vertices within the rings
-  FacetList Run() {
-    std::map<size_t, std::vector<std::pair<uint32_t, Facet>>> found;
-    while (!waiting_.empty()) {
-      const size_t section = *waiting_.begin();
-      waiting_.erase(waiting_.begin());
-      found[section] = SearchIn(section);
-    }
-    FacetList list;
-    for (auto& [section, facets] : found) {
-      list.facets.insert(list.facets.end(), facets.begin(), facets.end());
-    }
-    return list;
-  }
-
- private:
-  void Reach(uint32_t vertex, uint8_t ring) {
-    const auto [found, is_new] = rings_.try_emplace(vertex, ring);
-    if (!is_new && found->second <= ring) {
-      return;
-    }
-    found->second = ring;
-    for (size_t section = 0; section < mesh_.NumSections(); ++section) {
-      if (Has(section, vertex)) {
-        waiting_.insert(section);
-      }
-    }
-  }
-
-  bool Has(size_t section, uint32_t vertex) const {
-    return (vertex >= mesh_.FirstVertex(section) &&
-            vertex < mesh_.FirstVertex(section + 1)) ||
-           std::ranges::binary_search(mesh_.Shared(section), vertex);
-  }
-
-  std::vector<std::pair<uint32_t, Facet>> SearchIn(size_t section) {
-    const uint32_t first = mesh_.FirstFacet(section);
-    const std::vector<Facet> facets =
-        mesh_.ReadFacets(first, mesh_.FirstFacet(section + 1));
-    const uint32_t begin = mesh_.FirstVertex(section);
-    const uint32_t end = mesh_.FirstVertex(section + 1);
-    const uint8_t beyond = num_rings_ + 1;
-    std::vector<uint8_t> own(end - begin, beyond);
-    for (const auto& [vertex, ring] : rings_) {
-      if (vertex >= begin && vertex < end) {
-        own[vertex - begin] = ring;
-      }
-    }
-    const auto ring_of = [&](uint32_t vertex) {
-      if (vertex >= begin && vertex < end) {
-        return own[vertex - begin];
-      }
-      const auto found = rings_.find(vertex);
-      return found == rings_.end() ? beyond : found->second;
-    };
-    const auto ring_of_facet = [&](const Facet& facet) {
-      return std::min(
-          {ring_of(facet[0]), ring_of(facet[1]), ring_of(facet[2])});
-    };
-    for (uint8_t ring = 0; ring < num_rings_; ++ring) {
-      for (const Facet& facet : facets) {
-        if (ring_of_facet(facet) != ring) {
-          continue;
-        }
-        for (const uint32_t vertex : facet) {
-          if (ring_of(vertex) <= ring + 1) {
-            continue;
-          }
-          if (vertex >= begin && vertex < end) {
-            own[vertex - begin] = ring + 1;
-          }
-          ReachFrom(section, vertex, ring + 1);
-        }
-      }
-    }
-    std::vector<std::pair<uint32_t, Facet>> found;
-    for (uint32_t i = 0; i < facets.size(); ++i) {
-      if (ring_of_facet(facets[i]) <= num_rings_) {
-        found.emplace_back(first + i, facets[i]);
-      }
-    }
-    return found;
-  }
-
-  // Other sections that have the vertex have to go on from there.
-  void ReachFrom(size_t section, uint32_t vertex, uint8_t ring) {
-    if (std::ranges::binary_search(mesh_.Shared(section), vertex)) {
-      const bool was_waiting = waiting_.contains(section);
-      Reach(vertex, ring);
-      if (!was_waiting) {
-        waiting_.erase(section);
-      }
-    } else {
-      rings_[vertex] = ring;
-    }
-  }
-
-  const SectionedMesh& mesh_;
-  const uint8_t num_rings_;
-  std::unordered_map<uint32_t, uint8_t> rings_;  // of vertices
-  std::set<size_t> waiting_;                     // sections
-};
-
 class SectionsRepair {
  public:
   explicit SectionsRepair(SectionedMesh* mesh)
@@ -243,9 +102,8 @@ class SectionsRepair {
     for (const FacetPair& pair : pairs_) {
       seeds.insert(seeds.end(), pair.begin(), pair.end());
     }
-    RingSearch search(mesh_, static_cast<uint8_t>(MovedRings(steps) + 2));
-    search.Start(seeds);
-    const FacetList around = search.Run();
+    const FacetList around =
+        FacetsAround(mesh_, seeds, static_cast<uint8_t>(MovedRings(steps) + 2));
     std::vector<Box> boxes = ReachOf(around, MovedRings(steps));
     while (!TryWithin(steps, around, &boxes)) {
     }

@@ -184,8 +184,7 @@ Part MakePart(const SectionedMesh& mesh, uint32_t begin, uint32_t end,
         [&](uint32_t vertex) { return vertex < begin || vertex >= end; });
   }
   std::ranges::sort(others);
-  const auto repeats = std::ranges::unique(others);
-  others.erase(repeats.begin(), repeats.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
   for (Facet& facet : facets) {
     for (uint32_t& vertex : facet) {
       const bool is_other = vertex < begin || vertex >= end;
@@ -222,6 +221,19 @@ void AddAtSeams(const Part& part, std::vector<Facet>* facets) {
   }
 }
 
+Part ReadSection(const SectionedMesh& mesh, size_t section,
+                 MeshReport* report) {
+  const uint32_t begin = mesh.FirstVertex(section);
+  const uint32_t end = mesh.FirstVertex(section + 1);
+  for (const Eigen::Vector3f& position : mesh.ReadPositions(begin, end)) {
+    report->num_non_finite_vertices += !position.allFinite();
+  }
+  std::vector<Facet> facets =
+      mesh.ReadFacets(mesh.FirstFacet(section), mesh.FirstFacet(section + 1));
+  DropInvalid(mesh.NumVertices(), &facets, report);
+  return MakePart(mesh, begin, end, std::move(facets));
+}
+
 }  // namespace
 
 MeshReport AnalyzeSections(const SectionedMesh& mesh) {
@@ -244,15 +256,7 @@ MeshReport AnalyzeSections(const SectionedMesh& mesh) {
   };
   std::vector<Facet> at_seams;
   for (size_t section = 0; section < mesh.NumSections(); ++section) {
-    const uint32_t begin = mesh.FirstVertex(section);
-    const uint32_t end = mesh.FirstVertex(section + 1);
-    for (const Eigen::Vector3f& position : mesh.ReadPositions(begin, end)) {
-      report.num_non_finite_vertices += !position.allFinite();
-    }
-    std::vector<Facet> facets =
-        mesh.ReadFacets(mesh.FirstFacet(section), mesh.FirstFacet(section + 1));
-    DropInvalid(mesh.NumVertices(), &facets, &report);
-    const Part part = MakePart(mesh, begin, end, std::move(facets));
+    const Part part = ReadSection(mesh, section, &report);
     AddAtSeams(part, &at_seams);
     count(part);
   }

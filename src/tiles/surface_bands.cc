@@ -75,9 +75,9 @@ std::vector<uint32_t> SurfaceBands::RimAround(uint32_t tile) const {
       }
     }
   };
-  const auto own = std::ranges::equal_range(rim_, tile, {}, &RimFacet::tile);
-  for (const RimFacet& facet : own) {
-    reach(facet.facet);
+  for (auto own = std::ranges::lower_bound(rim_, tile, {}, &RimFacet::tile);
+       own != rim_.end() && own->tile == tile; ++own) {
+    reach(own->facet);
   }
   for (uint8_t ring = 0; ring < kBandRings; ++ring) {
     for (const uint32_t id : std::exchange(front, {})) {

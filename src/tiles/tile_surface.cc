@@ -109,8 +109,9 @@ TileSurface PlanSurface::Read(uint32_t tile) const {
     add(facet, TileOf(facet) == tile);
   }
   std::ranges::sort(surface.touched);
-  const auto repeats = std::ranges::unique(surface.touched);
-  surface.touched.erase(repeats.begin(), repeats.end());
+  surface.touched.erase(
+      std::unique(surface.touched.begin(), surface.touched.end()),
+      surface.touched.end());
   return surface;
 }
 
