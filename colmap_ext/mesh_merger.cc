@@ -12,8 +12,8 @@
 #include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/merge_plan.h"
 #include "colmap_ext/tiling/merge_refined.h"
-#include "colmap_ext/tiling/run_tile.h"
 #include "formats/atomic_file.h"
 #include "formats/read_region.h"
 #include "formats/write_mesh.h"
@@ -24,7 +24,7 @@ namespace colmap_ext {
 namespace {
 
 CommandAdvice Advice() {
-  return {"a machine with more memory has to merge: it holds the surface",
+  return {"a machine with more memory has to merge, or smaller tiles",
           "the plan's folder",
           {}};
 }
@@ -46,10 +46,8 @@ void MergeRefinedTiles(const MergerOptions& options) {
 void MergeTiles(const MergerOptions& options) {
   ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
   const Progress progress = reporter.AsProgress();
-  MergeReport report;
-  const ManifoldMesh mesh = MergePlan(options.plan_path, progress, &report);
-  Report(progress, "Writing the mesh", 0);
-  WriteMesh(options.output_path, mesh.mesh, mesh.attributes, options.transform);
+  const MergeReport report = MergePlan(options.plan_path, options.output_path,
+                                       options.transform, progress);
   if (report.found_region) {
     WriteText(RegionPath(options.output_path),
               RegionText(*report.found_region));
@@ -60,7 +58,10 @@ void MergeTiles(const MergerOptions& options) {
   Print("tiles", static_cast<int64_t>(report.num_tiles), &log);
   Print("cells cut at the seams", static_cast<int64_t>(report.num_cut_cells),
         &log);
-  PrintReport(mesh.report, &log);
+  if (!report.whole_by.empty()) {
+    PrintText("whole surface held, for", report.whole_by, &log);
+  }
+  PrintReport(report.meshing, &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);
 }
 

@@ -15,6 +15,7 @@
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/make_plan.h"
+#include "tiles/banded_mesh.h"
 
 namespace colmap_ext {
 
@@ -45,8 +46,13 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
   Print("rays", static_cast<int64_t>(all.num_rays), log);
   PrintText("distance sigma", fmt::format("{:.4g}", plan.distance_sigma), log);
   PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
-  PrintText("memory, merger", fmt::format("{:.1f} GB", MergerMemoryGb(plan)),
-            log);
+  const std::string whole_by =
+      NeedsWholeSurface(MeshingOptionsOf(folder, plan).meshing);
+  const double merger_memory = MergerMemoryGb(plan, !whole_by.empty());
+  PrintText("memory, merger", fmt::format("{:.1f} GB", merger_memory), log);
+  if (!whole_by.empty()) {
+    PrintText("  holds the whole surface, for", whole_by, log);
+  }
   PrintText("time, all tiles",
             fmt::format("{:.2f} h of a core", all.seconds / 3600), log);
   const size_t last = plan.tiles.size() - 1;
@@ -61,7 +67,7 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
       "{0} --tile T\n  colmap mesh_merger --plan {0} --output_path "
       "MESH.ply\n",
       folder, last, static_cast<int>(1126 * memory) + 1,
-      static_cast<int>(1126 * MergerMemoryGb(plan)) + 1);
+      static_cast<int>(1126 * merger_memory) + 1);
 }
 
 void MakeAndPrint(const PlannerOptions& options) {

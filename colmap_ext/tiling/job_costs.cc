@@ -24,16 +24,18 @@ double TileSeconds(size_t num_vertices) {
   return 1 + 60e-6 * NumHeld(num_vertices);
 }
 
-double MergerMemoryGb(const Plan& plan) {
+double MergerMemoryGb(const Plan& plan, bool holds_whole_surface) {
   double num_vertices = 0;
   double largest = 0;
   for (const PlannedTile& tile : plan.tiles) {
     num_vertices += static_cast<double>(tile.num_vertices);
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
-  const double fixing = 200e-9 * num_vertices + 800e-9 * largest;
-  const double repairing = 390e-9 * num_vertices;
-  return 0.1 + std::max(fixing, repairing);
+  const double fixing = 300e-9 * num_vertices + 260e-9 * largest;
+  const double finishing = holds_whole_surface
+                               ? 390e-9 * num_vertices
+                               : 21e-9 * num_vertices + 230e-9 * largest;
+  return 0.06 + std::max(fixing, finishing);
 }
 
 }  // namespace colmap_ext

@@ -11,7 +11,8 @@ namespace colmap_ext {
 // (docs/benchmarks.md).
 double TileMemoryGb(size_t num_vertices);
 double TileSeconds(size_t num_vertices);
-// ... and the merger, which holds the surface.
-double MergerMemoryGb(const Plan& plan);
+// ... and the merger, fitted to plans of 4, 16 and one of them. It holds the
+// rings around singular vertices and one band of the surface, or all of it.
+double MergerMemoryGb(const Plan& plan, bool holds_whole_surface);
 
 }  // namespace colmap_ext

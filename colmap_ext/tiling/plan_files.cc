@@ -1,6 +1,7 @@
 #include "colmap_ext/tiling/plan_files.h"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -170,23 +171,31 @@ Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
 TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
   TileVertices read;
   for (auto it = ids.begin(); it != ids.end();) {
+    const uint32_t block = blocks_.BlockOf(*it);
     const uint32_t tile = blocks_.TileOf(*it);
     const uint32_t first = blocks_.FirstVertex(tile);
+    const uint32_t begin = blocks_.begins[block] - first;
+    const uint32_t end = blocks_.begins[block + 1] - first;
     const SectionReader& file = *files_[tile];
-    const auto supports = file.ReadAll<float>(kSupports);
-    const auto colors = file.ReadAll<Color>(kColors);
-    const auto is_end = file.ReadAll<uint8_t>(kIsEnd);
-    const Rows<uint32_t> views(file.ReadAll<uint64_t>(kViewOffsets),
-                               file.ReadAll<uint32_t>(kViews));
-    for (; it != ids.end() && *it < blocks_.FirstVertex(tile + 1); ++it) {
-      const uint32_t vertex = *it - first;
+    const auto supports = file.Read<float>(kSupports, begin, end);
+    const auto colors = file.Count<Color>(kColors) > 0
+                            ? file.Read<Color>(kColors, begin, end)
+                            : std::vector<Color>();
+    const auto is_end = file.Count<uint8_t>(kIsEnd) > 0
+                            ? file.Read<uint8_t>(kIsEnd, begin, end)
+                            : std::vector<uint8_t>(end - begin, 0);
+    const auto offsets = file.Read<uint64_t>(kViewOffsets, begin, end + 1);
+    const auto views =
+        file.Read<uint32_t>(kViews, offsets.front(), offsets.back());
+    for (; it != ids.end() && *it < blocks_.begins[block + 1]; ++it) {
+      const uint32_t vertex = *it - first - begin;
       read.supports.push_back(supports[vertex]);
       if (!colors.empty()) {
         read.colors.push_back(colors[vertex]);
       }
-      read.observations.is_end.push_back(!is_end.empty() &&
-                                         is_end[vertex] != 0);
-      read.views.AddRow(views[vertex]);
+      read.observations.is_end.push_back(is_end[vertex]);
+      read.views.AddRow(std::span(views).subspan(
+          offsets[vertex] - offsets[0], offsets[vertex + 1] - offsets[vertex]));
     }
   }
   return read;

@@ -2,14 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 
 #include "colmap_ext/tiling/plan.h"
 #include "delaunay/visibility_weights.h"
-#include "meshing/manifold_meshing.h"
 #include "scene/progress.h"
-#include "scene/region.h"
-#include "tiles/seam_cut.h"
 
 namespace colmap_ext {
 
@@ -28,17 +24,5 @@ struct TileReport {
 //        plan, or there is no such tile, or an input has changed
 TileReport RunTile(const std::filesystem::path& folder, uint32_t tile,
                    const Progress& progress);
-
-struct MergeReport {
-  size_t num_tiles = 0;
-  size_t num_cut_cells = 0;  // at the seams
-  // That was found for the plan, by --region auto.
-  std::optional<Region> found_region;
-};
-
-// The mesh of a plan all of whose tiles are done.
-// \throw FileError as RunTile(), and where a tile is not done
-ManifoldMesh MergePlan(const std::filesystem::path& folder,
-                       const Progress& progress, MergeReport* report);
 
 }  // namespace colmap_ext

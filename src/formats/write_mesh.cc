@@ -17,17 +17,17 @@ namespace {
 
 using Transform = std::optional<Eigen::Matrix4d>;
 
-std::string Header(const TriangleMesh& mesh, bool is_double, bool has_colors,
-                   bool has_confidences) {
+std::string Header(const MeshLayout& layout) {
   return fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {1}\n"
       "property {0} x\nproperty {0} y\nproperty {0} z\n{2}{3}"
       "element face {4}\nproperty list uchar int vertex_index\nend_header\n",
-      is_double ? "double" : "float", mesh.vertices.size(),
-      has_colors
+      layout.transform ? "double" : "float", layout.num_vertices,
+      layout.has_colors
           ? "property uchar red\nproperty uchar green\nproperty uchar blue\n"
           : "",
-      has_confidences ? "property float confidence\n" : "", mesh.facets.size());
+      layout.has_confidences ? "property float confidence\n" : "",
+      layout.num_facets);
 }
 
 void WritePosition(const Eigen::Vector3f& position, const Transform& transform,
@@ -41,14 +41,21 @@ void WritePosition(const Eigen::Vector3f& position, const Transform& transform,
   file->Write(transformed.data(), 3 * sizeof(double));
 }
 
-void WritePly(const TriangleMesh& mesh, const std::vector<Color>& colors,
-              const std::vector<float>& confidences, const Transform& transform,
-              AtomicFile* file) {
-  const std::string header = Header(mesh, transform.has_value(),
-                                    !colors.empty(), !confidences.empty());
+void WriteHeader(const std::filesystem::path& path, const MeshLayout& layout,
+                 AtomicFile* file) {
+  if (layout.num_vertices > std::numeric_limits<int32_t>::max()) {
+    throw FileError(path, "the mesh has more vertices than a PLY can index");
+  }
+  const std::string header = Header(layout);
   file->Write(header.data(), header.size());
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    WritePosition(mesh.vertices[i], transform, file);
+}
+
+void WriteVertices(const std::vector<Eigen::Vector3f>& positions,
+                   const std::vector<Color>& colors,
+                   const std::vector<float>& confidences,
+                   const Transform& transform, AtomicFile* file) {
+  for (size_t i = 0; i < positions.size(); ++i) {
+    WritePosition(positions[i], transform, file);
     if (!colors.empty()) {
       file->Write(colors[i]);
     }
@@ -56,24 +63,12 @@ void WritePly(const TriangleMesh& mesh, const std::vector<Color>& colors,
       file->Write(confidences[i]);
     }
   }
-  for (const Facet& facet : mesh.facets) {
+}
+
+void WriteFacets(const std::vector<Facet>& facets, AtomicFile* file) {
+  for (const Facet& facet : facets) {
     file->Write(uint8_t{3});
     file->Write(facet);
-  }
-}
-
-void WriteVisibility(const VertexAttributes& attributes, AtomicFile* file) {
-  file->Write(uint64_t{attributes.views.size()});
-  for (size_t i = 0; i < attributes.views.size(); ++i) {
-    const auto views = attributes.views[i];
-    file->Write(static_cast<uint32_t>(views.size()));
-    file->Write(views.data(), views.size_bytes());
-  }
-}
-
-void CheckSize(const std::filesystem::path& path, const TriangleMesh& mesh) {
-  if (mesh.vertices.size() > std::numeric_limits<int32_t>::max()) {
-    throw FileError(path, "the mesh has more vertices than a PLY can index");
   }
 }
 
@@ -83,24 +78,55 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
   return path.string() + ".vis";
 }
 
+MeshWriter::MeshWriter(const std::filesystem::path& path,
+                       const MeshLayout& layout)
+    : transform_(layout.transform),
+      visibility_file_(VisibilityPath(path)),
+      mesh_file_(path) {
+  WriteHeader(path, layout, &mesh_file_);
+  visibility_file_.Write(uint64_t{layout.num_vertices});
+}
+
+void MeshWriter::AddVertices(const std::vector<Eigen::Vector3f>& positions,
+                             const VertexAttributes& attributes) {
+  WriteVertices(positions, attributes.colors, attributes.confidences,
+                transform_, &mesh_file_);
+  for (size_t i = 0; i < attributes.views.size(); ++i) {
+    const auto views = attributes.views[i];
+    visibility_file_.Write(static_cast<uint32_t>(views.size()));
+    visibility_file_.Write(views.data(), views.size_bytes());
+  }
+}
+
+void MeshWriter::AddFacets(const std::vector<Facet>& facets) {
+  WriteFacets(facets, &mesh_file_);
+}
+
+void MeshWriter::Commit() {
+  AtomicFile* const files[] = {&visibility_file_, &mesh_file_};
+  colmap_ext::Commit(files);
+}
+
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                const VertexAttributes& attributes, const Transform& transform) {
-  CheckSize(path, mesh);
-  AtomicFile visibility_file(VisibilityPath(path));
-  AtomicFile mesh_file(path);
-  WriteVisibility(attributes, &visibility_file);
-  WritePly(mesh, attributes.colors, attributes.confidences, transform,
-           &mesh_file);
-  AtomicFile* const files[] = {&visibility_file, &mesh_file};
-  Commit(files);
+  MeshWriter writer(path, {mesh.vertices.size(), mesh.facets.size(),
+                           !attributes.colors.empty(),
+                           !attributes.confidences.empty(), transform});
+  writer.AddVertices(mesh.vertices, attributes);
+  writer.AddFacets(mesh.facets);
+  writer.Commit();
 }
 
 void WriteColoredMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh,
                       const std::vector<Color>& colors) {
-  CheckSize(path, mesh);
   AtomicFile file(path);
-  WritePly(mesh, colors, {}, std::nullopt, &file);
+  WriteHeader(path,
+              {mesh.vertices.size(), mesh.facets.size(), !colors.empty(), false,
+               std::nullopt},
+              &file);
+  WriteVertices(mesh.vertices, colors, {}, std::nullopt, &file);
+  WriteFacets(mesh.facets, &file);
   AtomicFile* const files[] = {&file};
   Commit(files);
 }

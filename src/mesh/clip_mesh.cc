@@ -30,15 +30,6 @@ std::array<HalfSpace, 6> HalfSpacesOf(const Region& region) {
   return sides;
 }
 
-// How far float coordinates may put a vertex off the border, scene units.
-double RoundingOf(const TriangleMesh& mesh) {
-  float largest = 0;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
-  }
-  return 4 * 0x1p-24 * largest;
-}
-
 // Cuts a mesh along one plane.
 class PlaneCut {
  public:
@@ -149,7 +140,23 @@ void DropUnused(ClippedMesh* clipped) {
 
 }  // namespace
 
+float LargestCoordinate(const TriangleMesh& mesh) {
+  float largest = 0;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
 ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
+  const float largest = LargestCoordinate(mesh);
+  return ClipMesh(region, std::move(mesh), largest);
+}
+
+ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh,
+                     float largest_coordinate) {
+  // How far float coordinates may put a vertex off the border, scene units.
+  const double rounding = 4 * 0x1p-24 * largest_coordinate;
   ClippedMesh clipped;
   clipped.mesh = std::move(mesh);
   for (uint32_t i = 0; i < clipped.mesh.vertices.size(); ++i) {
@@ -157,7 +164,6 @@ ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
   }
   clipped.facet_sources.resize(clipped.mesh.facets.size());
   std::iota(clipped.facet_sources.begin(), clipped.facet_sources.end(), 0);
-  const double rounding = RoundingOf(clipped.mesh);
   for (const HalfSpace& side : HalfSpacesOf(region)) {
     PlaneCut(side, rounding, &clipped).Run();
   }

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <utility>
+#include <tuple>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -44,38 +43,34 @@ double PixelArea(const TriangleMesh& mesh, const Facet& facet,
   return largest;
 }
 
-// The density where half of the support is denser; 0 without support.
-// \param densities [F] each with the support that has it
-double UsualDensity(std::vector<std::pair<double, double>> densities) {
-  tbb::parallel_sort(densities.begin(), densities.end());
+}  // namespace
+
+double UsualDensity(std::vector<FacetDensity> densities) {
+  tbb::parallel_sort(densities.begin(), densities.end(),
+                     [](const FacetDensity& a, const FacetDensity& b) {
+                       return std::tie(a.density, a.support) <
+                              std::tie(b.density, b.support);
+                     });
   double total = 0;
-  for (const auto& [density, support] : densities) {
-    total += support;
+  for (const FacetDensity& density : densities) {
+    total += density.support;
   }
   double sum = 0;
-  for (const auto& [density, support] : densities) {
-    sum += support;
+  for (const FacetDensity& density : densities) {
+    sum += density.support;
     if (2 * sum >= total) {
-      return density;
+      return density.density;
     }
   }
   return 0;
 }
 
-}  // namespace
-
-std::vector<float> FacetConfidences(const TriangleMesh& mesh,
-                                    const std::vector<float>& support,
-                                    const Rows<uint32_t>& vertex_views,
-                                    const std::vector<View>& views) {
-  // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
-  // 0.26. A choice.
-  constexpr double kUsual = 3;
-  const size_t num_facets = mesh.facets.size();
-  // [F] support a pixel, and the support. A facet without area is small, one
-  // without views unknown.
-  std::vector<std::pair<double, double>> densities(num_facets);
-  tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
+std::vector<FacetDensity> FacetDensities(const TriangleMesh& mesh,
+                                         const std::vector<float>& support,
+                                         const Rows<uint32_t>& vertex_views,
+                                         const std::vector<View>& views) {
+  std::vector<FacetDensity> densities(mesh.facets.size());
+  tbb::parallel_for(size_t{0}, densities.size(), [&](size_t i) {
     const Facet& facet = mesh.facets[i];
     const double sum =
         double{support[facet[0]]} + support[facet[1]] + support[facet[2]];
@@ -85,13 +80,29 @@ std::vector<float> FacetConfidences(const TriangleMesh& mesh,
           sum / std::max(area, std::numeric_limits<double>::epsilon()), sum};
     }
   });
-  const double usual = UsualDensity(densities);
-  std::vector<float> confidences(num_facets, 0);
-  for (size_t i = 0; i < num_facets && usual > 0; ++i) {
+  return densities;
+}
+
+std::vector<float> ConfidencesOf(const std::vector<FacetDensity>& densities,
+                                 double usual) {
+  // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
+  // 0.26. A choice.
+  constexpr double kUsual = 3;
+  std::vector<float> confidences(densities.size(), 0);
+  for (size_t i = 0; i < densities.size() && usual > 0; ++i) {
     confidences[i] =
-        static_cast<float>(-std::expm1(-kUsual * densities[i].first / usual));
+        static_cast<float>(-std::expm1(-kUsual * densities[i].density / usual));
   }
   return confidences;
+}
+
+std::vector<float> FacetConfidences(const TriangleMesh& mesh,
+                                    const std::vector<float>& support,
+                                    const Rows<uint32_t>& vertex_views,
+                                    const std::vector<View>& views) {
+  const std::vector<FacetDensity> densities =
+      FacetDensities(mesh, support, vertex_views, views);
+  return ConfidencesOf(densities, UsualDensity(densities));
 }
 
 }  // namespace colmap_ext

@@ -1,18 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
 
-// Drops the facets whose longest side is longer than `factor` times the given
-// percentile (0 ... 100) of the longest sides. A factor of 0 drops none. What
-// is left may need SplitFans().
-// \return the number of facets dropped
+// The length of the longest side of each facet: [F], scene units.
 // \pre facet indices are in range
-size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh);
+std::vector<float> LongestSides(const TriangleMesh& mesh);
+
+// How long sides may be: `factor` times the given percentile (0 ... 100) of the
+// longest sides; without end where the factor is 0 or there are none.
+double SideLimit(double factor, double percentile, std::vector<float> sides);
 
 struct DroppedComponents {
   size_t num_components = 0;
@@ -21,6 +23,8 @@ struct DroppedComponents {
 
 // Drops the components, connected through edges, of less than min_facets
 // facets. Vertices stay.
-DroppedComponents DropSmallComponents(size_t min_facets, TriangleMesh* mesh);
+// \param facet_sources  [F] stays beside the facets
+DroppedComponents DropSmallComponents(size_t min_facets, TriangleMesh* mesh,
+                                      std::vector<uint32_t>* facet_sources);
 
 }  // namespace colmap_ext

@@ -1,6 +1,9 @@
 #include "mesh/fan_split.h"
 
+#include <algorithm>
+#include <numeric>
 #include <unordered_set>
+#include <utility>
 
 #include "base/union_find.h"
 #include "mesh/half_edges.h"
@@ -69,8 +72,10 @@ void SubdivideEdge(uint32_t half, FanSplit* split,
   split->sources.push_back({split->sources[from][0], split->sources[to][0]});
   ++split->num_midpoints;
   const uint32_t partner = (*partners)[half];
+  split->facet_sources.push_back(split->facet_sources[half / 3]);
   const uint32_t second = CutFacet(half, middle, &mesh.facets, partners);
   if (partner != kNoPartner) {
+    split->facet_sources.push_back(split->facet_sources[partner / 3]);
     const uint32_t partner_second =
         CutFacet(partner, middle, &mesh.facets, partners);
     (*partners)[half] = partner_second;
@@ -108,6 +113,8 @@ FanSplit SplitFans(const TriangleMesh& mesh,
                    const std::vector<uint32_t>& partners) {
   FanSplit split;
   CopyVerticesPerFan(mesh, partners, &split);
+  split.facet_sources.resize(mesh.facets.size());
+  std::iota(split.facet_sources.begin(), split.facet_sources.end(), 0);
   std::vector<uint32_t> pairs = partners;
   std::vector<uint32_t> shared = SharedSheets(split.mesh.facets, pairs);
   while (!shared.empty()) {
@@ -123,6 +130,60 @@ FanSplit SplitFans(const TriangleMesh& mesh,
     shared = SharedSheets(split.mesh.facets, pairs);
   }
   return split;
+}
+
+void OrderByUse(FanSplit* split) {
+  if (split->num_midpoints == 0) {
+    return;
+  }
+  const FanSplit old = std::exchange(*split, {});
+  std::vector<uint32_t> order(old.mesh.facets.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(
+      order, {}, [&](uint32_t facet) { return old.facet_sources[facet]; });
+  std::vector<uint32_t> numbers(old.mesh.vertices.size(), UINT32_MAX);
+  for (const uint32_t facet : order) {
+    split->facet_sources.push_back(old.facet_sources[facet]);
+    Facet& added = split->mesh.facets.emplace_back(old.mesh.facets[facet]);
+    for (uint32_t& vertex : added) {
+      uint32_t& number = numbers[vertex];
+      if (number == UINT32_MAX) {
+        number = static_cast<uint32_t>(split->mesh.vertices.size());
+        split->mesh.vertices.push_back(old.mesh.vertices[vertex]);
+        split->sources.push_back(old.sources[vertex]);
+      }
+      vertex = number;
+    }
+  }
+  split->num_split_vertices = old.num_split_vertices;
+  split->num_midpoints = old.num_midpoints;
+}
+
+void CountPart(const std::vector<uint8_t>& is_of_part, FanSplit* split) {
+  split->num_split_vertices = 0;
+  split->num_midpoints = 0;
+  uint32_t num_old = 0;
+  for (const auto& source : split->sources) {
+    num_old = std::max(num_old, source[0] + 1);
+  }
+  std::vector<uint8_t> is_found(num_old, 0);
+  uint32_t next = 0;
+  for (size_t i = 0; i < split->mesh.facets.size(); ++i) {
+    const bool counts = is_of_part[split->facet_sources[i]] != 0;
+    for (const uint32_t vertex : split->mesh.facets[i]) {
+      if (vertex != next) {
+        continue;  // it was used before
+      }
+      ++next;
+      const auto& [a, b] = split->sources[vertex];
+      if (a != b) {
+        split->num_midpoints += counts;
+      } else {
+        split->num_split_vertices += counts && is_found[a] != 0;
+        is_found[a] = 1;
+      }
+    }
+  }
 }
 
 }  // namespace colmap_ext

@@ -20,10 +20,8 @@ FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
                         const ExtractedSurface& extracted,
                         const std::vector<uint8_t>& is_end,
                         ManifoldMeshingReport* report) {
-  FanSplit surface = SplitFans(extracted.mesh, extracted.partners);
-  FilterSurface(options, is_end, &surface, report);
-  report->num_split_vertices = surface.num_split_vertices;
-  report->num_midpoints = surface.num_midpoints;
+  FanSplit surface = SplitWithoutEnds(extracted, is_end);
+  FilterSurface(options, LimitsOf(options, surface.mesh), {}, &surface, report);
   if (surface.mesh.facets.empty()) {
     throw std::invalid_argument(
         "the points and views enclose no surface: nothing to mesh");
@@ -78,13 +76,24 @@ void SplitSurface(const ManifoldMeshingOptions& options,
   FanSplit surface =
       SplitAndFilter(options, extracted, points.is_end, &result->report);
   extracted = {};
-  result->attributes =
+  AttributedSurface attributed = AddAttributes(surface, points, views);
+  result->attributes = std::move(attributed.attributes);
+  const double usual = UsualDensity(attributed.densities);
+  result->facet_confidences = ConfidencesOf(attributed.densities, usual);
+  result->mesh = std::move(surface.mesh);
+}
+
+AttributedSurface AddAttributes(const FanSplit& surface,
+                                const SurfacePoints& points,
+                                const std::vector<View>& views) {
+  AttributedSurface attributed;
+  attributed.attributes =
       InheritAttributes(surface.mesh, points.cloud,
                         PointsOf(surface.sources, points.vertex_points));
-  result->facet_confidences = FacetConfidences(
+  attributed.densities = FacetDensities(
       surface.mesh, SupportOfSurface(points.supports, surface.sources),
-      result->attributes.views, views);
-  result->mesh = std::move(surface.mesh);
+      attributed.attributes.views, views);
+  return attributed;
 }
 
 void FinishSurface(const ManifoldMeshingOptions& options,

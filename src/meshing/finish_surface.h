@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesh/facet_confidences.h"
+#include "mesh/fan_split.h"
 #include "meshing/manifold_meshing.h"
 #include "meshing/surface_extraction.h"
 #include "scene/point_cloud.h"
@@ -28,6 +30,17 @@ struct SurfacePoints {
 void SplitSurface(const ManifoldMeshingOptions& options,
                   ExtractedSurface extracted, const SurfacePoints& points,
                   const std::vector<View>& views, ManifoldMesh* result);
+
+// What the points of a surface, or a part of it, tell of it.
+struct AttributedSurface {
+  VertexAttributes attributes;          // [V] without confidences
+  std::vector<FacetDensity> densities;  // [F]
+};
+
+// \param surface  its sources are what the points are of
+AttributedSurface AddAttributes(const FanSplit& surface,
+                                const SurfacePoints& points,
+                                const std::vector<View>& views);
 
 // The steps after that: borders, remeshing, self-intersections, the gate.
 // \throw std::invalid_argument where the trimming leaves nothing

@@ -128,43 +128,58 @@ void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh,
   }
 }
 
-void MeasureMotion(const std::vector<Eigen::Vector3f>& before,
-                   const std::vector<Eigen::Vector3f>& after,
-                   SelfIntersectionRepair* repair) {
-  for (size_t i = 0; i < before.size(); ++i) {
-    if (before[i] != after[i]) {
-      const double distance =
-          (before[i].cast<double>() - after[i].cast<double>()).norm();
-      ++repair->num_moved_vertices;
-      repair->mean_motion += distance;
-      repair->max_motion = std::max(repair->max_motion, distance);
-    }
-  }
-  if (repair->num_moved_vertices > 0) {
-    repair->mean_motion /= static_cast<double>(repair->num_moved_vertices);
-  }
+}  // namespace
+
+size_t MaxRepairWork(size_t num_facets) {
+  return kMaxWork + kMaxWorkPerFacet * num_facets;
 }
 
-}  // namespace
+RepairedPart RepairPart(const RepairSteps& steps, TriangleMesh* mesh,
+                        const FixedVertices& fixed) {
+  RepairedPart part;
+  GuardedMesh guarded(std::move(*mesh), fixed);
+  part.before = guarded.Pairs();
+  if (steps.separates_copies && !part.before.empty()) {
+    SeparateCopies(&guarded);
+  }
+  for (int round = steps.first_round;
+       round < steps.end_round && guarded.NumPairs() > 0 &&
+       guarded.Work() <= steps.max_work;
+       ++round) {
+    RunRound(round, steps.max_work, &guarded, &part.num_flipped_edges);
+  }
+  part.after = guarded.Pairs();
+  part.work = guarded.Work();
+  *mesh = guarded.mesh();
+  return part;
+}
+
+void MeasureMotion(const Eigen::Vector3f& before, const Eigen::Vector3f& after,
+                   SelfIntersectionRepair* repair) {
+  if (before != after) {
+    const double distance =
+        (before.cast<double>() - after.cast<double>()).norm();
+    // The mean so far.
+    ++repair->num_moved_vertices;
+    repair->mean_motion += (distance - repair->mean_motion) /
+                           static_cast<double>(repair->num_moved_vertices);
+    repair->max_motion = std::max(repair->max_motion, distance);
+  }
+}
 
 SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
                                                int max_rounds,
                                                const FixedVertices& fixed) {
+  const std::vector<Eigen::Vector3f> before = mesh->vertices;
+  const RepairedPart part = RepairPart(
+      {true, 0, max_rounds, MaxRepairWork(mesh->facets.size())}, mesh, fixed);
   SelfIntersectionRepair repair;
-  GuardedMesh guarded(*mesh, fixed);
-  repair.num_before = guarded.NumPairs();
-  if (repair.num_before > 0) {
-    SeparateCopies(&guarded);
+  repair.num_before = part.before.size();
+  repair.num_after = part.after.size();
+  repair.num_flipped_edges = part.num_flipped_edges;
+  for (size_t i = 0; i < before.size(); ++i) {
+    MeasureMotion(before[i], mesh->vertices[i], &repair);
   }
-  const size_t max_work = kMaxWork + kMaxWorkPerFacet * mesh->facets.size();
-  for (int round = 0; round < max_rounds && guarded.NumPairs() > 0 &&
-                      guarded.Work() <= max_work;
-       ++round) {
-    RunRound(round, max_work, &guarded, &repair.num_flipped_edges);
-  }
-  repair.num_after = guarded.NumPairs();
-  MeasureMotion(mesh->vertices, guarded.mesh().vertices, &repair);
-  *mesh = guarded.mesh();
   return repair;
 }
 

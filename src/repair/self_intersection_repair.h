@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <vector>
 
 #include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
@@ -38,5 +41,39 @@ struct SelfIntersectionRepair {
 SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
                                                int max_rounds = 8,
                                                const FixedVertices& fixed = {});
+
+// Some of the steps of RepairSelfIntersections(), for a part of a mesh.
+struct RepairSteps {
+  bool separates_copies = true;  // at first
+  int first_round = 0;
+  int end_round = 0;
+  size_t max_work = 0;  // of the rounds, GuardedMesh::Work()
+};
+
+struct RepairedPart {
+  std::vector<FacetPair> before;  // FindSelfIntersections(); of the part
+  std::vector<FacetPair> after;
+  size_t num_flipped_edges = 0;
+  size_t work = 0;
+};
+
+// Does to a part of a mesh what these steps do to the whole.
+// \param mesh  the facets of all pairs, all facets at the vertices within
+//        MovedRings() + 2 rings of these, and all that lie where facets may
+//        move to; vertices and facets in the order of the whole
+RepairedPart RepairPart(const RepairSteps& steps, TriangleMesh* mesh,
+                        const FixedVertices& fixed = {});
+
+// So many rings of vertices around the facets of a pair may move.
+inline int MovedRings(const RepairSteps& steps) {
+  return std::max(steps.end_round - 1, 0);
+}
+
+// The allowed work in a mesh.
+size_t MaxRepairWork(size_t num_facets);
+
+// Adds a vertex to the counts of those that moved, if it did.
+void MeasureMotion(const Eigen::Vector3f& before, const Eigen::Vector3f& after,
+                   SelfIntersectionRepair* repair);
 
 }  // namespace colmap_ext

@@ -3,25 +3,39 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "meshing/surface_extraction.h"
 #include "tiles/plan_vertices.h"
-#include "tiles/seam_cut.h"
-#include "tiles/singular_patch.h"
-#include "tiles/tile_part.h"
+#include "tiles/tile_surface.h"
 
 namespace colmap_ext {
 
-// The surface between free space and matter of a whole plan.
+// The surface of a plan, or a part of it.
 struct MergedSurface {
   ExtractedSurface extracted;
   std::vector<uint32_t> ids;  // [V] the plan's vertex of each, ascending; those
                               // from its number on are centroids
 };
 
-// Each facet comes from the tile of its first vertex, or, where that or another
-// of its vertices has changed, from the patch. All cells at a tile's vertices
-// are there, so that no facet is missing or there twice. Facets are in the
-// order of the tiles, those of the patch at last.
+// Connects facets of a plan. Vertices have no positions yet.
+// \param facets  of the plan's vertices
+// \param fixes   of these facets and of others, which do not count
+MergedSurface ConnectFacets(std::vector<Facet> facets,
+                            const std::vector<PartnerFix>& fixes);
+
+// Positions of the plan's vertices and of centroids.
+// \param centroids  of split cells, those from the plan's number of vertices on
+// \param ids  ascending
+std::vector<Eigen::Vector3f> PositionsOf(
+    const PlanVertices& plan, const std::vector<Eigen::Vector3f>& centroids,
+    const std::vector<uint32_t>& ids);
+
+// The centroids of split cells.
+std::vector<Eigen::Vector3f> CentroidsOf(const PlanVertices& plan,
+                                         const SingularPatch& patch);
+
+// The whole surface; facets are in the order of the tiles.
 MergedSurface MergeSurface(const PlanVertices& plan, const TileParts& parts,
                            const SeamLabels& seam, const SingularPatch& patch);
 

@@ -155,10 +155,12 @@ TEST_F(FacetwiseRefinerTest, WritesReportLabelsAndSnapshots) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::string csv = ReadFile(path_ / "energy.csv");
   EXPECT_TRUE(csv.starts_with("level,final,iteration,energy,"));
-  for (const char* row : {"\n1,0,", "\n1,1,", "\n0,0,", "\n0,1,"}) {
+  for (const char* row : {"\n1,0,", "\n0,0,", "\n0,1,"}) {
     EXPECT_NE(csv.find(row), std::string::npos) << row;
   }
-  EXPECT_EQ(csv.find("\n2,"), std::string::npos);
+  for (const char* row : {"\n1,1,", "\n2,"}) {
+    EXPECT_EQ(csv.find(row), std::string::npos) << row;
+  }
   const std::string svg = ReadFile(path_ / "energy.svg");
   EXPECT_TRUE(svg.starts_with("<svg "));
   EXPECT_TRUE(svg.ends_with("</svg>\n"));

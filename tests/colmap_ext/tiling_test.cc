@@ -240,6 +240,52 @@ TEST_F(TilingTest, KilledJobsLeaveNoHarm) {
   EXPECT_EQ(MakeMesh({1, 0}), undisturbed);
 }
 
+TEST_F(TilingTest, AKilledMergerLeavesTheOldMesh) {
+  ASSERT_EQ(MakePlan(3).exit_code, 0);
+  const std::string undisturbed = MakeMesh({0, 1, 2});
+  for (const char* seconds : {"0.02", "0.05", "0.08", "0.12", "0.2"}) {
+    RunShell(std::string("timeout -s TERM ") + seconds +
+             " \"" COLMAP_EXT_PROGRAM "\" mesh_merger --plan " + Quote(plan_) +
+             " --output_path " + Quote(mesh_));
+    EXPECT_EQ(ReadFile(mesh_) + ReadFile(mesh_.string() + ".vis"), undisturbed);
+    EXPECT_EQ(List(folder_.Path()),
+              "a plan a workspace merged.ply merged.ply.vis");
+  }
+}
+
+// A limit on the size of files stands for a full disk.
+TEST_F(TilingTest, AMergerOnAFullDiskLeavesTheOldMesh) {
+  ASSERT_EQ(MakePlan(3).exit_code, 0);
+  const std::string undisturbed = MakeMesh({0, 1, 2});
+  const auto size = fs::file_size(mesh_);
+  for (const uintmax_t num_bytes : {size / 20, size / 3, size - 1}) {
+    ExpectRefusal(
+        RunShell("trap '' XFSZ; prlimit --fsize=" + std::to_string(num_bytes) +
+                 " \"" COLMAP_EXT_PROGRAM "\" mesh_merger --plan " +
+                 Quote(plan_) + " --output_path " + Quote(mesh_)),
+        "File too large");
+    EXPECT_EQ(ReadFile(mesh_) + ReadFile(mesh_.string() + ".vis"), undisturbed);
+    EXPECT_EQ(List(folder_.Path()),
+              "a plan a workspace merged.ply merged.ply.vis");
+  }
+}
+
+TEST_F(TilingTest, WhatTakesTheWholeSurfaceIsSaid) {
+  for (const std::string option : {"trim 0.2", "close_holes 30", "remeshing 1",
+                                   "min_component_faces 20"}) {
+    const std::string name = option.substr(0, option.find(' '));
+    const Outcome planned = MakePlan(2, "--DelaunayManifoldMeshing." + option);
+    EXPECT_NE(planned.out.find("the whole surface, for"), std::string::npos);
+    MakeTile(0);
+    MakeTile(1);
+    const Outcome merged = Merge();
+    EXPECT_EQ(merged.exit_code, 0) << merged.err;
+    EXPECT_NE(merged.out.find("whole surface held, for"), std::string::npos);
+    EXPECT_NE(merged.out.find(name), std::string::npos);
+    EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
+  }
+}
+
 TEST_F(TilingTest, TwoMergersAtOnceDoNotDisturbEachOther) {
   ASSERT_EQ(MakePlan(2).exit_code, 0);
   const std::string alone = MakeMesh({0, 1});

@@ -1,5 +1,9 @@
 #include "mesh/facet_filters.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "tests/mesh/known_meshes.h"
@@ -26,8 +30,13 @@ TriangleMesh MakeTriangles(uint32_t num_facets) {
   return mesh;
 }
 
-TEST(DropLongFacets, DropsWhatExceedsTheFactorTimesThePercentile) {
-  const TriangleMesh all = MakeTriangles(11);  // sides 5 ... 55
+TEST(SideLimit, IsTheFactorTimesThePercentile) {
+  const TriangleMesh mesh = MakeTriangles(11);  // sides 55 ... 5
+  const std::vector<float> sides = LongestSides(mesh);
+  ASSERT_EQ(sides.size(), 11u);
+  for (size_t i = 0; i < 11; ++i) {
+    EXPECT_FLOAT_EQ(sides[i], 55.0f - 5.0f * static_cast<float>(i));
+  }
   struct Case {
     double factor;
     double percentile;
@@ -45,20 +54,15 @@ TEST(DropLongFacets, DropsWhatExceedsTheFactorTimesThePercentile) {
                                Case{0, 50, 11}}) {  // off
     SCOPED_TRACE(testing::Message()
                  << expected.factor << " " << expected.percentile);
-    TriangleMesh mesh = all;
-    const size_t num_dropped =
-        DropLongFacets(expected.factor, expected.percentile, &mesh);
-    EXPECT_EQ(num_dropped, all.facets.size() - expected.num_kept);
-    // The longest ones came first.
-    EXPECT_EQ(mesh.facets, std::vector<Facet>(all.facets.begin() + num_dropped,
-                                              all.facets.end()));
-    EXPECT_EQ(mesh.vertices, all.vertices);
+    const double limit = SideLimit(expected.factor, expected.percentile, sides);
+    EXPECT_EQ(
+        std::ranges::count_if(sides, [&](float side) { return side <= limit; }),
+        expected.num_kept);
   }
 }
 
-TEST(DropLongFacets, EmptyMesh) {
-  TriangleMesh mesh;
-  EXPECT_EQ(DropLongFacets(1, 50, &mesh), 0u);
+TEST(SideLimit, OfNothingIsWithoutEnd) {
+  EXPECT_TRUE(std::isinf(SideLimit(1, 50, LongestSides({}))));
 }
 
 TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
@@ -75,13 +79,20 @@ TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
         Case{71, {4, 90}}}) {
     SCOPED_TRACE(min_facets);
     TriangleMesh mesh = all;
-    const DroppedComponents dropped = DropSmallComponents(min_facets, &mesh);
+    std::vector<uint32_t> sources(mesh.facets.size());
+    std::iota(sources.begin(), sources.end(), 0);
+    const DroppedComponents dropped =
+        DropSmallComponents(min_facets, &mesh, &sources);
     EXPECT_EQ(dropped.num_components, expected.num_components);
     EXPECT_EQ(dropped.num_facets, expected.num_facets);
     EXPECT_EQ(mesh.facets.size() + dropped.num_facets, all.facets.size());
   }
   TriangleMesh mesh = all;
-  DropSmallComponents(20, &mesh);
+  std::vector<uint32_t> sources(mesh.facets.size());
+  std::iota(sources.begin(), sources.end(), 0);
+  DropSmallComponents(20, &mesh, &sources);
+  EXPECT_EQ(sources.size(), 70u);
+  EXPECT_EQ(sources.front(), 4u);
   EXPECT_EQ(mesh.facets, std::vector<Facet>(all.facets.begin() + 4,
                                             all.facets.begin() + 74));
 }
@@ -89,7 +100,8 @@ TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
 TEST(DropSmallComponents, VerticesDoNotConnect) {
   TriangleMesh mesh = Union(MakeCube(), MakeTetrahedron());
   MergeVertices(8, 7, &mesh);
-  const DroppedComponents dropped = DropSmallComponents(5, &mesh);
+  std::vector<uint32_t> sources(mesh.facets.size());
+  const DroppedComponents dropped = DropSmallComponents(5, &mesh, &sources);
   EXPECT_EQ(dropped.num_components, 1u);
   EXPECT_EQ(mesh.facets.size(), 12u);
 }

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "meshing/manifold_meshing.h"
+#include "scene/progress.h"
+#include "scene/region.h"
+
+namespace colmap_ext {
+
+struct MergeReport {
+  size_t num_tiles = 0;
+  size_t num_cut_cells = 0;  // at the seams
+  // That was found for the plan, by --region auto.
+  std::optional<Region> found_region;
+  // The option that took the whole surface at once; empty: it came in bands.
+  std::string whole_by;
+  ManifoldMeshingReport meshing;
+};
+
+// Writes the mesh of a plan all of whose tiles are done, as WriteMesh() does.
+// \param transform  of the mesh that is written
+// \throw FileError as RunTile(), where a tile is not done, and where the mesh
+//        can not be written
+MergeReport MergePlan(const std::filesystem::path& folder,
+                      const std::filesystem::path& output_path,
+                      const std::optional<Eigen::Matrix4d>& transform,
+                      const Progress& progress);
+
+}  // namespace colmap_ext
