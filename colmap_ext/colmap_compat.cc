@@ -30,6 +30,24 @@ Color GetPixel(const Bitmap& bitmap, int x, int y) {
   return {color.r, color.g, color.b};
 }
 
+// Calls use(color) for the pixels of a row. Up to 4.0 a row lies in memory as
+// blue, green and red; GetPixel() looks for it for every pixel.
+template <typename Bitmap, typename Use>
+void ForEachPixel(const Bitmap& bitmap, int y, const Use& use) {
+  if constexpr (requires { bitmap.GetScanline(y); }) {
+    if (bitmap.IsRGB()) {
+      const uint8_t* line = bitmap.GetScanline(y);
+      for (int x = 0; x < bitmap.Width(); ++x, line += 3) {
+        use(Color{line[2], line[1], line[0]});
+      }
+      return;
+    }
+  }
+  for (int x = 0; x < bitmap.Width(); ++x) {
+    use(GetPixel(bitmap, x, y));
+  }
+}
+
 // Before COLMAP 4.0 an empty bitmap is given a size, later it is made with one.
 template <typename Bitmap>
 Bitmap MakeBitmap(int width, int height) {
@@ -56,9 +74,9 @@ std::optional<Image> ReadImage(const std::filesystem::path& path,
   Image image{bitmap.Width(), bitmap.Height(), {}};
   image.pixels.reserve(size_t{1} * image.width * image.height);
   for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      image.pixels.push_back(pixel_of(GetPixel(bitmap, x, y)));
-    }
+    ForEachPixel(bitmap, y, [&](const Color& color) {
+      image.pixels.push_back(pixel_of(color));
+    });
   }
   return image;
 }

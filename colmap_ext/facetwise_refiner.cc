@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include <string>
 #include <vector>
 
@@ -29,6 +31,16 @@ CommandAdvice Advice() {
        {Alternative::kLeavePicturesOut,
         ", or go on without them with "
         "--FacetwiseRefinement.skip_missing_images 1"}}};
+}
+
+// Images and drawings come and go for hours. Without this, glibc puts blocks of
+// up to 32 MB between others on the heap, where they leave holes: a quarter
+// more memory than is in use.
+void ReturnLargeBlocks() {
+#ifdef M_MMAP_THRESHOLD
+  constexpr int kLarge = 1 << 20;  // bytes, a choice
+  mallopt(M_MMAP_THRESHOLD, kLarge);
+#endif
 }
 
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
@@ -65,6 +77,7 @@ void RefineWorkspace(RefinerOptions options,
 }  // namespace
 
 int RunFacetwiseRefiner(int argc, char** argv) {
+  ReturnLargeBlocks();
   RefinerOptions options;
   CommandOptions command;
   AddRefinerOptions(&command, &options);

@@ -166,7 +166,8 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "[threads] -1 for all; the result does not depend on it");
   manager->AddDefaultOption(
       "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb,
-      "[GB] For images; if they do not fit they are read again and again");
+      "[GB] For images and what is drawn into them; what does not fit is "
+      "read and drawn again");
   AddMissingImagesOption(manager, refiner);
   manager->AddDefaultOption(
       "FacetwiseRefinement.snapshot_interval", &refiner->snapshot_interval,

@@ -15,6 +15,10 @@ constexpr const char* kRefinerOutput = "meshed-refined.ply";
 // A pixel takes a byte in an image, and eight where facets are drawn.
 constexpr double kImageShare = 1.0 / 9;
 
+// What drawings are left with at least where images take more, of all: some
+// views and their partners, a choice.
+constexpr double kMinDrawingShare = 0.25;
+
 void CheckPaths(const RefinerOptions& options) {
   if (options.workspace_path.empty()) {
     throw OptionError("--workspace_path is required");
@@ -164,6 +168,11 @@ size_t RefinerOptions::MaxImageMemory() const {
 
 size_t RefinerOptions::MaxDrawingMemory() const {
   return static_cast<size_t>((1 - kImageShare) * 1e9 * max_memory_gb);
+}
+
+size_t RefinerOptions::MaxMemoryLentToImages() const {
+  return static_cast<size_t>((1 - kImageShare - kMinDrawingShare) * 1e9 *
+                             max_memory_gb);
 }
 
 }  // namespace colmap_ext

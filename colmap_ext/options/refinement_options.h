@@ -79,8 +79,10 @@ struct RefinerOptions {
   std::filesystem::path LabelsPicturePath() const;
 
   // Of memory, for the images at a level, and for what is drawn into them.
-  size_t MaxImageMemory() const;    // bytes
-  size_t MaxDrawingMemory() const;  // bytes
+  // Bytes, the first two together max_memory_gb; the third is of the second.
+  size_t MaxImageMemory() const;
+  size_t MaxDrawingMemory() const;
+  size_t MaxMemoryLentToImages() const;
 };
 
 }  // namespace colmap_ext

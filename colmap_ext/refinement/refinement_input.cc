@@ -198,7 +198,7 @@ void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
   }
   input->images = std::make_shared<ImagePyramid>(
       input->views, PictureReader(images_path, input->views, decoder),
-      options.MaxImageMemory(), read_mask);
+      options.MaxImageMemory(), read_mask, options.MaxMemoryLentToImages());
   FindUnreadable([input](size_t view) { input->images->Image(view); },
                  &input->picture_errors);
   if (!options.skip_missing_images) {

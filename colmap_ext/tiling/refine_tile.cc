@@ -53,7 +53,8 @@ TilePictures ReadPictures(const RefinementJob& job,
   pictures.errors.resize(pictures.views.size());
   pictures.images = std::make_shared<ImagePyramid>(
       pictures.views, PictureReader(images_path, pictures.views, decoder),
-      options.MaxImageMemory());
+      options.MaxImageMemory(), ReadGrayImage(),
+      options.MaxMemoryLentToImages());
   FindUnreadable([&](size_t view) { pictures.images->Image(view); },
                  &pictures.errors);
   if (!options.skip_missing_images) {

@@ -131,21 +131,22 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
 using Seeing = std::pair<double, uint32_t>;
 
 // Whether j sees a patch well enough, and from where.
-std::optional<Seeing> Sees(const DrawnScene& scene, const SurfacePatch& patch,
+// \param drawn  into j.
+std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
+                           const SurfacePatch& patch,
                            const Eigen::Vector3d& point, uint32_t j,
                            double border) {
   const View& view_i = scene.drawings.Views()[patch.view];
   const View& view_j = scene.drawings.Views()[j];
-  const auto drawn = scene.drawings.Get(j);
   const Eigen::Vector3d in_j = view_j.CamFromWorld(point);
-  if (!drawn->is_facing[patch.facet] || !(in_j.z() > 0)) {
+  if (!drawn.is_facing[patch.facet] || !(in_j.z() > 0)) {
     return std::nullopt;
   }
   const Eigen::Vector2d pixel = view_j.ImageFromCam(in_j);
   if (!(pixel.x() >= border && pixel.y() >= border &&
         pixel.x() < view_j.width - border &&
         pixel.y() < view_j.height - border) ||
-      !IsNearest(view_j, *drawn, patch.facet,
+      !IsNearest(view_j, drawn, patch.facet,
                  PlaneSlope(view_j, scene.frames[patch.facet]), pixel.x(),
                  pixel.y(), 1 / in_j.z())) {
     return std::nullopt;
@@ -162,6 +163,29 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const SurfacePatch& patch,
     return std::nullopt;
   }
   return Seeing(angle, j);
+}
+
+// [patches] those of the others that see each patch of a view. One after the
+// other: their drawings may not all be there at a time.
+std::vector<std::vector<Seeing>> FindSeeing(
+    const DrawnScene& scene, const std::vector<SurfacePatch>& patches,
+    const View& view, const std::vector<uint32_t>& others, double border) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(patches.size());
+  for (const SurfacePatch& patch : patches) {
+    points.push_back(PatchPoint(view, scene.frames[patch.facet], patch));
+  }
+  std::vector<std::vector<Seeing>> seeing(patches.size());
+  for (const uint32_t j : others) {
+    const auto drawn = scene.drawings.Get(j);
+    for (size_t k = 0; k < patches.size(); ++k) {
+      if (const std::optional<Seeing> sees =
+              Sees(scene, *drawn, patches[k], points[k], j, border)) {
+        seeing[k].push_back(*sees);
+      }
+    }
+  }
+  return seeing;
 }
 
 // Of those that see the patch, evenly spread over the angles; the nearest is
@@ -196,21 +220,15 @@ SurfacePatches SelectPatches(const PatchOptions& options,
     if (paired[view].empty()) {  // its picture may not be there
       return;
     }
-    for (const SurfacePatch& patch : PatchesOfView(
-             options, photometric, scene, static_cast<uint32_t>(view))) {
-      const Eigen::Vector3d point =
-          PatchPoint(views[view], scene.frames[patch.facet], patch);
-      std::vector<Seeing> seeing;
-      for (const uint32_t j : paired[view]) {
-        if (const std::optional<Seeing> sees =
-                Sees(scene, patch, point, j, options.radius + 1)) {
-          seeing.push_back(*sees);
-        }
-      }
-      if (!seeing.empty()) {
-        patches[view].push_back(patch);
+    const std::vector<SurfacePatch> found =
+        PatchesOfView(options, photometric, scene, static_cast<uint32_t>(view));
+    std::vector<std::vector<Seeing>> seeing =
+        FindSeeing(scene, found, views[view], paired[view], options.radius + 1);
+    for (size_t k = 0; k < found.size(); ++k) {
+      if (!seeing[k].empty()) {
+        patches[view].push_back(found[k]);
         partners[view].push_back(
-            ChoosePartners(std::move(seeing), options.max_partners));
+            ChoosePartners(std::move(seeing[k]), options.max_partners));
       }
     }
   });

@@ -1,5 +1,6 @@
 #include "photometry/cpu_photometric_energy.h"
 
+#include <algorithm>
 #include <cassert>
 #include <optional>
 #include <utility>
@@ -132,7 +133,8 @@ std::shared_ptr<const MeshDrawings> CpuPhotometricEnergy::Drawings(
     work_.reset();
     drawings_.reset();  // Before there are others: they take memory.
     drawings_ = std::make_shared<const MeshDrawings>(
-        mesh, images_->Views(), options_.min_cosine, max_memory_,
+        mesh, images_->Views(), options_.min_cosine,
+        max_memory_ - std::min(max_memory_, images_->BorrowedMemory()),
         [images = images_](size_t view) { return images->Mask(view); });
   }
   return drawings_;

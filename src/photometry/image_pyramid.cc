@@ -45,15 +45,37 @@ View ViewAtLevel(const View& view, int level) {
 }
 
 ImagePyramid::ImagePyramid(std::vector<View> views, ReadGrayImage read_image,
-                           size_t max_memory, ReadGrayImage read_mask)
+                           size_t max_memory, ReadGrayImage read_mask,
+                           size_t max_borrowed)
     : views_(std::move(views)),
       level_views_(views_),
       read_image_(std::move(read_image)),
       read_mask_(std::move(read_mask)),
       max_memory_(max_memory),
+      max_borrowed_(max_borrowed),
       full_images_(max_memory),
       level_images_(max_memory),
-      level_masks_(max_memory) {}
+      level_masks_(max_memory) {
+  ShareMemory();
+}
+
+// The images of the level, and their masks, are used again and again; the full
+// size, for what they leave, once a level.
+void ImagePyramid::ShareMemory() {
+  const size_t num_kinds = read_mask_ ? 2 : 1;
+  size_t level_memory = 0;
+  for (const View& view : level_views_) {
+    level_memory += num_kinds * NumPixels(view);
+  }
+  const size_t missing = level_memory - std::min(max_memory_, level_memory);
+  borrowed_ = missing <= max_borrowed_ ? missing : 0;
+  const size_t memory = max_memory_ + borrowed_;
+  level_images_.SetMaxBytes(memory / num_kinds);
+  level_masks_.SetMaxBytes(memory / num_kinds);
+  full_images_.SetMaxBytes(level_ == 0
+                               ? memory / num_kinds
+                               : memory - std::min(memory, level_memory));
+}
 
 void ImagePyramid::SetLevel(int level) {
   if (level == level_) {
@@ -62,13 +84,10 @@ void ImagePyramid::SetLevel(int level) {
   level_ = level;
   level_images_.Clear();
   level_masks_.Clear();
-  size_t level_memory = 0;
   for (size_t i = 0; i < views_.size(); ++i) {
     level_views_[i] = ViewAtLevel(views_[i], level);
-    level_memory += level > 0 ? NumPixels(level_views_[i]) : 0;
   }
-  // Those of the level are used again and again, the full size once a level.
-  full_images_.SetMaxBytes(max_memory_ - std::min(max_memory_, level_memory));
+  ShareMemory();
 }
 
 void ImagePyramid::SetViews(std::vector<View> views) {

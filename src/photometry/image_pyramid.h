@@ -24,9 +24,13 @@ class ImagePyramid {
   // \param max_memory  of the images that are kept, bytes. The image read last
   //        is kept whatever it takes, and what is in use lives on.
   // \param read_mask  of the views, pixels of 0 are masked; an empty image
-  //        where there is none; may be empty itself.
+  //        where there is none; may be empty itself. Masks share the memory.
+  // \param max_borrowed  what the images of a level may take beyond max_memory,
+  //        bytes, where that keeps all of them: reading one again takes longer
+  //        than whatever else the memory would serve.
   ImagePyramid(std::vector<View> views, ReadGrayImage read_image,
-               size_t max_memory, ReadGrayImage read_mask = {});
+               size_t max_memory, ReadGrayImage read_mask = {},
+               size_t max_borrowed = 0);
 
   // Drops what is kept of another level but the full size.
   // \pre no other thread uses the pyramid meanwhile
@@ -47,10 +51,14 @@ class ImagePyramid {
   // \throw what read_mask throws.
   std::shared_ptr<const GrayImage> Mask(size_t view);
 
+  // What the images of the level may take beyond max_memory, bytes.
+  size_t BorrowedMemory() const { return borrowed_; }
+
   // [views] at the level.
   const std::vector<View>& Views() const { return level_views_; }
 
  private:
+  void ShareMemory();
   std::shared_ptr<const GrayImage> FullImage(size_t view);
 
   std::vector<View> views_;
@@ -58,6 +66,8 @@ class ImagePyramid {
   ReadGrayImage read_image_;
   ReadGrayImage read_mask_;
   size_t max_memory_;
+  size_t max_borrowed_;
+  size_t borrowed_ = 0;
   int level_ = 0;
   LruCache<const GrayImage> full_images_;   // of what level_images_ leaves
   LruCache<const GrayImage> level_images_;  // empty at level 0

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include <tbb/parallel_for.h>
+
+#include "photometry/view_order.h"
 
 namespace colmap_ext {
 
@@ -85,6 +88,36 @@ std::vector<TiledDirection> DirectionsTo(uint32_t view,
   return directions;
 }
 
+// Whether the views with what is drawn into them are more than the default of
+// max_memory_gb keeps. Below it no order of them saves anything.
+bool AreTooManyToKeep(const std::vector<View>& views) {
+  constexpr double kMaxPixels = 4e9 / 9;  // 9 bytes a pixel
+  double num_pixels = 0;
+  for (const View& view : views) {
+    num_pixels += static_cast<double>(view.width) * view.height;
+  }
+  return num_pixels > kMaxPixels;
+}
+
+// \param directions [views]
+std::vector<uint32_t> OrderViews(
+    const std::vector<View>& views,
+    const std::vector<std::vector<TiledDirection>>& directions) {
+  if (!AreTooManyToKeep(views)) {
+    std::vector<uint32_t> order(views.size());
+    std::iota(order.begin(), order.end(), 0);
+    return order;
+  }
+  Rows<uint32_t> partners;
+  for (const std::vector<TiledDirection>& row : directions) {
+    for (const TiledDirection& direction : row) {
+      partners.values.push_back(direction.j);
+    }
+    partners.EndRow();
+  }
+  return OrderByPartners(partners);
+}
+
 }  // namespace
 
 Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
@@ -161,8 +194,8 @@ std::vector<TiledDirection> FindDirections(const MeshDrawings& drawings,
     }
   });
   std::vector<TiledDirection> directions;
-  for (std::vector<TiledDirection>& row : by_view) {
-    std::move(row.begin(), row.end(), std::back_inserter(directions));
+  for (const uint32_t view : OrderViews(drawings.Views(), by_view)) {
+    std::ranges::move(by_view[view], std::back_inserter(directions));
   }
   return directions;
 }

@@ -46,7 +46,8 @@ struct TiledDirection {
 };
 
 // The directions that some pixel shows facets of, by their view i, so that few
-// views are in use at a time.
+// views are in use at a time: as the views come, or, where they are more than
+// would fit into 4 GB, by OrderByPartners().
 std::vector<TiledDirection> FindDirections(const MeshDrawings& drawings,
                                            const FacetLabels& labels);
 

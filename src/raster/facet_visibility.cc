@@ -1,5 +1,6 @@
 #include "raster/facet_visibility.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <tbb/parallel_for.h>
@@ -23,12 +24,12 @@ bool IsWithin(const View& view, const Eigen::Vector2d& pixel, double border) {
          pixel.x() < view.width - border && pixel.y() < view.height - border;
 }
 
-// [F] 1 where a view shows the facet, else 0.
-std::vector<uint8_t> FindVisible(const TriangleMesh& mesh,
-                                 const std::vector<FacetFrame>& frames,
-                                 const View& view, const FacetIdBuffer& drawn,
-                                 double border) {
-  std::vector<uint8_t> is_visible(mesh.facets.size(), 0);
+// [F] whether a view shows the facet. Bits: there are many views and facets.
+std::vector<bool> FindVisible(const TriangleMesh& mesh,
+                              const std::vector<FacetFrame>& frames,
+                              const View& view, const FacetIdBuffer& drawn,
+                              double border) {
+  std::vector<bool> is_visible(mesh.facets.size(), false);
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
     if (!drawn.is_facing[i]) {
       continue;
@@ -50,16 +51,20 @@ FacetVisibility FindVisibleFacets(const MeshDrawings& drawings, double border) {
   const TriangleMesh& mesh = drawings.Mesh();
   const std::vector<View>& views = drawings.Views();
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
-  std::vector<std::vector<uint8_t>> is_visible(views.size());
+  std::vector<std::vector<bool>> is_visible(views.size());
   tbb::parallel_for(size_t{0}, views.size(), [&](size_t i) {
     is_visible[i] =
         FindVisible(mesh, frames, views[i], *drawings.Get(i), border);
   });
+  size_t num_visible = 0;
+  for (const std::vector<bool>& row : is_visible) {
+    num_visible += std::count(row.begin(), row.end(), true);
+  }
   FacetVisibility visibility;
-  visibility.offsets.reserve(mesh.facets.size() + 1);
+  visibility.Reserve(mesh.facets.size(), num_visible);
   for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
     for (uint32_t i = 0; i < views.size(); ++i) {
-      if (is_visible[i][facet] != 0) {
+      if (is_visible[i][facet]) {
         visibility.values.push_back(i);
       }
     }

@@ -148,7 +148,8 @@ class ImagePyramidMemoryTest : public testing::Test {
  protected:
   static constexpr size_t kSize = 64;  // of an image, bytes
 
-  ImagePyramid MakePyramid(size_t max_memory) {
+  ImagePyramid MakePyramid(size_t max_memory, size_t max_borrowed = 0,
+                           const ReadGrayImage& read_mask = {}) {
     return {std::vector<View>(3, ViewOfSize(8, 8)),
             [this](size_t view) {
               ++num_reads_[view];
@@ -156,7 +157,7 @@ class ImagePyramidMemoryTest : public testing::Test {
                   8, 8,
                   std::vector<uint8_t>(kSize, static_cast<uint8_t>(view))};
             },
-            max_memory};
+            max_memory, read_mask, max_borrowed};
   }
 
   std::vector<int> num_reads_ = {0, 0, 0};
@@ -217,6 +218,41 @@ TEST_F(ImagePyramidMemoryTest, TheLevelComesBeforeTheFullSize) {
     }
   }
   EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+}
+
+// All of a level or nothing: the few that would be kept more do not pay.
+TEST_F(ImagePyramidMemoryTest, BorrowsWhatKeepsAllImagesOfALevel) {
+  ImagePyramid pyramid = MakePyramid(kSize / 2, kSize / 4);
+  EXPECT_EQ(pyramid.BorrowedMemory(), 0);
+  pyramid.SetLevel(1);
+  EXPECT_EQ(pyramid.BorrowedMemory(), kSize / 4);
+  for (int pass = 0; pass < 5; ++pass) {
+    for (const size_t view : {0, 1, 2}) {
+      EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
+    }
+  }
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  pyramid.SetLevel(0);
+  EXPECT_EQ(pyramid.BorrowedMemory(), 0);
+  pyramid.SetLevel(2);
+  EXPECT_EQ(pyramid.BorrowedMemory(), 0);
+}
+
+TEST_F(ImagePyramidMemoryTest, MasksShareTheMemory) {
+  int num_mask_reads = 0;
+  ImagePyramid pyramid = MakePyramid(kSize, 5 * kSize, [&](size_t) {
+    ++num_mask_reads;
+    return GrayImage{8, 8, std::vector<uint8_t>(kSize, 255)};
+  });
+  EXPECT_EQ(pyramid.BorrowedMemory(), 5 * kSize);
+  for (int pass = 0; pass < 5; ++pass) {
+    for (const size_t view : {0, 1, 2}) {
+      pyramid.Image(view);
+      pyramid.Mask(view);
+    }
+  }
+  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  EXPECT_EQ(num_mask_reads, 3);
 }
 
 // Whatever was kept of other levels.

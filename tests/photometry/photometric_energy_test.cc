@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -269,6 +270,67 @@ TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
   ExpectSame(evaluate(2, SIZE_MAX), terms);
   ExpectSame(evaluate(3, SIZE_MAX), terms);
   ExpectSame(evaluate(2, 1), terms);
+}
+
+// Views are compared with their neighbours, in turn: room for three of them
+// does, in images and in drawings.
+TEST(CpuPhotometricEnergy, ReadsImagesOnceAnEvaluationWhereNeighborsFit) {
+  const std::vector<View>& views = Scene().dense.scene.views;
+  const size_t num_pixels = size_t{1} * views[0].width * views[0].height;
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  std::vector<ViewPair> pairs;
+  for (uint32_t i = 0; i + 1 < views.size(); ++i) {
+    pairs.push_back({i, i + 1});
+  }
+  const FacetLabels labels = LabelAll(pairs, mesh.facets.size());
+  const auto all_images = Scene().Pyramid();
+  std::atomic<size_t> num_reads = 0;
+  const auto images = std::make_shared<ImagePyramid>(
+      views,
+      [&](size_t view) {
+        ++num_reads;
+        return *all_images->Image(view);
+      },
+      3 * num_pixels);
+  const tbb::global_control control(
+      tbb::global_control::max_allowed_parallelism, 1);
+  const auto energy = MakeCpuPhotometricEnergy(
+      {}, images, 3 * (8 * num_pixels + mesh.facets.size() / 8));
+  energy->Render(mesh);
+  for (size_t i = 1; i <= 3; ++i) {
+    energy->Evaluate(mesh, labels);
+    EXPECT_LE(num_reads, i * views.size());
+  }
+}
+
+// Memory that the images borrow is not the drawings'.
+TEST(CpuPhotometricEnergy, LendsMemoryToImages) {
+  const std::vector<View>& views = Scene().dense.scene.views;
+  const size_t num_pixels = size_t{1} * views[0].width * views[0].height;
+  const TriangleMesh mesh = PerturbedTruth(0.3F);
+  const FacetLabels labels = LabelAll({{0, 1}, {2, 3}}, mesh.facets.size());
+  const auto all_images = Scene().Pyramid();
+  std::vector<size_t> num_reads;
+  std::vector<PhotometricTerms> terms;
+  for (const size_t max_borrowed : {size_t{0}, views.size() * num_pixels}) {
+    num_reads.push_back(0);
+    const auto images = std::make_shared<ImagePyramid>(
+        views,
+        [&](size_t view) {
+          ++num_reads.back();
+          return *all_images->Image(view);
+        },
+        num_pixels, ReadGrayImage(), max_borrowed);
+    const tbb::global_control control(
+        tbb::global_control::max_allowed_parallelism, 1);
+    const auto energy = MakeCpuPhotometricEnergy({}, images, num_pixels);
+    energy->Render(mesh);
+    terms.push_back(energy->Evaluate(mesh, labels));
+    energy->Evaluate(mesh, labels);
+  }
+  ExpectSame(terms[1], terms[0]);
+  EXPECT_EQ(num_reads[1], 4);
+  EXPECT_GE(num_reads[0], 8);
 }
 
 // Subdivision and labelling have drawn the mesh before Render() is called.
