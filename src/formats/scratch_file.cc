@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -17,17 +18,36 @@ namespace {
   throw FileError(folder, std::string(what) + std::strerror(errno));
 }
 
+// For file systems without O_TMPFILE. The name is there for a moment only, in
+// which no signal ends the program.
+// \return the descriptor; negative, with errno, if there can be no file
+int OpenAndUnlink(const std::filesystem::path& folder) {
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, &before);
+  std::string path = (folder / ".colmap_ext.XXXXXX").string();
+  const int descriptor = mkostemp(path.data(), O_CLOEXEC);
+  const int error = errno;
+  if (descriptor >= 0) {
+    unlink(path.c_str());
+  }
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = error;
+  return descriptor;
+}
+
 }  // namespace
 
-// A name is there for a moment only.
 ScratchFile::ScratchFile(const std::filesystem::path& folder)
-    : folder_(folder) {
-  std::string path = (folder / ".colmap_ext.XXXXXX").string();
-  descriptor_ = mkostemp(path.data(), O_CLOEXEC);
+    : folder_(folder),
+      descriptor_(open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600)) {
+  if (descriptor_ < 0) {
+    descriptor_ = OpenAndUnlink(folder);
+  }
   if (descriptor_ < 0) {
     Throw(folder_, "there can be no temporary file: ");
   }
-  unlink(path.c_str());
 }
 
 ScratchFile::~ScratchFile() { close(descriptor_); }
