@@ -123,13 +123,20 @@ AtomicFile::AtomicFile(const std::filesystem::path& path)
       std::to_string(getpid()) + ".tmp";
   for (int i = 0; descriptor_ < 0; ++i) {
     temporary_path_ = prefix + std::to_string(i);
+    // Before the file is there, so that a signal that comes as it is made
+    // removes it.
+    cleanup_slot_ = AddTemporary(temporary_path_);
     descriptor_ = open(temporary_path_.c_str(),
                        O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) {
-      throw FileError(path_, "can not be written: " + LastError());
+    if (descriptor_ < 0) {
+      const int error = errno;
+      RemoveTemporary(cleanup_slot_);
+      if (error != EEXIST) {
+        throw FileError(
+            path_, std::string("can not be written: ") + std::strerror(error));
+      }
     }
   }
-  cleanup_slot_ = AddTemporary(temporary_path_);
 }
 
 AtomicFile::~AtomicFile() {
