@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include <tbb/parallel_for.h>
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "base/percentile.h"
+#include "cameras/compare_patches.h"
 #include "cameras/shift_jacobian.h"
 #include "cameras/similarity.h"
 #include "cameras/sparse_tracks.h"
@@ -17,70 +17,6 @@
 namespace colmap_ext {
 
 namespace {
-
-// A patch with one of its partners.
-struct Comparison {
-  uint32_t view = 0;
-  uint32_t partner = 0;
-  uint32_t patch = 0;
-  uint64_t index = 0;  // into partners.values
-
-  bool IsOfSameViews(const Comparison& other) const {
-    return view == other.view && partner == other.partner;
-  }
-};
-
-// Rows of the same two views.
-Rows<Comparison> GroupByViews(const SurfacePatches& patches) {
-  std::vector<Comparison> all;
-  for (uint32_t k = 0; k < patches.patches.size(); ++k) {
-    for (size_t l = 0; l < patches.partners[k].size(); ++l) {
-      all.push_back({patches.patches[k].view, patches.partners[k][l], k,
-                     patches.partners.offsets[k] + l});
-    }
-  }
-  std::stable_sort(
-      all.begin(), all.end(), [](const Comparison& a, const Comparison& b) {
-        return std::pair(a.view, a.partner) < std::pair(b.view, b.partner);
-      });
-  Rows<Comparison> rows;
-  for (size_t i = 0; i < all.size(); ++i) {
-    if (i > 0 && !all[i].IsOfSameViews(all[i - 1])) {
-      rows.EndRow();
-    }
-    rows.values.push_back(all[i]);
-  }
-  if (!all.empty()) {
-    rows.EndRow();
-  }
-  return rows;
-}
-
-// [rows of partners] each patch with each of its partners. Two views at a time:
-// not all of a view's partners may be there at once.
-std::vector<WindowShift> CompareAll(const CameraRefinementOptions& options,
-                                    const PhotometricOptions& photometric,
-                                    const DrawnScene& scene,
-                                    const std::vector<View>& views,
-                                    const SurfacePatches& patches) {
-  const Rows<Comparison> groups = GroupByViews(patches);
-  std::vector<WindowShift> shifts(patches.partners.values.size());
-  tbb::parallel_for(size_t{0}, groups.size(), [&](size_t group) {
-    const uint32_t i = groups[group].front().view;
-    const uint32_t j = groups[group].front().partner;
-    const auto image_i = scene.images->Image(i);
-    const auto image_j = scene.images->Image(j);
-    const auto drawn_i = scene.drawings.Get(i);
-    const auto drawn_j = scene.drawings.Get(j);
-    for (const Comparison& comparison : groups[group]) {
-      shifts[comparison.index] = CompareWindow(
-          photometric, options.patches.radius, {views[i], *image_i, *drawn_i},
-          {views[j], *image_j, *drawn_j}, scene.frames,
-          patches.patches[comparison.patch]);
-    }
-  });
-  return shifts;
-}
 
 // The noise of a shift, px. What a window leaves unexplained is its noise, but
 // for what it can not know: how the images are sampled, and, along the epipolar
@@ -260,8 +196,8 @@ class CameraRefinement {
   }
 
   CameraEvidence Gather(RefinedParts parts, const std::vector<View>& views) {
-    const std::vector<WindowShift> compared =
-        CompareAll(options_, photometric_, scene_, views, patches_);
+    const std::vector<WindowShift> compared = ComparePatches(
+        photometric_, options_.patches.radius, scene_, views, patches_);
     CameraEvidence evidence{
         Measure(options_, photometric_, scene_, views, patches_, compared),
         tracks_,
