@@ -19,6 +19,9 @@ struct SelfIntersectionRepair {
   double mean_motion = 0;  // of those that moved, scene units
 };
 
+// Of the repair, each in wider surroundings than the one before. A choice.
+inline constexpr int kMaxRepairRounds = 8;
+
 // Removes self-intersections where local changes do.
 //
 // First copies of a vertex are moved apart by as little as possible
@@ -38,9 +41,9 @@ struct SelfIntersectionRepair {
 // \param max_rounds  0 or more; 0 moves copies apart only
 // \param fixed  of the mesh; pairs of two facets that stay do not count
 // \pre the mesh is manifold
-SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
-                                               int max_rounds = 8,
-                                               const FixedVertices& fixed = {});
+SelfIntersectionRepair RepairSelfIntersections(
+    TriangleMesh* mesh, int max_rounds = kMaxRepairRounds,
+    const FixedVertices& fixed = {});
 
 // Some of the steps of RepairSelfIntersections(), for a part of a mesh.
 struct RepairSteps {

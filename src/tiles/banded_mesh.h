@@ -28,7 +28,7 @@ struct BandedMesh {
   StoredVector<Color> colors;        // [V] or empty
   StoredVector<float> confidences;   // [V]
   StoredVector<uint32_t> num_views;  // [V] of each vertex
-  StoredVector<uint32_t> views;      // one vertex' after the other's
+  StoredVector<uint32_t> views;      // of one vertex after the other
 };
 
 // What of the options takes the whole surface, and can not be done in bands;
@@ -36,8 +36,10 @@ struct BandedMesh {
 std::string NeedsWholeSurface(const ManifoldMeshingOptions& options);
 
 // Does what SplitSurface() and FinishSurface() do to the whole surface, one
-// band at a time, and with the same result. \param report  gets the counts \pre
-// NeedsWholeSurface() is empty \throw as these
+// band at a time, and with the same result.
+// \param report  gets the counts
+// \pre NeedsWholeSurface() is empty
+// \throw as these
 BandedMesh FinishBands(const ManifoldMeshingOptions& options,
                        const SurfaceBands& bands, const ReadAttributes& read,
                        const std::vector<View>& views, const Progress& progress,

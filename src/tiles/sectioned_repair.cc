@@ -17,8 +17,6 @@ namespace {
 
 using Box = Eigen::AlignedBox3f;
 
-constexpr int kMaxRounds = 8;  // as RepairSelfIntersections()
-
 MeshPart ReadSection(const SectionedMesh& mesh, size_t section) {
   const uint32_t begin = mesh.FirstFacet(section);
   const uint32_t end = mesh.FirstFacet(section + 1);
@@ -83,7 +81,7 @@ class SectionsRepair {
     const size_t max_work = MaxRepairWork(mesh_.NumFacets());
     RunSteps({true, 0, 1, max_work});
     if (work_ <= max_work) {
-      RunSteps({false, 1, kMaxRounds, max_work - work_});
+      RunSteps({false, 1, kMaxRepairRounds, max_work - work_});
     }
     repair_.num_after = pairs_.size();
     for (const auto& [vertex, before] : before_) {
