@@ -128,6 +128,14 @@ std::string MeshReport::Defects() const {
   return text;
 }
 
+void MeshReport::DeriveGenus() {
+  euler = static_cast<int64_t>(num_vertices) - static_cast<int64_t>(num_edges) +
+          static_cast<int64_t>(num_facets);
+  genus = (2 * static_cast<int64_t>(num_components) - euler -
+           static_cast<int64_t>(num_border_loops)) /
+          2;
+}
+
 MeshReport Analyze(const TriangleMesh& mesh) {
   MeshReport report;
   report.num_vertices = mesh.vertices.size();
@@ -139,13 +147,7 @@ MeshReport Analyze(const TriangleMesh& mesh) {
     report.num_components += walk.components.Find(facet) == facet;
   }
   CountVertices(mesh, facets, &walk, &report);
-  report.euler = static_cast<int64_t>(report.num_vertices) -
-                 static_cast<int64_t>(report.num_edges) +
-                 static_cast<int64_t>(report.num_facets);
-  report.genus =
-      (2 * static_cast<int64_t>(report.num_components) - report.euler -
-       static_cast<int64_t>(report.num_border_loops)) /
-      2;
+  report.DeriveGenus();
   return report;
 }
 

@@ -39,6 +39,9 @@ struct MeshReport {
   // The defects that there are, in words: "3 singular vertices, 1 ..."; empty
   // for a manifold mesh.
   std::string Defects() const;
+
+  // Sets `euler` and `genus` by the other counts.
+  void DeriveGenus();
 };
 
 // Accepts any mesh: what is wrong with it is reported.

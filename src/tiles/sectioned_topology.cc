@@ -268,13 +268,7 @@ MeshReport AnalyzeSections(const SectionedMesh& mesh) {
   count(seams);
   report.num_components = components.Count();
   report.num_border_loops = loops.Count();
-  report.euler = static_cast<int64_t>(report.num_vertices) -
-                 static_cast<int64_t>(report.num_edges) +
-                 static_cast<int64_t>(report.num_facets);
-  report.genus =
-      (2 * static_cast<int64_t>(report.num_components) - report.euler -
-       static_cast<int64_t>(report.num_border_loops)) /
-      2;
+  report.DeriveGenus();
   return report;
 }
 
