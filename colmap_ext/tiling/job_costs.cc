@@ -31,7 +31,7 @@ double MergerMemoryGb(const Plan& plan, bool holds_whole_surface) {
     num_vertices += static_cast<double>(tile.num_vertices);
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
-  const double fixing = 200e-9 * num_vertices + 260e-9 * largest;
+  const double fixing = 200e-9 * num_vertices + 360e-9 * largest;
   const double finishing = holds_whole_surface
                                ? 390e-9 * num_vertices
                                : 21e-9 * num_vertices + 230e-9 * largest;

@@ -11,8 +11,9 @@ namespace colmap_ext {
 // (docs/benchmarks.md).
 double TileMemoryGb(size_t num_vertices);
 double TileSeconds(size_t num_vertices);
-// ... and the merger, fitted to plans of 4, 16 and one of them. It holds the
-// rings around singular vertices and one band of the surface, or all of it.
+// ... and the merger, which holds the seams, the rings around singular vertices
+// and one tile, then one band of the surface, or all of it. More than was
+// measured: plans of few tiles were so only when it held more.
 double MergerMemoryGb(const Plan& plan, bool holds_whole_surface);
 
 }  // namespace colmap_ext

@@ -12,8 +12,6 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr int kRepairRounds = 8;  // see RepairSelfIntersections()
-
 // Trims the mesh and closes its holes.
 void FinishBorders(const BorderOptions& options, RefinedMesh* refined) {
   const std::vector<float> facet_confidences =
@@ -55,7 +53,7 @@ void ImproveFacets(RefinedMesh* state) {
   FixedSources fixed =
       CarrySources(state->fixed_sources, improved.fixed_sources);
   const size_t num_crossing =
-      RepairSelfIntersections(&improved.mesh, kRepairRounds, FixedOf(fixed))
+      RepairSelfIntersections(&improved.mesh, kMaxRepairRounds, FixedOf(fixed))
           .num_after;
   if (num_crossing > state->report.num_self_intersections) {
     return;
@@ -72,7 +70,7 @@ void ImproveFacets(RefinedMesh* state) {
 bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
   Report(progress, "Repairing self-intersections", 0);
   const SelfIntersectionRepair repair = RepairSelfIntersections(
-      &state->mesh, kRepairRounds, FixedOf(state->fixed_sources));
+      &state->mesh, kMaxRepairRounds, FixedOf(state->fixed_sources));
   state->report.num_removed_self_intersections +=
       repair.num_before - repair.num_after;
   state->report.num_self_intersections = repair.num_after;
