@@ -15,7 +15,7 @@
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/make_plan.h"
-#include "tiles/banded_mesh.h"
+#include "merging/banded_mesh.h"
 
 namespace colmap_ext {
 

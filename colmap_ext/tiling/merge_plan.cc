@@ -8,41 +8,45 @@
 #include "colmap_ext/tiling/plan_files.h"
 #include "formats/scratch_file.h"
 #include "formats/write_mesh.h"
+#include "merging/banded_mesh.h"
+#include "merging/fix_plan.h"
+#include "merging/labeled_parts.h"
+#include "merging/merged_surface.h"
+#include "merging/seam_cut.h"
+#include "merging/vertex_points.h"
 #include "meshing/finish_surface.h"
-#include "tiles/banded_mesh.h"
-#include "tiles/merged_surface.h"
-#include "tiles/seam_cut.h"
-#include "tiles/singular_patch.h"
-#include "tiles/vertex_points.h"
 
 namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Labels of all cells of a plan's tiles, where these do not tell.
-struct Fixed {
+// The cells of a plan, cut and fixed.
+struct MergedCells {
+  MergedCells(const FilePlan& vertices, const FileParts& parts)
+      : seam(vertices.Blocks(), parts), changes(vertices.Blocks()) {}
+
   SeamLabels seam;
-  SingularPatch patch;
+  CellChanges changes;
 };
 
-Fixed CutAndFix(const FilePlan& plan, const FileParts& parts,
-                const ManifoldMeshingOptions& options, const Progress& progress,
-                MergeReport* report) {
+std::unique_ptr<MergedCells> CutAndFix(const Plan& plan,
+                                       const FilePlan& vertices,
+                                       const FileParts& parts,
+                                       const ManifoldMeshingOptions& options,
+                                       const Progress& progress,
+                                       MergeReport* report) {
   Report(progress, "Cutting the seams", 0);
-  std::vector<TileSeam> seams;
-  for (uint32_t tile = 0; tile < plan.Blocks().NumTiles(); ++tile) {
-    seams.push_back(parts.ReadSeam(tile));
-  }
-  Fixed fixed{CutSeams(seams), {}};
-  seams = {};
-  report->num_cut_cells = fixed.seam.num_cut_cells;
+  auto cells = std::make_unique<MergedCells>(vertices, parts);
+  CutSeams(plan.seam_rings, &cells->seam);
+  report->num_cut_cells = cells->seam.NumUnknown();
   Report(progress, "Fixing singular vertices", 0);
   if (options.preemptive_fixing) {
-    fixed.patch = FixPatches(plan, parts, fixed.seam, options.fixing_rule);
+    report->meshing.fixing =
+        FixPlan(vertices, parts, cells->seam, options.fixing_rule,
+                plan.seam_rings == kAllAtOnce, &cells->changes);
   }
-  report->meshing.fixing = fixed.patch.report;
-  return fixed;
+  return cells;
 }
 
 ReadAttributes Reader(const FilePlan& plan) {
@@ -84,9 +88,9 @@ void WriteBanded(const fs::path& path,
 }
 
 // One band at a time; the mesh is put together in files beside it.
-void MergeInBands(const ManifoldMeshingOptions& options,
-                  const std::vector<View>& views, const FilePlan& plan,
-                  const FileParts& parts, const fs::path& output_path,
+void MergeInBands(const Plan& plan, const ManifoldMeshingOptions& options,
+                  const FilePlan& vertices, const FileParts& parts,
+                  const fs::path& output_path,
                   const std::optional<Eigen::Matrix4d>& transform,
                   const Progress& progress, MergeReport* report) {
   const fs::path folder = fs::absolute(output_path).parent_path();
@@ -95,43 +99,47 @@ void MergeInBands(const ManifoldMeshingOptions& options,
   };
   std::unique_ptr<SurfaceBands> bands;
   {
-    const Fixed fixed = CutAndFix(plan, parts, options, progress, report);
+    const auto cells =
+        CutAndFix(plan, vertices, parts, options, progress, report);
     Report(progress, "Extracting the surface", 0);
-    const PlanSurface surface(plan, parts, fixed.seam, fixed.patch);
-    bands = std::make_unique<SurfaceBands>(plan, CentroidsOf(plan, fixed.patch),
+    const LabeledParts labeled(parts, cells->seam, cells->changes);
+    bands = std::make_unique<SurfaceBands>(vertices, cells->changes.centroids(),
                                            make_store);
-    for (uint32_t tile = 0; tile < plan.Blocks().NumTiles(); ++tile) {
-      bands->Add(surface.Read(tile));
+    for (uint32_t tile = 0; tile < vertices.Blocks().NumTiles(); ++tile) {
+      bands->Add(SurfaceOf(labeled, vertices.Blocks(), tile));
     }
-    bands->Finish(surface.PatchFixes());
+    bands->Finish();
   }
   Report(progress, "Splitting vertices", 0);
-  const BandedMesh banded = FinishBands(options, *bands, Reader(plan), views,
-                                        progress, make_store, &report->meshing);
+  const BandedMesh banded =
+      FinishBands(options, *bands, Reader(vertices), plan.views, progress,
+                  make_store, &report->meshing);
   bands.reset();
   Report(progress, "Writing the mesh", 0);
   WriteBanded(output_path, transform, banded);
 }
 
-void MergeWhole(const ManifoldMeshingOptions& options,
-                const std::vector<View>& views, const FilePlan& plan,
-                const FileParts& parts, const fs::path& output_path,
+void MergeWhole(const Plan& plan, const ManifoldMeshingOptions& options,
+                const FilePlan& vertices, const FileParts& parts,
+                const fs::path& output_path,
                 const std::optional<Eigen::Matrix4d>& transform,
                 const Progress& progress, MergeReport* report) {
   MergedSurface merged;
   {
-    const Fixed fixed = CutAndFix(plan, parts, options, progress, report);
+    const auto cells =
+        CutAndFix(plan, vertices, parts, options, progress, report);
     Report(progress, "Extracting the surface", 0);
-    merged = MergeSurface(plan, parts, fixed.seam, fixed.patch);
+    merged = MergeSurface(vertices, {parts, cells->seam, cells->changes},
+                          cells->changes.centroids());
   }
   ManifoldMesh result;
   result.report = report->meshing;
   {
     const VertexPoints points =
-        PointsOf(merged.ids, plan.Blocks().NumVertices(), Reader(plan));
+        PointsOf(merged.ids, vertices.Blocks().NumVertices(), Reader(vertices));
     std::vector<uint32_t>().swap(merged.ids);
     SplitSurface(options, std::move(merged.extracted), points.AsSurfacePoints(),
-                 views, &result);
+                 plan.views, &result);
   }
   FinishSurface(options, progress, &result);
   report->meshing = result.report;
@@ -160,7 +168,7 @@ MergeReport MergePlan(const fs::path& folder, const fs::path& output_path,
   report.meshing.distance_sigma = plan.distance_sigma;
   report.whole_by = NeedsWholeSurface(options);
   const auto merge = report.whole_by.empty() ? MergeInBands : MergeWhole;
-  merge(options, plan.views, vertices, parts, output_path, transform, progress,
+  merge(plan, options, vertices, parts, output_path, transform, progress,
         &report);
   return report;
 }

@@ -42,7 +42,7 @@ struct Plan {
   uint64_t identity = 0;  // of inputs and options
 };
 
-inline constexpr int kPlanVersion = 4;
+inline constexpr int kPlanVersion = 5;
 
 // In a plan's folder.
 std::filesystem::path PlanPath(const std::filesystem::path& folder);

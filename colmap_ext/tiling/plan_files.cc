@@ -39,7 +39,7 @@ enum BlocksSection {
   kNumBlocksSections
 };
 
-constexpr char kCutKind[] = "CECUT003";
+constexpr char kCutKind[] = "CECUT004";
 enum CutSection {
   kCutIds,
   kCutNumOwn,
@@ -94,7 +94,7 @@ void WriteCut(const fs::path& folder, uint64_t identity, size_t tile,
   file.Add(std::vector<uint32_t>(1, cut.tile.num_own));
   file.Add(cut.tile.tetrahedra.vertex_cells);
   file.Add(cut.tile.tetrahedra.cells);
-  file.Add(cut.labels);
+  file.Add(cut.labels.known);
   file.Add(cut.graph.capacities);
   file.Add(cut.graph.source);
   file.Add(cut.graph.sink);
@@ -221,16 +221,16 @@ TileSeam FileParts::ReadSeam(uint32_t tile) const {
           files_[tile]->ReadAll<SharedCell>(kCutShared)};
 }
 
-std::shared_ptr<const TilePart> FileParts::ReadPart(uint32_t tile) const {
+TilePart FileParts::ReadPart(uint32_t tile) const {
   const SectionReader& file = *files_[tile];
-  auto part = std::make_shared<TilePart>();
-  part->tile.ids = file.ReadAll<uint32_t>(kCutIds);
-  part->tile.num_own = file.Read<uint32_t>(kCutNumOwn, 0, 1)[0];
-  Tetrahedralization& tetrahedra = part->tile.tetrahedra;
+  TilePart part;
+  part.tile.ids = file.ReadAll<uint32_t>(kCutIds);
+  part.tile.num_own = file.Read<uint32_t>(kCutNumOwn, 0, 1)[0];
+  Tetrahedralization& tetrahedra = part.tile.tetrahedra;
   tetrahedra.cells = file.ReadAll<Tetrahedralization::Cell>(kCutCells);
-  tetrahedra.points.assign(part->tile.ids.size(), Eigen::Vector3f::Zero());
+  tetrahedra.points.assign(part.tile.ids.size(), Eigen::Vector3f::Zero());
   tetrahedra.vertex_cells = file.ReadAll<uint32_t>(kCutFirstCells);
-  part->labels = file.ReadAll<uint8_t>(kCutLabels);
+  part.labels = file.ReadAll<uint8_t>(kCutLabels);
   return part;
 }
 

@@ -56,7 +56,7 @@ class FileParts : public TileParts {
   FileParts(const std::filesystem::path& folder, const Plan& plan);
 
   TileSeam ReadSeam(uint32_t tile) const override;
-  std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const override;
+  TilePart ReadPart(uint32_t tile) const override;
   PartVertices ReadVertices(uint32_t tile) const override;
   uint32_t NumCells(uint32_t tile) const override;
   PartCells ReadCells(uint32_t tile, uint32_t begin,

@@ -54,7 +54,7 @@ TileReport RunTile(const fs::path& folder, uint32_t tile,
   report.num_other_vertices = cut.tile.ids.size() - cut.tile.num_own;
   report.num_rounds = cut.tile.num_rounds;
   report.num_unknown_cells = seam.unknown.size();
-  for (uint32_t cell = 0; cell < cut.labels.size(); ++cell) {
+  for (uint32_t cell = 0; cell < cut.places.size(); ++cell) {
     report.num_star_cells += cut.tile.IsStarCell(cell);
   }
   report.rays = cut.rays;

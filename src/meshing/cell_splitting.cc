@@ -3,6 +3,37 @@
 #include <array>
 
 namespace colmap_ext {
+namespace {
+
+// Gives the parts of a cell what they have of its capacities.
+void SplitCapacities(const std::array<uint32_t, 4>& parts,
+                     FlowCapacities* graph) {
+  const CellCapacities whole{graph->capacities[parts[0]],
+                             graph->source[parts[0]], graph->sink[parts[0]]};
+  for (int i = 0; i < 4; ++i) {
+    const CellCapacities part = PartOf(whole, i);
+    if (i > 0) {
+      graph->capacities.emplace_back();
+      graph->source.emplace_back();
+      graph->sink.emplace_back();
+    }
+    graph->capacities[parts[i]] = part.facets;
+    graph->source[parts[i]] = part.source;
+    graph->sink[parts[i]] = part.sink;
+  }
+}
+
+}  // namespace
+
+CellCapacities PartOf(const CellCapacities& cell, int part) {
+  CellCapacities share{{}, cell.source / 4, cell.sink / 4};
+  share.facets[part] = cell.facets[part];
+  if (part == 0) {
+    share.source = cell.source - 3 * share.source;
+    share.sink = cell.sink - 3 * share.sink;
+  }
+  return share;
+}
 
 void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
                FlowCapacities* graph, std::vector<uint8_t>* is_free) {
@@ -18,21 +49,16 @@ void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
   tetrahedra->points.push_back(position.cast<float>());
   tetrahedra->vertex_cells.push_back(cell);
   tetrahedra->cells.resize(first_new + 3);
-  graph->capacities.resize(first_new + 3);
-  graph->source.resize(first_new + 3, graph->source[cell] / 4);
-  graph->sink.resize(first_new + 3, graph->sink[cell] / 4);
-  graph->source[cell] -= 3 * (graph->source[cell] / 4);
-  graph->sink[cell] -= 3 * (graph->sink[cell] / 4);
+  if (graph != nullptr) {
+    SplitCapacities(children, graph);
+  }
   is_free->resize(first_new + 3, (*is_free)[cell]);
-  const std::array<uint32_t, 4> capacities = graph->capacities[cell];
   for (int i = 0; i < 4; ++i) {
     // The child that has the centroid in place of the parent's vertex i.
     Tetrahedralization::Cell child{parent.vertices, children};
     child.vertices[i] = centroid;
     child.neighbors[i] = parent.neighbors[i];
     tetrahedra->cells[children[i]] = child;
-    graph->capacities[children[i]] = {0, 0, 0, 0};
-    graph->capacities[children[i]][i] = capacities[i];
     const uint32_t outer = parent.neighbors[i];
     const int back = tetrahedra->FacetTo(outer, cell);
     tetrahedra->cells[outer].neighbors[back] = children[i];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +9,17 @@
 
 namespace colmap_ext {
 
+// The capacities of a cell's arcs.
+struct CellCapacities {
+  std::array<uint32_t, 4> facets = {0, 0, 0, 0};
+  uint32_t source = 0;
+  uint32_t sink = 0;
+};
+
+// What one of the four parts of a split cell has of its capacities.
+// \param part  the one that has the centroid in place of this corner
+CellCapacities PartOf(const CellCapacities& cell, int part);
+
 // Splits a finite cell into four at its centroid. The cell keeps its index as
 // the first of them; the other three are appended to the cells, and the
 // centroid to the points. All four have the cell's label. They share out its
@@ -15,7 +27,7 @@ namespace colmap_ext {
 // have no capacity: the cut's value stays.
 //
 // \param tetrahedra is no longer Delaunay afterwards
-// \param graph      of the cells: node i is cell i
+// \param graph      of the cells: node i is cell i; or nullptr
 // \param is_free    [C] labels of the cells, 1: free space, 0: matter
 void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
                FlowCapacities* graph, std::vector<uint8_t>* is_free);

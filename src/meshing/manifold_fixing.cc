@@ -40,7 +40,7 @@ std::optional<size_t> Largest(const VertexStar& star, bool is_free) {
 class Fixer {
  public:
   Fixer(Tetrahedralization* tetrahedra, FlowCapacities* graph,
-        std::vector<uint8_t>* is_free, const PartialComplex* partial)
+        std::vector<uint8_t>* is_free, PartialComplex* partial)
       : tetrahedra_(tetrahedra),
         graph_(graph),
         is_free_(is_free),
@@ -60,6 +60,9 @@ class Fixer {
     report_.num_singular_fixed = tracker_.Singular().size();
     report_.num_relabeled_cells = tracker_.num_flips();
     report_.num_examined_vertices = tracker_.num_examined_vertices();
+    if (partial_ != nullptr) {
+      partial_->singular = tracker_.Singular();
+    }
     return report_;
   }
 
@@ -117,6 +120,12 @@ class Fixer {
     }
   }
 
+  // Whether a vertex is known to be.
+  bool IsRegular(uint32_t vertex) const {
+    return tracker_.IsRegular(vertex) &&
+           (partial_ == nullptr || partial_->is_examined(vertex));
+  }
+
   // Flips what is best at one vertex after the other. Some at a time are chosen
   // side by side, and once more where an earlier flip of these changed what was
   // looked at.
@@ -124,9 +133,8 @@ class Fixer {
   //      they are
   void FlipBest(const std::vector<uint32_t>& vertices, int64_t max_excess) {
     const auto best = [&](size_t i) {
-      return BestFlip(
-          *tetrahedra_, *graph_, vertices[i], max_excess, *is_free_,
-          [this](uint32_t vertex) { return tracker_.IsRegular(vertex); });
+      return BestFlip(*tetrahedra_, *graph_, vertices[i], max_excess, *is_free_,
+                      [this](uint32_t vertex) { return IsRegular(vertex); });
     };
     std::vector<std::vector<uint32_t>> flips(vertices.size());
     for (size_t begin = 0; begin < flips.size(); begin += kSideBySide) {
@@ -205,6 +213,9 @@ class Fixer {
   void SplitFiniteCells(std::span<const uint32_t> cells) {
     for (const uint32_t cell : cells) {
       if (!tetrahedra_->IsInfinite(cell)) {
+        if (partial_ != nullptr) {
+          partial_->split(cell);
+        }
         SplitCell(cell, tetrahedra_, graph_, is_free_);
         ++report_.num_split_cells;
       }
@@ -214,7 +225,7 @@ class Fixer {
   Tetrahedralization* tetrahedra_;
   FlowCapacities* graph_;
   std::vector<uint8_t>* is_free_;
-  const PartialComplex* partial_;
+  PartialComplex* partial_;
   SingularVertexTracker tracker_;
   FixingReport report_;
   VertexStar star_;              // of the vertex in hand
@@ -229,7 +240,7 @@ FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,
                                  std::vector<uint8_t>* is_free,
-                                 const PartialComplex* partial) {
+                                 PartialComplex* partial) {
   return Fixer(tetrahedra, graph, is_free, partial).Run(rule);
 }
 

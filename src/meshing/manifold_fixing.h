@@ -31,12 +31,18 @@ struct FixingReport {
   size_t num_examined_vertices = 0;
 };
 
-// A tetrahedralization that is not all there.
+// A tetrahedralization that is not all there, some of whose singular vertices
+// are fixed.
 struct PartialComplex {
-  std::vector<uint32_t> singular;  // all singular vertices, ascending
+  // Singular vertices to be fixed, ascending; then those that are left.
+  std::vector<uint32_t> singular;
+  // Whether a vertex is regular where it is not one of these.
+  std::function<bool(uint32_t vertex)> is_examined;
   // Is called with singular vertices before anything is changed at them: has to
   // append what is missing of the cells at them and at the vertices of those.
   std::function<void(const std::vector<uint32_t>& vertices)> complete;
+  // Is called before a cell is split, at the next vertex.
+  std::function<void(uint32_t cell)> split;
 };
 
 // Preemptive fixing of singular vertices [Romanoni2020, section IV]: changes
@@ -52,6 +58,6 @@ FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,
                                  std::vector<uint8_t>* is_free,
-                                 const PartialComplex* partial = nullptr);
+                                 PartialComplex* partial = nullptr);
 
 }  // namespace colmap_ext

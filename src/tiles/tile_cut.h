@@ -15,11 +15,14 @@
 
 namespace colmap_ext {
 
+// In place of a number of rings.
+inline constexpr int kAllAtOnce = -1;
+
 struct TileCutOptions {
   VisibilityWeightOptions rays;
   double quality_regularization = 1;
   // Cells within so many of those that are shared are left to the cut of the
-  // seams; -1: all that the cut of all tiles could label otherwise.
+  // seams; kAllAtOnce: all that the cut of all tiles could label otherwise.
   int seam_rings = 4;
 };
 
@@ -31,8 +34,8 @@ struct TileCut {
   std::vector<CellPlace> places;
   FlowCapacities graph;  // [cells] as that of all cells of the plan, for the
                          // arcs from and to those
-  std::vector<uint8_t> labels;  // [cells] LabelPart() of those
-  RayReport rays;               // walked here
+  PartLabels labels;     // [cells] LabelPart() of those
+  RayReport rays;        // walked here
 };
 
 // Triangulates a tile, counts the votes of all rays of the plan that pass its

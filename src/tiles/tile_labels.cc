@@ -70,11 +70,11 @@ std::vector<uint8_t> Band(NeighborView neighbors,
 
 }  // namespace
 
-std::vector<uint8_t> LabelPart(NeighborView neighbors,
-                               const FlowCapacities& graph,
-                               const std::vector<CellPlace>& places,
-                               int rings) {
-  std::vector<uint8_t> labels = ComputeMinCut(neighbors, graph).on_source_side;
+PartLabels LabelPart(NeighborView neighbors, const FlowCapacities& graph,
+                     const std::vector<CellPlace>& places, int rings) {
+  PartLabels labels;
+  labels.guesses = ComputeMinCut(neighbors, graph).on_source_side;
+  labels.known = labels.guesses;
   if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
     return labels;
   }
@@ -82,13 +82,13 @@ std::vector<uint8_t> LabelPart(NeighborView neighbors,
       ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
           .on_source_side;
   const std::vector<uint8_t> is_band = Band(neighbors, places, rings);
-  for (size_t node = 0; node < labels.size(); ++node) {
+  for (size_t node = 0; node < places.size(); ++node) {
     const bool is_sure = most[node] == 0;
     if (places[node] == CellPlace::kBeyond ||
         (!is_sure && is_band[node] != 0)) {
-      labels[node] = kNotKnown;
+      labels.known[node] = kNotKnown;
     } else if (is_sure) {
-      labels[node] = kMatter;
+      labels.known[node] = kMatter;
     }
   }
   return labels;

@@ -19,9 +19,13 @@ enum class CellPlace : uint8_t {
   kBeyond,  // not of the part
 };
 
-// Labels of the nodes of a part of a graph: [N] one of the above; kNotKnown
-// beyond the part.
-//
+// Labels of the nodes of a part of a graph.
+struct PartLabels {
+  std::vector<uint8_t>
+      known;  // [N] one of the above; kNotKnown beyond the part
+  std::vector<uint8_t> guesses;  // [N] of the minimum cut of the graph as it is
+};
+
 // Matter for sure is what stays matter even if all nodes beyond the part are
 // free space: then it is matter in the minimum cut of the whole graph, too, as
 // free space grows with free space around it [Gallo1989]. The opposite
@@ -35,8 +39,7 @@ enum class CellPlace : uint8_t {
 // \param graph   complete for the arcs from and to the nodes of the part
 // \param places  [N]
 // \param rings   -1: all that is not matter for sure is not known
-std::vector<uint8_t> LabelPart(NeighborView neighbors,
-                               const FlowCapacities& graph,
-                               const std::vector<CellPlace>& places, int rings);
+PartLabels LabelPart(NeighborView neighbors, const FlowCapacities& graph,
+                     const std::vector<CellPlace>& places, int rings);
 
 }  // namespace colmap_ext

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include <tbb/parallel_sort.h>
+
 namespace colmap_ext {
 namespace {
 
@@ -16,14 +18,16 @@ UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
   UnknownCell unknown;
   unknown.source = std::min(cut.graph.source[cell], kMaxCapacity);
   unknown.sink = std::min(cut.graph.sink[cell], kMaxCapacity);
+  unknown.guess = cut.labels.guesses[cell];
   for (int i = 0; i < 4; ++i) {
     const uint32_t k = order[i];
     const uint32_t other = neighbors[k];
     const uint32_t back = tetrahedra.FacetTo(other, cell);
     unknown.key[i] = cut.tile.IdOf(vertices[k]);
     unknown.apexes[i] = cut.tile.IdOf(tetrahedra.cells[other].vertices[back]);
-    unknown.labels[i] =
-        cut.places[other] != CellPlace::kBeyond ? cut.labels[other] : kOutside;
+    unknown.labels[i] = cut.places[other] != CellPlace::kBeyond
+                            ? cut.labels.known[other]
+                            : kOutside;
     unknown.out[i] = std::min(cut.graph.capacities[cell][k], kMaxCapacity);
     unknown.back[i] = std::min(cut.graph.capacities[other][back], kMaxCapacity);
   }
@@ -38,13 +42,17 @@ TileSeam SeamOf(const TileCut& cut) {
     if (cut.places[cell] == CellPlace::kBeyond) {
       continue;
     }
-    if (cut.labels[cell] == kNotKnown) {
+    if (cut.labels.known[cell] == kNotKnown) {
       seam.unknown.push_back(UnknownOf(cut, cell));
     } else if (cut.places[cell] == CellPlace::kShared) {
       seam.shared.push_back(
-          {Sorted(cut.tile.CornersOf(cell)), cut.labels[cell]});
+          {Sorted(cut.tile.CornersOf(cell)), cut.labels.known[cell]});
     }
   }
+  tbb::parallel_sort(
+      seam.unknown.begin(), seam.unknown.end(),
+      [](const UnknownCell& a, const UnknownCell& b) { return a.key < b.key; });
+  std::ranges::sort(seam.shared, {}, &SharedCell::key);
   return seam;
 }
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "delaunay/tetrahedralization.h"
@@ -28,6 +27,7 @@ struct UnknownCell {
   std::array<uint32_t, 4> back;    // and of the one from it
   uint32_t source;
   uint32_t sink;
+  uint32_t guess;  // kMatter or kFreeSpace, by the tile's own cut
 
   bool operator==(const UnknownCell&) const = default;
 };
@@ -38,7 +38,7 @@ struct SharedCell {
   uint32_t label;  // kMatter or kFreeSpace; as wide as the key, without gaps
 };
 
-// What a tile leaves for the cut of the seams.
+// What a tile leaves for the cut of the seams; keys ascend.
 struct TileSeam {
   std::vector<UnknownCell> unknown;
   std::vector<SharedCell> shared;
@@ -48,7 +48,7 @@ TileSeam SeamOf(const TileCut& cut);
 
 // What a tile leaves for the surface.
 struct TilePart {
-  // Without points, but for their number.
+  // All points are 0.
   TileTetrahedra tile;
   std::vector<uint8_t> labels;  // [cells]; kNotKnown where it is not the tile's
 };
@@ -71,7 +71,7 @@ class TileParts {
  public:
   virtual ~TileParts() = default;
   virtual TileSeam ReadSeam(uint32_t tile) const = 0;
-  virtual std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const = 0;
+  virtual TilePart ReadPart(uint32_t tile) const = 0;
   virtual PartVertices ReadVertices(uint32_t tile) const = 0;
   virtual uint32_t NumCells(uint32_t tile) const = 0;
   // \param begin, end  cells

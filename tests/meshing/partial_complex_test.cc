@@ -73,10 +73,12 @@ TEST_P(PartialComplexTest, IsFixedAsTheWholeIs) {
   FixSingularVertices(GetParam(), &expected.tetrahedra, &expected.graph,
                       &expected.labels);
   HiddenProblem problem(whole);
-  const PartialComplex partial = {
-      whole.Singular(), [&problem](const std::vector<uint32_t>& vertices) {
-        problem.ShowAround(vertices);
-      }};
+  size_t num_splits = 0;
+  PartialComplex partial = {whole.Singular(), [](uint32_t) { return true; },
+                            [&problem](const std::vector<uint32_t>& vertices) {
+                              problem.ShowAround(vertices);
+                            },
+                            [&num_splits](uint32_t) { ++num_splits; }};
   FixingProblem& fixed = problem.Hidden();
   const FixingReport report = FixSingularVertices(
       GetParam(), &fixed.tetrahedra, &fixed.graph, &fixed.labels, &partial);
@@ -84,6 +86,8 @@ TEST_P(PartialComplexTest, IsFixedAsTheWholeIs) {
   EXPECT_LT(report.num_examined_vertices, whole.tetrahedra.points.size());
   EXPECT_GT(problem.ShowAll(), whole.labels.size() / 10);
   EXPECT_EQ(fixed.labels, expected.labels);
+  EXPECT_EQ(num_splits, report.num_split_cells);
+  EXPECT_EQ(partial.singular, fixed.Singular());
   ExpectSameCells(fixed.tetrahedra, expected.tetrahedra);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "tests/tiles/memory_plan.h"
@@ -16,21 +15,19 @@ class MemoryParts : public TileParts {
   MemoryParts(const SeenScene& scene, const MemoryPlan& plan);
 
   TileSeam ReadSeam(uint32_t tile) const override { return seams_[tile]; }
-  std::shared_ptr<const TilePart> ReadPart(uint32_t tile) const override {
-    return parts_[tile];
-  }
+  TilePart ReadPart(uint32_t tile) const override { return parts_[tile]; }
   PartVertices ReadVertices(uint32_t tile) const override;
   uint32_t NumCells(uint32_t tile) const override {
-    return static_cast<uint32_t>(parts_[tile]->labels.size());
+    return static_cast<uint32_t>(parts_[tile].labels.size());
   }
   PartCells ReadCells(uint32_t tile, uint32_t begin,
                       uint32_t end) const override;
 
-  const std::vector<TileSeam>& seams() const { return seams_; }
+  void SetSeam(uint32_t tile, const TileSeam& seam) { seams_[tile] = seam; }
 
  private:
   std::vector<TileSeam> seams_;
-  std::vector<std::shared_ptr<const TilePart>> parts_;
+  std::vector<TilePart> parts_;
   std::vector<FlowCapacities> graphs_;
 };
 

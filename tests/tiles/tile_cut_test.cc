@@ -32,7 +32,7 @@ class TileAndWhole {
     size_t num_known = 0;
     for (uint32_t i = 0; i < cut.tile.tetrahedra.cells.size(); ++i) {
       if (cut.places[i] == CellPlace::kBeyond) {
-        EXPECT_EQ(cut.labels[i], kNotKnown);
+        EXPECT_EQ(cut.labels.known[i], kNotKnown);
         continue;
       }
       ++num_star;
@@ -40,9 +40,9 @@ class TileAndWhole {
           cells_.find(KeyOf(cut.tile.tetrahedra.cells[i], cut.tile.ids));
       ASSERT_NE(found, cells_.end());
       CompareCell(cut, i, found->second);
-      if (cut.labels[i] != kNotKnown) {
+      if (cut.labels.known[i] != kNotKnown) {
         ++num_known;
-        EXPECT_EQ(cut.labels[i], whole_.labels[found->second]);
+        EXPECT_EQ(cut.labels.known[i], whole_.labels[found->second]);
       }
     }
     num_star_ += num_star;

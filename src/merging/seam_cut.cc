@@ -1,0 +1,164 @@
+#include "merging/seam_cut.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include "delaunay/cell_graph.h"
+#include "optim/min_cut.h"
+
+namespace colmap_ext {
+namespace {
+
+constexpr uint32_t kNoNode = UINT32_MAX;
+
+// Whether two tiles say the same of an arc. A ray that starts on a facet in one
+// of them is moved there by a millionth of sigma, which rounding may show.
+bool Agree(uint32_t a, uint32_t b) {
+  constexpr int64_t kMaxDifference = 16;  // of 4096 a ray
+  return std::abs(int64_t{a} - int64_t{b}) <= kMaxDifference;
+}
+
+// Cells that are cut at a time.
+class SeamWindow {
+ public:
+  explicit SeamWindow(SeamLabels* labels) : labels_(*labels) {}
+
+  void AddTile(uint32_t tile) {
+    for (uint32_t place = 0; place < labels_.NumUnknown(tile); ++place) {
+      AddNode({0, tile, place});
+    }
+  }
+
+  // Adds rings of cells around those that are there, and finds out what lies
+  // across the facets of all.
+  void Connect(int num_rings) {
+    for (int ring = 0; across_.size() < nodes_.size(); ++ring) {
+      const size_t end = nodes_.size();
+      for (size_t node = across_.size(); node < end; ++node) {
+        across_.push_back(AcrossOf(nodes_[node]));
+        if (ring < num_rings) {
+          for (const SeamCell& other : across_.back()) {
+            if (other.IsUnknown()) {
+              AddNode(other);
+            }
+          }
+        }
+      }
+    }
+  }
+
+  // \pre Connect() was called last
+  void Cut() {
+    graph_.neighbors.assign(
+        nodes_.size(), {kNoNeighbor, kNoNeighbor, kNoNeighbor, kNoNeighbor});
+    graph_.capacities.assign(nodes_.size(), {0, 0, 0, 0});
+    graph_.source.resize(nodes_.size());
+    graph_.sink.resize(nodes_.size());
+    for (uint32_t node = 0; node < nodes_.size(); ++node) {
+      AddArcs(node);
+    }
+    const MinCut cut = ComputeMinCut(graph_);
+    if (CutValue(graph_, cut.on_source_side) != cut.flow) {
+      throw std::logic_error("the minimum cut differs from the maximum flow");
+    }
+    for (uint32_t node = 0; node < nodes_.size(); ++node) {
+      labels_.Set(nodes_[node], cut.on_source_side[node]);
+    }
+  }
+
+ private:
+  // Where it is not there yet.
+  void AddNode(const SeamCell& cell) {
+    std::vector<uint32_t>& of_tile = node_of_[cell.tile];
+    if (of_tile.empty()) {
+      of_tile.assign(labels_.NumUnknown(cell.tile), kNoNode);
+    }
+    if (of_tile[cell.place] == kNoNode) {
+      of_tile[cell.place] = static_cast<uint32_t>(nodes_.size());
+      nodes_.push_back(cell);
+    }
+  }
+
+  uint32_t NodeOf(const SeamCell& cell) const {
+    const auto of_tile = node_of_.find(cell.tile);
+    return cell.IsUnknown() && of_tile != node_of_.end()
+               ? of_tile->second[cell.place]
+               : kNoNode;
+  }
+
+  std::array<SeamCell, 4> AcrossOf(const SeamCell& node) const {
+    const auto seam = labels_.Seam(node.tile);
+    std::array<SeamCell, 4> across;
+    for (int i = 0; i < 4; ++i) {
+      across[i] = labels_.Across(node.tile, seam->unknown[node.place], i);
+    }
+    return across;
+  }
+
+  void AddArcs(uint32_t node) {
+    const auto seam = labels_.Seam(nodes_[node].tile);
+    const UnknownCell& cell = seam->unknown[nodes_[node].place];
+    graph_.source[node] = std::min(cell.source, kMaxCapacity);
+    graph_.sink[node] = std::min(cell.sink, kMaxCapacity);
+    for (int i = 0; i < 4; ++i) {
+      const SeamCell& other = across_[node][i];
+      const uint32_t other_node = NodeOf(other);
+      if (other_node != kNoNode) {
+        ExpectSame(cell, i, other);
+        graph_.neighbors[node][i] = other_node;
+        graph_.capacities[node][i] = cell.out[i];
+      } else if (other.label == kFreeSpace) {
+        AddCapacity(cell.back[i], &graph_.source[node]);
+      } else {
+        AddCapacity(cell.out[i], &graph_.sink[node]);
+      }
+    }
+  }
+
+  void ExpectSame(const UnknownCell& cell, int i,
+                  const SeamCell& across) const {
+    const auto seam = labels_.Seam(across.tile);
+    const UnknownCell& other = seam->unknown[across.place];
+    const auto back = static_cast<size_t>(
+        std::ranges::find(other.key, cell.apexes[i]) - other.key.begin());
+    if (back == other.key.size() || other.apexes[back] != cell.key[i] ||
+        !Agree(other.back[back], cell.out[i])) {
+      throw std::logic_error("the tiles contradict each other at a seam");
+    }
+  }
+
+  SeamLabels& labels_;
+  std::vector<SeamCell> nodes_;
+  std::vector<std::array<SeamCell, 4>> across_;  // [nodes]
+  // Of tiles, by TileSeam::unknown.
+  std::map<uint32_t, std::vector<uint32_t>> node_of_;
+  FlowGraph graph_;
+};
+
+}  // namespace
+
+void CutSeams(int seam_rings, SeamLabels* labels) {
+  std::vector<uint32_t> tiles(labels->NumTiles());
+  std::iota(tiles.begin(), tiles.end(), 0);
+  if (seam_rings == kAllAtOnce) {
+    SeamWindow all(labels);
+    std::ranges::for_each(tiles, [&](uint32_t tile) { all.AddTile(tile); });
+    all.Connect(0);
+    all.Cut();
+    return;
+  }
+  for (const uint32_t tile : tiles) {
+    SeamWindow window(labels);
+    window.AddTile(tile);
+    window.Connect(2 * seam_rings);
+    window.Cut();
+  }
+}
+
+}  // namespace colmap_ext

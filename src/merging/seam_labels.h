@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/lru_cache.h"
+#include "tiles/cell_key.h"
+#include "tiles/plan_vertices.h"
+#include "tiles/tile_part.h"
+
+namespace colmap_ext {
+
+// A cell that its tile could not tell, or that tiles share.
+struct SeamCell {
+  static constexpr uint32_t kNoPlace = UINT32_MAX;
+
+  uint8_t label;
+  uint32_t tile;   // that it belongs to
+  uint32_t place;  // in TileSeam::unknown; kNoPlace: its tile could tell
+
+  bool IsUnknown() const { return place != kNoPlace; }
+};
+
+// The labels of these cells. Holds a byte for each that its tile could not
+// tell, and the seams of those tiles that were asked for last.
+class SeamLabels {
+ public:
+  // For now what the tiles guess.
+  // \pre both outlive it
+  SeamLabels(const PlanBlocks& blocks, const TileParts& parts);
+
+  size_t NumTiles() const { return labels_.size(); }
+
+  // Cells that their tile could not tell.
+  size_t NumUnknown(uint32_t tile) const { return labels_[tile].size(); }
+  size_t NumUnknown() const;
+
+  std::shared_ptr<const TileSeam> Seam(uint32_t tile) const;
+
+  // \param corners  in any order
+  // \throw std::logic_error where there is none
+  SeamCell Find(const CellKey& corners) const;
+
+  uint8_t At(const CellKey& corners) const { return Find(corners).label; }
+
+  // What lies across a facet of a cell.
+  // \param cell  of that tile's seam
+  // \throw std::logic_error where the tiles contradict each other
+  SeamCell Across(uint32_t tile, const UnknownCell& cell, int facet) const;
+
+  // \pre cell.IsUnknown()
+  void Set(const SeamCell& cell, uint8_t label) {
+    labels_[cell.tile][cell.place] = label;
+  }
+
+ private:
+  // A choice: the seams of three tiles of two million vertices.
+  static constexpr size_t kCacheBytes = size_t{64} << 20;
+
+  const PlanBlocks& blocks_;
+  const TileParts& parts_;
+  std::vector<std::vector<uint8_t>> labels_;  // [tiles] by TileSeam::unknown
+  std::vector<size_t> num_bytes_;             // [tiles] of the seams
+  mutable LruCache<TileSeam> seams_{kCacheBytes};
+};
+
+// Gives labels to all star cells; what is no star cell is matter.
+// \param labels [cells] TilePart::labels
+// \throw std::logic_error where a label is missing
+void ApplySeamLabels(const SeamLabels& seam, const TileTetrahedra& tile,
+                     std::vector<uint8_t>* labels);
+
+}  // namespace colmap_ext
