@@ -59,15 +59,36 @@ Neighbors NodeNeighbors(const Neighbors& facet_neighbors,
   return neighbors;
 }
 
-// The candidates of facet order[i] in row i. They are found twice, to be
-// counted and to be written: there are many.
+// A facet that hundreds of images see has thousands of candidates. Tuned on:
+// bunny and b_wall; by: accuracy, the same with 32 and with all, less with 16
+// on b_wall.
+constexpr int kMaxCandidates = 32;
+
+// Leaves the cheapest, ascending in labels.
+void KeepCheapest(size_t count, std::vector<CandidatePair>* candidates) {
+  if (candidates->size() <= count) {
+    return;
+  }
+  std::ranges::nth_element(*candidates,
+                           candidates->begin() + static_cast<ptrdiff_t>(count),
+                           {}, [](const CandidatePair& candidate) {
+                             return std::pair(candidate.cost, candidate.label);
+                           });
+  candidates->resize(count);
+  std::ranges::sort(*candidates, {}, &CandidatePair::label);
+}
+
+// The candidates of facet order[i] in row i, the cheapest of them where there
+// are more than max_candidates. They are found twice, to be counted and to be
+// written: there are many.
 void AddCandidates(const CandidatePairs& candidates,
-                   const std::vector<uint32_t>& order, PottsProblem* problem) {
+                   const std::vector<uint32_t>& order, size_t max_candidates,
+                   PottsProblem* problem) {
   const size_t num_facets = order.size();
   std::vector<uint64_t>& offsets = problem->offsets;
   offsets.assign(num_facets + 1, 0);
   tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
-    offsets[i + 1] = candidates.Find(order[i]).size();
+    offsets[i + 1] = std::min(candidates.Find(order[i]).size(), max_candidates);
   });
   std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
   problem->labels.resize(offsets.back());
@@ -75,6 +96,7 @@ void AddCandidates(const CandidatePairs& candidates,
   tbb::parallel_for(size_t{0}, num_facets, [&](size_t i) {
     std::vector<CandidatePair> row = candidates.Find(order[i]);
     candidates.AddInformation(order[i], &row);
+    KeepCheapest(max_candidates, &row);
     for (size_t j = 0; j < row.size(); ++j) {
       problem->labels[offsets[i] + j] = row[j].label;
       problem->costs[offsets[i] + j] = row[j].cost;
@@ -89,14 +111,18 @@ struct FacetField {
 };
 
 FacetField MakeField(const CandidatePairs& candidates,
-                     const std::vector<Facet>& facets, double weight) {
+                     const std::vector<Facet>& facets,
+                     const FacetLabelingOptions& options) {
   FacetField field;
   const Neighbors neighbors = FacetNeighbors(facets);
   const std::vector<uint32_t> order = SweepOrder(neighbors);
   field.nodes = Inverse(order);
   field.problem.neighbors = NodeNeighbors(neighbors, order, field.nodes);
-  field.problem.weight = weight;
-  AddCandidates(candidates, order, &field.problem);
+  field.problem.weight = options.potts_weight;
+  const auto max_candidates =
+      static_cast<size_t>(std::max({kMaxCandidates, options.pairs_per_facet,
+                                    options.final_pairs_per_facet}));
+  AddCandidates(candidates, order, max_candidates, &field.problem);
   return field;
 }
 
@@ -105,7 +131,7 @@ FacetLabels AllLabels(const CandidatePairs& candidates,
   PottsProblem problem;
   std::vector<uint32_t> order(num_facets);
   std::iota(order.begin(), order.end(), 0);
-  AddCandidates(candidates, order, &problem);
+  AddCandidates(candidates, order, pairs.size(), &problem);
   return {pairs, {std::move(problem.offsets), std::move(problem.labels)}, {}};
 }
 
@@ -141,8 +167,7 @@ FacetLabeling LabelFacets(const FacetLabelingOptions& options,
   if (options.pair_selection == PairSelection::kClassical) {
     labeling.labels = AllLabels(candidates, pairs, mesh.facets.size());
   } else {
-    const FacetField field =
-        MakeField(candidates, mesh.facets, options.potts_weight);
+    const FacetField field = MakeField(candidates, mesh.facets, options);
     const PottsSolution solution = SolvePotts(field.problem);
     labeling.initial_energy = solution.initial_energy;
     labeling.final_energy = solution.energy;

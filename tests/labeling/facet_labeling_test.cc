@@ -113,8 +113,11 @@ TEST_F(LabelFacetsTest, AddsFinalPairsToTheFirst) {
   EXPECT_EQ(many.First(2).labels, few.labels);
   EXPECT_EQ(many.First(2).labels.offsets, few.labels.offsets);
   EXPECT_EQ(many.First(5).labels, many.labels);
+  options.final_pairs_per_facet = 1000;
+  const FacetLabels all = Label(options).labels;
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     EXPECT_EQ(many.labels[i].size(), std::min<size_t>(5, NumPairsThatSee(i)));
+    EXPECT_EQ(all.labels[i].size(), NumPairsThatSee(i));
   }
 }
 
