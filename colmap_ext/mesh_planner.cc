@@ -13,7 +13,6 @@
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/make_plan.h"
 #include "merging/banded_mesh.h"
 
@@ -48,8 +47,8 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
   PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
   const std::string whole_by =
       NeedsWholeSurface(MeshingOptionsOf(folder, plan).meshing);
-  const double merger_memory = MergerMemoryGb(plan, !whole_by.empty());
-  PrintText("memory, merger", fmt::format("{:.1f} GB", merger_memory), log);
+  PrintText("memory, merger", fmt::format("{:.1f} GB", plan.merger_memory_gb),
+            log);
   if (!whole_by.empty()) {
     PrintText("  holds the whole surface, for", whole_by, log);
   }
@@ -67,7 +66,7 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
       "{0} --tile T\n  colmap mesh_merger --plan {0} --output_path "
       "MESH.ply\n",
       folder, last, static_cast<int>(1126 * memory) + 1,
-      static_cast<int>(1126 * merger_memory) + 1);
+      static_cast<int>(1126 * plan.merger_memory_gb) + 1);
 }
 
 void MakeAndPrint(const PlannerOptions& options) {

@@ -25,17 +25,19 @@ double TileSeconds(size_t num_vertices) {
 }
 
 double MergerMemoryGb(const Plan& plan, bool holds_whole_surface) {
+  // The cells of one tile, without its rays, and the seams read last.
+  constexpr double kSeamsGb = 0.07;
   double num_vertices = 0;
   double largest = 0;
   for (const PlannedTile& tile : plan.tiles) {
     num_vertices += static_cast<double>(tile.num_vertices);
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
-  const double fixing = 200e-9 * num_vertices + 360e-9 * largest;
   const double finishing = holds_whole_surface
                                ? 390e-9 * num_vertices
                                : 21e-9 * num_vertices + 230e-9 * largest;
-  return 0.06 + std::max(fixing, finishing);
+  return std::max(kSeamsGb + TileMemoryGb(static_cast<size_t>(largest)),
+                  0.06 + finishing);
 }
 
 }  // namespace colmap_ext

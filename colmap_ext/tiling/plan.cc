@@ -135,6 +135,7 @@ Plan PlanFrom(const Json& json) {
   plan.half_pixel_scale = json.at("half_pixel_scale");
   plan.has_colors = json.at("has_colors");
   plan.seam_rings = json.at("seam_rings");
+  plan.merger_memory_gb = json.at("merger_memory_gb");
   if (json.contains("region")) {
     plan.region = RegionFrom(json.at("region"));
   }
@@ -181,7 +182,8 @@ void WritePlan(const fs::path& folder, const Plan& plan) {
                {"distance_sigma", plan.distance_sigma},
                {"half_pixel_scale", plan.half_pixel_scale},
                {"has_colors", plan.has_colors},
-               {"seam_rings", plan.seam_rings}};
+               {"seam_rings", plan.seam_rings},
+               {"merger_memory_gb", plan.merger_memory_gb}};
   if (plan.region) {
     json["region"] = ToJson(*plan.region);
   }

@@ -39,6 +39,7 @@ struct Plan {
   std::optional<Region> region;  // what is meshed
   std::vector<View> views;
   std::vector<PlannedTile> tiles;
+  double merger_memory_gb = 0;
   uint64_t identity = 0;  // of inputs and options
 };
 

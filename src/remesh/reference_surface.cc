@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mesh/half_edges.h"
 #include "mesh/vertex_normals.h"
 #include "mesh/vertex_rings.h"
 
@@ -18,6 +19,7 @@ ReferenceSurface::ReferenceSurface(const TriangleMesh& mesh,
       lengths_(std::move(lengths)),
       tolerances_(std::move(tolerances)),
       normals_(VertexNormals(mesh, MakeVertexRings(mesh))),
+      partners_(PairHalfEdges(mesh.facets)),
       bvh_(mesh) {}
 
 Anchor ReferenceSurface::At(const SurfacePoint& source) const {
@@ -32,16 +34,34 @@ Anchor ReferenceSurface::AtCorner(uint32_t corner) const {
   return At(source);
 }
 
+// From facet to neighboring facet while these are nearer, so that little is
+// left to search.
+ReferenceSurface::NearPoint ReferenceSurface::Descend(const Vector3f& position,
+                                                      const Vector3f& normal,
+                                                      uint32_t facet) const {
+  NearPoint nearest = NearestIn(facet, position);
+  for (uint32_t k = 0; k < 3;) {
+    const uint32_t partner = partners_[3 * nearest.point.facet + k];
+    const bool is_at_edge = nearest.point.weights[(k + 2) % 3] <= 0;
+    ++k;
+    if (is_at_edge && partner != kNoPartner &&
+        AreaVector(partner / 3).dot(normal) > 0) {
+      const NearPoint across = NearestIn(partner / 3, position);
+      if (across.distance < nearest.distance) {
+        nearest = across;
+        k = 0;
+      }
+    }
+  }
+  return nearest;
+}
+
 Anchor ReferenceSurface::Nearest(const Vector3f& position,
                                  const Vector3f& normal, uint32_t hint) const {
-  SurfacePoint source = NearestPointOfFacet(mesh_, hint, position);
-  const float distance =
-      (ValueAt(source, mesh_, mesh_.vertices) - position).norm();
-  const uint32_t facet = bvh_.NearestFacet(position, normal, distance);
-  if (facet != Bvh::kNoFacet) {
-    source = NearestPointOfFacet(mesh_, facet, position);
-  }
-  return At(source);
+  const NearPoint near = Descend(position, normal, hint);
+  const uint32_t facet = bvh_.NearestFacet(position, normal, near.distance);
+  return At(facet != Bvh::kNoFacet ? NearestIn(facet, position).point
+                                   : near.point);
 }
 
 bool ReferenceSurface::IsFollowedBy(
@@ -74,21 +94,28 @@ bool ReferenceSurface::IsFollowedBy(
   });
 }
 
+Vector3f ReferenceSurface::AreaVector(uint32_t facet) const {
+  const auto& [a, b, c] = mesh_.facets[facet];
+  const Vector3f& corner = mesh_.vertices[a];
+  return (mesh_.vertices[b] - corner).cross(mesh_.vertices[c] - corner);
+}
+
+ReferenceSurface::NearPoint ReferenceSurface::NearestIn(
+    uint32_t facet, const Vector3f& position) const {
+  const SurfacePoint point = NearestPointOfFacet(mesh_, facet, position);
+  return {point, (ValueAt(point, mesh_, mesh_.vertices) - position).norm()};
+}
+
 // The quick answer for many samples, before all facets are asked.
 bool ReferenceSurface::IsNearFacet(uint32_t facet, const Vector3f& position,
                                    const Vector3f& normal,
                                    float tolerance) const {
-  const auto& [a, b, c] = mesh_.facets[facet];
-  const Vector3f& corner = mesh_.vertices[a];
-  const Vector3f across =
-      (mesh_.vertices[b] - corner).cross(mesh_.vertices[c] - corner);
+  const Vector3f& corner = mesh_.vertices[mesh_.facets[facet][0]];
+  const Vector3f across = AreaVector(facet);
   const float height = across.dot(position - corner);
   return across.dot(normal) > 0 &&
          height * height < tolerance * tolerance * across.squaredNorm() &&
-         (ValueAt(NearestPointOfFacet(mesh_, facet, position), mesh_,
-                  mesh_.vertices) -
-          position)
-                 .squaredNorm() < tolerance * tolerance;
+         NearestIn(facet, position).distance < tolerance;
 }
 
 }  // namespace colmap_ext

@@ -55,7 +55,17 @@ class ReferenceSurface {
   bool IsFollowedBy(const std::array<AnchoredCorner, 3>& facet) const;
 
  private:
+  struct NearPoint {
+    SurfacePoint point;
+    float distance;  // scene units
+  };
+
   Anchor At(const SurfacePoint& source) const;
+  // Along the normal, as long as twice the area.
+  Eigen::Vector3f AreaVector(uint32_t facet) const;
+  NearPoint NearestIn(uint32_t facet, const Eigen::Vector3f& position) const;
+  NearPoint Descend(const Eigen::Vector3f& position,
+                    const Eigen::Vector3f& normal, uint32_t facet) const;
   bool IsNearFacet(uint32_t facet, const Eigen::Vector3f& position,
                    const Eigen::Vector3f& normal, float tolerance) const;
 
@@ -63,6 +73,7 @@ class ReferenceSurface {
   std::vector<float> lengths_;
   std::vector<float> tolerances_;
   std::vector<Eigen::Vector3f> normals_;  // [V]
+  std::vector<uint32_t> partners_;        // [3 F] of half-edges
   Bvh bvh_;
 };
 

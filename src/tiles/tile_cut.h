@@ -22,7 +22,8 @@ struct TileCutOptions {
   VisibilityWeightOptions rays;
   double quality_regularization = 1;
   // Cells within so many of those that are shared are left to the cut of the
-  // seams; kAllAtOnce: all that the cut of all tiles could label otherwise.
+  // seams. kAllAtOnce: all that the cut of all tiles could label otherwise;
+  // they are cut, and singular vertices are fixed, in one go.
   int seam_rings = 4;
 };
 
