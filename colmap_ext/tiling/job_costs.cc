@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tiles/tile_cut.h"
+
 namespace colmap_ext {
 
 namespace {
@@ -36,8 +38,11 @@ double MergerMemoryGb(const Plan& plan, bool holds_whole_surface) {
   const double finishing = holds_whole_surface
                                ? 390e-9 * num_vertices
                                : 21e-9 * num_vertices + 230e-9 * largest;
-  return std::max(kSeamsGb + TileMemoryGb(static_cast<size_t>(largest)),
-                  0.06 + finishing);
+  const double all_seams =
+      plan.seam_rings == kAllAtOnce ? 600e-9 * num_vertices : 0;
+  return std::max(
+      kSeamsGb + TileMemoryGb(static_cast<size_t>(largest)) + all_seams,
+      0.06 + finishing);
 }
 
 }  // namespace colmap_ext

@@ -1,8 +1,10 @@
 #include "formats/atomic_file.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -24,6 +26,26 @@ constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 char temporaries[kMaxTemporaries][kMaxPathLength];
 int num_temporaries = 0;
 struct sigaction previous_actions[std::size(kSignals)];
+std::atomic<bool> is_dying = false;
+std::atomic<pid_t> making_thread = 0;  // that makes a temporary file; 0: none
+
+// While a thread makes a temporary file. A handler that runs in another one
+// waits until the file is known; if it was first, no more files are made.
+class Making {
+ public:
+  Making() {
+    making_thread = gettid();
+    if (is_dying) {
+      making_thread = 0;
+      while (true) {
+        pause();
+      }
+    }
+  }
+  ~Making() { making_thread = 0; }
+  Making(const Making&) = delete;
+  Making& operator=(const Making&) = delete;
+};
 
 extern "C" void HandleSignal(int signal) { DieOfSignal(signal); }
 
@@ -100,6 +122,11 @@ void CheckPlace(const std::filesystem::path& path) {
 }  // namespace
 
 void DieOfSignal(int signal) {
+  is_dying = true;
+  for (pid_t maker = making_thread; maker != 0 && maker != gettid();
+       maker = making_thread) {
+    sched_yield();
+  }
   for (const char* path : temporaries) {
     if (path[0] != '\0') {
       unlink(path);
@@ -123,6 +150,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path)
       std::to_string(getpid()) + ".tmp";
   for (int i = 0; descriptor_ < 0; ++i) {
     temporary_path_ = prefix + std::to_string(i);
+    const Making making;
     // Before the file is there, so that a signal that comes as it is made
     // removes it.
     cleanup_slot_ = AddTemporary(temporary_path_);

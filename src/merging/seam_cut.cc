@@ -147,6 +147,7 @@ void CutSeams(int seam_rings, SeamLabels* labels) {
   std::vector<uint32_t> tiles(labels->NumTiles());
   std::iota(tiles.begin(), tiles.end(), 0);
   if (seam_rings == kAllAtOnce) {
+    labels->HoldAllSeams();
     SeamWindow all(labels);
     std::ranges::for_each(tiles, [&](uint32_t tile) { all.AddTile(tile); });
     all.Connect(0);

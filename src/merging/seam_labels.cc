@@ -1,6 +1,7 @@
 #include "merging/seam_labels.h"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -31,6 +32,12 @@ SeamLabels::SeamLabels(const PlanBlocks& blocks, const TileParts& parts)
     num_bytes_.push_back(seam.unknown.size() * sizeof(UnknownCell) +
                          seam.shared.size() * sizeof(SharedCell));
   }
+  seams_.SetMaxBytes(kSeamsHeld * std::ranges::max(num_bytes_));
+}
+
+void SeamLabels::HoldAllSeams() {
+  seams_.SetMaxBytes(
+      std::accumulate(num_bytes_.begin(), num_bytes_.end(), size_t{0}));
 }
 
 size_t SeamLabels::NumUnknown() const {

@@ -39,6 +39,9 @@ class SeamLabels {
 
   std::shared_ptr<const TileSeam> Seam(uint32_t tile) const;
 
+  // From now on seams of all tiles are held once they are read.
+  void HoldAllSeams();
+
   // \param corners  in any order
   // \throw std::logic_error where there is none
   SeamCell Find(const CellKey& corners) const;
@@ -56,14 +59,14 @@ class SeamLabels {
   }
 
  private:
-  // A choice: the seams of three tiles of two million vertices.
-  static constexpr size_t kCacheBytes = size_t{64} << 20;
+  // A choice: a tile's, those of eight neighbors, and some of far vertices.
+  static constexpr size_t kSeamsHeld = 12;
 
   const PlanBlocks& blocks_;
   const TileParts& parts_;
   std::vector<std::vector<uint8_t>> labels_;  // [tiles] by TileSeam::unknown
   std::vector<size_t> num_bytes_;             // [tiles] of the seams
-  mutable LruCache<TileSeam> seams_{kCacheBytes};
+  mutable LruCache<TileSeam> seams_{0};
 };
 
 // Gives labels to all star cells; what is no star cell is matter.
