@@ -36,15 +36,13 @@ std::unique_ptr<MergedCells> CutAndFix(const Plan& plan,
                                        const ManifoldMeshingOptions& options,
                                        const Progress& progress,
                                        MergeReport* report) {
-  Report(progress, "Cutting the seams", 0);
   auto cells = std::make_unique<MergedCells>(vertices, parts);
-  CutSeams(plan.seam_rings, &cells->seam);
+  CutSeams(plan.seam_rings, &cells->seam, progress);
   report->num_cut_cells = cells->seam.NumUnknown();
-  Report(progress, "Fixing singular vertices", 0);
   if (options.preemptive_fixing) {
     report->meshing.fixing =
         FixPlan(vertices, parts, cells->seam, options.fixing_rule,
-                plan.seam_rings == kAllAtOnce, &cells->changes);
+                plan.seam_rings == kAllAtOnce, &cells->changes, progress);
   }
   return cells;
 }
@@ -101,11 +99,13 @@ void MergeInBands(const Plan& plan, const ManifoldMeshingOptions& options,
   {
     const auto cells =
         CutAndFix(plan, vertices, parts, options, progress, report);
-    Report(progress, "Extracting the surface", 0);
     const LabeledParts labeled(parts, cells->seam, cells->changes);
     bands = std::make_unique<SurfaceBands>(vertices, cells->changes.centroids(),
                                            make_store);
-    for (uint32_t tile = 0; tile < vertices.Blocks().NumTiles(); ++tile) {
+    const size_t num_tiles = vertices.Blocks().NumTiles();
+    for (uint32_t tile = 0; tile < num_tiles; ++tile) {
+      Report(progress, "Extracting the surface",
+             static_cast<double>(tile) / static_cast<double>(num_tiles));
       bands->Add(SurfaceOf(labeled, vertices.Blocks(), tile));
     }
     bands->Finish();

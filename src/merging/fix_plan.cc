@@ -305,7 +305,7 @@ void AddTo(const FixingReport& report, FixingReport* sum) {
 
 FixingReport FixPlan(const PlanVertices& plan, const TileParts& parts,
                      const SeamLabels& seam, FixingRule rule, bool at_once,
-                     CellChanges* changes) {
+                     CellChanges* changes, const Progress& progress) {
   const PlanBlocks& blocks = plan.Blocks();
   const auto num_tiles = static_cast<uint32_t>(blocks.NumTiles());
   const uint32_t step = at_once ? num_tiles : 1;
@@ -313,6 +313,8 @@ FixingReport FixPlan(const PlanVertices& plan, const TileParts& parts,
   FixingReport sum;
   std::set<uint32_t> left;
   for (uint32_t first = 0; first < num_tiles; first += step) {
+    Report(progress, "Fixing singular vertices",
+           static_cast<double>(first) / num_tiles);
     const uint32_t begin = blocks.FirstVertex(first);
     const uint32_t end = blocks.FirstVertex(first + step);
     std::vector<uint32_t> singular;

@@ -3,6 +3,7 @@
 #include "merging/cell_changes.h"
 #include "merging/seam_labels.h"
 #include "meshing/manifold_fixing.h"
+#include "scene/progress.h"
 #include "tiles/plan_vertices.h"
 #include "tiles/tile_part.h"
 
@@ -20,6 +21,6 @@ namespace colmap_ext {
 //         of their tile
 FixingReport FixPlan(const PlanVertices& plan, const TileParts& parts,
                      const SeamLabels& seam, FixingRule rule, bool at_once,
-                     CellChanges* changes);
+                     CellChanges* changes, const Progress& progress = {});
 
 }  // namespace colmap_ext

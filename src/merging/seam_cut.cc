@@ -143,7 +143,9 @@ class SeamWindow {
 
 }  // namespace
 
-void CutSeams(int seam_rings, SeamLabels* labels) {
+void CutSeams(int seam_rings, SeamLabels* labels, const Progress& progress) {
+  constexpr char kCutting[] = "Cutting the seams";
+  Report(progress, kCutting, 0);
   std::vector<uint32_t> tiles(labels->NumTiles());
   std::iota(tiles.begin(), tiles.end(), 0);
   if (seam_rings == kAllAtOnce) {
@@ -159,6 +161,8 @@ void CutSeams(int seam_rings, SeamLabels* labels) {
     window.AddTile(tile);
     window.Connect(2 * seam_rings);
     window.Cut();
+    Report(progress, kCutting,
+           (tile + 1.0) / static_cast<double>(tiles.size()));
   }
 }
 

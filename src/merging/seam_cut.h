@@ -1,6 +1,7 @@
 #pragma once
 
 #include "merging/seam_labels.h"
+#include "scene/progress.h"
 
 namespace colmap_ext {
 
@@ -13,6 +14,7 @@ namespace colmap_ext {
 //
 // \param seam_rings  TileCutOptions
 // \throw std::logic_error where the tiles contradict each other
-void CutSeams(int seam_rings, SeamLabels* labels);
+void CutSeams(int seam_rings, SeamLabels* labels,
+              const Progress& progress = {});
 
 }  // namespace colmap_ext
