@@ -12,6 +12,7 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
+#include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/add_meshing_options.h"
 #include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_lines.h"
@@ -250,6 +251,9 @@ void MeshTile(const MesherOptions& options) {
 }  // namespace
 
 int RunDelaunayManifoldMesher(int argc, char** argv) {
+  // Tuned on: fountain, every point kept; by: peak memory, 353 MB with 128 kB,
+  // 357 MB with this, 376 MB by default, in the same time.
+  ReturnBlocksFrom(1 << 22);
   MesherOptions options;
   CommandOptions command;
   AddMesherOptions(&command, &options);

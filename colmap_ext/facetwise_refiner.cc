@@ -1,11 +1,10 @@
-#include <malloc.h>
-
 #include <string>
 #include <vector>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
+#include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/add_refinement_options.h"
 #include "colmap_ext/refinement/refinement_input.h"
 #include "colmap_ext/refinement_run.h"
@@ -31,18 +30,6 @@ CommandAdvice Advice() {
        {Alternative::kLeavePicturesOut,
         ", or go on without them with "
         "--FacetwiseRefinement.skip_missing_images 1"}}};
-}
-
-// Images and drawings come and go for hours. Without this, glibc puts blocks of
-// up to 32 MB between others on the heap, where they leave holes: a quarter
-// more memory than is in use.
-void ReturnLargeBlocks() {
-#ifdef M_MMAP_THRESHOLD
-  // Bytes: those of a large image. What is less, such as values of all faces of
-  // most meshes, comes and goes faster on the heap.
-  constexpr int kLarge = 1 << 24;
-  mallopt(M_MMAP_THRESHOLD, kLarge);
-#endif
 }
 
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
@@ -79,7 +66,10 @@ void RefineWorkspace(RefinerOptions options,
 }  // namespace
 
 int RunFacetwiseRefiner(int argc, char** argv) {
-  ReturnLargeBlocks();
+  // Images and drawings come and go for hours. What is less than a large image,
+  // such as values of all faces of most meshes, comes and goes faster on the
+  // heap.
+  ReturnBlocksFrom(1 << 24);
   RefinerOptions options;
   CommandOptions command;
   AddRefinerOptions(&command, &options);

@@ -16,7 +16,7 @@ namespace colmap_ext {
 // What the vertices of a tetrahedralization stand for. Those beyond the arrays
 // are centroids of split cells.
 struct SurfacePoints {
-  const PointCloud& cloud;
+  const PointCloud& cloud;                     // may have no positions
   const std::vector<uint32_t>& vertex_points;  // [V] the cloud's, or kNoPoint
   const std::vector<float>& supports;          // [V] SupportOfVertices()
   const std::vector<uint8_t>& is_end;          // [V] MarkEnds()

@@ -109,6 +109,32 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
   return report;
 }
 
+// The colours and views that vertices have from a cloud, without positions.
+// \param vertex_points [V] the cloud's, then the result's, or kNoPoint
+PointCloud PointsOfVertices(const PointCloud& cloud,
+                            std::vector<uint32_t>* vertex_points) {
+  PointCloud points;
+  size_t num_views = 0;
+  for (const uint32_t point : *vertex_points) {
+    num_views += point != kNoPoint ? cloud.views[point].size() : 0;
+  }
+  points.views.Reserve(vertex_points->size(), num_views);
+  if (!cloud.colors.empty()) {
+    points.colors.reserve(vertex_points->size());
+  }
+  for (uint32_t& point : *vertex_points) {
+    if (point == kNoPoint) {
+      continue;
+    }
+    points.views.AddRow(cloud.views[point]);
+    if (!cloud.colors.empty()) {
+      points.colors.push_back(cloud.colors[point]);
+    }
+    point = static_cast<uint32_t>(points.views.size() - 1);
+  }
+  return points;
+}
+
 // The surface with the attributes and confidences of its points. What it is
 // made from is gone when it returns.
 ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
@@ -130,15 +156,19 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
   FlowCapacities graph =
       MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
   // The cut needs most memory: what has served goes before.
-  std::vector<float>().swap(weighted.weights);
   std::vector<uint32_t>().swap(thinned.point_vertices);
+  const PointCloud points =
+      PointsOfVertices(weighted.cloud, &thinned.vertex_points);
+  weighted = {};
   std::vector<uint8_t> is_free =
       CutGraph(thinned.tetrahedra, graph, progress, &report);
   report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
   graph = {};
   Report(progress, "Extracting the surface", 0);
-  SplitSurface(options, ExtractSurface(thinned.tetrahedra, is_free),
-               {weighted.cloud, thinned.vertex_points, supports, is_end}, views,
+  ExtractedSurface extracted = ExtractSurface(thinned.tetrahedra, is_free);
+  thinned.tetrahedra = {};
+  SplitSurface(options, std::move(extracted),
+               {points, thinned.vertex_points, supports, is_end}, views,
                &result);
   return result;
 }
