@@ -65,6 +65,7 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
     if (std::count(is_large.begin(), is_large.end(), 1) == 0) {
       return visibility;
     }
+    visibility = {};  // large where hundreds of images see each facet
     Subdivision subdivision = Subdivide(*mesh, is_large, fixed);
     *attributes = InterpolateAttributes(*attributes, subdivision.sources);
     *origins = Midpoints(*origins, subdivision.sources);
