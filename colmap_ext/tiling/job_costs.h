@@ -11,9 +11,9 @@ namespace colmap_ext {
 // (docs/benchmarks.md).
 double TileMemoryGb(size_t num_vertices);
 double TileSeconds(size_t num_vertices);
-// ... and the merger, which holds the seams, the rings around singular vertices
-// and one tile, then one band of the surface, or all of it. More than was
-// measured: plans of few tiles were so only when it held more.
+// ... and the merger, which holds one tile's cells with the seams and the rings
+// around singular vertices there, then one band of the surface, or all of it.
+// An upper bound: twice what was measured of plans of few tiles.
 double MergerMemoryGb(const Plan& plan, bool holds_whole_surface);
 
 }  // namespace colmap_ext

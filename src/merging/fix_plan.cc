@@ -58,7 +58,7 @@ class GrowingPatch {
 
   // \param singular  the plan's vertices, ascending
   // \param is_examined  whether one would be singular only if it is among them
-  // \param left  singular vertices of which this group makes fewer or more
+  // \param left  singular vertices that groups have left; kept up to date
   FixingReport Fix(FixingRule rule, const std::vector<uint32_t>& singular,
                    const std::function<bool(uint32_t)>& is_examined,
                    std::set<uint32_t>* left) {

@@ -4,8 +4,6 @@
 #include <array>
 #include <cstdlib>
 #include <map>
-#include <memory>
-#include <numeric>
 #include <stdexcept>
 #include <vector>
 
@@ -144,25 +142,21 @@ class SeamWindow {
 }  // namespace
 
 void CutSeams(int seam_rings, SeamLabels* labels, const Progress& progress) {
-  constexpr char kCutting[] = "Cutting the seams";
-  Report(progress, kCutting, 0);
-  std::vector<uint32_t> tiles(labels->NumTiles());
-  std::iota(tiles.begin(), tiles.end(), 0);
-  if (seam_rings == kAllAtOnce) {
+  const auto num_tiles = static_cast<uint32_t>(labels->NumTiles());
+  const bool at_once = seam_rings == kAllAtOnce;
+  if (at_once) {
     labels->HoldAllSeams();
-    SeamWindow all(labels);
-    std::ranges::for_each(tiles, [&](uint32_t tile) { all.AddTile(tile); });
-    all.Connect(0);
-    all.Cut();
-    return;
   }
-  for (const uint32_t tile : tiles) {
+  const uint32_t step = at_once ? num_tiles : 1;
+  for (uint32_t first = 0; first < num_tiles; first += step) {
+    Report(progress, "Cutting the seams",
+           static_cast<double>(first) / num_tiles);
     SeamWindow window(labels);
-    window.AddTile(tile);
-    window.Connect(2 * seam_rings);
+    for (uint32_t tile = first; tile < first + step; ++tile) {
+      window.AddTile(tile);
+    }
+    window.Connect(at_once ? 0 : 2 * seam_rings);
     window.Cut();
-    Report(progress, kCutting,
-           (tile + 1.0) / static_cast<double>(tiles.size()));
   }
 }
 

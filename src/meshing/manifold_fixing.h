@@ -36,7 +36,7 @@ struct FixingReport {
 struct PartialComplex {
   // Singular vertices to be fixed, ascending; then those that are left.
   std::vector<uint32_t> singular;
-  // Whether a vertex is regular where it is not one of these.
+  // Whether a vertex that is not one of these is known to be regular.
   std::function<bool(uint32_t vertex)> is_examined;
   // Is called with singular vertices before anything is changed at them: has to
   // append what is missing of the cells at them and at the vertices of those.
