@@ -86,7 +86,7 @@ std::vector<float> EdgeLengths(const Tetrahedralization& tetrahedra,
 float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
                            const std::vector<uint8_t>& is_left_out) {
   std::vector<float> lengths = EdgeLengths(tetrahedra, is_left_out);
-  return Percentile(percent, &lengths);
+  return lengths.empty() ? 0 : Percentile(percent, &lengths);
 }
 
 }  // namespace colmap_ext

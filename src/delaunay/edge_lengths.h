@@ -8,10 +8,9 @@
 namespace colmap_ext {
 
 // A percentile of the lengths of all finite edges, each counted once. Scene
-// units.
+// units; 0 where no edge counts.
 // \param percent in [0, 100]
 // \param is_left_out [V] 1: edges of the vertex do not count; empty: all do
-// \pre there is an edge that counts
 float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
                            const std::vector<uint8_t>& is_left_out = {});
 

@@ -59,6 +59,11 @@ FlowCapacities MakeGraph(const ManifoldMeshingOptions& options,
   report->distance_sigma =
       options.distance_sigma_factor *
       EdgeLengthPercentile(tetrahedra, kSigmaPercentile, is_end);
+  if (!(report->distance_sigma > 0)) {
+    throw std::invalid_argument(
+        "too few points to mesh in the region, or left by the masks: take a "
+        "larger region, or mask less");
+  }
   std::vector<Eigen::Vector3d> centers;
   for (const View& view : views) {
     centers.push_back(view.Center());

@@ -39,5 +39,16 @@ TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnce) {
   }
 }
 
+TEST(EdgeLengthPercentile, IsZeroWithoutEdges) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    std::vector<uint8_t> is_left_out(tetrahedra.points.size(), 1);
+    EXPECT_EQ(EdgeLengthPercentile(tetrahedra, 25, is_left_out), 0);
+    is_left_out.front() = 0;  // A vertex alone has no edge.
+    EXPECT_EQ(EdgeLengthPercentile(tetrahedra, 25, is_left_out), 0);
+  }
+}
+
 }  // namespace
 }  // namespace colmap_ext

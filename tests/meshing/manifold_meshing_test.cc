@@ -221,6 +221,31 @@ TEST(MeshManifold, EndsAtTheRegion) {
                std::invalid_argument);
 }
 
+// Few points lie in the region; the rays to others pass through it.
+TEST(MeshManifold, RefusesRegionsOfAFewPoints) {
+  const SphereScene scene;
+  ManifoldMeshingOptions options;
+  options.max_proj_dist = 0;
+  size_t num_alone = 0;
+  for (uint32_t point = 8; point < 30; ++point) {
+    const Eigen::Vector3d center = scene.cloud.positions[point].cast<double>();
+    const Eigen::Vector3d half_size = Eigen::Vector3d::Constant(0.01);
+    options.region = RegionBetween(center - half_size, center + half_size);
+    num_alone += 1 == std::ranges::count_if(
+                          scene.cloud.positions, [&](const auto& position) {
+                            return options.region->Contains(position);
+                          });
+    try {
+      MeshManifold(options, scene.cloud, scene.views);
+      ADD_FAILURE() << "point " << point;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("to mesh"), std::string::npos)
+          << error.what();
+    }
+  }
+  EXPECT_GT(num_alone, 0u);
+}
+
 double Volume(const TriangleMesh& mesh) {
   double volume = 0;
   for (const auto& [a, b, c] : mesh.facets) {
