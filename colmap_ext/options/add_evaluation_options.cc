@@ -56,14 +56,14 @@ void AddEvaluatorOptions(CommandOptions* manager, EvaluatorOptions* evaluator) {
   AddPathOptions(manager, evaluator);
   AddObservabilityOptions(manager, evaluator);
   MeshEvaluationOptions* evaluation = &evaluator->evaluation;
-  manager->AddDefaultOption("MeshEvaluation.stride", &evaluation->stride,
-                            "[px] Rays are cast through every so many pixels");
-  manager->AddDefaultOption("MeshEvaluation.spacing", &evaluation->spacing,
-                            "[scene units] Samples are one for each cube of "
-                            "this side; 0: 0.001 times "
-                            "the truth's diagonal; DTU: 0.2 mm");
-  manager->AddDefaultOption(
-      "MeshEvaluation.max_distance", &evaluation->max_distance,
+  manager->AddNumber("MeshEvaluation.stride", &evaluation->stride, {1, 1000},
+                     "[px] Rays are cast through every so many pixels");
+  manager->AddNumber("MeshEvaluation.spacing", &evaluation->spacing, kLength,
+                     "[scene units] Samples are one for each cube of "
+                     "this side; 0: 0.001 times "
+                     "the truth's diagonal; DTU: 0.2 mm");
+  manager->AddNumber(
+      "MeshEvaluation.max_distance", &evaluation->max_distance, kLength,
       "[scene units] Distances are clipped at this; 0: 0.05 times the truth's "
       "diagonal; DTU: 20 mm");
   manager->AddDefaultOption(
@@ -72,13 +72,13 @@ void AddEvaluatorOptions(CommandOptions* manager, EvaluatorOptions* evaluator) {
   manager->AddDefaultOption(
       "MeshEvaluation.depth_thresholds", &evaluator->depth_thresholds,
       "[scene units] Depths are right below these errors; EPFL: 0.02,0.1 m");
-  manager->AddDefaultOption("MeshEvaluation.error_scale",
-                            &evaluator->error_scale,
-                            "[scene units] Error at the end of the colours; 0: "
-                            "above 95 % of the errors");
-  manager->AddDefaultOption(
-      "MeshEvaluation.num_threads", &evaluator->num_threads,
-      "[threads] -1 for all; the result does not depend on it");
+  manager->AddNumber("MeshEvaluation.error_scale", &evaluator->error_scale,
+                     kLength,
+                     "[scene units] Error at the end of the colours; 0: "
+                     "above 95 % of the errors");
+  manager->AddNumber("MeshEvaluation.num_threads", &evaluator->num_threads,
+                     kThreads,
+                     "[threads] -1 for all; the result does not depend on it");
 }
 
 }  // namespace colmap_ext

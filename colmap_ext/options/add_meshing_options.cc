@@ -33,8 +33,8 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "plan", &mesher->plan_path,
       "The folder of mesh_planner. One tile of it is done, with the plan's "
       "options; mesh_merger makes the mesh of all");
-  manager->AddDefaultOption("tile", &mesher->tile,
-                            "The tile of the plan, from 0 on");
+  manager->AddNumber("tile", &mesher->tile, {0, kNoLimit, -1},
+                     "The tile of the plan");
   manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
   manager->AddDefaultOption(
@@ -45,40 +45,41 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
 
 void AddVoteOptions(CommandOptions* manager, MesherOptions* mesher) {
   ManifoldMeshingOptions* meshing = &mesher->meshing;
-  manager->AddDefaultOption(
+  manager->AddNumber(
       "DelaunayManifoldMeshing.max_proj_dist", &meshing->max_proj_dist,
+      kNotNegative,
       "[px] Points closer than this in an image are one; 0 keeps every point");
-  manager->AddDefaultOption(
-      "DelaunayManifoldMeshing.max_depth_dist", &meshing->max_depth_dist,
-      "... unless their depths differ by more than this share");
+  manager->AddNumber("DelaunayManifoldMeshing.max_depth_dist",
+                     &meshing->max_depth_dist, {0, 1},
+                     "... unless their depths differ by more than this share");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.alpha_kind", &mesher->words.alpha_kind,
       "Weight of an observation, {tracks, constant}: 1 - exp(-n^2 / (2 s^2)) "
       "for a point that n images see, s = visibility_sigma, or alpha_vis");
-  manager->AddDefaultOption("DelaunayManifoldMeshing.visibility_sigma",
-                            &meshing->visibility_sigma,
-                            "[images] How many see a well-seen point; higher "
-                            "counts points less that few images see");
-  manager->AddDefaultOption("DelaunayManifoldMeshing.alpha_vis",
-                            &meshing->alpha_vis,
-                            "Weight of an observation where alpha_kind is "
-                            "constant, above 0, up to 1");
-  manager->AddDefaultOption(
+  manager->AddNumber("DelaunayManifoldMeshing.visibility_sigma",
+                     &meshing->visibility_sigma, kPositive,
+                     "[images] How many see a well-seen point; higher "
+                     "counts points less that few images see");
+  manager->AddNumber("DelaunayManifoldMeshing.alpha_vis", &meshing->alpha_vis,
+                     {1e-6, 1},
+                     "Weight of an observation where alpha_kind is "
+                     "constant");
+  manager->AddNumber(
       "DelaunayManifoldMeshing.distance_sigma_factor",
-      &meshing->distance_sigma_factor,
+      &meshing->distance_sigma_factor, kPositive,
       "Times the 25th percentile of edge lengths is the distance sigma, the "
       "expected noise of the points");
-  manager->AddDefaultOption("DelaunayManifoldMeshing.behind_sigma",
-                            &meshing->behind_sigma,
-                            "[distance sigmas] How far behind a point matter "
-                            "is expected");
+  manager->AddNumber("DelaunayManifoldMeshing.behind_sigma",
+                     &meshing->behind_sigma, kPositive,
+                     "[distance sigmas] How far behind a point matter "
+                     "is expected");
   manager->AddDefaultOption(
       "DelaunayManifoldMeshing.weak_surfaces", &meshing->weak_surfaces,
       "Strengthen matter where free space ends sharply behind a point: keeps "
       "surface that few points bear out");
-  manager->AddDefaultOption("DelaunayManifoldMeshing.quality_regularization",
-                            &meshing->quality_regularization,
-                            "Higher is smoother");
+  manager->AddNumber("DelaunayManifoldMeshing.quality_regularization",
+                     &meshing->quality_regularization, {0, 1e4},
+                     "Higher is smoother");
 }
 
 void AddSurfaceOptions(CommandOptions* manager, MesherOptions* mesher) {
@@ -92,24 +93,24 @@ void AddSurfaceOptions(CommandOptions* manager, MesherOptions* mesher) {
       "How that chooses, {energy, paper}: what leaves the "
       "fewest pieces at the least energy, or in the "
       "paper's three passes");
-  manager->AddDefaultOption(
+  manager->AddNumber(
       "DelaunayManifoldMeshing.max_side_length_factor",
-      &meshing->max_side_length_factor,
+      &meshing->max_side_length_factor, kNotNegative,
       "Faces whose longest side exceeds the percentile by this factor are "
       "dropped; 0 keeps all");
-  manager->AddDefaultOption(
-      "DelaunayManifoldMeshing.max_side_length_percentile",
-      &meshing->max_side_length_percentile,
-      "[%] The percentile of all sides, 0 ... 100");
-  manager->AddDefaultOption("DelaunayManifoldMeshing.min_component_faces",
-                            &meshing->min_component_faces,
-                            "[faces] Components of fewer are dropped");
-  manager->AddDefaultOption(
-      "DelaunayManifoldMeshing.trim", &meshing->borders.trim,
-      "Faces of less confidence are dropped, 0 ... 1: 0.2 leaves what the "
-      "points bear out; 0: none");
-  manager->AddDefaultOption(
+  manager->AddNumber("DelaunayManifoldMeshing.max_side_length_percentile",
+                     &meshing->max_side_length_percentile, {0, 100},
+                     "[%] The percentile of all sides");
+  manager->AddNumber("DelaunayManifoldMeshing.min_component_faces",
+                     &meshing->min_component_faces, {0},
+                     "[faces] Components of fewer are dropped");
+  manager->AddNumber(
+      "DelaunayManifoldMeshing.trim", &meshing->borders.trim, {0, 1},
+      "Faces of less confidence are dropped: 0.2 leaves what the points bear "
+      "out; 0: none");
+  manager->AddNumber(
       "DelaunayManifoldMeshing.close_holes", &meshing->borders.close_holes,
+      {0, kNoLimit, -1},
       "[edges] Holes of up to as many are closed; -1: all, 0: none");
   manager->AddDefaultOption("DelaunayManifoldMeshing.remeshing",
                             &meshing->remeshing,
@@ -123,9 +124,9 @@ void AddSurfaceOptions(CommandOptions* manager, MesherOptions* mesher) {
       &mesher->half_pixel_calibration,
       "... times what the sparse points show them to be off, 1 for half a "
       "pixel");
-  manager->AddDefaultOption(
-      "DelaunayManifoldMeshing.num_threads", &mesher->num_threads,
-      "[threads] -1 for all; the result does not depend on it");
+  manager->AddNumber("DelaunayManifoldMeshing.num_threads",
+                     &mesher->num_threads, kThreads,
+                     "[threads] -1 for all; the result does not depend on it");
 }
 
 // Where the meaning is COLMAP's.

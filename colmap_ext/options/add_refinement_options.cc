@@ -40,8 +40,8 @@ void AddModeOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "The folder of mesh_planner. With input_path, the mesh that mesh_merger "
       "made of it, the refinement of its tiles is planned; with tile, one is "
       "refined, and mesh_merger --refined 1 makes the mesh of all");
-  manager->AddDefaultOption("tile", &refiner->tile,
-                            "The tile of the plan, from 0 on");
+  manager->AddNumber("tile", &refiner->tile, {0, kNoLimit, -1},
+                     "The tile of the plan");
   manager->AddDefaultOption(
       "resume", &refiner->resume,
       "Go on from the last complete level of a run that was interrupted");
@@ -57,29 +57,29 @@ void AddModeOptions(CommandOptions* manager, RefinerOptions* refiner) {
 
 void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {
   FacetwiseRefinementOptions* refinement = &refiner->refinement;
-  manager->AddDefaultOption(
-      "FacetwiseRefinement.levels", &refinement->levels,
+  manager->AddNumber(
+      "FacetwiseRefinement.levels", &refinement->levels, {1, 8},
       "Of the images, coarse to fine; 3: a quarter of their size, half, full");
-  manager->AddDefaultOption("FacetwiseRefinement.iterations",
-                            &refinement->iterations, "At most, at each level");
-  manager->AddDefaultOption("FacetwiseRefinement.window", &refiner->window,
-                            "[px] Side of the windows that are compared, odd");
-  manager->AddDefaultOption(
+  manager->AddNumber("FacetwiseRefinement.iterations", &refinement->iterations,
+                     {1}, "At most, at each level");
+  manager->AddNumber("FacetwiseRefinement.window", &refiner->window, {3, 15},
+                     "[px] Side of the windows that are compared, odd");
+  manager->AddNumber(
       "FacetwiseRefinement.noise_variance",
-      &refinement->photometric.noise_variance,
+      &refinement->photometric.noise_variance, kPositive,
       "[grey values^2] Of the grey values, 0 ... 255; flat windows count less");
-  manager->AddDefaultOption(
+  manager->AddNumber(
       "FacetwiseRefinement.residual_floor",
-      &refinement->photometric.residual_floor,
+      &refinement->photometric.residual_floor, kPositive,
       "Share of a window's variance that is left unexplained at best; with a "
       "large one all windows count alike, as in the paper");
-  manager->AddDefaultOption("FacetwiseRefinement.min_cosine",
-                            &refinement->photometric.min_cosine,
-                            "Faces are not compared in images that see them "
-                            "under a smaller one");
-  manager->AddDefaultOption("FacetwiseRefinement.smoothness_weight",
-                            &refinement->smoothness_weight,
-                            "Higher is smoother");
+  manager->AddNumber("FacetwiseRefinement.min_cosine",
+                     &refinement->photometric.min_cosine, {0, 0.99},
+                     "Faces are not compared in images that see them "
+                     "under a smaller one");
+  manager->AddNumber("FacetwiseRefinement.smoothness_weight",
+                     &refinement->smoothness_weight, kNotNegative,
+                     "Higher is smoother");
   manager->AddDefaultOption(
       "FacetwiseRefinement.refine_cameras", &refiner->words.refine_cameras,
       "{auto, none, poses, poses_intrinsics}: of the cameras, what is refined "
@@ -89,33 +89,34 @@ void AddMethodOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "FacetwiseRefinement.remeshing", &refinement->remeshing,
       "Remesh before the last level: faces of good shape, as large as the "
       "images call for; 0 only subdivides large faces, as in the paper");
-  manager->AddDefaultOption(
+  manager->AddNumber(
       "FacetwiseRefinement.max_face_area", &refinement->max_face_area,
+      {0.5, 1e6},
       "[px^2] Of an image that a face covers; faces grow to it, or are "
       "subdivided down to it");
-  manager->AddDefaultOption(
-      "FacetwiseRefinement.min_zncc", &refinement->min_zncc,
+  manager->AddNumber(
+      "FacetwiseRefinement.min_zncc", &refinement->min_zncc, {-1, 1},
       "Faces are refined where the images agree by this correlation; others "
       "follow what lies around them; -1 refines all, as in the paper");
 }
 
 void AddPairOptions(CommandOptions* manager, RefinerOptions* refiner) {
   FacetwiseRefinementOptions* refinement = &refiner->refinement;
-  manager->AddDefaultOption("FacetwiseRefinement.pairs_per_image",
-                            &refinement->pairs_per_image,
-                            "Partners of each image");
-  manager->AddDefaultOption("FacetwiseRefinement.pairs_per_facet",
-                            &refinement->labeling.pairs_per_facet,
-                            "Pairs of images that refine a face");
-  manager->AddDefaultOption(
+  manager->AddNumber("FacetwiseRefinement.pairs_per_image",
+                     &refinement->pairs_per_image, {1},
+                     "Partners of each image");
+  manager->AddNumber("FacetwiseRefinement.pairs_per_facet",
+                     &refinement->labeling.pairs_per_facet, {1},
+                     "Pairs of images that refine a face");
+  manager->AddNumber(
       "FacetwiseRefinement.final_pairs_per_facet",
-      &refinement->labeling.final_pairs_per_facet,
+      &refinement->labeling.final_pairs_per_facet, {0},
       "The same in the last iterations of all, if more, and a third in those "
       "before; 0 leaves these out: the paper's method");
-  manager->AddDefaultOption("FacetwiseRefinement.potts_weight",
-                            &refinement->labeling.potts_weight,
-                            "Cost of refining neighboring faces by different "
-                            "pairs");
+  manager->AddNumber("FacetwiseRefinement.potts_weight",
+                     &refinement->labeling.potts_weight, kNotNegative,
+                     "Cost of refining neighboring faces by different "
+                     "pairs");
   manager->AddDefaultOption(
       "FacetwiseRefinement.pair_selection", &refiner->words.pair_selection,
       "{facetwise, classical}: each face by its best pairs, or by every pair "
@@ -136,12 +137,13 @@ void AddVariantOptions(CommandOptions* manager, RefinerOptions* refiner) {
 
 void AddBorderOptions(CommandOptions* manager, RefinerOptions* refiner) {
   BorderOptions* borders = &refiner->refinement.borders;
-  manager->AddDefaultOption(
-      "FacetwiseRefinement.trim", &refiner->trim,
-      "Faces of less confidence are dropped, 0 ... 1; 0: none; -1: 0.2, or "
+  manager->AddNumber(
+      "FacetwiseRefinement.trim", &refiner->trim, {0, 1, -1},
+      "Faces of less confidence are dropped; 0: none; -1: 0.2, or "
       "none where there is no fused.ply or no face has as much");
-  manager->AddDefaultOption(
+  manager->AddNumber(
       "FacetwiseRefinement.close_holes", &borders->close_holes,
+      {0, kNoLimit, -1},
       "[edges] Holes of up to as many are closed; -1: all, 0: none");
 }
 
@@ -158,19 +160,19 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
                             "{auto, cpu, gl}: the processor, or OpenGL 4.5; "
                             "auto: OpenGL on a graphics card, or else the "
                             "processor");
-  manager->AddDefaultOption(
-      "FacetwiseRefinement.gpu_index", &refiner->gpu_index,
+  manager->AddNumber(
+      "FacetwiseRefinement.gpu_index", &refiner->gpu_index, {0, kNoLimit, -1},
       "Of the graphics card, as EGL lists them; -1: the first that will do");
-  manager->AddDefaultOption(
-      "FacetwiseRefinement.num_threads", &refiner->num_threads,
-      "[threads] -1 for all; the result does not depend on it");
-  manager->AddDefaultOption(
-      "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb,
+  manager->AddNumber("FacetwiseRefinement.num_threads", &refiner->num_threads,
+                     kThreads,
+                     "[threads] -1 for all; the result does not depend on it");
+  manager->AddNumber(
+      "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb, kMemory,
       "[GB] For images and what is drawn into them; what does not fit is "
       "read and drawn again");
   AddMissingImagesOption(manager, refiner);
-  manager->AddDefaultOption(
-      "FacetwiseRefinement.snapshot_interval", &refiner->snapshot_interval,
+  manager->AddNumber(
+      "FacetwiseRefinement.snapshot_interval", &refiner->snapshot_interval, {0},
       "[iterations] Write OUTPUT.LEVEL.ITERATION.ply every so many; 0: never");
 }
 

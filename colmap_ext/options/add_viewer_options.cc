@@ -38,24 +38,22 @@ void AddPictureOptions(CommandOptions* manager, ViewerOptions* viewer) {
       "Write a picture, PNG, and open no window; needs no display");
   manager->AddDefaultOption("camera", &viewer->camera,
                             "... seen by the workspace's image of this name");
-  manager->AddDefaultOption(
-      "turntable", &viewer->turntable,
+  manager->AddNumber(
+      "turntable", &viewer->turntable, {0, 1000},
       "... or so many pictures around it, FILE.000.png and on; 0: one picture");
-  manager->AddDefaultOption(
-      "width", &viewer->width,
-      "[px] Of the picture or window; 0: the camera's, or 1024");
-  manager->AddDefaultOption("height", &viewer->height,
-                            "[px] 0: as the width has it");
-  manager->AddDefaultOption("zoom", &viewer->zoom, "... times as large");
+  manager->AddNumber("width", &viewer->width, {0, 8192},
+                     "[px] Of the picture or window; 0: the camera's, or 1024");
+  manager->AddNumber("height", &viewer->height, {0, 8192},
+                     "[px] 0: as the width has it");
+  manager->AddNumber("zoom", &viewer->zoom, {1e-4, 1e4}, "... times as large");
   manager->AddDefaultOption("center", &viewer->center_words,
                             "... around this place u,v of the picture, shares "
                             "of its width and height");
-  manager->AddDefaultOption(
-      "image_opacity", &viewer->image_opacity,
-      "Opacity of the camera's image over the mesh, 0 to 1");
-  manager->AddDefaultOption("gpu_index", &viewer->gpu_index,
-                            "Graphics card that draws pictures, as EGL lists "
-                            "them; -1: the first");
+  manager->AddNumber("image_opacity", &viewer->image_opacity, {0, 1},
+                     "Opacity of the camera's image over the mesh");
+  manager->AddNumber("gpu_index", &viewer->gpu_index, {0, kNoLimit, -1},
+                     "Graphics card that draws pictures, as EGL lists "
+                     "them; -1: the first");
 }
 
 }  // namespace
@@ -76,8 +74,8 @@ void AddViewerOptions(CommandOptions* manager, ViewerOptions* viewer) {
                             "Draw the workspace's points");
   manager->AddDefaultOption("cameras", &settings->cameras,
                             "Draw the workspace's cameras with their images");
-  manager->AddDefaultOption("point_radius", &settings->point_radius,
-                            "[px] Of points");
+  manager->AddNumber("point_radius", &settings->point_radius, {0.01, 100},
+                     "[px] Of points");
 }
 
 }  // namespace colmap_ext

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <sstream>
 #include <type_traits>
 
@@ -18,12 +19,13 @@ std::string ToLower(std::string text) {
   return text;
 }
 
-bool Parse(const std::string& text, std::string* value) {
+bool Parse(const std::string& text, const NumberRange&, std::string* value) {
   *value = text;
   return true;
 }
 
-bool Parse(const std::string& text, std::vector<std::string>* value) {
+bool Parse(const std::string& text, const NumberRange&,
+           std::vector<std::string>* value) {
   value->clear();
   std::istringstream items(text);
   for (std::string item; std::getline(items, item, kListSeparator);) {
@@ -32,7 +34,7 @@ bool Parse(const std::string& text, std::vector<std::string>* value) {
   return true;
 }
 
-bool Parse(const std::string& text, bool* value) {
+bool Parse(const std::string& text, const NumberRange&, bool* value) {
   const std::string word = ToLower(text);
   for (const char* name : {"1", "true", "yes", "on"}) {
     if (word == name) {
@@ -50,12 +52,12 @@ bool Parse(const std::string& text, bool* value) {
 }
 
 template <typename Number>
-bool Parse(const std::string& text, Number* value) {
+bool Parse(const std::string& text, const NumberRange& range, Number* value) {
   const char* const begin = text.data() + text.starts_with('+');
   const char* const end = text.data() + text.size();
   Number number{};
   const auto [rest, error] = std::from_chars(begin, end, number);
-  if (error != std::errc() || rest != end) {
+  if (error != std::errc() || rest != end || !range.Contains(number)) {
     return false;
   }
   *value = number;
@@ -64,9 +66,43 @@ bool Parse(const std::string& text, Number* value) {
 
 }  // namespace
 
-void CommandOptions::AddDefaultOption(const std::string& name, Value value,
-                                      const std::string& help) {
-  options_.push_back({name, value, TextOf(value), help});
+bool NumberRange::Contains(double number) const {
+  return std::isfinite(number) &&
+         ((number >= lower && number <= upper) || number == also);
+}
+
+std::string NumberRange::Text() const {
+  return (std::isfinite(upper) ? fmt::format("{} ... {}", lower, upper)
+                               : fmt::format("{} or more", lower)) +
+         (also ? fmt::format(", or {}", *also) : "");
+}
+
+std::string CommandOptions::Option::Kind() const {
+  constexpr const char* kKinds[] = {"a text", "0 or 1", "a whole number",
+                                    "a number", "a list"};
+  return kKinds[value.index()] + (range ? ", " + range->Text() : "");
+}
+
+void CommandOptions::AddDefaultOption(
+    const std::string& name,
+    std::variant<std::string*, bool*, std::vector<std::string>*> value,
+    const std::string& help) {
+  std::visit(
+      [&](auto* pointer) {
+        options_.push_back({name, pointer, TextOf(pointer), help});
+      },
+      value);
+}
+
+void CommandOptions::AddNumber(const std::string& name,
+                               std::variant<int*, double*> value,
+                               const NumberRange& range,
+                               const std::string& help) {
+  std::visit(
+      [&](auto* pointer) {
+        options_.push_back({name, pointer, TextOf(pointer), help, range});
+      },
+      value);
 }
 
 void CommandOptions::AddAlias(const std::string& alias,
@@ -90,9 +126,10 @@ std::string TextOf(const CommandOptions::Value& value) {
       value);
 }
 
-bool SetValue(const std::string& text, const CommandOptions::Value& value) {
-  return std::visit([&text](auto* pointer) { return Parse(text, pointer); },
-                    value);
+bool SetValue(const std::string& text, const CommandOptions::Option& option) {
+  const NumberRange range = option.range.value_or(NumberRange{0});
+  return std::visit([&](auto* pointer) { return Parse(text, range, pointer); },
+                    option.value);
 }
 
 }  // namespace colmap_ext

@@ -1,10 +1,35 @@
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace colmap_ext {
+
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+// The finite numbers that an option takes.
+struct NumberRange {
+  double lower;
+  double upper = kNoLimit;
+  std::optional<double> also = std::nullopt;  // stands for something else
+
+  bool Contains(double number) const;
+
+  // "0 ... 1", "1 or more, or -1".
+  std::string Text() const;
+};
+
+// Factors and the like. Beyond what is of use, and far from where their squares
+// times a float overflow or vanish.
+inline constexpr NumberRange kPositive{1e-6, 1e6};
+inline constexpr NumberRange kNotNegative{0, 1e6};
+
+inline constexpr NumberRange kLength{0, 1e9};     // scene units
+inline constexpr NumberRange kMemory{1e-9, 1e6};  // GB, from a byte on
+inline constexpr NumberRange kThreads{1, 1024, -1};
 
 // The options that a command takes, by the rules of COLMAP's command line: each
 // has a value, `--name VALUE` or `--name=VALUE`, and so has a truth value. They
@@ -22,10 +47,14 @@ class CommandOptions {
     Value value;
     std::string default_value;  // as it is typed; may be empty
     std::string help;
+    std::optional<NumberRange> range = std::nullopt;  // of numbers
 
     bool IsList() const {
       return std::holds_alternative<std::vector<std::string>*>(value);
     }
+
+    // What the value has to be: "a whole number, 1 ... 8".
+    std::string Kind() const;
   };
 
   // Another name of an option.
@@ -40,8 +69,14 @@ class CommandOptions {
   // \param value  has to outlive the parsing.
   // \param help  what it does; after its unit in brackets, if it has one:
   //        "[px] Side of a window".
-  void AddDefaultOption(const std::string& name, Value value,
-                        const std::string& help = "");
+  void AddDefaultOption(
+      const std::string& name,
+      std::variant<std::string*, bool*, std::vector<std::string>*> value,
+      const std::string& help = "");
+
+  // The same of a number. The range is checked and shown from here alone.
+  void AddNumber(const std::string& name, std::variant<int*, double*> value,
+                 const NumberRange& range, const std::string& help = "");
 
   // \param alias  "Section.name"; what is unknown in a section of aliases is
   //        left out, not refused.
@@ -64,8 +99,9 @@ inline constexpr char kListSeparator = '\n';
 // The text that a value is typed as.
 std::string TextOf(const CommandOptions::Value& value);
 
-// Sets a value to what the text says.
-// \return false if it says nothing of that type; the value stays then.
-bool SetValue(const std::string& text, const CommandOptions::Value& value);
+// Sets an option's value to what the text says.
+// \return false if it says nothing of that type, or a number that is not in the
+//         range; the value stays then.
+bool SetValue(const std::string& text, const CommandOptions::Option& option);
 
 }  // namespace colmap_ext

@@ -59,10 +59,6 @@ void MesherOptions::Finish() {
   meshing.fixing_rule = ParseWord<FixingRule>(
       "fixing_rule", words.fixing_rule,
       {{"energy", FixingRule::kEnergy}, {"paper", FixingRule::kPaper}});
-  CheckNumThreads(num_threads);
-  if (const std::string error = meshing.Check(); !error.empty()) {
-    throw OptionError("DelaunayManifoldMeshing." + error);
-  }
 }
 
 void MesherOptions::FinishTile() const {
@@ -74,7 +70,6 @@ void MesherOptions::FinishTile() const {
         "--plan says what is meshed: leave out --workspace_path, --input_path, "
         "--output_path and --report_path");
   }
-  CheckNumThreads(num_threads);
 }
 
 }  // namespace colmap_ext

@@ -189,11 +189,9 @@ void LeaveOut(const Names& names, bool is_file, Texts* texts,
 // Sets a value by its text.
 void Apply(const CommandOptions::Option& option, const std::string& name,
            const std::string& text) {
-  if (!SetValue(text, option.value)) {
-    const char* const kinds[] = {"a text", "0 or 1", "a whole number",
-                                 "a number", "a list"};
-    throw OptionError(fmt::format("--{}: '{}' is not {}", name, text,
-                                  kinds[option.value.index()]));
+  if (!SetValue(text, option)) {
+    throw OptionError(fmt::format("--{} is '{}'; it has to be {}", name, text,
+                                  option.Kind()));
   }
 }
 

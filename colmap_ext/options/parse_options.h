@@ -25,8 +25,8 @@ struct ParsedOptions {
 //
 // \param argc, argv  argv[0] is not an option.
 // \throw OptionError if an option is unknown, given twice, without a value or
-//        with one of another type, or the file can not be read. Values may be
-//        set then.
+//        with one that it does not take, or the file can not be read. Values
+//        may be set then.
 ParsedOptions ParseOptions(int argc, const char* const* argv,
                            const CommandOptions& options);
 

@@ -42,8 +42,10 @@ void PrintHelp(const CommandOptions& options, const std::string& versions,
   PrintOption("--project_path", "The project file, as COLMAP's commands have",
               stream);
   for (const CommandOptions::Option& option : options.Options()) {
-    const std::string given =
-        option.default_value.empty() ? "" : " (=" + option.default_value + ")";
+    const std::string range = option.range ? "; " + option.range->Text() : "";
+    const std::string given = option.default_value.empty()
+                                  ? ""
+                                  : " (=" + option.default_value + range + ")";
     PrintOption("--" + option.name + given, option.help, stream);
   }
   if (!options.Aliases().empty()) {

@@ -75,22 +75,6 @@ void CheckPlan(const RefinerOptions& options) {
   }
 }
 
-void CheckNumbers(const RefinerOptions& options) {
-  if (options.window < 3 || options.window % 2 == 0) {
-    throw OptionError("window must be odd, and 3 or more");
-  }
-  if (!(options.max_memory_gb > 0 && options.max_memory_gb <= 1e6)) {
-    throw OptionError("max_memory_gb must be positive, and 1000000 or less");
-  }
-  if (options.snapshot_interval < 0) {
-    throw OptionError("snapshot_interval must not be negative");
-  }
-  CheckNumThreads(options.num_threads);
-  if (options.gpu_index < -1) {
-    throw OptionError("gpu_index must not be negative, or -1 for any");
-  }
-}
-
 }  // namespace
 
 void RefinerOptions::Finish() {
@@ -104,7 +88,9 @@ void RefinerOptions::Finish() {
 }
 
 void RefinerOptions::FinishMethod() {
-  CheckNumbers(*this);
+  if (window % 2 == 0) {
+    throw OptionError("FacetwiseRefinement.window must be odd");
+  }
   image_order = ParseImageOrder(words.image_order);
   backend = ParseWord<Backend>(
       "backend", words.backend,
@@ -126,9 +112,6 @@ void RefinerOptions::FinishMethod() {
        {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   refinement.cameras.only_if_misaligned = words.refine_cameras == "auto";
   ChooseTrim(true);
-  if (const std::string error = refinement.Check(); !error.empty()) {
-    throw OptionError("FacetwiseRefinement." + error);
-  }
 }
 
 void RefinerOptions::ChooseTrim(bool has_fused_points) {

@@ -2,7 +2,6 @@
 
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/add_meshing_options.h"
-#include "colmap_ext/options/words.h"
 #include "formats/read_transform.h"
 
 namespace colmap_ext {
@@ -10,18 +9,6 @@ namespace colmap_ext {
 void PlannerOptions::Finish() {
   if (output_path.empty()) {
     throw OptionError("--output_path is required: the plan's folder");
-  }
-  if (!(max_memory_gb > 0)) {
-    throw OptionError("--max_memory_gb must be positive");
-  }
-  if (num_tiles < 0) {
-    throw OptionError("--num_tiles must not be negative");
-  }
-  if (!(distance_sigma >= 0)) {
-    throw OptionError("--distance_sigma must not be negative");
-  }
-  if (seam_rings < -1) {
-    throw OptionError("--seam_rings must be -1 or more");
   }
   if (mesher.meshing.weak_surfaces) {
     throw OptionError(
@@ -35,7 +22,6 @@ void MergerOptions::Finish() {
   if (plan_path.empty() || output_path.empty()) {
     throw OptionError("--plan and --output_path are required");
   }
-  CheckNumThreads(num_threads);
   if (!transform_path.empty()) {
     transform = ReadTransform(transform_path);
   }
@@ -49,16 +35,15 @@ void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
   manager->AddDefaultOption("output_path", &planner->output_path,
                             "The plan, a folder. What is there of the same "
                             "plan is kept");
-  manager->AddDefaultOption("max_memory_gb", &planner->max_memory_gb,
-                            "[GB] What the job of a tile may take");
-  manager->AddDefaultOption("num_tiles", &planner->num_tiles,
-                            "[tiles] 0: as many as max_memory_gb asks for");
-  manager->AddDefaultOption(
-      "distance_sigma", &planner->distance_sigma,
-      "[scene units] The expected noise of the points; 0: as "
-      "DelaunayManifoldMeshing.distance_sigma_factor says");
-  manager->AddDefaultOption(
-      "seam_rings", &planner->seam_rings,
+  manager->AddNumber("max_memory_gb", &planner->max_memory_gb, kMemory,
+                     "[GB] What the job of a tile may take");
+  manager->AddNumber("num_tiles", &planner->num_tiles, {0},
+                     "[tiles] 0: as many as max_memory_gb asks for");
+  manager->AddNumber("distance_sigma", &planner->distance_sigma, kLength,
+                     "[scene units] The expected noise of the points; 0: as "
+                     "DelaunayManifoldMeshing.distance_sigma_factor says");
+  manager->AddNumber(
+      "seam_rings", &planner->seam_rings, {0, kNoLimit, -1},
       "[cells] How wide the merger cuts again on both sides of a seam; -1: "
       "wherever one machine could decide otherwise, which takes memory");
   manager->AddDefaultOption("fused_path", &mesher->words.fused_path,
@@ -97,9 +82,9 @@ void AddMergerOptions(CommandOptions* manager, MergerOptions* merger) {
       "transform_path", &merger->transform_path,
       "A transform of the mesh that is written, as model_aligner writes it; "
       "positions are double then");
-  manager->AddDefaultOption("num_threads", &merger->num_threads,
-                            "[threads] -1 for all; the result does not depend "
-                            "on it");
+  manager->AddNumber("num_threads", &merger->num_threads, kThreads,
+                     "[threads] -1 for all; the result does not depend "
+                     "on it");
 }
 
 }  // namespace colmap_ext

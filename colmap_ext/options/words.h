@@ -33,11 +33,4 @@ Value ParseWord(const char* option, const std::string& word,
       fmt::format("{} is '{}'; it has to be {}", option, word, list));
 }
 
-// \throw OptionError if the number of threads is neither positive nor -1.
-inline void CheckNumThreads(int num_threads) {
-  if (num_threads != -1 && num_threads <= 0) {
-    throw OptionError("num_threads must be positive, or -1 for all threads");
-  }
-}
-
 }  // namespace colmap_ext

@@ -242,7 +242,7 @@ MesherOptions MeshingOptionsOf(const fs::path& folder, const Plan& plan) {
   AddMeshingOptions(&command, &options);
   for (const CommandOptions::Option& option : command.Options()) {
     const auto found = plan.options.find(option.name);
-    if (found != plan.options.end() && !SetValue(found->second, option.value)) {
+    if (found != plan.options.end() && !SetValue(found->second, option)) {
       throw FileError(PlanPath(folder), "damaged at " + option.name +
                                             ": plan again by "
                                             "mesh_planner");

@@ -145,7 +145,7 @@ void ApplyOptions(const fs::path& folder, const RefinementPlan& plan,
   AddResultOptions(&command, options);
   for (const CommandOptions::Option& option : command.Options()) {
     const auto found = plan.options.find(option.name);
-    if (found == plan.options.end() || !SetValue(found->second, option.value)) {
+    if (found == plan.options.end() || !SetValue(found->second, option)) {
       throw FileError(RefinementPlanPath(folder),
                       "damaged at " + option.name + ": " + kPlanAgain);
     }

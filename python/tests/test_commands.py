@@ -49,7 +49,7 @@ class CommandsTest(unittest.TestCase):
         self.assertIn("delaunay_manifold_mesher", caught.exception.arguments)
         with self.assertRaises(colmap_ext.CommandError) as caught:
             colmap_ext.mesh(self.workspace, max_proj_dist="many")
-        self.assertIn("'many' is not a number", caught.exception.line)
+        self.assertIn("is 'many'; it has to be a", caught.exception.line)
         with self.assertRaises(colmap_ext.OptionError) as caught:
             colmap_ext.mesh(self.workspace, max_proj_dits=3)
         self.assertIn("max_proj_dist", caught.exception.line)

@@ -1,7 +1,6 @@
 #include "evaluation/mesh_evaluation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <utility>
@@ -218,27 +217,6 @@ class Evaluator {
 };
 
 }  // namespace
-
-std::string MeshEvaluationOptions::Check() const {
-  const auto is_length = [](double value) {
-    return std::isfinite(value) && value >= 0;
-  };
-  if (stride < 1 || stride > 1000) {
-    return "stride must be 1 to 1000 pixels";
-  }
-  if (!is_length(spacing)) {
-    return "spacing must be a length, or 0";
-  }
-  if (!is_length(max_distance)) {
-    return "max_distance must be a length, or 0";
-  }
-  for (const double threshold : depth_thresholds) {
-    if (!is_length(threshold) || threshold == 0) {
-      return "depth_thresholds must be positive lengths";
-    }
-  }
-  return "";
-}
 
 double SurfaceDistances::AverageScore() const {
   return (accuracy.mean + accuracy.median + completeness.mean +

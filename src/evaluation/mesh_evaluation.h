@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -38,9 +37,6 @@ struct MeshEvaluationOptions {
   // Depths with smaller errors are right, scene units, > 0. The defaults are
   // those of [HuMordohai2012], if the scene's unit is a metre.
   std::vector<double> depth_thresholds = {0.02, 0.1};
-
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
 };
 
 // What is known to be true: a surface, points of it (no facets), or depth maps.
@@ -83,7 +79,7 @@ struct MeshEvaluation {
 // count, hidden or not, and every hit of the mesh. Without views, the whole
 // surfaces count.
 //
-// \pre options checked; facet indices in range; mesh and, unless depth maps are
+// \pre options in their ranges; facet indices in range; mesh and, unless depth maps are
 //      the truth, surface not empty
 // \throw std::invalid_argument if the truth and the views do not fit together,
 //        or the spacing is too small for the scene

@@ -14,7 +14,7 @@ namespace colmap_ext {
 // \param gpu_index  see EglContext.
 // \param max_memory  of the views that are kept on the graphics card, bytes;
 //        the two of a pair whatever they take.
-// \pre options checked
+// \pre options in their ranges
 // \throw NoGlError if there is no OpenGL 4.5; GlError if it fails, here and
 //        later.
 std::unique_ptr<PhotometricEnergy> MakeGlPhotometricEnergy(

@@ -55,7 +55,7 @@ struct FacetLabeling {
 // \param pairs  ascending.
 // \param visibility  [F] the views that see each facet.
 // \param views  of the images' sizes.
-// \pre options checked
+// \pre options in their ranges
 FacetLabeling LabelFacets(const FacetLabelingOptions& options,
                           const TriangleMesh& mesh,
                           const VertexAttributes& attributes,

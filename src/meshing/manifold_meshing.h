@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "delaunay/visibility_weights.h"
@@ -91,9 +90,6 @@ struct ManifoldMeshingOptions {
 
   // Remesh the surface at last, so that its facets are well-shaped.
   bool remeshing = false;
-
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
 };
 
 // What was done, for the user and the tests.
@@ -145,7 +141,7 @@ std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
 // The result does not depend on the number of threads.
 //
 // \param ends  of more rays that meet no surface
-// \pre all positions are finite, view indices < views.size(), options checked.
+// \pre all positions are finite, view indices < views.size(), options in their ranges.
 // \throw std::invalid_argument where the points do not span a volume, or no
 //        view sees any, or the region or the trimming leaves nothing.
 // \throw std::logic_error where the cut is not minimal or the result is not

@@ -12,7 +12,7 @@ namespace colmap_ext {
 //
 // \param max_memory  of the views' drawn facets that are kept, bytes; more are
 //        drawn again when they are needed.
-// \pre options checked
+// \pre options in their ranges
 std::unique_ptr<PhotometricEnergy> MakeCpuPhotometricEnergy(
     const PhotometricOptions& options, std::shared_ptr<ImagePyramid> images,
     size_t max_memory);

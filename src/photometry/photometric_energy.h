@@ -35,9 +35,6 @@ struct PhotometricOptions {
   // A facet is compared in an image only where the cosine between its normal
   // and the ray to the camera is above this: 0.1 is 84 degrees. In [0, 1).
   double min_cosine = 0.1;
-
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
 };
 
 // The photometric energy of a mesh under a labelling of its facets

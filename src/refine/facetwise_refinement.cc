@@ -288,40 +288,6 @@ class Refinement {
 
 }  // namespace
 
-std::string FacetwiseRefinementOptions::Check() const {
-  if (levels < 1 || levels > 8) {
-    return "levels has to be from 1 to 8";
-  }
-  if (iterations < 1) {
-    return "iterations has to be positive";
-  }
-  if (!(smoothness_weight >= 0)) {
-    return "smoothness_weight must not be negative";
-  }
-  if (!(max_face_area > 0)) {
-    return "max_face_area has to be positive";
-  }
-  if (!(min_zncc >= -1 && min_zncc <= 1)) {
-    return "min_zncc has to lie in [-1, 1]";
-  }
-  if (pairs_per_image < 1) {
-    return "pairs_per_image has to be positive";
-  }
-  if (labeling.pairs_per_facet < 1) {
-    return "pairs_per_facet has to be positive";
-  }
-  if (labeling.final_pairs_per_facet < 0) {
-    return "final_pairs_per_facet must not be negative";
-  }
-  if (!(labeling.potts_weight >= 0)) {
-    return "potts_weight must not be negative";
-  }
-  if (const std::string error = borders.Check(); !error.empty()) {
-    return error;
-  }
-  return photometric.Check();
-}
-
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             RefinementStart start,
                             const std::vector<View>& views,

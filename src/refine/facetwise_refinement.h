@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -79,9 +78,6 @@ struct FacetwiseRefinementOptions {
 
   // What has moved out of it is cut off at last; nothing: all stays.
   std::optional<Region> region = std::nullopt;
-
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
 };
 
 // One iteration of the solver, for the log and the report.
@@ -213,7 +209,7 @@ struct RefinementHooks {
 //
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.
-// \pre options checked
+// \pre options in their ranges
 // \throw std::invalid_argument if the trimming leaves nothing.
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             RefinementStart start,

@@ -5,16 +5,6 @@
 
 namespace colmap_ext {
 
-std::string BorderOptions::Check() const {
-  if (!(trim >= 0 && trim <= 1)) {
-    return "trim must lie in [0, 1]";
-  }
-  if (close_holes < kAllLoops) {
-    return "close_holes must not be negative, or -1 for all";
-  }
-  return "";
-}
-
 EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,
                        VertexAttributes attributes,
                        const std::vector<float>& facet_confidences) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
@@ -25,9 +24,6 @@ struct BorderOptions {
 
   // Where no facet is confident the mesh stays as it is.
   bool is_trim_optional = false;
-
-  // What is wrong with the options, in one line; empty when all is well.
-  std::string Check() const;
 };
 
 struct BorderReport {
@@ -45,7 +41,7 @@ struct EditedMesh {
 
 // Trims a mesh, then closes its holes.
 // \param facet_confidences [F] in [0, 1]
-// \pre the mesh is manifold, options checked
+// \pre the mesh is manifold, options in their ranges
 // \throw std::invalid_argument if the trimming leaves nothing, unless it is
 //        optional.
 EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,

@@ -197,21 +197,5 @@ TEST(EvaluateMesh, LeavesOutFacetsThatAreNotFinite) {
   EXPECT_EQ(VertexErrors(mesh, {Square(0), nullptr}, 0.5)[5], 0.5);
 }
 
-TEST(MeshEvaluationOptions, AreChecked) {
-  EXPECT_EQ(MeshEvaluationOptions().Check(), "");
-  MeshEvaluationOptions options;
-  options.stride = 0;
-  EXPECT_NE(options.Check(), "");
-  options = {};
-  options.spacing = -1;
-  EXPECT_NE(options.Check(), "");
-  options = {};
-  options.max_distance = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(options.Check(), "");
-  options = {};
-  options.depth_thresholds = {0.02, 0};
-  EXPECT_NE(options.Check(), "");
-}
-
 }  // namespace
 }  // namespace colmap_ext

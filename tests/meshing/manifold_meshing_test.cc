@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -16,65 +16,6 @@
 
 namespace colmap_ext {
 namespace {
-
-struct BadOption {
-  const char* name;
-  void (*spoil)(ManifoldMeshingOptions* options);
-};
-
-const double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-TEST(ManifoldMeshingOptions, DefaultsAreWell) {
-  EXPECT_EQ(ManifoldMeshingOptions().Check(), "");
-}
-
-TEST(ManifoldMeshingOptions, CheckNamesWhatIsWrong) {
-  using Options = ManifoldMeshingOptions;
-  const BadOption bad_options[] = {
-      {"max_proj_dist", [](Options* o) { o->max_proj_dist = -1; }},
-      {"max_proj_dist", [](Options* o) { o->max_proj_dist = kNaN; }},
-      {"max_depth_dist", [](Options* o) { o->max_depth_dist = -0.1; }},
-      {"max_depth_dist", [](Options* o) { o->max_depth_dist = 1.1; }},
-      {"max_depth_dist", [](Options* o) { o->max_depth_dist = kNaN; }},
-      {"visibility_sigma", [](Options* o) { o->visibility_sigma = 0; }},
-      {"visibility_sigma", [](Options* o) { o->visibility_sigma = kNaN; }},
-      {"alpha_vis", [](Options* o) { o->alpha_vis = 0; }},
-      {"alpha_vis", [](Options* o) { o->alpha_vis = 1.01; }},
-      {"alpha_vis", [](Options* o) { o->alpha_vis = kNaN; }},
-      {"distance_sigma_factor",
-       [](Options* o) { o->distance_sigma_factor = 0; }},
-      {"distance_sigma_factor",
-       [](Options* o) { o->distance_sigma_factor = kNaN; }},
-      {"behind_sigma", [](Options* o) { o->behind_sigma = 0; }},
-      {"behind_sigma", [](Options* o) { o->behind_sigma = kNaN; }},
-      {"quality_regularization",
-       [](Options* o) { o->quality_regularization = -1; }},
-      {"quality_regularization",
-       [](Options* o) { o->quality_regularization = 1e6; }},
-      {"quality_regularization",
-       [](Options* o) { o->quality_regularization = kNaN; }},
-      {"max_side_length_factor",
-       [](Options* o) { o->max_side_length_factor = -1; }},
-      {"max_side_length_factor",
-       [](Options* o) { o->max_side_length_factor = kNaN; }},
-      {"max_side_length_percentile",
-       [](Options* o) { o->max_side_length_percentile = 101; }},
-      {"max_side_length_percentile",
-       [](Options* o) { o->max_side_length_percentile = -1; }},
-      {"max_side_length_percentile",
-       [](Options* o) { o->max_side_length_percentile = kNaN; }},
-      {"min_component_faces", [](Options* o) { o->min_component_faces = -1; }},
-      {"trim", [](Options* o) { o->borders.trim = -0.1; }},
-      {"trim", [](Options* o) { o->borders.trim = 1.1; }},
-      {"trim", [](Options* o) { o->borders.trim = kNaN; }},
-      {"close_holes", [](Options* o) { o->borders.close_holes = -2; }}};
-  for (const BadOption& bad : bad_options) {
-    ManifoldMeshingOptions options;
-    bad.spoil(&options);
-    EXPECT_NE(options.Check().find(bad.name), std::string::npos)
-        << bad.name << ": " << options.Check();
-  }
-}
 
 View LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
   return LookAtView(center, target, Eigen::Vector3d::UnitZ(), 1000, 1000, 1000);

@@ -1,5 +1,4 @@
 #include <functional>
-#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -8,11 +7,10 @@
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/refinement_options.h"
+#include "colmap_ext/options/viewer_options.h"
 
 namespace colmap_ext {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Fails unless the options are refused with a message that has the text.
 template <typename Options>
@@ -99,7 +97,6 @@ TEST(RefinerOptionsTest, ChoosesTheTrimming) {
       EXPECT_FALSE(borders.is_trim_optional);
     }
   }
-  ExpectChangeRefused([](R* o) { o->trim = 2; }, "trim");
 }
 
 TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
@@ -123,38 +120,8 @@ TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
   EXPECT_EQ(options.StepsPath(), "steps.txt");
 }
 
-TEST(RefinerOptionsTest, RefusesImpossibleNumbers) {
-  ExpectChangeRefused([](R* o) { o->refinement.levels = 0; }, "levels");
-  ExpectChangeRefused([](R* o) { o->refinement.iterations = -1; },
-                      "iterations");
-  for (const int window : {1, 4, 17}) {
-    ExpectChangeRefused([window](R* o) { o->window = window; }, "window");
-  }
-  ExpectChangeRefused(
-      [](R* o) { o->refinement.photometric.noise_variance = 0; },
-      "noise_variance");
-  ExpectChangeRefused(
-      [](R* o) { o->refinement.photometric.residual_floor = -1; },
-      "residual_floor");
-  ExpectChangeRefused([](R* o) { o->refinement.photometric.min_cosine = 1; },
-                      "min_cosine");
-  ExpectChangeRefused([](R* o) { o->refinement.smoothness_weight = -1; },
-                      "smoothness_weight");
-  ExpectChangeRefused([](R* o) { o->refinement.max_face_area = 0; },
-                      "max_face_area");
-  ExpectChangeRefused([](R* o) { o->refinement.min_zncc = 1.5; }, "min_zncc");
-  ExpectChangeRefused([](R* o) { o->refinement.pairs_per_image = 0; },
-                      "pairs_per_image");
-  ExpectChangeRefused([](R* o) { o->refinement.labeling.pairs_per_facet = 0; },
-                      "pairs_per_facet");
-  ExpectChangeRefused([](R* o) { o->refinement.labeling.potts_weight = -1; },
-                      "potts_weight");
-  ExpectChangeRefused([](R* o) { o->gpu_index = -2; }, "gpu_index");
-  ExpectChangeRefused([](R* o) { o->max_memory_gb = 0; }, "max_memory_gb");
-  ExpectChangeRefused([](R* o) { o->max_memory_gb = kNaN; }, "max_memory_gb");
-  ExpectChangeRefused([](R* o) { o->snapshot_interval = -1; },
-                      "snapshot_interval");
-  ExpectChangeRefused([](R* o) { o->num_threads = 0; }, "num_threads");
+TEST(RefinerOptionsTest, WindowsAreOdd) {
+  ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
 }
 
 TEST(RefinerOptionsTest, RefusesOtherWords) {
@@ -187,11 +154,6 @@ TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
   ExpectRefused(&options,
                 "input_type is 'fuzzy'; it has to be dense or sparse");
   options.words.input_type = "dense";
-  options.num_threads = 0;
-  ExpectRefused(&options, "num_threads");
-  options.num_threads = 2;
-  options.meshing.max_depth_dist = 2;
-  ExpectRefused(&options, "max_depth_dist");
 }
 
 TEST(EvaluatorOptionsTest, ChecksItsOptions) {
@@ -210,11 +172,25 @@ TEST(EvaluatorOptionsTest, ChecksItsOptions) {
   options.observability_box = "1,2,3,4";
   ExpectRefused(&options, "--observability_mask");
   options.observability_box = "";
-  options.evaluation.stride = 0;
-  ExpectRefused(&options, "stride");
-  options.evaluation.stride = 1;
+  for (const char* thresholds : {"1,0", "-1", "inf", "1e999", ""}) {
+    options.depth_thresholds = thresholds;
+    ExpectRefused(&options, "depth_thresholds");
+  }
   options.ground_plane = "1,2";
   EXPECT_THROW(options.ReadObservability(), OptionError);
+}
+
+TEST(ViewerOptionsTest, ACenterIsTwoFiniteNumbers) {
+  ViewerOptions options;
+  options.workspace_path = "workspace";
+  options.center_words = "0.25,-1";
+  options.Finish();
+  EXPECT_EQ(options.center_u, 0.25);
+  EXPECT_EQ(options.center_v, -1);
+  for (const char* center : {"", "1", "1,2,3", "inf,0", "0,nan", "0,1e999"}) {
+    options.center_words = center;
+    ExpectRefused(&options, "center is '" + std::string(center) + "'");
+  }
 }
 
 }  // namespace

@@ -16,8 +16,8 @@ class ParseOptionsTest : public testing::Test {
  protected:
   ParseOptionsTest() {
     options_.AddDefaultOption("output_path", &text_, "Where to");
-    options_.AddDefaultOption("Ours.size", &number_, "[px] How large");
-    options_.AddDefaultOption("Ours.count", &count_);
+    options_.AddNumber("Ours.size", &number_, {0, 1000}, "[px] How large");
+    options_.AddNumber("Ours.count", &count_, {-5, 10});
     options_.AddDefaultOption("Ours.flag", &flag_);
     options_.AddDefaultOption("paths", &paths_);
     options_.AddAlias("Theirs.size", "Ours.size", ", larger", &is_theirs_);
@@ -92,9 +92,13 @@ TEST_F(ParseOptionsTest, TakesNamesCutShortWhereTheyAreClear) {
 TEST_F(ParseOptionsTest, RefusesWhatItCanNotUnderstand) {
   ExpectRefused({"--none", "1"}, "there is no option --none");
   ExpectRefused({"--Ours.none", "1"}, "there is no option --Ours.none");
-  ExpectRefused({"--Ours.count", "1.5"}, "'1.5' is not a whole number");
-  ExpectRefused({"--Ours.size", "12px"}, "'12px' is not a number");
-  ExpectRefused({"--Ours.flag", "2"}, "'2' is not 0 or 1");
+  ExpectRefused(
+      {"--Ours.count", "1.5"},
+      "--Ours.count is '1.5'; it has to be a whole number, -5 ... 10");
+  ExpectRefused({"--Ours.size", "12px"},
+                "--Ours.size is '12px'; it has to be a number, 0 ... 1000");
+  ExpectRefused({"--Ours.flag", "2"},
+                "--Ours.flag is '2'; it has to be 0 or 1");
   ExpectRefused({"--output_path"}, "--output_path needs a value");
   ExpectRefused({"--output_path", "--Ours.flag", "1"}, "needs a value");
   ExpectRefused({"somewhere"}, "'somewhere' stands without an option");
@@ -159,7 +163,8 @@ TEST_F(ParseOptionsTest, PrintsEachOptionWithItsDefault) {
   EXPECT_TRUE(help.starts_with("program 1.2\n"));
   for (const char* text :
        {"  --output_path (=here)\n      Where to\n",
-        "  --Ours.size (=20)\n      [px] How large\n", "  --Ours.count (=-1)\n",
+        "  --Ours.size (=20; 0 ... 1000)\n      [px] How large\n",
+        "  --Ours.count (=-1; -5 ... 10)\n",
         "  --Theirs.size\n      is --Ours.size, larger\n"}) {
     EXPECT_NE(help.find(text), std::string::npos) << text << "\nin\n" << help;
   }

@@ -393,22 +393,6 @@ TEST(CpuPhotometricEnergy, IsTheSameWhateverTheLevelsOrder) {
   ExpectSame(energy->Evaluate(mesh, labels), full);
 }
 
-TEST(PhotometricOptions, ChecksThem) {
-  EXPECT_EQ(PhotometricOptions().Check(), "");
-  PhotometricOptions options;
-  options.window_radius = 0;
-  EXPECT_NE(options.Check(), "");
-  options = {};
-  options.noise_variance = 0;
-  EXPECT_NE(options.Check(), "");
-  options = {};
-  options.residual_floor = 0;
-  EXPECT_NE(options.Check(), "");
-  options = {};
-  options.min_cosine = 1;
-  EXPECT_NE(options.Check(), "");
-}
-
 // The upper half of the first image.
 GrayImage UpperHalfMask(size_t view) {
   if (view != 0) {

@@ -460,32 +460,5 @@ TEST(RefineFacetwise, TrimsWhatNoViewSeesAndClosesIt) {
   }
 }
 
-TEST(FacetwiseRefinementOptions, ChecksThem) {
-  EXPECT_EQ(FacetwiseRefinementOptions().Check(), "");
-  const auto expect_refused = [](const auto& change, const std::string& name) {
-    FacetwiseRefinementOptions options;
-    change(&options);
-    EXPECT_NE(options.Check().find(name), std::string::npos) << name;
-  };
-  expect_refused([](auto* options) { options->levels = 0; }, "levels");
-  expect_refused([](auto* options) { options->iterations = 0; }, "iterations");
-  expect_refused([](auto* options) { options->borders.trim = 2; }, "trim");
-  expect_refused([](auto* options) { options->borders.close_holes = -2; },
-                 "close_holes");
-  expect_refused([](auto* options) { options->smoothness_weight = -1; },
-                 "smoothness_weight");
-  expect_refused([](auto* options) { options->max_face_area = 0; },
-                 "max_face_area");
-  expect_refused([](auto* options) { options->pairs_per_image = 0; },
-                 "pairs_per_image");
-  expect_refused([](auto* options) { options->labeling.pairs_per_facet = 0; },
-                 "pairs_per_facet");
-  expect_refused(
-      [](auto* options) { options->labeling.final_pairs_per_facet = -1; },
-      "final_pairs_per_facet");
-  expect_refused([](auto* options) { options->labeling.potts_weight = -1; },
-                 "potts_weight");
-}
-
 }  // namespace
 }  // namespace colmap_ext

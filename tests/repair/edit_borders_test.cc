@@ -1,6 +1,5 @@
 #include "repair/edit_borders.h"
 
-#include <limits>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
@@ -10,20 +9,6 @@
 
 namespace colmap_ext {
 namespace {
-
-std::string ErrorOf(double trim, int close_holes) {
-  return BorderOptions{trim, close_holes}.Check();
-}
-
-TEST(BorderOptions, CheckNamesWhatIsWrong) {
-  EXPECT_EQ(BorderOptions().Check(), "");
-  EXPECT_EQ(ErrorOf(1, kAllLoops), "");
-  for (const double trim :
-       {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_NE(ErrorOf(trim, 0).find("trim"), std::string::npos);
-  }
-  EXPECT_NE(ErrorOf(0, -2).find("close_holes"), std::string::npos);
-}
 
 class EditBordersTest : public testing::Test {
  protected:

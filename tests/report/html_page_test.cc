@@ -146,7 +146,7 @@ TEST(PageOptionsTest, TellsWhatWasGiven) {
   int number = 3;
   CommandOptions options;
   options.AddDefaultOption("path", &path);
-  options.AddDefaultOption("number", &number);
+  options.AddNumber("number", &number, {0, 9});
   number = 4;
   const std::vector<PageOption> page_options = PageOptions(options);
   ASSERT_EQ(page_options.size(), 2);
