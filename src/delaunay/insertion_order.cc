@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_sort.h>
 
+#include "base/index_limit.h"
 #include "base/mix_bits.h"
 #include "mesh/space_filling_curve.h"
 
@@ -21,7 +22,7 @@ std::vector<uint32_t> DistinctPoints(
     const std::vector<Eigen::Vector3f>& positions,
     std::vector<uint32_t>* representatives) {
   const std::vector<uint64_t> keys = MortonKeys(positions);
-  std::vector<uint32_t> points(positions.size());
+  std::vector<uint32_t> points(ExpectIndexable(positions.size(), "points"));
   std::iota(points.begin(), points.end(), 0);
   tbb::parallel_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
     if (keys[a] != keys[b]) return keys[a] < keys[b];

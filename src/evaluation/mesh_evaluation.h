@@ -79,7 +79,8 @@ struct MeshEvaluation {
 // count, hidden or not, and every hit of the mesh. Without views, the whole
 // surfaces count.
 //
-// \pre options in their ranges; facet indices in range; mesh and, unless depth maps are
+// \pre options in their ranges; facet indices in range; mesh and, unless depth
+// maps are
 //      the truth, surface not empty
 // \throw std::invalid_argument if the truth and the views do not fit together,
 //        or the spacing is too small for the scene

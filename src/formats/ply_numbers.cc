@@ -55,7 +55,8 @@ uint64_t PlyNumberReader::ReadLength(const PlyProperty& list) {
   return static_cast<uint64_t>(length);
 }
 
-void PlyNumberReader::ExpectRoomFor(const PlyElement& element) const {
+void PlyNumberReader::ExpectRoomFor(const PlyElement& element,
+                                    uint64_t max_count) const {
   const uint64_t min_bytes = element.MinBytes(format_);
   // The end of the file may stand for the last white space.
   if (min_bytes > 0 && element.count > (reader_->Remaining() + 1) / min_bytes) {
@@ -65,6 +66,12 @@ void PlyNumberReader::ExpectRoomFor(const PlyElement& element) const {
                     "room for {}",
                     element.count, element.name,
                     reader_->Remaining() / min_bytes));
+  }
+  if (element.count > max_count) {
+    throw FileError(reader_->Path(),
+                    fmt::format("too large: it has {} {} elements, but at most "
+                                "{} can be numbered",
+                                element.count, element.name, max_count));
   }
 }
 

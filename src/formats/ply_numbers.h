@@ -28,8 +28,10 @@ class PlyNumberReader {
   // \throw FileError if the rest of the file can not hold as many.
   uint64_t ReadLength(const PlyProperty& list);
 
-  // \throw FileError if the rest of the file can not hold the element.
-  void ExpectRoomFor(const PlyElement& element) const;
+  // \throw FileError if there are more of the element than max_count, or the
+  //        rest of the file can not hold them.
+  void ExpectRoomFor(const PlyElement& element,
+                     uint64_t max_count = UINT64_MAX) const;
 
  private:
   double ReadBinary(PlyType type);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/index_limit.h"
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 #include "formats/ply_header.h"
@@ -125,7 +126,7 @@ PlyCloud ReadPlyCloud(const std::filesystem::path& path) {
   const PlyHeader header = ReadPlyHeader(&reader);
   PlyNumberReader numbers(&reader, header.format, "the vertices");
   for (const PlyElement& element : header.elements) {
-    numbers.ExpectRoomFor(element);
+    numbers.ExpectRoomFor(element, kMaxIndexed);
     if (element.name == "vertex") {
       return ReadPlyVertices(element, path, &numbers);
     }

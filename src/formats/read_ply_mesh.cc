@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/index_limit.h"
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 #include "formats/ply_header.h"
@@ -112,7 +113,8 @@ ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
   std::vector<int32_t> vertex_labels;
   TriangleMesh& mesh = read.mesh;
   for (const PlyElement& element : header.elements) {
-    numbers.ExpectRoomFor(element);
+    numbers.ExpectRoomFor(
+        element, element.name == "face" ? kMaxIndexed / 3 : kMaxIndexed);
     if (element.name == "vertex") {
       PlyCloud vertices = ReadPlyVertices(element, path, &numbers);
       mesh.vertices = std::move(vertices.positions);

@@ -18,7 +18,8 @@ namespace colmap_ext {
 // skipped. Vertices may be NaN or infinite.
 //
 // \throw FileError if the file is missing, truncated, or not such a PLY; if it
-//        has no vertices; if a face has not three corners, or a vertex that is
+//        has no vertices, or more vertices or half-edges than 32-bit indices
+//        can number; if a face has not three corners, or a vertex that is
 //        not there.
 TriangleMesh ReadPlyMesh(const std::filesystem::path& path);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/index_limit.h"
 #include "meshing/cell_splitting.h"
 
 namespace colmap_ext {
@@ -21,7 +22,9 @@ std::optional<Value> ValueAt(
 uint32_t CellChanges::Split(const CellKey& corners,
                             const Eigen::Vector3f& centroid) {
   const uint32_t vertex =
-      blocks_.NumVertices() + static_cast<uint32_t>(centroids_.size());
+      ExpectIndexable(blocks_.NumVertices() + centroids_.size() + 1,
+                      "vertices") -
+      1;
   splits_[Sorted(corners)] = vertex;
   vertices_.insert(corners.begin(), corners.end());
   centroids_.push_back(centroid);

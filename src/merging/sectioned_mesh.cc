@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "base/index_limit.h"
+
 namespace colmap_ext {
 
 void SectionedMesh::Add(const std::vector<Eigen::Vector3f>& positions,
@@ -10,8 +12,8 @@ void SectionedMesh::Add(const std::vector<Eigen::Vector3f>& positions,
                         const std::vector<Eigen::AlignedBox3f>& boxes) {
   positions_.Append(positions);
   facets_.Append(facets);
-  first_vertices_.push_back(static_cast<uint32_t>(positions_.size()));
-  first_facets_.push_back(static_cast<uint32_t>(facets_.size()));
+  first_vertices_.push_back(ExpectIndexable(positions_.size(), "vertices"));
+  first_facets_.push_back(ExpectIndexable(facets_.size(), "faces"));
   all_shared_.insert(all_shared_.end(), shared.begin(), shared.end());
   shared_.push_back(std::move(shared));
   std::vector<Eigen::AlignedBox3f>& blocks = boxes_.emplace_back();

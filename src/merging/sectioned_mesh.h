@@ -26,6 +26,7 @@ class SectionedMesh {
   // \param facets     of the mesh's vertices
   // \param shared     its vertices that other sections have, too; ascending
   // \param boxes      [F] around the facets
+  // \throw std::invalid_argument if the mesh gets more than 32 bits can number.
   void Add(const std::vector<Eigen::Vector3f>& positions,
            const std::vector<Facet>& facets, std::vector<uint32_t> shared,
            const std::vector<Eigen::AlignedBox3f>& boxes);

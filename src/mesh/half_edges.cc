@@ -4,11 +4,14 @@
 
 #include <tbb/parallel_sort.h>
 
+#include "base/index_limit.h"
+
 namespace colmap_ext {
 
 std::vector<std::pair<uint64_t, uint32_t>> SortedHalfEdges(
     const std::vector<Facet>& facets) {
-  std::vector<std::pair<uint64_t, uint32_t>> halves(3 * facets.size());
+  std::vector<std::pair<uint64_t, uint32_t>> halves(
+      ExpectIndexable(3 * facets.size(), "half-edges"));
   for (uint32_t half = 0; half < halves.size(); ++half) {
     const uint64_t from = FromVertex(facets, half);
     const uint64_t to = ToVertex(facets, half);

@@ -26,7 +26,7 @@ inline uint32_t NextHalfEdge(uint32_t half) {
 // Returns [3 F] all half-edges, each with its undirected edge: the two vertices
 // packed into 64 bits, the lower one first. Sorted, so that the half-edges of
 // an edge stand together.
-// \pre F < 2^32 / 3
+// \throw std::invalid_argument if there are more than 32 bits can number.
 std::vector<std::pair<uint64_t, uint32_t>> SortedHalfEdges(
     const std::vector<Facet>& facets);
 

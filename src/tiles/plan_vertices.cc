@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/index_limit.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -42,8 +44,9 @@ uint32_t PlanBlocks::OwnerOf(const std::array<uint32_t, 4>& corners) const {
 
 void AddTile(const std::vector<Eigen::Vector3f>& positions,
              const Observations& observations, PlanBlocks* blocks) {
-  const auto num_vertices = static_cast<uint32_t>(positions.size());
   const uint32_t first = blocks->NumVertices();
+  const uint32_t num_vertices =
+      ExpectIndexable(first + positions.size(), "vertices") - first;
   for (uint32_t begin = 0; begin < num_vertices; begin += kBlockVertices) {
     const uint32_t end = std::min(begin + kBlockVertices, num_vertices);
     Eigen::AlignedBox3f box;

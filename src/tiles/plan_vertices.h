@@ -48,6 +48,8 @@ inline constexpr uint32_t kBlockVertices = 512;
 // Adds the blocks of one more tile.
 // \param positions    of its vertices
 // \param observations of its vertices, by rows
+// \throw std::invalid_argument if the plan has more vertices than 32 bits can
+//        number; the blocks stay as they are.
 void AddTile(const std::vector<Eigen::Vector3f>& positions,
              const Observations& observations, PlanBlocks* blocks);
 

@@ -1,5 +1,10 @@
 #include "formats/read_ply_mesh.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "formats/read_ply_cloud.h"
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
 
@@ -93,6 +98,35 @@ TEST_F(ReadPlyMeshTest, RefusesWhatIsNoTriangleMesh) {
                 "vertex_index");
   ExpectRefused("ply\nformat ascii 1.0\nend_header\n", "no vertices");
   ExpectRefused("hello\nworld\n", "not a PLY");
+}
+
+// The files are sparse: nothing lies on the disk behind the header.
+TEST_F(ReadPlyMeshTest, RefusesMoreThanCanBeNumbered) {
+  const auto make = [this](const std::string& elements, uint64_t num_bytes) {
+    const std::string header =
+        "ply\nformat binary_little_endian 1.0\n" + elements + "end_header\n";
+    WriteFile(path_, header);
+    std::filesystem::resize_file(path_, header.size() + num_bytes);
+  };
+  const std::string vertex =
+      "property uchar x\nproperty uchar y\nproperty uchar z\n";
+  const uint64_t num_vertices = uint64_t{1} << 32;
+  make("element vertex 4294967296\n" + vertex, 3 * num_vertices);
+  for (const auto& read :
+       {std::function<void()>([&] { ReadPlyMesh(path_); }),
+        std::function<void()>([&] { ReadPlyCloud(path_); })}) {
+    EXPECT_NE(FileErrorOf(read).find("has 4294967296 vertex elements, but at "
+                                     "most 4294967295"),
+              std::string::npos);
+  }
+  const uint64_t num_facets = num_vertices / 3 + 1;
+  make("element vertex 1\n" + vertex + "element face 1431655766\n" +
+           "property list uchar uchar vertex_index\n",
+       3 + num_facets);
+  EXPECT_NE(FileErrorOf([&] {
+              ReadPlyMesh(path_);
+            }).find("has 1431655766 face elements, but at most 1431655765"),
+            std::string::npos);
 }
 
 }  // namespace
