@@ -286,7 +286,9 @@ class Planner {
             ? options_.distance_sigma
             : meshing.distance_sigma_factor * MergedPercentile(edges);
     if (!(plan_.distance_sigma > 0)) {
-      throw FileError(files_.path, "the points of no tile span a volume");
+      throw FileError(files_.path,
+                      "the points of no tile span a volume: take a larger "
+                      "region, or mask less");
     }
   }
 

@@ -80,8 +80,7 @@ struct MeshEvaluation {
 // surfaces count.
 //
 // \pre options in their ranges; facet indices in range; mesh and, unless depth
-// maps are
-//      the truth, surface not empty
+//      maps are the truth, surface not empty
 // \throw std::invalid_argument if the truth and the views do not fit together,
 //        or the spacing is too small for the scene
 MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,

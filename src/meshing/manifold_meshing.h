@@ -142,9 +142,9 @@ std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
 //
 // \param ends  of more rays that meet no surface
 // \pre all positions are finite, view indices < views.size(), options in their
-// ranges. \throw std::invalid_argument where the points do not span a volume,
-// or no
-//        view sees any, or the region or the trimming leaves nothing.
+//      ranges.
+// \throw std::invalid_argument where the points do not span a volume, or no
+//        view sees any, or the region, the ends or the trimming leave nothing.
 // \throw std::logic_error where the cut is not minimal or the result is not
 //        manifold, which would be a bug of ours.
 ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,

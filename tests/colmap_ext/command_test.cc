@@ -277,6 +277,9 @@ TEST_P(CommandTest, RefusesBadOptions) {
                 "max_depth_dist");
   ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.max_proj_dist nan",
                 "max_proj_dist");
+  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.behind_sigma inf",
+                "--DelaunayManifoldMeshing.behind_sigma is 'inf'; it has to be "
+                "a number, 1e-06 ... 1000000");
 }
 
 TEST_P(CommandTest, RefusesMissingFiles) {
