@@ -167,7 +167,7 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
                      kThreads,
                      "[threads] -1 for all; the result does not depend on it");
   manager->AddNumber(
-      "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb, kMemory,
+      "FacetwiseRefinement.max_memory_gb", &refiner->max_memory_gb, kGigabytes,
       "[GB] For images and what is drawn into them; what does not fit is "
       "read and drawn again");
   AddMissingImagesOption(manager, refiner);

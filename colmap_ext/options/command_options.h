@@ -27,8 +27,8 @@ struct NumberRange {
 inline constexpr NumberRange kPositive{1e-6, 1e6};
 inline constexpr NumberRange kNotNegative{0, 1e6};
 
-inline constexpr NumberRange kLength{0, 1e9};     // scene units
-inline constexpr NumberRange kMemory{1e-9, 1e6};  // GB, from a byte on
+inline constexpr NumberRange kLength{0, 1e9};        // scene units
+inline constexpr NumberRange kGigabytes{1e-9, 1e6};  // GB, from a byte on
 inline constexpr NumberRange kThreads{1, 1024, -1};
 
 // The options that a command takes, by the rules of COLMAP's command line: each

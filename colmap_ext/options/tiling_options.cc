@@ -35,7 +35,7 @@ void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
   manager->AddDefaultOption("output_path", &planner->output_path,
                             "The plan, a folder. What is there of the same "
                             "plan is kept");
-  manager->AddNumber("max_memory_gb", &planner->max_memory_gb, kMemory,
+  manager->AddNumber("max_memory_gb", &planner->max_memory_gb, kGigabytes,
                      "[GB] What the job of a tile may take");
   manager->AddNumber("num_tiles", &planner->num_tiles, {0},
                      "[tiles] 0: as many as max_memory_gb asks for");
