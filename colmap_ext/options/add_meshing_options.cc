@@ -33,7 +33,7 @@ void AddPathOptions(CommandOptions* manager, MesherOptions* mesher) {
       "plan", &mesher->plan_path,
       "The folder of mesh_planner. One tile of it is done, with the plan's "
       "options; mesh_merger makes the mesh of all");
-  manager->AddNumber("tile", &mesher->tile, {0, kNoLimit, -1},
+  manager->AddNumber("tile", &mesher->tile, kCountOrMinusOne,
                      "The tile of the plan");
   manager->AddDefaultOption("input_type", &mesher->words.input_type,
                             "{dense, sparse}");
@@ -110,7 +110,7 @@ void AddSurfaceOptions(CommandOptions* manager, MesherOptions* mesher) {
       "out; 0: none");
   manager->AddNumber(
       "DelaunayManifoldMeshing.close_holes", &meshing->borders.close_holes,
-      {0, kNoLimit, -1},
+      kCountOrMinusOne,
       "[edges] Holes of up to as many are closed; -1: all, 0: none");
   manager->AddDefaultOption("DelaunayManifoldMeshing.remeshing",
                             &meshing->remeshing,

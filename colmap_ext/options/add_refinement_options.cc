@@ -40,7 +40,7 @@ void AddModeOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "The folder of mesh_planner. With input_path, the mesh that mesh_merger "
       "made of it, the refinement of its tiles is planned; with tile, one is "
       "refined, and mesh_merger --refined 1 makes the mesh of all");
-  manager->AddNumber("tile", &refiner->tile, {0, kNoLimit, -1},
+  manager->AddNumber("tile", &refiner->tile, kCountOrMinusOne,
                      "The tile of the plan");
   manager->AddDefaultOption(
       "resume", &refiner->resume,
@@ -143,7 +143,7 @@ void AddBorderOptions(CommandOptions* manager, RefinerOptions* refiner) {
       "none where there is no fused.ply or no face has as much");
   manager->AddNumber(
       "FacetwiseRefinement.close_holes", &borders->close_holes,
-      {0, kNoLimit, -1},
+      kCountOrMinusOne,
       "[edges] Holes of up to as many are closed; -1: all, 0: none");
 }
 
@@ -161,7 +161,7 @@ void AddRunOptions(CommandOptions* manager, RefinerOptions* refiner) {
                             "auto: OpenGL on a graphics card, or else the "
                             "processor");
   manager->AddNumber(
-      "FacetwiseRefinement.gpu_index", &refiner->gpu_index, {0, kNoLimit, -1},
+      "FacetwiseRefinement.gpu_index", &refiner->gpu_index, kCountOrMinusOne,
       "Of the graphics card, as EGL lists them; -1: the first that will do");
   manager->AddNumber("FacetwiseRefinement.num_threads", &refiner->num_threads,
                      kThreads,

@@ -51,7 +51,7 @@ void AddPictureOptions(CommandOptions* manager, ViewerOptions* viewer) {
                             "of its width and height");
   manager->AddNumber("image_opacity", &viewer->image_opacity, {0, 1},
                      "Opacity of the camera's image over the mesh");
-  manager->AddNumber("gpu_index", &viewer->gpu_index, {0, kNoLimit, -1},
+  manager->AddNumber("gpu_index", &viewer->gpu_index, kCountOrMinusOne,
                      "Graphics card that draws pictures, as EGL lists "
                      "them; -1: the first");
 }

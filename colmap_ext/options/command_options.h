@@ -29,7 +29,12 @@ inline constexpr NumberRange kNotNegative{0, 1e6};
 
 inline constexpr NumberRange kLength{0, 1e9};        // scene units
 inline constexpr NumberRange kGigabytes{1e-9, 1e6};  // GB, from a byte on
+
+// A choice: for 2^31 threads TBB took a minute, and all memory.
 inline constexpr NumberRange kThreads{1, 1024, -1};
+
+// Where -1 stands for all, any or none, as the help says.
+inline constexpr NumberRange kCountOrMinusOne{0, kNoLimit, -1};
 
 // The options that a command takes, by the rules of COLMAP's command line: each
 // has a value, `--name VALUE` or `--name=VALUE`, and so has a truth value. They

@@ -43,7 +43,7 @@ void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
                      "[scene units] The expected noise of the points; 0: as "
                      "DelaunayManifoldMeshing.distance_sigma_factor says");
   manager->AddNumber(
-      "seam_rings", &planner->seam_rings, {0, kNoLimit, -1},
+      "seam_rings", &planner->seam_rings, kCountOrMinusOne,
       "[cells] How wide the merger cuts again on both sides of a seam; -1: "
       "wherever one machine could decide otherwise, which takes memory");
   manager->AddDefaultOption("fused_path", &mesher->words.fused_path,
