@@ -14,8 +14,7 @@ namespace colmap_ext {
 //        position
 // \return indices of points
 // \pre all positions are finite
-// \throw std::invalid_argument if there are more than 32-bit indices can
-// number.
+// \throw std::invalid_argument if there are more than 32 bits can number.
 std::vector<uint32_t> DistinctPoints(
     const std::vector<Eigen::Vector3f>& positions,
     std::vector<uint32_t>* representatives);

@@ -29,10 +29,9 @@ struct PlyCloud {
 // not expect and trusts counts, and none is packaged apart from libraries that
 // bring a mesh type or more along.
 //
-// \throw FileError if the file is missing, truncated, not such a PLY, or has
-// more
-//        points than 32-bit indices can number. Never allocates more than the
-//        file's size justifies.
+// \throw FileError if the file is missing, truncated, or not such a PLY, or if
+//        it has more points than 32-bit indices can number. Never allocates
+//        more than the file's size justifies.
 PlyCloud ReadPlyCloud(const std::filesystem::path& path);
 
 // Reads the vertices where the reader has come to them.
