@@ -6,8 +6,7 @@
 
 namespace colmap_ext {
 
-// How many things 32-bit indices can number: UINT32_MAX stands for none of
-// them.
+// How many things 32-bit indices can number: UINT32_MAX means none.
 inline constexpr uint64_t kMaxIndexed = UINT32_MAX;
 
 // Returns the count.
