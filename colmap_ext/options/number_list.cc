@@ -13,9 +13,9 @@ std::vector<double> ParseNumberList(const std::string& option,
                                     const std::string& text, size_t count) {
   std::optional<std::vector<double>> numbers = ParseNumbers(text);
   if (!numbers || numbers->empty() || (count > 0 && numbers->size() != count)) {
-    throw OptionError(
-        fmt::format("{} is '{}'; it has to be {}numbers separated by commas",
-                    option, text, count > 0 ? fmt::format("{} ", count) : ""));
+    throw OptionError(fmt::format(
+        "{} is '{}'; it has to be {}numbers separated by commas, all finite",
+        option, text, count > 0 ? fmt::format("{} ", count) : ""));
   }
   return *std::move(numbers);
 }

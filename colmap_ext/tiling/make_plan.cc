@@ -187,7 +187,9 @@ class Planner {
 
   [[noreturn]] void ThrowTooFew() const {
     throw FileError(files_.path,
-                    fmt::format("too few points for {} tiles", num_tiles_));
+                    fmt::format("too few points for {} tiles: take fewer, "
+                                "or a larger region",
+                                num_tiles_));
   }
 
   // By points and rays, which take about as long.
