@@ -13,6 +13,7 @@
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/tiling/folder_lock.h"
 #include "colmap_ext/tiling/make_plan.h"
 #include "merging/banded_mesh.h"
 
@@ -77,6 +78,9 @@ void MakeAndPrint(const PlannerOptions& options) {
       MakePlan(options, ColmapPictureDecoder(), progress, &report);
   reporter.Finish();
   ReportLog log(&std::cout);
+  if (!report.is_locked) {
+    PrintWarning(kNoLocks, &log);
+  }
   if (report.is_kept) {
     std::cout << "This plan is there already: nothing to do" << std::endl;
   } else {

@@ -35,6 +35,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What brings poses closer that are too inaccurate.
+std::string HowToAlign(const RefinementInput& input) {
+  if (HasOneImageFrames(input.sparse_model)) {
+    return "Let --FacetwiseRefinement.refine_cameras poses align them";
+  }
+  return fmt::format(
+      "Cameras of rigs are not refined here: refine them by `mkdir SPARSE && "
+      "colmap bundle_adjuster --input_path {} --output_path SPARSE`, and take "
+      "--sparse_path SPARSE",
+      input.workspace.sparse_path.string());
+}
+
 // One run of the command, from its files to its files.
 class Refiner {
  public:
@@ -61,7 +73,7 @@ class Refiner {
     reporter_.Finish();
     Print(refined);
     WritePage(refined.report.steps, pictures);
-    PrintFiles();
+    PrintFiles(refined.report);
   }
 
  private:
@@ -208,7 +220,7 @@ class Refiner {
       live_->Show(refined.mesh, refined.attributes, "writing");
     }
     // First: without it a mesh of refined cameras is of little use.
-    if (AreCamerasRefined()) {
+    if (AreCamerasRefined(refined.report)) {
       WriteSparseModel(
           paths_.refined_sparse,
           WithRefinedCameras(
@@ -231,8 +243,9 @@ class Refiner {
     }
   }
 
-  bool AreCamerasRefined() const {
-    return input_.camera_parts != RefinedParts::kNone;
+  // Whether other cameras than the input's belong to the mesh.
+  static bool AreCamerasRefined(const RefinementReport& report) {
+    return !report.cameras.empty();
   }
 
   bool HasReport() const { return !options_.report_path.empty(); }
@@ -272,26 +285,41 @@ class Refiner {
         &log_);
     if (refined.report.is_held) {
       PrintWarning(
-          "the images do not fit each other well enough to refine the mesh by "
-          "them, which stays as it is; let "
-          "--FacetwiseRefinement.refine_cameras "
-          "poses align them",
+          fmt::format("the camera poses are too inaccurate ({:.2f} px): the "
+                      "mesh was not refined, and is written as it is. {}",
+                      refined.report.misalignment->by_cameras,
+                      HowToAlign(input_)),
           &log_);
     }
     if (refined.report.misalignment) {
       PrintReport(*refined.report.misalignment, refined.views, &log_);
     }
-    if (!refined.report.cameras.empty()) {
+    if (AreCamerasRefined(refined.report)) {
       PrintReport(refined.report.cameras.back(), refined.views, &log_);
+    } else {
+      PrintSameCameras();
     }
     PrintReport(reporter_.StageTimes(), PeakMemory(), &log_);
   }
 
-  void PrintFiles() const {
+  // Cameras of an earlier run may lie where those of this one would.
+  void PrintSameCameras() {
+    std::error_code ignored;
+    const fs::path& sparse = input_.workspace.sparse_path;
+    PrintText("cameras", "as they were, " + sparse.string(), &log_);
+    if (fs::exists(paths_.refined_sparse, ignored) &&
+        !fs::equivalent(paths_.refined_sparse, sparse, ignored)) {
+      PrintWarning(paths_.refined_sparse.string() +
+                       " is of an earlier run: this mesh does not belong to it",
+                   &log_);
+    }
+  }
+
+  void PrintFiles(const RefinementReport& report) const {
     std::cout << "\nWrote " << paths_.output.string()
-              << (AreCamerasRefined() ? ", " : " and ")
+              << (AreCamerasRefined(report) ? ", " : " and ")
               << VisibilityPath(paths_.output).string();
-    if (AreCamerasRefined()) {
+    if (AreCamerasRefined(report)) {
       std::cout << " and " << paths_.refined_sparse.string()
                 << ", which belong together";
     }

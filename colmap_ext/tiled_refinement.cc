@@ -17,6 +17,7 @@
 #include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/terminal/stop_signal.h"
+#include "colmap_ext/tiling/folder_lock.h"
 #include "colmap_ext/tiling/plan_refinement.h"
 #include "colmap_ext/tiling/refine_tile.h"
 
@@ -69,6 +70,9 @@ void PlanTiles(const RefinerOptions& options) {
               << std::endl;
   }
   ReportLog log(&std::cout);
+  if (!report.is_locked) {
+    PrintWarning(kNoLocks, &log);
+  }
   PrintPlan(plan, options.plan_path, &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);
   std::cout << "\nPlanned " << RefinementPlanPath(options.plan_path).string()
@@ -82,6 +86,9 @@ void Print(const RefineTileReport& report, ReportLog* log) {
     PrintText("went on after", LevelName(report.resumed_level), log);
   }
   Print("images read", static_cast<int64_t>(report.num_views), log);
+  if (report.masks) {
+    PrintReport(*report.masks, log);
+  }
   Print("faces read", static_cast<int64_t>(report.num_facets), log);
   Print("faces refined", static_cast<int64_t>(report.num_removed), log);
   Print("faces that they become", static_cast<int64_t>(report.num_added), log);

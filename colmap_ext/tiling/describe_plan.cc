@@ -1,5 +1,9 @@
 #include "colmap_ext/tiling/describe_plan.h"
 
+#include <map>
+#include <string>
+#include <system_error>
+
 #include <fmt/format.h>
 
 #include "colmap_ext/options/add_meshing_options.h"
@@ -8,6 +12,25 @@
 namespace colmap_ext {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Of all masks together: jobs that mesh a tile do not read them, and need not
+// look at each, as they do at Plan::inputs.
+std::string FingerprintOf(const fs::path& masks) {
+  std::map<std::string, std::string> files;
+  std::error_code ignored;  // the planner says what is wrong with the folder
+  for (const auto& file : fs::recursive_directory_iterator(masks, ignored)) {
+    files[file.path().string()] = QuickFingerprint(file.path());
+  }
+  uint64_t hash = HashBytes("");
+  for (const auto& [path, fingerprint] : files) {
+    hash = HashBytes(fmt::format("{}={}\n", path, fingerprint), hash);
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace
 
 Plan DescribePlan(const PlannerOptions& options, const FusedFiles& files) {
   Plan plan;
@@ -33,7 +56,11 @@ Plan DescribePlan(const PlannerOptions& options, const FusedFiles& files) {
     }
   }
   plan.options["image_order"] = mesher.words.image_order;
-  plan.options["mask_path"] = mesher.scene.mask_path;
+  const fs::path masks = mesher.scene.mask_path;  // jobs may run elsewhere
+  plan.options["mask_path"] = masks.empty() ? "" : fs::absolute(masks).string();
+  if (!masks.empty()) {
+    plan.options["masks"] = FingerprintOf(fs::absolute(masks));
+  }
   plan.options["mask_background"] = mesher.mask_background ? "1" : "0";
   plan.options["region"] = mesher.scene.region.text;
   if (const fs::path region = mesher.scene.region.text; fs::exists(region)) {

@@ -4,6 +4,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
+
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -11,15 +13,14 @@ namespace colmap_ext {
 FolderLock::FolderLock(const std::filesystem::path& folder)
     : descriptor_(open((folder / "plan.lock").c_str(),
                        O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-  if (descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
-    return;
+  if (descriptor_ < 0) {
+    throw FileError(folder, "can not be written");
   }
-  const bool is_open = descriptor_ >= 0;
-  if (is_open) {
+  is_locked_ = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+  if (!is_locked_ && errno == EWOULDBLOCK) {
     close(descriptor_);
+    throw FileError(folder, "another planner is at work there");
   }
-  throw FileError(folder, is_open ? "another planner is at work there"
-                                  : "can not be written");
 }
 
 FolderLock::~FolderLock() { close(descriptor_); }

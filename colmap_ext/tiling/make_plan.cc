@@ -18,6 +18,7 @@
 #include "formats/errors.h"
 #include "merging/banded_mesh.h"
 #include "meshing/manifold_meshing.h"
+#include "scene/gray_image.h"
 #include "scene/half_pixel.h"
 #include "tiles/split_tree.h"
 #include "tiles/thin_tile.h"
@@ -37,6 +38,9 @@ constexpr size_t kPiecePoints = 1 << 18;
 // How many of the points are vertices after the usual thinning. Measured on:
 // fountain, bunny and sceaux, 0.26 to 0.35.
 constexpr double kThinnedShare = 0.3;
+
+// Of max_memory_gb, for masks that are kept. A choice.
+constexpr double kMaskShare = 0.25;
 
 // What thinning takes, GB a point. Measured on: fountain tiled.
 constexpr double kThinningGb = 400e-9;
@@ -72,13 +76,18 @@ class Planner {
     plan_.region = options_.mesher.scene.region.Resolve(sample_.views,
                                                         sample_.sparse_points);
     report_->region = plan_.region;
+    ReadMasks();
     CropSample();
     const SplitTree tree = SplitSample(num_tiles_);
     TilePoints points(folder_, tree, num_tiles_, num_points_, options_.mesher,
-                      sample_.views, decoder_, plan_.region);
+                      sample_.views, read_mask_, plan_.region);
     ShareOut(tree, &points);
     ThinTiles(&points);
-    report_->masks = points.masks();
+    if (report_->masks) {
+      const size_t num_masks = report_->masks->num_masks;
+      report_->masks = points.masks();
+      report_->masks->num_masks = num_masks;
+    }
     plan_.merger_memory_gb = MergerMemoryGb(
         plan_, !NeedsWholeSurface(options_.mesher.meshing).empty());
     WritePlan(folder_, plan_);
@@ -167,12 +176,20 @@ class Planner {
     return dense;
   }
 
+  void ReadMasks() {
+    const std::string& path = options_.mesher.scene.mask_path;
+    if (!path.empty()) {
+      read_mask_ =
+          KeepMasks(MaskReader(path, sample_.views, decoder_), sample_.views,
+                    static_cast<size_t>(kMaskShare * 1e9 *
+                                        std::min(options_.max_memory_gb, 1e6)));
+    }
+  }
+
   // Leaves what masks and the region do.
   void CropSample() {
-    const SceneOptions& scene = options_.mesher.scene;
-    if (!scene.mask_path.empty()) {
-      MaskCloud(MaskReader(scene.mask_path, sample_.views, decoder_),
-                sample_.views, &sample_.cloud);
+    if (read_mask_) {
+      report_->masks = MaskCloud(read_mask_, sample_.views, &sample_.cloud);
     }
     if (plan_.region) {
       WeightedCloud weighted{std::move(sample_.cloud), {}, 0};
@@ -329,6 +346,7 @@ class Planner {
   const size_t num_points_;
   size_t num_tiles_ = 1;
   Workspace sample_;
+  ReadGrayImage read_mask_;  // or nothing
   Plan plan_;
 };
 
@@ -342,6 +360,7 @@ Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
     throw FileError(options.output_path, "can not be made: " + error.message());
   }
   const FolderLock lock(options.output_path);
+  report->is_locked = lock.IsLocked();
   return Planner(options, decoder, progress, report).Run();
 }
 

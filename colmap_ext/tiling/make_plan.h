@@ -14,7 +14,8 @@
 namespace colmap_ext {
 
 struct PlanReport {
-  bool is_kept = false;  // the same plan was there: nothing was done
+  bool is_kept = false;    // the same plan was there: nothing was done
+  bool is_locked = false;  // see FolderLock
   WorkspaceReport workspace;
   std::optional<HalfPixelReport> half_pixel;
   std::optional<MaskReport> masks;

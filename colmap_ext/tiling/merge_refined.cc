@@ -23,6 +23,7 @@ RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
   RefinerOptions options;
   ApplyOptions(folder, refinement, &options);
   options.FinishMethod();
+  options.refinement.region = plan.region;
   Report(progress, "Putting the tiles together", 0);
   RefinedMesh refined;
   try {

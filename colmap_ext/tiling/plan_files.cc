@@ -54,6 +54,19 @@ enum CutSection {
   kNumCutSections
 };
 
+// \throw FileError if the tile is not done
+fs::path DoneCutPath(const fs::path& folder, size_t tile) {
+  const fs::path path = CutPath(folder, tile);
+  if (!fs::exists(path)) {
+    throw FileError(path, "tile " + std::to_string(tile) +
+                              " is not done: run delaunay_manifold_mesher "
+                              "--plan " +
+                              folder.string() + " --tile " +
+                              std::to_string(tile));
+  }
+  return path;
+}
+
 }  // namespace
 
 void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
@@ -113,7 +126,10 @@ bool HasCut(const fs::path& folder, uint64_t identity, size_t tile) {
                      kNumCutSections);
 }
 
-FilePlan::FilePlan(const fs::path& folder, const Plan& plan) {
+FilePlan::FilePlan(const fs::path& folder, const Plan& plan)
+    : files_([folder](size_t tile) { return VerticesPath(folder, tile); },
+             kVerticesKind, plan.identity, kNumVerticesSections,
+             plan.tiles.size()) {
   const SectionReader file(BlocksPath(folder), kBlocksKind, plan.identity,
                            kNumBlocksSections);
   blocks_.tile_begins = file.ReadAll<uint32_t>(kTileBegins);
@@ -127,11 +143,6 @@ FilePlan::FilePlan(const fs::path& folder, const Plan& plan) {
   if (blocks_.NumTiles() != plan.tiles.size()) {
     throw FileError(BlocksPath(folder), "damaged: plan again by mesh_planner");
   }
-  for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
-    files_.push_back(std::make_unique<SectionReader>(
-        VerticesPath(folder, tile), kVerticesKind, plan.identity,
-        kNumVerticesSections));
-  }
 }
 
 std::vector<Eigen::Vector3f> FilePlan::ReadPositions(uint32_t begin,
@@ -141,8 +152,8 @@ std::vector<Eigen::Vector3f> FilePlan::ReadPositions(uint32_t begin,
   }
   const uint32_t tile = blocks_.TileOf(begin);
   const uint32_t first = blocks_.FirstVertex(tile);
-  return files_[tile]->Read<Eigen::Vector3f>(kPositions, begin - first,
-                                             end - first);
+  return files_.Open(tile)->Read<Eigen::Vector3f>(kPositions, begin - first,
+                                                  end - first);
 }
 
 Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
@@ -152,15 +163,15 @@ Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
   }
   const uint32_t tile = blocks_.TileOf(begin);
   const uint32_t first = blocks_.FirstVertex(tile);
-  const SectionReader& file = *files_[tile];
+  const auto file = files_.Open(tile);
   read.offsets =
-      file.Read<uint64_t>(kRayOffsets, begin - first, end - first + 1);
+      file->Read<uint64_t>(kRayOffsets, begin - first, end - first + 1);
   const uint64_t from = read.offsets.front();
   const uint64_t to = read.offsets.back();
-  read.views = file.Read<uint32_t>(kRayViews, from, to);
-  read.alphas = file.Read<float>(kRayAlphas, from, to);
-  if (file.Count<uint8_t>(kIsEnd) > 0) {
-    read.is_end = file.Read<uint8_t>(kIsEnd, begin - first, end - first);
+  read.views = file->Read<uint32_t>(kRayViews, from, to);
+  read.alphas = file->Read<float>(kRayAlphas, from, to);
+  if (file->Count<uint8_t>(kIsEnd) > 0) {
+    read.is_end = file->Read<uint8_t>(kIsEnd, begin - first, end - first);
   }
   for (uint64_t& offset : read.offsets) {
     offset -= from;
@@ -176,17 +187,17 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
     const uint32_t first = blocks_.FirstVertex(tile);
     const uint32_t begin = blocks_.begins[block] - first;
     const uint32_t end = blocks_.begins[block + 1] - first;
-    const SectionReader& file = *files_[tile];
-    const auto supports = file.Read<float>(kSupports, begin, end);
-    const auto colors = file.Count<Color>(kColors) > 0
-                            ? file.Read<Color>(kColors, begin, end)
+    const auto file = files_.Open(tile);
+    const auto supports = file->Read<float>(kSupports, begin, end);
+    const auto colors = file->Count<Color>(kColors) > 0
+                            ? file->Read<Color>(kColors, begin, end)
                             : std::vector<Color>();
-    const auto is_end = file.Count<uint8_t>(kIsEnd) > 0
-                            ? file.Read<uint8_t>(kIsEnd, begin, end)
+    const auto is_end = file->Count<uint8_t>(kIsEnd) > 0
+                            ? file->Read<uint8_t>(kIsEnd, begin, end)
                             : std::vector<uint8_t>(end - begin, 0);
-    const auto offsets = file.Read<uint64_t>(kViewOffsets, begin, end + 1);
+    const auto offsets = file->Read<uint64_t>(kViewOffsets, begin, end + 1);
     const auto views =
-        file.Read<uint32_t>(kViews, offsets.front(), offsets.back());
+        file->Read<uint32_t>(kViews, offsets.front(), offsets.back());
     for (; it != ids.end() && *it < blocks_.begins[block + 1]; ++it) {
       const uint32_t vertex = *it - first - begin;
       read.supports.push_back(supports[vertex]);
@@ -201,58 +212,47 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
   return read;
 }
 
-FileParts::FileParts(const fs::path& folder, const Plan& plan) {
-  for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
-    const fs::path path = CutPath(folder, tile);
-    if (!fs::exists(path)) {
-      throw FileError(path, "tile " + std::to_string(tile) +
-                                " is not done: run delaunay_manifold_mesher "
-                                "--plan " +
-                                folder.string() + " --tile " +
-                                std::to_string(tile));
-    }
-    files_.push_back(std::make_unique<SectionReader>(
-        path, kCutKind, plan.identity, kNumCutSections));
-  }
-}
+FileParts::FileParts(const fs::path& folder, const Plan& plan)
+    : files_([folder](size_t tile) { return DoneCutPath(folder, tile); },
+             kCutKind, plan.identity, kNumCutSections, plan.tiles.size()) {}
 
 TileSeam FileParts::ReadSeam(uint32_t tile) const {
-  return {files_[tile]->ReadAll<UnknownCell>(kCutUnknown),
-          files_[tile]->ReadAll<SharedCell>(kCutShared)};
+  return {files_.Open(tile)->ReadAll<UnknownCell>(kCutUnknown),
+          files_.Open(tile)->ReadAll<SharedCell>(kCutShared)};
 }
 
 TilePart FileParts::ReadPart(uint32_t tile) const {
-  const SectionReader& file = *files_[tile];
+  const auto file = files_.Open(tile);
   TilePart part;
-  part.tile.ids = file.ReadAll<uint32_t>(kCutIds);
-  part.tile.num_own = file.Read<uint32_t>(kCutNumOwn, 0, 1)[0];
+  part.tile.ids = file->ReadAll<uint32_t>(kCutIds);
+  part.tile.num_own = file->Read<uint32_t>(kCutNumOwn, 0, 1)[0];
   Tetrahedralization& tetrahedra = part.tile.tetrahedra;
-  tetrahedra.cells = file.ReadAll<Tetrahedralization::Cell>(kCutCells);
+  tetrahedra.cells = file->ReadAll<Tetrahedralization::Cell>(kCutCells);
   tetrahedra.points.assign(part.tile.ids.size(), Eigen::Vector3f::Zero());
-  tetrahedra.vertex_cells = file.ReadAll<uint32_t>(kCutFirstCells);
-  part.labels = file.ReadAll<uint8_t>(kCutLabels);
+  tetrahedra.vertex_cells = file->ReadAll<uint32_t>(kCutFirstCells);
+  part.labels = file->ReadAll<uint8_t>(kCutLabels);
   return part;
 }
 
 PartVertices FileParts::ReadVertices(uint32_t tile) const {
-  return {files_[tile]->ReadAll<uint32_t>(kCutIds),
-          files_[tile]->ReadAll<uint32_t>(kCutFirstCells)};
+  return {files_.Open(tile)->ReadAll<uint32_t>(kCutIds),
+          files_.Open(tile)->ReadAll<uint32_t>(kCutFirstCells)};
 }
 
 uint32_t FileParts::NumCells(uint32_t tile) const {
-  return static_cast<uint32_t>(files_[tile]->Count<uint8_t>(kCutLabels));
+  return static_cast<uint32_t>(files_.Open(tile)->Count<uint8_t>(kCutLabels));
 }
 
 PartCells FileParts::ReadCells(uint32_t tile, uint32_t begin,
                                uint32_t end) const {
-  const SectionReader& file = *files_[tile];
+  const auto file = files_.Open(tile);
   PartCells read;
-  read.cells = file.Read<Tetrahedralization::Cell>(kCutCells, begin, end);
-  read.labels = file.Read<uint8_t>(kCutLabels, begin, end);
+  read.cells = file->Read<Tetrahedralization::Cell>(kCutCells, begin, end);
+  read.labels = file->Read<uint8_t>(kCutLabels, begin, end);
   read.graph.capacities =
-      file.Read<std::array<uint32_t, 4>>(kCutCapacities, begin, end);
-  read.graph.source = file.Read<uint32_t>(kCutSource, begin, end);
-  read.graph.sink = file.Read<uint32_t>(kCutSink, begin, end);
+      file->Read<std::array<uint32_t, 4>>(kCutCapacities, begin, end);
+  read.graph.source = file->Read<uint32_t>(kCutSource, begin, end);
+  read.graph.sink = file->Read<uint32_t>(kCutSink, begin, end);
   return read;
 }
 

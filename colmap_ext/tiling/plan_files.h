@@ -2,11 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <vector>
 
 #include "colmap_ext/tiling/plan.h"
-#include "colmap_ext/tiling/section_file.h"
+#include "colmap_ext/tiling/tile_files.h"
 #include "tiles/plan_vertices.h"
 #include "tiles/thin_tile.h"
 #include "tiles/tile_cut.h"
@@ -46,7 +45,7 @@ class FilePlan : public PlanVertices {
 
  private:
   PlanBlocks blocks_;
-  std::vector<std::unique_ptr<SectionReader>> files_;  // [tiles]
+  TileFiles files_;
 };
 
 // What the tiles' jobs have left on disk.
@@ -63,7 +62,7 @@ class FileParts : public TileParts {
                       uint32_t end) const override;
 
  private:
-  std::vector<std::unique_ptr<SectionReader>> files_;  // [tiles]
+  TileFiles files_;
 };
 
 }  // namespace colmap_ext

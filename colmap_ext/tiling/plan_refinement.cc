@@ -21,6 +21,7 @@
 #include "mesh/topology.h"
 #include "tiles/tile_cells.h"
 #include "workspace/find_workspace.h"
+#include "workspace/masks.h"
 
 namespace colmap_ext {
 namespace {
@@ -212,6 +213,12 @@ void Identify(const fs::path& mesh_path, const RefinerOptions& options,
   for (const View& view : plan.views) {
     inputs.push_back(ImagesPath(plan) / view.name);
   }
+  if (const fs::path masks = MaskPath(plan); !masks.empty()) {
+    MaskReader(masks, plan.views, {});  // throws if there are none
+    for (const View& view : plan.views) {
+      inputs.push_back(FindMask(masks, view.name));
+    }
+  }
   for (const fs::path& input : inputs) {
     refinement->inputs[fs::absolute(input).string()] = QuickFingerprint(input);
   }
@@ -240,12 +247,18 @@ fs::path ImagesPath(const Plan& plan) {
   return FindUndistortedFolder(plan.workspace_path) / "images";
 }
 
+fs::path MaskPath(const Plan& plan) {
+  const auto found = plan.options.find("mask_path");
+  return found == plan.options.end() ? "" : found->second;
+}
+
 RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
                               const RefinerOptions& options,
                               const Progress& progress,
                               RefinementPlanReport* report) {
   const Plan plan = ReadPlan(folder);
   const FolderLock lock(folder);
+  report->is_locked = lock.IsLocked();
   if (!fs::exists(mesh_path)) {
     throw FileError(mesh_path, "no such file; merge the tiles by mesh_merger");
   }

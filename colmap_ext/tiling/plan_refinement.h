@@ -10,7 +10,8 @@
 namespace colmap_ext {
 
 struct RefinementPlanReport {
-  bool is_kept = false;  // the same plan was there: nothing was done
+  bool is_kept = false;    // the same plan was there: nothing was done
+  bool is_locked = false;  // see FolderLock
   size_t num_vertices = 0;
   size_t num_facets = 0;
 };
@@ -29,5 +30,8 @@ RefinementPlan PlanRefinement(const std::filesystem::path& folder,
 
 // Where a plan's pictures lie.
 std::filesystem::path ImagesPath(const Plan& plan);
+
+// Where its masks lie; empty: it has none.
+std::filesystem::path MaskPath(const Plan& plan);
 
 }  // namespace colmap_ext

@@ -11,6 +11,7 @@
 #include "colmap_ext/tiling/surface_files.h"
 #include "colmap_ext/tiling/tile_state.h"
 #include "photometry/image_pyramid.h"
+#include "workspace/masks.h"
 #include "workspace/usable_pictures.h"
 
 namespace colmap_ext {
@@ -36,9 +37,28 @@ Rows<uint32_t> Renumber(const Rows<uint32_t>& rows,
 // The pictures of some of a plan's views.
 struct TilePictures {
   std::vector<View> views;
+  ReadGrayImage read_mask;  // of the views; empty: no masks
   std::shared_ptr<ImagePyramid> images;
   std::vector<std::string> errors;  // [views] empty: can be used
 };
+
+// \return nothing if the plan has no masks
+ReadGrayImage TileMasks(const RefinementJob& job,
+                        const RefinementTarget& target,
+                        const PictureDecoder& decoder) {
+  const fs::path folder = MaskPath(job.plan);
+  if (folder.empty()) {
+    return {};
+  }
+  for (const uint32_t view : target.views) {
+    const fs::path mask = FindMask(folder, job.plan.views[view].name);
+    if (!mask.empty()) {
+      ExpectSameInput(job.refinement, mask);
+    }
+  }
+  return [read = MaskReader(folder, job.plan.views, decoder),
+          views = target.views](size_t view) { return read(views[view]); };
+}
 
 TilePictures ReadPictures(const RefinementJob& job,
                           const RefinementTarget& target,
@@ -51,9 +71,10 @@ TilePictures ReadPictures(const RefinementJob& job,
     ExpectSameInput(job.refinement, images_path / pictures.views.back().name);
   }
   pictures.errors.resize(pictures.views.size());
+  pictures.read_mask = TileMasks(job, target, decoder);
   pictures.images = std::make_shared<ImagePyramid>(
       pictures.views, PictureReader(images_path, pictures.views, decoder),
-      options.MaxImageMemory(), ReadGrayImage(),
+      options.MaxImageMemory(), pictures.read_mask,
       options.MaxMemoryLentToImages());
   FindUnreadable([&](size_t view) { pictures.images->Image(view); },
                  &pictures.errors);
@@ -112,6 +133,9 @@ RefinedMesh Refine(const RefinementJob& job, const RefinementTarget& target,
   RefinementStart start = StartAt(
       part, fixed, NumbersOf(target, job.plan.views.size()), method.levels);
   PointCloud points = PointsOf(part, start.attributes.views, fixed);
+  if (pictures.read_mask) {
+    report->masks = MaskCloud(pictures.read_mask, pictures.views, &points);
+  }
   RemoveUnusable(ImagesPath(job.plan), pictures.errors, &points);
   TileState state(job, part, pictures.errors);
   report->resumed_level = state.GoOn(pictures.views, &start);

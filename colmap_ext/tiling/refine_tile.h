@@ -3,25 +3,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/tiling/refinement_plan.h"
 #include "refine/facetwise_refinement.h"
 #include "scene/picture_decoder.h"
+#include "workspace/masks.h"
 
 namespace colmap_ext {
 
 struct RefineTileReport {
   bool is_kept = false;  // it was done before: nothing was done
   uint32_t color = 0;
-  size_t num_views = 0;     // that were read
-  size_t num_facets = 0;    // of the surface that were read
-  size_t num_removed = 0;   // of them refined
-  size_t num_added = 0;     // that they became
-  std::string computed_by;  // the backend
-  int resumed_level = 0;    // after which it went on; 0: from the start
-  int last_level = 0;       // that is complete on disk; 0: none
+  size_t num_views = 0;             // that were read
+  std::optional<MaskReport> masks;  // of vertices; nothing without masks
+  size_t num_facets = 0;            // of the surface that were read
+  size_t num_removed = 0;           // of them refined
+  size_t num_added = 0;             // that they became
+  std::string computed_by;          // the backend
+  int resumed_level = 0;            // after which it went on; 0: from the start
+  int last_level = 0;               // that is complete on disk; 0: none
   RefinementReport refinement;
 };
 

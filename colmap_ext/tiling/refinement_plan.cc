@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr char kPlanAgain[] =
     "plan the refinement again by facetwise_refiner --plan PLAN --input_path "
     "MESH";

@@ -26,7 +26,8 @@ struct RefinementTile {
 // surface.
 struct RefinementPlan {
   uint64_t plan_identity = 0;
-  // The mesh and the pictures with their fingerprints, by their paths.
+  // The mesh, the pictures and their masks with their fingerprints, by their
+  // paths.
   std::map<std::string, std::string> inputs;
   std::map<std::string, std::string> options;  // as they are typed, by name
   std::vector<RefinementTile> tiles;

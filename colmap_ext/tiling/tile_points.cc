@@ -9,8 +9,7 @@ namespace colmap_ext {
 TilePoints::TilePoints(const std::filesystem::path& folder,
                        const SplitTree& tree, size_t num_tiles,
                        size_t num_points, const MesherOptions& options,
-                       const std::vector<View>& views,
-                       const PictureDecoder& decoder,
+                       const std::vector<View>& views, ReadGrayImage read_mask,
                        const std::optional<Region>& region)
     : tree_(tree),
       num_tiles_(num_tiles),
@@ -18,14 +17,11 @@ TilePoints::TilePoints(const std::filesystem::path& folder,
       options_(options),
       views_(views),
       region_(region),
+      read_mask_(std::move(read_mask)),
       shares_(folder, region ? 2 * num_tiles : num_tiles),
       ends_(num_tiles) {
   if (region) {
     collector_.emplace(*region, views);
-  }
-  if (!options.scene.mask_path.empty()) {
-    read_mask_ = MaskReader(options.scene.mask_path, views, decoder);
-    masks_.emplace();
   }
 }
 
@@ -77,9 +73,8 @@ PointCloud TilePoints::TakeMasked(size_t share) {
   PointCloud cloud = shares_.Take(share);
   if (read_mask_) {
     const MaskReport masked = MaskCloud(read_mask_, views_, &cloud);
-    masks_->num_masks = masked.num_masks;
-    masks_->num_masked_points += masked.num_masked_points;
-    masks_->num_masked_observations += masked.num_masked_observations;
+    masks_.num_masked_points += masked.num_masked_points;
+    masks_.num_masked_observations += masked.num_masked_observations;
   }
   return cloud;
 }

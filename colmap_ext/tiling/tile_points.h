@@ -10,7 +10,6 @@
 #include "colmap_ext/tiling/point_shares.h"
 #include "meshing/ray_ends.h"
 #include "scene/gray_image.h"
-#include "scene/picture_decoder.h"
 #include "scene/region.h"
 #include "scene/view.h"
 #include "tiles/split_tree.h"
@@ -24,11 +23,12 @@ namespace colmap_ext {
 class TilePoints {
  public:
   // \param num_points  of the cloud
+  // \param read_mask  of the views; empty: no masks
   // \param region  nothing is meshed beyond; nothing: no region
-  // \throw FileError if the folder can not be written, or the masks be read
+  // \throw FileError if the folder can not be written
   TilePoints(const std::filesystem::path& folder, const SplitTree& tree,
              size_t num_tiles, size_t num_points, const MesherOptions& options,
-             const std::vector<View>& views, const PictureDecoder& decoder,
+             const std::vector<View>& views, ReadGrayImage read_mask,
              const std::optional<Region>& region);
 
   // The next point, half pixel put right.
@@ -42,7 +42,8 @@ class TilePoints {
   // The points of a tile that masks leave, with the ends there. Once a tile.
   WeightedCloud Take(size_t tile);
 
-  const std::optional<MaskReport>& masks() const { return masks_; }
+  // What masks took away, num_masks aside.
+  const MaskReport& masks() const { return masks_; }
   size_t num_outside_points() const { return num_outside_; }
   size_t num_ray_ends() const { return num_ends_; }
 
@@ -58,8 +59,8 @@ class TilePoints {
   const std::vector<View>& views_;
   const std::optional<Region> region_;
   std::optional<RayEndCollector> collector_;
-  ReadGrayImage read_mask_;  // or nothing
-  std::optional<MaskReport> masks_;
+  ReadGrayImage read_mask_;
+  MaskReport masks_;
   // Of the tiles, and as many of the points beyond the region, in their order.
   PointShares shares_;
   std::vector<RayEnds> ends_;  // [tiles]

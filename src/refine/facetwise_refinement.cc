@@ -17,7 +17,6 @@
 #include "refine/point_confidences.h"
 #include "refine/refined_confidences.h"
 #include "refine/remesh_for_images.h"
-#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
@@ -312,7 +311,6 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
   complete.report.misalignment = std::move(start.misalignment);
   if (!refinement.DecideByAlignment(&complete)) {
     complete.report.is_held = true;
-    complete.attributes.confidences = refinement.ConfidencesByPoints(complete);
     complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());
     start.first_level = -1;
   }
@@ -329,9 +327,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
     }
   }
   if (complete.report.is_stopped) {
-    Report(hooks.progress, "Looking for self-intersections", 0);
-    complete.report.num_self_intersections =
-        FindSelfIntersections(complete.mesh).size();
+    CountSelfIntersections(hooks.progress, &complete);
   } else if (!start.is_part) {
     FinishRefinement(options, hooks.progress, &complete);
   }

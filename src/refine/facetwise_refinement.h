@@ -204,8 +204,8 @@ struct RefinementHooks {
 // and before the final iterations of the finest one; if that is asked for only
 // where they are misaligned, and they are not, they stay. Where they are known
 // but not refined, views that are so far off that the surface would get worse
-// are left out, and where that is most of them it stays as it is
-// (docs/method.md, section 7.7).
+// are left out, and where that is most of them the mesh stays as it is, but for
+// the region (docs/method.md, section 7.7).
 //
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.

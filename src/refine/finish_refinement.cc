@@ -7,6 +7,7 @@
 #include "remesh/carry_attributes.h"
 #include "remesh/improve_angles.h"
 #include "repair/self_intersection_repair.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
@@ -67,6 +68,12 @@ void ImproveFacets(RefinedMesh* state) {
   state->fixed_sources = std::move(fixed);
 }
 
+void CountSelfIntersections(const Progress& progress, RefinedMesh* state) {
+  Report(progress, "Looking for self-intersections", 0);
+  state->report.num_self_intersections =
+      FindSelfIntersections(state->mesh).size();
+}
+
 bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
   Report(progress, "Repairing self-intersections", 0);
   const SelfIntersectionRepair repair = RepairSelfIntersections(
@@ -79,9 +86,13 @@ bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
 
 void FinishRefinement(const FacetwiseRefinementOptions& options,
                       const Progress& progress, RefinedMesh* refined) {
-  Report(progress, "Finishing the borders", 0);
-  FinishBorders(options.borders, refined);
-  RemoveSelfIntersections(progress, refined);
+  if (refined->report.is_held) {
+    CountSelfIntersections(progress, refined);
+  } else {
+    Report(progress, "Finishing the borders", 0);
+    FinishBorders(options.borders, refined);
+    RemoveSelfIntersections(progress, refined);
+  }
   const bool is_cut = options.region && CutOffOutside(*options.region, refined);
   const BorderReport& borders = refined->report.borders;
   const bool have_changed =

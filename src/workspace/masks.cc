@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/edit_rows.h"
+#include "base/lru_cache.h"
 #include "base/rows.h"
 #include "formats/errors.h"
 
@@ -138,13 +140,40 @@ ReadGrayImage MaskReader(const fs::path& folder, const std::vector<View>& views,
   };
 }
 
+ReadGrayImage KeepMasks(const ReadGrayImage& read_mask,
+                        const std::vector<View>& views, size_t max_memory) {
+  struct Bits {
+    int width;
+    int height;
+    std::vector<bool> pixels;  // of GrayImage; true: 255
+  };
+  const auto kept = std::make_shared<LruCache<const Bits>>(max_memory);
+  return [read_mask, views, kept](size_t view) {
+    const size_t num_pixels =
+        static_cast<size_t>(views[view].width) * views[view].height;
+    const auto bits = kept->Get(view, num_pixels / 8, [&] {
+      const GrayImage mask = read_mask(view);
+      return std::make_shared<const Bits>(
+          Bits{mask.width, mask.height,
+               std::vector<bool>(mask.pixels.begin(), mask.pixels.end())});
+    });
+    GrayImage mask{bits->width, bits->height, {}};
+    mask.pixels.reserve(bits->pixels.size());
+    for (const bool is_kept : bits->pixels) {
+      mask.pixels.push_back(is_kept ? 255 : 0);
+    }
+    return mask;
+  };
+}
+
 MaskReport MaskCloud(const ReadGrayImage& read_mask,
                      const std::vector<View>& views, PointCloud* cloud) {
   const Rows<Observation> by_view = ObservationsByView(*cloud, views.size());
   std::vector<uint8_t> is_masked(cloud->views.values.size(), 0);
   std::atomic<size_t> num_masks = 0;
   tbb::parallel_for(size_t{0}, views.size(), [&](size_t view) {
-    const GrayImage mask = read_mask(view);
+    const GrayImage mask =
+        by_view[view].empty() ? GrayImage() : read_mask(view);
     if (mask.pixels.empty()) {
       return;
     }

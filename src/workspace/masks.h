@@ -26,8 +26,14 @@ ReadGrayImage MaskReader(const std::filesystem::path& folder,
                          const std::vector<View>& views,
                          const PictureDecoder& decoder);
 
+// Keeps the masks that were read, a bit a pixel, so that they are decoded once
+// as far as memory allows.
+// \param max_memory  of the masks that are kept, bytes
+ReadGrayImage KeepMasks(const ReadGrayImage& read_mask,
+                        const std::vector<View>& views, size_t max_memory);
+
 struct MaskReport {
-  size_t num_masks = 0;
+  size_t num_masks = 0;                // of views that see points
   size_t num_masked_observations = 0;  // of points, dropped
   size_t num_masked_points = 0;        // that no view sees any more, dropped
 };

@@ -10,6 +10,7 @@
 #include "tests/colmap_ext/page_of_run.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/workspace/sphere_workspace.h"
+#include "workspace/sparse_model.h"
 
 namespace colmap_ext {
 namespace {
@@ -80,6 +81,102 @@ TEST_F(FacetwiseRefinerTest, RefinesAWorkspace) {
   fs::remove(VisibilityPath(output));
   fs::remove_all(refined);
   EXPECT_EQ(List(path_), before) << "nothing else was written";
+}
+
+TEST_F(FacetwiseRefinerTest, WritesNoCamerasThatStayAsTheyAre) {
+  const fs::path refined = path_ / "sparse-refined";
+  const std::string quick = Workspace() +
+                            " --FacetwiseRefinement.levels 1"
+                            " --FacetwiseRefinement.iterations 1";
+  Outcome outcome = Run(quick);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_FALSE(fs::exists(refined));
+  EXPECT_EQ(outcome.out.find("belong together"), std::string::npos);
+  EXPECT_NE(outcome.out.find("as they were, "), std::string::npos);
+  EXPECT_EQ(outcome.out.find("of an earlier run"), std::string::npos);
+  ASSERT_EQ(
+      Run(quick + " --FacetwiseRefinement.refine_cameras poses").exit_code, 0);
+  const std::string images = ReadFile(refined / "images.bin");
+  outcome = Run(quick);
+  EXPECT_NE(outcome.out.find("sparse-refined is of an earlier run"),
+            std::string::npos);
+  EXPECT_TRUE(ReadFile(refined / "images.bin") == images);
+  outcome = Run(quick + " --FacetwiseRefinement.refine_cameras none" +
+                Option("sparse_path", "sparse-refined"));
+  EXPECT_EQ(outcome.out.find("of an earlier run"), std::string::npos);
+}
+
+// A workspace whose poses are off, and a mesh that is right.
+struct InaccuratePoses {
+  explicit InaccuratePoses(const fs::path& path) {
+    synthetic::DenseSceneOptions options;
+    options.scene.num_images = 8;
+    options.scene.width = 160;
+    options.scene.height = 120;
+    WriteWorkspace(MakeDenseScene(options), 1, path.string());
+    fs::rename(path / "sparse", path / "sparse-true");
+    options.pose_noise.pixels = 1;
+    WriteWorkspace(MakeDenseScene(options), 1, path.string());
+    TriangleMesh mesh = ReadPlyMesh(path / "truth" / "mesh.ply");
+    mesh.facets.pop_back();
+    WriteColoredMesh(path / "input.ply", mesh, {});
+  }
+};
+
+// Makes frames of two images each of a sparse model.
+void AddRigs(const fs::path& sparse) {
+  const SparseModel model = ReadSparseModel(sparse, SparseDetail::kAll);
+  std::string bytes;
+  Append(uint64_t{model.images.size() / 2}, &bytes);
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    if (i % 2 == 0) {
+      Append(static_cast<uint32_t>(i + 1), &bytes);
+      Append(uint32_t{1}, &bytes);  // rig id
+      for (const double value : {1, 0, 0, 0, 0, 0, 0}) {
+        Append(value, &bytes);
+      }
+      Append(uint32_t{2}, &bytes);
+    }
+    Append(int32_t{0}, &bytes);  // a camera
+    Append(static_cast<uint32_t>(i % 2), &bytes);
+    Append(uint64_t{model.images[i].image_id}, &bytes);
+  }
+  WriteFile(sparse / "frames.bin", bytes);
+}
+
+TEST_F(FacetwiseRefinerTest, LeavesTheMeshWhereThePosesAreTooInaccurate) {
+  const InaccuratePoses workspace(path_);
+  const std::string arguments =
+      Workspace() + Option("input_path", "input.ply") +
+      Option("output_path", "output.ply") +
+      " --FacetwiseRefinement.levels 1 --FacetwiseRefinement.iterations 1"
+      " --FacetwiseRefinement.close_holes 9";
+  const std::string refine = " --FacetwiseRefinement.refine_cameras ";
+  const std::string held = "too inaccurate";
+  const auto expect_held = [&](const std::string& more) {
+    const Outcome outcome = Run(arguments + more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find(held), std::string::npos) << outcome.out;
+    const TriangleMesh before = ReadPlyMesh(path_ / "input.ply");
+    const TriangleMesh after = ReadPlyMesh(path_ / "output.ply");
+    EXPECT_EQ(after.facets, before.facets);
+    EXPECT_TRUE(after.vertices == before.vertices);
+    return outcome.out;
+  };
+  const auto expect_refined = [&](const std::string& more) {
+    const Outcome outcome = Run(arguments + more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.find(held), std::string::npos);
+  };
+  EXPECT_NE(expect_held(refine + "none").find("refine_cameras poses"),
+            std::string::npos);
+  expect_refined(refine + "poses");
+  AddRigs(path_ / "sparse");
+  AddRigs(path_ / "sparse-true");
+  const std::string of_rigs = expect_held("");
+  EXPECT_EQ(of_rigs.find("refine_cameras poses"), std::string::npos);
+  EXPECT_NE(of_rigs.find("bundle_adjuster"), std::string::npos);
+  expect_refined(Option("sparse_path", "sparse-true"));
 }
 
 TEST_F(FacetwiseRefinerTest, GivesTheSameBytesOnAnyNumberOfThreads) {

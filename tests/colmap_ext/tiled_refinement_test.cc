@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/encode_png.h"
 #include "tests/colmap_ext/process.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/synthetic/scene_row.h"
@@ -24,11 +25,13 @@ class TiledRefinementTest : public RefinerFixture {
   }
 
   // Plans, meshes and merges.
-  void MakePlan(int num_tiles) const {
+  void MakePlan(int num_tiles, const std::string& more = "") const {
     fs::remove_all(plan_);
-    const Outcome planned = RunCommand(
-        "mesh_planner " + Workspace() + " --output_path " +
-        Quote(plan_.string()) + " --num_tiles " + std::to_string(num_tiles));
+    const Outcome planned =
+        RunShell("cd " + Quote(folder_.Path().string()) + " && " +
+                 Quote(kProgram) + " mesh_planner " + Workspace() +
+                 " --output_path " + Quote(plan_.string()) + " --num_tiles " +
+                 std::to_string(num_tiles) + " " + more);
     EXPECT_EQ(planned.exit_code, 0) << planned.err;
     for (int tile = 0; tile < num_tiles; ++tile) {
       RunCommand("delaunay_manifold_mesher " + Plan() + Tile(tile));
@@ -39,9 +42,7 @@ class TiledRefinementTest : public RefinerFixture {
   }
 
   Outcome PlanRefinement() const {
-    return Run(Plan() + " --input_path " + Quote(merged_.string()) +
-               " --FacetwiseRefinement.levels 2"
-               " --FacetwiseRefinement.iterations 3");
+    return Run(Plan() + " --input_path " + Quote(merged_.string()) + kEffort);
   }
 
   void RefineTiles(int num_tiles) const {
@@ -75,6 +76,26 @@ class TiledRefinementTest : public RefinerFixture {
                       Quote(refined_.string()));
   }
 
+  // Refines the merged mesh by its tiles.
+  // \return its bytes
+  std::string RefineAndMerge(int num_tiles) const {
+    RefineTiles(num_tiles);
+    const Outcome outcome = MergeRefined();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return ReadFile(refined_) + ReadFile(VisibilityPath(refined_));
+  }
+
+  // The same without tiles, to a file of its own.
+  fs::path RefineUntiled(const std::string& options) const {
+    fs::path output = folder_.Path() / "untiled.ply";
+    const Outcome outcome =
+        Run(Workspace() + " --input_path " + Quote(merged_.string()) +
+            " --output_path " + Quote(output.string()) + kEffort +
+            " --FacetwiseRefinement.refine_cameras none " + options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return output;
+  }
+
   fs::path PatchPath(int tile) const {
     return plan_ / ("tile0000" + std::to_string(tile) + ".refined.bin");
   }
@@ -105,6 +126,9 @@ class TiledRefinementTest : public RefinerFixture {
     return " --tile " + std::to_string(tile);
   }
 
+  static constexpr const char* kEffort =
+      " --FacetwiseRefinement.levels 2 --FacetwiseRefinement.iterations 3";
+
   fs::path plan_ = folder_.Path() / "a plan";
   fs::path merged_ = folder_.Path() / "merged.ply";
   fs::path refined_ = folder_.Path() / "refined.ply";
@@ -125,6 +149,68 @@ TEST_F(TiledRefinementTest, MakesAMeshWithoutSeams) {
     ExpectGoodMesh(refined_);
     EXPECT_LT(Error(refined_), 1.05 * whole) << num_tiles;
   }
+}
+
+// The left part of each image is masked. Deep in it the images may be anything.
+TEST_F(TiledRefinementTest, LeavesOutWhatIsMasked) {
+  constexpr int kMasked = 70;  // columns
+  constexpr int kDeep = 50;    // columns, whatever windows and levels reach
+  const synthetic::DenseScene statue = MakeStatue(8);
+  const fs::path masks = folder_.Path() / "masks";
+  fs::create_directory(masks);
+  const auto fill = [](int num_columns, Color color, ColorImage image) {
+    for (int i = 0; i < image.width * image.height; ++i) {
+      if (i % image.width < num_columns) {
+        image.pixels[static_cast<size_t>(i)] = color;
+        color[0] = static_cast<uint8_t>(color[0] * 77);  // noise, if not 0
+      }
+    }
+    return image;
+  };
+  const ColorImage white{160, 120, std::vector<Color>(160 * 120, {9, 9, 9})};
+  for (const View& view : statue.scene.views) {
+    WriteFile(masks / (view.name + ".png"),
+              EncodePng(fill(kMasked, {0, 0, 0}, white)));
+  }
+  MakePlan(2, "--mask_path masks");  // jobs run elsewhere
+  const std::string refined = RefineAndMerge(2);
+  ExpectGoodMesh(refined_);
+  const std::string option = "--mask_path " + Quote(masks.string());
+  const fs::path untiled = RefineUntiled(option);
+  EXPECT_LT(Error(refined_), 1.05 * Error(untiled));
+  const std::string untiled_bytes = ReadFile(untiled);
+  for (size_t i = 0; i < statue.images.size(); ++i) {
+    WriteFile(path_ / "images" / statue.scene.views[i].name,
+              EncodePng(fill(kDeep, {1, 200, 99}, statue.images[i])));
+  }
+  EXPECT_TRUE(ReadFile(RefineUntiled(option)) == untiled_bytes);
+  EXPECT_TRUE(RefineAndMerge(2) == refined);
+  for (const View& view : statue.scene.views) {
+    WriteFile(masks / (view.name + ".png"),
+              EncodePng(fill(kDeep, {0, 0, 0}, white)));
+  }
+  fs::remove(PatchPath(0));
+  ExpectRefusal(Run(Plan() + Tile(0)), "has changed since its refinement");
+  EXPECT_TRUE(RefineAndMerge(2) != refined);
+  fs::remove_all(masks);
+  ExpectRefusal(PlanRefinement(), "no such folder of masks");
+}
+
+TEST_F(TiledRefinementTest, NothingIsLeftOutsideOfTheRegion) {
+  constexpr float kSide = 0.3F;
+  const std::string option = "--region=-9,-9,-9,0.3,9,9";
+  MakePlan(2, option);
+  RefineAndMerge(2);
+  const auto farthest = [](const fs::path& path) {
+    float x = -9;
+    for (const Eigen::Vector3f& vertex : ReadPlyMesh(path).vertices) {
+      x = std::max(x, vertex.x());
+    }
+    return x;
+  };
+  ExpectGoodMesh(refined_);
+  EXPECT_NEAR(farthest(refined_), kSide, 1e-4);
+  EXPECT_NEAR(farthest(RefineUntiled(option)), kSide, 1e-4);
 }
 
 TEST_F(TiledRefinementTest, KilledAndRepeatedJobsChangeNothing) {

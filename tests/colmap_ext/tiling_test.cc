@@ -161,6 +161,14 @@ TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
   const Outcome planned = MakePlan(1, option);
   ASSERT_EQ(planned.exit_code, 0) << planned.err;
   EXPECT_NE(planned.out.find("points masked in all views"), std::string::npos);
+  EXPECT_NE(MakePlan(1, option).out.find("nothing to do"), std::string::npos);
+  const fs::path mask =
+      masks / (SphereWorkspace().images[0].view.name + ".png");
+  const std::string bytes = ReadFile(mask);
+  fs::remove(mask);
+  EXPECT_EQ(MakePlan(1, option).out.find("nothing to do"), std::string::npos);
+  WriteFile(mask, bytes);
+  ASSERT_EQ(MakePlan(1, option).exit_code, 0);
   MakeMesh({0});
   ExpectMeshersFaces(option);
   const std::string background = option + " --mask_background 1";

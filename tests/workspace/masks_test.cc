@@ -108,6 +108,26 @@ TEST_F(MasksTest, PointsLoseMaskedViewsAndThoseWithoutViewsAreDropped) {
   }
 }
 
+TEST_F(MasksTest, KeptMasksAreReadOnceAndStayAsTheyAre) {
+  WriteFile(masks_ / "2.png", HalfMask());
+  for (const size_t max_memory : {size_t{0}, size_t{1000}}) {
+    size_t num_reads = 0;
+    const ReadGrayImage keep = KeepMasks(
+        [&](size_t view) {
+          ++num_reads;
+          return Reader()(view);
+        },
+        views_, max_memory);
+    for (const size_t view : {1, 2, 1, 2}) {
+      const GrayImage mask = keep(view);
+      EXPECT_EQ(mask.width, Reader()(view).width);
+      EXPECT_EQ(mask.height, Reader()(view).height);
+      EXPECT_EQ(mask.pixels, Reader()(view).pixels);
+    }
+    EXPECT_EQ(num_reads, max_memory > 0 ? 2u : 4u);
+  }
+}
+
 TEST_F(MasksTest, OneUnmaskedViewKeepsAPoint) {
   WriteFile(masks_ / "a" / "1.jpg.png", HalfMask());
   PointCloud cloud = Cloud();
