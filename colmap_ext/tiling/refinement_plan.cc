@@ -18,22 +18,20 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr char kPlanAgain[] =
     "plan the refinement again by facetwise_refiner --plan PLAN --input_path "
     "MESH";
 
 Json ToJson(const RefinementTile& tile) {
-  return {{"color", tile.color},
-          {"margin", tile.margin},
-          {"pixels", tile.pixels},
-          {"memory_gb", tile.memory_gb},
-          {"core_seconds", tile.seconds}};
+  return {{"color", tile.color},         {"margin", tile.margin},
+          {"pixels", tile.pixels},       {"memory_gb", tile.memory_gb},
+          {"thread_gb", tile.thread_gb}, {"core_seconds", tile.seconds}};
 }
 
 RefinementTile TileFrom(const Json& json) {
-  return {json.at("color"), json.at("margin"), json.at("pixels"),
-          json.at("memory_gb"), json.at("core_seconds")};
+  return {json.at("color"),     json.at("margin"),    json.at("pixels"),
+          json.at("memory_gb"), json.at("thread_gb"), json.at("core_seconds")};
 }
 
 RefinementPlan PlanFrom(const Json& json) {

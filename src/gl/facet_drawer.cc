@@ -42,7 +42,8 @@ struct ClippedCorner {
 };
 
 // Three a triangle, of the facets that facet_ids.vert leaves out. They are
-// clipped to the image: the values of a card's floats change too much over more.
+// clipped to the image: the values of a card's floats change too much over
+// more.
 std::vector<ClippedCorner> ClipFacets(const View& view,
                                       const TriangleMesh& mesh) {
   constexpr double kSubpixels = 256;  // 1 / px, as raster/facet_id_buffer.cc
@@ -53,12 +54,11 @@ std::vector<ClippedCorner> ClipFacets(const View& view,
     for (size_t k = 2; k < part.size(); ++k) {
       for (const Eigen::Vector3d& corner : {part[0], part[k - 1], part[k]}) {
         const Eigen::Vector2d pixel = view.ImageFromCam(corner);
-        corners.push_back(
-            {static_cast<float>(std::round(pixel.x() * kSubpixels) /
-                                kSubpixels),
-             static_cast<float>(std::round(pixel.y() * kSubpixels) /
-                                kSubpixels),
-             static_cast<float>(1 / corner.z()), facet});
+        corners.push_back({static_cast<float>(
+                               std::round(pixel.x() * kSubpixels) / kSubpixels),
+                           static_cast<float>(
+                               std::round(pixel.y() * kSubpixels) / kSubpixels),
+                           static_cast<float>(1 / corner.z()), facet});
       }
     }
   }
@@ -113,8 +113,8 @@ void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
   const std::vector<ClippedCorner> clipped = ClipFacets(view, mesh);
   double max_inverse_depth = MaxInverseDepth(view, mesh);
   for (const ClippedCorner& corner : clipped) {
-    max_inverse_depth = std::max<double>(max_inverse_depth,
-                                         corner.inverse_depth);
+    max_inverse_depth =
+        std::max<double>(max_inverse_depth, corner.inverse_depth);
   }
   textures->depth_scale = static_cast<float>(DepthScale(max_inverse_depth));
   BeginImages(view, textures);

@@ -22,10 +22,10 @@ Polygon CutOff(const Polygon& polygon, const Eigen::Vector3d& normal) {
     }
     if ((from_side >= 0) != (to_side >= 0)) {
       // From inside to outside, whichever way the edge is run.
-      part.push_back(
-          from_side >= 0
-              ? from + from_side / (from_side - to_side) * (to - from)
-              : to + to_side / (to_side - from_side) * (from - to));
+      part.push_back(from_side >= 0
+                         ? from +
+                               from_side / (from_side - to_side) * (to - from)
+                         : to + to_side / (to_side - from_side) * (from - to));
     }
   }
   return part;

@@ -37,9 +37,7 @@ void FacetPlaces::Clear(std::span<const uint32_t> facets) {
 
 DirectionEvaluator::DirectionEvaluator(const PhotometricOptions& options,
                                        size_t num_facets)
-    : options_(options),
-      correlation_(options),
-      places_(num_facets) {}
+    : options_(options), correlation_(options), places_(num_facets) {}
 
 // Those of the rectangle that show one of the pair's facets.
 void DirectionEvaluator::MarkCenters(const PixelRectangle& rectangle,

@@ -225,9 +225,9 @@ void DrawClipped(const View& view, const TriangleMesh& mesh, uint32_t facet,
   std::vector<Projected> corners;
   for (const Eigen::Vector3d& corner :
        ClipToImage(view, mesh, mesh.facets[facet], box)) {
-    const Eigen::Vector2d pixel = view.ImageFromCam(corner)
-                                      .cwiseMax(-kFar)
-                                      .cwiseMin(kFar);  // by rounding
+    const Eigen::Vector2d pixel =
+        view.ImageFromCam(corner).cwiseMax(-kFar).cwiseMin(
+            kFar);  // by rounding
     corners.push_back({std::llround(pixel.x() * kSubpixels),
                        std::llround(pixel.y() * kSubpixels), 1 / corner.z()});
   }

@@ -41,9 +41,9 @@ struct FacetIdBuffer {
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine);
 
-// The facets that are drawn by a part: those that reach the image, with a vertex
-// behind the camera, or so close to its plane that it is seen 2^20 px or more
-// away. Ascending.
+// The facets that are drawn by a part: those that reach the image, with a
+// vertex behind the camera, or so close to its plane that it is seen 2^20 px or
+// more away. Ascending.
 std::vector<uint32_t> FindClippedFacets(const View& view,
                                         const TriangleMesh& mesh);
 

@@ -84,8 +84,7 @@ Hit Cast(const View& view, const TriangleMesh& mesh, int row, int col) {
     const double inverse_depth = Meet(view, mesh, i, pixel);
     for (const auto& [u, v] : {std::pair(1, 1), {1, -1}, {-1, 1}, {-1, -1}}) {
       const Vector2d beside = pixel + 0.01 * Vector2d(u, v);
-      hit.is_clear &=
-          (Meet(view, mesh, i, beside) > 0) == (inverse_depth > 0);
+      hit.is_clear &= (Meet(view, mesh, i, beside) > 0) == (inverse_depth > 0);
     }
     if (inverse_depth > 0) {
       hits.emplace_back(inverse_depth, i);
@@ -323,8 +322,8 @@ TEST(DrawFacets, ShowsNothingBehindTheCamera) {
 // Each thread that draws would take it.
 TEST(DrawFacets, TakesNoMemoryForEachVertex) {
   constexpr size_t kNumVertices = 4000000;
-  TriangleMesh mesh = {
-      {PointAt(5, 5, 2), PointAt(25, 5, 2), PointAt(5, 25, 2)}, {{0, 1, 2}}};
+  TriangleMesh mesh = {{PointAt(5, 5, 2), PointAt(25, 5, 2), PointAt(5, 25, 2)},
+                       {{0, 1, 2}}};
   const FacetIdBuffer expected = DrawFacets(StraightView(), mesh, 0);
   mesh.vertices.resize(kNumVertices, Vector3f(1, 1, 1));
   std::swap(mesh.vertices[0], mesh.vertices.back());
