@@ -49,7 +49,8 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
                         RefinementTile* tile) {
   // Fitted to tiles of bunny (docs/benchmarks.md), rounded up: what a square
   // pixel of surface takes, and one of an image with what is drawn into it.
-  constexpr double kBaseGb = 0.06;
+  // The program, with the software that draws where there is no card.
+  constexpr double kBaseGb = 0.12;
   constexpr double kGbPerPixel = 1.5e-7;
   constexpr double kGbPerImagePixel = 9e-9;
   constexpr double kSecondsPerPixel = 4e-5;
