@@ -43,15 +43,18 @@ void PrintCommands(const RefinementPlan& plan, const std::string& folder) {
 void PrintPlan(const RefinementPlan& plan, const std::string& folder,
                ReportLog* log) {
   double memory = 0;
+  double of_thread = 0;
   double seconds = 0;
   for (const RefinementTile& tile : plan.tiles) {
     memory = std::max(memory, tile.memory_gb);
+    of_thread = std::max(of_thread, tile.thread_gb);
     seconds += tile.seconds;
   }
   PrintHeading("Refinement in tiles", log);
   Print("tiles", static_cast<int64_t>(plan.tiles.size()), log);
   Print("colours", plan.NumColors(), log);
   PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
+  PrintText("  and each thread", fmt::format("{:.2f} GB", of_thread), log);
   PrintText("time, all tiles",
             fmt::format("{:.2f} h of a core", seconds / 3600), log);
   PrintText("cameras", "as they are: tiles do not refine them", log);

@@ -24,16 +24,27 @@ ivec4 FacetBox(uint facet) {
   // px. More than vertices are rounded to be drawn, 1/512, and than floats are:
   // a few 2^-24 of coordinates up to 2^15.
   const float kMargin = 1.0 / 16;
-  vec2 low = vec2(1e9);
-  vec2 high = vec2(-1e9);
+  const float kFar = 1e9;  // px
+  vec2 low = vec2(kFar);
+  vec2 high = vec2(-kFar);
+  vec3 pixels[3];  // homogeneous
   for (uint k = 0; k < 3; ++k) {
     dvec3 vertex = dvec3(DrawnVertex(facets[3 * facet + k]));
-    vec3 pixel = pixel_from_world_i * vec3(vertex - center_i);
-    if (!(pixel.z > 0)) {
-      return ivec4(0, 0, -1, -1);
+    pixels[k] = pixel_from_world_i * vec3(vertex - center_i);
+    if (pixels[k].z > 0) {
+      low = min(low, pixels[k].xy / pixels[k].z);
+      high = max(high, pixels[k].xy / pixels[k].z);
     }
-    low = min(low, pixel.xy / pixel.z);
-    high = max(high, pixel.xy / pixel.z);
+  }
+  // Where an edge passes the camera's plane it goes to infinity in the image.
+  for (uint k = 0; k < 3; ++k) {
+    vec3 from = pixels[k];
+    vec3 to = pixels[(k + 1) % 3];
+    if ((from.z > 0) != (to.z > 0)) {
+      vec2 direction = (from.xy * to.z - to.xy * from.z) * (to.z - from.z);
+      low = mix(low, vec2(-kFar), lessThanEqual(direction, vec2(0)));
+      high = mix(high, vec2(kFar), greaterThanEqual(direction, vec2(0)));
+    }
   }
   // The pixels whose centres are within.
   low = clamp(ceil(low - 0.5 - kMargin), vec2(0), vec2(size_i));

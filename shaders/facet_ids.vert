@@ -19,7 +19,7 @@ void main() {
   dvec2 pixel;
   if (!Project(point, pixel)) {
     // Nothing is left of the vertex' facets but the edges of the others, which
-    // have no area.
+    // have no area. What there is of them is drawn by clipped_facets.vert.
     gl_Position = vec4(0, 0, 0, 1);
     gl_ClipDistance[0] = -1;
     return;

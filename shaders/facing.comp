@@ -23,23 +23,27 @@ dvec3 Vertex(uint index) {
                vertices[3 * index + 2]);
 }
 
-bool IsDrawn(dvec3 vertex) {
-  dvec2 pixel;
-  return Project(cam_from_world_rotation * vertex + cam_from_world_translation,
-                 pixel);
+dvec3 InCamera(dvec3 vertex) {
+  return cam_from_world_rotation * vertex + cam_from_world_translation;
 }
 
 bool IsFacing(uint facet) {
   dvec3 a = Vertex(facets[3 * facet]);
   dvec3 b = Vertex(facets[3 * facet + 1]);
   dvec3 c = Vertex(facets[3 * facet + 2]);
-  if (!IsDrawn(a) || !IsDrawn(b) || !IsDrawn(c)) {
+  dvec3 a_in = InCamera(a);
+  dvec3 b_in = InCamera(b);
+  dvec3 c_in = InCamera(c);
+  if (max(a_in.z, max(b_in.z, c_in.z)) <= 0) {
     return false;
   }
+  dvec2 pixel;
+  bool is_whole =
+      Project(a_in, pixel) && Project(b_in, pixel) && Project(c_in, pixel);
   dvec3 normal = cross(b - a, c - a);
   dvec3 to_camera = center - (a + b + c) / 3;
   return dot(normal, to_camera) >
-         min_cosine * sqrt(dot(normal, normal) * dot(to_camera, to_camera));
+         (is_whole ? min_cosine : 0) * sqrt(dot(normal, normal) * dot(to_camera, to_camera));
 }
 
 void main() {

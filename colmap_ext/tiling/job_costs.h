@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "colmap_ext/tiling/plan.h"
+#include "colmap_ext/tiling/refinement_plan.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -15,5 +18,12 @@ double TileSeconds(size_t num_vertices);
 // around singular vertices there, then one band of the surface, or all of it.
 // An upper bound: twice what was measured of plans of few tiles.
 double MergerMemoryGb(const Plan& plan, bool holds_whole_surface);
+
+// Sets what the job that refines a tile takes by `pixels` of surface: its
+// memory, that of each of its threads, and its time.
+// \param views  that see the tile.
+// \param max_memory_gb  see RefinerOptions.
+void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
+                        RefinementTile* tile);
 
 }  // namespace colmap_ext

@@ -10,6 +10,7 @@
 #include "colmap_ext/options/add_refinement_options.h"
 #include "colmap_ext/refinement/file_fingerprint.h"
 #include "colmap_ext/tiling/folder_lock.h"
+#include "colmap_ext/tiling/job_costs.h"
 #include "colmap_ext/tiling/plan_files.h"
 #include "colmap_ext/tiling/surface_files.h"
 #include "formats/errors.h"
@@ -143,26 +144,13 @@ std::vector<double> Margins(const Surface& surface, const TileCells& cells,
   return margins;
 }
 
-// Fitted to tiles of bunny (docs/benchmarks.md), rounded up: what a square
-// pixel of surface takes, and one of an image with what is drawn into it.
-void EstimateJob(const std::vector<View>& views, double max_memory_gb,
-                 RefinementTile* tile) {
-  constexpr double kBaseGb = 0.06;
-  constexpr double kGbPerPixel = 1.5e-7;
-  constexpr double kGbPerImagePixel = 9e-9;
-  constexpr double kSecondsPerPixel = 4e-5;
-  double num_pixels = 0;
-  for (const View& view : views) {
-    num_pixels += static_cast<double>(view.width) * view.height;
-  }
-  tile->memory_gb = kBaseGb + kGbPerPixel * tile->pixels +
-                    std::min(max_memory_gb, kGbPerImagePixel * num_pixels);
-  tile->seconds = kSecondsPerPixel * tile->pixels;
-}
-
-void CountPixels(const Surface& surface, const TileCells& cells,
-                 const std::vector<View>& views,
-                 std::vector<RefinementTile>* tiles) {
+// Estimates what the jobs take by the surface and the views that each of them
+// has.
+void EstimateJobs(const Surface& surface, const TileCells& cells,
+                  const std::vector<View>& views, double max_memory_gb,
+                  std::vector<RefinementTile>* tiles) {
+  std::vector<std::vector<uint8_t>> is_seen_by(
+      cells.size(), std::vector<uint8_t>(views.size(), 0));
   std::vector<double> footprints;
   for (uint32_t i = 0; i < surface.mesh.vertices.size(); ++i) {
     footprints.push_back(FootprintAt(surface, i, views));
@@ -179,8 +167,22 @@ void CountPixels(const Surface& surface, const TileCells& cells,
       const auto margin = static_cast<float>((*tiles)[tile].margin);
       if (GrowBox(cells[tile], margin).intersects(box)) {
         (*tiles)[tile].pixels += area / (footprint * footprint);
+        for (const uint32_t vertex : facet) {
+          for (const uint32_t view : surface.attributes.views[vertex]) {
+            is_seen_by[tile][view] = 1;
+          }
+        }
       }
     }
+  }
+  for (size_t tile = 0; tile < cells.size(); ++tile) {
+    std::vector<View> of_tile;
+    for (size_t view = 0; view < views.size(); ++view) {
+      if (is_seen_by[tile][view] != 0) {
+        of_tile.push_back(views[view]);
+      }
+    }
+    EstimateRefinement(of_tile, max_memory_gb, &(*tiles)[tile]);
   }
 }
 
@@ -198,11 +200,10 @@ std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
     reaches.push_back(kReach * static_cast<float>(margins[tile]));
   }
   const std::vector<uint32_t> colors = ColorTiles(cells, reaches, surface.mesh);
-  CountPixels(surface, cells, plan.views, &tiles);
   for (size_t tile = 0; tile < cells.size(); ++tile) {
     tiles[tile].color = colors[tile];
-    EstimateJob(plan.views, options.max_memory_gb, &tiles[tile]);
   }
+  EstimateJobs(surface, cells, plan.views, options.max_memory_gb, &tiles);
   return tiles;
 }
 

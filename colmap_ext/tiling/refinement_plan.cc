@@ -24,16 +24,14 @@ constexpr char kPlanAgain[] =
     "MESH";
 
 Json ToJson(const RefinementTile& tile) {
-  return {{"color", tile.color},
-          {"margin", tile.margin},
-          {"pixels", tile.pixels},
-          {"memory_gb", tile.memory_gb},
-          {"core_seconds", tile.seconds}};
+  return {{"color", tile.color},         {"margin", tile.margin},
+          {"pixels", tile.pixels},       {"memory_gb", tile.memory_gb},
+          {"thread_gb", tile.thread_gb}, {"core_seconds", tile.seconds}};
 }
 
 RefinementTile TileFrom(const Json& json) {
-  return {json.at("color"), json.at("margin"), json.at("pixels"),
-          json.at("memory_gb"), json.at("core_seconds")};
+  return {json.at("color"),     json.at("margin"),    json.at("pixels"),
+          json.at("memory_gb"), json.at("thread_gb"), json.at("core_seconds")};
 }
 
 RefinementPlan PlanFrom(const Json& json) {

@@ -14,12 +14,13 @@ namespace colmap_ext {
 
 // How a tile of a plan is refined, and what its job will take.
 struct RefinementTile {
-  uint32_t color = 0;  // tiles of one colour are refined at once, lower ones
-                       // before; see ColorTiles()
-  double margin = 0;   // around the tile's cell, scene units
-  double pixels = 0;   // of the surface in cell and margin, px^2
-  double memory_gb = 0;
-  double seconds = 0;  // of one core
+  uint32_t color = 0;    // tiles of one colour are refined at once, lower ones
+                         // before; see ColorTiles()
+  double margin = 0;     // around the tile's cell, scene units
+  double pixels = 0;     // of the surface in cell and margin, px^2
+  double memory_gb = 0;  // but for what each thread takes
+  double thread_gb = 0;  // each thread
+  double seconds = 0;    // of one core
 };
 
 // PLAN/refine.json: all that the jobs which refine a plan's mesh share but the

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include "gl/gl_error.h"
+#include "mesh/clip_to_image.h"
 #include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {
@@ -29,6 +32,37 @@ double MaxInverseDepth(const View& view, const TriangleMesh& mesh) {
         return max;
       },
       [](double a, double b) { return std::max(a, b); });
+}
+
+// Of a triangle of the part of a facet that the image shows.
+struct ClippedCorner {
+  float u, v;  // px, multiples of 1/256
+  float inverse_depth;
+  uint32_t facet;
+};
+
+// Three a triangle, of the facets that facet_ids.vert leaves out. They are
+// clipped to the image: the values of a card's floats change too much over
+// more.
+std::vector<ClippedCorner> ClipFacets(const View& view,
+                                      const TriangleMesh& mesh) {
+  constexpr double kSubpixels = 256;  // 1 / px, as raster/facet_id_buffer.cc
+  std::vector<ClippedCorner> corners;
+  for (const uint32_t facet : FindClippedFacets(view, mesh)) {
+    const std::vector<Eigen::Vector3d> part =
+        ClipToImage(view, mesh, mesh.facets[facet], ImageBox(view));
+    for (size_t k = 2; k < part.size(); ++k) {
+      for (const Eigen::Vector3d& corner : {part[0], part[k - 1], part[k]}) {
+        const Eigen::Vector2d pixel = view.ImageFromCam(corner);
+        corners.push_back({static_cast<float>(
+                               std::round(pixel.x() * kSubpixels) / kSubpixels),
+                           static_cast<float>(
+                               std::round(pixel.y() * kSubpixels) / kSubpixels),
+                           static_cast<float>(1 / corner.z()), facet});
+      }
+    }
+  }
+  return corners;
 }
 
 // A power of two: scaled with it, inverse depths are below 1 and not rounded.
@@ -55,24 +89,43 @@ FacetDrawer::FacetDrawer(double min_cosine)
     : min_cosine_(min_cosine),
       mask_({"mask.vert", "mask.frag"}),
       ids_({"facet_ids.vert", "facet_ids.frag"}),
+      clipped_({"clipped_facets.vert", "clipped_facets.frag"}),
       facing_({"facing.comp"}) {
   constexpr GLuint kPosition = 0;
   glEnableVertexArrayAttrib(vertex_array_.Name(), kPosition);
   glVertexArrayAttribFormat(vertex_array_.Name(), kPosition, 3, GL_FLOAT,
                             GL_FALSE, 0);
   glVertexArrayAttribBinding(vertex_array_.Name(), kPosition, 0);
+  constexpr GLuint kFacet = 1;
+  const GLuint array = clipped_array_.Name();
+  glEnableVertexArrayAttrib(array, kPosition);
+  glVertexArrayAttribFormat(array, kPosition, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(array, kPosition, 0);
+  glEnableVertexArrayAttrib(array, kFacet);
+  glVertexArrayAttribIFormat(array, kFacet, 1, GL_UNSIGNED_INT,
+                             offsetof(ClippedCorner, facet));
+  glVertexArrayAttribBinding(array, kFacet, 0);
 }
 
 void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
                        const GlBuffer& vertices, const GlBuffer& facets,
                        FacetTextures* textures, const GrayImage* mask) {
-  textures->depth_scale =
-      static_cast<float>(DepthScale(MaxInverseDepth(view, mesh)));
+  const std::vector<ClippedCorner> clipped = ClipFacets(view, mesh);
+  double max_inverse_depth = MaxInverseDepth(view, mesh);
+  for (const ClippedCorner& corner : clipped) {
+    max_inverse_depth =
+        std::max<double>(max_inverse_depth, corner.inverse_depth);
+  }
+  textures->depth_scale = static_cast<float>(DepthScale(max_inverse_depth));
   BeginImages(view, textures);
   if (mask != nullptr) {
     DrawMask(*mask);
   }
   DrawImages(view, mesh.facets.size(), vertices, facets, textures);
+  GlBuffer corners;
+  corners.Assign(clipped);
+  DrawClipped(view, clipped.size(), corners, *textures);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
   FindFacing(view, mesh.facets.size(), vertices, facets, textures);
 }
 
@@ -118,7 +171,18 @@ void FacetDrawer::DrawImages(const View& view, size_t num_facets,
   glBindVertexArray(vertex_array_.Name());
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * num_facets),
                  GL_UNSIGNED_INT, nullptr);
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+void FacetDrawer::DrawClipped(const View& view, size_t num_corners,
+                              const GlBuffer& corners,
+                              const FacetTextures& textures) {
+  clipped_.Set("size", Eigen::Vector2f(view.width, view.height));
+  clipped_.Set("depth_scale", textures.depth_scale);
+  clipped_.Use();
+  glVertexArrayVertexBuffer(clipped_array_.Name(), 0, corners.Name(), 0,
+                            sizeof(ClippedCorner));
+  glBindVertexArray(clipped_array_.Name());
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(num_corners));
 }
 
 void FacetDrawer::FindFacing(const View& view, size_t num_facets,

@@ -39,15 +39,20 @@ class FacetDrawer {
   void DrawMask(const GrayImage& mask);
   void DrawImages(const View& view, size_t num_facets, const GlBuffer& vertices,
                   const GlBuffer& facets, FacetTextures* textures);
+  // Triangles, each of three of `corners`.
+  void DrawClipped(const View& view, size_t num_corners,
+                   const GlBuffer& corners, const FacetTextures& textures);
   void FindFacing(const View& view, size_t num_facets, const GlBuffer& vertices,
                   const GlBuffer& facets, FacetTextures* textures);
 
   double min_cosine_;
   Program mask_;
   Program ids_;
+  Program clipped_;
   Program facing_;
   GlFramebuffer framebuffer_;
   GlVertexArray vertex_array_;
+  GlVertexArray clipped_array_;
   GlVertexArray no_vertices_;
 };
 

@@ -28,14 +28,17 @@ std::vector<uint32_t> FirstPairs(const std::vector<ViewPair>& pairs,
 // the squared motion in j (px) for a unit motion along the normal, for a facet
 // of unit area (docs/method.md, section 4.3). The number of pixels is low by
 // the cosine of the angle between the ray and the axis of i: exact is |n . ray|
-// fx fy / z^3.
+// fx fy / z^3. 0 where the facet's corner lies behind a view.
 double Information(const FacetFrame& frame, const View& i, const View& j) {
   const Eigen::Vector3d ray = frame.corner - i.Center();
   const double distance = frame.normal.dot(ray);
   const double depth = i.CamFromWorld(frame.corner).z();
+  const Eigen::Vector3d in_j = j.CamFromWorld(frame.corner);
+  if (!(depth > 0 && in_j.z() > 0)) {
+    return 0;
+  }
   const double pixels =
       std::abs(distance) / ray.norm() * i.fx * i.fy / (depth * depth);
-  const Eigen::Vector3d in_j = j.CamFromWorld(frame.corner);
   const Eigen::Vector3d ray_in_j = j.cam_from_world_rotation * ray;
   const Eigen::Vector2d disparity =
       Eigen::Vector2d(

@@ -6,8 +6,6 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr uint32_t kNotOfPair = UINT32_MAX;
-
 // \param phi  barycentric coordinates of the pixel on its facet.
 void AddDerivatives(const std::array<float, 3>& phi, float slope,
                     float curvature, FacetSums* sum) {
@@ -21,11 +19,25 @@ void AddDerivatives(const std::array<float, 3>& phi, float slope,
 
 }  // namespace
 
+void FacetPlaces::Set(std::span<const uint32_t> facets) {
+  for (uint32_t k = 0; k < facets.size(); ++k) {
+    Word& word = words_[facets[k] / 64];
+    if (word.bits == 0) {
+      word.num_before = k;
+    }
+    word.bits |= uint64_t{1} << facets[k] % 64;
+  }
+}
+
+void FacetPlaces::Clear(std::span<const uint32_t> facets) {
+  for (const uint32_t facet : facets) {
+    words_[facet / 64].bits = 0;
+  }
+}
+
 DirectionEvaluator::DirectionEvaluator(const PhotometricOptions& options,
                                        size_t num_facets)
-    : options_(options),
-      correlation_(options),
-      places_(num_facets, kNotOfPair) {}
+    : options_(options), correlation_(options), places_(num_facets) {}
 
 // Those of the rectangle that show one of the pair's facets.
 void DirectionEvaluator::MarkCenters(const PixelRectangle& rectangle,
@@ -36,7 +48,7 @@ void DirectionEvaluator::MarkCenters(const PixelRectangle& rectangle,
     for (int col = rectangle.first_col; col <= rectangle.last_col; ++col) {
       tile_.is_center[tile_.Index(row - geometry_.first_row,
                                   col - geometry_.first_col)] =
-          shown[col] != kNoFacet && places_[shown[col]] != kNotOfPair;
+          shown[col] != kNoFacet && places_.Has(shown[col]);
     }
   }
 }
@@ -48,7 +60,7 @@ void DirectionEvaluator::AddTile(std::vector<FacetSums>* sums) const {
     for (int col = 0; col < tile_.width; ++col) {
       const size_t at = tile_.Index(row, col);
       const uint32_t facet = geometry_.facets[at];
-      if (facet == kNoFacet || places_[facet] == kNotOfPair) {
+      if (facet == kNoFacet || !places_.Has(facet)) {
         continue;
       }
       FacetSums& sum = (*sums)[places_[facet]];
@@ -68,9 +80,7 @@ std::vector<FacetSums> DirectionEvaluator::Evaluate(
     const DrawnView& i, const DrawnView& j, const TriangleMesh& mesh,
     std::span<const uint32_t> facets,
     const std::vector<PixelRectangle>& tiles) {
-  for (size_t k = 0; k < facets.size(); ++k) {
-    places_[facets[k]] = static_cast<uint32_t>(k);
-  }
+  places_.Set(facets);
   const PairWarp warp(i, j, mesh);
   constexpr int kMultiple = 8;  // see WindowRows
   const int radius = options_.window_radius;
@@ -88,9 +98,7 @@ std::vector<FacetSums> DirectionEvaluator::Evaluate(
     correlation_.Compute(max_relative_depth, &tile_);
     AddTile(&sums);
   }
-  for (const uint32_t facet : facets) {
-    places_[facet] = kNotOfPair;
-  }
+  places_.Clear(facets);
   return sums;
 }
 

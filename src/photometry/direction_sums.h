@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -23,6 +24,36 @@ struct FacetSums {
   std::array<float, 6> curvatures{};  // 1 / scene unit^2
 };
 
+// The places of some facets of a mesh in a list of them: a bit a facet, and how
+// many come before each 64. Each thread has one.
+class FacetPlaces {
+ public:
+  explicit FacetPlaces(size_t num_facets) : words_(num_facets / 64 + 1) {}
+
+  // \param facets  ascending.
+  void Set(std::span<const uint32_t> facets);
+  // \param facets  those that were set.
+  void Clear(std::span<const uint32_t> facets);
+
+  bool Has(uint32_t facet) const {
+    return (words_[facet / 64].bits >> facet % 64 & 1) != 0;
+  }
+  // \pre Has(facet)
+  uint32_t operator[](uint32_t facet) const {
+    const Word& word = words_[facet / 64];
+    const uint64_t before = word.bits & ((uint64_t{1} << facet % 64) - 1);
+    return word.num_before + static_cast<uint32_t>(std::popcount(before));
+  }
+
+ private:
+  struct Word {
+    uint64_t bits = 0;
+    uint32_t num_before = 0;
+  };
+
+  std::vector<Word> words_;
+};
+
 // Evaluates one direction of a pair at a time, i <- j. Holds scratch: each
 // thread has its own.
 class DirectionEvaluator {
@@ -30,7 +61,7 @@ class DirectionEvaluator {
   DirectionEvaluator(const PhotometricOptions& options, size_t num_facets);
 
   // \param mesh  as it is at present.
-  // \param facets  those that the pair refines.
+  // \param facets  those that the pair refines, ascending.
   // \param tiles  of image i, see FindTiles().
   // \return [facets]
   std::vector<FacetSums> Evaluate(const DrawnView& i, const DrawnView& j,
@@ -47,7 +78,7 @@ class DirectionEvaluator {
   WindowCorrelation correlation_;
   CorrelationTile tile_;
   TileGeometry geometry_;
-  std::vector<uint32_t> places_;  // [F] in the pair's facets, or kNotOfPair
+  FacetPlaces places_;  // of the pair's facets
 };
 
 }  // namespace colmap_ext

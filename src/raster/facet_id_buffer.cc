@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <Eigen/Geometry>
+
+#include "mesh/clip_to_image.h"
 
 namespace colmap_ext {
 
@@ -18,33 +24,64 @@ constexpr int64_t kSubpixels = 256;
 constexpr int kSubpixelBits = 8;
 static_assert(kSubpixels == 1 << kSubpixelBits);
 
+// px. Then coordinates are 2^28 subpixels at most, and a facet's area and edge
+// functions, sums of products of two differences, 2^60.
+constexpr double kFar = 1 << 20;
+
 // A vertex in a view.
 struct Projected {
   int64_t u = 0;  // 1 / kSubpixels px
   int64_t v = 0;
-  double inverse_depth = 0;  // 0: behind the camera, or far outside
+  // 1 / scene unit. 0: behind the camera; negative: before it, but kFar or more
+  // from the image's corner.
+  double inverse_depth = 0;
 };
 
-std::vector<Projected> Project(const View& view, const TriangleMesh& mesh) {
-  // px. Then coordinates are below 2^28 subpixels, and a facet's area and edge
-  // functions, sums of products of two differences, below 2^60.
-  constexpr double kFar = 1 << 20;
-  std::vector<Projected> projected(mesh.vertices.size());
-  for (size_t i = 0; i < projected.size(); ++i) {
-    const Eigen::Vector3d point =
-        view.CamFromWorld(mesh.vertices[i].cast<double>());
-    if (!(point.z() > 0)) {
-      continue;
-    }
-    const Eigen::Vector2d image_point = view.ImageFromCam(point);
-    if (!(image_point.cwiseAbs().maxCoeff() < kFar)) {
-      continue;
-    }
-    projected[i] = {std::llround(image_point.x() * kSubpixels),
-                    std::llround(image_point.y() * kSubpixels), 1 / point.z()};
+// \param point  in the camera's frame.
+Projected Project(const View& view, const Eigen::Vector3d& point) {
+  if (!(point.z() > 0)) {
+    return {};
   }
-  return projected;
+  const Eigen::Vector2d pixel = view.ImageFromCam(point);
+  if (!(pixel.cwiseAbs().maxCoeff() < kFar)) {
+    return {0, 0, -1};
+  }
+  return {std::llround(pixel.x() * kSubpixels),
+          std::llround(pixel.y() * kSubpixels), 1 / point.z()};
 }
+
+// The vertices of a mesh in a view. Keeps those used last, which the next
+// facets share: all of them would be too many for each of many threads.
+class ProjectedVertices {
+ public:
+  ProjectedVertices(const View& view, const TriangleMesh& mesh)
+      : view_(view),
+        mesh_(mesh),
+        slots_(std::bit_ceil(std::min(mesh.vertices.size(), kMaxSlots))) {}
+
+  const Projected& operator[](uint32_t vertex) {
+    Slot& slot = slots_[vertex & (slots_.size() - 1)];
+    if (slot.vertex != vertex) {
+      slot.vertex = vertex;
+      slot.projected = Project(
+          view_, view_.CamFromWorld(mesh_.vertices[vertex].cast<double>()));
+    }
+    return slot.projected;
+  }
+
+ private:
+  struct Slot {
+    uint32_t vertex = UINT32_MAX;
+    Projected projected;
+  };
+
+  // 0.5 MB, what a core's cache holds; a choice.
+  static constexpr size_t kMaxSlots = 1 << 14;
+
+  const View& view_;
+  const TriangleMesh& mesh_;
+  std::vector<Slot> slots_;  // of each vertex the one of its lowest bits
+};
 
 // Twice the signed area to the left of an edge, at a pixel's centre, and its
 // steps from pixel to pixel. A centre on an edge belongs to the facet below or
@@ -179,26 +216,94 @@ bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
   return cross.dot(to_camera) > min_cosine * cross.norm() * to_camera.norm();
 }
 
+// The part of a facet that is less than kFar from the image's corner. Where it
+// ends no other facet's border is moved: no pixel falls between them.
+void DrawClipped(const View& view, const TriangleMesh& mesh, uint32_t facet,
+                 FacetIdBuffer* buffer) {
+  const Eigen::AlignedBox2d box(Eigen::Vector2d::Constant(-kFar),
+                                Eigen::Vector2d::Constant(kFar));
+  std::vector<Projected> corners;
+  for (const Eigen::Vector3d& corner :
+       ClipToImage(view, mesh, mesh.facets[facet], box)) {
+    const Eigen::Vector2d pixel =
+        view.ImageFromCam(corner).cwiseMax(-kFar).cwiseMin(
+            kFar);  // by rounding
+    corners.push_back({std::llround(pixel.x() * kSubpixels),
+                       std::llround(pixel.y() * kSubpixels), 1 / corner.z()});
+  }
+  for (size_t k = 2; k < corners.size(); ++k) {
+    DrawFacet(facet, {corners[0], corners[k - 1], corners[k]}, buffer);
+  }
+}
+
+// Whether a facet with such corners, see Projected, is drawn by its part.
+bool IsClipped(double a, double b, double c) {
+  return !(a > 0 && b > 0 && c > 0) && (a != 0 || b != 0 || c != 0);
+}
+
+bool ReachesImage(const View& view, const TriangleMesh& mesh,
+                  const Facet& facet) {
+  return !ClipToImage(view, mesh, facet, ImageBox(view)).empty();
+}
+
 }  // namespace
 
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine) {
-  FacetIdBuffer buffer{view.width, view.height, {}, {}, {}};
+  FacetIdBuffer buffer{view.width, view.height, {}, {}, {}, {}};
   const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
   buffer.facets.assign(num_pixels, kNoFacet);
   buffer.inverse_depths.assign(num_pixels, 0);
   buffer.is_facing.assign(mesh.facets.size(), false);
-  const std::vector<Projected> projected = Project(view, mesh);
+  ProjectedVertices vertices(view, mesh);
   const Eigen::Vector3d center = view.Center();
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
-    const auto [a, b, c] = mesh.facets[i];
-    if (projected[a].inverse_depth > 0 && projected[b].inverse_depth > 0 &&
-        projected[c].inverse_depth > 0) {
-      DrawFacet(i, {projected[a], projected[b], projected[c]}, &buffer);
-      buffer.is_facing[i] = IsFacing(mesh, mesh.facets[i], center, min_cosine);
+    const Facet& facet = mesh.facets[i];
+    const std::array<Projected, 3> corners = {
+        vertices[facet[0]], vertices[facet[1]], vertices[facet[2]]};
+    const auto& [a, b, c] = corners;
+    if (a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0) {
+      DrawFacet(i, corners, &buffer);
+      buffer.is_facing[i] = IsFacing(mesh, facet, center, min_cosine);
+    } else if (IsClipped(a.inverse_depth, b.inverse_depth, c.inverse_depth) &&
+               ReachesImage(view, mesh, facet)) {
+      buffer.clipped.push_back(i);
     }
   }
+  for (const uint32_t i : buffer.clipped) {
+    DrawClipped(view, mesh, i, &buffer);
+    buffer.is_facing[i] = IsFacing(mesh, mesh.facets[i], center, 0);
+  }
   return buffer;
+}
+
+std::vector<uint32_t> FindClippedFacets(const View& view,
+                                        const TriangleMesh& mesh) {
+  std::vector<int8_t> signs(mesh.vertices.size());  // of inverse depths
+  tbb::parallel_for(size_t{0}, signs.size(), [&](size_t i) {
+    const double inverse_depth =
+        Project(view, view.CamFromWorld(mesh.vertices[i].cast<double>()))
+            .inverse_depth;
+    signs[i] = inverse_depth > 0 ? 1 : (inverse_depth < 0 ? -1 : 0);
+  });
+  constexpr size_t kGrain = 1 << 14;  // facets a task; a choice
+  using Range = tbb::blocked_range<size_t>;
+  return tbb::parallel_reduce(
+      Range(0, mesh.facets.size(), kGrain), std::vector<uint32_t>(),
+      [&](const Range& range, std::vector<uint32_t> clipped) {
+        for (size_t i = range.begin(); i != range.end(); ++i) {
+          const auto& [a, b, c] = mesh.facets[i];
+          if (IsClipped(signs[a], signs[b], signs[c]) &&
+              ReachesImage(view, mesh, mesh.facets[i])) {
+            clipped.push_back(static_cast<uint32_t>(i));
+          }
+        }
+        return clipped;
+      },
+      [](std::vector<uint32_t> first, const std::vector<uint32_t>& second) {
+        first.insert(first.end(), second.begin(), second.end());
+        return first;
+      });
 }
 
 void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer) {

@@ -24,7 +24,9 @@ struct FacetIdBuffer {
                                       // where the pixel is masked
   std::vector<bool> is_facing;        // [F] the cosine between the normal and
                                       // the ray to the camera is above
-                                      // min_cosine; false if it is not drawn
+                                      // min_cosine, or 0 for those of
+                                      // `clipped`; false if it is not drawn
+  std::vector<uint32_t> clipped;      // see FindClippedFacets()
 
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * width + col;
@@ -33,11 +35,17 @@ struct FacetIdBuffer {
 
 // Draws a mesh into a view, both sides of the facets; the nearest one wins, of
 // equally near ones the first. As graphics cards do, vertices are moved to the
-// nearest 1/256 of a pixel, so that no pixel falls between neighbors. Facets
-// with a vertex behind the camera are not drawn.
+// nearest 1/256 of a pixel, so that no pixel falls between neighbors. Of facets
+// that reach behind the camera the part before it is drawn, after the others.
 // \param min_cosine  see FacetIdBuffer::is_facing; in [0, 1).
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine);
+
+// The facets that are drawn by a part: those that reach the image, with a
+// vertex behind the camera, or so close to its plane that it is seen 2^20 px or
+// more away. Ascending.
+std::vector<uint32_t> FindClippedFacets(const View& view,
+                                        const TriangleMesh& mesh);
 
 // Takes what a view shows in masked pixels, those of 0, out of what was drawn
 // into it: they show no facet, and IsNearest() holds for nothing there.

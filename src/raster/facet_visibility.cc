@@ -5,6 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "mesh/clip_to_image.h"
 #include "raster/facet_frames.h"
 #include "raster/facet_id_buffer.h"
 
@@ -24,6 +25,23 @@ bool IsWithin(const View& view, const Eigen::Vector2d& pixel, double border) {
          pixel.x() < view.width - border && pixel.y() < view.height - border;
 }
 
+// Whether a view shows the middle of the part of a facet that lies within.
+bool IsPartVisible(const TriangleMesh& mesh, uint32_t facet,
+                   const FacetFrame& frame, const View& view,
+                   const FacetIdBuffer& drawn, double border) {
+  const std::vector<Eigen::Vector3d> part =
+      ClipToImage(view, mesh, mesh.facets[facet], ImageBox(view, border));
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  double inverse_depth = 0;  // linear over the image
+  for (const Eigen::Vector3d& corner : part) {
+    pixel += view.ImageFromCam(corner) / static_cast<double>(part.size());
+    inverse_depth += 1 / corner.z() / static_cast<double>(part.size());
+  }
+  return !part.empty() && IsWithin(view, pixel, border) &&
+         IsNearest(view, drawn, facet, PlaneSlope(view, frame), pixel.x(),
+                   pixel.y(), inverse_depth);
+}
+
 // [F] whether a view shows the facet. Bits: there are many views and facets.
 std::vector<bool> FindVisible(const TriangleMesh& mesh,
                               const std::vector<FacetFrame>& frames,
@@ -41,6 +59,10 @@ std::vector<bool> FindVisible(const TriangleMesh& mesh,
       is_visible[i] = IsNearest(view, drawn, i, PlaneSlope(view, frames[i]),
                                 pixel.x(), pixel.y(), 1 / in_camera.z());
     }
+  }
+  for (const uint32_t i : drawn.clipped) {
+    is_visible[i] = drawn.is_facing[i] &&
+                    IsPartVisible(mesh, i, frames[i], view, drawn, border);
   }
   return is_visible;
 }

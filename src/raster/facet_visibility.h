@@ -16,7 +16,8 @@ inline constexpr double kVisibilityBorder = 3;  // px
 
 // Which views show the facets' centroids (docs/method.md, section 4.2): nothing
 // is drawn in front of the centroid, the facet faces the camera, and the
-// centroid is not at the image's border.
+// centroid is not at the image's border. Of a facet that is drawn by a part
+// (FindClippedFacets) the middle of what lies within the border counts.
 // \param border  how far the centroid has to keep from the image's border, px.
 FacetVisibility FindVisibleFacets(const MeshDrawings& drawings,
                                   double border = kVisibilityBorder);

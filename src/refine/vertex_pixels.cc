@@ -12,7 +12,8 @@ namespace colmap_ext {
 
 namespace {
 
-// Over the views of the best pairs around a vertex; 0 if there are none.
+// Over the views of the best pairs around a vertex that it lies before; 0 if
+// there are none.
 float MeanFootprint(const Eigen::Vector3d& point,
                     std::span<const uint32_t> corners,
                     const FacetLabels& labels, const std::vector<View>& views) {
@@ -25,8 +26,11 @@ float MeanFootprint(const Eigen::Vector3d& point,
     }
     const ViewPair& pair = labels.pairs[row.front()];
     for (const uint32_t view : {pair.first, pair.second}) {
-      sum += views[view].CamFromWorld(point).z() / views[view].fx;
-      ++count;
+      const double depth = views[view].CamFromWorld(point).z();
+      if (depth > 0) {
+        sum += depth / views[view].fx;
+        ++count;
+      }
     }
   }
   return count > 0 ? static_cast<float>(sum / count) : 0;

@@ -59,15 +59,20 @@ Crop CropAround(const View& view, const GrayImage& image,
 bool MayShow(const TriangleMesh& mesh, const Facet& facet, const View& view) {
   Eigen::Array2d low = Eigen::Array2d::Constant(1e300);
   Eigen::Array2d high = -low;
+  int num_behind = 0;
   for (const uint32_t vertex : facet) {
     const Eigen::Vector3d point =
         view.CamFromWorld(mesh.vertices[vertex].cast<double>());
     if (!(point.z() > 0)) {
-      return false;  // as facets are drawn
+      ++num_behind;
+      continue;
     }
     const Eigen::Array2d pixel = view.ImageFromCam(point).array();
     low = low.min(pixel);
     high = high.max(pixel);
+  }
+  if (num_behind > 0) {
+    return num_behind < 3;
   }
   return high.minCoeff() >= 0 && low.x() <= view.width &&
          low.y() <= view.height;

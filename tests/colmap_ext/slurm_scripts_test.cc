@@ -88,18 +88,25 @@ TEST_F(SlurmScriptsTest, RefinesColourAfterColour) {
   std::string json = "{\n";
   for (const char* color : {"0", "1", "0", "2"}) {
     json += std::string("  {\n   \"color\": ") + color +
-            ",\n   \"pixels\": 1e5,\n   \"memory_gb\": 0.5\n  },\n";
+            ",\n   \"pixels\": 1e5,\n   \"memory_gb\": 0.5,\n   \"thread_gb\": "
+            "0.1\n"
+            "  },\n";
   }
   WriteFile(plan_ / "refine.json", json);
   const Outcome outcome = Run("refine_tiles " + Quote(plan_) + " " + mesh);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_TRUE(HasCall("--array=0,2 --mem=564M")) << ReadFile(calls_);
+  EXPECT_TRUE(HasCall("--array=0,2 --mem=676M")) << ReadFile(calls_);
   EXPECT_TRUE(HasCall("--array=1 "));
   EXPECT_TRUE(HasCall("--dependency=afterok:100_0:100_2 "));
   EXPECT_TRUE(HasCall("--array=3 "));
   EXPECT_TRUE(HasCall("--dependency=afterok:101_1 "));
   EXPECT_TRUE(HasCall("--dependency=afterok:102_3 "));
   EXPECT_TRUE(HasCall("--refined 1"));
+  // Each thread of a job takes memory.
+  for (const char* cores : {"--cpus-per-task=4", "--cpus-per-task 4", "-c 4"}) {
+    Run("refine_tiles " + Quote(plan_) + " " + mesh + " " + cores);
+    EXPECT_TRUE(HasCall("--array=0,2 --mem=1014M")) << ReadFile(calls_);
+  }
 }
 
 TEST_F(SlurmScriptsTest, QueuesAgainWhatASignalHasEnded) {

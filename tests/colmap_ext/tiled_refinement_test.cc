@@ -276,6 +276,42 @@ TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
 }
 
+// The numbers of a plan that stand behind a name.
+std::vector<double> NumbersIn(const std::string& json,
+                              const std::string& name) {
+  const std::string key = "\"" + name + "\": ";
+  std::vector<double> numbers;
+  for (size_t at = json.find(key); at != std::string::npos;
+       at = json.find(key, at + 1)) {
+    numbers.push_back(std::stod(json.substr(at + key.size())));
+  }
+  return numbers;
+}
+
+TEST_F(TiledRefinementTest, JobsTakeNoMoreMemoryThanIsPlanned) {
+  MakePlan(2);
+  ASSERT_EQ(PlanRefinement().exit_code, 0);
+  const std::string json = ReadFile(plan_ / "refine.json");
+  const std::vector<double> memory = NumbersIn(json, "memory_gb");
+  const std::vector<double> of_thread = NumbersIn(json, "thread_gb");
+  ASSERT_EQ(memory.size(), 2);
+  ASSERT_EQ(of_thread.size(), 2);
+  const int tile = TilesOf(0).at(0);
+  for (const int num_threads : {1, 4}) {
+    fs::remove(PatchPath(tile));
+    const Outcome outcome =
+        Run(Plan() + Tile(tile) + " --FacetwiseRefinement.num_threads " +
+            std::to_string(num_threads));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string line = "peak memory";
+    const double peak_gb =
+        std::stod(outcome.out.substr(outcome.out.find(line) + line.size())) /
+        1000;
+    EXPECT_GT(peak_gb, 0.01);
+    EXPECT_LT(peak_gb, memory[tile] + num_threads * of_thread[tile]);
+  }
+}
+
 // Three statues in a row, of which the outer ones share a colour.
 TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   fs::remove_all(path_);

@@ -9,6 +9,7 @@
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
+#include "tests/raster/room.h"
 
 namespace colmap_ext {
 namespace {
@@ -129,14 +130,35 @@ TEST_F(FacetDrawerTest, NearestOfEqualOnesFirstWins) {
   EXPECT_EQ(drawn.facets, std::vector<uint32_t>(48, 1));
 }
 
-TEST_F(FacetDrawerTest, FacetsThatReachBehindTheCameraAreLeftOut) {
+TEST_F(FacetDrawerTest, FacetsThatReachBehindTheCameraAreDrawnByAPart) {
   for (const float z : {-1.0F, 0.0F, 1e-9F}) {
     TriangleMesh mesh = Triangle(2);
     mesh.vertices[2].z() = z;
     mesh.vertices.emplace_back(0.0F, 0.0F, 5.0F);
     const Drawn drawn = Draw(SmallView(), mesh);
-    EXPECT_EQ(drawn.facets, std::vector<uint32_t>(48, kNoFacet)) << z;
+    EXPECT_EQ(drawn.facets, std::vector<uint32_t>(48, 0)) << z;
     EXPECT_EQ(DrawFacets(SmallView(), mesh, 0.1).facets, drawn.facets) << z;
+  }
+}
+
+TEST_F(FacetDrawerTest, DrawsARoomFromInsideAsTheProcessorDoes) {
+  for (const View& small : RoomViews()) {
+    const View view = ResizeView(small, 6 * small.width, 6 * small.height);
+    const TriangleMesh room = MakeRoom();
+    const Drawn drawn = Draw(view, room);
+    const FacetIdBuffer reference = DrawFacets(view, room, 0.1);
+    size_t num_different = 0;
+    for (size_t i = 0; i < drawn.facets.size(); ++i) {
+      ASSERT_NE(reference.facets[i], kNoFacet);
+      // Nearly all: a card's vertices beside the image are moved by more.
+      if (drawn.facets[i] != reference.facets[i]) {
+        ++num_different;
+      } else {
+        EXPECT_NEAR(drawn.inverse_depths[i] / reference.inverse_depths[i], 1,
+                    1e-3);
+      }
+    }
+    EXPECT_LT(num_different, 1e-3 * drawn.facets.size());
   }
 }
 

@@ -13,6 +13,7 @@
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
+#include "tests/raster/room.h"
 
 namespace colmap_ext {
 namespace {
@@ -253,6 +254,26 @@ TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
   EXPECT_GT(num_seen[0], 1000);
   EXPECT_GT(num_seen[1], 100);
   EXPECT_GT(num_seen[2], 1000);
+}
+
+// Walls that reach behind both cameras.
+TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInARoom) {
+  std::vector<View> views;
+  for (const View& view : RoomViews()) {
+    views.push_back(ResizeView(view, 6 * view.width, 6 * view.height));
+  }
+  const auto images = std::make_shared<ImagePyramid>(
+      views, [&](size_t view) { return RoomImage(views[view]); }, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
+  TriangleMesh room = MakeRoom();
+  const FacetLabels labels{{{0, 1}}, RoomLabels(), {}};
+  gl->Render(room);
+  cpu->Render(room);
+  for (Eigen::Vector3f& vertex : room.vertices) {
+    vertex *= 1.002F;
+  }
+  ExpectAgreement(gl->Evaluate(room, labels), cpu->Evaluate(room, labels));
 }
 
 // Every second image is half the size.

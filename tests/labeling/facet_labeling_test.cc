@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -6,6 +7,7 @@
 
 #include "labeling/facet_labeling.h"
 #include "labeling/view_pairs.h"
+#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"
 
@@ -186,6 +188,33 @@ TEST_F(LabelFacetsTest, PrefersViewsThatTheVerticesAreKnownToBeSeenBy) {
     }
   }
   EXPECT_GT(num_known, mesh_.facets.size() / 20);
+}
+
+// With corners of walls behind the cameras and at their planes.
+TEST(LabelFacets, GivesPairsToWallsThatReachBehindTheCameras) {
+  const TriangleMesh room = MakeRoom();
+  std::vector<View> views = RoomViews();
+  views.push_back(LookAt({-4, 0.2, 0.1}, {4, 0.2, 0.1}, 64, 48, 40));
+  views.push_back(LookAt({-4, -0.3, 0.4}, {4, -0.3, 0.4}, 64, 48, 40));
+  std::vector<ViewPair> pairs;
+  for (uint32_t i = 0; i < views.size(); ++i) {
+    for (uint32_t j = i + 1; j < views.size(); ++j) {
+      pairs.push_back({i, j});
+    }
+  }
+  VertexAttributes attributes;
+  attributes.views = Rows<uint32_t>(room.vertices.size());
+  const FacetVisibility visibility = VisibleFacets(room, views);
+  const FacetLabeling labeling =
+      LabelFacets({}, room, attributes, pairs, visibility, views);
+  EXPECT_TRUE(std::isfinite(labeling.initial_energy));
+  EXPECT_TRUE(std::isfinite(labeling.final_energy));
+  int num_labeled = 0;
+  for (size_t i = 0; i < room.facets.size(); ++i) {
+    EXPECT_EQ(labeling.labels.labels[i].empty(), visibility[i].size() < 2);
+    num_labeled += labeling.labels.labels[i].empty() ? 0 : 1;
+  }
+  EXPECT_GT(num_labeled, 4);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "photometry/cpu_photometric_energy.h"
 #include "raster/facet_frames.h"
 #include "raster/facet_visibility.h"
+#include "tests/raster/room.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
@@ -468,6 +469,30 @@ TEST(CpuPhotometricEnergy, FacetsAreNotSeenInMaskedPixels) {
               view.height / 2);
   }
   EXPECT_GT(num_seen, 10u);
+}
+
+TEST(CpuPhotometricEnergy, ComparesWallsThatReachBehindTheCameras) {
+  std::vector<View> views;
+  for (const View& view : RoomViews()) {
+    views.push_back(ResizeView(view, 3 * view.width, 3 * view.height));
+  }
+  const auto images = std::make_shared<ImagePyramid>(
+      views, [&](size_t view) { return RoomImage(views[view]); }, SIZE_MAX);
+  const auto energy = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
+  const TriangleMesh room = MakeRoom();
+  energy->Render(room);
+  const PhotometricTerms terms =
+      energy->Evaluate(room, {{{0, 1}}, RoomLabels(), {}});
+  const auto clipped = FindClippedFacets(views[0], room);
+  float num_pixels = 0;
+  for (const uint32_t facet : clipped) {
+    num_pixels += terms.num_pixels[facet];
+    EXPECT_TRUE(std::isfinite(terms.energies[facet]));
+    if (terms.weights[facet] > 0) {
+      EXPECT_GT(MeanZncc(terms.energies[facet], terms.weights[facet], {}), 0.9);
+    }
+  }
+  EXPECT_GT(num_pixels, 1000);
 }
 
 }  // namespace

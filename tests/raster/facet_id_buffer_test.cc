@@ -15,6 +15,8 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/peak_memory.h"
+#include "tests/raster/room.h"
 #include "tests/refine/depth_range.h"
 
 namespace colmap_ext {
@@ -52,13 +54,6 @@ TriangleMesh RandomTriangles(uint32_t num_facets, Random* random) {
   return mesh;
 }
 
-double DistanceToSegment(const Vector2d& p, const Vector2d& a,
-                         const Vector2d& b) {
-  const Vector2d d = b - a;
-  const double t = std::clamp(d.dot(p - a) / d.squaredNorm(), 0.0, 1.0);
-  return (a + t * d - p).norm();
-}
-
 // What the ray through a pixel's centre meets first.
 struct Hit {
   uint32_t facet = kNoFacet;
@@ -66,27 +61,33 @@ struct Hit {
   bool is_clear = true;  // however vertices are moved by 1/512 px
 };
 
+// The inverse depth at which a ray from the camera meets a facet; 0: nowhere.
+double Meet(const View& view, const TriangleMesh& mesh, uint32_t facet,
+            const Vector2d& pixel) {
+  std::array<Vector3d, 3> corners;
+  for (int k = 0; k < 3; ++k) {
+    corners[k] = mesh.vertices[mesh.facets[facet][k]].cast<double>();
+  }
+  Eigen::Matrix3d matrix;
+  matrix << corners[1] - corners[0], corners[2] - corners[0],
+      -(view.RayFromPixel() * pixel.homogeneous());
+  const Vector3d x = matrix.inverse() * (view.Center() - corners[0]);
+  const bool is_met = x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0;
+  return is_met ? 1 / x[2] : 0;
+}
+
 Hit Cast(const View& view, const TriangleMesh& mesh, int row, int col) {
   const Vector2d pixel(col + 0.5, row + 0.5);
-  const Vector3d ray = view.RayFromPixel() * pixel.homogeneous();
   std::vector<std::pair<double, uint32_t>> hits;
   Hit hit;
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
-    std::array<Vector3d, 3> corners;
-    std::array<Vector2d, 3> seen;
-    for (int k = 0; k < 3; ++k) {
-      corners[k] = mesh.vertices[mesh.facets[i][k]].cast<double>();
-      seen[k] = view.ImageFromCam(view.CamFromWorld(corners[k]));
+    const double inverse_depth = Meet(view, mesh, i, pixel);
+    for (const auto& [u, v] : {std::pair(1, 1), {1, -1}, {-1, 1}, {-1, -1}}) {
+      const Vector2d beside = pixel + 0.01 * Vector2d(u, v);
+      hit.is_clear &= (Meet(view, mesh, i, beside) > 0) == (inverse_depth > 0);
     }
-    for (int k = 0; k < 3; ++k) {
-      hit.is_clear &=
-          DistanceToSegment(pixel, seen[k], seen[(k + 1) % 3]) > 0.01;
-    }
-    Eigen::Matrix3d matrix;
-    matrix << corners[1] - corners[0], corners[2] - corners[0], -ray;
-    const Vector3d x = matrix.inverse() * (view.Center() - corners[0]);
-    if (x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0) {
-      hits.emplace_back(1 / x[2], i);
+    if (inverse_depth > 0) {
+      hits.emplace_back(inverse_depth, i);
     }
   }
   if (!hits.empty()) {
@@ -131,6 +132,39 @@ TEST(DrawFacets, ShowsWhatRaysMeetFirst) {
 TEST(DrawFacets, ShowsWhatRaysMeetFirstOfASurface) {
   ExpectAsCast(LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 90),
                MakeRoundTorus(0.3f));
+}
+
+TEST(DrawFacets, ShowsWhatRaysMeetFirstOfARoom) {
+  for (const View& view : RoomViews()) {
+    ExpectAsCast(view, MakeRoom());
+    const FacetIdBuffer drawn = DrawFacets(view, MakeRoom(), 0.1);
+    EXPECT_EQ(std::count(drawn.facets.begin(), drawn.facets.end(), kNoFacet),
+              0);
+    EXPECT_GT(drawn.clipped.size(), 0);
+    EXPECT_EQ(drawn.clipped, FindClippedFacets(view, MakeRoom()));
+    for (const uint32_t facet : drawn.clipped) {
+      EXPECT_TRUE(drawn.is_facing[facet]);
+    }
+  }
+}
+
+// Of random triangles all around the camera.
+TEST(DrawFacets, ShowsWhatRaysMeetFirstWhereFacetsReachBehind) {
+  Random random(8);
+  for (int trial = 0; trial < 5; ++trial) {
+    TriangleMesh mesh;
+    for (uint32_t i = 0; i < 40; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        mesh.vertices.push_back(
+            (6 * Vector3d(random.Unit(), random.Unit(), random.Unit()) -
+             Vector3d::Constant(3))
+                .cast<float>());
+      }
+      mesh.facets.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    ExpectAsCast(StraightView(), mesh);
+    EXPECT_GT(FindClippedFacets(StraightView(), mesh).size(), 2);
+  }
 }
 
 TEST(DrawFacets, LetsTheNearestWinInWhateverOrder) {
@@ -202,6 +236,38 @@ TEST(DrawFacets, CoversEachPixelOfASheetOnce) {
   }
 }
 
+// A floor below and behind the camera: what lies at the camera's plane is drawn
+// by a part.
+TEST(DrawFacets, CoversEachPixelOfAFloorOnce) {
+  Random random(9);
+  for (const double jitter : {0.0, 0.4}) {
+    TriangleMesh floor = MakeSheet(8, 8);
+    for (Vector3f& vertex : floor.vertices) {
+      vertex = Vector3d(vertex.x() - 4 + jitter * random.Unit(), 0.3,
+                        vertex.y() - 4 + jitter * random.Unit())
+                   .cast<float>();
+    }
+    const View view = LookAt({0.1, 0, 0.2}, {0.2, 0.25, 1}, 64, 48, 20);
+    std::vector<int> counts(view.width * view.height, 0);
+    for (const Facet& facet : floor.facets) {
+      const FacetIdBuffer drawn =
+          DrawFacets(view, {floor.vertices, {facet}}, 0);
+      for (size_t i = 0; i < counts.size(); ++i) {
+        counts[i] += drawn.facets[i] == 0 ? 1 : 0;
+      }
+    }
+    const FacetIdBuffer whole = DrawFacets(view, floor, 0);
+    EXPECT_GT(whole.clipped.size(), 1);
+    for (size_t i = 0; i < counts.size(); ++i) {
+      EXPECT_LE(counts[i], 1) << i;
+      EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNoFacet) << i;
+      if (i >= counts.size() / 2) {
+        EXPECT_EQ(counts[i], 1) << i;
+      }
+    }
+  }
+}
+
 TEST(DrawFacets, ShowsBothSidesButOneFaces) {
   Random random(5);
   const TriangleMesh mesh = RandomTriangles(20, &random);
@@ -244,17 +310,27 @@ TEST(DrawFacets, ShowsNothingBehindTheCamera) {
   const FacetIdBuffer front = DrawFacets(StraightView(), mesh, 0);
   EXPECT_GT(std::count(front.is_facing.begin(), front.is_facing.end(), true),
             0);
-  for (const bool is_whole : {false, true}) {
-    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-      if (is_whole || i % 3 == 1) {
-        mesh.vertices[i].z() = -std::abs(mesh.vertices[i].z());
-      }
-    }
-    const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
-    EXPECT_EQ(drawn.facets,
-              std::vector<uint32_t>(drawn.facets.size(), kNoFacet));
-    EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex.z() = -vertex.z();
   }
+  const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
+  EXPECT_EQ(drawn.facets, std::vector<uint32_t>(drawn.facets.size(), kNoFacet));
+  EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
+  EXPECT_TRUE(drawn.clipped.empty());
+}
+
+// Each thread that draws would take it.
+TEST(DrawFacets, TakesNoMemoryForEachVertex) {
+  constexpr size_t kNumVertices = 4000000;
+  TriangleMesh mesh = {{PointAt(5, 5, 2), PointAt(25, 5, 2), PointAt(5, 25, 2)},
+                       {{0, 1, 2}}};
+  const FacetIdBuffer expected = DrawFacets(StraightView(), mesh, 0);
+  mesh.vertices.resize(kNumVertices, Vector3f(1, 1, 1));
+  std::swap(mesh.vertices[0], mesh.vertices.back());
+  mesh.facets[0][0] = kNumVertices - 1;
+  const size_t before = PeakMemory();
+  EXPECT_EQ(DrawFacets(StraightView(), mesh, 0).facets, expected.facets);
+  EXPECT_LT(PeakMemory() - before, 4 * kNumVertices);
 }
 
 TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {

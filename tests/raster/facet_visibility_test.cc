@@ -12,6 +12,7 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/refine/depth_range.h"
 
@@ -121,6 +122,25 @@ TEST(FindVisibleFacets, AgreesWithRays) {
   }
   EXPECT_GT(num_seen, 500);
   EXPECT_GT(num_hidden, 50);
+}
+
+// Nothing is hidden in it: a view sees the facets whose centroids it shows, and
+// of those that reach behind it all that it shows any part of.
+TEST(FindVisibleFacets, SeesWallsThatReachBehindTheCamera) {
+  const TriangleMesh room = MakeRoom();
+  const std::vector<View> views = RoomViews();
+  const FacetVisibility visibility = VisibleFacets(room, views);
+  for (uint32_t i = 0; i < views.size(); ++i) {
+    const FacetIdBuffer drawn = DrawFacets(views[i], room, 0.1);
+    for (size_t facet = 0; facet < room.facets.size(); ++facet) {
+      const bool is_clipped = std::ranges::binary_search(drawn.clipped, facet);
+      if (is_clipped && std::ranges::count(drawn.facets, facet) > 500) {
+        EXPECT_TRUE(IsSeen(visibility, facet, i)) << i << " " << facet;
+      } else if (std::ranges::count(drawn.facets, facet) == 0) {
+        EXPECT_FALSE(IsSeen(visibility, facet, i)) << i << " " << facet;
+      }
+    }
+  }
 }
 
 TEST(FindVisibleFacets, KeepsFromTheBorder) {

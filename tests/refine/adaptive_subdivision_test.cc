@@ -11,6 +11,7 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/same_topology.h"
 #include "tests/mesh/shapes.h"
+#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext {
@@ -102,6 +103,27 @@ TEST(SubdivideLargeFacets, LeavesNoneThatIsLargerInTwoViews) {
       EXPECT_GT(result.mesh.facets.size(), mesh.facets.size());
     }
   }
+}
+
+TEST(SubdivideLargeFacets, CutsWallsThatReachBehindTheCameras) {
+  const std::vector<View> views = {RoomViews()[0], RoomViews()[1]};
+  const TriangleMesh room = Subdivide(9, MakeRoom(), views).mesh;
+  const FacetVisibility visibility = VisibleFacets(room, views, kMinCosine);
+  std::vector<int> num_pixels[2];  // that show each facet
+  for (int i = 0; i < 2; ++i) {
+    num_pixels[i].resize(room.facets.size(), 0);
+    for (const uint32_t facet : DrawFacets(views[i], room, 0.1).facets) {
+      ++num_pixels[i][facet];
+    }
+  }
+  int num_seen = 0;
+  for (size_t i = 0; i < room.facets.size(); ++i) {
+    if (visibility[i].size() == 2) {
+      EXPECT_LT(std::min(num_pixels[0][i], num_pixels[1][i]), 30) << i;
+      num_seen += num_pixels[0][i];
+    }
+  }
+  EXPECT_GT(num_seen, 0.5 * views[0].width * views[0].height);
 }
 
 TEST(SubdivideLargeFacets, SubdividesTheOriginsAlike) {

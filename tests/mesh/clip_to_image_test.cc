@@ -1,0 +1,124 @@
+#include "mesh/clip_to_image.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include "mesh/area_in_image.h"
+#include "tests/look_at.h"
+#include "tests/random.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// At the origin.
+View MakeView() { return LookAt({0, 0, 0}, {1, 2, 3}, 64, 48, 50); }
+
+// All around the camera.
+TriangleMesh RandomTriangle(Random* random) {
+  TriangleMesh mesh{{}, {{0, 1, 2}}};
+  for (int k = 0; k < 3; ++k) {
+    mesh.vertices.push_back(
+        (4 * Eigen::Vector3d(random->Unit(), random->Unit(), random->Unit()) -
+         Vector3d::Constant(2))
+            .cast<float>());
+  }
+  return mesh;
+}
+
+bool IsMet(const View& view, const TriangleMesh& mesh, const Vector2d& pixel) {
+  const auto corner = [&](int k) {
+    return Vector3d(mesh.vertices[k].cast<double>());
+  };
+  Eigen::Matrix3d matrix;
+  matrix << corner(1) - corner(0), corner(2) - corner(0),
+      -(view.RayFromPixel() * pixel.homogeneous());
+  const Vector3d x = matrix.inverse() * (view.Center() - corner(0));
+  return x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0;
+}
+
+// px^2, of the image
+double AreaByRays(const View& view, const TriangleMesh& mesh) {
+  constexpr int kRays = 4;  // a pixel, along u and v
+  double area = 0;
+  for (int i = 0; i < kRays * view.width; ++i) {
+    for (int j = 0; j < kRays * view.height; ++j) {
+      area += IsMet(view, mesh, Vector2d(i + 0.5, j + 0.5) / kRays) ? 1 : 0;
+    }
+  }
+  return area / (kRays * kRays);
+}
+
+double Cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+TEST(ClipToImage, LeavesWhatRaysOfTheImageMeet) {
+  Random random(1);
+  const View view = MakeView();
+  int num_parts = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const TriangleMesh mesh = RandomTriangle(&random);
+    const std::vector<Vector3d> part =
+        ClipToImage(view, mesh, mesh.facets[0], ImageBox(view));
+    std::vector<Vector2d> pixels;
+    for (const Vector3d& corner : part) {
+      EXPECT_GT(corner.z(), 0);
+      pixels.push_back(view.ImageFromCam(corner));
+      EXPECT_GT(pixels.back().minCoeff(), -1e-6);
+      EXPECT_LT(pixels.back().x(), view.width + 1e-6);
+      EXPECT_LT(pixels.back().y(), view.height + 1e-6);
+    }
+    double area = 0;
+    for (size_t k = 0; k < pixels.size(); ++k) {
+      area += Cross(pixels[k], pixels[(k + 1) % pixels.size()]) / 2;
+    }
+    EXPECT_NEAR(std::abs(area), AreaByRays(view, mesh), 25) << trial;
+    num_parts += part.empty() ? 0 : 1;
+  }
+  EXPECT_GT(num_parts, 15);
+}
+
+// Also of one that is seen from its edge, or through the camera's centre.
+TEST(ClipToImage, LeavesNothingOfWhatLiesBehindOrAtTheCamera) {
+  View view;
+  view.width = 64;
+  view.height = 48;
+  view.cx = 32;
+  view.cy = 24;
+  for (const TriangleMesh& mesh :
+       {TriangleMesh{{{-1, -1, -1}, {1, -1, -1}, {0, 1, -2}}, {{0, 1, 2}}},
+        TriangleMesh{{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, {{0, 1, 2}}},
+        TriangleMesh{{{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}}}}) {
+    EXPECT_TRUE(
+        ClipToImage(view, mesh, mesh.facets[0], ImageBox(view)).empty());
+    EXPECT_EQ(AreaInImage(mesh, mesh.facets[0], view), 0);
+  }
+}
+
+TEST(AreaInImage, OfAFacetThatReachesBehindIsThatOfWhatTheImageShows) {
+  Random random(2);
+  const View view = MakeView();
+  int num_seen = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const TriangleMesh mesh = RandomTriangle(&random);
+    int num_before = 0;
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+      num_before += view.CamFromWorld(vertex.cast<double>()).z() > 0 ? 1 : 0;
+    }
+    if (num_before == 1 || num_before == 2) {
+      const double area = AreaInImage(mesh, mesh.facets[0], view);
+      EXPECT_NEAR(area, AreaByRays(view, mesh), 25) << trial;
+      num_seen += area > 100 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(num_seen, 5);
+}
+
+}  // namespace
+}  // namespace colmap_ext

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "base/rows.h"
+#include "mesh/triangle_mesh.h"
+#include "raster/facet_id_buffer.h"
+#include "scene/gray_image.h"
+#include "tests/look_at.h"
+
+namespace colmap_ext {
+
+// A room of 8 x 3 x 6 around the origin, seen from inside: two facets a wall.
+inline TriangleMesh MakeRoom() {
+  TriangleMesh room;
+  for (int i = 0; i < 8; ++i) {
+    room.vertices.emplace_back((i & 1) != 0 ? 4.F : -4.F,
+                               (i & 2) != 0 ? 1.5F : -1.5F,
+                               (i & 4) != 0 ? 3.F : -3.F);
+  }
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const uint32_t a = 1U << (axis + 1) % 3;
+    const uint32_t b = 1U << (axis + 2) % 3;
+    const uint32_t far = 1U << axis;
+    room.facets.push_back({0, a, a + b});
+    room.facets.push_back({0, a + b, b});
+    room.facets.push_back({far, far + a + b, far + a});
+    room.facets.push_back({far, far + b, far + a + b});
+  }
+  return room;
+}
+
+// Cameras in it, some of them near a wall.
+inline std::vector<View> RoomViews() {
+  return {LookAt({0.3, 0.2, 0.1}, {4, 0.3, 2.5}, 64, 48, 40),
+          LookAt({-0.4, 0.3, -0.2}, {4, 0.1, 2}, 64, 48, 40),
+          LookAt({3.9, 1.2, -2.8}, {-4, -1, 2.9}, 60, 50, 30),
+          LookAt({-1, 0.7, 0.5}, {-0.5, -0.9, 2}, 48, 64, 70),
+          LookAt({1, 1.45, 0}, {-4, 1.3, 0.4}, 64, 48, 50)};
+}
+
+// What a camera in it sees of walls that are painted.
+inline GrayImage RoomImage(const View& view) {
+  const FacetIdBuffer drawn = DrawFacets(view, MakeRoom(), 0);
+  GrayImage image{view.width, view.height, {}};
+  for (int row = 0; row < view.height; ++row) {
+    for (int col = 0; col < view.width; ++col) {
+      const Eigen::Vector3d ray =
+          view.RayFromPixel() * Eigen::Vector3d(col + 0.5, row + 0.5, 1);
+      const Eigen::Vector3d p =
+          view.Center() + ray / drawn.inverse_depths[drawn.Index(row, col)];
+      const double paint = std::sin(3 * p.x() + 2 * p.y()) +
+                           std::sin(4 * p.y() - p.z()) +
+                           std::sin(3 * p.z() + p.x());
+      image.pixels.push_back(static_cast<uint8_t>(128 + 40 * paint));
+    }
+  }
+  return image;
+}
+
+// Every facet by the pair of the first two views.
+inline Rows<uint32_t> RoomLabels() {
+  Rows<uint32_t> labels;
+  for (size_t i = 0; i < MakeRoom().facets.size(); ++i) {
+    labels.AddRow(std::vector<uint32_t>{0});
+  }
+  return labels;
+}
+
+}  // namespace colmap_ext
