@@ -1,0 +1,428 @@
+"""What a run does: commands with random options, and what befalls them."""
+
+import re
+import shutil
+import signal
+
+import numpy as np
+
+from damage import damage
+from option_values import WILD, draw_value
+from processes import Limits
+
+MESH = "ws/meshed-delaunay-manifold.ply"
+EARLIER = b"an earlier file\n"
+
+# Paths that are as they should be, of options by name.
+PATHS = {
+    "workspace_path": ["ws"], "fused_path": ["ws/fused.ply"],
+    "sparse_path": ["ws/sparse"], "mask_path": ["ws/masks"],
+    "input_path": ["ws", MESH, "ws/truth/mesh.ply", "ws/fused.ply"],
+    "mesh_path": [MESH, "ws/truth/mesh.ply"],
+    "truth_path": ["ws/truth/mesh.ply", "ws/truth/depth_maps", "ws/fused.ply",
+                   "ws/stereo/depth_maps"],
+    "output_path": ["out.ply"], "plan": ["plan"],
+    "report_path": ["report.html", "report.csv"], "labels_path": ["labels.ply"],
+    "json_path": ["figures.json"], "error_mesh_path": ["errors.ply"],
+    "picture_path": ["picture.png"], "screenshot": ["shot.png"],
+}
+WRONG_PATHS = ["nowhere", "nowhere/at all/x.ply", "ws", "ws/fused.ply", ".", "",
+               "ws/fused.ply/x", "/dev/null", "/dev/full", "/proc/x.ply",
+               "ws/images", "a" * 300, MESH, "ws/sparse/images.bin", "x.txt",
+               "out.ply.vis", "ws/fused.ply.vis", "ünï cödé.ply"]
+
+
+def _box(run):
+    """Six numbers, around the points or some of them."""
+    rng, base = run.rng, run.base
+    size = max(h - l for l, h in zip(base.low, base.high))
+    if run.chance(0.5):
+        center = rng.choice(base.points)
+    else:
+        center = [rng.uniform(l, h) for l, h in zip(base.low, base.high)]
+    half = [size * 10 ** rng.uniform(-3, 0.3) for _ in range(3)]
+    if run.chance(0.6):
+        half = [max(half)] * 3
+    corners = ([c - h for c, h in zip(center, half)]
+               + [c + h for c, h in zip(center, half)])
+    return [f"{number:.7g}" for number in corners]
+
+
+def _rotation(rng):
+    """[3, 3]"""
+    matrix, _ = np.linalg.qr(
+        np.array([rng.gauss(0, 1) for _ in range(9)]).reshape(3, 3))
+    return matrix * np.sign(np.linalg.det(matrix))
+
+
+def _write_numbers(run, place, name, numbers):
+    if run.chance(0.1):
+        numbers = list(numbers)
+        numbers[run.rng.randrange(len(numbers))] = run.rng.choice(WILD)
+    if run.chance(0.05):
+        numbers = list(numbers)[:run.rng.randrange(len(numbers))]
+    (place / name).write_text(" ".join(map(str, numbers)) + "\n", "utf-8")
+    return name
+
+
+def _region(run, place):
+    if run.chance(0.25):
+        return "auto"
+    box = _box(run)
+    if run.chance(0.5):
+        return ",".join(box)
+    if run.chance(0.4):
+        return _write_numbers(run, place, "region.txt", box)
+    low, high = np.array(box[:3], float), np.array(box[3:], float)
+    numbers = [*_rotation(run.rng).ravel(), *(low + high) / 2, *(high - low) / 2]
+    return _write_numbers(run, place, "region.txt", numbers)
+
+
+def _transform(run, place):
+    scale = 10 ** run.rng.uniform(-3, 3)
+    if run.chance(0.1):
+        scale = 10 ** run.rng.uniform(-200, 200)
+    offset = [run.rng.choice([0, 1, 1e7]) for _ in range(3)]
+    if run.chance(0.5):
+        quaternion = [run.rng.gauss(0, 1) for _ in range(4)]
+        numbers = [scale, *quaternion, *offset]
+    else:
+        matrix = np.eye(4)
+        matrix[:3, :3] = scale * _rotation(run.rng)
+        matrix[:3, 3] = offset
+        numbers = matrix.ravel()
+    return _write_numbers(run, place, "transform.txt", numbers)
+
+
+def _array(run, place):
+    shape = [run.rng.randrange(1, 9) for _ in range(3)]
+    values = np.random.default_rng(run.rng.randrange(1000)).integers(0, 2, shape)
+    np.save(place / "mask.npy", values.astype(run.rng.choice(
+        [np.uint8, np.uint8, np.uint8, np.float64])))
+    return "mask.npy"
+
+
+def _project(run, place, command):
+    """A project file with some options of the command, and others'."""
+    lines = ["database_path=x.db", "[SiftExtraction]", "max_num_features=12"]
+    section = None
+    for name in sorted(run.rng.sample(sorted(run.tools.options[command]), 2)):
+        head, _, tail = name.rpartition(".")
+        if name.endswith("_path") or name in ("help", "viewer"):
+            continue
+        if head and head != section:
+            lines.append(f"[{head}]")
+            section = head
+        value = draw_value(run.rng, name, *run.tools.options[command][name])
+        text = f"{tail}={value}"
+        lines.insert(0, text) if not head else lines.append(text)
+    (place / "project.ini").write_text("\n".join(lines) + "\n", "utf-8")
+    return "project.ini"
+
+
+def _value(run, place, command, name):
+    """A value of an option."""
+    special = {"region": _region, "transform_path": _transform,
+               "observability_mask": _array}
+    if name in PATHS or name in special or name == "project_path":
+        if run.chance(0.1):
+            return run.rng.choice(WRONG_PATHS + WILD)
+        if name == "project_path":
+            return _project(run, place, command)
+        if name in special:
+            return special[name](run, place)
+        return run.rng.choice(PATHS[name])
+    if name in ("picture_image", "camera"):
+        return run.rng.choice(run.base.images + ["none.png"])
+    if name == "observability_box":
+        size = max(h - l for l, h in zip(run.base.low, run.base.high))
+        return ",".join(f"{x:.6g}" for x in [*run.base.low, size / 8])
+    if name == "ground_plane":
+        return ",".join(f"{run.rng.gauss(0, 1):.4g}" for _ in range(4))
+    return draw_value(run.rng, name, *run.tools.options[command][name])
+
+
+# Options that are drawn in other ways, or would open a window.
+LEFT_OUT = {"help", "viewer", "plan", "tile", "resume", "refined"}
+
+
+def add_options(run, place, command, options, keep=()):
+    """Options besides, at random, some of them instead of those given."""
+    count = run.rng.choice([0, 0, 1, 1, 2, 3, 5, 8])
+    names = [name for name in sorted(run.tools.options[command])
+             if name not in LEFT_OUT and name not in keep]
+    for name in run.rng.sample(names, min(count, len(names))):
+        if name in ("output_path", "workspace_path", "mesh_path", "screenshot",
+                    "truth_path", "input_path") and run.chance(0.8):
+            continue
+        options[name] = _value(run, place, command, name)
+    if run.chance(0.02):
+        options[run.rng.choice(["nosuch", "Section.nosuch", "log_level"])] = 1
+    return options
+
+
+def _mesher(run):
+    if run.chance(0.15):
+        return {"input_path": "ws", "output_path": "out.ply",
+                "input_type": run.rng.choice(["dense", "sparse"])}
+    return {"workspace_path": "ws", **run.base.options}
+
+
+def _refiner(run):
+    options = {"workspace_path": "ws", **run.base.options,
+               "FacetwiseRefinement.backend": "cpu",
+               "FacetwiseRefinement.levels": run.rng.choice([1, 2, 2]),
+               "FacetwiseRefinement.iterations": run.rng.choice([1, 2])}
+    if run.chance(0.3):
+        options["input_path"] = run.rng.choice(PATHS["input_path"][1:])
+        options["output_path"] = "out.ply"
+    if run.chance(0.05):
+        options["FacetwiseRefinement.backend"] = "gl"
+    return options
+
+
+def _evaluator(run):
+    options = {"mesh_path": MESH, "truth_path": run.rng.choice(PATHS["truth_path"])}
+    if run.chance(0.6):
+        options["workspace_path"] = "ws"
+    for name in ("json_path", "error_mesh_path", "picture_path"):
+        if run.chance(0.3):
+            options[name] = PATHS[name][0]
+    return options
+
+
+def _viewer(run):
+    options = {"screenshot": "shot.png", "width": 100, **run.base.options}
+    options.update(run.rng.choice([
+        {"mesh_path": MESH}, {"mesh_path": "ws/fused.ply"},
+        {"workspace_path": "ws"},
+        {"workspace_path": "ws", "camera": run.rng.choice(run.base.images)}]))
+    return options
+
+
+def _planner(run):
+    return {"workspace_path": "ws", "output_path": "plan", **run.base.options,
+            "num_tiles": run.rng.choice([1, 2, 2, 3, 4])}
+
+
+COMMANDS = {"delaunay_manifold_mesher": _mesher, "facetwise_refiner": _refiner,
+            "mesh_evaluator": _evaluator, "mesh_viewer": _viewer,
+            "mesh_planner": _planner}
+
+
+def damage_some(run, place, below, share):
+    """Damages files in a folder of the place, in so many cases."""
+    if not run.chance(share):
+        return
+    for _ in range(run.rng.choice([1, 1, 1, 2, 4])):
+        files = sorted(p for p in (place / below).rglob("*")
+                       if p.is_file() and not p.is_symlink())
+        if not files:
+            return
+        # Images and depth maps are many; the rest counts as much.
+        many = [p for p in files if p.parent.name in
+                ("images", "depth_maps", "normal_maps", "masks")]
+        few = [p for p in files if p not in many]
+        path = run.rng.choice(many if many and run.chance(0.2) or not few else few)
+        others = [p for p in (run.other.path / path.relative_to(place / "ws"),)
+                  if p.is_file()] if below == "ws" else []
+        others += [p for p in files if p.suffix == path.suffix]
+        how = damage(run.rng, path, others)
+        run.hazards.append(how)
+        run.lines.append("# " + how.replace(str(place) + "/", ""))
+
+
+def place_earlier(run, place):
+    """Files of earlier runs, at places of outputs."""
+    for name in ("out.ply", "out.ply.vis", "ws/meshed-refined.ply",
+                 "ws/meshed-refined.ply.vis", "figures.json", "shot.png",
+                 "ws/sparse-refined/images.bin"):
+        if run.chance(0.3):
+            (place / name).parent.mkdir(exist_ok=True)
+            (place / name).write_bytes(EARLIER)
+
+
+def draw_limits(run):
+    """A full disk, as a limit on the size of files, in few cases."""
+    limits = Limits(run.tools.limit)
+    if run.chance(0.06):
+        limits.file_bytes = int(10 ** run.rng.uniform(0, 6))
+        run.hazards.append(f"files of up to {limits.file_bytes} bytes")
+    return limits
+
+
+def one_command(run, command):
+    """A command with anything."""
+    place = run.place()
+    options = COMMANDS[command](run)
+    add_options(run, place, command, options)
+    place_earlier(run, place)
+    damage_some(run, place, "ws", 0.4)
+    limits = draw_limits(run)
+    run.keep_before()
+    run.step(command, options, place, limits)
+
+
+def threads(run):
+    """The same bytes on one and on several threads."""
+    command = run.rng.choice(["delaunay_manifold_mesher", "facetwise_refiner",
+                              "facetwise_refiner", "mesh_evaluator"])
+    name = next(option for option in run.tools.options[command]
+                if option.endswith("num_threads"))
+    place = run.place("one")
+    options = COMMANDS[command](run)
+    add_options(run, place, command, options, keep=(name, "project_path"))
+    damage_some(run, place, "ws", 0.15)
+    several = run.folder / "several"
+    shutil.copytree(place, several, symlinks=True)
+    run.keep_before()
+    codes = [run.step(command, {**options, name: count}, at).code
+             for count, at in ((1, place), (run.rng.choice([2, 3, 8]), several))]
+    if codes[0] != codes[1]:
+        run.fault(f"exit codes differ by the threads: {codes}")
+    run.expect_same(place, several, "by the threads")
+
+
+def _kill(run, seconds):
+    """A signal within the time that a process took, or a bit later."""
+    number = run.rng.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+    return Limits(run.tools.limit,
+                  kill=(seconds * run.rng.uniform(0, 1.1), number))
+
+
+def resume(run):
+    """Ended at any time, and gone on with: the bytes of a run at one go."""
+    place = run.place("whole")
+    options = _refiner(run)
+    options["FacetwiseRefinement.levels"] = 3
+    add_options(run, place, "facetwise_refiner", options,
+                keep=("project_path", "FacetwiseRefinement.levels"))
+    broken = run.folder / "broken"
+    shutil.copytree(place, broken, symlinks=True)
+    run.keep_before()
+    whole = run.step("facetwise_refiner", options, place)
+    if whole.code != 0:
+        return
+    for _ in range(run.rng.choice([1, 1, 2, 3])):
+        run.step("facetwise_refiner", {**options, "resume": run.rng.choice([0, 1])},
+                 broken, _kill(run, whole.seconds))
+    states = [p for p in broken.rglob("*") if re.search(
+        r"\.(level\d+.*|resume)$", p.name)]
+    if states and run.chance(0.2):
+        path = run.rng.choice(sorted(states))
+        run.hazards.append(damage(run.rng, path, []))
+        run.lines.append("# " + run.hazards[-1])
+        if run.step("facetwise_refiner", {**options, "resume": 1}, broken).code:
+            return
+    elif run.step("facetwise_refiner", {**options, "resume": 1}, broken).code:
+        run.fault("--resume 1 fails")
+        return
+    run.expect_same(place, broken, "resumed")
+
+
+def _tiles_of(ended, pattern):
+    found = re.search(pattern, ended.out)
+    return found[1] if found else None
+
+
+def _do_tiles(run, place, command, tiles, is_disturbed, share):
+    """Jobs of tiles. Returns whether all are done."""
+    for tile in tiles:
+        options = {"plan": "plan", "tile": tile}
+        if command == "facetwise_refiner":
+            options["FacetwiseRefinement.backend"] = "cpu"
+        if is_disturbed and run.chance(0.5):
+            run.step(command, options, place, _kill(run, 0.2))
+        damage_some(run, place, "plan", share)
+        if run.step(command, options, place, draw_limits(run)
+                    if share > 0 else None).code != 0:
+            return False
+    return True
+
+
+def _chain(run, place, planning, refining, is_disturbed, share):
+    """Plans, does and merges tiles. Returns whether it went to the end."""
+    planned = run.step("mesh_planner", planning, place)
+    last = _tiles_of(planned, r"seq 0 (\d+) ")
+    if planned.code != 0 or last is None:
+        return False
+    tiles = list(range(int(last) + 1))
+    if is_disturbed:
+        run.rng.shuffle(tiles)
+    if not _do_tiles(run, place, "delaunay_manifold_mesher", tiles, is_disturbed,
+                     share):
+        return False
+    damage_some(run, place, "plan", share)
+    merging = {"plan": "plan", "output_path": "merged.ply"}
+    if run.step("mesh_merger", merging, place).code != 0 or refining is None:
+        return False
+    planned = run.step("facetwise_refiner", refining, place)
+    if planned.code != 0:
+        return False
+    for colour in re.findall(r"echo ([\d ]+) \| xargs", planned.out):
+        if not _do_tiles(run, place, "facetwise_refiner", colour.split(),
+                         is_disturbed, share):
+            return False
+    damage_some(run, place, "plan", share)
+    return run.step("mesh_merger", {"plan": "plan", "output_path": "refined.ply",
+                                    "refined": 1}, place).code == 0
+
+
+def _draw_chain(run, place):
+    planning = _planner(run)
+    add_options(run, place, "mesh_planner", planning,
+                keep=("output_path", "project_path", "workspace_path"))
+    refining = None
+    if run.chance(0.4):
+        refining = {"plan": "plan", "input_path": "merged.ply",
+                    "FacetwiseRefinement.levels": 1,
+                    "FacetwiseRefinement.iterations": 1}
+    return planning, refining
+
+
+def tiles_with_damage(run):
+    """A plan, whose files are damaged in some cases."""
+    place = run.place()
+    planning, refining = _draw_chain(run, place)
+    damage_some(run, place, "ws", 0.15)
+    share = run.rng.choice([0, 0.15, 0.3])
+    run.keep_before()
+    _chain(run, place, planning, refining, False, share)
+
+
+def tiles_with_kills(run):
+    """Jobs of tiles in any order, killed and repeated: the same bytes."""
+    place = run.place("whole")
+    planning, refining = _draw_chain(run, place)
+    broken = run.folder / "broken"
+    shutil.copytree(place, broken, symlinks=True)
+    run.keep_before()
+    is_done = _chain(run, place, planning, refining, False, 0)
+    is_done_too = _chain(run, broken, planning, refining, True, 0)
+    if is_done != is_done_too:
+        run.fault("tiles that are killed and repeated end otherwise")
+    for name in ("merged.ply", "merged.ply.vis", "refined.ply", "refined.ply.vis"):
+        files = [at / name for at in (place, broken)]
+        if len({p.read_bytes() if p.is_file() else b"" for p in files}) > 1:
+            run.fault(f"tiles that are killed and repeated: {name} differs")
+
+
+def _single(command):
+    return lambda run: one_command(run, command)
+
+
+# (weight, name, function)
+SCENARIOS = [(26, "mesh", _single("delaunay_manifold_mesher")),
+             (26, "refine", _single("facetwise_refiner")),
+             (13, "evaluate", _single("mesh_evaluator")),
+             (7, "view", _single("mesh_viewer")),
+             (3, "plan", _single("mesh_planner")),
+             (10, "threads", threads), (5, "resume", resume),
+             (6, "tiles", tiles_with_damage), (4, "killed tiles", tiles_with_kills)]
+
+
+def play(run):
+    """Does a run."""
+    weights = [weight for weight, *_ in SCENARIOS]
+    _, run.scenario, function = run.rng.choices(SCENARIOS, weights)[0]
+    function(run)
