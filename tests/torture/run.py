@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import signal
+import subprocess
 
 from option_values import WILD
 from outputs import Fault, check_output
@@ -50,6 +51,13 @@ def snapshot(folder):
     return found
 
 
+def _call(*words):
+    """Whether a program ends well."""
+    return subprocess.run([str(word) for word in words], check=False,
+                          stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL).returncode == 0
+
+
 class Run:
     """rng is seeded by the seed and the index alone, so that a run can be
     repeated by itself. folder: its own; what it works in lies below. hazards:
@@ -67,6 +75,7 @@ class Run:
         self.faults = []
         self.ended = []
         self.lines = []
+        self.mounts = []
 
     def chance(self, share):
         """True in so many cases."""
@@ -78,6 +87,32 @@ class Run:
         path.mkdir()
         shutil.copytree(self.base.path, path / "ws", symlinks=True)
         return path
+
+    def mount(self, path, room):
+        """Moves a folder to a disk of its own, where that is allowed.
+
+        room: bytes that are left there; None: it can only be read.
+        """
+        size = (1 << 28) if room is None else room + sum(
+            8192 + p.lstat().st_size for p in path.rglob("*"))
+        aside = path.with_name(path.name + " aside")
+        path.rename(aside)
+        path.mkdir()
+        if _call("mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", path):
+            self.mounts.append(path)
+        shutil.copytree(aside, path, symlinks=True, dirs_exist_ok=True)
+        shutil.rmtree(aside)
+        if self.mounts and room is None:
+            _call("mount", "-o", "remount,ro", path)
+        if self.mounts:
+            what = "can only be read" if room is None else f"has room for {room}"
+            self.hazards.append(f"{path.name} {what}")
+            self.lines.append("# " + self.hazards[-1])
+
+    def unmount(self):
+        """Before the folder is removed."""
+        for path in self.mounts:
+            _call("umount", path)
 
     def keep_before(self):
         """Keeps what the steps begin with; run files are small."""

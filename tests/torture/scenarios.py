@@ -146,6 +146,12 @@ def _value(run, place, command, name):
 LEFT_OUT = {"help", "viewer", "plan", "tile", "resume", "refined"}
 
 
+# Options that need another one.
+TOGETHER = {"observability_mask": "observability_box",
+            "observability_box": "observability_mask",
+            "mask_background": "mask_path", "picture_image": "picture_path"}
+
+
 def add_options(run, place, command, options, keep=()):
     """Options besides, at random, some of them instead of those given."""
     count = run.rng.choice([0, 0, 1, 1, 2, 3, 5, 8])
@@ -156,6 +162,9 @@ def add_options(run, place, command, options, keep=()):
                     "truth_path", "input_path") and run.chance(0.8):
             continue
         options[name] = _value(run, place, command, name)
+    for name, other in TOGETHER.items():
+        if name in options and other not in options and run.chance(0.9):
+            options[other] = _value(run, place, command, other)
     if run.chance(0.02):
         options[run.rng.choice(["nosuch", "Section.nosuch", "log_level"])] = 1
     return options
@@ -260,6 +269,11 @@ def one_command(run, command):
     damage_some(run, place, "ws", 0.4)
     limits = draw_limits(run)
     run.keep_before()
+    if run.chance(0.05):
+        if run.chance(0.5):
+            options["output_path"] = "out.ply"
+        run.mount(run.rng.choice([place, place / "ws"]), run.rng.choice(
+            [None, int(10 ** run.rng.uniform(0, 6.5))]))
     run.step(command, options, place, limits)
 
 

@@ -102,11 +102,12 @@ def do_run(tools, seed, index, workspaces, folder, keep):
         kept = keep / f"{seed}-{index}"
         shutil.rmtree(kept, ignore_errors=True)
         keep.mkdir(parents=True, exist_ok=True)
-        shutil.move(at, kept)
+        shutil.copytree(at, kept, symlinks=True)
         if before.is_dir():
             shutil.move(before, kept / "before")
         (kept / "what.txt").write_text("\n".join(run.lines + run.faults) + "\n",
                                        "utf-8")
+    run.unmount()
     for path in (at, before):
         shutil.rmtree(path, ignore_errors=True)
     return result
@@ -117,10 +118,13 @@ def find_excessive(results):
     kinds = collections.defaultdict(list)
     for result in results:
         for command, _, cpu, memory, _ in result["ended"]:
-            kinds[command, result["base"]].append((cpu, memory))
+            for base in ("", result["base"]):
+                kinds[command, base].append((cpu, memory))
     for result in results:
         for command, _, cpu, memory, _ in result["ended"]:
             like = kinds[command, result["base"]]
+            if len(like) < 10:
+                like = kinds[command, ""]
             slow = TIMES_MEDIAN * statistics.median(c for c, _ in like)
             large = TIMES_MEDIAN * statistics.median(m for _, m in like)
             if cpu > max(slow, MIN_SLOW):
