@@ -5,6 +5,7 @@ import struct
 
 EXTREMES = [b"\xff\xff\xff\xff", b"\0\0\0\x80", b"\0\0\xc0\x7f", b"\0\0\x80\x7f",
             b"\xff\xff\x7f\x7f", b"\0\0\0\0", b"\1\0\0\0", b"\xff\xff\xff\x7f",
+            struct.pack("<f", 1e6), struct.pack("<f", -1e20),
             struct.pack("<d", float("nan")), struct.pack("<d", 1e300),
             struct.pack("<q", -1), struct.pack("<q", 1 << 40)]
 

@@ -81,7 +81,7 @@ class Run:
         """True in so many cases."""
         return self.rng.random() < share
 
-    def place(self, name="a"):
+    def place(self, name="a plàce"):
         """A folder with the workspace, ws, in it."""
         path = self.folder / name
         path.mkdir()

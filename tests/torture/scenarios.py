@@ -7,6 +7,7 @@ import signal
 import numpy as np
 
 from damage import damage
+from degenerate import edit_cloud, edit_mesh
 from option_values import WILD, draw_value
 from processes import Limits
 
@@ -219,6 +220,15 @@ COMMANDS = {"delaunay_manifold_mesher": _mesher, "facetwise_refiner": _refiner,
             "mesh_planner": _planner}
 
 
+def make_hard(run, place, share):
+    """Points or the mesh, in so many cases."""
+    if run.chance(share):
+        how = (edit_cloud(run.rng, place / "ws") if run.chance(0.6)
+               else edit_mesh(run.rng, place / MESH))
+        run.hazards.append(how)
+        run.lines.append("# " + how)
+
+
 def damage_some(run, place, below, share):
     """Damages files in a folder of the place, in so many cases."""
     if not run.chance(share):
@@ -266,7 +276,8 @@ def one_command(run, command):
     options = COMMANDS[command](run)
     add_options(run, place, command, options)
     place_earlier(run, place)
-    damage_some(run, place, "ws", 0.4)
+    make_hard(run, place, 0.25)
+    damage_some(run, place, "ws", 0.35)
     limits = draw_limits(run)
     run.keep_before()
     if run.chance(0.05):
@@ -283,10 +294,11 @@ def threads(run):
                               "facetwise_refiner", "mesh_evaluator"])
     name = next(option for option in run.tools.options[command]
                 if option.endswith("num_threads"))
-    place = run.place("one")
+    place = run.place("öne")
     options = COMMANDS[command](run)
-    add_options(run, place, command, options, keep=(name, "project_path"))
-    damage_some(run, place, "ws", 0.15)
+    add_options(run, place, command, options, keep=(name, "project_path", "report_path"))
+    make_hard(run, place, 0.25)
+    damage_some(run, place, "ws", 0.1)
     several = run.folder / "several"
     shutil.copytree(place, several, symlinks=True)
     run.keep_before()
@@ -310,7 +322,7 @@ def resume(run):
     options = _refiner(run)
     options["FacetwiseRefinement.levels"] = 3
     add_options(run, place, "facetwise_refiner", options,
-                keep=("project_path", "FacetwiseRefinement.levels"))
+                keep=("project_path", "report_path", "FacetwiseRefinement.levels"))
     broken = run.folder / "broken"
     shutil.copytree(place, broken, symlinks=True)
     run.keep_before()
@@ -398,7 +410,8 @@ def tiles_with_damage(run):
     """A plan, whose files are damaged in some cases."""
     place = run.place()
     planning, refining = _draw_chain(run, place)
-    damage_some(run, place, "ws", 0.15)
+    make_hard(run, place, 0.3)
+    damage_some(run, place, "ws", 0.1)
     share = run.rng.choice([0, 0.15, 0.3])
     run.keep_before()
     _chain(run, place, planning, refining, False, share)
@@ -408,6 +421,7 @@ def tiles_with_kills(run):
     """Jobs of tiles in any order, killed and repeated: the same bytes."""
     place = run.place("whole")
     planning, refining = _draw_chain(run, place)
+    make_hard(run, place, 0.2)
     broken = run.folder / "broken"
     shutil.copytree(place, broken, symlinks=True)
     run.keep_before()

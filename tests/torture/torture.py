@@ -84,6 +84,12 @@ def make_workspaces(args, tools, folder, pool):
     return [job.result() for job in jobs]
 
 
+def _kind(arguments):
+    """The command, and whether it draws by OpenGL, which is slow in software."""
+    draws = any(re.search(r"backend=(gl|auto)", text) for text in arguments)
+    return arguments[1] + (", OpenGL" if draws else "")
+
+
 def do_run(tools, seed, index, workspaces, folder, keep):
     """Returns what the summary needs: a dict."""
     at = folder / f"run{index}"
@@ -96,7 +102,7 @@ def do_run(tools, seed, index, workspaces, folder, keep):
         run.fault("the script failed: " + traceback.format_exc())
     result = {"index": index, "kind": run.scenario, "base": run.base.name,
               "faults": run.faults, "lines": run.lines, "hazards": run.hazards,
-              "ended": [(e.arguments[1], e.code, e.cpu, e.memory,
+              "ended": [(_kind(e.arguments), e.code, e.cpu, e.memory,
                          e.err.strip().splitlines()[:1]) for e in run.ended]}
     if run.faults:
         kept = keep / f"{seed}-{index}"
