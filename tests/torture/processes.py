@@ -1,5 +1,6 @@
 """Runs one program, with limits, and says how it ended."""
 
+import math
 import os
 import resource
 import select
@@ -10,6 +11,7 @@ import time
 from dataclasses import dataclass
 
 MAX_ADDRESSES = 16 << 30  # bytes that a process may map
+MAX_WAIT = 10  # s for each s of CPU, where other processes are at work
 
 
 @dataclass
@@ -34,15 +36,18 @@ class Ended:
 
 @dataclass
 class Limits:
-    """seconds: a process that takes longer hangs. file_bytes: of a file that it
-    writes. kill: (seconds, signal) that it is sent."""
+    """seconds: of CPU; a process that takes more hangs, or that takes MAX_WAIT
+    times as long. file_bytes: of a file that it writes. kill: (seconds, signal)
+    that it is sent."""
 
     seconds: float
     file_bytes: object = None
     kill: object = None
 
 
-def _set_limits(file_bytes):
+def _set_limits(seconds, file_bytes):
+    seconds = math.ceil(seconds)
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_AS, (MAX_ADDRESSES, MAX_ADDRESSES))
     if file_bytes is not None:
@@ -50,13 +55,13 @@ def _set_limits(file_bytes):
         resource.setrlimit(resource.RLIMIT_FSIZE, (file_bytes, file_bytes))
 
 
-def _start(arguments, folder, file_bytes):
+def _start(arguments, folder, limits):
     environment = {name: value for name, value in os.environ.items()
                    if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
     return subprocess.Popen(
         arguments, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, restore_signals=True,
-        preexec_fn=lambda: _set_limits(file_bytes))
+        preexec_fn=lambda: _set_limits(limits.seconds, limits.file_bytes))
 
 
 def _read_in_background(pipe):
@@ -74,7 +79,7 @@ def _read_in_background(pipe):
 def run_process(arguments, folder, limits):
     """Runs a program in a folder. Returns an Ended."""
     start = time.monotonic()
-    process = _start(arguments, folder, limits.file_bytes)
+    process = _start(arguments, folder, limits)
     finish_out = _read_in_background(process.stdout)
     finish_err = _read_in_background(process.stderr)
     waiter = select.poll()
@@ -89,13 +94,13 @@ def run_process(arguments, folder, limits):
     if limits.kill is not None and not ends_within(limits.kill[0]):
         sent = limits.kill[1]
         process.send_signal(sent)
-    if not ends_within(limits.seconds):
+    if not ends_within(MAX_WAIT * limits.seconds):
         is_hanging = True
         process.kill()
     _, status, usage = os.wait4(process.pid, 0)
     seconds = time.monotonic() - start
     os.close(descriptor)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    return Ended(list(arguments), process.returncode, finish_out(), finish_err(),
-                 seconds, usage.ru_utime + usage.ru_stime,
-                 usage.ru_maxrss / 1024, is_hanging, sent)
+    process.returncode = code = os.waitstatus_to_exitcode(status)
+    return Ended(list(arguments), code, finish_out(), finish_err(), seconds,
+                 usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024,
+                 is_hanging or code == -signal.SIGXCPU, sent)

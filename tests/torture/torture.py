@@ -30,9 +30,10 @@ import time
 import traceback
 from dataclasses import dataclass
 
+from command_options import COMMANDS
 from option_values import read_options
 from run import Run
-from scenarios import COMMANDS, play
+from scenarios import play
 from workspaces import make_workspace, take_workspace
 
 TIMES_MEDIAN = 10
@@ -43,7 +44,7 @@ MIN_LARGE = 500  # MB; less is never too much
 @dataclass
 class Tools:
     """program, make_workspace: paths. options: of the commands, as
-    option_values.read_options() has them. limit: s that a process may take."""
+    option_values.read_options() has them. limit: s of CPU that a process may take."""
 
     program: pathlib.Path
     make_workspace: pathlib.Path
@@ -64,7 +65,7 @@ def read_arguments():
     parser.add_argument("--only", type=int, nargs="+", metavar="INDEX")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     parser.add_argument("--limit", type=float, default=60,
-                        help="s; a process that takes longer hangs")
+                        help="s of CPU; a process that takes more hangs")
     parser.add_argument("--workspaces", type=int, default=16,
                         help="of the scene maker")
     parser.add_argument("--data", type=pathlib.Path, nargs="*", default=[],

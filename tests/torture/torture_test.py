@@ -140,8 +140,10 @@ class RunTest(FolderTest):
             self.assertTrue(any(fault in text for text in faults), (script, faults))
 
     def test_hanging_is_found(self):
-        self.assertEqual(self.run_program("exec sleep 9", limits=Limits(0.1)),
+        self.assertEqual(self.run_program("exec sleep 99", limits=Limits(0.02)),
                          ["hangs"])
+        self.assertEqual(self.run_program("while true; do true; done",
+                                          limits=Limits(1)), ["hangs"])
 
     def test_excess_is_found(self):
         def results(cpu, memory):
