@@ -164,15 +164,16 @@ def _check_table(path):
     expect(len({len(row) for row in rows}) <= 1, "a table of uneven rows")
 
 
-def check_output(path, is_manifold):
-    """Checks a file that a command has written, as the end of its name says.
+def check_output(path, is_manifold, kind=None):
+    """Checks a file that a command has written.
 
-    is_manifold: whether meshes have to be. Throws a Fault.
+    is_manifold: whether meshes have to be. kind: ".ply"; None: as its name ends.
+    Throws a Fault.
     """
     checks = {".ply": lambda p: _check_ply(p, is_manifold), ".png": _check_png,
               ".json": _check_json, ".html": _check_page, ".csv": _check_table,
               ".svg": xml.etree.ElementTree.parse}
-    check = checks.get(path.suffix)
+    check = checks.get(kind or path.suffix)
     if path.name.endswith(".region.txt"):
         check = _check_region
     if check is None:

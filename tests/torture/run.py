@@ -20,6 +20,9 @@ MESHING = {"delaunay_manifold_mesher", "facetwise_refiner", "mesh_merger"}
 WRITTEN = {"*": ["output_path", "report_path", "json_path", "error_mesh_path",
                  "picture_path", "screenshot", "plan", "labels_path"],
            "mesh_viewer": ["screenshot"]}
+KINDS = {"output_path": ".ply", "json_path": ".json", "error_mesh_path": ".ply",
+         "picture_path": ".png", "screenshot": ".png", "labels_path": ".ply",
+         "report_path": ".csv"}
 DEFAULT_OUTPUTS = ["ws/meshed-delaunay-manifold.", "ws/meshed-refined.",
                    "ws/sparse-refined"]
 
@@ -58,6 +61,16 @@ def _call(*words):
                           stderr=subprocess.DEVNULL).returncode == 0
 
 
+def seeded(seed, index):
+    """The random numbers of a run."""
+    return random.Random(f"{seed} {index}")
+
+
+def draw_two(rng, workspaces):
+    """Which a run uses; drawn first."""
+    return rng.choice(workspaces), rng.choice(workspaces)
+
+
 class Run:
     """rng is seeded by the seed and the index alone, so that a run can be
     repeated by itself. folder: its own; what it works in lies below. hazards:
@@ -65,11 +78,10 @@ class Run:
 
     def __init__(self, tools, seed, index, workspaces, folder):
         self.tools = tools
-        self.rng = random.Random(f"{seed} {index}")
+        self.rng = seeded(seed, index)
         self.index = index
         self.folder = folder
-        self.base = self.rng.choice(workspaces)
-        self.other = self.rng.choice(workspaces)
+        self.base, self.other = draw_two(self.rng, workspaces)
         self.scenario = ""
         self.hazards = []
         self.faults = []
@@ -189,14 +201,14 @@ class Run:
                 if not path.startswith(tuple(names)) and not STATE.search(path):
                     self.fault(f"exit 0, but changes {path}")
             for path in changed + new:
-                self._check_output(command, place / path)
+                self._check_output(command, place / path, options)
             self._check_there(command, options, place)
             return
         for path in changed:
             is_whole_output = (ended.sent is not None and path in after and
                                path.startswith(tuple(self._written(command, options))))
             if is_whole_output:
-                self._check_output(command, place / path)
+                self._check_output(command, place / path, options)
             elif not (STATE.search(path) and ended.sent is not None):
                 self.fault(f"exit {ended.code}, but changes {path}")
         for path in new:
@@ -216,10 +228,17 @@ class Run:
                 names.append(os.path.splitext(os.path.normpath(str(value)))[0])
         return names
 
-    def _check_output(self, command, path):
+    def _check_output(self, command, path, options):
+        """What an option names is of its kind, whatever it is called."""
+        kinds = {os.path.normpath(str(options[name])): kind
+                 for name, kind in KINDS.items()
+                 if options.get(name) and name in WRITTEN.get(command, WRITTEN["*"])}
+        kind = next((kind for end, kind in kinds.items()
+                     if str(path).endswith("/" + end) and path.suffix != ".html"),
+                    None)
         if path.is_file() and not path.is_symlink():
             try:
-                check_output(path, command in MESHING)
+                check_output(path, command in MESHING, kind)
             except Fault as fault:
                 self.fault(f"writes {fault}")
 

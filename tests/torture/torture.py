@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 from command_options import COMMANDS
 from option_values import read_options
-from run import Run
+from run import Run, draw_two, seeded
 from scenarios import play
 from workspaces import make_workspace, take_workspace
 
@@ -77,12 +77,23 @@ def read_arguments():
 
 
 def make_workspaces(args, tools, folder, pool):
-    """Of the scene maker, and those given."""
-    jobs = [pool.submit(make_workspace, tools, args.seed, i, folder / f"made{i}")
-            for i in range(args.workspaces)]
-    jobs += [pool.submit(take_workspace, tools, path.resolve(),
-                         folder / f"given{i}") for i, path in enumerate(args.data)]
-    return [job.result() for job in jobs]
+    """Of the scene maker, and those given; None: not used."""
+    numbers = range(args.workspaces + len(args.data))
+    used = set(numbers)
+    if args.only:
+        used = {i for index in args.only
+                for i in draw_two(seeded(args.seed, index), numbers)}
+
+    def make(i):
+        if i not in used:
+            return None
+        if i < args.workspaces:
+            return pool.submit(make_workspace, tools, args.seed, i,
+                               folder / f"made{i}")
+        return pool.submit(take_workspace, tools,
+                           args.data[i - args.workspaces].resolve(),
+                           folder / f"given{i}")
+    return [job and job.result() for job in [make(i) for i in numbers]]
 
 
 def _kind(arguments):
