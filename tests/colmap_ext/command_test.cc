@@ -308,6 +308,7 @@ TEST_P(CommandTest, RefusesTruncatedFiles) {
 
 TEST_P(CommandTest, RefusesLoopsOfLinks) {
   for (const char* name : {"fused.ply", "fused.ply.vis", "sparse/images.bin"}) {
+    fs::remove_all(path_);
     sphere_.Write(path_);
     fs::remove(path_ / name);
     fs::create_symlink(fs::path(name).filename(), path_ / name);

@@ -104,8 +104,8 @@ def _edit_faces(rng, kind, positions, faces):
         positions = positions + noise
     elif kind == "flat":
         positions[:, rng.randrange(3)] = 0
-    elif kind == "shrunk":
-        positions[faces[some].ravel()] = positions[faces[0, 0]]
+    elif kind == "shrunk":  # not much of it: what meets in one place is squared
+        positions[faces[:10].ravel()] = positions[faces[0, 0]]
     elif kind == "split":
         positions, faces = positions[faces.ravel()], np.arange(
             faces.size).reshape(-1, 3)
