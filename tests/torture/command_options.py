@@ -29,13 +29,14 @@ def _box(run):
     """Six numbers, around the points or some of them."""
     rng, base = run.rng, run.base
     size = max(h - l for l, h in zip(base.low, base.high))
-    if run.chance(0.5):
-        center = rng.choice(base.points)
-    else:
-        center = [rng.uniform(l, h) for l, h in zip(base.low, base.high)]
     half = [size * 10 ** rng.uniform(-3, 0.3) for _ in range(3)]
     if run.chance(0.6):
         half = [max(half)] * 3
+    center = [rng.uniform(l, h) for l, h in zip(base.low, base.high)]
+    if run.chance(0.5):  # holds one point or few
+        some = base.points[:10] if run.chance(0.5) else base.points
+        center, distance = rng.choice(some)
+        half = [distance * rng.uniform(0.5, 3)] * 3
     corners = ([c - h for c, h in zip(center, half)]
                + [c + h for c, h in zip(center, half)])
     return [f"{number:.7g}" for number in corners]
@@ -155,6 +156,10 @@ def add_options(run, place, command, options, keep=()):
                     "truth_path", "input_path") and run.chance(0.8):
             continue
         options[name] = _value(run, place, command, name)
+    for name in ("region", "mask_path", "transform_path"):
+        if (name in run.tools.options[command] and name not in keep
+                and run.chance(0.1)):
+            options[name] = _value(run, place, command, name)
     for name, other in TOGETHER.items():
         if name in options and other not in options and run.chance(0.9):
             options[other] = _value(run, place, command, other)

@@ -105,7 +105,7 @@ class RunTest(FolderTest):
         ws = self.folder / "base"
         ws.mkdir(exist_ok=True)
         (ws / "fused.ply").write_text("points")
-        base = Workspace(ws, "base", [], [0] * 3, [1] * 3, [[0] * 3], {})
+        base = Workspace(ws, "base", [], [0] * 3, [1] * 3, [], {})
         at = self.folder / "run"
         at.mkdir(exist_ok=True)
         run = Run(Tools(program, program, {}, 5), 1, 2, [base], at)

@@ -14,8 +14,8 @@ import numpy as np
 class Workspace:
     """A folder with a dense workspace, whose mesh is made.
 
-    low, high: of the fused points. points: some of them. options: that its
-    commands need.
+    low, high: of the fused points. points: some of them, with the distances to
+    their nearest neighbors: (place, distance). options: that its commands need.
     """
 
     path: object
@@ -86,9 +86,13 @@ def _describe(path, name):
     count = int(header[header.index(b"vertex") + 1])
     rows = np.frombuffer(data[end:], "u1").reshape(count, -1)
     points = rows[:, :12].copy().view("<f4")
-    some = points[np.linspace(0, count - 1, min(count, 50)).astype(int)]
+    some = []
+    for place in points[np.linspace(0, count - 1, min(count, 100)).astype(int)]:
+        distances = np.linalg.norm(points - place, axis=1)
+        some.append((place.tolist(), float(distances[distances > 0].min())))
+    some.sort(key=lambda point: -point[1])
     return Workspace(path, name, images, points.min(0).tolist(),
-                     points.max(0).tolist(), some.tolist(), {})
+                     points.max(0).tolist(), some, {})
 
 
 def _add_mesh(program, workspace):
