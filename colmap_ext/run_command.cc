@@ -1,8 +1,11 @@
 #include "colmap_ext/run_command.h"
 
+#include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <optional>
@@ -46,7 +49,10 @@ std::string HowTo(std::optional<Alternative> alternative,
   return it != advice.alternatives.end() ? it->second : "";
 }
 
-int Fail(const std::string& message) {
+// One line, whatever is quoted in it.
+int Fail(std::string message) {
+  std::ranges::replace_if(
+      message, [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
   std::cout << std::flush;
   std::cerr << "ERROR: " << message << std::endl;
   return EXIT_FAILURE;
@@ -96,6 +102,8 @@ int RunCommand(int argc, char** argv, const CommandOptions& options,
                             "with this message, the command line and, if you "
                             "can, ") +
                 advice.bug_files);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return Fail(error.path1().string() + ": " + error.code().message());
   } catch (const std::exception& error) {
     return Fail(error.what());
   }

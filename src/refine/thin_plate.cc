@@ -14,7 +14,7 @@ namespace {
 constexpr double kMinEdge = 0.5;
 
 // Fills one vertex.
-// \pre it has neighbors
+// \pre it has neighbors and a footprint
 void AddVertex(const PlateSurface& surface, double weight, double relief,
                size_t vertex, ThinPlate* plate) {
   const auto ring = surface.rings.neighbors[vertex];
@@ -63,7 +63,7 @@ ThinPlate MakeThinPlate(const PlateSurface& surface,
   plate.coefficients.assign(size, 0);
   plate.shares.assign(surface.rings.neighbors.values.size(), 0);
   tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-    if (!surface.rings.neighbors[i].empty()) {
+    if (!surface.rings.neighbors[i].empty() && surface.footprints[i] > 0) {
       AddVertex(surface, weights[i], relief[i], i, &plate);
     }
   });

@@ -13,7 +13,7 @@ struct PlateSurface {
   const std::vector<Eigen::Vector3f>& vertices;  // scene units
   const std::vector<Eigen::Vector3f>& normals;   // unit
   const VertexRings& rings;
-  const std::vector<float>& footprints;  // p, of a pixel, scene units
+  const std::vector<float>& footprints;  // p, of a pixel, scene units; 0: none
   const std::vector<float>& num_pixels;  // n, that a vertex accounts for
 };
 
@@ -34,7 +34,7 @@ struct PlateSurface {
 struct ThinPlate {
   std::vector<double> residuals;     // [V] N . u - r, scene units
   std::vector<double> coefficients;  // [V] of their squares / 2; 0 where a
-                                     // vertex has no neighbors
+                                     // vertex has no neighbors or footprint
   std::vector<float>
       shares;  // [neighbors of `rings`] of each in its vertex's u
 

@@ -140,7 +140,7 @@ RepairedPart RepairPart(const RepairSteps& steps, TriangleMesh* mesh,
   GuardedMesh guarded(std::move(*mesh), fixed);
   part.before = guarded.Pairs();
   if (steps.separates_copies && !part.before.empty()) {
-    SeparateCopies(&guarded);
+    SeparateCopies(&guarded, steps.max_work);
   }
   for (int round = steps.first_round;
        round < steps.end_round && guarded.NumPairs() > 0 &&

@@ -50,7 +50,7 @@ struct RepairSteps {
   bool separates_copies = true;  // at first
   int first_round = 0;
   int end_round = 0;
-  size_t max_work = 0;  // of the rounds, GuardedMesh::Work()
+  size_t max_work = 0;  // GuardedMesh::Work()
 };
 
 struct RepairedPart {

@@ -99,11 +99,14 @@ bool MoveApart(uint32_t vertex, GuardedMesh* mesh) {
 
 }  // namespace
 
-size_t SeparateCopies(GuardedMesh* mesh) {
+size_t SeparateCopies(GuardedMesh* mesh, size_t max_work) {
   std::vector<uint32_t> moved;
   for (int pass = 0; pass < kMaxPasses; ++pass) {
     const size_t num_pairs = mesh->NumPairs();
     for (const uint32_t vertex : FindCopies(*mesh)) {
+      if (mesh->Work() > max_work) {
+        break;
+      }
       if (!IsFixed(mesh->fixed(), vertex) && MoveApart(vertex, mesh)) {
         moved.push_back(vertex);
       }

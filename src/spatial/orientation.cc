@@ -66,6 +66,10 @@ void AddDeterminant(double scale, const Vector3f& a, const Vector3f& b,
 
 int ExactSide(const Vector3f& a, const Vector3f& b, const Vector3f& c,
               const Vector3f& d) {
+  // Common where vertices share a position, and quick to tell.
+  if (a == b || a == c || a == d || b == c || b == d || c == d) {
+    return 0;
+  }
   DeterminantSum sum;
   AddDeterminant(1, a, b, c, &sum);
   AddDeterminant(-1, d, b, c, &sum);

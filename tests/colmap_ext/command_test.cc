@@ -309,6 +309,21 @@ TEST_P(CommandTest, RefusesTruncatedFiles) {
   }
 }
 
+TEST_P(CommandTest, RefusesLoopsOfLinks) {
+  for (const char* name : {"fused.ply", "fused.ply.vis", "sparse/images.bin"}) {
+    fs::remove_all(path_);
+    sphere_.Write(path_);
+    fs::remove(path_ / name);
+    fs::create_symlink(fs::path(name).filename(), path_ / name);
+    ExpectRefused(Workspace(), std::string("ERROR: ") +
+                                   (path_ / name).string() + ": Too many");
+  }
+}
+
+TEST_P(CommandTest, SaysInOneLineWhatCanNotBePrinted) {
+  ExpectRefused("'--no\n\033such' 1", "--no??such");
+}
+
 TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   sphere_.Write(path_);
   const std::string input = "--input_path \"" + path_.string() + "\" ";

@@ -71,6 +71,19 @@ TEST(ThinPlate, IsFlatOnAPlaneHoweverItIsCut) {
   EXPECT_LT(plate.Energy(), 1e-4);
 }
 
+// As where no image sees the surface.
+TEST(ThinPlate, HasNoEnergyWithoutFootprints) {
+  TriangleMesh mesh = MakeCube();
+  mesh.vertices.assign(mesh.vertices.size(), Vector3f(1, 2, 3));
+  PlateScene scene(mesh);
+  scene.footprints.assign(mesh.vertices.size(), 0);
+  const ThinPlate plate = scene.Plate(1);
+  EXPECT_EQ(plate.Energy(), 0);
+  for (const float share : plate.shares) {
+    EXPECT_TRUE(std::isfinite(share));
+  }
+}
+
 // It is the sum of the two curvatures, in 1 / px, whatever the facets: on a
 // sphere of radius R a neighbor at distance l lies l^2 / 2 R below the plane.
 TEST(ThinPlate, MeasuresTheCurvatureOfASphereHoweverItIsCut) {

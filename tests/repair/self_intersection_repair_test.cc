@@ -190,6 +190,29 @@ TEST(RepairSelfIntersections, MovesCopiesOfAnEdgeApart) {
 }
 
 // What local changes can not help stays no worse; so does any mesh.
+// Each facet meets all others in the place that they share.
+TEST(RepairSelfIntersections, SpendsNoMoreOnCopiesThanAllowed) {
+  constexpr uint32_t kNumFacets = 100;
+  constexpr size_t kWorkOfOne = 20'000;  // ways, steps, and pairs for each
+  TriangleMesh star;
+  Random random(1);
+  const auto number = [&random] {
+    return static_cast<float>(random.Unit() - 0.5);
+  };
+  for (uint32_t i = 0; i < 3 * kNumFacets; i += 3) {
+    star.vertices.push_back(Vector3f::Zero());
+    star.vertices.push_back({number(), number(), number()});
+    star.vertices.push_back({number(), number(), number()});
+    star.facets.push_back({i, i + 1, i + 2});
+  }
+  for (const size_t max_work : {size_t{0}, size_t{1'000}, size_t{10'000}}) {
+    TriangleMesh mesh = star;
+    const RepairedPart part = RepairPart({true, 0, 0, max_work}, &mesh);
+    EXPECT_LT(part.work, max_work + kWorkOfOne);
+    EXPECT_LT(part.after.size(), part.before.size());
+  }
+}
+
 TEST(RepairSelfIntersections, NeverMakesMore) {
   Random random(2);
   const TriangleMesh sphere = MakeBumpySphere(0.15f);
