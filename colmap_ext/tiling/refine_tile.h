@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/tiling/refinement_plan.h"
@@ -20,6 +21,7 @@ struct RefineTileReport {
   size_t num_removed = 0;   // of them refined
   size_t num_added = 0;     // that they became
   std::string computed_by;  // the backend
+  std::vector<std::string> warnings;  // of it
   int resumed_level = 0;    // after which it went on; 0: from the start
   int last_level = 0;       // that is complete on disk; 0: none
   RefinementReport refinement;

@@ -25,7 +25,8 @@ const EnergyScene& Statue() {
 std::unique_ptr<PhotometricEnergy> MakeGl(
     const EnergyScene& scene, const PhotometricOptions& options = {},
     size_t max_memory = SIZE_MAX) {
-  return MakeGlPhotometricEnergy(options, scene.Pyramid(), -1, max_memory);
+  return MakeGlPhotometricEnergy(options, scene.Pyramid(),
+                                 {.max_memory = max_memory});
 }
 
 template <typename T>
@@ -63,7 +64,7 @@ void ExpectAgreement(const PhotometricTerms& terms,
 class GlPhotometricEnergyTest : public GlTest {};
 
 TEST(GlPhotometricEnergy, GraphicsCardThatIsNotThereThrows) {
-  EXPECT_THROW(MakeGlPhotometricEnergy({}, Statue().Pyramid(), 1000, 0),
+  EXPECT_THROW(MakeGlPhotometricEnergy({}, Statue().Pyramid(), {.gpu_index = 1000}),
                NoGlError);
 }
 
@@ -106,7 +107,7 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorUnderMasks) {
     return StripedMask(scene.Views()[view], view);
   };
   const auto gl =
-      MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), -1, SIZE_MAX);
+      MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), {});
   const auto cpu =
       MakeCpuPhotometricEnergy({}, scene.Pyramid(1, read_mask), SIZE_MAX);
   const auto whole = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
@@ -269,7 +270,7 @@ TEST_F(GlPhotometricEnergyTest, ImagesMayBeOfSeveralSizes) {
       views,
       [&](size_t view) { return *pyramids[(view + 1) % 2]->Image(view); },
       SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, {});
   const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
   const TriangleMesh mesh = scene.Perturbed(0.3, 1);
   gl->Render(mesh);
@@ -292,7 +293,7 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorFarFromTheOrigin) {
   const std::shared_ptr<ImagePyramid> pyramid = scene.Pyramid();
   const auto images = std::make_shared<ImagePyramid>(
       views, [&](size_t view) { return *pyramid->Image(view); }, SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, {});
   const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
   gl->Render(mesh);
   cpu->Render(mesh);
@@ -334,7 +335,7 @@ TEST_F(GlPhotometricEnergyTest, ScaledSceneHasTheSameEnergy) {
       vertex *= scale;
     }
     const auto scaled =
-        MakeGlPhotometricEnergy({}, scene.Pyramid(scale), -1, 0);
+        MakeGlPhotometricEnergy({}, scene.Pyramid(scale), {.max_memory = 0});
     scaled->Render(mesh);
     PhotometricTerms scaled_terms = scaled->Evaluate(mesh, labels);
     for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
