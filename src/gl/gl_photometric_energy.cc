@@ -173,10 +173,9 @@ class Evaluator {
     const std::shared_ptr<const ViewTextures> textures_i = views_.Get(i);
     const std::shared_ptr<const ViewTextures> textures_j = views_.Get(j);
     const std::vector<View>& views = images_->Views();
-    passes_.Run(
-        {views[i], views[j], *textures_i, *textures_j, first, facets},
-        {views_.Vertices(), vertices_, views_.Facets(), chosen_facets_,
-         normals_, sums_});
+    passes_.Run({views[i], views[j], *textures_i, *textures_j, first, facets},
+                {views_.Vertices(), vertices_, views_.Facets(), chosen_facets_,
+                 normals_, sums_});
   }
 
   std::shared_ptr<ImagePyramid> images_;
@@ -208,7 +207,7 @@ class GlPhotometricEnergy : public PhotometricEnergy {
     const std::string lack =
         evaluator->Lack({gl.expected_facets / 2, gl.expected_facets,
                          gl.expected_facets * gl.expected_directions});
-    if (!lack.empty()) {
+    if (gl.expected_facets > 0 && !lack.empty()) {
       Warn("the finest level may not fit on the graphics card (about " + lack +
            "); the processor computes what does not fit");
     }
@@ -302,7 +301,7 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   std::function<void(const std::string& warning)> warn_;
   EglContext context_;
   std::unique_ptr<PhotometricEnergy> cpu_;
-  std::unique_ptr<Evaluator> evaluator_;  // none: the card has failed
+  std::unique_ptr<Evaluator> evaluator_;       // none: the card has failed
   std::shared_ptr<const TriangleMesh> drawn_;  // on the card; none: not there
 };
 

@@ -208,8 +208,9 @@ void PairPasses::Differentiate(const PairDirection& direction) {
 void PairPasses::Gather(const PairDirection& direction,
                         const PairBuffers& buffers) {
   const size_t num_facets = buffers.facets.NumBytes() / sizeof(Facet);
-  const size_t per_part = std::max(
-      kAlignedNumbers, max_block_ / kSumBytes / kAlignedNumbers * kAlignedNumbers);
+  const size_t per_part =
+      std::max(kAlignedNumbers,
+               max_block_ / kSumBytes / kAlignedNumbers * kAlignedNumbers);
   SetFacetBox(direction, &gather_);
   gather_.Set("ray_from_pixel_i", direction.view_i.RayFromPixel());
   direction.textures_i.drawn.facets.BindToSampler(0);
@@ -219,11 +220,10 @@ void PairPasses::Gather(const PairDirection& direction,
   size_t num_done = 0;
   for (size_t first = 0; first < num_facets; first += per_part) {
     const size_t end = std::min(first + per_part, num_facets);
-    const size_t num_below =
-        std::ranges::lower_bound(direction.facets, end) -
-        direction.facets.begin();
-    gather_.Set("first_facet", FirstFacet(direction) +
-                                   static_cast<unsigned int>(num_done));
+    const size_t num_below = std::ranges::lower_bound(direction.facets, end) -
+                             direction.facets.begin();
+    gather_.Set("first_facet",
+                FirstFacet(direction) + static_cast<unsigned int>(num_done));
     gather_.Set("num_facets", static_cast<unsigned int>(num_below - num_done));
     gather_.Set("first_sum", static_cast<unsigned int>(first));
     buffers.sums.BindToStorage(kSums, first * kSumBytes,

@@ -31,7 +31,7 @@ struct PairDirection {
   const View& view_j;
   const ViewTextures& textures_i;
   const ViewTextures& textures_j;
-  uint64_t first_facet = 0;  // of the direction's, in chosen_facets
+  uint64_t first_facet = 0;          // of the direction's, in chosen_facets
   std::span<const uint32_t> facets;  // the same, ascending
 };
 

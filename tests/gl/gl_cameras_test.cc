@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "cameras/refine_cameras.h"
@@ -15,7 +16,7 @@ namespace colmap_ext {
 namespace {
 
 const CameraScene& Scene() {
-  static const CameraScene scene = MakeCameraScene();
+  static const CameraScene scene = MakeCameraScene(false, 120);
   return scene;
 }
 
@@ -69,12 +70,14 @@ TEST_F(GlCamerasTest, EachViewIsDrawnOnceAPass) {
 }
 
 RefinedMesh Refine(PhotometricEnergy* energy,
-                   const std::shared_ptr<ImagePyramid>& images) {
+                   const std::shared_ptr<ImagePyramid>& images,
+                   const RefinementHooks& hooks = {}) {
   const CameraScene& scene = Scene();
   FacetwiseRefinementOptions options;
   options.levels = 2;
   options.iterations = 2;
   options.remeshing = false;
+  options.labeling.final_pairs_per_facet = 0;
   options.cameras.parts = RefinedParts::kPoses;
   auto cameras = std::make_shared<RefinableCameras>();
   cameras->views = DisturbedCameras().views;
@@ -86,7 +89,7 @@ RefinedMesh Refine(PhotometricEnergy* energy,
   return RefineFacetwise(
       options,
       {scene.scene.Truth(), attributes, {}, options.levels - 1, true, cameras},
-      cameras->views, scene.scene.dense.fused.cloud, energy, {});
+      cameras->views, scene.scene.dense.fused.cloud, energy, hooks);
 }
 
 // Of the median vertex, pixels.
@@ -122,9 +125,8 @@ const RefinedMesh& RefinedByProcessor() {
 
 TEST_F(GlCamerasTest, RefinementAgreesWithTheProcessor) {
   const auto images = Scene().scene.Pyramid();
-  ExpectAgreement(
-      Refine(MakeGlPhotometricEnergy({}, images, {}).get(), images),
-      RefinedByProcessor());
+  ExpectAgreement(Refine(MakeGlPhotometricEnergy({}, images, {}).get(), images),
+                  RefinedByProcessor());
 }
 
 // Room for the coarse level alone.
@@ -132,14 +134,19 @@ TEST_F(GlCamerasTest, RefinementGoesOnByTheProcessorWhereTheCardRunsOut) {
   std::vector<std::string> warnings;
   GlOptions gl;
   gl.warn = [&](const std::string& warning) { warnings.push_back(warning); };
-  gl.limits.max_memory = 3'000'000;
+  gl.limits.max_memory = 1'600'000;
   const auto images = Scene().scene.Pyramid();
   const auto energy = MakeGlPhotometricEnergy({}, images, gl);
-  const RefinedMesh refined = Refine(energy.get(), images);
+  RefinementHooks hooks;
+  hooks.on_level = [&](int level, const RefinedMesh&) {
+    EXPECT_EQ(warnings.size(), level == 1 ? 0 : 1);
+  };
+  const RefinedMesh refined = Refine(energy.get(), images, hooks);
   ExpectAgreement(refined, RefinedByProcessor());
   ASSERT_EQ(warnings.size(), 1);
   EXPECT_NE(warnings[0].find("the processor computes the rest"),
-            std::string::npos);
+            std::string::npos)
+      << warnings[0];
   EXPECT_EQ(energy->Description().find("CPU, "), 0);
 }
 

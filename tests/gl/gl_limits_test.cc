@@ -51,16 +51,15 @@ bool IsByProcessor(const PhotometricTerms& terms) {
 }
 
 bool IsByCard(const PhotometricTerms& terms) {
-  static const PhotometricTerms expected = DrawAndEvaluate(
-      MakeGlPhotometricEnergy({}, Scene().Pyramid(), {}).get());
+  static const PhotometricTerms expected =
+      DrawAndEvaluate(MakeGlPhotometricEnergy({}, Scene().Pyramid(), {}).get());
   return IsSame(terms, expected);
 }
 
 // An energy, and what it warns of.
 struct WarningEnergy {
-  explicit WarningEnergy(GlOptions gl,
-                         std::shared_ptr<ImagePyramid> images =
-                             Scene().Pyramid()) {
+  explicit WarningEnergy(
+      GlOptions gl, std::shared_ptr<ImagePyramid> images = Scene().Pyramid()) {
     gl.warn = [this](const std::string& warning) {
       warnings.push_back(warning);
     };

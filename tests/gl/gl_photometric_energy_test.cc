@@ -64,8 +64,9 @@ void ExpectAgreement(const PhotometricTerms& terms,
 class GlPhotometricEnergyTest : public GlTest {};
 
 TEST(GlPhotometricEnergy, GraphicsCardThatIsNotThereThrows) {
-  EXPECT_THROW(MakeGlPhotometricEnergy({}, Statue().Pyramid(), {.gpu_index = 1000}),
-               NoGlError);
+  EXPECT_THROW(
+      MakeGlPhotometricEnergy({}, Statue().Pyramid(), {.gpu_index = 1000}),
+      NoGlError);
 }
 
 // Drawn at one place, evaluated at others.
@@ -106,8 +107,7 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorUnderMasks) {
   const auto read_mask = [&](size_t view) {
     return StripedMask(scene.Views()[view], view);
   };
-  const auto gl =
-      MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), {});
+  const auto gl = MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), {});
   const auto cpu =
       MakeCpuPhotometricEnergy({}, scene.Pyramid(1, read_mask), SIZE_MAX);
   const auto whole = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
