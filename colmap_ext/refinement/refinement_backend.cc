@@ -31,19 +31,14 @@ RefinementBackend MakeGl(const RefinerOptions& options,
   const int num_directions =
       std::max(2 * labeling.pairs_per_facet, labeling.final_pairs_per_facet);
   RefinementBackend backend;
-  try {
-    backend.energy = MakeGlPhotometricEnergy(
-        options.refinement.photometric, std::move(images),
-        {options.gpu_index,
-         options.MaxDrawingMemory(),
-         {},
-         expected_facets,
-         static_cast<size_t>(num_directions),
-         std::move(warn)});
-  } catch (const NoGlError& error) {
-    throw OptionError(std::string(error.what()) +
-                      "; --FacetwiseRefinement.backend cpu needs none");
-  }
+  backend.energy =
+      MakeGlPhotometricEnergy(options.refinement.photometric, std::move(images),
+                              {options.gpu_index,
+                               options.MaxDrawingMemory(),
+                               {},
+                               expected_facets,
+                               static_cast<size_t>(num_directions),
+                               std::move(warn)});
   backend.description = backend.energy->Description();
   return backend;
 }
@@ -73,7 +68,13 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
           "OpenGL is drawn by software here, which is slower than "
           "--FacetwiseRefinement.backend cpu");
     }
-    return MakeGl(options, std::move(images), expected_facets, std::move(warn));
+    try {
+      return MakeGl(options, std::move(images), expected_facets,
+                    std::move(warn));
+    } catch (const NoGlError& error) {
+      throw OptionError(std::string(error.what()) +
+                        "; --FacetwiseRefinement.backend cpu needs none");
+    }
   }
   if (is_software.has_value() && !*is_software) {
     try {

@@ -16,15 +16,15 @@ namespace colmap_ext {
 struct RefineTileReport {
   bool is_kept = false;  // it was done before: nothing was done
   uint32_t color = 0;
-  size_t num_views = 0;               // that were read
-  size_t num_facets = 0;              // of the surface that were read
-  size_t num_removed = 0;             // of them refined
-  size_t num_added = 0;               // that they became
-  std::string computed_by;            // the backend
-  std::vector<std::string> warnings;  // of it
-  int resumed_level = 0;  // after which it went on; 0: from the start
-  int last_level = 0;     // that is complete on disk; 0: none
+  size_t num_views = 0;     // that were read
+  size_t num_facets = 0;    // of the surface that were read
+  size_t num_removed = 0;   // of them refined
+  size_t num_added = 0;     // that they became
+  std::string computed_by;  // the backend
+  int resumed_level = 0;    // after which it went on; 0: from the start
+  int last_level = 0;       // that is complete on disk; 0: none
   RefinementReport refinement;
+  std::vector<std::string> warnings;  // of what computes, one line each
 };
 
 // Refines a tile of a plan, once: its file is there whole or not at all. A job

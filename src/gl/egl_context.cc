@@ -91,8 +91,8 @@ EGLContext CreateContext(EGLDisplay display) {
       EGL_LOSE_CONTEXT_ON_RESET,
       EGL_NONE};
   eglBindAPI(EGL_OPENGL_API);
-  const EGLContext context = eglCreateContext(
-      display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
+  EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR,
+                                        EGL_NO_CONTEXT, attributes.data());
   if (context != EGL_NO_CONTEXT) {
     return context;
   }

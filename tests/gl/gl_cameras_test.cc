@@ -134,7 +134,7 @@ TEST_F(GlCamerasTest, RefinementGoesOnByTheProcessorWhereTheCardRunsOut) {
   std::vector<std::string> warnings;
   GlOptions gl;
   gl.warn = [&](const std::string& warning) { warnings.push_back(warning); };
-  gl.limits.max_memory = 1'600'000;
+  gl.limits.max_memory = 1'100'000;
   const auto images = Scene().scene.Pyramid();
   const auto energy = MakeGlPhotometricEnergy({}, images, gl);
   RefinementHooks hooks;
