@@ -27,6 +27,7 @@
 #include "mesh/pixel_footprint.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
+#include "refine/remesh_for_images.h"
 #include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
@@ -118,11 +119,15 @@ class Refiner {
   }
 
   RefinedMesh Refine() {
-    const RefinementBackend backend = MakeBackend(options_, input_.images);
+    const RefinementBackend backend = MakeBackend(
+        options_, input_.images,
+        ExpectedFacets(options_.refinement.max_face_area, input_.mesh,
+                       input_.attributes.views, input_.views),
+        [this](const std::string& warning) {
+          reporter_.Finish();
+          PrintWarning(warning, &log_);
+        });
     PrintText("computed by", backend.description, &log_);
-    if (!backend.warning.empty()) {
-      PrintWarning(backend.warning, &log_);
-    }
     std::cout << std::endl;
     const StopSignal stop_signal;
     RefinementHooks hooks;

@@ -98,6 +98,9 @@ void Print(const RefineTileReport& report, ReportLog* log) {
   Print("self-intersections",
         static_cast<int64_t>(report.refinement.num_self_intersections), log);
   PrintText("computed by", report.computed_by, log);
+  for (const std::string& warning : report.warnings) {
+    PrintWarning(warning, log);
+  }
 }
 
 void RefineOne(const RefinerOptions& options) {

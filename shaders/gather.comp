@@ -10,7 +10,7 @@ layout(local_size_x = kGroupSize) in;
 
 layout(std430, binding = 7) readonly buffer Vertices { float vertices[]; };
 
-// [F][12] energy, weight, number of pixels; slopes; curvatures.
+// [F'][12] of facets from first_sum on: energy, weight, number of pixels; slopes; curvatures.
 layout(std430, binding = 8) buffer Sums { float sums[]; };
 
 layout(binding = 0) uniform usampler2D facets_i;
@@ -18,6 +18,7 @@ layout(binding = 1) uniform sampler2D warped;       // see warp.comp
 layout(binding = 2) uniform sampler2D energies;     // see correlate.comp
 layout(binding = 3) uniform sampler2D derivatives;  // see differentiate.comp
 
+uniform uint first_sum;
 uniform dmat3 ray_from_pixel_i;  // (u, v, 1) -> world ray with z 1
 
 vec3 Vertex(uint index) {
@@ -104,6 +105,6 @@ void main() {
                             slopes.z, squares.x, products.x, products.y,
                             squares.y, products.z, squares.z);
   for (int k = 0; k < 12; ++k) {
-    sums[12 * facet + k] += sum[k];
+    sums[12 * (facet - first_sum) + k] += sum[k];
   }
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -9,18 +11,24 @@
 
 namespace colmap_ext {
 
+using Warn = std::function<void(const std::string& warning)>;
+
 // What computes the energy, and what to tell of it.
 struct RefinementBackend {
   std::unique_ptr<PhotometricEnergy> energy;
   std::string description;  // and why it was taken, for Backend::kAuto
-  std::string warning;      // empty: none
 };
 
 // By options.backend. Where the choice is free, OpenGL in software is not
-// taken: the processor is faster without it.
+// taken: the processor is faster without it. Where the graphics card fails
+// later, the processor takes over.
 //
+// \param expected_facets  of the mesh, at the finest level.
+// \param warn  called with lines for the user, now and as long as the energy
+//        lives.
 // \throw OptionError if OpenGL is asked for, and is not to be had.
 RefinementBackend MakeBackend(const RefinerOptions& options,
-                              std::shared_ptr<ImagePyramid> images);
+                              std::shared_ptr<ImagePyramid> images,
+                              size_t expected_facets, Warn warn);
 
 }  // namespace colmap_ext

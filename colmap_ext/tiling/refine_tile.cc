@@ -11,6 +11,7 @@
 #include "colmap_ext/tiling/surface_files.h"
 #include "colmap_ext/tiling/tile_state.h"
 #include "photometry/image_pyramid.h"
+#include "refine/remesh_for_images.h"
 #include "workspace/masks.h"
 #include "workspace/usable_pictures.h"
 
@@ -146,7 +147,11 @@ RefinedMesh Refine(const RefinementJob& job, const RefinementTarget& target,
       report->last_level = level;
     }
   };
-  const RefinementBackend backend = MakeBackend(options, pictures.images);
+  const RefinementBackend backend = MakeBackend(
+      options, pictures.images,
+      ExpectedFacets(method.max_face_area, start.mesh, start.attributes.views,
+                     pictures.views),
+      [&](const std::string& warning) { report->warnings.push_back(warning); });
   report->computed_by = backend.description;
   RefinedMesh refined =
       RefineFacetwise(method, std::move(start), pictures.views, points,

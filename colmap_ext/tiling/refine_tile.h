@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/tiling/refinement_plan.h"
@@ -26,6 +27,7 @@ struct RefineTileReport {
   int resumed_level = 0;            // after which it went on; 0: from the start
   int last_level = 0;               // that is complete on disk; 0: none
   RefinementReport refinement;
+  std::vector<std::string> warnings;  // of what computes, one line each
 };
 
 // Refines a tile of a plan, once: its file is there whole or not at all. A job

@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "base/rows.h"
+#include "photometry/view_order.h"
 
 namespace colmap_ext {
 
@@ -51,6 +50,28 @@ Rows<Comparison> GroupByViews(const SurfacePatches& patches) {
   return rows;
 }
 
+// Groups of the same view one after the other, and views by their partners.
+// \param groups  see GroupByViews().
+std::vector<uint32_t> OrderOf(const Rows<Comparison>& groups,
+                              size_t num_views) {
+  Rows<uint32_t> partners;  // the values are as many as the groups
+  for (uint32_t view = 0; view < num_views; ++view) {
+    for (size_t i = partners.values.size();
+         i < groups.size() && groups[i].front().view == view; ++i) {
+      partners.values.push_back(groups[i].front().partner);
+    }
+    partners.EndRow();
+  }
+  std::vector<uint32_t> order;
+  for (const uint32_t view : OrderByPartners(partners)) {
+    for (uint64_t i = partners.offsets[view]; i < partners.offsets[view + 1];
+         ++i) {
+      order.push_back(static_cast<uint32_t>(i));
+    }
+  }
+  return order;
+}
+
 }  // namespace
 
 // Two views at a time: not all of a view's partners may be there at once.
@@ -60,7 +81,7 @@ std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
                                         const SurfacePatches& patches) {
   const Rows<Comparison> groups = GroupByViews(patches);
   std::vector<WindowShift> shifts(patches.partners.values.size());
-  tbb::parallel_for(size_t{0}, groups.size(), [&](size_t group) {
+  ForEachInOrder(OrderOf(groups, views.size()), [&](uint32_t group) {
     const uint32_t i = groups[group].front().view;
     const uint32_t j = groups[group].front().partner;
     const auto image_i = scene.images->Image(i);

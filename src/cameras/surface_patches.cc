@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
-#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include "cameras/shift_jacobian.h"
 #include "cameras/window_shift.h"
+#include "photometry/view_order.h"
 
 namespace colmap_ext {
 
@@ -169,7 +170,7 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
 // other: their drawings may not all be there at a time.
 std::vector<std::vector<Seeing>> FindSeeing(
     const DrawnScene& scene, const std::vector<SurfacePatch>& patches,
-    const View& view, const std::vector<uint32_t>& others, double border) {
+    const View& view, std::span<const uint32_t> others, double border) {
   std::vector<Eigen::Vector3d> points;
   points.reserve(patches.size());
   for (const SurfacePatch& patch : patches) {
@@ -209,19 +210,23 @@ SurfacePatches SelectPatches(const PatchOptions& options,
                              const DrawnScene& scene,
                              const std::vector<ViewPair>& pairs) {
   const std::vector<View>& views = scene.drawings.Views();
-  std::vector<std::vector<uint32_t>> paired(views.size());
+  std::vector<std::vector<uint32_t>> partners_of(views.size());
   for (const ViewPair& pair : pairs) {
-    paired[pair.first].push_back(pair.second);
-    paired[pair.second].push_back(pair.first);
+    partners_of[pair.first].push_back(pair.second);
+    partners_of[pair.second].push_back(pair.first);
+  }
+  Rows<uint32_t> paired;
+  for (const std::vector<uint32_t>& row : partners_of) {
+    paired.AddRow(row);
   }
   std::vector<std::vector<SurfacePatch>> patches(views.size());
   std::vector<std::vector<std::vector<uint32_t>>> partners(views.size());
-  tbb::parallel_for(size_t{0}, views.size(), [&](size_t view) {
+  ForEachInOrder(OrderByPartners(paired), [&](uint32_t view) {
     if (paired[view].empty()) {  // its picture may not be there
       return;
     }
     const std::vector<SurfacePatch> found =
-        PatchesOfView(options, photometric, scene, static_cast<uint32_t>(view));
+        PatchesOfView(options, photometric, scene, view);
     std::vector<std::vector<Seeing>> seeing =
         FindSeeing(scene, found, views[view], paired[view], options.radius + 1);
     for (size_t k = 0; k < found.size(); ++k) {

@@ -75,17 +75,28 @@ std::vector<EGLDeviceEXT> GraphicsCards() {
   return devices;
 }
 
+// One that says so when the card is reset, where there are such: drivers may
+// end the program otherwise.
 EGLContext CreateContext(EGLDisplay display) {
-  const std::array<EGLint, 9> attributes = {EGL_CONTEXT_MAJOR_VERSION,
-                                            4,
-                                            EGL_CONTEXT_MINOR_VERSION,
-                                            5,
-                                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                            EGL_CONTEXT_OPENGL_DEBUG,
-                                            kIsDebug ? EGL_TRUE : EGL_FALSE,
-                                            EGL_NONE};
+  std::array<EGLint, 11> attributes = {
+      EGL_CONTEXT_MAJOR_VERSION,
+      4,
+      EGL_CONTEXT_MINOR_VERSION,
+      5,
+      EGL_CONTEXT_OPENGL_PROFILE_MASK,
+      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+      EGL_CONTEXT_OPENGL_DEBUG,
+      kIsDebug ? EGL_TRUE : EGL_FALSE,
+      EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+      EGL_LOSE_CONTEXT_ON_RESET,
+      EGL_NONE};
   eglBindAPI(EGL_OPENGL_API);
+  EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR,
+                                        EGL_NO_CONTEXT, attributes.data());
+  if (context != EGL_NO_CONTEXT) {
+    return context;
+  }
+  attributes[8] = EGL_NONE;
   return eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT,
                           attributes.data());
 }

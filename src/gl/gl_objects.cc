@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "gl/debug_output.h"
 #include "gl/gl_error.h"
 
 namespace colmap_ext {
@@ -26,6 +27,7 @@ void GlBuffer::Resize(size_t num_bytes) {
     // Those of no bytes can not be bound.
     glNamedBufferData(Name(), std::max<size_t>(num_bytes, 4), nullptr,
                       GL_DYNAMIC_COPY);
+    ThrowOnGlError("A buffer");
     num_bytes_ = num_bytes;
   }
 }
@@ -59,6 +61,13 @@ void GlBuffer::BindToStorage(GLuint index) const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, index, Name());
 }
 
+void GlBuffer::BindToStorage(GLuint index, size_t first_byte,
+                             size_t num_bytes) const {
+  glBindBufferRange(GL_SHADER_STORAGE_BUFFER, index, Name(),
+                    static_cast<GLintptr>(first_byte),
+                    static_cast<GLsizeiptr>(num_bytes));
+}
+
 GlTexture::GlTexture(GLenum format, int width, int height)
     : format_(format), width_(width), height_(height) {
   GLint max_size = 0;
@@ -72,6 +81,7 @@ GlTexture::GlTexture(GLenum format, int width, int height)
   glCreateTextures(GL_TEXTURE_2D, 1, &name);
   name_ = GlName<DeleteTexture>(name);
   glTextureStorage2D(name, 1, format, width, height);
+  ThrowOnGlError("A texture");
   glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }

@@ -52,6 +52,7 @@ class GlBuffer {
   GlBuffer();
 
   // What was in it is lost; of another size it is made anew.
+  // \throw GlError if there is no memory for it.
   void Resize(size_t num_bytes);
   // All bytes.
   void SetZero() const;
@@ -80,6 +81,8 @@ class GlBuffer {
   // For `layout(std430, binding = index) buffer`.
   // \throw GlError if it is larger than shaders can use.
   void BindToStorage(GLuint index) const;
+  // A part of it, that begins at a multiple of 256 bytes.
+  void BindToStorage(GLuint index, size_t first_byte, size_t num_bytes) const;
 
  private:
   void ReadBytes(void* data, size_t num_bytes) const;
@@ -92,6 +95,7 @@ class GlBuffer {
 class GlTexture {
  public:
   // \param format  how it is kept, e.g. GL_R32F
+  // \throw GlError if it is too large, or there is no memory for it.
   GlTexture(GLenum format, int width, int height);
 
   // All pixels, rows from the first.

@@ -1,24 +1,42 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <string>
 
+#include "gl/gl_limits.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
 
 namespace colmap_ext {
 
+struct GlOptions {
+  int gpu_index = -1;  // see EglContext
+  // On the host, of the views that the processor draws, see
+  // MakeCpuPhotometricEnergy(), and of views on a card that does not tell how
+  // much memory it has; the two of a pair whatever they take. Bytes.
+  size_t max_memory = SIZE_MAX;
+  // Used at most, where the card has more.
+  GlLimits limits = {};
+  // About how large the mesh will get: facets, and labels' directions of each.
+  size_t expected_facets = 0;
+  size_t expected_directions = 0;
+  // Called with one line for the user, as part of what is called: when such a
+  // mesh may not fit on the card, and when the processor takes over. May be
+  // empty.
+  std::function<void(const std::string& warning)> warn = {};
+};
+
 // The energy by OpenGL. It may be used by any thread, one at a time. Results
-// are the same from run to run on one graphics card.
+// are the same from run to run on one graphics card. Where the card runs out of
+// memory or fails, the processor takes over for good, and nothing is lost.
 //
-// \param gpu_index  see EglContext.
-// \param max_memory  of the views that are kept on the graphics card, bytes;
-//        the two of a pair whatever they take.
 // \pre options in their ranges
-// \throw NoGlError if there is no OpenGL 4.5; GlError if it fails, here and
-//        later.
+// \throw NoGlError if there is no OpenGL 4.5; GlError if it fails at once.
 std::unique_ptr<PhotometricEnergy> MakeGlPhotometricEnergy(
     const PhotometricOptions& options, std::shared_ptr<ImagePyramid> images,
-    int gpu_index, size_t max_memory);
+    GlOptions gl);
 
 }  // namespace colmap_ext

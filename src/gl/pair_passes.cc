@@ -31,12 +31,23 @@ enum StorageBinding : GLuint {
   kFacingJ = 10,
 };
 
+constexpr size_t kSumBytes = 12 * sizeof(float);  // of a facet
+
+// Parts of buffers begin at multiples of so many numbers: 256 bytes, the most
+// that OpenGL 4.5 may ask for.
+constexpr size_t kAlignedNumbers = 64;
+
 constexpr size_t kTileListHeader = 4;  // numbers before the tiles
 
 ShaderConstants TileConstants(const PhotometricOptions& options) {
   return {{"kTileWidth", kTileWidth},
           {"kTileHeight", kTileHeight},
           {"kWindowRadius", options.window_radius}};
+}
+
+// Of the direction, in the part of chosen_facets that is bound for it.
+unsigned int FirstFacet(const PairDirection& direction) {
+  return static_cast<unsigned int>(direction.first_facet % kAlignedNumbers);
 }
 
 Eigen::Vector2i Size(const View& view) { return {view.width, view.height}; }
@@ -68,13 +79,25 @@ PairPasses::Planes::Planes(int width, int height)
       energies(GL_RG32F, width, height),
       derivatives(GL_RG32F, width, height) {}
 
-PairPasses::PairPasses(const PhotometricOptions& options)
+PairPasses::PairPasses(const PhotometricOptions& options, size_t max_block)
     : options_(options),
+      max_block_(max_block),
       find_tiles_({"find_tiles.comp"}, TileConstants(options)),
       warp_({"warp.comp"}, TileConstants(options)),
       correlate_({"correlate.comp"}, TileConstants(options)),
       differentiate_({"differentiate.comp"}, TileConstants(options)),
       gather_({"gather.comp"}) {}
+
+size_t PairPasses::Memory(const std::vector<View>& views) {
+  constexpr size_t kBytesPerPixel = 4 * 12;  // 12 numbers of Planes
+  size_t width = 0;
+  size_t height = 0;
+  for (const View& view : views) {
+    width = std::max<size_t>(width, view.width);
+    height = std::max<size_t>(height, view.height);
+  }
+  return kBytesPerPixel * width * height;
+}
 
 // The windows' planes and the tiles are as large as the largest view was.
 void PairPasses::Reserve(const View& view_i, size_t num_facets) {
@@ -102,8 +125,9 @@ void PairPasses::Reserve(const View& view_i, size_t num_facets) {
 void PairPasses::SetFacetBox(const PairDirection& direction,
                              Program* program) const {
   const View& view = direction.view_i;
-  program->Set("first_facet", direction.first_facet);
-  program->Set("num_facets", direction.num_facets);
+  program->Set("first_facet", FirstFacet(direction));
+  program->Set("num_facets",
+               static_cast<unsigned int>(direction.facets.size()));
   program->Set("pixel_from_world_i",
                Eigen::Matrix3f(view.PixelFromRay().cast<float>()));
   program->Set("size_i", Size(view));
@@ -116,7 +140,7 @@ void PairPasses::FindTiles(const PairDirection& direction) {
   find_tiles_.Set("num_tile_columns", NumTileColumns(direction.view_i));
   const std::array<uint32_t, kTileListHeader> no_tiles = {0, 1, 1, 0};
   tiles_.Write(no_tiles.data(), sizeof(no_tiles));
-  Dispatch(find_tiles_, direction.num_facets);
+  Dispatch(find_tiles_, direction.facets.size());
 }
 
 void PairPasses::Warp(const PairDirection& direction) {
@@ -180,14 +204,33 @@ void PairPasses::Differentiate(const PairDirection& direction) {
   DispatchIndirect(differentiate_, tiles_);
 }
 
-void PairPasses::Gather(const PairDirection& direction) {
+// In parts of the sums that shaders can reach.
+void PairPasses::Gather(const PairDirection& direction,
+                        const PairBuffers& buffers) {
+  const size_t num_facets = buffers.facets.NumBytes() / sizeof(Facet);
+  const size_t per_part =
+      std::max(kAlignedNumbers,
+               max_block_ / kSumBytes / kAlignedNumbers * kAlignedNumbers);
   SetFacetBox(direction, &gather_);
   gather_.Set("ray_from_pixel_i", direction.view_i.RayFromPixel());
   direction.textures_i.drawn.facets.BindToSampler(0);
   planes_->warped.BindToSampler(1);
   planes_->energies.BindToSampler(2);
   planes_->derivatives.BindToSampler(3);
-  Dispatch(gather_, direction.num_facets);
+  size_t num_done = 0;
+  for (size_t first = 0; first < num_facets; first += per_part) {
+    const size_t end = std::min(first + per_part, num_facets);
+    const size_t num_below = std::ranges::lower_bound(direction.facets, end) -
+                             direction.facets.begin();
+    gather_.Set("first_facet",
+                FirstFacet(direction) + static_cast<unsigned int>(num_done));
+    gather_.Set("num_facets", static_cast<unsigned int>(num_below - num_done));
+    gather_.Set("first_sum", static_cast<unsigned int>(first));
+    buffers.sums.BindToStorage(kSums, first * kSumBytes,
+                               (end - first) * kSumBytes);
+    Dispatch(gather_, num_below - num_done);
+    num_done = num_below;
+  }
 }
 
 void PairPasses::Run(const PairDirection& direction,
@@ -197,9 +240,11 @@ void PairPasses::Run(const PairDirection& direction,
   buffers.drawn_vertices.BindToStorage(kDrawnVertices);
   buffers.facets.BindToStorage(kFacets);
   buffers.normals.BindToStorage(kNormals);
-  buffers.chosen_facets.BindToStorage(kChosenFacets);
+  const unsigned int first = FirstFacet(direction);
+  buffers.chosen_facets.BindToStorage(
+      kChosenFacets, (direction.first_facet - first) * sizeof(uint32_t),
+      (first + direction.facets.size()) * sizeof(uint32_t));
   buffers.vertices.BindToStorage(kVertices);
-  buffers.sums.BindToStorage(kSums);
   label_stamps_.BindToStorage(kLabelStamps);
   tiles_.BindToStorage(kTiles);
   tile_stamps_.BindToStorage(kTileStamps);
@@ -207,7 +252,7 @@ void PairPasses::Run(const PairDirection& direction,
   Warp(direction);
   Correlate(direction);
   Differentiate(direction);
-  Gather(direction);
+  Gather(direction, buffers);
 }
 
 }  // namespace colmap_ext

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "gl/gl_objects.h"
 #include "gl/program.h"
@@ -29,8 +31,8 @@ struct PairDirection {
   const View& view_j;
   const ViewTextures& textures_i;
   const ViewTextures& textures_j;
-  uint32_t first_facet = 0;  // of the direction's, in chosen_facets
-  uint32_t num_facets = 0;
+  uint64_t first_facet = 0;          // of the direction's, in chosen_facets
+  std::span<const uint32_t> facets;  // the same, ascending
 };
 
 // What a direction of a pair adds to the sums of the facets compared in it, in
@@ -38,7 +40,11 @@ struct PairDirection {
 // windows, differentiate; then gather facet by facet.
 class PairPasses {
  public:
-  explicit PairPasses(const PhotometricOptions& options);
+  // \param max_block  see GlLimits.
+  PairPasses(const PhotometricOptions& options, size_t max_block);
+
+  // On the card, once all pairs were compared, bytes.
+  static size_t Memory(const std::vector<View>& views);
 
   void Run(const PairDirection& direction, const PairBuffers& buffers);
 
@@ -58,10 +64,11 @@ class PairPasses {
   void Warp(const PairDirection& direction);
   void Correlate(const PairDirection& direction);
   void Differentiate(const PairDirection& direction);
-  void Gather(const PairDirection& direction);
+  void Gather(const PairDirection& direction, const PairBuffers& buffers);
   void SetFacetBox(const PairDirection& direction, Program* program) const;
 
   PhotometricOptions options_;
+  size_t max_block_;
   Program find_tiles_;
   Program warp_;
   Program correlate_;

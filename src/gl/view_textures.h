@@ -16,6 +16,9 @@ namespace colmap_ext {
 struct ViewTextures {
   ViewTextures(const GrayImage& gray_image, int width, int height);
 
+  // On the card, bytes.
+  static size_t Memory(const View& view, size_t num_facets);
+
   GlTexture image;  // R8UI
   FacetTextures drawn;
   uint64_t drawn_mesh = 0;  // number of the mesh, see ViewTextureCache; 0: none
@@ -33,8 +36,11 @@ class ViewTextureCache {
   // Drops all views; their size has changed.
   void Clear() { views_.Clear(); }
 
+  // \param max_memory  as of the constructor.
+  void SetMaxMemory(size_t max_memory) { views_.SetMaxBytes(max_memory); }
+
   // What is to be drawn.
-  void SetMesh(const TriangleMesh& mesh);
+  void SetMesh(std::shared_ptr<const TriangleMesh> mesh);
   const GlBuffer& Vertices() const { return vertices_; }  // [V][3] float
   const GlBuffer& Facets() const { return facets_; }      // [F][3] uint
 
@@ -44,7 +50,7 @@ class ViewTextureCache {
  private:
   std::shared_ptr<ImagePyramid> images_;
   FacetDrawer drawer_;
-  TriangleMesh mesh_;
+  std::shared_ptr<const TriangleMesh> mesh_;
   uint64_t num_meshes_ = 0;  // the number of the mesh at hand
   GlBuffer vertices_;
   GlBuffer facets_;

@@ -1,7 +1,11 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include <tbb/parallel_for.h>
 
 #include "base/rows.h"
 
@@ -16,5 +20,16 @@ namespace colmap_ext {
 // \param partners [views] of each view, without repeats.
 // \return all views, each once.
 std::vector<uint32_t> OrderByPartners(const Rows<uint32_t>& partners);
+
+// Calls function(i) for all i of an order, in parallel. They begin in that
+// order, however many threads there are, so that those at work at a time use
+// the same few views.
+template <typename Function>
+void ForEachInOrder(const std::vector<uint32_t>& order,
+                    const Function& function) {
+  std::atomic<size_t> next = 0;
+  tbb::parallel_for(size_t{0}, order.size(),
+                    [&](size_t) { function(order[next++]); });
+}
 
 }  // namespace colmap_ext

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "mesh/pixel_footprint.h"
 #include "refine/refinable_areas.h"
 #include "remesh/carry_attributes.h"
 #include "remesh/edge_length_field.h"
@@ -17,6 +18,15 @@
 namespace colmap_ext {
 
 namespace {
+
+// Scene units squared.
+float Area(const TriangleMesh& mesh, const Facet& facet) {
+  const auto& [a, b, c] = facet;
+  return (mesh.vertices[b] - mesh.vertices[a])
+             .cross(mesh.vertices[c] - mesh.vertices[a])
+             .norm() /
+         2;
+}
 
 // Of an equilateral triangle.
 double EdgeOfArea(double area) { return std::sqrt(area * 4 / std::sqrt(3.0)); }
@@ -29,11 +39,7 @@ std::vector<float> LengthsOfPixels(const TriangleMesh& mesh,
   std::vector<float> lengths(mesh.vertices.size(),
                              std::numeric_limits<float>::infinity());
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    const auto& [a, b, c] = mesh.facets[i];
-    const float area = (mesh.vertices[b] - mesh.vertices[a])
-                           .cross(mesh.vertices[c] - mesh.vertices[a])
-                           .norm() /
-                       2;
+    const float area = Area(mesh, mesh.facets[i]);
     if (areas[i] > 0 && area > 0) {
       const auto length = static_cast<float>(EdgeOfArea(area / areas[i]));
       for (const uint32_t vertex : mesh.facets[i]) {
@@ -95,6 +101,19 @@ FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
   *mesh = std::move(remeshed.mesh);
   *fixed_sources = CarrySources(*fixed_sources, remeshed.fixed_sources);
   return FindVisibleFacets(*draw(*mesh));
+}
+
+size_t ExpectedFacets(double area, const TriangleMesh& mesh,
+                      const Rows<uint32_t>& vertex_views,
+                      const std::vector<View>& views) {
+  const double footprint = MedianFootprint(mesh, vertex_views, views);
+  double total_area = 0;
+  for (const Facet& facet : mesh.facets) {
+    total_area += Area(mesh, facet);
+  }
+  const double expected =
+      footprint > 0 ? total_area / (area * footprint * footprint) : 0;
+  return std::max(mesh.facets.size(), static_cast<size_t>(expected));
 }
 
 }  // namespace colmap_ext

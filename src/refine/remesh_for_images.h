@@ -1,14 +1,18 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "base/rows.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "raster/facet_visibility.h"
 #include "raster/mesh_drawings.h"
 #include "refine/fixed_sources.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -27,5 +31,14 @@ FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
                                 VertexAttributes* attributes,
                                 std::vector<Eigen::Vector3f>* origins,
                                 FixedSources* fixed_sources);
+
+// About how many facets a mesh has once it is remeshed, if it is curved
+// everywhere: its area by that of a facet, at the median footprint of a pixel;
+// not fewer than it has. For estimates of memory.
+// \param area  px^2
+// \param vertex_views [V] see VertexAttributes
+size_t ExpectedFacets(double area, const TriangleMesh& mesh,
+                      const Rows<uint32_t>& vertex_views,
+                      const std::vector<View>& views);
 
 }  // namespace colmap_ext

@@ -44,7 +44,7 @@ struct Problem {
 std::unique_ptr<PhotometricEnergy> MakeEnergy(const Problem& problem,
                                               bool is_gl) {
   const std::shared_ptr<ImagePyramid> images = problem.scene.Pyramid();
-  return is_gl ? MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX)
+  return is_gl ? MakeGlPhotometricEnergy({}, images, {})
                : MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
 }
 

@@ -1,6 +1,10 @@
 #include "cameras/refine_cameras.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -192,6 +196,54 @@ TEST(RefineCameras, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_TRUE(all.cameras.views[i].cam_from_world_translation ==
                 one.cameras.views[i].cam_from_world_translation);
   }
+}
+
+// The scene with its views in another order, each paired with its two neighbors
+// around the statue.
+CameraScene Shuffled(const std::vector<uint32_t>& order) {
+  CameraScene shuffled = Scene();
+  const auto size = static_cast<uint32_t>(order.size());
+  std::vector<uint32_t> places(size);
+  for (uint32_t i = 0; i < size; ++i) {
+    places[order[i]] = i;
+    shuffled.truth.views[i] = Scene().truth.views[order[i]];
+    shuffled.scene.dense.scene.views[i] = shuffled.truth.views[i];
+    shuffled.scene.images[i] = Scene().scene.images[order[i]];
+  }
+  for (TrackObservation& seen : shuffled.tracks.observations.values) {
+    seen.view = places[seen.view];
+  }
+  shuffled.pairs.clear();
+  for (uint32_t i = 0; i < size; ++i) {
+    const uint32_t a = places[i];
+    const uint32_t b = places[(i + 1) % size];
+    shuffled.pairs.push_back({std::min(a, b), std::max(a, b)});
+  }
+  return shuffled;
+}
+
+// Half of the drawings fit into memory, and the views come in any order.
+TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
+  const tbb::global_control one_thread(
+      tbb::global_control::max_allowed_parallelism, 1);
+  const CameraScene scene = Shuffled({0, 3, 6, 1, 4, 7, 2, 5});
+  const View& view = scene.truth.views[0];
+  const TriangleMesh& mesh = scene.scene.Truth();
+  const size_t of_view = static_cast<size_t>(8) * view.width * view.height +
+                         mesh.facets.size() / 8;
+  size_t num_drawn = 0;
+  const MeshDrawings drawings(mesh, scene.truth.views, 0.1, 4 * of_view,
+                              [&](size_t) {
+                                ++num_drawn;
+                                return std::shared_ptr<const GrayImage>();
+                              });
+  const auto images = scene.scene.Pyramid();
+  const RefinedCameras refined =
+      RefineCameras(Poses(), {}, scene.truth, scene.truth, scene.tracks,
+                    drawings, scene.pairs, images.get());
+  EXPECT_GT(refined.report.num_windows, 100);
+  const size_t num_passes = 1 + refined.report.num_rounds;
+  EXPECT_LE(num_drawn, 1.5 * 8 * static_cast<double>(num_passes));
 }
 
 }  // namespace

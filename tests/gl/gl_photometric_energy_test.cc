@@ -26,7 +26,8 @@ const EnergyScene& Statue() {
 std::unique_ptr<PhotometricEnergy> MakeGl(
     const EnergyScene& scene, const PhotometricOptions& options = {},
     size_t max_memory = SIZE_MAX) {
-  return MakeGlPhotometricEnergy(options, scene.Pyramid(), -1, max_memory);
+  return MakeGlPhotometricEnergy(options, scene.Pyramid(),
+                                 {.max_memory = max_memory});
 }
 
 template <typename T>
@@ -64,8 +65,9 @@ void ExpectAgreement(const PhotometricTerms& terms,
 class GlPhotometricEnergyTest : public GlTest {};
 
 TEST(GlPhotometricEnergy, GraphicsCardThatIsNotThereThrows) {
-  EXPECT_THROW(MakeGlPhotometricEnergy({}, Statue().Pyramid(), 1000, 0),
-               NoGlError);
+  EXPECT_THROW(
+      MakeGlPhotometricEnergy({}, Statue().Pyramid(), {.gpu_index = 1000}),
+      NoGlError);
 }
 
 // Drawn at one place, evaluated at others.
@@ -106,8 +108,7 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorUnderMasks) {
   const auto read_mask = [&](size_t view) {
     return StripedMask(scene.Views()[view], view);
   };
-  const auto gl =
-      MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), -1, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), {});
   const auto cpu =
       MakeCpuPhotometricEnergy({}, scene.Pyramid(1, read_mask), SIZE_MAX);
   const auto whole = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
@@ -290,7 +291,7 @@ TEST_F(GlPhotometricEnergyTest, ImagesMayBeOfSeveralSizes) {
       views,
       [&](size_t view) { return *pyramids[(view + 1) % 2]->Image(view); },
       SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, {});
   const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
   const TriangleMesh mesh = scene.Perturbed(0.3, 1);
   gl->Render(mesh);
@@ -313,7 +314,7 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorFarFromTheOrigin) {
   const std::shared_ptr<ImagePyramid> pyramid = scene.Pyramid();
   const auto images = std::make_shared<ImagePyramid>(
       views, [&](size_t view) { return *pyramid->Image(view); }, SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, {});
   const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
   gl->Render(mesh);
   cpu->Render(mesh);
@@ -355,7 +356,7 @@ TEST_F(GlPhotometricEnergyTest, ScaledSceneHasTheSameEnergy) {
       vertex *= scale;
     }
     const auto scaled =
-        MakeGlPhotometricEnergy({}, scene.Pyramid(scale), -1, 0);
+        MakeGlPhotometricEnergy({}, scene.Pyramid(scale), {.max_memory = 0});
     scaled->Render(mesh);
     PhotometricTerms scaled_terms = scaled->Evaluate(mesh, labels);
     for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {

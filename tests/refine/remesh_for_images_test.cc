@@ -1,6 +1,7 @@
 #include "refine/remesh_for_images.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -90,6 +91,26 @@ TEST(RemeshForImages, CarriesOriginsAndAttributes) {
               0.02F);
     EXPECT_EQ(result.attributes.views[i].size(), 2);
   }
+}
+
+// No more than there will be by far, and none too few where it matters: where
+// the whole surface is seen and curved.
+TEST(ExpectedFacets, AreAboutThoseOfTheRemeshedSurface) {
+  const TriangleMesh mesh = MakeBumpySphere(0.12F);
+  Rows<uint32_t> vertex_views;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    vertex_views.AddRow(std::vector<uint32_t>{0, 1});
+  }
+  for (const double area : {3.0, 12.0}) {
+    const size_t expected = ExpectedFacets(area, mesh, vertex_views, Views());
+    const size_t num_facets = Remesh(area, mesh).mesh.facets.size();
+    EXPECT_LT(num_facets, expected);
+    EXPECT_GT(6 * num_facets, expected);
+  }
+  EXPECT_EQ(ExpectedFacets(1e9, mesh, vertex_views, Views()),
+            mesh.facets.size());
+  const Rows<uint32_t> unseen(mesh.vertices.size());
+  EXPECT_EQ(ExpectedFacets(1, mesh, unseen, Views()), mesh.facets.size());
 }
 
 }  // namespace

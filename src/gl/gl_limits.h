@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace colmap_ext {
+
+// What there is room for on a graphics card, bytes.
+struct GlLimits {
+  size_t max_block = SIZE_MAX;   // of a buffer that a shader reaches at a time
+  size_t max_memory = SIZE_MAX;  // of all buffers and textures together, as far
+                                 // as they are free; SIZE_MAX: not known
+};
+
+// Of the card of the current context, or `at_most` where that is less.
+// \param is_software  the processor draws: there is no memory but the host's.
+GlLimits FindGlLimits(const GlLimits& at_most, bool is_software);
+
+}  // namespace colmap_ext

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cameras/refine_cameras.h"
+#include "gl/gl_photometric_energy.h"
+#include "photometry/cpu_photometric_energy.h"
+#include "refine/facetwise_refinement.h"
+#include "tests/cameras/camera_scene.h"
+#include "tests/gl/gl_test.h"
+
+namespace colmap_ext {
+namespace {
+
+const CameraScene& Scene() {
+  static const CameraScene scene = MakeCameraScene(false, 120);
+  return scene;
+}
+
+const CameraSet& DisturbedCameras() {
+  static const CameraSet cameras = Disturb(Scene(), Scene().truth, 0.5, 1);
+  return cameras;
+}
+
+// Counts how often each view is drawn by the processor: as no memory keeps
+// masks, each drawing asks for one.
+struct CountedDrawings {
+  std::vector<std::atomic<int>> counts =
+      std::vector<std::atomic<int>>(Scene().truth.views.size());
+  std::shared_ptr<ImagePyramid> images = std::make_shared<ImagePyramid>(
+      DisturbedCameras().views,
+      [](size_t view) { return Scene().scene.images[view]; }, 0,
+      [this](size_t view) {
+        ++counts[view];
+        return GrayImage();  // no mask
+      });
+
+  bool AreAll(int count) const {
+    return std::all_of(counts.begin(), counts.end(),
+                       [&](const auto& of_view) { return of_view == count; });
+  }
+};
+
+class GlCamerasTest : public GlTest {};
+
+TEST_F(GlCamerasTest, EachViewIsDrawnOnceAPass) {
+  CountedDrawings drawn;
+  const auto energy = MakeGlPhotometricEnergy({}, drawn.images, {});
+  const CameraScene& scene = Scene();
+  const TriangleMesh& mesh = scene.scene.Truth();
+  CameraSet cameras = DisturbedCameras();
+  CameraRefinementOptions options;
+  options.parts = RefinedParts::kPoses;
+  energy->SetLevel(1);
+  MeasureMisalignment({}, {}, cameras, scene.tracks, *energy->Drawings(mesh),
+                      scene.pairs, drawn.images.get());
+  EXPECT_TRUE(drawn.AreAll(1));
+  EXPECT_EQ(energy->Drawings(mesh), energy->Drawings(mesh));
+  for (const int pass : {2, 3}) {
+    energy->SetViews(cameras.views);
+    cameras =
+        RefineCameras(options, {}, cameras, cameras, scene.tracks,
+                      *energy->Drawings(mesh), scene.pairs, drawn.images.get())
+            .cameras;
+    EXPECT_TRUE(drawn.AreAll(pass));
+  }
+}
+
+RefinedMesh Refine(PhotometricEnergy* energy,
+                   const std::shared_ptr<ImagePyramid>& images,
+                   const RefinementHooks& hooks = {}) {
+  const CameraScene& scene = Scene();
+  FacetwiseRefinementOptions options;
+  options.levels = 2;
+  options.iterations = 2;
+  options.remeshing = false;
+  options.labeling.final_pairs_per_facet = 0;
+  options.cameras.parts = RefinedParts::kPoses;
+  auto cameras = std::make_shared<RefinableCameras>();
+  cameras->views = DisturbedCameras().views;
+  cameras->view_cameras = DisturbedCameras().view_cameras;
+  cameras->tracks = scene.tracks;
+  cameras->images = images;
+  VertexAttributes attributes;
+  attributes.views.offsets.assign(scene.scene.Truth().vertices.size() + 1, 0);
+  return RefineFacetwise(
+      options,
+      {scene.scene.Truth(), attributes, {}, options.levels - 1, true, cameras},
+      cameras->views, scene.scene.dense.fused.cloud, energy, hooks);
+}
+
+// Of the median vertex, pixels.
+double MedianDistance(const TriangleMesh& a, const TriangleMesh& b) {
+  std::vector<double> distances;
+  for (size_t i = 0; i < a.vertices.size(); ++i) {
+    distances.push_back((a.vertices[i] - b.vertices[i]).norm());
+  }
+  const auto median = distances.begin() + distances.size() / 2;
+  std::nth_element(distances.begin(), median, distances.end());
+  return *median / Scene().scene.dense.scene.footprint;
+}
+
+void ExpectAgreement(const RefinedMesh& refined, const RefinedMesh& reference) {
+  const CameraScene& scene = Scene();
+  const CameraSet cameras = {refined.views, scene.truth.view_cameras};
+  const CameraSet expected = {reference.views, scene.truth.view_cameras};
+  EXPECT_LT(Distance(scene, expected, scene.truth),
+            0.5 * Distance(scene, DisturbedCameras(), scene.truth));
+  EXPECT_LT(Distance(scene, cameras, expected), 0.01);
+  EXPECT_EQ(refined.report.cameras.size(), reference.report.cameras.size());
+  ASSERT_EQ(refined.mesh.facets, reference.mesh.facets);
+  EXPECT_LT(MedianDistance(refined.mesh, reference.mesh), 0.01);
+}
+
+const RefinedMesh& RefinedByProcessor() {
+  static const RefinedMesh refined = [] {
+    const auto images = Scene().scene.Pyramid();
+    return Refine(MakeCpuPhotometricEnergy({}, images, SIZE_MAX).get(), images);
+  }();
+  return refined;
+}
+
+TEST_F(GlCamerasTest, RefinementAgreesWithTheProcessor) {
+  const auto images = Scene().scene.Pyramid();
+  ExpectAgreement(Refine(MakeGlPhotometricEnergy({}, images, {}).get(), images),
+                  RefinedByProcessor());
+}
+
+// Room for the coarse level alone.
+TEST_F(GlCamerasTest, RefinementGoesOnByTheProcessorWhereTheCardRunsOut) {
+  std::vector<std::string> warnings;
+  GlOptions gl;
+  gl.warn = [&](const std::string& warning) { warnings.push_back(warning); };
+  gl.limits.max_memory = 1'100'000;
+  const auto images = Scene().scene.Pyramid();
+  const auto energy = MakeGlPhotometricEnergy({}, images, gl);
+  RefinementHooks hooks;
+  hooks.on_level = [&](int level, const RefinedMesh&) {
+    EXPECT_EQ(warnings.size(), level == 1 ? 0 : 1);
+  };
+  const RefinedMesh refined = Refine(energy.get(), images, hooks);
+  ExpectAgreement(refined, RefinedByProcessor());
+  ASSERT_EQ(warnings.size(), 1);
+  EXPECT_NE(warnings[0].find("the processor computes the rest"),
+            std::string::npos)
+      << warnings[0];
+  EXPECT_EQ(energy->Description().find("CPU, "), 0);
+}
+
+}  // namespace
+}  // namespace colmap_ext
