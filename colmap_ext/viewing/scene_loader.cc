@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,25 +27,32 @@ void SceneLoader::Say(const std::string& status) {
               [status](ShownScene* scene) { scene->status = status; });
 }
 
+// Each note once.
 void SceneLoader::Note(const std::vector<std::string>& notes) {
-  notes_.insert(notes_.end(), notes.begin(), notes.end());
+  for (const std::string& note : notes) {
+    if (std::ranges::find(notes_, note) == notes_.end()) {
+      notes_.push_back(note);
+    }
+  }
   inbox_->Put("notes",
               [all = notes_](ShownScene* scene) { scene->notes = all; });
+}
+
+void SceneLoader::NoteError(const std::exception& error) {
+  const bool is_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+  Note({is_memory ? "out of memory; look at fewer meshes at a time"
+                  : error.what()});
 }
 
 void SceneLoader::LoadMesh(const ShownMeshPaths& paths) {
   Say(fmt::format("reading {} ({} of {})", paths.mesh.filename().string(),
                   ++num_meshes_, paths_.meshes.size()));
-  try {
-    std::vector<std::string> notes;
-    auto mesh = std::make_shared<const ShownMesh>(ReadShownMesh(paths, &notes));
-    inbox_->Put(fmt::format("mesh {:06}", num_meshes_),
-                [mesh](ShownScene* scene) { scene->meshes.push_back(mesh); });
-    Note(notes);
-    AddStandIn(mesh);
-  } catch (const std::exception& error) {
-    Note({error.what()});
-  }
+  std::vector<std::string> notes;
+  auto mesh = std::make_shared<const ShownMesh>(ReadShownMesh(paths, &notes));
+  inbox_->Put(fmt::format("mesh {:06}", num_meshes_),
+              [mesh](ShownScene* scene) { scene->meshes.push_back(mesh); });
+  Note(notes);
+  AddStandIn(mesh);
 }
 
 void SceneLoader::AddStandIn(const std::shared_ptr<const ShownMesh>& mesh) {
@@ -63,17 +71,13 @@ void SceneLoader::AddStandIn(const std::shared_ptr<const ShownMesh>& mesh) {
 
 void SceneLoader::LoadWorkspace(const ViewerOptions& options) {
   Say("reading the points and cameras");
-  try {
-    ViewerWorkspace workspace = ReadViewerWorkspace(options, paths_, decoder_);
-    inbox_->Put("workspace", [views = workspace.views,
-                              points = workspace.points](ShownScene* scene) {
-      scene->views = views;
-      scene->points = points;
-    });
-    Note(workspace.notes);
-  } catch (const std::exception& error) {
-    Note({error.what()});
-  }
+  ViewerWorkspace workspace = ReadViewerWorkspace(options, paths_, decoder_);
+  inbox_->Put("workspace", [views = workspace.views,
+                            points = workspace.points](ShownScene* scene) {
+    scene->views = views;
+    scene->points = points;
+  });
+  Note(workspace.notes);
 }
 
 void SceneLoader::LoadImage(size_t index, const View& view) {
@@ -105,8 +109,8 @@ void SceneLoader::LoadThumbnails(const std::vector<View>& views) {
   worker_.Add([this] { Say(""); });
 }
 
-void SceneLoader::Match(const ShownMesh& mesh, uint32_t facet,
-                        const View& first, const View& second) {
+void SceneLoader::Match(const std::shared_ptr<const ShownMesh>& mesh,
+                        uint32_t facet, const View& first, const View& second) {
   const auto read = [&](const View& view) {
     std::optional<GrayImage> image =
         decoder_.read_gray(paths_.folder / "images" / view.name);
@@ -118,19 +122,21 @@ void SceneLoader::Match(const ShownMesh& mesh, uint32_t facet,
   const std::optional<GrayImage> second_image = read(second);
   FacetMatch match;
   if (first_image && second_image) {
-    match = MatchFacet(mesh.mesh, facet, first, *first_image, second,
+    match = MatchFacet(mesh->mesh, facet, first, *first_image, second,
                        *second_image);
   }
-  inbox_->Put("match",
-              [result = std::make_shared<const FacetMatch>(std::move(match))](
-                  ShownScene* scene) { scene->match = result; });
+  inbox_->Put("match", [mesh, facet,
+                        result = std::make_shared<const FacetMatch>(
+                            std::move(match))](ShownScene* scene) {
+    scene->matches[{mesh, facet}] = result;
+  });
 }
 
 ViewerHost SceneLoader::Host(
     std::function<std::string(const ColorImage&)> save) {
   ViewerHost host;
   host.load_image = [this](size_t index, const View& view) {
-    worker_.AddFirst([this, index, view] { LoadImage(index, view); });
+    worker_.AddUrgent("image", [this, index, view] { LoadImage(index, view); });
   };
   host.load_thumbnails = [this](const std::vector<View>& views) {
     LoadThumbnails(views);
@@ -138,13 +144,8 @@ ViewerHost SceneLoader::Host(
   host.match_facet = [this](std::shared_ptr<const ShownMesh> mesh,
                             uint32_t facet, const View& first,
                             const View& second) {
-    worker_.AddFirst([this, mesh = std::move(mesh), facet, first, second] {
-      try {
-        Match(*mesh, facet, first, second);
-      } catch (const std::exception& error) {
-        Note({error.what()});
-      }
-    });
+    worker_.AddUrgent("match", [this, mesh = std::move(mesh), facet, first,
+                                second] { Match(mesh, facet, first, second); });
   };
   host.save_picture = std::move(save);
   return host;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -21,7 +22,10 @@ class SceneLoader {
  public:
   // \param inbox  has to outlive it.
   SceneLoader(ViewerPaths paths, PictureDecoder decoder, SceneInbox* inbox)
-      : paths_(std::move(paths)), decoder_(std::move(decoder)), inbox_(inbox) {}
+      : paths_(std::move(paths)),
+        decoder_(std::move(decoder)),
+        inbox_(inbox),
+        worker_([this](const std::exception& error) { NoteError(error); }) {}
 
   // The meshes, and then the workspace.
   void LoadAll(const ViewerOptions& options);
@@ -36,10 +40,11 @@ class SceneLoader {
   void LoadWorkspace(const ViewerOptions& options);
   void LoadImage(size_t index, const View& view);
   void LoadThumbnails(const std::vector<View>& views);
-  void Match(const ShownMesh& mesh, uint32_t facet, const View& first,
-             const View& second);
+  void Match(const std::shared_ptr<const ShownMesh>& mesh, uint32_t facet,
+             const View& first, const View& second);
   void Say(const std::string& status);
   void Note(const std::vector<std::string>& notes);
+  void NoteError(const std::exception& error);
 
   // Used by the worker's thread alone, once it has jobs.
   ViewerPaths paths_;

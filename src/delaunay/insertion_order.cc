@@ -4,8 +4,6 @@
 #include <bit>
 #include <numeric>
 
-#include <tbb/parallel_sort.h>
-
 #include "base/index_limit.h"
 #include "base/mix_bits.h"
 #include "mesh/space_filling_curve.h"
@@ -21,18 +19,8 @@ uint64_t Hash(uint64_t i) { return MixBits((i + 1) * kSplitMixStep); }
 std::vector<uint32_t> DistinctPoints(
     const std::vector<Eigen::Vector3f>& positions,
     std::vector<uint32_t>* representatives) {
-  const std::vector<uint64_t> keys = MortonKeys(positions);
-  std::vector<uint32_t> points(ExpectIndexable(positions.size(), "points"));
-  std::iota(points.begin(), points.end(), 0);
-  tbb::parallel_sort(points.begin(), points.end(), [&](uint32_t a, uint32_t b) {
-    if (keys[a] != keys[b]) return keys[a] < keys[b];
-    const auto& p = positions[a];
-    const auto& q = positions[b];
-    if (p.x() != q.x()) return p.x() < q.x();
-    if (p.y() != q.y()) return p.y() < q.y();
-    if (p.z() != q.z()) return p.z() < q.z();
-    return a < b;
-  });
+  ExpectIndexable(positions.size(), "points");
+  std::vector<uint32_t> points = OrderAlongCurve(positions);
   representatives->resize(positions.size());
   size_t size = 0;
   for (const uint32_t point : points) {

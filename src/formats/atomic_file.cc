@@ -21,43 +21,44 @@ constexpr int kMaxTemporaries = 16;
 constexpr size_t kMaxPathLength = 4096;
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-// What a signal handler may touch: the temporary files that are there, and
-// what the signals did before. An empty path is a free slot.
+// What a signal handler may touch: the temporary files that are there. An empty
+// path is a free slot.
 char temporaries[kMaxTemporaries][kMaxPathLength];
-int num_temporaries = 0;
-struct sigaction previous_actions[std::size(kSignals)];
 std::atomic<bool> is_dying = false;
-std::atomic<pid_t> making_thread = 0;  // that makes a temporary file; 0: none
+std::atomic<pid_t> listing_thread = 0;  // that holds a Listing; 0: none
 
-// While a thread makes a temporary file. A handler that runs in another one
-// waits until the file is known; if it was first, no more files are made.
-class Making {
+// While a thread adds or removes a temporary file: one at a time. A handler
+// that runs in another thread waits until the list is right; after that no more
+// files are made.
+class Listing {
  public:
-  Making() {
-    making_thread = gettid();
+  Listing() {
+    for (pid_t none = 0; !listing_thread.compare_exchange_weak(none, gettid());
+         none = 0) {
+      sched_yield();
+    }
     if (is_dying) {
-      making_thread = 0;
+      listing_thread = 0;
       while (true) {
         pause();
       }
     }
   }
-  ~Making() { making_thread = 0; }
-  Making(const Making&) = delete;
-  Making& operator=(const Making&) = delete;
+  ~Listing() { listing_thread = 0; }
+  Listing(const Listing&) = delete;
+  Listing& operator=(const Listing&) = delete;
 };
 
 extern "C" void HandleSignal(int signal) { DieOfSignal(signal); }
 
+// Signals that would end the program end it by HandleSignal from now on.
 int AddTemporary(const std::string& path) {
-  if (num_temporaries++ == 0) {
+  for (const int signal : kSignals) {
     struct sigaction action = {};
-    action.sa_handler = &HandleSignal;
-    for (size_t i = 0; i < std::size(kSignals); ++i) {
-      sigaction(kSignals[i], nullptr, &previous_actions[i]);
-      if (previous_actions[i].sa_handler == SIG_DFL) {
-        sigaction(kSignals[i], &action, nullptr);
-      }
+    sigaction(signal, nullptr, &action);
+    if (action.sa_handler == SIG_DFL) {
+      action.sa_handler = &HandleSignal;
+      sigaction(signal, &action, nullptr);
     }
   }
   for (int slot = 0; slot < kMaxTemporaries; ++slot) {
@@ -72,11 +73,6 @@ int AddTemporary(const std::string& path) {
 void RemoveTemporary(int slot) {
   if (slot >= 0) {
     temporaries[slot][0] = '\0';
-  }
-  if (--num_temporaries == 0) {
-    for (size_t i = 0; i < std::size(kSignals); ++i) {
-      sigaction(kSignals[i], &previous_actions[i], nullptr);
-    }
   }
 }
 
@@ -123,8 +119,8 @@ void CheckPlace(const std::filesystem::path& path) {
 
 void DieOfSignal(int signal) {
   is_dying = true;
-  for (pid_t maker = making_thread; maker != 0 && maker != gettid();
-       maker = making_thread) {
+  for (pid_t other = listing_thread; other != 0 && other != gettid();
+       other = listing_thread) {
     sched_yield();
   }
   for (const char* path : temporaries) {
@@ -150,7 +146,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path)
       std::to_string(getpid()) + ".tmp";
   for (int i = 0; descriptor_ < 0; ++i) {
     temporary_path_ = prefix + std::to_string(i);
-    const Making making;
+    const Listing listing;
     // Before the file is there, so that a signal that comes as it is made
     // removes it.
     cleanup_slot_ = AddTemporary(temporary_path_);
@@ -171,6 +167,7 @@ AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) {
     close(descriptor_);
   }
+  const Listing listing;
   if (!temporary_path_.empty()) {
     unlink(temporary_path_.c_str());
   }

@@ -1,6 +1,9 @@
 #include "meshing/cell_splitting.h"
 
+#include <algorithm>
 #include <array>
+
+#include "delaunay/predicates.h"
 
 namespace colmap_ext {
 namespace {
@@ -23,6 +26,14 @@ void SplitCapacities(const std::array<uint32_t, 4>& parts,
   }
 }
 
+Eigen::Vector3f Centroid(const Tetrahedralization& tetrahedra, uint32_t cell) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
+    sum += 0.25 * tetrahedra.points[vertex].cast<double>();
+  }
+  return sum.cast<float>();
+}
+
 }  // namespace
 
 CellCapacities PartOf(const CellCapacities& cell, int part) {
@@ -35,6 +46,19 @@ CellCapacities PartOf(const CellCapacities& cell, int part) {
   return share;
 }
 
+bool CanSplit(const Tetrahedralization& tetrahedra, uint32_t cell) {
+  if (tetrahedra.IsInfinite(cell)) {
+    return false;
+  }
+  const Eigen::Vector3f centroid = Centroid(tetrahedra, cell);
+  return std::ranges::all_of(kFacetCorners, [&](const auto& corners) {
+    const auto at = [&](int k) -> const Eigen::Vector3f& {
+      return tetrahedra.points[tetrahedra.cells[cell].vertices[corners[k]]];
+    };
+    return Orientation(at(0), at(1), at(2), centroid) > 0;
+  });
+}
+
 void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
                FlowCapacities* graph, std::vector<uint8_t>* is_free) {
   const Tetrahedralization::Cell parent = tetrahedra->cells[cell];
@@ -42,11 +66,7 @@ void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
   const std::array<uint32_t, 4> children = {cell, first_new, first_new + 1,
                                             first_new + 2};
   const auto centroid = static_cast<uint32_t>(tetrahedra->points.size());
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  for (const uint32_t vertex : parent.vertices) {
-    position += 0.25 * tetrahedra->points[vertex].cast<double>();
-  }
-  tetrahedra->points.push_back(position.cast<float>());
+  tetrahedra->points.push_back(Centroid(*tetrahedra, cell));
   tetrahedra->vertex_cells.push_back(cell);
   tetrahedra->cells.resize(first_new + 3);
   if (graph != nullptr) {

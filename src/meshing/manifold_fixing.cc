@@ -205,14 +205,14 @@ class Fixer {
     const std::optional<size_t> largest_matter = Largest(star_, false);
     for (size_t i = 0; i < star_.NumComponents(); ++i) {
       if (i != largest_free && i != largest_matter) {
-        SplitFiniteCells(star_.Component(i));
+        SplitCells(star_.Component(i));
       }
     }
   }
 
-  void SplitFiniteCells(std::span<const uint32_t> cells) {
+  void SplitCells(std::span<const uint32_t> cells) {
     for (const uint32_t cell : cells) {
-      if (!tetrahedra_->IsInfinite(cell)) {
+      if (CanSplit(*tetrahedra_, cell)) {
         if (partial_ != nullptr) {
           partial_->split(cell);
         }

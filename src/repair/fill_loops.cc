@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <iterator>
+#include <new>
 #include <unordered_map>
 #include <utility>
 
@@ -182,6 +183,8 @@ std::optional<LoopFilling> FillLoop(FillingKind kind, const TriangleMesh& mesh,
       return std::nullopt;
     }
     return filling;
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception&) {  // CGAL's
     return std::nullopt;
   }

@@ -34,6 +34,7 @@ struct LoopFilling {
 // largest angles between them and the facets beside them [Liepa2003], new
 // vertices are as dense as those of the loop, and fair ones minimize the change
 // of curvature. By CGAL, with its errors turned into nothing.
+// \throw std::bad_alloc if the memory does not suffice
 // \param rings  MakeVertexRings() of the mesh
 // \pre the mesh is manifold, its vertices are finite
 std::optional<LoopFilling> FillLoop(FillingKind kind, const TriangleMesh& mesh,

@@ -154,8 +154,11 @@ bool Bvh::MeetsBox(const Node& node, const RayPacket& rays,
   for (int i = 0; i < 3; ++i) {
     const Float4 low = (node.min[i] - rays.origin[i]) * inverse[i];
     const Float4 high = (node.max[i] - rays.origin[i]) * inverse[i];
-    enter = Max(enter, Min(low, high));
-    leave = Min(leave, Max(low, high));
+    const Int4 forward = inverse[i] > 0;
+    // A distance is NaN, 0 times infinity, where the ray lies in that plane of
+    // the box; it then bounds nothing: Max and Min return their second value.
+    enter = Max(forward ? low : high, enter);
+    leave = Min(forward ? high : low, leave);
   }
   return Any(enter <= leave * kSlack);
 }

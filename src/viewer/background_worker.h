@@ -2,9 +2,12 @@
 
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
+#include <utility>
 
 namespace colmap_ext {
 
@@ -14,7 +17,10 @@ class BackgroundWorker {
  public:
   using Job = std::function<void()>;
 
-  BackgroundWorker() : thread_([this] { Work(); }) {}
+  // \param on_error  is told by the worker's thread what a job has thrown.
+  explicit BackgroundWorker(
+      std::function<void(const std::exception& error)> on_error)
+      : on_error_(std::move(on_error)), thread_([this] { Work(); }) {}
   ~BackgroundWorker() {
     {
       const std::lock_guard lock(mutex_);
@@ -27,19 +33,31 @@ class BackgroundWorker {
   BackgroundWorker(const BackgroundWorker&) = delete;
   BackgroundWorker& operator=(const BackgroundWorker&) = delete;
 
-  // \param job  must not throw.
-  void Add(Job job) { Insert(std::move(job), false); }
-  // Before all that wait.
-  void AddFirst(Job job) { Insert(std::move(job), true); }
-
- private:
-  void Insert(Job job, bool is_first) {
+  void Add(Job job) {
     {
       const std::lock_guard lock(mutex_);
-      jobs_.insert(is_first ? jobs_.begin() : jobs_.end(), std::move(job));
+      jobs_.push_back({"", std::move(job)});
     }
     changed_.notify_all();
   }
+
+  // Before all that wait, and in place of those of its kind: what somebody
+  // waits for who does not want the earlier ones any more.
+  void AddUrgent(const std::string& kind, Job job) {
+    {
+      const std::lock_guard lock(mutex_);
+      std::erase_if(jobs_,
+                    [&](const auto& other) { return other.kind == kind; });
+      jobs_.push_front({kind, std::move(job)});
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  struct Waiting {
+    std::string kind;  // "" if it is not urgent
+    Job job;
+  };
 
   void Work() {
     while (true) {
@@ -50,16 +68,29 @@ class BackgroundWorker {
         if (is_ended_) {
           return;
         }
-        job = std::move(jobs_.front());
+        job = std::move(jobs_.front().job);
         jobs_.pop_front();
       }
-      job();
+      Do(job);
     }
   }
 
+  // Whatever a job throws, the thread goes on.
+  void Do(const Job& job) noexcept {
+    try {
+      try {
+        job();
+      } catch (const std::exception& error) {
+        on_error_(error);
+      }
+    } catch (...) {  // There is no memory even to say so.
+    }
+  }
+
+  std::function<void(const std::exception& error)> on_error_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Job> jobs_;
+  std::deque<Waiting> jobs_;
   bool is_ended_ = false;
   std::thread thread_;  // The last, as it uses the others.
 };

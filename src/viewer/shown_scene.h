@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -40,8 +41,10 @@ struct ShownScene {
   std::vector<View> views;                                         // cameras
   std::map<size_t, std::shared_ptr<const ColorImage>> thumbnails;  // by view
   std::map<size_t, std::shared_ptr<const ColorImage>> images;      // by view
-  std::shared_ptr<const FacetMatch>
-      match{};                       // of the facet picked last, or none
+  // Of facets that were picked, by mesh and facet.
+  std::map<std::pair<std::shared_ptr<const ShownMesh>, uint32_t>,
+           std::shared_ptr<const FacetMatch>>
+      matches{};
   std::string status{};              // what is being done, in one line
   std::vector<std::string> notes{};  // what can not be shown, and why
   // Of large meshes, for where drawing is slow; see CoarseMesh().

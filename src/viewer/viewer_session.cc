@@ -107,7 +107,7 @@ void ViewerSession::Scroll(double steps) {
 void ViewerSession::Pick(uint32_t facet) {
   picked_.reset();
   settings_.picked.reset();
-  scene_.match.reset();
+  scene_.matches.clear();
   if (facet == kNoFacet || settings_.mesh >= scene_.meshes.size()) {
     return;
   }
@@ -123,6 +123,14 @@ void ViewerSession::Pick(uint32_t facet) {
     host_.match_facet(picked_mesh_, facet, scene_.views[picked_->pair->first],
                       scene_.views[picked_->pair->second]);
   }
+}
+
+std::shared_ptr<const FacetMatch> ViewerSession::PickedMatch() const {
+  if (!picked_) {
+    return nullptr;
+  }
+  const auto match = scene_.matches.find({picked_mesh_, picked_->facet});
+  return match != scene_.matches.end() ? match->second : nullptr;
 }
 
 std::optional<View> ViewerSession::Picture() const {

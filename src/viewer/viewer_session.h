@@ -55,6 +55,8 @@ class ViewerSession {
   const ShownScene& Scene() const { return scene_; }
   const DrawSettings& Settings() const { return settings_; }
   const std::optional<Picked>& GetPicked() const { return picked_; }
+  // What two images show of what was picked; nullptr until they are compared.
+  std::shared_ptr<const FacetMatch> PickedMatch() const;
 
   // Lines about what is seen.
   std::vector<std::string> Lines() const;

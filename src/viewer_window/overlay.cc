@@ -144,8 +144,8 @@ void Overlay::DrawPicked(const ViewerSession& session) {
     ImGui::Text(
         "%s: %s", picked.is_by_label ? "refined by" : "seen best by",
         NamesOf({picked.pair->first, picked.pair->second}, scene).c_str());
-    if (scene.match) {
-      DrawMatch(scene.match);
+    if (const auto match = session.PickedMatch()) {
+      DrawMatch(match);
     } else {
       ImGui::TextUnformatted("its images are being compared");
     }

@@ -4,6 +4,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <thread>
+#include <vector>
+
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
@@ -126,6 +129,26 @@ TEST_F(AtomicFileTest, LeavesNothingBehindWhenInterrupted) {
     EXPECT_EQ(WTERMSIG(status), signal);
     EXPECT_EQ(List(path_), "");
   }
+}
+
+// Whole files, and no others. That the list of temporary files has no data race
+// is seen by the thread sanitizer.
+TEST_F(AtomicFileTest, SeveralThreadsMayMakeFiles) {
+  std::vector<std::thread> threads;
+  for (int thread = 0; thread < 4; ++thread) {
+    threads.emplace_back([this, text = std::string(9, '0' + thread)] {
+      for (int i = 0; i < 20; ++i) {
+        const AtomicFile dropped(path_ / "a");
+        colmap_ext::WriteText(path_ / "b", text);
+      }
+    });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  EXPECT_EQ(List(path_), "b");
+  const std::string text = ReadFile(path_ / "b");
+  EXPECT_EQ(text, std::string(9, text.front()));
 }
 
 }  // namespace

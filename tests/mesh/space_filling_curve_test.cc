@@ -36,7 +36,8 @@ std::vector<Eigen::Vector3f> RandomPoints(size_t count, int limit,
   return points;
 }
 
-TEST(MortonKeys, InterleaveTheBits) {
+// By the interleaved bits; points at one place by their indices.
+TEST(OrderAlongCurve, IsThatOfTheInterleavedBits) {
   constexpr int kHalf = 1 << (kNumBits - 1);
   constexpr float kLast = 2 * kHalf - 1;
   Random random(1);
@@ -46,27 +47,51 @@ TEST(MortonKeys, InterleaveTheBits) {
   }
   points.emplace_back(0, 0, 0);
   points.emplace_back(kLast, kLast, kLast);
-  const std::vector<uint64_t> keys = MortonKeys(points);
-  for (size_t i = 0; i < points.size(); ++i) {
-    EXPECT_EQ(keys[i], Interleave(points[i]));
-  }
+  points.insert(points.end(), points.begin(), points.begin() + 100);
+  std::vector<uint32_t> expected(points.size());
+  std::iota(expected.begin(), expected.end(), 0);
+  std::ranges::stable_sort(expected, {},
+                           [&](uint32_t i) { return Interleave(points[i]); });
+  EXPECT_EQ(OrderAlongCurve(points), expected);
 }
 
-TEST(MortonKeys, DoNotDependOnPlaceAndScale) {
+TEST(OrderAlongCurve, DoesNotDependOnPlaceAndScale) {
   Random random(2);
   const std::vector<Eigen::Vector3f> points = RandomPoints(500, 1000, &random);
   std::vector<Eigen::Vector3f> moved = points;
   for (Eigen::Vector3f& point : moved) {
     point = 8 * point + Eigen::Vector3f(1000, -5000, 16000);
   }
-  EXPECT_EQ(MortonKeys(moved), MortonKeys(points));
+  EXPECT_EQ(OrderAlongCurve(moved), OrderAlongCurve(points));
 }
 
-TEST(MortonKeys, OfPointsAtOnePlaceAreOne) {
-  const std::vector<uint64_t> keys =
-      MortonKeys(std::vector<Eigen::Vector3f>(3, {1, 2, 3}));
-  EXPECT_EQ(keys, std::vector<uint64_t>(3, 0));
-  EXPECT_TRUE(MortonKeys({}).empty());
+TEST(OrderAlongCurve, OfPointsAtOnePlaceIsThatOfTheirIndices) {
+  EXPECT_EQ(OrderAlongCurve(std::vector<Eigen::Vector3f>(3, {1, 2, 3})),
+            (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_TRUE(OrderAlongCurve({}).empty());
+}
+
+// The way along the curve is about as long as it is without the point.
+TEST(OrderAlongCurve, OnePointFarOffLeavesTheOthersTheirOrder) {
+  Random random(3);
+  std::vector<Eigen::Vector3f> points = RandomPoints(5000, 1000, &random);
+  const auto length = [&] {
+    double sum = 0;
+    const Eigen::Vector3f* last = nullptr;
+    for (const uint32_t i : OrderAlongCurve(points)) {
+      if (i < 5000) {
+        sum += last != nullptr ? (points[i] - *last).norm() : 0;
+        last = &points[i];
+      }
+    }
+    return sum;
+  };
+  const double alone = length();
+  for (const float distance : {1e9f, -1e9f, 1e10f, 1e12f}) {
+    points.emplace_back(distance, -0.3f * distance, 7);
+    EXPECT_LT(length(), 1.5 * alone) << distance;
+    points.pop_back();
+  }
 }
 
 // The same mesh, in which the vertices of a facet are near in memory.

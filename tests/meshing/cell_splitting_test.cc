@@ -28,7 +28,8 @@ TEST(SplitCell, KeepsEverythingButTheCell) {
       const auto num_points =
           static_cast<uint32_t>(before.tetrahedra.points.size());
       const uint32_t cell = random.Below(num_cells);
-      if (before.tetrahedra.IsInfinite(cell)) {
+      if (!CanSplit(before.tetrahedra, cell)) {
+        ASSERT_TRUE(before.tetrahedra.IsInfinite(cell));
         continue;
       }
       SplitCell(cell, &problem.tetrahedra, &problem.graph, &problem.labels);
@@ -64,6 +65,28 @@ TEST(SplitCell, KeepsEverythingButTheCell) {
       }
     }
   }
+}
+
+// Where coordinates are so large that centroids are rounded out of their cells.
+TEST(SplitCell, PartsArePositivelyOriented) {
+  Random random(2);
+  int num_split = 0;
+  int num_refused = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const Problem problem = RandomProblem(FarPoints(20, &random), &random);
+    for (uint32_t cell = 0; cell < problem.tetrahedra.cells.size(); ++cell) {
+      Problem split = problem;
+      if (CanSplit(problem.tetrahedra, cell)) {
+        ++num_split;
+        SplitCell(cell, &split.tetrahedra, &split.graph, &split.labels);
+        ASSERT_TRUE(ArePositive(split.tetrahedra));
+      } else {
+        num_refused += problem.tetrahedra.IsInfinite(cell) ? 0 : 1;
+      }
+    }
+  }
+  EXPECT_GT(num_split, 100);
+  EXPECT_GT(num_refused, 100);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "delaunay/predicates.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/vertex_star.h"
 #include "tests/delaunay/random_complex.h"
@@ -55,6 +56,26 @@ FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
     }
   }
   return problem;
+}
+
+std::vector<Eigen::Vector3f> FarPoints(uint32_t num_points, Random* random) {
+  std::vector<Eigen::Vector3f> points = RandomPoints(num_points, 4, random);
+  for (Eigen::Vector3f& point : points) {
+    point.array() += 0x1p23f + 100;
+  }
+  return points;
+}
+
+bool ArePositive(const Tetrahedralization& tetrahedra) {
+  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+    const auto& [a, b, c, d] = tetrahedra.cells[cell].vertices;
+    const auto& p = tetrahedra.points;
+    if (!tetrahedra.IsInfinite(cell) &&
+        Orientation(p[a], p[b], p[c], p[d]) <= 0) {
+      return false;
+    }
+  }
+  return true;
 }
 
 void ExpectConsistent(const FixingProblem& problem) {

@@ -37,6 +37,12 @@ FixingProblem RandomProblem(const std::vector<Eigen::Vector3f>& points,
 FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
                                                   Random* random);
 
+// Neighboring floats far from the origin, a unit apart.
+std::vector<Eigen::Vector3f> FarPoints(uint32_t num_points, Random* random);
+
+// Whether all finite cells are positively oriented.
+bool ArePositive(const Tetrahedralization& tetrahedra);
+
 // Fails where the arrays do not agree with each other.
 void ExpectConsistent(const FixingProblem& problem);
 

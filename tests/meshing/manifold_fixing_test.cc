@@ -72,6 +72,23 @@ TEST_P(FixSingularVerticesTest, LeavesNothingThatTheSplitCannotRepair) {
   EXPECT_LT(num_fixed, 0.6 * static_cast<double>(num_raw));
 }
 
+// Even where coordinates are so large that centroids are rounded out of cells.
+TEST_P(FixSingularVerticesTest, CellsStayPositivelyOriented) {
+  Random random(8);
+  size_t num_split_cells = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    Problem problem = RandomProblem(FarPoints(40, &random), &random);
+    num_split_cells += FixSingularVertices(GetParam(), &problem.tetrahedra,
+                                           &problem.graph, &problem.labels)
+                           .num_split_cells;
+    ExpectConsistent(problem);
+    ASSERT_TRUE(ArePositive(problem.tetrahedra)) << trial;
+  }
+  if (GetParam() == FixingRule::kPaper) {
+    EXPECT_GT(num_split_cells, 0u);  // the energy rule hardly ever needs it
+  }
+}
+
 TEST_P(FixSingularVerticesTest, IsTheSameEveryTime) {
   Random random(3);
   for (int trial = 0; trial < 20; ++trial) {

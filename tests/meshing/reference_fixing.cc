@@ -206,7 +206,7 @@ class Reference {
           continue;
         }
         for (const uint32_t cell : star.Component(i)) {
-          if (!tetrahedra_.IsInfinite(cell)) {
+          if (CanSplit(tetrahedra_, cell)) {
             SplitCell(cell, &tetrahedra_, &graph_, &is_free_);
             ++report_.num_split_cells;
           }

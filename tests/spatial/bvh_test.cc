@@ -79,6 +79,49 @@ TEST(Bvh, FindsTheNearestFacetAsASearchThroughAllDoes) {
   EXPECT_GT(num_hits, 300);
 }
 
+// Rays along axes and diagonals of a lattice whose points are the corners of
+// facets lie in the planes of boxes. A search through all by doubles finds each
+// hit; facets are a little wider than they are, so others may come before.
+TEST(Bvh, MissesNoFacetWhoseBoxHasAPlaneInWhichTheRayLies) {
+  const auto lattice = [](uint64_t i, uint64_t k) -> Vector3f {
+    return (3 * RandomVector(i, k)).array().round();
+  };
+  TriangleMesh mesh;
+  for (uint32_t f = 0; f < 60; ++f) {
+    for (int i = 0; i < 3; ++i) {
+      mesh.vertices.push_back(lattice(f, 30 + i));
+    }
+    mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+  }
+  int num_hits = 0;
+  for (int packet = 0; packet < 2000; ++packet) {
+    RayPacket rays;
+    rays.origin = lattice(packet, 40);
+    for (int i = 0; i < 4; ++i) {
+      // Some of the zeros are negative.
+      Vector3f direction = 1.2f * RandomVector(packet, 41 + i);
+      direction = direction.array().round();
+      rays.SetDirection(i,
+                        direction.isZero() ? Vector3f(0, -0.f, 1) : direction);
+    }
+    const HitPacket hits =
+        Bvh({mesh.vertices, {mesh.facets[packet % 60]}}).Intersect(rays);
+    const HitPacket hits_of_all = Bvh(mesh).Intersect(rays);
+    for (int i = 0; i < 4; ++i) {
+      const Vector3f direction(rays.x[i], rays.y[i], rays.z[i]);
+      const double t =
+          Distance(mesh, mesh.facets[packet % 60], rays.origin, direction);
+      if (t > 1e-6) {  // else the ray starts on it
+        ++num_hits;
+        EXPECT_EQ(hits.facet[i], 0) << packet;
+        EXPECT_NEAR(hits.distance[i], t, 1e-5 * t);
+        EXPECT_LE(hits_of_all.distance[i], t * (1 + 1e-5));
+      }
+    }
+  }
+  EXPECT_GT(num_hits, 300);
+}
+
 TEST(Bvh, SeesNothingInAnEmptyMesh) {
   const Bvh bvh{TriangleMesh()};
   RayPacket rays;

@@ -1,0 +1,85 @@
+#include "repair/fill_loops.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+constexpr int64_t kEndless = std::numeric_limits<int64_t>::max();
+
+// Until memory is used up, of this thread.
+thread_local int64_t allocations_left = kEndless;
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  if (allocations_left-- > 0) {
+    if (void* memory = std::malloc(size)) {
+      return memory;
+    }
+  }
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t /*size*/) noexcept {
+  std::free(memory);
+}
+
+namespace colmap_ext {
+namespace {
+
+// Facets between two hexagons, around a hole.
+TriangleMesh MakeRing() {
+  TriangleMesh mesh;
+  for (int i = 0; i < 12; ++i) {
+    const auto angle = static_cast<float>(i % 6 * std::numbers::pi / 3);
+    const auto radius = static_cast<float>(i / 6 + 1);
+    mesh.vertices.emplace_back(radius * std::cos(angle),
+                               radius * std::sin(angle), 0);
+  }
+  for (uint32_t i = 0; i < 6; ++i) {
+    const uint32_t next = (i + 1) % 6;
+    mesh.facets.push_back({i, i + 6, next + 6});
+    mesh.facets.push_back({i, next + 6, next});
+  }
+  return mesh;
+}
+
+// A loop that memory does not suffice for is not one that can not be closed,
+// whichever allocation fails.
+TEST(FillLoop, ThrowsWhereTheMemoryDoesNotSuffice) {
+  const TriangleMesh mesh = MakeRing();
+  const VertexRings rings = MakeVertexRings(mesh);
+  const BorderLoop loop = {5, 4, 3, 2, 1, 0};
+  for (const FillingKind kind :
+       {FillingKind::kFair, FillingKind::kRefined, FillingKind::kFlat}) {
+    allocations_left = kEndless;
+    const auto expected = FillLoop(kind, mesh, rings, loop);
+    const int64_t num_allocations = kEndless - allocations_left;
+    ASSERT_TRUE(expected);
+    int num_thrown = 0;
+    for (int64_t n = 0; n <= num_allocations; n += 1 + num_allocations / 100) {
+      allocations_left = n;
+      std::optional<LoopFilling> filling;
+      try {
+        filling = FillLoop(kind, mesh, rings, loop);
+        allocations_left = kEndless;
+        ASSERT_TRUE(filling) << n;
+        EXPECT_EQ(filling->facets, expected->facets);
+      } catch (const std::bad_alloc&) {
+        allocations_left = kEndless;
+        ++num_thrown;
+      }
+    }
+    EXPECT_GT(num_thrown, 30);
+  }
+}
+
+}  // namespace
+}  // namespace colmap_ext
