@@ -62,6 +62,7 @@ MergedSurface Extract(const Plan& plan, const FilePlan& vertices,
 void Finish(const Plan& plan, const FilePlan& vertices,
             const ManifoldMeshingOptions& options, MergedSurface merged,
             const Progress& progress, ManifoldMesh* result) {
+  Report(progress, "Splitting vertices", 0);
   std::vector<uint32_t> ids = std::move(merged.ids);
   // Centroids have no points.
   ids.erase(std::ranges::lower_bound(ids, vertices.Blocks().NumVertices()),

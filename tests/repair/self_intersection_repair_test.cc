@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -276,10 +276,11 @@ TEST(RepairSelfIntersections, IsThatOfThePartThatCrosses) {
     EXPECT_EQ(of_all.num_moved_vertices, repair.num_moved_vertices);
     EXPECT_EQ(of_all.num_flipped_edges, repair.num_flipped_edges);
     EXPECT_EQ(of_all.mean_motion, repair.mean_motion);
-    EXPECT_TRUE(std::ranges::equal(
-        std::span(all.vertices)
-            .subspan(sheet.vertices.size(), mesh.vertices.size()),
-        mesh.vertices));
+    const auto first =
+        all.vertices.begin() + static_cast<ptrdiff_t>(sheet.vertices.size());
+    EXPECT_EQ(std::vector<Vector3f>(
+                  first, first + static_cast<ptrdiff_t>(mesh.vertices.size())),
+              mesh.vertices);
     num_removed += repair.num_before - repair.num_after;
     num_flips += repair.num_flipped_edges;
   }
