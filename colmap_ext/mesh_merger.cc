@@ -58,9 +58,6 @@ void MergeTiles(const MergerOptions& options) {
   Print("tiles", static_cast<int64_t>(report.num_tiles), &log);
   Print("cells cut at the seams", static_cast<int64_t>(report.num_cut_cells),
         &log);
-  if (!report.whole_by.empty()) {
-    PrintText("whole surface held, for", report.whole_by, &log);
-  }
   PrintReport(report.meshing, &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);
 }

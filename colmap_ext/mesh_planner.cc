@@ -15,7 +15,6 @@
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/tiling/folder_lock.h"
 #include "colmap_ext/tiling/make_plan.h"
-#include "merging/banded_mesh.h"
 
 namespace colmap_ext {
 
@@ -46,13 +45,8 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
   Print("rays", static_cast<int64_t>(all.num_rays), log);
   PrintText("distance sigma", fmt::format("{:.4g}", plan.distance_sigma), log);
   PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
-  const std::string whole_by =
-      NeedsWholeSurface(MeshingOptionsOf(folder, plan).meshing);
   PrintText("memory, merger", fmt::format("{:.1f} GB", plan.merger_memory_gb),
             log);
-  if (!whole_by.empty()) {
-    PrintText("  holds the whole surface, for", whole_by, log);
-  }
   PrintText("time, all tiles",
             fmt::format("{:.2f} h of a core", all.seconds / 3600), log);
   const size_t last = plan.tiles.size() - 1;

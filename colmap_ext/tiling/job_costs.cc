@@ -26,7 +26,7 @@ double TileSeconds(size_t num_vertices) {
   return 1 + 60e-6 * NumHeld(num_vertices);
 }
 
-double MergerMemoryGb(const Plan& plan, bool holds_whole_surface) {
+double MergerMemoryGb(const Plan& plan) {
   // The cells of one tile, without its rays, and the seams read last.
   constexpr double kSeamsGb = 0.07;
   double num_vertices = 0;
@@ -35,14 +35,11 @@ double MergerMemoryGb(const Plan& plan, bool holds_whole_surface) {
     num_vertices += static_cast<double>(tile.num_vertices);
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
-  const double finishing = holds_whole_surface
-                               ? 390e-9 * num_vertices
-                               : 21e-9 * num_vertices + 230e-9 * largest;
   const double all_seams =
       plan.seam_rings == kAllAtOnce ? 600e-9 * num_vertices : 0;
   return std::max(
       kSeamsGb + TileMemoryGb(static_cast<size_t>(largest)) + all_seams,
-      0.06 + finishing);
+      0.06 + 390e-9 * num_vertices);
 }
 
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,

@@ -15,9 +15,8 @@ namespace colmap_ext {
 double TileMemoryGb(size_t num_vertices);
 double TileSeconds(size_t num_vertices);
 // ... and the merger, which holds one tile's cells with the seams and the rings
-// around singular vertices there, then one band of the surface, or all of it.
-// An upper bound: twice what was measured of plans of few tiles.
-double MergerMemoryGb(const Plan& plan, bool holds_whole_surface);
+// around singular vertices there, then the whole surface.
+double MergerMemoryGb(const Plan& plan);
 
 // Sets what the job that refines a tile takes by `pixels` of surface: its
 // memory, that of each of its threads, and its time.

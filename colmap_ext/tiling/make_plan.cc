@@ -16,7 +16,6 @@
 #include "colmap_ext/tiling/tile_points.h"
 #include "formats/cloud_stream.h"
 #include "formats/errors.h"
-#include "merging/banded_mesh.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/gray_image.h"
 #include "scene/half_pixel.h"
@@ -88,8 +87,7 @@ class Planner {
       report_->masks = points.masks();
       report_->masks->num_masks = num_masks;
     }
-    plan_.merger_memory_gb = MergerMemoryGb(
-        plan_, !NeedsWholeSurface(options_.mesher.meshing).empty());
+    plan_.merger_memory_gb = MergerMemoryGb(plan_);
     WritePlan(folder_, plan_);
     return plan_;
   }

@@ -1,19 +1,18 @@
 #include "colmap_ext/tiling/merge_plan.h"
 
+#include <algorithm>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "colmap_ext/tiling/plan.h"
 #include "colmap_ext/tiling/plan_files.h"
-#include "formats/scratch_file.h"
 #include "formats/write_mesh.h"
-#include "merging/banded_mesh.h"
 #include "merging/fix_plan.h"
 #include "merging/labeled_parts.h"
 #include "merging/merged_surface.h"
 #include "merging/seam_cut.h"
-#include "merging/vertex_points.h"
 #include "meshing/finish_surface.h"
 
 namespace colmap_ext {
@@ -47,104 +46,37 @@ std::unique_ptr<MergedCells> CutAndFix(const Plan& plan,
   return cells;
 }
 
-ReadAttributes Reader(const FilePlan& plan) {
-  return [&plan](const std::vector<uint32_t>& ids) {
-    return plan.ReadAttributes(ids);
-  };
+// The whole surface, connected, where its cells are no longer needed.
+MergedSurface Extract(const Plan& plan, const FilePlan& vertices,
+                      const FileParts& parts,
+                      const ManifoldMeshingOptions& options,
+                      const Progress& progress, MergeReport* report) {
+  const auto cells =
+      CutAndFix(plan, vertices, parts, options, progress, report);
+  Report(progress, "Extracting the surface", 0);
+  return MergeSurface(vertices, {parts, cells->seam, cells->changes},
+                      cells->changes.centroids());
 }
 
-void WriteBanded(const fs::path& path,
-                 const std::optional<Eigen::Matrix4d>& transform,
-                 const BandedMesh& banded) {
-  const SectionedMesh& mesh = banded.mesh;
-  const bool has_colors = banded.colors.size() > 0;
-  MeshWriter writer(path, {mesh.NumVertices(), mesh.NumFacets(), has_colors,
-                           true, transform});
-  size_t first_view = 0;
-  for (size_t section = 0; section < mesh.NumSections(); ++section) {
-    const uint32_t begin = mesh.FirstVertex(section);
-    const uint32_t end = mesh.FirstVertex(section + 1);
-    VertexAttributes attributes;
-    if (has_colors) {
-      attributes.colors = banded.colors.Read(begin, end);
-    }
-    attributes.confidences = banded.confidences.Read(begin, end);
-    for (const uint32_t count : banded.num_views.Read(begin, end)) {
-      attributes.views.offsets.push_back(attributes.views.offsets.back() +
-                                         count);
-    }
-    const size_t last_view = first_view + attributes.views.offsets.back();
-    attributes.views.values = banded.views.Read(first_view, last_view);
-    first_view = last_view;
-    writer.AddVertices(mesh.ReadPositions(begin, end), attributes);
-  }
-  for (size_t section = 0; section < mesh.NumSections(); ++section) {
-    writer.AddFacets(mesh.ReadFacets(mesh.FirstFacet(section),
-                                     mesh.FirstFacet(section + 1)));
-  }
-  writer.Commit();
-}
-
-// One band at a time; the mesh is put together in files beside it.
-void MergeInBands(const Plan& plan, const ManifoldMeshingOptions& options,
-                  const FilePlan& vertices, const FileParts& parts,
-                  const fs::path& output_path,
-                  const std::optional<Eigen::Matrix4d>& transform,
-                  const Progress& progress, MergeReport* report) {
-  const fs::path folder = fs::absolute(output_path).parent_path();
-  const MakeStore make_store = [&] {
-    return std::make_unique<ScratchFile>(folder);
-  };
-  std::unique_ptr<SurfaceBands> bands;
-  {
-    const auto cells =
-        CutAndFix(plan, vertices, parts, options, progress, report);
-    const LabeledParts labeled(parts, cells->seam, cells->changes);
-    bands = std::make_unique<SurfaceBands>(vertices, cells->changes.centroids(),
-                                           make_store);
-    const size_t num_tiles = vertices.Blocks().NumTiles();
-    for (uint32_t tile = 0; tile < num_tiles; ++tile) {
-      Report(progress, "Extracting the surface",
-             static_cast<double>(tile) / static_cast<double>(num_tiles));
-      bands->Add(SurfaceOf(labeled, vertices.Blocks(), tile));
-    }
-    bands->Finish();
-  }
+// Makes the surface a mesh, as the mesher does without a plan.
+void Finish(const Plan& plan, const FilePlan& vertices,
+            const ManifoldMeshingOptions& options, MergedSurface merged,
+            const Progress& progress, ManifoldMesh* result) {
   Report(progress, "Splitting vertices", 0);
-  const BandedMesh banded =
-      FinishBands(options, *bands, Reader(vertices), plan.views, progress,
-                  make_store, &report->meshing);
-  bands.reset();
-  Report(progress, "Writing the mesh", 0);
-  WriteBanded(output_path, transform, banded);
-}
-
-void MergeWhole(const Plan& plan, const ManifoldMeshingOptions& options,
-                const FilePlan& vertices, const FileParts& parts,
-                const fs::path& output_path,
-                const std::optional<Eigen::Matrix4d>& transform,
-                const Progress& progress, MergeReport* report) {
-  MergedSurface merged;
-  {
-    const auto cells =
-        CutAndFix(plan, vertices, parts, options, progress, report);
-    Report(progress, "Extracting the surface", 0);
-    merged = MergeSurface(vertices, {parts, cells->seam, cells->changes},
-                          cells->changes.centroids());
-  }
-  ManifoldMesh result;
-  result.report = report->meshing;
-  {
-    const VertexPoints points =
-        PointsOf(merged.ids, vertices.Blocks().NumVertices(), Reader(vertices));
-    std::vector<uint32_t>().swap(merged.ids);
-    SplitSurface(options, std::move(merged.extracted), points.AsSurfacePoints(),
-                 plan.views, &result);
-  }
-  FinishSurface(options, progress, &result);
-  report->meshing = result.report;
-  Report(progress, "Writing the mesh", 0);
-  WriteMesh(output_path, result.mesh, result.attributes, transform);
+  std::vector<uint32_t> ids = std::move(merged.ids);
+  // Centroids have no points.
+  ids.erase(std::ranges::lower_bound(ids, vertices.Blocks().NumVertices()),
+            ids.end());
+  TileVertices read = vertices.ReadAttributes(ids);
+  std::iota(ids.begin(), ids.end(), 0);
+  SurfacePoints points;
+  points.cloud.colors = std::move(read.colors);
+  points.cloud.views = std::move(read.views);
+  points.vertex_points = std::move(ids);
+  points.supports = std::move(read.supports);
+  points.is_end = std::move(read.observations.is_end);
+  SplitSurface(options, std::move(merged.extracted), std::move(points),
+               plan.views, result);
 }
 
 }  // namespace
@@ -166,10 +98,15 @@ MergeReport MergePlan(const fs::path& folder, const fs::path& output_path,
   report.num_tiles = plan.tiles.size();
   report.meshing.num_vertices = vertices.Blocks().NumVertices();
   report.meshing.distance_sigma = plan.distance_sigma;
-  report.whole_by = NeedsWholeSurface(options);
-  const auto merge = report.whole_by.empty() ? MergeInBands : MergeWhole;
-  merge(plan, options, vertices, parts, output_path, transform, progress,
-        &report);
+  MergedSurface merged =
+      Extract(plan, vertices, parts, options, progress, &report);
+  ManifoldMesh mesh;
+  mesh.report = report.meshing;
+  Finish(plan, vertices, options, std::move(merged), progress, &mesh);
+  FinishSurface(options, progress, &mesh);
+  report.meshing = mesh.report;
+  Report(progress, "Writing the mesh", 0);
+  WriteMesh(output_path, mesh.mesh, mesh.attributes, transform);
   return report;
 }
 

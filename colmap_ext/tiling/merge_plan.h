@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
-#include <string>
 
 #include <Eigen/Core>
 
@@ -18,8 +17,6 @@ struct MergeReport {
   size_t num_cut_cells = 0;  // at the seams
   // That was found for the plan, by --region auto.
   std::optional<Region> found_region;
-  // The option that took the whole surface at once; empty: it came in bands.
-  std::string whole_by;
   ManifoldMeshingReport meshing;
 };
 

@@ -17,12 +17,21 @@ namespace {
 
 using Transform = std::optional<Eigen::Matrix4d>;
 
+// What the header of a mesh's file says.
+struct MeshLayout {
+  size_t num_vertices = 0;
+  size_t num_facets = 0;
+  bool has_colors = false;
+  bool has_confidences = false;
+  bool is_double = false;
+};
+
 std::string Header(const MeshLayout& layout) {
   return fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {1}\n"
       "property {0} x\nproperty {0} y\nproperty {0} z\n{2}{3}"
       "element face {4}\nproperty list uchar int vertex_index\nend_header\n",
-      layout.transform ? "double" : "float", layout.num_vertices,
+      layout.is_double ? "double" : "float", layout.num_vertices,
       layout.has_colors
           ? "property uchar red\nproperty uchar green\nproperty uchar blue\n"
           : "",
@@ -78,52 +87,33 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
   return path.string() + ".vis";
 }
 
-MeshWriter::MeshWriter(const std::filesystem::path& path,
-                       const MeshLayout& layout)
-    : transform_(layout.transform),
-      visibility_file_(VisibilityPath(path)),
-      mesh_file_(path) {
-  WriteHeader(path, layout, &mesh_file_);
-  visibility_file_.Write(uint64_t{layout.num_vertices});
-}
-
-void MeshWriter::AddVertices(const std::vector<Eigen::Vector3f>& positions,
-                             const VertexAttributes& attributes) {
-  WriteVertices(positions, attributes.colors, attributes.confidences,
-                transform_, &mesh_file_);
-  for (size_t i = 0; i < attributes.views.size(); ++i) {
-    const auto views = attributes.views[i];
-    visibility_file_.Write(static_cast<uint32_t>(views.size()));
-    visibility_file_.Write(views.data(), views.size_bytes());
-  }
-}
-
-void MeshWriter::AddFacets(const std::vector<Facet>& facets) {
-  WriteFacets(facets, &mesh_file_);
-}
-
-void MeshWriter::Commit() {
-  AtomicFile* const files[] = {&visibility_file_, &mesh_file_};
-  colmap_ext::Commit(files);
-}
-
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                const VertexAttributes& attributes, const Transform& transform) {
-  MeshWriter writer(path, {mesh.vertices.size(), mesh.facets.size(),
-                           !attributes.colors.empty(),
-                           !attributes.confidences.empty(), transform});
-  writer.AddVertices(mesh.vertices, attributes);
-  writer.AddFacets(mesh.facets);
-  writer.Commit();
+  AtomicFile visibility_file(VisibilityPath(path));
+  AtomicFile mesh_file(path);
+  WriteHeader(
+      path,
+      {mesh.vertices.size(), mesh.facets.size(), !attributes.colors.empty(),
+       !attributes.confidences.empty(), transform.has_value()},
+      &mesh_file);
+  WriteVertices(mesh.vertices, attributes.colors, attributes.confidences,
+                transform, &mesh_file);
+  WriteFacets(mesh.facets, &mesh_file);
+  visibility_file.Write(uint64_t{mesh.vertices.size()});
+  for (size_t i = 0; i < attributes.views.size(); ++i) {
+    const auto views = attributes.views[i];
+    visibility_file.Write(static_cast<uint32_t>(views.size()));
+    visibility_file.Write(views.data(), views.size_bytes());
+  }
+  AtomicFile* const files[] = {&visibility_file, &mesh_file};
+  Commit(files);
 }
 
 void WriteColoredMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh,
                       const std::vector<Color>& colors) {
   AtomicFile file(path);
-  WriteHeader(path,
-              {mesh.vertices.size(), mesh.facets.size(), !colors.empty(), false,
-               std::nullopt},
+  WriteHeader(path, {mesh.vertices.size(), mesh.facets.size(), !colors.empty()},
               &file);
   WriteVertices(mesh.vertices, colors, {}, std::nullopt, &file);
   WriteFacets(mesh.facets, &file);

@@ -95,16 +95,6 @@ class FixedPartners {
 
 }  // namespace
 
-MergedSurface ConnectFacets(std::vector<Facet> facets,
-                            const std::vector<PartnerFix>& fixes) {
-  MergedSurface merged;
-  merged.ids = NumberVertices(&facets);
-  merged.extracted.partners = PairHalfEdges(facets);
-  merged.extracted.mesh.facets = std::move(facets);
-  FixedPartners(merged.ids, &merged.extracted).Apply(fixes);
-  return merged;
-}
-
 std::vector<Eigen::Vector3f> PositionsOf(
     const PlanVertices& plan, const std::vector<Eigen::Vector3f>& centroids,
     const std::vector<uint32_t>& ids) {
@@ -120,14 +110,17 @@ std::vector<Eigen::Vector3f> PositionsOf(
 
 MergedSurface MergeSurface(const PlanVertices& plan, const LabeledParts& parts,
                            const std::vector<Eigen::Vector3f>& centroids) {
-  std::vector<Facet> facets;
+  MergedSurface merged;
+  std::vector<Facet>& facets = merged.extracted.mesh.facets;
   std::vector<PartnerFix> fixes;
   for (uint32_t tile = 0; tile < plan.Blocks().NumTiles(); ++tile) {
-    const TileSurface surface = SurfaceOf(parts, plan.Blocks(), tile);
+    const TileSurface surface = SurfaceOf(parts, tile);
     facets.insert(facets.end(), surface.facets.begin(), surface.facets.end());
     fixes.insert(fixes.end(), surface.fixes.begin(), surface.fixes.end());
   }
-  MergedSurface merged = ConnectFacets(std::move(facets), fixes);
+  merged.ids = NumberVertices(&facets);
+  merged.extracted.partners = PairHalfEdges(facets);
+  FixedPartners(merged.ids, &merged.extracted).Apply(fixes);
   merged.extracted.mesh.vertices = PositionsOf(plan, centroids, merged.ids);
   return merged;
 }

@@ -11,18 +11,12 @@
 
 namespace colmap_ext {
 
-// The surface of a plan, or a part of it.
+// The surface of a plan.
 struct MergedSurface {
   ExtractedSurface extracted;
   std::vector<uint32_t> ids;  // [V] the plan's vertex of each, ascending; those
                               // from its number on are centroids
 };
-
-// Connects facets of a plan. Vertices have no positions yet.
-// \param facets  of the plan's vertices
-// \param fixes   of these facets and of others, which do not count
-MergedSurface ConnectFacets(std::vector<Facet> facets,
-                            const std::vector<PartnerFix>& fixes);
 
 // Positions of the plan's vertices and of centroids.
 // \param centroids  of split cells, those from the plan's number of vertices on

@@ -7,8 +7,7 @@
 
 namespace colmap_ext {
 
-TileSurface SurfaceOf(const LabeledParts& parts, const PlanBlocks& blocks,
-                      uint32_t tile) {
+TileSurface SurfaceOf(const LabeledParts& parts, uint32_t tile) {
   const TilePart part = parts.Read(tile);
   const std::vector<uint32_t>& ids = part.tile.ids;
   const ExtractedSurface extracted =
@@ -17,25 +16,13 @@ TileSurface SurfaceOf(const LabeledParts& parts, const PlanBlocks& blocks,
   const auto facet_of = [&](uint32_t i) {
     return Facet{ids[local[i][0]], ids[local[i][1]], ids[local[i][2]]};
   };
-  const uint32_t begin = blocks.FirstVertex(tile);
-  const uint32_t end = blocks.FirstVertex(tile + 1);
   TileSurface surface;
   for (uint32_t i = 0; i < local.size(); ++i) {
     const Facet facet = facet_of(i);
     if (parts.TileOf(std::ranges::min(facet)) == tile) {
       surface.facets.push_back(facet);
-      continue;
-    }
-    for (const uint32_t id : facet) {
-      if (id >= begin && id < end) {
-        surface.touched.push_back(id);
-      }
     }
   }
-  std::ranges::sort(surface.touched);
-  surface.touched.erase(
-      std::unique(surface.touched.begin(), surface.touched.end()),
-      surface.touched.end());
   const std::vector<uint32_t> simple = PairHalfEdges(local);
   for (uint32_t half = 0; half < simple.size(); ++half) {
     const uint32_t partner = extracted.partners[half];

@@ -6,7 +6,6 @@
 #include "merging/labeled_parts.h"
 #include "mesh/triangle_mesh.h"
 #include "tiles/cell_key.h"
-#include "tiles/plan_vertices.h"
 
 namespace colmap_ext {
 
@@ -24,15 +23,12 @@ struct PartnerFix {
 // vertex is of the tile.
 struct TileSurface {
   std::vector<Facet> facets;      // of the plan's vertices and centroids
-  std::vector<uint32_t> touched;  // the tile's vertices at facets of others,
-                                  // ascending
   std::vector<PartnerFix> fixes;  // at edges whose first vertex is of the tile
 };
 
 // The tile's part of the surface between free space and matter of a whole plan.
 // All cells at a tile's vertices are in its part, so that no facet is missing
 // or there twice.
-TileSurface SurfaceOf(const LabeledParts& parts, const PlanBlocks& blocks,
-                      uint32_t tile);
+TileSurface SurfaceOf(const LabeledParts& parts, uint32_t tile);
 
 }  // namespace colmap_ext

@@ -138,8 +138,7 @@ void DropUnused(ClippedMesh* clipped) {
   }
 }
 
-}  // namespace
-
+// Of any vertex, whatever its sign.
 float LargestCoordinate(const TriangleMesh& mesh) {
   float largest = 0;
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
@@ -148,15 +147,11 @@ float LargestCoordinate(const TriangleMesh& mesh) {
   return largest;
 }
 
-ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
-  const float largest = LargestCoordinate(mesh);
-  return ClipMesh(region, std::move(mesh), largest);
-}
+}  // namespace
 
-ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh,
-                     float largest_coordinate) {
+ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
   // How far float coordinates may put a vertex off the border, scene units.
-  const double rounding = 4 * 0x1p-24 * largest_coordinate;
+  const double rounding = 4 * 0x1p-24 * LargestCoordinate(mesh);
   ClippedMesh clipped;
   clipped.mesh = std::move(mesh);
   for (uint32_t i = 0; i < clipped.mesh.vertices.size(); ++i) {

@@ -30,15 +30,8 @@ struct ClippedMesh {
 // stays as it is. A vertex on the border may become singular: see SplitFans().
 // Vertices that no facet uses any more are dropped; facets inside keep their
 // order, parts of others come in their place.
-// \param largest_coordinate  LargestCoordinate() of the mesh, or of the one
-//        that it is a part of
 // \pre facet indices are in range, vertices are finite
-ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh,
-                     float largest_coordinate);
 ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh);
-
-// The largest coordinate of any vertex, whatever its sign.
-float LargestCoordinate(const TriangleMesh& mesh);
 
 struct CutMesh {
   TriangleMesh mesh;

@@ -13,6 +13,14 @@
 namespace colmap_ext {
 namespace {
 
+// The support of a facet's corners for each pixel that it covers where it is
+// seen best, and the support itself. A facet without area is small, one without
+// views has neither.
+struct FacetDensity {
+  double density = 0;
+  double support = 0;
+};
+
 // The pixels that the facet covers in the view that has most of them; -1
 // if none of the views has it before its camera.
 double PixelArea(const TriangleMesh& mesh, const Facet& facet,
@@ -43,8 +51,7 @@ double PixelArea(const TriangleMesh& mesh, const Facet& facet,
   return largest;
 }
 
-}  // namespace
-
+// The density where half of the support is denser; 0 without support.
 double UsualDensity(std::vector<FacetDensity> densities) {
   tbb::parallel_sort(densities.begin(), densities.end(),
                      [](const FacetDensity& a, const FacetDensity& b) {
@@ -65,6 +72,7 @@ double UsualDensity(std::vector<FacetDensity> densities) {
   return 0;
 }
 
+// [F]
 std::vector<FacetDensity> FacetDensities(const TriangleMesh& mesh,
                                          const std::vector<float>& support,
                                          const Rows<uint32_t>& vertex_views,
@@ -83,6 +91,7 @@ std::vector<FacetDensity> FacetDensities(const TriangleMesh& mesh,
   return densities;
 }
 
+// [F]
 std::vector<float> ConfidencesOf(const std::vector<FacetDensity>& densities,
                                  double usual) {
   // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
@@ -95,6 +104,8 @@ std::vector<float> ConfidencesOf(const std::vector<FacetDensity>& densities,
   }
   return confidences;
 }
+
+}  // namespace
 
 std::vector<float> FacetConfidences(const TriangleMesh& mesh,
                                     const std::vector<float>& support,

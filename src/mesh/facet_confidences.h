@@ -9,14 +9,6 @@
 
 namespace colmap_ext {
 
-// The support of a facet's corners for each pixel that it covers where it is
-// seen best, and the support itself. A facet without area is small, one without
-// views has neither.
-struct FacetDensity {
-  double density = 0;
-  double support = 0;
-};
-
 // How well points bear out each facet of a surface: [F] in [0, 1]
 // (docs/method.md, section 3.6). The support of the facet's corners, relative
 // to the pixels that it covers where it is seen best, is compared with what is
@@ -30,17 +22,5 @@ std::vector<float> FacetConfidences(const TriangleMesh& mesh,
                                     const std::vector<float>& support,
                                     const Rows<uint32_t>& vertex_views,
                                     const std::vector<View>& views);
-
-// The steps of FacetConfidences().
-// \return [F]
-std::vector<FacetDensity> FacetDensities(const TriangleMesh& mesh,
-                                         const std::vector<float>& support,
-                                         const Rows<uint32_t>& vertex_views,
-                                         const std::vector<View>& views);
-// The density where half of the support is denser; 0 without support.
-double UsualDensity(std::vector<FacetDensity> densities);
-// \param usual  UsualDensity()
-std::vector<float> ConfidencesOf(const std::vector<FacetDensity>& densities,
-                                 double usual);
 
 }  // namespace colmap_ext

@@ -25,36 +25,33 @@ double SideLimit(double factor, double percentile, std::vector<float> sides) {
                                       : factor * Percentile(percentile, &sides);
 }
 
-DroppedComponents DropSmallComponents(size_t min_facets, TriangleMesh* mesh,
-                                      std::vector<uint32_t>* facet_sources) {
+DroppedComponents DropSmallComponents(size_t min_facets,
+                                      std::vector<Facet>* facets) {
   DroppedComponents dropped;
   if (min_facets <= 1) {
     return dropped;
   }
-  UnionFind components(mesh->facets.size());
-  ForEachEdge(SortedHalfEdges(mesh->facets), [&](auto first, auto last) {
+  UnionFind components(facets->size());
+  ForEachEdge(*facets, [&](auto first, auto last) {
     for (auto half = first; half != last; ++half) {
       components.Join(first->second / 3, half->second / 3);
     }
   });
-  std::vector<size_t> sizes(mesh->facets.size(), 0);
-  for (uint32_t i = 0; i < mesh->facets.size(); ++i) {
+  std::vector<uint32_t> sizes(facets->size(), 0);
+  for (uint32_t i = 0; i < facets->size(); ++i) {
     ++sizes[components.Find(i)];
   }
-  std::vector<Facet> kept;
-  std::vector<uint32_t> kept_sources;
-  for (uint32_t i = 0; i < mesh->facets.size(); ++i) {
+  size_t num_kept = 0;
+  for (uint32_t i = 0; i < sizes.size(); ++i) {
     const uint32_t component = components.Find(i);
     if (sizes[component] >= min_facets) {
-      kept.push_back(mesh->facets[i]);
-      kept_sources.push_back((*facet_sources)[i]);
+      (*facets)[num_kept++] = (*facets)[i];
     } else {
       ++dropped.num_facets;
       dropped.num_components += component == i;
     }
   }
-  mesh->facets.swap(kept);
-  facet_sources->swap(kept_sources);
+  facets->resize(num_kept);
   return dropped;
 }
 

@@ -22,9 +22,8 @@ struct DroppedComponents {
 };
 
 // Drops the components, connected through edges, of less than min_facets
-// facets. Vertices stay.
-// \param facet_sources  [F] stays beside the facets
-DroppedComponents DropSmallComponents(size_t min_facets, TriangleMesh* mesh,
-                                      std::vector<uint32_t>* facet_sources);
+// facets.
+DroppedComponents DropSmallComponents(size_t min_facets,
+                                      std::vector<Facet>* facets);
 
 }  // namespace colmap_ext

@@ -5,7 +5,6 @@
 #include <unordered_set>
 #include <utility>
 
-#include "base/union_find.h"
 #include "mesh/half_edges.h"
 
 namespace colmap_ext {
@@ -13,31 +12,42 @@ namespace {
 
 // Numbers the fans in the order in which corners use them and replaces the
 // corners' vertices by them.
-void CopyVerticesPerFan(const TriangleMesh& mesh,
-                        const std::vector<uint32_t>& partners,
+void CopyVerticesPerFan(const std::vector<uint32_t>& partners,
                         FanSplit* split) {
-  const auto num_corners = static_cast<uint32_t>(3 * mesh.facets.size());
+  std::vector<Facet>& facets = split->mesh.facets;
+  const std::vector<Eigen::Vector3f> positions =
+      std::exchange(split->mesh.vertices, {});
+  split->mesh.vertices.reserve(positions.size());
+  split->sources.reserve(positions.size());
+  std::vector<bool> is_used(positions.size(), false);
   // A corner is named by the half-edge that leaves it.
-  UnionFind fans(num_corners);
-  for (uint32_t half = 0; half < num_corners; ++half) {
-    if (partners[half] != kNoPartner) {
-      fans.Join(half, NextHalfEdge(partners[half]));
+  std::vector<bool> is_done(3 * facets.size(), false);
+  for (uint32_t half = 0; half < is_done.size(); ++half) {
+    if (is_done[half]) {
+      continue;
     }
-  }
-  std::vector<uint32_t> vertex_of_fan(num_corners, UINT32_MAX);
-  std::vector<uint8_t> is_used(mesh.vertices.size(), 0);
-  split->mesh.facets.resize(mesh.facets.size());
-  for (uint32_t half = 0; half < num_corners; ++half) {
-    uint32_t& vertex = vertex_of_fan[fans.Find(half)];
-    if (vertex == UINT32_MAX) {
-      const uint32_t source = FromVertex(mesh.facets, half);
-      vertex = static_cast<uint32_t>(split->mesh.vertices.size());
-      split->mesh.vertices.push_back(mesh.vertices[source]);
-      split->sources.push_back({source, source});
-      split->num_split_vertices += is_used[source];
-      is_used[source] = 1;
+    const uint32_t source = FromVertex(facets, half);
+    const auto vertex = static_cast<uint32_t>(split->mesh.vertices.size());
+    split->mesh.vertices.push_back(positions[source]);
+    split->sources.push_back({source, source});
+    split->num_split_vertices += is_used[source] ? 1 : 0;
+    is_used[source] = true;
+    // Around the vertex to one side, then, where the fan is open, to the other.
+    const auto visit = [&](uint32_t corner) {
+      facets[corner / 3][corner % 3] = vertex;
+      is_done[corner] = true;
+    };
+    visit(half);
+    for (uint32_t at = partners[half];
+         at != kNoPartner && !is_done[NextHalfEdge(at)];
+         at = partners[NextHalfEdge(at)]) {
+      visit(NextHalfEdge(at));
     }
-    split->mesh.facets[half / 3][half % 3] = vertex;
+    for (uint32_t corner = partners[PreviousHalfEdge(half)];
+         corner != kNoPartner && !is_done[corner];
+         corner = partners[PreviousHalfEdge(corner)]) {
+      visit(corner);
+    }
   }
 }
 
@@ -72,12 +82,18 @@ void SubdivideEdge(uint32_t half, FanSplit* split,
   split->sources.push_back({split->sources[from][0], split->sources[to][0]});
   ++split->num_midpoints;
   const uint32_t partner = (*partners)[half];
-  split->facet_sources.push_back(split->facet_sources[half / 3]);
+  const auto source_of = [&](uint32_t facet) {
+    const size_t num_old = mesh.facets.size() - split->cut_facets.size();
+    return facet < num_old ? facet : split->cut_facets[facet - num_old];
+  };
+  const uint32_t source = source_of(half / 3);
   const uint32_t second = CutFacet(half, middle, &mesh.facets, partners);
+  split->cut_facets.push_back(source);
   if (partner != kNoPartner) {
-    split->facet_sources.push_back(split->facet_sources[partner / 3]);
+    const uint32_t other_source = source_of(partner / 3);
     const uint32_t partner_second =
         CutFacet(partner, middle, &mesh.facets, partners);
+    split->cut_facets.push_back(other_source);
     (*partners)[half] = partner_second;
     (*partners)[partner_second] = half;
     (*partners)[second] = partner;
@@ -89,7 +105,7 @@ void SubdivideEdge(uint32_t half, FanSplit* split,
 std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
                                    const std::vector<uint32_t>& partners) {
   std::vector<uint32_t> shared;
-  ForEachEdge(SortedHalfEdges(facets), [&](auto first, auto last) {
+  ForEachEdge(facets, [&](auto first, auto last) {
     if (last - first == 1 ||
         (last - first == 2 && FromVertex(facets, first->second) !=
                                   FromVertex(facets, (first + 1)->second))) {
@@ -109,25 +125,23 @@ std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
 
 }  // namespace
 
-FanSplit SplitFans(const TriangleMesh& mesh,
-                   const std::vector<uint32_t>& partners) {
+FanSplit SplitFans(TriangleMesh mesh, std::vector<uint32_t> partners) {
   FanSplit split;
-  CopyVerticesPerFan(mesh, partners, &split);
-  split.facet_sources.resize(mesh.facets.size());
-  std::iota(split.facet_sources.begin(), split.facet_sources.end(), 0);
-  std::vector<uint32_t> pairs = partners;
-  std::vector<uint32_t> shared = SharedSheets(split.mesh.facets, pairs);
+  split.mesh = std::move(mesh);
+  CopyVerticesPerFan(partners, &split);
+  std::vector<uint32_t> shared = SharedSheets(split.mesh.facets, partners);
   while (!shared.empty()) {
     // A facet is cut once a round: its other half-edges are not what they were.
     std::unordered_set<uint32_t> cut_facets;
     for (const uint32_t half : shared) {
-      const uint32_t other = pairs[half] == kNoPartner ? half : pairs[half];
+      const uint32_t partner = partners[half];
+      const uint32_t other = partner == kNoPartner ? half : partner;
       if (!cut_facets.contains(half / 3) && !cut_facets.contains(other / 3)) {
         cut_facets.insert({half / 3, other / 3});
-        SubdivideEdge(half, &split, &pairs);
+        SubdivideEdge(half, &split, &partners);
       }
     }
-    shared = SharedSheets(split.mesh.facets, pairs);
+    shared = SharedSheets(split.mesh.facets, partners);
   }
   return split;
 }
@@ -139,11 +153,12 @@ void OrderByUse(FanSplit* split) {
   const FanSplit old = std::exchange(*split, {});
   std::vector<uint32_t> order(old.mesh.facets.size());
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(
-      order, {}, [&](uint32_t facet) { return old.facet_sources[facet]; });
+  const size_t num_old = order.size() - old.cut_facets.size();
+  std::ranges::stable_sort(order, {}, [&](uint32_t facet) {
+    return facet < num_old ? facet : old.cut_facets[facet - num_old];
+  });
   std::vector<uint32_t> numbers(old.mesh.vertices.size(), UINT32_MAX);
   for (const uint32_t facet : order) {
-    split->facet_sources.push_back(old.facet_sources[facet]);
     Facet& added = split->mesh.facets.emplace_back(old.mesh.facets[facet]);
     for (uint32_t& vertex : added) {
       uint32_t& number = numbers[vertex];
@@ -157,33 +172,6 @@ void OrderByUse(FanSplit* split) {
   }
   split->num_split_vertices = old.num_split_vertices;
   split->num_midpoints = old.num_midpoints;
-}
-
-void CountPart(const std::vector<uint8_t>& is_of_part, FanSplit* split) {
-  split->num_split_vertices = 0;
-  split->num_midpoints = 0;
-  uint32_t num_old = 0;
-  for (const auto& source : split->sources) {
-    num_old = std::max(num_old, source[0] + 1);
-  }
-  std::vector<uint8_t> is_found(num_old, 0);
-  uint32_t next = 0;
-  for (size_t i = 0; i < split->mesh.facets.size(); ++i) {
-    const bool counts = is_of_part[split->facet_sources[i]] != 0;
-    for (const uint32_t vertex : split->mesh.facets[i]) {
-      if (vertex != next) {
-        continue;  // it was used before
-      }
-      ++next;
-      const auto& [a, b] = split->sources[vertex];
-      if (a != b) {
-        split->num_midpoints += counts;
-      } else {
-        split->num_split_vertices += counts && is_found[a] != 0;
-        is_found[a] = 1;
-      }
-    }
-  }
 }
 
 }  // namespace colmap_ext

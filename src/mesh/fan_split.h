@@ -16,8 +16,9 @@ struct FanSplit {
   // whose midpoint it is, or twice the vertex that it is a copy of.
   std::vector<std::array<uint32_t, 2>> sources;
 
-  // [F] the old facet that a new one is a part of
-  std::vector<uint32_t> facet_sources;
+  // Of the facets after the old ones, which midpoints cut off: the old facet
+  // that each is a part of. Empty after OrderByUse().
+  std::vector<uint32_t> cut_facets;
 
   size_t num_split_vertices = 0;  // copies made
   size_t num_midpoints = 0;
@@ -36,19 +37,12 @@ struct FanSplit {
 //        facets share an edge, only the cells tell which two continue each
 //        other.
 // \pre facet indices are in range, no facet repeats a vertex, partners run
-//      their edge in opposite directions
-FanSplit SplitFans(const TriangleMesh& mesh,
-                   const std::vector<uint32_t>& partners);
+//      their edge in opposite directions and have each other
+FanSplit SplitFans(TriangleMesh mesh, std::vector<uint32_t> partners);
 
 // Puts the facets in the order of those that they are parts of, and vertices in
 // the order in which the facets use them: where no midpoint was made, they are
 // so.
 void OrderByUse(FanSplit* split);
-
-// Counts the copies and midpoints of a part of a split mesh anew: those that a
-// facet of the part is the first to use.
-// \param is_of_part  [old F]
-// \pre the split mesh is in the order of OrderByUse()
-void CountPart(const std::vector<uint8_t>& is_of_part, FanSplit* split);
 
 }  // namespace colmap_ext

@@ -1,29 +1,37 @@
 #include "mesh/half_edges.h"
 
-#include <algorithm>
-
-#include <tbb/parallel_sort.h>
+#include <numeric>
 
 #include "base/index_limit.h"
 
 namespace colmap_ext {
 
-std::vector<std::pair<uint64_t, uint32_t>> SortedHalfEdges(
-    const std::vector<Facet>& facets) {
-  std::vector<std::pair<uint64_t, uint32_t>> halves(
-      ExpectIndexable(3 * facets.size(), "half-edges"));
-  for (uint32_t half = 0; half < halves.size(); ++half) {
-    const uint64_t from = FromVertex(facets, half);
-    const uint64_t to = ToVertex(facets, half);
-    halves[half] = {std::min(from, to) << 32 | std::max(from, to), half};
+CornerRows CornersByVertex(const std::vector<Facet>& facets) {
+  CornerRows rows;
+  for (const Facet& facet : facets) {
+    for (const uint32_t vertex : facet) {
+      if (vertex >= rows.ends.size()) {
+        rows.ends.resize(vertex + 1, 0);
+      }
+      ++rows.ends[vertex];
+    }
   }
-  tbb::parallel_sort(halves.begin(), halves.end());
-  return halves;
+  // Where rows begin, which become ends as they are filled.
+  std::exclusive_scan(rows.ends.begin(), rows.ends.end(), rows.ends.begin(),
+                      uint32_t{0});
+  rows.corners.resize(ExpectIndexable(3 * facets.size(), "half-edges"));
+  uint32_t corner = 0;
+  for (const Facet& facet : facets) {
+    for (const uint32_t vertex : facet) {
+      rows.corners[rows.ends[vertex]++] = corner++;
+    }
+  }
+  return rows;
 }
 
 std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets) {
   std::vector<uint32_t> partners(3 * facets.size(), kNoPartner);
-  ForEachEdge(SortedHalfEdges(facets), [&](auto first, auto last) {
+  ForEachEdge(facets, [&](auto first, auto last) {
     const uint32_t half = first->second;
     if (last - first == 2) {
       const uint32_t other = (first + 1)->second;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -23,17 +24,52 @@ inline uint32_t NextHalfEdge(uint32_t half) {
   return half % 3 == 2 ? half - 2 : half + 1;
 }
 
-// Returns [3 F] all half-edges, each with its undirected edge: the two vertices
-// packed into 64 bits, the lower one first. Sorted, so that the half-edges of
-// an edge stand together.
-// \throw std::invalid_argument if there are more than 32 bits can number.
-std::vector<std::pair<uint64_t, uint32_t>> SortedHalfEdges(
-    const std::vector<Facet>& facets);
+// All corners by their vertices. A corner is named by the half-edge that leaves
+// it.
+struct CornerRows {
+  std::vector<uint32_t> ends;     // [V] where the row of each vertex ends
+  std::vector<uint32_t> corners;  // [3 F] ascending in each row
+};
 
-// Calls function(first, last) for the half-edges of each edge.
-// \param halves  from SortedHalfEdges
-template <typename Halves, typename Function>
-void ForEachEdge(const Halves& halves, const Function& function) {
+// \throw std::invalid_argument if there are more half-edges than 32-bit indices
+//        can number.
+CornerRows CornersByVertex(const std::vector<Facet>& facets);
+
+// The half-edge before this one in its facet.
+inline uint32_t PreviousHalfEdge(uint32_t half) {
+  return half % 3 == 0 ? half + 2 : half - 1;
+}
+
+// Another vertex, and a half-edge between it and one vertex.
+using HalfEdgeTo = std::pair<uint32_t, uint32_t>;
+
+// Calls function(vertex, half_edges) for each vertex up to the last that facets
+// use: its half-edges, leaving and entering, by the other vertex, then by their
+// number.
+// \pre no facet repeats a vertex
+// \throw std::invalid_argument as CornersByVertex() does.
+template <typename Function>
+void ForEachVertex(const std::vector<Facet>& facets, const Function& function) {
+  const CornerRows rows = CornersByVertex(facets);
+  std::vector<HalfEdgeTo> halves;
+  uint32_t begin = 0;
+  for (uint32_t vertex = 0; vertex < rows.ends.size(); ++vertex) {
+    halves.clear();
+    for (; begin < rows.ends[vertex]; ++begin) {
+      const uint32_t corner = rows.corners[begin];
+      const uint32_t before = PreviousHalfEdge(corner);
+      halves.emplace_back(ToVertex(facets, corner), corner);
+      halves.emplace_back(FromVertex(facets, before), before);
+    }
+    std::sort(halves.begin(), halves.end());
+    function(vertex, halves);
+  }
+}
+
+// Calls function(first, last) for the half-edges to each other vertex.
+template <typename Function>
+void ForEachNeighbor(const std::vector<HalfEdgeTo>& halves,
+                     const Function& function) {
   for (auto first = halves.begin(); first != halves.end();) {
     auto last = first;
     while (last != halves.end() && last->first == first->first) {
@@ -42,6 +78,21 @@ void ForEachEdge(const Halves& halves, const Function& function) {
     function(first, last);
     first = last;
   }
+}
+
+// Calls function(first, last) for each edge, in the order of its lower, then of
+// its higher vertex: it->second of the iterators are its half-edges, ascending.
+// \pre as above
+template <typename Function>
+void ForEachEdge(const std::vector<Facet>& facets, const Function& function) {
+  ForEachVertex(facets,
+                [&](uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
+                  ForEachNeighbor(halves, [&](auto first, auto last) {
+                    if (first->first > vertex) {
+                      function(first, last);
+                    }
+                  });
+                });
 }
 
 inline constexpr uint32_t kNoPartner = UINT32_MAX;

@@ -71,7 +71,8 @@ ManifoldRepair RepairManifold(const TriangleMesh& mesh) {
   repair.num_duplicate_facets = sound.facets.size() - num_kept;
   sound.facets.resize(num_kept);
   repair.num_unused_vertices = CountUnused(sound);
-  FanSplit split = SplitFans(sound, PairHalfEdges(sound.facets));
+  std::vector<uint32_t> partners = PairHalfEdges(sound.facets);
+  FanSplit split = SplitFans(std::move(sound), std::move(partners));
   repair.mesh = std::move(split.mesh);
   repair.sources = std::move(split.sources);
   repair.num_split_vertices = split.num_split_vertices;

@@ -16,20 +16,22 @@ constexpr uint32_t kNone = UINT32_MAX;
 // The edges of facets, and the half-edges along each.
 struct Edges {
   explicit Edges(const std::vector<Facet>& facets)
-      : halves(SortedHalfEdges(facets)), edge_of_half(3 * facets.size()) {
-    ForEachEdge(halves, [&](auto first, auto last) {
+      : edge_of_half(3 * facets.size()) {
+    halves.reserve(edge_of_half.size());
+    ForEachEdge(facets, [&](auto first, auto last) {
       for (auto half = first; half != last; ++half) {
         edge_of_half[half->second] = static_cast<uint32_t>(offsets.size() - 1);
+        halves.push_back(half->second);
       }
-      offsets.push_back(static_cast<uint32_t>(last - halves.begin()));
+      offsets.push_back(static_cast<uint32_t>(halves.size()));
     });
   }
 
   size_t size() const { return offsets.size() - 1; }
 
-  std::vector<uint32_t> offsets{0};                   // [E + 1], into halves
-  std::vector<std::pair<uint64_t, uint32_t>> halves;  // edge's ends, half-edge
-  std::vector<uint32_t> edge_of_half;                 // [3 F]
+  std::vector<uint32_t> offsets{0};    // [E + 1], into halves
+  std::vector<uint32_t> halves;        // [3 F] of one edge after the other
+  std::vector<uint32_t> edge_of_half;  // [3 F]
 };
 
 double LengthSquared(const TriangleMesh& mesh, uint32_t a, uint32_t b) {
@@ -75,7 +77,7 @@ std::vector<uint8_t> ChooseCutEdges(const TriangleMesh& mesh,
     if (!is_cut[edge] && !is_fixed) {
       is_cut[edge] = 1;
       for (uint32_t i = edges.offsets[edge]; i < edges.offsets[edge + 1]; ++i) {
-        touched.push_back(edges.halves[i].second / 3);
+        touched.push_back(edges.halves[i] / 3);
       }
     }
   };

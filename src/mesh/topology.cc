@@ -10,100 +10,129 @@
 namespace colmap_ext {
 namespace {
 
-// Facets that can be looked at further: indices in range, no vertex twice.
+// Drops facets that can not be looked at further: an index out of range, or a
+// vertex twice.
 std::vector<Facet> ValidFacets(const TriangleMesh& mesh, MeshReport* report) {
   std::vector<Facet> valid;
-  valid.reserve(mesh.facets.size());
   for (const Facet& facet : mesh.facets) {
-    if (*std::max_element(facet.begin(), facet.end()) >= mesh.vertices.size()) {
-      ++report->num_invalid_facets;
-    } else if (facet[0] == facet[1] || facet[1] == facet[2] ||
-               facet[2] == facet[0]) {
-      ++report->num_degenerate_facets;
-    } else {
+    const auto& [a, b, c] = facet;
+    const bool is_invalid = std::ranges::max(facet) >= mesh.vertices.size();
+    const bool is_degenerate = a == b || b == c || c == a;
+    report->num_invalid_facets += is_invalid;
+    report->num_degenerate_facets += is_degenerate && !is_invalid;
+    if (!is_invalid && !is_degenerate) {
       valid.push_back(facet);
     }
   }
   return valid;
 }
 
-size_t CountDuplicates(std::vector<Facet> facets) {
-  for (Facet& facet : facets) {
-    std::sort(facet.begin(), facet.end());
-  }
-  std::sort(facets.begin(), facets.end());
-  size_t count = 0;
-  for (size_t i = 1; i < facets.size(); ++i) {
-    count += facets[i] == facets[i - 1];
-  }
-  return count;
+bool AreValid(const TriangleMesh& mesh) {
+  return std::ranges::all_of(mesh.facets, [&](const Facet& facet) {
+    const auto& [a, b, c] = facet;
+    return std::ranges::max(facet) < mesh.vertices.size() && a != b && b != c &&
+           c != a;
+  });
 }
 
-// Joins what the edges connect and counts them.
-struct EdgeWalk {
-  UnionFind fans;        // of corners, around their vertices
-  UnionFind components;  // of facets
-  UnionFind loops;       // of vertices, along the border
-  std::vector<uint8_t> on_border;
-  std::vector<uint8_t> on_non_manifold_edge;
-};
+class Analyzer {
+ public:
+  // \pre facets are valid
+  Analyzer(const std::vector<Facet>& facets, size_t num_vertices,
+           MeshReport* report)
+      : facets_(facets),
+        report_(*report),
+        components_(facets.size()),
+        loops_(num_vertices),
+        is_at_border_(num_vertices, false) {}
 
-EdgeWalk WalkEdges(const std::vector<Facet>& facets, size_t num_vertices,
-                   MeshReport* report) {
-  EdgeWalk walk{UnionFind(3 * facets.size()), UnionFind(facets.size()),
-                UnionFind(num_vertices), std::vector<uint8_t>(num_vertices, 0),
-                std::vector<uint8_t>(num_vertices, 0)};
-  // The corner of a half-edge's facet at one of its ends.
-  const auto corner = [&](uint32_t half, uint32_t vertex) -> uint32_t {
-    const bool at_start = FromVertex(facets, half) == vertex;
-    return at_start ? half : half / 3 * 3 + (half % 3 + 1) % 3;
-  };
-  ForEachEdge(SortedHalfEdges(facets), [&](auto first, auto last) {
-    ++report->num_edges;
-    const uint32_t u = FromVertex(facets, first->second);
-    const uint32_t v = ToVertex(facets, first->second);
-    size_t forward = 0;
-    for (auto half = first; half != last; ++half) {
-      forward += FromVertex(facets, half->second) == u;
-      walk.fans.Join(corner(first->second, u), corner(half->second, u));
-      walk.fans.Join(corner(first->second, v), corner(half->second, v));
-      walk.components.Join(first->second / 3, half->second / 3);
+  void Run() {
+    size_t num_used = 0;
+    ForEachVertex(facets_,
+                  [&](uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
+                    num_used += halves.empty() ? 0 : 1;
+                    bool is_singular = !IsOneFan(vertex, halves);
+                    ForEachNeighbor(halves, [&](auto first, auto last) {
+                      is_singular |= last - first > 2;
+                      if (first->first > vertex) {
+                        CountEdge(vertex, first, last);
+                      }
+                    });
+                    report_.num_singular_vertices += is_singular ? 1 : 0;
+                  });
+    report_.num_unreferenced_vertices = is_at_border_.size() - num_used;
+    for (uint32_t facet = 0; facet < facets_.size(); ++facet) {
+      report_.num_components += components_.Find(facet) == facet;
     }
+    for (uint32_t vertex = 0; vertex < is_at_border_.size(); ++vertex) {
+      report_.num_border_loops +=
+          is_at_border_[vertex] && loops_.Find(vertex) == vertex;
+    }
+  }
+
+ private:
+  // Whether edges connect all facets at a vertex.
+  bool IsOneFan(uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
+    fan_.clear();
+    for (const auto& [other, half] : halves) {
+      if (FromVertex(facets_, half) == vertex) {
+        fan_.push_back(half / 3);
+      }
+    }
+    std::ranges::sort(fan_);
+    const auto place = [&](uint32_t half) {
+      return static_cast<uint32_t>(std::ranges::lower_bound(fan_, half / 3) -
+                                   fan_.begin());
+    };
+    UnionFind fans(fan_.size());
+    ForEachNeighbor(halves, [&](auto first, auto last) {
+      for (auto half = first; half != last; ++half) {
+        fans.Join(place(first->second), place(half->second));
+      }
+    });
+    size_t num_fans = 0;
+    for (uint32_t i = 0; i < fan_.size(); ++i) {
+      num_fans += fans.Find(i) == i;
+    }
+    return num_fans <= 1;
+  }
+
+  // \param first, last  half-edges between a vertex and a higher one
+  template <typename Iterator>
+  void CountEdge(uint32_t vertex, Iterator first, Iterator last) {
+    ++report_.num_edges;
+    size_t forward = 0;
+    apexes_.clear();
+    for (auto half = first; half != last; ++half) {
+      forward += FromVertex(facets_, half->second) == vertex;
+      components_.Join(first->second / 3, half->second / 3);
+      const uint32_t apex = FromVertex(facets_, PreviousHalfEdge(half->second));
+      // A facet is looked at once, along its first edge.
+      if (apex > first->first) {
+        apexes_.push_back(apex);
+      }
+    }
+    std::ranges::sort(apexes_);
+    report_.num_duplicate_facets += static_cast<size_t>(
+        apexes_.end() - std::unique(apexes_.begin(), apexes_.end()));
     const auto num_facets = static_cast<size_t>(last - first);
     if (num_facets == 1) {
-      ++report->num_border_edges;
-      walk.on_border[u] = walk.on_border[v] = 1;
-      walk.loops.Join(u, v);
+      ++report_.num_border_edges;
+      is_at_border_[vertex] = is_at_border_[first->first] = true;
+      loops_.Join(vertex, first->first);
     }
-    if (num_facets > 2) {
-      ++report->num_non_manifold_edges;
-      walk.on_non_manifold_edge[u] = walk.on_non_manifold_edge[v] = 1;
-    }
-    report->num_misoriented_edges += forward > 1 || num_facets - forward > 1;
-  });
-  return walk;
-}
+    report_.num_non_manifold_edges += num_facets > 2;
+    report_.num_misoriented_edges += forward > 1 || num_facets - forward > 1;
+  }
 
-// A vertex is singular where its facets form more than one fan, or more than
-// two of them share one of its edges.
-void CountVertices(const TriangleMesh& mesh, const std::vector<Facet>& facets,
-                   EdgeWalk* walk, MeshReport* report) {
-  std::vector<uint32_t> num_fans(mesh.vertices.size(), 0);
-  std::vector<uint8_t> is_used(mesh.vertices.size(), 0);
-  for (uint32_t corner = 0; corner < 3 * facets.size(); ++corner) {
-    const uint32_t vertex = FromVertex(facets, corner);
-    is_used[vertex] = 1;
-    num_fans[vertex] += walk->fans.Find(corner) == corner;
-  }
-  for (uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
-    report->num_non_finite_vertices += !mesh.vertices[vertex].allFinite();
-    report->num_unreferenced_vertices += !is_used[vertex];
-    report->num_singular_vertices +=
-        num_fans[vertex] > 1 || walk->on_non_manifold_edge[vertex];
-    report->num_border_loops +=
-        walk->on_border[vertex] && walk->loops.Find(vertex) == vertex;
-  }
-}
+  const std::vector<Facet>& facets_;
+  MeshReport& report_;
+  UnionFind components_;            // of facets
+  UnionFind loops_;                 // of vertices, along the border
+  std::vector<bool> is_at_border_;  // [V]
+  std::vector<uint32_t> fan_;       // facets at a vertex, ascending
+  std::vector<uint32_t> apexes_;    // of facets at an edge
+};
 
 }  // namespace
 
@@ -140,13 +169,14 @@ MeshReport Analyze(const TriangleMesh& mesh) {
   MeshReport report;
   report.num_vertices = mesh.vertices.size();
   report.num_facets = mesh.facets.size();
-  const std::vector<Facet> facets = ValidFacets(mesh, &report);
-  report.num_duplicate_facets = CountDuplicates(facets);
-  EdgeWalk walk = WalkEdges(facets, mesh.vertices.size(), &report);
-  for (uint32_t facet = 0; facet < facets.size(); ++facet) {
-    report.num_components += walk.components.Find(facet) == facet;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    report.num_non_finite_vertices += !vertex.allFinite();
   }
-  CountVertices(mesh, facets, &walk, &report);
+  const bool are_valid = AreValid(mesh);
+  const std::vector<Facet> valid =
+      are_valid ? std::vector<Facet>() : ValidFacets(mesh, &report);
+  Analyzer(are_valid ? mesh.facets : valid, mesh.vertices.size(), &report)
+      .Run();
   report.DeriveGenus();
   return report;
 }

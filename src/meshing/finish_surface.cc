@@ -16,19 +16,6 @@
 namespace colmap_ext {
 namespace {
 
-FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
-                        const ExtractedSurface& extracted,
-                        const std::vector<uint8_t>& is_end,
-                        ManifoldMeshingReport* report) {
-  FanSplit surface = SplitWithoutEnds(extracted, is_end);
-  FilterSurface(options, LimitsOf(options, surface.mesh), {}, &surface, report);
-  if (surface.mesh.facets.empty()) {
-    throw std::invalid_argument(
-        "the points and views enclose no surface: nothing to mesh");
-  }
-  return surface;
-}
-
 // The fused points that the surface's vertices come from.
 std::vector<std::array<uint32_t, 2>> PointsOf(
     const std::vector<std::array<uint32_t, 2>>& vertices,
@@ -51,49 +38,47 @@ std::vector<std::array<uint32_t, 2>> PointsOf(
 void FinishBorders(const BorderOptions& options, const Progress& progress,
                    ManifoldMesh* result) {
   Report(progress, "Finishing the borders", 0);
-  EditedMesh edited =
-      EditBorders(options, std::move(result->mesh),
-                  std::move(result->attributes), result->facet_confidences);
-  std::vector<float> facet_confidences;
-  facet_confidences.reserve(edited.facet_sources.size());
-  for (const uint32_t source : edited.facet_sources) {
-    facet_confidences.push_back(
-        source == kNoSource ? 0.0f : result->facet_confidences[source]);
+  if (options.trim > 0 || options.close_holes != 0) {
+    EditedMesh edited =
+        EditBorders(options, std::move(result->mesh),
+                    std::move(result->attributes), result->facet_confidences);
+    std::vector<float> facet_confidences;
+    facet_confidences.reserve(edited.facet_sources.size());
+    for (const uint32_t source : edited.facet_sources) {
+      facet_confidences.push_back(
+          source == kNoSource ? 0.0f : result->facet_confidences[source]);
+    }
+    result->mesh = std::move(edited.mesh);
+    result->attributes = std::move(edited.attributes);
+    result->facet_confidences = std::move(facet_confidences);
+    result->report.borders = edited.report;
   }
-  result->mesh = std::move(edited.mesh);
-  result->attributes = std::move(edited.attributes);
   result->attributes.confidences =
-      VertexConfidences(result->mesh, facet_confidences);
-  result->facet_confidences = std::move(facet_confidences);
-  result->report.borders = edited.report;
+      VertexConfidences(result->mesh, result->facet_confidences);
 }
 
 }  // namespace
 
 void SplitSurface(const ManifoldMeshingOptions& options,
-                  ExtractedSurface extracted, const SurfacePoints& points,
+                  ExtractedSurface extracted, SurfacePoints points,
                   const std::vector<View>& views, ManifoldMesh* result) {
-  FanSplit surface =
-      SplitAndFilter(options, extracted, points.is_end, &result->report);
-  extracted = {};
-  AttributedSurface attributed = AddAttributes(surface, points, views);
-  result->attributes = std::move(attributed.attributes);
-  const double usual = UsualDensity(attributed.densities);
-  result->facet_confidences = ConfidencesOf(attributed.densities, usual);
+  FanSplit surface = SplitAndFilter(options, std::move(extracted),
+                                    points.is_end, &result->report);
+  if (surface.mesh.facets.empty()) {
+    throw std::invalid_argument(
+        "the points and views enclose no surface: nothing to mesh");
+  }
   result->mesh = std::move(surface.mesh);
-}
-
-AttributedSurface AddAttributes(const FanSplit& surface,
-                                const SurfacePoints& points,
-                                const std::vector<View>& views) {
-  AttributedSurface attributed;
-  attributed.attributes =
-      InheritAttributes(surface.mesh, points.cloud,
+  result->attributes =
+      InheritAttributes(result->mesh, points.cloud,
                         PointsOf(surface.sources, points.vertex_points));
-  attributed.densities = FacetDensities(
-      surface.mesh, SupportOfSurface(points.supports, surface.sources),
-      attributed.attributes.views, views);
-  return attributed;
+  const std::vector<float> supports =
+      SupportOfSurface(points.supports, surface.sources);
+  // What has served goes before more memory is needed.
+  points = {};
+  surface = {};
+  result->facet_confidences =
+      FacetConfidences(result->mesh, supports, result->attributes.views, views);
 }
 
 void FinishSurface(const ManifoldMeshingOptions& options,

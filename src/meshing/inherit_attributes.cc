@@ -80,6 +80,7 @@ class Inheritance {
     while (InheritOnce()) {
     }
     VertexAttributes result;
+    result.views.offsets.reserve(mesh_.vertices.size() + 1);
     for (uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
       const Attributes attributes = IsKnown(i) ? Of(i) : Attributes();
       if (!cloud_.colors.empty()) {

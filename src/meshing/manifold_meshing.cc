@@ -155,15 +155,14 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
   report.num_duplicate_points = thinned.num_duplicate_points;
   report.num_vertices = thinned.tetrahedra.points.size();
   report.num_cells = thinned.tetrahedra.cells.size();
-  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
-  const std::vector<float> supports = SupportOfVertices(
+  std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
+  std::vector<float> supports = SupportOfVertices(
       report.num_vertices, thinned.point_vertices, weighted.weights);
   FlowCapacities graph =
       MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
   // The cut needs most memory: what has served goes before.
   std::vector<uint32_t>().swap(thinned.point_vertices);
-  const PointCloud points =
-      PointsOfVertices(weighted.cloud, &thinned.vertex_points);
+  PointCloud points = PointsOfVertices(weighted.cloud, &thinned.vertex_points);
   weighted = {};
   std::vector<uint8_t> is_free =
       CutGraph(thinned.tetrahedra, graph, progress, &report);
@@ -173,8 +172,9 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
   ExtractedSurface extracted = ExtractSurface(thinned.tetrahedra, is_free);
   thinned.tetrahedra = {};
   SplitSurface(options, std::move(extracted),
-               {points, thinned.vertex_points, supports, is_end}, views,
-               &result);
+               {std::move(points), std::move(thinned.vertex_points),
+                std::move(supports), std::move(is_end)},
+               views, &result);
   return result;
 }
 

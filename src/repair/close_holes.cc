@@ -79,9 +79,8 @@ struct FilledMesh {
 // vertices of another facet.
 std::vector<uint8_t> FindNonManifold(const FilledMesh& filled) {
   std::vector<uint8_t> is_found(filled.num_fillings, 0);
-  const auto halves = SortedHalfEdges(filled.mesh.facets);
   std::vector<std::array<uint32_t, 3>> beside(filled.mesh.facets.size());
-  ForEachEdge(halves, [&](auto first, auto last) {
+  ForEachEdge(filled.mesh.facets, [&](auto first, auto last) {
     if (last - first == 2) {
       const uint32_t a = first->second;
       const uint32_t b = (first + 1)->second;

@@ -18,21 +18,22 @@ void SortUnique(std::vector<uint32_t>* values) {
 
 }  // namespace
 
+void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
+                    std::vector<FacetPair>* pairs) {
+  if (!fixed.empty()) {
+    std::erase_if(*pairs, [&](const FacetPair& pair) {
+      return IsFixed(fixed, mesh.facets[pair[0]]) &&
+             IsFixed(fixed, mesh.facets[pair[1]]);
+    });
+  }
+}
+
 GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed)
     : mesh_(std::move(mesh)), fixed_(std::move(fixed)), tree_(mesh_) {
   Update();
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_);
-  DropFixedPairs(&pairs);
+  DropFixedPairs(mesh_, fixed_, &pairs);
   ReplacePairs({}, pairs);
-}
-
-void GuardedMesh::DropFixedPairs(std::vector<FacetPair>* pairs) const {
-  if (!fixed_.empty()) {
-    std::erase_if(*pairs, [&](const FacetPair& pair) {
-      return IsFixed(fixed_, mesh_.facets[pair[0]]) &&
-             IsFixed(fixed_, mesh_.facets[pair[1]]);
-    });
-  }
 }
 
 void GuardedMesh::Update() {
@@ -111,7 +112,7 @@ std::optional<std::vector<FacetPair>> GuardedMesh::FewerPairs(
     const std::vector<FacetPair>& old_pairs) {
   tree_.Extend(mesh_, facets);
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_, facets);
-  DropFixedPairs(&pairs);
+  DropFixedPairs(mesh_, fixed_, &pairs);
   work_ += facets.size() + pairs.size();
   if (pairs.size() < old_pairs.size() &&
       std::includes(old_pairs.begin(), old_pairs.end(), pairs.begin(),

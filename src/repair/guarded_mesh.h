@@ -16,6 +16,10 @@
 
 namespace colmap_ext {
 
+// Drops pairs of two facets that stay.
+void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
+                    std::vector<FacetPair>* pairs);
+
 // Where some vertices are to go.
 struct VertexTargets {
   std::vector<uint32_t> vertices;          // each once
@@ -72,7 +76,6 @@ class GuardedMesh {
   using Partners = std::map<uint32_t, std::set<uint32_t>>;
 
   std::vector<uint32_t> FacetsOf(const std::vector<uint32_t>& vertices) const;
-  void DropFixedPairs(std::vector<FacetPair>* pairs) const;
   void ReplacePairs(const std::vector<FacetPair>& old_pairs,
                     const std::vector<FacetPair>& new_pairs);
   void Swap(VertexTargets* targets);

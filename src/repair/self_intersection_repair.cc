@@ -1,16 +1,21 @@
 #include "repair/self_intersection_repair.h"
 
 #include <algorithm>
+#include <map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "repair/crossing_clusters.h"
 #include "repair/guarded_mesh.h"
 #include "repair/local_motions.h"
+#include "repair/mesh_patch.h"
 #include "repair/separate_copies.h"
+#include "spatial/box_tree.h"
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 namespace {
@@ -128,59 +133,186 @@ void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh,
   }
 }
 
+// Some of the rounds, after copies were moved apart.
+struct Steps {
+  bool separates_copies;
+  int first_round;
+  int end_round;
+
+  // So many rings of vertices around the facets of a pair may move.
+  int MovedRings() const { return std::max(end_round - 1, 0); }
+};
+
+// Repairs a mesh patch by patch.
+class PatchRepair {
+ public:
+  PatchRepair(TriangleMesh* mesh, const FixedVertices& fixed)
+      : mesh_(*mesh), fixed_(fixed), pairs_(FindSelfIntersections(*mesh)) {
+    DropFixedPairs(*mesh, fixed, &pairs_);
+    repair_.num_before = pairs_.size();
+  }
+
+  SelfIntersectionRepair Run(int max_rounds) {
+    RunSteps({true, 0, std::min(1, max_rounds)});
+    if (max_rounds > 1) {
+      RunSteps({false, 1, max_rounds});
+    }
+    repair_.num_after = pairs_.size();
+    for (const auto& [vertex, position] : before_) {
+      MeasureMotion(position, mesh_.vertices[vertex]);
+    }
+    return repair_;
+  }
+
+ private:
+  using Box = Eigen::AlignedBox3f;
+
+  void RunSteps(const Steps& steps) {
+    if (pairs_.empty() || work_ > MaxWork()) {
+      return;
+    }
+    std::vector<uint32_t> crossing;
+    for (const FacetPair& pair : pairs_) {
+      crossing.insert(crossing.end(), pair.begin(), pair.end());
+    }
+    const std::vector<uint8_t> is_around =
+        MarkAround(mesh_, crossing, steps.MovedRings() + 2);
+    std::vector<Box> boxes = ReachOf(crossing, steps.MovedRings());
+    while (!TryWithin(steps, is_around, &boxes)) {
+    }
+  }
+
+  size_t MaxWork() const {
+    return kMaxWork + kMaxWorkPerFacet * mesh_.facets.size();
+  }
+
+  // Where facets that may move are, and a little around each.
+  std::vector<Box> ReachOf(const std::vector<uint32_t>& crossing,
+                           int num_rings) const {
+    const std::vector<uint8_t> may_move =
+        MarkAround(mesh_, crossing, num_rings);
+    std::vector<Box> boxes;
+    for (uint32_t i = 0; i < may_move.size(); ++i) {
+      if (may_move[i] != 0) {
+        boxes.push_back(Widened(BoxOf(mesh_, i)));
+      }
+    }
+    return boxes;
+  }
+
+  // A choice: what goes farther takes another try.
+  static Box Widened(Box box) {
+    const float margin = 0.1F * box.diagonal().norm();
+    box.min().array() -= margin;
+    box.max().array() += margin;
+    return box;
+  }
+
+  // Does the steps to a patch with all facets that meet the boxes.
+  // \param is_around  [F] facets that are of the patch wherever they are
+  // \param boxes  gets those of facets that went out of them
+  // \return whether there are none, and all is done
+  bool TryWithin(const Steps& steps, std::vector<uint8_t> is_around,
+                 std::vector<Box>* boxes) {
+    MarkWithin(mesh_, *boxes, &is_around);
+    const MeshPatch patch = TakePatch(mesh_, is_around);
+    FixedVertices fixed;
+    for (const uint32_t vertex : patch.vertices) {
+      fixed.push_back(IsFixed(fixed_, vertex) ? 1 : 0);
+    }
+    GuardedMesh guarded(patch.mesh, std::move(fixed));
+    size_t num_flips = 0;
+    const size_t max_work = MaxWork() - work_;
+    if (steps.separates_copies) {
+      SeparateCopies(&guarded, max_work);
+    }
+    for (int round = steps.first_round;
+         round < steps.end_round && guarded.NumPairs() > 0 &&
+         guarded.Work() <= max_work;
+         ++round) {
+      RunRound(round, max_work, &guarded, &num_flips);
+    }
+    const std::vector<uint32_t> changed =
+        ChangedFacets(patch.mesh, guarded.mesh());
+    const BoxTree tree(*boxes);
+    const size_t num_boxes = boxes->size();
+    for (const uint32_t i : changed) {
+      const Box box = BoxOf(guarded.mesh(), i);
+      if (!tree.Search([&](const Box& b) { return b.contains(box); },
+                       [](uint32_t) { return true; })) {
+        boxes->push_back(Widened(box));
+      }
+    }
+    if (boxes->size() > num_boxes) {
+      return false;
+    }
+    Apply(patch, guarded.mesh(), changed);
+    pairs_.clear();
+    for (const auto& [a, b] : guarded.Pairs()) {
+      pairs_.push_back({patch.facets[a], patch.facets[b]});
+    }
+    work_ += guarded.Work();
+    repair_.num_flipped_edges += num_flips;
+    return true;
+  }
+
+  static std::vector<uint32_t> ChangedFacets(const TriangleMesh& before,
+                                             const TriangleMesh& after) {
+    std::vector<uint32_t> changed;
+    for (uint32_t i = 0; i < after.facets.size(); ++i) {
+      const Facet& facet = after.facets[i];
+      if (facet != before.facets[i] ||
+          std::ranges::any_of(facet, [&](uint32_t vertex) {
+            return after.vertices[vertex] != before.vertices[vertex];
+          })) {
+        changed.push_back(i);
+      }
+    }
+    return changed;
+  }
+
+  void Apply(const MeshPatch& patch, const TriangleMesh& after,
+             const std::vector<uint32_t>& changed) {
+    for (const uint32_t i : changed) {
+      Facet facet = after.facets[i];
+      for (uint32_t& vertex : facet) {
+        const Eigen::Vector3f& position = after.vertices[vertex];
+        vertex = patch.vertices[vertex];
+        before_.try_emplace(vertex, mesh_.vertices[vertex]);
+        mesh_.vertices[vertex] = position;
+      }
+      mesh_.facets[patch.facets[i]] = facet;
+    }
+  }
+
+  void MeasureMotion(const Eigen::Vector3f& before,
+                     const Eigen::Vector3f& after) {
+    if (before != after) {
+      const double distance =
+          (before.cast<double>() - after.cast<double>()).norm();
+      // The mean so far.
+      ++repair_.num_moved_vertices;
+      repair_.mean_motion += (distance - repair_.mean_motion) /
+                             static_cast<double>(repair_.num_moved_vertices);
+      repair_.max_motion = std::max(repair_.max_motion, distance);
+    }
+  }
+
+  TriangleMesh& mesh_;
+  const FixedVertices& fixed_;
+  std::vector<FacetPair> pairs_;  // that are left
+  size_t work_ = 0;               // GuardedMesh::Work() so far
+  SelfIntersectionRepair repair_;
+  // Of the vertices of facets that have changed.
+  std::map<uint32_t, Eigen::Vector3f> before_;
+};
+
 }  // namespace
-
-size_t MaxRepairWork(size_t num_facets) {
-  return kMaxWork + kMaxWorkPerFacet * num_facets;
-}
-
-RepairedPart RepairPart(const RepairSteps& steps, TriangleMesh* mesh,
-                        const FixedVertices& fixed) {
-  RepairedPart part;
-  GuardedMesh guarded(std::move(*mesh), fixed);
-  part.before = guarded.Pairs();
-  if (steps.separates_copies && !part.before.empty()) {
-    SeparateCopies(&guarded, steps.max_work);
-  }
-  for (int round = steps.first_round;
-       round < steps.end_round && guarded.NumPairs() > 0 &&
-       guarded.Work() <= steps.max_work;
-       ++round) {
-    RunRound(round, steps.max_work, &guarded, &part.num_flipped_edges);
-  }
-  part.after = guarded.Pairs();
-  part.work = guarded.Work();
-  *mesh = guarded.mesh();
-  return part;
-}
-
-void MeasureMotion(const Eigen::Vector3f& before, const Eigen::Vector3f& after,
-                   SelfIntersectionRepair* repair) {
-  if (before != after) {
-    const double distance =
-        (before.cast<double>() - after.cast<double>()).norm();
-    // The mean so far.
-    ++repair->num_moved_vertices;
-    repair->mean_motion += (distance - repair->mean_motion) /
-                           static_cast<double>(repair->num_moved_vertices);
-    repair->max_motion = std::max(repair->max_motion, distance);
-  }
-}
 
 SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
                                                int max_rounds,
                                                const FixedVertices& fixed) {
-  const std::vector<Eigen::Vector3f> before = mesh->vertices;
-  const RepairedPart part = RepairPart(
-      {true, 0, max_rounds, MaxRepairWork(mesh->facets.size())}, mesh, fixed);
-  SelfIntersectionRepair repair;
-  repair.num_before = part.before.size();
-  repair.num_after = part.after.size();
-  repair.num_flipped_edges = part.num_flipped_edges;
-  for (size_t i = 0; i < before.size(); ++i) {
-    MeasureMotion(before[i], mesh->vertices[i], &repair);
-  }
-  return repair;
+  return PatchRepair(mesh, fixed).Run(max_rounds);
 }
 
 }  // namespace colmap_ext

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <vector>
 
 #include "mesh/fixed_vertices.h"
 #include "mesh/triangle_mesh.h"
-#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
@@ -34,6 +31,10 @@ inline constexpr int kMaxRepairRounds = 8;
 // pairs, makes no new ones and turns no facet over (GuardedMesh). So the pairs
 // that remain are pairs of before, but for those of flipped edges.
 //
+// What may change, and what it may meet then, is copied as a patch, which alone
+// gets adjacency: that takes little memory beside the mesh. The patch is what
+// lies around all pairs at first, then, more rings wide, around those left.
+//
 // The mesh stays manifold, with the same vertices and numbers of facets, and
 // its borders stay borders. A mesh without self-intersections is left as it is.
 // The result does not depend on the number of threads.
@@ -44,39 +45,5 @@ inline constexpr int kMaxRepairRounds = 8;
 SelfIntersectionRepair RepairSelfIntersections(
     TriangleMesh* mesh, int max_rounds = kMaxRepairRounds,
     const FixedVertices& fixed = {});
-
-// Some of the steps of RepairSelfIntersections(), for a part of a mesh.
-struct RepairSteps {
-  bool separates_copies = true;  // at first
-  int first_round = 0;
-  int end_round = 0;
-  size_t max_work = 0;  // GuardedMesh::Work()
-};
-
-struct RepairedPart {
-  std::vector<FacetPair> before;  // FindSelfIntersections(); of the part
-  std::vector<FacetPair> after;
-  size_t num_flipped_edges = 0;
-  size_t work = 0;
-};
-
-// Does to a part of a mesh what these steps do to the whole.
-// \param mesh  the facets of all pairs, all facets at the vertices within
-//        MovedRings() + 2 rings of these, and all that lie where facets may
-//        move to; vertices and facets in the order of the whole
-RepairedPart RepairPart(const RepairSteps& steps, TriangleMesh* mesh,
-                        const FixedVertices& fixed = {});
-
-// So many rings of vertices around the facets of a pair may move.
-inline int MovedRings(const RepairSteps& steps) {
-  return std::max(steps.end_round - 1, 0);
-}
-
-// The allowed work in a mesh.
-size_t MaxRepairWork(size_t num_facets);
-
-// Adds a vertex to the counts of those that moved, if it did.
-void MeasureMotion(const Eigen::Vector3f& before, const Eigen::Vector3f& after,
-                   SelfIntersectionRepair* repair);
 
 }  // namespace colmap_ext

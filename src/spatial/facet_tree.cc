@@ -13,6 +13,12 @@ namespace {
 constexpr size_t kMaxLeafFacets = 4;
 constexpr size_t kMinParallelLeaves = 256;  // of a part that is sorted in tasks
 
+std::vector<uint32_t> AllFacets(const TriangleMesh& mesh) {
+  std::vector<uint32_t> facets(mesh.facets.size());
+  std::iota(facets.begin(), facets.end(), 0);
+  return facets;
+}
+
 }  // namespace
 
 Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet) {
@@ -24,23 +30,29 @@ Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet) {
 }
 
 FacetTree::FacetTree(const TriangleMesh& mesh)
-    : facets_(mesh.facets.size()),
-      boxes_(mesh.facets.size()),
-      places_(mesh.facets.size()) {
+    : FacetTree(mesh, AllFacets(mesh)) {
+  places_.resize(facets_.size());
+  for (uint32_t i = 0; i < facets_.size(); ++i) {
+    places_[facets_[i]] = i;
+  }
+}
+
+FacetTree::FacetTree(const TriangleMesh& mesh,
+                     const std::vector<uint32_t>& facets)
+    : facets_(facets.size()), boxes_(facets.size()) {
   size_t num_leaves = 1;
-  while (num_leaves * kMaxLeafFacets < mesh.facets.size()) {
+  while (num_leaves * kMaxLeafFacets < facets.size()) {
     num_leaves *= 2;
   }
   nodes_.resize(2 * num_leaves - 1);
-  std::vector<Box> boxes(mesh.facets.size());
-  tbb::parallel_for(size_t{0}, boxes.size(), [&](size_t facet) {
-    boxes[facet] = BoxOf(mesh, static_cast<uint32_t>(facet));
-  });
+  std::vector<Box> boxes(facets.size());
+  tbb::parallel_for(size_t{0}, boxes.size(),
+                    [&](size_t i) { boxes[i] = BoxOf(mesh, facets[i]); });
   std::iota(facets_.begin(), facets_.end(), 0);
   Sort(0, num_leaves, boxes);
   for (size_t i = 0; i < boxes_.size(); ++i) {
     boxes_[i] = boxes[facets_[i]];
-    places_[facets_[i]] = static_cast<uint32_t>(i);
+    facets_[i] = facets[facets_[i]];
   }
   FillNodes();
 }

@@ -27,6 +27,10 @@ class FacetTree {
   // \pre facet indices are in range, the facets' vertices are finite
   explicit FacetTree(const TriangleMesh& mesh);
 
+  // A tree of some of the facets, to be searched only.
+  // \param facets  indices, each once
+  FacetTree(const TriangleMesh& mesh, const std::vector<uint32_t>& facets);
+
   // Sets the boxes to those of the facets at two sets of positions, and of all
   // positions on the straight ways between them.
   // \pre both meshes have the facets of the tree's mesh, and finite vertices
@@ -112,7 +116,8 @@ class FacetTree {
   std::vector<Box> nodes_;        // a power of two of leaves, the last ones
   std::vector<uint32_t> facets_;  // [F], in the order of the leaves
   std::vector<Box> boxes_;        // [F], in the order of the leaves
-  std::vector<uint32_t> places_;  // [F] where in facets_ each facet stands
+  std::vector<uint32_t> places_;  // [F] where in facets_ each facet stands;
+                                  // empty of a tree of some
 };
 
 }  // namespace colmap_ext

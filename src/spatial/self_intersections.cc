@@ -1,10 +1,13 @@
 #include "spatial/self_intersections.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
+#include "mesh/space_filling_curve.h"
 #include "spatial/facet_intersection.h"
 #include "spatial/orientation.h"
 
@@ -33,6 +36,56 @@ void AddIfIntersecting(const TriangleMesh& mesh, uint32_t a, uint32_t b,
   }
 }
 
+// Pairs of two facets of a tree.
+void AddPairsWithin(const TriangleMesh& mesh, const FacetTree& tree,
+                    PairsOfThreads* found) {
+  tbb::parallel_for(size_t{0}, tree.NumLeaves(), [&](size_t leaf) {
+    tree.ForEachPair(leaf, [&](uint32_t a, uint32_t b) {
+      AddIfIntersecting(mesh, a, b, &found->local());
+    });
+  });
+}
+
+// Pairs of a facet of a tree and another.
+void AddPairsWith(const TriangleMesh& mesh, const FacetTree& tree,
+                  const std::vector<uint32_t>& facets, PairsOfThreads* found) {
+  tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
+    tree.ForEachNear(BoxOf(mesh, facets[i]), [&](uint32_t other) {
+      AddIfIntersecting(mesh, facets[i], other, &found->local());
+    });
+  });
+}
+
+// Facets that have no area.
+void AddFlat(const TriangleMesh& mesh, PairsOfThreads* found) {
+  const auto num_facets = static_cast<uint32_t>(mesh.facets.size());
+  tbb::parallel_for(uint32_t{0}, num_facets, [&](uint32_t facet) {
+    AddIfIntersecting(mesh, facet, facet, &found->local());
+  });
+}
+
+// All facets in parts, those of each near each other.
+std::vector<std::vector<uint32_t>> PartsOf(const TriangleMesh& mesh,
+                                           size_t max_facets) {
+  std::vector<std::pair<uint64_t, uint32_t>> order;  // along a curve
+  order.reserve(mesh.facets.size());
+  {
+    const std::vector<uint64_t> keys = MortonKeys(mesh.vertices);
+    for (const Facet& facet : mesh.facets) {
+      order.emplace_back(keys[facet[0]], static_cast<uint32_t>(order.size()));
+    }
+  }
+  tbb::parallel_sort(order.begin(), order.end());
+  std::vector<std::vector<uint32_t>> parts;
+  for (const auto& [key, facet] : order) {
+    if (parts.empty() || parts.back().size() == max_facets) {
+      parts.emplace_back().reserve(max_facets);
+    }
+    parts.back().push_back(facet);
+  }
+  return parts;
+}
+
 }  // namespace
 
 bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
@@ -44,22 +97,35 @@ bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
                          mesh.facets[pair[1]]);
 }
 
-std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh) {
-  return FindSelfIntersections(mesh, FacetTree(mesh));
+std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
+                                             size_t max_part_facets) {
+  const auto parts = PartsOf(mesh, max_part_facets);
+  std::vector<Eigen::AlignedBox3f> boxes(parts.size());
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t i) {
+    for (const uint32_t facet : parts[i]) {
+      boxes[i].extend(BoxOf(mesh, facet));
+    }
+  });
+  PairsOfThreads found;
+  AddFlat(mesh, &found);
+  // Trees of all parts at once would be most of the memory.
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const FacetTree tree(mesh, parts[i]);
+    AddPairsWithin(mesh, tree, &found);
+    for (size_t j = i + 1; j < parts.size(); ++j) {
+      if (boxes[i].intersects(boxes[j])) {
+        AddPairsWith(mesh, tree, parts[j], &found);
+      }
+    }
+  }
+  return Collect(found);
 }
 
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
                                              const FacetTree& tree) {
-  const auto num_facets = static_cast<uint32_t>(mesh.facets.size());
   PairsOfThreads found;
-  tbb::parallel_for(size_t{0}, tree.NumLeaves(), [&](size_t leaf) {
-    tree.ForEachPair(leaf, [&](uint32_t a, uint32_t b) {
-      AddIfIntersecting(mesh, a, b, &found.local());
-    });
-  });
-  tbb::parallel_for(uint32_t{0}, num_facets, [&](uint32_t facet) {
-    AddIfIntersecting(mesh, facet, facet, &found.local());
-  });
+  AddFlat(mesh, &found);
+  AddPairsWithin(mesh, tree, &found);
   return Collect(found);
 }
 
@@ -67,12 +133,7 @@ std::vector<FacetPair> FindSelfIntersections(
     const TriangleMesh& mesh, const FacetTree& tree,
     const std::vector<uint32_t>& facets) {
   PairsOfThreads found;
-  tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
-    const uint32_t facet = facets[i];
-    tree.ForEachNear(BoxOf(mesh, facet), [&](uint32_t other) {
-      AddIfIntersecting(mesh, facet, other, &found.local());
-    });
-  });
+  AddPairsWith(mesh, tree, facets, &found);
   return Collect(found);
 }
 

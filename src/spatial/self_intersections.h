@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -21,9 +22,13 @@ bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair);
 // more than what they share by index (FacetsIntersect), and each facet whose
 // corners lie on one line, paired with itself. The count is CGAL's.
 //
+// Takes little memory beside the mesh, as one part of it after the other gets a
+// tree.
+// \param max_part_facets  of a part. The default is a choice.
 // \pre facet indices are in range, no facet repeats a vertex, vertices are
 //      finite
-std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh);
+std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
+                                             size_t max_part_facets = 1 << 16);
 
 // The same, by a tree that is there already.
 // \pre the tree is of this mesh's facets and encloses its positions

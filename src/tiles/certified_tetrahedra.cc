@@ -14,8 +14,8 @@
 #include "delaunay/insert_points.h"
 #include "delaunay/insertion_order.h"
 #include "delaunay/take_tetrahedra.h"
+#include "spatial/box_tree.h"
 #include "tiles/block_cache.h"
-#include "tiles/box_tree.h"
 #include "tiles/conflict_zone.h"
 
 namespace colmap_ext {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -79,20 +78,14 @@ TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
         Case{71, {4, 90}}}) {
     SCOPED_TRACE(min_facets);
     TriangleMesh mesh = all;
-    std::vector<uint32_t> sources(mesh.facets.size());
-    std::iota(sources.begin(), sources.end(), 0);
     const DroppedComponents dropped =
-        DropSmallComponents(min_facets, &mesh, &sources);
+        DropSmallComponents(min_facets, &mesh.facets);
     EXPECT_EQ(dropped.num_components, expected.num_components);
     EXPECT_EQ(dropped.num_facets, expected.num_facets);
     EXPECT_EQ(mesh.facets.size() + dropped.num_facets, all.facets.size());
   }
   TriangleMesh mesh = all;
-  std::vector<uint32_t> sources(mesh.facets.size());
-  std::iota(sources.begin(), sources.end(), 0);
-  DropSmallComponents(20, &mesh, &sources);
-  EXPECT_EQ(sources.size(), 70u);
-  EXPECT_EQ(sources.front(), 4u);
+  DropSmallComponents(20, &mesh.facets);
   EXPECT_EQ(mesh.facets, std::vector<Facet>(all.facets.begin() + 4,
                                             all.facets.begin() + 74));
 }
@@ -100,8 +93,7 @@ TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
 TEST(DropSmallComponents, VerticesDoNotConnect) {
   TriangleMesh mesh = Union(MakeCube(), MakeTetrahedron());
   MergeVertices(8, 7, &mesh);
-  std::vector<uint32_t> sources(mesh.facets.size());
-  const DroppedComponents dropped = DropSmallComponents(5, &mesh, &sources);
+  const DroppedComponents dropped = DropSmallComponents(5, &mesh.facets);
   EXPECT_EQ(dropped.num_components, 1u);
   EXPECT_EQ(mesh.facets.size(), 12u);
 }

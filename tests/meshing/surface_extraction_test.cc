@@ -120,7 +120,7 @@ TEST(ExtractSurface, PartnersBoundTheSameMatterAroundTheirEdge) {
                     .begin()] = index;
       }
     }
-    ForEachEdge(SortedHalfEdges(facets), [&](auto first, auto last) {
+    ForEachEdge(facets, [&](auto first, auto last) {
       const uint32_t u = FromVertex(facets, first->second);
       const uint32_t v = ToVertex(facets, first->second);
       const auto has_edge = [&](uint32_t cell) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -249,6 +250,65 @@ TEST(RepairSelfIntersections, RepairsMostOfANoisySurface) {
   const SelfIntersectionRepair repair = Repair(&mesh);
   EXPECT_GT(repair.num_before, 50u);
   EXPECT_LE(20 * repair.num_after, repair.num_before);
+}
+
+// Sheets that cross each other, and copies of vertices at one place.
+TriangleMesh CrossingSheets(Random* random) {
+  TriangleMesh mesh = MakeSheet(12, 12);
+  for (Vector3f& vertex : mesh.vertices) {
+    vertex.z() = 0.3f * static_cast<float>(random->Unit());
+  }
+  TriangleMesh other = MakeSheet(12, 12);
+  for (Vector3f& vertex : other.vertices) {
+    vertex.z() = 0.31f + 0.3f * static_cast<float>(random->Unit()) -
+                 (random->Chance(0.05) ? 0.2f : 0.0f);
+    vertex.x() += 0.3f;
+  }
+  mesh = Union(mesh, other);
+  for (int i = 0; i < 4; ++i) {
+    const auto a = random->Below(static_cast<uint32_t>(mesh.vertices.size()));
+    const auto b = random->Below(static_cast<uint32_t>(mesh.vertices.size()));
+    mesh.vertices[a] = mesh.vertices[b];
+  }
+  return mesh;
+}
+
+// What is far away is in no patch.
+TEST(RepairSelfIntersections, IsThatOfThePartThatCrosses) {
+  Random random(3);
+  size_t num_removed = 0;
+  size_t num_flips = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    TriangleMesh mesh = CrossingSheets(&random);
+    if (random.Chance(0.5)) {
+      random.Shuffle(&mesh.facets);
+    }
+    TriangleMesh sheet = MakeSheet(12, 12);
+    for (Vector3f& vertex : sheet.vertices) {
+      vertex.y() += 100;
+    }
+    TriangleMesh all = Union(sheet, Union(mesh, sheet));
+    for (size_t i = all.vertices.size() - sheet.vertices.size();
+         i < all.vertices.size(); ++i) {
+      all.vertices[i].z() += 1;
+    }
+    const SelfIntersectionRepair repair = Repair(&mesh);
+    const SelfIntersectionRepair of_all = Repair(&all);
+    EXPECT_EQ(of_all.num_before, repair.num_before);
+    EXPECT_EQ(of_all.num_after, repair.num_after);
+    EXPECT_EQ(of_all.num_moved_vertices, repair.num_moved_vertices);
+    EXPECT_EQ(of_all.num_flipped_edges, repair.num_flipped_edges);
+    EXPECT_EQ(of_all.mean_motion, repair.mean_motion);
+    const auto first =
+        all.vertices.begin() + static_cast<ptrdiff_t>(sheet.vertices.size());
+    EXPECT_EQ(std::vector<Vector3f>(
+                  first, first + static_cast<ptrdiff_t>(mesh.vertices.size())),
+              mesh.vertices);
+    num_removed += repair.num_before - repair.num_after;
+    num_flips += repair.num_flipped_edges;
+  }
+  EXPECT_GT(num_removed, 100u);
+  EXPECT_GT(num_flips, 0u);
 }
 
 TEST(RepairSelfIntersections, IsTheSameForAnyNumberOfThreads) {

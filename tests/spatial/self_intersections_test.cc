@@ -217,6 +217,7 @@ TEST(FindSelfIntersections, OfChosenFacets) {
     const Pairs all = FindSelfIntersections(mesh);
     const FacetTree tree(mesh);
     EXPECT_EQ(FindSelfIntersections(mesh, tree), all);
+    EXPECT_EQ(FindSelfIntersections(mesh, 7), all);
     for (const double share : {0.0, 0.02, 0.5, 1.0}) {
       const std::vector<uint32_t> facets = SomeFacets(mesh, share, &random);
       EXPECT_EQ(FindSelfIntersections(mesh, tree, facets),

@@ -1,4 +1,4 @@
-#include "tiles/box_tree.h"
+#include "spatial/box_tree.h"
 
 #include <algorithm>
 #include <bit>
