@@ -40,7 +40,6 @@ TriangleMesh SurfaceOfWhole(const SeenScene& scene, const MemoryPlan& plan,
                             bool is_fixed) {
   WholeCut whole = CutWhole(scene, plan);
   if (is_fixed) {
-    EXPECT_GT(SingularVertices(whole.tetrahedra, whole.labels).size(), 100u);
     FixSingularVertices(FixingRule::kEnergy, &whole.tetrahedra, &whole.graph,
                         &whole.labels);
   }
@@ -77,6 +76,12 @@ void ExpectSameSurface(const SeenScene& scene, size_t num_tiles,
   EXPECT_EQ(only_b.size(), 0u);
 }
 
+size_t NumSingular(const SeenScene& scene) {
+  const WholeCut whole =
+      CutWhole(scene, PlanOf(scene.points, 1, scene.observations));
+  return SingularVertices(whole.tetrahedra, whole.labels).size();
+}
+
 TEST(MergeSurface, IsThatOfOneMachine) {
   for (const size_t num_tiles : {1, 2, 4, 8}) {
     ExpectSameSurface(SphereScene(3000, 4), num_tiles, false);
@@ -88,8 +93,30 @@ TEST(MergeSurface, IsThatOfOneMachineWithSingularVerticesFixed) {
   for (const uint64_t seed : {6, 7, 8}) {
     SeenScene scene = SphereScene(3000, seed, 0.1);
     scene.options.quality_regularization = 0.05;
+    EXPECT_GT(NumSingular(scene), 100u);
     for (const size_t num_tiles : {1, 3, 6}) {
       ExpectSameSurface(scene, num_tiles, true);
+    }
+  }
+}
+
+TEST(MergeSurface, IsThatOfOneMachineOnALattice) {
+  for (const size_t num_tiles : {2, 8}) {
+    ExpectSameSurface(LatticeScene(1), num_tiles, true);
+    ExpectSameSurface(BoxScene(), num_tiles, false);
+    ExpectSameSurface(BoxScene(1 / 150.0f), num_tiles, true);
+  }
+}
+
+// As users merge.
+TEST(MergeSurface, IsManifoldOnALattice) {
+  for (const float unit : {1.0f, 1 / 400.0f}) {
+    for (SeenScene scene : {LatticeScene(2, unit), BoxScene(unit)}) {
+      scene.options.seam_rings = 4;
+      const TriangleMesh mesh =
+          SurfaceOfPlan(MergedPlan(scene, 4, FixingRule::kEnergy));
+      EXPECT_TRUE(Analyze(mesh).IsManifold()) << Analyze(mesh).Defects();
+      EXPECT_GT(mesh.facets.size(), 500u);
     }
   }
 }
