@@ -27,8 +27,7 @@ struct LongRow {
     for (uint32_t i = 0; i + 4 <= num_views; ++i) {
       for (int k = 0; k < 12; ++k) {
         const Eigen::Vector3d point(i + 3 * random.Unit(),
-                                    4 * random.Unit() - 2,
-                                    5 + random.Unit());
+                                    4 * random.Unit() - 2, 5 + random.Unit());
         tracks.positions.push_back(point);
         for (uint32_t view = i; view < i + 4; ++view) {
           const View& seen_by = truth.views[view];
@@ -72,7 +71,8 @@ struct LongRow {
                    .squaredNorm();
       }
     }
-    return std::sqrt(sum / static_cast<double>(tracks.observations.values.size()));
+    return std::sqrt(sum /
+                     static_cast<double>(tracks.observations.values.size()));
   }
 
   CameraSet truth;
