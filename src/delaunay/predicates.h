@@ -28,8 +28,8 @@ int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
                  const Eigen::Vector3d& u, const Eigen::Vector3d& v);
 
 // Where the line from `origin` to `target` crosses the plane abc, as a multiple
-// of the way to the target: the double next to the exact value; 0 where the line
-// is parallel to the plane.
+// of the way to the target: the double next to the exact value; 0 where the
+// line is parallel to the plane.
 double CrossingOfPlane(const Eigen::Vector3d& origin,
                        const Eigen::Vector3d& target, const Eigen::Vector3d& a,
                        const Eigen::Vector3d& b, const Eigen::Vector3d& c);

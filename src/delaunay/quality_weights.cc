@@ -22,10 +22,13 @@ double CosFacetSphereAngle(const Tetrahedralization& tetrahedra,
     return tetrahedra.points[cell.vertices[k]].cast<double>();
   };
   // From the lowest corner, so that rounding does not depend on their numbers.
-  const int first = static_cast<int>(
-      std::ranges::min_element(corners, IsLower, [&](int k) -> const auto& {
-        return tetrahedra.points[cell.vertices[k]];
-      }) - corners.begin());
+  const int first =
+      static_cast<int>(std::ranges::min_element(
+                           corners, IsLower,
+                           [&](int k) -> const auto& {
+                             return tetrahedra.points[cell.vertices[k]];
+                           }) -
+                       corners.begin());
   const Eigen::Vector3d origin = corner(corners[first]);
   const Eigen::Vector3d a = corner(corners[(first + 1) % 3]) - origin;
   const Eigen::Vector3d b = corner(corners[(first + 2) % 3]) - origin;

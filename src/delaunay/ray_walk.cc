@@ -219,8 +219,8 @@ class Walk {
         kMinSlope * kMinSlope * ab.squaredNorm() * ac.squaredNorm()) {
       return a.dot(normal) / slope;
     }
-    return length_ *
-           CrossingOfPlane(origin_, ray_->target, Corner(0), Corner(1), Corner(2));
+    return length_ * CrossingOfPlane(origin_, ray_->target, Corner(0),
+                                     Corner(1), Corner(2));
   }
 
   // Sets the distance of the exit.
@@ -235,8 +235,7 @@ class Walk {
     // Facets that meet where the ray passes have one distance but for rounding:
     // one before must not hide that of one behind it.
     constexpr double kSlack = 1e-6;
-    is_near_ =
-        ends_at_target || distance <= (1 + kSlack) * ray_->near_distance;
+    is_near_ = ends_at_target || distance <= (1 + kSlack) * ray_->near_distance;
     return true;
   }
 

@@ -160,11 +160,13 @@ class Voter {
       return {vertex, target, end, near_distance};
     }
     const auto& [position, cell, is_inside] = (*places_)[vertex];
-    return {kNoVertex,     target,
-            end,           near_distance,
-            position,      is_inside ? cell
-                                     : EnteredCell(tetrahedra_, cell, position,
-                                                   target)};
+    return {
+        kNoVertex,
+        target,
+        end,
+        near_distance,
+        position,
+        is_inside ? cell : EnteredCell(tetrahedra_, cell, position, target)};
   }
 
   Eigen::Vector3d PositionOf(uint32_t vertex) const {

@@ -111,8 +111,8 @@ SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed) {
 }
 
 SeenScene LatticeScene(uint64_t seed, float unit) {
-  constexpr int kLength = 300;
-  constexpr int kWidth = 4;
+  constexpr int kLength = 250;
+  constexpr int kWidth = 3;
   Random random(seed);
   const auto node = [&](int x, int y, int z) {
     return (unit * Eigen::Vector3f(x, y, z)).cast<double>().eval();
@@ -134,14 +134,14 @@ SeenScene LatticeScene(uint64_t seed, float unit) {
   for (int x = 0; x <= kLength; ++x) {
     for (int y = 0; y <= kWidth; ++y) {
       for (int z = 0; z <= kWidth; ++z) {
-        if (random.Chance(0.4)) {
+        if (random.Chance(0.2)) {
           continue;
         }
         const Eigen::Vector3d point = node(x, y, z);
         AddPoint(
             point,
             [&](const Eigen::Vector3d& center) {
-              return center != point && random.Chance(0.5);
+              return center != point && random.Chance(0.2);
             },
             &scene);
       }
@@ -153,26 +153,26 @@ SeenScene LatticeScene(uint64_t seed, float unit) {
 }
 
 SeenScene BoxScene(float unit) {
-  constexpr int kLength = 150;
-  constexpr int kSize = 4;
+  constexpr int kLength = 120;
+  constexpr int kSize = 3;
   const auto node = [&](int x, int y, int z) {
     return (unit * Eigen::Vector3f(x, y, z)).cast<double>().eval();
   };
   SeenScene scene;
   for (int x = -10; x <= kLength + 10; x += 17) {
-    for (const int y : {-8, 0, 2, 12}) {
+    for (const int y : {-8, 1, 12}) {
       // In the plane of the box's top, and above.
-      scene.centers.push_back(node(x, y, y == 2 ? 10 : kSize));
+      scene.centers.push_back(node(x, y, y == 1 ? 10 : kSize));
     }
   }
   const auto is_within = [](int x, int size) { return x >= 0 && x <= size; };
   for (int x = -4; x <= kLength + 4; ++x) {
-    for (int y = -4; y <= kSize + 4; ++y) {
+    for (int y = -3; y <= kSize + 3; ++y) {
       for (int z = 0; z <= kSize; ++z) {
         const bool is_in_box = is_within(x, kLength) && is_within(y, kSize);
         const bool is_on_box =
-            is_in_box && (z == kSize || x == 0 || x == kLength || y == 0 ||
-                          y == kSize);
+            is_in_box &&
+            (z == kSize || x == 0 || x == kLength || y == 0 || y == kSize);
         if (!is_on_box && (is_in_box || z > 0)) {
           continue;
         }
@@ -181,11 +181,10 @@ SeenScene BoxScene(float unit) {
             point,
             [&](const Eigen::Vector3d& center) {
               const Eigen::Vector3d way = center - point;
-              return way.norm() < 25 * unit && way.norm() > 0 &&
+              return way.norm() < 20 * unit && way.norm() > 0 &&
                      (!is_in_box || z == kSize || (x == 0 && way.x() <= 0) ||
                       (x == kLength && way.x() >= 0) ||
-                      (y == 0 && way.y() <= 0) ||
-                      (y == kSize && way.y() >= 0));
+                      (y == 0 && way.y() <= 0) || (y == kSize && way.y() >= 0));
             },
             &scene);
       }

@@ -111,7 +111,7 @@ TEST(CutTile, RaysThatEndInTheAirVoteAsInTheWhole) {
 // tetrahedra, from vertices of others that lie on such facets, and to cameras
 // that do. In units whose multiples are rounded cells are nearly flat.
 TEST(CutTile, VotesAreThoseOfAllPointsOfALattice) {
-  for (const float unit : {1.0f, 1 / 150.0f, 1 / 400.0f}) {
+  for (const float unit : {1.0f, 1 / 150.0f}) {
     SCOPED_TRACE(unit);
     ExpectSameCut(LatticeScene(1, unit), 4, -1);
     ExpectSameCut(BoxScene(unit), 3, -1);
@@ -120,7 +120,7 @@ TEST(CutTile, VotesAreThoseOfAllPointsOfALattice) {
 
 // The hull of what a tile has need not hold the middle of all points.
 TEST(CutTile, VotesAreThoseOfAllPointsFarOff) {
-  for (const uint64_t seed : {1, 2, 3}) {
+  for (const uint64_t seed : {1, 2}) {
     ExpectSameCut(ClustersScene(seed), 3, -1);
   }
 }
