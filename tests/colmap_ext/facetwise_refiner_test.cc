@@ -128,7 +128,8 @@ TEST_F(FacetwiseRefinerTest, RefinesInOtherWays) {
   for (const std::string option :
        {"solver descent", "pair_selection classical", "pairs_per_facet 3",
         "final_pairs_per_facet 1", "occlusion_masking 0", "window 7"}) {
-    EXPECT_TRUE(results.insert(refine(" --FacetwiseRefinement." + option)).second)
+    EXPECT_TRUE(
+        results.insert(refine(" --FacetwiseRefinement." + option)).second)
         << option;
   }
   EXPECT_TRUE(refine(" --FacetwiseRefinement.solver gauss_newton") ==
