@@ -58,6 +58,10 @@ void MergeTiles(const MergerOptions& options) {
   Print("tiles", static_cast<int64_t>(report.num_tiles), &log);
   Print("cells cut at the seams", static_cast<int64_t>(report.num_cut_cells),
         &log);
+  if (report.num_contradictions > 0) {
+    Print("arcs that two tiles tell differently",
+          static_cast<int64_t>(report.num_contradictions), &log);
+  }
   PrintReport(report.meshing, &log);
   PrintReport(reporter.StageTimes(), PeakMemory(), &log);
 }

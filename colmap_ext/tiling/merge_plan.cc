@@ -36,7 +36,8 @@ std::unique_ptr<MergedCells> CutAndFix(const Plan& plan,
                                        const Progress& progress,
                                        MergeReport* report) {
   auto cells = std::make_unique<MergedCells>(vertices, parts);
-  CutSeams(plan.seam_rings, &cells->seam, progress);
+  report->num_contradictions =
+      CutSeams(plan.seam_rings, &cells->seam, progress);
   report->num_cut_cells = cells->seam.NumUnknown();
   if (options.preemptive_fixing) {
     report->meshing.fixing =

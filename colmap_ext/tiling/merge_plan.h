@@ -15,6 +15,8 @@ namespace colmap_ext {
 struct MergeReport {
   size_t num_tiles = 0;
   size_t num_cut_cells = 0;  // at the seams
+  // Arcs between cells of two tiles that tell them differently (CutSeams).
+  size_t num_contradictions = 0;
   // That was found for the plan, by --region auto.
   std::optional<Region> found_region;
   ManifoldMeshingReport meshing;

@@ -174,8 +174,14 @@ class Problem {
     ceres::Solver::Options options;
     // From so many views on the reduced system is sparse as a rule.
     constexpr size_t kMaxDense = 300;
+    // Eigen's solvers run on one thread. SuiteSparse's sums have an order that
+    // depends on the threads of the BLAS.
+    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+    const bool is_dense =
+        num_views_ <= kMaxDense ||
+        !ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE);
     options.linear_solver_type =
-        num_views_ <= kMaxDense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+        is_dense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
     options.linear_solver_ordering = ordering_;
     options.num_threads = 1;
     options.max_num_iterations = 12;

@@ -33,6 +33,26 @@ uint32_t Locate(const Tetrahedralization& tetrahedra,
   return cell_index;
 }
 
+uint32_t EnteredCell(const Tetrahedralization& tetrahedra, uint32_t cell_index,
+                     const Eigen::Vector3d& origin,
+                     const Eigen::Vector3d& target) {
+  for (int i = 0; i < 4 && !tetrahedra.IsInfinite(cell_index);) {
+    const Tetrahedralization::Cell& cell = tetrahedra.cells[cell_index];
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+      return tetrahedra.points[cell.vertices[kFacetCorners[i][k]]]
+          .cast<double>();
+    };
+    const bool leaves =
+        Orientation(corner(0), corner(1), corner(2), origin) == 0 &&
+        RaySideExact(corner(0), target, corner(1), corner(2)) < 0;
+    if (leaves) {
+      cell_index = cell.neighbors[i];
+    }
+    i = leaves ? 0 : i + 1;
+  }
+  return cell_index;
+}
+
 bool IsStrictlyInside(const Tetrahedralization& tetrahedra, uint32_t cell_index,
                       const Eigen::Vector3d& point) {
   const Tetrahedralization::Cell& cell = tetrahedra.cells[cell_index];

@@ -2,6 +2,8 @@
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Exact_rational.h>
+#include <CGAL/Simple_cartesian.h>
 
 namespace colmap_ext {
 namespace {
@@ -52,6 +54,22 @@ int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
     sign = CrossSign(origin, u, v, axis);
   }
   return sign;
+}
+
+double CrossingOfPlane(const Eigen::Vector3d& origin,
+                       const Eigen::Vector3d& target, const Eigen::Vector3d& a,
+                       const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  using Number = CGAL::Exact_rational;
+  using Point = CGAL::Simple_cartesian<Number>::Point_3;
+  const auto exact = [](const Eigen::Vector3d& p) {
+    return Point(p.x(), p.y(), p.z());
+  };
+  const auto volume_to = [&](const Eigen::Vector3d& p) -> Number {
+    return CGAL::volume(exact(a), exact(b), exact(c), exact(p));
+  };
+  const Number before = volume_to(origin);
+  const Number way = before - volume_to(target);
+  return way != 0 ? CGAL::to_double(Number(before / way)) : 0;
 }
 
 bool IsOnLine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,

@@ -1,8 +1,15 @@
 #pragma once
 
+#include <algorithm>
+
 #include <Eigen/Core>
 
 namespace colmap_ext {
+
+// The order of positions by x, then y, then z.
+inline bool IsLower(const Eigen::Vector3f& p, const Eigen::Vector3f& q) {
+  return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
+}
 
 // Exact geometric predicates on double coordinates (CGAL's filtered kernel).
 
@@ -19,6 +26,13 @@ int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 // and v are collinear, which no target can tell apart.
 int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
                  const Eigen::Vector3d& u, const Eigen::Vector3d& v);
+
+// Where the line from `origin` to `target` crosses the plane abc, as a multiple
+// of the way to the target: the double next to the exact value; 0 where the
+// line is parallel to the plane.
+double CrossingOfPlane(const Eigen::Vector3d& origin,
+                       const Eigen::Vector3d& target, const Eigen::Vector3d& a,
+                       const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
 // Whether c lies on the line through a and b.
 bool IsOnLine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,

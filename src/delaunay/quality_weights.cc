@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "delaunay/cell_graph.h"
+#include "delaunay/predicates.h"
 
 namespace colmap_ext {
 
@@ -20,9 +21,17 @@ double CosFacetSphereAngle(const Tetrahedralization& tetrahedra,
   const auto corner = [&](int k) -> Eigen::Vector3d {
     return tetrahedra.points[cell.vertices[k]].cast<double>();
   };
-  const Eigen::Vector3d origin = corner(corners[0]);
-  const Eigen::Vector3d a = corner(corners[1]) - origin;
-  const Eigen::Vector3d b = corner(corners[2]) - origin;
+  // From the lowest corner, so that rounding does not depend on their numbers.
+  const int first =
+      static_cast<int>(std::ranges::min_element(
+                           corners, IsLower,
+                           [&](int k) -> const auto& {
+                             return tetrahedra.points[cell.vertices[k]];
+                           }) -
+                       corners.begin());
+  const Eigen::Vector3d origin = corner(corners[first]);
+  const Eigen::Vector3d a = corner(corners[(first + 1) % 3]) - origin;
+  const Eigen::Vector3d b = corner(corners[(first + 2) % 3]) - origin;
   const Eigen::Vector3d c = corner(facet) - origin;
   const Eigen::Vector3d normal = a.cross(b);  // into the cell
   // The sphere's centre relative to the origin is this vector over twelve times

@@ -123,18 +123,15 @@ class Walk {
   }
 
   // Finds the facet through which the ray leaves the cell that it starts in.
-  // \return false where it misses the hull, or nobody knows the cell
+  // \return false where it misses the hull
   bool StartInCell(uint32_t cell) {
     cell_ = cell;
-    if (cell == kNoCell) {
-      return false;
-    }
     if (tetrahedra_->IsInfinite(cell)) {
       return StartBeyondHull();
     }
     exit_ = 0;
     SetExitCorners(tetrahedra_->cells[cell]);
-    // A line through the inside leaves through one facet.
+    // A ray that enters the cell leaves it through one facet.
     while (FirstEdgePassedOutside() >= 0 && exit_ < 3) {
       ++exit_;
       SetExitCorners(tetrahedra_->cells[cell]);
@@ -151,12 +148,12 @@ class Walk {
       const Cell& cell = tetrahedra_->cells[queue[i]];
       exit_ = tetrahedra_->IndexOf(queue[i], kInfiniteVertex);
       SetExitCorners(cell);
-      if (!IsBeyondExit(origin_)) {
+      if (!SeesExit()) {
         continue;
       }
       if (FirstEdgePassedOutside() < 0) {
         cell_ = queue[i];
-        return ray_->end == kToHull || !IsBeyondExit(ray_->target);
+        return ray_->end == kToHull || IsTargetBeyondExit();
       }
       for (uint32_t k = 0; k < 4; ++k) {
         if (k != exit_ && seen.insert(cell.neighbors[k]).second) {
@@ -167,13 +164,18 @@ class Walk {
     return false;
   }
 
-  // Whether a place lies on the hull's outer side of the exit of an infinite
-  // cell.
-  bool IsBeyondExit(const Eigen::Vector3d& place) const {
-    const auto corner = [&](int i) -> Eigen::Vector3d {
-      return tetrahedra_->points[corners_[i]].cast<double>();
-    };
-    return Orientation(corner(0), corner(1), corner(2), place) < 0;
+  Eigen::Vector3d Corner(int i) const {
+    return tetrahedra_->points[corners_[i]].cast<double>();
+  }
+
+  // Whether the exit of an infinite cell turns its outer side to the origin.
+  bool SeesExit() const {
+    return Orientation(Corner(0), Corner(1), Corner(2), origin_) < 0;
+  }
+
+  // Whether the ray crosses the exit before it comes to the target.
+  bool IsTargetBeyondExit() const {
+    return RaySideExact(Corner(0), ray_->target, Corner(1), Corner(2)) > 0;
   }
 
   // Finds the cell around the vertex that the ray enters, by a visibility walk.
@@ -200,31 +202,40 @@ class Walk {
   // units. It starts at the lowest corner, so that rounding depends on the ray
   // and the facet alone and not on the way there.
   double ExitDistance() const {
-    const auto is_lower = [this](uint32_t u, uint32_t v) {
-      const Eigen::Vector3f& p = tetrahedra_->points[u];
-      const Eigen::Vector3f& q = tetrahedra_->points[v];
-      return std::lexicographical_compare(p.begin(), p.end(), q.begin(),
-                                          q.end());
+    const auto position = [this](uint32_t v) -> const Eigen::Vector3f& {
+      return tetrahedra_->points[v];
     };
     const auto first = static_cast<size_t>(
-        std::ranges::min_element(corners_, is_lower) - corners_.begin());
+        std::ranges::min_element(corners_, IsLower, position) -
+        corners_.begin());
     const Eigen::Vector3d a = Offset(corners_[first]);
-    const Eigen::Vector3d b = Offset(corners_[(first + 1) % 3]);
-    const Eigen::Vector3d c = Offset(corners_[(first + 2) % 3]);
-    const Eigen::Vector3d normal = (b - a).cross(c - a);
-    return a.dot(normal) / direction_.dot(normal);
+    const Eigen::Vector3d ab = Offset(corners_[(first + 1) % 3]) - a;
+    const Eigen::Vector3d ac = Offset(corners_[(first + 2) % 3]) - a;
+    const Eigen::Vector3d normal = ab.cross(ac);
+    const double slope = direction_.dot(normal);
+    // Of a facet along the ray, or of hardly an area, rounding leaves little.
+    constexpr double kMinSlope = 1e-6;
+    if (slope * slope >
+        kMinSlope * kMinSlope * ab.squaredNorm() * ac.squaredNorm()) {
+      return a.dot(normal) / slope;
+    }
+    return length_ * CrossingOfPlane(origin_, ray_->target, Corner(0),
+                                     Corner(1), Corner(2));
   }
 
   // Sets the distance of the exit.
   // \return false where the target comes first
   bool MeasureExit() {
-    const double distance = ExitDistance();
     const bool ends_at_target = ray_->end == kNoCell;
-    if (ends_at_target && distance >= length_) {
+    if (ends_at_target && !IsTargetBeyondExit()) {
       return false;
     }
+    const double distance = ExitDistance();
     distance_ = static_cast<float>(distance);
-    is_near_ = ends_at_target || distance <= ray_->near_distance;
+    // Facets that meet where the ray passes have one distance but for rounding:
+    // one before must not hide that of one behind it.
+    constexpr double kSlack = 1e-6;
+    is_near_ = ends_at_target || distance <= (1 + kSlack) * ray_->near_distance;
     return true;
   }
 

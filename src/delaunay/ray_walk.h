@@ -33,9 +33,8 @@ struct Ray {
   // Distances are computed up to the first one beyond, scene units, and all of
   // them where `end` is kNoCell.
   double near_distance = 0;
-  // Where `origin` is kNoVertex: where the ray starts, and the cell that has
-  // this place strictly inside, or an infinite one that it lies beyond the hull
-  // of.
+  // Where `origin` is kNoVertex: where the ray starts, and the cell that it
+  // enters there (EnteredCell).
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   uint32_t start_cell = kNoCell;
 };
@@ -54,7 +53,8 @@ struct RayPath {
 //
 // All turns are exact and those of one ray in general position, so that every
 // walk ends [Devillers2002], whether the ray runs through vertices, along edges
-// or within facets.
+// or within facets. Whether a facet is crossed, and at which distance, depends
+// on the ray and the facet alone.
 //
 // \param origin, target, end, near_distance  see Ray
 // \param crossings  are overwritten

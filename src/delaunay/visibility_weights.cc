@@ -31,68 +31,49 @@ constexpr uint32_t kBlock = 256;
 // Rays that are walked together. Their paths fit a core's cache.
 constexpr size_t kBatch = 64;
 
-// A camera's centre and the cell that holds it.
+// A camera's centre and the cell that holds it, moved as all targets are
+// (RaySideExact).
 struct Center {
   Eigen::Vector3d position;
   uint32_t cell = 0;  // no cell's index where it lies beyond the hull
 };
 
-// A place and the cell that has it strictly inside, or an infinite one.
+// A place and a cell that holds it, or an infinite one.
 struct Place {
   Eigen::Vector3d position;
   uint32_t cell = kNoCell;
+  bool is_inside = false;  // strictly, or strictly beyond the hull
 };
 
-// A place on a facet lies strictly inside no cell, and a walk may end in
-// another one than it does, as it treats the place as moved by an
-// infinitesimal step. Such a place is moved, by a millionth of the points'
-// noise at each try and in a direction that no simple plane contains.
-Place FindPlace(const Tetrahedralization& tetrahedra,
-                const Eigen::Vector3d& position, double sigma, uint32_t hint) {
-  constexpr int kMaxTries = 64;
-  Place place;
-  for (int k = 0; k < kMaxTries; ++k) {
-    place.position =
-        position + 1e-6 * sigma * k * Eigen::Vector3d(1, 0.618, 0.382);
-    const uint32_t cell = Locate(tetrahedra, place.position, hint);
-    if (tetrahedra.IsInfinite(cell) ||
-        IsStrictlyInside(tetrahedra, cell, place.position)) {
-      place.cell = cell;
-      break;
-    }
-  }
-  return place;
-}
-
 std::vector<Center> LocateCenters(const Tetrahedralization& tetrahedra,
-                                  const std::vector<Eigen::Vector3d>& centers,
-                                  double sigma) {
-  std::vector<Center> located(centers.size());
-  for (size_t i = 0; i < centers.size(); ++i) {
-    const Place place = FindPlace(tetrahedra, centers[i], sigma,
-                                  tetrahedra.vertex_cells.front());
-    const bool is_inside =
-        place.cell != kNoCell && !tetrahedra.IsInfinite(place.cell);
-    located[i] = {place.position,
-                  is_inside ? place.cell
-                            : static_cast<uint32_t>(tetrahedra.cells.size())};
+                                  const std::vector<Eigen::Vector3d>& centers) {
+  std::vector<Center> located;
+  for (const Eigen::Vector3d& center : centers) {
+    const uint32_t cell = EnteredCell(
+        tetrahedra, Locate(tetrahedra, center, tetrahedra.vertex_cells.front()),
+        center, center);
+    located.push_back(
+        {center, tetrahedra.IsInfinite(cell)
+                     ? static_cast<uint32_t>(tetrahedra.cells.size())
+                     : cell});
   }
   return located;
 }
 
-// Points that are not vertices, each with the cell that it lies in.
+// Points that are not vertices, each with a cell that it lies in.
 std::vector<Place> LocatePoints(const Tetrahedralization& tetrahedra,
-                                const std::vector<Eigen::Vector3f>& points,
-                                double sigma) {
+                                const std::vector<Eigen::Vector3f>& points) {
   std::vector<Place> located;
   located.reserve(points.size());
   uint32_t hint = tetrahedra.vertex_cells.front();
   for (const Eigen::Vector3f& point : points) {
-    located.push_back(FindPlace(tetrahedra, point.cast<double>(), sigma, hint));
-    const uint32_t cell = located.back().cell;
-    if (cell != kNoCell && !tetrahedra.IsInfinite(cell)) {
-      hint = cell;
-    }
+    const Eigen::Vector3d position = point.cast<double>();
+    const uint32_t cell = Locate(tetrahedra, position, hint);
+    const bool is_infinite = tetrahedra.IsInfinite(cell);
+    located.push_back(
+        {position, cell,
+         is_infinite || IsStrictlyInside(tetrahedra, cell, position)});
+    hint = is_infinite ? hint : cell;
   }
   return located;
 }
@@ -178,8 +159,14 @@ class Voter {
     if (places_ == nullptr) {
       return {vertex, target, end, near_distance};
     }
-    const Place& place = (*places_)[vertex];
-    return {kNoVertex, target, end, near_distance, place.position, place.cell};
+    const auto& [position, cell, is_inside] = (*places_)[vertex];
+    return {
+        kNoVertex,
+        target,
+        end,
+        near_distance,
+        position,
+        is_inside ? cell : EnteredCell(tetrahedra_, cell, position, target)};
   }
 
   Eigen::Vector3d PositionOf(uint32_t vertex) const {
@@ -234,10 +221,9 @@ class Voter {
       AddCapacity(weight, &(*sums)[path.end]);
       return;
     }
-    const Eigen::Vector3d& center = centers_[observation.view].position;
-    const Eigen::Vector3d origin = PositionOf(observation.vertex);
-    const bool is_front = sums == &graph_->source;
-    const Eigen::Vector3d target = is_front ? center : 2 * origin - center;
+    const Eigen::Vector3d target = sums == &graph_->source
+                                       ? centers_[observation.view].position
+                                       : RayBehind(observation).target;
     IncidentCells(tetrahedra_, observation.vertex, &star_);
     for (const uint32_t cell : star_) {
       if (tetrahedra_.IsInfinite(cell) &&
@@ -248,7 +234,8 @@ class Voter {
   }
 
   // Whether the ray from a vertex goes over the facet of an infinite cell, as
-  // seen from the inner place.
+  // seen from the inner place. All of them are looked at, as what is the hull
+  // here need not be that of all vertices at its other facets.
   bool GoesOver(uint32_t cell, uint32_t vertex,
                 const Eigen::Vector3d& target) const {
     const auto& vertices = tetrahedra_.cells[cell].vertices;
@@ -260,12 +247,13 @@ class Voter {
     }
     const auto at =
         static_cast<size_t>(std::ranges::find(facet, vertex) - facet.begin());
-    const auto side = [&](size_t next) {
-      return RaySideExact(PositionOf(vertex), target,
-                          PositionOf(facet[(at + next) % 3]),
-                          *options_.inner_place);
-    };
-    return side(1) > 0 && side(2) < 0;
+    const Eigen::Vector3d origin = PositionOf(vertex);
+    const Eigen::Vector3d first = PositionOf(facet[(at + 1) % 3]);
+    const Eigen::Vector3d second = PositionOf(facet[(at + 2) % 3]);
+    const Eigen::Vector3d& inner = *options_.inner_place;
+    return RaySideExact(origin, target, first, inner) > 0 &&
+           RaySideExact(origin, target, second, inner) < 0 &&
+           RaySideExact(origin, target, first, second) > 0;
   }
 
   void AddFreeSupport(uint32_t weight, const RayPath& front) {
@@ -335,8 +323,7 @@ RayReport Vote(const Tetrahedralization& tetrahedra,
                const std::vector<Eigen::Vector3d>& centers,
                const VisibilityWeightOptions& options, FlowCapacities* graph,
                const Progress& progress, std::vector<uint32_t>* free_support) {
-  const std::vector<Center> located =
-      LocateCenters(tetrahedra, centers, options.distance_sigma);
+  const std::vector<Center> located = LocateCenters(tetrahedra, centers);
   const auto num_rows = static_cast<uint32_t>(observations.offsets.size() - 1);
   const uint32_t num_blocks = (num_rows + kBlock - 1) / kBlock;
   std::mutex mutex;
@@ -414,8 +401,7 @@ RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
                                     const std::vector<Eigen::Vector3d>& centers,
                                     const VisibilityWeightOptions& options,
                                     FlowCapacities* graph) {
-  const std::vector<Place> places =
-      LocatePoints(tetrahedra, points, options.distance_sigma);
+  const std::vector<Place> places = LocatePoints(tetrahedra, points);
   return Vote(tetrahedra, observations, &places, centers, options, graph, {},
               nullptr);
 }

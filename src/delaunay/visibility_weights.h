@@ -91,8 +91,7 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                std::vector<uint32_t>* free_support = nullptr);
 
 // The same votes of points that are not vertices: what their rays do beyond
-// the cells that hold them. A point that lies on a facet is moved off it, by a
-// millionth of sigma.
+// the cells that hold them, to the unit as if they were.
 //
 // \param points [P] world frame, near each other where they follow each other
 // \param observations [P] rows of the points, not of vertices

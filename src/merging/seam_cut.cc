@@ -15,8 +15,8 @@ namespace {
 
 constexpr uint32_t kNoNode = UINT32_MAX;
 
-// Whether two tiles say the same of an arc. A ray that starts on a facet in one
-// of them is moved there by a millionth of sigma, which rounding may show.
+// Whether two tiles say the same of an arc. They do so to the unit, but for the
+// last bit of the exponentials of other processors.
 bool Agree(uint32_t a, uint32_t b) {
   constexpr int64_t kMaxDifference = 16;  // of 4096 a ray
   return std::abs(int64_t{a} - int64_t{b}) <= kMaxDifference;
@@ -31,6 +31,7 @@ class SeamWindow {
     for (uint32_t place = 0; place < labels_.NumUnknown(tile); ++place) {
       AddNode({0, tile, place});
     }
+    num_own_ = nodes_.size();
   }
 
   // Adds rings of cells around those that are there, and finds out what lies
@@ -52,7 +53,8 @@ class SeamWindow {
   }
 
   // \pre Connect() was called last
-  void Cut() {
+  // \return see CutSeams(), of the arcs from cells of the tiles that were added
+  size_t Cut() {
     graph_.neighbors.assign(
         nodes_.size(), {kNoNeighbor, kNoNeighbor, kNoNeighbor, kNoNeighbor});
     graph_.capacities.assign(nodes_.size(), {0, 0, 0, 0});
@@ -68,6 +70,7 @@ class SeamWindow {
     for (uint32_t node = 0; node < nodes_.size(); ++node) {
       labels_.Set(nodes_[node], cut.on_source_side[node]);
     }
+    return num_contradictions_;
   }
 
  private:
@@ -108,7 +111,7 @@ class SeamWindow {
       const SeamCell& other = across_[node][i];
       const uint32_t other_node = NodeOf(other);
       if (other_node != kNoNode) {
-        ExpectSame(cell, i, other);
+        num_contradictions_ += node < num_own_ && !IsToldAlike(cell, i, other);
         graph_.neighbors[node][i] = other_node;
         graph_.capacities[node][i] = cell.out[i];
       } else if (other.label == kFreeSpace) {
@@ -119,20 +122,21 @@ class SeamWindow {
     }
   }
 
-  void ExpectSame(const UnknownCell& cell, int i,
-                  const SeamCell& across) const {
+  // Whether the tile of the cell across says the same of the arc to it.
+  bool IsToldAlike(const UnknownCell& cell, int i,
+                   const SeamCell& across) const {
     const auto seam = labels_.Seam(across.tile);
     const UnknownCell& other = seam->unknown[across.place];
     const auto back = static_cast<size_t>(
         std::ranges::find(other.key, cell.apexes[i]) - other.key.begin());
-    if (back == other.key.size() || other.apexes[back] != cell.key[i] ||
-        !Agree(other.back[back], cell.out[i])) {
-      throw std::logic_error("the tiles contradict each other at a seam");
-    }
+    return back < other.key.size() && other.apexes[back] == cell.key[i] &&
+           Agree(other.back[back], cell.out[i]);
   }
 
   SeamLabels& labels_;
   std::vector<SeamCell> nodes_;
+  size_t num_own_ = 0;  // of the tiles that were added, the first ones
+  size_t num_contradictions_ = 0;
   std::vector<std::array<SeamCell, 4>> across_;  // [nodes]
   // Of tiles, by TileSeam::unknown.
   std::map<uint32_t, std::vector<uint32_t>> node_of_;
@@ -141,7 +145,8 @@ class SeamWindow {
 
 }  // namespace
 
-void CutSeams(int seam_rings, SeamLabels* labels, const Progress& progress) {
+size_t CutSeams(int seam_rings, SeamLabels* labels, const Progress& progress) {
+  size_t num_contradictions = 0;
   const auto num_tiles = static_cast<uint32_t>(labels->NumTiles());
   const bool at_once = seam_rings == kAllAtOnce;
   if (at_once) {
@@ -156,8 +161,9 @@ void CutSeams(int seam_rings, SeamLabels* labels, const Progress& progress) {
       window.AddTile(tile);
     }
     window.Connect(at_once ? 0 : 2 * seam_rings);
-    window.Cut();
+    num_contradictions += window.Cut();
   }
+  return num_contradictions;
 }
 
 }  // namespace colmap_ext

@@ -13,8 +13,11 @@ namespace colmap_ext {
 // plan, where it has the same labels of all other cells.
 //
 // \param seam_rings  TileCutOptions
-// \throw std::logic_error where the tiles contradict each other
-void CutSeams(int seam_rings, SeamLabels* labels,
-              const Progress& progress = {});
+// \return how many arcs the tiles on both sides tell differently; those have
+// the
+//         capacity that the tile of the cell where they begin tells
+// \throw std::logic_error where a tile lacks a cell that another one has
+size_t CutSeams(int seam_rings, SeamLabels* labels,
+                const Progress& progress = {});
 
 }  // namespace colmap_ext

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace colmap_ext {
@@ -67,7 +68,8 @@ SeamCell SeamLabels::Find(const CellKey& corners) const {
     return {static_cast<uint8_t>(seam->shared[place].label), tile,
             SeamCell::kNoPlace};
   }
-  throw std::logic_error("the tiles contradict each other at a seam");
+  throw std::logic_error("tile " + std::to_string(tile) +
+                         " lacks a cell that its neighbor has");
 }
 
 SeamCell SeamLabels::Across(uint32_t tile, const UnknownCell& cell,

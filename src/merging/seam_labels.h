@@ -50,7 +50,7 @@ class SeamLabels {
 
   // What lies across a facet of a cell.
   // \param cell  of that tile's seam
-  // \throw std::logic_error where the tiles contradict each other
+  // \throw std::logic_error where its tile has none
   SeamCell Across(uint32_t tile, const UnknownCell& cell, int facet) const;
 
   // \pre cell.IsUnknown()

@@ -1,5 +1,8 @@
 #include "delaunay/predicates.h"
 
+#include <array>
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
@@ -44,6 +47,30 @@ int SideWithSmallStep(const Eigen::Vector3d& origin,
   const IntVector direction =
       kScale * kScale * kScale * ToInt(target - origin) + step;
   return Sign(Determinant(direction, ToInt(u - origin), ToInt(v - origin)));
+}
+
+// Far off and nearly along the plane, where rounding leaves nothing of it.
+TEST(CrossingOfPlane, IsExactButForTheLastBit) {
+  Random random(3);
+  for (const int range : {3, 1 << 18}) {
+    for (int trial = 0; trial < 500; ++trial) {
+      std::array<Eigen::Vector3d, 5> p;
+      for (auto& point : p) {
+        point = RandomPoint(range, &random);
+      }
+      auto& [a, b, c, origin, target] = p;
+      target += random.Integer(0, 1 << 20) * (b + c - 2 * a);
+      const auto side = [&](const Eigen::Vector3d& place) {
+        return Determinant(ToInt(b - a), ToInt(c - a), ToInt(place - a));
+      };
+      const Int128 way = side(origin) - side(target);
+      const double expected = way != 0 ? static_cast<double>(side(origin)) /
+                                             static_cast<double>(way)
+                                       : 0;
+      ASSERT_NEAR(CrossingOfPlane(origin, target, a, b, c), expected,
+                  1e-15 * std::abs(expected));
+    }
+  }
 }
 
 TEST(RaySideExact, IsThatOfALineMovedALittle) {

@@ -427,6 +427,69 @@ TEST(Locate, FindsACellThatHoldsThePoint) {
   }
 }
 
+// Whether the way from the origin to the target leaves a finite cell that holds
+// the origin at once.
+bool LeavesAtOnce(const Tetrahedralization& tetrahedra, uint32_t cell,
+                  const IntVector& origin, const IntVector& target) {
+  return std::ranges::any_of(kFacetCorners, [&](const auto& corners) {
+    std::array<IntVector, 3> p;
+    for (int k = 0; k < 3; ++k) {
+      p[k] = ToIntegers(
+          tetrahedra.points[tetrahedra.cells[cell].vertices[corners[k]]]);
+    }
+    return ExactOrientation(p[0], p[1], p[2], origin) == 0 &&
+           ExactOrientation(p[0], p[1], p[2], target) < 0;
+  });
+}
+
+// Origins on facets and edges, and at vertices; targets in their planes, too.
+TEST(EnteredCell, IsOneOfThoseThatHoldTheOriginWhicheverIsKnown) {
+  Random random(5);
+  size_t num_shared = 0;
+  for (auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    for (Eigen::Vector3f& point : points) {
+      point *= 2;
+    }
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    const auto any = [&] {
+      return tetrahedra
+          .points[random.Below(static_cast<uint32_t>(tetrahedra.points.size()))]
+          .cast<double>()
+          .eval();
+    };
+    for (int trial = 0; trial < 60; ++trial) {
+      const Eigen::Vector3d origin = 0.5 * (any() + any());
+      const Eigen::Vector3d target =
+          trial % 4 == 0 ? origin : (2 * any() - any()).eval();
+      const IntVector o = origin.cast<int64_t>();
+      const IntVector t = target.cast<int64_t>();
+      std::set<uint32_t> entered;  // those that are finite
+      size_t num_cells = 0;
+      size_t num_infinite = 0;
+      for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+        if (!tetrahedra.IsInfinite(cell) && Holds(tetrahedra, cell, o)) {
+          ++num_cells;
+          const uint32_t found = EnteredCell(tetrahedra, cell, origin, target);
+          if (tetrahedra.IsInfinite(found)) {
+            ++num_infinite;
+          } else {
+            entered.insert(found);
+          }
+        }
+      }
+      num_shared += num_cells > 1;
+      ASSERT_TRUE(num_infinite == 0 || num_infinite == num_cells);
+      ASSERT_EQ(entered.size(), num_infinite == 0 ? 1u : 0u);
+      for (const uint32_t cell : entered) {
+        ASSERT_TRUE(Holds(tetrahedra, cell, o));
+        ASSERT_FALSE(LeavesAtOnce(tetrahedra, cell, o, t));
+      }
+    }
+  }
+  EXPECT_GT(num_shared, 200u);
+}
+
 TEST(IsStrictlyInside, IsFalseOnTheFacets) {
   const Tetrahedralization tetrahedra =
       DelaunayOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}});

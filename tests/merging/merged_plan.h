@@ -21,7 +21,7 @@ struct MergedPlan {
         seam(plan.Blocks(), parts),
         changes(plan.Blocks()) {
     const int seam_rings = scene.options.seam_rings;
-    CutSeams(seam_rings, &seam);
+    num_contradictions = CutSeams(seam_rings, &seam);
     if (rule) {
       report =
           FixPlan(plan, parts, seam, *rule, seam_rings == kAllAtOnce, &changes);
@@ -35,6 +35,7 @@ struct MergedPlan {
   MemoryParts parts;
   SeamLabels seam;
   CellChanges changes;
+  size_t num_contradictions = 0;
   FixingReport report;
 };
 

@@ -12,6 +12,8 @@
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
 #include "mesh/topology.h"
+#include "repair/guarded_mesh.h"
+#include "repair/separate_copies.h"
 #include "spatial/self_intersections.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
@@ -190,9 +192,8 @@ TEST(RepairSelfIntersections, MovesCopiesOfAnEdgeApart) {
   }
 }
 
-// What local changes can not help stays no worse; so does any mesh.
 // Each facet meets all others in the place that they share.
-TEST(RepairSelfIntersections, SpendsNoMoreOnCopiesThanAllowed) {
+TEST(SeparateCopies, SpendsNoMoreThanAllowed) {
   constexpr uint32_t kNumFacets = 100;
   constexpr size_t kWorkOfOne = 20'000;  // ways, steps, and pairs for each
   TriangleMesh star;
@@ -207,13 +208,15 @@ TEST(RepairSelfIntersections, SpendsNoMoreOnCopiesThanAllowed) {
     star.facets.push_back({i, i + 1, i + 2});
   }
   for (const size_t max_work : {size_t{0}, size_t{1'000}, size_t{10'000}}) {
-    TriangleMesh mesh = star;
-    const RepairedPart part = RepairPart({true, 0, 0, max_work}, &mesh);
-    EXPECT_LT(part.work, max_work + kWorkOfOne);
-    EXPECT_LT(part.after.size(), part.before.size());
+    GuardedMesh mesh(star);
+    const size_t num_before = mesh.NumPairs();
+    SeparateCopies(&mesh, max_work);
+    EXPECT_LT(mesh.Work(), max_work + kWorkOfOne);
+    EXPECT_LT(mesh.NumPairs(), num_before);
   }
 }
 
+// What local changes can not help stays no worse; so does any mesh.
 TEST(RepairSelfIntersections, NeverMakesMore) {
   Random random(2);
   const TriangleMesh sphere = MakeBumpySphere(0.15f);

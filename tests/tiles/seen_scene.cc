@@ -110,6 +110,112 @@ SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed) {
   return scene;
 }
 
+SeenScene LatticeScene(uint64_t seed, float unit) {
+  constexpr int kLength = 250;
+  constexpr int kWidth = 3;
+  Random random(seed);
+  const auto node = [&](int x, int y, int z) {
+    return (unit * Eigen::Vector3f(x, y, z)).cast<double>().eval();
+  };
+  const auto any = [&] {
+    return node(random.Integer(0, kLength), random.Integer(0, kWidth),
+                random.Integer(0, kWidth));
+  };
+  SeenScene scene;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d a = any();
+    const Eigen::Vector3d b = any();
+    scene.centers.insert(scene.centers.end(),
+                         {a, 0.5 * (a + b), 3 * a - 2 * b, a + b - any()});
+  }
+  // On a line of nodes, and in a plane of them.
+  scene.centers.push_back(node(-7, 1, 1));
+  scene.centers.push_back(node(kLength / 2, 1, 40));
+  for (int x = 0; x <= kLength; ++x) {
+    for (int y = 0; y <= kWidth; ++y) {
+      for (int z = 0; z <= kWidth; ++z) {
+        if (random.Chance(0.2)) {
+          continue;
+        }
+        const Eigen::Vector3d point = node(x, y, z);
+        AddPoint(
+            point,
+            [&](const Eigen::Vector3d& center) {
+              return center != point && random.Chance(0.2);
+            },
+            &scene);
+      }
+    }
+  }
+  scene.options.rays = {0.2 * unit, 5};
+  scene.options.seam_rings = kAllAtOnce;
+  return scene;
+}
+
+SeenScene BoxScene(float unit) {
+  constexpr int kLength = 120;
+  constexpr int kSize = 3;
+  const auto node = [&](int x, int y, int z) {
+    return (unit * Eigen::Vector3f(x, y, z)).cast<double>().eval();
+  };
+  SeenScene scene;
+  for (int x = -10; x <= kLength + 10; x += 17) {
+    for (const int y : {-8, 1, 12}) {
+      // In the plane of the box's top, and above.
+      scene.centers.push_back(node(x, y, y == 1 ? 10 : kSize));
+    }
+  }
+  const auto is_within = [](int x, int size) { return x >= 0 && x <= size; };
+  for (int x = -4; x <= kLength + 4; ++x) {
+    for (int y = -3; y <= kSize + 3; ++y) {
+      for (int z = 0; z <= kSize; ++z) {
+        const bool is_in_box = is_within(x, kLength) && is_within(y, kSize);
+        const bool is_on_box =
+            is_in_box &&
+            (z == kSize || x == 0 || x == kLength || y == 0 || y == kSize);
+        if (!is_on_box && (is_in_box || z > 0)) {
+          continue;
+        }
+        const Eigen::Vector3d point = node(x, y, z);
+        AddPoint(
+            point,
+            [&](const Eigen::Vector3d& center) {
+              const Eigen::Vector3d way = center - point;
+              return way.norm() < 20 * unit && way.norm() > 0 &&
+                     (!is_in_box || z == kSize || (x == 0 && way.x() <= 0) ||
+                      (x == kLength && way.x() >= 0) ||
+                      (y == 0 && way.y() <= 0) || (y == kSize && way.y() >= 0));
+            },
+            &scene);
+      }
+    }
+  }
+  scene.options.rays = {0.2 * unit, 5};
+  scene.options.seam_rings = kAllAtOnce;
+  return scene;
+}
+
+SeenScene ClustersScene(uint64_t seed) {
+  Random random(seed);
+  SeenScene scene;
+  for (int i = 0; i < 12; ++i) {
+    scene.centers.emplace_back(Eigen::Vector3d(40, 0, 0) +
+                               3 * OnUnitSphere(&random));
+  }
+  for (int i = 0; i < 4500; ++i) {
+    const Eigen::Vector3d offset =
+        std::cbrt(random.Unit()) * OnUnitSphere(&random);
+    const Eigen::Vector3d point =
+        i < 1500 ? offset : Eigen::Vector3d(40, 0, 0) + offset;
+    AddPoint(
+        point, [&](const Eigen::Vector3d&) { return random.Chance(0.5); },
+        &scene);
+  }
+  scene.options.rays = {0.05, 1};
+  scene.options.seam_rings = kAllAtOnce;
+  return scene;
+}
+
 WholeCut CutWhole(const SeenScene& scene, const MemoryPlan& plan) {
   WholeCut whole;
   const auto num_vertices = static_cast<uint32_t>(plan.positions().size());

@@ -32,6 +32,22 @@ SeenScene GroundScene(size_t num_points, uint64_t seed);
 // The same with rays that end in the air, one for every ten points.
 SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed);
 
+// Nodes of a lattice, long enough along the x axis that tiles do not have each
+// other's points; not all of them. Cameras are within and around them: at nodes
+// and between two, in the planes and on the lines through others, and see a
+// fifth of the points. Rays end behind their points where other nodes are, and
+// their weights stop falling there.
+// \param unit  of the lattice
+SeenScene LatticeScene(uint64_t seed, float unit = 1);
+
+// A long box on the ground, of unit squares whose corners are points, seen from
+// nodes of the lattice.
+SeenScene BoxScene(float unit = 1);
+
+// A cluster of a third of the points, and one of the others far off, whose
+// cameras are around it.
+SeenScene ClustersScene(uint64_t seed);
+
 // All vertices of a plan on one machine, in the plan's order.
 struct WholeCut {
   Tetrahedralization tetrahedra;

@@ -107,6 +107,24 @@ TEST(CutTile, RaysThatEndInTheAirVoteAsInTheWhole) {
   ExpectSameCut(GroundSceneWithEnds(6000, 4), 4, 0.3);
 }
 
+// Rays through vertices, along edges and within facets of the tiles'
+// tetrahedra, from vertices of others that lie on such facets, and to cameras
+// that do. In units whose multiples are rounded cells are nearly flat.
+TEST(CutTile, VotesAreThoseOfAllPointsOfALattice) {
+  for (const float unit : {1.0f, 1 / 150.0f}) {
+    SCOPED_TRACE(unit);
+    ExpectSameCut(LatticeScene(1, unit), 4, -1);
+    ExpectSameCut(BoxScene(unit), 3, -1);
+  }
+}
+
+// The hull of what a tile has need not hold the middle of all points.
+TEST(CutTile, VotesAreThoseOfAllPointsFarOff) {
+  for (const uint64_t seed : {1, 2}) {
+    ExpectSameCut(ClustersScene(seed), 3, -1);
+  }
+}
+
 TEST(CutTile, OneTileKnowsAll) {
   const SeenScene scene = SphereScene(2000, 3);
   const MemoryPlan plan = PlanOf(scene.points, 1, scene.observations);
