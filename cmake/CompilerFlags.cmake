@@ -21,3 +21,15 @@ if(COLMAP_EXT_SANITIZE)
   target_link_options(colmap_ext_flags INTERFACE
     -fsanitize=${COLMAP_EXT_SANITIZE})
 endif()
+
+# Compiles a target's sources a batch at a time, which reads Eigen's and other
+# headers once a batch. Names of anonymous namespaces are then shared by the
+# sources of a target.
+function(colmap_ext_compile_in_batches target)
+  set_target_properties(${target} PROPERTIES
+    UNITY_BUILD ${COLMAP_EXT_UNITY_BUILD}
+    UNITY_BUILD_BATCH_SIZE 8)
+  # What a source keeps to itself looks like a header's to GCC.
+  target_compile_options(${target} PRIVATE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endfunction()

@@ -22,6 +22,7 @@ function(add_room name)
     target_link_libraries(${target} PRIVATE colmap_ext_flags
                                             ${ROOM_PRIVATE_LIBS})
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    colmap_ext_compile_in_batches(${target})
   else()  # Headers only.
     add_library(${target} INTERFACE)
     set(scope INTERFACE)

@@ -8,8 +8,6 @@
 namespace colmap_ext {
 namespace {
 
-using Cell = GrowingComplex::Cell;
-
 constexpr uint32_t kNoMate = UINT32_MAX;
 
 }  // namespace
@@ -25,7 +23,7 @@ uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
   uint32_t at = hint;
   uint32_t entry = 4;
   for (;;) {
-    const Cell& cell = complex_->cells[at];
+    const GrowingComplex::Cell& cell = complex_->cells[at];
     uint32_t exit = 0;
     while (exit < 4 &&
            (exit == entry || OrientationWith(*complex_, cell, exit,
@@ -102,8 +100,8 @@ uint32_t PointInserter::FillCavity(uint32_t point) {
 uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
   const uint32_t index = free_cells_.back();
   free_cells_.pop_back();
-  std::vector<Cell>& cells = complex_->cells;
-  Cell& cell = cells[index];
+  std::vector<GrowingComplex::Cell>& cells = complex_->cells;
+  GrowingComplex::Cell& cell = cells[index];
   cell.vertices = cells[arc / 4].vertices;
   cell.vertices[arc % 4] = point;
   cell.mates.fill(kNoMate);
@@ -121,7 +119,7 @@ uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
 // Connects a new cell with the new ones beside it.
 // \param arc  the facet of the cavity's boundary that the cell was made from
 void PointInserter::Connect(uint32_t cell, uint32_t arc) {
-  std::vector<Cell>& cells = complex_->cells;
+  std::vector<GrowingComplex::Cell>& cells = complex_->cells;
   for (uint32_t i = 0; i < 4; ++i) {
     if (cells[cell].mates[i] == kNoMate) {
       const uint32_t mate = TurnThroughCavity(arc, i);
@@ -137,7 +135,7 @@ void PointInserter::Connect(uint32_t cell, uint32_t arc) {
 // \param exit  the corner of the facet that is not on the edge
 // \return the facet that the new cell there has with the one at the start
 uint32_t PointInserter::TurnThroughCavity(uint32_t arc, uint32_t exit) const {
-  const std::vector<Cell>& cells = complex_->cells;
+  const std::vector<GrowingComplex::Cell>& cells = complex_->cells;
   uint32_t at = arc / 4;
   uint32_t entry = arc % 4;
   for (;;) {

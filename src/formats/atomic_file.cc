@@ -16,7 +16,7 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr size_t kBufferSize = 1 << 20;  // bytes
+constexpr size_t kWriteBufferSize = 1 << 20;  // bytes
 constexpr int kMaxTemporaries = 16;
 constexpr size_t kMaxPathLength = 4096;
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -140,7 +140,7 @@ void ExpectWritable(const std::filesystem::path& path) {
 AtomicFile::AtomicFile(const std::filesystem::path& path)
     : path_(Resolve(path)) {
   CheckPlace(path);
-  buffer_.reserve(kBufferSize);
+  buffer_.reserve(kWriteBufferSize);
   const std::string prefix =
       (FolderOf(path_) / ("." + path_.filename().string())).string() + "." +
       std::to_string(getpid()) + ".tmp";
@@ -177,7 +177,7 @@ AtomicFile::~AtomicFile() {
 void AtomicFile::Write(const void* bytes, size_t num_bytes) {
   const char* begin = static_cast<const char*>(bytes);
   buffer_.insert(buffer_.end(), begin, begin + num_bytes);
-  if (buffer_.size() >= kBufferSize) {
+  if (buffer_.size() >= kWriteBufferSize) {
     Flush();
   }
 }

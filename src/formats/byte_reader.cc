@@ -11,7 +11,7 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr size_t kBufferSize = 1 << 18;  // bytes
+constexpr size_t kReadBufferSize = 1 << 18;  // bytes
 
 }  // namespace
 
@@ -35,7 +35,7 @@ ByteReader::ByteReader(const std::filesystem::path& path) : path_(path) {
   if (!file_ || error) {
     throw FileError(path, "can not be read");
   }
-  buffer_.resize(std::min<uint64_t>(kBufferSize, size_));
+  buffer_.resize(std::min<uint64_t>(kReadBufferSize, size_));
 }
 
 void ByteReader::Skip(uint64_t num_bytes, const char* what) {

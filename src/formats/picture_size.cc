@@ -10,9 +10,10 @@ namespace colmap_ext {
 
 namespace {
 
-using Bytes = std::array<uint8_t, 8>;
+using Signature = std::array<uint8_t, 8>;
 
-constexpr Bytes kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+constexpr Signature kPngSignature = {0x89, 'P',  'N',  'G',
+                                     '\r', '\n', 0x1a, '\n'};
 
 template <size_t kNumBytes>
 uint32_t ReadBigEndian(ByteReader* reader) {
@@ -89,7 +90,7 @@ bool IsPictureCutOff(const std::filesystem::path& path) {
   bool is_known = false;
   try {
     ByteReader signature_reader(path);
-    const Bytes signature = signature_reader.Read<Bytes>("the picture");
+    const Signature signature = signature_reader.Read<Signature>("the picture");
     ByteReader reader(path);
     if (signature == kPngSignature) {
       is_known = true;
@@ -107,7 +108,7 @@ bool IsPictureCutOff(const std::filesystem::path& path) {
 std::optional<PictureSize> ReadPictureSize(const std::filesystem::path& path) {
   try {
     ByteReader signature_reader(path);
-    const Bytes signature = signature_reader.Read<Bytes>("the picture");
+    const Signature signature = signature_reader.Read<Signature>("the picture");
     ByteReader reader(path);
     if (signature == kPngSignature) {
       return ReadPngSize(&reader);

@@ -10,7 +10,7 @@ namespace colmap_ext {
 namespace {
 
 // Both are choices.
-constexpr size_t kMaxLeafFacets = 4;
+constexpr size_t kFacetsPerLeaf = 4;
 constexpr size_t kMinParallelLeaves = 256;  // of a part that is sorted in tasks
 
 std::vector<uint32_t> AllFacets(const TriangleMesh& mesh) {
@@ -41,7 +41,11 @@ FacetTree::FacetTree(const TriangleMesh& mesh,
                      const std::vector<uint32_t>& facets)
     : facets_(facets.size()), boxes_(facets.size()) {
   size_t num_leaves = 1;
+<<<<<<< ours
   while (num_leaves * kMaxLeafFacets < facets.size()) {
+=======
+  while (num_leaves * kFacetsPerLeaf < mesh.facets.size()) {
+>>>>>>> theirs
     num_leaves *= 2;
   }
   nodes_.resize(2 * num_leaves - 1);

@@ -85,7 +85,7 @@ class LineReader {
   size_t position_ = 0;  // in the line
 };
 
-void ReadCameras(const std::filesystem::path& path, SparseModel* model) {
+void ReadTextCameras(const std::filesystem::path& path, SparseModel* model) {
   LineReader reader(path);
   while (reader.NextDataLine()) {
     const uint32_t camera_id = reader.Number<uint32_t>();
@@ -117,8 +117,8 @@ std::vector<SparseObservation> ReadObservations(LineReader* reader) {
   return observations;
 }
 
-void ReadImages(const std::filesystem::path& path, SparseDetail detail,
-                SparseModel* model) {
+void ReadTextImages(const std::filesystem::path& path, SparseDetail detail,
+                    SparseModel* model) {
   LineReader reader(path);
   while (reader.NextDataLine()) {
     SparseImage image;
@@ -143,8 +143,8 @@ void ReadImages(const std::filesystem::path& path, SparseDetail detail,
   }
 }
 
-void ReadPoints3D(const std::filesystem::path& path, SparseDetail detail,
-                  SparseModel* model) {
+void ReadTextPoints3D(const std::filesystem::path& path, SparseDetail detail,
+                      SparseModel* model) {
   const bool is_all = detail == SparseDetail::kAll;
   LineReader reader(path);
   while (reader.NextDataLine()) {
@@ -175,7 +175,7 @@ void ReadPoints3D(const std::filesystem::path& path, SparseDetail detail,
   }
 }
 
-void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
+void ReadTextFrames(const std::filesystem::path& path, SparseModel* model) {
   LineReader reader(path);
   while (reader.NextDataLine()) {
     SparseFrame frame;
@@ -204,7 +204,7 @@ void ReadFrames(const std::filesystem::path& path, SparseModel* model) {
   }
 }
 
-void ReadRigs(const std::filesystem::path& path, SparseModel* model) {
+void ReadTextRigs(const std::filesystem::path& path, SparseModel* model) {
   LineReader reader(path);
   while (reader.NextDataLine()) {
     SparseRig rig;
@@ -223,15 +223,15 @@ void ReadRigs(const std::filesystem::path& path, SparseModel* model) {
 SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
                                 SparseDetail detail) {
   SparseModel model;
-  ReadCameras(folder / "cameras.txt", &model);
-  ReadImages(folder / "images.txt", detail, &model);
-  ReadPoints3D(folder / "points3D.txt", detail, &model);
+  ReadTextCameras(folder / "cameras.txt", &model);
+  ReadTextImages(folder / "images.txt", detail, &model);
+  ReadTextPoints3D(folder / "points3D.txt", detail, &model);
   if (detail == SparseDetail::kAll &&
       std::filesystem::exists(folder / "rigs.txt")) {
-    ReadRigs(folder / "rigs.txt", &model);
+    ReadTextRigs(folder / "rigs.txt", &model);
   }
   if (std::filesystem::exists(folder / "frames.txt")) {
-    ReadFrames(folder / "frames.txt", &model);
+    ReadTextFrames(folder / "frames.txt", &model);
   }
   return model;
 }

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace edit_rows_test {
 
 TEST(EditRowsTest, KeepsWhatTheEditReturns) {
   std::mt19937 random(1);
@@ -42,5 +42,5 @@ TEST(EditRowsTest, KeepsWhatTheEditReturns) {
   }
 }
 
-}  // namespace
+}  // namespace edit_rows_test
 }  // namespace colmap_ext

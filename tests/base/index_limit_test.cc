@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace index_limit_test {
 
 TEST(ExpectIndexable, TakesWhatThirtyTwoBitsCanNumber) {
   for (const uint64_t count : {uint64_t{0}, uint64_t{1}, kMaxIndexed}) {
@@ -14,5 +14,5 @@ TEST(ExpectIndexable, TakesWhatThirtyTwoBitsCanNumber) {
   }
 }
 
-}  // namespace
+}  // namespace index_limit_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace lru_cache_test {
 
 using Cache = LruCache<const size_t>;
 
@@ -254,5 +254,5 @@ TEST(LruCache, ManyThreadsGetTheRightValues) {
   }
 }
 
-}  // namespace
+}  // namespace lru_cache_test
 }  // namespace colmap_ext

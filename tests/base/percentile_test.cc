@@ -5,7 +5,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace percentile_test {
 
 template <typename T>
 class PercentileTest : public testing::Test {
@@ -78,5 +78,5 @@ TYPED_TEST(PercentileTest, MedianIsTheMiddleOrBetweenTheMiddleTwo) {
   EXPECT_EQ(Percentile(50, &even), 3);
 }
 
-}  // namespace
+}  // namespace percentile_test
 }  // namespace colmap_ext

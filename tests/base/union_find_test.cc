@@ -7,7 +7,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace union_find_test {
 
 TEST(UnionFind, StartsWithEachByItself) {
   UnionFind sets(5);
@@ -37,5 +37,5 @@ TEST(UnionFind, NamesEachSetByItsLowest) {
   }
 }
 
-}  // namespace
+}  // namespace union_find_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace camera_problem_test {
 
 // Cameras in a row before a wall, each of whose points the next ones see, too:
 // so many that the sparse solver is chosen.
@@ -106,5 +106,5 @@ TEST(SolveCameras, ManyViewsAreBroughtBackWithTheSameBytesByAnyThreads) {
   }
 }
 
-}  // namespace
+}  // namespace camera_problem_test
 }  // namespace colmap_ext

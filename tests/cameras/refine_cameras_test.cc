@@ -14,7 +14,7 @@
 #include "tests/cameras/camera_scene.h"
 
 namespace colmap_ext {
-namespace {
+namespace refine_cameras_test {
 
 const CameraScene& Scene() {
   static const CameraScene scene = MakeCameraScene();
@@ -246,5 +246,5 @@ TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
   EXPECT_LE(num_drawn, 1.5 * 8 * static_cast<double>(num_passes));
 }
 
-}  // namespace
+}  // namespace refine_cameras_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/cameras/camera_scene.h"
 
 namespace colmap_ext {
-namespace {
+namespace shift_jacobian_test {
 
 View MakeView(const Eigen::Vector3d& center, double focal) {
   View view;
@@ -126,5 +126,5 @@ TEST(MoveView, GoesTheStepBetweenTwoViews) {
       to.cam_from_world_translation, 1e-12));
 }
 
-}  // namespace
+}  // namespace shift_jacobian_test
 }  // namespace colmap_ext

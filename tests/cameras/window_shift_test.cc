@@ -10,7 +10,7 @@
 #include "tests/cameras/camera_scene.h"
 
 namespace colmap_ext {
-namespace {
+namespace window_shift_test {
 
 // A scene, its cameras a little off, and windows of it.
 struct Windows {
@@ -128,5 +128,5 @@ TEST(SelectPatches, SpreadOverEachViewAndSeenByOthers) {
   }
 }
 
-}  // namespace
+}  // namespace window_shift_test
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 #ifdef COLMAP_EXT_COLMAP_PROGRAM
 
 namespace colmap_ext {
-namespace {
+namespace automatic_reconstructor_test {
 
 namespace fs = std::filesystem;
 
@@ -100,7 +100,7 @@ TEST_F(AutomaticReconstructorTest, UndistorterWritesOurCommands) {
   }
 }
 
-}  // namespace
+}  // namespace automatic_reconstructor_test
 }  // namespace colmap_ext
 
 #endif

@@ -7,7 +7,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace colmap_compat_test {
 
 TEST(ColmapPictureDecoder, ReadsPicturesInGrey) {
   const TemporaryFolder folder;
@@ -45,5 +45,5 @@ TEST(ColmapPictureDecoder, ReadsOurPng) {
   EXPECT_EQ(read->pixels, image.pixels);
 }
 
-}  // namespace
+}  // namespace colmap_compat_test
 }  // namespace colmap_ext

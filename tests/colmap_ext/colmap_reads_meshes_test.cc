@@ -10,7 +10,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace colmap_reads_meshes_test {
 
 class ColmapReadsMeshesTest : public testing::Test {
  protected:
@@ -45,7 +45,7 @@ TEST_F(ColmapReadsMeshesTest, WithLabels) {
   EXPECT_EQ(read.vertices[read.faces[1].vertex_idx3].z, 0.5F);
 }
 
-}  // namespace
+}  // namespace colmap_reads_meshes_test
 }  // namespace colmap_ext
 
 #endif

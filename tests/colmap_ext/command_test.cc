@@ -11,7 +11,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace command_test {
 
 namespace fs = std::filesystem;
 
@@ -373,5 +373,5 @@ INSTANTIATE_TEST_SUITE_P(PatchedColmap, CommandTest,
 #endif
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(CommandTest);
 
-}  // namespace
+}  // namespace command_test
 }  // namespace colmap_ext

@@ -14,7 +14,7 @@
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {
-namespace {
+namespace facetwise_refiner_test {
 
 namespace fs = std::filesystem;
 
@@ -518,5 +518,5 @@ TEST_F(FacetwiseRefinerTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   }
 }
 
-}  // namespace
+}  // namespace facetwise_refiner_test
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace job_costs_test {
 
 std::vector<View> Views(size_t count) {
   View view;
@@ -47,5 +47,5 @@ TEST(EstimateRefinement, CountsWhichViewsSeeEachFacet) {
   EXPECT_GT(many - few, kFacets * (800 - 8) / 8 * 1e-9);
 }
 
-}  // namespace
+}  // namespace job_costs_test
 }  // namespace colmap_ext

@@ -13,7 +13,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace mesh_evaluator_test {
 
 namespace fs = std::filesystem;
 
@@ -247,5 +247,5 @@ TEST_F(MeshEvaluatorTest, RefusesWhatItCanNotUse) {
                 "same frame");
 }
 
-}  // namespace
+}  // namespace mesh_evaluator_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {
-namespace {
+namespace mesh_viewer_test {
 
 namespace fs = std::filesystem;
 
@@ -314,5 +314,5 @@ TEST_F(MeshViewerWindowTest, ARefinementIsTheSameWhenItIsWatched) {
   EXPECT_EQ(ReadFile(path_ / kOutput), alone);
 }
 
-}  // namespace
+}  // namespace mesh_viewer_test
 }  // namespace colmap_ext

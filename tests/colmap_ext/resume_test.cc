@@ -9,7 +9,7 @@
 #include "tests/colmap_ext/refiner_fixture.h"
 
 namespace colmap_ext {
-namespace {
+namespace resume_test {
 
 namespace fs = std::filesystem;
 
@@ -187,5 +187,5 @@ TEST_F(ResumeTest, EndsAtOnceAtTheSecondSignal) {
   EXPECT_EQ(List(path_), before);
 }
 
-}  // namespace
+}  // namespace resume_test
 }  // namespace colmap_ext

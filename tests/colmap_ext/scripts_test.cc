@@ -8,7 +8,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace scripts_test {
 
 namespace fs = std::filesystem;
 
@@ -243,5 +243,5 @@ INSTANTIATE_TEST_SUITE_P(PatchedColmap, ScriptsTest,
 #endif
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ScriptsTest);
 
-}  // namespace
+}  // namespace scripts_test
 }  // namespace colmap_ext

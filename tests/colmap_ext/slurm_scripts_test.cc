@@ -11,7 +11,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace slurm_scripts_test {
 
 namespace fs = std::filesystem;
 
@@ -125,5 +125,5 @@ TEST_F(SlurmScriptsTest, QueuesAgainWhatASignalHasEnded) {
   }
 }
 
-}  // namespace
+}  // namespace slurm_scripts_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {
-namespace {
+namespace sparse_model_agreement_test {
 
 class SparseModelAgreementTest : public testing::Test {
  protected:
@@ -80,5 +80,5 @@ TEST_F(SparseModelAgreementTest, KnowsTheImageOrderOfThisColmap) {
   }
 }
 
-}  // namespace
+}  // namespace sparse_model_agreement_test
 }  // namespace colmap_ext

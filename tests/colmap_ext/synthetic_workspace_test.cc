@@ -13,7 +13,7 @@
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace synthetic_workspace_test {
 
 namespace fs = std::filesystem;
 
@@ -103,5 +103,5 @@ TEST_P(SyntheticWorkspaceTest, IsMeshed) {
 INSTANTIATE_TEST_SUITE_P(Scenes, SyntheticWorkspaceTest,
                          testing::Values("statue", "wall", "grid"));
 
-}  // namespace
+}  // namespace synthetic_workspace_test
 }  // namespace colmap_ext

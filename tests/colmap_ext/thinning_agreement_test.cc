@@ -11,7 +11,7 @@
 #ifdef COLMAP_EXT_COLMAP_PROGRAM
 
 namespace colmap_ext {
-namespace {
+namespace thinning_agreement_test {
 
 namespace fs = std::filesystem;
 
@@ -74,7 +74,7 @@ TEST(Thinning, KeepsAsManyPointsAsColmapOnAStatue) {
   ExpectSameThinning(folder.Path(), 20, 0.5);
 }
 
-}  // namespace
+}  // namespace thinning_agreement_test
 }  // namespace colmap_ext
 
 #endif

@@ -14,7 +14,7 @@
 #include "tests/synthetic/scene_row.h"
 
 namespace colmap_ext {
-namespace {
+namespace tiled_refinement_test {
 
 namespace fs = std::filesystem;
 
@@ -406,5 +406,5 @@ TEST_F(TiledRefinementTest, RefusesTheMeshOfAnotherPlan) {
   ExpectRefusal(PlanRefinement(), "it belongs to another one");
 }
 
-}  // namespace
+}  // namespace tiled_refinement_test
 }  // namespace colmap_ext

@@ -16,7 +16,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace tiling_test {
 
 namespace fs = std::filesystem;
 
@@ -384,5 +384,5 @@ TEST_F(TilingTest, RefusesInputsThatChanged) {
   ExpectRefusal(MakeTile(0), "has changed since it was planned");
 }
 
-}  // namespace
+}  // namespace tiling_test
 }  // namespace colmap_ext

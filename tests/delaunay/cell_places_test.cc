@@ -7,7 +7,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace cell_places_test {
 
 TEST(CellPlaces, AreThoseOfAMap) {
   Random random(1);
@@ -31,5 +31,5 @@ TEST(CellPlaces, AreThoseOfAMap) {
   EXPECT_GT(num_repeats, 100u);
 }
 
-}  // namespace
+}  // namespace cell_places_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace edge_lengths_test {
 
 TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnce) {
   for (const auto& [name, points] : DifficultPoints()) {
@@ -50,5 +50,5 @@ TEST(EdgeLengthPercentile, IsZeroWithoutEdges) {
   }
 }
 
-}  // namespace
+}  // namespace edge_lengths_test
 }  // namespace colmap_ext

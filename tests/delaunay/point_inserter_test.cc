@@ -11,7 +11,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace point_inserter_test {
 
 // Points along the curve, the first hundred of their order inserted.
 struct Begun {
@@ -134,5 +134,5 @@ TEST(PointInserter, LeavesAllAsItIsWhereItHasTooFewCells) {
             static_cast<ptrdiff_t>(begun.complex.is_marked.size()));
 }
 
-}  // namespace
+}  // namespace point_inserter_test
 }  // namespace colmap_ext

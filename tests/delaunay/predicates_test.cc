@@ -10,7 +10,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace predicates_test {
 
 Eigen::Vector3d RandomPoint(int range, Random* random) {
   return RandomPoints(1, range, random).front().cast<double>();
@@ -92,5 +92,5 @@ TEST(RaySideExact, IsThatOfALineMovedALittle) {
   EXPECT_GT(num_degenerate, 1000u);
 }
 
-}  // namespace
+}  // namespace predicates_test
 }  // namespace colmap_ext

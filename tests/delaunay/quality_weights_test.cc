@@ -10,7 +10,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace quality_weights_test {
 
 // From the circumscribing sphere's centre, which is equally far from all four
 // corners.
@@ -120,5 +120,5 @@ TEST(AddQualityWeights, AreThoseOfTheWorseCellInBothDirections) {
   }
 }
 
-}  // namespace
+}  // namespace quality_weights_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace ray_walk_test {
 
 constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 
@@ -509,5 +509,5 @@ TEST(IsStrictlyInside, IsFalseOnTheFacets) {
   }
 }
 
-}  // namespace
+}  // namespace ray_walk_test
 }  // namespace colmap_ext

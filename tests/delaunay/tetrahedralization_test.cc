@@ -11,7 +11,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace tetrahedralization_test {
 
 bool SameCells(const Tetrahedralization& a, const Tetrahedralization& b) {
   return a.points == b.points && a.vertex_cells == b.vertex_cells &&
@@ -283,5 +283,5 @@ TEST(Thinning, MakesWhatKeepingTheSamePointsWouldMake) {
       SameCells(thinned.tetrahedra, DelaunayOf(thinned.tetrahedra.points)));
 }
 
-}  // namespace
+}  // namespace tetrahedralization_test
 }  // namespace colmap_ext

@@ -14,7 +14,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace visibility_weights_test {
 
 // Two cells, one above the other, that share the triangle z = 0. The apexes are
 // at z = 3 and z = -3.
@@ -404,5 +404,5 @@ TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
             expected);
 }
 
-}  // namespace
+}  // namespace visibility_weights_test
 }  // namespace colmap_ext

@@ -16,7 +16,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace weak_surfaces_test {
 
 constexpr VisibilityWeightOptions kOptions{20, 1};
 
@@ -308,5 +308,5 @@ TEST(WeakSurfaceWeights, NeedNoRays) {
             0u);
 }
 
-}  // namespace
+}  // namespace weak_surfaces_test
 }  // namespace colmap_ext

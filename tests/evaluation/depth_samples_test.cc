@@ -9,7 +9,7 @@
 #include "scene/look_at.h"
 
 namespace colmap_ext {
-namespace {
+namespace depth_samples_test {
 
 // A tilted triangle in front of a camera.
 TriangleMesh Triangle() {
@@ -81,5 +81,5 @@ TEST(AddDepthErrors, CountsPixelsByTheirErrors) {
   EXPECT_DOUBLE_EQ(errors.Share(1), 0.8);
 }
 
-}  // namespace
+}  // namespace depth_samples_test
 }  // namespace colmap_ext

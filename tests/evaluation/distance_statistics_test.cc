@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace distance_statistics_test {
 
 TEST(Summarize, ClipsOrDropsWhatIsBeyond) {
   const std::vector<double> distances = {10, 1, 4, 10, 3, 2};
@@ -37,5 +37,5 @@ TEST(Summarize, IsNotANumberWhereThereIsNothing) {
   }
 }
 
-}  // namespace
+}  // namespace distance_statistics_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace mesh_evaluation_test {
 
 // The square [0, 1] x [0, 1] at a height, of 2 n^2 facets, without those of
 // x > end.
@@ -197,5 +197,5 @@ TEST(EvaluateMesh, LeavesOutFacetsThatAreNotFinite) {
   EXPECT_EQ(VertexErrors(mesh, {Square(0), nullptr}, 0.5)[5], 0.5);
 }
 
-}  // namespace
+}  // namespace mesh_evaluation_test
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace observability_test {
 
 using Points = std::vector<Eigen::Vector3f>;
 
@@ -35,5 +35,5 @@ TEST(Observability, OfTheTruthIsAboveTheGround) {
   EXPECT_EQ(points, all);
 }
 
-}  // namespace
+}  // namespace observability_test
 }  // namespace colmap_ext

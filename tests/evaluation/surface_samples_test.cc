@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace surface_samples_test {
 
 using Eigen::Vector3f;
 
@@ -70,5 +70,5 @@ TEST(SampleSurface, RefusesASpacingThatIsTooSmall) {
   EXPECT_THROW(SampleSurface(mesh, 1e-8), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace surface_samples_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace voxel_downsampling_test {
 
 using Points = std::vector<Eigen::Vector3f>;
 
@@ -66,5 +66,5 @@ TEST(DownsampleByVoxels, RefusesAGridThatIsTooFine) {
   EXPECT_TRUE(points.empty());
 }
 
-}  // namespace
+}  // namespace voxel_downsampling_test
 }  // namespace colmap_ext

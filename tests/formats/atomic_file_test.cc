@@ -10,7 +10,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace atomic_file_test {
 
 namespace fs = std::filesystem;
 
@@ -151,5 +151,5 @@ TEST_F(AtomicFileTest, SeveralThreadsMayMakeFiles) {
   EXPECT_EQ(text, std::string(9, text.front()));
 }
 
-}  // namespace
+}  // namespace atomic_file_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace encode_png_test {
 
 uint32_t BigEndian(const std::string& bytes, size_t at) {
   uint32_t number = 0;
@@ -105,5 +105,5 @@ TEST(EncodePngTest, IsSmallWhereThePictureIsSmooth) {
   EXPECT_LT(EncodePng(image).size(), 2000);
 }
 
-}  // namespace
+}  // namespace encode_png_test
 }  // namespace colmap_ext

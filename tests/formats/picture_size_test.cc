@@ -5,7 +5,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace picture_size_test {
 
 std::string PngChunk(const std::string& type, const std::string& data) {
   std::string bytes(3, '\0');
@@ -63,5 +63,5 @@ TEST_F(IsPictureCutOffTest, KnowsNothingOfOtherFiles) {
   EXPECT_FALSE(IsPictureCutOff(folder_.Path()));
 }
 
-}  // namespace
+}  // namespace picture_size_test
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace read_evaluation_files_test {
 
 class ReadEvaluationFilesTest : public testing::Test {
  protected:
@@ -120,5 +120,5 @@ TEST_F(ReadEvaluationFilesTest, ReadsLongHeaders) {
   EXPECT_THROW(ReadNpyMask(path_), FileError);
 }
 
-}  // namespace
+}  // namespace read_evaluation_files_test
 }  // namespace colmap_ext

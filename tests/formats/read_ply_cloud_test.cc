@@ -6,7 +6,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace read_ply_cloud_test {
 
 // Two points (1, 2, 3) and (-4, 5.5, 6e2) with normals and colours.
 constexpr double kValues[2][9] = {{1, 2, 3, 0, 0, 1, 10, 20, 30},
@@ -200,5 +200,5 @@ TEST_F(ReadPlyCloudTest, RefusesWhatIsNoPointCloud) {
   EXPECT_NE(FileErrorOf([&] { ReadPlyCloud(folder_.Path() / "no.ply"); }), "");
 }
 
-}  // namespace
+}  // namespace read_ply_cloud_test
 }  // namespace colmap_ext

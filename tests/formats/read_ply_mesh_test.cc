@@ -9,7 +9,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace read_ply_mesh_test {
 
 constexpr const char* kHeader =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
@@ -129,5 +129,5 @@ TEST_F(ReadPlyMeshTest, RefusesMoreThanCanBeNumbered) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace read_ply_mesh_test
 }  // namespace colmap_ext

@@ -6,7 +6,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace read_region_test {
 
 class ReadRegionTest : public testing::Test {
  protected:
@@ -74,5 +74,5 @@ TEST(ParseCornersTest, TakesSixNumbersOnly) {
   }
 }
 
-}  // namespace
+}  // namespace read_region_test
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace read_visibility_test {
 
 class ReadVisibilityTest : public testing::Test {
  protected:
@@ -74,5 +74,5 @@ TEST_F(ReadVisibilityTest, RefusesCountsLargerThanTheFile) {
   EXPECT_NE(ErrorOf(huge, SIZE_MAX).find("no room"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace read_visibility_test
 }  // namespace colmap_ext

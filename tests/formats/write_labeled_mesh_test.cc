@@ -5,7 +5,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace write_labeled_mesh_test {
 
 class WriteLabeledMeshTest : public testing::Test {
  protected:
@@ -60,5 +60,5 @@ TEST_F(WriteLabeledMeshTest, HasNothingButAListInAFace) {
   EXPECT_EQ(bytes.size(), data + 7 * (3 * 4 + 3 + 4) + 3 * (1 + 3 * 4));
 }
 
-}  // namespace
+}  // namespace write_labeled_mesh_test
 }  // namespace colmap_ext

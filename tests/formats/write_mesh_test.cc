@@ -8,7 +8,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace write_mesh_test {
 
 class WriteMeshTest : public testing::Test {
  protected:
@@ -83,5 +83,5 @@ TEST_F(WriteMeshTest, LeavesTheOldMeshWhereItFails) {
   EXPECT_EQ(List(folder_.Path()), "mesh.ply mesh.ply.vis");
 }
 
-}  // namespace
+}  // namespace write_mesh_test
 }  // namespace colmap_ext

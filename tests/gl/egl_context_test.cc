@@ -11,7 +11,7 @@
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {
-namespace {
+namespace egl_context_test {
 
 std::string Version() {
   const GLubyte* version = glGetString(GL_VERSION);
@@ -104,5 +104,5 @@ TEST_F(EglContextTest, ErrorsThrowOnce) {
   EXPECT_NO_THROW(ThrowOnGlError("here"));
 }
 
-}  // namespace
+}  // namespace egl_context_test
 }  // namespace colmap_ext

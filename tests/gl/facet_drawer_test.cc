@@ -12,7 +12,7 @@
 #include "tests/raster/room.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_drawer_test {
 
 struct Drawn {
   std::vector<uint32_t> facets;
@@ -166,5 +166,5 @@ TEST_F(FacetDrawerTest, EmptyMeshIsNothing) {
   EXPECT_EQ(Draw(SmallView(), {}).facets, std::vector<uint32_t>(48, kNoFacet));
 }
 
-}  // namespace
+}  // namespace facet_drawer_test
 }  // namespace colmap_ext

@@ -13,7 +13,7 @@
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {
-namespace {
+namespace gl_cameras_test {
 
 const CameraScene& Scene() {
   static const CameraScene scene = MakeCameraScene(false, 120);
@@ -150,5 +150,5 @@ TEST_F(GlCamerasTest, RefinementGoesOnByTheProcessorWhereTheCardRunsOut) {
   EXPECT_EQ(energy->Description().find("CPU, "), 0);
 }
 
-}  // namespace
+}  // namespace gl_cameras_test
 }  // namespace colmap_ext

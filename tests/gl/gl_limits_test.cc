@@ -16,7 +16,7 @@
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {
-namespace {
+namespace gl_limits_test {
 
 const EnergyScene& Scene() {
   static const EnergyScene scene("statue", 3, 120);
@@ -215,5 +215,5 @@ TEST_F(GlLimitsTest, ProcessorTakesOverWhereImagesAreTooLarge) {
   }
 }
 
-}  // namespace
+}  // namespace gl_limits_test
 }  // namespace colmap_ext

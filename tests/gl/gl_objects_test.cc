@@ -9,7 +9,7 @@
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {
-namespace {
+namespace gl_objects_test {
 
 class GlObjectsTest : public CurrentGlTest {};
 
@@ -53,5 +53,5 @@ TEST_F(GlObjectsTest, MoveTheirNames) {
   EXPECT_FALSE(glIsBuffer(name));
 }
 
-}  // namespace
+}  // namespace gl_objects_test
 }  // namespace colmap_ext

@@ -16,7 +16,7 @@
 #include "tests/raster/room.h"
 
 namespace colmap_ext {
-namespace {
+namespace gl_photometric_energy_test {
 
 const EnergyScene& Statue() {
   static const EnergyScene scene("statue", 4, 160);
@@ -401,5 +401,5 @@ TEST_F(GlPhotometricEnergyTest, SaysWhatComputes) {
   EXPECT_EQ(MakeGl(Statue())->Description().find("OpenGL, "), 0);
 }
 
-}  // namespace
+}  // namespace gl_photometric_energy_test
 }  // namespace colmap_ext

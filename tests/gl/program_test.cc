@@ -12,7 +12,7 @@
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {
-namespace {
+namespace program_test {
 
 class ProgramTest : public CurrentGlTest {};
 
@@ -83,5 +83,5 @@ TEST_F(ProgramTest, DispatchesMillionsOfThreads) {
   EXPECT_EQ(result.back(), up);
 }
 
-}  // namespace
+}  // namespace program_test
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace shader_sources_test {
 
 TEST(ShaderSources, StartWithTheirVersion) {
   for (const char* name : {"facet_ids.vert", "facet_ids.frag", "warp.comp"}) {
@@ -31,5 +31,5 @@ TEST(ShaderSources, UnknownOneThrows) {
   EXPECT_THROW(ShaderSource("no.comp"), std::out_of_range);
 }
 
-}  // namespace
+}  // namespace shader_sources_test
 }  // namespace colmap_ext

@@ -12,7 +12,7 @@
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_labeling_test {
 
 class LabelFacetsTest : public testing::Test {
  protected:
@@ -217,5 +217,5 @@ TEST(LabelFacets, GivesPairsToWallsThatReachBehindTheCameras) {
   EXPECT_GT(num_labeled, 4);
 }
 
-}  // namespace
+}  // namespace facet_labeling_test
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 #include "labeling/view_pairs.h"
 
 namespace colmap_ext {
-namespace {
+namespace view_pairs_test {
 
 PointCloud CloudSeenBy(const std::vector<std::vector<uint32_t>>& views) {
   PointCloud cloud;
@@ -79,5 +79,5 @@ TEST(SelectViewPairs, AgreesWithCountingAllPairs) {
   }
 }
 
-}  // namespace
+}  // namespace view_pairs_test
 }  // namespace colmap_ext

@@ -15,7 +15,7 @@
 #include "tests/merging/merged_plan.h"
 
 namespace colmap_ext {
-namespace {
+namespace merged_surface_test {
 
 // A facet by its corners' positions, turned so that the lowest comes first.
 using Corner = std::array<float, 3>;
@@ -280,5 +280,5 @@ TEST(CutSeams, CountsWhatTilesTellDifferently) {
   }
 }
 
-}  // namespace
+}  // namespace merged_surface_test
 }  // namespace colmap_ext

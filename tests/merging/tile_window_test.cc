@@ -7,7 +7,7 @@
 #include "tests/merging/merged_plan.h"
 
 namespace colmap_ext {
-namespace {
+namespace tile_window_test {
 
 // More cells than a block has.
 TEST(TileWindow, ShowsTheCellsOfAPart) {
@@ -41,5 +41,5 @@ TEST(TileWindow, ShowsTheCellsOfAPart) {
   EXPECT_GT(num_at_seams, 100u);
 }
 
-}  // namespace
+}  // namespace tile_window_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace clip_mesh_test {
 
 Region Turned(const Eigen::Vector3d& center, const Eigen::Vector3d& half) {
   return {
@@ -128,5 +128,5 @@ TEST(ClipMeshTest, KeepsFacetsInTheBorder) {
                   .mesh.facets.empty());
 }
 
-}  // namespace
+}  // namespace clip_mesh_test
 }  // namespace colmap_ext

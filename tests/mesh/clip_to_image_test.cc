@@ -11,7 +11,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace clip_to_image_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -120,5 +120,5 @@ TEST(AreaInImage, OfAFacetThatReachesBehindIsThatOfWhatTheImageShows) {
   EXPECT_GT(num_seen, 5);
 }
 
-}  // namespace
+}  // namespace clip_to_image_test
 }  // namespace colmap_ext

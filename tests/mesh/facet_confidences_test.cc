@@ -10,7 +10,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_confidences_test {
 
 // A square grid of unit facets that three views look down on.
 class FacetConfidencesTest : public testing::Test {
@@ -139,5 +139,5 @@ TEST_F(FacetConfidencesTest, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(Confidences(), confidences);
 }
 
-}  // namespace
+}  // namespace facet_confidences_test
 }  // namespace colmap_ext

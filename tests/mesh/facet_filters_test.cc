@@ -9,7 +9,7 @@
 #include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_filters_test {
 
 // Right triangles apart from each other, with a longest side of 5, 10, 15 ...,
 // the longest ones first.
@@ -98,5 +98,5 @@ TEST(DropSmallComponents, VerticesDoNotConnect) {
   EXPECT_EQ(mesh.facets.size(), 12u);
 }
 
-}  // namespace
+}  // namespace facet_filters_test
 }  // namespace colmap_ext

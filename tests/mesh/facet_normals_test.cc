@@ -7,7 +7,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_normals_test {
 
 using Eigen::Vector3f;
 
@@ -65,5 +65,5 @@ TEST(FacetNormals, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace facet_normals_test
 }  // namespace colmap_ext

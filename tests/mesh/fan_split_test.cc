@@ -15,7 +15,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace fan_split_test {
 
 size_t CountUsed(const TriangleMesh& mesh) {
   std::set<uint32_t> used;
@@ -224,5 +224,5 @@ TEST(SplitFans, EmptyMesh) {
   EXPECT_TRUE(split.mesh.facets.empty());
 }
 
-}  // namespace
+}  // namespace fan_split_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
-namespace {
+namespace half_edges_test {
 
 TEST(HalfEdges, RunAroundTheirFacet) {
   const std::vector<Facet> facets = {{4, 7, 9}, {7, 4, 2}};
@@ -106,5 +106,5 @@ TEST(PairHalfEdges, LeavesNoneOfAClosedMeshAlone) {
   }
 }
 
-}  // namespace
+}  // namespace half_edges_test
 }  // namespace colmap_ext

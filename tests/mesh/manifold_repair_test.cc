@@ -10,7 +10,7 @@
 #include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
-namespace {
+namespace manifold_repair_test {
 
 TEST(ManifoldRepairTest, LeavesAManifoldMeshAsItIs) {
   for (const TriangleMesh& mesh : {MakeCube(), MakeTorus(), MakeAnnulus()}) {
@@ -72,5 +72,5 @@ TEST(ManifoldRepairTest, MakesAnythingManifold) {
   }
 }
 
-}  // namespace
+}  // namespace manifold_repair_test
 }  // namespace colmap_ext

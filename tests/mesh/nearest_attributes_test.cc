@@ -9,7 +9,7 @@
 #include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
-namespace {
+namespace nearest_attributes_test {
 
 // One a vertex of the cube, a little off, seen by views i and i + 1.
 PointCloud PointsNearCube() {
@@ -115,5 +115,5 @@ TEST(NearestAttributesTest, LeavesWhatIsFarFromAllPointsWithoutViews) {
   EXPECT_TRUE(attributes.colors.empty());
 }
 
-}  // namespace
+}  // namespace nearest_attributes_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace space_filling_curve_test {
 
 constexpr int kNumBits = 21;
 
@@ -134,5 +134,5 @@ TEST(SortAlongCurve, KeepsTheMeshAndBringsNeighborsTogether) {
   EXPECT_EQ(SortAlongCurve(&mesh)[7], 7);
 }
 
-}  // namespace
+}  // namespace space_filling_curve_test
 }  // namespace colmap_ext

@@ -14,7 +14,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace subdivision_test {
 
 using Eigen::Vector3d;
 
@@ -226,5 +226,5 @@ TEST(Subdivide, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace subdivision_test
 }  // namespace colmap_ext

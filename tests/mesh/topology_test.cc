@@ -12,7 +12,7 @@
 #include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
-namespace {
+namespace topology_test {
 
 struct KnownMesh {
   const char* name;
@@ -316,5 +316,5 @@ TEST(Topology, RandomSoups) {
   EXPECT_GT(num_manifold, 20u);  // or nothing would have been compared
 }
 
-}  // namespace
+}  // namespace topology_test
 }  // namespace colmap_ext

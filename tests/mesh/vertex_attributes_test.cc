@@ -7,7 +7,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace vertex_attributes_test {
 
 VertexAttributes RandomAttributes(uint32_t num_vertices, Random* random) {
   VertexAttributes attributes;
@@ -89,5 +89,5 @@ TEST(InterpolateAttributes, MayGoWithoutColors) {
   EXPECT_EQ(result.views.offsets.size(), 3);
 }
 
-}  // namespace
+}  // namespace vertex_attributes_test
 }  // namespace colmap_ext

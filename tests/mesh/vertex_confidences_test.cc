@@ -8,7 +8,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace vertex_confidences_test {
 
 TEST(VertexConfidences, WeighsFacetsByTheirAngles) {
   // A right angle and half of one at vertex 0.
@@ -45,5 +45,5 @@ TEST(MeanOfCorners, IsThat) {
             (std::vector<float>{0.5f, 2.5f / 3}));
 }
 
-}  // namespace
+}  // namespace vertex_confidences_test
 }  // namespace colmap_ext

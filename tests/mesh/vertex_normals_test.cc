@@ -7,7 +7,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace vertex_normals_test {
 
 using Eigen::Vector3f;
 
@@ -52,5 +52,5 @@ TEST(VertexNormals, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace vertex_normals_test
 }  // namespace colmap_ext

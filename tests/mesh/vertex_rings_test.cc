@@ -11,7 +11,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace vertex_rings_test {
 
 // From the definitions.
 void ExpectRings(const TriangleMesh& mesh) {
@@ -77,5 +77,5 @@ TEST(VertexRings, AreTheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace vertex_rings_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/meshing/fixing_problem.h"
 
 namespace colmap_ext {
-namespace {
+namespace cell_splitting_test {
 
 using Problem = FixingProblem;
 
@@ -89,5 +89,5 @@ TEST(SplitCell, PartsArePositivelyOriented) {
   EXPECT_GT(num_refused, 100);
 }
 
-}  // namespace
+}  // namespace cell_splitting_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext {
-namespace {
+namespace end_to_end_test {
 
 using synthetic::DenseScene;
 using synthetic::Scene;
@@ -77,5 +77,5 @@ TEST_P(EndToEnd, TheMeshIsTheScenesSurface) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, EndToEnd, testing::Values("statue", "wall"));
 
-}  // namespace
+}  // namespace end_to_end_test
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace inherit_attributes_test {
 
 // Three points, seen by views {0, 1}, {1, 2} and {1}.
 PointCloud MakeCloud() {
@@ -112,5 +112,5 @@ TEST(InheritAttributes, WithoutColours) {
   EXPECT_EQ(attributes.views.values, (std::vector<uint32_t>{0, 1, 1, 2}));
 }
 
-}  // namespace
+}  // namespace inherit_attributes_test
 }  // namespace colmap_ext

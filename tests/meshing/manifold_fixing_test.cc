@@ -16,7 +16,7 @@
 #include "tests/meshing/reference_fixing.h"
 
 namespace colmap_ext {
-namespace {
+namespace manifold_fixing_test {
 
 using Problem = FixingProblem;
 
@@ -304,5 +304,5 @@ TEST(PaperRule, KeepsTheLargestComponents) {
   EXPECT_GT(num_tried, 50u);
 }
 
-}  // namespace
+}  // namespace manifold_fixing_test
 }  // namespace colmap_ext

@@ -15,7 +15,7 @@
 #include "tests/mesh/manifold_links.h"
 
 namespace colmap_ext {
-namespace {
+namespace manifold_meshing_test {
 
 View LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
   return LookAtView(center, target, Eigen::Vector3d::UnitZ(), 1000, 1000, 1000);
@@ -496,5 +496,5 @@ TEST(MeshManifold, NeverCrashes) {
   EXPECT_GT(num_meshes, 20u);
 }
 
-}  // namespace
+}  // namespace manifold_meshing_test
 }  // namespace colmap_ext

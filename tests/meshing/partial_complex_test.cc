@@ -4,7 +4,7 @@
 #include "tests/meshing/fixing_problem.h"
 
 namespace colmap_ext {
-namespace {
+namespace partial_complex_test {
 
 // A problem whose labels are wrong but for the cells that were asked for.
 class HiddenProblem {
@@ -95,5 +95,5 @@ INSTANTIATE_TEST_SUITE_P(Rules, PartialComplexTest,
                          testing::Values(FixingRule::kPaper,
                                          FixingRule::kEnergy));
 
-}  // namespace
+}  // namespace partial_complex_test
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace point_support_test {
 
 TEST(SupportOfVertices, AddsUpThePointsOfEach) {
   EXPECT_EQ(SupportOfVertices(3, {0, 2, 0, 2}, {1, 2, 4, 8}),
@@ -15,5 +15,5 @@ TEST(SupportOfSurface, IsTheMeanOfTheSources) {
             (std::vector<float>{1, 2, 0, 1.5f}));
 }
 
-}  // namespace
+}  // namespace point_support_test
 }  // namespace colmap_ext

@@ -6,7 +6,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace ray_ends_test {
 
 View FrontView(double x) {
   return LookAtView({x, 0, -10}, {0, 0, 0}, {0, 1, 0}, 640, 480, 600);
@@ -157,5 +157,5 @@ TEST(RegionOfCloudTest, HoldsAllPoints) {
   EXPECT_NEAR(region.half_sizes.x(), 4.8, 0.02);
 }
 
-}  // namespace
+}  // namespace ray_ends_test
 }  // namespace colmap_ext

@@ -15,7 +15,7 @@
 #include "tests/meshing/fixing_problem.h"
 
 namespace colmap_ext {
-namespace {
+namespace singular_vertices_test {
 
 using Link = std::map<uint32_t, std::set<uint32_t>>;  // of each vertex, others
 
@@ -195,5 +195,5 @@ TEST(SingularVertexTracker, ExaminesTheVerticesOfFlippedCellsAlone) {
   }
 }
 
-}  // namespace
+}  // namespace singular_vertices_test
 }  // namespace colmap_ext

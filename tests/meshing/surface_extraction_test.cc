@@ -15,7 +15,7 @@
 #include "tests/mesh/manifold_links.h"
 
 namespace colmap_ext {
-namespace {
+namespace surface_extraction_test {
 
 // A few points in general position or on a small lattice.
 Tetrahedralization SmallComplex(Random* random) {
@@ -228,5 +228,5 @@ TEST(ExtractSurface, OneCellOfMatter) {
       -64.0f / 6);
 }
 
-}  // namespace
+}  // namespace surface_extraction_test
 }  // namespace colmap_ext

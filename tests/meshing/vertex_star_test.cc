@@ -8,7 +8,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace vertex_star_test {
 
 TEST(VertexStar, ComponentsAreTheConnectedCellsOfOneLabel) {
   Random random(3);
@@ -60,5 +60,5 @@ TEST(VertexStar, WithinOneLabelThereIsOneComponent) {
   }
 }
 
-}  // namespace
+}  // namespace vertex_star_test
 }  // namespace colmap_ext

@@ -14,7 +14,7 @@
 #include "tests/optim/random_potts.h"
 
 namespace colmap_ext {
-namespace {
+namespace further_labels_test {
 
 // A wall of 2,500 nodes, most with more than 4 labels of 10.
 PottsProblem MakeProblem(double weight) {
@@ -121,5 +121,5 @@ TEST(AddFurtherLabels, DoesNotDependOnThreads) {
   }
 }
 
-}  // namespace
+}  // namespace further_labels_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/optim/random_potts.h"
 
 namespace colmap_ext {
-namespace {
+namespace label_expansion_test {
 
 std::vector<uint32_t> FirstChoices(const PottsProblem& problem) {
   std::vector<uint32_t> choices(problem.NumNodes(), kNoChoice);
@@ -100,5 +100,5 @@ TEST(ExpandLabels, ExpandsNothing) {
             std::vector<uint32_t>{kNoChoice});
 }
 
-}  // namespace
+}  // namespace label_expansion_test
 }  // namespace colmap_ext

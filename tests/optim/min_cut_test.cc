@@ -15,7 +15,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace min_cut_test {
 
 // Which capacities a random graph has.
 enum class Capacities { kTiny, kWide, kHuge, kMostlyZero };
@@ -307,5 +307,5 @@ TEST(MinCut, EmptyGraph) {
   EXPECT_TRUE(cut.on_source_side.empty());
 }
 
-}  // namespace
+}  // namespace min_cut_test
 }  // namespace colmap_ext

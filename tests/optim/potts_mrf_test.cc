@@ -11,7 +11,7 @@
 #include "tests/optim/random_potts.h"
 
 namespace colmap_ext {
-namespace {
+namespace potts_mrf_test {
 
 // The least energy of a BinaryTree, from the leaves to the root.
 double LeastOfTree(const PottsProblem& problem) {
@@ -155,5 +155,5 @@ TEST(SolvePotts, LeavesNodesWithoutLabelsOut) {
 
 TEST(SolvePotts, SolvesNothing) { EXPECT_TRUE(SolvePotts({}).choices.empty()); }
 
-}  // namespace
+}  // namespace potts_mrf_test
 }  // namespace colmap_ext

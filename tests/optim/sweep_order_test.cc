@@ -9,7 +9,7 @@
 #include "tests/optim/graphs.h"
 
 namespace colmap_ext {
-namespace {
+namespace sweep_order_test {
 
 // The graph, its nodes in the order of the sweep.
 Neighbors Sorted(uint32_t num_nodes, const Edges& edges) {
@@ -92,5 +92,5 @@ TEST(SweepOrder, OrdersNothing) {
   EXPECT_EQ(NumRuns(Sorted(3, {})), 1);
 }
 
-}  // namespace
+}  // namespace sweep_order_test
 }  // namespace colmap_ext

@@ -20,7 +20,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace number_ranges_test {
 
 // All options of all commands.
 class NumberRangesTest : public testing::Test {
@@ -186,5 +186,5 @@ TEST(NumberRange, SaysWhatItHas) {
   EXPECT_FALSE((NumberRange{1, kNoLimit, -1}).Contains(kNoLimit));
 }
 
-}  // namespace
+}  // namespace number_ranges_test
 }  // namespace colmap_ext

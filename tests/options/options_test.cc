@@ -10,7 +10,7 @@
 #include "colmap_ext/options/viewer_options.h"
 
 namespace colmap_ext {
-namespace {
+namespace options_test {
 
 // Fails unless the options are refused with a message that has the text.
 template <typename Options>
@@ -193,5 +193,5 @@ TEST(ViewerOptionsTest, ACenterIsTwoFiniteNumbers) {
   }
 }
 
-}  // namespace
+}  // namespace options_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace parse_options_test {
 
 class ParseOptionsTest : public testing::Test {
  protected:
@@ -170,5 +170,5 @@ TEST_F(ParseOptionsTest, PrintsEachOptionWithItsDefault) {
   }
 }
 
-}  // namespace
+}  // namespace parse_options_test
 }  // namespace colmap_ext

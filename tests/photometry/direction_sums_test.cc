@@ -8,7 +8,7 @@
 #include "tests/peak_memory.h"
 
 namespace colmap_ext {
-namespace {
+namespace direction_sums_test {
 
 // Each thread has one.
 TEST(DirectionEvaluator, TakesLittleMemoryForEachFacet) {
@@ -40,5 +40,5 @@ TEST(FacetPlaces, AreThoseInTheList) {
   }
 }
 
-}  // namespace
+}  // namespace direction_sums_test
 }  // namespace colmap_ext

@@ -14,7 +14,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace image_pyramid_test {
 
 View ViewOfSize(int width, int height) {
   View view = LookAt({1, 2, 3}, {0, 0.5, 0}, width, height, 1.1 * width);
@@ -355,5 +355,5 @@ TEST(ImagePyramid, HalvesMasks) {
   }
 }
 
-}  // namespace
+}  // namespace image_pyramid_test
 }  // namespace colmap_ext

@@ -13,7 +13,7 @@
 #include "tests/refine/depth_range.h"
 
 namespace colmap_ext {
-namespace {
+namespace pair_warp_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -415,5 +415,5 @@ TEST(PairWarp, LeavesOutWhatNoWindowReaches) {
   }
 }
 
-}  // namespace
+}  // namespace pair_warp_test
 }  // namespace colmap_ext

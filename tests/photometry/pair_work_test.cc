@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace pair_work_test {
 
 constexpr uint32_t kNumViews = 4;
 
@@ -189,5 +189,5 @@ TEST(FindTiles, AreNoneWhereNothingIsDrawn) {
   }
 }
 
-}  // namespace
+}  // namespace pair_work_test
 }  // namespace colmap_ext

@@ -16,7 +16,7 @@
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
-namespace {
+namespace photometric_energy_test {
 
 const RefinementScene& Scene() {
   static const RefinementScene scene = MakeRefinementScene();
@@ -495,5 +495,5 @@ TEST(CpuPhotometricEnergy, ComparesWallsThatReachBehindTheCameras) {
   EXPECT_GT(num_pixels, 1000);
 }
 
-}  // namespace
+}  // namespace photometric_energy_test
 }  // namespace colmap_ext

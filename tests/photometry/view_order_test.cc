@@ -10,7 +10,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace view_order_test {
 
 using Partners = std::vector<std::set<uint32_t>>;
 
@@ -116,5 +116,5 @@ TEST(OrderByPartners, ReadsFewViewsTwice) {
   }
 }
 
-}  // namespace
+}  // namespace view_order_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace window_correlation_test {
 
 // All pixels valid and of one depth, but the margins centres; images at random.
 CorrelationTile RandomTile(int width, int height, int radius, Random* random) {
@@ -468,5 +468,5 @@ TEST(MaxRelativeDepth, IsThatOfSteepPlanes) {
   }
 }
 
-}  // namespace
+}  // namespace window_correlation_test
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace error_colors_test {
 
 TEST(ErrorColor, GoesFromOneEndOfTheScaleToTheOther) {
   EXPECT_EQ(ErrorColor(0, 2), (Color{68, 1, 84}));
@@ -25,5 +25,5 @@ TEST(ErrorScale, IsRoundAndAboveMostErrors) {
   EXPECT_EQ(ErrorScale(errors), 2);
 }
 
-}  // namespace
+}  // namespace error_colors_test
 }  // namespace colmap_ext

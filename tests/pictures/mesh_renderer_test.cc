@@ -5,7 +5,7 @@
 #include "scene/look_at.h"
 
 namespace colmap_ext {
-namespace {
+namespace mesh_renderer_test {
 
 // A square in the plane z = 0 whose front is seen from z > 0.
 TriangleMesh Square() {
@@ -90,5 +90,5 @@ TEST(VertexColors, ShadesAsMuchAsIsAskedFor) {
   EXPECT_NEAR(brightness(0.5f), (255 + brightness(1)) / 2.0, 1);
 }
 
-}  // namespace
+}  // namespace mesh_renderer_test
 }  // namespace colmap_ext

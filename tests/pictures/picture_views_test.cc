@@ -6,7 +6,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace picture_views_test {
 
 using Eigen::Vector3d;
 
@@ -68,5 +68,5 @@ TEST(SpreadViews, DoWithFewViews) {
       << "all at one place";
 }
 
-}  // namespace
+}  // namespace picture_views_test
 }  // namespace colmap_ext

@@ -6,7 +6,7 @@
 #include "scene/look_at.h"
 
 namespace colmap_ext {
-namespace {
+namespace point_picture_test {
 
 constexpr Color kWhite = {255, 255, 255};
 
@@ -58,5 +58,5 @@ TEST(ResizePicture, TakesMeans) {
   EXPECT_EQ(ResizePicture(image, 40, 20).At(19, 39), (Color{8, 8, 8}));
 }
 
-}  // namespace
+}  // namespace point_picture_test
 }  // namespace colmap_ext

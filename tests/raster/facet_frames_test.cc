@@ -7,7 +7,7 @@
 #include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_frames_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -83,5 +83,5 @@ TEST(FacetFrames, ScaleWithTheScene) {
   }
 }
 
-}  // namespace
+}  // namespace facet_frames_test
 }  // namespace colmap_ext

@@ -20,7 +20,7 @@
 #include "tests/refine/depth_range.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_id_buffer_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -428,5 +428,5 @@ TEST(IsNearest, LeavesRoomForTwoPixels) {
   }
 }
 
-}  // namespace
+}  // namespace facet_id_buffer_test
 }  // namespace colmap_ext

@@ -17,7 +17,7 @@
 #include "tests/refine/depth_range.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_visibility_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -194,5 +194,5 @@ TEST(FindVisibleFacets, OfNothingIsEmpty) {
   EXPECT_TRUE(VisibleFacets(mesh, {}).values.empty());
 }
 
-}  // namespace
+}  // namespace facet_visibility_test
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace mesh_drawings_test {
 
 std::vector<View> Views() {
   return {LookAt({0, 0.5, 4}, {0, 0, 0}, 60, 40, 60),
@@ -42,5 +42,5 @@ TEST(MeshDrawings, AreKeptWhereThereIsRoom) {
   EXPECT_TRUE(second.expired());
 }
 
-}  // namespace
+}  // namespace mesh_drawings_test
 }  // namespace colmap_ext

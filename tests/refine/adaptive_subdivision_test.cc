@@ -15,7 +15,7 @@
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext {
-namespace {
+namespace adaptive_subdivision_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -226,5 +226,5 @@ TEST(SubdivideLargeFacets, DoesNotDependOnTheScale) {
   }
 }
 
-}  // namespace
+}  // namespace adaptive_subdivision_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace confirmed_facets_test {
 
 // Terms of weight 1 whose correlation is that of a function of the facet's
 // first corner.
@@ -69,5 +69,5 @@ TEST(ConfirmedFacets, AreAllWhereNothingIsComparedOrAsked) {
   EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
 }
 
-}  // namespace
+}  // namespace confirmed_facets_test
 }  // namespace colmap_ext

@@ -18,7 +18,7 @@
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
-namespace {
+namespace facetwise_refinement_test {
 
 const RefinementScene& Scene() {
   static const RefinementScene scene = MakeRefinementScene();
@@ -463,5 +463,5 @@ TEST(RefineFacetwise, TrimsWhatNoViewSeesAndClosesIt) {
   }
 }
 
-}  // namespace
+}  // namespace facetwise_refinement_test
 }  // namespace colmap_ext

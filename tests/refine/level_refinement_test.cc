@@ -20,7 +20,7 @@
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext {
-namespace {
+namespace level_refinement_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -675,5 +675,5 @@ TEST(RefineLevel, KeepsNoNoiseForTheSakeOfReliefElsewhere) {
   EXPECT_LT(Roughness(refined, kMaxX), 0.05 * Roughness(mesh, kMaxX));
 }
 
-}  // namespace
+}  // namespace level_refinement_test
 }  // namespace colmap_ext

@@ -14,7 +14,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace normal_equations_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -364,5 +364,5 @@ TEST_F(LargeNormalEquationsTest, DoNotDependOnThreads) {
   }
 }
 
-}  // namespace
+}  // namespace normal_equations_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace point_confidences_test {
 
 // A sheet of 20 x 20 unit quads in z = 0 that two views look down on from
 // above, and points on its left half.
@@ -98,5 +98,5 @@ TEST_F(PointConfidencesTest, IsTheSameAtAnyNumberOfThreads) {
   EXPECT_EQ(Confidences(), confidences);
 }
 
-}  // namespace
+}  // namespace point_confidences_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace refined_confidences_test {
 
 // What windows of the same correlation and texture give on each facet.
 PhotometricTerms MakeTerms(const TriangleMesh& mesh, double correlation,
@@ -71,5 +71,5 @@ TEST(RefinedConfidences, LiesWithinItsRange) {
   }
 }
 
-}  // namespace
+}  // namespace refined_confidences_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/mesh/known_meshes.h"
 
 namespace colmap_ext {
-namespace {
+namespace relief_test {
 
 constexpr uint32_t kSize = 20;  // vertices a side
 constexpr float kFootprint = 0.5F;
@@ -190,5 +190,5 @@ TEST(ReliefShares, AreNoneOfHardlyAnyRelief) {
   }
 }
 
-}  // namespace
+}  // namespace relief_test
 }  // namespace colmap_ext

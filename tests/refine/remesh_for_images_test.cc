@@ -14,7 +14,7 @@
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext {
-namespace {
+namespace remesh_for_images_test {
 
 constexpr double kMinCosine = 0.1;
 
@@ -113,5 +113,5 @@ TEST(ExpectedFacets, AreAboutThoseOfTheRemeshedSurface) {
   EXPECT_EQ(ExpectedFacets(1, mesh, unseen, Views()), mesh.facets.size());
 }
 
-}  // namespace
+}  // namespace remesh_for_images_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace smoothness_model_test {
 
 constexpr float kFootprint = 0.02f;  // scene units
 
@@ -148,5 +148,5 @@ TEST(EstimateWeights, CountsHalfOfTheConfirmedReliefAsRough) {
               2 * scene.Estimate(scene.Model(none)).weight, 1e-6 * none.weight);
 }
 
-}  // namespace
+}  // namespace smoothness_model_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace smoothness_weights_test {
 
 constexpr uint32_t kSide = 80;
 constexpr float kMiddle = 40;
@@ -142,5 +142,5 @@ TEST(SmoothnessWeights, DoNotDependOnThreads) {
   }
 }
 
-}  // namespace
+}  // namespace smoothness_weights_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace thin_plate_test {
 
 using Eigen::Vector3f;
 
@@ -241,5 +241,5 @@ TEST(ThinPlate, IsNoStifferForEdgesMuchShorterThanAPixel) {
   }
 }
 
-}  // namespace
+}  // namespace thin_plate_test
 }  // namespace colmap_ext

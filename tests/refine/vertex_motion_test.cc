@@ -17,7 +17,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace vertex_motion_test {
 
 using Eigen::Vector3f;
 
@@ -179,5 +179,5 @@ TEST(MoveSafely, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace vertex_motion_test
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include "mesh/vertex_rings.h"
 
 namespace colmap_ext {
-namespace {
+namespace vertex_pixels_test {
 
 // At the origin, along z, and one that is two units farther back.
 std::vector<View> Views() {
@@ -27,5 +27,5 @@ TEST(VertexFootprints, AreOfTheViewsThatAVertexLiesBefore) {
   EXPECT_FLOAT_EQ(footprints[2], 0.01F);
 }
 
-}  // namespace
+}  // namespace vertex_pixels_test
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace resume_file_test {
 
 ResumeRecord MakeRecord() {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -138,5 +138,5 @@ TEST(ResumeFileTest, SurvivesDeepNesting) {
             text);
 }
 
-}  // namespace
+}  // namespace resume_file_test
 }  // namespace colmap_ext

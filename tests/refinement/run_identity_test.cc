@@ -6,7 +6,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace run_identity_test {
 
 namespace fs = std::filesystem;
 
@@ -97,5 +97,5 @@ TEST(FingerprintTest, TellsFilesApart) {
             (std::vector<std::string>{Fingerprint(path), "none"}));
 }
 
-}  // namespace
+}  // namespace run_identity_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace carry_attributes_test {
 
 // One facet whose corners differ in everything.
 struct OneFacet {
@@ -85,5 +85,5 @@ TEST(RemeshEvenly, KeepsTheNumberOfFacetsAndCarriesAttributes) {
   }
 }
 
-}  // namespace
+}  // namespace carry_attributes_test
 }  // namespace colmap_ext

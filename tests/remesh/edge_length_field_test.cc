@@ -12,7 +12,7 @@
 #include "tests/remesh/mesh_measures.h"
 
 namespace colmap_ext {
-namespace {
+namespace edge_length_field_test {
 
 std::vector<float> Everywhere(const TriangleMesh& mesh, float value) {
   return std::vector<float>(mesh.vertices.size(), value);
@@ -101,5 +101,5 @@ TEST(MeanEdgeLengths, AreThoseOfARegularMesh) {
   }
 }
 
-}  // namespace
+}  // namespace edge_length_field_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace editable_mesh_test {
 
 std::vector<TriangleMesh> ManifoldMeshes() {
   Random random(1);
@@ -165,5 +165,5 @@ TEST(EditableMesh, FlippedTwiceIsTheSameSurface) {
   }
 }
 
-}  // namespace
+}  // namespace editable_mesh_test
 }  // namespace colmap_ext

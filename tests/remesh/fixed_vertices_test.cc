@@ -15,7 +15,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace fixed_vertices_test {
 
 // What lies on one side of a plane.
 FixedVertices Half(const TriangleMesh& mesh) {
@@ -123,5 +123,5 @@ TEST(FixedVertices, NoneLeaveTheBytesAsTheyAre) {
   EXPECT_EQ(none.mesh.facets, free.mesh.facets);
 }
 
-}  // namespace
+}  // namespace fixed_vertices_test
 }  // namespace colmap_ext

@@ -12,7 +12,7 @@
 #include "tests/remesh/mesh_measures.h"
 
 namespace colmap_ext {
-namespace {
+namespace improve_angles_test {
 
 constexpr float kLength = 0.1F;
 
@@ -128,5 +128,5 @@ TEST(ImproveAngles, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(several.facet_sources, one.facet_sources);
 }
 
-}  // namespace
+}  // namespace improve_angles_test
 }  // namespace colmap_ext

@@ -16,7 +16,7 @@
 #include "tests/remesh/mesh_measures.h"
 
 namespace colmap_ext {
-namespace {
+namespace isotropic_remeshing_test {
 
 using Eigen::Vector3f;
 
@@ -151,5 +151,5 @@ TEST(RemeshIsotropically, TheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(many.mesh.vertices, single.mesh.vertices);
 }
 
-}  // namespace
+}  // namespace isotropic_remeshing_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace speculation_test {
 
 // A ring of numbers. Each in turn grows by a sum of its neighbors unless that
 // is a multiple of three, so that it matters what was done before.
@@ -89,5 +89,5 @@ TEST(ApplyInOrder, DoesNothingForNoItems) {
             0u);
 }
 
-}  // namespace
+}  // namespace speculation_test
 }  // namespace colmap_ext

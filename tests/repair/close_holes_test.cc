@@ -14,7 +14,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace close_holes_test {
 
 // A sphere without the facets around some of its vertices.
 TriangleMesh HoledSphere(const std::vector<Eigen::Vector3f>& centers,
@@ -160,5 +160,5 @@ TEST(CloseHoles, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace close_holes_test
 }  // namespace colmap_ext

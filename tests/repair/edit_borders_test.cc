@@ -8,7 +8,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace edit_borders_test {
 
 class EditBordersTest : public testing::Test {
  protected:
@@ -73,5 +73,5 @@ TEST_F(EditBordersTest, RefusesToLeaveNothing) {
   EXPECT_THROW(Edit(0.5, 0), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace edit_borders_test
 }  // namespace colmap_ext

@@ -19,7 +19,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace self_intersection_repair_test {
 
 using Eigen::Vector3f;
 
@@ -334,5 +334,5 @@ TEST(RepairSelfIntersections, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace self_intersection_repair_test
 }  // namespace colmap_ext

@@ -16,7 +16,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace trim_mesh_test {
 
 float Height(const TriangleMesh& mesh, const Facet& facet) {
   return (mesh.vertices[facet[0]].z() + mesh.vertices[facet[1]].z() +
@@ -269,5 +269,5 @@ TEST(SmoothBorders, LeavesOtherVertices) {
   EXPECT_EQ(smooth.vertices, mesh.vertices);
 }
 
-}  // namespace
+}  // namespace trim_mesh_test
 }  // namespace colmap_ext

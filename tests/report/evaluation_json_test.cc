@@ -6,7 +6,7 @@
 #include "colmap_ext/report/evaluation_report.h"
 
 namespace colmap_ext {
-namespace {
+namespace evaluation_json_test {
 
 TEST(EvaluationJsonTest, HasNineDigitsAndNullForWhatIsNotFinite) {
   EvaluatorOptions options;
@@ -45,5 +45,5 @@ TEST(EvaluationJsonTest, KeepsTheOrderOfItsKeys) {
   EXPECT_TRUE(text.ends_with("}\n"));
 }
 
-}  // namespace
+}  // namespace evaluation_json_test
 }  // namespace colmap_ext

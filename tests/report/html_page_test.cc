@@ -10,7 +10,7 @@
 #include "tests/report/well_formed.h"
 
 namespace colmap_ext {
-namespace {
+namespace html_page_test {
 
 constexpr const char* kWicked = "a <b> & \"c\" 'd' \xc3\xa4\xff.ply";
 constexpr const char* kEscaped =
@@ -155,5 +155,5 @@ TEST(PageOptionsTest, TellsWhatWasGiven) {
   EXPECT_EQ(page_options[1].value, "4");
 }
 
-}  // namespace
+}  // namespace html_page_test
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include "scene/look_at.h"
 
 namespace colmap_ext {
-namespace {
+namespace page_pictures_test {
 
 constexpr Color kWhite = {255, 255, 255};
 
@@ -120,5 +120,5 @@ TEST(DrawMeshingTest, DrawsPointsMeshConfidenceAndColors) {
   EXPECT_EQ(page.rows[4].pictures[0].pixels, page.rows[2].pictures[0].pixels);
 }
 
-}  // namespace
+}  // namespace page_pictures_test
 }  // namespace colmap_ext

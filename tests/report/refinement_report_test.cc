@@ -7,7 +7,7 @@
 #include "colmap_ext/report/print_lines.h"
 
 namespace colmap_ext {
-namespace {
+namespace refinement_report_test {
 
 // Two iterations at half size, one and a final one at full size.
 std::vector<RefinementStep> Steps() {
@@ -102,5 +102,5 @@ TEST(PrintLinesTest, AlignsNumbersAndKeepsWhatIsPrinted) {
   EXPECT_EQ(log.warnings, std::vector<std::string>{"what"});
 }
 
-}  // namespace
+}  // namespace refinement_report_test
 }  // namespace colmap_ext

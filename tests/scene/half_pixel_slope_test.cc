@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace half_pixel_slope_test {
 
 void AddPoint(const Eigen::Vector3f& position,
               const std::vector<uint32_t>& views, PointCloud* cloud) {
@@ -160,5 +160,5 @@ TEST(CalibratedScale, LiesBetweenTheSlopeAndTheNominalOne) {
   }
 }
 
-}  // namespace
+}  // namespace half_pixel_slope_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace half_pixel_test {
 
 View MakeView(double fx, double fy) {
   View view;
@@ -93,5 +93,5 @@ TEST(HalfPixelOffsets, MoveThePointByHalfAPixelInItsView) {
   }
 }
 
-}  // namespace
+}  // namespace half_pixel_test
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace look_at_test {
 
 using Eigen::Vector3d;
 
@@ -50,5 +50,5 @@ TEST(LookAtView, MayLookAlongUp) {
   }
 }
 
-}  // namespace
+}  // namespace look_at_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace point_tree_test {
 
 constexpr float kAnywhere = std::numeric_limits<float>::infinity();
 
@@ -106,5 +106,5 @@ TEST(PointTreeTest, MayBeEmpty) {
       PointTree({}).Nearest(Eigen::Vector3f::Zero(), 3, kAnywhere).empty());
 }
 
-}  // namespace
+}  // namespace point_tree_test
 }  // namespace colmap_ext

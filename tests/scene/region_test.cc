@@ -8,7 +8,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace region_test {
 
 Eigen::Vector3d RandomVector(Random* random, double size) {
   return {size * (2 * random->Unit() - 1), size * (2 * random->Unit() - 1),
@@ -123,5 +123,5 @@ TEST(FocusRegionTest, IsNothingWhereNothingIsSeen) {
   EXPECT_FALSE(FocusRegion(ViewsAround(), {100, Eigen::Vector3f::Zero()}));
 }
 
-}  // namespace
+}  // namespace region_test
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace view_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -119,5 +119,5 @@ TEST(GrayImage, HasItsRowsOneAfterTheOther) {
   EXPECT_EQ(image.Row(1)[0], 4);
 }
 
-}  // namespace
+}  // namespace view_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext {
-namespace {
+namespace bvh_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -261,5 +261,5 @@ TEST(BvhDistance, IsTheMaximumWhereThereIsNothingNearer) {
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 2), 1);
 }
 
-}  // namespace
+}  // namespace bvh_test
 }  // namespace colmap_ext

@@ -11,7 +11,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_tree_test {
 
 FacetTree::Box BoxOf(const TriangleMesh& mesh, const Facet& facet) {
   FacetTree::Box box;
@@ -46,5 +46,5 @@ TEST(FacetTree, FindsAllPairsOfBoxesThatMeetOnce) {
   }
 }
 
-}  // namespace
+}  // namespace facet_tree_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace orientation_test {
 
 using Eigen::Vector3f;
 
@@ -104,5 +104,5 @@ TEST(Turn, ChangesSignWithEachSwap) {
   }
 }
 
-}  // namespace
+}  // namespace orientation_test
 }  // namespace colmap_ext

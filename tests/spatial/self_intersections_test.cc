@@ -15,7 +15,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace self_intersections_test {
 
 using Eigen::Vector3f;
 using Pairs = std::vector<FacetPair>;
@@ -351,5 +351,5 @@ TEST(FindSelfIntersections, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace self_intersections_test
 }  // namespace colmap_ext

@@ -10,7 +10,7 @@
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
-namespace {
+namespace surface_point_test {
 
 using Eigen::Vector3f;
 
@@ -93,5 +93,5 @@ TEST(NearestFacet, IsThatOfASearchThroughAll) {
   }
 }
 
-}  // namespace
+}  // namespace surface_point_test
 }  // namespace colmap_ext

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 // How far a seen surface may be from a point that is said to lie on it,
 // relative to its depth.
-constexpr double kSameDepth = 0.004;
+constexpr double kDepthTolerance = 0.004;
 constexpr size_t kMinTrackLength = 3;
 
 bool Sees(const View& view, const Visible& visible, const Vector3d& point) {
@@ -29,7 +29,7 @@ bool Sees(const View& view, const Visible& visible, const Vector3d& point) {
   }
   const double depth = visible.depths[visible.Index(
       static_cast<int>(pixel.y()), static_cast<int>(pixel.x()))];
-  return std::abs(depth - in_camera.z()) < kSameDepth * in_camera.z();
+  return std::abs(depth - in_camera.z()) < kDepthTolerance * in_camera.z();
 }
 
 // Least squares of the reprojection errors, by Gauss and Newton from `start`,

@@ -12,7 +12,7 @@
 #include "spatial/bvh.h"
 
 namespace colmap_ext::synthetic {
-namespace {
+namespace dense_scene_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -332,5 +332,5 @@ TEST(MakeDenseScene, RefusesBadOptions) {
   EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace dense_scene_test
 }  // namespace colmap_ext::synthetic

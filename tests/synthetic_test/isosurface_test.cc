@@ -9,7 +9,7 @@
 #include "tests/synthetic/scene.h"
 
 namespace colmap_ext::synthetic {
-namespace {
+namespace isosurface_test {
 
 using Eigen::Vector3f;
 
@@ -114,5 +114,5 @@ TEST(MakeScene, RefusesBadOptions) {
   EXPECT_THROW(MakeScene(options), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace isosurface_test
 }  // namespace colmap_ext::synthetic

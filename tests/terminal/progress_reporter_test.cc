@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace progress_reporter_test {
 
 TEST(ProgressReporterTest, WritesALineAStageIntoALog) {
   std::ostringstream stream;
@@ -63,5 +63,5 @@ TEST(ProgressReporterTest, KnowsThePeakOfMemory) {
   EXPECT_GT(PeakMemory(), size_t{1} << 20);
 }
 
-}  // namespace
+}  // namespace progress_reporter_test
 }  // namespace colmap_ext

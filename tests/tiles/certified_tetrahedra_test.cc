@@ -11,7 +11,7 @@
 #include "tests/tiles/memory_plan.h"
 
 namespace colmap_ext {
-namespace {
+namespace certified_tetrahedra_test {
 
 using Corners = std::array<uint32_t, 4>;
 
@@ -133,5 +133,5 @@ TEST(CertifyTile, DoesNotDependOnThreads) {
   }
 }
 
-}  // namespace
+}  // namespace certified_tetrahedra_test
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace plan_vertices_test {
 
 TEST(AddTile, RefusesMoreVerticesThanCanBeNumbered) {
   const std::vector<Eigen::Vector3f> positions(10, Eigen::Vector3f::Zero());
@@ -27,5 +27,5 @@ TEST(AddTile, RefusesMoreVerticesThanCanBeNumbered) {
   EXPECT_EQ(blocks.NumTiles(), 1u);
 }
 
-}  // namespace
+}  // namespace plan_vertices_test
 }  // namespace colmap_ext

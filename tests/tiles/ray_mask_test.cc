@@ -8,7 +8,7 @@
 #include "tests/random.h"
 
 namespace colmap_ext {
-namespace {
+namespace ray_mask_test {
 
 Eigen::Vector3d Anywhere(double from, double to, Random* random) {
   const auto at = [&] { return from + (to - from) * random->Unit(); };
@@ -74,5 +74,5 @@ TEST(RayMask, LeavesOutMostRaysElsewhere) {
   EXPECT_LT(num_crossing, 100u);
 }
 
-}  // namespace
+}  // namespace ray_mask_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
-namespace {
+namespace split_tree_test {
 
 TEST(SplitTree, PartsAreOfAboutEqualWeight) {
   Random random(1);
@@ -40,5 +40,5 @@ TEST(SplitTree, KnowsPlacesThatNoPointIsAt) {
   EXPECT_LT(tree.PartOf({1e6f, -1e6f, 0}), 8u);
 }
 
-}  // namespace
+}  // namespace split_tree_test
 }  // namespace colmap_ext

@@ -12,7 +12,7 @@
 #include "tiles/tile_cells.h"
 
 namespace colmap_ext {
-namespace {
+namespace surface_patches_test {
 
 // A surface in memory, in blocks of ten facets.
 class MemorySurface : public SurfaceStore {
@@ -165,5 +165,5 @@ TEST(MakePatch, OfNoChangeMakesTheSameSurface) {
   EXPECT_EQ(again.mesh.facets, part.mesh.facets);
 }
 
-}  // namespace
+}  // namespace surface_patches_test
 }  // namespace colmap_ext

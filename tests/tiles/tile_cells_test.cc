@@ -9,7 +9,7 @@
 #include "tiles/split_tree.h"
 
 namespace colmap_ext {
-namespace {
+namespace tile_cells_test {
 
 float Between(float low, float high, Random* random) {
   return low + (high - low) * static_cast<float>(random->Unit());
@@ -98,5 +98,5 @@ TEST(MayHide, IsTrueOfWhatLiesBetween) {
   EXPECT_LT(num_hiding, 1000);
 }
 
-}  // namespace
+}  // namespace tile_cells_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "tiles/tile_labels.h"
 
 namespace colmap_ext {
-namespace {
+namespace tile_cut_test {
 
 // What the vertex opposite to a facet is called.
 uint32_t IdOf(const std::vector<uint32_t>& ids, uint32_t vertex) {
@@ -133,5 +133,5 @@ TEST(CutTile, OneTileKnowsAll) {
   EXPECT_EQ(both.KnownShare(), 1);
 }
 
-}  // namespace
+}  // namespace tile_cut_test
 }  // namespace colmap_ext

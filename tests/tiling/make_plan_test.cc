@@ -8,7 +8,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace make_plan_test {
 
 namespace fs = std::filesystem;
 
@@ -53,5 +53,5 @@ TEST(MakePlan, DecodesEachMaskOnce) {
   }
 }
 
-}  // namespace
+}  // namespace make_plan_test
 }  // namespace colmap_ext

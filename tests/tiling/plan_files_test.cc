@@ -7,7 +7,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace plan_files_test {
 
 namespace fs = std::filesystem;
 
@@ -71,5 +71,5 @@ TEST(PlanFiles, APlanMayHaveMoreTilesThanOpenFiles) {
   });
 }
 
-}  // namespace
+}  // namespace plan_files_test
 }  // namespace colmap_ext

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace {
+namespace coarse_mesh_test {
 
 TEST(CoarseMesh, IsOfAboutAsManyFacetsOnTheSameSurface) {
   constexpr int kSize = 200;
@@ -45,5 +45,5 @@ TEST(CoarseMesh, IsOfAboutAsManyFacetsOnTheSameSurface) {
   }
 }
 
-}  // namespace
+}  // namespace coarse_mesh_test
 }  // namespace colmap_ext

@@ -9,7 +9,7 @@
 #include "viewer/shrink_image.h"
 
 namespace colmap_ext {
-namespace {
+namespace facet_match_test {
 
 // A textured plane z = 0, and images of it.
 class FacetMatchTest : public testing::Test {
@@ -103,5 +103,5 @@ TEST(ShrinkImage, KeepsMeansAndAspect) {
   EXPECT_EQ(ShrinkImage(image, 100).pixels, image.pixels);
 }
 
-}  // namespace
+}  // namespace facet_match_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "scene/look_at.h"
 
 namespace colmap_ext {
-namespace {
+namespace orbit_camera_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -134,5 +134,5 @@ TEST(PivotBefore, LiesOnTheAxis) {
   }
 }
 
-}  // namespace
+}  // namespace orbit_camera_test
 }  // namespace colmap_ext

@@ -13,7 +13,7 @@
 #include "viewer/mesh_colors.h"
 
 namespace colmap_ext {
-namespace {
+namespace scene_renderer_test {
 
 using SceneRendererTest = CurrentGlTest;
 
@@ -223,5 +223,5 @@ TEST_F(SceneRendererTest, DrawsTheNearerOfTwoPoints) {
   EXPECT_EQ(renderer.Read().At(24, 32), (Color{10, 20, 30}));
 }
 
-}  // namespace
+}  // namespace scene_renderer_test
 }  // namespace colmap_ext

@@ -15,7 +15,7 @@
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {
-namespace {
+namespace scene_loader_test {
 
 constexpr int kWidth = 64;  // px
 constexpr int kHeight = 48;
@@ -156,5 +156,5 @@ TEST_F(SceneLoaderTest, WhatGoesWrongIsANote) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace scene_loader_test
 }  // namespace colmap_ext

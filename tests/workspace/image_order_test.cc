@@ -8,7 +8,7 @@
 #include "workspace/read_views.h"
 
 namespace colmap_ext {
-namespace {
+namespace image_order_test {
 
 using Indices = std::vector<size_t>;
 
@@ -109,5 +109,5 @@ TEST_F(ImageOrderTest, AsksNothingWhereAllOrdersAreTheSame) {
   EXPECT_EQ(Find(file_order_).reason, OrderReason::kOnlyOne);
 }
 
-}  // namespace
+}  // namespace image_order_test
 }  // namespace colmap_ext

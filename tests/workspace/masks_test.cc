@@ -5,7 +5,7 @@
 #include "tests/workspace/netpbm_decoder.h"
 
 namespace colmap_ext {
-namespace {
+namespace masks_test {
 
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
@@ -138,5 +138,5 @@ TEST_F(MasksTest, OneUnmaskedViewKeepsAPoint) {
             std::vector<uint32_t>{2});
 }
 
-}  // namespace
+}  // namespace masks_test
 }  // namespace colmap_ext

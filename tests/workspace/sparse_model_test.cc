@@ -7,7 +7,7 @@
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-namespace {
+namespace sparse_model_test {
 
 class SparseModelTest : public testing::Test {
  protected:
@@ -182,5 +182,5 @@ TEST_F(SparseModelTest, NamesUnknownCameraModelsAndWhatToDo) {
   EXPECT_NE(error.find("image_undistorter"), std::string::npos) << error;
 }
 
-}  // namespace
+}  // namespace sparse_model_test
 }  // namespace colmap_ext

@@ -12,7 +12,7 @@
 #include "workspace/read_views.h"
 
 namespace colmap_ext {
-namespace {
+namespace workspace_test {
 
 namespace fs = std::filesystem;
 
@@ -291,5 +291,5 @@ TEST_F(WorkspaceTest, ReadsTheSizeOfPicturesFromTheirHeaders) {
   EXPECT_FALSE(ReadPictureSize(path_));
 }
 
-}  // namespace
+}  // namespace workspace_test
 }  // namespace colmap_ext

@@ -8,7 +8,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace {
+namespace write_sparse_model_test {
 
 // Two images of one camera that see two points.
 SparseModel MakeModel() {
@@ -143,5 +143,5 @@ TEST(WriteSparseModel, KeepsTheOldModelWhenTheDiskIsFull) {
   EXPECT_EQ(ReadFile(folder.Path() / "a" / "points3D.bin"), points);
 }
 
-}  // namespace
+}  // namespace write_sparse_model_test
 }  // namespace colmap_ext
