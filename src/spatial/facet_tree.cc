@@ -41,11 +41,7 @@ FacetTree::FacetTree(const TriangleMesh& mesh,
                      const std::vector<uint32_t>& facets)
     : facets_(facets.size()), boxes_(facets.size()) {
   size_t num_leaves = 1;
-<<<<<<< ours
-  while (num_leaves * kMaxLeafFacets < facets.size()) {
-=======
-  while (num_leaves * kFacetsPerLeaf < mesh.facets.size()) {
->>>>>>> theirs
+  while (num_leaves * kFacetsPerLeaf < facets.size()) {
     num_leaves *= 2;
   }
   nodes_.resize(2 * num_leaves - 1);

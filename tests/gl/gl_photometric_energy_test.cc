@@ -265,7 +265,7 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInARoom) {
   }
   const auto images = std::make_shared<ImagePyramid>(
       views, [&](size_t view) { return RoomImage(views[view]); }, SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, -1, SIZE_MAX);
+  const auto gl = MakeGlPhotometricEnergy({}, images, {});
   const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
   TriangleMesh room = MakeRoom();
   const FacetLabels labels{{{0, 1}}, RoomLabels(), {}};
