@@ -142,14 +142,6 @@ TEST_F(FinishBandsTest, IsTheWholeSurface) {
   }
 }
 
-TEST_F(FinishBandsTest, IsTheWholeOnALattice) {
-  for (const bool is_fixed : {true, false}) {
-    options_.preemptive_fixing = is_fixed;
-    ExpectWhole(LatticeScene(1), 5);
-    ExpectWhole(BoxScene(), 3);
-  }
-}
-
 TEST_F(FinishBandsTest, IsTheWholeWithSingularVerticesFixed) {
   for (const uint64_t seed : {6, 7}) {
     for (const size_t num_tiles : {1, 3, 6}) {
