@@ -188,7 +188,7 @@ TEST(SurfaceOf, TilesAgreeOnWhatFixingHasChanged) {
   std::multiset<Facet> facets;
   for (uint32_t tile = 0; tile < 6; ++tile) {
     const TileSurface surface =
-        SurfaceOf(merged.Labeled(), merged.plan.Blocks(), tile);
+        SurfaceOf(merged.Labeled(), tile);
     for (const Facet& facet : surface.facets) {
       facets.insert(Sorted(facet));
     }

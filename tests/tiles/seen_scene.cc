@@ -111,8 +111,8 @@ SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed) {
 }
 
 SeenScene LatticeScene(uint64_t seed, float unit) {
-  constexpr int kLength = 250;
-  constexpr int kWidth = 3;
+  constexpr int kLength = 300;
+  constexpr int kWidth = 4;
   Random random(seed);
   const auto node = [&](int x, int y, int z) {
     return (unit * Eigen::Vector3f(x, y, z)).cast<double>().eval();
@@ -134,14 +134,14 @@ SeenScene LatticeScene(uint64_t seed, float unit) {
   for (int x = 0; x <= kLength; ++x) {
     for (int y = 0; y <= kWidth; ++y) {
       for (int z = 0; z <= kWidth; ++z) {
-        if (random.Chance(0.2)) {
+        if (random.Chance(0.4)) {
           continue;
         }
         const Eigen::Vector3d point = node(x, y, z);
         AddPoint(
             point,
             [&](const Eigen::Vector3d& center) {
-              return center != point && random.Chance(0.2);
+              return center != point && random.Chance(0.5);
             },
             &scene);
       }

@@ -34,8 +34,8 @@ SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed);
 
 // Nodes of a lattice, long enough along the x axis that tiles do not have each
 // other's points; not all of them. Cameras are within and around them: at nodes
-// and between two, in the planes and on the lines through others, and see a
-// fifth of the points. Rays end behind their points where other nodes are, and
+// and between two, in the planes and on the lines through others, and see
+// half of the points. Rays end behind their points where other nodes are, and
 // their weights stop falling there.
 // \param unit  of the lattice
 SeenScene LatticeScene(uint64_t seed, float unit = 1);
