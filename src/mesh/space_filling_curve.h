@@ -12,8 +12,9 @@ namespace colmap_ext {
 // The order of points along a Morton (z-order) curve through their bounding
 // box: points that are close in it lie close. The box has 2^53 cells an axis,
 // so that points far off do not collapse the others into a few of them. Points
-// of one cell are ordered by x, y, z, then by their indices. \return [points]
-// indices \pre all positions are finite
+// of one cell are ordered by x, y, z, then by their indices.
+// \return [points] indices
+// \pre all positions are finite
 std::vector<uint32_t> OrderAlongCurve(
     const std::vector<Eigen::Vector3f>& points);
 

@@ -67,17 +67,22 @@ void AddFlat(const TriangleMesh& mesh, PairsOfThreads* found) {
 // All facets in parts, those of each near each other.
 std::vector<std::vector<uint32_t>> PartsOf(const TriangleMesh& mesh,
                                            size_t max_facets) {
-  std::vector<std::pair<uint64_t, uint32_t>> order;  // along a curve
+  std::vector<std::pair<uint32_t, uint32_t>> order;  // place of a facet's
+                                                     // first vertex, facet
   order.reserve(mesh.facets.size());
   {
-    const std::vector<uint64_t> keys = MortonKeys(mesh.vertices);
+    std::vector<uint32_t> places(mesh.vertices.size());
+    uint32_t place = 0;
+    for (const uint32_t vertex : OrderAlongCurve(mesh.vertices)) {
+      places[vertex] = place++;
+    }
     for (const Facet& facet : mesh.facets) {
-      order.emplace_back(keys[facet[0]], static_cast<uint32_t>(order.size()));
+      order.emplace_back(places[facet[0]], static_cast<uint32_t>(order.size()));
     }
   }
   tbb::parallel_sort(order.begin(), order.end());
   std::vector<std::vector<uint32_t>> parts;
-  for (const auto& [key, facet] : order) {
+  for (const auto& [first_place, facet] : order) {
     if (parts.empty() || parts.back().size() == max_facets) {
       parts.emplace_back().reserve(max_facets);
     }
