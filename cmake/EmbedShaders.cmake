@@ -21,6 +21,9 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
       COMMENT "Embedding the shaders"
       VERBATIM)
     target_sources(${target} PRIVATE ${output})
+    # The batches can be checked before this is made.
+    set_source_files_properties(${output} PROPERTIES
+      SKIP_UNITY_BUILD_INCLUSION ON)
   endfunction()
   return()
 endif()
