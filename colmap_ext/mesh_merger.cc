@@ -4,6 +4,7 @@
 #include <string>
 
 #include "colmap_ext/commands.h"
+#include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/region_option.h"
 #include "colmap_ext/options/tiling_options.h"
 #include "colmap_ext/refinement/refinement_state.h"
@@ -67,6 +68,7 @@ void MergeTiles(const MergerOptions& options) {
 }
 
 void Merge(const MergerOptions& options) {
+  ReturnBlocksFrom(1 << 22);
   ExpectWritable(options.output_path);
   ExpectWritable(VisibilityPath(options.output_path));
   if (options.is_refined) {

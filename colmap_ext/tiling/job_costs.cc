@@ -26,7 +26,7 @@ double TileSeconds(size_t num_vertices) {
   return 1 + 60e-6 * NumHeld(num_vertices);
 }
 
-double MergerMemoryGb(const Plan& plan) {
+double MergerMemoryGb(const Plan& plan, const ManifoldMeshingOptions& options) {
   // The cells of one tile, without its rays, and the seams read last.
   constexpr double kSeamsGb = 0.07;
   double num_vertices = 0;
@@ -35,11 +35,16 @@ double MergerMemoryGb(const Plan& plan) {
     num_vertices += static_cast<double>(tile.num_vertices);
     largest = std::max(largest, static_cast<double>(tile.num_vertices));
   }
+  // Borders and remeshing take the adjacency of the whole surface.
+  const bool takes_adjacency = options.borders.trim > 0 ||
+                               options.borders.close_holes != 0 ||
+                               options.remeshing;
+  const double bytes_a_vertex = takes_adjacency ? 390 : 150;
   const double all_seams =
       plan.seam_rings == kAllAtOnce ? 600e-9 * num_vertices : 0;
   return std::max(
       kSeamsGb + TileMemoryGb(static_cast<size_t>(largest)) + all_seams,
-      0.06 + 390e-9 * num_vertices);
+      0.06 + 1e-9 * bytes_a_vertex * num_vertices);
 }
 
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,

@@ -5,6 +5,7 @@
 
 #include "colmap_ext/tiling/plan.h"
 #include "colmap_ext/tiling/refinement_plan.h"
+#include "meshing/manifold_meshing.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -16,7 +17,7 @@ double TileMemoryGb(size_t num_vertices);
 double TileSeconds(size_t num_vertices);
 // ... and the merger, which holds one tile's cells with the seams and the rings
 // around singular vertices there, then the whole surface.
-double MergerMemoryGb(const Plan& plan);
+double MergerMemoryGb(const Plan& plan, const ManifoldMeshingOptions& options);
 
 // Sets what the job that refines a tile takes by `pixels` of surface: its
 // memory, that of each of its threads, and its time.

@@ -87,7 +87,7 @@ class Planner {
       report_->masks = points.masks();
       report_->masks->num_masks = num_masks;
     }
-    plan_.merger_memory_gb = MergerMemoryGb(plan_);
+    plan_.merger_memory_gb = MergerMemoryGb(plan_, options_.mesher.meshing);
     WritePlan(folder_, plan_);
     return plan_;
   }

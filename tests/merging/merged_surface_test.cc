@@ -187,8 +187,7 @@ TEST(SurfaceOf, TilesAgreeOnWhatFixingHasChanged) {
   const MergedPlan merged(NoisyScene(6), 6, FixingRule::kEnergy);
   std::multiset<Facet> facets;
   for (uint32_t tile = 0; tile < 6; ++tile) {
-    const TileSurface surface =
-        SurfaceOf(merged.Labeled(), tile);
+    const TileSurface surface = SurfaceOf(merged.Labeled(), tile);
     for (const Facet& facet : surface.facets) {
       facets.insert(Sorted(facet));
     }
