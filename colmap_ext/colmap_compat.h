@@ -1,8 +1,8 @@
 #pragma once
 
-// The only place that knows how COLMAP's headers and interfaces moved between
-// 3.8 and 4.x. What moved is detected, not looked up by version, so that
-// development versions work as well.
+// The only place that handles differences between the headers and interfaces of
+// COLMAP 3.8 to 4.x. Differences are detected, not looked up by version, so
+// that development versions work as well.
 
 #include <filesystem>
 #include <string>

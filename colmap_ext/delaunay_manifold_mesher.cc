@@ -62,8 +62,7 @@ HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
   return report;
 }
 
-// Before the points are read, so that nobody waits for a mesh that can not be
-// written.
+// Called before the points are read, so that an unwritable output fails early.
 std::filesystem::path FindOutputPath(const MesherOptions& options) {
   const std::filesystem::path input_path = options.InputPath();
   const std::filesystem::path output_path =
@@ -81,8 +80,7 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
   return output_path;
 }
 
-// The views at the sizes of their cameras, where those are asked for and
-// differ.
+// The views at the sizes of their cameras, if those are requested and differ.
 std::vector<View> MeshingViews(const MesherOptions& options,
                                const Workspace& workspace) {
   std::vector<View> views = workspace.views;

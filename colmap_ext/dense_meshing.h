@@ -30,7 +30,7 @@ inline DenseMeshing& GlobalDenseMeshing() {
   return dense_meshing;
 }
 
-// What automatic_reconstructor is asked for.
+// Request of automatic_reconstructor.
 struct DenseMeshingRequest {
   std::string workspace_path;  // that has dense/0, dense/1 ...
   size_t num_workspaces = 0;
@@ -47,7 +47,7 @@ Path ManifoldMeshPath(const Path& dense_path) {
 }
 
 // Meshes the dense workspaces that have fused points, and refines their meshes,
-// where that is asked for and not done yet. What fails is said, and noted in
+// if requested and not done yet. Failures are printed, and stored in
 // GlobalDenseMeshing().
 inline void FinishDenseWorkspaces(const DenseMeshingRequest& request) {
   DenseMeshing& dense_meshing = GlobalDenseMeshing();

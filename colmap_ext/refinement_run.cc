@@ -51,7 +51,7 @@ std::string HowToAlign(const RefinementInput& input) {
 // One run of the command, from its files to its files.
 class Refiner {
  public:
-  // \param live  shows it, or nullptr.
+  // \param live  shows the run, or nullptr.
   Refiner(const RefinerOptions& options, const RefinementPaths& paths,
           std::vector<PageOption> page_options, LiveView* live)
       : options_(options),

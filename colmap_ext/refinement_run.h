@@ -9,14 +9,13 @@
 
 namespace colmap_ext {
 
-// Called before anything is read, so that nobody waits for what can not be
-// written.
-// \throw FileError if a file that the run writes can not be.
+// Called before anything is read, so that an unwritable output fails early.
+// \throw FileError if a file that the run writes can not be written.
 void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths);
 
 // One run of facetwise_refiner, from its files to its files.
 // \param page_options  for the report's page.
-// \param live  shows it, or nullptr.
+// \param live  shows the run, or nullptr.
 // \throw FileError for whatever is missing, damaged or does not fit together;
 //        Interruption if a signal ended it.
 void RunRefinement(const RefinerOptions& options, const RefinementPaths& paths,

@@ -13,8 +13,8 @@ struct CommandAdvice {
   const char* out_of_memory;  // how to need less
   const char* bug_files;      // to send with the report of a bug of ours
 
-  // How the command is asked for what a FileError offers; stands behind its
-  // message. Without an entry nothing is said.
+  // The option for each alternative that a FileError offers, appended to its
+  // message. Without an entry nothing is appended.
   std::map<Alternative, const char*> alternatives;
 };
 
@@ -25,7 +25,7 @@ struct CommandSteps {
   std::function<void()> run;
 };
 
-// Parses the options and runs a command: whatever it throws becomes one line on
+// Parses the options and runs a command: any exception becomes one line on
 // the screen.
 // \return the exit status: 128 + its number if a signal interrupted it.
 int RunCommand(int argc, char** argv, const CommandOptions& options,

@@ -6,7 +6,7 @@
 namespace colmap_ext {
 
 // Adds them to those of a command.
-// \param evaluator  has to outlive the manager's parsing.
+// \param evaluator  must outlive the parsing by the manager.
 void AddEvaluatorOptions(CommandOptions* manager, EvaluatorOptions* evaluator);
 
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@ namespace colmap_ext {
 
 // Adds them to those of a command, with COLMAP's names where the meaning is
 // COLMAP's.
-// \param mesher  has to outlive the manager's parsing.
+// \param mesher  must outlive the parsing by the manager.
 void AddMesherOptions(CommandOptions* manager, MesherOptions* mesher);
 
 // Those that say how the mesh is made, DelaunayManifoldMeshing.*, alone.

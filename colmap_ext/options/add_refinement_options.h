@@ -6,7 +6,7 @@
 namespace colmap_ext {
 
 // Adds them to those of a command.
-// \param refiner  has to outlive the manager's parsing.
+// \param refiner  must outlive the parsing by the manager.
 void AddRefinerOptions(CommandOptions* manager, RefinerOptions* refiner);
 
 // Those of them that decide what becomes of a mesh and its pictures.

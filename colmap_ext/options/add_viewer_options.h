@@ -6,7 +6,7 @@
 namespace colmap_ext {
 
 // Adds them to those of a command.
-// \param viewer  has to outlive the manager's parsing.
+// \param viewer  must outlive the parsing by the manager.
 void AddViewerOptions(CommandOptions* manager, ViewerOptions* viewer);
 
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 
 namespace colmap_ext {
 
-// What mesh_evaluator is asked for.
+// Options of mesh_evaluator.
 struct EvaluatorOptions {
   std::string mesh_path;
   std::string truth_path;  // PLY, or a folder of depth maps

@@ -10,7 +10,7 @@
 
 namespace colmap_ext {
 
-// What delaunay_manifold_mesher is asked for.
+// Options of delaunay_manifold_mesher.
 struct MesherOptions {
   std::string workspace_path;  // either this
   std::string input_path;      // or, as delaunay_mesher has it, this

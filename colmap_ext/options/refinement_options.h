@@ -20,7 +20,7 @@ enum class Backend {
 // Trims only what fused points can tell of.
 inline constexpr double kAutoTrim = -1;
 
-// What facetwise_refiner is asked for.
+// Options of facetwise_refiner.
 struct RefinerOptions {
   std::string workspace_path;
   std::string input_path;   // the mesh; empty: kMesherOutput of the workspace

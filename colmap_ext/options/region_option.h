@@ -33,10 +33,11 @@ struct RegionOption {
       const std::vector<Eigen::Vector3f>& sparse_points) const;
 };
 
-// Where the region is written that was found: "mesh.region.txt" for "mesh.ply".
+// Path of the file for a found region: "mesh.region.txt" for "mesh.ply".
 std::filesystem::path RegionPath(const std::filesystem::path& mesh_path);
 
-// Writes the region that was found where it was asked for, beside the mesh.
+// Writes a region that was found automatically, if the option requests that,
+// beside the mesh.
 // \throw FileError if it can not be written.
 void WriteFoundRegion(const RegionOption& option,
                       const std::optional<Region>& region,

@@ -11,7 +11,7 @@
 
 namespace colmap_ext {
 
-// What mesh_planner is asked for.
+// Options of mesh_planner.
 struct PlannerOptions {
   MesherOptions mesher;
   std::string output_path;    // the plan's folder
@@ -24,7 +24,7 @@ struct PlannerOptions {
   void Finish();
 };
 
-// What mesh_merger is asked for.
+// Options of mesh_merger.
 struct MergerOptions {
   std::string plan_path;
   std::string output_path;

@@ -11,7 +11,7 @@
 
 namespace colmap_ext {
 
-// What mesh_viewer is asked for.
+// Options of mesh_viewer.
 struct ViewerOptions {
   std::string workspace_path;
   std::vector<std::string> mesh_paths;  // empty: those of the workspace

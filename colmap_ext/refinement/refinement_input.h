@@ -24,7 +24,7 @@
 
 namespace colmap_ext {
 
-// Where what is refined lies.
+// Paths of a refinement.
 struct RefinementPaths {
   std::filesystem::path folder;  // the dense workspace
   std::filesystem::path mesh;
@@ -38,7 +38,7 @@ struct RefinementPaths {
 // \throw FileError if there is no workspace, or several, or no mesh.
 RefinementPaths FindRefinementPaths(const RefinerOptions& options);
 
-// What RefineFacetwise() takes, and how it came about.
+// Input of RefineFacetwise(), and how it was read.
 struct RefinementInput {
   TriangleMesh mesh;  // manifold
   VertexAttributes attributes;

@@ -14,10 +14,10 @@
 
 namespace colmap_ext {
 
-// What an interrupted refinement leaves, to go on from: the mesh of the last
-// complete level as OUTPUT.levelN.ply with its .vis, where its vertices come
-// from as OUTPUT.levelN.origin.ply, which of them stay as the .vis of that, and
-// OUTPUT.ply.resume (resume_file.h).
+// The state from which an interrupted refinement is resumed: the mesh of the
+// last complete level as OUTPUT.levelN.ply with its .vis, the origins of its
+// vertices as OUTPUT.levelN.origin.ply, the fixed vertices as the .vis of that,
+// and OUTPUT.ply.resume (resume_file.h).
 
 struct RefinementState {
   int level = 0;  // the last one that is complete, 1 or more

@@ -14,7 +14,8 @@ namespace {
 // Px in the picture: an image that moves by more was not placed by its
 // features, or is matched to something else now.
 constexpr double kFarMotion = 3;
-// Px of the last level's images, in the last round: more than poses matter by.
+// Px of the last level's images, in the last round: above it, the poses have
+// not converged.
 constexpr double kConverged = 0.05;
 
 void Warn(const std::vector<std::string>& names, const std::string& what,

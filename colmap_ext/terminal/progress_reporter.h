@@ -16,8 +16,8 @@ struct StageTime {
   double seconds = 0;  // wall time
 };
 
-// Shows long work as it goes, and remembers how long each stage took: on a
-// terminal one line that moves, in a log a line where a stage ends and every
+// Shows the progress of long work and records the duration of each stage: on a
+// terminal one updated line, in a log a line at the end of each stage and every
 // few seconds. Its Update() is a Progress (scene/progress.h).
 class ProgressReporter {
  public:
@@ -29,7 +29,7 @@ class ProgressReporter {
   // \param share  of the stage that is done, 0 ... 1.
   void Update(std::string_view stage, double share);
 
-  // The same, for what reports to a Progress while this object lives.
+  // Update() as a Progress, valid while this object exists.
   Progress AsProgress() {
     return
         [this](std::string_view stage, double share) { Update(stage, share); };

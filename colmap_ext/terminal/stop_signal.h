@@ -2,9 +2,9 @@
 
 namespace colmap_ext {
 
-// While it lives, the first SIGINT or SIGTERM is remembered, so that work can
-// be ended where it makes sense, and the second one ends the program. Signals
-// that are ignored stay so. There can be one at a time.
+// While it exists, the first SIGINT or SIGTERM is stored, so that work can end
+// at a suitable point, and the second one ends the program. Ignored signals
+// stay ignored. At most one object exists at a time.
 class StopSignal {
  public:
   StopSignal();
@@ -12,7 +12,7 @@ class StopSignal {
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  // The signal that came, or 0.
+  // The received signal, or 0.
   static int Received();
 };
 

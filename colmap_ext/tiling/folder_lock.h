@@ -4,8 +4,8 @@
 
 namespace colmap_ext {
 
-// Keeps others from planning in a folder, meshes or their refinement, as long
-// as it lives. Some network file systems have no locks: there it keeps nobody.
+// While it exists, no other process can plan a meshing or a refinement in the
+// folder. Has no effect on network file systems without locks.
 class FolderLock {
  public:
   // \throw FileError if another has it, or the folder can not be written
@@ -14,7 +14,7 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  // Whether it keeps others from planning.
+  // Whether the lock is held; false on a file system without locks.
   bool IsLocked() const { return is_locked_; }
 
  private:
@@ -22,7 +22,7 @@ class FolderLock {
   bool is_locked_ = false;
 };
 
-// The warning where a lock is none.
+// The warning if the file system has no locks.
 inline constexpr char kNoLocks[] =
     "the plan's file system has no locks (flock): do not run two planners in "
     "its folder at once";

@@ -29,8 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// How far around a tile its job refines too, so that what lies beyond does not
-// matter within: twenty edges of the size that facets get, px of the images.
+// Margin that a job refines around its tile, so that the fixed surface beyond
+// does not influence the tile: twenty edges of the refined facets, px of the
+// images.
 constexpr double kMarginPixels = 80;
 
 // How far tiles of one colour keep apart, in margins: a job may move what it

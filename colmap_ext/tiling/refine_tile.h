@@ -24,18 +24,20 @@ struct RefineTileReport {
   size_t num_removed = 0;           // of them refined
   size_t num_added = 0;             // that they became
   std::string computed_by;          // the backend
-  int resumed_level = 0;            // after which it went on; 0: from the start
+  int resumed_level = 0;            // resumed after it; 0: from the start
   int last_level = 0;               // that is complete on disk; 0: none
   RefinementReport refinement;
   std::vector<std::string> warnings;  // of what computes, one line each
 };
 
-// Refines a tile of a plan, once: its file is there whole or not at all. A job
-// that was ended goes on after the last level that is complete.
+// Refines a tile of a plan, once: its file is complete or does not exist. An
+// interrupted job is resumed after its last complete level.
 //
-// The job's facets are those in the tile's cell and a margin around it, but for
-// what the tiles of lower colours have refined in their own cells. All else is
-// fixed, and read as far as it may hide the tile from a camera.
+// The job's facets are those in the tile's cell and a margin around it, except
+// those that the tiles of lower colours have refined in their own cells. All
+// other facets are fixed; they are read if they may hide the tile from a
+// camera.
+//
 // \param options  how to compute; what to compute comes from the plan
 // \param hooks  may stop it
 // \throw FileError if something is missing, damaged or of another plan, a tile

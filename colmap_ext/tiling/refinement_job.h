@@ -13,7 +13,7 @@
 
 namespace colmap_ext {
 
-// What the job that refines a tile knows of the plan.
+// Input of the job that refines a tile, from the plan.
 struct RefinementJob {
   std::filesystem::path folder;
   uint32_t tile;

@@ -14,8 +14,8 @@ namespace colmap_ext {
 
 // A binary file of a plan: 8 bytes that name the kind, the identity of the
 // plan, the number of sections, and the sections, each after its number of
-// bytes. Then a checksum of each kSectionChunk bytes of all that, and at last
-// one of these and how many bytes it was. Little-endian.
+// bytes. Then a checksum of each kSectionChunk bytes of all that, and finally
+// a checksum of these checksums, and the number of bytes. Little-endian.
 inline constexpr size_t kSectionChunk = 8192;
 
 // Values are written as they are in memory: boxes as their two corners.

@@ -27,11 +27,11 @@ bool HasSurface(const std::filesystem::path& folder, uint64_t identity);
 bool HasPatch(const std::filesystem::path& folder, uint64_t identity,
               size_t tile);
 
-// The surface on disk, read where it is asked for.
+// The surface on disk, read on demand.
 class FileSurface : public SurfaceStore {
  public:
-  // \throw FileError if the mesh is missing, damaged or of another plan; so do
-  //        the patches when they are asked for
+  // \throw FileError if the mesh is missing, damaged or of another plan; the
+  //        same for patches when they are read
   FileSurface(std::filesystem::path folder, uint64_t identity);
 
   size_t NumBlocks() const override { return boxes_.size(); }

@@ -11,19 +11,19 @@
 
 namespace colmap_ext {
 
-// What a tile's job has refined up to a level, on disk beside its patch as the
-// refiner without tiles leaves it (refinement_state.h), so that a job that was
-// ended goes on from there.
+// The state of a tile's job after a complete level, on disk beside its patch in
+// the files of an ordinary refinement (refinement_state.h), so that an
+// interrupted job can be resumed.
 class TileState {
  public:
   // \param picture_errors [views] empty: the picture can be used
   TileState(const RefinementJob& job, const SurfacePart& part,
             const std::vector<std::string>& picture_errors);
 
-  // Changes the start to what is there. One that is damaged, or left by another
-  // run, is as none: the job starts from its first level then.
+  // Sets the start to the stored state. A state that is damaged or of another
+  // run is ignored: the job starts from its first level then.
   // \param views  that the job compares
-  // \return the level after which it goes on, or 0: from the start
+  // \return the level after which it resumes, or 0: from the start
   int GoOn(const std::vector<View>& views, RefinementStart* start);
 
   // Writes a level that is complete.
@@ -40,7 +40,7 @@ class TileState {
   FixedSources before_;  // [V] of the start, in the part; empty: the same
 };
 
-// Removes what is there of a tile.
+// Removes the stored state of a tile.
 // \param num_levels  of the refinement
 void RemoveTileState(const std::filesystem::path& folder, uint32_t tile,
                      int num_levels);

@@ -58,7 +58,7 @@ void LiveView::Say(const std::string& status) {
 }
 
 void LiveView::WaitWhilePaused(const std::function<bool()>& should_stop) {
-  // A signal wakes nobody.
+  // A signal does not notify the condition variable.
   constexpr std::chrono::milliseconds kWait(100);
   std::unique_lock lock(mutex_);
   while (is_paused_ && !should_stop()) {

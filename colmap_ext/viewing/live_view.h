@@ -17,8 +17,8 @@
 
 namespace colmap_ext {
 
-// What a refinement shows of itself while it runs: it hands copies over, and
-// nothing comes back but a pause.
+// Shows a running refinement: the refinement passes copies to the viewer, and
+// the viewer can only pause it.
 class LiveView {
  public:
   // The mesh as it was, and what the images are of.
@@ -31,13 +31,13 @@ class LiveView {
             const std::string& status);
   void Say(const std::string& status);
 
-  // Returns when the refinement may go on.
-  // \param should_stop  asked again and again meanwhile.
+  // Returns when the refinement may continue.
+  // \param should_stop  polled meanwhile.
   void WaitWhilePaused(const std::function<bool()>& should_stop);
 
-  // By the viewer's thread.
+  // Called by the viewer's thread.
   void Pause(bool is_paused);
-  // Nobody looks any more.
+  // The window is closed.
   void Leave();
   SceneInbox* Inbox() { return &inbox_; }
 
@@ -50,7 +50,7 @@ class LiveView {
 };
 
 // Runs work on a thread of its own beside a window that shows it, until both
-// have ended. When the window is closed, the work goes on.
+// have ended. When the window is closed, the work continues.
 // \param folder  of the workspace, for its images.
 // \param save  saves a picture, see ViewerHost.
 // \throw NoWindowError if there is no window, before the work starts; what the

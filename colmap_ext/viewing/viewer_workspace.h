@@ -15,7 +15,7 @@
 
 namespace colmap_ext {
 
-// Where what is looked at lies.
+// Paths of the viewer's input.
 struct ViewerPaths {
   std::filesystem::path folder;  // the dense workspace; empty: none
   std::vector<ShownMeshPaths> meshes;

@@ -11,9 +11,9 @@
 
 namespace colmap_ext {
 
-// A cache of values by index, bounded by bytes: the least recently used ones
-// make room. A value that the caller holds lives on when it is dropped. Safe
-// from several threads.
+// A cache of values by index, bounded by bytes: the least recently used values
+// are dropped. A value that the caller holds stays valid when it is dropped.
+// Thread-safe.
 template <typename T>
 class LruCache {
  public:

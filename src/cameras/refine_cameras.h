@@ -51,7 +51,7 @@ struct CameraRefinementReport {
   int level = 0;
   int num_rounds = 0;
   size_t num_patches = 0;
-  size_t num_windows = 0;  // that match, at last
+  size_t num_windows = 0;  // that match in the last round
   double mean_zncc = 0;    // of them
   double mean_zncc_before = 0;
   double track_sigma = 0;   // of the observations, px

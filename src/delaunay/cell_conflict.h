@@ -17,9 +17,9 @@ int OrientationWith(const GrowingComplex& complex,
                     const GrowingComplex::Cell& cell, uint32_t i,
                     const Eigen::Vector3f& point);
 
-// Whether a point lies in the sphere around a cell, or beyond the facet of the
-// hull that an infinite cell has: whether the cell has to go when the point
-// comes. Perturbed as IsInSphere().
+// Whether a point conflicts with a cell: whether it lies in the circumsphere of
+// a finite cell, or beyond the hull facet of an infinite one. Perturbed as
+// IsInSphere().
 // \pre the point is at none of the cell's vertices
 bool IsInConflict(const GrowingComplex& complex, uint32_t cell,
                   const Eigen::Vector3f& point);

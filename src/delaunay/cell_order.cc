@@ -10,20 +10,20 @@
 namespace colmap_ext {
 namespace {
 
-// Sorts a cell's corners, and its mates along with them, so that the first two
-// vertices are the lowest and the cell keeps its orientation.
+// Sorts a cell's corners, and its mirror facets with them, so that the first
+// two vertices are the lowest and the cell keeps its orientation.
 void SortCorners(GrowingComplex::Cell* cell) {
   bool odd = false;
   for (int i = 1; i < 4; ++i) {
     for (int j = i; j > 0 && cell->vertices[j] < cell->vertices[j - 1]; --j) {
       std::swap(cell->vertices[j], cell->vertices[j - 1]);
-      std::swap(cell->mates[j], cell->mates[j - 1]);
+      std::swap(cell->mirror_facets[j], cell->mirror_facets[j - 1]);
       odd = !odd;
     }
   }
   if (odd) {
     std::swap(cell->vertices[2], cell->vertices[3]);
-    std::swap(cell->mates[2], cell->mates[3]);
+    std::swap(cell->mirror_facets[2], cell->mirror_facets[3]);
   }
 }
 
@@ -78,7 +78,7 @@ std::vector<Tetrahedralization::Cell> TakeSortedCells(GrowingComplex* complex) {
   tbb::parallel_for(size_t{0}, order.size(), [&](size_t i) {
     sorted[i].vertices = cells[order[i]].vertices;
     for (int k = 0; k < 4; ++k) {
-      sorted[i].neighbors[k] = rank[cells[order[i]].mates[k] / 4];
+      sorted[i].neighbors[k] = rank[cells[order[i]].mirror_facets[k] / 4];
     }
   });
   std::vector<GrowingComplex::Cell>().swap(cells);

@@ -84,11 +84,11 @@ std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
     complex->vertex_cells[simplex[i]] = 0;
   }
   for (uint32_t i = 0; i < 4; ++i) {
-    cells[0].mates[i] = 4 * (1 + i) + i;
-    cells[1 + i].mates[i] = i;
+    cells[0].mirror_facets[i] = 4 * (1 + i) + i;
+    cells[1 + i].mirror_facets[i] = i;
     for (uint32_t k = 0; k < 4; ++k) {
       if (k != i) {
-        cells[1 + i].mates[IndexOf(cells[1 + i], simplex[k])] =
+        cells[1 + i].mirror_facets[IndexOf(cells[1 + i], simplex[k])] =
             4 * (1 + k) + IndexOf(cells[1 + k], simplex[i]);
       }
     }

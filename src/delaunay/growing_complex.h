@@ -18,9 +18,9 @@ namespace colmap_ext {
 struct GrowingComplex {
   struct alignas(32) Cell {
     std::array<uint32_t, 4> vertices;  // index into points, or kInfiniteVertex
-    // [i]: the facet opposite to vertex i as its other cell has it, an arc: 4 *
-    // cell + facet.
-    std::array<uint32_t, 4> mates;
+    // [i]: the mirror facet of the facet opposite to vertex i: the same facet
+    // in the neighboring cell, as 4 * cell + facet.
+    std::array<uint32_t, 4> mirror_facets;
   };
 
   std::vector<Eigen::Vector3f> points;  // [P], distinct

@@ -8,7 +8,7 @@
 namespace colmap_ext {
 namespace {
 
-constexpr uint32_t kNoMate = UINT32_MAX;
+constexpr uint32_t kNoMirrorFacet = UINT32_MAX;
 
 }  // namespace
 
@@ -33,8 +33,8 @@ uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
     if (exit == 4) {
       return at;
     }
-    at = cell.mates[exit] / 4;
-    entry = cell.mates[exit] % 4;
+    at = cell.mirror_facets[exit] / 4;
+    entry = cell.mirror_facets[exit] % 4;
     if (!IsOwn(at)) {
       return kNoCell;
     }
@@ -51,14 +51,14 @@ uint32_t PointInserter::Insert(uint32_t point, uint32_t cell) {
   return result;
 }
 
-// \return whether all its cells are its own
+// \return whether the inserter owns all cells of the cavity
 bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
   boundary_.clear();
   cavity_.assign(1, cell);
   complex_->is_marked[cell] = 1;
   for (size_t k = 0; k < cavity_.size(); ++k) {
     for (uint32_t i = 0; i < 4; ++i) {
-      const uint32_t other = complex_->cells[cavity_[k]].mates[i] / 4;
+      const uint32_t other = complex_->cells[cavity_[k]].mirror_facets[i] / 4;
       if (complex_->is_marked[other]) {
         continue;
       }
@@ -96,7 +96,7 @@ uint32_t PointInserter::FillCavity(uint32_t point) {
 }
 
 // Makes the cell from the point to a facet of the cavity's boundary: the cell
-// within, with the point in the place of the corner opposite to the facet.
+// inside, with the corner opposite to the facet replaced by the point.
 uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
   const uint32_t index = free_cells_.back();
   free_cells_.pop_back();
@@ -104,10 +104,10 @@ uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
   GrowingComplex::Cell& cell = cells[index];
   cell.vertices = cells[arc / 4].vertices;
   cell.vertices[arc % 4] = point;
-  cell.mates.fill(kNoMate);
-  const uint32_t outside = cells[arc / 4].mates[arc % 4];
-  cell.mates[arc % 4] = outside;
-  cells[outside / 4].mates[outside % 4] = 4 * index + arc % 4;
+  cell.mirror_facets.fill(kNoMirrorFacet);
+  const uint32_t outside = cells[arc / 4].mirror_facets[arc % 4];
+  cell.mirror_facets[arc % 4] = outside;
+  cells[outside / 4].mirror_facets[outside % 4] = 4 * index + arc % 4;
   if (InfiniteCorner(cell) == 4) {
     for (const uint32_t vertex : cell.vertices) {
       complex_->vertex_cells[vertex] = index;
@@ -121,10 +121,10 @@ uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
 void PointInserter::Connect(uint32_t cell, uint32_t arc) {
   std::vector<GrowingComplex::Cell>& cells = complex_->cells;
   for (uint32_t i = 0; i < 4; ++i) {
-    if (cells[cell].mates[i] == kNoMate) {
-      const uint32_t mate = TurnThroughCavity(arc, i);
-      cells[cell].mates[i] = mate;
-      cells[mate / 4].mates[mate % 4] = 4 * cell + i;
+    if (cells[cell].mirror_facets[i] == kNoMirrorFacet) {
+      const uint32_t mirror = TurnThroughCavity(arc, i);
+      cells[cell].mirror_facets[i] = mirror;
+      cells[mirror / 4].mirror_facets[mirror % 4] = 4 * cell + i;
     }
   }
 }
@@ -139,15 +139,15 @@ uint32_t PointInserter::TurnThroughCavity(uint32_t arc, uint32_t exit) const {
   uint32_t at = arc / 4;
   uint32_t entry = arc % 4;
   for (;;) {
-    const uint32_t mate = cells[at].mates[exit];
-    const uint32_t next = mate / 4;
+    const uint32_t mirror = cells[at].mirror_facets[exit];
+    const uint32_t next = mirror / 4;
     if (!complex_->is_marked[next]) {
-      // What lies behind has the new cell for a neighbor already.
-      return cells[next].mates[mate % 4] / 4 * 4 + entry;
+      // The cell outside of the cavity is already connected to the new cell.
+      return cells[next].mirror_facets[mirror % 4] / 4 * 4 + entry;
     }
     const uint32_t pivot = cells[at].vertices[entry];
     at = next;
-    entry = mate % 4;
+    entry = mirror % 4;
     exit = 0;
     while (cells[at].vertices[exit] != pivot) {
       ++exit;

@@ -8,34 +8,33 @@
 namespace colmap_ext {
 
 // Inserts points into a Delaunay tetrahedralization: the cells whose
-// circumscribing spheres hold the point make room for cells from the point to
-// the facets around them [Bowyer1981; Watson1981]. The result depends neither
-// on the order nor on who inserts (IsInSphere).
+// circumspheres contain the point are replaced by cells from the point to the
+// facets of the cavity [Bowyer1981; Watson1981]. The result depends neither on
+// the order of insertion nor on the inserter (IsInSphere).
 //
-// Several inserters work at once on ranges of vertices that have none in
-// common, after [Marot2019]: each one changes a cell only where at least three
-// of its vertices are its own, and replaces and follows one only where all four
-// are. The infinite vertex is everybody's. A cell that has three vertices of
-// one range has no three of another, so that nobody reads what somebody else
-// changes.
+// Several inserters work concurrently on disjoint ranges of vertices
+// [Marot2019]. An inserter changes a cell only if it owns at least three of its
+// vertices, and replaces or walks through a cell only if it owns all four. All
+// inserters own the infinite vertex. No data race: of a cell, at most one
+// inserter owns three vertices.
 class PointInserter {
  public:
-  // \param begin, end  the vertices that are its own
+  // \param begin, end  the range of vertices that the inserter owns
   PointInserter(uint32_t begin, uint32_t end, GrowingComplex* complex)
       : begin_(begin), end_(end), complex_(complex) {}
 
-  // The cells that it may take into use, and those that it has taken out of it.
+  // Unused cells: those that the inserter may use, and those that it released.
   std::vector<uint32_t>& free_cells() { return free_cells_; }
 
-  // A visibility walk to the cell that holds a point: one of them where it lies
-  // on a facet, an infinite one where it lies beyond the hull.
-  // \param hint  a finite cell, all of whose vertices are its own
-  // \return kNoCell where the walk comes to a vertex that is not its own
+  // A visibility walk to the cell that contains a point: one of them if it lies
+  // on a facet, an infinite one if it lies beyond the hull.
+  // \param hint  a finite cell, all of whose vertices the inserter owns
+  // \return kNoCell if the walk meets a vertex that the inserter does not own
   uint32_t Locate(uint32_t point, uint32_t hint) const;
 
-  // \param cell  that holds the point
-  // \return a new finite cell; kNoCell where the point is not inserted, as the
-  //         cells are not its own or too few are free
+  // \param cell  contains the point
+  // \return a new finite cell; kNoCell if the point is not inserted, because
+  //         the inserter does not own the cells or too few are free
   uint32_t Insert(uint32_t point, uint32_t cell);
 
   bool IsOwn(uint32_t cell) const;

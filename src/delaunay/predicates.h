@@ -22,8 +22,8 @@ int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 // from u to v: the sign of det(target - origin, u - origin, v - origin), with
 // the target moved by (e, e^2, e^3), e infinitesimal and positive (simulation
 // of simplicity [Edelsbrunner1990]). All answers for one line are
-// those for one line in general position; zero is returned only where origin, u
-// and v are collinear, which no target can tell apart.
+// those for one line in general position; zero is returned only if origin, u
+// and v are collinear.
 int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
                  const Eigen::Vector3d& u, const Eigen::Vector3d& v);
 
@@ -42,9 +42,9 @@ bool IsOnLine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
 int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                 const Eigen::Vector3f& c, const Eigen::Vector3f& d);
 
-// Whether p lies inside the sphere through a, b, c and d. Points on the sphere
-// are told apart by a symbolic perturbation that depends on the positions alone
-// [Devillers2011], so that the Delaunay tetrahedralization is unique.
+// Whether p lies inside the sphere through a, b, c and d. For points on the
+// sphere a symbolic perturbation decides [Devillers2011]. It depends only on
+// the positions, so that the Delaunay tetrahedralization is unique.
 // \pre Orientation(a, b, c, d) > 0, p is none of them
 bool IsInSphere(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                 const Eigen::Vector3f& c, const Eigen::Vector3f& d,

@@ -14,8 +14,8 @@ namespace colmap_ext {
 //
 // We deviate between two infinite cells, where the smaller cosine counts as -1:
 // where the object is its own hull, rays enter the hull by most infinite cells
-// but not by all. What is known of those then holds for the others, which would
-// be holes.
+// but not by all. The labels of the former then extend to the others, which
+// would otherwise be holes.
 //
 // \param weight of the term, 0 or more
 // \param graph  of the cells: node i is cell i; capacities in 1 / kWeightUnit

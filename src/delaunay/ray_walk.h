@@ -16,14 +16,14 @@ namespace colmap_ext {
 struct Crossing {
   uint32_t exit_arc = 0;
   uint32_t entry_arc = 0;
-  // From the ray's origin, scene units; infinity where nobody asked.
+  // From the ray's origin, scene units; infinity if not computed.
   float distance = std::numeric_limits<float>::infinity();
 };
 
 inline constexpr uint32_t kNoVertex = UINT32_MAX;
 
-// In place of the cell where a ray ends: it goes on to the hull, as no cell is
-// this one.
+// In place of the cell where a ray ends: the ray continues to the hull, as no
+// cell has this index.
 inline constexpr uint32_t kToHull = kNoCell - 1;
 
 struct Ray {
@@ -42,8 +42,8 @@ struct Ray {
 // The way of a ray.
 struct RayPath {
   std::vector<Crossing> crossings;  // in order
-  // Where it ends, or kNoCell where it had to be given up (the target is the
-  // origin); then the crossings mean nothing.
+  // The cell where it ends, or kNoCell if the walk failed (the target is the
+  // origin); then the crossings are invalid.
   uint32_t end = kNoCell;
 };
 
@@ -64,8 +64,8 @@ uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  const Eigen::Vector3d& target, uint32_t end,
                  double near_distance, std::vector<Crossing>* crossings);
 
-// The same for many rays. Several of them go on by turns, so that none waits
-// for memory.
+// The same for many rays. Several of them advance in turn, so that memory
+// latency is hidden.
 // \param paths [rays] are overwritten
 void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
               std::span<RayPath> paths);

@@ -23,8 +23,8 @@ inline constexpr uint32_t kNoCell = UINT32_MAX;
 inline constexpr std::array<std::array<int, 3>, 4> kFacetCorners = {
     {{{1, 3, 2}}, {{0, 2, 3}}, {{0, 3, 1}}, {{0, 1, 2}}}};
 
-// Where a value stands among four that differ. Without branches, which nobody
-// could predict.
+// The index of a value among four that differ. Without branches, which would be
+// unpredictable.
 // \pre it is one of them
 inline uint32_t PlaceOf(uint32_t value, const std::array<uint32_t, 4>& values) {
   return static_cast<uint32_t>(values[1] == value) +
@@ -64,10 +64,10 @@ struct Tetrahedralization {
   }
 };
 
-// The capacity to reserve for arrays of cells: with room for those that
-// SplitCell appends, or the first one of them would copy the arrays. Cells that
-// are split are about 1e-4 of all (fountain); what is reserved and not used
-// costs no memory.
+// The capacity to reserve for arrays of cells, with space for the cells that
+// SplitCell appends; otherwise the first of them would copy the arrays. About
+// 1e-4 of all cells are split (fountain); reserved but unused capacity costs no
+// memory.
 inline size_t WithSpareCells(size_t num_cells) {
   return num_cells + num_cells / 64;
 }

@@ -30,8 +30,9 @@ struct Observations {
   std::vector<uint64_t> offsets{0};  // [V + 1], into views and alphas
   std::vector<uint32_t> views;       // ascending in each row
   std::vector<float> alphas;         // weight of each observation
-  // [V] 1: nothing but the end of rays, which vote for free space up to it and
-  // behind it and for no matter; empty: no vertex is.
+  // [V] 1: the vertex is only an end of rays. These rays vote for free space
+  // before and behind it, and not for matter. Empty: there are no such
+  // vertices.
   std::vector<uint8_t> is_end{};
 
   bool IsEnd(size_t vertex) const {

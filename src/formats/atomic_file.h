@@ -56,7 +56,7 @@ void WriteText(const std::filesystem::path& path, const std::string& text);
 // temporary files before. May be called by a signal handler.
 void DieOfSignal(int signal);
 
-// To be asked before hours of work, not after them.
+// Called before hours of work, so that an unwritable output fails early.
 // \throw FileError if an AtomicFile would.
 void ExpectWritable(const std::filesystem::path& path);
 

@@ -13,8 +13,8 @@ namespace colmap_ext {
 static_assert(std::endian::native == std::endian::little,
               "COLMAP's files are little-endian, and are read as they are");
 
-// Reads a file from its beginning to its end and always knows how much of it
-// is left, so that no count in it has to be trusted.
+// Reads a file sequentially and keeps track of the number of remaining bytes,
+// so that no count in the file has to be trusted.
 class ByteReader {
  public:
   // \throw FileError if there is no such regular file, or it is not readable.

@@ -7,8 +7,8 @@
 
 namespace colmap_ext {
 
-// What can be asked for instead of what a file does not allow. Who called knows
-// how it is asked for, and can say so behind the message.
+// What the user can request instead, if a file does not allow something. The
+// caller knows the option's name and can append it to the message.
 enum class Alternative {
   kSayImageOrder,     // WorkspaceOptions::image_order
   kOtherImageOrder,   // another one

@@ -22,7 +22,7 @@ void KeepErrors(GLenum source, GLenum type, GLuint /*id*/, GLenum /*severity*/,
                 const void* /*user*/) noexcept {
   const bool is_error =
       type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;
-  // Compilers are asked for their words.
+  // Compiler messages are read from the info logs of the shaders.
   const bool is_compiler = source == GL_DEBUG_SOURCE_SHADER_COMPILER;
   if (is_error && !is_compiler && pending_message.empty()) {
     pending_message.assign(text, length);

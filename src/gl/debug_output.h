@@ -2,12 +2,12 @@
 
 namespace colmap_ext {
 
-// Lets OpenGL say what is wrong, in words, at once. Of the current context.
+// Enables synchronous debug messages of the current OpenGL context.
 // \pre it is a debug context
 void EnableDebugOutput();
 
-// Throws if OpenGL has found something wrong since the last call: what it said,
-// where EnableDebugOutput() was called, else the error's code.
+// Throws if OpenGL has reported an error since the last call: with its message
+// if EnableDebugOutput() was called, else with the error's code.
 // \param where  for the message
 // \throw GlError
 void ThrowOnGlError(const char* where);

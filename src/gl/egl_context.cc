@@ -75,8 +75,8 @@ std::vector<EGLDeviceEXT> GraphicsCards() {
   return devices;
 }
 
-// One that says so when the card is reset, where there are such: drivers may
-// end the program otherwise.
+// A context that reports resets of the graphics card, if supported: otherwise
+// drivers may end the program.
 EGLContext CreateContext(EGLDisplay display) {
   std::array<EGLint, 11> attributes = {
       EGL_CONTEXT_MAJOR_VERSION,

@@ -8,8 +8,8 @@ namespace colmap_ext {
 // card's own EGL device where there is one, else by Mesa in software.
 class EglContext {
  public:
-  // While it lives, the context is the calling thread's current one; then the
-  // one before is again. Its context has to outlive it.
+  // While it exists, the context is current in the calling thread; then the
+  // previous one is restored. The context must outlive the scope.
   class [[nodiscard]] Scope {
    public:
     ~Scope();

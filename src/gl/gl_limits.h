@@ -5,7 +5,7 @@
 
 namespace colmap_ext {
 
-// What there is room for on a graphics card, bytes.
+// Memory limits of a graphics card, bytes.
 struct GlLimits {
   size_t max_block = SIZE_MAX;   // of a buffer that a shader reaches at a time
   size_t max_memory = SIZE_MAX;  // of all buffers and textures together, as far

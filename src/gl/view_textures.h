@@ -24,12 +24,12 @@ struct ViewTextures {
   uint64_t drawn_mesh = 0;  // number of the mesh, see ViewTextureCache; 0: none
 };
 
-// Views on the graphics card, as many at a time as memory allows; the least
-// recently used ones make room. To be used by one thread at a time.
+// Views on the graphics card, as many as memory allows; the least recently used
+// ones are dropped. To be used by one thread at a time.
 class ViewTextureCache {
  public:
   // \param min_cosine  see DrawFacets().
-  // \param max_memory  bytes; what is in use is kept whatever it takes.
+  // \param max_memory  bytes; views in use are always kept.
   ViewTextureCache(std::shared_ptr<ImagePyramid> images, double min_cosine,
                    size_t max_memory);
 

@@ -98,8 +98,8 @@ class GrowingPatch {
     uint8_t label;
   };
 
-  // Adds what is missing around some vertices. All is there around centroids:
-  // cells are split at vertices that are complete.
+  // Loads all missing cells around some vertices. Those around centroids are
+  // complete, as cells are split only at complete vertices.
   void Complete(const std::vector<uint32_t>& vertices) {
     NameCentroid();
     std::vector<uint32_t> ids;

@@ -114,8 +114,8 @@ void PatchCollector::AddCell(uint32_t tile, uint32_t index, TileWindow* from) {
   kept = cell;
 }
 
-// Reads cells whose own tiles were not asked yet: all around one of their
-// vertices there, of which those that are in the patch count.
+// Reads cells from their own tiles, where those were not read yet: all around
+// one of their vertices there, of which those that are in the patch count.
 void PatchCollector::AddMissingCapacities() {
   std::map<uint32_t, std::unordered_set<uint32_t>> by_tile;
   for (const PatchCell& cell : cells_) {

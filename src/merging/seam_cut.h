@@ -5,12 +5,12 @@
 
 namespace colmap_ext {
 
-// Cuts the cells that their tiles could not tell, with the labels of all others
-// fixed: tile by tile, each time with those of other tiles within twice
-// seam_rings neighbors, which is as wide as a seam is. Each of these cuts is
-// the least with the labels around it as they are, so that the value of the cut
-// of all cells never rises. With kAllAtOnce there is one cut: that of the whole
-// plan, where it has the same labels of all other cells.
+// Cuts the cells whose labels their tiles could not determine, with the labels
+// of all others fixed: tile by tile, each time with such cells of other tiles
+// within twice seam_rings neighbors, which is as wide as a seam is. Each cut is
+// minimal given the labels around it, so that the value of the cut of all cells
+// never rises. With kAllAtOnce there is one cut: that of the whole plan, if it
+// has the same labels of all other cells.
 //
 // \param seam_rings  TileCutOptions
 // \return how many arcs the tiles on both sides tell differently; those have

@@ -12,28 +12,28 @@
 
 namespace colmap_ext {
 
-// A cell that its tile could not tell, or that tiles share.
+// A cell whose label its tile could not determine, or that tiles share.
 struct SeamCell {
   static constexpr uint32_t kNoPlace = UINT32_MAX;
 
   uint8_t label;
   uint32_t tile;   // that it belongs to
-  uint32_t place;  // in TileSeam::unknown; kNoPlace: its tile could tell
+  uint32_t place;  // in TileSeam::unknown; kNoPlace: label is known
 
   bool IsUnknown() const { return place != kNoPlace; }
 };
 
-// The labels of these cells. Holds a byte for each that its tile could not
-// tell, and the seams of those tiles that were asked for last.
+// The labels of these cells. Holds a byte for each cell of unknown label, and
+// the seams of the tiles that were read last.
 class SeamLabels {
  public:
-  // For now what the tiles guess.
+  // Starts with the labels that the tiles guess.
   // \pre both outlive it
   SeamLabels(const PlanBlocks& blocks, const TileParts& parts);
 
   size_t NumTiles() const { return labels_.size(); }
 
-  // Cells that their tile could not tell.
+  // Cells whose labels their tile could not determine.
   size_t NumUnknown(uint32_t tile) const { return labels_[tile].size(); }
   size_t NumUnknown() const;
 
@@ -48,7 +48,7 @@ class SeamLabels {
 
   uint8_t At(const CellKey& corners) const { return Find(corners).label; }
 
-  // What lies across a facet of a cell.
+  // The cell across a facet of a cell.
   // \param cell  of that tile's seam
   // \throw std::logic_error where its tile has none
   SeamCell Across(uint32_t tile, const UnknownCell& cell, int facet) const;
@@ -69,7 +69,7 @@ class SeamLabels {
   mutable LruCache<TileSeam> seams_{0};
 };
 
-// Gives labels to all star cells; what is no star cell is matter.
+// Gives labels to all star cells; all other cells are matter.
 // \param labels [cells] TilePart::labels
 // \throw std::logic_error where a label is missing
 void ApplySeamLabels(const SeamLabels& seam, const TileTetrahedra& tile,

@@ -12,7 +12,7 @@
 
 namespace colmap_ext {
 
-// The cells of one tile, read in blocks where they are asked for.
+// The cells of one tile, read in blocks on demand.
 class TileWindow {
  public:
   TileWindow(const TileParts& parts, const SeamLabels& seam, uint32_t tile);

@@ -9,10 +9,10 @@
 
 namespace colmap_ext {
 
-// Makes a surface manifold, drops facets that have an end of rays as a corner,
-// as nothing tells whether there is a surface, and what the options want
-// dropped, and makes what is left manifold again. Facets come out in the order
-// of those that they are parts of, vertices in the order of their use.
+// Makes a surface manifold, drops facets that have an end of rays as a corner
+// (there is no evidence of a surface) and those that the options exclude, and
+// makes the remaining surface manifold again. Facets keep the order of the
+// input facets that they are parts of; vertices are in the order of their use.
 // \param is_end  [V] of the tetrahedralization, see MarkEnds()
 // \param report  gets the counts of what is dropped, copied and split
 // \return its sources are vertices of the tetrahedralization

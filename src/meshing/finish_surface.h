@@ -20,17 +20,17 @@ struct SurfacePoints {
   std::vector<uint8_t> is_end;          // [V] MarkEnds()
 };
 
-// Makes a surface manifold, drops what the options want dropped, and gives it
+// Makes a surface manifold, drops the facets that the options exclude, and adds
 // the attributes and confidences of its points (docs/method.md, sections 3.3
 // and 3.6).
 // \param result  gets the mesh and what belongs to it, the report its counts
-// \throw std::invalid_argument where nothing is left
+// \throw std::invalid_argument if no facet is left
 void SplitSurface(const ManifoldMeshingOptions& options,
                   ExtractedSurface extracted, SurfacePoints points,
                   const std::vector<View>& views, ManifoldMesh* result);
 
 // The steps after that: borders, remeshing, self-intersections, the gate.
-// \throw std::invalid_argument where the trimming leaves nothing
+// \throw std::invalid_argument if the trimming leaves no facet
 // \throw std::logic_error where the mesh is not manifold
 void FinishSurface(const ManifoldMeshingOptions& options,
                    const Progress& progress, ManifoldMesh* result);

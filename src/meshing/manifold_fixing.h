@@ -31,29 +31,30 @@ struct FixingReport {
   size_t num_examined_vertices = 0;
 };
 
-// A tetrahedralization that is not all there, some of whose singular vertices
-// are fixed.
+// A partially loaded tetrahedralization, and which of its singular vertices to
+// fix.
 struct PartialComplex {
   // Singular vertices to be fixed, ascending; then those that are left.
   std::vector<uint32_t> singular;
   // Whether a vertex that is not one of these is known to be regular.
   std::function<bool(uint32_t vertex)> is_examined;
-  // Is called with singular vertices before anything is changed at them: has to
-  // append what is missing of the cells at them and at the vertices of those.
+  // Called with singular vertices before their surroundings change. Must append
+  // all cells that are not loaded yet at these vertices and at the vertices of
+  // their cells.
   std::function<void(const std::vector<uint32_t>& vertices)> complete;
-  // Is called before a cell is split, at the next vertex.
+  // Called before a cell is split, at the next vertex.
   std::function<void(uint32_t cell)> split;
 };
 
 // Preemptive fixing of singular vertices [Romanoni2020, section IV]: changes
 // the labels of cells around them, and splits cells, so that the surface needs
-// fewer copies of vertices to become manifold. After one look at all vertices
-// the time follows the number of singular ones.
+// fewer copies of vertices to become manifold. All vertices are examined once;
+// after that the time is proportional to the number of singular ones.
 //
 // \param tetrahedra no longer Delaunay where cells are split (SplitCell)
 // \param graph      the cut's: node i is cell i
 // \param is_free    [C] labels of the cells, 1: free space, 0: matter
-// \param partial    nullptr: all cells are there
+// \param partial    nullptr: all cells are loaded
 FixingReport FixSingularVertices(FixingRule rule,
                                  Tetrahedralization* tetrahedra,
                                  FlowCapacities* graph,

@@ -81,14 +81,14 @@ struct ManifoldMeshingOptions {
   // Connected components of fewer facets are dropped. 0 or more.
   int min_component_faces = 0;
 
-  // Nothing is meshed outside: points there do not count, but the rays to them
-  // do, and the surface is cut off along the border. Nothing: all is meshed.
+  // Only the inside is meshed: points outside are ignored, but rays to them
+  // vote, and the surface is clipped at the border. nullopt: all is meshed.
   std::optional<Region> region;
 
-  // What is dropped where nothing bears it out, and what is closed.
+  // Trimming of unsupported surface, and closing of holes.
   BorderOptions borders;
 
-  // Remesh the surface at last, so that its facets are well-shaped.
+  // Remesh the surface finally, so that its facets are well-shaped.
   bool remeshing = false;
 };
 

@@ -8,7 +8,7 @@
 
 namespace colmap_ext {
 
-// Where a node hangs in its tree: the arc to its parent, or one of these.
+// The parent of a node in its tree: the arc to it, or one of these.
 inline constexpr uint8_t kTerminalParent = 4;  // the source or the sink itself
 inline constexpr uint8_t kOrphanParent = 5;
 inline constexpr uint8_t kNoParent = 6;  // in no tree
@@ -29,7 +29,7 @@ struct alignas(32) FlowNode {
   uint8_t Mirror(int arc) const { return mirrors >> (2 * arc) & 3; }
 };
 
-// A cut's nodes and arcs, and what flows.
+// The nodes and arcs of a cut, and the flow.
 struct FlowNetwork {
   NeighborView neighbors;
   std::vector<FlowNode> nodes;

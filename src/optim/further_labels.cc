@@ -62,8 +62,8 @@ void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
   }
 }
 
-// When a node has chosen by what its neighbors have, and when its labels
-// changed at last: the number of the round; 0: never.
+// The last rounds in which a node chose by the labels of its neighbors, and in
+// which its labels changed; 0: never.
 struct History {
   std::vector<uint8_t> chosen;   // [N]
   std::vector<uint8_t> changed;  // [N]
@@ -114,8 +114,8 @@ LabelSets ChosenLabels(const PottsProblem& problem,
 
 LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
                            uint32_t count) {
-  // The first one knows nothing of the neighbors; each node chooses again in
-  // half of the others.
+  // The first round ignores the neighbors; each node chooses again in half of
+  // the other rounds.
   constexpr int kRounds = 9;
   const auto num_nodes = static_cast<uint32_t>(problem.NumNodes());
   LabelSets sets;

@@ -164,8 +164,8 @@ int32_t RegionSolver::Bottleneck(uint32_t index) const {
   }
 }
 
-// Pushes along the path between a node and its tree's terminal. Nodes whose
-// arc to the parent is then full become orphans.
+// Augments the path between a node and its tree's terminal. Nodes whose arc to
+// the parent becomes saturated become orphans.
 void RegionSolver::Push(uint32_t index, int32_t amount) {
   for (;;) {
     FlowNode& node = nodes_[index];
@@ -194,8 +194,9 @@ void RegionSolver::MakeOrphan(uint32_t index) {
   orphans_.push_back(index);
 }
 
-// Hangs an orphan to the neighbor that is nearest to the terminal; without
-// one it leaves the tree, and its children are orphans.
+// Adoption [Boykov2004]: connects an orphan to the neighbor in its tree that is
+// nearest to the terminal. Without such a neighbor the node becomes free, and
+// its children become orphans.
 void RegionSolver::FindParent(uint32_t index) {
   FlowNode& node = nodes_[index];
   uint32_t nearest = kNone;
@@ -233,8 +234,8 @@ void RegionSolver::FindParent(uint32_t index) {
   }
 }
 
-// The length of the way to the terminal, or kNone where it ends in an orphan.
-// What is found is noted along the way, for the next one who asks.
+// The length of the path to the terminal, or kNone if it ends in an orphan.
+// Stores the distances of all nodes on the path for later calls.
 uint32_t RegionSolver::DistanceToTerminal(uint32_t index) {
   uint32_t distance = 0;
   uint32_t at = index;

@@ -8,8 +8,8 @@
 namespace colmap_ext {
 
 // Augments paths along two search trees [Boykov2004] within a region of a
-// network: consecutive nodes and the arcs between them. What it leaves, flow
-// and trees, is where a larger region around it goes on.
+// network: consecutive nodes and the arcs between them. The solver of a larger
+// region around it starts from the resulting flow and trees.
 class RegionSolver {
  public:
   // \param start_time  later than all times at which the nodes got distances

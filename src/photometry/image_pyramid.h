@@ -14,15 +14,14 @@ namespace colmap_ext {
 View ViewAtLevel(const View& view, int level);
 
 // Images at one level of their pyramids: a pixel is the mean of the full-size
-// pixels that it covers. Images are read when they are asked for. Where memory
-// allows, the full size is kept too, so that each file is read once for all
-// levels; the least recently used images make room. Image() is safe from
-// several threads.
+// pixels that it covers. Images are read on demand. If memory allows, the full
+// size is kept too, so that each file is read once for all levels; the least
+// recently used images are dropped. Image() is thread-safe.
 class ImagePyramid {
  public:
   // \param views  the full size.
   // \param max_memory  of the images that are kept, bytes. The image read last
-  //        is kept whatever it takes, and what is in use lives on.
+  //        is always kept, and images in use stay valid.
   // \param read_mask  of the views, pixels of 0 are masked; an empty image
   //        where there is none; may be empty itself. Masks share the memory.
   // \param max_borrowed  what the images of a level may take beyond max_memory,

@@ -16,15 +16,14 @@ namespace colmap_ext {
 // The mask of a view, of its size; nothing where it has none.
 using ViewMask = std::function<std::shared_ptr<const GrayImage>(size_t view)>;
 
-// A mesh drawn into views, each view when it is first asked for. Subdivision,
-// labelling and energy share the drawings of a mesh. As many as memory allows
-// are kept, the least recently used ones are drawn again. Safe from several
-// threads.
+// A mesh drawn into views, each view on first use. Subdivision, labelling and
+// energy share the drawings of a mesh. As many as memory allows are kept, the
+// least recently used ones are drawn again. Thread-safe.
 class MeshDrawings {
  public:
   // \param min_cosine  see DrawFacets().
-  // \param max_memory  of the drawings that are kept, bytes; what is in use is
-  //        kept whatever it takes.
+  // \param max_memory  of the drawings that are kept, bytes; those in use
+  //        are always kept.
   // \param mask  of the views, whose masked pixels show nothing, see
   //        EraseMasked(); may be empty.
   MeshDrawings(TriangleMesh mesh, std::vector<View> views, double min_cosine,

@@ -102,8 +102,8 @@ class Refinement {
     return !refined.is_stopped;
   }
 
-  // Adds a step to the report, and tells who wants to know.
-  // \return whether to go on.
+  // Adds a step to the report, and calls the hooks.
+  // \return whether to continue.
   bool AddStep(RefinementStep step, RefinedMesh* state) const {
     step.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start_)
@@ -143,10 +143,9 @@ class Refinement {
     return confidences;
   }
 
-  // Finds out whether the cameras are to be refined, where that is left to how
-  // well they are aligned, and by which views the surface may be refined if
-  // they are not.
-  // \param state  its report may have what an earlier run measured.
+  // Decides whether the cameras are refined, if that depends on their
+  // alignment, and which views refine the surface if the cameras are fixed.
+  // \param state  its report may have the measurement of an earlier run.
   // \return whether there are such views.
   bool DecideByAlignment(RefinedMesh* state) {
     const CameraRefinementOptions& cameras = options_.cameras;
@@ -157,8 +156,8 @@ class Refinement {
     if (!state->report.misalignment) {
       state->report.misalignment = FindMisalignment(*state);
     }
-    // Of what the surface is off, from which on the cameras matter; and of what
-    // is usual, from which on a view is worse than none: choices.
+    // Share of the surface's error above which the cameras are refined;
+    // multiple of the usual error above which a view does harm: choices.
     constexpr double kMinShare = 0.5;
     constexpr double kOutlier = 3;
     const Misalignment& misalignment = *state->report.misalignment;

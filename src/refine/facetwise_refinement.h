@@ -35,8 +35,8 @@ struct FacetwiseRefinementOptions {
   // Image levels, coarse to fine: 3 is a quarter of the size, half, full.
   int levels = 3;
 
-  // Of the solver, at most, at each level, before the final ones. Most levels
-  // end earlier (docs/method.md, section 7.3).
+  // Maximum number of solver iterations per level, excluding the final ones.
+  // Most levels end earlier (docs/method.md, section 7.3).
   int iterations = 10;
 
   RefinementSolver solver = RefinementSolver::kGaussNewton;
@@ -69,14 +69,16 @@ struct FacetwiseRefinementOptions {
 
   PhotometricOptions photometric;
 
-  // Of the cameras, in turn with the surface (docs/method.md, section 7.7).
+  // Refinement of the cameras, alternating with that of the surface
+  // (docs/method.md, section 7.7).
   CameraRefinementOptions cameras;
 
-  // What is dropped from the result, and closed. A facet is about a window
-  // wide: four rings tell what a gap of a dozen windows' width would show.
+  // Trimming of the result, and closing of its holes. A facet is about a window
+  // wide; four rings decide about gaps of a dozen windows' width.
   BorderOptions borders{.trim_rings = 4};
 
-  // What has moved out of it is cut off at last; nothing: all stays.
+  // Parts that leave the region are clipped in the final step. nullopt: no
+  // clipping.
   std::optional<Region> region = std::nullopt;
 };
 
@@ -124,7 +126,7 @@ struct RefinementReport {
   BorderReport borders;
 };
 
-// What is known of cameras that are to be refined.
+// Input of the camera refinement.
 struct RefinableCameras {
   std::vector<View> views;  // as the refinement takes them, before any of it
   std::vector<uint32_t> view_cameras;    // see CameraSet
@@ -132,7 +134,7 @@ struct RefinableCameras {
   std::shared_ptr<ImagePyramid> images;  // that the energy uses
 };
 
-// What a refinement starts from: the input, or what a complete level left.
+// What a refinement starts from: the input, or the result of a complete level.
 struct RefinementStart {
   TriangleMesh mesh;  // manifold
   // Colours, views and confidences of the vertices. They may have no views: a
@@ -147,10 +149,10 @@ struct RefinementStart {
   // The cameras as they are now are the views that are passed beside.
   // options.cameras says whether they are refined. None: nothing is known.
   std::shared_ptr<const RefinableCameras> cameras = nullptr;
-  // As the run that is gone on with found it; none: not known, or a new run.
+  // Measured by the run that is being resumed; nullopt: unknown, or a new run.
   std::optional<Misalignment> misalignment = std::nullopt;
-  // Of the mesh. What stays is seen, hides what lies behind it, and is smooth
-  // with what moves, but has no labels of its own.
+  // Fixed vertices of the mesh. Facets between them are visible, occlude other
+  // facets and take part in the smoothness, but get no labels.
   FixedVertices fixed = {};
   // The mesh is a part of a surface: its borders are left as they are, and
   // FinishRefinement() is called for the whole.
@@ -190,8 +192,8 @@ struct RefinementHooks {
   // were.
   std::function<void(int level, const RefinedMesh& state)> on_level;
 
-  // Asked between iterations. If it returns true, the mesh of the last complete
-  // level is returned, or the input's if none is complete.
+  // Called between iterations. If it returns true, the mesh of the last
+  // complete level is returned, or the input's if none is complete.
   std::function<bool()> should_stop;
 };
 
@@ -201,11 +203,11 @@ struct RefinementHooks {
 // move so that what the two views of a pair show on its facets looks alike.
 // Self-intersections are repaired before each level, before and after its
 // facets change, and after the last one. Cameras are refined before each level,
-// and before the final iterations of the finest one; if that is asked for only
-// where they are misaligned, and they are not, they stay. Where they are known
-// but not refined, views that are so far off that the surface would get worse
-// are left out, and where that is most of them the mesh stays as it is, but for
-// the region (docs/method.md, section 7.7).
+// and before the final iterations of the finest one; if that is requested only
+// for misaligned cameras, well-aligned ones are not refined. If the cameras are
+// given but not refined, views whose error is so large that the surface would
+// get worse are left out; if most views are, the mesh is only clipped to the
+// region (docs/method.md, section 7.7).
 //
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.

@@ -192,7 +192,7 @@ double MeanZnccOfAll(const PhotometricTerms& terms,
 }
 
 // \param mean_motion  of the step, px.
-// \return whether to go on.
+// \return whether to continue.
 bool Report(const Stage& stage, const State& state, double mean_motion) {
   RefinementStep step;
   step.level = stage.level;
@@ -211,11 +211,11 @@ bool Report(const Stage& stage, const State& state, double mean_motion) {
 
 // Runs at most stage.max_iterations steps.
 State Iterate(const Stage& stage, State state) {
-  // Px, mean motion since the mesh was drawn, from which on it is drawn again.
-  // What is visible changes by less than a window then.
+  // Mean motion since the mesh was drawn, px, above which it is drawn again.
+  // Below it, visibility changes by less than a window.
   constexpr double kMaxDrift = 0.1;
-  // Of the energy, that an iteration has to gain for another one to follow; the
-  // finer levels go on from what a coarser one leaves. Found by trial.
+  // Relative decrease of the energy below which the iterations end; finer
+  // levels continue from the result of a coarser one. Found by trial.
   const double min_gain = stage.level == 0 ? 2e-4 : 1e-3;
   state.is_stopped = !Report(stage, state, 0);
   for (int i = 0; i < stage.max_iterations && !state.is_stopped; ++i) {
@@ -256,10 +256,10 @@ State FollowCameras(const RefinementLevel& level, const Stage& stage,
   return is_to_follow ? Iterate(stage, std::move(state)) : std::move(state);
 }
 
-// Goes on from the present surface by more labels: it is drawn again, and its
-// vertices account for more pixels.
-State GoOnByLabels(FacetLabels labels, int num_iterations, Stage* stage,
-                   State state) {
+// Continues from the current surface with more labels: it is drawn again, and
+// its vertices account for more pixels.
+State ContinueWithLabels(FacetLabels labels, int num_iterations, Stage* stage,
+                         State state) {
   stage->labels = std::move(labels);
   stage->is_final = true;
   stage->max_iterations = num_iterations;
@@ -286,15 +286,16 @@ State Finish(FacetLabels labels, const std::vector<View>& views, Stage* stage,
   };
   if (is_by_part) {
     FacetLabels part = in_smaller_view(labels.First(num_first));
-    state = GoOnByLabels(std::move(part), kIterations, stage, std::move(state));
+    state = ContinueWithLabels(std::move(part), kIterations, stage,
+                               std::move(state));
   }
   if (state.is_stopped) {
     return state;
   }
   labels = in_smaller_view(std::move(labels));
-  return GoOnByLabels(std::move(labels),
-                      is_by_part ? kIterations : 2 * kIterations, stage,
-                      std::move(state));
+  return ContinueWithLabels(std::move(labels),
+                            is_by_part ? kIterations : 2 * kIterations, stage,
+                            std::move(state));
 }
 
 }  // namespace
@@ -303,7 +304,7 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
                          const RefinementLevel& level, TriangleMesh mesh,
                          PhotometricEnergy* energy,
                          const OnLevelStep& on_step) {
-  // Of the smoothness, before anything is known of the surface. At the finest
+  // Weight of the smoothness before the surface is measured. At the finest
   // level an iteration changes it by a factor of 4.
   constexpr double kFirstWeight = 20;
   const bool is_classical =

@@ -40,8 +40,8 @@ struct RefinedLevel {
   size_t num_unconverged_solutions = 0;  // of linear systems
 };
 
-// Called after each step with the mesh as it is then, and before the first one;
-// returns whether to go on.
+// Called before the first step and after each step, with the current mesh;
+// returns whether to continue.
 using OnLevelStep =
     std::function<bool(const RefinementStep& step, const TriangleMesh& mesh)>;
 
@@ -50,19 +50,19 @@ using OnLevelStep =
 // Gauss-Newton's (or each vertex's by itself) made longer, limited to a part of
 // the edges' lengths and a pixel, shortened where it would turn a facet over or
 // let two cross, and halved until the energy falls. It ends after
-// options.iterations steps, or when a step gains next to nothing.
+// options.iterations steps, or when a step hardly lowers the energy.
 //
 // The first `pairs_per_facet` labels of each facet are used first, all of them
-// in the final iterations, which the finest level alone has: progress needs
-// many iterations, but the noise that remains depends on the last ones only.
+// in the final iterations, which only the finest level has: progress needs many
+// iterations, but the remaining noise depends only on the last ones.
 //
-// The surface is to be smooth (refine/thin_plate.h) at the finest level, where
-// it is seen. Elsewhere, and at the coarser levels, it is the motion of the
-// level that is to be smooth: coarse images can not tell fine relief from
-// noise, and must not flatten it; and what is not compared follows what lies
-// around it. After two iterations at the finest level the smoothness aims at
-// the part of the input's relief that the refined surface shows too
-// (refine/relief.h). How much smoothness weighs there is taken from the surface
+// At the finest level the visible surface is smoothed (refine/thin_plate.h).
+// Elsewhere, and at the coarser levels, only the motion of the level is
+// smoothed: coarse images can not distinguish fine relief from noise, and must
+// not flatten it; and facets that are not compared follow their surroundings.
+// After two iterations at the finest level the smoothness aims at the part of
+// the input's relief that the refined surface shows too (refine/relief.h). How
+// much smoothness weighs there is taken from the surface
 // (refine/smoothness_weights.h).
 //
 // \pre `energy` is set to the level

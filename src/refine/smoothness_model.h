@@ -18,7 +18,7 @@ struct Surface {
   PhotometricTerms terms;                // of the mesh
 };
 
-// What the smoothness knows of the vertices, wherever they are. All [V].
+// Input of the smoothness that does not depend on vertex positions. All [V].
 struct SmoothnessDomain {
   VertexRings rings;
   std::vector<float> footprints;       // of a pixel, scene units
@@ -30,15 +30,15 @@ struct SmoothnessDomain {
   FixedVertices fixed;
 };
 
-// What the smoothness asks of a surface.
+// Targets of the smoothness for a surface.
 struct SmoothnessTarget {
   double weight = 0;            // a of the whole surface
   std::vector<double> weights;  // [V] a, see ThinPlate
   std::vector<double> relief;   // [V] r, see ThinPlate, scene units
 };
 
-// A target, and how far a surface is from it: plate.residuals + target.relief
-// is the surface's own relief wherever there is smoothness.
+// A target, and the deviation of a surface from it: plate.residuals +
+// target.relief is the surface's own relief wherever there is smoothness.
 struct SmoothnessModel {
   SmoothnessTarget target;
   ThinPlate plate;

@@ -11,12 +11,12 @@
 
 namespace colmap_ext {
 
-// Where on the old surface a vertex of the new mesh lies, and what is wanted
+// The position of a vertex of the new mesh on the old surface, and the targets
 // there.
 struct Anchor {
   SurfacePoint source;
   Eigen::Vector3f normal{0, 0, 0};  // of the old surface, unit
-  float length = 0;                 // of edges, wanted, scene units
+  float length = 0;                 // target length of edges, scene units
   float tolerance = 0;              // distance allowed, scene units
 };
 

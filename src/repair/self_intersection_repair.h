@@ -26,7 +26,7 @@ inline constexpr int kMaxRepairRounds = 8;
 // cluster of facets that intersect, and as many rings around them as there were
 // rounds, are smoothed a little or much, or pushed along their normals a little
 // or much, outwards or inwards, whichever is allowed first. If nothing is, the
-// same is tried around each pair by itself where there are few, and at last
+// same is tried around each pair by itself where there are few, and finally
 // edges of the cluster are flipped. A change is allowed only if it removes
 // pairs, makes no new ones and turns no facet over (GuardedMesh). So the pairs
 // that remain are pairs of before, but for those of flipped edges.

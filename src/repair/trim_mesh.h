@@ -25,23 +25,22 @@ struct TrimmedMesh {
   TrimReport report;
 };
 
-// Drops what is not confident from a surface (docs/method.md, section 3.7).
+// Drops the parts of low confidence from a surface (docs/method.md, section
+// 3.7).
 //
 // Facets below min_confidence that are connected through edges are a region.
-// It stays where it is but a gap in good surface: where it reaches no border of
-// the mesh and is not larger than `num_rings` rings of confident facets around
-// it. With the
-// others go pieces of what is left that they cut off and that are next to
-// nothing but border: of no more vertices inside than at their border. This is
-// repeated until nothing is dropped. The borders that this opens are smoothed
-// along themselves; all other vertices stay where they are. Where nothing is
-// dropped the mesh stays as it is, and trimming the result again with the same
-// confidences drops nothing.
+// A region is kept if it is only a gap in good surface: if it reaches no border
+// of the mesh and is not larger than `num_rings` rings of confident facets
+// around it. The other regions are dropped, and so are the pieces that they cut
+// off and that consist of little but border: with no more vertices inside than
+// at their border. This is repeated until nothing is dropped. The borders that
+// this opens are smoothed along themselves; all other vertices stay where they
+// are. Where nothing is dropped the mesh stays as it is, and trimming the
+// result again with the same confidences drops nothing.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]
-// \param num_rings  positive: how far what is known tells what is not; a mesh
-//        of small facets needs more of them.
+// \param num_rings  positive; a mesh of small facets needs more rings.
 // \pre the mesh is manifold
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,

@@ -108,7 +108,7 @@ class Certifier {
     }
   }
 
-  // Where what is around the tile lies in a plane.
+  // If the first vertices lie in a plane.
   void AddAllVertices() {
     for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
       for (uint32_t i = 0; i < SizeOf(block); ++i) {
@@ -155,11 +155,11 @@ class Certifier {
       }
       const bool is_star = HasOwnVertex(cell);
       bool is_beside = false;
-      for (const uint32_t mate : complex_.cells[cell].mates) {
+      for (const uint32_t mirror : complex_.cells[cell].mirror_facets) {
         if (is_star) {
-          cells.push_back(mate / 4);
+          cells.push_back(mirror / 4);
         }
-        is_beside = is_beside || HasOwnVertex(mate / 4);
+        is_beside = is_beside || HasOwnVertex(mirror / 4);
       }
       if (is_star || is_beside) {
         cells.push_back(cell);

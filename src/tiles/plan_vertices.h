@@ -13,9 +13,9 @@
 
 namespace colmap_ext {
 
-// What a job knows of all vertices of a plan without holding them. Vertices are
-// numbered tile after tile, and along a space-filling curve in each tile; a
-// block is a range of them within one tile.
+// Out-of-core block index of all vertices of a plan. Vertices are numbered tile
+// after tile, and along a space-filling curve in each tile; a block is a range
+// of them within one tile.
 struct PlanBlocks {
   std::vector<uint32_t> tile_begins{0};    // [tiles + 1], blocks
   std::vector<uint32_t> begins{0};         // [blocks + 1], vertices

@@ -11,8 +11,8 @@
 
 namespace colmap_ext {
 
-// A coarse picture of a part of space, to tell which rays can not pass through
-// it: voxels of a box, marked where the part reaches into them.
+// A coarse voxel mask of a part of space, to exclude rays that can not pass
+// through it: voxels of a box are marked if the part reaches into them.
 class RayMask {
  public:
   static constexpr int kSize = 128;  // voxels an axis
@@ -28,7 +28,7 @@ class RayMask {
   // To be called after the last mark.
   void Finish();
 
-  // Whether a way may pass through what is marked.
+  // Whether a ray may pass through marked voxels.
   // \param direction  unit
   // \param length  scene units, or infinity
   bool MayPass(const Eigen::Vector3d& from, const Eigen::Vector3d& direction,

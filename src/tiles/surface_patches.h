@@ -16,8 +16,8 @@ namespace colmap_ext {
 
 // A surface that jobs change piece by piece. Its base is a mesh in blocks; the
 // job of a tile leaves a patch, which removes facets of the base and of patches
-// before it, and adds others. Vertices and facets have identities, which all
-// jobs know them by.
+// before it, and adds others. Vertices and facets have identities that all jobs
+// share.
 
 // A vertex, or a facet, of the base or of a patch.
 using SurfaceId = uint64_t;

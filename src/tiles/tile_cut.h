@@ -27,7 +27,7 @@ struct TileCutOptions {
   int seam_rings = 4;
 };
 
-// A tile with what the votes and the cut say of its star cells.
+// A tile, and the votes and labels of its star cells.
 struct TileCut {
   TileTetrahedra tile;
   // [cells] kInner and kShared are the star cells that belong to the tile

@@ -13,11 +13,11 @@
 
 namespace colmap_ext {
 
-// In place of the label of a cell that is not the tile's.
+// In place of the label of a cell that does not belong to the tile.
 inline constexpr uint8_t kOutside = 3;
 
-// A cell of the tile whose label it could not tell, with all that the cut of
-// the seams needs. Arrays of four are by the corners of the key: what lies
+// A cell of the tile whose label it could not determine, with all that the cut
+// of the seams needs. Arrays of four are by the corners of the key: what lies
 // across the facet opposite to each.
 struct UnknownCell {
   CellKey key;
@@ -32,13 +32,13 @@ struct UnknownCell {
   bool operator==(const UnknownCell&) const = default;
 };
 
-// A cell of the tile with vertices of others, too, whose label it could tell.
+// A cell of the tile with vertices of others, too, whose label is known.
 struct SharedCell {
   CellKey key;
   uint32_t label;  // kMatter or kFreeSpace; as wide as the key, without gaps
 };
 
-// What a tile leaves for the cut of the seams; keys ascend.
+// The result of a tile for the cut of the seams; keys ascend.
 struct TileSeam {
   std::vector<UnknownCell> unknown;
   std::vector<SharedCell> shared;
@@ -46,7 +46,7 @@ struct TileSeam {
 
 TileSeam SeamOf(const TileCut& cut);
 
-// What a tile leaves for the surface.
+// The result of a tile for the surface.
 struct TilePart {
   // All points are 0.
   TileTetrahedra tile;
@@ -66,7 +66,7 @@ struct PartCells {
   FlowCapacities graph;
 };
 
-// What the tiles of a plan have left, to be read one after the other.
+// The results of the tiles of a plan, read one after the other.
 class TileParts {
  public:
   virtual ~TileParts() = default;

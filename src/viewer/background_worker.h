@@ -17,7 +17,7 @@ class BackgroundWorker {
  public:
   using Job = std::function<void()>;
 
-  // \param on_error  is told by the worker's thread what a job has thrown.
+  // \param on_error  called by the worker's thread with a job's exception.
   explicit BackgroundWorker(
       std::function<void(const std::exception& error)> on_error)
       : on_error_(std::move(on_error)), thread_([this] { Work(); }) {}
@@ -41,8 +41,8 @@ class BackgroundWorker {
     changed_.notify_all();
   }
 
-  // Before all that wait, and in place of those of its kind: what somebody
-  // waits for who does not want the earlier ones any more.
+  // Runs before all waiting jobs and replaces the urgent ones of its kind,
+  // whose results are no longer needed.
   void AddUrgent(const std::string& kind, Job job) {
     {
       const std::lock_guard lock(mutex_);
@@ -75,7 +75,7 @@ class BackgroundWorker {
     }
   }
 
-  // Whatever a job throws, the thread goes on.
+  // The thread continues, whatever a job throws.
   void Do(const Job& job) noexcept {
     try {
       try {

@@ -13,8 +13,8 @@
 
 namespace colmap_ext {
 
-// What the viewer asks of the program that it is part of. All return at once;
-// what they load comes by the SceneInbox.
+// Callbacks of the viewer into the program that it is part of. All return at
+// once; the SceneInbox delivers the loaded data.
 struct ViewerHost {
   // \param index  of the view in the scene.
   std::function<void(size_t index, const View& view)> load_image;
@@ -23,10 +23,10 @@ struct ViewerHost {
                      const View& first, const View& second)>
       match_facet;
 
-  // \return what became of it, in one line.
+  // \return the outcome, in one line.
   std::function<std::string(const ColorImage& picture)> save_picture;
 
-  // Holds what is being computed, or lets it go on. Empty: there is nothing.
+  // Pauses or resumes the computation. Empty: there is none.
   std::function<void(bool is_paused)> pause;
 };
 

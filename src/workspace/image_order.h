@@ -79,7 +79,7 @@ struct OrderQuestion {
 //
 // \param wanted  the only order that is tried; nothing for all.
 // \pre question.visibility has as many rows as the cloud has points
-// \throw FileError if none passes, it can not be told which is right, or the
+// \throw FileError if none passes, the result is ambiguous, or the
 //        model does not have the wanted one.
 VerifiedOrder FindImageOrder(const OrderQuestion& question,
                              std::optional<ImageOrderKind> wanted);

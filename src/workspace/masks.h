@@ -38,8 +38,8 @@ struct MaskReport {
   size_t num_masked_points = 0;        // that no view sees any more, dropped
 };
 
-// Drops the views that see a point in a masked pixel from the point, and the
-// points that no view is left of.
+// Removes from each point the views that see it in a masked pixel, and drops
+// points without remaining views.
 MaskReport MaskCloud(const ReadGrayImage& read_mask,
                      const std::vector<View>& views, PointCloud* cloud);
 

@@ -1,13 +1,13 @@
-# A room is a folder under src/ and a static library colmap_ext_<name>.
+# A module is a folder under src/ and a static library colmap_ext_<name>.
 #
-#   add_room(<name> [DEPENDS <room>...] [LIBS <target>...]
-#            [PRIVATE_LIBS <target>...])
+#   add_module(<name> [DEPENDS <module>...] [LIBS <target>...]
+#              [PRIVATE_LIBS <target>...])
 #
-# Its files are included as "<name>/file.h". The include folder of a room holds
-# nothing but a link to that room, so that including one that is not among
-# DEPENDS (or their own dependencies) fails at build.
-function(add_room name)
-  cmake_parse_arguments(ROOM "" "" "DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+# Its files are included as "<name>/file.h". The include folder of a module
+# holds nothing but a link to that module, so including a module that is not
+# among DEPENDS (or their own dependencies) fails at build.
+function(add_module name)
+  cmake_parse_arguments(MODULE "" "" "DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/src/${name})
   set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
   set(target colmap_ext_${name})
@@ -20,7 +20,7 @@ function(add_room name)
     add_library(${target} STATIC ${sources})
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE colmap_ext_flags
-                                            ${ROOM_PRIVATE_LIBS})
+                                            ${MODULE_PRIVATE_LIBS})
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     colmap_ext_compile_in_batches(${target})
   else()  # Headers only.
@@ -28,7 +28,7 @@ function(add_room name)
     set(scope INTERFACE)
   endif()
 
-  list(TRANSFORM ROOM_DEPENDS PREPEND colmap_ext_)
+  list(TRANSFORM MODULE_DEPENDS PREPEND colmap_ext_)
   target_include_directories(${target} ${scope} ${include_dir})
-  target_link_libraries(${target} ${scope} ${ROOM_DEPENDS} ${ROOM_LIBS})
+  target_link_libraries(${target} ${scope} ${MODULE_DEPENDS} ${MODULE_LIBS})
 endfunction()
