@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "formats/atomic_file.h"
 #include "scene/region.h"
 #include "scene/view.h"
 
@@ -36,10 +37,12 @@ struct RegionOption {
 // Where the region is written that was found: "mesh.region.txt" for "mesh.ply".
 std::filesystem::path RegionPath(const std::filesystem::path& mesh_path);
 
-// Writes the region that was found where it was asked for, beside the mesh.
+// Writes the region that was found where it was asked for, beside the mesh and
+// together with it.
 // \throw FileError if it can not be written.
 void WriteFoundRegion(const RegionOption& option,
                       const std::optional<Region>& region,
-                      const std::filesystem::path& mesh_path);
+                      const std::filesystem::path& mesh_path,
+                      AtomicFiles* together);
 
 }  // namespace colmap_ext
