@@ -27,6 +27,7 @@
 #include "mesh/pixel_footprint.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
+#include "workspace/expect_outputs.h"
 #include "workspace/find_workspace.h"
 #include "workspace/masks.h"
 #include "workspace/workspace.h"
@@ -64,20 +65,23 @@ HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
 
 // Called before the points are read, so that an unwritable output fails early.
 std::filesystem::path FindOutputPath(const MesherOptions& options) {
-  const std::filesystem::path input_path = options.InputPath();
-  const std::filesystem::path output_path =
-      options.OutputPath(options.workspace.input_type == InputType::kDense
-                             ? FindDenseFolder(input_path, options.workspace)
-                             : input_path);
-  ExpectWritable(output_path);
-  ExpectWritable(VisibilityPath(output_path));
+  std::filesystem::path folder = options.InputPath();
+  if (options.workspace.input_type == InputType::kDense) {
+    folder = FindDenseFolder(folder, options.workspace);
+  }
+  const std::filesystem::path output = options.OutputPath(folder);
+  std::vector<std::filesystem::path> outputs = {output, VisibilityPath(output),
+                                                options.report_path};
   if (options.scene.region.is_auto) {
-    ExpectWritable(RegionPath(output_path));
+    outputs.push_back(RegionPath(output));
   }
-  if (!options.report_path.empty()) {
-    ExpectWritable(options.report_path);
-  }
-  return output_path;
+  std::vector<std::filesystem::path> inputs = WorkspaceInputs(
+      folder, options.words.fused_path, options.workspace.sparse_path);
+  inputs.insert(inputs.end(),
+                {options.scene.mask_path, options.scene.transform_path,
+                 options.scene.region.text});
+  ExpectOutputs(outputs, inputs);
+  return output;
 }
 
 // The views at the sizes of their cameras, if those are requested and differ.
@@ -206,8 +210,11 @@ void MeshWorkspace(const MesherOptions& options,
       MeshManifold(input.meshing, has_page ? cloud : std::move(cloud), views,
                    progress, input.masked.ends);
   Report(progress, "Writing the mesh", 0);
-  WriteMesh(output_path, mesh.mesh, mesh.attributes, options.scene.transform);
-  WriteFoundRegion(options.scene.region, input.meshing.region, output_path);
+  AtomicFiles files;
+  WriteMesh(output_path, mesh.mesh, mesh.attributes, options.scene.transform,
+            &files);
+  WriteFoundRegion(options.scene.region, input.meshing.region, output_path,
+                   &files);
   PagePictures pictures;
   if (has_page) {
     Report(progress, "Drawing the report", 0);
@@ -223,8 +230,10 @@ void MeshWorkspace(const MesherOptions& options,
     WriteText(options.report_path,
               MeshingPage({"delaunay_manifold_mesher", output_path.string(),
                            Versions(), page_options},
-                          log, pictures));
+                          log, pictures),
+              &files);
   }
+  files.Commit();
   std::cout << "\nWrote " << output_path.string() << " and "
             << VisibilityPath(output_path).string() << std::endl;
 }

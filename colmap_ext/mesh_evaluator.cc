@@ -15,9 +15,9 @@
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/write_png.h"
 #include "evaluation/mesh_evaluation.h"
 #include "formats/atomic_file.h"
+#include "formats/encode_png.h"
 #include "formats/errors.h"
 #include "formats/read_depth_map.h"
 #include "formats/read_ply_mesh.h"
@@ -25,6 +25,7 @@
 #include "pictures/error_colors.h"
 #include "pictures/error_picture.h"
 #include "pictures/picture_views.h"
+#include "workspace/expect_outputs.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
 
@@ -44,12 +45,18 @@ CommandAdvice Advice() {
 
 // Before the work.
 void CheckOutputs(const EvaluatorOptions& options) {
-  for (const std::string& path :
-       {options.json_path, options.error_mesh_path, options.picture_path}) {
-    if (!path.empty()) {
-      ExpectWritable(path);
-    }
+  std::vector<fs::path> inputs;
+  if (!options.workspace_path.empty()) {
+    inputs = WorkspaceInputs(options.workspace_path, {}, options.sparse_path);
   }
+  inputs.insert(inputs.end(), {options.mesh_path, options.observability_mask,
+                               options.region.text});
+  if (!fs::is_directory(options.truth_path)) {
+    inputs.emplace_back(options.truth_path);
+  }
+  ExpectOutputs(
+      {options.json_path, options.error_mesh_path, options.picture_path},
+      inputs);
 }
 
 // Of the workspace; empty without one.
@@ -136,7 +143,8 @@ View PictureView(const EvaluatorOptions& options, const TriangleMesh& mesh,
 }
 
 void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
-                 const Truth& truth, const View& view, double max_distance) {
+                 const Truth& truth, const View& view, double max_distance,
+                 AtomicFiles* files) {
   const std::vector<double> errors = VertexErrors(mesh, truth, max_distance);
   const double scale =
       options.error_scale > 0 ? options.error_scale : ErrorScale(errors);
@@ -146,10 +154,11 @@ void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
     colors.push_back(ErrorColor(error, scale));
   }
   if (!options.error_mesh_path.empty()) {
-    WriteColoredMesh(options.error_mesh_path, mesh, colors);
+    WriteColoredMesh(options.error_mesh_path, mesh, colors, files);
   }
   if (!options.picture_path.empty()) {
-    WritePng(options.picture_path, DrawErrors(mesh, colors, view, scale));
+    WriteText(options.picture_path,
+              EncodePng(DrawErrors(mesh, colors, view, scale)), files);
   }
 }
 
@@ -166,14 +175,16 @@ void Evaluate(const EvaluatorOptions& options) {
   observability.region = options.region.Resolve(views, sparse_points);
   const MeshEvaluation evaluation = EvaluateMesh(
       options.evaluation, mesh, truth, views, observability, progress);
+  AtomicFiles files;
   if (!options.error_mesh_path.empty() || !options.picture_path.empty()) {
     Report(progress, "Colouring the errors", 0);
     WriteErrors(options, mesh, truth, picture_view,
-                evaluation.distances->max_distance);
+                evaluation.distances->max_distance, &files);
   }
   if (!options.json_path.empty()) {
-    WriteText(options.json_path, EvaluationJson(options, evaluation));
+    WriteText(options.json_path, EvaluationJson(options, evaluation), &files);
   }
+  files.Commit();
   reporter.Finish();
   ReportLog log(&std::cout);
   PrintReport(observability.region, &log);

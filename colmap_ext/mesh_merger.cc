@@ -5,7 +5,6 @@
 
 #include "colmap_ext/commands.h"
 #include "colmap_ext/large_blocks.h"
-#include "colmap_ext/options/region_option.h"
 #include "colmap_ext/options/tiling_options.h"
 #include "colmap_ext/refinement/refinement_state.h"
 #include "colmap_ext/report/print_lines.h"
@@ -16,7 +15,6 @@
 #include "colmap_ext/tiling/merge_plan.h"
 #include "colmap_ext/tiling/merge_refined.h"
 #include "formats/atomic_file.h"
-#include "formats/read_region.h"
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 
@@ -49,10 +47,6 @@ void MergeTiles(const MergerOptions& options) {
   const Progress progress = reporter.AsProgress();
   const MergeReport report = MergePlan(options.plan_path, options.output_path,
                                        options.transform, progress);
-  if (report.found_region) {
-    WriteText(RegionPath(options.output_path),
-              RegionText(*report.found_region));
-  }
   reporter.Finish();
   ReportLog log(&std::cout);
   PrintHeading("Tiles", &log);

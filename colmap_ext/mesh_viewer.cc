@@ -16,11 +16,11 @@
 #include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/viewing/viewer_workspace.h"
 #include "colmap_ext/write_png.h"
-#include "formats/atomic_file.h"
 #include "viewer/mesh_colors.h"
 #include "viewer/scene_inbox.h"
 #include "viewer/viewer_session.h"
 #include "viewer/viewer_window.h"
+#include "workspace/expect_outputs.h"
 
 namespace colmap_ext {
 
@@ -77,9 +77,18 @@ ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
 void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
   const ShownScene scene = ReadScene(options, paths, ColmapPictureDecoder());
   const std::vector<Screenshot> screenshots = PlanScreenshots(options, scene);
+  std::vector<std::filesystem::path> outputs;
   for (const Screenshot& screenshot : screenshots) {
-    ExpectWritable(screenshot.path);
+    outputs.push_back(screenshot.path);
   }
+  std::vector<std::filesystem::path> inputs;
+  if (!paths.folder.empty()) {
+    inputs = WorkspaceInputs(paths.folder, {}, options.sparse_path);
+  }
+  for (const ShownMeshPaths& mesh : paths.meshes) {
+    inputs.insert(inputs.end(), {mesh.mesh, mesh.labels, mesh.errors});
+  }
+  ExpectOutputs(outputs, inputs);
   const std::string renderer =
       DrawScreenshots(options, scene, screenshots, &WritePng);
   for (const Screenshot& screenshot : screenshots) {

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -28,6 +29,7 @@
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
 #include "refine/remesh_for_images.h"
+#include "workspace/expect_outputs.h"
 #include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
@@ -69,11 +71,13 @@ class Refiner {
     if (refined.report.is_stopped) {
       GiveUp(refined.report);
     }
-    Write(refined);
+    AtomicFiles files;
+    Write(refined, &files);
     const PagePictures pictures = Draw(refined);
     reporter_.Finish();
     Print(refined);
-    WritePage(refined.report.steps, pictures);
+    WritePage(refined.report.steps, pictures, &files);
+    Commit(refined, &files);
     PrintFiles(refined.report);
   }
 
@@ -207,7 +211,9 @@ class Refiner {
 
   [[noreturn]] void GiveUp(const RefinementReport& report) {
     reporter_.Finish();
-    WriteReport(report);
+    AtomicFiles files;
+    WriteReport(report, &files);
+    files.Commit();
     if (!is_state_ours_) {
       throw Interruption(signal_,
                          "no level was complete, and nothing was written");
@@ -218,13 +224,28 @@ class Refiner {
                            "; --resume 1 goes on from it");
   }
 
-  void Write(const RefinedMesh& refined) {
+  void Write(const RefinedMesh& refined, AtomicFiles* files) {
     Report(progress_, "Writing the mesh", 0);
     ExpectManifold(refined.mesh);
     if (live_ != nullptr) {
       live_->Show(refined.mesh, refined.attributes, "writing");
     }
-    // First: without it a mesh of refined cameras is of little use.
+    WriteMesh(paths_.output, refined.mesh, refined.attributes,
+              options_.scene.transform, files);
+    WriteFoundRegion(options_.scene.region, input_.region, paths_.output,
+                     files);
+    WriteReport(refined.report, files);
+    if (!options_.labels_path.empty()) {
+      Report(progress_, "Drawing the labels", 0);
+      WriteLabels(options_.labels_path, options_.LabelsPicturePath(),
+                  refined.mesh, refined.labels, refined.views, files);
+    }
+  }
+
+  // All files or none: the cameras, a folder, where the others are on the disk
+  // and have only to get their names.
+  void Commit(const RefinedMesh& refined, AtomicFiles* files) {
+    files->Sync();
     if (AreCamerasRefined(refined.report)) {
       WriteSparseModel(
           paths_.refined_sparse,
@@ -234,17 +255,9 @@ class Refiner {
               input_.camera_parts == RefinedParts::kPosesIntrinsics,
               refined.track_positions));
     }
-    WriteMesh(paths_.output, refined.mesh, refined.attributes,
-              options_.scene.transform);
-    WriteFoundRegion(options_.scene.region, input_.region, paths_.output);
+    files->Commit();
     if (is_state_ours_) {
       RemoveState(paths_.output, level_);
-    }
-    WriteReport(refined.report);
-    if (!options_.labels_path.empty()) {
-      Report(progress_, "Drawing the labels", 0);
-      WriteLabels(options_.labels_path, options_.LabelsPicturePath(),
-                  refined.mesh, refined.labels, refined.views);
     }
   }
 
@@ -255,10 +268,10 @@ class Refiner {
 
   bool HasReport() const { return !options_.report_path.empty(); }
 
-  void WriteReport(const RefinementReport& report) const {
+  void WriteReport(const RefinementReport& report, AtomicFiles* files) const {
     if (HasReport()) {
-      WriteText(options_.StepsPath(), StepsCsv(report.steps));
-      WriteText(options_.PlotPath(), StepsPlot(report.steps));
+      WriteText(options_.StepsPath(), StepsCsv(report.steps), files);
+      WriteText(options_.PlotPath(), StepsPlot(report.steps), files);
     }
   }
 
@@ -274,12 +287,13 @@ class Refiner {
   }
 
   void WritePage(const std::vector<RefinementStep>& steps,
-                 const PagePictures& pictures) const {
+                 const PagePictures& pictures, AtomicFiles* files) const {
     if (HasReport()) {
       WriteText(options_.PagePath(),
                 RefinementPage({"facetwise_refiner", paths_.output.string(),
                                 Versions(), page_options_},
-                               log_, steps, pictures));
+                               log_, steps, pictures),
+                files);
     }
   }
 
@@ -353,9 +367,8 @@ class Refiner {
 
 void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
   const fs::path& output = paths.output;
-  ExpectWritable(output);
-  ExpectWritable(VisibilityPath(output));
-  ExpectWritable(StatePath(output));
+  std::vector<fs::path> outputs = {output, VisibilityPath(output),
+                                   StatePath(output)};
   if (options.refinement.cameras.parts != RefinedParts::kNone) {
     std::error_code ignored;
     ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
@@ -363,17 +376,23 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
                        : paths.refined_sparse);
   }
   if (options.scene.region.is_auto) {
-    ExpectWritable(RegionPath(output));
+    outputs.push_back(RegionPath(output));
   }
   if (!options.report_path.empty()) {
-    ExpectWritable(options.StepsPath());
-    ExpectWritable(options.PlotPath());
-    ExpectWritable(options.PagePath());
+    outputs.insert(outputs.end(), {options.StepsPath(), options.PlotPath(),
+                                   options.PagePath()});
   }
   if (!options.labels_path.empty()) {
-    ExpectWritable(options.labels_path);
-    ExpectWritable(options.LabelsPicturePath());
+    outputs.insert(outputs.end(),
+                   {options.labels_path, options.LabelsPicturePath()});
   }
+  std::vector<fs::path> inputs =
+      WorkspaceInputs(paths.folder, paths.fused, options.sparse_path);
+  inputs.insert(
+      inputs.end(),
+      {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,
+       options.scene.transform_path, options.scene.region.text});
+  ExpectOutputs(outputs, inputs);
 }
 
 void RunRefinement(const RefinerOptions& options, const RefinementPaths& paths,

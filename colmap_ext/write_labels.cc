@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "colmap_ext/write_png.h"
+#include "formats/encode_png.h"
 #include "formats/write_labeled_mesh.h"
 #include "pictures/mesh_renderer.h"
 #include "pictures/picture_views.h"
@@ -13,7 +13,7 @@ namespace colmap_ext {
 void WriteLabels(const std::filesystem::path& path,
                  const std::filesystem::path& picture_path,
                  const TriangleMesh& mesh, const FacetLabels& labels,
-                 const std::vector<View>& views) {
+                 const std::vector<View>& views, AtomicFiles* together) {
   constexpr int kWidth = 1024;  // px, of the picture
   constexpr int kHeight = 768;  // px
   MeshLabels best;
@@ -26,9 +26,11 @@ void WriteLabels(const std::filesystem::path& path,
     best.labels.push_back(row.empty() ? -1 : static_cast<int32_t>(row[0]));
     best.colors.push_back(LabelColor(best.labels.back()));
   }
-  WriteLabeledMesh(path, mesh, best);
-  WritePng(picture_path, RenderLabels(mesh, best.labels,
-                                      AutomaticView(mesh, kWidth, kHeight)));
+  WriteLabeledMesh(path, mesh, best, together);
+  WriteText(picture_path,
+            EncodePng(RenderLabels(mesh, best.labels,
+                                   AutomaticView(mesh, kWidth, kHeight))),
+            together);
 }
 
 }  // namespace colmap_ext

@@ -1,7 +1,6 @@
 #include "colmap_ext/options/region_option.h"
 
 #include "colmap_ext/errors.h"
-#include "formats/atomic_file.h"
 #include "formats/read_region.h"
 #include "scene/focus_region.h"
 
@@ -47,9 +46,10 @@ std::filesystem::path RegionPath(const std::filesystem::path& mesh_path) {
 
 void WriteFoundRegion(const RegionOption& option,
                       const std::optional<Region>& region,
-                      const std::filesystem::path& mesh_path) {
+                      const std::filesystem::path& mesh_path,
+                      AtomicFiles* together) {
   if (option.is_auto && region) {
-    WriteText(RegionPath(mesh_path), RegionText(*region));
+    WriteText(RegionPath(mesh_path), RegionText(*region), together);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "formats/atomic_file.h"
 #include "scene/region.h"
 #include "scene/view.h"
 
@@ -37,10 +38,11 @@ struct RegionOption {
 std::filesystem::path RegionPath(const std::filesystem::path& mesh_path);
 
 // Writes a region that was found automatically, if the option requests that,
-// beside the mesh.
+// beside the mesh and together with it.
 // \throw FileError if it can not be written.
 void WriteFoundRegion(const RegionOption& option,
                       const std::optional<Region>& region,
-                      const std::filesystem::path& mesh_path);
+                      const std::filesystem::path& mesh_path,
+                      AtomicFiles* together);
 
 }  // namespace colmap_ext

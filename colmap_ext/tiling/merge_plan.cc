@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "colmap_ext/options/region_option.h"
 #include "colmap_ext/tiling/plan.h"
 #include "colmap_ext/tiling/plan_files.h"
+#include "formats/read_region.h"
 #include "formats/write_mesh.h"
 #include "merging/fix_plan.h"
 #include "merging/labeled_parts.h"
@@ -90,10 +92,6 @@ MergeReport MergePlan(const fs::path& folder, const fs::path& output_path,
   ManifoldMeshingOptions options = MeshingOptionsOf(folder, plan).meshing;
   options.region = plan.region;
   MergeReport report;
-  if (const auto found = plan.options.find("region");
-      found != plan.options.end() && found->second == "auto") {
-    report.found_region = plan.region;
-  }
   const FilePlan vertices(folder, plan);
   const FileParts parts(folder, plan);
   report.num_tiles = plan.tiles.size();
@@ -107,7 +105,13 @@ MergeReport MergePlan(const fs::path& folder, const fs::path& output_path,
   FinishSurface(options, progress, &mesh);
   report.meshing = mesh.report;
   Report(progress, "Writing the mesh", 0);
-  WriteMesh(output_path, mesh.mesh, mesh.attributes, transform);
+  AtomicFiles files;
+  WriteMesh(output_path, mesh.mesh, mesh.attributes, transform, &files);
+  if (const auto found = plan.options.find("region");
+      found != plan.options.end() && found->second == "auto" && plan.region) {
+    WriteText(RegionPath(output_path), RegionText(*plan.region), &files);
+  }
+  files.Commit();
   return report;
 }
 

@@ -8,7 +8,6 @@
 
 #include "meshing/manifold_meshing.h"
 #include "scene/progress.h"
-#include "scene/region.h"
 
 namespace colmap_ext {
 
@@ -17,12 +16,11 @@ struct MergeReport {
   size_t num_cut_cells = 0;  // at the seams
   // Arcs between cells of two tiles that tell them differently (CutSeams).
   size_t num_contradictions = 0;
-  // That was found for the plan, by --region auto.
-  std::optional<Region> found_region;
   ManifoldMeshingReport meshing;
 };
 
-// Writes the mesh of a plan all of whose tiles are done, as WriteMesh() does.
+// Writes the mesh of a plan all of whose tiles are done, as WriteMesh() does,
+// and the region that was found for the plan beside it.
 // \param transform  of the mesh that is written
 // \throw FileError as RunTile(), where a tile is not done, and where the mesh
 //        can not be written

@@ -51,7 +51,7 @@ uint64_t Checksum(const std::vector<uint64_t>& words) {
 SectionWriter::SectionWriter(const std::filesystem::path& path,
                              const std::string& kind, uint64_t identity,
                              uint64_t num_sections)
-    : file_(path) {
+    : file_(files_.Add(path)) {
   Write(kind.data(), kKindLength);
   Write(&identity, sizeof(identity));
   Write(&num_sections, sizeof(num_sections));
@@ -59,7 +59,7 @@ SectionWriter::SectionWriter(const std::filesystem::path& path,
 
 void SectionWriter::Write(const void* bytes, size_t num_bytes) {
   const char* from = static_cast<const char*>(bytes);
-  file_.Write(from, num_bytes);
+  file_->Write(from, num_bytes);
   num_bytes_ += num_bytes;
   while (num_bytes > 0) {
     const size_t count = std::min(num_bytes, kSectionChunk - chunk_.size());
@@ -81,10 +81,9 @@ void SectionWriter::Commit() {
   if (!chunk_.empty()) {
     EndChunk();
   }
-  file_.Write(checksums_.data(), checksums_.size() * sizeof(uint64_t));
-  file_.Write(Tail{Checksum(checksums_), num_bytes_});
-  AtomicFile* const files[] = {&file_};
-  colmap_ext::Commit(files);
+  file_->Write(checksums_.data(), checksums_.size() * sizeof(uint64_t));
+  file_->Write(Tail{Checksum(checksums_), num_bytes_});
+  files_.Commit();
 }
 
 SectionReader::SectionReader(const std::filesystem::path& path,

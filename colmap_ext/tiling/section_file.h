@@ -44,7 +44,8 @@ class SectionWriter {
   void Write(const void* bytes, size_t num_bytes);
   void EndChunk();
 
-  AtomicFile file_;
+  AtomicFiles files_;
+  AtomicFile* file_;         // of files_
   std::vector<char> chunk_;  // that is not complete
   std::vector<uint64_t> checksums_;
   uint64_t num_bytes_ = 0;

@@ -196,6 +196,9 @@ void AtomicFile::Flush() {
 }
 
 void AtomicFile::Sync() {
+  if (descriptor_ < 0) {
+    return;
+  }
   Flush();
   const bool is_synced = fsync(descriptor_) == 0;
   const bool is_closed = close(descriptor_) == 0;
@@ -212,21 +215,31 @@ void AtomicFile::Rename() {
   temporary_path_.clear();
 }
 
-void Commit(std::span<AtomicFile* const> files) {
-  for (AtomicFile* file : files) {
+AtomicFile* AtomicFiles::Add(const std::filesystem::path& path) {
+  return files_.emplace_back(std::make_unique<AtomicFile>(path)).get();
+}
+
+void AtomicFiles::Sync() {
+  for (const auto& file : files_) {
     file->Sync();
   }
-  for (AtomicFile* file : files) {
+}
+
+void AtomicFiles::Commit() {
+  Sync();
+  for (const auto& file : files_) {
     file->Rename();
     SyncFolder(FolderOf(file->path_));
   }
 }
 
-void WriteText(const std::filesystem::path& path, const std::string& text) {
-  AtomicFile file(path);
-  file.Write(text.data(), text.size());
-  AtomicFile* const files[] = {&file};
-  Commit(files);
+void WriteText(const std::filesystem::path& path, const std::string& text,
+               AtomicFiles* together) {
+  AtomicFiles alone;
+  (together != nullptr ? together : &alone)
+      ->Add(path)
+      ->Write(text.data(), text.size());
+  alone.Commit();
 }
 
 }  // namespace colmap_ext

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <span>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,7 +30,7 @@ class AtomicFile {
   }
 
  private:
-  friend void Commit(std::span<AtomicFile* const> files);
+  friend class AtomicFiles;
 
   void Flush();
   void Sync();
@@ -43,14 +43,31 @@ class AtomicFile {
   std::vector<char> buffer_;
 };
 
-// Gives the files their names, in this order, after all of them have reached
-// the disk.
-// \throw FileError if that fails.
-void Commit(std::span<AtomicFile* const> files);
+// Files that belong together: if one of them can not be written, none appears.
+class AtomicFiles {
+ public:
+  // \throw FileError as AtomicFile
+  AtomicFile* Add(const std::filesystem::path& path);
+
+  // All of them reach the disk. Nothing is written to them afterwards.
+  // \throw FileError if the disk is full, or fails.
+  void Sync();
+
+  // The same, and gives them their names, in the order in which they were
+  // added.
+  // \throw FileError if that fails.
+  void Commit();
+
+ private:
+  std::vector<std::unique_ptr<AtomicFile>> files_;
+};
 
 // Writes a whole file.
+// \param together  to which it is added, for a Commit() later; nullptr: it
+//        appears at once
 // \throw FileError if it can not be written.
-void WriteText(const std::filesystem::path& path, const std::string& text);
+void WriteText(const std::filesystem::path& path, const std::string& text,
+               AtomicFiles* together = nullptr);
 
 // Ends the program as the signal does where nothing handles it, but removes the
 // temporary files before. May be called by a signal handler.

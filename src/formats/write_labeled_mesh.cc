@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "formats/atomic_file.h"
-
 namespace colmap_ext {
 
 namespace {
@@ -57,28 +55,29 @@ std::string Header(size_t num_vertices, size_t num_facets,
 }  // namespace
 
 void WriteLabeledMesh(const std::filesystem::path& path,
-                      const TriangleMesh& mesh, const MeshLabels& labels) {
-  AtomicFile file(path);
+                      const TriangleMesh& mesh, const MeshLabels& labels,
+                      AtomicFiles* together) {
+  AtomicFiles alone;
+  AtomicFile* file = (together != nullptr ? together : &alone)->Add(path);
   const std::vector<LabeledVertex> vertices = FindVertices(mesh, labels);
   const std::string header =
       Header(vertices.size(), mesh.facets.size(), labels.names);
-  file.Write(header.data(), header.size());
+  file->Write(header.data(), header.size());
   for (const LabeledVertex& vertex : vertices) {
-    file.Write(mesh.vertices[vertex.vertex].data(), 3 * sizeof(float));
-    file.Write(vertex.color);
-    file.Write(vertex.label);
+    file->Write(mesh.vertices[vertex.vertex].data(), 3 * sizeof(float));
+    file->Write(vertex.color);
+    file->Write(vertex.label);
   }
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    file.Write(uint8_t{3});
+    file->Write(uint8_t{3});
     for (const uint32_t vertex : mesh.facets[i]) {
       const auto it = std::lower_bound(
           vertices.begin(), vertices.end(),
           LabeledVertex{vertex, labels.labels[i], labels.colors[i]});
-      file.Write(static_cast<int32_t>(it - vertices.begin()));
+      file->Write(static_cast<int32_t>(it - vertices.begin()));
     }
   }
-  AtomicFile* const files[] = {&file};
-  Commit(files);
+  alone.Commit();
 }
 
 }  // namespace colmap_ext

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/atomic_file.h"
 #include "mesh/triangle_mesh.h"
 #include "scene/point_cloud.h"
 
@@ -22,8 +23,10 @@ struct MeshLabels {
 // for each of these labels; comments "label N: NAME" name the labels. Faces
 // have no properties of their own, which COLMAP 4 does not read. Facets keep
 // their order; vertices of no facet are left out.
+// \param together  as WriteText()
 // \throw FileError if it can not be written.
 void WriteLabeledMesh(const std::filesystem::path& path,
-                      const TriangleMesh& mesh, const MeshLabels& labels);
+                      const TriangleMesh& mesh, const MeshLabels& labels,
+                      AtomicFiles* together = nullptr);
 
 }  // namespace colmap_ext

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "formats/atomic_file.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -88,37 +87,39 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
 }
 
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
-               const VertexAttributes& attributes, const Transform& transform) {
-  AtomicFile visibility_file(VisibilityPath(path));
-  AtomicFile mesh_file(path);
+               const VertexAttributes& attributes, const Transform& transform,
+               AtomicFiles* together) {
+  AtomicFiles alone;
+  AtomicFiles& files = together != nullptr ? *together : alone;
+  AtomicFile* visibility_file = files.Add(VisibilityPath(path));
+  AtomicFile* mesh_file = files.Add(path);
   WriteHeader(
       path,
       {mesh.vertices.size(), mesh.facets.size(), !attributes.colors.empty(),
        !attributes.confidences.empty(), transform.has_value()},
-      &mesh_file);
+      mesh_file);
   WriteVertices(mesh.vertices, attributes.colors, attributes.confidences,
-                transform, &mesh_file);
-  WriteFacets(mesh.facets, &mesh_file);
-  visibility_file.Write(uint64_t{mesh.vertices.size()});
+                transform, mesh_file);
+  WriteFacets(mesh.facets, mesh_file);
+  visibility_file->Write(uint64_t{mesh.vertices.size()});
   for (size_t i = 0; i < attributes.views.size(); ++i) {
     const auto views = attributes.views[i];
-    visibility_file.Write(static_cast<uint32_t>(views.size()));
-    visibility_file.Write(views.data(), views.size_bytes());
+    visibility_file->Write(static_cast<uint32_t>(views.size()));
+    visibility_file->Write(views.data(), views.size_bytes());
   }
-  AtomicFile* const files[] = {&visibility_file, &mesh_file};
-  Commit(files);
+  alone.Commit();
 }
 
 void WriteColoredMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh,
-                      const std::vector<Color>& colors) {
-  AtomicFile file(path);
+                      const std::vector<Color>& colors, AtomicFiles* together) {
+  AtomicFiles alone;
+  AtomicFile* file = (together != nullptr ? together : &alone)->Add(path);
   WriteHeader(path, {mesh.vertices.size(), mesh.facets.size(), !colors.empty()},
-              &file);
-  WriteVertices(mesh.vertices, colors, {}, std::nullopt, &file);
-  WriteFacets(mesh.facets, &file);
-  AtomicFile* const files[] = {&file};
-  Commit(files);
+              file);
+  WriteVertices(mesh.vertices, colors, {}, std::nullopt, file);
+  WriteFacets(mesh.facets, file);
+  alone.Commit();
 }
 
 }  // namespace colmap_ext

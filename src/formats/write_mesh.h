@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "formats/atomic_file.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "scene/point_cloud.h"
@@ -23,15 +24,18 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path);
 //
 // \param transform  of the positions, homogeneous; they are double then, as the
 //        coordinates of maps need them
+// \param together  as WriteText()
 // \throw FileError if they can not be written.
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                const VertexAttributes& attributes,
-               const std::optional<Eigen::Matrix4d>& transform = std::nullopt);
+               const std::optional<Eigen::Matrix4d>& transform = std::nullopt,
+               AtomicFiles* together = nullptr);
 
 // The same without visibility and confidences.
 // \param colors  [V] or empty
 void WriteColoredMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh,
-                      const std::vector<Color>& colors);
+                      const std::vector<Color>& colors,
+                      AtomicFiles* together = nullptr);
 
 }  // namespace colmap_ext

@@ -7,9 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <system_error>
-#include <vector>
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
@@ -151,22 +149,15 @@ void MakeFolder(const std::filesystem::path& folder) {
 }
 
 void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
-  AtomicFile cameras(folder / "cameras.bin");
-  AtomicFile images(folder / "images.bin");
-  AtomicFile points(folder / "points3D.bin");
-  std::vector<AtomicFile*> files = {&cameras, &images, &points};
-  WriteCameras(model, &cameras);
-  WriteImages(model, &images);
-  WritePoints(model, &points);
-  std::optional<AtomicFile> rigs;
-  std::optional<AtomicFile> frames;
+  AtomicFiles files;
+  WriteCameras(model, files.Add(folder / "cameras.bin"));
+  WriteImages(model, files.Add(folder / "images.bin"));
+  WritePoints(model, files.Add(folder / "points3D.bin"));
   if (!model.frames.empty()) {
-    WriteRigs(model, &rigs.emplace(folder / "rigs.bin"));
-    WriteFrames(model, &frames.emplace(folder / "frames.bin"));
-    files.push_back(&*rigs);
-    files.push_back(&*frames);
+    WriteRigs(model, files.Add(folder / "rigs.bin"));
+    WriteFrames(model, files.Add(folder / "frames.bin"));
   }
-  Commit(files);
+  files.Commit();
 }
 
 }  // namespace

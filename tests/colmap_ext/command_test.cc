@@ -334,6 +334,37 @@ TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
                 "can not be written");
 }
 
+// A limit on the size of files stands for a full disk.
+TEST_P(CommandTest, OnAFullDiskAllFilesStayAsTheyWere) {
+  sphere_.Write(path_);
+  const fs::path page = path_ / "page.html";
+  const std::string arguments =
+      Workspace() + " --report_path \"" + page.string() + "\"";
+  ASSERT_EQ(Run(arguments).exit_code, 0);
+  ASSERT_GT(fs::file_size(page), fs::file_size(path_ / kMeshName));
+  for (const uintmax_t size :
+       {fs::file_size(page) / 2, fs::file_size(path_ / kMeshName) - 1}) {
+    WriteFile(path_ / kMeshName, "old");
+    WriteFile(page, "old");
+    const auto before = FilesOf(path_);
+    prefix_ = "trap '' XFSZ; prlimit --fsize=" + std::to_string(size) + " ";
+    ExpectRefusal(Run(arguments), "File too large");
+    EXPECT_TRUE(FilesOf(path_) == before);
+  }
+}
+
+TEST_P(CommandTest, RefusesToReplaceWhatItReads) {
+  sphere_.Write(path_);
+  const auto before = FilesOf(path_);
+  for (const char* name :
+       {"fused.ply", "sparse/cameras.bin", "fused.ply.vis"}) {
+    ExpectRefused(
+        Workspace() + " --report_path \"" + (path_ / name).string() + "\"",
+        "would be replaced");
+  }
+  EXPECT_TRUE(FilesOf(path_) == before);
+}
+
 TEST_P(CommandTest, RefusesReadOnlyWorkspaces) {
   sphere_.Write(path_);
   constexpr fs::perms kReadOnly =

@@ -507,6 +507,45 @@ TEST_F(FacetwiseRefinerTest, RefusesDistortedCameras) {
                 "image_undistorter");
 }
 
+// A limit on the size of files stands for a full disk.
+TEST_F(FacetwiseRefinerTest, OnAFullDiskAllFilesStayAsTheyWere) {
+  const std::string arguments =
+      Quote(kProgram) + " facetwise_refiner " + Workspace() +
+      " --FacetwiseRefinement.backend cpu --FacetwiseRefinement.levels 1"
+      " --FacetwiseRefinement.iterations 1 --region auto"
+      " --FacetwiseRefinement.refine_cameras poses" +
+      Option("labels_path", "labels.ply") + Option("report_path", "steps.csv");
+  ASSERT_EQ(RunShell(arguments).exit_code, 0);
+  std::set<uintmax_t> sizes = {0};
+  for (const char* name :
+       {kOutput, "meshed-refined.ply.vis", "meshed-refined.region.txt",
+        "sparse-refined/points3D.bin", "labels.ply", "labels.png", "steps.csv",
+        "steps.svg", "steps.html"}) {
+    sizes.insert(fs::file_size(path_ / name) - 1);
+    WriteFile(path_ / name, kEarlierOutput);
+  }
+  const auto before = FilesOf(path_);
+  for (const uintmax_t size : sizes) {
+    ExpectRefusal(RunShell("trap '' XFSZ; prlimit --fsize=" +
+                           std::to_string(size) + " " + arguments),
+                  "File too large");
+    EXPECT_TRUE(FilesOf(path_) == before) << size;
+  }
+}
+
+TEST_F(FacetwiseRefinerTest, RefusesToReplaceWhatItReads) {
+  const auto before = FilesOf(path_);
+  for (const auto& [option, name] : {std::pair("output_path", "fused.ply"),
+                                     {"labels_path", kInput},
+                                     {"report_path", "fused.ply.vis"},
+                                     {"labels_path", "images/0000.png"},
+                                     {"report_path", "sparse/cameras.bin"}}) {
+    ExpectRefusal(Run(Workspace() + Option(option, name)), "would be replaced");
+  }
+  ExpectRefused(Workspace() + Option("labels_path", kOutput), "two outputs");
+  EXPECT_TRUE(FilesOf(path_) == before);
+}
+
 TEST_F(FacetwiseRefinerTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   WriteFile(path_ / kInput, "not read");
   for (const char* option : {"output_path", "report_path", "labels_path"}) {

@@ -29,14 +29,13 @@ class AtomicFileTest : public testing::Test {
 TEST_F(AtomicFileTest, AppearsWhenCommitted) {
   WriteFile(path_ / "b", "old");
   {
-    AtomicFile a(path_ / "a");
-    AtomicFile b(path_ / "b");
-    WriteText("new a", &a);
-    WriteText("new b", &b);
+    AtomicFiles files;
+    WriteText("new a", files.Add(path_ / "a"));
+    colmap_ext::WriteText(path_ / "b", "new b", &files);
+    files.Sync();
     EXPECT_FALSE(fs::exists(path_ / "a"));
     EXPECT_EQ(ReadFile(path_ / "b"), "old");
-    AtomicFile* const files[] = {&a, &b};
-    Commit(files);
+    files.Commit();
   }
   EXPECT_EQ(List(path_), "a b");
   EXPECT_EQ(ReadFile(path_ / "a"), "new a");
@@ -57,13 +56,24 @@ TEST_F(AtomicFileTest, LeavesNothingBehindUncommitted) {
 TEST_F(AtomicFileTest, KeepsTheOldFileWhenTheDiskIsFull) {
   WriteFile(path_ / "a", "old");
   EXPECT_TRUE(FailsOnAFullDisk(1 << 20, [this] {
-    AtomicFile a(path_ / "a");
-    WriteText(std::string(3 << 20, 'x'), &a);
-    AtomicFile* const files[] = {&a};
-    Commit(files);
+    colmap_ext::WriteText(path_ / "a", std::string(3 << 20, 'x'));
   }));
   EXPECT_EQ(ReadFile(path_ / "a"), "old");
   EXPECT_EQ(List(path_), "a");
+}
+
+TEST_F(AtomicFileTest, OfFilesThatBelongTogetherNoneAppearsOnAFullDisk) {
+  WriteFile(path_ / "a", "old");
+  for (const size_t size : {20, 3 << 20}) {  // as it is written, and synced
+    EXPECT_TRUE(FailsOnAFullDisk(10, [&] {
+      AtomicFiles files;
+      colmap_ext::WriteText(path_ / "a", "new", &files);
+      colmap_ext::WriteText(path_ / "b", std::string(size, 'x'), &files);
+      files.Commit();
+    }));
+    EXPECT_EQ(ReadFile(path_ / "a"), "old");
+    EXPECT_EQ(List(path_), "a");
+  }
 }
 
 TEST_F(AtomicFileTest, RefusesPlacesThatCanNotBeWritten) {
@@ -106,10 +116,7 @@ TEST_F(AtomicFileTest, RefusesFoldersWithoutPermission) {
 TEST_F(AtomicFileTest, WritesThroughSymbolicLinks) {
   WriteFile(path_ / "there" / "file", "old");
   fs::create_symlink(path_ / "there" / "file", path_ / "link");
-  AtomicFile file(path_ / "link");
-  WriteText("new", &file);
-  AtomicFile* const files[] = {&file};
-  Commit(files);
+  colmap_ext::WriteText(path_ / "link", "new");
   EXPECT_TRUE(fs::is_symlink(path_ / "link"));
   EXPECT_EQ(ReadFile(path_ / "there" / "file"), "new");
 }

@@ -51,6 +51,16 @@ std::string List(const std::filesystem::path& folder) {
   return list;
 }
 
+std::map<std::filesystem::path, std::string> FilesOf(
+    const std::filesystem::path& folder) {
+  std::map<std::filesystem::path, std::string> files;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(folder)) {
+    files[entry.path()] = entry.is_directory() ? "" : ReadFile(entry.path());
+  }
+  return files;
+}
+
 bool FailsOnAFullDisk(size_t max_file_size,
                       const std::function<void()>& function) {
   constexpr int kFailed = 7;

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,10 @@ std::string ReadFile(const std::filesystem::path& path);
 
 // Names of all that is in a folder, sorted, separated by spaces.
 std::string List(const std::filesystem::path& folder);
+
+// The bytes of all files in a folder and below it; folders have none.
+std::map<std::filesystem::path, std::string> FilesOf(
+    const std::filesystem::path& folder);
 
 // Appends a number as it lies in memory, that is little-endian.
 template <typename T>

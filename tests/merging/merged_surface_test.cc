@@ -102,23 +102,18 @@ TEST(MergeSurface, IsThatOfOneMachineWithSingularVerticesFixed) {
 }
 
 TEST(MergeSurface, IsThatOfOneMachineOnALattice) {
-  for (const size_t num_tiles : {2, 8}) {
-    ExpectSameSurface(LatticeScene(1), num_tiles, true);
-    ExpectSameSurface(BoxScene(), num_tiles, false);
-    ExpectSameSurface(BoxScene(1 / 150.0f), num_tiles, true);
-  }
+  ExpectSameSurface(LatticeScene(1), 8, true);
+  ExpectSameSurface(BoxScene(1 / 150.0f), 2, false);
 }
 
 // As users merge.
 TEST(MergeSurface, IsManifoldOnALattice) {
-  for (const float unit : {1.0f, 1 / 400.0f}) {
-    for (SeenScene scene : {LatticeScene(2, unit), BoxScene(unit)}) {
-      scene.options.seam_rings = 4;
-      const TriangleMesh mesh =
-          SurfaceOfPlan(MergedPlan(scene, 4, FixingRule::kEnergy));
-      EXPECT_TRUE(Analyze(mesh).IsManifold()) << Analyze(mesh).Defects();
-      EXPECT_GT(mesh.facets.size(), 500u);
-    }
+  for (SeenScene scene : {LatticeScene(2, 1 / 400.0f), BoxScene()}) {
+    scene.options.seam_rings = 4;
+    const TriangleMesh mesh =
+        SurfaceOfPlan(MergedPlan(scene, 4, FixingRule::kEnergy));
+    EXPECT_TRUE(Analyze(mesh).IsManifold()) << Analyze(mesh).Defects();
+    EXPECT_GT(mesh.facets.size(), 500u);
   }
 }
 

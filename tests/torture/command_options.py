@@ -33,10 +33,11 @@ def _box(run):
     if run.chance(0.6):
         half = [max(half)] * 3
     center = [rng.uniform(l, h) for l, h in zip(base.low, base.high)]
-    if run.chance(0.5):  # holds one point or few
-        some = base.points[:10] if run.chance(0.5) else base.points
+    if run.chance(0.6):  # holds one point or few, which lie far from others
+        some = base.points[:20] if run.chance(0.7) else base.points
         center, distance = rng.choice(some)
-        half = [distance * rng.uniform(0.5, 3)] * 3
+        half = [distance * (1 / 1.3 if run.chance(0.5)
+                            else rng.uniform(0.5, 3))] * 3
     corners = ([c - h for c, h in zip(center, half)]
                + [c + h for c, h in zip(center, half)])
     return [f"{number:.7g}" for number in corners]
@@ -158,7 +159,7 @@ def add_options(run, place, command, options, keep=()):
         options[name] = _value(run, place, command, name)
     for name in ("region", "mask_path", "transform_path"):
         if (name in run.tools.options[command] and name not in keep
-                and run.chance(0.1)):
+                and run.chance(0.15)):
             options[name] = _value(run, place, command, name)
     for name, other in TOGETHER.items():
         if name in options and other not in options and run.chance(0.9):

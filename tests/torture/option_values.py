@@ -21,15 +21,16 @@ WILD = ["nan", "inf", "-inf", "infinity", "1e999", "1e308", "-1e308", "1e-308",
 
 
 def read_options(program, command):
-    """{name: (default, help)} of a command's options, without their dashes."""
+    """{name: (default, range, help)} of a command's options, without their
+    dashes."""
     path = pathlib.Path(__file__).resolve().parents[2] / "scripts/option_tables"
     loader = importlib.machinery.SourceFileLoader("option_tables", str(path))
     module = importlib.util.module_from_spec(
         importlib.util.spec_from_loader("option_tables", loader))
     loader.exec_module(module)
-    options = {name[2:]: (default, text) for name, default, text in
+    options = {name[2:]: tuple(rest) for name, *rest in
                module.read_options(program, command) if name.startswith("--")}
-    for name, (_, text) in options.items():
+    for name, (*_, text) in options.items():
         other = re.match(r"is --([\w.]+)", text)
         if other:
             options[name] = options[other[1]]
@@ -69,7 +70,22 @@ def _near(rng, default):
     return f"{number:.6g}"
 
 
-def draw_value(rng, name, default, text):
+def _within(numbers, text):
+    """The number, or the end of its range that it lies beyond: "0 ... 1",
+    "0 or more", either perhaps with ", or -1"."""
+    ends = [_number(word) for word in re.findall(r"[-+.\de]+\d|\d", numbers)]
+    ends = [end for end in ends if end is not None]
+    number = _number(text)
+    if not ends or number is None or ("or -1" in numbers and number == -1):
+        return text
+    if number < ends[0]:
+        return f"{ends[0]:.6g}"
+    if "..." in numbers and number > ends[1]:
+        return f"{ends[1]:.6g}"
+    return text
+
+
+def draw_value(rng, name, default, numbers, text):
     """A value of an option that is no path, most often a proper one."""
     if rng.random() < 0.06:
         return _clamped(name, rng.choice(WILD))
@@ -79,6 +95,8 @@ def draw_value(rng, name, default, text):
     if "," in default:
         return ",".join(_near(rng, part) for part in default.split(","))
     if _number(default) is not None:
-        return _clamped(name, _near(rng, default))
+        value = _near(rng, default)
+        return _clamped(name, value if rng.random() < 0.1
+                        else _within(numbers, value))
     words = re.findall(r"\w+(?=,)|(?<= or )\w+", text)
     return rng.choice(words + [default or "x"])

@@ -1,6 +1,8 @@
 """What the runs look for is found."""
 
 import pathlib
+import random
+import re
 import struct
 import tempfile
 import unittest
@@ -12,6 +14,7 @@ except ImportError:
 
 if np is not None:
     from damage import KINDS, damage
+    from option_values import draw_value, read_options
     from outputs import Fault, check_output
     from processes import Limits, run_process
     from run import Run
@@ -37,6 +40,32 @@ class FolderTest(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
+
+
+@unittest.skipIf(np is None, "no NumPy")
+class OptionsTest(FolderTest):
+
+    def test_values_are_drawn_from_what_the_help_lists(self):
+        program = self.folder / "program"
+        program.write_text("#!/bin/sh\ncat <<'END'\n"
+                           "  --share (=0.2; 0 ... 1, or -1)\n      Of it\n"
+                           "  --count (=5; 3 or more)\n      So many\n"
+                           "  --kind (=a)\n      {a, b}: what\nEND\n", "utf-8")
+        program.chmod(0o700)
+        options = read_options(program, "x")
+        self.assertEqual(set(options), {"share", "count", "kind"})
+        rng = random.Random(1)
+
+        def share_within(name, holds):
+            drawn = [draw_value(rng, name, *options[name]) for _ in range(500)]
+            return sum(bool(re.fullmatch(r"-?[\d.]+", text)
+                            and holds(float(text))) for text in drawn) / 500
+        for name, holds in {"share": lambda x: 0 <= x <= 1 or x == -1,
+                            "count": lambda x: x >= 3}.items():
+            self.assertGreater(share_within(name, holds), 0.8)
+            self.assertGreater(share_within(name, lambda x: not holds(x)), 0.01)
+        self.assertLessEqual({"a", "b"}, {draw_value(rng, "kind", *options["kind"])
+                                          for _ in range(50)})
 
 
 @unittest.skipIf(np is None, "no NumPy")

@@ -87,7 +87,7 @@ def _describe(path, name):
     rows = np.frombuffer(data[end:], "u1").reshape(count, -1)
     points = rows[:, :12].copy().view("<f4")
     some = []
-    for place in points[np.linspace(0, count - 1, min(count, 100)).astype(int)]:
+    for place in points[np.linspace(0, count - 1, min(count, 400)).astype(int)]:
         distances = np.linalg.norm(points - place, axis=1)
         some.append((place.tolist(), float(distances[distances > 0].min())))
     some.sort(key=lambda point: -point[1])
