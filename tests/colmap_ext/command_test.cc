@@ -359,7 +359,7 @@ TEST_P(CommandTest, RefusesToReplaceWhatItReads) {
   for (const char* name :
        {"fused.ply", "sparse/cameras.bin", "fused.ply.vis"}) {
     ExpectRefused(
-        Workspace() + " --report_path \"" + (path_ / name).string() + "\"",
+        Workspace() + " --output_path \"" + (path_ / name).string() + "\"",
         "would be replaced");
   }
   EXPECT_TRUE(FilesOf(path_) == before);
