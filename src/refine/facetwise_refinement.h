@@ -212,7 +212,7 @@ struct RefinementHooks {
 // \param views  the cameras as they are now.
 // \param points  whose views tell which views have most in common.
 // \pre options in their ranges
-// \throw std::invalid_argument if the trimming leaves nothing.
+// \throw std::invalid_argument if the trimming or the region leaves nothing.
 RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             RefinementStart start,
                             const std::vector<View>& views,

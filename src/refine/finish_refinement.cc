@@ -1,5 +1,6 @@
 #include "refine/finish_refinement.h"
 
+#include <stdexcept>
 #include <utility>
 
 #include "mesh/clip_mesh.h"
@@ -38,6 +39,10 @@ void FinishBorders(const BorderOptions& options, RefinedMesh* refined) {
 bool CutOffOutside(const Region& region, RefinedMesh* refined) {
   CutMesh cut =
       CutOff(region, std::move(refined->mesh), std::move(refined->attributes));
+  if (cut.mesh.facets.empty()) {
+    throw std::invalid_argument(
+        "no face of the refined mesh lies in the region: take a larger one");
+  }
   const bool is_cut = cut.facet_sources.size() != refined->labels.NumFacets();
   refined->mesh = std::move(cut.mesh);
   refined->attributes = std::move(cut.attributes);
