@@ -19,6 +19,8 @@ layout(binding = 2) uniform sampler2D energies;     // see correlate.comp
 layout(binding = 3) uniform sampler2D derivatives;  // see differentiate.comp
 
 uniform uint first_sum;
+uniform int first_row;  // of image i, of those that are looked at
+uniform int end_row;
 uniform dmat3 ray_from_pixel_i;  // (u, v, 1) -> world ray with z 1
 
 vec3 Vertex(uint index) {
@@ -80,6 +82,11 @@ void main() {
   }
   uint facet = chosen_facets[first_facet + thread];
   ivec4 box = FacetBox(facet);
+  box.y = max(box.y, first_row);
+  box.w = min(box.w, end_row - 1);
+  if (box.w < box.y) {
+    return;
+  }
   Barycentric barycentric = BarycentricOf(facet, box.xy);
   vec3 energy = vec3(0);  // energy, weight, number of pixels
   vec3 slopes = vec3(0);

@@ -34,23 +34,25 @@ double MaxInverseDepth(const View& view, const TriangleMesh& mesh) {
       [](double a, double b) { return std::max(a, b); });
 }
 
-// Of a triangle of the part of a facet that the image shows.
+// Of a triangle of the part of a facet in and around the image.
 struct ClippedCorner {
   float u, v;  // px, multiples of 1/256
   float inverse_depth;
   uint32_t facet;
 };
 
-// Three a triangle, of the facets that facet_ids.vert leaves out. They are
-// clipped to the image: the values of a card's floats change too much over
-// more.
+// Three a triangle, of the facets that facet_ids.vert leaves out. Over much
+// more of the image's plane the values of a card's floats change too much. Over
+// less, edges would be cut that other facets have whole: their ends are moved
+// to other subpixels, and pixels fall between the facets.
 std::vector<ClippedCorner> ClipFacets(const View& view,
                                       const TriangleMesh& mesh) {
-  constexpr double kSubpixels = 256;  // 1 / px, as raster/facet_id_buffer.cc
+  constexpr double kSubpixels = 256;   // 1 / px, as raster/facet_id_buffer.cc
+  constexpr double kMargin = 1 << 13;  // px; a choice
   std::vector<ClippedCorner> corners;
   for (const uint32_t facet : FindClippedFacets(view, mesh)) {
     const std::vector<Eigen::Vector3d> part =
-        ClipToImage(view, mesh, mesh.facets[facet], ImageBox(view));
+        ClipToImage(view, mesh, mesh.facets[facet], ImageBox(view, -kMargin));
     for (size_t k = 2; k < part.size(); ++k) {
       for (const Eigen::Vector3d& corner : {part[0], part[k - 1], part[k]}) {
         const Eigen::Vector2d pixel = view.ImageFromCam(corner);

@@ -26,12 +26,16 @@ size_t FreeMemory() {
 GlLimits FindGlLimits(const GlLimits& at_most, bool is_software) {
   // The rest is left to the driver and to other programs: a choice.
   constexpr size_t kUsedTenths = 9;
+  // Mesa's software ends a shader's loops, without a word, after 65535 runs in
+  // all of them together. Some are left to the loops over a facet's corners.
+  constexpr size_t kSoftwareLoops = 65'000;
   GLint64 max_block = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &max_block);
   const size_t memory = is_software ? SIZE_MAX : FreeMemory();
   return {std::min(at_most.max_block, static_cast<size_t>(max_block)),
           std::min(at_most.max_memory,
-                   memory == SIZE_MAX ? memory : memory / 10 * kUsedTenths)};
+                   memory == SIZE_MAX ? memory : memory / 10 * kUsedTenths),
+          std::min(at_most.max_loops, is_software ? kSoftwareLoops : SIZE_MAX)};
 }
 
 }  // namespace colmap_ext

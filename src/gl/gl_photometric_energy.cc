@@ -91,7 +91,7 @@ class Evaluator {
         limits_(limits),
         views_(images_, options.min_cosine, max_memory),
         facet_normals_({"facet_normals.comp"}),
-        passes_(options, limits.max_block) {}
+        passes_(options, limits) {}
 
   // What a mesh lacks at the images' level, in words; empty if it fits.
   std::string Lack(const MeshSize& size) const {

@@ -79,9 +79,10 @@ PairPasses::Planes::Planes(int width, int height)
       energies(GL_RG32F, width, height),
       derivatives(GL_RG32F, width, height) {}
 
-PairPasses::PairPasses(const PhotometricOptions& options, size_t max_block)
+PairPasses::PairPasses(const PhotometricOptions& options,
+                       const GlLimits& limits)
     : options_(options),
-      max_block_(max_block),
+      limits_(limits),
       find_tiles_({"find_tiles.comp"}, TileConstants(options)),
       warp_({"warp.comp"}, TileConstants(options)),
       correlate_({"correlate.comp"}, TileConstants(options)),
@@ -204,15 +205,19 @@ void PairPasses::Differentiate(const PairDirection& direction) {
   DispatchIndirect(differentiate_, tiles_);
 }
 
-// In parts of the sums that shaders can reach.
+// In parts of the sums that shaders can reach, and of the image whose pixels
+// they can run over.
 void PairPasses::Gather(const PairDirection& direction,
                         const PairBuffers& buffers) {
   const size_t num_facets = buffers.facets.NumBytes() / sizeof(Facet);
   const size_t per_part =
-      std::max(kAlignedNumbers,
-               max_block_ / kSumBytes / kAlignedNumbers * kAlignedNumbers);
+      std::max(kAlignedNumbers, limits_.max_block / kSumBytes /
+                                    kAlignedNumbers * kAlignedNumbers);
+  const View& view = direction.view_i;
+  const int rows_per_part = static_cast<int>(
+      std::clamp<size_t>(limits_.max_loops / (view.width + 2), 1, view.height));
   SetFacetBox(direction, &gather_);
-  gather_.Set("ray_from_pixel_i", direction.view_i.RayFromPixel());
+  gather_.Set("ray_from_pixel_i", view.RayFromPixel());
   direction.textures_i.drawn.facets.BindToSampler(0);
   planes_->warped.BindToSampler(1);
   planes_->energies.BindToSampler(2);
@@ -228,7 +233,11 @@ void PairPasses::Gather(const PairDirection& direction,
     gather_.Set("first_sum", static_cast<unsigned int>(first));
     buffers.sums.BindToStorage(kSums, first * kSumBytes,
                                (end - first) * kSumBytes);
-    Dispatch(gather_, num_below - num_done);
+    for (int row = 0; row < view.height; row += rows_per_part) {
+      gather_.Set("first_row", row);
+      gather_.Set("end_row", std::min(row + rows_per_part, view.height));
+      Dispatch(gather_, num_below - num_done);
+    }
     num_done = num_below;
   }
 }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gl/gl_limits.h"
 #include "gl/gl_objects.h"
 #include "gl/program.h"
 #include "gl/view_textures.h"
@@ -40,8 +41,7 @@ struct PairDirection {
 // windows, differentiate; then gather facet by facet.
 class PairPasses {
  public:
-  // \param max_block  see GlLimits.
-  PairPasses(const PhotometricOptions& options, size_t max_block);
+  PairPasses(const PhotometricOptions& options, const GlLimits& limits);
 
   // On the card, once all pairs were compared, bytes.
   static size_t Memory(const std::vector<View>& views);
@@ -68,7 +68,7 @@ class PairPasses {
   void SetFacetBox(const PairDirection& direction, Program* program) const;
 
   PhotometricOptions options_;
-  size_t max_block_;
+  GlLimits limits_;
   Program find_tiles_;
   Program warp_;
   Program correlate_;

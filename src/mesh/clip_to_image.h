@@ -25,7 +25,7 @@ std::vector<Eigen::Vector3d> ClipToImage(const View& view,
                                          const Facet& facet,
                                          const Eigen::AlignedBox2d& box);
 
-// The image less a border, px.
+// The image less a border, px; more than the image where it is negative.
 Eigen::AlignedBox2d ImageBox(const View& view, double border = 0);
 
 }  // namespace colmap_ext

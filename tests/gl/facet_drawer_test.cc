@@ -150,15 +150,13 @@ TEST_F(FacetDrawerTest, DrawsARoomFromInsideAsTheProcessorDoes) {
     size_t num_different = 0;
     for (size_t i = 0; i < drawn.facets.size(); ++i) {
       ASSERT_NE(reference.facets[i], kNoFacet);
-      // Nearly all: a card's vertices beside the image are moved by more.
-      if (drawn.facets[i] != reference.facets[i]) {
-        ++num_different;
-      } else {
-        EXPECT_NEAR(drawn.inverse_depths[i] / reference.inverse_depths[i], 1,
-                    1e-3);
-      }
+      // On an edge either facet will do, but no pixel falls between them.
+      num_different += drawn.facets[i] != reference.facets[i] ? 1 : 0;
+      EXPECT_NEAR(drawn.inverse_depths[i] / reference.inverse_depths[i], 1,
+                  1e-4)
+          << "pixel " << i;
     }
-    EXPECT_LT(num_different, 1e-3 * drawn.facets.size());
+    EXPECT_LT(num_different, 1e-4 * drawn.facets.size());
   }
 }
 

@@ -95,6 +95,19 @@ TEST_F(GlLimitsTest, WhatIsTooLargeForAShaderIsSplit) {
   EXPECT_EQ(other.warnings.size(), 1);
 }
 
+// Into some rows of an image at a time.
+TEST_F(GlLimitsTest, WhatTakesTooManyLoopsIsSplit) {
+  const PhotometricTerms whole =
+      DrawAndEvaluate(MakeGlPhotometricEnergy({}, Scene().Pyramid(), {}).get());
+  const PhotometricTerms split = DrawAndEvaluate(
+      WarningEnergy({.limits = {.max_loops = 2000}}).energy.get());
+  EXPECT_EQ(split.num_pixels, whole.num_pixels);
+  const TermsDifference difference = Compare(split, whole);
+  EXPECT_NEAR(difference.relative_energy, 0, 1e-5);
+  EXPECT_GT(difference.gradient_cosine, 1 - 1e-5);
+  EXPECT_GT(difference.curvature_cosine, 1 - 1e-5);
+}
+
 // Whatever the card's memory, all is computed, and at most one warning given.
 TEST_F(GlLimitsTest, ProcessorTakesOverWhereMemoryRunsOut) {
   size_t num_by_card = 0;
