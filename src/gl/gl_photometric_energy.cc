@@ -282,12 +282,22 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   }
 
   void DropEvaluator() {
+    if (!evaluator_) {
+      return;
+    }
     try {
       const EglContext::Scope scope = context_.MakeCurrent();
       evaluator_.reset();
+      return;
     } catch (const GlError&) {
-      // The context is lost, and its objects with it: they have no names left
-      // to be deleted by.
+      // The context is lost, and the evaluator's objects with it.
+    }
+    try {
+      // Here their names are unknown: deleting them does nothing.
+      const EglContext context;
+      const EglContext::Scope scope = context.MakeCurrent();
+      evaluator_.reset();
+    } catch (const GlError&) {
       static_cast<void>(evaluator_.release());
     }
   }
