@@ -302,7 +302,7 @@ class Refiner {
     PrintFootprint(
         MedianFootprint(refined.mesh, refined.attributes.views, refined.views),
         &log_);
-    if (refined.report.is_held) {
+    if (refined.report.is_skipped) {
       PrintWarning(
           fmt::format("the camera poses are too inaccurate ({:.2f} px): the "
                       "mesh was not refined, and is written as it is. {}",

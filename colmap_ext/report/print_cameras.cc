@@ -63,7 +63,7 @@ void PrintReport(const CameraRefinementReport& report,
   PrintText("", "      moved by, px       windows      features", log);
   std::vector<std::string> far;
   std::vector<std::string> unsettled;
-  std::vector<std::string> held;
+  std::vector<std::string> skipped;
   for (size_t i = 0; i < views.size(); ++i) {
     const RefinedView& view = report.views[i];
     PrintText(views[i].name,
@@ -76,14 +76,14 @@ void PrintReport(const CameraRefinementReport& report,
     if (view.last_motion > kConverged) {
       unsettled.push_back(views[i].name);
     }
-    if (view.is_held) {
-      held.push_back(views[i].name);
+    if (view.is_skipped) {
+      skipped.push_back(views[i].name);
     }
   }
   Warn(far, fmt::format("these images moved by more than {} px", kFarMotion),
        log);
   Warn(unsettled, "these images did not converge", log);
-  Warn(held, "too little is seen by these images to refine them", log);
+  Warn(skipped, "too little is seen by these images to refine them", log);
 }
 
 }  // namespace colmap_ext

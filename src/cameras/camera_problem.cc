@@ -287,7 +287,7 @@ class Problem {
           new PriorCost<6>(StepBetween(original_.views[i], view), sigmas),
           nullptr, pose);
       ordering_->AddElementToGroup(pose, 1);
-      if (evidence_.is_held[i] != 0) {
+      if (evidence_.is_skipped[i] != 0) {
         problem_.SetParameterBlockConstant(pose);
       }
     }

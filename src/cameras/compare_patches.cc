@@ -86,8 +86,8 @@ std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
     const uint32_t j = groups[group].front().partner;
     const auto image_i = scene.images->Image(i);
     const auto image_j = scene.images->Image(j);
-    const auto drawn_i = scene.drawings.Get(i);
-    const auto drawn_j = scene.drawings.Get(j);
+    const auto drawn_i = scene.buffers.Get(i);
+    const auto drawn_j = scene.buffers.Get(j);
     for (const Comparison& comparison : groups[group]) {
       shifts[comparison.index] =
           CompareWindow(photometric, radius, {views[i], *image_i, *drawn_i},

@@ -103,7 +103,7 @@ class CameraRefinement {
   CameraRefinement(const CameraRefinementOptions& options,
                    const PhotometricOptions& photometric,
                    const CameraSet& original, CameraSet cameras,
-                   const SparseTracks& tracks, const MeshDrawings& drawings,
+                   const SparseTracks& tracks, const VisibilityBuffers& buffers,
                    const std::vector<ViewPair>& pairs, ImagePyramid* images)
       : options_(options),
         photometric_(photometric),
@@ -111,8 +111,8 @@ class CameraRefinement {
         all_tracks_(tracks),
         tracks_(ChooseTracks(tracks, original.views.size(),
                              options.min_observations_per_view)),
-        frames_(ComputeFacetFrames(drawings.Mesh())),
-        scene_{drawings, frames_, images},
+        frames_(ComputeFacetFrames(buffers.Mesh())),
+        scene_{buffers, frames_, images},
         patches_(SelectPatches(options.patches, photometric, scene_, pairs)),
         estimate_{std::move(cameras),
                   std::vector<double>(patches_.patches.size(), 0),
@@ -210,7 +210,7 @@ class CameraRefinement {
     DropAstray(&evidence);
     CountEvidence(parts, evidence);
     for (const RefinedView& view : report_.views) {
-      evidence.is_held.push_back(view.is_held ? 1 : 0);
+      evidence.is_skipped.push_back(view.is_skipped ? 1 : 0);
     }
     double sum = 0;
     size_t count = 0;
@@ -278,7 +278,7 @@ class CameraRefinement {
       ++report_.views[seen.view].num_observations;
     }
     for (RefinedView& view : report_.views) {
-      view.is_held = parts == RefinedParts::kNone ||
+      view.is_skipped = parts == RefinedParts::kNone ||
                      view.num_windows + view.num_observations < kMinEvidence;
     }
   }
@@ -379,11 +379,11 @@ RefinedCameras RefineCameras(const CameraRefinementOptions& options,
                              const PhotometricOptions& photometric,
                              const CameraSet& original, CameraSet cameras,
                              const SparseTracks& tracks,
-                             const MeshDrawings& drawings,
+                             const VisibilityBuffers& buffers,
                              const std::vector<ViewPair>& pairs,
                              ImagePyramid* images) {
   return CameraRefinement(options, photometric, original, std::move(cameras),
-                          tracks, drawings, pairs, images)
+                          tracks, buffers, pairs, images)
       .Run();
 }
 
@@ -404,11 +404,11 @@ Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
                                  const PhotometricOptions& photometric,
                                  const CameraSet& cameras,
                                  const SparseTracks& tracks,
-                                 const MeshDrawings& drawings,
+                                 const VisibilityBuffers& buffers,
                                  const std::vector<ViewPair>& pairs,
                                  ImagePyramid* images) {
   return CameraRefinement(options, photometric, cameras, cameras, tracks,
-                          drawings, pairs, images)
+                          buffers, pairs, images)
       .FindMisalignment();
 }
 

@@ -11,7 +11,7 @@
 #include "labeling/facet_labels.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 
 namespace colmap_ext {
 
@@ -44,7 +44,7 @@ struct RefinedView {
   size_t num_observations = 0;  // of the sparse model's points
   double motion = 0;            // median, px, since the original
   double last_motion = 0;       // in the last round, px of the level
-  bool is_held = false;         // too little is seen to move it
+  bool is_skipped = false;         // too little is seen to move it
 };
 
 struct CameraRefinementReport {
@@ -85,14 +85,14 @@ struct Misalignment {
 //
 // \param original  before all refinement: they hold the gauge.
 // \param cameras  as they are now.
-// \param drawings  of the surface, by the cameras as they are now.
+// \param buffers  of the surface, by the cameras as they are now.
 // \param pairs  views that may be compared.
 // \param images  at the level.
 RefinedCameras RefineCameras(const CameraRefinementOptions& options,
                              const PhotometricOptions& photometric,
                              const CameraSet& original, CameraSet cameras,
                              const SparseTracks& tracks,
-                             const MeshDrawings& drawings,
+                             const VisibilityBuffers& buffers,
                              const std::vector<ViewPair>& pairs,
                              ImagePyramid* images);
 
@@ -108,7 +108,7 @@ Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
                                  const PhotometricOptions& photometric,
                                  const CameraSet& cameras,
                                  const SparseTracks& tracks,
-                                 const MeshDrawings& drawings,
+                                 const VisibilityBuffers& buffers,
                                  const std::vector<ViewPair>& pairs,
                                  ImagePyramid* images);
 

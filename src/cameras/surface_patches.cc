@@ -98,9 +98,9 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
                                         const PhotometricOptions& photometric,
                                         const DrawnScene& scene,
                                         uint32_t view) {
-  const auto drawn = scene.drawings.Get(view);
+  const auto drawn = scene.buffers.Get(view);
   const auto image = scene.images->Image(view);
-  const View& camera = scene.drawings.Views()[view];
+  const View& camera = scene.buffers.Views()[view];
   const DrawnView i{camera, *image, *drawn};
   const double cell = std::max(2.0 * options.radius + 1,
                                std::sqrt(1.0 * camera.width * camera.height /
@@ -137,8 +137,8 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
                            const SurfacePatch& patch,
                            const Eigen::Vector3d& point, uint32_t j,
                            double border) {
-  const View& view_i = scene.drawings.Views()[patch.view];
-  const View& view_j = scene.drawings.Views()[j];
+  const View& view_i = scene.buffers.Views()[patch.view];
+  const View& view_j = scene.buffers.Views()[j];
   const Eigen::Vector3d in_j = view_j.CamFromWorld(point);
   if (!drawn.is_facing[patch.facet] || !(in_j.z() > 0)) {
     return std::nullopt;
@@ -167,7 +167,7 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
 }
 
 // [patches] those of the others that see each patch of a view. One after the
-// other: their drawings may not all be there at a time.
+// other: their buffers may not all be there at a time.
 std::vector<std::vector<Seeing>> FindSeeing(
     const DrawnScene& scene, const std::vector<SurfacePatch>& patches,
     const View& view, std::span<const uint32_t> others, double border) {
@@ -178,7 +178,7 @@ std::vector<std::vector<Seeing>> FindSeeing(
   }
   std::vector<std::vector<Seeing>> seeing(patches.size());
   for (const uint32_t j : others) {
-    const auto drawn = scene.drawings.Get(j);
+    const auto drawn = scene.buffers.Get(j);
     for (size_t k = 0; k < patches.size(); ++k) {
       if (const std::optional<Seeing> sees =
               Sees(scene, *drawn, patches[k], points[k], j, border)) {
@@ -209,7 +209,7 @@ SurfacePatches SelectPatches(const PatchOptions& options,
                              const PhotometricOptions& photometric,
                              const DrawnScene& scene,
                              const std::vector<ViewPair>& pairs) {
-  const std::vector<View>& views = scene.drawings.Views();
+  const std::vector<View>& views = scene.buffers.Views();
   std::vector<std::vector<uint32_t>> partners_of(views.size());
   for (const ViewPair& pair : pairs) {
     partners_of[pair.first].push_back(pair.second);

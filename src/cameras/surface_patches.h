@@ -11,7 +11,7 @@
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 
 namespace colmap_ext {
 
@@ -43,7 +43,7 @@ struct PatchOptions {
 
 // A mesh drawn into views of one level, and their images. References are kept.
 struct DrawnScene {
-  const MeshDrawings& drawings;           // their views: as they were drawn
+  const VisibilityBuffers& buffers;           // their views: as they were drawn
   const std::vector<FacetFrame>& frames;  // [F] of the mesh
   ImagePyramid* images;                   // at the level
 };

@@ -189,7 +189,7 @@ class Evaluator {
   GlBuffer sums_;           // [F] FacetSums
 };
 
-// The processor draws where drawings are asked for, and takes over where the
+// The processor draws where visibility buffers are asked for, and takes over where the
 // card fails.
 class GlPhotometricEnergy : public PhotometricEnergy {
  public:
@@ -226,9 +226,9 @@ class GlPhotometricEnergy : public PhotometricEnergy {
     TryGl([](Evaluator* evaluator) { evaluator->DropViews(); });
   }
 
-  std::shared_ptr<const MeshDrawings> Drawings(
+  std::shared_ptr<const VisibilityBuffers> Visibility(
       const TriangleMesh& mesh) override {
-    return cpu_->Drawings(mesh);
+    return cpu_->Visibility(mesh);
   }
 
   void Render(const TriangleMesh& mesh) override {

@@ -57,7 +57,7 @@ struct FacetLabels {
   }
 
   // The same with at most the first `count` labels of each facet.
-  FacetLabels First(size_t count) const {
+  FacetLabels Truncated(size_t count) const {
     FacetLabels first{pairs, {}, {}};
     for (size_t i = 0; i < NumFacets(); ++i) {
       first.labels.AddRow(labels[i].first(std::min(labels[i].size(), count)));
@@ -68,7 +68,7 @@ struct FacetLabels {
   // Those of other facets that come from these.
   // \param sources  the facet that each comes from; not below F: from none, and
   //        it has no label.
-  FacetLabels From(const std::vector<uint32_t>& sources) const {
+  FacetLabels Remapped(const std::vector<uint32_t>& sources) const {
     FacetLabels from{pairs, {}, {}};
     for (const uint32_t source : sources) {
       if (source < NumFacets()) {
@@ -82,7 +82,7 @@ struct FacetLabels {
 
   // The same without the labels of the other facets.
   // \param is_chosen [F]
-  FacetLabels Of(const std::vector<uint8_t>& is_chosen) const {
+  FacetLabels Masked(const std::vector<uint8_t>& is_chosen) const {
     FacetLabels chosen{pairs, {}, {}};
     chosen.labels.Reserve(NumFacets(), labels.values.size());
     for (size_t i = 0; i < NumFacets(); ++i) {

@@ -11,7 +11,7 @@
 
 #include "photometry/direction_sums.h"
 #include "photometry/pair_work.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 
 namespace colmap_ext {
 
@@ -81,10 +81,10 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
 
   void SetLevel(int level) override;
   void SetViews(std::vector<View> views) override;
-  std::shared_ptr<const MeshDrawings> Drawings(
+  std::shared_ptr<const VisibilityBuffers> Visibility(
       const TriangleMesh& mesh) override;
   void Render(const TriangleMesh& mesh) override {
-    Drawings(mesh)->DrawAhead();
+    Visibility(mesh)->DrawAhead();
   }
   PhotometricTerms Evaluate(const TriangleMesh& mesh,
                             const FacetLabels& labels) override;
@@ -108,7 +108,7 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
   std::shared_ptr<ImagePyramid> images_;
   size_t max_memory_;
   int level_ = 0;
-  std::shared_ptr<const MeshDrawings> drawings_;  // nothing: of another level
+  std::shared_ptr<const VisibilityBuffers> drawings_;  // nothing: of another level
   std::optional<Work> work_;                      // of drawings_
 };
 
@@ -127,12 +127,12 @@ void CpuPhotometricEnergy::SetViews(std::vector<View> views) {
   drawings_.reset();
 }
 
-std::shared_ptr<const MeshDrawings> CpuPhotometricEnergy::Drawings(
+std::shared_ptr<const VisibilityBuffers> CpuPhotometricEnergy::Visibility(
     const TriangleMesh& mesh) {
   if (!drawings_ || !IsSameMesh(drawings_->Mesh(), mesh)) {
     work_.reset();
     drawings_.reset();  // Before there are others: they take memory.
-    drawings_ = std::make_shared<const MeshDrawings>(
+    drawings_ = std::make_shared<const VisibilityBuffers>(
         mesh, images_->Views(), options_.min_cosine,
         max_memory_ - std::min(max_memory_, images_->BorrowedMemory()),
         [images = images_](size_t view) { return images->Mask(view); });

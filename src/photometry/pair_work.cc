@@ -180,9 +180,9 @@ std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
   return tiles;
 }
 
-std::vector<TiledDirection> FindDirections(const MeshDrawings& drawings,
+std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
                                            const FacetLabels& labels) {
-  std::vector<uint8_t> is_used(drawings.Views().size(), 0);
+  std::vector<uint8_t> is_used(buffers.Views().size(), 0);
   for (const ViewPair& pair : labels.pairs) {
     is_used[pair.first] = is_used[pair.second] = 1;
   }
@@ -190,11 +190,11 @@ std::vector<TiledDirection> FindDirections(const MeshDrawings& drawings,
   tbb::parallel_for(size_t{0}, by_view.size(), [&](size_t view) {
     if (is_used[view] != 0) {
       by_view[view] = DirectionsTo(static_cast<uint32_t>(view),
-                                   *drawings.Get(view), labels);
+                                   *buffers.Get(view), labels);
     }
   });
   std::vector<TiledDirection> directions;
-  for (const uint32_t view : OrderViews(drawings.Views(), by_view)) {
+  for (const uint32_t view : OrderViews(buffers.Views(), by_view)) {
     std::ranges::move(by_view[view], std::back_inserter(directions));
   }
   return directions;

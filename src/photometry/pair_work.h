@@ -7,7 +7,7 @@
 #include "base/rows.h"
 #include "labeling/facet_labels.h"
 #include "raster/facet_id_buffer.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 
 namespace colmap_ext {
 
@@ -48,7 +48,7 @@ struct TiledDirection {
 // The directions that some pixel shows facets of, by their view i, so that few
 // views are in use at a time: as the views come, or, where they are more than
 // would fit into 4 GB, by OrderByPartners().
-std::vector<TiledDirection> FindDirections(const MeshDrawings& drawings,
+std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
                                            const FacetLabels& labels);
 
 }  // namespace colmap_ext

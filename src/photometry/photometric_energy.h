@@ -7,7 +7,7 @@
 
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -85,9 +85,9 @@ class PhotometricEnergy {
   virtual void SetViews(std::vector<View> views) = 0;
 
   // The mesh drawn by the processor into the views of the level, for others to
-  // use. A Render() of the same mesh takes these drawings over if it draws
+  // use. A Render() of the same mesh takes these buffers over if it draws
   // alike. Render() has to be called before Evaluate() then.
-  virtual std::shared_ptr<const MeshDrawings> Drawings(
+  virtual std::shared_ptr<const VisibilityBuffers> Visibility(
       const TriangleMesh& mesh) = 0;
 
   // Draws the mesh into every view. Until the next call, visibility, facing and

@@ -40,9 +40,9 @@ Color ToColor(const Vector3f& value) {
 }
 
 // What a camera sees of a mesh.
-class Eye {
+class RayCaster {
  public:
-  Eye(const TriangleMesh& mesh, const Bvh& bvh, const View& view)
+  RayCaster(const TriangleMesh& mesh, const Bvh& bvh, const View& view)
       : mesh_(mesh),
         bvh_(bvh),
         view_(view),
@@ -117,10 +117,10 @@ std::vector<ColorImage> MeshRenderer::Draw(
       view.width, view.height,
       std::vector<Color>(static_cast<size_t>(view.width) * view.height)};
   std::vector<ColorImage> images(colors.size(), blank);
-  const Eye eye(mesh_, bvh_, view);
+  const RayCaster ray_caster(mesh_, bvh_, view);
   tbb::parallel_for(0, view.height, [&](int row) {
     for (int col = 0; col < view.width; ++col) {
-      const std::vector<Vector3f> values = eye.Pixel(row, col, colors);
+      const std::vector<Vector3f> values = ray_caster.Pixel(row, col, colors);
       for (size_t i = 0; i < images.size(); ++i) {
         images[i].pixels[static_cast<size_t>(row) * view.width + col] =
             ToColor(values[i]);

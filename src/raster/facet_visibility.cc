@@ -69,14 +69,14 @@ std::vector<bool> FindVisible(const TriangleMesh& mesh,
 
 }  // namespace
 
-FacetVisibility FindVisibleFacets(const MeshDrawings& drawings, double border) {
-  const TriangleMesh& mesh = drawings.Mesh();
-  const std::vector<View>& views = drawings.Views();
+FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers, double border) {
+  const TriangleMesh& mesh = buffers.Mesh();
+  const std::vector<View>& views = buffers.Views();
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   std::vector<std::vector<bool>> is_visible(views.size());
   tbb::parallel_for(size_t{0}, views.size(), [&](size_t i) {
     is_visible[i] =
-        FindVisible(mesh, frames, views[i], *drawings.Get(i), border);
+        FindVisible(mesh, frames, views[i], *buffers.Get(i), border);
   });
   size_t num_visible = 0;
   for (const std::vector<bool>& row : is_visible) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "base/rows.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 
 namespace colmap_ext {
 
@@ -19,7 +19,7 @@ inline constexpr double kVisibilityBorder = 3;  // px
 // centroid is not at the image's border. Of a facet that is drawn by a part
 // (FindClippedFacets) the middle of what lies within the border counts.
 // \param border  how far the centroid has to keep from the image's border, px.
-FacetVisibility FindVisibleFacets(const MeshDrawings& drawings,
+FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers,
                                   double border = kVisibilityBorder);
 
 }  // namespace colmap_ext

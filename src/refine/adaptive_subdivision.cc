@@ -54,14 +54,14 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
   // times too large.
   constexpr int kMaxRounds = 8;
   for (int round = 0;; ++round) {
-    const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
-    FacetVisibility visibility = FindVisibleFacets(*drawings);
+    const std::shared_ptr<const VisibilityBuffers> buffers = draw(*mesh);
+    FacetVisibility visibility = FindVisibleFacets(*buffers);
     if (round == kMaxRounds) {
       return visibility;
     }
     const FixedVertices fixed = FixedOf(*fixed_sources);
     const std::vector<uint8_t> is_large =
-        FindLarge(max_area, *mesh, drawings->Views(), visibility, fixed);
+        FindLarge(max_area, *mesh, buffers->Views(), visibility, fixed);
     if (std::count(is_large.begin(), is_large.end(), 1) == 0) {
       return visibility;
     }

@@ -7,7 +7,7 @@
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "raster/facet_visibility.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 #include "refine/fixed_sources.h"
 
 namespace colmap_ext {

@@ -10,7 +10,7 @@
 #include "mesh/facet_normals.h"
 #include "photometry/image_pyramid.h"
 #include "raster/facet_visibility.h"
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 #include "refine/adaptive_subdivision.h"
 #include "refine/finish_refinement.h"
 #include "refine/level_refinement.h"
@@ -206,7 +206,7 @@ class Refinement {
     energy_->SetViews(state.views);
     return MeasureMisalignment(options_.cameras, options_.photometric,
                                {state.views, cameras_->view_cameras},
-                               cameras_->tracks, *energy_->Drawings(state.mesh),
+                               cameras_->tracks, *energy_->Visibility(state.mesh),
                                camera_pairs_, cameras_->images.get());
   }
 
@@ -223,7 +223,7 @@ class Refinement {
         options_.cameras, options_.photometric,
         {cameras_->views, cameras_->view_cameras},
         {state->views, cameras_->view_cameras}, cameras_->tracks,
-        *energy_->Drawings(mesh), camera_pairs_, cameras_->images.get());
+        *energy_->Visibility(mesh), camera_pairs_, cameras_->images.get());
     state->views = std::move(refined.cameras.views);
     state->track_positions = std::move(refined.positions);
     energy_->SetViews(state->views);
@@ -244,7 +244,7 @@ class Refinement {
     Report(hooks_.progress, is_remeshed ? "Remeshing" : "Subdividing facets",
            0);
     const auto draw = [this](const TriangleMesh& mesh) {
-      return energy_->Drawings(mesh);
+      return energy_->Visibility(mesh);
     };
     FacetVisibility visibility =
         is_remeshed
@@ -309,7 +309,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                        {}};
   complete.report.misalignment = std::move(start.misalignment);
   if (!refinement.DecideByAlignment(&complete)) {
-    complete.report.is_held = true;
+    complete.report.is_skipped = true;
     complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());
     start.first_level = -1;
   }

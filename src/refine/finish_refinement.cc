@@ -30,7 +30,7 @@ void FinishBorders(const BorderOptions& options, RefinedMesh* refined) {
   refined->mesh = std::move(edited.mesh);
   refined->attributes = std::move(edited.attributes);
   refined->origins = std::move(origins);
-  refined->labels = refined->labels.From(edited.facet_sources);
+  refined->labels = refined->labels.Remapped(edited.facet_sources);
   refined->report.borders = edited.report;
 }
 
@@ -47,7 +47,7 @@ bool CutOffOutside(const Region& region, RefinedMesh* refined) {
   refined->mesh = std::move(cut.mesh);
   refined->attributes = std::move(cut.attributes);
   refined->origins = refined->mesh.vertices;  // no step follows
-  refined->labels = refined->labels.From(cut.facet_sources);
+  refined->labels = refined->labels.Remapped(cut.facet_sources);
   return is_cut;
 }
 
@@ -68,7 +68,7 @@ void ImproveFacets(RefinedMesh* state) {
   state->attributes =
       CarryAttributes(state->mesh, state->attributes, improved.sources);
   state->origins = ValuesAt(improved.sources, state->mesh, state->origins);
-  state->labels = state->labels.From(improved.facet_sources);
+  state->labels = state->labels.Remapped(improved.facet_sources);
   state->mesh = std::move(improved.mesh);
   state->fixed_sources = std::move(fixed);
 }
@@ -91,7 +91,7 @@ bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state) {
 
 void FinishRefinement(const FacetwiseRefinementOptions& options,
                       const Progress& progress, RefinedMesh* refined) {
-  if (refined->report.is_held) {
+  if (refined->report.is_skipped) {
     CountSelfIntersections(progress, refined);
   } else {
     Report(progress, "Finishing the borders", 0);
@@ -102,7 +102,7 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
   const BorderReport& borders = refined->report.borders;
   const bool have_changed =
       is_cut || borders.trim.num_facets > 0 || borders.holes.num_closed > 0;
-  if (options.remeshing && have_changed && !refined->report.is_held) {
+  if (options.remeshing && have_changed && !refined->report.is_skipped) {
     ImproveFacets(refined);
   }
 }

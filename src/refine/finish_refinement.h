@@ -18,7 +18,7 @@ bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state);
 
 // What follows the last level: the borders are trimmed and closed, what lies
 // outside of the region is cut off, self-intersections are repaired. Of a mesh
-// that was not refined (RefinementReport::is_held) only the second.
+// that was not refined (RefinementReport::is_skipped) only the second.
 // \throw std::invalid_argument if the trimming or the region leaves nothing.
 void FinishRefinement(const FacetwiseRefinementOptions& options,
                       const Progress& progress, RefinedMesh* refined);

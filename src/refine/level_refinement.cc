@@ -285,7 +285,7 @@ State Finish(FacetLabels labels, const std::vector<View>& views, Stage* stage,
     return InSmallerView(std::move(chosen), state.surface.mesh, views);
   };
   if (is_by_part) {
-    FacetLabels part = in_smaller_view(labels.First(num_first));
+    FacetLabels part = in_smaller_view(labels.Truncated(num_first));
     state = ContinueWithLabels(std::move(part), kIterations, stage,
                                std::move(state));
   }
@@ -315,7 +315,7 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
               level.level,
               false,
               options.iterations,
-              level.labels.First(
+              level.labels.Truncated(
                   is_classical ? SIZE_MAX : options.labeling.pairs_per_facet),
               {},
               energy,
@@ -331,7 +331,7 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
       std::count(is_confirmed.begin(), is_confirmed.end(), 0) == 0;
   PhotometricTerms first_terms;
   if (!is_all_confirmed) {
-    stage.labels = stage.labels.Of(is_confirmed);
+    stage.labels = stage.labels.Masked(is_confirmed);
     first_terms = std::move(state.surface.terms);
     state.surface = EvaluateSurface(std::move(state.surface.mesh), stage);
   }
@@ -340,7 +340,7 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
                                       kFirstWeight * options.smoothness_weight),
                           stage.domain, state.surface);
   state = FollowCameras(level, stage, Iterate(stage, std::move(state)));
-  FacetLabels labels = level.labels.Of(is_confirmed);
+  FacetLabels labels = level.labels.Masked(is_confirmed);
   if (level.level == 0 && !state.is_stopped &&
       stage.labels.labels.values.size() < labels.labels.values.size()) {
     state = Finish(std::move(labels), level.views, &stage, std::move(state));

@@ -89,10 +89,10 @@ FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
                                 FixedSources* fixed_sources) {
   std::vector<float> lengths;
   {
-    const std::shared_ptr<const MeshDrawings> drawings = draw(*mesh);
+    const std::shared_ptr<const VisibilityBuffers> buffers = draw(*mesh);
     lengths = WantedLengths(
         area, *mesh,
-        RefinableAreas(*mesh, drawings->Views(), FindVisibleFacets(*drawings)));
+        RefinableAreas(*mesh, buffers->Views(), FindVisibleFacets(*buffers)));
   }
   RemeshedSurface remeshed = RemeshIsotropically(
       *mesh, lengths, TolerancesOf(lengths), FixedOf(*fixed_sources));

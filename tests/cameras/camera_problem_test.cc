@@ -53,7 +53,7 @@ struct LongRow {
         .tracks = tracks,
         .depths = std::vector<double>(truth.views.size(), 5.5),
         .track_sigmas = std::vector<double>(truth.views.size(), 0.5),
-        .is_held = std::vector<uint8_t>(truth.views.size(), 0),
+        .is_skipped = std::vector<uint8_t>(truth.views.size(), 0),
         .priors = {}};
     CameraEstimate estimate = {start, {}, tracks.positions};
     EXPECT_TRUE(SolveCameras(evidence, start, &estimate));

@@ -12,9 +12,9 @@ RefinedCameras CameraScene::Refine(const CameraRefinementOptions& options,
                                    const SparseTracks& used) const {
   const PhotometricOptions photometric;
   const std::shared_ptr<ImagePyramid> images = scene.Pyramid();
-  const MeshDrawings drawings(scene.Truth(), start.views,
+  const VisibilityBuffers buffers(scene.Truth(), start.views,
                               photometric.min_cosine, SIZE_MAX);
-  return RefineCameras(options, photometric, start, start, used, drawings,
+  return RefineCameras(options, photometric, start, start, used, buffers,
                        pairs, images.get());
 }
 

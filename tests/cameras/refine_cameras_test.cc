@@ -117,7 +117,7 @@ TEST(RefineCameras, ImagesWithoutTextureAndFeaturesRest) {
   }
   const CameraSet start = Disturb(scene, scene.truth, 0.3, 6);
   const RefinedCameras refined = scene.Refine(Poses(), start, tracks);
-  EXPECT_TRUE(refined.report.views[1].is_held);
+  EXPECT_TRUE(refined.report.views[1].is_skipped);
   EXPECT_LT(Distance(scene, refined.cameras, start, 1), 0.1);
   EXPECT_LT(Distance(scene, refined.cameras, scene.truth, 0), 0.05);
 }
@@ -132,7 +132,7 @@ TEST(RefineCameras, TwoImagesAreEnough) {
   EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before);
   for (size_t i = 0; i < start.views.size(); ++i) {
     if (i != a && i != b) {
-      EXPECT_TRUE(refined.report.views[i].is_held);
+      EXPECT_TRUE(refined.report.views[i].is_skipped);
       EXPECT_TRUE(refined.cameras.views[i].cam_from_world_rotation ==
                   start.views[i].cam_from_world_rotation);
     }
@@ -222,7 +222,7 @@ CameraScene Shuffled(const std::vector<uint32_t>& order) {
   return shuffled;
 }
 
-// Half of the drawings fit into memory, and the views come in any order.
+// Half of the buffers fit into memory, and the views come in any order.
 TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
   const tbb::global_control one_thread(
       tbb::global_control::max_allowed_parallelism, 1);
@@ -232,7 +232,7 @@ TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
   const size_t of_view = static_cast<size_t>(8) * view.width * view.height +
                          mesh.facets.size() / 8;
   size_t num_drawn = 0;
-  const MeshDrawings drawings(mesh, scene.truth.views, 0.1, 4 * of_view,
+  const VisibilityBuffers buffers(mesh, scene.truth.views, 0.1, 4 * of_view,
                               [&](size_t) {
                                 ++num_drawn;
                                 return std::shared_ptr<const GrayImage>();
@@ -240,7 +240,7 @@ TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
   const auto images = scene.scene.Pyramid();
   const RefinedCameras refined =
       RefineCameras(Poses(), {}, scene.truth, scene.truth, scene.tracks,
-                    drawings, scene.pairs, images.get());
+                    buffers, scene.pairs, images.get());
   EXPECT_GT(refined.report.num_windows, 100);
   const size_t num_passes = 1 + refined.report.num_rounds;
   EXPECT_LE(num_drawn, 1.5 * 8 * static_cast<double>(num_passes));

@@ -19,18 +19,18 @@ struct Windows {
   PhotometricOptions photometric;
   PatchOptions options{.radius = 5, .max_patches_per_view = 50};
   std::shared_ptr<ImagePyramid> images = scene.scene.Pyramid();
-  MeshDrawings drawings{scene.scene.Truth(), cameras.views,
+  VisibilityBuffers buffers{scene.scene.Truth(), cameras.views,
                         photometric.min_cosine, SIZE_MAX};
   std::vector<FacetFrame> frames = ComputeFacetFrames(scene.scene.Truth());
   SurfacePatches patches = SelectPatches(
-      options, photometric, {drawings, frames, images.get()}, scene.pairs);
+      options, photometric, {buffers, frames, images.get()}, scene.pairs);
 
   WindowShift Compare(const std::vector<View>& views, const SurfacePatch& patch,
                       uint32_t j) const {
     const auto image_i = images->Image(patch.view);
     const auto image_j = images->Image(j);
-    const auto drawn_i = drawings.Get(patch.view);
-    const auto drawn_j = drawings.Get(j);
+    const auto drawn_i = buffers.Get(patch.view);
+    const auto drawn_j = buffers.Get(j);
     return CompareWindow(photometric, options.radius,
                          {views[patch.view], *image_i, *drawn_i},
                          {views[j], *image_j, *drawn_j}, frames, patch);

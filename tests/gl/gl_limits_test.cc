@@ -130,7 +130,7 @@ TEST_F(GlLimitsTest, ProcessorTakesOverWhereMemoryRunsOut) {
 
 // Labels are what is known last.
 TEST_F(GlLimitsTest, ProcessorTakesOverWhereLabelsAreTooMany) {
-  const FacetLabels none = Labels().First(0);
+  const FacetLabels none = Labels().Truncated(0);
   const size_t label_bytes = 4 * Labels().labels.values.size();
   size_t too_little = 0;
   size_t enough = 1 << 26;  // to draw the mesh

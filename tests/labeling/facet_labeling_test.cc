@@ -112,9 +112,9 @@ TEST_F(LabelFacetsTest, AddsFinalPairsToTheFirst) {
   const FacetLabels few = Label(options).labels;
   options.final_pairs_per_facet = 5;
   const FacetLabels many = Label(options).labels;
-  EXPECT_EQ(many.First(2).labels, few.labels);
-  EXPECT_EQ(many.First(2).labels.offsets, few.labels.offsets);
-  EXPECT_EQ(many.First(5).labels, many.labels);
+  EXPECT_EQ(many.Truncated(2).labels, few.labels);
+  EXPECT_EQ(many.Truncated(2).labels.offsets, few.labels.offsets);
+  EXPECT_EQ(many.Truncated(5).labels, many.labels);
   options.final_pairs_per_facet = 1000;
   const FacetLabels all = Label(options).labels;
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {

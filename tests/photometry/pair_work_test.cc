@@ -99,7 +99,7 @@ TEST(GroupByDirection, IsKnownWithoutBeingBuilt) {
     Rows<uint32_t> other = by_direction;
     ++other.values[random.Below(static_cast<uint32_t>(other.values.size()))];
     EXPECT_FALSE(IsGroupedByDirection(labels, other));
-    FacetLabels fewer = labels.First(1 + k % 2);
+    FacetLabels fewer = labels.Truncated(1 + k % 2);
     EXPECT_EQ(IsGroupedByDirection(fewer, by_direction),
               GroupByDirection(fewer) == by_direction);
   }

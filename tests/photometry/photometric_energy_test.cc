@@ -274,7 +274,7 @@ TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
 }
 
 // Views are compared with their neighbours, in turn: room for three of them
-// does, in images and in drawings.
+// does, in images and in buffers.
 TEST(CpuPhotometricEnergy, ReadsImagesOnceAnEvaluationWhereNeighborsFit) {
   const std::vector<View>& views = Scene().dense.scene.views;
   const size_t num_pixels = size_t{1} * views[0].width * views[0].height;
@@ -304,7 +304,7 @@ TEST(CpuPhotometricEnergy, ReadsImagesOnceAnEvaluationWhereNeighborsFit) {
   }
 }
 
-// Memory that the images borrow is not the drawings'.
+// Memory that the images borrow is not the visibility buffers'.
 TEST(CpuPhotometricEnergy, LendsMemoryToImages) {
   const std::vector<View>& views = Scene().dense.scene.views;
   const size_t num_pixels = size_t{1} * views[0].width * views[0].height;
@@ -338,17 +338,17 @@ TEST(CpuPhotometricEnergy, LendsMemoryToImages) {
 TEST(CpuPhotometricEnergy, TakesOverDrawingsOfTheSameMeshOnly) {
   const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
   const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const auto drawings = energy->Drawings(mesh);
+  const auto buffers = energy->Visibility(mesh);
   energy->Render(mesh);
-  EXPECT_EQ(energy->Drawings(mesh), drawings);
+  EXPECT_EQ(energy->Visibility(mesh), buffers);
   TriangleMesh moved = mesh;
   moved.vertices.back().x() += Scene().dense.scene.footprint;
-  EXPECT_NE(energy->Drawings(moved), drawings);
+  EXPECT_NE(energy->Visibility(moved), buffers);
   energy->SetLevel(0);
-  const auto full_size = energy->Drawings(mesh);
+  const auto full_size = energy->Visibility(mesh);
   energy->SetLevel(1);
-  EXPECT_NE(energy->Drawings(mesh), full_size);
-  EXPECT_EQ(energy->Drawings(mesh)->Views()[0].width,
+  EXPECT_NE(energy->Visibility(mesh), full_size);
+  EXPECT_EQ(energy->Visibility(mesh)->Views()[0].width,
             (Scene().Views()[0].width + 1) / 2);
 }
 
@@ -455,7 +455,7 @@ TEST(CpuPhotometricEnergy, FacetsAreNotSeenInMaskedPixels) {
       MakeCpuPhotometricEnergy({}, MaskedPyramid(false), SIZE_MAX);
   const TriangleMesh mesh = Scene().dense.scene.surface;
   const View& view = Scene().dense.scene.views[0];
-  const FacetVisibility visibility = FindVisibleFacets(*energy->Drawings(mesh));
+  const FacetVisibility visibility = FindVisibleFacets(*energy->Visibility(mesh));
   size_t num_seen = 0;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     if (visibility[i].empty() || visibility[i][0] != 0) {

@@ -11,7 +11,7 @@ inline FacetVisibility VisibleFacets(const TriangleMesh& mesh,
                                      const std::vector<View>& views,
                                      double min_cosine = 0.1,
                                      double border = kVisibilityBorder) {
-  return FindVisibleFacets(MeshDrawings(mesh, views, min_cosine, SIZE_MAX),
+  return FindVisibleFacets(VisibilityBuffers(mesh, views, min_cosine, SIZE_MAX),
                            border);
 }
 

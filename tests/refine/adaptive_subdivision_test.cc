@@ -78,7 +78,7 @@ Subdivided Subdivide(double max_area, const TriangleMesh& mesh,
     origin += kShift;
   }
   const auto draw = [&](const TriangleMesh& drawn) {
-    return std::make_shared<const MeshDrawings>(drawn, views, kMinCosine,
+    return std::make_shared<const VisibilityBuffers>(drawn, views, kMinCosine,
                                                 SIZE_MAX);
   };
   FixedSources fixed;

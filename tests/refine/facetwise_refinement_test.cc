@@ -204,7 +204,7 @@ TEST(RefineFacetwise, RefinesCamerasWhereTheyAreMisaligned) {
   for (const double pixels : {0.0, 0.5}) {
     const DisturbedCameras disturbed(pixels);
     const RefinedMesh refined = disturbed.Refine(options, PerturbedTruth());
-    EXPECT_FALSE(refined.report.is_held);
+    EXPECT_FALSE(refined.report.is_skipped);
     ASSERT_TRUE(refined.report.misalignment.has_value());
     EXPECT_EQ(refined.report.cameras.empty(), pixels == 0);
     EXPECT_EQ(refined.track_positions.empty(), pixels == 0);
@@ -223,7 +223,7 @@ TEST(RefineFacetwise, KeepsAGoodMeshFromCamerasThatAreOff) {
   options.borders.trim = 0.9;
   options.borders.close_holes = kAllLoops;
   const RefinedMesh refined = disturbed.Refine(options, mesh);
-  EXPECT_TRUE(refined.report.is_held);
+  EXPECT_TRUE(refined.report.is_skipped);
   ExpectSameMesh(refined.mesh, mesh);
   for (size_t i = 0; i < refined.views.size(); ++i) {
     EXPECT_TRUE(refined.views[i].cam_from_world_rotation ==
@@ -237,7 +237,7 @@ TEST(RefineFacetwise, OneImageThatIsOffDoesNoHarm) {
   const TriangleMesh mesh = PerturbedTruth();
   FacetwiseRefinementOptions options = SmallOptions();
   const RefinedMesh fixed = disturbed.Refine(options, mesh);
-  EXPECT_FALSE(fixed.report.is_held);
+  EXPECT_FALSE(fixed.report.is_skipped);
   EXPECT_EQ(MisalignedViews(fixed.report.misalignment.value()),
             std::vector<uint32_t>{0});
   EXPECT_LT(MedianError(fixed.mesh), 0.2 * MedianError(mesh));

@@ -15,7 +15,7 @@ TEST(FinishRefinement, RefusesRegionsThatLeaveNothing) {
   RefinedMesh refined;
   refined.mesh = MakeCube();
   refined.attributes.views.offsets.assign(refined.mesh.vertices.size() + 1, 0);
-  refined.report.is_held = true;
+  refined.report.is_skipped = true;
   EXPECT_THROW(FinishRefinement(options, {}, &refined), std::invalid_argument);
 }
 

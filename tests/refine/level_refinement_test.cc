@@ -46,7 +46,7 @@ class PullingEnergy : public PhotometricEnergy {
 
   void SetLevel(int /*level*/) override {}
   void SetViews(std::vector<View> /*views*/) override {}
-  std::shared_ptr<const MeshDrawings> Drawings(
+  std::shared_ptr<const VisibilityBuffers> Visibility(
       const TriangleMesh& /*mesh*/) override {
     return nullptr;
   }

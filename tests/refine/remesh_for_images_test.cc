@@ -40,7 +40,7 @@ Remeshed Remesh(double area, const TriangleMesh& mesh) {
     result.attributes.views.AddRow(std::vector<uint32_t>{0, 1});
   }
   const auto draw = [](const TriangleMesh& drawn) {
-    return std::make_shared<const MeshDrawings>(drawn, Views(), kMinCosine,
+    return std::make_shared<const VisibilityBuffers>(drawn, Views(), kMinCosine,
                                                 SIZE_MAX);
   };
   FixedSources fixed;

@@ -1,4 +1,4 @@
-#include "raster/mesh_drawings.h"
+#include "raster/visibility_buffers.h"
 
 #include <utility>
 
@@ -6,7 +6,7 @@
 
 namespace colmap_ext {
 
-MeshDrawings::MeshDrawings(TriangleMesh mesh, std::vector<View> views,
+VisibilityBuffers::VisibilityBuffers(TriangleMesh mesh, std::vector<View> views,
                            double min_cosine, size_t max_memory, ViewMask mask)
     : mesh_(std::move(mesh)),
       views_(std::move(views)),
@@ -15,7 +15,7 @@ MeshDrawings::MeshDrawings(TriangleMesh mesh, std::vector<View> views,
       mask_(std::move(mask)),
       drawn_(max_memory) {}
 
-std::shared_ptr<const FacetIdBuffer> MeshDrawings::Get(size_t view) const {
+std::shared_ptr<const FacetIdBuffer> VisibilityBuffers::Get(size_t view) const {
   return drawn_.Get(view, Memory(view), [&] {
     auto buffer = std::make_shared<FacetIdBuffer>(
         DrawFacets(views_[view], mesh_, min_cosine_));
@@ -27,7 +27,7 @@ std::shared_ptr<const FacetIdBuffer> MeshDrawings::Get(size_t view) const {
   });
 }
 
-void MeshDrawings::DrawAhead() const {
+void VisibilityBuffers::DrawAhead() const {
   size_t memory = 0;
   size_t num_views = 0;
   for (; num_views < views_.size(); ++num_views) {
@@ -40,7 +40,7 @@ void MeshDrawings::DrawAhead() const {
 }
 
 // Of a FacetIdBuffer: facets and depths of pixels, a bit a facet.
-size_t MeshDrawings::Memory(size_t view) const {
+size_t VisibilityBuffers::Memory(size_t view) const {
   constexpr size_t kBytesPerPixel = sizeof(uint32_t) + sizeof(float);
   return kBytesPerPixel * views_[view].width * views_[view].height +
          mesh_.facets.size() / 8;

@@ -17,16 +17,16 @@ namespace colmap_ext {
 using ViewMask = std::function<std::shared_ptr<const GrayImage>(size_t view)>;
 
 // A mesh drawn into views, each view on first use. Subdivision, labelling and
-// energy share the drawings of a mesh. As many as memory allows are kept, the
+// energy share the buffers of a mesh. As many as memory allows are kept, the
 // least recently used ones are drawn again. Thread-safe.
-class MeshDrawings {
+class VisibilityBuffers {
  public:
   // \param min_cosine  see DrawFacets().
-  // \param max_memory  of the drawings that are kept, bytes; those in use
+  // \param max_memory  of the buffers that are kept, bytes; those in use
   //        are always kept.
   // \param mask  of the views, whose masked pixels show nothing, see
   //        EraseMasked(); may be empty.
-  MeshDrawings(TriangleMesh mesh, std::vector<View> views, double min_cosine,
+  VisibilityBuffers(TriangleMesh mesh, std::vector<View> views, double min_cosine,
                size_t max_memory, ViewMask mask = {});
 
   const TriangleMesh& Mesh() const { return mesh_; }
@@ -51,6 +51,6 @@ class MeshDrawings {
 
 // Draws a mesh into views that are known to the callee.
 using DrawMesh =
-    std::function<std::shared_ptr<const MeshDrawings>(const TriangleMesh&)>;
+    std::function<std::shared_ptr<const VisibilityBuffers>(const TriangleMesh&)>;
 
 }  // namespace colmap_ext
