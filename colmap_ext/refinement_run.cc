@@ -369,7 +369,7 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
   const fs::path& output = paths.output;
   std::vector<fs::path> outputs = {output, VisibilityPath(output),
                                    StatePath(output)};
-  if (options.refinement.cameras.parts != RefinedParts::kNone) {
+  if (options.refinement.cameras.parts != RefinedParts::kNothing) {
     std::error_code ignored;
     ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
                        ? paths.refined_sparse / "images.bin"

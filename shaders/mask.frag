@@ -11,6 +11,6 @@ void main() {
   if (texelFetch(mask, ivec2(gl_FragCoord.xy), 0).x != 0u) {
     discard;
   }
-  facet = 0xffffffffu;
+  facet = kNone;
   gl_FragDepth = 1;
 }

@@ -7,5 +7,5 @@ layout(location = 1) out uint facet;
 
 void main() {
   color = vec4(line_color, 1);
-  facet = kNoFacet;
+  facet = kNone;
 }

@@ -11,5 +11,5 @@ void main() {
     discard;
   }
   color = vec4(front, 1);
-  facet = kNoFacet;
+  facet = kNone;
 }

@@ -38,8 +38,6 @@ uniform vec2 focal_j;                // px
 uniform float depth_scale_i;
 uniform float depth_scale_j;
 
-const uint kNoFacet = 0xffffffffu;
-
 // IsNearest() of raster/facet_id_buffer.h.
 bool IsNearest(uint facet, vec3 normal, float distance_j, ivec2 nearest,
                float inverse_depth) {
@@ -109,7 +107,7 @@ bool IsSaturated(uint gray) { return gray == 0u || gray == 255u; }
 // j: the derivative by it jumps from pixel to pixel.
 vec3 Warp(ivec2 pixel_i) {
   uint facet = texelFetch(facets_i, pixel_i, 0).x;
-  if (facet == kNoFacet || !FacesBoth(facet)) {
+  if (facet == kNone || !FacesBoth(facet)) {
     return vec3(0);
   }
   dvec3 pixel = dvec3(dvec2(pixel_i) + 0.5, 1);

@@ -107,7 +107,7 @@ void RefinerOptions::FinishMethod() {
   refinement.cameras.parts = ParseWord<RefinedParts>(
       "refine_cameras", words.refine_cameras,
       {{"auto", RefinedParts::kPoses},
-       {"none", RefinedParts::kNone},
+       {"none", RefinedParts::kNothing},
        {"poses", RefinedParts::kPoses},
        {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
   refinement.cameras.only_if_misaligned = words.refine_cameras == "auto";

@@ -215,7 +215,7 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
   input->sparse_model =
       ReadSparseModel(input->workspace.sparse_path, SparseDetail::kAll);
   input->camera_parts = options.refinement.cameras.parts;
-  if (input->camera_parts != RefinedParts::kNone &&
+  if (input->camera_parts != RefinedParts::kNothing &&
       !HasOneImageFrames(input->sparse_model)) {
     if (!options.AllowsFixedCameras()) {
       throw FileError(
@@ -223,7 +223,7 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
           "it has rigs of several cameras, which can not be "
           "refined; take --FacetwiseRefinement.refine_cameras none");
     }
-    input->camera_parts = RefinedParts::kNone;
+    input->camera_parts = RefinedParts::kNothing;
   }
   input->cameras = MakeRefinableCameras(input->sparse_model,
                                         input->workspace.order.order.images,
@@ -255,7 +255,7 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   if (fs::equivalent(paths.mesh, paths.output, ignored)) {
     throw OptionError("--output_path is the mesh that is to be refined");
   }
-  if (options.refinement.cameras.parts != RefinedParts::kNone &&
+  if (options.refinement.cameras.parts != RefinedParts::kNothing &&
       !options.sparse_path.empty() &&
       fs::equivalent(options.sparse_path, paths.refined_sparse, ignored)) {
     throw OptionError(

@@ -48,8 +48,8 @@ struct RefinementInput {
   std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
 
   std::shared_ptr<const RefinableCameras> cameras;
-  RefinedParts camera_parts = RefinedParts::kNone;  // none: rigs, by default
-  SparseModel sparse_model;                         // in full
+  RefinedParts camera_parts = RefinedParts::kNothing;  // none: rigs, by default
+  SparseModel sparse_model;                            // in full
 
   WorkspaceReport workspace;
   bool has_fused_points = true;     // else the mesh's vertices stand for them

@@ -81,7 +81,7 @@ constexpr VisibilityOwner kLevelMesh = {"mesh", "start anew, without --resume",
 Rows<uint32_t> RowsOf(const FixedSources& sources) {
   Rows<uint32_t> rows;
   for (const uint32_t source : sources) {
-    if (source != kNoSource) {
+    if (source != kNone) {
       rows.values.push_back(source);
     }
     rows.EndRow();
@@ -92,7 +92,7 @@ Rows<uint32_t> RowsOf(const FixedSources& sources) {
 FixedSources SourcesFrom(const Rows<uint32_t>& rows) {
   FixedSources sources;
   for (size_t i = 0; i < rows.size(); ++i) {
-    sources.push_back(rows[i].empty() ? kNoSource : rows[i].front());
+    sources.push_back(rows[i].empty() ? kNone : rows[i].front());
   }
   return sources;
 }

@@ -26,7 +26,7 @@ Rows<uint32_t> Renumber(const Rows<uint32_t>& rows,
   Rows<uint32_t> renumbered;
   for (size_t i = 0; i < rows.size(); ++i) {
     for (const uint32_t view : rows[i]) {
-      if (numbers[view] != kNoSource) {
+      if (numbers[view] != kNone) {
         renumbered.values.push_back(numbers[view]);
       }
     }
@@ -99,10 +99,10 @@ PointCloud PointsOf(const SurfacePart& part, const Rows<uint32_t>& views,
   return points;
 }
 
-// [views of the plan] their numbers in the target, or kNoSource.
+// [views of the plan] their numbers in the target, or kNone.
 std::vector<uint32_t> NumbersOf(const RefinementTarget& target,
                                 size_t num_views) {
-  std::vector<uint32_t> numbers(num_views, kNoSource);
+  std::vector<uint32_t> numbers(num_views, kNone);
   for (uint32_t i = 0; i < target.views.size(); ++i) {
     numbers[target.views[i]] = i;
   }
@@ -130,7 +130,7 @@ RefinedMesh Refine(const RefinementJob& job, const RefinementTarget& target,
   Report(hooks.progress, "Reading the images", 0);
   const TilePictures pictures = ReadPictures(job, target, options, decoder);
   FacetwiseRefinementOptions method = options.refinement;
-  method.cameras.parts = RefinedParts::kNone;
+  method.cameras.parts = RefinedParts::kNothing;
   RefinementStart start = StartAt(
       part, fixed, NumbersOf(target, job.plan.views.size()), method.levels);
   PointCloud points = PointsOf(part, start.attributes.views, fixed);

@@ -6,8 +6,11 @@
 
 namespace colmap_ext {
 
-// How many things 32-bit indices can number: UINT32_MAX means none.
-inline constexpr uint64_t kMaxIndexed = UINT32_MAX;
+// In place of an index: none.
+inline constexpr uint32_t kNone = UINT32_MAX;
+
+// How many things 32-bit indices can number.
+inline constexpr uint64_t kMaxIndexed = kNone;
 
 // Returns the count.
 // \param what  is counted, for the message: "vertices".

@@ -41,7 +41,7 @@ struct CameraEvidence {
   const SparseTracks& tracks;
   std::vector<double> depths;        // [views] of what they see, scene units
   std::vector<double> track_sigmas;  // [views] of an observation, px
-  std::vector<uint8_t> is_skipped;      // [views] too little is known to move it
+  std::vector<uint8_t> is_skipped;   // [views] too little is known to move it
   CameraPriors priors;
   bool refine_intrinsics = false;
 };

@@ -129,7 +129,7 @@ class CameraRefinement {
         LocateTracks(all_tracks_, estimate_.cameras.views,
                      TrackSigmas(estimate_, tracks_, &report_.track_sigma),
                      options_.priors.point);
-    if (options_.parts != RefinedParts::kNone) {
+    if (options_.parts != RefinedParts::kNothing) {
       RestoreGauge(&positions);
     }
     FillMotions(start);
@@ -139,7 +139,7 @@ class CameraRefinement {
 
   Misalignment FindMisalignment() {
     constexpr size_t kMinPatches = 8;  // of a view, a choice
-    Iterate(RefinedParts::kNone);
+    Iterate(RefinedParts::kNothing);
     const std::vector<double> fixed = estimate_.displacements;
     Iterate(RefinedParts::kPoses);
     const std::vector<double>& free = estimate_.displacements;
@@ -278,8 +278,8 @@ class CameraRefinement {
       ++report_.views[seen.view].num_observations;
     }
     for (RefinedView& view : report_.views) {
-      view.is_skipped = parts == RefinedParts::kNone ||
-                     view.num_windows + view.num_observations < kMinEvidence;
+      view.is_skipped = parts == RefinedParts::kNothing ||
+                        view.num_windows + view.num_observations < kMinEvidence;
     }
   }
 

@@ -16,13 +16,13 @@
 namespace colmap_ext {
 
 enum class RefinedParts {
-  kNone,
+  kNothing,
   kPoses,
   kPosesIntrinsics,  // focal length and principal point too
 };
 
 struct CameraRefinementOptions {
-  RefinedParts parts = RefinedParts::kNone;
+  RefinedParts parts = RefinedParts::kNothing;
   // Cameras that are aligned well stay, see RefineFacetwise().
   bool only_if_misaligned = false;
   PatchOptions patches;
@@ -44,7 +44,7 @@ struct RefinedView {
   size_t num_observations = 0;  // of the sparse model's points
   double motion = 0;            // median, px, since the original
   double last_motion = 0;       // in the last round, px of the level
-  bool is_skipped = false;         // too little is seen to move it
+  bool is_skipped = false;      // too little is seen to move it
 };
 
 struct CameraRefinementReport {
@@ -81,7 +81,7 @@ struct Misalignment {
 // no motion of the surface along its normals would do that (docs/method.md,
 // section 7.7).
 //
-// With RefinedParts::kNone only the patches and the points move.
+// With RefinedParts::kNothing only the patches and the points move.
 //
 // \param original  before all refinement: they hold the gauge.
 // \param cameras  as they are now.

@@ -29,7 +29,7 @@ constexpr int kTrialsPerAxis = 6;
 double Texture(const DrawnView& i, int row, int col, int radius,
                float max_relative_depth) {
   const uint32_t facet = i.drawn.facets[i.drawn.Index(row, col)];
-  if (facet == kNoFacet || !i.drawn.is_facing[facet]) {
+  if (facet == kNone || !i.drawn.is_facing[facet]) {
     return -1;
   }
   const float center = i.drawn.inverse_depths[i.drawn.Index(row, col)];

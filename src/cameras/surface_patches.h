@@ -43,7 +43,7 @@ struct PatchOptions {
 
 // A mesh drawn into views of one level, and their images. References are kept.
 struct DrawnScene {
-  const VisibilityBuffers& buffers;           // their views: as they were drawn
+  const VisibilityBuffers& buffers;       // their views: as they were drawn
   const std::vector<FacetFrame>& frames;  // [F] of the mesh
   ImagePyramid* images;                   // at the level
 };

@@ -70,7 +70,7 @@ class DisplacedWarp {
   Eigen::Matrix3d pixel_j_from_pixel_i_;
   Eigen::Vector3d epipole_;
   // Of the facet.
-  uint32_t facet_ = kNoFacet;
+  uint32_t facet_ = kNone;
   bool is_facing_ = false;
   Eigen::Vector3d inverse_depth_;  // by (u, v, 1) in i
   double slope_ = 0;               // see PlaneSlope()
@@ -160,7 +160,7 @@ WindowShift CompareWindow(const PhotometricOptions& options, int radius,
       const size_t pixel = i.drawn.Index(row, col);
       const uint32_t facet = i.drawn.facets[pixel];
       Interpolated sample;
-      if (facet != kNoFacet && !IsSaturated(line[col]) &&
+      if (facet != kNone && !IsSaturated(line[col]) &&
           std::abs(i.drawn.inverse_depths[pixel] - center) <= max_difference &&
           warp.Sample(facet, row, col, &sample)) {
         sample.value -= static_cast<float>(mean);

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/index_limit.h"
+
 namespace colmap_ext {
 
 // Where cells stand in a list that grows: a table of open addresses, which
@@ -19,7 +21,7 @@ class CellPlaces {
   // \pre the list is the one of the calls since Clear()
   uint32_t PlaceIn(uint32_t cell, std::vector<uint32_t>* cells) {
     uint32_t* slot = SlotOf(cell, *cells);
-    if (*slot != kFree) {
+    if (*slot != kNone) {
       return *slot;
     }
     const auto place = static_cast<uint32_t>(cells->size());
@@ -36,13 +38,12 @@ class CellPlaces {
 
  private:
   static constexpr size_t kMinSlots = 128;  // for twice the usual star
-  static constexpr uint32_t kFree = UINT32_MAX;
 
   // \param num_slots  a power of two
   void Resize(size_t num_slots) {
     num_slots_ = num_slots;
     slots_.resize(std::max(slots_.size(), num_slots));
-    std::fill_n(slots_.begin(), num_slots, kFree);
+    std::fill_n(slots_.begin(), num_slots, kNone);
   }
 
   // That of the cell, or the free one where it belongs.
@@ -50,7 +51,7 @@ class CellPlaces {
     // Fibonacci hashing: the upper bits of the product are the mixed ones.
     size_t slot =
         (cell * 0x9e3779b97f4a7c15u) >> (64 - std::countr_zero(num_slots_));
-    while (slots_[slot] != kFree && cells[slots_[slot]] != cell) {
+    while (slots_[slot] != kNone && cells[slots_[slot]] != cell) {
       slot = (slot + 1) & (num_slots_ - 1);
     }
     return &slots_[slot];

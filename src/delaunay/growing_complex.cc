@@ -69,7 +69,7 @@ bool SpansVolume(const std::vector<Eigen::Vector3f>& points) {
 std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
                                      GrowingComplex* complex) {
   const std::array<uint32_t, 4> simplex = FindSimplex(order, complex->points);
-  complex->vertex_cells.assign(complex->points.size(), kNoCell);
+  complex->vertex_cells.assign(complex->points.size(), kNone);
   std::vector<GrowingComplex::Cell>& cells = complex->cells;
   // The finite cell, and behind each of its facets i the infinite cell 1 + i,
   // which is the finite one mirrored.

@@ -26,8 +26,8 @@ struct GrowingComplex {
   std::vector<Eigen::Vector3f> points;  // [P], distinct
   std::vector<Cell> cells;              // [C], those not in use included
   std::vector<uint8_t> is_marked;       // [C], scratch of an insertion
-  std::vector<uint32_t> vertex_cells;  // [P], a finite cell of each, or kNoCell
-  std::vector<uint32_t> free_cells;    // not in use
+  std::vector<uint32_t> vertex_cells;   // [P], a finite cell of each, or kNone
+  std::vector<uint32_t> free_cells;     // not in use
 };
 
 // Appends cells that are not in use.

@@ -71,16 +71,16 @@ void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
 }
 
 // The cell of a vertex in a range, all of whose vertices are the
-// inserter's; kNoCell where none is found.
+// inserter's; kNone where none is found.
 uint32_t FindOwnCell(const PointInserter& inserter, uint32_t begin,
                      uint32_t end, const GrowingComplex& complex) {
   for (uint32_t vertex = begin; vertex < end; ++vertex) {
     const uint32_t cell = complex.vertex_cells[vertex];
-    if (cell != kNoCell && inserter.IsOwn(cell)) {
+    if (cell != kNone && inserter.IsOwn(cell)) {
       return cell;
     }
   }
-  return kNoCell;
+  return kNone;
 }
 
 void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
@@ -88,14 +88,14 @@ void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
   size_t num_inserted = 0;
   uint32_t hint = FindOwnCell(part->inserter, part->begin, part->end, complex);
   for (const uint32_t point : part->points) {
-    if (complex.vertex_cells[point] != kNoCell) {
+    if (complex.vertex_cells[point] != kNone) {
       continue;
     }
     const uint32_t cell =
-        hint != kNoCell ? part->inserter.Locate(point, hint) : kNoCell;
+        hint != kNone ? part->inserter.Locate(point, hint) : kNone;
     const uint32_t inserted =
-        cell != kNoCell ? part->inserter.Insert(point, cell) : kNoCell;
-    if (inserted != kNoCell) {
+        cell != kNone ? part->inserter.Insert(point, cell) : kNone;
+    if (inserted != kNone) {
       hint = inserted;
       progress->Count(++num_inserted);
     } else {
@@ -164,7 +164,7 @@ void InsertSerially(Points points, GrowingComplex* complex) {
   inserter.free_cells().swap(complex->free_cells);
   uint32_t hint = FindOwnCell(inserter, 0, num_points, *complex);
   for (const uint32_t point : points) {
-    if (complex->vertex_cells[point] == kNoCell) {
+    if (complex->vertex_cells[point] == kNone) {
       hint =
           InsertPoint(point, inserter.Locate(point, hint), &inserter, complex);
     }
@@ -196,7 +196,7 @@ uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
                      GrowingComplex* complex) {
   for (;;) {
     const uint32_t inserted = inserter->Insert(point, cell);
-    if (inserted != kNoCell) {
+    if (inserted != kNone) {
       return inserted;
     }
     AddFreeCells(kSpareCells, complex);
@@ -224,7 +224,7 @@ void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
             static_cast<uint32_t>(complex->points.size()));
   complex->points.insert(complex->points.end(), positions.begin(),
                          positions.end());
-  complex->vertex_cells.resize(complex->points.size(), kNoCell);
+  complex->vertex_cells.resize(complex->points.size(), kNone);
   InsertSerially(added, complex);
 }
 

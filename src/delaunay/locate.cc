@@ -9,11 +9,11 @@ namespace colmap_ext {
 uint32_t Locate(const Tetrahedralization& tetrahedra,
                 const Eigen::Vector3d& point, uint32_t hint) {
   uint32_t cell_index = hint;
-  uint32_t previous = kNoCell;
+  uint32_t previous = kNone;
   while (!tetrahedra.IsInfinite(cell_index)) {
     const Tetrahedralization::Cell& cell = tetrahedra.cells[cell_index];
-    uint32_t next = kNoCell;
-    for (int i = 0; i < 4 && next == kNoCell; ++i) {
+    uint32_t next = kNone;
+    for (int i = 0; i < 4 && next == kNone; ++i) {
       if (cell.neighbors[i] == previous) {
         continue;
       }
@@ -25,7 +25,7 @@ uint32_t Locate(const Tetrahedralization& tetrahedra,
         next = cell.neighbors[i];
       }
     }
-    if (next == kNoCell) {
+    if (next == kNone) {
       break;
     }
     previous = std::exchange(cell_index, next);

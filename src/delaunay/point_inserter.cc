@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/index_limit.h"
 #include "delaunay/cell_conflict.h"
 
 namespace colmap_ext {
-namespace {
-
-constexpr uint32_t kNoMirrorFacet = UINT32_MAX;
-
-}  // namespace
 
 bool PointInserter::IsOwn(uint32_t cell) const {
   return std::ranges::all_of(
@@ -36,7 +32,7 @@ uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
     at = cell.mirror_facets[exit] / 4;
     entry = cell.mirror_facets[exit] % 4;
     if (!IsOwn(at)) {
-      return kNoCell;
+      return kNone;
     }
     if (complex_->cells[at].vertices[entry] == kInfiniteVertex) {
       return at;
@@ -46,7 +42,7 @@ uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
 
 uint32_t PointInserter::Insert(uint32_t point, uint32_t cell) {
   const bool is_found = FindCavity(point, cell);
-  const uint32_t result = is_found ? FillCavity(point) : kNoCell;
+  const uint32_t result = is_found ? FillCavity(point) : kNone;
   LeaveCavity();
   return result;
 }
@@ -75,16 +71,16 @@ bool PointInserter::FindCavity(uint32_t point, uint32_t cell) {
   return true;
 }
 
-// \return a new finite cell, or kNoCell where too few are free
+// \return a new finite cell, or kNone where too few are free
 uint32_t PointInserter::FillCavity(uint32_t point) {
   if (free_cells_.size() < boundary_.size()) {
-    return kNoCell;
+    return kNone;
   }
   new_cells_.clear();
   for (const uint32_t arc : boundary_) {
     new_cells_.push_back(AddCell(point, arc));
   }
-  uint32_t finite = kNoCell;
+  uint32_t finite = kNone;
   for (size_t i = 0; i < boundary_.size(); ++i) {
     Connect(new_cells_[i], boundary_[i]);
     if (InfiniteCorner(complex_->cells[new_cells_[i]]) == 4) {
@@ -104,7 +100,7 @@ uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
   GrowingComplex::Cell& cell = cells[index];
   cell.vertices = cells[arc / 4].vertices;
   cell.vertices[arc % 4] = point;
-  cell.mirror_facets.fill(kNoMirrorFacet);
+  cell.mirror_facets.fill(kNone);
   const uint32_t outside = cells[arc / 4].mirror_facets[arc % 4];
   cell.mirror_facets[arc % 4] = outside;
   cells[outside / 4].mirror_facets[outside % 4] = 4 * index + arc % 4;
@@ -121,7 +117,7 @@ uint32_t PointInserter::AddCell(uint32_t point, uint32_t arc) {
 void PointInserter::Connect(uint32_t cell, uint32_t arc) {
   std::vector<GrowingComplex::Cell>& cells = complex_->cells;
   for (uint32_t i = 0; i < 4; ++i) {
-    if (cells[cell].mirror_facets[i] == kNoMirrorFacet) {
+    if (cells[cell].mirror_facets[i] == kNone) {
       const uint32_t mirror = TurnThroughCavity(arc, i);
       cells[cell].mirror_facets[i] = mirror;
       cells[mirror / 4].mirror_facets[mirror % 4] = 4 * cell + i;

@@ -29,11 +29,11 @@ class PointInserter {
   // A visibility walk to the cell that contains a point: one of them if it lies
   // on a facet, an infinite one if it lies beyond the hull.
   // \param hint  a finite cell, all of whose vertices the inserter owns
-  // \return kNoCell if the walk meets a vertex that the inserter does not own
+  // \return kNone if the walk meets a vertex that the inserter does not own
   uint32_t Locate(uint32_t point, uint32_t hint) const;
 
   // \param cell  contains the point
-  // \return a new finite cell; kNoCell if the point is not inserted, because
+  // \return a new finite cell; kNone if the point is not inserted, because
   //         the inserter does not own the cells or too few are free
   uint32_t Insert(uint32_t point, uint32_t cell);
 

@@ -26,7 +26,7 @@ class Walk {
         direction_(ray.target - origin_),
         length_(direction_.norm()) {
     path_->crossings.clear();
-    path_->end = kNoCell;
+    path_->end = kNone;
     if (length_ > 0) {
       // Right-handed: axis_x x axis_y is the direction.
       direction_ /= length_;
@@ -41,7 +41,7 @@ class Walk {
     if (!(length_ > 0)) {
       return false;
     }
-    const bool is_started = ray_->origin != kNoVertex
+    const bool is_started = ray_->origin != kNone
                                 ? StartAtVertex(ray_->origin)
                                 : StartInCell(ray_->start_cell);
     if (!is_started) {
@@ -117,9 +117,8 @@ class Walk {
  private:
   static Eigen::Vector3d OriginOf(const Tetrahedralization& tetrahedra,
                                   const Ray& ray) {
-    return ray.origin != kNoVertex
-               ? tetrahedra.points[ray.origin].cast<double>()
-               : ray.position;
+    return ray.origin != kNone ? tetrahedra.points[ray.origin].cast<double>()
+                               : ray.position;
   }
 
   // Finds the facet through which the ray leaves the cell that it starts in.
@@ -226,7 +225,7 @@ class Walk {
   // Sets the distance of the exit.
   // \return false where the target comes first
   bool MeasureExit() {
-    const bool ends_at_target = ray_->end == kNoCell;
+    const bool ends_at_target = ray_->end == kNone;
     if (ends_at_target && !IsTargetBeyondExit()) {
       return false;
     }
@@ -312,8 +311,8 @@ class Walk {
   Eigen::Vector3d axis_x_;
   Eigen::Vector3d axis_y_;
 
-  uint32_t cell_ = kNoCell;
-  uint32_t next_ = kNoCell;
+  uint32_t cell_ = kNone;
+  uint32_t next_ = kNone;
   uint32_t entry_ = 0;
   uint32_t exit_ = 0;
   uint32_t apex_ = kInfiniteVertex;  // the corner opposite to the entry

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "base/index_limit.h"
 #include "delaunay/tetrahedralization.h"
 
 namespace colmap_ext {
@@ -20,36 +21,34 @@ struct Crossing {
   float distance = std::numeric_limits<float>::infinity();
 };
 
-inline constexpr uint32_t kNoVertex = UINT32_MAX;
-
 // In place of the cell where a ray ends: the ray continues to the hull, as no
 // cell has this index.
-inline constexpr uint32_t kToHull = kNoCell - 1;
+inline constexpr uint32_t kToHull = kNone - 1;
 
 struct Ray {
-  uint32_t origin = 0;     // a vertex, or kNoVertex
+  uint32_t origin = 0;     // a vertex, or kNone
   Eigen::Vector3d target;  // world frame
-  uint32_t end = kNoCell;  // the cell where it ends, or kNoCell
+  uint32_t end = kNone;    // the cell where it ends, or kNone
   // Distances are computed up to the first one beyond, scene units, and all of
-  // them where `end` is kNoCell.
+  // them where `end` is kNone.
   double near_distance = 0;
-  // Where `origin` is kNoVertex: where the ray starts, and the cell that it
+  // Where `origin` is kNone: where the ray starts, and the cell that it
   // enters there (EnteredCell).
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  uint32_t start_cell = kNoCell;
+  uint32_t start_cell = kNone;
 };
 
 // The way of a ray.
 struct RayPath {
   std::vector<Crossing> crossings;  // in order
-  // The cell where it ends, or kNoCell if the walk failed (the target is the
+  // The cell where it ends, or kNone if the walk failed (the target is the
   // origin); then the crossings are invalid.
-  uint32_t end = kNoCell;
+  uint32_t end = kNone;
 };
 
 // Walks a ray from cell to cell through the tetrahedralization and lists the
 // facets that it crosses. It ends where it enters the cell `end` or an infinite
-// one; where `end` is kNoCell it ends in the cell of the target.
+// one; where `end` is kNone it ends in the cell of the target.
 //
 // All turns are exact and those of one ray in general position, so that every
 // walk ends [Devillers2002], whether the ray runs through vertices, along edges
@@ -59,7 +58,7 @@ struct RayPath {
 // \param origin, target, end, near_distance  see Ray
 // \param crossings  are overwritten
 // \pre Delaunay: a walk around a vertex relies on it to end.
-// \return the cell where the walk ended, or kNoCell (RayPath)
+// \return the cell where the walk ended, or kNone (RayPath)
 uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
                  const Eigen::Vector3d& target, uint32_t end,
                  double near_distance, std::vector<Crossing>* crossings);

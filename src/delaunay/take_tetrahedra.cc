@@ -9,7 +9,7 @@
 namespace colmap_ext {
 
 std::vector<uint32_t> FirstCells(const Tetrahedralization& tetrahedra) {
-  std::vector<uint32_t> first(tetrahedra.points.size(), kNoCell);
+  std::vector<uint32_t> first(tetrahedra.points.size(), kNone);
   for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
     if (tetrahedra.IsInfinite(cell)) {
       continue;

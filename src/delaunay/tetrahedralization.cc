@@ -27,7 +27,7 @@ void NumberVertices(const std::vector<uint32_t>& points, size_t num_points,
   std::vector<Eigen::Vector3f>& positions = complex->points;
   result->point_vertices.assign(num_points, kInfiniteVertex);
   for (size_t i = 0; i < points.size(); ++i) {
-    if (complex->vertex_cells[i] != kNoCell) {
+    if (complex->vertex_cells[i] != kNone) {
       const size_t vertex = result->vertex_points.size();
       result->point_vertices[points[i]] = static_cast<uint32_t>(vertex);
       result->vertex_points.push_back(points[i]);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "base/index_limit.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
@@ -16,7 +17,6 @@ namespace colmap_ext {
 // The vertex at infinity, which closes the hull: every facet of the hull and
 // this vertex make an infinite cell.
 inline constexpr uint32_t kInfiniteVertex = UINT32_MAX;
-inline constexpr uint32_t kNoCell = UINT32_MAX;
 
 // Corners of a cell's facet i, the one opposite to its corner i. Their normal
 // (right-handed) points into the cell.

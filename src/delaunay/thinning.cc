@@ -127,7 +127,7 @@ void InsertThinned(const PointCloud& cloud, const std::vector<View>& views,
              static_cast<double>(i) / static_cast<double>(order.size()));
     }
     const uint32_t point = order[i];
-    if (complex->vertex_cells[point] != kNoCell) {
+    if (complex->vertex_cells[point] != kNone) {
       spans_volume = spans_volume || point == simplex[3];
       continue;
     }

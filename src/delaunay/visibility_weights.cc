@@ -41,7 +41,7 @@ struct Center {
 // A place and a cell that holds it, or an infinite one.
 struct Place {
   Eigen::Vector3d position;
-  uint32_t cell = kNoCell;
+  uint32_t cell = kNone;
   bool is_inside = false;  // strictly, or strictly beyond the hull
 };
 
@@ -138,7 +138,7 @@ class Voter {
     WalkRays(tetrahedra_, rays_, behind_);
     for (size_t i = 0; i < batch.size(); ++i) {
       ++report_.num_rays;
-      if (front_[i].end == kNoCell || behind_[i].end == kNoCell) {
+      if (front_[i].end == kNone || behind_[i].end == kNone) {
         ++report_.num_lost_rays;
         continue;
       }
@@ -161,7 +161,7 @@ class Voter {
     }
     const auto& [position, cell, is_inside] = (*places_)[vertex];
     return {
-        kNoVertex,
+        kNone,
         target,
         end,
         near_distance,
@@ -186,7 +186,7 @@ class Voter {
     return RayFrom(
         vertex,
         position + options_.behind_sigma * options_.distance_sigma * direction,
-        kNoCell, near_distance_);
+        kNone, near_distance_);
   }
 
   double NearDistance(uint32_t vertex) const {

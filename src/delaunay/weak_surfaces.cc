@@ -18,15 +18,15 @@ constexpr double kMaxBehind = 0.01;
 constexpr double kGain = 2;
 
 // The largest support of the cells on the way from the vertex to the target.
-// \return the cell of the target, or kNoCell where the ray is lost
+// \return the cell of the target, or kNone where the ray is lost
 uint32_t LargestSupport(const Tetrahedralization& tetrahedra,
                         const std::vector<uint32_t>& free_support,
                         uint32_t vertex, const Eigen::Vector3d& target,
                         uint32_t* largest) {
   thread_local std::vector<Crossing> crossings;
   const uint32_t end =
-      WalkRay(tetrahedra, vertex, target, kNoCell, 0, &crossings);
-  if (end != kNoCell) {
+      WalkRay(tetrahedra, vertex, target, kNone, 0, &crossings);
+  if (end != kNone) {
     *largest = free_support[end];
     for (const Crossing& crossing : crossings) {
       *largest = std::max(*largest, free_support[crossing.exit_arc / 4]);
@@ -63,7 +63,7 @@ uint32_t MedianFront(const std::vector<SupportJump>& jumps) {
   std::vector<uint32_t> fronts;
   fronts.reserve(jumps.size());
   for (const SupportJump& jump : jumps) {
-    if (jump.end_cell != kNoCell) {
+    if (jump.end_cell != kNone) {
       fronts.push_back(jump.front);
     }
   }
@@ -89,13 +89,12 @@ SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
   std::vector<Crossing> crossings;
   const uint32_t end =
       WalkRay(tetrahedra, vertex, position + options.behind_sigma * sigma,
-              kNoCell, 0, &crossings);
-  if (end == kNoCell || tetrahedra.IsInfinite(end) ||
+              kNone, 0, &crossings);
+  if (end == kNone || tetrahedra.IsInfinite(end) ||
       LargestSupport(tetrahedra, free_support, vertex,
-                     position - kFrontSigmas * sigma, &jump.front) == kNoCell ||
+                     position - kFrontSigmas * sigma, &jump.front) == kNone ||
       LargestSupport(tetrahedra, free_support, vertex,
-                     position + kBehindSigmas * sigma,
-                     &jump.behind) == kNoCell) {
+                     position + kBehindSigmas * sigma, &jump.behind) == kNone) {
     return {};
   }
   jump.end_cell = end;
@@ -114,7 +113,7 @@ size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,
   size_t num_sharp = 0;
   for (size_t k = 0; k < jumps.size(); ++k) {
     const auto& [front, behind, end_cell] = jumps[k];
-    if (end_cell != kNoCell &&
+    if (end_cell != kNone &&
         behind<kMaxBehind * median&& static_cast<double>(front) - behind>
                 kMinJump *
             median) {

@@ -16,9 +16,9 @@ namespace colmap_ext {
 struct SupportJump {
   uint32_t front = 0;   // the largest support up to kFrontSigmas before it
   uint32_t behind = 0;  // the largest support up to kBehindSigmas behind it
-  // Where the ray ends (AddVisibilityWeights); kNoCell where the ray is lost or
+  // Where the ray ends (AddVisibilityWeights); kNone where the ray is lost or
   // ends beyond the hull.
-  uint32_t end_cell = kNoCell;
+  uint32_t end_cell = kNone;
 };
 
 // How far from a vertex support is looked up, in distance sigmas

@@ -145,7 +145,7 @@ void FacetDrawer::BeginImages(const View& view, FacetTextures* textures) {
   glDepthFunc(GL_GREATER);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DITHER);
-  const GLuint nothing[4] = {kNoFacet, 0, 0, 0};
+  const GLuint nothing[4] = {kNone, 0, 0, 0};
   const GLfloat far_away = 0;
   glClearBufferuiv(GL_COLOR, 0, nothing);
   glClearBufferfv(GL_DEPTH, 0, &far_away);

@@ -15,7 +15,7 @@ namespace colmap_ext {
 struct FacetTextures {
   FacetTextures(int width, int height);
 
-  GlTexture facets;       // R32UI, or kNoFacet
+  GlTexture facets;       // R32UI, or kNone
   GlTexture depths;       // 32 bit depth; inverse ones times depth_scale, below
                           // 1; 1 where the pixel is masked
   float depth_scale = 1;  // scene units, a power of two

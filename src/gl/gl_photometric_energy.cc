@@ -189,8 +189,8 @@ class Evaluator {
   GlBuffer sums_;           // [F] FacetSums
 };
 
-// The processor draws where visibility buffers are asked for, and takes over where the
-// card fails.
+// The processor draws where visibility buffers are asked for, and takes over
+// where the card fails.
 class GlPhotometricEnergy : public PhotometricEnergy {
  public:
   GlPhotometricEnergy(const PhotometricOptions& options,

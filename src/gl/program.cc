@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/index_limit.h"
 #include "gl/debug_output.h"
 #include "gl/gl_error.h"
 #include "gl/shader_sources.h"
@@ -32,6 +33,7 @@ std::string AddConstants(std::string_view source,
   const size_t second_line = source.find('\n') + 1;
   std::string text(source.substr(0, second_line));
   text += "const int kGroupSize = " + std::to_string(kGroupSize) + ";\n";
+  text += "const uint kNone = " + std::to_string(kNone) + "u;\n";
   for (const auto& [name, value] : constants) {
     text += "const int " + name + " = " + std::to_string(value) + ";\n";
   }

@@ -25,12 +25,11 @@ Neighbors FacetNeighbors(const std::vector<Facet>& facets) {
   for (size_t i = 0; i < facets.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const uint32_t partner = partners[3 * i + k];
-      const uint32_t neighbor =
-          partner == kNoPartner ? UINT32_MAX : partner / 3;
+      const uint32_t neighbor = partner == kNone ? kNone : partner / 3;
       // Two facets can share two edges.
       const auto end = neighbors[i].begin() + k;
       const bool is_new = std::find(neighbors[i].begin(), end, neighbor) == end;
-      neighbors[i][k] = is_new ? neighbor : UINT32_MAX;
+      neighbors[i][k] = is_new ? neighbor : kNone;
     }
   }
   return neighbors;
@@ -53,7 +52,7 @@ Neighbors NodeNeighbors(const Neighbors& facet_neighbors,
   for (size_t i = 0; i < order.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const uint32_t facet = facet_neighbors[order[i]][k];
-      neighbors[i][k] = facet == UINT32_MAX ? facet : node_of_facet[facet];
+      neighbors[i][k] = facet == kNone ? facet : node_of_facet[facet];
     }
   }
   return neighbors;

@@ -178,7 +178,7 @@ class GrowingPatch {
         PositionsOf(plan_, changes_.centroids(), added);
     tetrahedra_.points.insert(tetrahedra_.points.end(), positions.begin(),
                               positions.end());
-    tetrahedra_.vertex_cells.resize(ids_.size(), kNoCell);
+    tetrahedra_.vertex_cells.resize(ids_.size(), kNone);
     is_complete_.resize(ids_.size(), 0);
   }
 
@@ -189,7 +189,7 @@ class GrowingPatch {
         {vertices, {kBorder, kBorder, kBorder, kBorder}});
     for (const uint32_t vertex : vertices) {
       if (vertex != kInfiniteVertex &&
-          tetrahedra_.vertex_cells[vertex] == kNoCell) {
+          tetrahedra_.vertex_cells[vertex] == kNone) {
         tetrahedra_.vertex_cells[vertex] = index;
       }
     }

@@ -38,10 +38,9 @@ class FixedPartners {
     FindPlaces(fixes);
     for (const PartnerFix& fix : fixes) {
       const uint32_t half = HalfEdgeAt(fix.facet, fix.from, fix.to);
-      if (half != kNoPartner) {
+      if (half != kNone) {
         surface_.partners[half] =
-            fix.has_partner ? HalfEdgeAt(fix.partner, fix.to, fix.from)
-                            : kNoPartner;
+            fix.has_partner ? HalfEdgeAt(fix.partner, fix.to, fix.from) : kNone;
       }
     }
   }
@@ -51,7 +50,7 @@ class FixedPartners {
     std::vector<uint8_t> is_asked_for(ids_.size(), 0);
     for (const PartnerFix& fix : fixes) {
       for (const FacetKey& facet : {fix.facet, fix.partner}) {
-        places_[facet] = kNoSource;
+        places_[facet] = kNone;
         for (const uint32_t id : facet) {
           const auto at = std::ranges::lower_bound(ids_, id);
           if (at != ids_.end()) {
@@ -74,17 +73,17 @@ class FixedPartners {
     }
   }
 
-  // kNoPartner of a facet that is not there.
+  // kNone of a facet that is not there.
   uint32_t HalfEdgeAt(const FacetKey& facet, uint32_t from, uint32_t to) const {
     const uint32_t place = places_.at(facet);
-    for (uint32_t half = 3 * place; place != kNoSource && half < 3 * place + 3;
+    for (uint32_t half = 3 * place; place != kNone && half < 3 * place + 3;
          ++half) {
       if (ids_[FromVertex(facets_, half)] == from &&
           ids_[ToVertex(facets_, half)] == to) {
         return half;
       }
     }
-    return kNoPartner;
+    return kNone;
   }
 
   const std::vector<uint32_t>& ids_;

@@ -6,10 +6,10 @@
 
 #include <tbb/parallel_sort.h>
 
+#include "base/index_limit.h"
+
 namespace colmap_ext {
 namespace {
-
-constexpr uint32_t kNoSlot = UINT32_MAX;
 
 // Sorts the corners, and what belongs to them, as those of a
 // Tetrahedralization's cells are.
@@ -35,7 +35,7 @@ void SortCorners(PatchCell* cell) {
 std::vector<PatchCell> PatchCollector::Take(
     const std::vector<uint32_t>& vertices) {
   for (const uint32_t id : vertices) {
-    Reach(id, 0, nullptr, kNoSlot);
+    Reach(id, 0, nullptr, kNone);
   }
   while (!waiting_.empty()) {
     auto next = waiting_.extract(waiting_.begin());
@@ -93,7 +93,7 @@ void PatchCollector::AddCell(uint32_t tile, uint32_t index, TileWindow* from) {
   const CellKey key = Sorted(cell.corners);
   GrowSlots();
   uint32_t* slot = &slots_[SlotOf(key)];
-  const bool is_new = *slot == kNoSlot;
+  const bool is_new = *slot == kNone;
   if (is_new) {
     *slot = static_cast<uint32_t>(keys_.size());
     keys_.push_back(key);
@@ -133,7 +133,7 @@ void PatchCollector::AddMissingCapacities() {
     for (const uint32_t id : ids) {
       from.CellsAt(id - blocks_.FirstVertex(tile), &star);
       for (const uint32_t index : star) {
-        if (slots_[SlotOf(Sorted(from.CornersOf(index)))] != kNoSlot) {
+        if (slots_[SlotOf(Sorted(from.CornersOf(index)))] != kNone) {
           AddCell(tile, index, &from);
         }
       }
@@ -144,7 +144,7 @@ void PatchCollector::AddMissingCapacities() {
 size_t PatchCollector::SlotOf(const CellKey& key) const {
   const size_t mask = slots_.size() - 1;
   size_t slot = KeyHash()(key) & mask;
-  while (slots_[slot] != kNoSlot && keys_[slots_[slot]] != key) {
+  while (slots_[slot] != kNone && keys_[slots_[slot]] != key) {
     slot = (slot + 1) & mask;
   }
   return slot;
@@ -156,7 +156,7 @@ void PatchCollector::GrowSlots() {
   if (2 * (keys_.size() + 1) <= slots_.size()) {
     return;
   }
-  slots_.assign(std::max(kFirst, 2 * slots_.size()), kNoSlot);
+  slots_.assign(std::max(kFirst, 2 * slots_.size()), kNone);
   for (uint32_t i = 0; i < keys_.size(); ++i) {
     slots_[SlotOf(keys_[i])] = i;
   }

@@ -58,7 +58,7 @@ class PatchCollector {
   std::vector<CellKey> keys_;  // of all cells so far
   size_t num_taken_ = 0;
   std::vector<PatchCell> cells_;  // of the others
-  // A table of open addresses: places in keys_, or kNoSlot; a power of two of
+  // A table of open addresses: places in keys_, or kNone; a power of two of
   // them, half of which at most are taken.
   std::vector<uint32_t> slots_;
   // How many rings each vertex is off those that were asked for.

@@ -7,13 +7,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/index_limit.h"
 #include "delaunay/cell_graph.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {
 namespace {
-
-constexpr uint32_t kNoNode = UINT32_MAX;
 
 // Whether two tiles say the same of an arc. They do so to the unit, but for the
 // last bit of the exponentials of other processors.
@@ -55,8 +54,7 @@ class SeamWindow {
   // \pre Connect() was called last
   // \return see CutSeams(), of the arcs from cells of the tiles that were added
   size_t Cut() {
-    graph_.neighbors.assign(
-        nodes_.size(), {kNoNeighbor, kNoNeighbor, kNoNeighbor, kNoNeighbor});
+    graph_.neighbors.assign(nodes_.size(), {kNone, kNone, kNone, kNone});
     graph_.capacities.assign(nodes_.size(), {0, 0, 0, 0});
     graph_.source.resize(nodes_.size());
     graph_.sink.resize(nodes_.size());
@@ -78,9 +76,9 @@ class SeamWindow {
   void AddNode(const SeamCell& cell) {
     std::vector<uint32_t>& of_tile = node_of_[cell.tile];
     if (of_tile.empty()) {
-      of_tile.assign(labels_.NumUnknown(cell.tile), kNoNode);
+      of_tile.assign(labels_.NumUnknown(cell.tile), kNone);
     }
-    if (of_tile[cell.place] == kNoNode) {
+    if (of_tile[cell.place] == kNone) {
       of_tile[cell.place] = static_cast<uint32_t>(nodes_.size());
       nodes_.push_back(cell);
     }
@@ -90,7 +88,7 @@ class SeamWindow {
     const auto of_tile = node_of_.find(cell.tile);
     return cell.IsUnknown() && of_tile != node_of_.end()
                ? of_tile->second[cell.place]
-               : kNoNode;
+               : kNone;
   }
 
   std::array<SeamCell, 4> AcrossOf(const SeamCell& node) const {
@@ -110,7 +108,7 @@ class SeamWindow {
     for (int i = 0; i < 4; ++i) {
       const SeamCell& other = across_[node][i];
       const uint32_t other_node = NodeOf(other);
-      if (other_node != kNoNode) {
+      if (other_node != kNone) {
         num_contradictions_ += node < num_own_ && !IsToldAlike(cell, i, other);
         graph_.neighbors[node][i] = other_node;
         graph_.capacities[node][i] = cell.out[i];

@@ -65,8 +65,7 @@ SeamCell SeamLabels::Find(const CellKey& corners) const {
   }
   if (const size_t place = PlaceOf(seam->shared, key);
       place < seam->shared.size()) {
-    return {static_cast<uint8_t>(seam->shared[place].label), tile,
-            SeamCell::kNoPlace};
+    return {static_cast<uint8_t>(seam->shared[place].label), tile, kNone};
   }
   throw std::logic_error("tile " + std::to_string(tile) +
                          " lacks a cell that its neighbor has");
@@ -75,7 +74,7 @@ SeamCell SeamLabels::Find(const CellKey& corners) const {
 SeamCell SeamLabels::Across(uint32_t tile, const UnknownCell& cell,
                             int facet) const {
   if (cell.labels[facet] <= kFreeSpace) {
-    return {cell.labels[facet], tile, SeamCell::kNoPlace};
+    return {cell.labels[facet], tile, kNone};
   }
   CellKey other = cell.key;
   other[facet] = cell.apexes[facet];

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/index_limit.h"
 #include "base/lru_cache.h"
 #include "tiles/cell_key.h"
 #include "tiles/plan_vertices.h"
@@ -14,13 +15,11 @@ namespace colmap_ext {
 
 // A cell whose label its tile could not determine, or that tiles share.
 struct SeamCell {
-  static constexpr uint32_t kNoPlace = UINT32_MAX;
-
   uint8_t label;
   uint32_t tile;   // that it belongs to
-  uint32_t place;  // in TileSeam::unknown; kNoPlace: label is known
+  uint32_t place;  // in TileSeam::unknown; kNone: label is known
 
-  bool IsUnknown() const { return place != kNoPlace; }
+  bool IsUnknown() const { return place != kNone; }
 };
 
 // The labels of these cells. Holds a byte for each cell of unknown label, and

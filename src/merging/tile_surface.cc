@@ -31,7 +31,7 @@ TileSurface SurfaceOf(const LabeledParts& parts, uint32_t tile) {
     if (partner == simple[half] || parts.TileOf(std::min(from, to)) != tile) {
       continue;
     }
-    const bool has_partner = partner != kNoPartner;
+    const bool has_partner = partner != kNone;
     surface.fixes.push_back(
         {Sorted(facet_of(half / 3)), from, to, has_partner,
          has_partner ? Sorted(facet_of(partner / 3)) : FacetKey{}});

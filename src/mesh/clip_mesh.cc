@@ -176,7 +176,7 @@ CutMesh CutOff(const Region& region, TriangleMesh mesh,
             std::move(clipped.facet_sources)};
   }
   FanSplit split = SplitFans(clipped.mesh, PairHalfEdges(clipped.mesh.facets));
-  clipped.facet_sources.resize(split.mesh.facets.size(), kNoSource);
+  clipped.facet_sources.resize(split.mesh.facets.size(), kNone);
   return {
       std::move(split.mesh),
       InterpolateAttributes(InterpolateAttributes(attributes, clipped.sources),

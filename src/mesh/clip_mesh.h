@@ -36,7 +36,7 @@ ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh);
 struct CutMesh {
   TriangleMesh mesh;
   VertexAttributes attributes;          // [V]
-  std::vector<uint32_t> facet_sources;  // [F] the old facet; kNoSource where an
+  std::vector<uint32_t> facet_sources;  // [F] the old facet; kNone where an
                                         // edge was split at its midpoint
 };
 

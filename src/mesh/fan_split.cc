@@ -39,12 +39,12 @@ void CopyVerticesPerFan(const std::vector<uint32_t>& partners,
     };
     visit(half);
     for (uint32_t at = partners[half];
-         at != kNoPartner && !is_done[NextHalfEdge(at)];
+         at != kNone && !is_done[NextHalfEdge(at)];
          at = partners[NextHalfEdge(at)]) {
       visit(NextHalfEdge(at));
     }
     for (uint32_t corner = partners[PreviousHalfEdge(half)];
-         corner != kNoPartner && !is_done[corner];
+         corner != kNone && !is_done[corner];
          corner = partners[PreviousHalfEdge(corner)]) {
       visit(corner);
     }
@@ -62,9 +62,8 @@ uint32_t CutFacet(uint32_t half, uint32_t middle, std::vector<Facet>* facets,
   const auto new_half = static_cast<uint32_t>(partners->size());
   facets->push_back({middle, to, apex});
   (*facets)[half / 3][old_next % 3] = middle;
-  partners->insert(partners->end(),
-                   {kNoPartner, (*partners)[old_next], old_next});
-  if ((*partners)[old_next] != kNoPartner) {
+  partners->insert(partners->end(), {kNone, (*partners)[old_next], old_next});
+  if ((*partners)[old_next] != kNone) {
     (*partners)[(*partners)[old_next]] = new_half + 1;
   }
   (*partners)[old_next] = new_half + 2;
@@ -89,7 +88,7 @@ void SubdivideEdge(uint32_t half, FanSplit* split,
   const uint32_t source = source_of(half / 3);
   const uint32_t second = CutFacet(half, middle, &mesh.facets, partners);
   split->cut_facets.push_back(source);
-  if (partner != kNoPartner) {
+  if (partner != kNone) {
     const uint32_t other_source = source_of(partner / 3);
     const uint32_t partner_second =
         CutFacet(partner, middle, &mesh.facets, partners);
@@ -114,8 +113,7 @@ std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
     const uint32_t kept = first->second;
     for (auto half = first + 1; half != last; ++half) {
       const uint32_t partner = partners[half->second];
-      if (partner != kept &&
-          (partner == kNoPartner || half->second < partner)) {
+      if (partner != kept && (partner == kNone || half->second < partner)) {
         shared.push_back(half->second);
       }
     }
@@ -135,7 +133,7 @@ FanSplit SplitFans(TriangleMesh mesh, std::vector<uint32_t> partners) {
     std::unordered_set<uint32_t> cut_facets;
     for (const uint32_t half : shared) {
       const uint32_t partner = partners[half];
-      const uint32_t other = partner == kNoPartner ? half : partner;
+      const uint32_t other = partner == kNone ? half : partner;
       if (!cut_facets.contains(half / 3) && !cut_facets.contains(other / 3)) {
         cut_facets.insert({half / 3, other / 3});
         SubdivideEdge(half, &split, &partners);
@@ -157,12 +155,12 @@ void OrderByUse(FanSplit* split) {
   std::ranges::stable_sort(order, {}, [&](uint32_t facet) {
     return facet < num_old ? facet : old.cut_facets[facet - num_old];
   });
-  std::vector<uint32_t> numbers(old.mesh.vertices.size(), UINT32_MAX);
+  std::vector<uint32_t> numbers(old.mesh.vertices.size(), kNone);
   for (const uint32_t facet : order) {
     Facet& added = split->mesh.facets.emplace_back(old.mesh.facets[facet]);
     for (uint32_t& vertex : added) {
       uint32_t& number = numbers[vertex];
-      if (number == UINT32_MAX) {
+      if (number == kNone) {
         number = static_cast<uint32_t>(split->mesh.vertices.size());
         split->mesh.vertices.push_back(old.mesh.vertices[vertex]);
         split->sources.push_back(old.sources[vertex]);

@@ -30,7 +30,7 @@ CornerRows CornersByVertex(const std::vector<Facet>& facets) {
 }
 
 std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets) {
-  std::vector<uint32_t> partners(3 * facets.size(), kNoPartner);
+  std::vector<uint32_t> partners(3 * facets.size(), kNone);
   ForEachEdge(facets, [&](auto first, auto last) {
     const uint32_t half = first->second;
     if (last - first == 2) {

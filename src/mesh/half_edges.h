@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/index_limit.h"
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
@@ -95,11 +96,9 @@ void ForEachEdge(const std::vector<Facet>& facets, const Function& function) {
                 });
 }
 
-inline constexpr uint32_t kNoPartner = UINT32_MAX;
-
 // Returns [3 F] the partner of each half-edge: the other one of its edge, where
 // exactly two facets share the edge and run it in opposite directions; else
-// kNoPartner.
+// kNone.
 std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets);
 
 }  // namespace colmap_ext

@@ -6,12 +6,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/index_limit.h"
 #include "mesh/half_edges.h"
 
 namespace colmap_ext {
 namespace {
-
-constexpr uint32_t kNone = UINT32_MAX;
 
 // The edges of facets, and the half-edges along each.
 struct Edges {

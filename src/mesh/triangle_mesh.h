@@ -6,13 +6,12 @@
 
 #include <Eigen/Core>
 
+#include "base/index_limit.h"
+
 namespace colmap_ext {
 
 using Facet = std::array<uint32_t, 3>;  // vertex indices, counter-clockwise
                                         // seen from free space
-
-// In place of the old vertex or facet that a new one comes from: none.
-inline constexpr uint32_t kNoSource = UINT32_MAX;
 
 // An indexed triangle mesh, nothing but its two arrays. What belongs to the
 // vertices (colours, views) travels in arrays of the same length beside it.

@@ -22,7 +22,7 @@ std::vector<std::array<uint32_t, 2>> PointsOf(
     const std::vector<uint32_t>& vertex_points) {
   const auto point = [&](uint32_t vertex) {
     // Centroids of split cells come after the vertices that are points.
-    return vertex < vertex_points.size() ? vertex_points[vertex] : kNoPoint;
+    return vertex < vertex_points.size() ? vertex_points[vertex] : kNone;
   };
   std::vector<std::array<uint32_t, 2>> points;
   points.reserve(vertices.size());
@@ -46,7 +46,7 @@ void FinishBorders(const BorderOptions& options, const Progress& progress,
     facet_confidences.reserve(edited.facet_sources.size());
     for (const uint32_t source : edited.facet_sources) {
       facet_confidences.push_back(
-          source == kNoSource ? 0.0f : result->facet_confidences[source]);
+          source == kNone ? 0.0f : result->facet_confidences[source]);
     }
     result->mesh = std::move(edited.mesh);
     result->attributes = std::move(edited.attributes);

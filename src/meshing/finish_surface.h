@@ -15,7 +15,7 @@ namespace colmap_ext {
 // are centroids of split cells.
 struct SurfacePoints {
   PointCloud cloud;                     // may have no positions
-  std::vector<uint32_t> vertex_points;  // [V] the cloud's, or kNoPoint
+  std::vector<uint32_t> vertex_points;  // [V] the cloud's, or kNone
   std::vector<float> supports;          // [V] SupportOfVertices()
   std::vector<uint8_t> is_end;          // [V] MarkEnds()
 };

@@ -94,7 +94,7 @@ class Inheritance {
  private:
   bool IsOfPoints(uint32_t vertex) const {
     const auto& [a, b] = points_[vertex];
-    return a != kNoPoint && b != kNoPoint;
+    return a != kNone && b != kNone;
   }
 
   bool IsKnown(uint32_t vertex) const {

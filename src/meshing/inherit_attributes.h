@@ -4,13 +4,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/index_limit.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "scene/point_cloud.h"
 
 namespace colmap_ext {
-
-inline constexpr uint32_t kNoPoint = UINT32_MAX;
 
 // Colours and views of a mesh's vertices from the fused points that they come
 // from: the mean colour of two points, and the views of either. A vertex that
@@ -19,7 +18,7 @@ inline constexpr uint32_t kNoPoint = UINT32_MAX;
 // count; vertices far from all points inherit in later rounds. Without colours
 // in the cloud there are none.
 // \param points [V] two points of each vertex, which may be the same, or
-//        kNoPoint; the cloud's indices
+//        kNone; the cloud's indices
 VertexAttributes InheritAttributes(
     const TriangleMesh& mesh, const PointCloud& cloud,
     const std::vector<std::array<uint32_t, 2>>& points);

@@ -115,20 +115,20 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
 }
 
 // The colours and views that vertices have from a cloud, without positions.
-// \param vertex_points [V] the cloud's, then the result's, or kNoPoint
+// \param vertex_points [V] the cloud's, then the result's, or kNone
 PointCloud PointsOfVertices(const PointCloud& cloud,
                             std::vector<uint32_t>* vertex_points) {
   PointCloud points;
   size_t num_views = 0;
   for (const uint32_t point : *vertex_points) {
-    num_views += point != kNoPoint ? cloud.views[point].size() : 0;
+    num_views += point != kNone ? cloud.views[point].size() : 0;
   }
   points.views.Reserve(vertex_points->size(), num_views);
   if (!cloud.colors.empty()) {
     points.colors.reserve(vertex_points->size());
   }
   for (uint32_t& point : *vertex_points) {
-    if (point == kNoPoint) {
+    if (point == kNone) {
       continue;
     }
     points.views.AddRow(cloud.views[point]);

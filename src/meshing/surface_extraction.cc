@@ -68,7 +68,7 @@ ExtractedSurface ExtractSurface(const Tetrahedralization& tetrahedra,
         {vertices[inward[0]], vertices[inward[2]], vertices[inward[1]]});
   }
   const std::vector<Facet>& facets = surface.mesh.facets;
-  surface.partners.assign(3 * facets.size(), kNoPartner);
+  surface.partners.assign(3 * facets.size(), kNone);
   tbb::parallel_for(size_t{0}, facets.size(), [&](size_t facet) {
     for (uint32_t k = 0; k < 3; ++k) {
       const auto half = static_cast<uint32_t>(3 * facet + k);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/index_limit.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {
@@ -13,12 +14,10 @@ inline constexpr uint8_t kTerminalParent = 4;  // the source or the sink itself
 inline constexpr uint8_t kOrphanParent = 5;
 inline constexpr uint8_t kNoParent = 6;  // in no tree
 
-inline constexpr uint32_t kNotActive = UINT32_MAX;  // also: no active node
-
 struct alignas(32) FlowNode {
   std::array<int32_t, 4> residual;  // of the arcs to the neighbors
   int32_t terminal;                 // > 0: from the source, < 0: to the sink
-  uint32_t next_active;  // itself: last in the queue; kNotActive: not in
+  uint32_t next_active;             // itself: last in the queue; kNone: not in
   uint32_t stamp;
   uint16_t
       distance;     // to the terminal, at the time `stamp`; UINT16_MAX: or more

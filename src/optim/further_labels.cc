@@ -18,7 +18,7 @@ int NumWithout(const PottsProblem& problem, const LabelSets& sets,
                uint32_t node, uint32_t label) {
   int count = 0;
   for (const uint32_t neighbor : problem.neighbors[node]) {
-    if (neighbor == UINT32_MAX) {
+    if (neighbor == kNone) {
       continue;
     }
     const uint32_t* end = sets.Labels(neighbor + 1);
@@ -72,7 +72,7 @@ struct History {
   bool IsOutdated(const PottsProblem& problem, uint32_t node) const {
     return chosen[node] == 0 ||
            std::ranges::any_of(problem.neighbors[node], [&](uint32_t neighbor) {
-             return neighbor != UINT32_MAX && changed[neighbor] >= chosen[node];
+             return neighbor != kNone && changed[neighbor] >= chosen[node];
            });
   }
 };
@@ -104,7 +104,7 @@ LabelSets ChosenLabels(const PottsProblem& problem,
                        const std::vector<uint32_t>& choices) {
   LabelSets sets;
   for (uint32_t node = 0; node < choices.size(); ++node) {
-    if (choices[node] != kNoChoice) {
+    if (choices[node] != kNone) {
       sets.labels.push_back(problem.Labels(node)[choices[node]]);
     }
     sets.offsets.push_back(sets.labels.size());

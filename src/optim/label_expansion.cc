@@ -76,7 +76,7 @@ class BlockExpansion {
         block_(block),
         choices_(*choices),
         nodes_of_labels_(FindNodes(problem, block)),
-        places_(block.end - block.begin, kNoNeighbor) {}
+        places_(block.end - block.begin, kNone) {}
 
   void Run() {
     for (uint32_t label = 0; label + 1 < nodes_of_labels_.offsets.size();
@@ -90,8 +90,7 @@ class BlockExpansion {
   void Expand(uint32_t label) {
     FindMovable(label);
     const size_t num_nodes = movable_.size();
-    graph_.neighbors.assign(
-        num_nodes, {kNoNeighbor, kNoNeighbor, kNoNeighbor, kNoNeighbor});
+    graph_.neighbors.assign(num_nodes, {kNone, kNone, kNone, kNone});
     graph_.capacities.assign(num_nodes, {});
     graph_.source.resize(num_nodes);
     graph_.sink.resize(num_nodes);
@@ -100,7 +99,7 @@ class BlockExpansion {
     }
     const MinCut cut = ComputeMinCut(graph_);
     for (size_t i = 0; i < num_nodes; ++i) {
-      places_[movable_[i] - block_.begin] = kNoNeighbor;
+      places_[movable_[i] - block_.begin] = kNone;
       if (cut.on_source_side[i] != 0) {
         choices_[movable_[i]] = Place(movable_[i], label);
       }
@@ -129,12 +128,12 @@ class BlockExpansion {
     double take = problem_.Costs(node)[Place(node, label)];
     for (int k = 0; k < 3; ++k) {
       const uint32_t other = problem_.neighbors[node][k];
-      if (other == UINT32_MAX || choices_[other] == kNoChoice) {
+      if (other == kNone || choices_[other] == kNone) {
         continue;
       }
       const bool differs = Chosen(other) != Chosen(node);
       const uint32_t other_place = PlaceInGraph(other);
-      if (other_place == kNoNeighbor) {
+      if (other_place == kNone) {
         keep += differs ? problem_.weight : 0;
         take += Chosen(other) != label ? problem_.weight : 0;
         continue;
@@ -153,11 +152,11 @@ class BlockExpansion {
     return problem_.Labels(node)[choices_[node]];
   }
 
-  // In movable_, or kNoNeighbor.
+  // In movable_, or kNone.
   uint32_t PlaceInGraph(uint32_t node) const {
     return node >= block_.begin && node < block_.end
                ? places_[node - block_.begin]
-               : kNoNeighbor;
+               : kNone;
   }
 
   uint32_t Place(uint32_t node, uint32_t label) const {

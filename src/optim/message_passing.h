@@ -40,7 +40,7 @@ class MessagePassing {
   double SumOverRun(size_t run, const Visit& visit) const;
 
   bool IsUsed(uint32_t neighbor) const {
-    return neighbor != UINT32_MAX && problem_.NumLabels(neighbor) > 0;
+    return neighbor != kNone && problem_.NumLabels(neighbor) > 0;
   }
 
   void AllocateMessages();

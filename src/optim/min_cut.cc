@@ -23,7 +23,7 @@ void InitializeNode(const FlowCapacities& graph, uint32_t index,
   node.mirrors = 0;
   for (int k = 0; k < 4; ++k) {
     node.residual[k] = Clamp(graph.capacities[index][k]);
-    if (row[k] != kNoNeighbor) {
+    if (row[k] != kNone) {
       const auto& others = network->neighbors[row[k]];
       const auto back = std::ranges::find(others, index);
       assert(back != others.end());
@@ -35,7 +35,7 @@ void InitializeNode(const FlowCapacities& graph, uint32_t index,
   node.parent = node.terminal != 0 ? kTerminalParent : kNoParent;
   node.distance = 1;
   node.stamp = 0;
-  node.next_active = kNotActive;
+  node.next_active = kNone;
 }
 
 // A region that is solved.
@@ -105,7 +105,7 @@ int64_t CutValue(NeighborView neighbors, const FlowCapacities& graph,
     value += Clamp(graph.sink[i]);
     for (int k = 0; k < 4; ++k) {
       const uint32_t other = neighbors[i][k];
-      if (other != kNoNeighbor && !on_source_side[other]) {
+      if (other != kNone && !on_source_side[other]) {
         value += Clamp(graph.capacities[i][k]);
       }
     }

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace colmap_ext {
+#include "base/index_limit.h"
 
-inline constexpr uint32_t kNoNeighbor = UINT32_MAX;
+namespace colmap_ext {
 
 // Capacities above this one count as this one, so that a signed integer of 32
 // bits holds the sum of the residual capacities of an arc and of its reverse.
@@ -27,7 +27,7 @@ struct FlowCapacities {
 
 // The same with its neighbors.
 struct FlowGraph : FlowCapacities {
-  std::vector<std::array<uint32_t, 4>> neighbors;  // [N], or kNoNeighbor;
+  std::vector<std::array<uint32_t, 4>> neighbors;  // [N], or kNone;
                                                    // symmetric, no repeats
 };
 

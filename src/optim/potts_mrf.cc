@@ -11,7 +11,7 @@ namespace colmap_ext {
 namespace {
 
 std::vector<uint32_t> CheapestLabels(const PottsProblem& problem) {
-  std::vector<uint32_t> choices(problem.NumNodes(), kNoChoice);
+  std::vector<uint32_t> choices(problem.NumNodes(), kNone);
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
     const float* costs = problem.Costs(node);
     const float* end = costs + problem.NumLabels(node);
@@ -61,14 +61,13 @@ double PottsEnergy(const PottsProblem& problem,
                    const std::vector<uint32_t>& choices) {
   double energy = 0;
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
-    if (choices[node] == kNoChoice) {
+    if (choices[node] == kNone) {
       continue;
     }
     const uint64_t at = problem.offsets[node] + choices[node];
     energy += problem.costs[at];
     for (const uint32_t neighbor : problem.neighbors[node]) {
-      if (neighbor != UINT32_MAX && neighbor > node &&
-          choices[neighbor] != kNoChoice &&
+      if (neighbor != kNone && neighbor > node && choices[neighbor] != kNone &&
           problem.labels[problem.offsets[neighbor] + choices[neighbor]] !=
               problem.labels[at]) {
         energy += problem.weight;

@@ -3,12 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
-namespace colmap_ext {
+#include "base/index_limit.h"
 
-inline constexpr uint32_t kNoChoice = std::numeric_limits<uint32_t>::max();
+namespace colmap_ext {
 
 // A Markov random field whose nodes choose one label each, every node among a
 // few of its own: the sum of the chosen labels' costs, and `weight` for each
@@ -17,7 +16,7 @@ struct PottsProblem {
   std::vector<uint64_t> offsets{0};  // [N + 1], into labels and costs
   std::vector<uint32_t> labels;      // ascending in each node's row
   std::vector<float> costs;          // of each label at its node, >= 0
-  // [N] at most three, as facets have; UINT32_MAX: none. Symmetric, no repeats.
+  // [N] at most three, as facets have; kNone: none. Symmetric, no repeats.
   std::vector<std::array<uint32_t, 3>> neighbors;
   double weight = 0;  // >= 0
 
@@ -37,7 +36,7 @@ struct PottsProblem {
 };
 
 struct PottsSolution {
-  // [N] which of a node's labels, its place in the row; kNoChoice where there
+  // [N] which of a node's labels, its place in the row; kNone where there
   // are none: such nodes and their edges are no part of the energy.
   std::vector<uint32_t> choices;
   double initial_energy = 0;  // of the cheapest label everywhere

@@ -4,10 +4,10 @@
 #include <cstdlib>
 #include <limits>
 
+#include "base/index_limit.h"
+
 namespace colmap_ext {
 namespace {
-
-constexpr uint32_t kNone = UINT32_MAX;
 
 // A distance as a node holds it. Those beyond count as one: distances choose
 // between parents, nothing depends on them.
@@ -45,7 +45,7 @@ void RegionSolver::ActivateAcross(uint32_t middle) {
 }
 
 void RegionSolver::Run() {
-  while (first_active_ != kNotActive) {
+  while (first_active_ != kNone) {
     const uint32_t node = first_active_;
     if (nodes_[node].parent == kNoParent || !Grow(node)) {
       PopActive();
@@ -54,11 +54,11 @@ void RegionSolver::Run() {
 }
 
 void RegionSolver::Activate(uint32_t index) {
-  if (nodes_[index].next_active != kNotActive) {
+  if (nodes_[index].next_active != kNone) {
     return;
   }
   nodes_[index].next_active = index;
-  if (last_active_ == kNotActive) {
+  if (last_active_ == kNone) {
     first_active_ = index;
   } else {
     nodes_[last_active_].next_active = index;
@@ -69,11 +69,11 @@ void RegionSolver::Activate(uint32_t index) {
 void RegionSolver::PopActive() {
   FlowNode& node = nodes_[first_active_];
   const bool is_last = node.next_active == first_active_;
-  const uint32_t next = is_last ? kNotActive : node.next_active;
-  node.next_active = kNotActive;
+  const uint32_t next = is_last ? kNone : node.next_active;
+  node.next_active = kNone;
   first_active_ = next;
   if (is_last) {
-    last_active_ = kNotActive;
+    last_active_ = kNone;
   }
 }
 

@@ -49,8 +49,8 @@ class RegionSolver {
   const uint32_t begin_;
   const uint32_t size_;
   std::vector<uint32_t> orphans_;
-  uint32_t first_active_ = kNotActive;
-  uint32_t last_active_ = kNotActive;
+  uint32_t first_active_ = kNone;
+  uint32_t last_active_ = kNone;
   uint32_t time_;
   int64_t flow_ = 0;
 };

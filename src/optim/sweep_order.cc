@@ -24,7 +24,7 @@ void AppendPart(const Neighbors& neighbors, uint32_t seed, Search* search) {
   for (; next < order.size(); ++next) {
     const uint32_t node = order[next];
     for (const uint32_t other : neighbors[node]) {
-      if (other != UINT32_MAX && levels[other] == UINT32_MAX) {
+      if (other != kNone && levels[other] == kNone) {
         levels[other] = levels[node] + 1;
         order.push_back(other);
       }
@@ -35,9 +35,9 @@ void AppendPart(const Neighbors& neighbors, uint32_t seed, Search* search) {
 Search BreadthFirst(const Neighbors& neighbors) {
   Search search;
   search.order.reserve(neighbors.size());
-  search.levels.assign(neighbors.size(), UINT32_MAX);
+  search.levels.assign(neighbors.size(), kNone);
   for (uint32_t seed = 0; seed < neighbors.size(); ++seed) {
-    if (search.levels[seed] == UINT32_MAX) {
+    if (search.levels[seed] == kNone) {
       AppendPart(neighbors, seed, &search);
     }
   }
@@ -48,12 +48,12 @@ Search BreadthFirst(const Neighbors& neighbors) {
 // no neighbor in the same level has got before; three neighbors take three.
 std::vector<uint32_t> Classes(const Neighbors& neighbors,
                               const Search& search) {
-  std::vector<uint32_t> classes(neighbors.size(), UINT32_MAX);
+  std::vector<uint32_t> classes(neighbors.size(), kNone);
   for (const uint32_t node : search.order) {
     uint32_t color = 4 * search.levels[node];
     const auto& row = neighbors[node];
     const auto is_taken = [&](uint32_t other) {
-      return other != UINT32_MAX && classes[other] == color;
+      return other != kNone && classes[other] == color;
     };
     while (std::any_of(row.begin(), row.end(), is_taken)) {
       ++color;

@@ -12,7 +12,7 @@ namespace colmap_ext {
 // that long runs of the order have no neighbors among them, and can be visited
 // at the same time; parts that are not connected run side by side.
 //
-// \param neighbors  [N] symmetric; UINT32_MAX: none.
+// \param neighbors  [N] symmetric; kNone: none.
 // \return  [N] nodes.
 std::vector<uint32_t> SweepOrder(
     const std::vector<std::array<uint32_t, 3>>& neighbors);

@@ -108,8 +108,9 @@ class CpuPhotometricEnergy : public PhotometricEnergy {
   std::shared_ptr<ImagePyramid> images_;
   size_t max_memory_;
   int level_ = 0;
-  std::shared_ptr<const VisibilityBuffers> drawings_;  // nothing: of another level
-  std::optional<Work> work_;                      // of drawings_
+  std::shared_ptr<const VisibilityBuffers>
+      drawings_;              // nothing: of another level
+  std::optional<Work> work_;  // of drawings_
 };
 
 void CpuPhotometricEnergy::SetLevel(int level) {

@@ -48,7 +48,7 @@ void DirectionEvaluator::MarkCenters(const PixelRectangle& rectangle,
     for (int col = rectangle.first_col; col <= rectangle.last_col; ++col) {
       tile_.is_center[tile_.Index(row - geometry_.first_row,
                                   col - geometry_.first_col)] =
-          shown[col] != kNoFacet && places_.Has(shown[col]);
+          shown[col] != kNone && places_.Has(shown[col]);
     }
   }
 }
@@ -60,7 +60,7 @@ void DirectionEvaluator::AddTile(std::vector<FacetSums>* sums) const {
     for (int col = 0; col < tile_.width; ++col) {
       const size_t at = tile_.Index(row, col);
       const uint32_t facet = geometry_.facets[at];
-      if (facet == kNoFacet || !places_.Has(facet)) {
+      if (facet == kNone || !places_.Has(facet)) {
         continue;
       }
       FacetSums& sum = (*sums)[places_[facet]];

@@ -4,16 +4,11 @@
 
 #include <Eigen/Geometry>
 
+#include "base/index_limit.h"
 #include "photometry/interpolation.h"
 #include "raster/facet_frames.h"
 
 namespace colmap_ext {
-
-namespace {
-
-constexpr uint32_t kNoPlace = UINT32_MAX;
-
-}  // namespace
 
 PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
                    const TriangleMesh& mesh)
@@ -57,21 +52,21 @@ void PairWarp::FindPlaces(int row, int first_col, int last_col,
   const uint32_t* shown_above = shown - i_.drawn.width;
   const uint8_t* grays = i_.image.Row(image_row) + geometry.first_col;
   const uint8_t* is_reached = tile.is_reached.data() + tile.Index(row, 0);
-  uint32_t left = kNoPlace;
-  uint32_t above_left = kNoPlace;
+  uint32_t left = kNone;
+  uint32_t above_left = kNone;
   for (int col = first_col; col <= last_col; ++col) {
     const uint32_t above = (*places)[col];
-    const uint32_t above_right = col < last_col ? (*places)[col + 1] : kNoPlace;
+    const uint32_t above_right = col < last_col ? (*places)[col + 1] : kNone;
     const uint32_t facet = shown[col];
-    uint32_t place = kNoPlace;
-    if (is_reached[col] != 0 && facet != kNoFacet && !IsSaturated(grays[col])) {
-      if (left != kNoPlace && shown[col - 1] == facet) {
+    uint32_t place = kNone;
+    if (is_reached[col] != 0 && facet != kNone && !IsSaturated(grays[col])) {
+      if (left != kNone && shown[col - 1] == facet) {
         place = left;
-      } else if (above != kNoPlace && shown_above[col] == facet) {
+      } else if (above != kNone && shown_above[col] == facet) {
         place = above;
-      } else if (above_left != kNoPlace && shown_above[col - 1] == facet) {
+      } else if (above_left != kNone && shown_above[col - 1] == facet) {
         place = above_left;
-      } else if (above_right != kNoPlace && shown_above[col + 1] == facet) {
+      } else if (above_right != kNone && shown_above[col + 1] == facet) {
         place = above_right;
       } else {
         place = static_cast<uint32_t>(facets->size());
@@ -138,7 +133,7 @@ void PairWarp::ComputeRow(int row, int first_col, int last_col,
   const float* inverse_depths = i_.drawn.inverse_depths.data() +
                                 i_.drawn.Index(image_row, geometry->first_col);
   for (int col = first_col; col <= last_col; ++col) {
-    if (places[col] == kNoPlace) {
+    if (places[col] == kNone) {
       continue;
     }
     ComputePixel(of_row, col, planes[places[col]], tile, geometry);
@@ -153,7 +148,7 @@ void PairWarp::ComputeRow(int row, int first_col, int last_col,
 
 void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
   const size_t size = static_cast<size_t>(tile->width) * tile->height;
-  geometry->facets.assign(size, kNoFacet);
+  geometry->facets.assign(size, kNone);
   geometry->motion.assign(size, 0);
   geometry->barycentric.resize(size);
   for (auto* plane :
@@ -168,7 +163,7 @@ void PairWarp::Compute(CorrelationTile* tile, TileGeometry* geometry) const {
       std::min(tile->width, i_.image.width - geometry->first_col) - 1;
   std::vector<uint32_t> facets;
   std::vector<Plane> planes;  // [facets]
-  std::vector<uint32_t> places(tile->width, kNoPlace);
+  std::vector<uint32_t> places(tile->width, kNone);
   for (int row = first_row; row <= last_row; ++row) {
     FindPlaces(row, first_col, last_col, *tile, *geometry, &facets, &places);
     while (planes.size() < facets.size()) {

@@ -26,7 +26,7 @@ struct DrawnView {
 struct TileGeometry {
   int first_row = 0;  // of the tile in image i, may be negative
   int first_col = 0;
-  std::vector<uint32_t> facets;  // [height * width] or kNoFacet
+  std::vector<uint32_t> facets;  // [height * width] or kNone
   // [height * width] grey values / scene unit: derivative of I_ij by the
   // distance that the surface moves along its normal, mu of docs/method.md,
   // section 5.2; 0 where it is not valid.
@@ -53,7 +53,7 @@ class PairWarp {
   // What the pixels of a facet have in common. Vectors are linear forms of a
   // pixel (u, v, 1) of i.
   struct Plane {
-    uint32_t facet = kNoFacet;
+    uint32_t facet = kNone;
     bool is_facing = false;  // both cameras
     Eigen::Vector3d inverse_depth{0, 0, 0};
     double nearness = 0;  // 1 / (n . (corner - centre of i)), 1 / scene unit

@@ -7,24 +7,23 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/index_limit.h"
 #include "photometry/view_order.h"
 
 namespace colmap_ext {
 
 namespace {
 
-constexpr uint32_t kNotOfView = UINT32_MAX;
-
 // The directions that are compared in a view.
 struct DirectionsOfView {
   std::vector<uint32_t> directions;  // ascending
-  std::vector<uint32_t> places;      // [2 L] in `directions`, or kNotOfView
+  std::vector<uint32_t> places;      // [2 L] in `directions`, or kNone
 };
 
 DirectionsOfView FindDirectionsOf(const std::vector<ViewPair>& pairs,
                                   uint32_t view) {
   DirectionsOfView of_view;
-  of_view.places.assign(2 * pairs.size(), kNotOfView);
+  of_view.places.assign(2 * pairs.size(), kNone);
   for (uint32_t i = 0; i < of_view.places.size(); ++i) {
     const ViewPair& pair = pairs[i / 2];
     if ((i % 2 == 0 ? pair.first : pair.second) == view) {
@@ -59,12 +58,12 @@ void AddPixels(const FacetIdBuffer& drawn, int row, const FacetLabels& labels,
                const std::vector<uint32_t>& places, TileBand* band) {
   for (int col = 0; col < drawn.width; ++col) {
     const uint32_t facet = drawn.facets[drawn.Index(row, col)];
-    if (facet == kNoFacet) {
+    if (facet == kNone) {
       continue;
     }
     labels.ForEachDirection(facet, [&](uint32_t direction) {
       const uint32_t place = places[direction];
-      if (place != kNotOfView) {
+      if (place != kNone) {
         Extend(row, col,
                &band->tiles[place * band->num_cols + col / kTileSize]);
       }
@@ -189,8 +188,8 @@ std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
   std::vector<std::vector<TiledDirection>> by_view(is_used.size());
   tbb::parallel_for(size_t{0}, by_view.size(), [&](size_t view) {
     if (is_used[view] != 0) {
-      by_view[view] = DirectionsTo(static_cast<uint32_t>(view),
-                                   *buffers.Get(view), labels);
+      by_view[view] =
+          DirectionsTo(static_cast<uint32_t>(view), *buffers.Get(view), labels);
     }
   });
   std::vector<TiledDirection> directions;

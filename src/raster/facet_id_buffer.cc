@@ -71,7 +71,7 @@ class ProjectedVertices {
 
  private:
   struct Slot {
-    uint32_t vertex = UINT32_MAX;
+    uint32_t vertex = kNone;
     Projected projected;
   };
 
@@ -252,7 +252,7 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine) {
   FacetIdBuffer buffer{view.width, view.height, {}, {}, {}, {}};
   const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
-  buffer.facets.assign(num_pixels, kNoFacet);
+  buffer.facets.assign(num_pixels, kNone);
   buffer.inverse_depths.assign(num_pixels, 0);
   buffer.is_facing.assign(mesh.facets.size(), false);
   ProjectedVertices vertices(view, mesh);
@@ -309,7 +309,7 @@ std::vector<uint32_t> FindClippedFacets(const View& view,
 void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer) {
   for (size_t i = 0; i < mask.pixels.size(); ++i) {
     if (mask.pixels[i] == 0) {
-      buffer->facets[i] = kNoFacet;
+      buffer->facets[i] = kNone;
       buffer->inverse_depths[i] = std::numeric_limits<float>::infinity();
     }
   }

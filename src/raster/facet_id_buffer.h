@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/index_limit.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_frames.h"
 #include "scene/gray_image.h"
@@ -12,13 +13,11 @@
 
 namespace colmap_ext {
 
-inline constexpr uint32_t kNoFacet = UINT32_MAX;
-
 // Which facet each pixel of a view shows at its centre, and how near.
 struct FacetIdBuffer {
   int width = 0;                      // px
   int height = 0;                     // px
-  std::vector<uint32_t> facets;       // [height * width] or kNoFacet
+  std::vector<uint32_t> facets;       // [height * width] or kNone
   std::vector<float> inverse_depths;  // [height * width], 1 / scene unit; 0
                                       // where there is no facet, infinity
                                       // where the pixel is masked

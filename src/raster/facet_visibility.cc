@@ -69,7 +69,8 @@ std::vector<bool> FindVisible(const TriangleMesh& mesh,
 
 }  // namespace
 
-FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers, double border) {
+FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers,
+                                  double border) {
   const TriangleMesh& mesh = buffers.Mesh();
   const std::vector<View>& views = buffers.Views();
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);

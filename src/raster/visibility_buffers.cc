@@ -7,7 +7,8 @@
 namespace colmap_ext {
 
 VisibilityBuffers::VisibilityBuffers(TriangleMesh mesh, std::vector<View> views,
-                           double min_cosine, size_t max_memory, ViewMask mask)
+                                     double min_cosine, size_t max_memory,
+                                     ViewMask mask)
     : mesh_(std::move(mesh)),
       views_(std::move(views)),
       min_cosine_(min_cosine),

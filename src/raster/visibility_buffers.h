@@ -26,8 +26,8 @@ class VisibilityBuffers {
   //        are always kept.
   // \param mask  of the views, whose masked pixels show nothing, see
   //        EraseMasked(); may be empty.
-  VisibilityBuffers(TriangleMesh mesh, std::vector<View> views, double min_cosine,
-               size_t max_memory, ViewMask mask = {});
+  VisibilityBuffers(TriangleMesh mesh, std::vector<View> views,
+                    double min_cosine, size_t max_memory, ViewMask mask = {});
 
   const TriangleMesh& Mesh() const { return mesh_; }
   const std::vector<View>& Views() const { return views_; }
@@ -50,7 +50,7 @@ class VisibilityBuffers {
 };
 
 // Draws a mesh into views that are known to the callee.
-using DrawMesh =
-    std::function<std::shared_ptr<const VisibilityBuffers>(const TriangleMesh&)>;
+using DrawMesh = std::function<std::shared_ptr<const VisibilityBuffers>(
+    const TriangleMesh&)>;
 
 }  // namespace colmap_ext

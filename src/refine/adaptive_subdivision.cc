@@ -71,7 +71,7 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
     *origins = Midpoints(*origins, subdivision.sources);
     *mesh = std::move(subdivision.mesh);
     if (!fixed.empty()) {
-      fixed_sources->resize(mesh->vertices.size(), kNoSource);
+      fixed_sources->resize(mesh->vertices.size(), kNone);
     }
   }
 }

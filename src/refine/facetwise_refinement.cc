@@ -54,7 +54,7 @@ class Refinement {
             cameras_ ? SelectViewPairs(points, views.size(), kCameraPartners)
                      : std::vector<ViewPair>()),
         are_cameras_refined_(cameras_ &&
-                             options.cameras.parts != RefinedParts::kNone),
+                             options.cameras.parts != RefinedParts::kNothing),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
         hooks_(hooks) {}
@@ -149,7 +149,7 @@ class Refinement {
   // \return whether there are such views.
   bool DecideByAlignment(RefinedMesh* state) {
     const CameraRefinementOptions& cameras = options_.cameras;
-    const bool are_fixed = cameras.parts == RefinedParts::kNone;
+    const bool are_fixed = cameras.parts == RefinedParts::kNothing;
     if (!cameras_ || !(are_fixed || cameras.only_if_misaligned)) {
       return true;
     }
@@ -206,8 +206,9 @@ class Refinement {
     energy_->SetViews(state.views);
     return MeasureMisalignment(options_.cameras, options_.photometric,
                                {state.views, cameras_->view_cameras},
-                               cameras_->tracks, *energy_->Visibility(state.mesh),
-                               camera_pairs_, cameras_->images.get());
+                               cameras_->tracks,
+                               *energy_->Visibility(state.mesh), camera_pairs_,
+                               cameras_->images.get());
   }
 
   // Refines the cameras, if that is to be, and passes them on.

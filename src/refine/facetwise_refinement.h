@@ -113,7 +113,7 @@ struct RefinementReport {
   std::vector<LabelingReport> labelings;        // one a level
   std::vector<CameraRefinementReport> cameras;  // each time they were refined
   bool is_stopped = false;  // by RefinementHooks::should_stop
-  bool is_skipped = false;     // the surface stayed: the cameras are off by more
+  bool is_skipped = false;  // the surface stayed: the cameras are off by more
   // Of the cameras at the start, where it decided what became of them.
   std::optional<Misalignment> misalignment;
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a

@@ -23,7 +23,7 @@ void FinishBorders(const BorderOptions& options, RefinedMesh* refined) {
                   std::move(refined->attributes), facet_confidences);
   std::vector<Eigen::Vector3f> origins = edited.mesh.vertices;
   for (size_t i = 0; i < origins.size(); ++i) {
-    if (edited.vertex_sources[i] != kNoSource) {
+    if (edited.vertex_sources[i] != kNone) {
       origins[i] = refined->origins[edited.vertex_sources[i]];
     }
   }

@@ -8,7 +8,7 @@
 
 namespace colmap_ext {
 
-// [V] the vertex that one that stays was at the start, or kNoSource; empty
+// [V] the vertex that one that stays was at the start, or kNone; empty
 // where none stays.
 using FixedSources = std::vector<uint32_t>;
 
@@ -16,7 +16,7 @@ using FixedSources = std::vector<uint32_t>;
 inline FixedSources SourcesOf(const FixedVertices& fixed, size_t num_vertices) {
   FixedSources sources;
   for (uint32_t i = 0; !fixed.empty() && i < num_vertices; ++i) {
-    sources.push_back(IsFixed(fixed, i) ? i : kNoSource);
+    sources.push_back(IsFixed(fixed, i) ? i : kNone);
   }
   return sources;
 }
@@ -24,7 +24,7 @@ inline FixedSources SourcesOf(const FixedVertices& fixed, size_t num_vertices) {
 inline FixedVertices FixedOf(const FixedSources& sources) {
   FixedVertices fixed;
   for (const uint32_t source : sources) {
-    fixed.push_back(source != kNoSource ? 1 : 0);
+    fixed.push_back(source != kNone ? 1 : 0);
   }
   return fixed;
 }
@@ -35,7 +35,7 @@ inline FixedSources CarrySources(const FixedSources& before,
                                  const FixedSources& step) {
   FixedSources sources;
   for (const uint32_t vertex : step) {
-    sources.push_back(vertex != kNoSource ? before[vertex] : kNoSource);
+    sources.push_back(vertex != kNone ? before[vertex] : kNone);
   }
   return sources;
 }

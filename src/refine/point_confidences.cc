@@ -39,14 +39,14 @@ Sight SightOf(const PointCloud& points, const std::vector<View>& views,
   return sight;
 }
 
-// [P] the facet that each point supports, or Bvh::kNoFacet.
+// [P] the facet that each point supports, or kNone.
 std::vector<uint32_t> SupportedFacets(const TriangleMesh& mesh,
                                       const PointCloud& points,
                                       const std::vector<View>& views) {
   // As far as the refinement may have moved the surface: a choice.
   constexpr double kMaxPixels = 4;
   const Bvh bvh(mesh);
-  std::vector<uint32_t> facets(points.size(), Bvh::kNoFacet);
+  std::vector<uint32_t> facets(points.size(), kNone);
   tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
     const Sight sight = SightOf(points, views, i);
     if (sight.footprint < std::numeric_limits<double>::infinity()) {
@@ -66,7 +66,7 @@ std::vector<float> PointConfidences(const TriangleMesh& mesh,
                                     const std::vector<View>& views) {
   std::vector<float> support(mesh.vertices.size(), 0);
   for (const uint32_t facet : SupportedFacets(mesh, points, views)) {
-    if (facet != Bvh::kNoFacet) {
+    if (facet != kNone) {
       for (const uint32_t vertex : mesh.facets[facet]) {
         support[vertex] += 1.0F / 3;
       }

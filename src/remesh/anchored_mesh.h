@@ -76,7 +76,7 @@ struct AnchoredMesh {
     const uint32_t apex = edit.Apex(half);
     const uint32_t partner = edit.Partner(half);
     return {edit.From(half), edit.To(half), apex,
-            partner == kNoHalfEdge ? apex : edit.Apex(partner)};
+            partner == kNone ? apex : edit.Apex(partner)};
   }
 
   EditableMesh edit;

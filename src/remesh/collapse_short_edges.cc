@@ -149,9 +149,9 @@ class Collapser {
   bool IsStraight(uint32_t vertex, uint32_t neighbor) const {
     const EditableMesh& edit = mesh_->edit;
     uint32_t other = vertex;
-    uint32_t last = kNoHalfEdge;
+    uint32_t last = kNone;
     edit.ForEachOutgoing(vertex, [&](uint32_t half) {
-      other = last == kNoHalfEdge ? edit.To(half) : other;
+      other = last == kNone ? edit.To(half) : other;
       last = half;
     });
     if (other == neighbor) {

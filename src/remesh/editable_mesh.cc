@@ -8,10 +8,10 @@ namespace colmap_ext {
 EditableMesh::EditableMesh(TriangleMesh mesh)
     : mesh_(std::move(mesh)),
       partners_(PairHalfEdges(mesh_.facets)),
-      outgoing_(mesh_.vertices.size(), kNoHalfEdge) {
+      outgoing_(mesh_.vertices.size(), kNone) {
   for (uint32_t half = 0; half < partners_.size(); ++half) {
     uint32_t& outgoing = outgoing_[From(half)];
-    if (outgoing == kNoHalfEdge || partners_[half] == kNoHalfEdge) {
+    if (outgoing == kNone || partners_[half] == kNone) {
       outgoing = half;
     }
   }
@@ -44,10 +44,10 @@ CompactMesh EditableMesh::Compact() const {
 }
 
 void EditableMesh::Join(uint32_t half, uint32_t other) {
-  if (half != kNoHalfEdge) {
+  if (half != kNone) {
     partners_[half] = other;
   }
-  if (other != kNoHalfEdge) {
+  if (other != kNone) {
     partners_[other] = half;
   }
 }
@@ -56,7 +56,7 @@ void EditableMesh::Join(uint32_t half, uint32_t other) {
 // that of the vertex that it comes from.
 void EditableMesh::SetOutgoing(uint32_t half) {
   const uint32_t first = half;
-  while (partners_[half] != kNoHalfEdge) {
+  while (partners_[half] != kNone) {
     half = NextHalfEdge(partners_[half]);
     if (half == first) {
       break;
@@ -85,7 +85,7 @@ uint32_t EditableMesh::Split(uint32_t half) {
     const uint32_t previous = PreviousHalfEdge(cut_half);
     const uint32_t apex = To(next);
     const uint32_t added = static_cast<uint32_t>(partners_.size());
-    partners_.resize(added + 3, kNoHalfEdge);
+    partners_.resize(added + 3, kNone);
     Facet& facet = mesh_.facets[cut_half / 3];
     if (keeps_from) {
       const Facet part = {middle, facet[next % 3], apex};
@@ -105,15 +105,15 @@ uint32_t EditableMesh::Split(uint32_t half) {
 
   const uint32_t added = cut(half, true);  // from the new vertex to `to`
   outgoing_.push_back(added);
-  uint32_t added_partner = kNoHalfEdge;
-  if (partner != kNoHalfEdge) {
+  uint32_t added_partner = kNone;
+  if (partner != kNone) {
     added_partner = cut(partner, false);  // from `to` to the new vertex
   }
   Join(added, added_partner);
   Join(half, partner);
   SetOutgoing(added + 1);  // from `to`
   SetOutgoing(added + 2);  // from the apex
-  if (added_partner != kNoHalfEdge) {
+  if (added_partner != kNone) {
     SetOutgoing(added_partner + 2);  // from the partner's apex
   }
   return middle;
@@ -123,12 +123,12 @@ bool EditableMesh::CanCollapse(uint32_t half) const {
   const uint32_t from = From(half);
   const uint32_t to = To(half);
   const uint32_t partner = partners_[half];
-  if (partner != kNoHalfEdge && IsBorderVertex(from) && IsBorderVertex(to)) {
+  if (partner != kNone && IsBorderVertex(from) && IsBorderVertex(to)) {
     return false;
   }
   // No apex may lose its last facet, or be left with two.
   for (const uint32_t side : {half, partner}) {
-    if (side != kNoHalfEdge) {
+    if (side != kNone) {
       const uint32_t apex = Apex(side);
       if (Valence(apex) <= (IsBorderVertex(apex) ? 2 : 3)) {
         return false;
@@ -139,14 +139,14 @@ bool EditableMesh::CanCollapse(uint32_t half) const {
   ForEachNeighbor(from, [&](uint32_t neighbor) {
     num_common += AreNeighbors(to, neighbor) ? 1 : 0;
   });
-  return num_common == (partner == kNoHalfEdge ? 1 : 2);
+  return num_common == (partner == kNone ? 1 : 2);
 }
 
 void EditableMesh::RemoveFacetAt(uint32_t half) {
   const uint32_t facet = half / 3;
   mesh_.facets[facet] = {0, 0, 0};
   for (int k = 0; k < 3; ++k) {
-    partners_[3 * facet + k] = kNoHalfEdge;
+    partners_[3 * facet + k] = kNone;
   }
 }
 
@@ -159,11 +159,11 @@ void EditableMesh::Collapse(uint32_t half) {
   for (const uint32_t outgoing : moved) {
     mesh_.facets[outgoing / 3][outgoing % 3] = to;
   }
-  std::array<uint32_t, 4> rims{kNoHalfEdge, kNoHalfEdge, kNoHalfEdge,
-                               kNoHalfEdge};  // outside the removed facets
+  std::array<uint32_t, 4> rims{kNone, kNone, kNone,
+                               kNone};  // outside the removed facets
   int num_rims = 0;
   for (const uint32_t side : {half, partner}) {
-    if (side != kNoHalfEdge) {
+    if (side != kNone) {
       const uint32_t a = partners_[NextHalfEdge(side)];
       const uint32_t b = partners_[PreviousHalfEdge(side)];
       RemoveFacetAt(side);
@@ -174,17 +174,17 @@ void EditableMesh::Collapse(uint32_t half) {
   }
   // The ends of the rims: `to` and the apices.
   for (const uint32_t rim : rims) {
-    if (rim != kNoHalfEdge) {
+    if (rim != kNone) {
       SetOutgoing(rim);
       SetOutgoing(NextHalfEdge(rim));
     }
   }
-  outgoing_[from] = kNoHalfEdge;
+  outgoing_[from] = kNone;
 }
 
 bool EditableMesh::CanFlip(uint32_t half) const {
   const uint32_t partner = partners_[half];
-  return partner != kNoHalfEdge && Apex(half) != Apex(partner) &&
+  return partner != kNone && Apex(half) != Apex(partner) &&
          !AreNeighbors(Apex(half), Apex(partner));
 }
 

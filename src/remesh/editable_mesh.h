@@ -6,12 +6,11 @@
 
 #include <Eigen/Core>
 
+#include "base/index_limit.h"
 #include "mesh/half_edges.h"
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
-
-inline constexpr uint32_t kNoHalfEdge = kNoPartner;
 
 // What is left of a mesh under work.
 struct CompactMesh {
@@ -36,7 +35,7 @@ class EditableMesh {
   size_t NumHalfEdges() const { return partners_.size(); }
 
   bool IsRemovedVertex(uint32_t vertex) const {
-    return outgoing_[vertex] == kNoHalfEdge;
+    return outgoing_[vertex] == kNone;
   }
   bool IsRemovedFacet(uint32_t facet) const {
     return mesh_.facets[facet][0] == mesh_.facets[facet][1];
@@ -55,15 +54,15 @@ class EditableMesh {
   // The corner of its facet that a half-edge does not touch.
   uint32_t Apex(uint32_t half) const { return To(NextHalfEdge(half)); }
 
-  // kNoHalfEdge at a border.
+  // kNone at a border.
   uint32_t Partner(uint32_t half) const { return partners_[half]; }
   bool IsBorderVertex(uint32_t vertex) const {
-    return partners_[outgoing_[vertex]] == kNoHalfEdge;
+    return partners_[outgoing_[vertex]] == kNone;
   }
   // Whether this half-edge stands for its edge: each edge has one that does.
   bool IsFirstOfEdge(uint32_t half) const {
     return !IsRemovedFacet(half / 3) &&
-           (partners_[half] == kNoHalfEdge || half < partners_[half]);
+           (partners_[half] == kNone || half < partners_[half]);
   }
 
   // Calls function(half) for the half-edges that leave a vertex, one for each
@@ -79,13 +78,13 @@ class EditableMesh {
       const uint32_t next = partners_[PreviousHalfEdge(half)];
       function(half);
       half = next;
-    } while (half != kNoHalfEdge && half != first);
+    } while (half != kNone && half != first);
   }
 
   // Calls function(neighbor) for the vertices that share an edge with a vertex.
   template <typename Function>
   void ForEachNeighbor(uint32_t vertex, const Function& function) const {
-    uint32_t last = kNoHalfEdge;
+    uint32_t last = kNone;
     ForEachOutgoing(vertex, [&](uint32_t half) {
       function(To(half));
       last = half;
@@ -139,7 +138,7 @@ class EditableMesh {
   std::vector<uint32_t> partners_;  // [3 F]
   std::vector<uint32_t> outgoing_;  // [V] a half-edge from each vertex, at a
                                     // border the one without partner;
-                                    // kNoHalfEdge: the vertex is removed
+                                    // kNone: the vertex is removed
 };
 
 }  // namespace colmap_ext

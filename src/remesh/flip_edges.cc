@@ -74,7 +74,7 @@ size_t FlipEdges(const ReferenceSurface& reference, const IsBetter& is_better,
   EditableMesh& edit = mesh->edit;
   const auto propose = [&](size_t i) -> std::optional<uint32_t> {
     const auto half = static_cast<uint32_t>(i);
-    if (!edit.IsFirstOfEdge(half) || edit.Partner(half) == kNoHalfEdge ||
+    if (!edit.IsFirstOfEdge(half) || edit.Partner(half) == kNone ||
         mesh->IsFixedEdge(half)) {
       return std::nullopt;
     }

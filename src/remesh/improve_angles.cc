@@ -50,8 +50,7 @@ ImprovedMesh ImproveAngles(const TriangleMesh& mesh,
   for (const uint32_t vertex : compact.vertices) {
     improved.sources.push_back(work.anchors[vertex].source);
     if (!fixed.empty()) {
-      improved.fixed_sources.push_back(IsFixed(fixed, vertex) ? vertex
-                                                              : kNoSource);
+      improved.fixed_sources.push_back(IsFixed(fixed, vertex) ? vertex : kNone);
     }
   }
   return improved;

@@ -71,7 +71,7 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
     remeshed.sources.push_back(work.anchors[old_vertex].source);
     if (!fixed.empty()) {
       remeshed.fixed_sources.push_back(IsFixed(fixed, old_vertex) ? old_vertex
-                                                                  : kNoSource);
+                                                                  : kNone);
     }
   }
   return remeshed;

@@ -15,7 +15,7 @@ struct RemeshedSurface {
   std::vector<SurfacePoint> sources;    // [V] on the old mesh, nearest to each
                                         // vertex
   std::vector<uint32_t> fixed_sources;  // [V] the old vertex that one that
-                                        // stays was, or kNoSource; empty where
+                                        // stays was, or kNone; empty where
                                         // none stays
 };
 

@@ -44,7 +44,7 @@ ReferenceSurface::NearPoint ReferenceSurface::Descend(const Vector3f& position,
     const uint32_t partner = partners_[3 * nearest.point.facet + k];
     const bool is_at_edge = nearest.point.weights[(k + 2) % 3] <= 0;
     ++k;
-    if (is_at_edge && partner != kNoPartner &&
+    if (is_at_edge && partner != kNone &&
         AreaVector(partner / 3).dot(normal) > 0) {
       const NearPoint across = NearestIn(partner / 3, position);
       if (across.distance < nearest.distance) {
@@ -60,8 +60,7 @@ Anchor ReferenceSurface::Nearest(const Vector3f& position,
                                  const Vector3f& normal, uint32_t hint) const {
   const NearPoint near = Descend(position, normal, hint);
   const uint32_t facet = bvh_.NearestFacet(position, normal, near.distance);
-  return At(facet != Bvh::kNoFacet ? NearestIn(facet, position).point
-                                   : near.point);
+  return At(facet != kNone ? NearestIn(facet, position).point : near.point);
 }
 
 bool ReferenceSurface::IsFollowedBy(

@@ -23,9 +23,9 @@ namespace {
 std::vector<BorderLoop> FindLoops(const TriangleMesh& mesh) {
   const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
   // [V] the border's half-edge that leaves a vertex; a manifold mesh has one.
-  std::vector<uint32_t> leaving(mesh.vertices.size(), kNoPartner);
+  std::vector<uint32_t> leaving(mesh.vertices.size(), kNone);
   for (uint32_t half = 0; half < partners.size(); ++half) {
-    if (partners[half] == kNoPartner) {
+    if (partners[half] == kNone) {
       leaving[FromVertex(mesh.facets, half)] = half;
     }
   }
@@ -33,10 +33,9 @@ std::vector<BorderLoop> FindLoops(const TriangleMesh& mesh) {
   for (uint32_t half = 0; half < partners.size(); ++half) {
     BorderLoop loop;
     uint32_t vertex = FromVertex(mesh.facets, half);
-    while (partners[half] == kNoPartner && leaving[vertex] != kNoPartner) {
+    while (partners[half] == kNone && leaving[vertex] != kNone) {
       loop.push_back(vertex);
-      vertex =
-          ToVertex(mesh.facets, std::exchange(leaving[vertex], kNoPartner));
+      vertex = ToVertex(mesh.facets, std::exchange(leaving[vertex], kNone));
     }
     if (!loop.empty()) {
       loops.push_back(std::move(loop));

@@ -29,8 +29,8 @@ EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,
   for (const auto& source : trimmed.sources) {
     edited.vertex_sources.push_back(source[0]);
   }
-  edited.vertex_sources.resize(edited.mesh.vertices.size(), kNoSource);
-  edited.facet_sources.resize(edited.mesh.facets.size(), kNoSource);
+  edited.vertex_sources.resize(edited.mesh.vertices.size(), kNone);
+  edited.facet_sources.resize(edited.mesh.facets.size(), kNone);
   return edited;
 }
 

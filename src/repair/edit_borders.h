@@ -34,8 +34,8 @@ struct BorderReport {
 struct EditedMesh {
   TriangleMesh mesh;                     // manifold
   VertexAttributes attributes;           // [V]
-  std::vector<uint32_t> vertex_sources;  // [V] the old vertex; new: kNoSource
-  std::vector<uint32_t> facet_sources;   // [F] the old facet; new: kNoSource
+  std::vector<uint32_t> vertex_sources;  // [V] the old vertex; new: kNone
+  std::vector<uint32_t> facet_sources;   // [F] the old facet; new: kNone
   BorderReport report;
 };
 

@@ -130,7 +130,7 @@ GuardedMesh::Shape GuardedMesh::ShapeOf(
     shape.normals.push_back(normal);
     shape.is_folded.push_back(0);
     for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
-      if (partners_[half] != kNoPartner &&
+      if (partners_[half] != kNone &&
           normal.dot(FacetNormal(mesh_, partners_[half] / 3)) < kFoldedCosine) {
         shape.is_folded.back() = 1;
         // An edge between two of the facets counts twice, before and after.
@@ -190,7 +190,7 @@ bool GuardedMesh::Move(const VertexTargets& targets) {
 
 bool GuardedMesh::Flip(uint32_t half) {
   const uint32_t partner = partners_[half];
-  if (partner == kNoPartner) {
+  if (partner == kNone) {
     return false;
   }
   const uint32_t first = half / 3, second = partner / 3;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "base/index_limit.h"
 #include "mesh/half_edges.h"
 #include "spatial/self_intersections.h"
 
@@ -14,7 +15,6 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr uint32_t kNoVertex = UINT32_MAX;
 constexpr int kSteps = 5;  // a choice: evens out zigzags of a facet or two
 
 // A vertex that is moved, and its neighbors on the border.
@@ -27,8 +27,8 @@ struct BorderVertex {
 // A manifold mesh has no more than one border edge to a vertex and one from it.
 std::vector<BorderVertex> FindBorderVertices(
     const std::vector<uint8_t>& is_moved, const TriangleMesh& mesh) {
-  std::vector<uint32_t> before(mesh.vertices.size(), kNoVertex);
-  std::vector<uint32_t> after(mesh.vertices.size(), kNoVertex);
+  std::vector<uint32_t> before(mesh.vertices.size(), kNone);
+  std::vector<uint32_t> after(mesh.vertices.size(), kNone);
   for (uint32_t half = 0; half < is_moved.size(); ++half) {
     if (is_moved[half] != 0) {
       const uint32_t from = FromVertex(mesh.facets, half);
@@ -39,7 +39,7 @@ std::vector<BorderVertex> FindBorderVertices(
   }
   std::vector<BorderVertex> found;
   for (uint32_t i = 0; i < before.size(); ++i) {
-    if (before[i] != kNoVertex && after[i] != kNoVertex) {
+    if (before[i] != kNone && after[i] != kNone) {
       found.push_back({i, before[i], after[i]});
     }
   }

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "base/index_limit.h"
 #include "base/union_find.h"
 #include "mesh/fan_split.h"
 #include "mesh/half_edges.h"
@@ -39,7 +40,7 @@ UnionFind JoinFacets(const Surface& surface,
   UnionFind pieces(surface.mesh.facets.size());
   for (uint32_t half = 0; half < surface.partners.size(); ++half) {
     const uint32_t partner = surface.partners[half];
-    if (partner != kNoPartner && partner < half &&
+    if (partner != kNone && partner < half &&
         marks[half / 3] == marks[partner / 3]) {
       pieces.Join(half / 3, partner / 3);
     }
@@ -84,8 +85,6 @@ class RingFinder {
   }
 
  private:
-  static constexpr uint32_t kNone = UINT32_MAX;
-
   // Those that are new.
   void AddCorners(uint32_t facet, uint32_t region,
                   std::vector<uint32_t>* vertices) {
@@ -115,7 +114,7 @@ std::vector<uint8_t> FindRegions(const Surface& surface,
       const uint32_t region = pieces.Find(i);
       facets[region].push_back(i);
       for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
-        has_border[region] |= surface.partners[half] == kNoPartner;
+        has_border[region] |= surface.partners[half] == kNone;
       }
     }
   }
@@ -159,8 +158,8 @@ std::vector<PieceVertices> CountVertices(const Surface& surface,
   std::vector<uint8_t> is_border(is_dropped.size() * 3, 0);  // of half-edges
   for (uint32_t half = 0; half < is_border.size(); ++half) {
     const uint32_t partner = surface.partners[half];
-    const bool is_cut = partner != kNoPartner && is_dropped[partner / 3] != 0;
-    is_border[half] = partner == kNoPartner || is_cut;
+    const bool is_cut = partner != kNone && is_dropped[partner / 3] != 0;
+    is_border[half] = partner == kNone || is_cut;
     counts[pieces->Find(half / 3)].is_cut |= is_cut;
   }
   std::vector<std::pair<uint32_t, uint8_t>> at_vertex;  // piece, whether border
@@ -216,8 +215,7 @@ void Drop(const Surface& surface, const std::vector<uint8_t>& is_dropped,
     facet_sources.push_back(trimmed->facet_sources[i]);
     for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
       const uint32_t partner = surface.partners[half];
-      is_opened.push_back(partner != kNoPartner &&
-                          is_dropped[partner / 3] != 0);
+      is_opened.push_back(partner != kNone && is_dropped[partner / 3] != 0);
     }
   }
   // Of a manifold mesh it puts no midpoints: facets and half-edges stay.

@@ -287,7 +287,7 @@ uint32_t Bvh::NearestFacet(const Vector3f& query, const Vector3f& normal,
                            double max_distance) const {
   const Vector3d point = query.cast<double>();
   double nearest = max_distance * max_distance;
-  uint32_t facet = kNoFacet;
+  uint32_t facet = kNone;
   Approach(point, &nearest, [&](uint32_t i) {
     if (!Faces(i, normal)) {
       return;

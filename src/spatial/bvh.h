@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "base/index_limit.h"
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
@@ -54,7 +55,7 @@ class Bvh {
 
   // The nearest of the facets that face the way `normal` does, so that the
   // other side of a thin sheet does not count.
-  // \return the facet; kNoFacet if none is nearer than max_distance
+  // \return the facet; kNone if none is nearer than max_distance
   // \pre the point is finite
   uint32_t NearestFacet(const Eigen::Vector3f& point,
                         const Eigen::Vector3f& normal,
@@ -63,8 +64,6 @@ class Bvh {
   // Whether NearestFacet() finds any, which takes less time to tell.
   bool IsNear(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
               double max_distance) const;
-
-  static constexpr uint32_t kNoFacet = UINT32_MAX;
 
  private:
   static constexpr int kMaxDepth = 64;  // of the tree

@@ -8,6 +8,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/index_limit.h"
 #include "base/mix_bits.h"
 #include "delaunay/cell_conflict.h"
 #include "delaunay/growing_complex.h"
@@ -22,8 +23,6 @@ namespace colmap_ext {
 namespace {
 
 using Positions = std::vector<Eigen::Vector3f>;
-
-constexpr uint32_t kNone = UINT32_MAX;
 
 // A number in [0, 1) that is always the same one for a block.
 double ChanceOf(uint32_t block) {

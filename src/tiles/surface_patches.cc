@@ -127,20 +127,20 @@ TilePatch MakePatch(uint32_t tile, const SurfacePart& before,
   }
   std::ranges::sort(patch.removed);
   const auto source_of = [&](uint32_t vertex) {
-    return sources.empty() ? kNoSource : sources[vertex];
+    return sources.empty() ? kNone : sources[vertex];
   };
   PartBuilder builder;
   const auto vertex_of = [&](uint32_t vertex) {
     const uint32_t source = source_of(vertex);
     return builder.Vertex(
-        source != kNoSource ? before.ids[source] : PatchId(tile, vertex),
+        source != kNone ? before.ids[source] : PatchId(tile, vertex),
         after.vertices[vertex], attributes, vertex);
   };
   size_t num_added = 0;
   for (const Facet& facet : after.facets) {
     const Facet old = {source_of(facet[0]), source_of(facet[1]),
                        source_of(facet[2])};
-    if (std::ranges::find(old, kNoSource) == old.end() &&
+    if (std::ranges::find(old, kNone) == old.end() &&
         kept.erase(Turned(old)) > 0) {
       continue;
     }

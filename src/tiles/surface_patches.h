@@ -75,7 +75,7 @@ SurfacePart GatherSurface(const SurfaceStore& store,
 // whose corners are fixed are not removed. \param fixed  of the part before
 // \param after  the part's mesh after the work
 // \param attributes  of its vertices
-// \param sources [V after] the vertex before, where it is fixed, or kNoSource;
+// \param sources [V after] the vertex before, where it is fixed, or kNone;
 //        empty: none is
 // \throw std::logic_error if a facet between fixed vertices is gone
 TilePatch MakePatch(uint32_t tile, const SurfacePart& before,

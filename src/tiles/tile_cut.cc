@@ -151,10 +151,10 @@ class TileVotes {
   void AddVertices(const Progress& progress) {
     Observations observations;
     Observations of_block;
-    uint32_t block = UINT32_MAX;
+    uint32_t block = kNone;
     for (size_t i = 0; i < tile_.ids.size(); ++i) {
       const uint32_t id = tile_.ids[i];
-      if (block == UINT32_MAX || id < blocks_.begins[block] ||
+      if (block == kNone || id < blocks_.begins[block] ||
           id >= blocks_.begins[block + 1]) {
         block = blocks_.BlockOf(id);
         of_block = plan_.ReadObservations(blocks_.begins[block],

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "base/index_limit.h"
 #include "base/mix_bits.h"
 
 namespace colmap_ext {
@@ -59,7 +60,6 @@ ShownMesh CoarseMesh(const ShownMesh& mesh, size_t max_facets) {
       FirstInCube(mesh.mesh, side > 0 ? side : 1);
   ShownMesh coarse;
   coarse.name = mesh.name;
-  constexpr uint32_t kNone = UINT32_MAX;
   std::vector<uint32_t> new_index(firsts.size(), kNone);
   for (uint32_t i = 0; i < mesh.mesh.facets.size(); ++i) {
     Facet facet;

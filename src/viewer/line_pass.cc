@@ -1,12 +1,8 @@
 #include "viewer/line_pass.h"
 
-#include "raster/facet_id_buffer.h"
-
 namespace colmap_ext {
 
-LinePass::LinePass()
-    : program_({"viewer_lines.vert", "viewer_lines.frag"},
-               {{"kNoFacet", static_cast<int>(kNoFacet)}}) {}
+LinePass::LinePass() : program_({"viewer_lines.vert", "viewer_lines.frag"}) {}
 
 void LinePass::Draw(const std::vector<Eigen::Vector3f>& ends,
                     const Eigen::Vector3f& color,

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "raster/facet_id_buffer.h"
-
 namespace colmap_ext {
 
 namespace {
@@ -31,8 +29,7 @@ std::vector<Rgba> WithAlpha(size_t count, std::span<const Color> colors) {
 }  // namespace
 
 PointPass::PointPass()
-    : program_({"viewer_points.vert", "viewer_points.frag"},
-               {{"kNoFacet", static_cast<int>(kNoFacet)}}) {
+    : program_({"viewer_points.vert", "viewer_points.frag"}) {
   AddAttribute(vertex_array_, 0, 3, GL_FLOAT, GL_FALSE);
   AddAttribute(vertex_array_, 1, 4, GL_UNSIGNED_BYTE, GL_TRUE);
 }

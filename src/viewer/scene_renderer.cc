@@ -76,7 +76,7 @@ void SceneRenderer::Prepare(const View& view, const DrawSettings& settings) {
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DITHER);
   constexpr GLfloat kWhite[] = {1, 1, 1, 1};
-  constexpr GLuint kNothing[] = {kNoFacet, 0, 0, 0};
+  constexpr GLuint kNothing[] = {kNone, 0, 0, 0};
   constexpr GLfloat kFarAway = 0;
   glClearBufferfv(GL_COLOR, 0, kWhite);
   glClearBufferuiv(GL_COLOR, 1, kNothing);
@@ -193,9 +193,9 @@ uint32_t SceneRenderer::FacetAt(int row, int col) const {
   const int samples = targets_ ? targets_->samples : 0;
   if (samples == 0 || row < 0 || col < 0 || row >= targets_->height ||
       col >= targets_->width) {
-    return kNoFacet;
+    return kNone;
   }
-  uint32_t facet = kNoFacet;
+  uint32_t facet = kNone;
   glGetTextureSubImage(targets_->facets.Name(), 0, col * samples + samples / 2,
                        row * samples + samples / 2, 0, 1, 1, 1, GL_RED_INTEGER,
                        GL_UNSIGNED_INT, sizeof(facet), &facet);

@@ -29,7 +29,7 @@ class SceneRenderer {
   // The last picture.
   ColorImage Read() const;
 
-  // What facet of the mesh its pixel shows, or kNoFacet.
+  // What facet of the mesh its pixel shows, or kNone.
   uint32_t FacetAt(int row, int col) const;
 
   // Shows it in a framebuffer of the context, 0: the window's.

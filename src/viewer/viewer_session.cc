@@ -108,7 +108,7 @@ void ViewerSession::Pick(uint32_t facet) {
   picked_.reset();
   settings_.picked.reset();
   scene_.matches.clear();
-  if (facet == kNoFacet || settings_.mesh >= scene_.meshes.size()) {
+  if (facet == kNone || settings_.mesh >= scene_.meshes.size()) {
     return;
   }
   picked_mesh_ = scene_.meshes[settings_.mesh];

@@ -13,9 +13,9 @@ RefinedCameras CameraScene::Refine(const CameraRefinementOptions& options,
   const PhotometricOptions photometric;
   const std::shared_ptr<ImagePyramid> images = scene.Pyramid();
   const VisibilityBuffers buffers(scene.Truth(), start.views,
-                              photometric.min_cosine, SIZE_MAX);
-  return RefineCameras(options, photometric, start, start, used, buffers,
-                       pairs, images.get());
+                                  photometric.min_cosine, SIZE_MAX);
+  return RefineCameras(options, photometric, start, start, used, buffers, pairs,
+                       images.get());
 }
 
 CameraScene MakeCameraScene(bool with_own_cameras, int width) {

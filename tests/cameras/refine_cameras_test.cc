@@ -233,10 +233,10 @@ TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
                          mesh.facets.size() / 8;
   size_t num_drawn = 0;
   const VisibilityBuffers buffers(mesh, scene.truth.views, 0.1, 4 * of_view,
-                              [&](size_t) {
-                                ++num_drawn;
-                                return std::shared_ptr<const GrayImage>();
-                              });
+                                  [&](size_t) {
+                                    ++num_drawn;
+                                    return std::shared_ptr<const GrayImage>();
+                                  });
   const auto images = scene.scene.Pyramid();
   const RefinedCameras refined =
       RefineCameras(Poses(), {}, scene.truth, scene.truth, scene.tracks,

@@ -20,7 +20,7 @@ struct Windows {
   PatchOptions options{.radius = 5, .max_patches_per_view = 50};
   std::shared_ptr<ImagePyramid> images = scene.scene.Pyramid();
   VisibilityBuffers buffers{scene.scene.Truth(), cameras.views,
-                        photometric.min_cosine, SIZE_MAX};
+                            photometric.min_cosine, SIZE_MAX};
   std::vector<FacetFrame> frames = ComputeFacetFrames(scene.scene.Truth());
   SurfacePatches patches = SelectPatches(
       options, photometric, {buffers, frames, images.get()}, scene.pairs);

@@ -33,7 +33,7 @@ struct Begun {
 
   // \pre the inserter has all vertices
   void InsertBy(uint32_t point, PointInserter* inserter) {
-    if (complex.vertex_cells[point] == kNoCell) {
+    if (complex.vertex_cells[point] == kNone) {
       const uint32_t hint = complex.vertex_cells[order.front()];
       InsertPoint(point, inserter->Locate(point, hint), inserter, &complex);
     }
@@ -55,9 +55,9 @@ bool TryInsert(uint32_t point, uint32_t begin, uint32_t end,
                PointInserter* inserter, const GrowingComplex& complex) {
   for (uint32_t vertex = begin; vertex < end; ++vertex) {
     const uint32_t hint = complex.vertex_cells[vertex];
-    if (hint != kNoCell && inserter->IsOwn(hint)) {
+    if (hint != kNone && inserter->IsOwn(hint)) {
       const uint32_t cell = inserter->Locate(point, hint);
-      return cell != kNoCell && inserter->Insert(point, cell) != kNoCell;
+      return cell != kNone && inserter->Insert(point, cell) != kNone;
     }
   }
   return false;
@@ -90,7 +90,7 @@ TEST(PointInserter, ThoseOfTwoRangesMakeWhatOneMakes) {
     }
     size_t num_inserted = 0;
     for (const uint32_t point : begun.order) {
-      if (begun.complex.vertex_cells[point] == kNoCell) {
+      if (begun.complex.vertex_cells[point] == kNone) {
         const bool is_lower = point < middle;
         num_inserted += TryInsert(point, is_lower ? 0 : middle,
                                   is_lower ? middle : begun.Size(),
@@ -123,11 +123,11 @@ TEST(PointInserter, LeavesAllAsItIsWhereItHasTooFewCells) {
   Begun begun(RandomPoints(200, 1 << 16, &random));
   PointInserter inserter(0, begun.Size(), &begun.complex);
   for (const uint32_t point : begun.order) {
-    if (begun.complex.vertex_cells[point] == kNoCell) {
+    if (begun.complex.vertex_cells[point] == kNone) {
       const uint32_t cell = inserter.Locate(
           point, begun.complex.vertex_cells[begun.order.front()]);
-      EXPECT_EQ(inserter.Insert(point, cell), kNoCell);
-      EXPECT_EQ(begun.complex.vertex_cells[point], kNoCell);
+      EXPECT_EQ(inserter.Insert(point, cell), kNone);
+      EXPECT_EQ(begun.complex.vertex_cells[point], kNone);
     }
   }
   EXPECT_EQ(std::ranges::count(begun.complex.is_marked, 0),

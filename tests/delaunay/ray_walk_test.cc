@@ -43,7 +43,7 @@ Eigen::Vector3d PositionOf(const Tetrahedralization& tetrahedra,
 // What holds for every walk.
 void ExpectPath(const Tetrahedralization& tetrahedra, uint32_t origin,
                 const std::vector<Crossing>& crossings, uint32_t last_cell) {
-  ASSERT_NE(last_cell, kNoCell);
+  ASSERT_NE(last_cell, kNone);
   std::set<uint32_t> visited;
   for (size_t i = 0; i < crossings.size(); ++i) {
     const uint32_t cell = crossings[i].exit_arc / 4;
@@ -177,7 +177,7 @@ TEST_F(GenericRayWalk, CrossesTheFacetsThatBruteForceFinds) {
         target.cast<int64_t>());
     ASSERT_TRUE(expected.has_value());
     const uint32_t cell =
-        WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
+        WalkRay(tetrahedra_, origin, target, kNone, kEverywhere, &crossings_);
     ExpectPath(tetrahedra_, origin, crossings_, cell);
     ASSERT_EQ(FacetsOf(tetrahedra_, crossings_), *expected);
     if (!tetrahedra_.IsInfinite(cell)) {
@@ -199,7 +199,7 @@ TEST_F(GenericRayWalk, DistancesAreThoseOfTheFacetsPlanes) {
   for (int trial = 0; trial < 300; ++trial) {
     const uint32_t origin = RandomOrigin();
     const Eigen::Vector3d target = RandomTarget(2 * kRange);
-    WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
+    WalkRay(tetrahedra_, origin, target, kNone, kEverywhere, &crossings_);
     for (const Crossing& crossing : crossings_) {
       const auto [a, b, c] =
           PointsOf(tetrahedra_, CornersOf(tetrahedra_, crossing.exit_arc));
@@ -244,9 +244,9 @@ TEST_F(GenericRayWalk, EndsAtTheTargetHoweverFewDistancesAreAskedFor) {
     const uint32_t origin = RandomOrigin();
     const Eigen::Vector3d target = RandomTarget(kRange);
     const uint32_t cell =
-        WalkRay(tetrahedra_, origin, target, kNoCell, kEverywhere, &crossings_);
+        WalkRay(tetrahedra_, origin, target, kNone, kEverywhere, &crossings_);
     std::vector<Crossing> near;
-    ASSERT_EQ(WalkRay(tetrahedra_, origin, target, kNoCell, 100, &near), cell);
+    ASSERT_EQ(WalkRay(tetrahedra_, origin, target, kNone, 100, &near), cell);
     ASSERT_EQ(near.size(), crossings_.size());
   }
 }
@@ -263,7 +263,7 @@ TEST_F(GenericRayWalk, TheWayBackCrossesTheSameFacets) {
       const uint32_t origin = is_back ? v : u;
       const uint32_t end = is_back ? u : v;
       const uint32_t cell =
-          WalkRay(tetrahedra_, origin, PositionOf(tetrahedra_, end), kNoCell,
+          WalkRay(tetrahedra_, origin, PositionOf(tetrahedra_, end), kNone,
                   kEverywhere, &crossings_);
       ExpectPath(tetrahedra_, origin, crossings_, cell);
       facets[is_back] = FacetsOf(tetrahedra_, crossings_);
@@ -308,11 +308,11 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
           target = 3 * a.cast<double>() - 2 * PositionOf(tetrahedra, origin);
       }
       const uint32_t cell =
-          WalkRay(tetrahedra, origin, target, kNoCell, kEverywhere, &crossings);
+          WalkRay(tetrahedra, origin, target, kNone, kEverywhere, &crossings);
       const IntVector o = PositionOf(tetrahedra, origin).cast<int64_t>();
       const IntVector t = target.cast<int64_t>();
       if (o == t) {
-        ASSERT_EQ(cell, kNoCell);
+        ASSERT_EQ(cell, kNone);
         continue;
       }
       num_degenerate += !CrossedFacets(tetrahedra, o, t).has_value();
@@ -376,8 +376,8 @@ TEST(WalkRay, GivesUpWhereTheTargetIsTheOrigin) {
   const Tetrahedralization tetrahedra = DelaunayOf(GridPoints(3));
   std::vector<Crossing> crossings;
   EXPECT_EQ(
-      WalkRay(tetrahedra, 5, PositionOf(tetrahedra, 5), kNoCell, 1, &crossings),
-      kNoCell);
+      WalkRay(tetrahedra, 5, PositionOf(tetrahedra, 5), kNone, 1, &crossings),
+      kNone);
 }
 
 TEST(WalkRay, LeavesTheHullAtOnceFromAVertexOnIt) {
@@ -388,7 +388,7 @@ TEST(WalkRay, LeavesTheHullAtOnceFromAVertexOnIt) {
     const Eigen::Vector3d center(1, 1, 1);
     const uint32_t cell =
         WalkRay(tetrahedra, vertex, 2 * PositionOf(tetrahedra, vertex) - center,
-                kNoCell, kEverywhere, &crossings);
+                kNone, kEverywhere, &crossings);
     EXPECT_TRUE(tetrahedra.IsInfinite(cell));
     EXPECT_TRUE(crossings.empty());
     // It is one of the vertex's.

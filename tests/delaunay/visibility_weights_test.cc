@@ -41,7 +41,7 @@ class TwoCells : public testing::Test {
     return static_cast<uint32_t>(found - tetrahedra_.points.begin());
   }
 
-  // The infinite cell beyond the hull's facet without this vertex, or kNoCell.
+  // The infinite cell beyond the hull's facet without this vertex, or kNone.
   uint32_t Beyond(uint32_t cell, uint32_t vertex) const {
     return tetrahedra_.cells[cell].neighbors[tetrahedra_.IndexOf(cell, vertex)];
   }
@@ -80,7 +80,7 @@ class TwoCells : public testing::Test {
     std::vector<Crossing> crossings;
     return WalkRay(tetrahedra_, vertex,
                    position + distance * (position - center).normalized(),
-                   kNoCell, 0, &crossings);
+                   kNone, 0, &crossings);
   }
 
   // What every labelling of the cells costs is all that a graph means.
@@ -108,14 +108,14 @@ class TwoCells : public testing::Test {
   FlowCapacities expected_;
   uint32_t top_ = 0;
   uint32_t bottom_ = 0;
-  uint32_t upper_ = kNoCell;
-  uint32_t lower_ = kNoCell;
+  uint32_t upper_ = kNone;
+  uint32_t lower_ = kNone;
 };
 
 TEST_F(TwoCells, AreTwo) {
   EXPECT_EQ(tetrahedra_.cells.size(), 8u);
-  ASSERT_NE(upper_, kNoCell);
-  ASSERT_NE(lower_, kNoCell);
+  ASSERT_NE(upper_, kNone);
+  ASSERT_NE(lower_, kNone);
   EXPECT_EQ(Beyond(upper_, top_), lower_);
 }
 
@@ -172,7 +172,7 @@ TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
     Observe(top_, center, expected.sigma, expected.behind_sigma);
     // The first cell before the top.
     std::vector<Crossing> crossings;
-    ExpectSource(WalkRay(tetrahedra_, top_, center, kNoCell, 0, &crossings),
+    ExpectSource(WalkRay(tetrahedra_, top_, center, kNone, 0, &crossings),
                  kAlpha);
     if (expected.reaches_lower) {
       ExpectArc(upper_, lower_, Soft(3, expected.sigma));
@@ -186,7 +186,7 @@ TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
   const Eigen::Vector3d center(0, 0, 50);
   Observe(top_, center, 3, 3);
   std::vector<Crossing> crossings;
-  ExpectSource(WalkRay(tetrahedra_, top_, center, kNoCell, 0, &crossings),
+  ExpectSource(WalkRay(tetrahedra_, top_, center, kNone, 0, &crossings),
                kAlpha);
   const uint32_t beyond = EndBehind(top_, center, 9);
   ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
@@ -254,9 +254,9 @@ void AddByFormula(const Tetrahedralization& tetrahedra,
   };
   std::vector<Crossing> crossings;
   uint32_t cell = Locate(tetrahedra, center, 0);
-  uint32_t end = WalkRay(tetrahedra, vertex, center,
-                         tetrahedra.IsInfinite(cell) ? kNoCell - 1 : cell, 1e9,
-                         &crossings);
+  uint32_t end =
+      WalkRay(tetrahedra, vertex, center,
+              tetrahedra.IsInfinite(cell) ? kNone - 1 : cell, 1e9, &crossings);
   graph->source[end] += ToCapacity(alpha);
   for (const auto& [exit_arc, entry_arc, distance] : crossings) {
     graph->capacities[entry_arc / 4][entry_arc % 4] += soft(distance);
@@ -264,7 +264,7 @@ void AddByFormula(const Tetrahedralization& tetrahedra,
   end = WalkRay(tetrahedra, vertex,
                 position + options.behind_sigma * options.distance_sigma *
                                (position - center).normalized(),
-                kNoCell, 1e9, &crossings);
+                kNone, 1e9, &crossings);
   graph->sink[end] += ToCapacity(alpha);
   for (const auto& [exit_arc, entry_arc, distance] : crossings) {
     graph->capacities[exit_arc / 4][exit_arc % 4] += soft(distance);

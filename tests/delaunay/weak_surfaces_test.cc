@@ -184,7 +184,7 @@ TEST(MeasureJump, LosesRaysWithoutDirection) {
   EXPECT_EQ(MeasureJump(scenery.tetrahedra, support, 0, scenery.PositionOf(0),
                         kOptions)
                 .end_cell,
-            kNoCell);
+            kNone);
 }
 
 // [cells] the weights of the rays that end in each finite cell, in units of
@@ -200,7 +200,7 @@ std::vector<uint32_t> VotesForMatter(const Scenery& scenery,
           MeasureJump(scenery.tetrahedra, support, vertex,
                       scenery.centers[scenery.observations.views[k]], kOptions)
               .end_cell;
-      if (end != kNoCell) {
+      if (end != kNone) {
         votes[end] += ToCapacity(scenery.observations.alphas[k]);
       }
     }
@@ -251,7 +251,7 @@ TEST(WeakSurfaceWeights, AreWhatEachRaysJumpSays) {
       jumps.push_back(MeasureJump(
           scenery.tetrahedra, support, vertex,
           scenery.centers[scenery.observations.views[k]], kOptions));
-      if (jumps.back().end_cell != kNoCell) {
+      if (jumps.back().end_cell != kNone) {
         fronts.push_back(jumps.back().front);
       }
     }
@@ -259,7 +259,7 @@ TEST(WeakSurfaceWeights, AreWhatEachRaysJumpSays) {
   std::sort(fronts.begin(), fronts.end());
   const double median = fronts[fronts.size() / 2];
   for (size_t k = 0; k < jumps.size(); ++k) {
-    if (jumps[k].end_cell != kNoCell &&
+    if (jumps[k].end_cell != kNone &&
         static_cast<double>(jumps[k].front) - jumps[k].behind > median / 2 &&
         jumps[k].behind < median / 100) {
       expected[jumps[k].end_cell] +=

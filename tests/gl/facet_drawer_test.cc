@@ -77,11 +77,11 @@ TEST_F(FacetDrawerTest, DrawsWhatTheProcessorDraws) {
         if (drawn.facets[i] != reference.facets[i]) {
           ++num_different;
           for (const uint32_t facet : {drawn.facets[i], reference.facets[i]}) {
-            EXPECT_TRUE(facet == kNoFacet ||
+            EXPECT_TRUE(facet == kNone ||
                         std::abs(Inside(view, mesh, facet, i)) < 1.0 / 128)
                 << "pixel " << i << " facet " << facet;
           }
-        } else if (drawn.facets[i] != kNoFacet) {
+        } else if (drawn.facets[i] != kNone) {
           EXPECT_NEAR(drawn.inverse_depths[i] / reference.inverse_depths[i], 1,
                       1e-4);
         }
@@ -112,7 +112,7 @@ TEST_F(FacetDrawerTest, RowsAreFromTheTop) {
   TriangleMesh mesh = {{{-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}}, {{0, 1, 2}}};
   const Drawn drawn = Draw(SmallView(), mesh);
   EXPECT_EQ(drawn.facets.front(), 0);
-  EXPECT_EQ(drawn.facets.back(), kNoFacet);
+  EXPECT_EQ(drawn.facets.back(), kNone);
   EXPECT_EQ(drawn.inverse_depths.front(), 1);
   EXPECT_EQ(drawn.inverse_depths.back(), 0);
 }
@@ -149,7 +149,7 @@ TEST_F(FacetDrawerTest, DrawsARoomFromInsideAsTheProcessorDoes) {
     const FacetIdBuffer reference = DrawFacets(view, room, 0.1);
     size_t num_different = 0;
     for (size_t i = 0; i < drawn.facets.size(); ++i) {
-      ASSERT_NE(reference.facets[i], kNoFacet);
+      ASSERT_NE(reference.facets[i], kNone);
       // On an edge either facet will do, but no pixel falls between them.
       num_different += drawn.facets[i] != reference.facets[i] ? 1 : 0;
       EXPECT_NEAR(drawn.inverse_depths[i] / reference.inverse_depths[i], 1,
@@ -161,7 +161,7 @@ TEST_F(FacetDrawerTest, DrawsARoomFromInsideAsTheProcessorDoes) {
 }
 
 TEST_F(FacetDrawerTest, EmptyMeshIsNothing) {
-  EXPECT_EQ(Draw(SmallView(), {}).facets, std::vector<uint32_t>(48, kNoFacet));
+  EXPECT_EQ(Draw(SmallView(), {}).facets, std::vector<uint32_t>(48, kNone));
 }
 
 }  // namespace facet_drawer_test

@@ -61,10 +61,10 @@ TEST_F(GlCamerasTest, EachViewIsDrawnOnceAPass) {
   EXPECT_EQ(energy->Visibility(mesh), energy->Visibility(mesh));
   for (const int pass : {2, 3}) {
     energy->SetViews(cameras.views);
-    cameras =
-        RefineCameras(options, {}, cameras, cameras, scene.tracks,
-                      *energy->Visibility(mesh), scene.pairs, drawn.images.get())
-            .cameras;
+    cameras = RefineCameras(options, {}, cameras, cameras, scene.tracks,
+                            *energy->Visibility(mesh), scene.pairs,
+                            drawn.images.get())
+                  .cameras;
     EXPECT_TRUE(drawn.AreAll(pass));
   }
 }

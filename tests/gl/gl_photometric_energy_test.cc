@@ -235,7 +235,7 @@ TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
     drawn[i] = DrawFacets(scene.Views()[i], mesh, 0.1);
     is_seen[i].assign(mesh.facets.size(), false);
     for (const uint32_t facet : drawn[i].facets) {
-      if (facet != kNoFacet) {
+      if (facet != kNone) {
         is_seen[i][facet] = true;
       }
     }

@@ -29,7 +29,7 @@ size_t CountUsed(const TriangleMesh& mesh) {
 // any number of facets shares an edge.
 std::vector<uint32_t> RandomPartners(const std::vector<Facet>& facets,
                                      Random* random) {
-  std::vector<uint32_t> partners(3 * facets.size(), kNoPartner);
+  std::vector<uint32_t> partners(3 * facets.size(), kNone);
   std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> unpaired;
   std::vector<uint32_t> order(partners.size());
   for (uint32_t half = 0; half < order.size(); ++half) {

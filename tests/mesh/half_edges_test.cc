@@ -72,7 +72,7 @@ TEST(PairHalfEdges, PairsWhatTwoFacetsRunInOppositeDirections) {
       }
       const bool is_paired =
           others.size() == 1 && FromVertex(mesh.facets, others.front()) == to;
-      ASSERT_EQ(partners[half], is_paired ? others.front() : kNoPartner);
+      ASSERT_EQ(partners[half], is_paired ? others.front() : kNone);
     }
   }
 }
@@ -84,7 +84,7 @@ TEST(PairHalfEdges, IsItsOwnInverse) {
     const TriangleMesh mesh = RandomSoup(9, 20, false, &random);
     const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
     for (uint32_t half = 0; half < partners.size(); ++half) {
-      if (partners[half] != kNoPartner) {
+      if (partners[half] != kNone) {
         EXPECT_EQ(partners[partners[half]], half);
         EXPECT_EQ(FromVertex(mesh.facets, partners[half]),
                   ToVertex(mesh.facets, half));
@@ -101,7 +101,7 @@ TEST(PairHalfEdges, LeavesNoneOfAClosedMeshAlone) {
   for (const TriangleMesh& mesh :
        {MakeTetrahedron(), MakeTorus(), MakeCube()}) {
     for (const uint32_t partner : PairHalfEdges(mesh.facets)) {
-      EXPECT_NE(partner, kNoPartner);
+      EXPECT_NE(partner, kNone);
     }
   }
 }

@@ -60,7 +60,7 @@ TEST(InheritAttributes, AMidpointHasTheMeanColourAndTheViewsOfBoth) {
 // A centroid between all three: views that at least half of them have.
 TEST(InheritAttributes, ACentroidInheritsFromItsNeighbors) {
   const TriangleMesh mesh = MakeMesh(4, {{3, 0, 1}, {3, 1, 2}, {3, 2, 0}});
-  const Points points = {{0, 0}, {1, 1}, {2, 2}, {kNoPoint, kNoPoint}};
+  const Points points = {{0, 0}, {1, 1}, {2, 2}, {kNone, kNone}};
   ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
              {{{0, 10, 255}, {0, 1}},
               {{1, 20, 255}, {1, 2}},
@@ -71,7 +71,7 @@ TEST(InheritAttributes, ACentroidInheritsFromItsNeighbors) {
 TEST(InheritAttributes, HalfOfTheNeighborsAreEnough) {
   const TriangleMesh mesh =
       MakeMesh(5, {{4, 0, 1}, {4, 1, 2}, {4, 2, 3}, {4, 3, 0}});
-  const Points points = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNoPoint, kNoPoint}};
+  const Points points = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNone, kNone}};
   const Row first = {{0, 10, 255}, {0, 1}};
   const Row second = {{1, 20, 255}, {1, 2}};
   ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
@@ -81,9 +81,8 @@ TEST(InheritAttributes, HalfOfTheNeighborsAreEnough) {
 // Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
 TEST(InheritAttributes, FromNeighborToNeighbor) {
   const TriangleMesh mesh = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
-  const Points points = {{0, 0},        {1, 1},
-                         {2, 2},        {kNoPoint, kNoPoint},
-                         {0, kNoPoint}, {kNoPoint, kNoPoint}};
+  const Points points = {{0, 0},         {1, 1},     {2, 2},
+                         {kNone, kNone}, {0, kNone}, {kNone, kNone}};
   const VertexAttributes attributes =
       InheritAttributes(mesh, MakeCloud(), points);
   const Row first = {{0, 10, 255}, {0, 1}};
@@ -97,7 +96,7 @@ TEST(InheritAttributes, FromNeighborToNeighbor) {
 
 TEST(InheritAttributes, AnIslandOfUnknownVerticesStaysBlackAndUnseen) {
   const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
-  const Points points(3, {kNoPoint, kNoPoint});
+  const Points points(3, {kNone, kNone});
   const Row none = {{0, 0, 0}, {}};
   ExpectRows(InheritAttributes(mesh, MakeCloud(), points), {none, none, none});
 }

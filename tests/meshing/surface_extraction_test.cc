@@ -143,16 +143,16 @@ TEST(ExtractSurface, PartnersBoundTheSameMatterAroundTheirEdge) {
             matter.at(*Oriented({facets[half / 3]}).begin()));
       };
       for (auto half = first; half != last; ++half) {
-        uint32_t expected = kNoPartner;
+        uint32_t expected = kNone;
         for (auto other = first; other != last; ++other) {
           if (other != half &&
               component(other->second) == component(half->second)) {
-            ASSERT_EQ(expected, kNoPartner);
+            ASSERT_EQ(expected, kNone);
             expected = other->second;
           }
         }
         ASSERT_EQ(surface.partners[half->second], expected);
-        if (expected != kNoPartner) {
+        if (expected != kNone) {
           ASSERT_EQ(FromVertex(facets, expected),
                     ToVertex(facets, half->second));
         }

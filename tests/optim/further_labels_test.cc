@@ -36,7 +36,7 @@ double Cost(const PottsProblem& problem, const LabelSets& sets) {
       sum += problem.Costs(
           node)[std::find(row, row + problem.NumLabels(node), *label) - row];
       for (const uint32_t other : problem.neighbors[node]) {
-        if (other != UINT32_MAX) {
+        if (other != kNone) {
           const uint32_t* end = sets.Labels(other + 1);
           sum += std::find(sets.Labels(other), end, *label) == end
                      ? problem.weight / 3

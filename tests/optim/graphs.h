@@ -12,10 +12,10 @@ using Edges = std::vector<std::array<uint32_t, 2>>;
 using Neighbors = std::vector<std::array<uint32_t, 3>>;
 
 inline Neighbors MakeNeighbors(uint32_t num_nodes, const Edges& edges) {
-  Neighbors neighbors(num_nodes, {UINT32_MAX, UINT32_MAX, UINT32_MAX});
+  Neighbors neighbors(num_nodes, {kNone, kNone, kNone});
   for (const auto& [a, b] : edges) {
-    *std::find(neighbors[a].begin(), neighbors[a].end(), UINT32_MAX) = b;
-    *std::find(neighbors[b].begin(), neighbors[b].end(), UINT32_MAX) = a;
+    *std::find(neighbors[a].begin(), neighbors[a].end(), kNone) = b;
+    *std::find(neighbors[b].begin(), neighbors[b].end(), kNone) = a;
   }
   return neighbors;
 }

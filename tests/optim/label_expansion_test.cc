@@ -11,9 +11,9 @@ namespace colmap_ext {
 namespace label_expansion_test {
 
 std::vector<uint32_t> FirstChoices(const PottsProblem& problem) {
-  std::vector<uint32_t> choices(problem.NumNodes(), kNoChoice);
+  std::vector<uint32_t> choices(problem.NumNodes(), kNone);
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
-    choices[node] = problem.NumLabels(node) > 0 ? 0 : kNoChoice;
+    choices[node] = problem.NumLabels(node) > 0 ? 0 : kNone;
   }
   return choices;
 }
@@ -96,8 +96,7 @@ TEST(ExpandLabels, ExpandsNothing) {
   PottsProblem problem;
   problem.offsets = {0, 0};
   problem.neighbors = MakeNeighbors(1, {});
-  EXPECT_EQ(ExpandLabels(problem, {kNoChoice}),
-            std::vector<uint32_t>{kNoChoice});
+  EXPECT_EQ(ExpandLabels(problem, {kNone}), std::vector<uint32_t>{kNone});
 }
 
 }  // namespace label_expansion_test

@@ -44,7 +44,7 @@ int FreeSlot(const FlowGraph& graph, uint32_t node, Random* random) {
   const int first = random->Integer(0, 3);
   for (int k = 0; k < 4; ++k) {
     const int slot = (first + k) % 4;
-    if (graph.neighbors[node][slot] == kNoNeighbor) {
+    if (graph.neighbors[node][slot] == kNone) {
       return slot;
     }
   }
@@ -55,8 +55,7 @@ int FreeSlot(const FlowGraph& graph, uint32_t node, Random* random) {
 FlowGraph RandomGraph(uint32_t num_nodes, uint32_t num_edges, Capacities kind,
                       Random* random) {
   FlowGraph graph;
-  graph.neighbors.assign(num_nodes,
-                         {kNoNeighbor, kNoNeighbor, kNoNeighbor, kNoNeighbor});
+  graph.neighbors.assign(num_nodes, {kNone, kNone, kNone, kNone});
   graph.capacities.assign(num_nodes, {7, 7, 7, 7});  // of no arc: no matter
   for (uint32_t i = 0; i < num_edges; ++i) {
     const uint32_t u = random->Below(num_nodes);
@@ -91,7 +90,7 @@ int64_t ValueOf(const FlowGraph& graph, const std::vector<uint8_t>& side) {
     value += side[i] ? Clamp(graph.sink[i]) : Clamp(graph.source[i]);
     for (int k = 0; k < 4; ++k) {
       const uint32_t other = graph.neighbors[i][k];
-      if (other != kNoNeighbor && side[i] && !side[other]) {
+      if (other != kNone && side[i] && !side[other]) {
         value += Clamp(graph.capacities[i][k]);
       }
     }
@@ -190,7 +189,7 @@ BoostFlows FlowsByBoost(const FlowGraph& graph) {
     connect(size, i, graph.source[i]);
     connect(i, size + 1, graph.sink[i]);
     for (int k = 0; k < 4; ++k) {
-      if (graph.neighbors[i][k] != kNoNeighbor) {
+      if (graph.neighbors[i][k] != kNone) {
         connect(i, graph.neighbors[i][k], graph.capacities[i][k]);
       }
     }
@@ -227,7 +226,7 @@ void ExpectSameWithOtherNumbers(const FlowGraph& graph, Random* random) {
       const uint32_t other = graph.neighbors[i][k];
       const uint32_t slot = (k + rotation) % 4;
       renumbered.neighbors[number[i]][slot] =
-          other == kNoNeighbor ? kNoNeighbor : number[other];
+          other == kNone ? kNone : number[other];
       renumbered.capacities[number[i]][slot] = graph.capacities[i][k];
     }
     renumbered.source[number[i]] = graph.source[i];
@@ -266,9 +265,8 @@ TEST(MinCut, LongChain) {
   graph.source.assign(kNumNodes, 0);
   graph.sink.assign(kNumNodes, 0);
   for (uint32_t i = 0; i < kNumNodes; ++i) {
-    graph.neighbors.push_back({i == 0 ? kNoNeighbor : i - 1, kNoNeighbor,
-                               i + 1 == kNumNodes ? kNoNeighbor : i + 1,
-                               kNoNeighbor});
+    graph.neighbors.push_back({i == 0 ? kNone : i - 1, kNone,
+                               i + 1 == kNumNodes ? kNone : i + 1, kNone});
     graph.capacities.push_back({random.Below(1000), 0, random.Below(1000), 0});
     if (i % 1000 == 0) {
       (random.Chance(0.5) ? graph.source : graph.sink)[i] = random.Below(2000);
@@ -291,8 +289,7 @@ TEST(MinCut, LongChain) {
 TEST(MinCut, LargestCapacitiesDoNotOverflow) {
   constexpr uint32_t kLargest = std::numeric_limits<uint32_t>::max();
   FlowGraph graph;
-  graph.neighbors = {{1, kNoNeighbor, kNoNeighbor, kNoNeighbor},
-                     {0, kNoNeighbor, kNoNeighbor, kNoNeighbor}};
+  graph.neighbors = {{1, kNone, kNone, kNone}, {0, kNone, kNone, kNone}};
   graph.capacities = {{kLargest, 0, 0, 0}, {kLargest, 0, 0, 0}};
   graph.source = {kLargest, 0};
   graph.sink = {0, kLargest};

@@ -141,15 +141,13 @@ TEST(SolvePotts, TakesOneLabelWhereNeighborsAreAll) {
 
 TEST(SolvePotts, LeavesNodesWithoutLabelsOut) {
   PottsProblem problem;
-  problem.neighbors = {{1, UINT32_MAX, UINT32_MAX},
-                       {0, 2, UINT32_MAX},
-                       {1, UINT32_MAX, UINT32_MAX}};
+  problem.neighbors = {{1, kNone, kNone}, {0, 2, kNone}, {1, kNone, kNone}};
   problem.offsets = {0, 2, 2, 3};
   problem.labels = {4, 8, 8};
   problem.costs = {1, 2, 3};
   problem.weight = 100;
   const PottsSolution solution = SolvePotts(problem);
-  EXPECT_EQ(solution.choices, (std::vector<uint32_t>{0, kNoChoice, 0}));
+  EXPECT_EQ(solution.choices, (std::vector<uint32_t>{0, kNone, 0}));
   EXPECT_DOUBLE_EQ(solution.energy, 4);
 }
 

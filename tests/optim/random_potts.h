@@ -40,15 +40,15 @@ inline double BruteForce(const PottsProblem& problem) {
                                  problem.offsets[node]);
   };
   for (size_t i = 0; i < choices.size(); ++i) {
-    choices[i] = count(i) == 0 ? kNoChoice : 0;
+    choices[i] = count(i) == 0 ? kNone : 0;
   }
   double least = INFINITY;
   while (true) {
     least = std::min(least, PottsEnergy(problem, choices));
     size_t node = 0;
     while (node < choices.size() &&
-           (choices[node] == kNoChoice || ++choices[node] == count(node))) {
-      choices[node] = choices[node] == kNoChoice ? kNoChoice : 0;
+           (choices[node] == kNone || ++choices[node] == count(node))) {
+      choices[node] = choices[node] == kNone ? kNone : 0;
       ++node;
     }
     if (node == choices.size()) {

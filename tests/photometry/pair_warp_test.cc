@@ -130,7 +130,7 @@ TEST(PairWarp, FindsWhereOnTheirFacetsPixelsLie) {
     for (int col = 0; col < warped.tile.width; ++col) {
       const size_t at = warped.tile.Index(row, col);
       const uint32_t facet = warped.geometry.facets[at];
-      if (facet == kNoFacet) {
+      if (facet == kNone) {
         continue;
       }
       ++num_compared;
@@ -156,7 +156,7 @@ TEST(PairWarp, OfTheTrueSurfaceShowsTheSame) {
       for (int col = 0; col < warped.tile.width; ++col) {
         const size_t at = warped.tile.Index(row, col);
         if (warped.tile.is_valid[at] == 0) {
-          EXPECT_EQ(warped.geometry.facets[at], kNoFacet);
+          EXPECT_EQ(warped.geometry.facets[at], kNone);
           EXPECT_EQ(warped.geometry.motion[at], 0);
           continue;
         }
@@ -194,7 +194,7 @@ TEST(PairWarp, IsValidWhereBothViewsSeeTheFacet) {
         const size_t at = warped.tile.Index(row, col);
         const bool is_valid = warped.tile.is_valid[at] > 0;
         const uint32_t facet = scene.drawn[i].facets[at];
-        if (facet == kNoFacet) {
+        if (facet == kNone) {
           EXPECT_FALSE(is_valid);
           continue;
         }
@@ -245,14 +245,14 @@ TEST(PairWarp, IsNotValidOnFacetsThatTurnAway) {
   WarpScene scene = MakeScene();
   const Warped before = Compute(scene, 0, 1);
   const uint32_t facet = before.geometry.facets[before.tile.Index(90, 90)];
-  ASSERT_NE(facet, kNoFacet);
+  ASSERT_NE(facet, kNone);
   for (const int view : {0, 1}) {
     scene.drawn[view].is_facing[facet] = false;
     const Warped after = Compute(scene, 0, 1);
     scene.drawn[view].is_facing[facet] = true;
     for (size_t at = 0; at < after.tile.image.size(); ++at) {
       EXPECT_EQ(after.geometry.facets[at], before.geometry.facets[at] == facet
-                                               ? kNoFacet
+                                               ? kNone
                                                : before.geometry.facets[at]);
     }
   }
@@ -354,7 +354,7 @@ TEST(PairWarp, OfAnImageWithItselfIsThatImage) {
     for (int col = 1; col + 1 < view.width; ++col) {
       const size_t at = warped.tile.Index(row, col);
       EXPECT_EQ(warped.tile.is_valid[at] > 0,
-                scene.drawn[0].facets[at] != kNoFacet);
+                scene.drawn[0].facets[at] != kNone);
       if (warped.tile.is_valid[at] > 0) {
         EXPECT_NEAR(warped.tile.warped[at], warped.tile.image[at], 1e-2);
         EXPECT_NEAR(warped.geometry.motion[at], 0, 1e-3);
@@ -377,7 +377,7 @@ TEST(PairWarp, OfATileIsThatPartOfTheWhole) {
         if (image_row < 0 || image_col < 0 || image_row >= whole.tile.height ||
             image_col >= whole.tile.width) {
           EXPECT_EQ(part.tile.is_valid[at], 0);
-          EXPECT_EQ(part.geometry.facets[at], kNoFacet);
+          EXPECT_EQ(part.geometry.facets[at], kNone);
           continue;
         }
         const size_t from = whole.tile.Index(image_row, image_col);
@@ -411,7 +411,7 @@ TEST(PairWarp, LeavesOutWhatNoWindowReaches) {
     EXPECT_EQ(warped.geometry.motion[i],
               is_reached ? expected.geometry.motion[i] : 0);
     EXPECT_EQ(warped.geometry.facets[i],
-              is_reached ? expected.geometry.facets[i] : kNoFacet);
+              is_reached ? expected.geometry.facets[i] : kNone);
   }
 }
 

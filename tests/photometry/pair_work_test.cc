@@ -57,7 +57,7 @@ FacetIdBuffer RandomBuffer(int width, int height, uint32_t num_facets,
   FacetIdBuffer buffer;
   buffer.width = width;
   buffer.height = height;
-  buffer.facets.assign(static_cast<size_t>(width) * height, kNoFacet);
+  buffer.facets.assign(static_cast<size_t>(width) * height, kNone);
   for (uint32_t facet = 0; facet < num_facets; ++facet) {
     const int row = random->Integer(0, height - 1);
     const int col = random->Integer(0, width - 1);
@@ -125,7 +125,7 @@ Squares ExpectedSquares(const FacetIdBuffer& drawn, const FacetLabels& labels,
   for (int row = 0; row < drawn.height; ++row) {
     for (int col = 0; col < drawn.width; ++col) {
       const uint32_t facet = drawn.facets[drawn.Index(row, col)];
-      if (facet == kNoFacet) {
+      if (facet == kNone) {
         continue;
       }
       if (!IsCompared(labels, facet, direction)) {

@@ -455,7 +455,8 @@ TEST(CpuPhotometricEnergy, FacetsAreNotSeenInMaskedPixels) {
       MakeCpuPhotometricEnergy({}, MaskedPyramid(false), SIZE_MAX);
   const TriangleMesh mesh = Scene().dense.scene.surface;
   const View& view = Scene().dense.scene.views[0];
-  const FacetVisibility visibility = FindVisibleFacets(*energy->Visibility(mesh));
+  const FacetVisibility visibility =
+      FindVisibleFacets(*energy->Visibility(mesh));
   size_t num_seen = 0;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     if (visibility[i].empty() || visibility[i][0] != 0) {

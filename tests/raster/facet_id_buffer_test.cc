@@ -56,7 +56,7 @@ TriangleMesh RandomTriangles(uint32_t num_facets, Random* random) {
 
 // What the ray through a pixel's centre meets first.
 struct Hit {
-  uint32_t facet = kNoFacet;
+  uint32_t facet = kNone;
   double inverse_depth = 0;
   bool is_clear = true;  // however vertices are moved by 1/512 px
 };
@@ -108,10 +108,10 @@ void ExpectAsCast(const View& view, const TriangleMesh& mesh) {
     for (int col = 0; col < view.width; ++col) {
       const Hit hit = Cast(view, mesh, row, col);
       const size_t i = drawn.Index(row, col);
-      EXPECT_EQ(drawn.facets[i] == kNoFacet, drawn.inverse_depths[i] == 0);
+      EXPECT_EQ(drawn.facets[i] == kNone, drawn.inverse_depths[i] == 0);
       if (hit.is_clear) {
         ++num_clear;
-        num_hits += hit.facet != kNoFacet;
+        num_hits += hit.facet != kNone;
         EXPECT_EQ(drawn.facets[i], hit.facet) << row << " " << col;
         EXPECT_NEAR(drawn.inverse_depths[i], hit.inverse_depth,
                     0.01 * hit.inverse_depth);
@@ -138,8 +138,7 @@ TEST(DrawFacets, ShowsWhatRaysMeetFirstOfARoom) {
   for (const View& view : RoomViews()) {
     ExpectAsCast(view, MakeRoom());
     const FacetIdBuffer drawn = DrawFacets(view, MakeRoom(), 0.1);
-    EXPECT_EQ(std::count(drawn.facets.begin(), drawn.facets.end(), kNoFacet),
-              0);
+    EXPECT_EQ(std::count(drawn.facets.begin(), drawn.facets.end(), kNone), 0);
     EXPECT_GT(drawn.clipped.size(), 0);
     EXPECT_EQ(drawn.clipped, FindClippedFacets(view, MakeRoom()));
     for (const uint32_t facet : drawn.clipped) {
@@ -183,7 +182,7 @@ TEST(DrawFacets, LetsTheNearestWinInWhateverOrder) {
     const FacetIdBuffer drawn = DrawFacets(view, shuffled, 0.1);
     EXPECT_EQ(drawn.inverse_depths, expected.inverse_depths);
     for (size_t i = 0; i < drawn.facets.size(); ++i) {
-      EXPECT_EQ(drawn.facets[i] == kNoFacet ? kNoFacet : order[drawn.facets[i]],
+      EXPECT_EQ(drawn.facets[i] == kNone ? kNone : order[drawn.facets[i]],
                 expected.facets[i]);
     }
     for (size_t i = 0; i < order.size(); ++i) {
@@ -227,7 +226,7 @@ TEST(DrawFacets, CoversEachPixelOfASheetOnce) {
       for (int col = 0; col < view.width; ++col) {
         const size_t i = whole.Index(row, col);
         EXPECT_LE(counts[i], 1);
-        EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNoFacet);
+        EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNone);
         if (row > 5 && row < 40 && col > 5 && col < 55) {
           EXPECT_EQ(counts[i], 1) << row << " " << col;
         }
@@ -260,7 +259,7 @@ TEST(DrawFacets, CoversEachPixelOfAFloorOnce) {
     EXPECT_GT(whole.clipped.size(), 1);
     for (size_t i = 0; i < counts.size(); ++i) {
       EXPECT_LE(counts[i], 1) << i;
-      EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNoFacet) << i;
+      EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNone) << i;
       if (i >= counts.size() / 2) {
         EXPECT_EQ(counts[i], 1) << i;
       }
@@ -314,7 +313,7 @@ TEST(DrawFacets, ShowsNothingBehindTheCamera) {
     vertex.z() = -vertex.z();
   }
   const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
-  EXPECT_EQ(drawn.facets, std::vector<uint32_t>(drawn.facets.size(), kNoFacet));
+  EXPECT_EQ(drawn.facets, std::vector<uint32_t>(drawn.facets.size(), kNone));
   EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
   EXPECT_TRUE(drawn.clipped.empty());
 }
@@ -340,7 +339,7 @@ TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {
       {PointAt(70, 5, 2), PointAt(90, 5, 2), PointAt(70, 25, 2)}, {{0, 1, 2}}};
   for (const TriangleMesh& mesh : {line, beside, TriangleMesh()}) {
     const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
-    EXPECT_EQ(drawn.facets, std::vector<uint32_t>(64 * 48, kNoFacet));
+    EXPECT_EQ(drawn.facets, std::vector<uint32_t>(64 * 48, kNone));
     EXPECT_EQ(drawn.is_facing.size(), mesh.facets.size());
   }
 }

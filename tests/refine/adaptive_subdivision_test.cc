@@ -79,7 +79,7 @@ Subdivided Subdivide(double max_area, const TriangleMesh& mesh,
   }
   const auto draw = [&](const TriangleMesh& drawn) {
     return std::make_shared<const VisibilityBuffers>(drawn, views, kMinCosine,
-                                                SIZE_MAX);
+                                                     SIZE_MAX);
   };
   FixedSources fixed;
   const FacetVisibility visibility =

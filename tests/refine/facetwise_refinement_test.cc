@@ -124,7 +124,7 @@ TEST(RefineFacetwise, LeavesFixedVerticesAndFacetsAsTheyAre) {
   ASSERT_EQ(sources.size(), refined.mesh.vertices.size());
   size_t num_found = 0;
   for (size_t i = 0; i < sources.size(); ++i) {
-    if (sources[i] != kNoSource) {
+    if (sources[i] != kNone) {
       EXPECT_EQ(mesh.vertices[sources[i]], refined.mesh.vertices[i]);
       ++num_found;
     }

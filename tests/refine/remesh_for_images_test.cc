@@ -41,7 +41,7 @@ Remeshed Remesh(double area, const TriangleMesh& mesh) {
   }
   const auto draw = [](const TriangleMesh& drawn) {
     return std::make_shared<const VisibilityBuffers>(drawn, Views(), kMinCosine,
-                                                SIZE_MAX);
+                                                     SIZE_MAX);
   };
   FixedSources fixed;
   result.visibility = RemeshForImages(

@@ -51,7 +51,7 @@ void ExpectConsistent(const EditableMesh& edit) {
     }
     num_facets += half % 3 == 0 ? 1 : 0;
     const uint32_t partner = edit.Partner(half);
-    if (partner != kNoHalfEdge) {
+    if (partner != kNone) {
       EXPECT_EQ(edit.Partner(partner), half);
       EXPECT_EQ(edit.From(partner), edit.To(half));
       EXPECT_EQ(edit.To(partner), edit.From(half));

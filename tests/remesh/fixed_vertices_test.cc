@@ -37,7 +37,7 @@ std::set<Facet> FixedFacets(const TriangleMesh& mesh,
   std::set<Facet> facets;
   for (const Facet& facet : mesh.facets) {
     const Facet old = {sources[facet[0]], sources[facet[1]], sources[facet[2]]};
-    if (std::ranges::find(old, kNoSource) == old.end()) {
+    if (std::ranges::find(old, kNone) == old.end()) {
       facets.insert(Turned(old));
     }
   }
@@ -50,7 +50,7 @@ void ExpectFixed(const TriangleMesh& before, const FixedVertices& fixed,
   ASSERT_EQ(sources.size(), after.vertices.size());
   std::set<uint32_t> found;
   for (size_t i = 0; i < sources.size(); ++i) {
-    if (sources[i] != kNoSource) {
+    if (sources[i] != kNone) {
       EXPECT_TRUE(IsFixed(fixed, sources[i]));
       EXPECT_EQ(before.vertices[sources[i]], after.vertices[i]);
       EXPECT_TRUE(found.insert(sources[i]).second);

@@ -53,15 +53,15 @@ TEST_F(EditBordersTest, SaysWhereEachVertexAndFacetComesFrom) {
   ASSERT_EQ(edited.vertex_sources.size(), edited.mesh.vertices.size());
   for (size_t i = 0; i < edited.vertex_sources.size(); ++i) {
     const uint32_t source = edited.vertex_sources[i];
-    num_new += source == kNoSource;
+    num_new += source == kNone;
     EXPECT_EQ(edited.attributes.confidences[i],
-              source == kNoSource ? 0 : attributes_.confidences[source]);
+              source == kNone ? 0 : attributes_.confidences[source]);
   }
   EXPECT_EQ(num_new, edited.report.holes.num_vertices);
   ASSERT_EQ(edited.facet_sources.size(), edited.mesh.facets.size());
   for (size_t i = 0; i < edited.facet_sources.size(); ++i) {
     const uint32_t source = edited.facet_sources[i];
-    for (int k = 0; k < 3 && source != kNoSource; ++k) {
+    for (int k = 0; k < 3 && source != kNone; ++k) {
       EXPECT_EQ(edited.vertex_sources[edited.mesh.facets[i][k]],
                 mesh_.facets[source][k]);
     }

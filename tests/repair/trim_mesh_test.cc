@@ -218,7 +218,7 @@ double BorderLength(const TriangleMesh& mesh) {
   const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
   double length = 0;
   for (uint32_t half = 0; half < partners.size(); ++half) {
-    if (partners[half] == kNoPartner) {
+    if (partners[half] == kNone) {
       length += (mesh.vertices[FromVertex(mesh.facets, half)] -
                  mesh.vertices[ToVertex(mesh.facets, half)])
                     .norm();
@@ -230,7 +230,7 @@ double BorderLength(const TriangleMesh& mesh) {
 std::vector<uint8_t> BorderHalfEdges(const TriangleMesh& mesh) {
   std::vector<uint8_t> is_border;
   for (const uint32_t partner : PairHalfEdges(mesh.facets)) {
-    is_border.push_back(partner == kNoPartner);
+    is_border.push_back(partner == kNone);
   }
   return is_border;
 }

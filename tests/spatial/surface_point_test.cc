@@ -84,10 +84,10 @@ TEST(NearestFacet, IsThatOfASearchThroughAll) {
       }
     }
     const uint32_t found = bvh.NearestFacet(point, normal, 1e3);
-    ASSERT_NE(found, Bvh::kNoFacet);
+    ASSERT_NE(found, kNone);
     EXPECT_GT(Normal(mesh, found).dot(normal), 0);
     EXPECT_NEAR(DistanceTo(mesh, found, point), nearest, 1e-5);
-    EXPECT_EQ(bvh.NearestFacet(point, normal, 0.9 * nearest), Bvh::kNoFacet);
+    EXPECT_EQ(bvh.NearestFacet(point, normal, 0.9 * nearest), kNone);
     EXPECT_TRUE(bvh.IsNear(point, normal, 1.1 * nearest));
     EXPECT_FALSE(bvh.IsNear(point, normal, 0.9 * nearest));
   }

@@ -72,7 +72,7 @@ TilePatch Change(const SurfaceStore& store, const std::vector<uint32_t>& before,
   std::vector<uint32_t> sources;
   for (uint32_t i = 0; i < part.mesh.vertices.size(); ++i) {
     fixed.push_back(box.contains(part.mesh.vertices[i]) ? 0 : 1);
-    sources.push_back(fixed[i] != 0 ? i : kNoSource);
+    sources.push_back(fixed[i] != 0 ? i : kNone);
     if (fixed[i] == 0) {
       after.vertices[i] += Eigen::Vector3f(0, 0, 0.01F);
     }
@@ -83,7 +83,7 @@ TilePatch Change(const SurfaceStore& store, const std::vector<uint32_t>& before,
       const auto middle = static_cast<uint32_t>(after.vertices.size());
       after.vertices.emplace_back(BoxOf(after, facet).center());
       attributes.views.EndRow();
-      sources.push_back(kNoSource);
+      sources.push_back(kNone);
       after.facets[i] = {facet[0], facet[1], middle};
       after.facets.push_back({facet[1], facet[2], middle});
       after.facets.push_back({facet[2], facet[0], middle});

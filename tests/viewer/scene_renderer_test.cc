@@ -82,7 +82,7 @@ TEST_F(SceneRendererTest, ShowsTheFacetsThatTheViewSees) {
     for (int row = 0; row < view.height; ++row) {
       for (int col = 0; col < view.width; ++col) {
         const uint32_t facet = drawn.facets[drawn.Index(row, col)];
-        num_drawn += facet != kNoFacet ? 1 : 0;
+        num_drawn += facet != kNone ? 1 : 0;
         num_other += renderer.FacetAt(row, col) != facet ? 1 : 0;
       }
     }
