@@ -12,6 +12,7 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
+#include "colmap_ext/jobs/run_tile.h"
 #include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/add_meshing_options.h"
 #include "colmap_ext/report/page_pictures.h"
@@ -20,7 +21,6 @@
 #include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/tiling/run_tile.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/write_mesh.h"

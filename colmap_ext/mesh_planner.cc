@@ -8,13 +8,13 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
+#include "colmap_ext/jobs/job_file.h"
+#include "colmap_ext/jobs/make_plan.h"
 #include "colmap_ext/options/tiling_options.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/tiling/folder_lock.h"
-#include "colmap_ext/tiling/make_plan.h"
 
 namespace colmap_ext {
 
@@ -34,7 +34,7 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
     all.num_points += tile.num_points;
     all.num_vertices += tile.num_vertices;
     all.num_rays += tile.num_rays;
-    all.seconds += tile.seconds;
+    all.core_seconds += tile.core_seconds;
     memory = std::max(memory, tile.memory_gb);
   }
   PrintHeading("Plan", log);
@@ -48,7 +48,7 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
   PrintText("memory, merger", fmt::format("{:.1f} GB", plan.merger_memory_gb),
             log);
   PrintText("time, all tiles",
-            fmt::format("{:.2f} h of a core", all.seconds / 3600), log);
+            fmt::format("{:.2f} h of a core", all.core_seconds / 3600), log);
   const size_t last = plan.tiles.size() - 1;
   std::cout << fmt::format(
       "\nOn Slurm, both at once:\n  scripts/slurm/mesh_tiles {0} MESH.ply\n"

@@ -12,9 +12,9 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
-#include "colmap_ext/refinement/refinable_cameras.h"
-#include "colmap_ext/refinement/refinement_backend.h"
-#include "colmap_ext/refinement/refinement_state.h"
+#include "colmap_ext/jobs/refinable_cameras.h"
+#include "colmap_ext/jobs/refinement_backend.h"
+#include "colmap_ext/jobs/refinement_state.h"
 #include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
@@ -85,13 +85,13 @@ class Refiner {
   void Read() {
     input_ = ReadRefinementInput(options_, paths_, decoder_, progress_);
     Report(progress_, "Fingerprinting the files", 0);
-    identity_ = IdentifyRun(options_, paths_, input_);
+    inputs_ = RunInputs(options_, paths_, input_);
     if (HasReport()) {
       before_ = input_.mesh;
     }
     level_ = options_.refinement.levels;
     if (options_.resume && fs::exists(StatePath(paths_.output))) {
-      RefinementState state = ReadState(paths_.output, identity_, input_.views);
+      RefinementState state = ReadState(paths_.output, inputs_, input_.views);
       level_ = state.level;
       input_.mesh = std::move(state.mesh);
       input_.attributes = std::move(state.attributes);
@@ -181,11 +181,29 @@ class Refiner {
 
   void OnLevel(int level, const RefinedMesh& state) {
     if (level > 0) {
-      WriteState(paths_.output, identity_,
+      // For users: not needed to resume.
+      WriteMesh(LevelMeshPath(level), state.mesh, state.attributes);
+      WriteState(paths_.output, inputs_,
                  {level, state.mesh, state.attributes, state.origins,
                   state.fixed_sources, state.views, WithEarlier(state.report)});
+      RemoveLevelMeshes(level + 1);
       is_state_ours_ = true;
       level_ = level;
+    }
+  }
+
+  // The mesh of a level that is complete.
+  fs::path LevelMeshPath(int level) const {
+    return fs::path(paths_.output)
+        .replace_extension(fmt::format(".level{}.ply", level));
+  }
+
+  // Of this level and those before.
+  void RemoveLevelMeshes(int level) const {
+    for (; level < options_.refinement.levels; ++level) {
+      std::error_code ignored;
+      fs::remove(LevelMeshPath(level), ignored);
+      fs::remove(VisibilityPath(LevelMeshPath(level)), ignored);
     }
   }
 
@@ -218,10 +236,9 @@ class Refiner {
       throw Interruption(signal_,
                          "no level was complete, and nothing was written");
     }
-    throw Interruption(signal_,
-                       "the mesh refined up to " + LevelName(level_) + " is " +
-                           LevelMeshPath(paths_.output, level_).string() +
-                           "; --resume 1 goes on from it");
+    throw Interruption(signal_, "the mesh refined up to " + LevelName(level_) +
+                                    " is " + LevelMeshPath(level_).string() +
+                                    "; --resume 1 goes on from it");
   }
 
   void Write(const RefinedMesh& refined, AtomicFiles* files) {
@@ -257,7 +274,8 @@ class Refiner {
     }
     files->Commit();
     if (is_state_ours_) {
-      RemoveState(paths_.output, level_);
+      RemoveState(paths_.output);
+      RemoveLevelMeshes(1);
     }
   }
 
@@ -355,7 +373,7 @@ class Refiner {
   ReportLog log_{&std::cout};
   RefinementInput input_;
   TriangleMesh before_;  // the input's, if it is reported on
-  RunIdentity identity_;
+  JobInputs inputs_;
   RefinementReport earlier_;              // of the run that is gone on with
   std::vector<Eigen::Vector3f> origins_;  // see RefinementStart
   int level_ = 0;  // the last complete one; above all before the first

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/options/refinement_options.h"
-#include "colmap_ext/refinement/refinement_input.h"
 #include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/viewing/live_view.h"
 

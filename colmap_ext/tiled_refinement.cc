@@ -12,14 +12,14 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
+#include "colmap_ext/jobs/job_file.h"
+#include "colmap_ext/jobs/plan_refinement.h"
+#include "colmap_ext/jobs/refine_tile.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "colmap_ext/terminal/stop_signal.h"
-#include "colmap_ext/tiling/folder_lock.h"
-#include "colmap_ext/tiling/plan_refinement.h"
-#include "colmap_ext/tiling/refine_tile.h"
 
 namespace colmap_ext {
 
@@ -48,7 +48,7 @@ void PrintPlan(const RefinementPlan& plan, const std::string& folder,
   for (const RefinementTile& tile : plan.tiles) {
     memory = std::max(memory, tile.memory_gb);
     of_thread = std::max(of_thread, tile.thread_gb);
-    seconds += tile.seconds;
+    seconds += tile.core_seconds;
   }
   PrintHeading("Refinement in tiles", log);
   Print("tiles", static_cast<int64_t>(plan.tiles.size()), log);

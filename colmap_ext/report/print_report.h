@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "colmap_ext/jobs/run_tile.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/tiling/run_tile.h"
 #include "meshing/manifold_meshing.h"
 #include "repair/edit_borders.h"
 #include "scene/half_pixel_slope.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "colmap_ext/refinement/refinement_input.h"
+#include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/report/print_lines.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"

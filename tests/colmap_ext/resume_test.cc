@@ -77,18 +77,9 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
   ExpectRefusal(
       Run(Workspace() + " --resume 1 --FacetwiseRefinement.iterations 3"),
       "iterations was '10' and is '3'");
-  const std::string level_bytes = ReadFile(level_mesh);
-  WriteFile(level_mesh, level_bytes + " ");
-  ExpectResumeRefused("not what the interrupted run wrote");
-  WriteFile(level_mesh, level_bytes);
   const std::string state_bytes = ReadFile(state);
   WriteFile(state, state_bytes.substr(0, state_bytes.size() - 8));
   ExpectResumeRefused("damaged");
-  std::string more_views = state_bytes;
-  const std::string list = "\"by_view\": [";
-  more_views.insert(more_views.find(list) + list.size(), "0,");
-  WriteFile(state, more_views);
-  ExpectResumeRefused("not of as many images");
   WriteFile(state, state_bytes);
   const Outcome outcome =
       Run(Workspace() + " --resume 1" + Option("report_path", "steps.csv"));
@@ -99,8 +90,6 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
   EXPECT_FALSE(fs::exists(state));
   EXPECT_FALSE(fs::exists(level_mesh));
   EXPECT_FALSE(fs::exists(VisibilityPath(level_mesh)));
-  EXPECT_FALSE(
-      fs::exists(fs::path(level_mesh).replace_extension(".origin.ply")));
   EXPECT_EQ(num_steps(), num_steps_of_all);
 }
 

@@ -304,7 +304,7 @@ TEST_F(TilingTest, TwoMergersAtOnceDoNotDisturbEachOther) {
 }
 
 TEST_F(TilingTest, RefusesWhatDoesNotFitTogether) {
-  ExpectRefusal(MakeTile(0), "make it by mesh_planner");
+  ExpectRefusal(MakeTile(0), "plan.json: not there: run mesh_planner");
   ExpectRefusal(MakePlan(2, "--DelaunayManifoldMeshing.weak_surfaces 1"),
                 "weak_surfaces");
   ExpectRefusal(MakePlan(100000), "too few points for 100000 tiles");
@@ -334,9 +334,11 @@ TEST_F(TilingTest, RefusesDamagedAndOtherPlans) {
   ExpectRefusal(Merge(), "belongs to another plan");
   MakeMesh({0, 1});
   const std::string json = ReadFile(plan_ / "plan.json");
-  WriteFile(plan_ / "plan.json",
-            "{\"version\": 77" + json.substr(json.find(',')));
-  ExpectRefusal(MakeTile(0), "has the version 77");
+  std::string other_version = json;
+  const std::string version = "\"version\": ";
+  other_version.insert(other_version.find(version) + version.size(), "7");
+  WriteFile(plan_ / "plan.json", other_version);
+  ExpectRefusal(MakeTile(0), "has the version 76");
   WriteFile(plan_ / "plan.json", json.substr(0, json.size() / 2));
   ExpectRefusal(MakeTile(0), "damaged");
 }

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "colmap_ext/refinement/resume_file.h"
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
 #include "tests/fuzz/small_sphere.h"
@@ -98,16 +97,6 @@ void WritePictures(const fs::path& folder) {
           23));
 }
 
-void WriteResumeFile(const fs::path& folder) {
-  ResumeRecord record;
-  record.identity = {{"levels", "3"}, {"images/a.png", "none"}};
-  record.level = 2;
-  record.report.labelings.resize(1);
-  record.report.steps.resize(1);
-  record.report.steps[0].energy = -0.1;
-  WriteFile(folder / "resume_file" / "state", ResumeText(record));
-}
-
 }  // namespace
 
 }  // namespace colmap_ext
@@ -123,6 +112,5 @@ int main(int argc, char** argv) {
   colmap_ext::WriteSparseModels(folder);
   colmap_ext::WriteEvaluationFiles(folder);
   colmap_ext::WritePictures(folder);
-  colmap_ext::WriteResumeFile(folder);
   return EXIT_SUCCESS;
 }

@@ -27,7 +27,7 @@ DEFAULT_OUTPUTS = ["ws/meshed-delaunay-manifold.", "ws/meshed-refined.",
                    "ws/sparse-refined"]
 
 # What a run that was not completed may leave, to go on from.
-STATE = re.compile(r"\.(level\d+(\.origin)?\.ply(\.vis)?|\d+\.\d+\.ply|resume)$|"
+STATE = re.compile(r"\.(level\d+\.ply(\.vis)?|\d+\.\d+\.ply|resume)$|"
                    r"^plan(/|$)")
 TEMPORARY = re.compile(r"(^|/)\.[^/]*(\.tmp\d+$|colmap_ext\.)")
 

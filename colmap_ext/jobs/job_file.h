@@ -1,0 +1,180 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "base/rows.h"
+#include "formats/atomic_file.h"
+
+namespace colmap_ext {
+
+// The one binary file of all jobs: 8 bytes that name its kind, the identity of
+// its job, and sections of values as they are in memory, little-endian, and
+// their sizes. Then a checksum of each kJobFileChunk bytes of all that, and
+// finally a checksum of these checksums, and two counts.
+inline constexpr size_t kJobFileChunk = 8192;
+
+struct JobFileKind {
+  const char* name;        // 8 characters, with the version of the format
+  const char* what_to_do;  // if the file is damaged, or of another job
+};
+
+static_assert(sizeof(Eigen::AlignedBox3f) == 6 * sizeof(float));
+
+// Writes one. It appears complete or not at all.
+class JobFileWriter {
+ public:
+  // \throw FileError as AtomicFile
+  JobFileWriter(const std::filesystem::path& path, const JobFileKind& kind,
+                uint64_t identity);
+
+  // Adds a section for each value, two for rows.
+  // \throw FileError if the disk is full
+  template <typename... T>
+  void Add(const T&... values) {
+    (AddOne(values), ...);
+  }
+
+  // \throw FileError
+  void Commit();
+
+ private:
+  template <typename T>
+  void AddOne(const std::vector<T>& values) {
+    Write(values.data(), values.size() * sizeof(T));
+    sizes_.push_back(values.size() * sizeof(T));
+  }
+  template <typename T>
+  void AddOne(const Rows<T>& rows) {
+    Add(rows.offsets, rows.values);
+  }
+  template <typename T>
+  void AddOne(const T& value) {
+    Write(&value, sizeof(T));
+    sizes_.push_back(sizeof(T));
+  }
+
+  void Write(const void* bytes, size_t num_bytes);
+  void EndChunk();
+
+  AtomicFiles files_;
+  AtomicFile* file_;         // of files_
+  std::vector<char> chunk_;  // that is not complete
+  std::vector<uint64_t> checksums_;
+  std::vector<uint64_t> sizes_;  // of the sections, bytes
+  uint64_t num_bytes_ = 0;
+};
+
+// Reads one, and checks what it reads. Safe from several threads.
+class JobFileReader {
+ public:
+  // \throw FileError if the file is missing, damaged, or of another kind or job
+  JobFileReader(const std::filesystem::path& path, const JobFileKind& kind,
+                uint64_t identity);
+
+  // Number of values of a type in a section.
+  template <typename T>
+  size_t Count(size_t section) const {
+    return (offsets_.at(section + 1) - offsets_[section]) / sizeof(T);
+  }
+
+  // \pre the section has as many values
+  // \throw FileError if the file can not be read, or is damaged there
+  template <typename T>
+  std::vector<T> Read(size_t section, size_t begin, size_t end) const {
+    std::vector<T> values(end - begin);
+    ReadBytes(offsets_[section] + begin * sizeof(T), values.size() * sizeof(T),
+              values.data());
+    return values;
+  }
+
+  // The same of a section that may be empty; no values then.
+  template <typename T>
+  std::vector<T> ReadIfAny(size_t section, size_t begin, size_t end) const {
+    return Count<T>(section) > 0 ? Read<T>(section, begin, end)
+                                 : std::vector<T>();
+  }
+
+  template <typename T>
+  std::vector<T> ReadAll(size_t section) const {
+    return Read<T>(section, 0, Count<T>(section));
+  }
+
+  // Reads consecutive sections as JobFileWriter::Add() wrote them.
+  template <typename... T>
+  void ReadFrom(size_t section, T*... values) const {
+    (ReadOne(&section, values), ...);
+  }
+
+ private:
+  // An open file, closed with the object.
+  struct Descriptor {
+    int value = -1;
+    Descriptor() = default;
+    ~Descriptor();
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+  };
+
+  template <typename T>
+  void ReadOne(size_t* section, std::vector<T>* values) const {
+    *values = ReadAll<T>((*section)++);
+  }
+  template <typename T>
+  void ReadOne(size_t* section, Rows<T>* rows) const {
+    ReadOne(section, &rows->offsets);
+    ReadOne(section, &rows->values);
+  }
+  template <typename T>
+  void ReadOne(size_t* section, T* value) const {
+    ReadBytes(offsets_[(*section)++], sizeof(T), value);
+  }
+
+  uint64_t ReadChecksums(uint64_t size);
+  void ReadBytes(uint64_t offset, size_t num_bytes, void* bytes) const;
+  void ReadUnchecked(uint64_t offset, size_t num_bytes, void* bytes) const;
+  void CheckChunk(uint64_t chunk, const char* bytes, size_t num_bytes) const;
+  [[noreturn]] void Throw(const std::string& what) const;
+  [[noreturn]] void ThrowDamaged() const;
+
+  std::filesystem::path path_;
+  JobFileKind kind_;
+  Descriptor descriptor_;
+  uint64_t num_bytes_ = 0;           // that have checksums
+  std::vector<uint64_t> checksums_;  // of each kJobFileChunk of them
+  std::vector<uint64_t> offsets_;    // [sections + 1], bytes
+};
+
+// Whether there is such a file of the job.
+bool HasJobFile(const std::filesystem::path& path, const JobFileKind& kind,
+                uint64_t identity);
+
+// While it exists, no other process can plan a meshing or a refinement in the
+// folder. Has no effect on network file systems without locks.
+class FolderLock {
+ public:
+  // \throw FileError if another has it, or the folder can not be written
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  // Whether the lock is held; false on a file system without locks.
+  bool IsLocked() const { return is_locked_; }
+
+ private:
+  int descriptor_;
+  bool is_locked_ = false;
+};
+
+// The warning if the file system has no locks.
+inline constexpr char kNoLocks[] =
+    "the plan's file system has no locks (flock): do not run two planners in "
+    "its folder at once";
+
+}  // namespace colmap_ext

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "colmap_ext/jobs/job_inputs.h"
+#include "colmap_ext/options/refinement_options.h"
+#include "colmap_ext/options/tiling_options.h"
+#include "scene/region.h"
+#include "scene/view.h"
+#include "tiles/tile_cells.h"
+
+namespace colmap_ext {
+
+// A tile and the estimated costs of its job.
+struct PlannedTile {
+  uint64_t num_points = 0;
+  uint64_t num_vertices = 0;
+  uint64_t num_rays = 0;
+  double memory_gb = 0;
+  double core_seconds = 0;
+  Eigen::AlignedBox3f cell;  // of its points, see SplitTree::Cells()
+};
+
+// PLAN/plan.json: all that the jobs of a plan share but the vertices.
+struct Plan {
+  std::filesystem::path workspace_path;
+  JobInputs inputs;
+  uint64_t identity = 0;         // of the inputs
+  double distance_sigma = 0;     // scene units
+  std::optional<Region> region;  // what is meshed
+  std::vector<View> views;
+  std::vector<PlannedTile> tiles;
+  double merger_memory_gb = 0;
+
+  // Sets the identity.
+  void Identify();
+
+  // The options that it was made with, except paths of inputs and outputs.
+  // \throw FileError if one has no valid value
+  PlannerOptions Options(const std::filesystem::path& folder) const;
+
+  TileCells Cells() const;
+};
+
+// How a tile of a plan is refined, and the estimated costs of its job.
+struct RefinementTile {
+  uint32_t color = 0;    // tiles of one colour are refined at once, lower ones
+                         // before; see ColorTiles()
+  double margin = 0;     // around the tile's cell, scene units
+  double pixels = 0;     // of the surface in cell and margin, px^2
+  double memory_gb = 0;  // without what each thread takes
+  double thread_gb = 0;  // each thread
+  double core_seconds = 0;
+};
+
+// PLAN/refine.json: all that the jobs which refine a plan's mesh share but the
+// surface.
+struct RefinementPlan {
+  JobInputs inputs;       // files by their paths
+  uint64_t identity = 0;  // of the inputs and the plan
+  std::vector<RefinementTile> tiles;
+
+  // Sets the identity.
+  void Identify(const Plan& plan);
+
+  uint32_t NumColors() const;
+
+  // The tiles of lower colours than `color`, by colour, then by number.
+  std::vector<uint32_t> TilesBefore(uint32_t color) const;
+  std::vector<uint32_t> TilesOf(uint32_t color) const;
+
+  // Sets the options that the result depends on.
+  // \throw FileError if one has no valid value
+  void SetOptions(const std::filesystem::path& folder,
+                  RefinerOptions* options) const;
+};
+
+// Files in a plan's folder.
+std::filesystem::path PlanPath(const std::filesystem::path& folder);
+std::filesystem::path RefinementPlanPath(const std::filesystem::path& folder);
+
+// \throw FileError if it can not be written
+void WritePlan(const std::filesystem::path& folder, const Plan& plan);
+void WritePlan(const std::filesystem::path& folder, const RefinementPlan& plan);
+
+// \throw FileError if there is none, or it is damaged, or of another version
+Plan ReadPlan(const std::filesystem::path& folder);
+
+// The same for the job of a tile.
+// \throw FileError if there is no such tile, or an input has changed
+Plan ReadPlan(const std::filesystem::path& folder, uint32_t tile);
+
+// \param plan  whose mesh is refined
+// \throw FileError if there is none, or it is damaged, or of another version or
+//        of another plan
+RefinementPlan ReadRefinementPlan(const std::filesystem::path& folder,
+                                  const Plan& plan);
+
+// \throw FileError if a file has changed since it was planned with. A file that
+//        no longer exists, or was not planned with, is accepted.
+void ExpectSame(const Plan& plan);
+void ExpectSame(const RefinementPlan& plan, const std::filesystem::path& path);
+
+}  // namespace colmap_ext

@@ -1,0 +1,280 @@
+#include "colmap_ext/jobs/plan_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "colmap_ext/jobs/job_costs.h"
+#include "colmap_ext/jobs/job_file.h"
+#include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/jobs/surface_files.h"
+#include "colmap_ext/options/add_refinement_options.h"
+#include "formats/errors.h"
+#include "formats/read_ply_mesh.h"
+#include "formats/read_visibility.h"
+#include "formats/write_mesh.h"
+#include "mesh/pixel_footprint.h"
+#include "mesh/space_filling_curve.h"
+#include "mesh/topology.h"
+#include "tiles/tile_cells.h"
+#include "workspace/find_workspace.h"
+#include "workspace/masks.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Margin that a job refines around its tile, so that the fixed surface beyond
+// does not influence the tile: twenty edges of the refined facets, px of the
+// images.
+constexpr double kMarginPixels = 80;
+
+// How far tiles of one colour keep apart, in margins: a job may move what it
+// makes a little farther.
+constexpr float kReach = 1.5F;
+
+constexpr VisibilityOwner kMergedMesh = {
+    "mesh", "merge the tiles again by mesh_merger", std::nullopt};
+
+// The mesh, in the order of the curve.
+struct Surface {
+  TriangleMesh mesh;
+  VertexAttributes attributes;
+};
+
+void ExpectPlansMesh(const fs::path& path, const Plan& plan,
+                     const Surface& surface) {
+  const std::vector<uint32_t>& views = surface.attributes.views.values;
+  const auto highest = std::ranges::max_element(views);
+  if (highest != views.end() && *highest >= plan.views.size()) {
+    throw FileError(VisibilityPath(path),
+                    fmt::format("lists image {}, but the plan has {}: it "
+                                "belongs to another plan",
+                                *highest, plan.views.size()));
+  }
+  if (surface.mesh.facets.empty()) {
+    throw FileError(path, "it has no faces: not a mesh");
+  }
+  const MeshReport report = Analyze(surface.mesh);
+  if (!report.IsManifold()) {
+    throw FileError(path, "not 2-manifold (" + report.Defects() +
+                              "): take the mesh that mesh_merger has written");
+  }
+}
+
+// Whether a vertex is one of the plan.
+bool IsPlanned(const FilePlan& plan, const Eigen::Vector3f& vertex) {
+  const PlanBlocks& blocks = plan.Blocks();
+  for (size_t block = 0; block < blocks.NumBlocks(); ++block) {
+    if (blocks.boxes[block].contains(vertex)) {
+      const std::vector<Eigen::Vector3f> positions =
+          plan.ReadPositions(blocks.begins[block], blocks.begins[block + 1]);
+      if (std::ranges::find(positions, vertex) != positions.end()) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Whether a mesh has been made of the vertices of a plan: most are its own
+// then, if it was not remeshed.
+bool IsOfPlan(const FilePlan& plan, const TriangleMesh& mesh) {
+  constexpr size_t kNumSamples = 200;
+  const size_t stride = mesh.vertices.size() / kNumSamples + 1;
+  size_t num_samples = 0;
+  size_t num_planned = 0;
+  for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
+    ++num_samples;
+    num_planned += IsPlanned(plan, mesh.vertices[i]) ? 1 : 0;
+  }
+  return 2 * num_planned >= num_samples;
+}
+
+Surface ReadSurface(const fs::path& path, const Plan& plan) {
+  ColoredMesh read = ReadColoredPlyMesh(path);
+  Rows<uint32_t> views = ReadVisibility(VisibilityPath(path),
+                                        read.mesh.vertices.size(), kMergedMesh);
+  Surface surface{
+      std::move(read.mesh),
+      {std::move(read.colors), std::move(views), std::move(read.confidences)}};
+  ExpectPlansMesh(path, plan, surface);
+  const VertexAttributes before = std::exchange(surface.attributes, {});
+  for (const uint32_t vertex : SortAlongCurve(&surface.mesh)) {
+    AddAttributes(before, vertex, &surface.attributes);
+  }
+  return surface;
+}
+
+// What a pixel covers at a vertex in the view that is nearest, scene units;
+// infinite where none sees it.
+double FootprintAt(const Surface& surface, uint32_t vertex,
+                   const std::vector<View>& views) {
+  double footprint = std::numeric_limits<double>::infinity();
+  for (const uint32_t index : surface.attributes.views[vertex]) {
+    const View& view = views[index];
+    const double depth =
+        view.CamFromWorld(surface.mesh.vertices[vertex].cast<double>()).z();
+    if (depth > 0) {
+      footprint = std::min(footprint, depth / std::max(view.fx, view.fy));
+    }
+  }
+  return footprint;
+}
+
+// [tiles] scene units
+std::vector<double> Margins(const Surface& surface, const TileCells& cells,
+                            const std::vector<View>& views) {
+  std::vector<Surface> parts(cells.size());
+  for (size_t i = 0; i < surface.mesh.vertices.size(); ++i) {
+    Surface& part = parts[CellOf(cells, surface.mesh.vertices[i])];
+    part.mesh.vertices.push_back(surface.mesh.vertices[i]);
+    part.attributes.views.AddRow(surface.attributes.views[i]);
+  }
+  std::vector<double> margins;
+  margins.reserve(parts.size());
+  for (const Surface& part : parts) {
+    margins.push_back(kMarginPixels *
+                      MedianFootprint(part.mesh, part.attributes.views, views));
+  }
+  return margins;
+}
+
+// Estimates what the jobs take by the surface and the views that each of them
+// has.
+void EstimateJobs(const Surface& surface, const TileCells& cells,
+                  const std::vector<View>& views, double max_memory_gb,
+                  std::vector<RefinementTile>* tiles) {
+  std::vector<std::vector<uint8_t>> is_seen_by(
+      cells.size(), std::vector<uint8_t>(views.size(), 0));
+  std::vector<double> footprints;
+  for (uint32_t i = 0; i < surface.mesh.vertices.size(); ++i) {
+    footprints.push_back(FootprintAt(surface, i, views));
+  }
+  for (const Facet& facet : surface.mesh.facets) {
+    const auto& [a, b, c] = facet;
+    const std::vector<Eigen::Vector3f>& vertices = surface.mesh.vertices;
+    const double area =
+        (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]).norm() / 2;
+    const double footprint =
+        std::max({footprints[a], footprints[b], footprints[c]});
+    const Eigen::AlignedBox3f box = BoxOf(surface.mesh, facet);
+    for (size_t tile = 0; tile < cells.size(); ++tile) {
+      const auto margin = static_cast<float>((*tiles)[tile].margin);
+      if (GrowBox(cells[tile], margin).intersects(box)) {
+        (*tiles)[tile].pixels += area / (footprint * footprint);
+        for (const uint32_t vertex : facet) {
+          for (const uint32_t view : surface.attributes.views[vertex]) {
+            is_seen_by[tile][view] = 1;
+          }
+        }
+      }
+    }
+  }
+  for (size_t tile = 0; tile < cells.size(); ++tile) {
+    std::vector<View> of_tile;
+    for (size_t view = 0; view < views.size(); ++view) {
+      if (is_seen_by[tile][view] != 0) {
+        of_tile.push_back(views[view]);
+      }
+    }
+    EstimateRefinement(of_tile, max_memory_gb, &(*tiles)[tile]);
+  }
+}
+
+std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
+                                      const RefinerOptions& options) {
+  const TileCells cells = plan.Cells();
+  std::vector<RefinementTile> tiles(cells.size());
+  std::vector<float> reaches;
+  const std::vector<double> margins = Margins(surface, cells, plan.views);
+  for (size_t tile = 0; tile < cells.size(); ++tile) {
+    tiles[tile].margin = margins[tile];
+    reaches.push_back(kReach * static_cast<float>(margins[tile]));
+  }
+  const std::vector<uint32_t> colors = ColorTiles(cells, reaches, surface.mesh);
+  for (size_t tile = 0; tile < cells.size(); ++tile) {
+    tiles[tile].color = colors[tile];
+  }
+  EstimateJobs(surface, cells, plan.views, options.max_memory_gb, &tiles);
+  return tiles;
+}
+
+void Identify(const fs::path& folder, const fs::path& mesh_path,
+              const RefinerOptions& options, const Plan& plan,
+              RefinementPlan* refinement) {
+  std::vector<fs::path> inputs = {mesh_path, VisibilityPath(mesh_path)};
+  for (const View& view : plan.views) {
+    inputs.push_back(ImagesPath(plan) / view.name);
+  }
+  const fs::path masks = plan.Options(folder).mesher.scene.mask_path;
+  if (!masks.empty()) {
+    MaskReader(masks, plan.views, {});  // throws if there are none
+    for (const View& view : plan.views) {
+      inputs.push_back(FindMask(masks, view.name));
+    }
+  }
+  refinement->inputs.AddFiles(inputs);
+  RefinerOptions typed = options;
+  CommandOptions command;
+  AddResultOptions(&command, &typed);
+  refinement->inputs.AddOptions(command);
+  refinement->Identify(plan);
+}
+
+// One that can not be read is made again.
+bool IsThere(const fs::path& folder, const Plan& plan, uint64_t identity) {
+  try {
+    return ReadRefinementPlan(folder, plan).identity == identity &&
+           HasSurface(folder, identity);
+  } catch (const FileError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+fs::path ImagesPath(const Plan& plan) {
+  return FindUndistortedFolder(plan.workspace_path) / "images";
+}
+
+RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
+                              const RefinerOptions& options,
+                              const Progress& progress,
+                              RefinementPlanReport* report) {
+  const Plan plan = ReadPlan(folder);
+  const FolderLock lock(folder);
+  report->is_locked = lock.IsLocked();
+  if (!fs::exists(mesh_path)) {
+    throw FileError(mesh_path, "no such file; merge the tiles by mesh_merger");
+  }
+  RefinementPlan refinement;
+  Report(progress, "Fingerprinting the files", 0);
+  Identify(folder, mesh_path, options, plan, &refinement);
+  if (IsThere(folder, plan, refinement.identity)) {
+    report->is_kept = true;
+    return ReadRefinementPlan(folder, plan);
+  }
+  Report(progress, "Reading the mesh", 0);
+  const Surface surface = ReadSurface(mesh_path, plan);
+  if (!plan.Options(folder).mesher.meshing.remeshing &&
+      !IsOfPlan(FilePlan(folder, plan), surface.mesh)) {
+    throw FileError(mesh_path,
+                    "was not made of the points of the plan: it belongs to "
+                    "another one");
+  }
+  report->num_vertices = surface.mesh.vertices.size();
+  report->num_facets = surface.mesh.facets.size();
+  Report(progress, "Colouring the tiles", 0);
+  refinement.tiles = PlanTiles(surface, plan, options);
+  Report(progress, "Writing the plan", 0);
+  WriteSurface(folder, refinement.identity, surface.mesh, surface.attributes);
+  WritePlan(folder, refinement);
+  return refinement;
+}
+
+}  // namespace colmap_ext

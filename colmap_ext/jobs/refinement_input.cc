@@ -1,0 +1,331 @@
+#include "colmap_ext/jobs/refinement_input.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include "base/edit_rows.h"
+#include "colmap_ext/errors.h"
+#include "colmap_ext/jobs/refinable_cameras.h"
+#include "colmap_ext/options/add_refinement_options.h"
+#include "formats/errors.h"
+#include "formats/read_ply_mesh.h"
+#include "formats/read_region.h"
+#include "formats/read_visibility.h"
+#include "formats/write_mesh.h"
+#include "mesh/clip_mesh.h"
+#include "mesh/nearest_attributes.h"
+#include "mesh/topology.h"
+#include "workspace/find_workspace.h"
+#include "workspace/usable_pictures.h"
+#include "workspace/write_sparse_model.h"
+
+namespace colmap_ext {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFusedName = "fused.ply";
+constexpr const char* kRefinedSparseName = "sparse-refined";
+
+constexpr VisibilityOwner kMesh = {
+    "mesh",
+    "make the mesh again, or remove its .vis, and the images that see it come "
+    "from the nearest fused points",
+    std::nullopt};
+
+fs::path FindWorkspaceFolder(const RefinerOptions& options) {
+  const fs::path path = options.workspace_path;
+  std::vector<std::string> files = {kMesherOutput, kFusedName};
+  if (!options.fused_path.empty()) {
+    files.push_back("stereo");  // a folder
+  }
+  const std::vector<fs::path> found = FindFoldersWith(files, path);
+  ExpectOneFolder(found, path);
+  if (!found.empty()) {
+    return found[0];
+  }
+  if (options.input_path.empty() && options.fused_path.empty()) {
+    throw FileError(path,
+                    fmt::format("no {} here nor in dense/ or dense/0/; run "
+                                "`colmap delaunay_manifold_mesher "
+                                "--workspace_path DIR` first",
+                                kMesherOutput));
+  }
+  return path;
+}
+
+// The mesh as it was read, in time with what belongs to its vertices.
+struct MeshFile {
+  TriangleMesh mesh;
+  VertexAttributes attributes;  // no views if there is no .vis
+};
+
+MeshFile ReadMeshFile(const fs::path& path, bool has_visibility) {
+  ColoredMesh read = ReadColoredPlyMesh(path);
+  if (read.mesh.facets.empty()) {
+    throw FileError(path, "it has no faces: not a mesh");
+  }
+  const size_t num_vertices = read.mesh.vertices.size();
+  return {std::move(read.mesh),
+          {std::move(read.colors),
+           has_visibility
+               ? ReadVisibility(VisibilityPath(path), num_vertices, kMesh)
+               : Rows<uint32_t>(num_vertices),
+           std::move(read.confidences)}};
+}
+
+// Sorts each row, and drops what it has twice.
+void SortViews(VertexAttributes* attributes) {
+  EditRows(
+      [](size_t, std::span<uint32_t> row) {
+        std::sort(row.begin(), row.end());
+        return static_cast<size_t>(std::unique(row.begin(), row.end()) -
+                                   row.begin());
+      },
+      &attributes->views);
+}
+
+void ExpectViews(const VertexAttributes& attributes, size_t num_views,
+                 const fs::path& path) {
+  const std::vector<uint32_t>& views = attributes.views.values;
+  const auto highest = std::max_element(views.begin(), views.end());
+  if (highest != views.end() && *highest >= num_views) {
+    throw FileError(path, fmt::format("lists image {}, but sparse/ has {}: it "
+                                      "belongs to another model; {}",
+                                      *highest, num_views, kMesh.what_to_do));
+  }
+}
+
+// Makes the mesh manifold if it is not.
+// \return what was done, without the arrays
+std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
+  if (Analyze(file->mesh).IsManifold()) {
+    return std::nullopt;
+  }
+  ManifoldRepair repair = RepairManifold(file->mesh);
+  if (repair.mesh.facets.empty()) {
+    throw FileError(path, "none of its faces can be used");
+  }
+  file->attributes = InterpolateAttributes(file->attributes, repair.sources);
+  file->mesh = std::exchange(repair.mesh, {});
+  repair.sources = {};
+  return repair;
+}
+
+// Cuts off what lies outside of the region, but for a margin: the border of
+// what is refined moves a little.
+void CutOff(const Region& region, const fs::path& path, MeshFile* file) {
+  constexpr double kMargin = 0.01;  // of the region's diagonal
+  CutMesh cut = CutOff(Grow(region, kMargin * 2 * region.half_sizes.norm()),
+                       std::move(file->mesh), std::move(file->attributes));
+  if (cut.mesh.facets.empty()) {
+    throw FileError(path, "none of its faces lies in the region");
+  }
+  file->mesh = std::move(cut.mesh);
+  file->attributes = std::move(cut.attributes);
+}
+
+// The vertices with their normals, as fused points are read.
+PlyCloud VertexCloud(const MeshFile& file) {
+  const TriangleMesh& mesh = file.mesh;
+  PlyCloud cloud{mesh.vertices,
+                 std::vector<Eigen::Vector3f>(mesh.vertices.size(),
+                                              Eigen::Vector3f::Zero()),
+                 file.attributes.colors};
+  for (const Facet& facet : mesh.facets) {
+    const Eigen::Vector3f& corner = mesh.vertices[facet[0]];
+    const Eigen::Vector3f normal = (mesh.vertices[facet[1]] - corner)
+                                       .cross(mesh.vertices[facet[2]] - corner);
+    for (const uint32_t vertex : facet) {
+      cloud.normals[vertex] += normal;
+    }
+  }
+  return cloud;
+}
+
+Workspace ReadCameras(const RefinerOptions& options,
+                      const RefinementPaths& paths,
+                      const PictureDecoder& decoder, const MeshFile& file,
+                      const RefinementInput& input) {
+  WorkspaceOptions rules;
+  rules.image_order = options.image_order;
+  rules.fused_path = options.fused_path;
+  rules.allow_other_sizes = true;
+  rules.sparse_path = options.sparse_path;
+  if (input.has_fused_points) {
+    return ReadWorkspace(paths.folder, rules, decoder);
+  }
+  if (!input.has_visibility) {
+    throw FileError(paths.fused,
+                    "no such file, and " + VisibilityPath(paths.mesh).string() +
+                        " neither, so that it is not known which images see "
+                        "the mesh; run `colmap stereo_fusion` first");
+  }
+  return ReadMeshWorkspace(paths.folder, rules, decoder,
+                           {VertexCloud(file), file.attributes.views,
+                            paths.mesh, VisibilityPath(paths.mesh)});
+}
+
+// Views and colours that the mesh's files do not have.
+void CompleteAttributes(const MeshFile& file, RefinementInput* input) {
+  const bool has_colors = !file.attributes.colors.empty();
+  input->attributes = file.attributes;
+  input->colors_from = has_colors ? "the mesh" : "nowhere";
+  if (!input->has_fused_points || (has_colors && input->has_visibility)) {
+    return;
+  }
+  VertexAttributes nearest = NearestAttributes(file.mesh, input->points);
+  if (!input->has_visibility) {
+    input->attributes.views = std::move(nearest.views);
+  }
+  if (!has_colors && !nearest.colors.empty()) {
+    input->attributes.colors = std::move(nearest.colors);
+    input->colors_from = "the nearest fused points";
+  }
+}
+
+void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
+                   const PictureDecoder& decoder, RefinementInput* input) {
+  const fs::path images_path = paths.folder / "images";
+  ReadGrayImage read_mask;
+  if (!options.scene.mask_path.empty()) {
+    read_mask = MaskReader(options.scene.mask_path, input->views, decoder);
+    input->masks = MaskCloud(read_mask, input->views, &input->points);
+  }
+  input->images = std::make_shared<ImagePyramid>(
+      input->views, PictureReader(images_path, input->views, decoder),
+      options.MaxImageMemory(), read_mask, options.MaxMemoryLentToImages());
+  FindUnreadable([input](size_t view) { input->images->Image(view); },
+                 &input->picture_errors);
+  if (!options.skip_missing_images) {
+    ExpectPictures(images_path, input->views, input->picture_errors);
+  }
+  RemoveUnusable(images_path, input->picture_errors, &input->points);
+}
+
+// The sparse model with its tracks. Where the cameras are not refined, it tells
+// how well they are aligned.
+void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
+                        RefinementInput* input) {
+  Report(progress, "Reading the sparse model", 0);
+  input->sparse_model =
+      ReadSparseModel(input->workspace.sparse_path, SparseDetail::kAll);
+  input->camera_parts = options.refinement.cameras.parts;
+  if (input->camera_parts != RefinedParts::kNothing &&
+      !HasOneImageFrames(input->sparse_model)) {
+    if (!options.AllowsFixedCameras()) {
+      throw FileError(
+          input->workspace.sparse_path,
+          "it has rigs of several cameras, which can not be "
+          "refined; take --FacetwiseRefinement.refine_cameras none");
+    }
+    input->camera_parts = RefinedParts::kNothing;
+  }
+  input->cameras = MakeRefinableCameras(input->sparse_model,
+                                        input->workspace.order.order.images,
+                                        input->views, input->images);
+}
+
+}  // namespace
+
+RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
+  const fs::path folder = FindWorkspaceFolder(options);
+  const RefinementPaths paths{
+      folder,
+      options.input_path.empty() ? folder / kMesherOutput
+                                 : fs::path(options.input_path),
+      options.fused_path.empty() ? folder / kFusedName
+                                 : fs::path(options.fused_path),
+      options.OutputPath(folder), folder / kRefinedSparseName};
+  if (!fs::exists(paths.mesh)) {
+    throw FileError(paths.mesh,
+                    options.input_path.empty()
+                        ? "no such file; run `colmap delaunay_manifold_mesher` "
+                          "first, or name a mesh by --input_path"
+                        : "no such file");
+  }
+  if (!options.fused_path.empty() && !fs::exists(paths.fused)) {
+    throw FileError(paths.fused, "no such file");
+  }
+  std::error_code ignored;
+  if (fs::equivalent(paths.mesh, paths.output, ignored)) {
+    throw OptionError("--output_path is the mesh that is to be refined");
+  }
+  if (options.refinement.cameras.parts != RefinedParts::kNothing &&
+      !options.sparse_path.empty() &&
+      fs::equivalent(options.sparse_path, paths.refined_sparse, ignored)) {
+    throw OptionError(
+        "--sparse_path is where the refined cameras are written to; move it "
+        "away first, or take --FacetwiseRefinement.refine_cameras none");
+  }
+  return paths;
+}
+
+RefinementInput ReadRefinementInput(const RefinerOptions& options,
+                                    const RefinementPaths& paths,
+                                    const PictureDecoder& decoder,
+                                    const Progress& progress) {
+  RefinementInput input;
+  input.has_visibility = fs::exists(VisibilityPath(paths.mesh));
+  input.has_fused_points = paths.HasFusedPoints();
+  Report(progress, "Reading the mesh", 0);
+  MeshFile file = ReadMeshFile(paths.mesh, input.has_visibility);
+  SortViews(&file.attributes);
+  input.repair = Repair(paths.mesh, &file);
+  Report(progress, "Reading the workspace", 0);
+  Workspace workspace = ReadCameras(options, paths, decoder, file, input);
+  ExpectViews(file.attributes, workspace.views.size(),
+              VisibilityPath(paths.mesh));
+  input.region =
+      options.scene.region.Resolve(workspace.views, workspace.sparse_points);
+  if (input.region) {
+    CutOff(*input.region, paths.mesh, &file);
+  }
+  input.views = std::move(workspace.views);
+  input.points = std::move(workspace.cloud);
+  input.picture_errors = std::move(workspace.picture_errors);
+  input.workspace = std::move(workspace.report);
+  CompleteAttributes(file, &input);
+  input.mesh = std::move(file.mesh);
+  Report(progress, "Reading the images", 0);
+  CheckPictures(options, paths, decoder, &input);
+  ReadRefinedCameras(options, progress, &input);
+  return input;
+}
+
+JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
+                    const RefinementInput& input) {
+  JobInputs inputs;
+  RefinerOptions typed = options;
+  CommandOptions command;
+  AddResultOptions(&command, &typed);
+  inputs.AddOptions(command);
+  inputs.options["image_order"] = NameOf(input.workspace.order.order.kind);
+  inputs.options["region"] = input.region ? RegionText(*input.region) : "";
+  std::vector<std::pair<std::string, fs::path>> files = {
+      {"--input_path", paths.mesh},
+      {"--input_path.vis", VisibilityPath(paths.mesh)},
+      {"fused.ply", paths.fused},
+      {"fused.ply.vis", VisibilityPath(paths.fused)}};
+  for (const fs::path& path : SparseModelFiles(input.workspace.sparse_path)) {
+    files.emplace_back("sparse/" + path.filename().string(), path);
+  }
+  for (const View& view : input.views) {
+    files.emplace_back("images/" + view.name,
+                       paths.folder / "images" / view.name);
+    if (input.masks) {
+      files.emplace_back("masks/" + view.name,
+                         FindMask(options.scene.mask_path, view.name));
+    }
+  }
+  inputs.AddFiles(files);
+  return inputs;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "colmap_ext/jobs/job_inputs.h"
+#include "colmap_ext/options/refinement_options.h"
+#include "mesh/manifold_repair.h"
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
+#include "photometry/image_pyramid.h"
+#include "refine/facetwise_refinement.h"
+#include "scene/picture_decoder.h"
+#include "scene/point_cloud.h"
+#include "scene/progress.h"
+#include "scene/region.h"
+#include "scene/view.h"
+#include "workspace/masks.h"
+#include "workspace/sparse_model.h"
+#include "workspace/workspace.h"
+
+namespace colmap_ext {
+
+// Paths of a refinement.
+struct RefinementPaths {
+  std::filesystem::path folder;  // the dense workspace
+  std::filesystem::path mesh;
+  std::filesystem::path fused;  // the points; need not be there
+  std::filesystem::path output;
+  std::filesystem::path refined_sparse;  // folder of the refined cameras
+
+  bool HasFusedPoints() const { return std::filesystem::exists(fused); }
+};
+
+// \throw FileError if there is no workspace, or several, or no mesh.
+RefinementPaths FindRefinementPaths(const RefinerOptions& options);
+
+// Input of RefineFacetwise(), and how it was read.
+struct RefinementInput {
+  TriangleMesh mesh;  // manifold
+  VertexAttributes attributes;
+  std::vector<View> views;
+  PointCloud points;  // without the views whose pictures can not be used
+  std::vector<std::string> picture_errors;  // [views] empty: can be used
+  std::shared_ptr<ImagePyramid> images;     // [views], read as memory allows
+
+  std::shared_ptr<const RefinableCameras> cameras;
+  RefinedParts camera_parts = RefinedParts::kNothing;  // none: rigs, by default
+  SparseModel sparse_model;                            // in full
+
+  WorkspaceReport workspace;
+  bool has_fused_points = true;     // else the mesh's vertices stand for them
+  bool has_visibility = true;       // of its own, beside the mesh
+  std::optional<MaskReport> masks;  // of the points; nothing without masks
+  std::optional<Region> region;     // that the mesh was cut off at
+  std::string colors_from;          // where the vertices' colours come from
+  std::optional<ManifoldRepair> repair;  // of the mesh, without its arrays
+};
+
+// Reads the mesh with its .vis, the cameras, and the fused points, and reads
+// all pictures once to see that they can be read.
+//
+// \pre options finished
+// \throw FileError for whatever is missing, damaged, or does not fit together.
+RefinementInput ReadRefinementInput(const RefinerOptions& options,
+                                    const RefinementPaths& paths,
+                                    const PictureDecoder& decoder,
+                                    const Progress& progress);
+
+// All that the result depends on, with fingerprints of the mesh, the fused
+// points, the sparse model, the pictures and the masks.
+// \param input  as ReadRefinementInput() has read it.
+JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
+                    const RefinementInput& input);
+
+}  // namespace colmap_ext

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "colmap_ext/jobs/point_shares.h"
+#include "colmap_ext/options/meshing_options.h"
+#include "meshing/ray_ends.h"
+#include "scene/gray_image.h"
+#include "scene/region.h"
+#include "scene/view.h"
+#include "tiles/split_tree.h"
+#include "workspace/masks.h"
+
+namespace colmap_ext {
+
+// The points of a plan's tiles, and the ends of rays that meet no surface: what
+// masks, a region and mask_background make of a cloud that is read point by
+// point. As many points as a tile has are held at a time, and all ends.
+class TilePoints {
+ public:
+  // \param num_points  of the cloud
+  // \param read_mask  of the views; empty: no masks
+  // \param region  nothing is meshed beyond; nothing: no region
+  // \throw FileError if the folder can not be written
+  TilePoints(const std::filesystem::path& folder, const SplitTree& tree,
+             size_t num_tiles, size_t num_points, const MesherOptions& options,
+             const std::vector<View>& views, ReadGrayImage read_mask,
+             const std::optional<Region>& region);
+
+  // The next point, half pixel put right.
+  // \param point  of the cloud
+  // \return its tile; nothing where it lies beyond the region
+  std::optional<uint32_t> Add(const PointCloud& cloud, size_t point);
+
+  // To be called after the last point.
+  void CollectEnds();
+
+  // The points of a tile that masks leave, with the ends there. Once a tile.
+  WeightedCloud Take(size_t tile);
+
+  // What masks took away, num_masks aside.
+  const MaskReport& masks() const { return masks_; }
+  size_t num_outside_points() const { return num_outside_; }
+  size_t num_ray_ends() const { return num_ends_; }
+
+ private:
+  PointCloud TakeMasked(size_t share);
+  Region BackgroundBounds();
+  void AddToTiles(const RayEnds& ends);
+
+  const SplitTree& tree_;
+  const size_t num_tiles_;
+  const size_t num_points_;
+  const MesherOptions& options_;
+  const std::vector<View>& views_;
+  const std::optional<Region> region_;
+  std::optional<RayEndCollector> collector_;
+  ReadGrayImage read_mask_;
+  MaskReport masks_;
+  // Of the tiles, and as many of the points beyond the region, in their order.
+  PointShares shares_;
+  std::vector<RayEnds> ends_;  // [tiles]
+  size_t num_added_ = 0;
+  size_t num_outside_ = 0;
+  size_t num_ends_ = 0;
+};
+
+}  // namespace colmap_ext

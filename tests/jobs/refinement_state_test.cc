@@ -1,0 +1,136 @@
+#include "colmap_ext/jobs/refinement_state.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <limits>
+
+#include "tests/formats/test_files.h"
+
+namespace colmap_ext {
+namespace refinement_state_test {
+
+namespace fs = std::filesystem;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class RefinementStateTest : public testing::Test {
+ protected:
+  RefinementStateTest() {
+    state_.level = 2;
+    state_.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 1e-30F}}, {{0, 1, 2}}};
+    state_.attributes.colors = {{1, 2, 3}, {4, 5, 6}, {7, 8, 255}};
+    state_.attributes.views.AddRow(std::vector<uint32_t>{0, 1});
+    state_.attributes.views.AddRow(std::vector<uint32_t>{});
+    state_.attributes.views.AddRow(std::vector<uint32_t>{1});
+    state_.origins = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+    state_.fixed_sources = {7, kNone, 9};
+    state_.views.resize(2);
+    state_.views[1].name = "b.png";
+    state_.views[1].fx = 1000.1;
+    state_.views[1].cam_from_world_rotation << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+    state_.views[1].cam_from_world_translation = {0.1, -1.0 / 3, 1e-300};
+    RefinementReport& report = state_.report;
+    report.num_shortened_steps = size_t{1} << 60;
+    report.num_unconverged_solutions = 5;
+    report.num_flipped_facets = 7;
+    report.num_removed_self_intersections = 11;
+    report.labelings = {{2, 9, 1, 0.1, 1e-300, -kInfinity}};
+    report.steps.resize(2);
+    report.steps[0].energy = std::nan("");
+    report.steps[1].is_final = true;
+    report.steps[1].photometric_energy = kInfinity;
+    report.misalignment = {1.0 / 3, 0.1, {0, 1e-300}};
+  }
+
+  RefinementState Read() const {
+    std::vector<View> views = state_.views;
+    for (View& view : views) {
+      view.fx = 1;
+      view.cam_from_world_rotation.setIdentity();
+      view.cam_from_world_translation.setZero();
+    }
+    return ReadState(output_, inputs_, views);
+  }
+
+  TemporaryFolder folder_;
+  fs::path output_ = folder_.Path() / "mesh.ply";
+  JobInputs inputs_ = {{{"levels", "3"}, {"region", ""}},
+                       {{"images/\"a\"\n\xff.png", "none"}}};
+  RefinementState state_;
+};
+
+TEST_F(RefinementStateTest, IsReadBackAsItWas) {
+  WriteState(output_, inputs_, state_);
+  const RefinementState read = Read();
+  EXPECT_EQ(read.level, 2);
+  EXPECT_EQ(read.mesh.vertices, state_.mesh.vertices);
+  EXPECT_EQ(read.mesh.facets, state_.mesh.facets);
+  EXPECT_EQ(read.attributes.colors, state_.attributes.colors);
+  EXPECT_EQ(read.attributes.views, state_.attributes.views);
+  EXPECT_TRUE(read.attributes.confidences.empty());
+  EXPECT_EQ(read.origins, state_.origins);
+  EXPECT_EQ(read.fixed_sources, state_.fixed_sources);
+  ASSERT_EQ(read.views.size(), 2u);
+  EXPECT_EQ(read.views[1].name, "b.png");
+  EXPECT_EQ(read.views[1].fx, 1000.1);
+  EXPECT_EQ(read.views[1].cam_from_world_rotation,
+            state_.views[1].cam_from_world_rotation);
+  EXPECT_EQ(read.views[1].cam_from_world_translation,
+            state_.views[1].cam_from_world_translation);
+  const RefinementReport& report = read.report;
+  EXPECT_EQ(report.num_shortened_steps, size_t{1} << 60);
+  EXPECT_EQ(report.num_unconverged_solutions, 5u);
+  EXPECT_EQ(report.num_flipped_facets, 7u);
+  EXPECT_EQ(report.num_removed_self_intersections, 11u);
+  ASSERT_EQ(report.labelings.size(), 1u);
+  EXPECT_EQ(report.labelings[0].num_pairs, 9u);
+  EXPECT_EQ(report.labelings[0].final_energy, 1e-300);
+  EXPECT_EQ(report.labelings[0].lower_bound, -kInfinity);
+  ASSERT_EQ(report.steps.size(), 2u);
+  EXPECT_TRUE(std::isnan(report.steps[0].energy));
+  EXPECT_TRUE(report.steps[1].is_final);
+  EXPECT_EQ(report.steps[1].photometric_energy, kInfinity);
+  ASSERT_TRUE(report.misalignment);
+  EXPECT_EQ(report.misalignment->by_cameras, 1.0 / 3);
+  EXPECT_EQ(report.misalignment->by_view, (std::vector<double>{0, 1e-300}));
+  RemoveState(output_);
+  EXPECT_FALSE(fs::exists(StatePath(output_)));
+}
+
+TEST_F(RefinementStateTest, NamesWhatDiffers) {
+  WriteState(output_, inputs_, state_);
+  inputs_.options["levels"] = "2";
+  EXPECT_NE(FileErrorOf([&] { Read(); }).find("levels was '3' and is '2'"),
+            std::string::npos);
+}
+
+TEST_F(RefinementStateTest, RefusesDamagedFiles) {
+  WriteState(output_, inputs_, state_);
+  const std::string bytes = ReadFile(StatePath(output_));
+  for (size_t at = 0; at < bytes.size(); ++at) {
+    std::string other = bytes;
+    other[at] = static_cast<char>(other[at] ^ 4);
+    WriteFile(StatePath(output_), other);
+    EXPECT_NE(FileErrorOf([&] { Read(); }).find("start anew"),
+              std::string::npos)
+        << at;
+    WriteFile(StatePath(output_), bytes.substr(0, at));
+    EXPECT_NE(FileErrorOf([&] { Read(); }).find("start anew"),
+              std::string::npos)
+        << at;
+  }
+}
+
+TEST_F(RefinementStateTest, RefusesOlderVersionsInOneLine) {
+  WriteFile(StatePath(output_),
+            "{\n \"format\": \"colmap_ext facetwise_refiner resume\",\n "
+            "\"version\": 6\n}\n");
+  EXPECT_EQ(FileErrorOf([&] { Read(); }),
+            StatePath(output_).string() +
+                ": of another version of the program: start anew, without "
+                "--resume");
+}
+
+}  // namespace refinement_state_test
+}  // namespace colmap_ext
