@@ -86,8 +86,9 @@ std::optional<Image> ReadImage(const std::filesystem::path& path,
 void InitializeLogging(char** argv) { colmap::InitializeGlog(argv); }
 
 std::string Versions() {
+  const std::string build = colmap::GetBuildInfo();
   return "colmap_ext " COLMAP_EXT_VERSION " with " + colmap::GetVersionInfo() +
-         " (" + colmap::GetBuildInfo() + ")";
+         (build.find("Unknown") == std::string::npos ? " (" + build + ")" : "");
 }
 
 PictureDecoder ColmapPictureDecoder() {

@@ -14,7 +14,7 @@
 #include "colmap_ext/commands.h"
 #include "colmap_ext/jobs/run_tile.h"
 #include "colmap_ext/large_blocks.h"
-#include "colmap_ext/options/add_meshing_options.h"
+#include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
@@ -53,7 +53,7 @@ HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
   HalfPixelReport report;
   report.slope =
       RegressHalfPixel(workspace->cloud, offsets, workspace->sparse_points);
-  if (options.half_pixel_calibration) {
+  if (options.half_pixel == HalfPixelCorrection::kAuto) {
     report.scale = CalibratedScale(report.slope);
   }
   for (size_t i = 0; i < offsets.size(); ++i) {
@@ -76,7 +76,7 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
     outputs.push_back(RegionPath(output));
   }
   std::vector<std::filesystem::path> inputs = WorkspaceInputs(
-      folder, options.words.fused_path, options.workspace.sparse_path);
+      folder, options.workspace.fused_path, options.workspace.sparse_path);
   inputs.insert(inputs.end(),
                 {options.scene.mask_path, options.scene.transform_path,
                  options.scene.region.text});
@@ -163,7 +163,7 @@ MesherInput ReadInput(const MesherOptions& options, const Progress& progress) {
                     options.meshing,
                     {}};
   // Sparse points come from features, which do not have the error.
-  if (options.half_pixel_correction &&
+  if (options.half_pixel != HalfPixelCorrection::kOff &&
       options.workspace.input_type == InputType::kDense) {
     Report(progress, "Correcting the half pixel", 0);
     input.half_pixel = CorrectHalfPixel(options, &input.workspace);

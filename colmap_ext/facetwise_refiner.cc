@@ -6,7 +6,7 @@
 #include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/large_blocks.h"
-#include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/refinement_run.h"
 #include "colmap_ext/report/run_pages.h"
 #include "colmap_ext/run_command.h"
@@ -22,7 +22,7 @@ namespace {
 
 CommandAdvice Advice() {
   return {
-      "a smaller --FacetwiseRefinement.max_memory_gb keeps fewer images, and a "
+      "a smaller --image_cache_gb keeps fewer images, and a "
       "larger --FacetwiseRefinement.max_face_area makes fewer faces",
       "the mesh, fused.ply.vis, sparse/ and images/",
       {{Alternative::kSayImageOrder, "; say it with --image_order"},
@@ -47,7 +47,7 @@ void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
   } catch (const NoWindowError& error) {
     throw OptionError(error.what() +
                       std::string("; leave --viewer out, and look at the "
-                                  "result by mesh_viewer --screenshot"));
+                                  "result by mesh_viewer --screenshot_path"));
   }
 }
 

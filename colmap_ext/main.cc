@@ -58,6 +58,10 @@ int main(int argc, char** argv) {
     if (WantsHelp(argc, argv)) {
       return ShowHelp();
     }
+    if (std::strcmp(argv[1], "--version") == 0) {
+      std::cout << colmap_ext::Versions() << std::endl;
+      return EXIT_SUCCESS;
+    }
     colmap_ext::InitializeLogging(argv);
     return RunCommand(argc, argv);
   } catch (const std::exception& error) {

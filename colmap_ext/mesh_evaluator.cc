@@ -10,7 +10,7 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/add_evaluation_options.h"
+#include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/report/evaluation_report.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
@@ -128,16 +128,16 @@ View PictureView(const EvaluatorOptions& options, const TriangleMesh& mesh,
                  const std::vector<View>& views) {
   constexpr int kWidth = 1024;  // px
   constexpr int kHeight = 768;  // px
-  if (options.picture_image.empty()) {
+  if (options.image_name.empty()) {
     return AutomaticView(mesh, kWidth, kHeight);
   }
   const auto view =
       std::find_if(views.begin(), views.end(), [&](const View& candidate) {
-        return candidate.name == options.picture_image;
+        return candidate.name == options.image_name;
       });
   if (view == views.end()) {
-    throw OptionError("--picture_image: the workspace has no image " +
-                      options.picture_image);
+    throw OptionError("--image_name: the workspace has no image " +
+                      options.image_name);
   }
   return CropView(*view, 1, 0.5, 0.5, kWidth, kHeight);
 }

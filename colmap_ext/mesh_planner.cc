@@ -57,8 +57,9 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
       "  sbatch --dependency=afterok:... --mem={3}M "
       "scripts/slurm/merge.sbatch {0} MESH.ply\n"
       "On one machine:\n"
-      "  seq 0 {1} | xargs -P 2 -I T colmap delaunay_manifold_mesher --plan "
-      "{0} --tile T\n  colmap mesh_merger --plan {0} --output_path "
+      "  seq 0 {1} | xargs -P 2 -I T colmap delaunay_manifold_mesher "
+      "--plan_path {0} --tile T\n  colmap mesh_merger --plan_path {0} "
+      "--output_path "
       "MESH.ply\n",
       folder, last, static_cast<int>(1126 * memory) + 1,
       static_cast<int>(1126 * plan.merger_memory_gb) + 1);

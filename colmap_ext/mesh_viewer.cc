@@ -9,7 +9,7 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/add_viewer_options.h"
+#include "colmap_ext/options/viewer_options.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/viewing/draw_screenshots.h"
 #include "colmap_ext/viewing/read_shown_mesh.h"
@@ -62,11 +62,11 @@ ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
     }
   }
   if (options.image_opacity > 0) {
-    const size_t view = FindView(scene.views, options.camera);
+    const size_t view = FindView(scene.views, options.image_name);
     scene.images[view] =
         ReadShownImage(paths.folder, scene.views[view], kImageSize, decoder);
     if (scene.images[view] == nullptr) {
-      throw FileError(paths.folder / "images" / options.camera,
+      throw FileError(paths.folder / "images" / options.image_name,
                       "can not be read");
     }
   }
@@ -112,14 +112,15 @@ void OpenWindow(const ViewerOptions& options, ViewerPaths paths) {
   try {
     RunViewerWindow({title, width, height}, &session);
   } catch (const NoWindowError& error) {
-    throw OptionError(error.what() +
-                      std::string("; --screenshot FILE.png draws without one"));
+    throw OptionError(
+        error.what() +
+        std::string("; --screenshot_path FILE.png draws without one"));
   }
 }
 
 void LookAtMeshes(const ViewerOptions& options) {
   ViewerPaths paths = FindViewerPaths(options);
-  if (options.screenshot.empty()) {
+  if (options.screenshot_path.empty()) {
     OpenWindow(options, std::move(paths));
   } else {
     TakeScreenshots(options, paths);

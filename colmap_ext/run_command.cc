@@ -18,7 +18,6 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/parse_options.h"
-#include "colmap_ext/options/print_help.h"
 
 namespace colmap_ext {
 
@@ -58,13 +57,13 @@ int Fail(std::string message) {
   return EXIT_FAILURE;
 }
 
-void PrintLeftOut(const std::vector<std::string>& names) {
+void PrintIgnored(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& name : names) {
     list += (list.empty() ? "" : ", ") + name;
   }
   if (!list.empty()) {
-    std::cout << "NOTE: these options mean nothing here and are left out: "
+    std::cout << "NOTE: these options have no meaning here and are ignored: "
               << list << std::endl;
   }
 }
@@ -79,7 +78,11 @@ int RunCommand(int argc, char** argv, const CommandOptions& options,
       PrintHelp(options, Versions(), std::cout);
       return EXIT_SUCCESS;
     }
-    PrintLeftOut(parsed.left_out);
+    if (parsed.wants_version) {
+      std::cout << Versions() << std::endl;
+      return EXIT_SUCCESS;
+    }
+    PrintIgnored(parsed.ignored);
     RestoreTermination();
     steps.finish_options();
     RunOnThreads(*steps.num_threads, steps.run);

@@ -31,12 +31,13 @@ void PrintCommands(const RefinementPlan& plan, const std::string& folder) {
             << folder << " REFINED.ply\nOn one machine, colour after colour:\n";
   for (uint32_t color = 0; color < plan.NumColors(); ++color) {
     std::cout << fmt::format(
-        "  echo {} | xargs -n 1 -P 2 colmap facetwise_refiner --plan {} "
+        "  echo {} | xargs -n 1 -P 2 colmap facetwise_refiner --plan_path {} "
         "--tile\n",
         fmt::join(plan.TilesOf(color), " "), folder);
   }
   std::cout << fmt::format(
-      "  colmap mesh_merger --plan {} --refined 1 --output_path REFINED.ply\n",
+      "  colmap mesh_merger --plan_path {} --refined 1 --output_path "
+      "REFINED.ply\n",
       folder);
 }
 

@@ -80,7 +80,7 @@ std::string Fingerprint(const fs::path& path) {
 
 void JobInputs::AddOptions(const CommandOptions& command) {
   for (const CommandOptions::Option& option : command.Options()) {
-    options[option.name] = TextOf(option.value);
+    options[option.name] = option.text();
   }
 }
 
@@ -106,7 +106,7 @@ void JobInputs::AddFiles(const std::vector<fs::path>& paths) {
 std::string JobInputs::SetOptions(const CommandOptions& command) const {
   for (const CommandOptions::Option& option : command.Options()) {
     const auto found = options.find(option.name);
-    if (found != options.end() && !SetValue(found->second, option)) {
+    if (found != options.end() && !option.set(found->second)) {
       return option.name;
     }
   }

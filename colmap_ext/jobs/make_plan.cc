@@ -104,9 +104,8 @@ class Planner {
     AddPlannerOptions(&command, &typed);
     JobInputs& inputs = plan_.inputs;
     inputs.AddOptions(command);
-    for (const char* name :
-         {"workspace_path", "output_path", "fused_path", "sparse_path",
-          "max_memory_gb", "DelaunayManifoldMeshing.num_threads"}) {
+    for (const char* name : {"workspace_path", "output_path", "fused_path",
+                             "sparse_path", "max_memory_gb", "num_threads"}) {
       inputs.options.erase(name);
     }
     inputs.options["num_tiles"] = std::to_string(num_tiles_);
@@ -122,9 +121,9 @@ class Planner {
   std::vector<fs::path> Files() const {
     const MesherOptions& mesher = options_.mesher;
     const fs::path sparse = FindSparseFolder(
-        mesher.sparse_path.empty()
+        mesher.workspace.sparse_path.empty()
             ? FindDenseFolder(mesher.InputPath(), mesher.workspace)
-            : fs::path(mesher.sparse_path));
+            : mesher.workspace.sparse_path);
     std::vector<fs::path> files = {files_.path, files_.visibility_path};
     for (const auto& entry : fs::directory_iterator(sparse)) {
       files.push_back(entry.path());
@@ -183,12 +182,12 @@ class Planner {
   }
 
   void CalibrateHalfPixel() {
-    if (!options_.mesher.half_pixel_correction) {
+    if (options_.mesher.half_pixel == HalfPixelCorrection::kOff) {
       return;
     }
     Report(progress_, "Correcting the half pixel", 0);
     HalfPixelReport half_pixel;
-    if (options_.mesher.half_pixel_calibration) {
+    if (options_.mesher.half_pixel == HalfPixelCorrection::kAuto) {
       const PointCloud dense =
           num_points_ <= kMaxSamplePoints ? sample_.cloud : ReadDenseSample();
       half_pixel.slope = RegressHalfPixel(
@@ -303,7 +302,7 @@ class Planner {
 
   // Puts the half pixel right.
   void Correct(PointCloud* piece) const {
-    if (!options_.mesher.half_pixel_correction) {
+    if (options_.mesher.half_pixel == HalfPixelCorrection::kOff) {
       return;
     }
     const std::vector<Eigen::Vector3f> offsets =

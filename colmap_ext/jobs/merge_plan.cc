@@ -8,6 +8,7 @@
 
 #include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/options/scene_options.h"
 #include "formats/write_mesh.h"
 #include "merging/fix_plan.h"
 #include "merging/labeled_parts.h"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/options/refinement_options.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 
@@ -72,7 +72,7 @@ constexpr int kVersion = 6;  // of both files
 
 constexpr char kPlanAgain[] = "run mesh_planner";
 constexpr char kPlanRefinementAgain[] =
-    "run facetwise_refiner --plan PLAN --input_path MESH";
+    "run facetwise_refiner --plan_path PLAN --input_path MESH";
 
 std::string ChecksumOf(const Json& json) {
   return fmt::format("{:016x}", HashBytes(json.dump()));

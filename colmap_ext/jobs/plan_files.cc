@@ -179,7 +179,8 @@ FileParts::FileParts(const fs::path& folder, const Plan& plan)
     if (!fs::exists(CutPath(folder, tile))) {
       throw FileError(CutPath(folder, tile),
                       fmt::format("tile {0} is not done: run "
-                                  "delaunay_manifold_mesher --plan {1} --tile "
+                                  "delaunay_manifold_mesher --plan_path {1} "
+                                  "--tile "
                                   "{0}",
                                   tile, folder.string()));
     }

@@ -11,7 +11,7 @@
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/surface_files.h"
-#include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/options/refinement_options.h"
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
@@ -200,7 +200,7 @@ std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
   for (size_t tile = 0; tile < cells.size(); ++tile) {
     tiles[tile].color = colors[tile];
   }
-  EstimateJobs(surface, cells, plan.views, options.max_memory_gb, &tiles);
+  EstimateJobs(surface, cells, plan.views, options.image_cache_gb, &tiles);
   return tiles;
 }
 

@@ -11,7 +11,7 @@
 #include "base/edit_rows.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/refinable_cameras.h"
-#include "colmap_ext/options/add_refinement_options.h"
+#include "colmap_ext/options/refinement_options.h"
 #include "formats/errors.h"
 #include "formats/read_ply_mesh.h"
 #include "formats/read_region.h"

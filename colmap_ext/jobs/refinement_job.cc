@@ -56,7 +56,7 @@ void ExpectRefined(const fs::path& folder, const RefinementPlan& plan,
       throw FileError(
           PatchPath(folder, tile),
           fmt::format("tile {} of colour {} is not refined: run "
-                      "facetwise_refiner --plan {} --tile {} first",
+                      "facetwise_refiner --plan_path {} --tile {} first",
                       tile, plan.tiles[tile].color, folder.string(), tile));
     }
   }

@@ -1,6 +1,6 @@
 #include "colmap_ext/options/command_options.h"
 
-#include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -9,23 +9,30 @@
 
 #include <fmt/format.h>
 
+#include "colmap_ext/errors.h"
+#include "formats/read_numbers.h"
+
 namespace colmap_ext {
 
 namespace {
 
 std::string ToLower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return std::tolower(c); });
   return text;
 }
 
-bool Parse(const std::string& text, const NumberRange&, std::string* value) {
+bool Parse(const std::string& text, std::string* value) {
   *value = text;
   return true;
 }
 
-bool Parse(const std::string& text, const NumberRange&,
-           std::vector<std::string>* value) {
+bool Parse(const std::string& text, std::filesystem::path* value) {
+  *value = text;
+  return true;
+}
+
+bool Parse(const std::string& text, std::vector<std::string>* value) {
   value->clear();
   std::istringstream items(text);
   for (std::string item; std::getline(items, item, kListSeparator);) {
@@ -34,25 +41,23 @@ bool Parse(const std::string& text, const NumberRange&,
   return true;
 }
 
-bool Parse(const std::string& text, const NumberRange&, bool* value) {
-  const std::string word = ToLower(text);
-  for (const char* name : {"1", "true", "yes", "on"}) {
-    if (word == name) {
-      *value = true;
-      return true;
-    }
-  }
-  for (const char* name : {"0", "false", "no", "off"}) {
-    if (word == name) {
-      *value = false;
-      return true;
-    }
-  }
-  return false;
+bool Parse(const std::string& text, bool* value) {
+  constexpr std::array kTrue = {"1", "true", "yes", "on"};
+  constexpr std::array kFalse = {"0", "false", "no", "off"};
+  const bool is_true = std::ranges::count(kTrue, ToLower(text)) > 0;
+  const bool is_known =
+      is_true || std::ranges::count(kFalse, ToLower(text)) > 0;
+  *value = is_known ? is_true : *value;
+  return is_known;
 }
 
 template <typename Number>
-bool Parse(const std::string& text, const NumberRange& range, Number* value) {
+bool ParseNumber(const std::string& text, const NumberRange& range,
+                 Number* value) {
+  if (range.word != nullptr && text == range.word) {
+    *value = static_cast<Number>(*range.also);
+    return true;
+  }
   const char* const begin = text.data() + text.starts_with('+');
   const char* const end = text.data() + text.size();
   Number number{};
@@ -64,6 +69,15 @@ bool Parse(const std::string& text, const NumberRange& range, Number* value) {
   return true;
 }
 
+std::string TextOf(const std::string& value) { return value; }
+std::string TextOf(const std::filesystem::path& value) {
+  return value.string();
+}
+std::string TextOf(bool value) { return value ? "1" : "0"; }
+std::string TextOf(const std::vector<std::string>& value) {
+  return fmt::format("{}", fmt::join(value, ","));
+}
+
 }  // namespace
 
 bool NumberRange::Contains(double number) const {
@@ -72,24 +86,27 @@ bool NumberRange::Contains(double number) const {
 }
 
 std::string NumberRange::Text() const {
-  return (std::isfinite(upper) ? fmt::format("{} ... {}", lower, upper)
-                               : fmt::format("{} or more", lower)) +
-         (also ? fmt::format(", or {}", *also) : "");
+  const std::string numbers = std::isfinite(upper)
+                                  ? fmt::format("{} ... {}", lower, upper)
+                                  : fmt::format("{} or more", lower);
+  return numbers + (word != nullptr ? fmt::format(", or {}", word)
+                    : also          ? fmt::format(", or {}", *also)
+                                    : "");
 }
 
-std::string CommandOptions::Option::Kind() const {
-  constexpr const char* kKinds[] = {"a text", "0 or 1", "a whole number",
-                                    "a number", "a list"};
-  return kKinds[value.index()] + (range ? ", " + range->Text() : "");
-}
-
-void CommandOptions::AddDefaultOption(
-    const std::string& name,
-    std::variant<std::string*, bool*, std::vector<std::string>*> value,
-    const std::string& help) {
+void CommandOptions::Add(const std::string& name, Value value,
+                         const std::string& help) {
+  constexpr const char* kKinds[] = {"a text", "a path", "0 or 1", "a list"};
   std::visit(
       [&](auto* pointer) {
-        options_.push_back({name, pointer, TextOf(pointer), help});
+        options_.push_back(
+            {.name = name,
+             .help = help,
+             .group = group_,
+             .kind = kKinds[value.index()],
+             .text = [=] { return TextOf(*pointer); },
+             .set = [=](const std::string& s) { return Parse(s, pointer); },
+             .is_list = value.index() == 3});
       },
       value);
 }
@@ -98,38 +115,74 @@ void CommandOptions::AddNumber(const std::string& name,
                                std::variant<int*, double*> value,
                                const NumberRange& range,
                                const std::string& help) {
+  constexpr const char* kKinds[] = {"a whole number, ", "a number, "};
   std::visit(
       [&](auto* pointer) {
-        options_.push_back({name, pointer, TextOf(pointer), help, range});
+        const auto text = [=] {
+          return range.word != nullptr && *pointer == range.also
+                     ? range.word
+                     : fmt::format("{}", *pointer);
+        };
+        const auto set = [=](const std::string& typed) {
+          return ParseNumber(typed, range, pointer);
+        };
+        options_.push_back({name, help, group_,
+                            kKinds[value.index()] + range.Text(), text, set,
+                            range});
       },
       value);
 }
 
-void CommandOptions::AddAlias(const std::string& alias,
-                              const std::string& option,
-                              const std::string& note, bool* is_used) {
-  aliases_.push_back({alias, option, note, is_used});
+void CommandOptions::AddChoice(const std::string& name,
+                               const std::vector<Word>& words,
+                               const std::function<size_t()>& get,
+                               const std::function<void(size_t)>& set,
+                               const std::string& help) {
+  std::vector<std::string> listed;
+  for (const Word& word : words) {
+    if (word.is_listed) {
+      listed.push_back(word.text);
+    }
+  }
+  const std::string list = fmt::format("{{{}}}: ", fmt::join(listed, ", "));
+  const std::string last = listed.back();
+  listed.pop_back();
+  options_.push_back(
+      {.name = name,
+       .help = list + help,
+       .group = group_,
+       .kind = fmt::format("{} or {}", fmt::join(listed, ", "), last),
+       .text = [=] { return words[get()].text; },
+       .set =
+           [=](const std::string& text) {
+             const auto it =
+                 std::ranges::find(words, ToLower(text), &Word::text);
+             if (it != words.end()) {
+               set(static_cast<size_t>(it - words.begin()));
+             }
+             return it != words.end();
+           }});
 }
 
-std::string TextOf(const CommandOptions::Value& value) {
-  return std::visit(
-      [](const auto* pointer) {
-        using T = std::remove_cvref_t<decltype(*pointer)>;
-        if constexpr (std::is_same_v<T, bool>) {
-          return fmt::format("{:d}", *pointer);
-        } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
-          return fmt::format("{}", fmt::join(*pointer, ","));
-        } else {
-          return fmt::format("{}", *pointer);
-        }
-      },
-      value);
+std::vector<double> ParseNumberList(const std::string& option,
+                                    const std::string& text, size_t count) {
+  std::optional<std::vector<double>> numbers = ParseNumbers(text);
+  if (!numbers || numbers->empty() || (count > 0 && numbers->size() != count)) {
+    throw OptionError(fmt::format(
+        "{} is '{}'; it has to be {}numbers separated by commas, all finite",
+        option, text, count > 0 ? fmt::format("{} ", count) : ""));
+  }
+  return *std::move(numbers);
 }
 
-bool SetValue(const std::string& text, const CommandOptions::Option& option) {
-  const NumberRange range = option.range.value_or(NumberRange{0});
-  return std::visit([&](auto* pointer) { return Parse(text, range, pointer); },
-                    option.value);
+void AddThreadsOption(const std::string& section, int* num_threads,
+                      CommandOptions* options) {
+  options->AddNumber("num_threads", num_threads, kThreads,
+                     "[threads] Number of threads; -1: all cores. The result "
+                     "does not depend on it");
+  if (!section.empty()) {
+    options->AddAlias(section + ".num_threads", "num_threads");
+  }
 }
 
 }  // namespace colmap_ext

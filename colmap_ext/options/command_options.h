@@ -1,8 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -14,99 +19,149 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 struct NumberRange {
   double lower;
   double upper = kNoLimit;
-  std::optional<double> also = std::nullopt;  // stands for something else
+  std::optional<double> also = std::nullopt;  // a value with another meaning
+  const char* word = nullptr;                 // that can be typed for `also`
 
   bool Contains(double number) const;
 
-  // "0 ... 1", "1 or more, or -1".
+  // "0 ... 1", "1 or more, or -1", "0 ... 1, or auto".
   std::string Text() const;
 };
 
-// Factors and the like. Beyond what is of use, and far from where their squares
-// times a float overflow or vanish.
+// Factors and the like. Wider than useful, but squares of these numbers times a
+// float neither overflow nor vanish.
 inline constexpr NumberRange kPositive{1e-6, 1e6};
 inline constexpr NumberRange kNotNegative{0, 1e6};
 
 inline constexpr NumberRange kLength{0, 1e9};        // scene units
 inline constexpr NumberRange kGigabytes{1e-9, 1e6};  // GB, from a byte on
 
-// A choice: for 2^31 threads TBB took a minute, and all memory.
+// Chosen by hand: for 2^31 threads TBB took a minute, and all memory.
 inline constexpr NumberRange kThreads{1, 1024, -1};
 
-// Where -1 stands for all, any or none, as the help says.
+// -1 stands for all, any or none, as the help says.
 inline constexpr NumberRange kCountOrMinusOne{0, kNoLimit, -1};
 
-// The options that a command takes, by the rules of COLMAP's command line: each
-// has a value, `--name VALUE` or `--name=VALUE`, and so has a truth value. They
-// are ours rather than COLMAP's OptionManager, whose help, messages and exits
-// differ by version, and which takes either a project file or options.
+// Groups of options in the help, in this order.
+enum class OptionGroup { kBasic, kAdvanced, kAblations, kOldNames };
+
+// The options of a command, by the rules of COLMAP's command line: each has a
+// value, `--name VALUE` or `--name=VALUE`; truth values are 0 or 1. COLMAP's
+// OptionManager is not used: its help, messages and exits differ by version,
+// and it takes either a project file or options.
 class CommandOptions {
  public:
-  // The last takes several values, `--name VALUE VALUE`, and may be given more
-  // than once; a project file has one of them.
-  using Value = std::variant<std::string*, bool*, int*, double*,
+  using Value = std::variant<std::string*, std::filesystem::path*, bool*,
                              std::vector<std::string>*>;
 
   struct Option {
     std::string name;  // without dashes: "output_path", "Section.name"
-    Value value;
-    std::string default_value;  // as it is typed; may be empty
     std::string help;
+    OptionGroup group;
+    std::string kind;  // what the value has to be: "a whole number, 1 ... 8"
+    std::function<std::string()> text;  // the value, as it is typed
+    // Sets the value. Returns false, and keeps the value, if the text is not of
+    // this kind.
+    std::function<bool(const std::string&)> set;
     std::optional<NumberRange> range = std::nullopt;  // of numbers
-
-    bool IsList() const {
-      return std::holds_alternative<std::vector<std::string>*>(value);
-    }
-
-    // What the value has to be: "a whole number, 1 ... 8".
-    std::string Kind() const;
+    bool is_list = false;  // takes several values, see parse_options.h
+    std::string default_value = text();
   };
 
   // Another name of an option.
   struct Alias {
     std::string name;
-    std::string option;  // that it stands for
-    std::string note;    // what differs by this name; may be empty
-    bool* is_used;       // set if the value comes by this name; or nullptr
+    std::string option;  // the option's own name
+    std::string note;    // how the meaning differs; may be empty
+    bool* is_used;       // set if the value is given by this name; or nullptr
   };
 
-  // Adds an option whose default is what the value is now.
-  // \param value  has to outlive the parsing.
-  // \param help  what it does; after its unit in brackets, if it has one:
-  //        "[px] Side of a window".
-  void AddDefaultOption(
-      const std::string& name,
-      std::variant<std::string*, bool*, std::vector<std::string>*> value,
-      const std::string& help = "");
+  // \param summary  what the command does, and an example.
+  explicit CommandOptions(std::string summary = "")
+      : summary_(std::move(summary)) {}
 
-  // The same of a number. The range is checked and shown from here alone.
+  void SetSummary(std::string summary) { summary_ = std::move(summary); }
+
+  // Options are added to this group from now on.
+  void SetGroup(OptionGroup group) { group_ = group; }
+
+  // Adds an option whose default is what the value is now. A list takes several
+  // values, `--name VALUE VALUE`, and can be given more than once; in a project
+  // file it has one value.
+  // \param value  has to outlive the parsing, as in all of these.
+  // \param help  what it does; first its unit in brackets, if it has one: "[px]
+  //        Side of a window".
+  void Add(const std::string& name, Value value, const std::string& help = "");
+
+  // Adds a number.
   void AddNumber(const std::string& name, std::variant<int*, double*> value,
                  const NumberRange& range, const std::string& help = "");
 
-  // \param alias  "Section.name"; what is unknown in a section of aliases is
-  //        left out, not refused.
+  // Adds a choice of words; upper and lower case are the same.
+  // \param words  each with the value that it stands for. A later word for the
+  //        same value is accepted, but not listed. The help lists the others.
+  template <typename Value>
+  void AddWord(const std::string& name, Value* value,
+               std::vector<std::pair<const char*, Value>> words,
+               const std::string& help) {
+    const auto find = [words](const Value& wanted) {
+      return static_cast<size_t>(
+          std::ranges::find(words, wanted,
+                            &std::pair<const char*, Value>::second) -
+          words.begin());
+    };
+    std::vector<Word> names;
+    for (size_t i = 0; i < words.size(); ++i) {
+      names.push_back({words[i].first, find(words[i].second) == i});
+    }
+    AddChoice(
+        name, names, [=] { return find(*value); },
+        [=](size_t i) { *value = words[i].second; }, help);
+  }
+
+  // Adds another name of an option. What is unknown in a section that has only
+  // aliases is ignored, not refused.
   // \param is_used  has to outlive the parsing, or is nullptr.
   // \pre there is such an option
   void AddAlias(const std::string& alias, const std::string& option,
-                const std::string& note = "", bool* is_used = nullptr);
+                const std::string& note = "", bool* is_used = nullptr) {
+    aliases_.push_back({alias, option, note, is_used});
+  }
 
+  const std::string& Summary() const { return summary_; }
   const std::vector<Option>& Options() const { return options_; }
   const std::vector<Alias>& Aliases() const { return aliases_; }
 
  private:
+  struct Word {
+    std::string text;
+    bool is_listed;
+  };
+
+  void AddChoice(const std::string& name, const std::vector<Word>& words,
+                 const std::function<size_t()>& get,
+                 const std::function<void(size_t)>& set,
+                 const std::string& help);
+
+  std::string summary_;
+  OptionGroup group_ = OptionGroup::kBasic;
   std::vector<Option> options_;
   std::vector<Alias> aliases_;
 };
 
-// Between the values of a list in the text that SetValue() takes.
+// Separates the values of a list in the text that Option::set takes.
 inline constexpr char kListSeparator = '\n';
 
-// The text that a value is typed as.
-std::string TextOf(const CommandOptions::Value& value);
+// The finite numbers in a text, "1,2,3".
+// \param option  its name, for the message.
+// \param count   the number of numbers; 0: one or more
+// \throw OptionError if the text is anything else.
+std::vector<double> ParseNumberList(const std::string& option,
+                                    const std::string& text, size_t count);
 
-// Sets an option's value to what the text says.
-// \return false if it says nothing of that type, or a number that is not in the
-//         range; the value stays then.
-bool SetValue(const std::string& text, const CommandOptions::Option& option);
+// Adds "num_threads", and its alias SECTION.num_threads; without a section, no
+// alias.
+void AddThreadsOption(const std::string& section, int* num_threads,
+                      CommandOptions* options);
 
 }  // namespace colmap_ext

@@ -1,14 +1,151 @@
 #include "colmap_ext/options/meshing_options.h"
 
-#include <algorithm>
-#include <cctype>
-
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/image_order_option.h"
-#include "colmap_ext/options/words.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {
+
+namespace {
+
+constexpr const char* kMeshingSection = "DelaunayManifoldMeshing.";
+
+void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
+  options->Add("workspace_path", &mesher->workspace_path,
+               "Dense workspace with sparse/, fused.ply and fused.ply.vis, or "
+               "a folder that has it in dense/ or dense/0/. Required, except "
+               "with input_path or plan_path");
+  options->Add("output_path", &mesher->output_path,
+               "Mesh to write, PLY, with its .vis. Default: "
+               "WORKSPACE/meshed-delaunay-manifold.ply");
+  options->Add("report_path", &mesher->report_path,
+               "Write a report, an HTML page with figures and pictures");
+  options->SetGroup(OptionGroup::kAdvanced);
+  options->Add("input_path", &mesher->input_path,
+               "Same as delaunay_mesher's --input_path: the dense workspace or "
+               "the sparse model, instead of workspace_path. Requires "
+               "output_path");
+  options->AddWord(
+      "input_type", &mesher->workspace.input_type,
+      {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}},
+      "Mesh the fused points, or those of the sparse model");
+  options->Add("plan_path", &mesher->plan_path,
+               "Plan folder of mesh_planner. With tile: mesh this tile of it, "
+               "with the options of the plan");
+  options->AddAlias("plan", "plan_path");
+  options->AddNumber("tile", &mesher->tile, kCountOrMinusOne,
+                     "Index of the tile to mesh; -1: none");
+  options->SetGroup(OptionGroup::kBasic);
+}
+
+void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
+  const std::string ours = kMeshingSection;
+  ManifoldMeshingOptions* const meshing = &mesher->meshing;
+  options->AddNumber(ours + "max_proj_dist", &meshing->max_proj_dist,
+                     kNotNegative,
+                     "[px] Merge points closer than this in an image; higher "
+                     "is coarser and faster. 0: keep every point");
+  options->AddNumber(ours + "quality_regularization",
+                     &meshing->quality_regularization, {0, 1e4},
+                     "Weight of the surface quality; higher is smoother");
+  options->AddNumber(ours + "min_confidence", &meshing->borders.trim, {0, 1},
+                     "Remove faces with a lower confidence; 0.2 removes "
+                     "membranes that span sky or openings. 0: keep all");
+  options->AddNumber(ours + "close_holes", &meshing->borders.close_holes,
+                     kCountOrMinusOne,
+                     "[edges] Close holes with up to this many edges; -1: all, "
+                     "0: none");
+  options->AddNumber(ours + "min_component_faces",
+                     &meshing->min_component_faces, {0},
+                     "[faces] Remove components with fewer faces");
+  options->AddNumber(ours + "max_side_length_factor",
+                     &meshing->max_side_length_factor, kNotNegative,
+                     "Remove faces whose longest side is longer than this "
+                     "times the percentile of all sides; 0: keep all");
+  options->Add(ours + "remeshing", &meshing->remeshing,
+               "Remesh the final surface into well-shaped faces, for meshes "
+               "that are not refined");
+  options->SetGroup(OptionGroup::kAdvanced);
+  options->AddNumber(ours + "max_side_length_percentile",
+                     &meshing->max_side_length_percentile, {0, 100},
+                     "[%] Percentile that max_side_length_factor multiplies");
+  options->AddNumber(ours + "max_depth_dist", &meshing->max_depth_dist, {0, 1},
+                     "Merge points only if their depths differ by less than "
+                     "this fraction");
+  options->AddNumber(ours + "visibility_sigma", &meshing->visibility_sigma,
+                     kPositive,
+                     "[images] Images at which a point counts as well "
+                     "supported; higher values down-weight points seen by few "
+                     "images");
+  options->AddNumber(ours + "distance_sigma_factor",
+                     &meshing->distance_sigma_factor, kPositive,
+                     "Expected noise of the points, as a multiple of the 25th "
+                     "percentile of edge lengths; higher is smoother");
+  options->Add(ours + "weak_surfaces", &meshing->weak_surfaces,
+               "Keep weakly supported surface, such as textureless areas of "
+               "an object photographed from all sides; the rest gets slightly "
+               "noisier");
+  options->AddWord(ours + "half_pixel_correction", &mesher->half_pixel,
+                   {{"auto", HalfPixelCorrection::kAuto},
+                    {"full", HalfPixelCorrection::kFull},
+                    {"off", HalfPixelCorrection::kOff},
+                    {"1", HalfPixelCorrection::kAuto},
+                    {"true", HalfPixelCorrection::kAuto},
+                    {"yes", HalfPixelCorrection::kAuto},
+                    {"on", HalfPixelCorrection::kAuto},
+                    {"0", HalfPixelCorrection::kOff},
+                    {"false", HalfPixelCorrection::kOff},
+                    {"no", HalfPixelCorrection::kOff}},
+                   "Correct the half-pixel offset of COLMAP's fused points, by "
+                   "the amount that the sparse points show, by half a pixel, "
+                   "or not");
+}
+
+void AddAblationOptions(CommandOptions* options, MesherOptions* mesher) {
+  const std::string ours = kMeshingSection;
+  ManifoldMeshingOptions* const meshing = &mesher->meshing;
+  options->SetGroup(OptionGroup::kAblations);
+  options->AddNumber(ours + "alpha_vis", &mesher->alpha_vis, {1e-6, 1, 0},
+                     "Weight of every observation; 0: 1 - exp(-n^2 / (2 s^2)) "
+                     "for a point seen by n images, s = visibility_sigma");
+  options->AddNumber(ours + "behind_sigma", &meshing->behind_sigma, kPositive,
+                     "[distance sigmas] Assumed depth of solid behind a point");
+  options->Add(ours + "preemptive_fixing", &meshing->preemptive_fixing,
+               "Relabel and split cells around singular vertices before the "
+               "surface is extracted; 0: split these vertices instead");
+  options->AddWord(
+      ours + "fixing_rule", &meshing->fixing_rule,
+      {{"energy", FixingRule::kEnergy}, {"paper", FixingRule::kPaper}},
+      "How singular vertices are removed: fewest remaining at the "
+      "lowest cut energy, or the paper's three passes");
+  options->SetGroup(OptionGroup::kOldNames);
+  options->AddWord(ours + "alpha_kind", &mesher->old_alpha_kind,
+                   {{"tracks", ObservationWeight::kTracks},
+                    {"constant", ObservationWeight::kConstant}},
+                   "tracks is --" + ours + "alpha_vis 0, and constant is 1");
+  options->Add(ours + "half_pixel_calibration",
+               &mesher->old_half_pixel_calibration,
+               "0 is --" + ours + "half_pixel_correction full");
+  options->SetGroup(OptionGroup::kBasic);
+  options->AddAlias(ours + "trim", ours + "min_confidence");
+}
+
+void AddColmapAliases(CommandOptions* options, MesherOptions* mesher) {
+  const std::string colmaps = "DelaunayMeshing.";
+  options->AddAlias(colmaps + "max_proj_dist",
+                    std::string(kMeshingSection) + "max_proj_dist",
+                    ", but in pixels of the cameras if images have another "
+                    "size",
+                    &mesher->has_camera_pixels);
+  for (const char* name :
+       {"max_depth_dist", "visibility_sigma", "distance_sigma_factor",
+        "quality_regularization", "max_side_length_factor",
+        "max_side_length_percentile"}) {
+    options->AddAlias(colmaps + name, kMeshingSection + std::string(name));
+  }
+  options->AddAlias(colmaps + "num_threads", "num_threads");
+}
+
+}  // namespace
 
 std::filesystem::path MesherOptions::InputPath() const {
   return workspace_path.empty() ? input_path : workspace_path;
@@ -35,41 +172,67 @@ void MesherOptions::Finish() {
       std::filesystem::path(report_path).extension() != ".html") {
     throw OptionError("--report_path is a page, and ends in .html");
   }
-  std::transform(words.input_type.begin(), words.input_type.end(),
-                 words.input_type.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  workspace.fused_path = words.fused_path;
-  workspace.input_type = ParseWord<InputType>(
-      "input_type", words.input_type,
-      {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}});
-  workspace.sparse_path = sparse_path;
   if (workspace.input_type == InputType::kSparse &&
       !workspace.fused_path.empty()) {
-    throw OptionError("--fused_path is of dense input, not of sparse");
+    throw OptionError("--fused_path is for dense input, not for sparse");
   }
   scene.Finish();
   if (mask_background && scene.mask_path.empty()) {
     throw OptionError("--mask_background needs --mask_path");
   }
-  workspace.image_order = ParseImageOrder(words.image_order);
-  meshing.alpha_kind = ParseWord<ObservationWeight>(
-      "alpha_kind", words.alpha_kind,
-      {{"tracks", ObservationWeight::kTracks},
-       {"constant", ObservationWeight::kConstant}});
-  meshing.fixing_rule = ParseWord<FixingRule>(
-      "fixing_rule", words.fixing_rule,
-      {{"energy", FixingRule::kEnergy}, {"paper", FixingRule::kPaper}});
+  if (old_alpha_kind == ObservationWeight::kConstant && alpha_vis == 0) {
+    alpha_vis = 1;
+  }
+  if (alpha_vis > 0) {
+    meshing.alpha_kind = ObservationWeight::kConstant;
+    meshing.alpha_vis = alpha_vis;
+  }
+  if (!old_half_pixel_calibration && half_pixel == HalfPixelCorrection::kAuto) {
+    half_pixel = HalfPixelCorrection::kFull;
+  }
 }
 
 void MesherOptions::FinishTile() const {
   if (plan_path.empty() || tile < 0) {
-    throw OptionError("--plan and --tile belong together");
+    throw OptionError("--plan_path and --tile belong together");
   }
   if (!InputPath().empty() || !output_path.empty() || !report_path.empty()) {
     throw OptionError(
-        "--plan says what is meshed: leave out --workspace_path, --input_path, "
-        "--output_path and --report_path");
+        "--plan_path determines what is meshed: omit --workspace_path, "
+        "--input_path, --output_path and --report_path");
   }
+}
+
+void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
+  AddRegionOption("Mesh only inside", &mesher->scene.region, kWrittenAutoRegion,
+                  options);
+  AddMaskOption(&mesher->scene.mask_path, options);
+  options->Add("mask_background", &mesher->mask_background,
+               "Masked pixels are background: everything along their rays is "
+               "empty");
+  AddThreadsOption("DelaunayManifoldMeshing", &mesher->num_threads, options);
+  options->SetGroup(OptionGroup::kAdvanced);
+  AddFusedPathOption(&mesher->workspace.fused_path, options);
+  AddSparsePathOption(&mesher->workspace.sparse_path, options);
+  AddImageOrderOption(&mesher->workspace.image_order, options);
+  options->SetGroup(OptionGroup::kBasic);
+}
+
+void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher) {
+  AddPointOptions(options, mesher);
+  AddAblationOptions(options, mesher);
+}
+
+void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {
+  options->SetSummary(
+      "Makes a 2-manifold triangle mesh of the fused points of a dense "
+      "workspace, by\na Delaunay triangulation and a minimum cut.\n\n"
+      "  colmap delaunay_manifold_mesher --workspace_path DIR\n");
+  AddPathOptions(options, mesher);
+  AddMeshingInputOptions(options, mesher);
+  AddTransformOption(&mesher->scene.transform_path, options);
+  AddMeshingOptions(options, mesher);
+  AddColmapAliases(options, mesher);
 }
 
 }  // namespace colmap_ext

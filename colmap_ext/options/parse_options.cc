@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <map>
+#include <set>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/read_project_file.h"
 
 namespace colmap_ext {
 
@@ -16,8 +18,8 @@ namespace {
 
 constexpr const char* kProjectPath = "project_path";
 
-// Of all commands of COLMAP 3.8 to 4.1. Ours keep no log and draw no numbers
-// that a seed could change.
+// Options of all commands of COLMAP 3.8 to 4.1. Our commands write no log and
+// use no random numbers that depend on a seed.
 constexpr std::array kCommonOptions = {
     "random_seed", "default_random_seed", "log_to_stderr", "log_target",
     "log_path",    "log_level",           "log_severity",  "log_color"};
@@ -26,7 +28,7 @@ constexpr std::array kCommonOptions = {
 constexpr std::array kProjectOptions = {"database_path", "image_path"};
 
 bool IsAmong(const auto& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 // "Section" of "Section.name"; empty without one.
@@ -35,28 +37,29 @@ std::string SectionOf(const std::string& name) {
   return dot == std::string::npos ? "" : name.substr(0, dot);
 }
 
-// The names of a command's options, and what they stand for.
+// The names of a command's options.
 class Names {
  public:
   explicit Names(const CommandOptions& options) {
     for (const CommandOptions::Option& option : options.Options()) {
-      options_[option.name] = &option;
+      names_[option.name] = option.name;
+      if (option.is_list) {
+        lists_.insert(option.name);
+      }
       sections_[SectionOf(option.name)] = false;
     }
     for (const CommandOptions::Alias& alias : options.Aliases()) {
-      aliases_[alias.name] = &alias;
+      names_[alias.name] = alias.option;
       sections_.emplace(SectionOf(alias.name), true);
     }
+    names_[kProjectPath] = kProjectPath;
   }
 
-  const CommandOptions::Option* FindOption(const std::string& name) const {
-    const auto it = options_.find(name);
-    return it != options_.end() ? it->second : nullptr;
-  }
+  bool IsKnown(const std::string& name) const { return names_.contains(name); }
 
-  const CommandOptions::Alias* FindAlias(const std::string& name) const {
-    const auto it = aliases_.find(name);
-    return it != aliases_.end() ? it->second : nullptr;
+  bool IsList(const std::string& name) const {
+    const auto it = names_.find(name);
+    return it != names_.end() && lists_.contains(it->second);
   }
 
   bool IsOurSection(const std::string& section) const {
@@ -67,46 +70,35 @@ class Names {
     return sections_.contains(section) && sections_.at(section);
   }
 
-  // The only name that starts like this; else the text itself.
-  // \throw OptionError if there are several.
+  // The name that starts like this, if there is one; else the text itself.
+  // \throw OptionError if there are several, of different options.
   std::string Complete(const std::string& text) const {
-    std::vector<std::string> found;
-    const auto add = [&](const std::string& name) {
-      if (name == text) {
-        found = {name};
-        return true;
+    std::map<std::string, std::string> found;  // name by option
+    for (auto it = names_.lower_bound(text);
+         it != names_.end() && it->first.starts_with(text); ++it) {
+      if (it->first == text) {
+        return text;
       }
-      if (name.starts_with(text)) {
-        found.push_back(name);
-      }
-      return false;
-    };
-    for (const auto& [name, option] : options_) {
-      if (add(name)) return name;
-    }
-    for (const auto& [name, alias] : aliases_) {
-      if (add(name)) return name;
-    }
-    for (const char* name : {"help", kProjectPath}) {
-      if (add(name)) return name;
+      found.emplace(it->second, it->first);
     }
     if (found.size() > 1) {
       throw OptionError(fmt::format("--{} is ambiguous: --{} or --{}", text,
-                                    found[0], found[1]));
+                                    found.begin()->second,
+                                    std::next(found.begin())->second));
     }
-    return found.empty() ? text : found[0];
+    return found.empty() ? text : found.begin()->second;
   }
 
  private:
-  std::map<std::string, const CommandOptions::Option*> options_;
-  std::map<std::string, const CommandOptions::Alias*> aliases_;
-  std::map<std::string, bool> sections_;  // whether they are of aliases
+  std::map<std::string, std::string> names_;  // the option of each name
+  std::set<std::string> lists_;               // options
+  std::map<std::string, bool> sections_;      // whether they are of aliases
 };
 
 // Options by the names that they are given by.
 using Texts = std::map<std::string, std::string>;
 
-// The values of a list, from argument i on, which is left at the last one.
+// The values of a list, from argument i on; i becomes the last one.
 std::string ReadList(int argc, const char* const* argv, int* i) {
   std::string list = argv[*i];
   while (*i + 1 < argc && argv[*i + 1][0] != '-') {
@@ -126,6 +118,10 @@ Texts ReadArguments(int argc, const char* const* argv, const Names& names,
       parsed->wants_help = true;
       continue;
     }
+    if (argument == "--version") {
+      parsed->wants_version = true;
+      continue;
+    }
     if (!argument.starts_with("--") || argument.size() == 2) {
       throw OptionError(fmt::format(
           "'{}' stands without an option; options are --name VALUE, and -h "
@@ -139,8 +135,7 @@ Texts ReadArguments(int argc, const char* const* argv, const Names& names,
         (is_last || std::string_view(argv[i + 1]).starts_with("--"))) {
       throw OptionError(fmt::format("--{} needs a value", name));
     }
-    const CommandOptions::Option* const option = names.FindOption(name);
-    const bool is_list = option != nullptr && option->IsList();
+    const bool is_list = names.IsList(name);
     const std::string text = equals != std::string::npos
                                  ? argument.substr(equals + 1)
                              : is_list ? ReadList(argc, argv, &++i)
@@ -155,65 +150,98 @@ Texts ReadArguments(int argc, const char* const* argv, const Names& names,
   return texts;
 }
 
-// Takes the options that mean nothing here out of those given.
+std::string Trim(const std::string& text) {
+  constexpr const char* kSpaces = " \t\r";
+  const size_t begin = text.find_first_not_of(kSpaces);
+  return begin == std::string::npos
+             ? ""
+             : text.substr(begin, text.find_last_not_of(kSpaces) - begin + 1);
+}
+
+Texts ReadProjectFile(const std::filesystem::path& path) {
+  std::error_code error;
+  std::ifstream file(path);
+  if (!std::filesystem::is_regular_file(path, error) || !file) {
+    throw OptionError(
+        fmt::format("--project_path: {} cannot be read", path.string()));
+  }
+  Texts texts;
+  std::string section;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    line = Trim(line.substr(0, line.find('#')));
+    if (line.empty()) {
+      continue;
+    }
+    if (line.front() == '[' && line.back() == ']') {
+      section = Trim(line.substr(1, line.size() - 2)) + ".";
+      continue;
+    }
+    const size_t equals = line.find('=');
+    const std::string name = Trim(line.substr(0, equals));
+    if (equals == std::string::npos || name.empty()) {
+      throw OptionError(
+          fmt::format("{}, line {}: neither name=value nor [Section]",
+                      path.string(), number));
+    }
+    if (!texts.emplace(section + name, Trim(line.substr(equals + 1))).second) {
+      throw OptionError(fmt::format("{}, line {}: {} is given twice",
+                                    path.string(), number, section + name));
+    }
+  }
+  return texts;
+}
+
+// Removes the options without a meaning here from those given.
 // \param is_file  they are of a project file, which is of other commands too.
-void LeaveOut(const Names& names, bool is_file, Texts* texts,
-              ParsedOptions* parsed) {
-  for (auto it = texts->begin(); it != texts->end();) {
-    const std::string& name = it->first;
+void RemoveIgnored(const Names& names, bool is_file, Texts* texts,
+                   ParsedOptions* parsed) {
+  std::erase_if(*texts, [&](const auto& given) {
+    const std::string& name = given.first;
     const std::string section = SectionOf(name);
-    const bool is_known = names.FindOption(name) != nullptr ||
-                          names.FindAlias(name) != nullptr ||
-                          (!is_file && name == kProjectPath);
+    if (names.IsKnown(name) && !(is_file && name == kProjectPath)) {
+      return false;
+    }
     const bool is_other_section =
         is_file && !section.empty() && !names.IsOurSection(section);
-    const bool means_nothing =
-        !is_known && (names.IsAliasSection(section) || is_other_section ||
-                      IsAmong(kCommonOptions, name) ||
-                      (is_file && IsAmong(kProjectOptions, name)));
-    if (!is_known && !means_nothing) {
+    if (!names.IsAliasSection(section) && !is_other_section &&
+        !IsAmong(kCommonOptions, name) &&
+        !(is_file && IsAmong(kProjectOptions, name))) {
       throw OptionError(fmt::format("there is no option {}{}; -h lists them",
                                     is_file ? "" : "--", name));
     }
-    if (means_nothing) {
-      const std::string what =
-          is_other_section ? section + ".*" : (is_file ? "" : "--") + name;
-      if (!IsAmong(parsed->left_out, what)) {
-        parsed->left_out.push_back(what);
-      }
+    const std::string what =
+        is_other_section ? section + ".*" : (is_file ? "" : "--") + name;
+    if (!IsAmong(parsed->ignored, what)) {
+      parsed->ignored.push_back(what);
     }
-    it = means_nothing ? texts->erase(it) : std::next(it);
-  }
+    return true;
+  });
 }
 
-// Sets a value by its text.
-void Apply(const CommandOptions::Option& option, const std::string& name,
-           const std::string& text) {
-  if (!SetValue(text, option)) {
-    throw OptionError(fmt::format("--{} is '{}'; it has to be {}", name, text,
-                                  option.Kind()));
-  }
-}
-
-// \param sources  what comes first counts.
+// \param sources  the first source that has an option counts.
 void Apply(const CommandOptions& options, const std::vector<Texts>& sources) {
   for (const CommandOptions::Option& option : options.Options()) {
-    for (const Texts& texts : sources) {
-      if (const auto it = texts.find(option.name); it != texts.end()) {
-        Apply(option, option.name, it->second);
-        break;
+    const auto apply = [&option](const Texts& texts, const std::string& name) {
+      const auto it = texts.find(name);
+      if (it != texts.end() && !option.set(it->second)) {
+        throw OptionError(fmt::format("--{} is '{}'; it has to be {}", name,
+                                      it->second, option.kind));
       }
-      const auto alias =
-          std::find_if(options.Aliases().begin(), options.Aliases().end(),
-                       [&](const CommandOptions::Alias& candidate) {
-                         return candidate.option == option.name &&
-                                texts.contains(candidate.name);
-                       });
-      if (alias != options.Aliases().end()) {
-        Apply(option, alias->name, texts.at(alias->name));
-        if (alias->is_used != nullptr) {
-          *alias->is_used = true;
+      return it != texts.end();
+    };
+    for (const Texts& texts : sources) {
+      bool is_given = apply(texts, option.name);
+      for (const CommandOptions::Alias& alias : options.Aliases()) {
+        if (!is_given && alias.option == option.name &&
+            apply(texts, alias.name)) {
+          is_given = true;
+          if (alias.is_used != nullptr) {
+            *alias.is_used = true;
+          }
         }
+      }
+      if (is_given) {
         break;
       }
     }
@@ -221,10 +249,71 @@ void Apply(const CommandOptions& options, const std::vector<Texts>& sources) {
 }
 
 void ExpectOneName(const CommandOptions& options, const Texts& arguments) {
+  std::map<std::string, std::string> names;  // given, by option
+  const auto add = [&](const std::string& name, const std::string& option) {
+    if (!arguments.contains(name)) {
+      return;
+    }
+    const auto [first, is_new] = names.emplace(option, name);
+    if (!is_new) {
+      throw OptionError(fmt::format("--{} and --{} are the same option", name,
+                                    first->second));
+    }
+  };
+  for (const CommandOptions::Option& option : options.Options()) {
+    add(option.name, option.name);
+  }
   for (const CommandOptions::Alias& alias : options.Aliases()) {
-    if (arguments.contains(alias.name) && arguments.contains(alias.option)) {
-      throw OptionError(fmt::format("--{} and --{} are the same option",
-                                    alias.name, alias.option));
+    add(alias.name, alias.option);
+  }
+}
+
+// Breaks a text at its spaces.
+void PrintWrapped(const std::string& text, const std::string& indentation,
+                  std::ostream& stream) {
+  constexpr size_t kWidth = 80;
+  std::istringstream words(text);
+  std::string line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() &&
+        indentation.size() + line.size() + 1 + word.size() > kWidth) {
+      stream << indentation << line << "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  if (!line.empty()) {
+    stream << indentation << line << "\n";
+  }
+}
+
+void PrintOption(const std::string& name, const std::string& help,
+                 std::ostream& stream) {
+  stream << "  " << name << "\n";
+  PrintWrapped(help, "      ", stream);
+}
+
+void PrintGroup(const CommandOptions& options, OptionGroup group,
+                const char* heading, std::ostream& stream) {
+  for (const CommandOptions::Option& option : options.Options()) {
+    if (option.group != group) {
+      continue;
+    }
+    stream << std::exchange(heading, "");
+    std::string value = option.default_value;
+    if (option.range && value.find('.') != std::string::npos) {
+      value = fmt::format("{:.4g}", std::stod(value));
+    }
+    const std::string range = option.range ? "; " + option.range->Text() : "";
+    PrintOption(
+        "--" + option.name + (value.empty() ? "" : " (=" + value + range + ")"),
+        option.help, stream);
+  }
+  for (const CommandOptions::Alias& alias : options.Aliases()) {
+    if (group == OptionGroup::kOldNames) {
+      stream << std::exchange(heading, "");
+      PrintOption("--" + alias.name, "is --" + alias.option + alias.note,
+                  stream);
     }
   }
 }
@@ -236,17 +325,34 @@ ParsedOptions ParseOptions(int argc, const char* const* argv,
   const Names names(options);
   ParsedOptions parsed;
   std::vector<Texts> sources = {ReadArguments(argc, argv, names, &parsed)};
-  if (parsed.wants_help) {
+  if (parsed.wants_help || parsed.wants_version) {
     return parsed;
   }
-  LeaveOut(names, false, &sources[0], &parsed);
+  RemoveIgnored(names, false, &sources[0], &parsed);
   ExpectOneName(options, sources[0]);
   if (sources[0].contains(kProjectPath)) {
     sources.push_back(ReadProjectFile(sources[0].at(kProjectPath)));
-    LeaveOut(names, true, &sources[1], &parsed);
+    RemoveIgnored(names, true, &sources[1], &parsed);
   }
   Apply(options, sources);
   return parsed;
+}
+
+void PrintHelp(const CommandOptions& options, const std::string& versions,
+               std::ostream& stream) {
+  stream << versions << "\n\n"
+         << options.Summary() << "\n"
+         << "Options are given as --name VALUE, or as lines name=VALUE of a "
+            "project file;\nthe command line has priority.\n\n";
+  PrintOption("-h, --help", "List the options", stream);
+  PrintOption("--version", "Print the version", stream);
+  PrintOption("--project_path", "Project file, as for COLMAP's commands",
+              stream);
+  PrintGroup(options, OptionGroup::kBasic, "", stream);
+  PrintGroup(options, OptionGroup::kAdvanced, "\nAdvanced:\n\n", stream);
+  PrintGroup(options, OptionGroup::kAblations, "\nAblations of the paper:\n\n",
+             stream);
+  PrintGroup(options, OptionGroup::kOldNames, "\nOther names:\n\n", stream);
 }
 
 }  // namespace colmap_ext

@@ -1,8 +1,6 @@
 #include "colmap_ext/options/refinement_options.h"
 
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/image_order_option.h"
-#include "colmap_ext/options/words.h"
 
 namespace colmap_ext {
 
@@ -12,11 +10,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* kRefinerOutput = "meshed-refined.ply";
 
-// A pixel takes a byte in an image, and eight where facets are drawn.
+// A pixel takes one byte in an image, and eight where facets are drawn.
 constexpr double kImageShare = 1.0 / 9;
 
-// What drawings are left with at least where images take more, of all: some
-// views and their partners, a choice.
+// The least share of the memory that is left for drawings: some views and their
+// partners. Chosen by hand.
 constexpr double kMinDrawingShare = 0.25;
 
 void CheckPaths(const RefinerOptions& options) {
@@ -29,8 +27,8 @@ void CheckPaths(const RefinerOptions& options) {
   if (options.PlotPath() == options.report_path &&
       !options.report_path.empty()) {
     throw OptionError(
-        "--report_path is a CSV or a page, .html, and the plot beside it ends "
-        "in .svg");
+        "--report_path is a page, .html, or a CSV; the plot beside it ends in "
+        ".svg");
   }
   if (options.LabelsPicturePath() == options.labels_path &&
       !options.labels_path.empty()) {
@@ -39,10 +37,10 @@ void CheckPaths(const RefinerOptions& options) {
   }
 }
 
-// A plan says what is refined.
+// A plan determines what is refined.
 void CheckPlan(const RefinerOptions& options) {
   if (options.plan_path.empty()) {
-    throw OptionError("--tile needs --plan");
+    throw OptionError("--tile needs --plan_path");
   }
   for (const std::string* path :
        {&options.workspace_path, &options.output_path, &options.fused_path,
@@ -51,28 +49,195 @@ void CheckPlan(const RefinerOptions& options) {
         &options.scene.region.text}) {
     if (!path->empty()) {
       throw OptionError(
-          "--plan says what is refined: of the paths, leave out all but "
-          "--input_path, and masks, regions and transforms");
+          "--plan_path determines what is refined: omit masks, regions, "
+          "transforms and all paths but --input_path");
     }
   }
   if (options.resume || options.viewer || options.snapshot_interval > 0) {
     throw OptionError(
-        "--resume, --viewer and snapshot_interval are not for plans: a tile is "
-        "refined at one go");
+        "--resume, --viewer and snapshot_interval are not for plans: a job "
+        "refines a whole tile");
   }
   if (options.input_path.empty() != (options.tile >= 0)) {
     throw OptionError(
         options.tile >= 0
-            ? "--input_path is for the planning, without --tile"
-            : "--plan needs --tile, or --input_path, the plan's mesh, to plan "
-              "its refinement");
+            ? "--input_path is for planning, without --tile"
+            : "--plan_path needs --tile, or --input_path, the plan's mesh, to "
+              "plan its refinement");
   }
-  if (options.words.refine_cameras != "auto" &&
-      options.words.refine_cameras != "none") {
+  if (options.refine_cameras.value_or(RefinedParts::kNothing) !=
+      RefinedParts::kNothing) {
     throw OptionError(
-        "cameras are not refined in tiles: refine them before, without --plan, "
-        "and plan by mesh_planner --sparse_path WORKSPACE/sparse-refined");
+        "cameras are not refined in tiles: refine them before, without "
+        "--plan_path, and plan by mesh_planner --sparse_path "
+        "WORKSPACE/sparse-refined");
   }
+}
+
+void AddPathOptions(CommandOptions* options, RefinerOptions* refiner) {
+  options->Add("workspace_path", &refiner->workspace_path,
+               "Dense workspace with images/ and sparse/, or a folder that has "
+               "it in dense/ or dense/0/; required, except with plan_path");
+  options->Add("input_path", &refiner->input_path,
+               "Mesh to refine, a PLY of triangles, with its .vis if there is "
+               "one. Default: WORKSPACE/meshed-delaunay-manifold.ply");
+  options->Add("output_path", &refiner->output_path,
+               "Refined mesh to write; required with input_path. Default: "
+               "WORKSPACE/meshed-refined.ply");
+  options->Add("report_path", &refiner->report_path,
+               "Write a report: NAME.html (page), NAME.csv (iterations) and "
+               "NAME.svg (plot). Give NAME.html or NAME.csv");
+  options->Add("resume", &refiner->resume,
+               "Continue an interrupted run from its last complete level");
+  options->Add("viewer", &refiner->viewer,
+               "Show the mesh in a window while it changes. T pauses; closing "
+               "the window does not end the refinement");
+  options->SetGroup(OptionGroup::kAdvanced);
+  AddFusedPathOption(&refiner->fused_path, options);
+  AddSparsePathOption(&refiner->sparse_path, options);
+  options->Add("labels_path", &refiner->labels_path,
+               "Write the mesh with faces colored by the image pair that "
+               "refined them, PLY, and a picture of it, PNG");
+  options->Add("plan_path", &refiner->plan_path,
+               "Plan folder. With input_path, the mesh of mesh_merger: plan "
+               "the refinement. With tile: refine this tile");
+  options->AddAlias("plan", "plan_path");
+  options->AddNumber("tile", &refiner->tile, kCountOrMinusOne,
+                     "Index of the tile to refine; -1: none");
+  AddImageOrderOption(&refiner->image_order, options);
+  options->SetGroup(OptionGroup::kBasic);
+}
+
+constexpr const char* kRefinementSection = "FacetwiseRefinement.";
+
+void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
+  const std::string ours = kRefinementSection;
+  FacetwiseRefinementOptions* const refinement = &refiner->refinement;
+  options->AddNumber(ours + "levels", &refinement->levels, {1, 8},
+                     "[levels] Image sizes, coarse to fine; 3: a quarter, half "
+                     "and full size");
+  options->AddNumber(ours + "smoothness_weight", &refinement->smoothness_weight,
+                     kNotNegative,
+                     "Factor on the estimated smoothness; higher is smoother");
+  options->AddNumber(ours + "max_face_area", &refinement->max_face_area,
+                     {0.5, 1e6},
+                     "[px^2] Area of a face in the image where the surface is "
+                     "curved; higher makes fewer faces. Flat parts get larger "
+                     "faces");
+  options->AddWord(ours + "refine_cameras", &refiner->refine_cameras,
+                   {{"auto", std::nullopt},
+                    {"none", RefinedParts::kNothing},
+                    {"poses", RefinedParts::kPoses},
+                    {"poses_intrinsics", RefinedParts::kPosesIntrinsics}},
+                   "Camera parameters to refine with the surface, written to "
+                   "WORKSPACE/sparse-refined. auto: poses, only if the images "
+                   "are misaligned, and not for rigs");
+  options->AddNumber(ours + "min_confidence", &refiner->min_confidence,
+                     {0, 1, kAutoTrim, "auto"},
+                     "Remove faces with a lower confidence; 0: keep all. auto: "
+                     "0.2, or 0 without fused points or if no face has as "
+                     "much");
+  options->AddAlias(ours + "trim", ours + "min_confidence");
+  options->AddNumber(ours + "close_holes", &refinement->borders.close_holes,
+                     kCountOrMinusOne,
+                     "[edges] Close holes with up to this many edges; -1: all, "
+                     "0: none");
+  options->Add(ours + "skip_missing_images", &refiner->skip_missing_images,
+               "Continue without images that are missing, unreadable, or not "
+               "of their camera's size");
+}
+
+void AddAdvancedOptions(CommandOptions* options, RefinerOptions* refiner) {
+  const std::string ours = kRefinementSection;
+  FacetwiseRefinementOptions* const refinement = &refiner->refinement;
+  options->SetGroup(OptionGroup::kAdvanced);
+  options->AddNumber(ours + "iterations", &refinement->iterations, {1},
+                     "[iterations] Maximum number at each level, without the "
+                     "last four");
+  options->AddNumber(ours + "min_zncc", &refinement->min_zncc, {-1, 1},
+                     "Refine faces where the correlation of the images is at "
+                     "least this; other faces follow those around them. -1: "
+                     "all faces, as in the paper");
+  options->AddNumber(ours + "pairs_per_image", &refinement->pairs_per_image,
+                     {1}, "[images] Images with which each image is paired");
+  options->AddNumber(ours + "final_pairs_per_face",
+                     &refinement->labeling.final_pairs_per_facet, {0},
+                     "[pairs] Image pairs per face in the last two iterations, "
+                     "which determine the remaining noise; the two before use "
+                     "a third as many. 0: omit these four, as in the paper");
+  options->AddAlias(ours + "final_pairs_per_facet",
+                    ours + "final_pairs_per_face");
+  options->Add(ours + "remeshing", &refinement->remeshing,
+               "Remesh before the last level into well-shaped faces, small "
+               "where the surface is curved. 0: only subdivide large faces, as "
+               "in the paper");
+}
+
+void AddAblationOptions(CommandOptions* options, RefinerOptions* refiner) {
+  const std::string ours = kRefinementSection;
+  FacetwiseRefinementOptions* const refinement = &refiner->refinement;
+  PhotometricOptions* const photometric = &refinement->photometric;
+  FacetLabelingOptions* const labeling = &refinement->labeling;
+  options->SetGroup(OptionGroup::kAblations);
+  options->AddNumber(ours + "window", &refiner->window, {3, 15},
+                     "[px] Side of the compared windows; odd");
+  options->AddNumber(ours + "noise_variance", &photometric->noise_variance,
+                     kPositive,
+                     "[gray values^2] Variance of the image noise, for gray "
+                     "values of 0 to 255; higher down-weights windows without "
+                     "texture");
+  options->AddNumber(ours + "residual_floor", &photometric->residual_floor,
+                     kPositive,
+                     "Fraction of a window's variance that even the best match "
+                     "leaves unexplained. A large one weights all windows "
+                     "alike, as in the paper");
+  options->AddNumber(ours + "min_cosine", &photometric->min_cosine, {0, 0.99},
+                     "Ignore images where the cosine between face normal and "
+                     "viewing direction is below this");
+  options->Add(ours + "occlusion_masking", &photometric->occlusion_masking,
+               "Ignore pixels of a window beyond a jump in depth");
+  options->AddWord(ours + "pair_selection", &labeling->pair_selection,
+                   {{"facetwise", PairSelection::kFacetwise},
+                    {"classical", PairSelection::kClassical}},
+                   "Refine each face by its best image pairs, or by every pair "
+                   "that sees it");
+  options->AddNumber(ours + "pairs_per_face", &labeling->pairs_per_facet, {1},
+                     "[pairs] Image pairs per face");
+  options->AddAlias(ours + "pairs_per_facet", ours + "pairs_per_face");
+  options->AddNumber(ours + "potts_weight", &labeling->potts_weight,
+                     kNotNegative,
+                     "Cost of different image pairs on neighboring faces; "
+                     "higher makes larger patches");
+  options->AddWord(ours + "solver", &refinement->solver,
+                   {{"gauss_newton", RefinementSolver::kGaussNewton},
+                    {"descent", RefinementSolver::kDescent}},
+                   "Move all vertices jointly, or each one along its gradient, "
+                   "as in the paper");
+  options->SetGroup(OptionGroup::kBasic);
+}
+
+void AddRunOptions(CommandOptions* options, RefinerOptions* refiner) {
+  const std::string ours = kRefinementSection;
+  options->AddWord(
+      ours + "backend", &refiner->backend,
+      {{"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"gl", Backend::kGl}},
+      "Processor or OpenGL 4.5. auto: OpenGL if there is a graphics card, else "
+      "the processor");
+  AddGpuIndexOption(&refiner->gpu_index, options);
+  options->AddAlias(ours + "gpu_index", "gpu_index");
+  AddThreadsOption("FacetwiseRefinement", &refiner->num_threads, options);
+  options->AddNumber("image_cache_gb", &refiner->image_cache_gb, kGigabytes,
+                     "[GB] Memory for cached images and depth buffers; those "
+                     "that do not fit are read and drawn again. The mesh, its "
+                     "visibility and labels come on top");
+  options->AddAlias("max_memory_gb", "image_cache_gb");
+  options->AddAlias(ours + "max_memory_gb", "image_cache_gb");
+  options->SetGroup(OptionGroup::kAdvanced);
+  options->AddNumber(ours + "snapshot_interval", &refiner->snapshot_interval,
+                     {0},
+                     "[iterations] Write OUTPUT.LEVEL.ITERATION.ply each time "
+                     "after this many; 0: never");
+  options->SetGroup(OptionGroup::kBasic);
 }
 
 }  // namespace
@@ -91,37 +256,21 @@ void RefinerOptions::FinishMethod() {
   if (window % 2 == 0) {
     throw OptionError("FacetwiseRefinement.window must be odd");
   }
-  image_order = ParseImageOrder(words.image_order);
-  backend = ParseWord<Backend>(
-      "backend", words.backend,
-      {{"auto", Backend::kAuto}, {"cpu", Backend::kCpu}, {"gl", Backend::kGl}});
   refinement.photometric.window_radius = window / 2;
-  refinement.labeling.pair_selection =
-      ParseWord<PairSelection>("pair_selection", words.pair_selection,
-                               {{"facetwise", PairSelection::kFacetwise},
-                                {"classical", PairSelection::kClassical}});
-  refinement.solver = ParseWord<RefinementSolver>(
-      "solver", words.solver,
-      {{"gauss_newton", RefinementSolver::kGaussNewton},
-       {"descent", RefinementSolver::kDescent}});
-  refinement.cameras.parts = ParseWord<RefinedParts>(
-      "refine_cameras", words.refine_cameras,
-      {{"auto", RefinedParts::kPoses},
-       {"none", RefinedParts::kNothing},
-       {"poses", RefinedParts::kPoses},
-       {"poses_intrinsics", RefinedParts::kPosesIntrinsics}});
-  refinement.cameras.only_if_misaligned = words.refine_cameras == "auto";
+  refinement.cameras.parts = refine_cameras.value_or(RefinedParts::kPoses);
+  refinement.cameras.only_if_misaligned = !refine_cameras;
   ChooseTrim(true);
 }
 
 void RefinerOptions::ChooseTrim(bool has_fused_points) {
-  // Found on photographs: what spans the sky or an unseen basin has less, and
-  // what two images see well has more (docs/method.md, section 7.6).
+  // Tuned on photographs: membranes over the sky or an unseen basin have less,
+  // and surface that two images see well has more (docs/method.md, 7.6).
   constexpr double kDefault = 0.2;
   BorderOptions& borders = refinement.borders;
-  borders.is_trim_optional = trim == kAutoTrim;
-  borders.trim =
-      borders.is_trim_optional ? (has_fused_points ? kDefault : 0) : trim;
+  borders.is_trim_optional = min_confidence == kAutoTrim;
+  borders.trim = !borders.is_trim_optional ? min_confidence
+                 : has_fused_points        ? kDefault
+                                           : 0;
 }
 
 fs::path RefinerOptions::OutputPath(const fs::path& folder) const {
@@ -146,16 +295,36 @@ fs::path RefinerOptions::LabelsPicturePath() const {
 }
 
 size_t RefinerOptions::MaxImageMemory() const {
-  return static_cast<size_t>(kImageShare * 1e9 * max_memory_gb);
+  return static_cast<size_t>(kImageShare * 1e9 * image_cache_gb);
 }
 
 size_t RefinerOptions::MaxDrawingMemory() const {
-  return static_cast<size_t>((1 - kImageShare) * 1e9 * max_memory_gb);
+  return static_cast<size_t>((1 - kImageShare) * 1e9 * image_cache_gb);
 }
 
 size_t RefinerOptions::MaxMemoryLentToImages() const {
   return static_cast<size_t>((1 - kImageShare - kMinDrawingShare) * 1e9 *
-                             max_memory_gb);
+                             image_cache_gb);
+}
+
+void AddResultOptions(CommandOptions* options, RefinerOptions* refiner) {
+  AddBasicOptions(options, refiner);
+  AddAdvancedOptions(options, refiner);
+  AddAblationOptions(options, refiner);
+}
+
+void AddRefinerOptions(CommandOptions* options, RefinerOptions* refiner) {
+  options->SetSummary(
+      "Refines a mesh by the images of its workspace: moves the vertices so "
+      "that the\nimages agree when projected onto the surface.\n\n"
+      "  colmap facetwise_refiner --workspace_path DIR\n");
+  AddPathOptions(options, refiner);
+  AddRegionOption("Refine only inside, and remove the mesh outside of",
+                  &refiner->scene.region, kWrittenAutoRegion, options);
+  AddMaskOption(&refiner->scene.mask_path, options);
+  AddTransformOption(&refiner->scene.transform_path, options);
+  AddRunOptions(options, refiner);
+  AddResultOptions(options, refiner);
 }
 
 }  // namespace colmap_ext

@@ -4,20 +4,21 @@
 #include <optional>
 #include <string>
 
+#include "colmap_ext/options/command_options.h"
 #include "colmap_ext/options/scene_options.h"
 #include "refine/facetwise_refinement.h"
 #include "workspace/image_order.h"
 
 namespace colmap_ext {
 
-// What computes the photometric energy.
+// The device that computes the photometric energy.
 enum class Backend {
   kAuto,  // OpenGL on a graphics card, or else the processor
   kCpu,
   kGl,
 };
 
-// Trims only what fused points can tell of.
+// Trims only where fused points give confidences.
 inline constexpr double kAutoTrim = -1;
 
 // Options of facetwise_refiner.
@@ -27,62 +28,60 @@ struct RefinerOptions {
   std::string output_path;  // empty: meshed-refined.ply in the workspace
   std::string fused_path;   // empty: fused.ply in the workspace
   std::string sparse_path;  // see WorkspaceOptions
-  std::string report_path;  // a CSV, or the page beside it; see below
-  std::string labels_path;  // a PLY; its picture lies beside it
+  std::string report_path;  // the page, or the CSV beside it; see below
+  std::string labels_path;  // a PLY; its picture has the same name
   std::string plan_path;    // a plan's folder, instead of a workspace
   int tile = -1;            // of the plan; -1: the refinement is planned
   SceneOptions scene;
   bool resume = false;
-  bool viewer = false;  // shows the mesh in a window meanwhile
+  bool viewer = false;  // show the mesh in a window meanwhile
 
   FacetwiseRefinementOptions refinement;
-  double trim = kAutoTrim;  // see BorderOptions
-  int window = 5;           // px
+  double min_confidence = kAutoTrim;  // BorderOptions::trim
+  int window = 5;                     // px
   Backend backend = Backend::kAuto;
-  std::optional<ImageOrderKind> image_order;  // see WorkspaceOptions
-  int gpu_index = -1;                         // see EglContext
-  double max_memory_gb = 4;
+  std::optional<ImageOrderKind> image_order;   // see WorkspaceOptions
+  std::optional<RefinedParts> refine_cameras;  // nullopt: if it is needed
+  int gpu_index = -1;                          // see EglContext
+  double image_cache_gb = 4;
   bool skip_missing_images = false;
   int snapshot_interval = 0;  // iterations; 0: none
   int num_threads = -1;
 
-  // As the command line has them, for what Finish() makes of them.
-  struct Words {
-    std::string pair_selection = "facetwise";  // or "classical"
-    std::string solver = "gauss_newton";       // or "descent"
-    // or "none", "poses", "poses_intrinsics"
-    std::string refine_cameras = "auto";
-    std::string backend = "auto";      // or "cpu" or "gl"
-    std::string image_order = "auto";  // or NameOf() an order
-  };
-  Words words;
-
-  // Passes words, and the window, on to the options that they stand for.
+  // Checks the options, and sets those that depend on others.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
 
-  // The same of those that AddResultOptions() adds alone.
+  // The same for those that AddResultOptions() adds.
   void FinishMethod();
 
-  // Whether cameras that can not be refined are taken as they are.
-  bool AllowsFixedCameras() const { return words.refine_cameras == "auto"; }
+  // Whether cameras that cannot be refined are kept.
+  bool AllowsFixedCameras() const { return !refine_cameras; }
 
   // Sets the trimming of the refinement.
   // \param has_fused_points  whether the workspace has a fused.ply.
   void ChooseTrim(bool has_fused_points);
 
-  // Files that are written beside others, or by default.
+  // Files that are written beside others, or by default
   std::filesystem::path OutputPath(const std::filesystem::path& folder) const;
   std::filesystem::path StepsPath() const;  // CSV
   std::filesystem::path PlotPath() const;   // SVG
   std::filesystem::path PagePath() const;   // HTML
   std::filesystem::path LabelsPicturePath() const;
 
-  // Of memory, for the images at a level, and for what is drawn into them.
-  // Bytes, the first two together max_memory_gb; the third is of the second.
+  // Memory of the images of a level, of what is drawn into them, and the part
+  // of the second that images may take too, bytes. The first two together are
+  // image_cache_gb.
   size_t MaxImageMemory() const;
   size_t MaxDrawingMemory() const;
   size_t MaxMemoryLentToImages() const;
 };
+
+// Adds the options to those of a command.
+// \param refiner  must outlive the parsing.
+void AddRefinerOptions(CommandOptions* options, RefinerOptions* refiner);
+
+// Adds only those that the refined mesh depends on.
+void AddResultOptions(CommandOptions* options, RefinerOptions* refiner);
 
 }  // namespace colmap_ext

@@ -1,7 +1,6 @@
 #include "colmap_ext/options/tiling_options.h"
 
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/add_meshing_options.h"
 #include "formats/read_transform.h"
 
 namespace colmap_ext {
@@ -13,78 +12,61 @@ void PlannerOptions::Finish() {
   if (mesher.meshing.weak_surfaces) {
     throw OptionError(
         "DelaunayManifoldMeshing.weak_surfaces compares each ray with all "
-        "others, which no tile knows: leave it out");
+        "others, which no tile knows: omit it");
   }
   mesher.Finish();
 }
 
 void MergerOptions::Finish() {
   if (plan_path.empty() || output_path.empty()) {
-    throw OptionError("--plan and --output_path are required");
+    throw OptionError("--plan_path and --output_path are required");
   }
   if (!transform_path.empty()) {
     transform = ReadTransform(transform_path);
   }
 }
 
-void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner) {
-  MesherOptions* mesher = &planner->mesher;
-  manager->AddDefaultOption("workspace_path", &mesher->workspace_path,
-                            "The dense workspace, as "
-                            "delaunay_manifold_mesher takes it");
-  manager->AddDefaultOption("output_path", &planner->output_path,
-                            "The plan, a folder. What is there of the same "
-                            "plan is kept");
-  manager->AddNumber("max_memory_gb", &planner->max_memory_gb, kGigabytes,
-                     "[GB] What the job of a tile may take");
-  manager->AddNumber("num_tiles", &planner->num_tiles, {0},
-                     "[tiles] 0: as many as max_memory_gb asks for");
-  manager->AddNumber("distance_sigma", &planner->distance_sigma, kLength,
-                     "[scene units] The expected noise of the points; 0: as "
-                     "DelaunayManifoldMeshing.distance_sigma_factor says");
-  manager->AddNumber(
-      "seam_rings", &planner->seam_rings, kCountOrMinusOne,
-      "[cells] How wide the merger cuts again on both sides of a seam; -1: "
-      "wherever one machine could decide otherwise, which takes memory");
-  manager->AddDefaultOption("fused_path", &mesher->words.fused_path,
-                            "The fused points, where they are not fused.ply of "
-                            "the workspace");
-  manager->AddDefaultOption("sparse_path", &mesher->sparse_path,
-                            "The cameras. Default: WORKSPACE/sparse");
-  manager->AddDefaultOption(
-      "mask_path", &mesher->scene.mask_path,
-      "Masks of the images, a folder of PNG files, image.jpg.png for "
-      "image.jpg: pixels of 0 are left out");
-  manager->AddDefaultOption(
-      "mask_background", &mesher->mask_background,
-      "Masked pixels are background: what is seen through them is free space");
-  manager->AddDefaultOption(
-      "region", &mesher->scene.region.text,
-      "What is meshed: a file (docs/scripts.md), two corners "
-      "x0,y0,z0,x1,y1,z1 of a box, or auto: what most images look at, which "
-      "mesh_merger writes to OUTPUT.region.txt");
-  manager->AddDefaultOption("image_order", &mesher->words.image_order,
-                            "How fused.ply.vis counts the images, where it can "
-                            "not be told: {auto, file, image_id, frame, "
-                            "frame_id}");
-  AddMeshingOptions(manager, mesher);
+void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner) {
+  options->SetSummary(
+      "Splits a scene into tiles that delaunay_manifold_mesher meshes as "
+      "independent\njobs, and prints the commands for Slurm or xargs.\n\n"
+      "  colmap mesh_planner --workspace_path DIR --output_path PLAN\n");
+  options->Add("workspace_path", &planner->mesher.workspace_path,
+               "Dense workspace, as for delaunay_manifold_mesher; required");
+  options->Add("output_path", &planner->output_path,
+               "Plan folder; required. Files of the same plan are kept");
+  options->AddNumber("max_memory_gb", &planner->max_memory_gb, kGigabytes,
+                     "[GB] Memory of the job of one tile; higher makes fewer "
+                     "tiles");
+  AddMeshingInputOptions(options, &planner->mesher);
+  options->SetGroup(OptionGroup::kAdvanced);
+  options->AddNumber("num_tiles", &planner->num_tiles, {0},
+                     "[tiles] Number of tiles; 0: by max_memory_gb");
+  options->AddNumber("distance_sigma", &planner->distance_sigma, kLength,
+                     "[scene units] Expected noise of the points; 0: by "
+                     "DelaunayManifoldMeshing.distance_sigma_factor");
+  options->AddNumber("seam_rings", &planner->seam_rings, kCountOrMinusOne,
+                     "[cells] Width that the merger re-solves on both sides of "
+                     "tile borders; -1: re-solve everything undecided: "
+                     "identical to a single-machine run, more memory");
+  options->SetGroup(OptionGroup::kBasic);
+  AddMeshingOptions(options, &planner->mesher);
 }
 
-void AddMergerOptions(CommandOptions* manager, MergerOptions* merger) {
-  manager->AddDefaultOption("plan", &merger->plan_path,
-                            "The folder of mesh_planner, all of whose tiles "
-                            "are done");
-  manager->AddDefaultOption("output_path", &merger->output_path, "The mesh");
-  manager->AddDefaultOption("refined", &merger->is_refined,
-                            "The mesh of the tiles as facetwise_refiner has "
-                            "refined them");
-  manager->AddDefaultOption(
-      "transform_path", &merger->transform_path,
-      "A transform of the mesh that is written, as model_aligner writes it; "
-      "positions are double then");
-  manager->AddNumber("num_threads", &merger->num_threads, kThreads,
-                     "[threads] -1 for all; the result does not depend "
-                     "on it");
+void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
+  options->SetSummary(
+      "Joins the tiles of a plan into one seamless 2-manifold mesh.\n\n"
+      "  colmap mesh_merger --plan_path PLAN --output_path MESH.ply\n");
+  options->Add("plan_path", &merger->plan_path,
+               "Plan folder of mesh_planner, all of whose tiles are done; "
+               "required");
+  options->AddAlias("plan", "plan_path");
+  options->Add("output_path", &merger->output_path,
+               "Mesh to write, PLY, with its .vis; required");
+  options->Add("refined", &merger->is_refined,
+               "Merge the tiles as facetwise_refiner has refined them");
+  AddTransformOption(&merger->transform_path, options);
+  AddThreadsOption("", &merger->num_threads, options);
 }
 
 }  // namespace colmap_ext

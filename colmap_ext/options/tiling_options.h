@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -16,7 +15,7 @@ struct PlannerOptions {
   MesherOptions mesher;
   std::string output_path;    // the plan's folder
   double max_memory_gb = 8;   // of a tile's job
-  int num_tiles = 0;          // 0: as many as the memory asks for
+  int num_tiles = 0;          // 0: by max_memory_gb
   double distance_sigma = 0;  // scene units; 0: from the edges' lengths
   int seam_rings = 4;         // TileCutOptions
 
@@ -28,17 +27,17 @@ struct PlannerOptions {
 struct MergerOptions {
   std::string plan_path;
   std::string output_path;
-  bool is_refined = false;     // of the tiles that are refined
+  bool is_refined = false;     // merge the refined tiles
   std::string transform_path;  // of the mesh that is written; empty: none
   std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
   int num_threads = -1;
 
-  // \throw OptionError, or FileError if the transform can not be read
+  // \throw OptionError, or FileError if the transform cannot be read
   void Finish();
 };
 
-// Add them to those of a command.
-void AddPlannerOptions(CommandOptions* manager, PlannerOptions* planner);
-void AddMergerOptions(CommandOptions* manager, MergerOptions* merger);
+// Add the options to those of a command.
+void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner);
+void AddMergerOptions(CommandOptions* options, MergerOptions* merger);
 
 }  // namespace colmap_ext

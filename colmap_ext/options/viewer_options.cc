@@ -1,45 +1,31 @@
 #include "colmap_ext/options/viewer_options.h"
 
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/image_order_option.h"
-#include "colmap_ext/options/number_list.h"
-#include "colmap_ext/options/words.h"
 
 namespace colmap_ext {
 
 namespace {
 
-MeshMode ParseMode(const std::string& word) {
-  return ParseWord<MeshMode>("mode", word,
-                             {{"shaded", MeshMode::kShaded},
-                              {"color", MeshMode::kColor},
-                              {"normals", MeshMode::kNormals},
-                              {"labels", MeshMode::kLabels},
-                              {"error", MeshMode::kErrors},
-                              {"confidence", MeshMode::kConfidence}});
-}
-
 void CheckScreenshot(const ViewerOptions& options) {
-  if (options.screenshot.empty() &&
-      (!options.camera.empty() || options.turntable > 0)) {
-    throw OptionError("--camera and --turntable are of --screenshot FILE.png");
+  if (options.screenshot_path.empty() &&
+      (!options.image_name.empty() || options.turntable > 0)) {
+    throw OptionError("--image_name and --turntable need --screenshot_path");
   }
-  if (!options.camera.empty() && options.turntable > 0) {
-    throw OptionError("--camera and --turntable exclude each other");
+  if (!options.image_name.empty() && options.turntable > 0) {
+    throw OptionError("--image_name and --turntable exclude each other");
   }
-  if (!options.screenshot.empty() && options.mesh_paths.size() > 1) {
-    throw OptionError("--screenshot takes one --mesh_path");
+  if (!options.screenshot_path.empty() && options.mesh_paths.size() > 1) {
+    throw OptionError("--screenshot_path takes one --mesh_path");
   }
-  if (options.camera.empty() && options.image_opacity > 0 &&
-      !options.screenshot.empty()) {
-    throw OptionError("--image_opacity needs --camera, whose image it is of");
+  if (options.image_name.empty() && options.image_opacity > 0 &&
+      !options.screenshot_path.empty()) {
+    throw OptionError("--image_opacity needs --image_name");
   }
-  if ((!options.camera.empty() || options.settings.cameras ||
+  if ((!options.image_name.empty() || options.settings.cameras ||
        options.settings.points) &&
       options.workspace_path.empty()) {
     throw OptionError(
-        "--camera, --cameras and --points need --workspace_path, which has "
-        "them");
+        "--image_name, --cameras and --points need --workspace_path");
   }
 }
 
@@ -52,15 +38,75 @@ void ViewerOptions::Finish() {
   region.Finish();
   if (region.is_auto) {
     throw OptionError(
-        "--region auto is not for mesh_viewer, but the file that it made: "
+        "--region auto is not for mesh_viewer: give the file that it made, "
         "MESH.region.txt");
   }
-  image_order = ParseImageOrder(image_order_word);
-  settings.mode = ParseMode(mode_word);
   const std::vector<double> center = ParseNumberList("center", center_words, 2);
   center_u = center[0];
   center_v = center[1];
   CheckScreenshot(*this);
+}
+
+void AddViewerOptions(CommandOptions* options, ViewerOptions* viewer) {
+  options->SetSummary(
+      "Shows meshes, points and cameras in a window, or draws pictures of "
+      "them.\n\n"
+      "  colmap mesh_viewer --workspace_path DIR\n"
+      "  colmap mesh_viewer --mesh_path MESH.ply --screenshot_path FILE.png\n");
+  DrawSettings* const settings = &viewer->settings;
+  options->Add("workspace_path", &viewer->workspace_path,
+               "Dense workspace with meshes, points, cameras and images");
+  options->Add("mesh_path", &viewer->mesh_paths,
+               "Meshes or point clouds, PLY: one or more. Default: "
+               "meshed-*.ply of the workspace");
+  AddSparsePathOption(&viewer->sparse_path, options);
+  AddRegionOption("Show meshes only inside", &viewer->region, "", options);
+  options->AddWord("mode", &settings->mode,
+                   {{"shaded", MeshMode::kShaded},
+                    {"color", MeshMode::kColor},
+                    {"normals", MeshMode::kNormals},
+                    {"labels", MeshMode::kLabels},
+                    {"error", MeshMode::kErrors},
+                    {"confidence", MeshMode::kConfidence}},
+                   "Shading, vertex colors, normals, the image pair of each "
+                   "face, errors, or confidence");
+  options->Add("wireframe", &settings->wireframe, "Draw the edges of faces");
+  options->Add("backfaces", &settings->backfaces,
+               "Draw the back sides of faces red");
+  options->Add("points", &settings->points, "Draw the workspace's points");
+  options->Add("cameras", &settings->cameras,
+               "Draw the workspace's cameras with their images");
+  options->Add("screenshot_path", &viewer->screenshot_path,
+               "Write a picture, PNG, instead of opening a window; needs no "
+               "display");
+  options->AddAlias("screenshot", "screenshot_path");
+  options->Add("image_name", &viewer->image_name,
+               "Draw the picture from the camera of this image");
+  options->AddAlias("camera", "image_name");
+  options->AddNumber("image_opacity", &viewer->image_opacity, {0, 1},
+                     "Opacity of that image over the mesh");
+  options->AddNumber("turntable", &viewer->turntable, {0, 1000},
+                     "[pictures] Draw this many pictures around the scene, "
+                     "FILE.000.png and so on; 0: one picture");
+  options->AddNumber("width", &viewer->width, {0, 8192},
+                     "[px] Width of the picture or window; 0: the camera's, or "
+                     "1024");
+  options->AddNumber("height", &viewer->height, {0, 8192},
+                     "[px] Height; 0: from the width and aspect ratio");
+  options->SetGroup(OptionGroup::kAdvanced);
+  options->AddNumber("zoom", &viewer->zoom, {1e-4, 1e4},
+                     "Magnification of the picture");
+  options->Add("center", &viewer->center_words,
+               "u,v: center of the magnified part, as fractions of the width "
+               "and height of the picture");
+  options->AddNumber("point_radius", &settings->point_radius, {0.01, 100},
+                     "[px] Radius of points");
+  options->Add("labels_path", &viewer->labels_path,
+               "Mesh of facetwise_refiner --labels_path, for mode labels");
+  options->Add("error_mesh_path", &viewer->error_mesh_path,
+               "Mesh of mesh_evaluator --error_mesh_path, for mode error");
+  AddGpuIndexOption(&viewer->gpu_index, options);
+  AddImageOrderOption(&viewer->image_order, options);
 }
 
 }  // namespace colmap_ext

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "colmap_ext/options/region_option.h"
+#include "colmap_ext/options/command_options.h"
+#include "colmap_ext/options/scene_options.h"
 #include "viewer/draw_settings.h"
-#include "workspace/image_order.h"
 
 namespace colmap_ext {
 
@@ -18,30 +18,32 @@ struct ViewerOptions {
   std::string labels_path;              // of facetwise_refiner
   std::string error_mesh_path;          // of mesh_evaluator
   std::string sparse_path;              // see WorkspaceOptions
-  RegionOption region;                  // what is shown of the meshes
-  std::string image_order_word = "auto";
+  RegionOption region;                  // the meshes are shown inside it
   std::optional<ImageOrderKind> image_order;
 
-  std::string screenshot;  // PNG; empty: a window
-  std::string camera;      // name of the image that sees the picture
-  int turntable = 0;       // pictures around the scene; 0: one picture
-  int width = 0;           // px; 0: the camera's, or kWidth
-  int height = 0;          // px; 0: as the width has it
+  std::string screenshot_path;  // PNG; empty: a window
+  std::string image_name;       // the picture is drawn from this image's camera
+  int turntable = 0;            // pictures around the scene; 0: one picture
+  int width = 0;                // px; 0: the camera's, or kWidth
+  int height = 0;               // px; 0: from the width and the aspect ratio
   double zoom = 1;
   std::string center_words = "0.5,0.5";
-  double center_u = 0.5;  // shares of the picture's width and height
+  double center_u = 0.5;  // fractions of the picture's width and height
   double center_v = 0.5;
   int gpu_index = -1;  // see EglContext
 
-  std::string mode_word = "shaded";
   DrawSettings settings;
-  double image_opacity = 0;  // 0: no image lies over the mesh
+  double image_opacity = 0;  // 0: no image over the mesh
 
   static constexpr int kWidth = 1024;  // px
 
-  // Passes the words on to the options that they stand for.
+  // Checks the options, and sets those that depend on others.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
 };
+
+// Adds the options to those of a command.
+// \param viewer  must outlive the parsing.
+void AddViewerOptions(CommandOptions* options, ViewerOptions* viewer);
 
 }  // namespace colmap_ext

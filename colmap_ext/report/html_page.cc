@@ -168,7 +168,7 @@ std::string HtmlPictures(const PagePictures& pictures) {
 std::vector<PageOption> PageOptions(const CommandOptions& options) {
   std::vector<PageOption> page_options;
   for (const CommandOptions::Option& option : options.Options()) {
-    const std::string value = TextOf(option.value);
+    const std::string value = option.text();
     page_options.push_back({option.name, value, value == option.default_value});
   }
   return page_options;

@@ -40,7 +40,7 @@ Eigen::Vector2i FreeSize(const ViewerOptions& options) {
 size_t FindView(const std::vector<View>& views, const std::string& name) {
   const auto found = std::ranges::find(views, name, &View::name);
   if (found == views.end()) {
-    throw OptionError("--camera: the workspace has no image " + name +
+    throw OptionError("--image_name: the workspace has no image " + name +
                       (views.empty()
                            ? ", nor any other"
                            : "; one that it has is " + views.front().name));
@@ -50,10 +50,11 @@ size_t FindView(const std::vector<View>& views, const std::string& name) {
 
 std::vector<Screenshot> PlanScreenshots(const ViewerOptions& options,
                                         const ShownScene& scene) {
-  const std::filesystem::path path = options.screenshot;
-  if (!options.camera.empty()) {
-    return {{path, Crop(options,
-                        scene.views[FindView(scene.views, options.camera)])}};
+  const std::filesystem::path path = options.screenshot_path;
+  if (!options.image_name.empty()) {
+    return {
+        {path, Crop(options,
+                    scene.views[FindView(scene.views, options.image_name)])}};
   }
   const Eigen::Vector2i size = FreeSize(options);
   OrbitCamera camera = FirstCamera(*scene.meshes[0], size.x(), size.y());
@@ -85,7 +86,7 @@ std::string DrawScreenshots(
   SceneRenderer renderer;
   DrawSettings settings = options.settings;
   if (options.image_opacity > 0) {
-    settings.image = FindView(scene.views, options.camera);
+    settings.image = FindView(scene.views, options.image_name);
     settings.image_opacity = options.image_opacity;
   }
   for (const Screenshot& screenshot : screenshots) {

@@ -22,7 +22,7 @@ def mesh(workspace, *, output_path=None, program=None, progress=None, **options)
     workspace: the folder with sparse/, fused.ply and fused.ply.vis, or one that
         has it in dense/ or dense/0/; for input_type="sparse" the sparse model.
     output_path: of the mesh; default: meshed-delaunay-manifold.ply in there.
-    options: those of the command, without their section: trim=0.2.
+    options: those of the command, without their section: min_confidence=0.2.
     program, progress: see program.find_program() and program.run().
     Returns the path of the mesh, a str; its .vis lies beside it.
     Raises ColmapExtError.

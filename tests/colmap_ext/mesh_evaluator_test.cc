@@ -220,7 +220,7 @@ TEST_F(MeshEvaluatorTest, RefusesWhatItCanNotUse) {
   ExpectRefusal(Run(Basics() + " --ground_plane 1,2"), "4 numbers");
   ExpectRefusal(Run(Basics() + " --observability_box 1,2,3,4"),
                 "--observability_mask");
-  ExpectRefusal(Run(Basics() + " --picture_image x"), "--picture_image");
+  ExpectRefusal(Run(Basics() + " --picture_image x"), "--image_name");
   ExpectRefusal(Run(Basics() + Option("workspace_path", "none")),
                 "no such folder");
   ExpectRefusal(Run(Basics() + " --json_path /dev/null/x"), "not a folder");

@@ -73,7 +73,7 @@ class MeshViewerTest : public RefinerFixture {
 
   ColorImage Screenshot(const std::string& arguments) const {
     const Outcome outcome =
-        View(Workspace() + " --screenshot shot.png " + arguments);
+        View(Workspace() + " --screenshot_path shot.png " + arguments);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return Picture("shot.png");
   }
@@ -92,7 +92,7 @@ TEST_F(MeshViewerTest, EachModeIsAnotherPicture) {
 
 // Half of the scene, in the same view.
 TEST_F(MeshViewerTest, ShowsARegion) {
-  const std::string camera = " --camera 0000.png --width 200";
+  const std::string camera = " --image_name 0000.png --width 200";
   const ColorImage whole = Screenshot(camera);
   const ColorImage half = Screenshot("--region=-9,-9,-9,0,9,9" + camera);
   size_t num_whole = 0;
@@ -105,16 +105,17 @@ TEST_F(MeshViewerTest, ShowsARegion) {
   EXPECT_LT(num_half, num_whole * 9 / 10);
   for (const char* name : {kInput, "fused.ply"}) {
     const std::string mesh = "--mesh_path " + Quote((path_ / name).string());
-    ExpectRefusal(View(mesh + " --screenshot a.png --region 70,70,70,80,80,80"),
-                  "nothing of it lies in the region");
+    ExpectRefusal(
+        View(mesh + " --screenshot_path a.png --region 70,70,70,80,80,80"),
+        "nothing of it lies in the region");
   }
-  ExpectRefusal(View(Workspace() + " --screenshot a.png --region auto"),
+  ExpectRefusal(View(Workspace() + " --screenshot_path a.png --region auto"),
                 ".region.txt");
 }
 
 TEST_F(MeshViewerTest, SaysWhatAModeMisses) {
   const Outcome outcome =
-      View(Workspace() + " --mode labels --screenshot shot.png");
+      View(Workspace() + " --mode labels --screenshot_path shot.png");
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_NE(outcome.out.find("has no labels; facetwise_refiner --labels_path"),
             std::string::npos);
@@ -124,7 +125,7 @@ TEST_F(MeshViewerTest, TakesMeshesAndCloudsWithoutAWorkspace) {
   for (const char* name : {kInput, "fused.ply"}) {
     const Outcome outcome =
         View("--mesh_path " + Quote((path_ / name).string()) +
-             " --screenshot alone.png --width 200");
+             " --screenshot_path alone.png --width 200");
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     const ColorImage picture = Picture("alone.png");
     EXPECT_EQ(picture.height, 150);
@@ -139,7 +140,7 @@ TEST_F(MeshViewerTest, TakesMeshesAndCloudsWithoutAWorkspace) {
 TEST_F(MeshViewerTest, TheCamerasImageLiesOverTheMesh) {
   const std::string name =
       fs::directory_iterator(path_ / "images")->path().filename().string();
-  const std::string camera = "--camera " + name;
+  const std::string camera = "--image_name " + name;
   const ColorImage mesh = Screenshot(camera + " --mode color");
   const ColorImage both = Screenshot(camera + " --image_opacity 0.5");
   const ColorImage image = Screenshot(camera + " --image_opacity 1");
@@ -163,22 +164,23 @@ TEST_F(MeshViewerTest, TurntableDrawsAllAround) {
 }
 
 TEST_F(MeshViewerTest, RefusesWhatMakesNoSense) {
-  const std::string shot = " --screenshot shot.png ";
+  const std::string shot = " --screenshot_path shot.png ";
   ExpectRefusal(View(""), "--workspace_path or --mesh_path is required");
-  ExpectRefusal(View(Workspace() + shot + "--camera none.png"),
+  ExpectRefusal(View(Workspace() + shot + "--image_name none.png"),
                 "the workspace has no image none.png; one that it has is");
   ExpectRefusal(View(Workspace() + shot + "--mode x"), "mode is 'x'");
   ExpectRefusal(View(Workspace() + shot + "--center 1"), "center is '1'");
   ExpectRefusal(View("--mesh_path none.ply" + shot), "no such file");
-  ExpectRefusal(View(Workspace() + " --turntable 3"), "are of --screenshot");
-  ExpectRefusal(View(Workspace() + " --screenshot no/shot.png"), "no/shot.png");
+  ExpectRefusal(View(Workspace() + " --turntable 3"), "need --screenshot_path");
+  ExpectRefusal(View(Workspace() + " --screenshot_path no/shot.png"),
+                "no/shot.png");
 }
 
 TEST_F(MeshViewerTest, WithoutADisplayItNamesTheWayWithoutOne) {
   const Outcome outcome =
       RunShell("env -u DISPLAY -u WAYLAND_DISPLAY " + Quote(kProgram) +
                " mesh_viewer " + Workspace());
-  ExpectRefusal(outcome, "--screenshot FILE.png draws without one");
+  ExpectRefusal(outcome, "--screenshot_path FILE.png draws without one");
 }
 
 class MeshViewerWindowTest : public MeshViewerTest {
@@ -267,8 +269,8 @@ TEST_F(MeshViewerWindowTest, FliesToCamerasWithTheirIntrinsics) {
   for (const auto& entry : fs::directory_iterator(path_ / "images")) {
     names.push_back(entry.path().filename().string());
   }
-  const std::string camera =
-      "--width 640 --height 480 --camera " + *std::ranges::min_element(names);
+  const std::string camera = "--width 640 --height 480 --image_name " +
+                             *std::ranges::min_element(names);
   EXPECT_LT(MeanDifference(Picture("mesh_viewer.002.png"), Screenshot(camera)),
             0.1);
   EXPECT_LT(MeanDifference(Picture("mesh_viewer.003.png"),

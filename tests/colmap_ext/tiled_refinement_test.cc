@@ -378,8 +378,8 @@ TEST_F(TiledRefinementTest, OnePlannerAtATime) {
 TEST_F(TiledRefinementTest, SaysWhatIsMissing) {
   MakePlan(2);
   ExpectRefusal(Run(Plan() + Tile(0)), "refine.json: not there");
-  ExpectRefusal(Run(Plan()), "--plan needs --tile, or --input_path");
-  ExpectRefusal(Run("--tile 1"), "--tile needs --plan");
+  ExpectRefusal(Run(Plan()), "--plan_path needs --tile, or --input_path");
+  ExpectRefusal(Run("--tile 1"), "--tile needs --plan_path");
   ExpectRefusal(
       Run(Plan() + Tile(0) + " --FacetwiseRefinement.refine_cameras poses"),
       "cameras are not refined in tiles");

@@ -313,7 +313,7 @@ TEST_F(TilingTest, RefusesWhatDoesNotFitTogether) {
   ExpectRefusal(Run("delaunay_manifold_mesher --tile 0"), "belong together");
   ExpectRefusal(Run("delaunay_manifold_mesher --plan " + Quote(plan_) +
                     " --tile 0 --workspace_path " + Quote(workspace_)),
-                "leave out --workspace_path");
+                "omit --workspace_path");
   ASSERT_EQ(MakeTile(0).exit_code, 0);
   ExpectRefusal(Merge(), "tile 1 is not done");
   EXPECT_FALSE(fs::exists(mesh_));

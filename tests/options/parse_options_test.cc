@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "colmap_ext/errors.h"
-#include "colmap_ext/options/print_help.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
@@ -15,13 +14,17 @@ namespace parse_options_test {
 class ParseOptionsTest : public testing::Test {
  protected:
   ParseOptionsTest() {
-    options_.AddDefaultOption("output_path", &text_, "Where to");
+    options_.Add("output_path", &text_, "Where to");
     options_.AddNumber("Ours.size", &number_, {0, 1000}, "[px] How large");
     options_.AddNumber("Ours.count", &count_, {-5, 10});
-    options_.AddDefaultOption("Ours.flag", &flag_);
-    options_.AddDefaultOption("paths", &paths_);
+    options_.Add("Ours.flag", &flag_);
+    options_.Add("paths", &paths_);
     options_.AddAlias("Theirs.size", "Ours.size", ", larger", &is_theirs_);
     options_.AddAlias("Theirs.count", "Ours.count");
+    options_.AddAlias("output", "output_path");
+    options_.SetGroup(OptionGroup::kAblations);
+    options_.AddWord("Ours.kind", &kind_, {{"auto", 0}, {"off", 1}, {"0", 1}},
+                     "Which");
   }
 
   ParsedOptions Parse(std::vector<const char*> arguments) {
@@ -53,6 +56,7 @@ class ParseOptionsTest : public testing::Test {
   int count_ = -1;
   bool flag_ = false;
   std::vector<std::string> paths_;
+  int kind_ = 0;
   bool is_theirs_ = false;
   CommandOptions options_;
   TemporaryFolder folder_;
@@ -60,7 +64,7 @@ class ParseOptionsTest : public testing::Test {
 };
 
 TEST_F(ParseOptionsTest, SetsWhatIsGivenAndLeavesTheRest) {
-  EXPECT_TRUE(Parse({}).left_out.empty());
+  EXPECT_TRUE(Parse({}).ignored.empty());
   EXPECT_EQ(text_, "here");
   EXPECT_EQ(number_, 20);
   Parse({"--output_path", "a b/c", "--Ours.size=5.", "--Ours.count", "-3",
@@ -83,7 +87,7 @@ TEST_F(ParseOptionsTest, ListsTakeSeveralValuesSeveralTimes) {
 }
 
 TEST_F(ParseOptionsTest, TakesNamesCutShortWhereTheyAreClear) {
-  Parse({"--output", "x", "--Ours.si", "1e-3"});
+  Parse({"--outp", "x", "--Ours.si", "1e-3"});
   EXPECT_EQ(text_, "x");
   EXPECT_EQ(number_, 1e-3);
   ExpectRefused({"--Ours.", "1"}, "ambiguous");
@@ -99,6 +103,7 @@ TEST_F(ParseOptionsTest, RefusesWhatItCanNotUnderstand) {
                 "--Ours.size is '12px'; it has to be a number, 0 ... 1000");
   ExpectRefused({"--Ours.flag", "2"},
                 "--Ours.flag is '2'; it has to be 0 or 1");
+  ExpectRefused({"--Ours.kind", "x"}, "it has to be auto or off");
   ExpectRefused({"--output_path"}, "--output_path needs a value");
   ExpectRefused({"--output_path", "--Ours.flag", "1"}, "needs a value");
   ExpectRefused({"somewhere"}, "'somewhere' stands without an option");
@@ -111,10 +116,16 @@ TEST_F(ParseOptionsTest, TakesAliasesAndNamesWhatMeansNothing) {
              "--random_seed=0"});
   EXPECT_EQ(number_, 10);
   EXPECT_TRUE(is_theirs_);
-  EXPECT_EQ(parsed.left_out,
+  EXPECT_EQ(parsed.ignored,
             (std::vector<std::string>{"--Theirs.new_one", "--log_level",
                                       "--random_seed"}));
   ExpectRefused({"--Theirs.size", "10", "--Ours.size", "5"}, "same option");
+  Parse({"--output", "there", "--Ours.kind", "OFF"});
+  EXPECT_EQ(text_, "there");
+  EXPECT_EQ(kind_, 1);
+  Parse({"--Ours.kind", "auto"});
+  Parse({"--Ours.kind", "0"});
+  EXPECT_EQ(kind_, 1);
 }
 
 TEST_F(ParseOptionsTest, ReadsProjectFilesAfterTheCommandLine) {
@@ -126,7 +137,7 @@ TEST_F(ParseOptionsTest, ReadsProjectFilesAfterTheCommandLine) {
   EXPECT_EQ(number_, 7);
   EXPECT_TRUE(is_theirs_);
   EXPECT_EQ(count_, 9);
-  EXPECT_EQ(parsed.left_out,
+  EXPECT_EQ(parsed.ignored,
             (std::vector<std::string>{"Other.*", "Theirs.*", "database_path",
                                       "log_level"}));
 }
@@ -143,11 +154,11 @@ TEST_F(ParseOptionsTest, PrefersItsOwnNamesAndTheCommandLine) {
 }
 
 TEST_F(ParseOptionsTest, RefusesBadProjectFiles) {
-  ExpectRefused({"--project_path", "/none.ini"}, "/none.ini can not be read");
-  ExpectRefused({"--project_path", "/tmp"}, "/tmp can not be read");
+  ExpectRefused({"--project_path", "/none.ini"}, "/none.ini cannot be read");
+  ExpectRefused({"--project_path", "/tmp"}, "/tmp cannot be read");
   for (const auto& [text, message] :
        {std::pair("nonsense\n", "line 1"), std::pair("[A]\n=3\n", "line 2"),
-        std::pair("[A]\nb=3\nb=4\n", "A.b is there twice"),
+        std::pair("[A]\nb=3\nb=4\n", "A.b is given twice"),
         std::pair("[Ours]\nsizes=3\n", "there is no option Ours.sizes"),
         std::pair("outptu_path=3\n", "there is no option outptu_path")}) {
     WriteFile(project_, text);
@@ -155,8 +166,9 @@ TEST_F(ParseOptionsTest, RefusesBadProjectFiles) {
   }
 }
 
-TEST_F(ParseOptionsTest, PrintsEachOptionWithItsDefault) {
+TEST_F(ParseOptionsTest, PrintsEachGroupWithDefaults) {
   EXPECT_TRUE(Parse({"--Ours.count", "3", "-h"}).wants_help);
+  EXPECT_TRUE(Parse({"--version"}).wants_version);
   std::ostringstream stream;
   PrintHelp(options_, "program 1.2", stream);
   const std::string help = stream.str();
@@ -165,6 +177,8 @@ TEST_F(ParseOptionsTest, PrintsEachOptionWithItsDefault) {
        {"  --output_path (=here)\n      Where to\n",
         "  --Ours.size (=20; 0 ... 1000)\n      [px] How large\n",
         "  --Ours.count (=-1; -5 ... 10)\n",
+        "\n\nAblations of the paper:\n\n"
+        "  --Ours.kind (=auto)\n      {auto, off}: Which\n\nOther names:\n",
         "  --Theirs.size\n      is --Ours.size, larger\n"}) {
     EXPECT_NE(help.find(text), std::string::npos) << text << "\nin\n" << help;
   }

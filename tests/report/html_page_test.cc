@@ -145,7 +145,7 @@ TEST(PageOptionsTest, TellsWhatWasGiven) {
   std::string path;
   int number = 3;
   CommandOptions options;
-  options.AddDefaultOption("path", &path);
+  options.Add("path", &path);
   options.AddNumber("number", &number, {0, 9});
   number = 4;
   const std::vector<PageOption> page_options = PageOptions(options);

@@ -14,10 +14,10 @@ PATHS = {
     "mesh_path": [MESH, "ws/truth/mesh.ply"],
     "truth_path": ["ws/truth/mesh.ply", "ws/truth/depth_maps", "ws/fused.ply",
                    "ws/stereo/depth_maps"],
-    "output_path": ["out.ply"], "plan": ["plan"],
+    "output_path": ["out.ply"], "plan_path": ["plan"],
     "report_path": ["report.html", "report.csv"], "labels_path": ["labels.ply"],
     "json_path": ["figures.json"], "error_mesh_path": ["errors.ply"],
-    "picture_path": ["picture.png"], "screenshot": ["shot.png"],
+    "picture_path": ["picture.png"], "screenshot_path": ["shot.png"],
 }
 WRONG_PATHS = ["nowhere", "nowhere/at all/x.ply", "ws", "ws/fused.ply", ".", "",
                "ws/fused.ply/x", "/dev/null", "/dev/full", "/proc/x.ply",
@@ -103,7 +103,7 @@ def _project(run, place, command):
     section = None
     for name in sorted(run.rng.sample(sorted(run.tools.options[command]), 2)):
         head, _, tail = name.rpartition(".")
-        if name.endswith("_path") or name in ("help", "viewer"):
+        if name.endswith("_path") or name in ("help", "version", "viewer"):
             continue
         if head and head != section:
             lines.append(f"[{head}]")
@@ -127,7 +127,7 @@ def _value(run, place, command, name):
         if name in special:
             return special[name](run, place)
         return run.rng.choice(PATHS[name])
-    if name in ("picture_image", "camera"):
+    if name in ("image_name", "picture_image", "camera"):
         return run.rng.choice(run.base.images + ["none.png"])
     if name == "observability_box":
         size = max(h - l for l, h in zip(run.base.low, run.base.high))
@@ -138,13 +138,15 @@ def _value(run, place, command, name):
 
 
 # Options that are drawn in other ways, or would open a window.
-LEFT_OUT = {"help", "viewer", "plan", "tile", "resume", "refined"}
+LEFT_OUT = {"help", "version", "viewer", "plan", "plan_path", "tile", "resume",
+            "refined"}
 
 
 # Options that need another one.
 TOGETHER = {"observability_mask": "observability_box",
             "observability_box": "observability_mask",
-            "mask_background": "mask_path", "picture_image": "picture_path"}
+            "mask_background": "mask_path", "image_name": "picture_path",
+            "picture_image": "picture_path"}
 
 
 def add_options(run, place, command, options, keep=()):
@@ -154,6 +156,7 @@ def add_options(run, place, command, options, keep=()):
              if name not in LEFT_OUT and name not in keep]
     for name in run.rng.sample(names, min(count, len(names))):
         if name in ("output_path", "workspace_path", "mesh_path", "screenshot",
+                    "screenshot_path",
                     "truth_path", "input_path") and run.chance(0.8):
             continue
         options[name] = _value(run, place, command, name)
@@ -200,11 +203,11 @@ def _evaluator(run):
 
 
 def _viewer(run):
-    options = {"screenshot": "shot.png", "width": 100, **run.base.options}
+    options = {"screenshot_path": "shot.png", "width": 100, **run.base.options}
     options.update(run.rng.choice([
         {"mesh_path": MESH}, {"mesh_path": "ws/fused.ply"},
         {"workspace_path": "ws"},
-        {"workspace_path": "ws", "camera": run.rng.choice(run.base.images)}]))
+        {"workspace_path": "ws", "image_name": run.rng.choice(run.base.images)}]))
     return options
 
 

@@ -18,10 +18,10 @@ MESHING = {"delaunay_manifold_mesher", "facetwise_refiner", "mesh_merger"}
 
 # Options whose files a command writes; * for those of every command.
 WRITTEN = {"*": ["output_path", "report_path", "json_path", "error_mesh_path",
-                 "picture_path", "screenshot", "plan", "labels_path"],
-           "mesh_viewer": ["screenshot"]}
+                 "picture_path", "screenshot_path", "plan_path", "labels_path"],
+           "mesh_viewer": ["screenshot_path"]}
 KINDS = {"output_path": ".ply", "json_path": ".json", "error_mesh_path": ".ply",
-         "picture_path": ".png", "screenshot": ".png", "labels_path": ".ply",
+         "picture_path": ".png", "screenshot_path": ".png", "labels_path": ".ply",
          "report_path": ".csv"}
 DEFAULT_OUTPUTS = ["ws/meshed-delaunay-manifold.", "ws/meshed-refined.",
                    "ws/sparse-refined"]

@@ -147,7 +147,7 @@ def _tiles_of(ended, pattern):
 def _do_tiles(run, place, command, tiles, is_disturbed, share):
     """Jobs of tiles. Returns whether all are done."""
     for tile in tiles:
-        options = {"plan": "plan", "tile": tile}
+        options = {"plan_path": "plan", "tile": tile}
         if command == "facetwise_refiner":
             options["FacetwiseRefinement.backend"] = "cpu"
         if is_disturbed and run.chance(0.5):
@@ -172,7 +172,7 @@ def _chain(run, place, planning, refining, is_disturbed, share):
                      share):
         return False
     damage_some(run, place, "plan", share)
-    merging = {"plan": "plan", "output_path": "merged.ply"}
+    merging = {"plan_path": "plan", "output_path": "merged.ply"}
     if run.step("mesh_merger", merging, place).code != 0 or refining is None:
         return False
     planned = run.step("facetwise_refiner", refining, place)
@@ -183,7 +183,7 @@ def _chain(run, place, planning, refining, is_disturbed, share):
                          is_disturbed, share):
             return False
     damage_some(run, place, "plan", share)
-    return run.step("mesh_merger", {"plan": "plan", "output_path": "refined.ply",
+    return run.step("mesh_merger", {"plan_path": "plan", "output_path": "refined.ply",
                                     "refined": 1}, place).code == 0
 
 
@@ -193,7 +193,7 @@ def _draw_chain(run, place):
                 keep=("output_path", "project_path", "workspace_path"))
     refining = None
     if run.chance(0.4):
-        refining = {"plan": "plan", "input_path": "merged.ply",
+        refining = {"plan_path": "plan", "input_path": "merged.ply",
                     "FacetwiseRefinement.levels": 1,
                     "FacetwiseRefinement.iterations": 1}
     return planning, refining
