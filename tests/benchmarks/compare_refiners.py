@@ -19,7 +19,7 @@ import tempfile
 
 from compare_meshers import print_table, run
 
-DEFAULT = "default: 1 pair a face, then 12"
+DEFAULT = "default"
 PAPER = "1 pair (the paper's)"
 
 
