@@ -50,7 +50,7 @@ double MergerMemoryGb(const Plan& plan, const PlannerOptions& options) {
 
 void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
                         RefinementTile* tile) {
-  // Fitted to tiles of bunny (docs/benchmarks.md), rounded up: what a square
+  // Fitted to tiles of bunny (docs/experiments.md), rounded up: what a square
   // pixel of surface takes, and one of an image with what is drawn into it.
   // The program, with the software that draws where there is no card.
   constexpr double kBaseGb = 0.12;

@@ -36,7 +36,7 @@ ParsedOptions ParseOptions(int argc, const char* const* argv,
 
 // Prints a command's options by groups: each on a line of its own,
 // `--name (=DEFAULT)` or `--name (=DEFAULT; RANGE)`, with its help below.
-// docs/scripts.md is made from this.
+// docs/options.md is made from this.
 // \param versions  of the programs, one line.
 void PrintHelp(const CommandOptions& options, const std::string& versions,
                std::ostream& stream);

@@ -64,7 +64,7 @@ void AddRegionOption(const std::string& effect, RegionOption* region,
                effect +
                    " this region: two opposite corners x0,y0,z0,x1,y1,z1 of a "
                    "box, or a file, such as that of stereo_fusion --bbox_path "
-                   "(docs/scripts.md)" +
+                   "(docs/tuning.md)" +
                    automatic);
 }
 

@@ -21,7 +21,7 @@ namespace {
 // The noise of a shift, px. What a window leaves unexplained is its noise, but
 // for what it can not know: how the images are sampled, and, along the epipolar
 // line, that its surface is tilted or curved. Found by trial on bunny
-// (docs/benchmarks.md).
+// (docs/results.md).
 Eigen::Matrix2d Covariance(const PhotometricOptions& photometric,
                            const WindowShift& shift,
                            const ShiftJacobian& jacobian) {

@@ -21,7 +21,7 @@ struct FacetLabelingOptions {
 
   // Labels of each facet that the last iterations use, the first ones included;
   // 0: no more than pairs_per_facet, as [Romanoni2020]. Tuned on the scenes of
-  // docs/benchmarks.md.
+  // docs/results.md.
   int final_pairs_per_facet = 18;
 
   // Labels of each facet that the final iterations before these use: a third.

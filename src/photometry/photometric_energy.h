@@ -25,7 +25,7 @@ struct PhotometricOptions {
   // docs/method.md, section 5.1. The smaller, the more those windows count that
   // match well; with a large one all count alike, which is the energy of
   // [Romanoni2020, section II-A, equation (1)]. Positive. What it does:
-  // docs/benchmarks.md, rows "energy -ZNCC".
+  // docs/experiments.md, rows "energy -ZNCC".
   double residual_floor = 0.05;
 
   // Leave pixels out of a window that lie across a depth discontinuity from

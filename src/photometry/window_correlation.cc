@@ -9,7 +9,7 @@ namespace colmap_ext {
 float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i) {
   // Footprints of a pixel that depths of one surface may differ by for each
   // pixel between them: a slope of 76 degrees, at which a facet shows a quarter
-  // of its area. What the masks do: docs/benchmarks.md, row "no occlusion
+  // of its area. What the masks do: docs/experiments.md, row "no occlusion
   // masks" (bunny).
   constexpr double kMaxSlope = 4;
   return options.occlusion_masking

@@ -186,7 +186,7 @@ class Refinement {
   static constexpr int kCameraPartners = 12;
 
   // Has more pairs refine each facet, so that the errors of poses average out.
-  // Tuned on the disturbed scenes of docs/benchmarks.md.
+  // Tuned on the disturbed scenes of docs/experiments.md.
   void AverageOverPairs() {
     constexpr int kPairs = 4;
     constexpr int kFinalPairs = 24;

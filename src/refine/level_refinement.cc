@@ -152,7 +152,7 @@ std::vector<double> SolveForMotion(const Stage& stage, State* state) {
 double Step(const Stage& stage, State* state) {
   constexpr int kMaxTrials = 3;  // the whole step, half and a quarter of it
   // Of the solution: the normal equations take the energy to be more curved
-  // than it is. Found by trial (docs/benchmarks.md).
+  // than it is. Found by trial (docs/experiments.md).
   constexpr double kRelaxation = 1.5;
   const SmoothnessDomain& domain = stage.domain;
   std::vector<double> motion = SolveForMotion(stage, state);

@@ -100,7 +100,7 @@ SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
                                  size_t* num_unconverged) {
   // How many times the energy counts the noise of a pixel: windows overlap, and
   // both directions of several pairs compare it. Found by trial on rendered
-  // scenes; rows "half" and "twice the smoothness" of docs/benchmarks.md show
+  // scenes; rows "half" and "twice the smoothness" of docs/experiments.md show
   // what half and twice do.
   constexpr double kRedundancy = 8;
   // Factor by which the weight may change in an iteration, so that the first

@@ -158,7 +158,7 @@ double CalibratedScale(const HalfPixelSlope& slope) {
   constexpr double kNominal = 1;
   constexpr double kNominalError = 0.5;
   // Curvature biases the slope. Tuned on: bunny, where sparse points show 1.91
-  // and the truth 1.81; by: the rows "calibrated" of docs/benchmarks.md.
+  // and the truth 1.81; by: the rows "calibrated" of docs/experiments.md.
   constexpr double kSlopeBias = 0.1;
   if (slope.num_points == 0) {
     return kNominal;
