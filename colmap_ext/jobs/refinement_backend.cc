@@ -8,7 +8,7 @@
 #include "gl/egl_context.h"
 #include "gl/gl_error.h"
 #include "gl/gl_photometric_energy.h"
-#include "photometry/cpu_photometric_energy.h"
+#include "photometry/photometric_energy.h"
 
 namespace colmap_ext {
 

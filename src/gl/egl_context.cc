@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include <dlfcn.h>
@@ -14,7 +12,6 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
-#include "gl/debug_output.h"
 #include "gl/gl_error.h"
 
 namespace colmap_ext {
@@ -41,16 +38,8 @@ void CheckLibraries() {
   }
 }
 
-bool HasExtension(const char* extensions, std::string_view name) {
-  const std::string_view list = extensions == nullptr ? "" : extensions;
-  for (size_t begin = 0; begin < list.size();) {
-    const size_t end = std::min(list.find(' ', begin), list.size());
-    if (list.substr(begin, end - begin) == name) {
-      return true;
-    }
-    begin = end + 1;
-  }
-  return false;
+bool HasExtension(const char* extensions, const char* name) {
+  return extensions != nullptr && epoxy_extension_in_string(extensions, name);
 }
 
 // The devices that are graphics cards.
@@ -104,10 +93,21 @@ EGLContext CreateContext(EGLDisplay display) {
 bool IsSoftwareRenderer(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  return name.find("llvmpipe") != std::string::npos ||
-         name.find("softpipe") != std::string::npos ||
-         name.find("swrast") != std::string::npos ||
-         name.find("software") != std::string::npos;
+  return std::ranges::any_of(
+      std::array{"llvmpipe", "softpipe", "swrast", "software"},
+      [&](const char* part) { return name.find(part) != std::string::npos; });
+}
+
+// Not used by anybody, bytes; SIZE_MAX if the driver does not tell.
+size_t FreeMemory() {
+  std::array<GLint, 4> kilobytes{};
+  if (epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) {
+    glGetIntegerv(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX,
+                  kilobytes.data());
+  } else if (epoxy_has_gl_extension("GL_ATI_meminfo")) {
+    glGetIntegerv(GL_TEXTURE_FREE_MEMORY_ATI, kilobytes.data());
+  }
+  return kilobytes[0] > 0 ? size_t{1024} * kilobytes[0] : SIZE_MAX;
 }
 
 }  // namespace
@@ -182,20 +182,6 @@ EglContext::~EglContext() {
   }
 }
 
-EglContext::EglContext(EglContext&& other) noexcept
-    : display_(other.display_),
-      context_(std::exchange(other.context_, nullptr)),
-      renderer_name_(std::move(other.renderer_name_)),
-      is_software_(other.is_software_) {}
-
-EglContext& EglContext::operator=(EglContext&& other) noexcept {
-  std::swap(display_, other.display_);
-  std::swap(context_, other.context_);
-  std::swap(renderer_name_, other.renderer_name_);
-  std::swap(is_software_, other.is_software_);
-  return *this;
-}
-
 EglContext::Scope EglContext::MakeCurrent() const {
   return Scope(display_, context_);
 }
@@ -216,6 +202,21 @@ EglContext::Scope::~Scope() {
   const bool had_context = previous_context_ != EGL_NO_CONTEXT;
   eglMakeCurrent(had_context ? previous_display_ : display_, EGL_NO_SURFACE,
                  EGL_NO_SURFACE, previous_context_);
+}
+
+GlLimits FindGlLimits(const GlLimits& at_most, bool is_software) {
+  // The rest is left to the driver and to other programs: a choice.
+  constexpr size_t kUsedTenths = 9;
+  // Mesa's software ends a shader's loops, without a word, after 65535 runs in
+  // all of them together. Some are left to the loops over a facet's corners.
+  constexpr size_t kSoftwareLoops = 65'000;
+  GLint64 max_block = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &max_block);
+  const size_t memory = is_software ? SIZE_MAX : FreeMemory();
+  return {std::min(at_most.max_block, static_cast<size_t>(max_block)),
+          std::min(at_most.max_memory,
+                   memory == SIZE_MAX ? memory : memory / 10 * kUsedTenths),
+          std::min(at_most.max_loops, is_software ? kSoftwareLoops : SIZE_MAX)};
 }
 
 }  // namespace colmap_ext

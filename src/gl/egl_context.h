@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 
 namespace colmap_ext {
@@ -30,8 +32,8 @@ class EglContext {
   // \throw NoGlError if there is none; says what was tried.
   explicit EglContext(int gpu_index = -1);
   ~EglContext();
-  EglContext(EglContext&& other) noexcept;
-  EglContext& operator=(EglContext&& other) noexcept;
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
 
   // To be used by one thread at a time.
   // \throw GlError if it is another thread's current one.
@@ -51,5 +53,19 @@ class EglContext {
   std::string renderer_name_;
   bool is_software_ = false;
 };
+
+// Limits of a graphics card.
+struct GlLimits {
+  size_t max_block = SIZE_MAX;   // of a buffer that a shader reaches at a time,
+                                 // bytes
+  size_t max_memory = SIZE_MAX;  // of all buffers and textures together, as far
+                                 // as they are free, bytes; SIZE_MAX: not known
+  size_t max_loops = SIZE_MAX;   // of all loops of a shader together: runs
+};
+
+// Of the card of the current context, or `at_most` where that is less.
+// \param is_software  the processor draws: there is no memory but the host's,
+//        and loops end early.
+GlLimits FindGlLimits(const GlLimits& at_most, bool is_software);
 
 }  // namespace colmap_ext

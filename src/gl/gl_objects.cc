@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "gl/debug_output.h"
 #include "gl/gl_error.h"
 
 namespace colmap_ext {
@@ -79,7 +78,7 @@ GlTexture::GlTexture(GLenum format, int width, int height)
   }
   GLuint name = 0;
   glCreateTextures(GL_TEXTURE_2D, 1, &name);
-  name_ = GlName<DeleteTexture>(name);
+  name_ = GlName<DeleteOne<&glDeleteTextures>>(name);
   glTextureStorage2D(name, 1, format, width, height);
   ThrowOnGlError("A texture");
   glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);

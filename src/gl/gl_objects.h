@@ -32,17 +32,10 @@ class GlName {
   GLuint name_ = 0;
 };
 
-struct DeleteBuffer {
-  void operator()(GLuint name) const { glDeleteBuffers(1, &name); }
-};
-struct DeleteTexture {
-  void operator()(GLuint name) const { glDeleteTextures(1, &name); }
-};
-struct DeleteFramebuffer {
-  void operator()(GLuint name) const { glDeleteFramebuffers(1, &name); }
-};
-struct DeleteVertexArray {
-  void operator()(GLuint name) const { glDeleteVertexArrays(1, &name); }
+// \tparam kDelete  a variable of epoxy's: glDeleteBuffers and its like.
+template <auto* kDelete>
+struct DeleteOne {
+  void operator()(GLuint name) const { (*kDelete)(1, &name); }
 };
 
 // A run of bytes on the graphics card. Like a pointer's, its constness is not
@@ -87,7 +80,7 @@ class GlBuffer {
  private:
   void ReadBytes(void* data, size_t num_bytes) const;
 
-  GlName<DeleteBuffer> name_;
+  GlName<DeleteOne<&glDeleteBuffers>> name_;
   size_t num_bytes_ = 0;
 };
 
@@ -121,7 +114,7 @@ class GlTexture {
   void ReadBytes(GLenum format, GLenum type, void* pixels,
                  size_t num_bytes) const;
 
-  GlName<DeleteTexture> name_;
+  GlName<DeleteOne<&glDeleteTextures>> name_;
   GLenum format_ = 0;
   int width_ = 0;
   int height_ = 0;
@@ -136,7 +129,7 @@ class GlFramebuffer {
   GLuint Name() const { return name_.Get(); }
 
  private:
-  GlName<DeleteFramebuffer> name_;
+  GlName<DeleteOne<&glDeleteFramebuffers>> name_;
 };
 
 class GlVertexArray {
@@ -146,7 +139,7 @@ class GlVertexArray {
   GLuint Name() const { return name_.Get(); }
 
  private:
-  GlName<DeleteVertexArray> name_;
+  GlName<DeleteOne<&glDeleteVertexArrays>> name_;
 };
 
 }  // namespace colmap_ext

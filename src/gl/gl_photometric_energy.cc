@@ -1,37 +1,24 @@
 #include "gl/gl_photometric_energy.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
-#include "gl/debug_output.h"
 #include "gl/egl_context.h"
 #include "gl/gl_error.h"
 #include "gl/pair_passes.h"
 #include "gl/view_textures.h"
-#include "photometry/cpu_photometric_energy.h"
 #include "photometry/pair_work.h"
+#include "photometry/photometric_energy.h"
 
 namespace colmap_ext {
 
 namespace {
 
-// What all pairs say about a facet, as gather.comp writes it.
-struct FacetSums {
-  float energy;
-  float weight;
-  float num_pixels;
-  std::array<float, 3> slopes;
-  std::array<float, 6> curvatures;
-};
-static_assert(sizeof(FacetSums) == 12 * sizeof(float));
-
+static_assert(sizeof(FacetTerms) == 12 * sizeof(float));  // as gather.comp
 constexpr size_t kVertexBytes = 3 * sizeof(float);
 constexpr size_t kNormalBytes = 3 * sizeof(double);
 
@@ -44,7 +31,7 @@ struct MeshSize {
   // Of the buffers, bytes.
   size_t Memory() const {
     constexpr size_t kFacetBytes = sizeof(Facet) + kNormalBytes +
-                                   sizeof(FacetSums) +
+                                   sizeof(FacetTerms) +
                                    sizeof(uint32_t);  // the last: its stamp
     return 2 * kVertexBytes * num_vertices + kFacetBytes * num_facets +
            sizeof(uint32_t) * num_compared;
@@ -58,26 +45,6 @@ struct MeshSize {
 
 std::string Megabytes(size_t num_bytes) {
   return std::to_string((num_bytes + 999'999) / 1'000'000) + " MB";
-}
-
-PhotometricTerms Terms(const std::vector<FacetSums>& sums) {
-  PhotometricTerms terms;
-  terms.energies.resize(sums.size());
-  terms.weights.resize(sums.size());
-  terms.num_pixels.resize(sums.size());
-  terms.slopes.resize(sums.size());
-  terms.curvatures.resize(sums.size());
-  tbb::parallel_for(size_t{0}, sums.size(), [&](size_t i) {
-    terms.energies[i] = sums[i].energy;
-    terms.weights[i] = sums[i].weight;
-    terms.num_pixels[i] = sums[i].num_pixels;
-    terms.slopes[i] = sums[i].slopes;
-    terms.curvatures[i] = sums[i].curvatures;
-  });
-  for (const float energy : terms.energies) {
-    terms.energy += energy;
-  }
-  return terms;
 }
 
 // All that needs the context to be current.
@@ -116,15 +83,15 @@ class Evaluator {
     views_.SetMesh(std::move(mesh));
   }
 
-  std::vector<FacetSums> Evaluate(const TriangleMesh& mesh,
-                                  const FacetLabels& labels) {
+  PhotometricTerms Evaluate(const TriangleMesh& mesh,
+                            const FacetLabels& labels) {
     const size_t num_facets = mesh.facets.size();
     const Rows<uint32_t> facets = GroupByDirection(labels);
     MakeRoom({mesh.vertices.size(), num_facets, facets.values.size()});
     vertices_.Assign(mesh.vertices);
     chosen_facets_.Assign(facets.values);
     ComputeNormals(num_facets);
-    sums_.Resize(num_facets * sizeof(FacetSums));
+    sums_.Resize(num_facets * sizeof(FacetTerms));
     sums_.SetZero();
     for (size_t i = 0; i < facets.size(); ++i) {
       const auto [first, second] = labels.pairs[i / 2];
@@ -133,7 +100,11 @@ class Evaluator {
                      facets.offsets[i], facets[i]);
       }
     }
-    return sums_.Read<FacetSums>(num_facets);
+    PhotometricTerms terms{0, sums_.Read<FacetTerms>(num_facets)};
+    for (const FacetTerms& facet : terms.facets) {
+      terms.energy += facet.energy;
+    }
+    return terms;
   }
 
  private:
@@ -186,7 +157,7 @@ class Evaluator {
   GlBuffer vertices_;       // the present ones
   GlBuffer chosen_facets_;  // see GroupByDirection()
   GlBuffer normals_;        // [F][3] double
-  GlBuffer sums_;           // [F] FacetSums
+  GlBuffer sums_;           // [F] FacetTerms
 };
 
 // The processor draws where visibility buffers are asked for, and takes over
@@ -242,11 +213,11 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   PhotometricTerms Evaluate(const TriangleMesh& mesh,
                             const FacetLabels& labels) override {
     assert(labels.NumFacets() == mesh.facets.size());
-    std::vector<FacetSums> sums;
+    PhotometricTerms terms;
     if (TryGl([&](Evaluator* evaluator) {
-          sums = evaluator->Evaluate(mesh, labels);
+          terms = evaluator->Evaluate(mesh, labels);
         })) {
-      return Terms(sums);
+      return terms;
     }
     if (const auto drawn = std::exchange(drawn_, nullptr)) {
       cpu_->Render(*drawn);

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "gl/gl_limits.h"
+#include "gl/egl_context.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
 

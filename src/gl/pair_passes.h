@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "gl/gl_limits.h"
+#include "gl/egl_context.h"
 #include "gl/gl_objects.h"
 #include "gl/program.h"
 #include "gl/view_textures.h"

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "base/index_limit.h"
-#include "gl/debug_output.h"
 #include "gl/gl_error.h"
-#include "gl/shader_sources.h"
 
 namespace colmap_ext {
 
@@ -42,6 +41,24 @@ std::string AddConstants(std::string_view source,
   return text;
 }
 
+// The log of a shader or program, unless its compiler or linker succeeded.
+template <typename GetNumber, typename GetLog>
+std::optional<std::string> FindErrors(GLuint name, GLenum status,
+                                      const GetNumber& get_number,
+                                      const GetLog& get_log) {
+  GLint has_succeeded = GL_FALSE;
+  get_number(name, status, &has_succeeded);
+  if (has_succeeded == GL_TRUE) {
+    return std::nullopt;
+  }
+  GLint length = 0;
+  get_number(name, GL_INFO_LOG_LENGTH, &length);
+  std::string log(length, '\0');
+  get_log(name, length, &length, log.data());
+  log.resize(length);
+  return log;
+}
+
 Shader Compile(const std::string& name, const ShaderConstants& constants) {
   const std::string text = AddConstants(ShaderSource(name), constants);
   Shader shader(glCreateShader(ShaderType(name)));
@@ -49,15 +66,9 @@ Shader Compile(const std::string& name, const ShaderConstants& constants) {
   const auto length = static_cast<GLint>(text.size());
   glShaderSource(shader.Get(), 1, &data, &length);
   glCompileShader(shader.Get());
-  GLint status = GL_FALSE;
-  glGetShaderiv(shader.Get(), GL_COMPILE_STATUS, &status);
-  if (status != GL_TRUE) {
-    GLint log_length = 0;
-    glGetShaderiv(shader.Get(), GL_INFO_LOG_LENGTH, &log_length);
-    std::string log(log_length, '\0');
-    glGetShaderInfoLog(shader.Get(), log_length, &log_length, log.data());
-    log.resize(log_length);
-    throw GlError("The shader " + name + " does not compile:\n" + log);
+  if (const auto log = FindErrors(shader.Get(), GL_COMPILE_STATUS,
+                                  glGetShaderiv, glGetShaderInfoLog)) {
+    throw GlError("The shader " + name + " does not compile:\n" + *log);
   }
   return shader;
 }
@@ -74,15 +85,9 @@ Program::Program(const std::vector<std::string>& shaders,
     glAttachShader(name_.Get(), compiled.back().Get());
   }
   glLinkProgram(name_.Get());
-  GLint status = GL_FALSE;
-  glGetProgramiv(name_.Get(), GL_LINK_STATUS, &status);
-  if (status != GL_TRUE) {
-    GLint length = 0;
-    glGetProgramiv(name_.Get(), GL_INFO_LOG_LENGTH, &length);
-    std::string log(length, '\0');
-    glGetProgramInfoLog(name_.Get(), length, &length, log.data());
-    log.resize(length);
-    throw GlError("The shaders " + title_ + " do not link:\n" + log);
+  if (const auto log = FindErrors(name_.Get(), GL_LINK_STATUS, glGetProgramiv,
+                                  glGetProgramInfoLog)) {
+    throw GlError("The shaders " + title_ + " do not link:\n" + *log);
   }
   FindUniforms();
   ThrowOnGlError(title_.c_str());
@@ -108,52 +113,6 @@ GLint Program::Location(std::string_view uniform) const {
                   std::string(uniform));
   }
   return found->second;
-}
-
-void Program::Set(std::string_view uniform, int value) {
-  glProgramUniform1i(name_.Get(), Location(uniform), value);
-}
-
-void Program::Set(std::string_view uniform, unsigned int value) {
-  glProgramUniform1ui(name_.Get(), Location(uniform), value);
-}
-
-void Program::Set(std::string_view uniform, float value) {
-  glProgramUniform1f(name_.Get(), Location(uniform), value);
-}
-
-void Program::Set(std::string_view uniform, double value) {
-  glProgramUniform1d(name_.Get(), Location(uniform), value);
-}
-
-void Program::Set(std::string_view uniform, const Eigen::Vector2i& value) {
-  glProgramUniform2iv(name_.Get(), Location(uniform), 1, value.data());
-}
-
-void Program::Set(std::string_view uniform, const Eigen::Vector2f& value) {
-  glProgramUniform2fv(name_.Get(), Location(uniform), 1, value.data());
-}
-
-void Program::Set(std::string_view uniform, const Eigen::Vector3f& value) {
-  glProgramUniform3fv(name_.Get(), Location(uniform), 1, value.data());
-}
-
-void Program::Set(std::string_view uniform, const Eigen::Matrix3f& value) {
-  glProgramUniformMatrix3fv(name_.Get(), Location(uniform), 1, GL_FALSE,
-                            value.data());
-}
-
-void Program::Set(std::string_view uniform, const Eigen::Vector2d& value) {
-  glProgramUniform2dv(name_.Get(), Location(uniform), 1, value.data());
-}
-
-void Program::Set(std::string_view uniform, const Eigen::Vector3d& value) {
-  glProgramUniform3dv(name_.Get(), Location(uniform), 1, value.data());
-}
-
-void Program::Set(std::string_view uniform, const Eigen::Matrix3d& value) {
-  glProgramUniformMatrix3dv(name_.Get(), Location(uniform), 1, GL_FALSE,
-                            value.data());
 }
 
 void Dispatch(const Program& program, size_t size) {

@@ -12,6 +12,11 @@
 
 namespace colmap_ext {
 
+// The text of a file of shaders/, which is part of the program.
+// \param name  of the file, without folders.
+// \throw std::out_of_range if there is no such file.
+std::string_view ShaderSource(std::string_view name);
+
 struct DeleteProgram {
   void operator()(GLuint name) const { glDeleteProgram(name); }
 };
@@ -35,17 +40,41 @@ class Program {
 
   // Sets a uniform.
   // \throw GlError if the program has none of that name.
-  void Set(std::string_view uniform, int value);
-  void Set(std::string_view uniform, unsigned int value);
-  void Set(std::string_view uniform, float value);
-  void Set(std::string_view uniform, double value);
-  void Set(std::string_view uniform, const Eigen::Vector2i& value);
-  void Set(std::string_view uniform, const Eigen::Vector2f& value);
-  void Set(std::string_view uniform, const Eigen::Vector3f& value);
-  void Set(std::string_view uniform, const Eigen::Matrix3f& value);
-  void Set(std::string_view uniform, const Eigen::Vector2d& value);
-  void Set(std::string_view uniform, const Eigen::Vector3d& value);
-  void Set(std::string_view uniform, const Eigen::Matrix3d& value);
+  void Set(std::string_view name, int value) {
+    glProgramUniform1i(name_.Get(), Location(name), value);
+  }
+  void Set(std::string_view name, unsigned int value) {
+    glProgramUniform1ui(name_.Get(), Location(name), value);
+  }
+  void Set(std::string_view name, float value) {
+    glProgramUniform1f(name_.Get(), Location(name), value);
+  }
+  void Set(std::string_view name, double value) {
+    glProgramUniform1d(name_.Get(), Location(name), value);
+  }
+  void Set(std::string_view name, const Eigen::Vector2i& value) {
+    glProgramUniform2iv(name_.Get(), Location(name), 1, value.data());
+  }
+  void Set(std::string_view name, const Eigen::Vector2f& value) {
+    glProgramUniform2fv(name_.Get(), Location(name), 1, value.data());
+  }
+  void Set(std::string_view name, const Eigen::Vector3f& value) {
+    glProgramUniform3fv(name_.Get(), Location(name), 1, value.data());
+  }
+  void Set(std::string_view name, const Eigen::Matrix3f& value) {
+    glProgramUniformMatrix3fv(name_.Get(), Location(name), 1, GL_FALSE,
+                              value.data());
+  }
+  void Set(std::string_view name, const Eigen::Vector2d& value) {
+    glProgramUniform2dv(name_.Get(), Location(name), 1, value.data());
+  }
+  void Set(std::string_view name, const Eigen::Vector3d& value) {
+    glProgramUniform3dv(name_.Get(), Location(name), 1, value.data());
+  }
+  void Set(std::string_view name, const Eigen::Matrix3d& value) {
+    glProgramUniformMatrix3dv(name_.Get(), Location(name), 1, GL_FALSE,
+                              value.data());
+  }
 
   void Use() const { glUseProgram(name_.Get()); }
 

@@ -1,10 +1,207 @@
 #include "gl/view_textures.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
-#include "scene/gray_image.h"
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "gl/gl_error.h"
+#include "mesh/clip_to_image.h"
+#include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {
+
+namespace {
+
+// The largest inverse depth of the vertices before the camera, 1 / scene unit;
+// 0 if there is none.
+double MaxInverseDepth(const View& view, const TriangleMesh& mesh) {
+  constexpr size_t kGrain = 1 << 14;  // vertices a task; a choice
+  const Eigen::RowVector3d axis = view.cam_from_world_rotation.row(2);
+  const double offset = view.cam_from_world_translation.z();
+  return tbb::parallel_reduce(
+      tbb::blocked_range<size_t>(0, mesh.vertices.size(), kGrain), 0.0,
+      [&](const tbb::blocked_range<size_t>& range, double max) {
+        for (size_t i = range.begin(); i != range.end(); ++i) {
+          const double z = axis * mesh.vertices[i].cast<double>() + offset;
+          max = z > 0 ? std::max(max, 1 / z) : max;
+        }
+        return max;
+      },
+      [](double a, double b) { return std::max(a, b); });
+}
+
+// Of a triangle of the part of a facet in and around the image.
+struct ClippedCorner {
+  float u, v;  // px, multiples of 1/256
+  float inverse_depth;
+  uint32_t facet;
+};
+
+// Three a triangle, of the facets that facet_ids.vert leaves out. Over much
+// more of the image's plane the values of a card's floats change too much. Over
+// less, edges would be cut that other facets have whole: their ends are moved
+// to other subpixels, and pixels fall between the facets.
+std::vector<ClippedCorner> ClipFacets(const View& view,
+                                      const TriangleMesh& mesh) {
+  constexpr double kSubpixels = 256;   // 1 / px, as raster/facet_id_buffer.cc
+  constexpr double kMargin = 1 << 13;  // px; a choice
+  std::vector<ClippedCorner> corners;
+  for (const uint32_t facet : FindClippedFacets(view, mesh)) {
+    const std::vector<Eigen::Vector3d> part =
+        ClipToImage(view, mesh, mesh.facets[facet], ImageBox(view, -kMargin));
+    for (size_t k = 2; k < part.size(); ++k) {
+      for (const Eigen::Vector3d& corner : {part[0], part[k - 1], part[k]}) {
+        const Eigen::Vector2d pixel = view.ImageFromCam(corner);
+        corners.push_back({static_cast<float>(
+                               std::round(pixel.x() * kSubpixels) / kSubpixels),
+                           static_cast<float>(
+                               std::round(pixel.y() * kSubpixels) / kSubpixels),
+                           static_cast<float>(1 / corner.z()), facet});
+      }
+    }
+  }
+  return corners;
+}
+
+// A power of two: scaled with it, inverse depths are below 1 and not rounded.
+double DepthScale(double max_inverse_depth) {
+  return max_inverse_depth > 0 ? std::exp2(-std::ilogb(max_inverse_depth) - 1)
+                               : 1.0;
+}
+
+// For projection.glsl.
+void SetProjection(const View& view, Program* program) {
+  program->Set("cam_from_world_rotation", view.cam_from_world_rotation);
+  program->Set("cam_from_world_translation", view.cam_from_world_translation);
+  program->Set("focal", Eigen::Vector2d(view.fx, view.fy));
+  program->Set("principal", Eigen::Vector2d(view.cx, view.cy));
+}
+
+}  // namespace
+
+FacetTextures::FacetTextures(int width, int height)
+    : facets(GL_R32UI, width, height),
+      depths(GL_DEPTH_COMPONENT32F, width, height) {}
+
+FacetDrawer::FacetDrawer(double min_cosine)
+    : min_cosine_(min_cosine),
+      mask_({"mask.vert", "mask.frag"}),
+      ids_({"facet_ids.vert", "facet_ids.frag"}),
+      clipped_({"clipped_facets.vert", "clipped_facets.frag"}),
+      facing_({"facing.comp"}) {
+  constexpr GLuint kPosition = 0;
+  glEnableVertexArrayAttrib(vertex_array_.Name(), kPosition);
+  glVertexArrayAttribFormat(vertex_array_.Name(), kPosition, 3, GL_FLOAT,
+                            GL_FALSE, 0);
+  glVertexArrayAttribBinding(vertex_array_.Name(), kPosition, 0);
+  constexpr GLuint kFacet = 1;
+  const GLuint array = clipped_array_.Name();
+  glEnableVertexArrayAttrib(array, kPosition);
+  glVertexArrayAttribFormat(array, kPosition, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(array, kPosition, 0);
+  glEnableVertexArrayAttrib(array, kFacet);
+  glVertexArrayAttribIFormat(array, kFacet, 1, GL_UNSIGNED_INT,
+                             offsetof(ClippedCorner, facet));
+  glVertexArrayAttribBinding(array, kFacet, 0);
+}
+
+void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
+                       const GlBuffer& vertices, const GlBuffer& facets,
+                       FacetTextures* textures, const GrayImage* mask) {
+  const std::vector<ClippedCorner> clipped = ClipFacets(view, mesh);
+  double max_inverse_depth = MaxInverseDepth(view, mesh);
+  for (const ClippedCorner& corner : clipped) {
+    max_inverse_depth =
+        std::max<double>(max_inverse_depth, corner.inverse_depth);
+  }
+  textures->depth_scale = static_cast<float>(DepthScale(max_inverse_depth));
+  BeginImages(view, textures);
+  if (mask != nullptr) {
+    DrawMask(*mask);
+  }
+  DrawImages(view, mesh.facets.size(), vertices, facets, textures);
+  GlBuffer corners;
+  corners.Assign(clipped);
+  DrawClipped(view, clipped.size(), corners, *textures);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  FindFacing(view, mesh.facets.size(), vertices, facets, textures);
+}
+
+void FacetDrawer::BeginImages(const View& view, FacetTextures* textures) {
+  framebuffer_.Attach(GL_COLOR_ATTACHMENT0, textures->facets);
+  framebuffer_.Attach(GL_DEPTH_ATTACHMENT, textures->depths);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.Name());
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw GlError("This OpenGL can not draw into images of numbers");
+  }
+  glViewport(0, 0, view.width, view.height);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_CLIP_DISTANCE0);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_DITHER);
+  const GLuint nothing[4] = {kNone, 0, 0, 0};
+  const GLfloat far_away = 0;
+  glClearBufferuiv(GL_COLOR, 0, nothing);
+  glClearBufferfv(GL_DEPTH, 0, &far_away);
+}
+
+void FacetDrawer::DrawMask(const GrayImage& mask) {
+  const GlTexture texture(GL_R8UI, mask.width, mask.height);
+  texture.Write(GL_RED_INTEGER, GL_UNSIGNED_BYTE, mask.pixels.data());
+  texture.BindToSampler(0);
+  mask_.Use();
+  glBindVertexArray(no_vertices_.Name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void FacetDrawer::DrawImages(const View& view, size_t num_facets,
+                             const GlBuffer& vertices, const GlBuffer& facets,
+                             FacetTextures* textures) {
+  SetProjection(view, &ids_);
+  ids_.Set("size", Eigen::Vector2d(view.width, view.height));
+  ids_.Set("depth_scale", textures->depth_scale);
+  ids_.Use();
+  glVertexArrayVertexBuffer(vertex_array_.Name(), 0, vertices.Name(), 0,
+                            sizeof(Eigen::Vector3f));
+  glVertexArrayElementBuffer(vertex_array_.Name(), facets.Name());
+  glBindVertexArray(vertex_array_.Name());
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * num_facets),
+                 GL_UNSIGNED_INT, nullptr);
+}
+
+void FacetDrawer::DrawClipped(const View& view, size_t num_corners,
+                              const GlBuffer& corners,
+                              const FacetTextures& textures) {
+  clipped_.Set("size", Eigen::Vector2f(view.width, view.height));
+  clipped_.Set("depth_scale", textures.depth_scale);
+  clipped_.Use();
+  glVertexArrayVertexBuffer(clipped_array_.Name(), 0, corners.Name(), 0,
+                            sizeof(ClippedCorner));
+  glBindVertexArray(clipped_array_.Name());
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(num_corners));
+}
+
+void FacetDrawer::FindFacing(const View& view, size_t num_facets,
+                             const GlBuffer& vertices, const GlBuffer& facets,
+                             FacetTextures* textures) {
+  const size_t num_words = (num_facets + 31) / 32;
+  textures->facing.Resize(num_words * sizeof(uint32_t));
+  vertices.BindToStorage(0);
+  facets.BindToStorage(1);
+  textures->facing.BindToStorage(2);
+  SetProjection(view, &facing_);
+  facing_.Set("num_facets", static_cast<unsigned int>(num_facets));
+  facing_.Set("center", view.Center());
+  facing_.Set("min_cosine", min_cosine_);
+  Dispatch(facing_, num_words);
+}
 
 ViewTextures::ViewTextures(const GrayImage& gray_image, int width, int height)
     : image(GL_R8UI, width, height), drawn(width, height) {

@@ -14,26 +14,6 @@ namespace colmap_ext {
 
 namespace {
 
-// The directions that are compared in a view.
-struct DirectionsOfView {
-  std::vector<uint32_t> directions;  // ascending
-  std::vector<uint32_t> places;      // [2 L] in `directions`, or kNone
-};
-
-DirectionsOfView FindDirectionsOf(const std::vector<ViewPair>& pairs,
-                                  uint32_t view) {
-  DirectionsOfView of_view;
-  of_view.places.assign(2 * pairs.size(), kNone);
-  for (uint32_t i = 0; i < of_view.places.size(); ++i) {
-    const ViewPair& pair = pairs[i / 2];
-    if ((i % 2 == 0 ? pair.first : pair.second) == view) {
-      of_view.places[i] = static_cast<uint32_t>(of_view.directions.size());
-      of_view.directions.push_back(i);
-    }
-  }
-  return of_view;
-}
-
 // \pre rows come in ascending order
 void Extend(int row, int col, PixelRectangle* tile) {
   if (tile->IsEmpty()) {
@@ -42,33 +22,6 @@ void Extend(int row, int col, PixelRectangle* tile) {
   tile->last_row = row;
   tile->first_col = std::min(tile->first_col, col);
   tile->last_col = std::max(tile->last_col, col);
-}
-
-// The tiles of one row of squares.
-struct TileBand {
-  TileBand(size_t num_directions, int width)
-      : num_cols((width + kTileSize - 1) / kTileSize),
-        tiles(num_directions * num_cols) {}
-
-  size_t num_cols;
-  std::vector<PixelRectangle> tiles;  // [directions of the view * num_cols]
-};
-
-void AddPixels(const FacetIdBuffer& drawn, int row, const FacetLabels& labels,
-               const std::vector<uint32_t>& places, TileBand* band) {
-  for (int col = 0; col < drawn.width; ++col) {
-    const uint32_t facet = drawn.facets[drawn.Index(row, col)];
-    if (facet == kNone) {
-      continue;
-    }
-    labels.ForEachDirection(facet, [&](uint32_t direction) {
-      const uint32_t place = places[direction];
-      if (place != kNone) {
-        Extend(row, col,
-               &band->tiles[place * band->num_cols + col / kTileSize]);
-      }
-    });
-  }
 }
 
 std::vector<TiledDirection> DirectionsTo(uint32_t view,
@@ -140,39 +93,56 @@ Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
   return facets;
 }
 
-bool IsGroupedByDirection(const FacetLabels& labels,
-                          const Rows<uint32_t>& facets) {
-  if (facets.size() != 2 * labels.pairs.size()) {
-    return false;
+void FacetPlaces::Set(std::span<const uint32_t> facets) {
+  for (uint32_t k = 0; k < facets.size(); ++k) {
+    Word& word = words_[facets[k] / 64];
+    if (word.bits == 0) {
+      word.num_before = k;
+    }
+    word.bits |= uint64_t{1} << facets[k] % 64;
   }
-  std::vector<uint64_t> next(facets.offsets.begin(), facets.offsets.end() - 1);
-  bool is_same = true;
-  for (uint32_t facet = 0; is_same && facet < labels.NumFacets(); ++facet) {
-    labels.ForEachDirection(facet, [&](uint32_t direction) {
-      uint64_t& at = next[direction];
-      is_same = is_same && at < facets.offsets[direction + 1] &&
-                facets.values[at] == facet;
-      ++at;
-    });
+}
+
+void FacetPlaces::Clear(std::span<const uint32_t> facets) {
+  for (const uint32_t facet : facets) {
+    words_[facet / 64].bits = 0;
   }
-  return is_same &&
-         std::equal(next.begin(), next.end(), facets.offsets.begin() + 1);
 }
 
 std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
                                                    uint32_t view,
                                                    const FacetLabels& labels) {
-  const DirectionsOfView of_view = FindDirectionsOf(labels.pairs, view);
-  std::vector<std::vector<PixelRectangle>> tiles(of_view.places.size());
-  for (int first = 0; first < drawn.height; first += kTileSize) {
-    TileBand band(of_view.directions.size(), drawn.width);
-    const int end = std::min(first + kTileSize, drawn.height);
-    for (int row = first; row < end; ++row) {
-      AddPixels(drawn, row, labels, of_view.places, &band);
+  const size_t num_cols = (drawn.width + kTileSize - 1) / kTileSize;
+  std::vector<uint32_t> directions;  // of the view
+  // [2 L][num_cols] the tiles of a row of squares, of the view's directions.
+  std::vector<std::vector<PixelRectangle>> squares(2 * labels.pairs.size());
+  for (uint32_t i = 0; i < squares.size(); ++i) {
+    const auto [first, second] = labels.pairs[i / 2];
+    if ((i % 2 == 0 ? first : second) == view) {
+      directions.push_back(i);
+      squares[i].resize(num_cols);
     }
-    for (size_t i = 0; i < band.tiles.size(); ++i) {
-      if (!band.tiles[i].IsEmpty()) {
-        tiles[of_view.directions[i / band.num_cols]].push_back(band.tiles[i]);
+  }
+  std::vector<std::vector<PixelRectangle>> tiles(squares.size());
+  for (int row = 0; row < drawn.height; ++row) {
+    for (int col = 0; col < drawn.width; ++col) {
+      const uint32_t facet = drawn.facets[drawn.Index(row, col)];
+      if (facet == kNone) {
+        continue;
+      }
+      labels.ForEachDirection(facet, [&](uint32_t direction) {
+        if (!squares[direction].empty()) {
+          Extend(row, col, &squares[direction][col / kTileSize]);
+        }
+      });
+    }
+    if ((row + 1) % kTileSize == 0 || row + 1 == drawn.height) {
+      for (const uint32_t direction : directions) {
+        for (PixelRectangle& tile : squares[direction]) {
+          if (!tile.IsEmpty()) {
+            tiles[direction].push_back(std::exchange(tile, {}));
+          }
+        }
       }
     }
   }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/rows.h"
@@ -14,9 +16,35 @@ namespace colmap_ext {
 // [2 L] the facets that are compared in each direction, ascending.
 Rows<uint32_t> GroupByDirection(const FacetLabels& labels);
 
-// Whether these are the rows of GroupByDirection(), which it does not build.
-bool IsGroupedByDirection(const FacetLabels& labels,
-                          const Rows<uint32_t>& facets);
+// The places of some facets of a mesh in a list of them: a bit a facet, and how
+// many come before each 64. Each thread has one.
+class FacetPlaces {
+ public:
+  explicit FacetPlaces(size_t num_facets) : words_(num_facets / 64 + 1) {}
+
+  // \param facets  ascending.
+  void Set(std::span<const uint32_t> facets);
+  // \param facets  those that were set.
+  void Clear(std::span<const uint32_t> facets);
+
+  bool Has(uint32_t facet) const {
+    return (words_[facet / 64].bits >> facet % 64 & 1) != 0;
+  }
+  // \pre Has(facet)
+  uint32_t operator[](uint32_t facet) const {
+    const Word& word = words_[facet / 64];
+    const uint64_t before = word.bits & ((uint64_t{1} << facet % 64) - 1);
+    return word.num_before + static_cast<uint32_t>(std::popcount(before));
+  }
+
+ private:
+  struct Word {
+    uint64_t bits = 0;
+    uint32_t num_before = 0;
+  };
+
+  std::vector<Word> words_;
+};
 
 // A rectangle of pixels, both ends included.
 struct PixelRectangle {

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
+#include "photometry/image_pyramid.h"
 #include "raster/visibility_buffers.h"
 #include "scene/view.h"
 
@@ -37,6 +39,24 @@ struct PhotometricOptions {
   double min_cosine = 0.1;
 };
 
+// Sums over the pixels that show a facet, of one direction of a pair or of all.
+struct FacetTerms {
+  float energy = 0;
+  float weight = 0;      // sum of w
+  float num_pixels = 0;  // that are compared
+
+  // For each corner k, the derivative of E by the distance that the corner
+  // moves along the facet's unit normal (docs/method.md, section 5.5). 1 /
+  // scene unit.
+  std::array<float, 3> slopes{};
+
+  // Gauss-Newton's second derivatives by two of these distances, corners 00,
+  // 01, 02, 11, 12, 22; positive semidefinite. 1 / scene unit^2.
+  std::array<float, 6> curvatures{};
+
+  bool operator==(const FacetTerms&) const = default;
+};
+
 // The photometric energy of a mesh under a labelling of its facets
 // (docs/method.md, section 5.1),
 //
@@ -50,20 +70,10 @@ struct PhotometricOptions {
 // residual_floor. [Romanoni2020] has c(Z) = -Z. Sums are kept facet by facet,
 // so that the caller can gather them for vertices.
 struct PhotometricTerms {
-  double energy = 0;              // the sum of `energies`
-  std::vector<float> energies;    // [F] 0 where a facet is not seen or labelled
-  std::vector<float> weights;     // [F] sum of w
-  std::vector<float> num_pixels;  // [F] pixels compared, over all pairs and
-                                  // directions
+  double energy = 0;               // the sum of the facets'
+  std::vector<FacetTerms> facets;  // [F] zeros where not seen or not labelled
 
-  // [F] For each corner k, the derivative of E by the distance that the corner
-  // moves along the facet's unit normal (docs/method.md, section 5.5). 1 /
-  // scene unit.
-  std::vector<std::array<float, 3>> slopes;
-
-  // [F] Gauss-Newton's second derivatives by two of these distances, corners
-  // 00, 01, 02, 11, 12, 22; positive semidefinite. 1 / scene unit^2.
-  std::vector<std::array<float, 6>> curvatures;
+  bool operator==(const PhotometricTerms&) const = default;
 };
 
 // The mean correlation of the pixels that have the given sums of energies and
@@ -102,5 +112,15 @@ class PhotometricEnergy {
   // What computes it, for the log: "CPU, 2 threads".
   virtual std::string Description() const = 0;
 };
+
+// The energy by the processor alone, in parallel over the pairs' directions.
+// Results do not depend on the number of threads.
+//
+// \param max_memory  of the visibility buffers that are kept, bytes; others are
+//        drawn again when they are needed.
+// \pre options in their ranges
+std::unique_ptr<PhotometricEnergy> MakeCpuPhotometricEnergy(
+    const PhotometricOptions& options, std::shared_ptr<ImagePyramid> images,
+    size_t max_memory);
 
 }  // namespace colmap_ext

@@ -19,8 +19,8 @@ std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
   std::vector<double> weights(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     for (const uint32_t vertex : mesh.facets[i]) {
-      energies[vertex] += terms.energies[i];
-      weights[vertex] += terms.weights[i];
+      energies[vertex] += terms.facets[i].energy;
+      weights[vertex] += terms.facets[i].weight;
     }
   }
   AverageOverSurroundings(rings, &energies);

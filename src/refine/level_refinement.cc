@@ -71,9 +71,9 @@ void TakeOthers(const std::vector<uint8_t>& is_chosen,
                 const PhotometricTerms& others, PhotometricTerms* terms) {
   for (size_t i = 0; i < is_chosen.size(); ++i) {
     if (is_chosen[i] == 0) {
-      terms->energies[i] = others.energies[i];
-      terms->weights[i] = others.weights[i];
-      terms->num_pixels[i] = others.num_pixels[i];
+      terms->facets[i].energy = others.facets[i].energy;
+      terms->facets[i].weight = others.facets[i].weight;
+      terms->facets[i].num_pixels = others.facets[i].num_pixels;
     }
   }
 }
@@ -185,8 +185,8 @@ double Step(const Stage& stage, State* state) {
 double MeanZnccOfAll(const PhotometricTerms& terms,
                      const PhotometricOptions& options) {
   double weight = 0;
-  for (const float facet_weight : terms.weights) {
-    weight += facet_weight;
+  for (const FacetTerms& facet : terms.facets) {
+    weight += facet.weight;
   }
   return MeanZncc(terms.energy, weight, options);
 }

@@ -75,9 +75,9 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
       // How far the facet moves along its normal as its corners do.
       const Eigen::Vector3d& facet_normal = frames[facet].normal;
       const double along = facet_normal.dot(normal);
-      gradient_[vertex] += terms.slopes[facet][k] * along;
+      gradient_[vertex] += terms.facets[facet].slopes[k] * along;
       photometric_diagonal_[vertex] +=
-          terms.curvatures[facet][CurvatureIndex(k, k)] * along * along;
+          terms.facets[facet].curvatures[CurvatureIndex(k, k)] * along * along;
       for (int l = 0; l < 3; ++l) {
         const uint32_t other = mesh.facets[facet][l];
         if (l == k) {
@@ -87,7 +87,7 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
             row +
             (std::lower_bound(ring.begin(), ring.end(), other) - ring.begin());
         photometric_[place] += static_cast<float>(
-            terms.curvatures[facet][CurvatureIndex(k, l)] * along *
+            terms.facets[facet].curvatures[CurvatureIndex(k, l)] * along *
             facet_normal.dot(normals_[other].cast<double>()));
       }
     }

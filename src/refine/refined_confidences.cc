@@ -22,9 +22,9 @@ std::vector<float> RefinedConfidences(const TriangleMesh& mesh,
   std::vector<VertexTerms> sums(mesh.vertices.size());
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     for (const uint32_t vertex : mesh.facets[i]) {
-      sums[vertex].energy += terms.energies[i];
-      sums[vertex].weight += terms.weights[i];
-      sums[vertex].num_pixels += terms.num_pixels[i];
+      sums[vertex].energy += terms.facets[i].energy;
+      sums[vertex].weight += terms.facets[i].weight;
+      sums[vertex].num_pixels += terms.facets[i].num_pixels;
     }
   }
   std::vector<float> confidences = before;

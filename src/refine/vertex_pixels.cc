@@ -64,7 +64,7 @@ std::vector<uint8_t> SeenVertices(const TriangleMesh& mesh,
                                   const PhotometricTerms& terms) {
   std::vector<uint8_t> is_seen(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    if (terms.num_pixels[i] > 0) {
+    if (terms.facets[i].num_pixels > 0) {
       for (const uint32_t vertex : mesh.facets[i]) {
         is_seen[vertex] = 1;
       }
@@ -84,7 +84,7 @@ std::vector<float> PixelsOfVertices(const TriangleMesh& mesh,
     const Eigen::Vector3f ac = mesh.vertices[c] - mesh.vertices[a];
     const float area = ab.cross(ac).norm() / 2;
     for (const uint32_t vertex : mesh.facets[i]) {
-      num_pixels[vertex] += terms.num_pixels[i] / 3;
+      num_pixels[vertex] += terms.facets[i].num_pixels / 3;
       areas[vertex] += area / 3;
     }
   }

@@ -4,7 +4,6 @@
 #include <array>
 #include <memory>
 
-#include "gl/debug_output.h"
 #include "gl/gl_error.h"
 #include "raster/facet_id_buffer.h"
 #include "viewer/camera_frusta.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "gl/debug_output.h"
+#include "gl/gl_error.h"
 #include "viewer/scene_renderer.h"
 #include "viewer_window/glfw_window.h"
 #include "viewer_window/overlay.h"

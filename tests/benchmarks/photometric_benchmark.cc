@@ -14,7 +14,7 @@
 #include <tbb/global_control.h>
 
 #include "gl/gl_photometric_energy.h"
-#include "photometry/cpu_photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "tests/gl/energy_scene.h"
 
 namespace colmap_ext {

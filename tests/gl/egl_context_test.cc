@@ -2,11 +2,9 @@
 
 #include <string>
 #include <thread>
-#include <utility>
 
 #include <epoxy/gl.h>
 
-#include "gl/debug_output.h"
 #include "gl/gl_error.h"
 #include "tests/gl/gl_test.h"
 
@@ -52,15 +50,6 @@ TEST_F(EglContextTest, IsCurrentInItsScopeOnly) {
   }
   EXPECT_TRUE(glIsBuffer(buffer));
   glDeleteBuffers(1, &buffer);
-}
-
-TEST_F(EglContextTest, Moves) {
-  const std::string name = context_->RendererName();
-  EglContext moved(std::move(*context_));
-  EXPECT_EQ(moved.RendererName(), name);
-  *context_ = std::move(moved);
-  const EglContext::Scope scope = context_->MakeCurrent();
-  EXPECT_GE(Version(), "4.5");
 }
 
 TEST_F(EglContextTest, OutlivesOthersOfItsDisplay) {

@@ -120,36 +120,39 @@ struct TermsDifference {
   double relative_pixels = 0;
 };
 
-template <typename Array>
-double Dot(const std::vector<Array>& a, const std::vector<Array>& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    for (size_t k = 0; k < a[i].size(); ++k) {
-      sum += static_cast<double>(a[i][k]) * b[i][k];
-    }
-  }
-  return sum;
-}
-
 inline TermsDifference Compare(const PhotometricTerms& terms,
                                const PhotometricTerms& reference) {
-  const auto sum = [](const std::vector<float>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
+  // Over all facets, of the products of a part of them.
+  const auto dot = [](const auto& part, const PhotometricTerms& a,
+                      const PhotometricTerms& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.facets.size(); ++i) {
+      const auto& of_a = a.facets[i].*part;
+      const auto& of_b = b.facets[i].*part;
+      sum += std::inner_product(of_a.begin(), of_a.end(), of_b.begin(), 0.0);
+    }
+    return sum;
   };
-  const auto cosine = [](const auto& a, const auto& b) {
-    return Dot(a, b) / std::sqrt(Dot(a, a) * Dot(b, b));
+  const auto cosine = [&](const auto& part) {
+    return dot(part, terms, reference) /
+           std::sqrt(dot(part, terms, terms) * dot(part, reference, reference));
   };
-  TermsDifference difference;
-  difference.relative_energy = terms.energy / reference.energy - 1;
-  difference.gradient_cosine = cosine(terms.slopes, reference.slopes);
-  difference.gradient_ratio =
-      std::sqrt(Dot(terms.slopes, terms.slopes) /
-                Dot(reference.slopes, reference.slopes));
-  difference.curvature_cosine = cosine(terms.curvatures, reference.curvatures);
-  difference.relative_weight = sum(terms.weights) / sum(reference.weights) - 1;
-  difference.relative_pixels =
-      sum(terms.num_pixels) / sum(reference.num_pixels) - 1;
-  return difference;
+  const auto excess = [&](float FacetTerms::*part) {
+    double sum = 0;
+    double expected = 0;
+    for (size_t i = 0; i < terms.facets.size(); ++i) {
+      sum += terms.facets[i].*part;
+      expected += reference.facets[i].*part;
+    }
+    return sum / expected - 1;
+  };
+  return {terms.energy / reference.energy - 1,
+          cosine(&FacetTerms::slopes),
+          std::sqrt(dot(&FacetTerms::slopes, terms, terms) /
+                    dot(&FacetTerms::slopes, reference, reference)),
+          cosine(&FacetTerms::curvatures),
+          excess(&FacetTerms::weight),
+          excess(&FacetTerms::num_pixels)};
 }
 
 }  // namespace colmap_ext

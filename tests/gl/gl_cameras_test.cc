@@ -7,7 +7,7 @@
 
 #include "cameras/refine_cameras.h"
 #include "gl/gl_photometric_energy.h"
-#include "photometry/cpu_photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
 #include "tests/cameras/camera_scene.h"
 #include "tests/gl/gl_test.h"

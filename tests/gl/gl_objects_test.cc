@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "gl/debug_output.h"
 #include "gl/gl_error.h"
 #include "tests/gl/gl_test.h"
 

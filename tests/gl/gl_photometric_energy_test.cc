@@ -2,14 +2,13 @@
 
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "gl/gl_error.h"
 #include "labeling/compared_directions.h"
-#include "photometry/cpu_photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
@@ -23,44 +22,47 @@ const EnergyScene& Statue() {
   return scene;
 }
 
-std::unique_ptr<PhotometricEnergy> MakeGl(
-    const EnergyScene& scene, const PhotometricOptions& options = {},
-    size_t max_memory = SIZE_MAX) {
-  return MakeGlPhotometricEnergy(options, scene.Pyramid(),
+std::unique_ptr<PhotometricEnergy> MakeGl(const EnergyScene& scene,
+                                          size_t max_memory = SIZE_MAX) {
+  return MakeGlPhotometricEnergy({}, scene.Pyramid(),
                                  {.max_memory = max_memory});
 }
 
-template <typename T>
-bool SameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() &&
-         std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-bool SameBytes(const PhotometricTerms& a, const PhotometricTerms& b) {
-  return a.energy == b.energy && SameBytes(a.energies, b.energies) &&
-         SameBytes(a.weights, b.weights) &&
-         SameBytes(a.num_pixels, b.num_pixels) &&
-         SameBytes(a.slopes, b.slopes) && SameBytes(a.curvatures, b.curvatures);
-}
-
 bool IsZero(const PhotometricTerms& terms, size_t facet) {
-  return terms.energies[facet] == 0 && terms.weights[facet] == 0 &&
-         terms.num_pixels[facet] == 0 &&
-         terms.slopes[facet] == std::array<float, 3>{} &&
-         terms.curvatures[facet] == std::array<float, 6>{};
+  return terms.facets[facet] == FacetTerms();
 }
 
-void ExpectAgreement(const PhotometricTerms& terms,
-                     const PhotometricTerms& reference) {
-  const TermsDifference difference = Compare(terms, reference);
-  EXPECT_LT(reference.energy, -100);
-  EXPECT_NEAR(difference.relative_energy, 0, 1e-4);
-  EXPECT_NEAR(difference.relative_weight, 0, 1e-4);
-  EXPECT_NEAR(difference.relative_pixels, 0, 1e-4);
-  EXPECT_GT(difference.gradient_cosine, 0.9999);
-  EXPECT_NEAR(difference.gradient_ratio, 1, 1e-3);
-  EXPECT_GT(difference.curvature_cosine, 0.9999);
-}
+// The energy by OpenGL, and by the processor.
+struct BothEnergies {
+  explicit BothEnergies(const std::shared_ptr<ImagePyramid>& images,
+                        const PhotometricOptions& options = {})
+      : gl(MakeGlPhotometricEnergy(options, images, {})),
+        cpu(MakeCpuPhotometricEnergy(options, images, SIZE_MAX)) {}
+
+  void Render(const TriangleMesh& mesh) const {
+    gl->Render(mesh);
+    cpu->Render(mesh);
+  }
+
+  // \return the processor's terms
+  PhotometricTerms ExpectAgreement(const TriangleMesh& mesh,
+                                   const FacetLabels& labels) const {
+    const PhotometricTerms expected = cpu->Evaluate(mesh, labels);
+    const TermsDifference difference =
+        Compare(gl->Evaluate(mesh, labels), expected);
+    EXPECT_LT(expected.energy, -100);
+    EXPECT_NEAR(difference.relative_energy, 0, 1e-4);
+    EXPECT_NEAR(difference.relative_weight, 0, 1e-4);
+    EXPECT_NEAR(difference.relative_pixels, 0, 1e-4);
+    EXPECT_GT(difference.gradient_cosine, 0.9999);
+    EXPECT_NEAR(difference.gradient_ratio, 1, 1e-3);
+    EXPECT_GT(difference.curvature_cosine, 0.9999);
+    return expected;
+  }
+
+  std::unique_ptr<PhotometricEnergy> gl;
+  std::unique_ptr<PhotometricEnergy> cpu;
+};
 
 class GlPhotometricEnergyTest : public GlTest {};
 
@@ -73,20 +75,15 @@ TEST(GlPhotometricEnergy, GraphicsCardThatIsNotThereThrows) {
 // Drawn at one place, evaluated at others.
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorAtAllLevels) {
   const EnergyScene& scene = Statue();
-  const auto gl = MakeGl(scene);
-  const auto cpu = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
-  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  const BothEnergies both(scene.Pyramid());
   const FacetLabels labels = scene.Labels(2);
   for (const int level : {2, 1, 0}) {
     SCOPED_TRACE(level);
-    gl->SetLevel(level);
-    cpu->SetLevel(level);
-    gl->Render(mesh);
-    cpu->Render(mesh);
+    both.gl->SetLevel(level);
+    both.cpu->SetLevel(level);
+    both.Render(scene.Perturbed(0.3, 1));
     for (const uint32_t seed : {2, 3}) {
-      const TriangleMesh moved = scene.Perturbed(0.3, seed);
-      ExpectAgreement(gl->Evaluate(moved, labels),
-                      cpu->Evaluate(moved, labels));
+      both.ExpectAgreement(scene.Perturbed(0.3, seed), labels);
     }
   }
 }
@@ -108,21 +105,19 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorUnderMasks) {
   const auto read_mask = [&](size_t view) {
     return StripedMask(scene.Views()[view], view);
   };
-  const auto gl = MakeGlPhotometricEnergy({}, scene.Pyramid(1, read_mask), {});
-  const auto cpu =
-      MakeCpuPhotometricEnergy({}, scene.Pyramid(1, read_mask), SIZE_MAX);
+  const BothEnergies both(scene.Pyramid(1, read_mask));
   const auto whole = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
   const TriangleMesh mesh = scene.Perturbed(0.3, 1);
   const FacetLabels labels = scene.Labels(2);
   for (const int level : {1, 0}) {
     SCOPED_TRACE(level);
-    for (PhotometricEnergy* energy : {gl.get(), cpu.get(), whole.get()}) {
+    for (PhotometricEnergy* energy :
+         {both.gl.get(), both.cpu.get(), whole.get()}) {
       energy->SetLevel(level);
       energy->Render(mesh);
     }
-    const PhotometricTerms expected = cpu->Evaluate(mesh, labels);
-    ExpectAgreement(gl->Evaluate(mesh, labels), expected);
-    EXPECT_GT(expected.energy, whole->Evaluate(mesh, labels).energy);
+    EXPECT_GT(both.ExpectAgreement(mesh, labels).energy,
+              whole->Evaluate(mesh, labels).energy);
   }
 }
 
@@ -137,12 +132,9 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorWhateverTheOptions) {
       options.occlusion_masking = masking;
       options.noise_variance = 3;
       options.min_cosine = 0.3;
-      const auto gl = MakeGl(scene, options);
-      const auto cpu =
-          MakeCpuPhotometricEnergy(options, scene.Pyramid(), SIZE_MAX);
-      gl->Render(mesh);
-      cpu->Render(mesh);
-      ExpectAgreement(gl->Evaluate(mesh, labels), cpu->Evaluate(mesh, labels));
+      const BothEnergies both(scene.Pyramid(), options);
+      both.Render(mesh);
+      both.ExpectAgreement(mesh, labels);
     }
   }
 }
@@ -152,13 +144,10 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInOneDirection) {
   const TriangleMesh mesh = scene.Perturbed(0.3, 1);
   const FacetLabels labels =
       InSmallerView(scene.Labels(2), mesh, scene.Views());
-  const auto gl = MakeGl(scene);
-  const auto cpu = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
-  gl->Render(mesh);
-  cpu->Render(mesh);
-  const PhotometricTerms expected = cpu->Evaluate(mesh, labels);
-  ExpectAgreement(gl->Evaluate(mesh, labels), expected);
-  EXPECT_GT(expected.energy, cpu->Evaluate(mesh, scene.Labels(2)).energy);
+  const BothEnergies both(scene.Pyramid());
+  both.Render(mesh);
+  EXPECT_GT(both.ExpectAgreement(mesh, labels).energy,
+            both.cpu->Evaluate(mesh, scene.Labels(2)).energy);
 }
 
 TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
@@ -185,7 +174,7 @@ TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
       num_lost += IsZero(all, facet) ? 0 : 1;
     } else {
       // What its windows reach is drawn for it, labelled or not.
-      EXPECT_EQ(terms.energies[facet], all.energies[facet]) << facet;
+      EXPECT_EQ(terms.facets[facet].energy, all.facets[facet].energy) << facet;
     }
   }
   EXPECT_GT(num_lost, 1000);
@@ -266,16 +255,13 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInARoom) {
   }
   const auto images = std::make_shared<ImagePyramid>(
       views, [&](size_t view) { return RoomImage(views[view]); }, SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, {});
-  const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
+  const BothEnergies both(images);
   TriangleMesh room = MakeRoom();
-  const FacetLabels labels{{{0, 1}}, RoomLabels(), {}};
-  gl->Render(room);
-  cpu->Render(room);
+  both.Render(room);
   for (Eigen::Vector3f& vertex : room.vertices) {
     vertex *= 1.002F;
   }
-  ExpectAgreement(gl->Evaluate(room, labels), cpu->Evaluate(room, labels));
+  both.ExpectAgreement(room, {{{0, 1}}, RoomLabels(), {}});
 }
 
 // Every second image is half the size.
@@ -292,13 +278,10 @@ TEST_F(GlPhotometricEnergyTest, ImagesMayBeOfSeveralSizes) {
       views,
       [&](size_t view) { return *pyramids[(view + 1) % 2]->Image(view); },
       SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, {});
-  const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
   const TriangleMesh mesh = scene.Perturbed(0.3, 1);
-  gl->Render(mesh);
-  cpu->Render(mesh);
-  const FacetLabels labels = scene.Labels(2);
-  ExpectAgreement(gl->Evaluate(mesh, labels), cpu->Evaluate(mesh, labels));
+  const BothEnergies both(images);
+  both.Render(mesh);
+  both.ExpectAgreement(mesh, scene.Labels(2));
 }
 
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorFarFromTheOrigin) {
@@ -315,12 +298,9 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorFarFromTheOrigin) {
   const std::shared_ptr<ImagePyramid> pyramid = scene.Pyramid();
   const auto images = std::make_shared<ImagePyramid>(
       views, [&](size_t view) { return *pyramid->Image(view); }, SIZE_MAX);
-  const auto gl = MakeGlPhotometricEnergy({}, images, {});
-  const auto cpu = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
-  gl->Render(mesh);
-  cpu->Render(mesh);
-  const FacetLabels labels = scene.Labels(2);
-  ExpectAgreement(gl->Evaluate(mesh, labels), cpu->Evaluate(mesh, labels));
+  const BothEnergies both(images);
+  both.Render(mesh);
+  both.ExpectAgreement(mesh, scene.Labels(2));
 }
 
 TEST_F(GlPhotometricEnergyTest, SameBytesFromRunToRunAndInLittleMemory) {
@@ -328,12 +308,12 @@ TEST_F(GlPhotometricEnergyTest, SameBytesFromRunToRunAndInLittleMemory) {
   const TriangleMesh mesh = scene.Perturbed(0.3, 1);
   const FacetLabels labels = scene.Labels(2);
   const auto first = MakeGl(scene);
-  const auto second = MakeGl(scene, {}, 0);
+  const auto second = MakeGl(scene, 0);
   first->Render(mesh);
   second->Render(mesh);
   const PhotometricTerms terms = first->Evaluate(mesh, labels);
-  EXPECT_TRUE(SameBytes(first->Evaluate(mesh, labels), terms));
-  EXPECT_TRUE(SameBytes(second->Evaluate(mesh, labels), terms));
+  EXPECT_TRUE(first->Evaluate(mesh, labels) == terms);
+  EXPECT_TRUE(second->Evaluate(mesh, labels) == terms);
   first->Render(scene.Truth());
   first->Evaluate(scene.Truth(), labels);
   first->SetLevel(1);
@@ -341,7 +321,7 @@ TEST_F(GlPhotometricEnergyTest, SameBytesFromRunToRunAndInLittleMemory) {
   first->Evaluate(mesh, labels);
   first->SetLevel(0);
   first->Render(mesh);
-  EXPECT_TRUE(SameBytes(first->Evaluate(mesh, labels), terms));
+  EXPECT_TRUE(first->Evaluate(mesh, labels) == terms);
 }
 
 TEST_F(GlPhotometricEnergyTest, ScaledSceneHasTheSameEnergy) {
@@ -361,14 +341,14 @@ TEST_F(GlPhotometricEnergyTest, ScaledSceneHasTheSameEnergy) {
     scaled->Render(mesh);
     PhotometricTerms scaled_terms = scaled->Evaluate(mesh, labels);
     for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
-      for (float& slope : scaled_terms.slopes[facet]) {
+      for (float& slope : scaled_terms.facets[facet].slopes) {
         slope *= scale;
       }
-      for (float& curvature : scaled_terms.curvatures[facet]) {
+      for (float& curvature : scaled_terms.facets[facet].curvatures) {
         curvature *= scale * scale;
       }
     }
-    EXPECT_TRUE(SameBytes(scaled_terms, terms)) << exponent;
+    EXPECT_TRUE(scaled_terms == terms) << exponent;
   }
 }
 
@@ -379,7 +359,7 @@ TEST_F(GlPhotometricEnergyTest, AnyThreadMayUseIt) {
   energy->Render(scene.Truth());
   const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
   std::thread([&] {
-    EXPECT_TRUE(SameBytes(energy->Evaluate(scene.Truth(), labels), terms));
+    EXPECT_TRUE(energy->Evaluate(scene.Truth(), labels) == terms);
     energy.reset();
   }).join();
 }
@@ -395,7 +375,7 @@ TEST_F(GlPhotometricEnergyTest, NothingToCompareIsZero) {
   labels.labels.offsets.assign(scene.Truth().facets.size() + 1, 0);
   const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
   EXPECT_EQ(terms.energy, 0);
-  EXPECT_EQ(terms.energies.size(), scene.Truth().facets.size());
+  EXPECT_EQ(terms.facets.size(), scene.Truth().facets.size());
 }
 
 TEST_F(GlPhotometricEnergyTest, SaysWhatComputes) {

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "gl/debug_output.h"
 #include "gl/gl_error.h"
 #include "mesh/triangle_mesh.h"
 #include "tests/gl/gl_test.h"

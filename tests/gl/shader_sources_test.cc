@@ -1,4 +1,4 @@
-#include "gl/shader_sources.h"
+#include "gl/program.h"
 
 #include <stdexcept>
 

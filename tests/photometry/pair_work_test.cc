@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/peak_memory.h"
 #include "tests/random.h"
 
 namespace colmap_ext {
@@ -90,23 +91,6 @@ TEST(GroupByDirection, TurnsTheLabelsRound) {
   }
 }
 
-TEST(GroupByDirection, IsKnownWithoutBeingBuilt) {
-  Random random(3);
-  FacetLabels labels = RandomLabels(300, &random);
-  const Rows<uint32_t> by_direction = GroupByDirection(labels);
-  EXPECT_TRUE(IsGroupedByDirection(labels, by_direction));
-  for (int k = 0; k < 20; ++k) {
-    Rows<uint32_t> other = by_direction;
-    ++other.values[random.Below(static_cast<uint32_t>(other.values.size()))];
-    EXPECT_FALSE(IsGroupedByDirection(labels, other));
-    FacetLabels fewer = labels.Truncated(1 + k % 2);
-    EXPECT_EQ(IsGroupedByDirection(fewer, by_direction),
-              GroupByDirection(fewer) == by_direction);
-  }
-  labels.pairs.push_back({7, 8});
-  EXPECT_FALSE(IsGroupedByDirection(labels, by_direction));
-}
-
 TEST(GroupByDirection, TakesBothUnlessToldOtherwise) {
   Random random(2);
   FacetLabels labels = RandomLabels(40, &random);
@@ -186,6 +170,36 @@ TEST(FindTiles, AreNoneWhereNothingIsDrawn) {
   for (const auto& tiles :
        FindTiles(RandomBuffer(64, 64, 0, &random), 0, labels)) {
     EXPECT_TRUE(tiles.empty());
+  }
+}
+
+// Each thread has one.
+TEST(FacetPlaces, TakeLittleMemoryForEachFacet) {
+  constexpr size_t kNumFacets = 32000000;
+  const size_t before = PeakMemory();
+  const FacetPlaces places(kNumFacets);
+  EXPECT_LT(PeakMemory() - before, kNumFacets / 2);
+}
+
+TEST(FacetPlaces, AreThoseInTheList) {
+  Random random(2);
+  FacetPlaces places(1000);
+  for (int trial = 0; trial < 10; ++trial) {
+    std::vector<uint32_t> facets;
+    for (uint32_t i = 0; i < 1000; ++i) {
+      if (random.Below(10) < static_cast<uint32_t>(trial)) {
+        facets.push_back(i);
+      }
+    }
+    places.Set(facets);
+    for (uint32_t i = 0, k = 0; i < 1000; ++i) {
+      const bool is_there = k < facets.size() && facets[k] == i;
+      ASSERT_EQ(places.Has(i), is_there);
+      if (is_there) {
+        ASSERT_EQ(places[i], k++);
+      }
+    }
+    places.Clear(facets);
   }
 }
 

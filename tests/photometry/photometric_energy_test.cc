@@ -9,7 +9,7 @@
 #include <tbb/global_control.h>
 #include <Eigen/Eigenvalues>
 
-#include "photometry/cpu_photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
 #include "raster/facet_visibility.h"
 #include "tests/raster/room.h"
@@ -62,7 +62,8 @@ std::vector<Eigen::Vector3d> Gradient(const TriangleMesh& mesh,
                                         Eigen::Vector3d::Zero());
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      gradient[mesh.facets[i][k]] += terms.slopes[i][k] * frames[i].normal;
+      gradient[mesh.facets[i][k]] +=
+          terms.facets[i].slopes[k] * frames[i].normal;
     }
   }
   return gradient;
@@ -177,11 +178,13 @@ TEST(CpuPhotometricEnergy, DirectionsAddUp) {
   EXPECT_LT(first.energy, 0);
   EXPECT_LT(second.energy, 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    EXPECT_EQ(first.num_pixels[i] + second.num_pixels[i], both.num_pixels[i]);
-    EXPECT_NEAR(first.energies[i] + second.energies[i], both.energies[i],
-                1e-5 * std::abs(both.energies[i]));
-    EXPECT_NEAR(first.curvatures[i][0] + second.curvatures[i][0],
-                both.curvatures[i][0], 1e-5 * both.curvatures[i][0]);
+    EXPECT_EQ(first.facets[i].num_pixels + second.facets[i].num_pixels,
+              both.facets[i].num_pixels);
+    EXPECT_NEAR(first.facets[i].energy + second.facets[i].energy,
+                both.facets[i].energy, 1e-5 * std::abs(both.facets[i].energy));
+    EXPECT_NEAR(first.facets[i].curvatures[0] + second.facets[i].curvatures[0],
+                both.facets[i].curvatures[0],
+                1e-5 * both.facets[i].curvatures[0]);
   }
 }
 
@@ -195,14 +198,10 @@ TEST(CpuPhotometricEnergy, SaysNothingOfFacetsWithoutLabel) {
   size_t num_seen = 0;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     if (i < num_labeled) {
-      num_seen += terms.num_pixels[i] > 0 ? 1 : 0;
+      num_seen += terms.facets[i].num_pixels > 0 ? 1 : 0;
       continue;
     }
-    EXPECT_EQ(terms.energies[i], 0);
-    EXPECT_EQ(terms.weights[i], 0);
-    EXPECT_EQ(terms.num_pixels[i], 0);
-    EXPECT_EQ(terms.slopes[i], (std::array<float, 3>{}));
-    EXPECT_EQ(terms.curvatures[i], (std::array<float, 6>{}));
+    EXPECT_TRUE(terms.facets[i] == FacetTerms());
   }
   EXPECT_GT(num_seen, num_labeled / 10);
 }
@@ -226,9 +225,7 @@ TEST(CpuPhotometricEnergy, SaysNothingOfHiddenFacets) {
   const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
   const PhotometricTerms terms = energy->Evaluate(mesh, labels);
   for (size_t i = 0; i < num_facets; ++i) {
-    EXPECT_EQ(terms.num_pixels[i], 0);
-    EXPECT_EQ(terms.energies[i], 0);
-    EXPECT_EQ(terms.slopes[i], (std::array<float, 3>{}));
+    EXPECT_TRUE(terms.facets[i] == FacetTerms());
   }
 }
 
@@ -238,21 +235,13 @@ TEST(CpuPhotometricEnergy, SecondDerivativesAreNotNegative) {
   energy->Render(mesh);
   const PhotometricTerms terms =
       energy->Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size()));
-  for (const auto& [aa, ab, ac, bb, bc, cc] : terms.curvatures) {
+  for (const FacetTerms& facet : terms.facets) {
+    const auto& [aa, ab, ac, bb, bc, cc] = facet.curvatures;
     Eigen::Matrix3d matrix;
     matrix << aa, ab, ac, ab, bb, bc, ac, bc, cc;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
     EXPECT_GE(solver.eigenvalues()[0], -1e-5 * solver.eigenvalues()[2]);
   }
-}
-
-void ExpectSame(const PhotometricTerms& a, const PhotometricTerms& b) {
-  EXPECT_EQ(a.energy, b.energy);
-  EXPECT_EQ(a.energies, b.energies);
-  EXPECT_EQ(a.weights, b.weights);
-  EXPECT_EQ(a.num_pixels, b.num_pixels);
-  EXPECT_EQ(a.slopes, b.slopes);
-  EXPECT_EQ(a.curvatures, b.curvatures);
 }
 
 TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
@@ -268,9 +257,9 @@ TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
     return energy->Evaluate(mesh, labels);
   };
   const PhotometricTerms terms = evaluate(1, SIZE_MAX);
-  ExpectSame(evaluate(2, SIZE_MAX), terms);
-  ExpectSame(evaluate(3, SIZE_MAX), terms);
-  ExpectSame(evaluate(2, 1), terms);
+  EXPECT_TRUE(evaluate(2, SIZE_MAX) == terms);
+  EXPECT_TRUE(evaluate(3, SIZE_MAX) == terms);
+  EXPECT_TRUE(evaluate(2, 1) == terms);
 }
 
 // Views are compared with their neighbours, in turn: room for three of them
@@ -329,7 +318,7 @@ TEST(CpuPhotometricEnergy, LendsMemoryToImages) {
     terms.push_back(energy->Evaluate(mesh, labels));
     energy->Evaluate(mesh, labels);
   }
-  ExpectSame(terms[1], terms[0]);
+  EXPECT_TRUE(terms[1] == terms[0]);
   EXPECT_EQ(num_reads[1], 4);
   EXPECT_GE(num_reads[0], 8);
 }
@@ -370,7 +359,7 @@ TEST(CpuPhotometricEnergy, LabelsMayChangeFromOneEvaluationToTheNext) {
   }
   energy->Render(mesh);
   for (const size_t i : {0, 0, 1, 2, 3, 2, 0}) {
-    ExpectSame(energy->Evaluate(mesh, all_labels[i]), expected[i]);
+    EXPECT_TRUE(energy->Evaluate(mesh, all_labels[i]) == expected[i]);
   }
   EXPECT_NE(expected[0].energy, expected[1].energy);
 }
@@ -384,14 +373,16 @@ TEST(CpuPhotometricEnergy, IsTheSameWhateverTheLevelsOrder) {
   energy->SetLevel(1);
   energy->Render(mesh);
   const PhotometricTerms half = energy->Evaluate(mesh, labels);
-  const auto sum = [](const std::vector<float>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
+  const auto num_pixels = [](const PhotometricTerms& terms) {
+    return std::accumulate(terms.facets.begin(), terms.facets.end(), 0.0,
+                           [](double sum, const FacetTerms& facet) {
+                             return sum + facet.num_pixels;
+                           });
   };
-  EXPECT_NEAR(sum(half.num_pixels), sum(full.num_pixels) / 4,
-              0.1 * sum(half.num_pixels));
+  EXPECT_NEAR(num_pixels(half), num_pixels(full) / 4, 0.1 * num_pixels(half));
   energy->SetLevel(0);
   energy->Render(mesh);
-  ExpectSame(energy->Evaluate(mesh, labels), full);
+  EXPECT_TRUE(energy->Evaluate(mesh, labels) == full);
 }
 
 // The upper half of the first image.
@@ -437,14 +428,13 @@ TEST(CpuPhotometricEnergy, MaskedPixelsAreNotCompared) {
   const PhotometricTerms whole = evaluate(Scene().Pyramid());
   const PhotometricTerms masked = evaluate(MaskedPyramid(false));
   const PhotometricTerms painted = evaluate(MaskedPyramid(true));
-  EXPECT_EQ(masked.energies, painted.energies);
-  EXPECT_EQ(masked.slopes, painted.slopes);
+  EXPECT_TRUE(masked == painted);
   double num_whole = 0;
   double num_masked = 0;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    EXPECT_LE(masked.num_pixels[i], whole.num_pixels[i]);
-    num_whole += whole.num_pixels[i];
-    num_masked += masked.num_pixels[i];
+    EXPECT_LE(masked.facets[i].num_pixels, whole.facets[i].num_pixels);
+    num_whole += whole.facets[i].num_pixels;
+    num_masked += masked.facets[i].num_pixels;
   }
   EXPECT_LT(num_masked, 0.95 * num_whole);
   EXPECT_GT(num_masked, 0.1 * num_whole);
@@ -487,10 +477,12 @@ TEST(CpuPhotometricEnergy, ComparesWallsThatReachBehindTheCameras) {
   const auto clipped = FindClippedFacets(views[0], room);
   float num_pixels = 0;
   for (const uint32_t facet : clipped) {
-    num_pixels += terms.num_pixels[facet];
-    EXPECT_TRUE(std::isfinite(terms.energies[facet]));
-    if (terms.weights[facet] > 0) {
-      EXPECT_GT(MeanZncc(terms.energies[facet], terms.weights[facet], {}), 0.9);
+    num_pixels += terms.facets[facet].num_pixels;
+    EXPECT_TRUE(std::isfinite(terms.facets[facet].energy));
+    if (terms.facets[facet].weight > 0) {
+      EXPECT_GT(
+          MeanZncc(terms.facets[facet].energy, terms.facets[facet].weight, {}),
+          0.9);
     }
   }
   EXPECT_GT(num_pixels, 1000);

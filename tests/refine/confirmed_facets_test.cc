@@ -18,9 +18,10 @@ PhotometricTerms TermsOf(const TriangleMesh& mesh, const Zncc& zncc) {
   PhotometricTerms terms;
   for (const Facet& facet : mesh.facets) {
     const double correlation = zncc(mesh.vertices[facet[0]]);
-    terms.energies.push_back(static_cast<float>(
-        saturation * std::log(1 - correlation / saturation)));
-    terms.weights.push_back(1);
+    terms.facets.push_back(
+        {static_cast<float>(saturation *
+                            std::log(1 - correlation / saturation)),
+         1});
   }
   return terms;
 }
@@ -50,7 +51,7 @@ TEST(ConfirmedFacets, DependOnTheSurroundings) {
   const TriangleMesh mesh = MakeBumpySphere(0.06F);
   PhotometricTerms terms =
       TermsOf(mesh, [](const Eigen::Vector3f& /*at*/) { return 0.9; });
-  terms.energies[7] = 0;
+  terms.facets[7].energy = 0;
   const std::vector<uint8_t> is_confirmed = Confirmed(mesh, terms);
   EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
 }
@@ -63,8 +64,7 @@ TEST(ConfirmedFacets, AreAllWhereNothingIsComparedOrAsked) {
   EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 1), 0);
   is_confirmed = Confirmed(mesh, terms, -1);
   EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
-  std::fill(terms.energies.begin(), terms.energies.end(), 0);
-  std::fill(terms.weights.begin(), terms.weights.end(), 0);
+  terms.facets.assign(mesh.facets.size(), {});
   is_confirmed = Confirmed(mesh, terms);
   EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
 }

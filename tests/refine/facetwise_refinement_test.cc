@@ -8,7 +8,7 @@
 
 #include "base/percentile.h"
 #include "mesh/topology.h"
-#include "photometry/cpu_photometric_energy.h"
+#include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
 #include "spatial/bvh.h"
 #include "spatial/self_intersections.h"

@@ -58,18 +58,13 @@ class PullingEnergy : public PhotometricEnergy {
     EXPECT_GT(num_renders, 0);
     nums_labels.push_back(labels.labels.values.size());
     const size_t size = mesh.facets.size();
-    PhotometricTerms terms;
-    terms.energies.assign(size, 0);
-    terms.weights.assign(size, 0);
-    terms.num_pixels.assign(size, 0);
-    terms.slopes.assign(size, {});
-    terms.curvatures.assign(size, {});
+    PhotometricTerms terms{0, std::vector<FacetTerms>(size)};
     const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
     for (size_t i = 0; i < size; ++i) {
       if (!labels.labels[i].empty()) {
-        AddFacet(mesh, i, frames[i].normal, &terms);
+        AddFacet(mesh, i, frames[i].normal, &terms.facets[i]);
       }
-      terms.energy += terms.energies[i];
+      terms.energy += terms.facets[i].energy;
     }
     return terms;
   }
@@ -83,9 +78,9 @@ class PullingEnergy : public PhotometricEnergy {
 
  private:
   void AddFacet(const TriangleMesh& mesh, size_t facet, const Vector3d& normal,
-                PhotometricTerms* terms) const {
-    terms->weights[facet] = 1;
-    terms->num_pixels[facet] = num_pixels;
+                FacetTerms* terms) const {
+    terms->weight = 1;
+    terms->num_pixels = num_pixels;
     const double factor = stiffness / (kFootprint * kFootprint);
     for (int sample = 0; sample < 3; ++sample) {
       Vector3d shares = Vector3d::Constant(1.0 / 6);
@@ -97,14 +92,13 @@ class PullingEnergy : public PhotometricEnergy {
       }
       const auto [distance, gradient] = surface_(point);
       const double along = gradient.dot(normal);
-      terms->energies[facet] +=
-          static_cast<float>(factor * distance * distance / 2);
+      terms->energy += static_cast<float>(factor * distance * distance / 2);
       int at = 0;
       for (int k = 0; k < 3; ++k) {
-        terms->slopes[facet][k] += static_cast<float>(
-            slope_factor * factor * distance * along * shares[k]);
+        terms->slopes[k] += static_cast<float>(slope_factor * factor *
+                                               distance * along * shares[k]);
         for (int l = k; l < 3; ++l) {
-          terms->curvatures[facet][at++] +=
+          terms->curvatures[at++] +=
               static_cast<float>(curvature_factor * factor * along * along *
                                  shares[k] * shares[l]);
         }
@@ -551,8 +545,10 @@ TEST(RefineLevel, TellsTheMeanCorrelation) {
     PhotometricTerms Evaluate(const TriangleMesh& mesh,
                               const FacetLabels& labels) override {
       PhotometricTerms terms = PullingEnergy::Evaluate(mesh, labels);
-      const double weight =
-          std::accumulate(terms.weights.begin(), terms.weights.end(), 0.0);
+      double weight = 0;
+      for (const FacetTerms& facet : terms.facets) {
+        weight += facet.weight;
+      }
       terms.energy = weight * saturation_ * std::log(1 - zncc_ / saturation_);
       return terms;
     }

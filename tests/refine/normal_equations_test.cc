@@ -23,16 +23,16 @@ using Eigen::VectorXd;
 PhotometricTerms RandomTerms(size_t num_facets, Random* random) {
   PhotometricTerms terms;
   for (size_t i = 0; i < num_facets; ++i) {
+    FacetTerms& facet = terms.facets.emplace_back();
     const auto uniform = [&] {
       return static_cast<float>(2 * random->Unit() - 1);
     };
-    terms.slopes.push_back({uniform(), uniform(), uniform()});
+    facet.slopes = {uniform(), uniform(), uniform()};
     Eigen::Matrix3f root;
     root << uniform(), uniform(), uniform(), uniform(), uniform(), uniform(),
         uniform(), uniform(), uniform();
     const Eigen::Matrix3f m = root * root.transpose();
-    terms.curvatures.push_back(
-        {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)});
+    facet.curvatures = {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};
   }
   return terms;
 }
@@ -110,7 +110,7 @@ class NormalEquationsTest : public testing::Test {
   MatrixXd Photometric() const {
     MatrixXd matrix = MatrixXd::Zero(Size(), Size());
     for (size_t i = 0; i < mesh_.facets.size(); ++i) {
-      const auto& [aa, ab, ac, bb, bc, cc] = terms_.curvatures[i];
+      const auto& [aa, ab, ac, bb, bc, cc] = terms_.facets[i].curvatures;
       Eigen::Matrix3d curvatures;
       curvatures << aa, ab, ac, ab, bb, bc, ac, bc, cc;
       const Eigen::Vector3d moves = CornerMoves(i);
@@ -129,7 +129,7 @@ class NormalEquationsTest : public testing::Test {
     for (size_t i = 0; i < mesh_.facets.size(); ++i) {
       const Eigen::Vector3d moves = CornerMoves(i);
       for (int k = 0; k < 3; ++k) {
-        gradient[mesh_.facets[i][k]] += moves[k] * terms_.slopes[i][k];
+        gradient[mesh_.facets[i][k]] += moves[k] * terms_.facets[i].slopes[k];
       }
     }
     const VectorXd bent =
@@ -165,7 +165,9 @@ TEST_F(NormalEquationsTest, HaveTheGradientAndDiagonalOfTheModel) {
 // Of the smoothness alone, the normals and the neighbors' shares held: the
 // residuals are linear then.
 TEST_F(NormalEquationsTest, HaveTheGradientOfTheSmoothness) {
-  terms_.slopes.assign(mesh_.facets.size(), {});
+  for (FacetTerms& facet : terms_.facets) {
+    facet.slopes = {};
+  }
   const NormalEquations equations = Equations();
   const auto energy = [&](const std::vector<Eigen::Vector3d>& vertices) {
     double sum = 0;
@@ -256,8 +258,8 @@ TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
         is_named[vertex] = true;
       }
     } else {
-      terms_.slopes[i] = {};
-      terms_.curvatures[i] = {};
+      terms_.facets[i].slopes = {};
+      terms_.facets[i].curvatures = {};
     }
   }
   const std::vector<double> solution = Equations().Solve({1e-6, 1000}).values;
@@ -271,8 +273,8 @@ TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
 }
 
 TEST_F(NormalEquationsTest, DetermineNothingWhereTheImagesSayNothing) {
-  for (auto& curvatures : terms_.curvatures) {
-    for (float& curvature : curvatures) {
+  for (FacetTerms& facet : terms_.facets) {
+    for (float& curvature : facet.curvatures) {
       curvature *= 1e-4f;
     }
   }
@@ -326,7 +328,7 @@ TEST_F(ClosedNormalEquationsTest, DetermineWhatTheImagesShow) {
     for (const uint32_t vertex : mesh_.facets[i]) {
       is_shown[vertex] = is_shown[vertex] || shows;
     }
-    for (float& curvature : terms_.curvatures[i]) {
+    for (float& curvature : terms_.facets[i].curvatures) {
       curvature *= shows ? 1 : 1e-6f;
     }
   }

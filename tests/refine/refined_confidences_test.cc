@@ -14,15 +14,11 @@ namespace refined_confidences_test {
 PhotometricTerms MakeTerms(const TriangleMesh& mesh, double correlation,
                            float texture, float num_pixels = 10) {
   const double saturation = 1 + PhotometricOptions().residual_floor;
-  PhotometricTerms terms;
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    terms.num_pixels.push_back(num_pixels);
-    terms.weights.push_back(texture * num_pixels);
-    terms.energies.push_back(
-        static_cast<float>(terms.weights[i] * saturation *
-                           std::log(1 - correlation / saturation)));
-  }
-  return terms;
+  const float weight = texture * num_pixels;
+  const auto energy = static_cast<float>(
+      weight * saturation * std::log(1 - correlation / saturation));
+  return {0, std::vector<FacetTerms>(mesh.facets.size(),
+                                     {energy, weight, num_pixels})};
 }
 
 const TriangleMesh kMesh = MakeTorus();
@@ -62,8 +58,8 @@ TEST(RefinedConfidences, LiesWithinItsRange) {
   Random random(1);
   PhotometricTerms terms = MakeTerms(kMesh, 0, 1);
   for (size_t i = 0; i < kMesh.facets.size(); ++i) {
-    terms.energies[i] = static_cast<float>(100 * (random.Unit() - 0.8));
-    terms.weights[i] = static_cast<float>(10.01 * random.Unit());
+    terms.facets[i].energy = static_cast<float>(100 * (random.Unit() - 0.8));
+    terms.facets[i].weight = static_cast<float>(10.01 * random.Unit());
   }
   for (const float confidence : Confidences(terms, kHalf)) {
     EXPECT_GE(confidence, 0);

@@ -1,18 +1,18 @@
-#include "gl/facet_drawer.h"
+#include "gl/view_textures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-#include "gl/debug_output.h"
+#include "gl/gl_error.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
 #include "tests/raster/room.h"
 
 namespace colmap_ext {
-namespace facet_drawer_test {
+namespace view_textures_test {
 
 struct Drawn {
   std::vector<uint32_t> facets;
@@ -164,5 +164,5 @@ TEST_F(FacetDrawerTest, EmptyMeshIsNothing) {
   EXPECT_EQ(Draw(SmallView(), {}).facets, std::vector<uint32_t>(48, kNone));
 }
 
-}  // namespace facet_drawer_test
+}  // namespace view_textures_test
 }  // namespace colmap_ext

@@ -1,11 +1,9 @@
-#include "gl/debug_output.h"
+#include "gl/gl_error.h"
 
 #include <string>
 #include <utility>
 
 #include <epoxy/gl.h>
-
-#include "gl/gl_error.h"
 
 namespace colmap_ext {
 
