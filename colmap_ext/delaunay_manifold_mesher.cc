@@ -24,7 +24,7 @@
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/write_mesh.h"
-#include "mesh/pixel_footprint.h"
+#include "mesh/mesh_in_image.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
 #include "workspace/expect_outputs.h"

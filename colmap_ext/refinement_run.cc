@@ -25,10 +25,10 @@
 #include "colmap_ext/write_labels.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"
-#include "mesh/pixel_footprint.h"
+#include "mesh/mesh_in_image.h"
 #include "mesh/topology.h"
+#include "refine/facet_sizes.h"
 #include "refine/facetwise_refinement.h"
-#include "refine/remesh_for_images.h"
 #include "workspace/expect_outputs.h"
 #include "workspace/write_sparse_model.h"
 
@@ -156,9 +156,12 @@ class Refiner {
     method.region = input_.region;
     RefinedMesh refined = RefineFacetwise(
         method,
-        {std::move(input_.mesh), std::move(input_.attributes),
-         std::move(origins_), level_ - 1, input_.has_fused_points,
-         input_.cameras, earlier_.misalignment},
+        {{std::move(input_.mesh), std::move(input_.attributes),
+          std::move(origins_)},
+         level_ - 1,
+         input_.has_fused_points,
+         input_.cameras,
+         earlier_.misalignment},
         input_.views, input_.points, backend.energy.get(), hooks);
     signal_ = StopSignal::Received();
     refined.report = WithEarlier(std::move(refined.report));

@@ -8,7 +8,7 @@
 #include "colmap_ext/jobs/surface_files.h"
 #include "formats/errors.h"
 #include "mesh/topology.h"
-#include "refine/finish_refinement.h"
+#include "refine/facetwise_refinement.h"
 
 namespace colmap_ext {
 

@@ -16,8 +16,9 @@
 #include "formats/read_ply_mesh.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
-#include "mesh/pixel_footprint.h"
+#include "mesh/mesh_in_image.h"
 #include "mesh/space_filling_curve.h"
+#include "mesh/surface.h"
 #include "mesh/topology.h"
 #include "tiles/tile_cells.h"
 #include "workspace/find_workspace.h"
@@ -39,12 +40,6 @@ constexpr float kReach = 1.5F;
 
 constexpr VisibilityOwner kMergedMesh = {
     "mesh", "merge the tiles again by mesh_merger", std::nullopt};
-
-// The mesh, in the order of the curve.
-struct Surface {
-  TriangleMesh mesh;
-  VertexAttributes attributes;
-};
 
 void ExpectPlansMesh(const fs::path& path, const Plan& plan,
                      const Surface& surface) {

@@ -11,7 +11,7 @@
 #include "colmap_ext/jobs/surface_files.h"
 #include "colmap_ext/jobs/tile_state.h"
 #include "photometry/image_pyramid.h"
-#include "refine/remesh_for_images.h"
+#include "refine/facet_sizes.h"
 #include "workspace/masks.h"
 #include "workspace/usable_pictures.h"
 
@@ -117,7 +117,7 @@ RefinementStart StartAt(const SurfacePart& part, const FixedVertices& fixed,
   start.attributes.views = Renumber(part.attributes.views, numbers);
   start.first_level = num_levels - 1;
   start.has_fused_points = false;
-  start.fixed = fixed;
+  start.fixed_sources = SourcesOf(fixed, part.mesh.vertices.size());
   start.is_part = true;
   return start;
 }
@@ -157,7 +157,6 @@ RefinedMesh Refine(const RefinementJob& job, const RefinementTarget& target,
       RefineFacetwise(method, std::move(start), pictures.views, points,
                       backend.energy.get(), hooks);
   refined.attributes.views = Renumber(refined.attributes.views, target.views);
-  refined.fixed_sources = state.SourcesInPart(refined.fixed_sources);
   return refined;
 }
 

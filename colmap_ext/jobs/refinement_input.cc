@@ -18,8 +18,8 @@
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
-#include "mesh/nearest_attributes.h"
 #include "mesh/topology.h"
+#include "mesh/vertex_attributes.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
 #include "workspace/write_sparse_model.h"
@@ -60,13 +60,8 @@ fs::path FindWorkspaceFolder(const RefinerOptions& options) {
   return path;
 }
 
-// The mesh as it was read, in time with what belongs to its vertices.
-struct MeshFile {
-  TriangleMesh mesh;
-  VertexAttributes attributes;  // no views if there is no .vis
-};
-
-MeshFile ReadMeshFile(const fs::path& path, bool has_visibility) {
+// No views if there is no .vis.
+Surface ReadMeshFile(const fs::path& path, bool has_visibility) {
   ColoredMesh read = ReadColoredPlyMesh(path);
   if (read.mesh.facets.empty()) {
     throw FileError(path, "it has no faces: not a mesh");
@@ -104,7 +99,7 @@ void ExpectViews(const VertexAttributes& attributes, size_t num_views,
 
 // Makes the mesh manifold if it is not.
 // \return what was done, without the arrays
-std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
+std::optional<ManifoldRepair> Repair(const fs::path& path, Surface* file) {
   if (Analyze(file->mesh).IsManifold()) {
     return std::nullopt;
   }
@@ -112,27 +107,23 @@ std::optional<ManifoldRepair> Repair(const fs::path& path, MeshFile* file) {
   if (repair.mesh.facets.empty()) {
     throw FileError(path, "none of its faces can be used");
   }
-  file->attributes = InterpolateAttributes(file->attributes, repair.sources);
-  file->mesh = std::exchange(repair.mesh, {});
-  repair.sources = {};
+  file->Become(std::move(repair));
+  static_cast<DerivedMesh&>(repair) = {};
   return repair;
 }
 
 // Cuts off what lies outside of the region, but for a margin: the border of
 // what is refined moves a little.
-void CutOff(const Region& region, const fs::path& path, MeshFile* file) {
+void CutOff(const Region& region, const fs::path& path, Surface* file) {
   constexpr double kMargin = 0.01;  // of the region's diagonal
-  CutMesh cut = CutOff(Grow(region, kMargin * 2 * region.half_sizes.norm()),
-                       std::move(file->mesh), std::move(file->attributes));
-  if (cut.mesh.facets.empty()) {
+  CutOff(Grow(region, kMargin * 2 * region.half_sizes.norm()), file);
+  if (file->mesh.facets.empty()) {
     throw FileError(path, "none of its faces lies in the region");
   }
-  file->mesh = std::move(cut.mesh);
-  file->attributes = std::move(cut.attributes);
 }
 
 // The vertices with their normals, as fused points are read.
-PlyCloud VertexCloud(const MeshFile& file) {
+PlyCloud VertexCloud(const Surface& file) {
   const TriangleMesh& mesh = file.mesh;
   PlyCloud cloud{mesh.vertices,
                  std::vector<Eigen::Vector3f>(mesh.vertices.size(),
@@ -151,7 +142,7 @@ PlyCloud VertexCloud(const MeshFile& file) {
 
 Workspace ReadCameras(const RefinerOptions& options,
                       const RefinementPaths& paths,
-                      const PictureDecoder& decoder, const MeshFile& file,
+                      const PictureDecoder& decoder, const Surface& file,
                       const RefinementInput& input) {
   WorkspaceOptions rules;
   rules.image_order = options.image_order;
@@ -173,7 +164,7 @@ Workspace ReadCameras(const RefinerOptions& options,
 }
 
 // Views and colours that the mesh's files do not have.
-void CompleteAttributes(const MeshFile& file, RefinementInput* input) {
+void CompleteAttributes(const Surface& file, RefinementInput* input) {
   const bool has_colors = !file.attributes.colors.empty();
   input->attributes = file.attributes;
   input->colors_from = has_colors ? "the mesh" : "nowhere";
@@ -275,7 +266,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   input.has_visibility = fs::exists(VisibilityPath(paths.mesh));
   input.has_fused_points = paths.HasFusedPoints();
   Report(progress, "Reading the mesh", 0);
-  MeshFile file = ReadMeshFile(paths.mesh, input.has_visibility);
+  Surface file = ReadMeshFile(paths.mesh, input.has_visibility);
   SortViews(&file.attributes);
   input.repair = Repair(paths.mesh, &file);
   Report(progress, "Reading the workspace", 0);

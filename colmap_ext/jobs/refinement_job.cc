@@ -8,8 +8,8 @@
 
 #include "colmap_ext/jobs/surface_files.h"
 #include "formats/errors.h"
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
+#include "mesh/manifold_repair.h"
 
 namespace colmap_ext {
 namespace {
@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 
 // A vertex of the whole may have several fans in a part.
 SurfacePart SplitPart(SurfacePart part) {
-  const FanSplit split = SplitFans(part.mesh, PairHalfEdges(part.mesh.facets));
+  const FanSplit split = SplitFans(part.mesh);
   SurfacePart result;
   result.mesh = split.mesh;
   result.facet_ids = std::move(part.facet_ids);
-  for (const auto& source : split.sources) {
+  for (const auto& source : split.from.vertices) {
     result.ids.push_back(part.ids[source[0]]);
     AddAttributes(part.attributes, source[0], &result.attributes);
   }

@@ -6,10 +6,10 @@
 #include <Eigen/Core>
 
 #include "colmap_ext/jobs/job_inputs.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "refine/facetwise_refinement.h"
-#include "refine/fixed_sources.h"
 #include "scene/view.h"
 
 namespace colmap_ext {

@@ -53,19 +53,14 @@ int TileState::GoOn(const std::vector<View>& views, RefinementStart* start) {
   start->attributes = std::move(state.attributes);
   start->origins = std::move(state.origins);
   start->first_level = state.level - 1;
-  start->fixed = FixedOf(state.fixed_sources);
-  before_ = std::move(state.fixed_sources);
+  start->fixed_sources = std::move(state.fixed_sources);
   return state.level;
 }
 
 void TileState::Write(int level, const RefinedMesh& state) const {
   WriteState(output_, inputs_,
              {level, state.mesh, state.attributes, state.origins,
-              SourcesInPart(state.fixed_sources), state.views, state.report});
-}
-
-FixedSources TileState::SourcesInPart(const FixedSources& sources) const {
-  return before_.empty() ? sources : CarrySources(before_, sources);
+              state.fixed_sources, state.views, state.report});
 }
 
 }  // namespace colmap_ext

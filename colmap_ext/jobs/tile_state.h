@@ -32,13 +32,9 @@ class TileState {
   // \throw FileError if it can not be written
   void Write(int level, const RefinedMesh& state) const;
 
-  // \return [V] the vertex of the part, of those that stay
-  FixedSources SourcesInPart(const FixedSources& sources) const;
-
  private:
   std::filesystem::path output_;
   JobInputs inputs_;
-  FixedSources before_;  // [V] of the start, in the part; empty: the same
 };
 
 }  // namespace colmap_ext

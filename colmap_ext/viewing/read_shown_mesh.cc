@@ -86,41 +86,46 @@ std::vector<T> ValuesAt(const std::vector<std::array<uint32_t, 2>>& sources,
   return at;
 }
 
-ClippedMesh ClipCloud(const Region& region, const TriangleMesh& cloud) {
-  ClippedMesh clipped;
-  for (uint32_t i = 0; i < cloud.vertices.size(); ++i) {
-    if (region.Contains(cloud.vertices[i])) {
-      clipped.mesh.vertices.push_back(cloud.vertices[i]);
-      clipped.sources.push_back({i, i});
+// Of points without facets.
+Provenance ClipCloud(const Region& region, TriangleMesh* cloud) {
+  Provenance from;
+  std::vector<Eigen::Vector3f> kept;
+  for (uint32_t i = 0; i < cloud->vertices.size(); ++i) {
+    if (region.Contains(cloud->vertices[i])) {
+      kept.push_back(cloud->vertices[i]);
+      from.vertices.push_back({i, i});
     }
   }
-  return clipped;
+  cloud->vertices = std::move(kept);
+  return from;
 }
 
 // Leaves what lies in the region. Vertices on its border are like those inside
 // that their edges come from.
 void Crop(const Region& region, ShownMesh* shown) {
-  ClippedMesh clipped = shown->mesh.facets.empty()
-                            ? ClipCloud(region, shown->mesh)
-                            : ClipMesh(region, std::move(shown->mesh));
-  shown->colors = ValuesAt(clipped.sources, shown->colors);
-  shown->error_colors = ValuesAt(clipped.sources, shown->error_colors);
-  shown->confidences = ValuesAt(clipped.sources, shown->confidences);
+  const std::optional<Provenance> from = shown->mesh.facets.empty()
+                                             ? ClipCloud(region, &shown->mesh)
+                                             : ClipMesh(region, &shown->mesh);
+  if (!from) {
+    return;
+  }
+  shown->colors = ValuesAt(from->vertices, shown->colors);
+  shown->error_colors = ValuesAt(from->vertices, shown->error_colors);
+  shown->confidences = ValuesAt(from->vertices, shown->confidences);
   if (shown->views.size() > 0) {
     Rows<uint32_t> views;
-    for (const auto& source : clipped.sources) {
+    for (const auto& source : from->vertices) {
       views.AddRow(shown->views[source[0]]);
     }
     shown->views = std::move(views);
   }
   std::vector<int32_t> labels;
-  for (const uint32_t source : clipped.facet_sources) {
+  for (const uint32_t source : from->facets) {
     if (source < shown->labels.size()) {
       labels.push_back(shown->labels[source]);
     }
   }
   shown->labels = std::move(labels);
-  shown->mesh = std::move(clipped.mesh);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "gl/gl_error.h"
-#include "mesh/clip_to_image.h"
+#include "mesh/mesh_in_image.h"
 #include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {

@@ -5,7 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "mesh/area_in_image.h"
+#include "mesh/mesh_in_image.h"
 
 namespace colmap_ext {
 

@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "labeling/candidate_pairs.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
 #include "optim/further_labels.h"
 #include "optim/potts_mrf.h"
 #include "optim/sweep_order.h"

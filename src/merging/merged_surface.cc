@@ -4,7 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
 #include "meshing/surface_extraction.h"
 
 namespace colmap_ext {

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/manifold_repair.h"
 
 namespace colmap_ext {
 
@@ -33,7 +31,7 @@ std::array<HalfSpace, 6> HalfSpacesOf(const Region& region) {
 // Cuts a mesh along one plane.
 class PlaneCut {
  public:
-  PlaneCut(const HalfSpace& side, double rounding, ClippedMesh* clipped)
+  PlaneCut(const HalfSpace& side, double rounding, DerivedMesh* clipped)
       : clipped_(*clipped) {
     for (const Eigen::Vector3f& vertex : clipped_.mesh.vertices) {
       const double beyond =
@@ -42,17 +40,18 @@ class PlaneCut {
     }
   }
 
-  void Run() {
+  // \return whether anything is cut off
+  bool Run() {
     if (std::ranges::all_of(beyond_, [](double d) { return d <= 0; })) {
-      return;
+      return false;
     }
-    clipped_.is_clipped = true;
     const std::vector<Facet> facets = std::exchange(clipped_.mesh.facets, {});
     const std::vector<uint32_t> sources =
-        std::exchange(clipped_.facet_sources, {});
+        std::exchange(clipped_.from.facets, {});
     for (size_t i = 0; i < facets.size(); ++i) {
       Cut(facets[i], sources[i]);
     }
+    return true;
   }
 
  private:
@@ -77,7 +76,7 @@ class PlaneCut {
     // Not a facet of which nothing but an edge or a corner is left.
     for (size_t k = 2; k < size; ++k) {
       clipped_.mesh.facets.push_back({corners[0], corners[k - 1], corners[k]});
-      clipped_.facet_sources.push_back(source);
+      clipped_.from.facets.push_back(source);
     }
   }
 
@@ -99,46 +98,18 @@ class PlaneCut {
     if (position != vertices[inner]) {
       it->second = static_cast<uint32_t>(vertices.size());
       vertices.push_back(position);
-      clipped_.sources.push_back(
-          {clipped_.sources[inner][0], clipped_.sources[outer][1]});
+      auto& sources = clipped_.from.vertices;
+      sources.push_back({sources[inner][0], sources[outer][1]});
     }
     return it->second;
   }
 
-  ClippedMesh& clipped_;
+  DerivedMesh& clipped_;
   std::vector<double> beyond_;  // [V] the plane, scene units
   std::unordered_map<uint64_t, uint32_t> cut_edges_;  // inner, outer end
 };
 
-// Drops the vertices that no facet uses.
-void DropUnused(ClippedMesh* clipped) {
-  TriangleMesh& mesh = clipped->mesh;
-  std::vector<uint8_t> is_used(mesh.vertices.size(), 0);
-  for (const Facet& facet : mesh.facets) {
-    for (const uint32_t vertex : facet) {
-      is_used[vertex] = 1;
-    }
-  }
-  std::vector<uint32_t> places(mesh.vertices.size());
-  uint32_t size = 0;
-  for (uint32_t i = 0; i < places.size(); ++i) {
-    places[i] = size;
-    if (is_used[i] != 0) {
-      mesh.vertices[size] = mesh.vertices[i];
-      clipped->sources[size] = clipped->sources[i];
-      ++size;
-    }
-  }
-  mesh.vertices.resize(size);
-  clipped->sources.resize(size);
-  for (Facet& facet : mesh.facets) {
-    for (uint32_t& vertex : facet) {
-      vertex = places[vertex];
-    }
-  }
-}
-
-// Of any vertex, whatever its sign.
+// The largest absolute value over all vertices.
 float LargestCoordinate(const TriangleMesh& mesh) {
   float largest = 0;
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
@@ -149,39 +120,35 @@ float LargestCoordinate(const TriangleMesh& mesh) {
 
 }  // namespace
 
-ClippedMesh ClipMesh(const Region& region, TriangleMesh mesh) {
+std::optional<Provenance> ClipMesh(const Region& region, TriangleMesh* mesh) {
   // How far float coordinates may put a vertex off the border, scene units.
-  const double rounding = 4 * 0x1p-24 * LargestCoordinate(mesh);
-  ClippedMesh clipped;
-  clipped.mesh = std::move(mesh);
-  for (uint32_t i = 0; i < clipped.mesh.vertices.size(); ++i) {
-    clipped.sources.push_back({i, i});
-  }
-  clipped.facet_sources.resize(clipped.mesh.facets.size());
-  std::iota(clipped.facet_sources.begin(), clipped.facet_sources.end(), 0);
+  const double rounding = 4 * 0x1p-24 * LargestCoordinate(*mesh);
+  DerivedMesh clipped{std::move(*mesh), {}};
+  clipped.from = IdentityOf(clipped.mesh);
+  bool is_clipped = false;
   for (const HalfSpace& side : HalfSpacesOf(region)) {
-    PlaneCut(side, rounding, &clipped).Run();
+    is_clipped |= PlaneCut(side, rounding, &clipped).Run();
   }
-  if (clipped.is_clipped) {
-    DropUnused(&clipped);
+  if (is_clipped) {
+    const auto sources = std::exchange(clipped.from.vertices, {});
+    for (const uint32_t vertex : DropUnusedVertices(&clipped.mesh)) {
+      clipped.from.vertices.push_back(sources[vertex]);
+    }
   }
-  return clipped;
+  *mesh = std::move(clipped.mesh);
+  return is_clipped ? std::optional(std::move(clipped.from)) : std::nullopt;
 }
 
-CutMesh CutOff(const Region& region, TriangleMesh mesh,
-               VertexAttributes attributes) {
-  ClippedMesh clipped = ClipMesh(region, std::move(mesh));
-  if (!clipped.is_clipped) {
-    return {std::move(clipped.mesh), std::move(attributes),
-            std::move(clipped.facet_sources)};
+std::optional<Provenance> CutOff(const Region& region, Surface* surface) {
+  const std::optional<Provenance> clipped = ClipMesh(region, &surface->mesh);
+  if (!clipped) {
+    return std::nullopt;
   }
-  FanSplit split = SplitFans(clipped.mesh, PairHalfEdges(clipped.mesh.facets));
-  clipped.facet_sources.resize(split.mesh.facets.size(), kNone);
-  return {
-      std::move(split.mesh),
-      InterpolateAttributes(InterpolateAttributes(attributes, clipped.sources),
-                            split.sources),
-      std::move(clipped.facet_sources)};
+  DerivedMesh split = SplitFans(std::move(surface->mesh));
+  split.from = Compose(*clipped, std::move(split.from));
+  Provenance from = split.from;
+  surface->Become(std::move(split));
+  return from;
 }
 
 }  // namespace colmap_ext

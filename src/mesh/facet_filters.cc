@@ -5,9 +5,10 @@
 
 #include "base/percentile.h"
 #include "base/union_find.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
+
 std::vector<float> LongestSides(const TriangleMesh& mesh) {
   std::vector<float> sides;
   sides.reserve(mesh.facets.size());

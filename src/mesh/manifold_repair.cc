@@ -1,14 +1,151 @@
 #include "mesh/manifold_repair.h"
 
 #include <algorithm>
+#include <numeric>
+#include <unordered_set>
 #include <utility>
 
 #include <tbb/parallel_sort.h>
 
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
+#include "mesh/editable_mesh.h"
 
 namespace colmap_ext {
+namespace {
+
+// Numbers the fans in the order in which corners use them and replaces the
+// corners' vertices by them.
+void CopyVerticesPerFan(const std::vector<uint32_t>& partners,
+                        FanSplit* split) {
+  std::vector<Facet>& facets = split->mesh.facets;
+  const std::vector<Eigen::Vector3f> positions =
+      std::exchange(split->mesh.vertices, {});
+  split->mesh.vertices.reserve(positions.size());
+  split->from.vertices.reserve(positions.size());
+  std::vector<bool> is_used(positions.size(), false);
+  // A corner is named by the half-edge that leaves it.
+  std::vector<bool> is_done(3 * facets.size(), false);
+  for (uint32_t half = 0; half < is_done.size(); ++half) {
+    if (is_done[half]) {
+      continue;
+    }
+    const uint32_t source = FromVertex(facets, half);
+    const auto vertex = static_cast<uint32_t>(split->mesh.vertices.size());
+    split->mesh.vertices.push_back(positions[source]);
+    split->from.vertices.push_back({source, source});
+    split->num_split_vertices += is_used[source] ? 1 : 0;
+    is_used[source] = true;
+    // Around the vertex to one side, then, where the fan is open, to the other.
+    const auto visit = [&](uint32_t corner) {
+      facets[corner / 3][corner % 3] = vertex;
+      is_done[corner] = true;
+    };
+    visit(half);
+    for (uint32_t at = partners[half];
+         at != kNone && !is_done[NextHalfEdge(at)];
+         at = partners[NextHalfEdge(at)]) {
+      visit(NextHalfEdge(at));
+    }
+    for (uint32_t corner = partners[PreviousHalfEdge(half)];
+         corner != kNone && !is_done[corner];
+         corner = partners[PreviousHalfEdge(corner)]) {
+      visit(corner);
+    }
+  }
+}
+
+// Half-edges, one a sheet, of edges that other sheets share.
+std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
+                                   const std::vector<uint32_t>& partners) {
+  std::vector<uint32_t> shared;
+  ForEachEdge(facets, [&](auto first, auto last) {
+    if (last - first == 1 ||
+        (last - first == 2 && FromVertex(facets, first->second) !=
+                                  FromVertex(facets, (first + 1)->second))) {
+      return;
+    }
+    const uint32_t kept = first->second;
+    for (auto half = first + 1; half != last; ++half) {
+      const uint32_t partner = partners[half->second];
+      if (partner != kept && (partner == kNone || half->second < partner)) {
+        shared.push_back(half->second);
+      }
+    }
+  });
+  return shared;
+}
+
+// Puts the facets in the order of those that they are parts of, and vertices in
+// the order in which the facets use them.
+void OrderByUse(FanSplit* split) {
+  const FanSplit old = std::exchange(*split, {});
+  std::vector<uint32_t> order(old.mesh.facets.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(
+      order, {}, [&](uint32_t facet) { return old.from.facets[facet]; });
+  std::vector<uint32_t> numbers(old.mesh.vertices.size(), kNone);
+  for (const uint32_t facet : order) {
+    Facet& added = split->mesh.facets.emplace_back(old.mesh.facets[facet]);
+    split->from.facets.push_back(old.from.facets[facet]);
+    for (uint32_t& vertex : added) {
+      uint32_t& number = numbers[vertex];
+      if (number == kNone) {
+        number = static_cast<uint32_t>(split->mesh.vertices.size());
+        split->mesh.vertices.push_back(old.mesh.vertices[vertex]);
+        split->from.vertices.push_back(old.from.vertices[vertex]);
+      }
+      vertex = number;
+    }
+  }
+  split->num_split_vertices = old.num_split_vertices;
+  split->num_midpoints = old.num_midpoints;
+}
+
+}  // namespace
+
+FanSplit SplitFans(TriangleMesh mesh, std::vector<uint32_t> partners) {
+  FanSplit split;
+  split.mesh = std::move(mesh);
+  split.from.facets.resize(split.mesh.facets.size());
+  std::iota(split.from.facets.begin(), split.from.facets.end(), 0);
+  CopyVerticesPerFan(partners, &split);
+  std::vector<uint32_t> shared = SharedSheets(split.mesh.facets, partners);
+  if (shared.empty()) {
+    return split;
+  }
+  EditableMesh edit(std::move(split.mesh), std::move(partners));
+  for (; !shared.empty();
+       shared = SharedSheets(edit.mesh().facets, edit.partners())) {
+    // A facet is cut once a round: its other half-edges are not what they were.
+    std::unordered_set<uint32_t> cut_facets;
+    for (const uint32_t half : shared) {
+      const uint32_t facet = half / 3;
+      const uint32_t partner = edit.Partner(half);
+      const uint32_t other = partner == kNone ? facet : partner / 3;
+      if (cut_facets.contains(facet) || cut_facets.contains(other)) {
+        continue;
+      }
+      cut_facets.insert({facet, other});
+      auto& [vertices, facets] = split.from;
+      vertices.push_back(
+          {vertices[edit.From(half)][0], vertices[edit.To(half)][0]});
+      facets.push_back(facets[facet]);
+      if (partner != kNone) {
+        facets.push_back(facets[other]);
+      }
+      edit.Split(half);
+      ++split.num_midpoints;
+    }
+  }
+  split.mesh = edit.mesh();
+  OrderByUse(&split);
+  return split;
+}
+
+FanSplit SplitFans(TriangleMesh mesh) {
+  std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  return SplitFans(std::move(mesh), std::move(partners));
+}
 
 namespace {
 
@@ -16,10 +153,6 @@ bool IsValid(const TriangleMesh& mesh, const Facet& facet) {
   return std::all_of(facet.begin(), facet.end(), [&mesh](uint32_t vertex) {
     return vertex < mesh.vertices.size() && mesh.vertices[vertex].allFinite();
   });
-}
-
-bool IsDegenerate(const Facet& facet) {
-  return facet[0] == facet[1] || facet[1] == facet[2] || facet[2] == facet[0];
 }
 
 // [F] whether a facet before has the same three vertices.
@@ -37,46 +170,39 @@ std::vector<uint8_t> FindRepeated(const std::vector<Facet>& facets) {
   return is_repeated;
 }
 
-size_t CountUnused(const TriangleMesh& mesh) {
-  std::vector<uint8_t> is_used(mesh.vertices.size(), 0);
-  for (const Facet& facet : mesh.facets) {
-    for (const uint32_t vertex : facet) {
-      is_used[vertex] = 1;
-    }
-  }
-  return static_cast<size_t>(std::count(is_used.begin(), is_used.end(), 0));
-}
-
 }  // namespace
 
 ManifoldRepair RepairManifold(const TriangleMesh& mesh) {
   ManifoldRepair repair;
   TriangleMesh sound{mesh.vertices, {}};
-  for (const Facet& facet : mesh.facets) {
-    if (!IsValid(mesh, facet)) {
+  std::vector<uint32_t> sources;  // [F] of what is sound
+  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
+    if (!IsValid(mesh, mesh.facets[i])) {
       ++repair.num_invalid_facets;
-    } else if (IsDegenerate(facet)) {
+    } else if (RepeatsVertex(mesh.facets[i])) {
       ++repair.num_degenerate_facets;
     } else {
-      sound.facets.push_back(facet);
+      sound.facets.push_back(mesh.facets[i]);
+      sources.push_back(i);
     }
   }
   const std::vector<uint8_t> is_repeated = FindRepeated(sound.facets);
   size_t num_kept = 0;
   for (size_t i = 0; i < sound.facets.size(); ++i) {
     if (is_repeated[i] == 0) {
+      sources[num_kept] = sources[i];
       sound.facets[num_kept++] = sound.facets[i];
     }
   }
   repair.num_duplicate_facets = sound.facets.size() - num_kept;
   sound.facets.resize(num_kept);
-  repair.num_unused_vertices = CountUnused(sound);
-  std::vector<uint32_t> partners = PairHalfEdges(sound.facets);
-  FanSplit split = SplitFans(std::move(sound), std::move(partners));
-  repair.mesh = std::move(split.mesh);
-  repair.sources = std::move(split.sources);
-  repair.num_split_vertices = split.num_split_vertices;
-  repair.num_midpoints = split.num_midpoints;
+  static_cast<FanSplit&>(repair) = SplitFans(std::move(sound));
+  for (uint32_t& facet : repair.from.facets) {
+    facet = sources[facet];
+  }
+  repair.num_unused_vertices =
+      mesh.vertices.size() + repair.num_split_vertices + repair.num_midpoints -
+      repair.mesh.vertices.size();
   return repair;
 }
 

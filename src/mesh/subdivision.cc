@@ -2,85 +2,56 @@
 
 #include <algorithm>
 #include <cassert>
+#include <tuple>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
-#include "base/index_limit.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
 namespace {
-
-// The edges of facets, and the half-edges along each.
-struct Edges {
-  explicit Edges(const std::vector<Facet>& facets)
-      : edge_of_half(3 * facets.size()) {
-    halves.reserve(edge_of_half.size());
-    ForEachEdge(facets, [&](auto first, auto last) {
-      for (auto half = first; half != last; ++half) {
-        edge_of_half[half->second] = static_cast<uint32_t>(offsets.size() - 1);
-        halves.push_back(half->second);
-      }
-      offsets.push_back(static_cast<uint32_t>(halves.size()));
-    });
-  }
-
-  size_t size() const { return offsets.size() - 1; }
-
-  std::vector<uint32_t> offsets{0};    // [E + 1], into halves
-  std::vector<uint32_t> halves;        // [3 F] of one edge after the other
-  std::vector<uint32_t> edge_of_half;  // [3 F]
-};
 
 double LengthSquared(const TriangleMesh& mesh, uint32_t a, uint32_t b) {
   return (mesh.vertices[a].cast<double>() - mesh.vertices[b].cast<double>())
       .squaredNorm();
 }
 
-double LengthSquared(const TriangleMesh& mesh, uint32_t half) {
-  return LengthSquared(mesh, FromVertex(mesh.facets, half),
-                       ToVertex(mesh.facets, half));
-}
-
 // The half-edge along a facet's longest edge; of equally long ones the edge
-// with the highest index.
-uint32_t LongestHalfEdge(const TriangleMesh& mesh, const Edges& edges,
-                         uint32_t facet) {
-  uint32_t longest = 3 * facet;
-  for (uint32_t half = 3 * facet + 1; half < 3 * facet + 3; ++half) {
-    const double length = LengthSquared(mesh, half);
-    const double before = LengthSquared(mesh, longest);
-    if (length > before ||
-        (length == before &&
-         edges.edge_of_half[half] > edges.edge_of_half[longest])) {
-      longest = half;
-    }
-  }
-  return longest;
+// with the highest vertices.
+uint32_t LongestHalfEdge(const TriangleMesh& mesh, uint32_t facet) {
+  const auto rank = [&](uint32_t half) {
+    const auto [low, high] = std::minmax(
+        {FromVertex(mesh.facets, half), ToVertex(mesh.facets, half)});
+    return std::tuple(LengthSquared(mesh, low, high), low, high);
+  };
+  return std::max({3 * facet, 3 * facet + 1, 3 * facet + 2},
+                  [&](uint32_t a, uint32_t b) { return rank(a) < rank(b); });
 }
 
-// [E] whether an edge gets a midpoint. The set is the closure of the given
-// edges under "a cut facet is cut at its longest edge", hence independent of
-// the order; edges that stay are never cut.
+// [3 F] whether a half-edge gets a midpoint. The set is the closure of the
+// given edges under "a cut facet is cut at its longest edge", hence independent
+// of the order; fixed edges are never cut.
+// \param partners [3 F]
 std::vector<uint8_t> ChooseCutEdges(const TriangleMesh& mesh,
-                                    const Edges& edges,
+                                    const std::vector<uint32_t>& partners,
                                     const std::vector<uint8_t>& is_to_split,
                                     const FixedVertices& fixed) {
-  std::vector<uint8_t> is_cut(edges.size(), 0);
+  std::vector<uint8_t> is_cut(partners.size(), 0);
   std::vector<uint32_t> touched;  // facets
   const auto cut = [&](uint32_t half) {
-    const uint32_t edge = edges.edge_of_half[half];
     const bool is_fixed = IsFixed(fixed, FromVertex(mesh.facets, half)) &&
                           IsFixed(fixed, ToVertex(mesh.facets, half));
-    if (!is_cut[edge] && !is_fixed) {
-      is_cut[edge] = 1;
-      for (uint32_t i = edges.offsets[edge]; i < edges.offsets[edge + 1]; ++i) {
-        touched.push_back(edges.halves[i] / 3);
+    if (!is_cut[half] && !is_fixed) {
+      for (const uint32_t side : {half, partners[half]}) {
+        if (side != kNone) {
+          is_cut[side] = 1;
+          touched.push_back(side / 3);
+        }
       }
     }
   };
-  for (uint32_t half = 0; half < 3 * mesh.facets.size(); ++half) {
+  for (uint32_t half = 0; half < partners.size(); ++half) {
     if (is_to_split[half / 3]) {
       cut(half);
     }
@@ -88,27 +59,29 @@ std::vector<uint8_t> ChooseCutEdges(const TriangleMesh& mesh,
   while (!touched.empty()) {
     const uint32_t facet = touched.back();
     touched.pop_back();
-    cut(LongestHalfEdge(mesh, edges, facet));
+    cut(LongestHalfEdge(mesh, facet));
   }
   return is_cut;
 }
 
 // Numbers the midpoints and appends them.
-// \return [E] the midpoint's vertex, or kNone
+// \return [3 F] the midpoint's vertex, or kNone
 std::vector<uint32_t> AppendMidpoints(const std::vector<Facet>& facets,
-                                      const Edges& edges,
+                                      const std::vector<uint32_t>& partners,
                                       const std::vector<uint8_t>& is_cut,
-                                      Subdivision* result) {
-  std::vector<uint32_t> midpoints(edges.size(), kNone);
+                                      DerivedMesh* result) {
+  std::vector<uint32_t> midpoints(partners.size(), kNone);
   std::vector<Eigen::Vector3f>& vertices = result->mesh.vertices;
-  for (uint32_t half = 0; half < 3 * facets.size(); ++half) {
-    const uint32_t edge = edges.edge_of_half[half];
-    if (is_cut[edge] && midpoints[edge] == kNone) {
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    if (is_cut[half] && midpoints[half] == kNone) {
       const uint32_t from = FromVertex(facets, half);
       const uint32_t to = ToVertex(facets, half);
-      midpoints[edge] = static_cast<uint32_t>(vertices.size());
+      midpoints[half] = static_cast<uint32_t>(vertices.size());
+      if (partners[half] != kNone) {
+        midpoints[partners[half]] = midpoints[half];
+      }
       vertices.emplace_back(0.5f * (vertices[from] + vertices[to]));
-      result->sources.push_back({std::min(from, to), std::max(from, to)});
+      result->from.vertices.push_back({std::min(from, to), std::max(from, to)});
     }
   }
   return midpoints;
@@ -171,36 +144,29 @@ void CutFacet(const TriangleMesh& mesh, const Facet& facet,
 
 }  // namespace
 
-Subdivision Subdivide(const TriangleMesh& mesh,
+DerivedMesh Subdivide(const TriangleMesh& mesh,
                       const std::vector<uint8_t>& is_to_split,
                       const FixedVertices& fixed) {
   assert(is_to_split.size() == mesh.facets.size());
-  const auto num_facets = static_cast<uint32_t>(mesh.facets.size());
-  const Edges edges(mesh.facets);
+  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
   const std::vector<uint8_t> is_cut =
-      ChooseCutEdges(mesh, edges, is_to_split, fixed);
-  Subdivision result;
-  result.mesh.vertices = mesh.vertices;
-  for (uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
-    result.sources.push_back({vertex, vertex});
-  }
+      ChooseCutEdges(mesh, partners, is_to_split, fixed);
+  DerivedMesh result{{mesh.vertices, {}}, {}};
+  result.from = IdentityOf(result.mesh);
   const std::vector<uint32_t> midpoints =
-      AppendMidpoints(mesh.facets, edges, is_cut, &result);
-  const auto middle = [&](uint32_t facet, int k) {
-    return midpoints[edges.edge_of_half[3 * facet + k]];
-  };
-  std::vector<size_t> first_part(num_facets);
-  for (uint32_t facet = 0; facet < num_facets; ++facet) {
-    first_part[facet] = result.facet_sources.size();
-    const size_t num_parts = 1 + (middle(facet, 0) != kNone) +
-                             (middle(facet, 1) != kNone) +
-                             (middle(facet, 2) != kNone);
-    result.facet_sources.insert(result.facet_sources.end(), num_parts, facet);
+      AppendMidpoints(mesh.facets, partners, is_cut, &result);
+  std::vector<size_t> first_part(mesh.facets.size());
+  for (uint32_t facet = 0; facet < first_part.size(); ++facet) {
+    first_part[facet] = result.from.facets.size();
+    const size_t num_parts =
+        1 + is_cut[3 * facet] + is_cut[3 * facet + 1] + is_cut[3 * facet + 2];
+    result.from.facets.insert(result.from.facets.end(), num_parts, facet);
   }
-  result.mesh.facets.resize(result.facet_sources.size());
-  tbb::parallel_for(uint32_t{0}, num_facets, [&](uint32_t facet) {
+  result.mesh.facets.resize(result.from.facets.size());
+  tbb::parallel_for(size_t{0}, first_part.size(), [&](size_t facet) {
     CutFacet(result.mesh, mesh.facets[facet],
-             {middle(facet, 0), middle(facet, 1), middle(facet, 2)},
+             {midpoints[3 * facet], midpoints[3 * facet + 1],
+              midpoints[3 * facet + 2]},
              &result.mesh.facets[first_part[facet]]);
   });
   return result;

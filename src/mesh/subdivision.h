@@ -1,25 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "mesh/fixed_vertices.h"
-#include "mesh/triangle_mesh.h"
+#include "mesh/surface.h"
 
 namespace colmap_ext {
-
-struct Subdivision {
-  TriangleMesh mesh;
-
-  // [V] the ends of the edge whose midpoint a vertex is, or twice the vertex
-  // itself. Old vertices keep their indices, midpoints follow in the order of
-  // the old half-edges.
-  std::vector<std::array<uint32_t, 2>> sources;
-
-  // [F] the old facet that a new one is a part of, ascending.
-  std::vector<uint32_t> facet_sources;
-};
 
 // Cuts the chosen facets in four at the midpoints of their edges, and facets
 // beside them in two, three or four, so that no vertex lies on an edge. A facet
@@ -28,14 +14,14 @@ struct Subdivision {
 // edge. So angles do not become ever sharper, however often facets are
 // subdivided [Rivara1984].
 //
-// The surface does not move. A manifold mesh stays manifold, with the same
-// topology; in any other mesh all facets at an edge share its midpoint, too.
+// The surface does not move, and the mesh keeps its topology. Old vertices keep
+// their indices, midpoints follow in the order of the old half-edges; facets
+// are in the order of those that they are parts of.
 //
 // \param is_to_split [F] not 0: chosen
 // \param fixed  of the mesh: edges between them are not cut
-// \pre facet indices are in range, no facet repeats a vertex, fewer than 2^32
-//      vertices come out
-Subdivision Subdivide(const TriangleMesh& mesh,
+// \pre the mesh is manifold, fewer than 2^32 vertices come out
+DerivedMesh Subdivide(const TriangleMesh& mesh,
                       const std::vector<uint8_t>& is_to_split,
                       const FixedVertices& fixed = {});
 

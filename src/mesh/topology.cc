@@ -1,38 +1,18 @@
 #include "mesh/topology.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <vector>
 
 #include "base/union_find.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
 namespace {
 
-// Drops facets that can not be looked at further: an index out of range, or a
-// vertex twice.
-std::vector<Facet> ValidFacets(const TriangleMesh& mesh, MeshReport* report) {
-  std::vector<Facet> valid;
-  for (const Facet& facet : mesh.facets) {
-    const auto& [a, b, c] = facet;
-    const bool is_invalid = std::ranges::max(facet) >= mesh.vertices.size();
-    const bool is_degenerate = a == b || b == c || c == a;
-    report->num_invalid_facets += is_invalid;
-    report->num_degenerate_facets += is_degenerate && !is_invalid;
-    if (!is_invalid && !is_degenerate) {
-      valid.push_back(facet);
-    }
-  }
-  return valid;
-}
-
-bool AreValid(const TriangleMesh& mesh) {
-  return std::ranges::all_of(mesh.facets, [&](const Facet& facet) {
-    const auto& [a, b, c] = facet;
-    return std::ranges::max(facet) < mesh.vertices.size() && a != b && b != c &&
-           c != a;
-  });
+bool HasInvalidIndex(const TriangleMesh& mesh, const Facet& facet) {
+  return std::ranges::max(facet) >= mesh.vertices.size();
 }
 
 class Analyzer {
@@ -172,9 +152,20 @@ MeshReport Analyze(const TriangleMesh& mesh) {
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     report.num_non_finite_vertices += !vertex.allFinite();
   }
-  const bool are_valid = AreValid(mesh);
-  const std::vector<Facet> valid =
-      are_valid ? std::vector<Facet>() : ValidFacets(mesh, &report);
+  std::vector<Facet> valid;  // where some are not
+  for (const Facet& facet : mesh.facets) {
+    const bool is_invalid = HasInvalidIndex(mesh, facet);
+    report.num_invalid_facets += is_invalid;
+    report.num_degenerate_facets += !is_invalid && RepeatsVertex(facet);
+  }
+  const bool are_valid =
+      report.num_invalid_facets + report.num_degenerate_facets == 0;
+  if (!are_valid) {
+    std::ranges::copy_if(
+        mesh.facets, std::back_inserter(valid), [&](const Facet& facet) {
+          return !HasInvalidIndex(mesh, facet) && !RepeatsVertex(facet);
+        });
+  }
   Analyzer(are_valid ? mesh.facets : valid, mesh.vertices.size(), &report)
       .Run();
   report.DeriveGenus();

@@ -2,6 +2,12 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+
+#include "base/indices.h"
+#include "scene/point_tree.h"
 
 namespace colmap_ext {
 
@@ -31,6 +37,71 @@ VertexAttributes InterpolateAttributes(
     }
   }
   return interpolated;
+}
+
+namespace {
+
+// Both are choices: around a vertex there are several points, and not all of
+// them have all views.
+constexpr size_t kNumNearest = 4;  // points
+constexpr float kReach = 3;        // mean lengths of the vertex's edges
+
+// [V] scene units; edges inside of the mesh count twice.
+std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
+  std::vector<float> sums(mesh.vertices.size(), 0);
+  std::vector<float> counts(mesh.vertices.size(), 0);
+  for (const Facet& facet : mesh.facets) {
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t from = facet[k];
+      const uint32_t to = facet[(k + 1) % 3];
+      const float length = (mesh.vertices[to] - mesh.vertices[from]).norm();
+      for (const uint32_t vertex : {from, to}) {
+        sums[vertex] += length;
+        counts[vertex] += 1;
+      }
+    }
+  }
+  for (size_t i = 0; i < sums.size(); ++i) {
+    sums[i] /= std::max(counts[i], 1.0f);
+  }
+  return sums;
+}
+
+std::vector<uint32_t> UnionOfViews(const PointCloud& points,
+                                   const std::vector<uint32_t>& indices) {
+  std::vector<uint32_t> views;
+  for (const uint32_t index : indices) {
+    const auto row = points.views[index];
+    views.insert(views.end(), row.begin(), row.end());
+  }
+  SortUnique(&views);
+  return views;
+}
+
+}  // namespace
+
+VertexAttributes NearestAttributes(const TriangleMesh& mesh,
+                                   const PointCloud& points) {
+  const PointTree tree(points.positions);
+  const std::vector<float> lengths = MeanEdgeLengths(mesh);
+  const size_t num_vertices = mesh.vertices.size();
+  std::vector<std::vector<uint32_t>> views(num_vertices);
+  VertexAttributes attributes;
+  attributes.colors.resize(points.colors.empty() ? 0 : num_vertices);
+  tbb::parallel_for(size_t{0}, num_vertices, [&](size_t i) {
+    const Eigen::Vector3f& vertex = mesh.vertices[i];
+    views[i] = UnionOfViews(
+        points, tree.Nearest(vertex, kNumNearest, kReach * lengths[i]));
+    if (!points.colors.empty()) {
+      constexpr float kAnywhere = std::numeric_limits<float>::infinity();
+      attributes.colors[i] =
+          points.colors[tree.Nearest(vertex, 1, kAnywhere)[0]];
+    }
+  });
+  for (const std::vector<uint32_t>& row : views) {
+    attributes.views.AddRow(row);
+  }
+  return attributes;
 }
 
 }  // namespace colmap_ext

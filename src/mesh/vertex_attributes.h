@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/rows.h"
+#include "mesh/triangle_mesh.h"
 #include "scene/point_cloud.h"
 
 namespace colmap_ext {
@@ -27,5 +28,15 @@ struct VertexAttributes {
 VertexAttributes InterpolateAttributes(
     const VertexAttributes& attributes,
     const std::vector<std::array<uint32_t, 2>>& sources);
+
+// Returns colours and views for a mesh without .vis that was made from the
+// points: the colour of the nearest point, however far, and the views of the
+// four nearest within three mean edge lengths of the vertex. A vertex far from
+// all points gets no views. No colours if the points have none.
+//
+// \pre there are points, all finite; facet indices are in range, vertices are
+//      finite
+VertexAttributes NearestAttributes(const TriangleMesh& mesh,
+                                   const PointCloud& points);
 
 }  // namespace colmap_ext

@@ -1,28 +1,17 @@
 #include "meshing/filter_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "mesh/clip_mesh.h"
 #include "mesh/facet_filters.h"
-#include "mesh/half_edges.h"
 
 namespace colmap_ext {
 namespace {
 
-// Makes sources in a surface those that the surface's vertices have themselves.
-void ComposeSources(const FanSplit& surface,
-                    std::vector<std::array<uint32_t, 2>>* sources) {
-  for (auto& [a, b] : *sources) {
-    a = surface.sources[a][0];
-    b = surface.sources[b][1];
-  }
-}
-
 void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
   const auto is_at_end = [&](uint32_t vertex) {
-    const auto& [a, b] = surface->sources[vertex];
+    const auto& [a, b] = surface->from.vertices[vertex];
     return (a < is_end.size() && is_end[a] != 0) ||
            (b < is_end.size() && is_end[b] != 0);
   };
@@ -47,20 +36,10 @@ size_t DropLongFacets(const ManifoldMeshingOptions& options,
   return sides.size() - num_kept;
 }
 
-// Cuts the surface off at the region's border.
-void Clip(const Region& region, FanSplit* surface) {
-  ClippedMesh clipped = ClipMesh(region, std::move(surface->mesh));
-  ComposeSources(*surface, &clipped.sources);
-  surface->mesh = std::move(clipped.mesh);
-  surface->sources = std::move(clipped.sources);
-}
-
 // Makes it manifold again.
 void SplitAgain(FanSplit* surface) {
-  std::vector<uint32_t> partners = PairHalfEdges(surface->mesh.facets);
-  FanSplit split = SplitFans(std::move(surface->mesh), std::move(partners));
-  OrderByUse(&split);
-  ComposeSources(*surface, &split.sources);
+  FanSplit split = SplitFans(std::move(surface->mesh));
+  split.from = Compose(surface->from, std::move(split.from));
   split.num_split_vertices += surface->num_split_vertices;
   split.num_midpoints += surface->num_midpoints;
   *surface = std::move(split);
@@ -74,11 +53,13 @@ FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
                         ManifoldMeshingReport* report) {
   FanSplit surface =
       SplitFans(std::move(extracted.mesh), std::move(extracted.partners));
-  OrderByUse(&surface);
+  surface.from.facets = {};  // not kept in time
   DropFacetsAtEnds(is_end, &surface);
   report->num_long_facets = DropLongFacets(options, &surface.mesh);
   if (options.region) {
-    Clip(*options.region, &surface);
+    if (auto clipped = ClipMesh(*options.region, &surface.mesh)) {
+      surface.from = Compose(surface.from, std::move(*clipped));
+    }
   }
   report->small_components = DropSmallComponents(
       static_cast<size_t>(options.min_component_faces), &surface.mesh.facets);

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesh/fan_split.h"
+#include "mesh/manifold_repair.h"
 #include "meshing/manifold_meshing.h"
 #include "meshing/surface_extraction.h"
 

@@ -4,13 +4,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "mesh/facet_confidences.h"
-#include "mesh/fan_split.h"
-#include "mesh/vertex_confidences.h"
+#include "mesh/confidences.h"
+#include "mesh/manifold_repair.h"
 #include "meshing/filter_surface.h"
 #include "meshing/inherit_attributes.h"
 #include "meshing/point_support.h"
-#include "remesh/remesh_evenly.h"
+#include "remesh/isotropic_remeshing.h"
 #include "repair/self_intersection_repair.h"
 
 namespace colmap_ext {
@@ -39,19 +38,15 @@ void FinishBorders(const BorderOptions& options, const Progress& progress,
                    ManifoldMesh* result) {
   Report(progress, "Finishing the borders", 0);
   if (options.trim > 0 || options.close_holes != 0) {
-    EditedMesh edited =
-        EditBorders(options, std::move(result->mesh),
-                    std::move(result->attributes), result->facet_confidences);
+    const Provenance from = EditBorders(options, result->facet_confidences,
+                                        result, &result->report.borders);
     std::vector<float> facet_confidences;
-    facet_confidences.reserve(edited.facet_sources.size());
-    for (const uint32_t source : edited.facet_sources) {
+    facet_confidences.reserve(from.facets.size());
+    for (const uint32_t source : from.facets) {
       facet_confidences.push_back(
           source == kNone ? 0.0f : result->facet_confidences[source]);
     }
-    result->mesh = std::move(edited.mesh);
-    result->attributes = std::move(edited.attributes);
     result->facet_confidences = std::move(facet_confidences);
-    result->report.borders = edited.report;
   }
   result->attributes.confidences =
       VertexConfidences(result->mesh, result->facet_confidences);
@@ -71,9 +66,9 @@ void SplitSurface(const ManifoldMeshingOptions& options,
   result->mesh = std::move(surface.mesh);
   result->attributes =
       InheritAttributes(result->mesh, points.cloud,
-                        PointsOf(surface.sources, points.vertex_points));
+                        PointsOf(surface.from.vertices, points.vertex_points));
   const std::vector<float> supports =
-      SupportOfSurface(points.supports, surface.sources);
+      SupportOfSurface(points.supports, surface.from.vertices);
   // What has served goes before more memory is needed.
   points = {};
   surface = {};
@@ -87,7 +82,7 @@ void FinishSurface(const ManifoldMeshingOptions& options,
   FinishBorders(options.borders, progress, result);
   if (options.remeshing) {
     Report(progress, "Remeshing", 0);
-    RemeshEvenly(&result->mesh, &result->attributes);
+    RemeshEvenly(result);
     result->facet_confidences =
         MeanOfCorners(result->mesh.facets, result->attributes.confidences);
   }

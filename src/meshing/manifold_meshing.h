@@ -122,9 +122,7 @@ struct ManifoldMeshingReport {
   MeshReport mesh;  // the gate's
 };
 
-struct ManifoldMesh {
-  TriangleMesh mesh;
-  VertexAttributes attributes;           // [V]
+struct ManifoldMesh : Surface {
   std::vector<float> facet_confidences;  // [F] see FacetConfidences()
   ManifoldMeshingReport report;
 };

@@ -16,7 +16,7 @@ std::vector<float> SupportOfVertices(
     const std::vector<float>& point_weights);
 
 // The same for the vertices of a surface: [V] the mean of two supports.
-// \param sources [V] two vertices each, as in FanSplit; those from
+// \param sources [V] two vertices each, see Provenance; those from
 //        supports.size() on have none
 std::vector<float> SupportOfSurface(
     const std::vector<float>& supports,

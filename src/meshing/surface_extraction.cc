@@ -4,7 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
 namespace {

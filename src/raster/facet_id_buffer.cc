@@ -13,7 +13,7 @@
 #include <tbb/parallel_reduce.h>
 #include <Eigen/Geometry>
 
-#include "mesh/clip_to_image.h"
+#include "mesh/mesh_in_image.h"
 
 namespace colmap_ext {
 

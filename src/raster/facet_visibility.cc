@@ -5,7 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "mesh/clip_to_image.h"
+#include "mesh/mesh_in_image.h"
 #include "raster/facet_frames.h"
 #include "raster/facet_id_buffer.h"
 

@@ -2,41 +2,31 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 #include <string>
 #include <utility>
 
+#include "base/edit_rows.h"
 #include "labeling/view_pairs.h"
-#include "mesh/facet_normals.h"
-#include "photometry/image_pyramid.h"
+#include "mesh/normals.h"
 #include "raster/facet_visibility.h"
 #include "raster/visibility_buffers.h"
-#include "refine/adaptive_subdivision.h"
-#include "refine/finish_refinement.h"
+#include "refine/facet_sizes.h"
 #include "refine/level_refinement.h"
-#include "refine/point_confidences.h"
 #include "refine/refined_confidences.h"
-#include "refine/remesh_for_images.h"
 
 namespace colmap_ext {
 
 namespace {
 
-// Facets that stay are not refined: no view sees them.
+// Fixed facets are not refined; they are hidden from all views.
 void HideFixed(const RefinedMesh& state, FacetVisibility* visibility) {
   const FixedVertices fixed = FixedOf(state.fixed_sources);
-  if (fixed.empty()) {
-    return;
-  }
-  FacetVisibility of_free;
-  for (size_t i = 0; i < visibility->size(); ++i) {
-    if (IsFixed(fixed, state.mesh.facets[i])) {
-      of_free.EndRow();
-    } else {
-      of_free.AddRow((*visibility)[i]);
-    }
-  }
-  *visibility = std::move(of_free);
+  EditRows(
+      [&](size_t facet, auto row) {
+        return std::optional(
+            IsFixed(fixed, state.mesh.facets[facet]) ? 0 : row.size());
+      },
+      visibility);
 }
 
 class Refinement {
@@ -236,7 +226,7 @@ class Refinement {
   }
 
   // Gives the mesh facets of the size that the images call for, and labels
-  // them. The last drawings serve the labelling, and the energy's first
+  // them. The last buffers serve the labelling, and the energy's first
   // Render().
   void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
     // Not at the coarse levels: their images show less than the mesh holds, and
@@ -248,13 +238,8 @@ class Refinement {
       return energy_->Visibility(mesh);
     };
     FacetVisibility visibility =
-        is_remeshed
-            ? RemeshForImages(options_.max_face_area, draw, &state->mesh,
-                              &state->attributes, &state->origins,
-                              &state->fixed_sources)
-            : SubdivideLargeFacets(options_.max_face_area, draw, &state->mesh,
-                                   &state->attributes, &state->origins,
-                                   &state->fixed_sources);
+        is_remeshed ? RemeshForImages(options_.max_face_area, draw, state)
+                    : SubdivideLargeFacets(options_.max_face_area, draw, state);
     if (RemoveSelfIntersections(hooks_.progress, state)) {
       visibility = FindVisibleFacets(*draw(state->mesh));
     }
@@ -298,16 +283,9 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
   if (start.origins.empty()) {
     start.origins = start.mesh.vertices;
   }
-  FixedSources fixed_sources =
-      SourcesOf(start.fixed, start.mesh.vertices.size());
-  RefinedMesh complete{std::move(start.mesh),
-                       std::move(start.attributes),
-                       std::move(start.origins),
-                       std::move(fixed_sources),
-                       {},
-                       views,
-                       {},
-                       {}};
+  RefinedMesh complete;
+  static_cast<Surface&>(complete) = std::move(start);
+  complete.views = views;
   complete.report.misalignment = std::move(start.misalignment);
   if (!refinement.DecideByAlignment(&complete)) {
     complete.report.is_skipped = true;

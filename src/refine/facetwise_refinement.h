@@ -12,12 +12,9 @@
 #include "cameras/refine_cameras.h"
 #include "labeling/facet_labeling.h"
 #include "labeling/facet_labels.h"
-#include "mesh/fixed_vertices.h"
-#include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
+#include "mesh/surface.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
-#include "refine/fixed_sources.h"
 #include "repair/edit_borders.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
@@ -113,7 +110,7 @@ struct RefinementReport {
   std::vector<LabelingReport> labelings;        // one a level
   std::vector<CameraRefinementReport> cameras;  // each time they were refined
   bool is_stopped = false;  // by RefinementHooks::should_stop
-  bool is_skipped = false;  // the surface stayed: the cameras are off by more
+  bool is_skipped = false;  // not refined: the cameras are off by more
   // Of the cameras at the start, where it decided what became of them.
   std::optional<Misalignment> misalignment;
   size_t num_shortened_steps = 0;  // of vertices, that would have flipped a
@@ -135,13 +132,11 @@ struct RefinableCameras {
 };
 
 // What a refinement starts from: the input, or the result of a complete level.
-struct RefinementStart {
-  TriangleMesh mesh;  // manifold
-  // Colours, views and confidences of the vertices. They may have no views: a
-  // facet none of whose pairs is known from its vertices may take all pairs
-  // that see it.
-  VertexAttributes attributes;
-  std::vector<Eigen::Vector3f> origins;  // see RefinedMesh; empty: the vertices
+// The mesh is manifold. It may have no views: a facet none of whose pairs is
+// known from its vertices may take all pairs that see it. Without origins these
+// are the vertices. Of the fixed vertices their facets are visible, occlude
+// others and take part in the smoothness, but get no labels.
+struct RefinementStart : Surface {
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
   // Whether the points were fused from the images, so that surface without
   // points is less sure; else they only tell which views see what.
@@ -151,25 +146,17 @@ struct RefinementStart {
   std::shared_ptr<const RefinableCameras> cameras = nullptr;
   // Measured by the run that is being resumed; nullopt: unknown, or a new run.
   std::optional<Misalignment> misalignment = std::nullopt;
-  // Fixed vertices of the mesh. Facets between them are visible, occlude other
-  // facets and take part in the smoothness, but get no labels.
-  FixedVertices fixed = {};
-  // The mesh is a part of a surface: its borders are left as they are, and
+  // It is a part of a surface: its borders are left as they are, and
   // FinishRefinement() is called for the whole.
   bool is_part = false;
 };
 
-struct RefinedMesh {
-  TriangleMesh mesh;                     // manifold
-  VertexAttributes attributes;           // [V]; confidences as
-                                         // RefinedConfidences() has them once
-                                         // the last level is complete
-  std::vector<Eigen::Vector3f> origins;  // [V] on the input's surface, where
-                                         // the vertices come from
-  FixedSources fixed_sources;            // of the start's vertices
-  FacetLabels labels;                    // [F] of the last level; none of
-                                         // facets that close a hole
-  std::vector<View> views;               // as they were refined
+// Manifold; its confidences are those of RefinedConfidences() once the last
+// level is complete, its fixed sources those of the start.
+struct RefinedMesh : Surface {
+  FacetLabels labels;       // [F] of the last level; none of
+                            // facets that close a hole
+  std::vector<View> views;  // as they were refined
   std::vector<Eigen::Vector3d> track_positions;  // of the sparse model's
                                                  // points, by these views;
                                                  // empty if none were refined
@@ -218,5 +205,23 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const std::vector<View>& views,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks);
+
+// Gives thin facets, which steps along the normals leave, a better shape,
+// unless that makes facets cross.
+void ImproveFacets(RefinedMesh* state);
+
+// Counts self-intersections in the report.
+void CountSelfIntersections(const Progress& progress, RefinedMesh* state);
+
+// Repairs self-intersections, and counts them in the report.
+// \return whether the mesh is another one now
+bool RemoveSelfIntersections(const Progress& progress, RefinedMesh* state);
+
+// What follows the last level: the borders are trimmed and closed, what lies
+// outside of the region is cut off, self-intersections are repaired. Of a mesh
+// that was not refined (RefinementReport::is_skipped) only the second.
+// \throw std::invalid_argument if the trimming or the region leaves nothing.
+void FinishRefinement(const FacetwiseRefinementOptions& options,
+                      const Progress& progress, RefinedMesh* refined);
 
 }  // namespace colmap_ext

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "labeling/compared_directions.h"
-#include "mesh/vertex_normals.h"
-#include "mesh/vertex_rings.h"
-#include "refine/confirmed_facets.h"
+#include "mesh/adjacency.h"
+#include "mesh/normals.h"
 #include "refine/normal_equations.h"
-#include "refine/relief.h"
+#include "refine/refined_confidences.h"
 #include "refine/smoothness_model.h"
+#include "refine/thin_plate.h"
 #include "refine/vertex_motion.h"
 #include "refine/vertex_pixels.h"
 #include "spatial/facet_tree.h"
@@ -35,7 +35,7 @@ struct Stage {
 
 // What each iteration changes.
 struct State {
-  Surface surface;
+  EvaluatedSurface surface;
   SmoothnessModel smoothness;
   int iteration = 0;
   double drift = 0;  // px, mean motion since the mesh was drawn
@@ -48,21 +48,18 @@ struct State {
   }
 };
 
-// Draws the mesh, so that its visibility is that of its present position.
-Surface DrawSurface(TriangleMesh mesh, const VertexRings& rings,
-                    const FacetLabels& labels, PhotometricEnergy* energy) {
-  energy->Render(mesh);
-  PhotometricTerms terms = energy->Evaluate(mesh, labels);
-  std::vector<Eigen::Vector3f> normals = VertexNormals(mesh, rings);
-  return {std::move(mesh), std::move(normals), std::move(terms)};
-}
-
 // As the mesh was drawn last.
-Surface EvaluateSurface(TriangleMesh mesh, const Stage& stage) {
+EvaluatedSurface EvaluateSurface(TriangleMesh mesh, const Stage& stage) {
   PhotometricTerms terms = stage.energy->Evaluate(mesh, stage.labels);
   std::vector<Eigen::Vector3f> normals =
       VertexNormals(mesh, stage.domain.rings);
   return {std::move(mesh), std::move(normals), std::move(terms)};
+}
+
+// Draws the mesh, so that its visibility is that of its present position.
+EvaluatedSurface DrawSurface(TriangleMesh mesh, const Stage& stage) {
+  stage.energy->Render(mesh);
+  return EvaluateSurface(std::move(mesh), stage);
 }
 
 // Terms of the facets that are not chosen are those of `others`.
@@ -93,15 +90,16 @@ std::vector<double> TrustedReliefWhereSeen(const RefinementLevel& level,
 
 // \param surface  with the terms of all facets, confirmed or not.
 SmoothnessDomain MakeDomain(const RefinementLevel& level,
-                            const Surface& surface, VertexRings rings) {
+                            const EvaluatedSurface& surface,
+                            VertexRings rings) {
   SmoothnessDomain domain;
+  domain.rings = std::move(rings);
+  domain.fixed = level.fixed;
   domain.footprints =
-      VertexFootprints(surface.mesh, rings, level.labels, level.views);
+      VertexFootprints(surface.mesh, domain.rings, level.labels, level.views);
   domain.num_pixels =
       PixelsOfVertices(surface.mesh, surface.terms, domain.footprints);
   domain.is_seen = SeenVertices(surface.mesh, surface.terms);
-  domain.rings = std::move(rings);
-  domain.fixed = level.fixed;
   if (level.level == 0) {
     domain.trusted_relief = TrustedReliefWhereSeen(level, surface.mesh, domain);
   }
@@ -129,7 +127,7 @@ State AdaptSmoothness(const Stage& stage, State state) {
 
 // [V] along the normals, scene units.
 std::vector<double> SolveForMotion(const Stage& stage, State* state) {
-  const Surface& surface = state->surface;
+  const EvaluatedSurface& surface = state->surface;
   const NormalEquations equations(surface.mesh, surface.normals,
                                   stage.domain.rings, surface.terms,
                                   state->smoothness.plate, stage.domain.fixed);
@@ -167,7 +165,7 @@ double Step(const Stage& stage, State* state) {
     state->num_shortened_steps +=
         std::count(moved.is_shortened.begin(), moved.is_shortened.end(), 1);
     motion = std::move(moved.motion);
-    Surface next = EvaluateSurface(std::move(moved.mesh), stage);
+    EvaluatedSurface next = EvaluateSurface(std::move(moved.mesh), stage);
     ThinPlate plate = PlateOf(state->smoothness.target, domain, next);
     if (next.terms.energy + plate.Energy() < state->Energy()) {
       state->surface = std::move(next);
@@ -220,9 +218,7 @@ State Iterate(const Stage& stage, State state) {
   state.is_stopped = !Report(stage, state, 0);
   for (int i = 0; i < stage.max_iterations && !state.is_stopped; ++i) {
     if (state.drift > kMaxDrift) {
-      state.surface =
-          DrawSurface(std::move(state.surface.mesh), stage.domain.rings,
-                      stage.labels, stage.energy);
+      state.surface = DrawSurface(std::move(state.surface.mesh), stage);
       state.drift = 0;
     }
     if (stage.level == 0 && state.smoothness.target.weight > 0) {
@@ -250,8 +246,7 @@ State FollowCameras(const RefinementLevel& level, const Stage& stage,
     return state;
   }
   const bool is_to_follow = level.move_cameras(state.surface.mesh);
-  state.surface = DrawSurface(std::move(state.surface.mesh), stage.domain.rings,
-                              stage.labels, stage.energy);
+  state.surface = DrawSurface(std::move(state.surface.mesh), stage);
   state.drift = 0;
   return is_to_follow ? Iterate(stage, std::move(state)) : std::move(state);
 }
@@ -264,8 +259,7 @@ State ContinueWithLabels(FacetLabels labels, int num_iterations, Stage* stage,
   stage->is_final = true;
   stage->max_iterations = num_iterations;
   SmoothnessDomain& domain = stage->domain;
-  state.surface = DrawSurface(std::move(state.surface.mesh), domain.rings,
-                              stage->labels, stage->energy);
+  state.surface = DrawSurface(std::move(state.surface.mesh), *stage);
   state.drift = 0;
   domain.num_pixels = PixelsOfVertices(state.surface.mesh, state.surface.terms,
                                        domain.footprints);
@@ -309,7 +303,6 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
   constexpr double kFirstWeight = 20;
   const bool is_classical =
       options.labeling.pair_selection == PairSelection::kClassical;
-  VertexRings rings = MakeVertexRings(mesh);
   FacetTree tree(mesh);
   Stage stage{options,
               level.level,
@@ -321,12 +314,14 @@ RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,
               energy,
               &tree,
               on_step};
+  stage.domain.rings = MakeVertexRings(mesh);
   State state;
-  state.surface = DrawSurface(std::move(mesh), rings, stage.labels, energy);
-  const std::vector<uint8_t> is_confirmed =
-      ConfirmedFacets(state.surface.mesh, rings, state.surface.terms,
-                      options.photometric, options.min_zncc);
-  stage.domain = MakeDomain(level, state.surface, std::move(rings));
+  state.surface = DrawSurface(std::move(mesh), stage);
+  const std::vector<uint8_t> is_confirmed = ConfirmedFacets(
+      state.surface.mesh, stage.domain.rings, state.surface.terms,
+      options.photometric, options.min_zncc);
+  stage.domain =
+      MakeDomain(level, state.surface, std::move(stage.domain.rings));
   const bool is_all_confirmed =
       std::count(is_confirmed.begin(), is_confirmed.end(), 0) == 0;
   PhotometricTerms first_terms;

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "labeling/facet_labels.h"
-#include "mesh/fixed_vertices.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
@@ -61,8 +61,8 @@ using OnLevelStep =
 // smoothed: coarse images can not distinguish fine relief from noise, and must
 // not flatten it; and facets that are not compared follow their surroundings.
 // After two iterations at the finest level the smoothness aims at the part of
-// the input's relief that the refined surface shows too (refine/relief.h). How
-// much smoothness weighs there is taken from the surface
+// the input's relief that the refined surface shows too (refine/thin_plate.h).
+// How much smoothness weighs there is taken from the surface
 // (refine/smoothness_weights.h).
 //
 // \pre `energy` is set to the level

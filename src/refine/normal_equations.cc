@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -26,11 +28,7 @@ double RandomSign(uint64_t index) {
 }
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    sum += a[i] * b[i];
-  }
-  return sum;
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 }  // namespace
@@ -169,9 +167,7 @@ void NormalEquations::Multiply(const std::vector<double>& in,
 
 LinearSolution NormalEquations::Solve(const SolverOptions& options) const {
   std::vector<double> descent(gradient_.size());
-  for (size_t i = 0; i < descent.size(); ++i) {
-    descent[i] = -gradient_[i];
-  }
+  std::ranges::transform(gradient_, descent.begin(), std::negate());
   return Solve(std::move(descent), options);
 }
 

@@ -5,9 +5,9 @@
 
 #include <Eigen/Core>
 
-#include "mesh/fixed_vertices.h"
+#include "mesh/adjacency.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_rings.h"
 #include "photometry/photometric_energy.h"
 #include "refine/thin_plate.h"
 
@@ -34,9 +34,7 @@ class NormalEquations {
  public:
   // \param mesh, normals, rings, terms, plate  of the same mesh. References to
   //        normals, rings and plate are kept.
-  // \param fixed  of the mesh: not moved, so that the others are solved for
-  // with
-  //        these where they are
+  // \param fixed  of the mesh: Dirichlet constraints
   NormalEquations(const TriangleMesh& mesh,
                   const std::vector<Eigen::Vector3f>& normals,
                   const VertexRings& rings, const PhotometricTerms& terms,
@@ -52,12 +50,13 @@ class NormalEquations {
   // preconditioned by the diagonal. 0 where nothing says anything.
   LinearSolution Solve(const SolverOptions& options) const;
 
-  // How far the images, rather than the smoothness, determine where each vertex
-  // is: [V]. Their sum estimates how many vertices the images determine
-  // [MacKay1992]: their number minus the trace of matrix^-1 times the
-  // smoothness' part of the matrix, from one vector of random signs
-  // [Hutchinson1990]. Each by itself estimates its element of the diagonal,
-  // with much noise. 0 where a vertex has no smoothness.
+  // The effective degrees of freedom: how far the images, rather than the
+  // smoothness, determine where each vertex is: [V]. Their sum estimates how
+  // many vertices the images determine [MacKay1992]: their number minus the
+  // trace of matrix^-1 times the smoothness' part of the matrix, from one
+  // vector of random signs [Hutchinson1990]. Each by itself estimates its
+  // element of the diagonal, with much noise. 0 where a vertex has no
+  // smoothness.
   LinearSolution Determined(const SolverOptions& options) const;
 
  private:
@@ -74,7 +73,7 @@ class NormalEquations {
   LinearSolution Solve(std::vector<double> right_hand_side,
                        const SolverOptions& options) const;
 
-  // Sets what belongs to vertices that stay to 0.
+  // Sets the values of fixed vertices to 0.
   void ClearFixed(std::vector<double>* values) const;
 
   const std::vector<Eigen::Vector3f>& normals_;

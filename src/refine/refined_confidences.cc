@@ -2,39 +2,126 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Core>
+
+#include "mesh/confidences.h"
+#include "refine/smoothness_weights.h"
+#include "spatial/bvh.h"
 
 namespace colmap_ext {
+
+std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
+                                     const VertexRings& rings,
+                                     const PhotometricTerms& terms,
+                                     const PhotometricOptions& options,
+                                     double min_zncc) {
+  if (min_zncc <= -1) {
+    return std::vector<uint8_t>(mesh.facets.size(), 1);
+  }
+  std::vector<double> energies =
+      SumsAtVertices(mesh, terms.facets, &FacetTerms::energy);
+  std::vector<double> weights =
+      SumsAtVertices(mesh, terms.facets, &FacetTerms::weight);
+  AverageOverSurroundings(rings, &energies);
+  AverageOverSurroundings(rings, &weights);
+  std::vector<uint8_t> is_confirmed(mesh.facets.size(), 0);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    double energy = 0;
+    double weight = 0;
+    for (const uint32_t vertex : mesh.facets[i]) {
+      energy += energies[vertex];
+      weight += weights[vertex];
+    }
+    // A facet that is not compared counts as confirmed.
+    is_confirmed[i] =
+        !(weight > 0) || MeanZncc(energy, weight, options) >= min_zncc;
+  }
+  return is_confirmed;
+}
+
 namespace {
 
-// Of what is compared on the facets at a vertex.
-struct VertexTerms {
-  double energy = 0;
-  double weight = 0;
-  double num_pixels = 0;
+// From where a point is seen.
+struct Sight {
+  Eigen::Vector3d direction{0, 0, 0};  // to the views, of any length
+  double footprint =
+      std::numeric_limits<double>::infinity();  // the smallest width of a
+                                                // pixel there, scene units
 };
 
+Sight SightOf(const PointCloud& points, const std::vector<View>& views,
+              size_t point) {
+  Sight sight;
+  const Eigen::Vector3d position = points.positions[point].cast<double>();
+  for (const uint32_t index : points.views[point]) {
+    const View& view = views[index];
+    const double depth = view.CamFromWorld(position).z();
+    if (depth > 0) {
+      sight.direction += (view.Center() - position).normalized();
+      sight.footprint =
+          std::min(sight.footprint, depth / std::max(view.fx, view.fy));
+    }
+  }
+  return sight;
+}
+
+// [P] the facet that each point supports, or kNone.
+std::vector<uint32_t> SupportedFacets(const TriangleMesh& mesh,
+                                      const PointCloud& points,
+                                      const std::vector<View>& views) {
+  // As far as the refinement may have moved the surface: a choice.
+  constexpr double kMaxPixels = 4;
+  const Bvh bvh(mesh);
+  std::vector<uint32_t> facets(points.size(), kNone);
+  tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
+    const Sight sight = SightOf(points, views, i);
+    if (sight.footprint < std::numeric_limits<double>::infinity()) {
+      facets[i] =
+          bvh.NearestFacet(points.positions[i], sight.direction.cast<float>(),
+                           kMaxPixels * sight.footprint);
+    }
+  });
+  return facets;
+}
+
 }  // namespace
+
+std::vector<float> PointConfidences(const TriangleMesh& mesh,
+                                    const Rows<uint32_t>& vertex_views,
+                                    const PointCloud& points,
+                                    const std::vector<View>& views) {
+  std::vector<float> support(mesh.vertices.size(), 0);
+  for (const uint32_t facet : SupportedFacets(mesh, points, views)) {
+    if (facet != kNone) {
+      for (const uint32_t vertex : mesh.facets[facet]) {
+        support[vertex] += 1.0F / 3;
+      }
+    }
+  }
+  return VertexConfidences(
+      mesh, FacetConfidences(mesh, support, vertex_views, views));
+}
 
 std::vector<float> RefinedConfidences(const TriangleMesh& mesh,
                                       const PhotometricTerms& terms,
                                       const PhotometricOptions& options,
                                       const std::vector<float>& before) {
-  std::vector<VertexTerms> sums(mesh.vertices.size());
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    for (const uint32_t vertex : mesh.facets[i]) {
-      sums[vertex].energy += terms.facets[i].energy;
-      sums[vertex].weight += terms.facets[i].weight;
-      sums[vertex].num_pixels += terms.facets[i].num_pixels;
-    }
-  }
+  const std::vector<double> energies =
+      SumsAtVertices(mesh, terms.facets, &FacetTerms::energy);
+  const std::vector<double> weights =
+      SumsAtVertices(mesh, terms.facets, &FacetTerms::weight);
+  const std::vector<double> num_pixels =
+      SumsAtVertices(mesh, terms.facets, &FacetTerms::num_pixels);
   std::vector<float> confidences = before;
   confidences.resize(mesh.vertices.size(), 0);
-  for (size_t i = 0; i < sums.size(); ++i) {
-    const auto& [energy, weight, num_pixels] = sums[i];
-    if (weight > 0 && num_pixels > 0) {
-      const double texture = std::min(weight / num_pixels, 1.0);
+  for (size_t i = 0; i < confidences.size(); ++i) {
+    if (weights[i] > 0 && num_pixels[i] > 0) {
+      const double texture = std::min(weights[i] / num_pixels[i], 1.0);
       const double correlation =
-          std::clamp(MeanZncc(energy, weight, options), 0.0, 1.0);
+          std::clamp(MeanZncc(energies[i], weights[i], options), 0.0, 1.0);
       confidences[i] = static_cast<float>((1 - texture) * confidences[i] +
                                           texture * correlation);
     }

@@ -1,11 +1,41 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
+#include "base/rows.h"
+#include "mesh/adjacency.h"
 #include "mesh/triangle_mesh.h"
 #include "photometry/photometric_energy.h"
+#include "scene/point_cloud.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
+
+// [F] whether the images agree on a surface well enough to refine it. If they
+// show something else than the surface, such as the sky through a membrane
+// between two roofs, correlation is low all around, and refinement would only
+// add false relief. The correlation is taken from the surroundings of each
+// vertex (AverageOverSurroundings), so that edges and highlights have no
+// effect. \param terms [F] of the surface \param min_zncc  that the
+// surroundings need; -1 or less: none.
+std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
+                                     const VertexRings& rings,
+                                     const PhotometricTerms& terms,
+                                     const PhotometricOptions& options,
+                                     double min_zncc);
+
+// How well points confirm each vertex of a surface that was not made from them
+// one by one: [V] in [0, 1] (docs/method.md, section 7.6). Each point supports
+// the facet next to it that faces the views that see it, if it is not farther
+// than a few pixels; FacetConfidences() then compares support and size.
+// \param vertex_views [V] the views that see each vertex, < views.size()
+// \param points  finite; their views are < views.size()
+// \pre facet indices are in range, the vertices are finite
+std::vector<float> PointConfidences(const TriangleMesh& mesh,
+                                    const Rows<uint32_t>& vertex_views,
+                                    const PointCloud& points,
+                                    const std::vector<View>& views);
 
 // The confidence of each vertex of a refined surface: [V] in [0, 1]
 // (docs/method.md, section 7.6). With t the share of texture in the pixels that

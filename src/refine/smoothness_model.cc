@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "refine/normal_equations.h"
-#include "refine/relief.h"
 #include "refine/smoothness_weights.h"
 
 namespace colmap_ext {
@@ -68,7 +67,8 @@ SmoothnessTarget FirstTarget(const SmoothnessDomain& domain,
 }
 
 ThinPlate PlateOf(const SmoothnessTarget& target,
-                  const SmoothnessDomain& domain, const Surface& surface) {
+                  const SmoothnessDomain& domain,
+                  const EvaluatedSurface& surface) {
   return MakeThinPlate({surface.mesh.vertices, surface.normals, domain.rings,
                         domain.footprints, domain.num_pixels},
                        target.weights, target.relief);
@@ -76,7 +76,7 @@ ThinPlate PlateOf(const SmoothnessTarget& target,
 
 SmoothnessModel MakeSmoothnessModel(SmoothnessTarget target,
                                     const SmoothnessDomain& domain,
-                                    const Surface& surface) {
+                                    const EvaluatedSurface& surface) {
   ThinPlate plate = PlateOf(target, domain, surface);
   return {std::move(target), std::move(plate)};
 }
@@ -95,7 +95,7 @@ SmoothnessTarget ConfirmRelief(const SmoothnessDomain& domain,
 }
 
 SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
-                                 const Surface& surface,
+                                 const EvaluatedSurface& surface,
                                  const SmoothnessModel& model, double factor,
                                  size_t* num_unconverged) {
   // How many times the energy counts the noise of a pixel: windows overlap, and

@@ -3,16 +3,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesh/fixed_vertices.h"
+#include "mesh/adjacency.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_rings.h"
 #include "photometry/photometric_energy.h"
 #include "refine/thin_plate.h"
 
 namespace colmap_ext {
 
 // A surface that is refined, and what the images say of it.
-struct Surface {
+struct EvaluatedSurface {
   TriangleMesh mesh;
   std::vector<Eigen::Vector3f> normals;  // [V] unit, see VertexNormals()
   PhotometricTerms terms;                // of the mesh
@@ -55,14 +55,15 @@ SmoothnessTarget FirstTarget(const SmoothnessDomain& domain,
 // \pre target and domain are of the surface's vertices
 SmoothnessModel MakeSmoothnessModel(SmoothnessTarget target,
                                     const SmoothnessDomain& domain,
-                                    const Surface& surface);
+                                    const EvaluatedSurface& surface);
 
 // The plate of a target on another surface.
 ThinPlate PlateOf(const SmoothnessTarget& target,
-                  const SmoothnessDomain& domain, const Surface& surface);
+                  const SmoothnessDomain& domain,
+                  const EvaluatedSurface& surface);
 
 // The target whose relief is, where the surface is seen, as much of the trusted
-// one as the surface has (refine/relief.h).
+// one as the surface has (refine/thin_plate.h).
 // \pre domain.trusted_relief is not empty
 SmoothnessTarget ConfirmRelief(const SmoothnessDomain& domain,
                                const SmoothnessModel& model);
@@ -73,7 +74,7 @@ SmoothnessTarget ConfirmRelief(const SmoothnessDomain& domain,
 // \param factor  on the weights.
 // \param num_unconverged  goes up by one if the solver did not converge.
 SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
-                                 const Surface& surface,
+                                 const EvaluatedSurface& surface,
                                  const SmoothnessModel& model, double factor,
                                  size_t* num_unconverged);
 

@@ -2,9 +2,16 @@
 
 #include <vector>
 
-#include "mesh/vertex_rings.h"
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
+
+// Diffusion on the mesh: ten times in turn each vertex's value becomes the mean
+// of the vertex and its neighbors. On a regular mesh that is a
+// Gaussian of about two edges' standard deviation on each axis.
+// \param values  [V]
+void AverageOverSurroundings(const VertexRings& rings,
+                             std::vector<double>* values);
 
 // Evidence for the weight of the smoothness, per vertex. Both [V].
 struct SmoothnessEvidence {
@@ -22,11 +29,11 @@ struct SmoothnessEvidence {
 // evidence for alpha]. Infinite where nothing is rough.
 double GlobalWeight(const SmoothnessEvidence& evidence);
 
-// The same for the surroundings of each vertex (refine/surroundings.h), so that
-// a plastered wall becomes smooth although the cornice above it is not: [V].
-// Where the surroundings determine little, the weight is near the global one.
-// It is never below half of that: badly matched images leave noise that looks
-// like relief.
+// The same for the surroundings of each vertex (AverageOverSurroundings), so
+// that a plastered wall becomes smooth although the cornice above it is not:
+// [V]. Where the surroundings determine little, the weight is near the global
+// one. It is never below half of that: badly matched images leave noise that
+// looks like relief.
 //
 // \param weight  the global one; positive.
 std::vector<double> LocalWeights(const VertexRings& rings,

@@ -6,7 +6,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include "mesh/facet_normals.h"
+#include "base/indices.h"
+#include "mesh/normals.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
@@ -50,11 +51,6 @@ class SafeMotion {
   }
 
  private:
-  static void SortUnique(std::vector<uint32_t>* values) {
-    std::sort(values->begin(), values->end());
-    values->erase(std::unique(values->begin(), values->end()), values->end());
-  }
-
   void Place(size_t vertex) {
     moved_.mesh.vertices[vertex] =
         mesh_.vertices[vertex] +
@@ -72,39 +68,22 @@ class SafeMotion {
     tbb::parallel_for(size_t{0}, is_turned.size(), [&](size_t facet) {
       is_turned[facet] = IsTurned(static_cast<uint32_t>(facet)) ? 1 : 0;
     });
-    std::vector<uint32_t> turned;
-    for (uint32_t facet = 0; facet < is_turned.size(); ++facet) {
-      if (is_turned[facet] != 0) {
-        turned.push_back(facet);
-      }
-    }
-    return turned;
+    return Marked(is_turned);
   }
 
   // Shortens the motion of the facets' vertices.
   // \return the facets whose positions change, ascending
   std::vector<uint32_t> Shorten(const std::vector<uint32_t>& facets) {
-    std::vector<uint32_t> vertices;
-    for (const uint32_t facet : facets) {
-      for (const uint32_t vertex : mesh_.facets[facet]) {
-        if (moved_.motion[vertex] != 0) {
-          vertices.push_back(vertex);
-        }
-      }
-    }
-    SortUnique(&vertices);
-    std::vector<uint32_t> changed;
+    std::vector<uint32_t> vertices = VerticesOf(mesh_, facets);
+    std::erase_if(vertices,
+                  [&](uint32_t vertex) { return moved_.motion[vertex] == 0; });
     for (const uint32_t vertex : vertices) {
       moved_.motion[vertex] *= num_halvings_[vertex] < kMaxHalvings ? 0.5 : 0;
       ++num_halvings_[vertex];
       moved_.is_shortened[vertex] = 1;
       Place(vertex);
-      for (const uint32_t corner : rings_.corners[vertex]) {
-        changed.push_back(corner / 3);
-      }
     }
-    SortUnique(&changed);
-    return changed;
+    return rings_.FacetsAt(vertices);
   }
 
   // Until none of the given facets, and of those that change, is turned.

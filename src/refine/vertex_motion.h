@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "mesh/fixed_vertices.h"
+#include "mesh/adjacency.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_rings.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
@@ -22,7 +22,7 @@ void LimitMotion(const TriangleMesh& mesh, const VertexRings& rings,
 struct MovedMesh {
   TriangleMesh mesh;
   std::vector<double> motion;         // [V] along the normals, scene units
-  std::vector<uint8_t> is_shortened;  // [V] less than was asked for
+  std::vector<uint8_t> is_shortened;  // [V] moved by less than `motion` asked
 };
 
 // Moves the vertices along their normals. Those of facets that would turn by

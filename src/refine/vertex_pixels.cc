@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
+#include "mesh/normals.h"
 
 namespace colmap_ext {
 
@@ -79,10 +80,7 @@ std::vector<float> PixelsOfVertices(const TriangleMesh& mesh,
   std::vector<float> num_pixels(mesh.vertices.size(), 0);
   std::vector<float> areas(mesh.vertices.size(), 0);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    const auto& [a, b, c] = mesh.facets[i];
-    const Eigen::Vector3f ab = mesh.vertices[b] - mesh.vertices[a];
-    const Eigen::Vector3f ac = mesh.vertices[c] - mesh.vertices[a];
-    const float area = ab.cross(ac).norm() / 2;
+    const float area = AreaVector(mesh, mesh.facets[i]).norm() / 2;
     for (const uint32_t vertex : mesh.facets[i]) {
       num_pixels[vertex] += terms.facets[i].num_pixels / 3;
       areas[vertex] += area / 3;

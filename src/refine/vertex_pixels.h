@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "labeling/facet_labels.h"
+#include "mesh/adjacency.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_rings.h"
 #include "photometry/photometric_energy.h"
 #include "scene/view.h"
 

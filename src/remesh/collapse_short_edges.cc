@@ -1,10 +1,8 @@
-#include "remesh/collapse_short_edges.h"
+#include "remesh/remeshing_steps.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "remesh/speculation.h"
 
@@ -66,8 +64,8 @@ class Collapser {
 
   std::optional<CollapsePlan> Plan(uint32_t half) const {
     const EditableMesh& edit = mesh_->edit;
-    // A vertex of a border takes in one from the inside, and one that stays any
-    // other.
+    // An inner vertex is merged into one on a border, and any vertex into a
+    // fixed one.
     if ((edit.IsBorderVertex(edit.From(half)) ||
          IsFixed(mesh_->fixed, edit.From(half))) &&
         !edit.IsBorderVertex(edit.To(half))) {

@@ -10,8 +10,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include "mesh/vertex_normals.h"
-#include "mesh/vertex_rings.h"
+#include "mesh/adjacency.h"
+#include "mesh/normals.h"
 
 namespace colmap_ext {
 

@@ -1,8 +1,7 @@
-#include "remesh/flip_edges.h"
+#include "remesh/remeshing_steps.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <optional>
 
 #include "remesh/speculation.h"

@@ -1,21 +1,56 @@
 #include "remesh/isotropic_remeshing.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <cmath>
 #include <utility>
 
+#include "base/indices.h"
 #include "mesh/space_filling_curve.h"
 #include "remesh/anchored_mesh.h"
-#include "remesh/collapse_short_edges.h"
-#include "remesh/flip_edges.h"
-#include "remesh/reference_surface.h"
-#include "remesh/relax_vertices.h"
-#include "remesh/split_long_edges.h"
+#include "remesh/edge_length_field.h"
+#include "remesh/remeshing_steps.h"
 
 namespace colmap_ext {
+
+VertexAttributes CarryAttributes(const TriangleMesh& mesh,
+                                 const VertexAttributes& attributes,
+                                 const std::vector<SurfacePoint>& points) {
+  VertexAttributes carried;
+  for (const SurfacePoint& point : points) {
+    const Facet& facet = mesh.facets[point.facet];
+    std::vector<uint32_t> views;
+    Eigen::Vector3f color = Eigen::Vector3f::Zero();
+    for (int k = 0; k < 3; ++k) {
+      if (!(point.weights[k] > 0)) {
+        continue;
+      }
+      const auto corner_views = attributes.views[facet[k]];
+      views.insert(views.end(), corner_views.begin(), corner_views.end());
+      for (int c = 0; c < 3 && !attributes.colors.empty(); ++c) {
+        color[c] += point.weights[k] *
+                    static_cast<float>(attributes.colors[facet[k]][c]);
+      }
+    }
+    SortUnique(&views);
+    carried.views.AddRow(views);
+    if (!attributes.confidences.empty()) {
+      carried.confidences.push_back(
+          ValueAt(point, mesh, attributes.confidences));
+    }
+    if (!attributes.colors.empty()) {
+      Color& rounded = carried.colors.emplace_back();
+      for (int c = 0; c < 3; ++c) {
+        rounded[c] =
+            static_cast<uint8_t>(std::clamp(std::lround(color[c]), 0L, 255L));
+      }
+    }
+  }
+  return carried;
+}
+
 namespace {
 
-// Lengths that allow for the edges that stay: beside a longer one no split
+// Lengths that allow for fixed edges: beside a longer one no split
 // would ever make edges short enough.
 std::vector<float> WithFixedEdges(const TriangleMesh& mesh,
                                   const FixedVertices& fixed,
@@ -32,6 +67,36 @@ std::vector<float> WithFixedEdges(const TriangleMesh& mesh,
     }
   }
   return lengths;
+}
+
+// [V] whether a vertex is a corner of a facet with a small angle.
+std::vector<uint8_t> CornersOfThinFacets(const AnchoredMesh& mesh,
+                                         float min_cosine) {
+  std::vector<uint8_t> is_corner(mesh.edit.NumVertices(), 0);
+  for (uint32_t facet = 0; facet < mesh.edit.NumFacets(); ++facet) {
+    if (!mesh.edit.IsRemovedFacet(facet) &&
+        LargestCosine(mesh.Corners(3 * facet)) > min_cosine) {
+      for (const uint32_t vertex : mesh.edit.FacetAt(facet)) {
+        is_corner[vertex] = 1;
+      }
+    }
+  }
+  return is_corner;
+}
+
+// \param mesh  what is left of the work
+// \param vertices [V] their indices in the work
+RemeshedSurface ResultOf(const AnchoredMesh& work, TriangleMesh mesh,
+                         const std::vector<uint32_t>& vertices) {
+  RemeshedSurface result{std::move(mesh), {}, {}, {}};
+  for (const uint32_t vertex : vertices) {
+    result.sources.push_back(work.anchors[vertex].source);
+    if (!work.fixed.empty()) {
+      result.fixed_sources.push_back(IsFixed(work.fixed, vertex) ? vertex
+                                                                 : kNone);
+    }
+  }
+  return result;
 }
 
 }  // namespace
@@ -63,18 +128,54 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   FlipForAngles(reference, kAllFacets, &work);
   CollapseNeedles(reference, kNeedleRatio, &work);
 
-  RemeshedSurface remeshed;
-  CompactMesh compact = work.edit.Compact();
-  remeshed.mesh = std::move(compact.mesh);
-  for (const uint32_t vertex : SortAlongCurve(&remeshed.mesh)) {
-    const uint32_t old_vertex = compact.vertices[vertex];
-    remeshed.sources.push_back(work.anchors[old_vertex].source);
-    if (!fixed.empty()) {
-      remeshed.fixed_sources.push_back(IsFixed(fixed, old_vertex) ? old_vertex
-                                                                  : kNone);
-    }
+  MeshPart compact = work.edit.Compact();
+  std::vector<uint32_t> vertices = SortAlongCurve(&compact.mesh);
+  for (uint32_t& vertex : vertices) {
+    vertex = compact.vertices[vertex];
   }
-  return remeshed;
+  return ResultOf(work, std::move(compact.mesh), vertices);
+}
+
+RemeshedSurface ImproveAngles(const TriangleMesh& mesh,
+                              const FixedVertices& fixed) {
+  constexpr float kMinCosine = 0.906F;  // 25 degrees: a choice
+  constexpr float kMaxRatio = 2;        // edges may get so long
+  constexpr int kIterations = 3;        // later ones find next to nothing
+  std::vector<float> lengths = MeanEdgeLengths(mesh);
+  const std::vector<float> tolerances = TolerancesOf(lengths);
+  const ReferenceSurface reference(mesh, std::move(lengths), tolerances);
+  AnchoredMesh work(mesh, reference, fixed);
+  for (int i = 0; i < kIterations; ++i) {
+    FlipForAngles(reference, kMinCosine, &work);
+    RelaxVertices(reference, CornersOfThinFacets(work, kMinCosine), &work);
+    CollapseNeedles(reference, kMaxRatio, &work);
+  }
+  FlipForAngles(reference, kMinCosine, &work);
+  MeshPart compact = work.edit.Compact();
+  RemeshedSurface improved =
+      ResultOf(work, std::move(compact.mesh), compact.vertices);
+  improved.facet_sources = std::move(compact.facets);
+  return improved;
+}
+
+void BecomeRemeshed(RemeshedSurface remeshed, Surface* surface) {
+  surface->attributes =
+      CarryAttributes(surface->mesh, surface->attributes, remeshed.sources);
+  if (!surface->origins.empty()) {
+    surface->origins =
+        ValuesAt(remeshed.sources, surface->mesh, surface->origins);
+  }
+  surface->mesh = std::move(remeshed.mesh);
+  surface->fixed_sources =
+      CarrySources(surface->fixed_sources, remeshed.fixed_sources);
+}
+
+void RemeshEvenly(Surface* surface) {
+  std::vector<float> lengths = MeanEdgeLengths(surface->mesh);
+  LimitGradation(surface->mesh, kGradation, &lengths);
+  BecomeRemeshed(
+      RemeshIsotropically(surface->mesh, lengths, TolerancesOf(lengths)),
+      surface);
 }
 
 }  // namespace colmap_ext

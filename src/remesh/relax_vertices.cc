@@ -1,11 +1,8 @@
-#include "remesh/relax_vertices.h"
+#include "remesh/remeshing_steps.h"
 
 #include <algorithm>
 #include <array>
 #include <bitset>
-#include <cstddef>
-#include <cstdint>
-#include <vector>
 
 #include <tbb/parallel_for.h>
 
@@ -44,7 +41,7 @@ Anchor Target(const ReferenceSurface& reference, const AnchoredMesh& mesh,
                            anchor.source.facet);
 }
 
-// Whether the facets around a vertex stay as they should if it moves.
+// Whether the facets around a vertex keep their quality if it moves.
 bool MayMove(const ReferenceSurface& reference, const AnchoredMesh& mesh,
              uint32_t vertex, const AnchoredCorner& target) {
   constexpr float kMinTurn = 0.5F;      // 60 degrees

@@ -1,9 +1,7 @@
-#include "remesh/split_long_edges.h"
+#include "remesh/remeshing_steps.h"
 
 #include <array>
-#include <cstdint>
 #include <optional>
-#include <vector>
 
 #include <tbb/parallel_for.h>
 

@@ -1,18 +1,15 @@
-#include "repair/close_holes.h"
+#include "repair/edit_borders.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include <Eigen/Core>
 
-#include "mesh/half_edges.h"
-#include "mesh/vertex_rings.h"
+#include "mesh/adjacency.h"
 #include "repair/fill_loops.h"
 #include "spatial/self_intersections.h"
 
@@ -119,27 +116,27 @@ struct Patch {
 // A mesh whose holes are closed, round by round.
 class HoleCloser {
  public:
-  HoleCloser(TriangleMesh mesh, VertexAttributes attributes)
-      : num_vertices_(mesh.vertices.size()), rings_(MakeVertexRings(mesh)) {
-    closed_.mesh = std::move(mesh);
-    closed_.attributes = std::move(attributes);
-  }
+  explicit HoleCloser(Surface* surface)
+      : num_vertices_(surface->mesh.vertices.size()),
+        rings_(MakeVertexRings(surface->mesh)),
+        surface_(*surface) {}
 
-  void Close(std::vector<BorderLoop> loops) {
-    closed_.report.num_loops = loops.size();
-    const TriangleMesh mesh = closed_.mesh;
+  HoleReport Close(std::vector<BorderLoop> loops) {
+    const TriangleMesh mesh = surface_.mesh;
+    report_.num_loops = loops.size();
     for (const FillingKind kind :
          {FillingKind::kFair, FillingKind::kRefined, FillingKind::kFlat}) {
       if (!loops.empty()) {
         loops = CloseBy(kind, mesh, std::move(loops));
       }
     }
+    report_.num_vertices = surface_.mesh.vertices.size() - num_vertices_;
+    report_.num_facets = surface_.mesh.facets.size() - mesh.facets.size();
+    return report_;
   }
 
-  ClosedMesh Take() { return std::move(closed_); }
-
  private:
-  // \return the loops that stay
+  // \return the loops that are not closed
   std::vector<BorderLoop> CloseBy(FillingKind kind, const TriangleMesh& mesh,
                                   std::vector<BorderLoop> loops) {
     std::vector<BorderLoop> left;
@@ -156,21 +153,21 @@ class HoleCloser {
     const std::vector<uint8_t> is_intersecting =
         FindIntersecting(Fill(patches));
     if (kind == FillingKind::kFlat) {  // there is no other way
-      closed_.report.num_intersecting = static_cast<size_t>(
+      report_.num_intersecting = static_cast<size_t>(
           std::count(is_intersecting.begin(), is_intersecting.end(), 1));
     } else {
       Remove(is_intersecting, &patches, &left);
     }
     for (const Patch& patch : patches) {
-      AddAttributes(patch);
+      InheritFrom(patch);
     }
-    closed_.report.num_closed += patches.size();
-    closed_.mesh = Fill(patches).mesh;
+    report_.num_closed += patches.size();
+    surface_.mesh = Fill(patches).mesh;
     return left;
   }
 
   FilledMesh Fill(const std::vector<Patch>& patches) const {
-    FilledMesh filled{closed_.mesh, closed_.mesh.facets.size(), {}, 0};
+    FilledMesh filled{surface_.mesh, surface_.mesh.facets.size(), {}, 0};
     for (const Patch& patch : patches) {
       filled.Add(*patch.filling, num_vertices_);
     }
@@ -191,9 +188,15 @@ class HoleCloser {
     patches->swap(kept);
   }
 
-  void AddAttributes(const Patch& patch) {
-    VertexAttributes& attributes = closed_.attributes;
+  void InheritFrom(const Patch& patch) {
+    VertexAttributes& attributes = surface_.attributes;
     for (const Eigen::Vector3f& vertex : patch.filling->vertices) {
+      if (!surface_.origins.empty()) {
+        surface_.origins.push_back(vertex);
+      }
+      if (!surface_.fixed_sources.empty()) {
+        surface_.fixed_sources.push_back(kNone);
+      }
       if (!attributes.colors.empty()) {
         attributes.colors.push_back(ColorAt(vertex, patch.loop));
       }
@@ -210,9 +213,9 @@ class HoleCloser {
     double sum_of_weights = 0;
     for (const uint32_t vertex : loop) {
       const double distance_squared =
-          (closed_.mesh.vertices[vertex] - point).cast<double>().squaredNorm();
+          (surface_.mesh.vertices[vertex] - point).cast<double>().squaredNorm();
       const double weight = 1 / std::max(distance_squared, kTiny);
-      const Color& color = closed_.attributes.colors[vertex];
+      const Color& color = surface_.attributes.colors[vertex];
       sum += weight * Eigen::Vector3d(color[0], color[1], color[2]);
       sum_of_weights += weight;
     }
@@ -229,32 +232,23 @@ class HoleCloser {
 
   size_t num_vertices_;  // old ones, which the fillings' indices are based on
   VertexRings rings_;    // of the old mesh
-  ClosedMesh closed_;
+  Surface& surface_;
+  HoleReport report_;
 };
 
 }  // namespace
 
-ClosedMesh CloseHoles(int max_edges, TriangleMesh mesh,
-                      VertexAttributes attributes) {
+HoleReport CloseHoles(int max_edges, Surface* surface) {
   std::vector<BorderLoop> loops;
   if (max_edges != 0) {
-    loops = FindLoops(mesh);
+    loops = FindLoops(surface->mesh);
     std::erase_if(loops, [max_edges](const BorderLoop& loop) {
       return max_edges != kAllLoops &&
              loop.size() > static_cast<size_t>(max_edges);
     });
   }
-  if (loops.empty()) {
-    return {std::move(mesh), std::move(attributes), {}};
-  }
-  const size_t num_vertices = mesh.vertices.size();
-  const size_t num_facets = mesh.facets.size();
-  HoleCloser closer(std::move(mesh), std::move(attributes));
-  closer.Close(std::move(loops));
-  ClosedMesh closed = closer.Take();
-  closed.report.num_vertices = closed.mesh.vertices.size() - num_vertices;
-  closed.report.num_facets = closed.mesh.facets.size() - num_facets;
-  return closed;
+  return loops.empty() ? HoleReport()
+                       : HoleCloser(surface).Close(std::move(loops));
 }
 
 }  // namespace colmap_ext

@@ -1,37 +1,159 @@
 #include "repair/edit_borders.h"
 
+#include <array>
 #include <stdexcept>
 #include <utility>
 
-namespace colmap_ext {
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
-EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,
-                       VertexAttributes attributes,
-                       const std::vector<float>& facet_confidences) {
-  TrimmedMesh trimmed =
-      TrimMesh(options.trim, mesh, facet_confidences, options.trim_rings);
-  if (trimmed.mesh.facets.empty() && options.is_trim_optional) {
-    trimmed = TrimMesh(0, std::move(mesh), facet_confidences);
-  } else if (trimmed.mesh.facets.empty()) {
+#include "mesh/adjacency.h"
+#include "mesh/normals.h"
+#include "spatial/self_intersections.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr int kSteps = 5;  // a choice: evens out zigzags of a facet or two
+
+// A vertex that is moved, and its neighbors on the border.
+struct BorderVertex {
+  uint32_t vertex;
+  uint32_t before;
+  uint32_t after;
+};
+
+// A manifold mesh has no more than one border edge to a vertex and one from it.
+std::vector<BorderVertex> FindBorderVertices(
+    const std::vector<uint8_t>& is_moved, const TriangleMesh& mesh) {
+  std::vector<uint32_t> before(mesh.vertices.size(), kNone);
+  std::vector<uint32_t> after(mesh.vertices.size(), kNone);
+  for (uint32_t half = 0; half < is_moved.size(); ++half) {
+    if (is_moved[half] != 0) {
+      const uint32_t from = FromVertex(mesh.facets, half);
+      const uint32_t to = ToVertex(mesh.facets, half);
+      after[from] = to;
+      before[to] = from;
+    }
+  }
+  std::vector<BorderVertex> found;
+  for (uint32_t i = 0; i < before.size(); ++i) {
+    if (before[i] != kNone && after[i] != kNone) {
+      found.push_back({i, before[i], after[i]});
+    }
+  }
+  return found;
+}
+
+Vector3f NormalOf(const TriangleMesh& mesh, uint32_t facet) {
+  return AreaVector(mesh, mesh.facets[facet]).normalized();
+}
+
+// The facets at the vertices, with their normals.
+struct GuardedFacets {
+  std::vector<uint32_t> facets;   // ascending
+  std::vector<Vector3f> normals;  // unit; zero where there is no area
+};
+
+GuardedFacets FindGuarded(const std::vector<BorderVertex>& border,
+                          const TriangleMesh& mesh) {
+  std::vector<uint8_t> is_border(mesh.vertices.size(), 0);
+  for (const BorderVertex& vertex : border) {
+    is_border[vertex.vertex] = 1;
+  }
+  GuardedFacets guarded;
+  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
+    const auto& [a, b, c] = mesh.facets[i];
+    if (is_border[a] + is_border[b] + is_border[c] > 0) {
+      guarded.facets.push_back(i);
+      guarded.normals.push_back(NormalOf(mesh, i));
+    }
+  }
+  return guarded;
+}
+
+// Puts the corners of turned facets back.
+// \param positions [V] where no guarded facet is turned
+// \return whether any was put back
+bool PutBack(const GuardedFacets& guarded,
+             const std::vector<Vector3f>& positions, TriangleMesh* mesh) {
+  constexpr float kMinCosine = 0.5F;  // 60 degrees, as in docs/method.md, 6.4
+  bool has_turned = false;
+  for (size_t i = 0; i < guarded.facets.size(); ++i) {
+    const Vector3f& normal = guarded.normals[i];
+    if (NormalOf(*mesh, guarded.facets[i]).dot(normal) <
+        kMinCosine * normal.squaredNorm()) {
+      for (const uint32_t vertex : mesh->facets[guarded.facets[i]]) {
+        has_turned |= mesh->vertices[vertex] != positions[vertex];
+        mesh->vertices[vertex] = positions[vertex];
+      }
+    }
+  }
+  return has_turned;
+}
+
+// Puts the corners of facets that intersect back, and of those that this turns.
+// \param positions [V] where no guarded facet is turned
+void PutBackIntersecting(const GuardedFacets& guarded,
+                         const std::vector<Vector3f>& positions,
+                         TriangleMesh* mesh) {
+  for (bool is_moved = true; is_moved;) {
+    is_moved = false;
+    for (const auto& pair : FindSelfIntersections(*mesh)) {
+      for (const uint32_t facet : pair) {
+        for (const uint32_t vertex : mesh->facets[facet]) {
+          is_moved |= mesh->vertices[vertex] != positions[vertex];
+          mesh->vertices[vertex] = positions[vertex];
+        }
+      }
+    }
+    while (PutBack(guarded, positions, mesh)) {
+    }
+  }
+}
+
+}  // namespace
+
+void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
+  const std::vector<BorderVertex> border = FindBorderVertices(is_moved, *mesh);
+  if (border.empty()) {
+    return;
+  }
+  const GuardedFacets guarded = FindGuarded(border, *mesh);
+  const std::vector<Vector3f> first_positions = mesh->vertices;
+  for (int step = 0; step < kSteps; ++step) {
+    const std::vector<Vector3f> positions = mesh->vertices;
+    for (const auto& [vertex, before, after] : border) {
+      const Vector3f middle = (positions[before] + positions[after]) / 2;
+      mesh->vertices[vertex] = (positions[vertex] + middle) / 2;
+    }
+    while (PutBack(guarded, positions, mesh)) {
+    }
+  }
+  PutBackIntersecting(guarded, first_positions, mesh);
+}
+
+Provenance EditBorders(const BorderOptions& options,
+                       const std::vector<float>& facet_confidences,
+                       Surface* surface, BorderReport* report) {
+  TrimmedMesh trimmed = TrimMesh(options.trim, surface->mesh, facet_confidences,
+                                 options.trim_rings);
+  if (trimmed.mesh.facets.empty() && !options.is_trim_optional) {
     throw std::invalid_argument(
         "no face is confident enough: a lower trim drops less");
   }
-  if (trimmed.report.num_facets > 0) {
-    attributes = InterpolateAttributes(attributes, trimmed.sources);
+  Provenance from = IdentityOf(surface->mesh);
+  if (!trimmed.mesh.facets.empty()) {
+    report->trim = trimmed.report;
+    from = trimmed.from;
+    surface->Become(std::move(trimmed));
   }
-  ClosedMesh closed = CloseHoles(options.close_holes, std::move(trimmed.mesh),
-                                 std::move(attributes));
-  EditedMesh edited{std::move(closed.mesh),
-                    std::move(closed.attributes),
-                    {},
-                    std::move(trimmed.facet_sources),
-                    {trimmed.report, closed.report}};
-  for (const auto& source : trimmed.sources) {
-    edited.vertex_sources.push_back(source[0]);
-  }
-  edited.vertex_sources.resize(edited.mesh.vertices.size(), kNone);
-  edited.facet_sources.resize(edited.mesh.facets.size(), kNone);
-  return edited;
+  report->holes = CloseHoles(options.close_holes, surface);
+  from.vertices.resize(surface->mesh.vertices.size(), {kNone, kNone});
+  from.facets.resize(surface->mesh.facets.size(), kNone);
+  return from;
 }
 
 }  // namespace colmap_ext

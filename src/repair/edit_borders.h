@@ -1,14 +1,78 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
-#include "repair/close_holes.h"
-#include "repair/trim_mesh.h"
+#include "mesh/surface.h"
 
 namespace colmap_ext {
+
+// What a trimming did.
+struct TrimReport {
+  size_t num_regions = 0;          // of facets that are not confident, dropped
+  size_t num_facets = 0;           // in them
+  size_t num_leftovers = 0;        // pieces dropped with them
+  size_t num_leftover_facets = 0;  // in them
+  size_t num_kept_facets = 0;      // not confident, but in small gaps
+};
+
+struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
+  TrimReport report;
+};
+
+// Drops the parts of low confidence from a surface (docs/method.md, section
+// 3.7).
+//
+// Facets below min_confidence that are connected through edges are a region.
+// A region is kept if it is only a gap in good surface: if it reaches no border
+// of the mesh and is not larger than `num_rings` rings of confident facets
+// around it. The other regions are dropped, and so are the pieces that they cut
+// off and that consist of little but border: with no more vertices inside than
+// at their border. This is repeated until nothing is dropped. The borders that
+// this opens are smoothed along themselves; no other vertex moves. Where
+// nothing is dropped the mesh is not changed, and trimming the
+// result again with the same confidences drops nothing.
+//
+// \param min_confidence  0: drops nothing
+// \param facet_confidences [F] in [0, 1]
+// \param num_rings  positive; a mesh of small facets needs more rings.
+// \pre the mesh is manifold
+TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
+                     const std::vector<float>& facet_confidences,
+                     int num_rings = 1);
+
+inline constexpr int kAllLoops = -1;
+
+// What the closing of holes did.
+struct HoleReport {
+  size_t num_loops = 0;         // border loops that were to be closed
+  size_t num_closed = 0;        // of them
+  size_t num_facets = 0;        // new
+  size_t num_vertices = 0;      // new
+  size_t num_intersecting = 0;  // closed by facets that intersect others
+
+  // Loops left open, since their facets would make the mesh non-manifold.
+  size_t NumLeft() const { return num_loops - num_closed; }
+};
+
+// Closes the holes of a mesh (docs/method.md, section 3.8): border loops of up
+// to max_edges edges. A loop is filled by small facets bent as the surface
+// around it, or else, where these would intersect others or not be manifold, by
+// flatter ones. New vertices have the confidence 0 if the old ones have any, no
+// views, and colours by the inverse squared distances from the vertices of the
+// loop. Old vertices and facets stay as they are, before the new ones.
+// \param max_edges  0: none, kAllLoops: all
+// \pre the mesh is manifold
+HoleReport CloseHoles(int max_edges, Surface* surface);
+
+// Smooths borders along themselves: a vertex where two of the given half-edges
+// meet, and no other border, moves halfway to the middle of its two neighbors
+// on the border, five times in turn. A vertex does not move if a facet would
+// turn by more than 60 degrees, and is back where it was where facets would
+// intersect that did not. \param is_moved [3 F] the half-edges at the border
+// that is smoothed \pre the mesh is manifold
+void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh);
 
 struct BorderOptions {
   // Facets of less confidence are dropped, see TrimMesh(). In [0, 1]; 0 drops
@@ -22,7 +86,7 @@ struct BorderOptions {
   // Of facets around what is not confident, see TrimMesh(). Positive.
   int trim_rings = 1;
 
-  // Where no facet is confident the mesh stays as it is.
+  // If no facet is confident, the mesh is not trimmed.
   bool is_trim_optional = false;
 };
 
@@ -31,21 +95,14 @@ struct BorderReport {
   HoleReport holes;
 };
 
-struct EditedMesh {
-  TriangleMesh mesh;                     // manifold
-  VertexAttributes attributes;           // [V]
-  std::vector<uint32_t> vertex_sources;  // [V] the old vertex; new: kNone
-  std::vector<uint32_t> facet_sources;   // [F] the old facet; new: kNone
-  BorderReport report;
-};
-
-// Trims a mesh, then closes its holes.
+// Trims a surface, then closes its holes.
 // \param facet_confidences [F] in [0, 1]
+// \return what it comes from
 // \pre the mesh is manifold, options in their ranges
 // \throw std::invalid_argument if the trimming leaves nothing, unless it is
 //        optional.
-EditedMesh EditBorders(const BorderOptions& options, TriangleMesh mesh,
-                       VertexAttributes attributes,
-                       const std::vector<float>& facet_confidences);
+Provenance EditBorders(const BorderOptions& options,
+                       const std::vector<float>& facet_confidences,
+                       Surface* surface, BorderReport* report);
 
 }  // namespace colmap_ext

@@ -11,8 +11,8 @@
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
 
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/manifold_repair.h"
+#include "repair/mesh_patch.h"
 
 namespace colmap_ext {
 namespace {
@@ -34,43 +34,13 @@ Surroundings FindSurroundings(const TriangleMesh& mesh,
                               const VertexRings& rings,
                               const BorderLoop& loop) {
   constexpr int kNumRings = 3;
-  std::vector<uint32_t> facets;
-  std::vector<uint32_t> vertices(loop.begin(), loop.end());
-  for (int ring = 0; ring < kNumRings; ++ring) {
-    for (const uint32_t vertex : vertices) {
-      for (const uint32_t corner : rings.corners[vertex]) {
-        facets.push_back(corner / 3);
-      }
-    }
-    std::sort(facets.begin(), facets.end());
-    facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
-    vertices.clear();
-    for (const uint32_t facet : facets) {
-      vertices.insert(vertices.end(), mesh.facets[facet].begin(),
-                      mesh.facets[facet].end());
-    }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()),
-                   vertices.end());
-  }
-  TriangleMesh part;
-  for (const uint32_t vertex : vertices) {
-    part.vertices.push_back(mesh.vertices[vertex]);
-  }
-  for (const uint32_t index : facets) {
-    Facet facet = mesh.facets[index];
-    for (uint32_t& vertex : facet) {
-      vertex = static_cast<uint32_t>(
-          std::lower_bound(vertices.begin(), vertices.end(), vertex) -
-          vertices.begin());
-    }
-    part.facets.push_back(facet);
-  }
+  const MeshPart part = TakePatch(
+      mesh, rings.FacetsAt(rings.VerticesAround(loop, kNumRings - 1)));
   // Its outer border may touch itself, the loop does not.
-  FanSplit split = SplitFans(part, PairHalfEdges(part.facets));
+  FanSplit split = SplitFans(part.mesh);
   Surroundings surroundings{std::move(split.mesh), {}};
-  for (const auto& source : split.sources) {
-    surroundings.sources.push_back(vertices[source[0]]);
+  for (const auto& source : split.from.vertices) {
+    surroundings.sources.push_back(part.vertices[source[0]]);
   }
   return surroundings;
 }

@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "mesh/adjacency.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_rings.h"
 
 namespace colmap_ext {
 

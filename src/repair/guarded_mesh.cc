@@ -1,20 +1,17 @@
 #include "repair/guarded_mesh.h"
 
 #include <algorithm>
+#include <iterator>
+#include <unordered_set>
 #include <utility>
 
-#include "mesh/facet_normals.h"
-#include "mesh/half_edges.h"
+#include "base/indices.h"
+#include "mesh/normals.h"
 
 namespace colmap_ext {
 namespace {
 
 constexpr float kFoldedCosine = -0.5F;  // between normals: 120 degrees
-
-void SortUnique(std::vector<uint32_t>* values) {
-  std::sort(values->begin(), values->end());
-  values->erase(std::unique(values->begin(), values->end()), values->end());
-}
 
 }  // namespace
 
@@ -29,76 +26,46 @@ void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
 }
 
 GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed)
-    : mesh_(std::move(mesh)), fixed_(std::move(fixed)), tree_(mesh_) {
-  Update();
+    : mesh_(std::move(mesh)),
+      fixed_(std::move(fixed)),
+      rings_(MakeVertexRings(mesh_)),
+      partners_(PairHalfEdges(mesh_.facets)),
+      tree_(mesh_) {
   std::vector<FacetPair> pairs = FindSelfIntersections(mesh_, tree_);
   DropFixedPairs(mesh_, fixed_, &pairs);
   ReplacePairs({}, pairs);
 }
 
-void GuardedMesh::Update() {
-  rings_ = MakeVertexRings(mesh_);
-  partners_ = PairHalfEdges(mesh_.facets);
-}
-
 std::vector<FacetPair> GuardedMesh::Pairs() const {
   std::vector<FacetPair> pairs;
-  for (const auto& [facet, others] : crossing_) {
-    for (auto other = others.lower_bound(facet); other != others.end();
-         ++other) {
-      pairs.push_back({facet, *other});
-    }
-  }
+  std::ranges::copy_if(crossing_, std::back_inserter(pairs),
+                       [](const FacetPair& pair) { return pair[0] < pair[1]; });
   return pairs;
-}
-
-std::vector<uint32_t> GuardedMesh::FacetsOf(
-    const std::vector<uint32_t>& vertices) const {
-  std::vector<uint32_t> facets;
-  for (const uint32_t vertex : vertices) {
-    for (const uint32_t corner : rings_.corners[vertex]) {
-      facets.push_back(corner / 3);
-    }
-  }
-  SortUnique(&facets);
-  return facets;
 }
 
 std::vector<FacetPair> GuardedMesh::PairsOf(
     const std::vector<uint32_t>& facets) const {
   std::vector<FacetPair> pairs;
   for (const uint32_t facet : facets) {
-    const auto row = crossing_.find(facet);
-    if (row != crossing_.end()) {
-      for (const uint32_t other : row->second) {
-        pairs.push_back({std::min(facet, other), std::max(facet, other)});
-      }
+    for (auto pair = crossing_.lower_bound({facet, 0});
+         pair != crossing_.end() && (*pair)[0] == facet; ++pair) {
+      const auto [low, high] = std::minmax((*pair)[0], (*pair)[1]);
+      pairs.push_back({low, high});
     }
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  SortUnique(&pairs);
   return pairs;
 }
 
 void GuardedMesh::ReplacePairs(const std::vector<FacetPair>& old_pairs,
                                const std::vector<FacetPair>& new_pairs) {
-  const auto erase = [&](uint32_t facet, uint32_t other) {
-    const auto row = crossing_.find(facet);
-    if (row != crossing_.end() && row->second.erase(other) > 0 &&
-        row->second.empty()) {
-      crossing_.erase(row);
-    }
-  };
   for (const auto& [a, b] : old_pairs) {
-    erase(a, b);
-    erase(b, a);
+    crossing_.erase({a, b});
+    crossing_.erase({b, a});
   }
   for (const auto& [a, b] : new_pairs) {
-    crossing_[a].insert(b);
-    crossing_[b].insert(a);
+    crossing_.insert({{a, b}, {b, a}});
   }
-  num_pairs_ += new_pairs.size();
-  num_pairs_ -= old_pairs.size();
 }
 
 void GuardedMesh::Swap(VertexTargets* targets) {
@@ -153,7 +120,7 @@ bool GuardedMesh::TurnsOver(const Shape& before, const Shape& after) {
 
 std::optional<GuardedMesh::Change> GuardedMesh::Try(VertexTargets targets) {
   Change change;
-  const std::vector<uint32_t> facets = FacetsOf(targets.vertices);
+  const std::vector<uint32_t> facets = rings_.FacetsAt(targets.vertices);
   change.old_pairs = PairsOf(facets);
   const Shape shape = ShapeOf(facets);
   Swap(&targets);
@@ -177,7 +144,7 @@ std::optional<size_t> GuardedMesh::PairsAfter(const VertexTargets& targets) {
     return std::nullopt;
   }
   Swap(&old);
-  return num_pairs_ - change->old_pairs.size() + change->new_pairs.size();
+  return NumPairs() - change->old_pairs.size() + change->new_pairs.size();
 }
 
 bool GuardedMesh::Move(const VertexTargets& targets) {
@@ -186,6 +153,28 @@ bool GuardedMesh::Move(const VertexTargets& targets) {
     ReplacePairs(change->old_pairs, change->new_pairs);
   }
   return change.has_value();
+}
+
+size_t GuardedMesh::FlipEdges(const std::vector<uint32_t>& facets) {
+  size_t num_flips = 0;
+  std::unordered_set<uint32_t> touched;  // vertices of facets that changed
+  for (const uint32_t facet : facets) {
+    for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
+      const uint32_t partner = partners_[half];
+      const auto is_touched = [&](uint32_t v) { return touched.contains(v); };
+      if (std::ranges::none_of(mesh_.facets[facet], is_touched) && Flip(half)) {
+        ++num_flips;
+        touched.insert(mesh_.facets[facet].begin(), mesh_.facets[facet].end());
+        touched.insert(mesh_.facets[partner / 3].begin(),
+                       mesh_.facets[partner / 3].end());
+      }
+    }
+  }
+  if (num_flips > 0) {
+    rings_ = MakeVertexRings(mesh_);
+    partners_ = PairHalfEdges(mesh_.facets);
+  }
+  return num_flips;
 }
 
 bool GuardedMesh::Flip(uint32_t half) {

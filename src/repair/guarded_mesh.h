@@ -1,22 +1,22 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "mesh/fixed_vertices.h"
+#include "mesh/adjacency.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_rings.h"
 #include "spatial/facet_tree.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
-// Drops pairs of two facets that stay.
+// Drops pairs of two fixed facets.
 void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
                     std::vector<FacetPair>* pairs);
 
@@ -35,7 +35,7 @@ struct VertexTargets {
 // degrees apart.
 class GuardedMesh {
  public:
-  // \param fixed  of the mesh. Pairs of two facets that stay do not count.
+  // \param fixed  of the mesh. Pairs of two fixed facets do not count.
   // \pre the mesh is manifold
   explicit GuardedMesh(TriangleMesh mesh, FixedVertices fixed = {});
 
@@ -43,15 +43,12 @@ class GuardedMesh {
   const FixedVertices& fixed() const { return fixed_; }
   const VertexRings& rings() const { return rings_; }
 
-  // [3 F] as PairHalfEdges().
-  const std::vector<uint32_t>& partners() const { return partners_; }
-
   std::vector<FacetPair> Pairs() const;
 
   // Those that have one of the facets.
   std::vector<FacetPair> PairsOf(const std::vector<uint32_t>& facets) const;
 
-  size_t NumPairs() const { return num_pairs_; }
+  size_t NumPairs() const { return crossing_.size() / 2; }
 
   // The facets that were looked at so far for what they intersect, and the
   // pairs found: a measure of time that is the same on every machine.
@@ -64,18 +61,17 @@ class GuardedMesh {
   // \return whether it is allowed, and done
   bool Move(const VertexTargets& targets);
 
-  // Lets the edge of a half-edge connect the two corners opposite of it.
-  // \return whether it is allowed, and done. Then rings() and partners() no
-  //         longer hold around the two facets, until Update().
+  // Flips the edges of some facets where that is allowed, but none at a vertex
+  // of facets that a flip before it has changed.
+  // \return how many
+  size_t FlipEdges(const std::vector<uint32_t>& facets);
+
+ private:
+  // Lets the edge of a half-edge connect the two corners opposite of it, if it
+  // is allowed. Leaves rings_ and partners_ as they were.
   // \pre both hold around the half-edge
   bool Flip(uint32_t half);
 
-  void Update();
-
- private:
-  using Partners = std::map<uint32_t, std::set<uint32_t>>;
-
-  std::vector<uint32_t> FacetsOf(const std::vector<uint32_t>& vertices) const;
   void ReplacePairs(const std::vector<FacetPair>& old_pairs,
                     const std::vector<FacetPair>& new_pairs);
   void Swap(VertexTargets* targets);
@@ -107,9 +103,31 @@ class GuardedMesh {
   VertexRings rings_;
   std::vector<uint32_t> partners_;
   FacetTree tree_;
-  Partners crossing_;  // facets that intersect each facet
-  size_t num_pairs_ = 0;
+  std::set<FacetPair> crossing_;  // pairs that intersect, either way round
   size_t work_ = 0;
 };
+
+// Returns where some vertices go by rounds of umbrella smoothing: in each, all
+// go half of the way to the mean of their neighbors, of which those that are
+// not among the vertices do not move. A vertex at a border goes to the mean of
+// its neighbors along the border; one with other than two such neighbors does
+// not move. \param vertices  ascending \pre indices are in range
+VertexTargets Smoothed(const GuardedMesh& mesh,
+                       const std::vector<uint32_t>& vertices, int num_rounds);
+
+// Returns where some vertices go along the mean of their facets' normals, by a
+// share of the mean length of their edges: all of them outwards or, where the
+// share is negative, inwards.
+// \param vertices  ascending
+// \pre indices are in range
+VertexTargets Pushed(const GuardedMesh& mesh,
+                     const std::vector<uint32_t>& vertices, double share);
+
+// Moves vertices that share a position with others (copies, see SplitFans)
+// apart where their facets intersect: each into its own fan, towards the mean
+// of its neighbors, or to the other side, by the smallest step of 2^k roundings
+// of its coordinates that leaves the fewest pairs. A step is at most a quarter
+// of the way. Ends where the mesh's Work() exceeds max_work.
+void SeparateCopies(GuardedMesh* mesh, size_t max_work);
 
 }  // namespace colmap_ext

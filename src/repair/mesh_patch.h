@@ -5,20 +5,13 @@
 
 #include <Eigen/Geometry>
 
-#include "mesh/triangle_mesh.h"
+#include "mesh/surface.h"
+#include "spatial/self_intersections.h"
 
 namespace colmap_ext {
 
-// Some facets of a mesh as a mesh, in the order of the whole.
-struct MeshPatch {
-  TriangleMesh mesh;
-  std::vector<uint32_t> vertices;  // [V] the whole's, ascending
-  std::vector<uint32_t> facets;    // [F] the whole's, ascending
-};
-
-// \param is_chosen  [F of the whole] 1: it is of the patch
-MeshPatch TakePatch(const TriangleMesh& mesh,
-                    const std::vector<uint8_t>& is_chosen);
+// \param facets  of the patch, ascending
+MeshPart TakePatch(const TriangleMesh& mesh, std::vector<uint32_t> facets);
 
 // Marks all facets at the vertices within some rings of edges around facets.
 // Goes through all of the mesh once a ring, and needs no adjacency.
@@ -31,5 +24,12 @@ std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
 void MarkWithin(const TriangleMesh& mesh,
                 const std::vector<Eigen::AlignedBox3f>& boxes,
                 std::vector<uint8_t>* is_marked);
+
+// Returns the facets of the pairs in groups, ascending in each, the group of
+// the lowest facet first: facets belong together if they intersect or share a
+// vertex.
+// \pre facet indices of the pairs are in range
+std::vector<std::vector<uint32_t>> CrossingClusters(
+    const TriangleMesh& mesh, const std::vector<FacetPair>& pairs);
 
 }  // namespace colmap_ext

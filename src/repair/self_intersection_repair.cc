@@ -2,31 +2,28 @@
 
 #include <algorithm>
 #include <map>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "repair/crossing_clusters.h"
+#include "base/indices.h"
 #include "repair/guarded_mesh.h"
-#include "repair/local_motions.h"
 #include "repair/mesh_patch.h"
-#include "repair/separate_copies.h"
 #include "spatial/box_tree.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 namespace {
 
-// Little first. Both are choices: a vertex that goes astray is back after a few
-// rounds of smoothing, a part of the surface takes more.
+// Small changes first. Both are choices: a single outlier is smoothed after a
+// few rounds of smoothing, a part of the surface takes more.
 constexpr int kSmoothingRounds[] = {1, 4, 16, 64};
 constexpr double kPushes[] = {0.01, 0.1, 0.5};  // of the edges' mean length
 
 // A choice: more pairs in one cluster are two surfaces that run through each
-// other, which no pair by itself tells how to part.
+// other, which pairs by themselves can not separate.
 constexpr size_t kMaxSinglePairs = 64;
 
 // Choices: of the work (GuardedMesh::Work), for each facet of the mesh, and
@@ -38,20 +35,18 @@ constexpr size_t kMaxWork = 100'000;
 bool SmoothOrPush(const std::vector<uint32_t>& facets, int num_rings,
                   GuardedMesh* mesh) {
   std::vector<uint32_t> vertices =
-      VerticesAround(mesh->mesh(), mesh->rings(), facets, num_rings);
+      mesh->rings().VerticesAround(VerticesOf(mesh->mesh(), facets), num_rings);
   std::erase_if(vertices, [mesh](uint32_t vertex) {
     return IsFixed(mesh->fixed(), vertex);
   });
   for (const int num_rounds : kSmoothingRounds) {
-    if (mesh->Move(
-            Smoothed(mesh->mesh(), mesh->rings(), vertices, num_rounds))) {
+    if (mesh->Move(Smoothed(*mesh, vertices, num_rounds))) {
       return true;
     }
   }
   for (const double share : kPushes) {
     for (const double sign : {1.0, -1.0}) {
-      if (mesh->Move(
-              Pushed(mesh->mesh(), mesh->rings(), vertices, sign * share))) {
+      if (mesh->Move(Pushed(*mesh, vertices, sign * share))) {
         return true;
       }
     }
@@ -75,62 +70,19 @@ bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
   return mesh->NumPairs() < num_pairs;
 }
 
-// Flips edges of facets, such that no two flips of a round touch each other.
-class EdgeFlips {
- public:
-  // \return the number of edges flipped
-  size_t FlipEdges(const std::vector<uint32_t>& facets, GuardedMesh* mesh) {
-    size_t num_flips = 0;
-    for (const uint32_t facet : facets) {
-      for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
-        if (AreFree(facet, *mesh) && mesh->Flip(half)) {
-          ++num_flips;
-          Mark(facet, *mesh);
-          Mark(mesh->partners()[half] / 3, *mesh);
-        }
-      }
-    }
-    return num_flips;
-  }
-
- private:
-  // Whether what rings() and partners() tell of the facet and its neighbors
-  // still holds: no flip was at a vertex of it.
-  bool AreFree(uint32_t facet, const GuardedMesh& mesh) const {
-    const Facet& vertices = mesh.mesh().facets[facet];
-    return std::none_of(vertices.begin(), vertices.end(), [&](uint32_t vertex) {
-      return touched_.contains(vertex);
-    });
-  }
-
-  void Mark(uint32_t facet, const GuardedMesh& mesh) {
-    const Facet& vertices = mesh.mesh().facets[facet];
-    touched_.insert(vertices.begin(), vertices.end());
-  }
-
-  std::unordered_set<uint32_t> touched_;  // vertices
-};
-
-void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh,
-              size_t* num_flips) {
-  std::vector<std::vector<uint32_t>> hard;
-  for (auto& facets : CrossingClusters(mesh->mesh(), mesh->Pairs())) {
+// \return the number of edges flipped
+size_t RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
+  std::vector<uint32_t> hard;  // facets of the clusters that are left
+  for (const auto& facets : CrossingClusters(mesh->mesh(), mesh->Pairs())) {
     if (mesh->Work() > max_work) {
       break;
     }
     if (!SmoothOrPush(facets, num_rings, mesh) &&
         !SmoothOrPushPairs(mesh->PairsOf(facets), num_rings, mesh)) {
-      hard.push_back(std::move(facets));
+      hard.insert(hard.end(), facets.begin(), facets.end());
     }
   }
-  EdgeFlips flips;
-  const size_t flips_before = *num_flips;
-  for (const std::vector<uint32_t>& facets : hard) {
-    *num_flips += flips.FlipEdges(facets, mesh);
-  }
-  if (*num_flips > flips_before) {
-    mesh->Update();
-  }
+  return mesh->FlipEdges(hard);
 }
 
 // Some of the rounds, after copies were moved apart.
@@ -189,13 +141,9 @@ class PatchRepair {
   // Where facets that may move are, and a little around each.
   std::vector<Box> ReachOf(const std::vector<uint32_t>& crossing,
                            int num_rings) const {
-    const std::vector<uint8_t> may_move =
-        MarkAround(mesh_, crossing, num_rings);
     std::vector<Box> boxes;
-    for (uint32_t i = 0; i < may_move.size(); ++i) {
-      if (may_move[i] != 0) {
-        boxes.push_back(Widened(BoxOf(mesh_, i)));
-      }
+    for (const uint32_t i : Marked(MarkAround(mesh_, crossing, num_rings))) {
+      boxes.push_back(Widened(BoxOf(mesh_, i)));
     }
     return boxes;
   }
@@ -215,7 +163,7 @@ class PatchRepair {
   bool TryWithin(const Steps& steps, std::vector<uint8_t> is_around,
                  std::vector<Box>* boxes) {
     MarkWithin(mesh_, *boxes, &is_around);
-    const MeshPatch patch = TakePatch(mesh_, is_around);
+    const MeshPart patch = TakePatch(mesh_, Marked(is_around));
     FixedVertices fixed;
     for (const uint32_t vertex : patch.vertices) {
       fixed.push_back(IsFixed(fixed_, vertex) ? 1 : 0);
@@ -230,7 +178,7 @@ class PatchRepair {
          round < steps.end_round && guarded.NumPairs() > 0 &&
          guarded.Work() <= max_work;
          ++round) {
-      RunRound(round, max_work, &guarded, &num_flips);
+      num_flips += RunRound(round, max_work, &guarded);
     }
     const std::vector<uint32_t> changed =
         ChangedFacets(patch.mesh, guarded.mesh());
@@ -271,7 +219,7 @@ class PatchRepair {
     return changed;
   }
 
-  void Apply(const MeshPatch& patch, const TriangleMesh& after,
+  void Apply(const MeshPart& patch, const TriangleMesh& after,
              const std::vector<uint32_t>& changed) {
     for (const uint32_t i : changed) {
       Facet facet = after.facets[i];

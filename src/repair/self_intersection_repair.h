@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "mesh/fixed_vertices.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
@@ -35,12 +35,12 @@ inline constexpr int kMaxRepairRounds = 8;
 // gets adjacency: that takes little memory beside the mesh. The patch is what
 // lies around all pairs at first, then, more rings wide, around those left.
 //
-// The mesh stays manifold, with the same vertices and numbers of facets, and
-// its borders stay borders. A mesh without self-intersections is left as it is.
-// The result does not depend on the number of threads.
+// The mesh remains manifold, with the same number of vertices and facets and
+// the same borders. A mesh without self-intersections is not changed. The
+// result does not depend on the number of threads.
 //
 // \param max_rounds  0 or more; 0 moves copies apart only
-// \param fixed  of the mesh; pairs of two facets that stay do not count
+// \param fixed  of the mesh; pairs of two fixed facets do not count
 // \pre the mesh is manifold
 SelfIntersectionRepair RepairSelfIntersections(
     TriangleMesh* mesh, int max_rounds = kMaxRepairRounds,

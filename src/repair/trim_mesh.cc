@@ -1,41 +1,35 @@
-#include "repair/trim_mesh.h"
+#include "repair/edit_borders.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
-
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "base/index_limit.h"
 #include "base/union_find.h"
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
-#include "mesh/vertex_rings.h"
-#include "repair/smooth_borders.h"
+#include "mesh/adjacency.h"
+#include "mesh/manifold_repair.h"
+#include "mesh/normals.h"
 
 namespace colmap_ext {
 namespace {
 
 // A mesh with what finds its facets' neighbors.
-struct Surface {
+struct LinkedMesh {
   const TriangleMesh& mesh;
   VertexRings rings;
   std::vector<uint32_t> partners;  // [3 F]
 };
 
-double Area(const TriangleMesh& mesh, uint32_t facet) {
-  const auto& [a, b, c] = mesh.facets[facet];
-  const Eigen::Vector3d u =
-      (mesh.vertices[b] - mesh.vertices[a]).cast<double>();
-  const Eigen::Vector3d v =
-      (mesh.vertices[c] - mesh.vertices[a]).cast<double>();
-  return u.cross(v).norm() / 2;
+double Area(const TriangleMesh& mesh, const std::vector<uint32_t>& facets) {
+  double sum = 0;
+  for (const uint32_t facet : facets) {
+    sum += AreaVector(mesh, mesh.facets[facet]).norm() / 2;
+  }
+  return sum;
 }
 
 // Joins facets of the same mark that share an edge.
 // \param marks [F]
-UnionFind JoinFacets(const Surface& surface,
+UnionFind JoinFacets(const LinkedMesh& surface,
                      const std::vector<uint8_t>& marks) {
   UnionFind pieces(surface.mesh.facets.size());
   for (uint32_t half = 0; half < surface.partners.size(); ++half) {
@@ -48,62 +42,23 @@ UnionFind JoinFacets(const Surface& surface,
   return pieces;
 }
 
-// Finds the confident facets around regions.
-class RingFinder {
- public:
-  RingFinder(const Surface& surface, const std::vector<uint8_t>& is_low)
-      : surface_(surface),
-        is_low_(is_low),
-        facet_regions_(surface.mesh.facets.size(), kNone),
-        vertex_regions_(surface.mesh.vertices.size(), kNone) {}
-
-  // The area of the confident facets within so many rings of a region.
-  // \param region  another one at each call
-  // \param facets  of the region
-  double AreaAround(uint32_t region, const std::vector<uint32_t>& facets,
-                    int num_rings) {
-    double area = 0;
-    std::vector<uint32_t> frontier;
-    for (const uint32_t facet : facets) {
-      AddCorners(facet, region, &frontier);
-    }
-    for (int ring = 0; ring < num_rings; ++ring) {
-      std::vector<uint32_t> next;
-      for (const uint32_t vertex : frontier) {
-        for (const uint32_t corner : surface_.rings.corners[vertex]) {
-          const uint32_t facet = corner / 3;
-          if (is_low_[facet] == 0 && facet_regions_[facet] != region) {
-            facet_regions_[facet] = region;
-            area += Area(surface_.mesh, facet);
-            AddCorners(facet, region, &next);
-          }
-        }
-      }
-      frontier = std::move(next);
-    }
-    return area;
+// The area of the confident facets within so many rings of a region.
+// \param facets  of the region
+double AreaAround(const LinkedMesh& surface, const std::vector<uint8_t>& is_low,
+                  const std::vector<uint32_t>& facets, int num_rings) {
+  std::vector<uint32_t> vertices = VerticesOf(surface.mesh, facets);
+  std::vector<uint32_t> around;
+  for (int ring = 0; ring < num_rings; ++ring) {
+    around = surface.rings.FacetsAt(vertices);
+    std::erase_if(around, [&](uint32_t i) { return is_low[i] != 0; });
+    const std::vector<uint32_t> next = VerticesOf(surface.mesh, around);
+    vertices.insert(vertices.end(), next.begin(), next.end());
   }
-
- private:
-  // Those that are new.
-  void AddCorners(uint32_t facet, uint32_t region,
-                  std::vector<uint32_t>* vertices) {
-    for (const uint32_t vertex : surface_.mesh.facets[facet]) {
-      if (vertex_regions_[vertex] != region) {
-        vertex_regions_[vertex] = region;
-        vertices->push_back(vertex);
-      }
-    }
-  }
-
-  const Surface& surface_;
-  const std::vector<uint8_t>& is_low_;    // [F]
-  std::vector<uint32_t> facet_regions_;   // [F] the last that met each
-  std::vector<uint32_t> vertex_regions_;  // [V] the same
-};
+  return Area(surface.mesh, around);
+}
 
 // Which facets are dropped: [F] those of regions that are more than a gap.
-std::vector<uint8_t> FindRegions(const Surface& surface,
+std::vector<uint8_t> FindRegions(const LinkedMesh& surface,
                                  const std::vector<uint8_t>& is_low,
                                  int num_rings, TrimReport* report) {
   UnionFind pieces = JoinFacets(surface, is_low);
@@ -118,19 +73,15 @@ std::vector<uint8_t> FindRegions(const Surface& surface,
       }
     }
   }
-  RingFinder rings(surface, is_low);
   std::vector<uint8_t> is_dropped(is_low.size(), 0);
   report->num_kept_facets = 0;
   for (uint32_t region = 0; region < facets.size(); ++region) {
-    double area = 0;
-    for (const uint32_t facet : facets[region]) {
-      area += Area(surface.mesh, facet);
-    }
     if (facets[region].empty()) {
       continue;
     }
     if (has_border[region] == 0 &&
-        area <= rings.AreaAround(region, facets[region], num_rings)) {
+        Area(surface.mesh, facets[region]) <=
+            AreaAround(surface, is_low, facets[region], num_rings)) {
       report->num_kept_facets += facets[region].size();
       continue;
     }
@@ -151,7 +102,7 @@ struct PieceVertices {
 };
 
 // [F] by the pieces' representatives.
-std::vector<PieceVertices> CountVertices(const Surface& surface,
+std::vector<PieceVertices> CountVertices(const LinkedMesh& surface,
                                          const std::vector<uint8_t>& is_dropped,
                                          UnionFind* pieces) {
   std::vector<PieceVertices> counts(is_dropped.size());
@@ -184,7 +135,7 @@ std::vector<PieceVertices> CountVertices(const Surface& surface,
 }
 
 // Drops the pieces of what is left that are next to nothing but border.
-void AddLeftovers(const Surface& surface, std::vector<uint8_t>* is_dropped,
+void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
                   TrimReport* report) {
   UnionFind pieces = JoinFacets(surface, *is_dropped);
   const std::vector<PieceVertices> counts =
@@ -202,31 +153,29 @@ void AddLeftovers(const Surface& surface, std::vector<uint8_t>* is_dropped,
 }
 
 // Drops the facets and smooths the borders that this opens.
-void Drop(const Surface& surface, const std::vector<uint8_t>& is_dropped,
+void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
           TrimmedMesh* trimmed) {
   TriangleMesh kept{surface.mesh.vertices, {}};
-  std::vector<uint32_t> facet_sources;
+  std::vector<uint32_t> sources;   // [F]
   std::vector<uint8_t> is_opened;  // [3 F]
   for (uint32_t i = 0; i < is_dropped.size(); ++i) {
     if (is_dropped[i] != 0) {
       continue;
     }
     kept.facets.push_back(surface.mesh.facets[i]);
-    facet_sources.push_back(trimmed->facet_sources[i]);
+    sources.push_back(trimmed->from.facets[i]);
     for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
       const uint32_t partner = surface.partners[half];
       is_opened.push_back(partner != kNone && is_dropped[partner / 3] != 0);
     }
   }
-  // Of a manifold mesh it puts no midpoints: facets and half-edges stay.
-  FanSplit split = SplitFans(kept, PairHalfEdges(kept.facets));
-  for (auto& [a, b] : split.sources) {
-    a = b = trimmed->sources[a][0];
-  }
+  // A manifold mesh gets no midpoints: facets and half-edges keep their
+  // indices.
+  FanSplit split = SplitFans(std::move(kept));
   SmoothBorders(is_opened, &split.mesh);
   trimmed->mesh = std::move(split.mesh);
-  trimmed->sources = std::move(split.sources);
-  trimmed->facet_sources = std::move(facet_sources);
+  trimmed->from.facets = std::move(sources);
+  trimmed->from = Compose(trimmed->from, std::move(split.from));
 }
 
 // \return whether anything was dropped
@@ -234,11 +183,11 @@ bool TrimOnce(double min_confidence, int num_rings,
               const std::vector<float>& facet_confidences,
               TrimmedMesh* trimmed) {
   const TriangleMesh& mesh = trimmed->mesh;
-  const Surface surface{mesh, MakeVertexRings(mesh),
-                        PairHalfEdges(mesh.facets)};
+  const LinkedMesh surface{mesh, MakeVertexRings(mesh),
+                           PairHalfEdges(mesh.facets)};
   std::vector<uint8_t> is_low(mesh.facets.size());
   for (size_t i = 0; i < is_low.size(); ++i) {
-    is_low[i] = facet_confidences[trimmed->facet_sources[i]] < min_confidence;
+    is_low[i] = facet_confidences[trimmed->from.facets[i]] < min_confidence;
   }
   std::vector<uint8_t> is_dropped =
       FindRegions(surface, is_low, num_rings, &trimmed->report);
@@ -256,11 +205,7 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
                      int num_rings) {
   TrimmedMesh trimmed;
-  for (uint32_t i = 0; i < mesh.vertices.size(); ++i) {
-    trimmed.sources.push_back({i, i});
-  }
-  trimmed.facet_sources.resize(mesh.facets.size());
-  std::iota(trimmed.facet_sources.begin(), trimmed.facet_sources.end(), 0);
+  trimmed.from = IdentityOf(mesh);
   trimmed.mesh = std::move(mesh);
   while (min_confidence > 0 &&
          TrimOnce(min_confidence, num_rings, facet_confidences, &trimmed)) {

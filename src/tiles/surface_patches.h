@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "mesh/fixed_vertices.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 

@@ -88,7 +88,7 @@ RefinedMesh Refine(PhotometricEnergy* energy,
   attributes.views.offsets.assign(scene.scene.Truth().vertices.size() + 1, 0);
   return RefineFacetwise(
       options,
-      {scene.scene.Truth(), attributes, {}, options.levels - 1, true, cameras},
+      {{scene.scene.Truth(), attributes}, options.levels - 1, true, cameras},
       cameras->views, scene.scene.dense.fused.cloud, energy, hooks);
 }
 

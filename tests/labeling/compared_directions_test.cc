@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/area_in_image.h"
+#include "mesh/mesh_in_image.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "delaunay/cell_graph.h"
-#include "mesh/fan_split.h"
+#include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"
 #include "tests/merging/merged_plan.h"

@@ -1,12 +1,13 @@
 #include "mesh/clip_mesh.h"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
+#include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "tests/mesh/shapes.h"
 
@@ -19,8 +20,21 @@ Region Turned(const Eigen::Vector3d& center, const Eigen::Vector3d& half) {
       center, half};
 }
 
+struct Clipped : DerivedMesh {
+  bool is_clipped = false;
+};
+
+Clipped Clip(const Region& region, const TriangleMesh& mesh) {
+  Clipped clipped{{mesh, {}}};
+  if (auto from = ClipMesh(region, &clipped.mesh)) {
+    clipped.from = std::move(*from);
+    clipped.is_clipped = true;
+  }
+  return clipped;
+}
+
 MeshReport AnalyzeSplit(const TriangleMesh& mesh) {
-  return Analyze(SplitFans(mesh, PairHalfEdges(mesh.facets)).mesh);
+  return Analyze(SplitFans(mesh).mesh);
 }
 
 double TurnedDistance(const Region& region, const Eigen::Vector3f& point) {
@@ -33,7 +47,7 @@ TEST(ClipMeshTest, LeavesNothingOutside) {
   for (const TriangleMesh& mesh :
        {MakeBumpySphere(0.1f), MakeRoundTorus(0.08f), MakeFineCube(0.2f)}) {
     const Region region = Turned({0.1, 0.2, 0.3}, {0.6, 0.7, 0.8});
-    const ClippedMesh clipped = ClipMesh(region, mesh);
+    const Clipped clipped = Clip(region, mesh);
     EXPECT_TRUE(clipped.is_clipped);
     EXPECT_FALSE(clipped.mesh.facets.empty());
     EXPECT_LT(clipped.mesh.facets.size(), mesh.facets.size());
@@ -51,9 +65,9 @@ TEST(ClipMeshTest, KeepsAllOfTheSurfaceInside) {
   const Region upper = Turned({0, 0, 0}, half);
   const Eigen::Vector3d up = upper.region_from_world.row(2);
   const TriangleMesh a =
-      ClipMesh({upper.region_from_world, 2.1 * up, half}, sphere).mesh;
+      Clip({upper.region_from_world, 2.1 * up, half}, sphere).mesh;
   const TriangleMesh b =
-      ClipMesh({upper.region_from_world, -1.9 * up, half}, sphere).mesh;
+      Clip({upper.region_from_world, -1.9 * up, half}, sphere).mesh;
   EXPECT_NEAR(Area(a) + Area(b), Area(sphere), 1e-5);
   EXPECT_EQ(AnalyzeSplit(a).num_border_loops, 1u);
   EXPECT_EQ(AnalyzeSplit(a).num_border_edges, AnalyzeSplit(b).num_border_edges);
@@ -61,11 +75,11 @@ TEST(ClipMeshTest, KeepsAllOfTheSurfaceInside) {
 
 TEST(ClipMeshTest, NewVerticesLieOnTheEdgesThatAreCut) {
   const TriangleMesh sphere = MakeBumpySphere(0.1f);
-  const ClippedMesh clipped =
-      ClipMesh(RegionBetween({-2, -2, -2}, {2, 2, 0.123}), sphere);
-  ASSERT_EQ(clipped.sources.size(), clipped.mesh.vertices.size());
-  for (size_t i = 0; i < clipped.sources.size(); ++i) {
-    const auto& [from, to] = clipped.sources[i];
+  const Clipped clipped =
+      Clip(RegionBetween({-2, -2, -2}, {2, 2, 0.123}), sphere);
+  ASSERT_EQ(clipped.from.vertices.size(), clipped.mesh.vertices.size());
+  for (size_t i = 0; i < clipped.from.vertices.size(); ++i) {
+    const auto& [from, to] = clipped.from.vertices[i];
     const Eigen::Vector3f& a = sphere.vertices[from];
     const Eigen::Vector3f& b = sphere.vertices[to];
     const Eigen::Vector3f& p = clipped.mesh.vertices[i];
@@ -76,14 +90,13 @@ TEST(ClipMeshTest, NewVerticesLieOnTheEdgesThatAreCut) {
 TEST(ClipMeshTest, FacetsLieInThoseThatTheyComeFrom) {
   const TriangleMesh sphere = MakeBumpySphere(0.1f);
   const Region region = Turned({0.1, 0.2, 0.3}, {0.6, 0.7, 0.8});
-  VertexAttributes attributes;
-  attributes.views = Rows<uint32_t>(sphere.vertices.size());
-  const CutMesh cut = CutOff(region, sphere, attributes);
+  Surface cut{sphere, {{}, Rows<uint32_t>(sphere.vertices.size())}};
+  const std::vector<uint32_t> sources = CutOff(region, &cut)->facets;
   EXPECT_TRUE(Analyze(cut.mesh).IsManifold());
   EXPECT_EQ(cut.attributes.views.size(), cut.mesh.vertices.size());
-  ASSERT_EQ(cut.facet_sources.size(), cut.mesh.facets.size());
-  for (size_t i = 0; i < cut.facet_sources.size(); ++i) {
-    const auto& [a, b, c] = sphere.facets[cut.facet_sources[i]];
+  ASSERT_EQ(sources.size(), cut.mesh.facets.size());
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const auto& [a, b, c] = sphere.facets[sources[i]];
     const Eigen::Vector3f normal =
         (sphere.vertices[b] - sphere.vertices[a])
             .cross(sphere.vertices[c] - sphere.vertices[a])
@@ -101,20 +114,18 @@ TEST(ClipMeshTest, LeavesAClippedMeshAsItIs) {
   for (Eigen::Vector3f& vertex : mesh.vertices) {
     vertex.x() += 10;
   }
-  const TriangleMesh once = ClipMesh(region, mesh).mesh;
-  const ClippedMesh twice = ClipMesh(region, once);
+  const TriangleMesh once = Clip(region, mesh).mesh;
+  const Clipped twice = Clip(region, once);
   EXPECT_FALSE(twice.is_clipped);
-  EXPECT_EQ(twice.mesh.vertices, once.vertices);
-  EXPECT_EQ(twice.mesh.facets, once.facets);
+  EXPECT_EQ(twice.mesh, once);
 }
 
 TEST(ClipMeshTest, AllInsideOrAllOutside) {
   const TriangleMesh sphere = MakeBumpySphere(0.2f);
-  const ClippedMesh inside = ClipMesh(Region(), sphere);
+  const Clipped inside = Clip(Region(), sphere);
   EXPECT_FALSE(inside.is_clipped);
   EXPECT_EQ(inside.mesh.facets, sphere.facets);
-  const ClippedMesh outside =
-      ClipMesh(RegionBetween({5, 5, 5}, {6, 6, 6}), sphere);
+  const Clipped outside = Clip(RegionBetween({5, 5, 5}, {6, 6, 6}), sphere);
   EXPECT_TRUE(outside.mesh.facets.empty());
   EXPECT_TRUE(outside.mesh.vertices.empty());
 }
@@ -122,9 +133,8 @@ TEST(ClipMeshTest, AllInsideOrAllOutside) {
 TEST(ClipMeshTest, KeepsFacetsInTheBorder) {
   Random random(4);
   const TriangleMesh square = MakeJitteredSquare(5, &random);
-  EXPECT_FALSE(
-      ClipMesh(RegionBetween({-3, -3, -3}, {3, 3, 0}), square).is_clipped);
-  EXPECT_TRUE(ClipMesh(RegionBetween({-3, -3, 0.1}, {3, 3, 1}), square)
+  EXPECT_FALSE(Clip(RegionBetween({-3, -3, -3}, {3, 3, 0}), square).is_clipped);
+  EXPECT_TRUE(Clip(RegionBetween({-3, -3, 0.1}, {3, 3, 1}), square)
                   .mesh.facets.empty());
 }
 

@@ -1,4 +1,4 @@
-#include "mesh/clip_to_image.h"
+#include "mesh/mesh_in_image.h"
 
 #include <cmath>
 #include <vector>
@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "mesh/area_in_image.h"
 #include "tests/look_at.h"
 #include "tests/random.h"
 

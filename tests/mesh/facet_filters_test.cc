@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
 namespace facet_filters_test {

@@ -1,5 +1,6 @@
 #include "tests/mesh/known_meshes.h"
 
+#include <set>
 #include <vector>
 
 namespace colmap_ext {
@@ -89,26 +90,24 @@ void MergeVertices(uint32_t from, uint32_t to, TriangleMesh* mesh) {
   mesh->vertices.erase(mesh->vertices.begin() + from);
 }
 
-void DropUnreferenced(TriangleMesh* mesh) {
-  std::vector<uint32_t> numbers(mesh->vertices.size(), 0);
-  for (const Facet& facet : mesh->facets) {
-    for (const uint32_t vertex : facet) {
-      numbers[vertex] = 1;
+TriangleMesh RandomSoup(uint32_t num_vertices, uint32_t num_facets,
+                        bool allow_duplicates, Random* random) {
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i < num_vertices; ++i) {
+    mesh.vertices.emplace_back(random->Unit(), random->Unit(), random->Unit());
+  }
+  std::set<std::set<uint32_t>> triples;
+  for (uint32_t i = 0; i < num_facets; ++i) {
+    const Facet facet = {random->Below(num_vertices),
+                         random->Below(num_vertices),
+                         random->Below(num_vertices)};
+    const std::set<uint32_t> triple(facet.begin(), facet.end());
+    if (triple.size() == 3 &&
+        (triples.insert(triple).second || allow_duplicates)) {
+      mesh.facets.push_back(facet);
     }
   }
-  uint32_t size = 0;
-  for (uint32_t vertex = 0; vertex < numbers.size(); ++vertex) {
-    if (numbers[vertex] == 1) {
-      mesh->vertices[size] = mesh->vertices[vertex];
-      numbers[vertex] = size++;
-    }
-  }
-  mesh->vertices.resize(size);
-  for (Facet& facet : mesh->facets) {
-    for (uint32_t& vertex : facet) {
-      vertex = numbers[vertex];
-    }
-  }
+  return mesh;
 }
 
 }  // namespace colmap_ext

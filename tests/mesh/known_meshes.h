@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "mesh/triangle_mesh.h"
+#include "tests/random.h"
 
 // Meshes whose topology is known.
 namespace colmap_ext {
@@ -31,7 +32,10 @@ TriangleMesh Union(const TriangleMesh& a, const TriangleMesh& b);
 // and removed.
 void MergeVertices(uint32_t from, uint32_t to, TriangleMesh* mesh);
 
-// Drops the vertices that no facet uses.
-void DropUnreferenced(TriangleMesh* mesh);
+// Facets between random ones of few vertices, at random positions: edges and
+// vertices of all kinds. No facet repeats a vertex.
+// \param allow_duplicates of facets
+TriangleMesh RandomSoup(uint32_t num_vertices, uint32_t num_facets,
+                        bool allow_duplicates, Random* random);
 
 }  // namespace colmap_ext

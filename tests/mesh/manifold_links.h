@@ -4,7 +4,9 @@
 #include <map>
 #include <vector>
 
-#include "mesh/triangle_mesh.h"
+#include <gtest/gtest.h>
+
+#include "mesh/topology.h"
 
 namespace colmap_ext {
 
@@ -69,6 +71,19 @@ inline bool HasManifoldLinks(const TriangleMesh& mesh) {
     }
   }
   return true;
+}
+
+// That the result is manifold, and has the topology of the mesh.
+inline void ExpectSameTopology(const TriangleMesh& mesh,
+                               const TriangleMesh& result) {
+  const MeshReport before = Analyze(mesh);
+  const MeshReport after = Analyze(result);
+  EXPECT_TRUE(after.IsManifold()) << after.Defects();
+  EXPECT_TRUE(HasManifoldLinks(result));
+  EXPECT_EQ(after.euler, before.euler);
+  EXPECT_EQ(after.genus, before.genus);
+  EXPECT_EQ(after.num_components, before.num_components);
+  EXPECT_EQ(after.num_border_loops, before.num_border_loops);
 }
 
 }  // namespace colmap_ext

@@ -1,16 +1,226 @@
 #include "mesh/manifold_repair.h"
 
+#include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
+#include "mesh/adjacency.h"
 #include "mesh/topology.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/random_soup.h"
+#include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
 namespace manifold_repair_test {
+
+size_t CountUsed(const TriangleMesh& mesh) {
+  std::set<uint32_t> used;
+  for (const Facet& facet : mesh.facets) {
+    used.insert(facet.begin(), facet.end());
+  }
+  return used.size();
+}
+
+// Pairs half-edges of opposite directions at random, some not at all, where
+// any number of facets shares an edge.
+std::vector<uint32_t> RandomPartners(const std::vector<Facet>& facets,
+                                     Random* random) {
+  std::vector<uint32_t> partners(3 * facets.size(), kNone);
+  std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> unpaired;
+  std::vector<uint32_t> order(partners.size());
+  for (uint32_t half = 0; half < order.size(); ++half) {
+    order[half] = half;
+  }
+  random->Shuffle(&order);
+  for (const uint32_t half : order) {
+    const uint32_t from = FromVertex(facets, half);
+    const uint32_t to = ToVertex(facets, half);
+    auto& candidates = unpaired[{to, from}];
+    if (candidates.empty() || random->Chance(0.1)) {
+      unpaired[{from, to}].push_back(half);
+    } else {
+      partners[half] = candidates.back();
+      partners[candidates.back()] = half;
+      candidates.pop_back();
+    }
+  }
+  return partners;
+}
+
+void ExpectManifold(const TriangleMesh& mesh) {
+  const MeshReport report = Analyze(mesh);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_TRUE(HasManifoldLinks(mesh));
+}
+
+// What holds for any split.
+void ExpectSameSurface(const TriangleMesh& mesh, const FanSplit& split) {
+  EXPECT_NEAR(Area(split.mesh), Area(mesh), 1e-5 * (1 + Area(mesh)));
+  ASSERT_EQ(split.from.vertices.size(), split.mesh.vertices.size());
+  EXPECT_EQ(split.mesh.vertices.size(),
+            CountUsed(mesh) + split.num_split_vertices + split.num_midpoints);
+  size_t num_midpoints = 0;
+  for (size_t i = 0; i < split.from.vertices.size(); ++i) {
+    const auto [a, b] = split.from.vertices[i];
+    num_midpoints += a != b;
+    EXPECT_EQ(split.mesh.vertices[i],
+              0.5f * (mesh.vertices[a] + mesh.vertices[b]));
+  }
+  EXPECT_EQ(num_midpoints, split.num_midpoints);
+  if (split.num_midpoints > 0) {
+    return;
+  }
+  ASSERT_EQ(split.mesh.facets.size(), mesh.facets.size());
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(split.from.vertices[split.mesh.facets[i][k]][0],
+                mesh.facets[i][k]);
+    }
+  }
+}
+
+void ExpectUnchanged(const TriangleMesh& mesh) {
+  const FanSplit split = SplitFans(mesh);
+  EXPECT_EQ(split.num_split_vertices, 0u);
+  EXPECT_EQ(split.num_midpoints, 0u);
+  ExpectSameSurface(mesh, split);
+  ExpectManifold(split.mesh);
+  // Vertices in the order of their use.
+  uint32_t next = 0;
+  for (const Facet& facet : split.mesh.facets) {
+    for (const uint32_t vertex : facet) {
+      EXPECT_LE(vertex, next);
+      next = std::max(next, vertex + 1);
+    }
+  }
+}
+
+TEST(SplitFans, LeavesManifoldMeshesAsTheyAre) {
+  for (const TriangleMesh& mesh :
+       {MakeTetrahedron(), MakeTorus(), MakeDisc(), MakeAnnulus(),
+        Union(MakeTorus(), MakeCube())}) {
+    ExpectUnchanged(mesh);
+  }
+}
+
+TEST(SplitFans, MakesAnySoupManifold) {
+  Random random(2);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const uint32_t num_vertices = 4 + random.Below(12);
+    const TriangleMesh mesh = RandomSoup(
+        num_vertices, 1 + random.Below(3 * num_vertices), false, &random);
+    const FanSplit split = SplitFans(mesh);
+    ExpectManifold(split.mesh);
+    ExpectSameSurface(mesh, split);
+    ExpectUnchanged(split.mesh);
+    ASSERT_FALSE(HasFailure());
+  }
+}
+
+TEST(SplitFans, MakesAnyPairingManifold) {
+  Random random(3);
+  size_t num_midpoints = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const uint32_t num_vertices = 4 + random.Below(6);
+    const TriangleMesh mesh = RandomSoup(
+        num_vertices, 1 + random.Below(4 * num_vertices), false, &random);
+    const FanSplit split =
+        SplitFans(mesh, RandomPartners(mesh.facets, &random));
+    ExpectManifold(split.mesh);
+    ExpectSameSurface(mesh, split);
+    ExpectUnchanged(split.mesh);
+    ASSERT_FALSE(HasFailure());
+    num_midpoints += split.num_midpoints;
+  }
+  EXPECT_GT(num_midpoints, 20u);  // or they would not have been tested
+}
+
+TEST(SplitFans, SeparatesCubesThatShareAVertex) {
+  TriangleMesh mesh = Union(MakeCube(), MakeCube());
+  MergeVertices(8, 7, &mesh);
+  const FanSplit split = SplitFans(mesh);
+  EXPECT_EQ(split.num_split_vertices, 1u);
+  EXPECT_EQ(split.num_midpoints, 0u);
+  EXPECT_EQ(split.mesh.vertices.size(), 16u);
+  const MeshReport report = Analyze(split.mesh);
+  EXPECT_EQ(report.num_components, 2u);
+  EXPECT_EQ(report.num_border_edges, 0u);
+}
+
+// Of two cubes along one edge the partners say which facets are one surface.
+TEST(SplitFans, CubesThatShareAnEdgeAreSplitAsThePartnersSay) {
+  TriangleMesh mesh = Union(MakeCube(), MakeCube());
+  std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  MergeVertices(9, 7, &mesh);
+  MergeVertices(8, 6, &mesh);
+  FanSplit split = SplitFans(mesh, partners);
+  EXPECT_EQ(split.num_split_vertices, 2u);
+  ExpectManifold(split.mesh);
+  EXPECT_EQ(Analyze(split.mesh).num_components, 2u);
+  EXPECT_EQ(Analyze(split.mesh).num_border_edges, 0u);
+  // The other way: each cube's facets go on in the other cube's.
+  std::vector<uint32_t> halves;  // along the edge
+  for (uint32_t half = 0; half < partners.size(); ++half) {
+    const uint32_t from = FromVertex(mesh.facets, half);
+    const uint32_t to = ToVertex(mesh.facets, half);
+    if (std::minmax(from, to) == std::minmax(6u, 7u)) {
+      halves.push_back(half);
+    }
+  }
+  ASSERT_EQ(halves.size(), 4u);
+  for (const uint32_t half : halves) {
+    for (const uint32_t other : halves) {
+      if (half / 36 != other / 36 &&
+          FromVertex(mesh.facets, half) != FromVertex(mesh.facets, other)) {
+        partners[half] = other;
+      }
+    }
+  }
+  split = SplitFans(mesh, partners);
+  EXPECT_EQ(split.num_split_vertices, 0u);
+  EXPECT_EQ(split.num_midpoints, 1u);  // the fans touch themselves there
+  ExpectManifold(split.mesh);
+  EXPECT_EQ(Analyze(split.mesh).num_components, 1u);
+  EXPECT_EQ(Analyze(split.mesh).num_border_edges, 0u);
+}
+
+// Four facets share an edge, two and two of them one sheet each, and the fans
+// at both of its ends hold both sheets.
+TEST(SplitFans, GivesAMidpointToAFanThatTouchesItself) {
+  enum : uint32_t { U, V, A, B, C, D, X, Y, P, Q };
+  TriangleMesh mesh;
+  for (int i = 0; i < 10; ++i) {
+    mesh.vertices.emplace_back(static_cast<float>(i), static_cast<float>(i * i),
+                               0.0f);
+  }
+  mesh.facets = {{U, V, A}, {U, B, V}, {U, V, C}, {U, D, V},   // at the edge
+                 {U, A, X}, {U, X, D}, {U, C, Y}, {U, Y, B},   // around U
+                 {V, B, P}, {V, P, C}, {V, D, Q}, {V, Q, A}};  // around V
+  std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  const auto pair = [&](uint32_t a, uint32_t b) {
+    partners[a] = b;
+    partners[b] = a;
+  };
+  pair(3 * 0, 3 * 1 + 2);
+  pair(3 * 2, 3 * 3 + 2);
+  FanSplit split = SplitFans(mesh, partners);
+  EXPECT_EQ(split.num_split_vertices, 0u);
+  EXPECT_EQ(split.num_midpoints, 1u);
+  EXPECT_EQ(split.mesh.facets.size(), mesh.facets.size() + 2);
+  ExpectManifold(split.mesh);
+  ExpectSameSurface(mesh, split);
+  ExpectUnchanged(split.mesh);
+}
+
+TEST(SplitFans, EmptyMesh) {
+  const FanSplit split = SplitFans({{{1, 2, 3}}, {}}, {});
+  EXPECT_TRUE(split.mesh.vertices.empty());
+  EXPECT_TRUE(split.mesh.facets.empty());
+}
 
 TEST(ManifoldRepairTest, LeavesAManifoldMeshAsItIs) {
   for (const TriangleMesh& mesh : {MakeCube(), MakeTorus(), MakeAnnulus()}) {
@@ -63,9 +273,18 @@ TEST(ManifoldRepairTest, MakesAnythingManifold) {
     EXPECT_TRUE(Analyze(repair.mesh).IsManifold())
         << Analyze(repair.mesh).Defects();
     EXPECT_TRUE(HasManifoldLinks(repair.mesh));
-    ASSERT_EQ(repair.sources.size(), repair.mesh.vertices.size());
-    for (size_t v = 0; v < repair.sources.size(); ++v) {
-      const auto& [a, b] = repair.sources[v];
+    ASSERT_EQ(repair.from.vertices.size(), repair.mesh.vertices.size());
+    ASSERT_EQ(repair.from.facets.size(), repair.mesh.facets.size());
+    for (size_t f = 0; f < repair.from.facets.size(); ++f) {
+      const Facet& old = mesh.facets[repair.from.facets[f]];
+      for (const uint32_t vertex : repair.mesh.facets[f]) {
+        for (const uint32_t source : repair.from.vertices[vertex]) {
+          EXPECT_NE(std::ranges::find(old, source), old.end());
+        }
+      }
+    }
+    for (size_t v = 0; v < repair.from.vertices.size(); ++v) {
+      const auto& [a, b] = repair.from.vertices[v];
       EXPECT_TRUE(repair.mesh.vertices[v].isApprox(
           0.5f * (mesh.vertices[a] + mesh.vertices[b])));
     }

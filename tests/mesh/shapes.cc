@@ -4,10 +4,9 @@
 
 #include <Eigen/Geometry>
 
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
+#include "mesh/manifold_repair.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/random_soup.h"
 #include "tests/synthetic/isosurface.h"
 #include "tests/synthetic/noise.h"
 
@@ -71,7 +70,7 @@ TriangleMesh MakeRandomManifold(Random* random) {
   const uint32_t num_vertices = 4 + random->Below(12);
   const TriangleMesh soup = RandomSoup(
       num_vertices, 1 + random->Below(3 * num_vertices), false, random);
-  return SplitFans(soup, PairHalfEdges(soup.facets)).mesh;
+  return SplitFans(soup).mesh;
 }
 
 double Area(const TriangleMesh& mesh) {

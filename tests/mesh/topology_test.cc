@@ -1,4 +1,5 @@
 #include "mesh/topology.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,7 +10,6 @@
 
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
 namespace topology_test {
@@ -44,7 +44,7 @@ std::vector<KnownMesh> KnownManifolds() {
 TEST(Topology, KnownManifolds) {
   for (KnownMesh& known : KnownManifolds()) {
     SCOPED_TRACE(known.name);
-    DropUnreferenced(&known.mesh);
+    DropUnusedVertices(&known.mesh);
     const MeshReport report = Analyze(known.mesh);
     EXPECT_TRUE(report.IsManifold()) << report.Defects();
     EXPECT_EQ(report.Defects(), "");
@@ -298,7 +298,7 @@ TEST(Topology, RandomSoups) {
         RandomSoup(num_vertices, 1 + random.Below(2 * num_vertices),
                    /*allow_duplicates=*/true, &random);
     if (random.Chance(0.5)) {
-      DropUnreferenced(&mesh);
+      DropUnusedVertices(&mesh);
     }
     const BruteForce expected(mesh);
     const MeshReport report = Analyze(mesh);

@@ -1,9 +1,12 @@
 #include "mesh/vertex_attributes.h"
 
+#include <algorithm>
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "tests/mesh/known_meshes.h"
 #include "tests/random.h"
 
 namespace colmap_ext {
@@ -87,6 +90,110 @@ TEST(InterpolateAttributes, MayGoWithoutColors) {
       InterpolateAttributes(attributes, {{0, 1}, {3, 3}});
   EXPECT_TRUE(result.colors.empty());
   EXPECT_EQ(result.views.offsets.size(), 3);
+}
+
+// One a vertex of the cube, a little off, seen by views i and i + 1.
+PointCloud PointsNearCube() {
+  PointCloud points;
+  for (uint32_t i = 0; i < 8; ++i) {
+    points.positions.push_back(MakeCube().vertices[i] +
+                               Eigen::Vector3f(0.01f, 0, 0));
+    points.colors.push_back({static_cast<uint8_t>(i), 0, 255});
+    points.views.values.insert(points.views.values.end(), {i, i + 1});
+    points.views.EndRow();
+  }
+  return points;
+}
+
+TEST(NearestAttributesTest, TakesTheColorOfTheNearestPoint) {
+  const PointCloud points = PointsNearCube();
+  const VertexAttributes attributes = NearestAttributes(MakeCube(), points);
+  EXPECT_EQ(attributes.colors, points.colors);
+}
+
+TEST(NearestAttributesTest, TakesTheViewsOfAFew) {
+  TriangleMesh mesh = MakeCube();
+  PointCloud points = PointsNearCube();
+  const VertexAttributes attributes = NearestAttributes(mesh, points);
+  ASSERT_EQ(attributes.views.offsets.size(), 9);
+  for (uint32_t i = 0; i < 8; ++i) {
+    const auto views = attributes.views[i];
+    EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
+    EXPECT_EQ(std::adjacent_find(views.begin(), views.end()), views.end());
+    EXPECT_TRUE(std::binary_search(views.begin(), views.end(), i));
+    EXPECT_TRUE(std::binary_search(views.begin(), views.end(), i + 1));
+    EXPECT_LE(views.size(), 8);
+  }
+}
+
+// Three mean lengths of a vertex's edges, an edge counting as often as it has
+// facets; 0 without edges.
+double Reach(const TriangleMesh& mesh, uint32_t vertex) {
+  double sum = 0;
+  double count = 0;
+  for (const Facet& facet : mesh.facets) {
+    if (std::find(facet.begin(), facet.end(), vertex) == facet.end()) {
+      continue;
+    }
+    for (const uint32_t other : facet) {
+      sum += (mesh.vertices[other] - mesh.vertices[vertex]).norm();
+      count += other != vertex;
+    }
+  }
+  return count > 0 ? 3 * sum / count : 0;
+}
+
+TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
+  Random random(1);
+  TriangleMesh mesh = RandomSoup(30, 60, true, &random);
+  // Edges of all lengths.
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    mesh.vertices[i] *= i % 2 == 0 ? 0.1f : 1.0f;
+  }
+  PointCloud points;
+  for (uint32_t i = 0; i < 40; ++i) {
+    points.positions.emplace_back(8 * random.Unit() - 4, 8 * random.Unit() - 4,
+                                  8 * random.Unit() - 4);
+    points.colors.push_back({static_cast<uint8_t>(i), 0, 0});
+    points.views.AddRow(std::vector<uint32_t>{i});
+  }
+  const VertexAttributes attributes = NearestAttributes(mesh, points);
+  size_t num_out_of_reach = 0;
+  for (uint32_t vertex = 0; vertex < mesh.vertices.size(); ++vertex) {
+    std::vector<std::pair<double, uint32_t>> nearest;
+    for (uint32_t i = 0; i < points.size(); ++i) {
+      nearest.emplace_back((points.positions[i] - mesh.vertices[vertex]).norm(),
+                           i);
+    }
+    std::sort(nearest.begin(), nearest.end());
+    EXPECT_EQ(attributes.colors[vertex][0], nearest[0].second);
+    std::vector<uint32_t> expected;
+    for (int k = 0; k < 4; ++k) {
+      if (nearest[k].first < Reach(mesh, vertex)) {
+        expected.push_back(nearest[k].second);
+      } else {
+        ++num_out_of_reach;
+      }
+    }
+    std::sort(expected.begin(), expected.end());
+    const auto views = attributes.views[vertex];
+    EXPECT_EQ(std::vector<uint32_t>(views.begin(), views.end()), expected);
+  }
+  EXPECT_GT(num_out_of_reach, 10);
+  EXPECT_LT(num_out_of_reach, 4 * mesh.vertices.size() - 10);
+}
+
+TEST(NearestAttributesTest, LeavesWhatIsFarFromAllPointsWithoutViews) {
+  TriangleMesh mesh = MakeCube();
+  for (Eigen::Vector3f& vertex : mesh.vertices) {
+    vertex.x() += 100;
+  }
+  PointCloud points = PointsNearCube();
+  points.colors.clear();
+  const VertexAttributes attributes = NearestAttributes(mesh, points);
+  EXPECT_TRUE(attributes.views.values.empty());
+  EXPECT_EQ(attributes.views.offsets.size(), 9);
+  EXPECT_TRUE(attributes.colors.empty());
 }
 
 }  // namespace vertex_attributes_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "mesh/fan_split.h"
+#include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "meshing/surface_extraction.h"
 #include "meshing/vertex_star.h"

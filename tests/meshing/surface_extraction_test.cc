@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "base/union_find.h"
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
+#include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"

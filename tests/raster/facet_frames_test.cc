@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/random_soup.h"
 
 namespace colmap_ext {
 namespace facet_frames_test {

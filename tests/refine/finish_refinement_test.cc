@@ -1,4 +1,4 @@
-#include "refine/finish_refinement.h"
+#include "refine/facetwise_refinement.h"
 
 #include <stdexcept>
 

@@ -9,9 +9,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "mesh/facet_normals.h"
-#include "mesh/vertex_normals.h"
-#include "mesh/vertex_rings.h"
+#include "mesh/adjacency.h"
+#include "mesh/normals.h"
 #include "raster/facet_frames.h"
 #include "refine/thin_plate.h"
 #include "tests/look_at.h"

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 #include <Eigen/Cholesky>
 
-#include "mesh/vertex_normals.h"
+#include "mesh/normals.h"
 #include "raster/facet_frames.h"
 #include "tests/mesh/shapes.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace normal_equations_test {
@@ -352,18 +352,12 @@ class LargeNormalEquationsTest : public NormalEquationsTest {
 
 TEST_F(LargeNormalEquationsTest, DoNotDependOnThreads) {
   ASSERT_GT(Size(), 2 * 4096);
-  const NormalEquations equations = Equations();
-  const std::vector<double> expected = equations.Solve({0, 8}).values;
-  const std::vector<double> determined = equations.Determined({0, 8}).values;
-  for (const int num_threads : {1, 2, 3}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
-    const NormalEquations again = Equations();
-    EXPECT_EQ(again.Gradient(), equations.Gradient());
-    EXPECT_EQ(again.Diagonal(), equations.Diagonal());
-    EXPECT_EQ(again.Solve({0, 8}).values, expected);
-    EXPECT_EQ(again.Determined({0, 8}).values, determined);
-  }
+  ExpectSameForAnyThreads([&] {
+    const NormalEquations equations = Equations();
+    return std::tuple(equations.Gradient(), equations.Diagonal(),
+                      equations.Solve({0, 8}).values,
+                      equations.Determined({0, 8}).values);
+  });
 }
 
 }  // namespace normal_equations_test

@@ -1,14 +1,162 @@
 #include "refine/refined_confidences.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
+#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
+#include "tests/mesh/shapes.h"
 #include "tests/random.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace refined_confidences_test {
+
+// Terms of weight 1 whose correlation is that of a function of the facet's
+// first corner.
+template <typename Zncc>
+PhotometricTerms TermsOf(const TriangleMesh& mesh, const Zncc& zncc) {
+  const double saturation = 1 + PhotometricOptions().residual_floor;
+  PhotometricTerms terms;
+  for (const Facet& facet : mesh.facets) {
+    const double correlation = zncc(mesh.vertices[facet[0]]);
+    terms.facets.push_back(
+        {static_cast<float>(saturation *
+                            std::log(1 - correlation / saturation)),
+         1});
+  }
+  return terms;
+}
+
+std::vector<uint8_t> Confirmed(const TriangleMesh& mesh,
+                               const PhotometricTerms& terms,
+                               double min_zncc = 0.5) {
+  return ConfirmedFacets(mesh, MakeVertexRings(mesh), terms, {}, min_zncc);
+}
+
+TEST(ConfirmedFacets, AreThoseOfTheHalfThatCorrelates) {
+  const TriangleMesh mesh = MakeBumpySphere(0.06F);
+  const std::vector<uint8_t> is_confirmed =
+      Confirmed(mesh, TermsOf(mesh, [](const Eigen::Vector3f& at) {
+                  return at.x() > 0 ? 0.9 : 0.05;
+                }));
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    const float x = mesh.vertices[mesh.facets[i][0]].x();
+    if (std::abs(x) > 0.3F) {
+      EXPECT_EQ(is_confirmed[i] != 0, x > 0) << x;
+    }
+  }
+}
+
+// One bad facet among good ones, as a highlight makes it, is no reason.
+TEST(ConfirmedFacets, DependOnTheSurroundings) {
+  const TriangleMesh mesh = MakeBumpySphere(0.06F);
+  PhotometricTerms terms =
+      TermsOf(mesh, [](const Eigen::Vector3f& /*at*/) { return 0.9; });
+  terms.facets[7].energy = 0;
+  const std::vector<uint8_t> is_confirmed = Confirmed(mesh, terms);
+  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
+}
+
+TEST(ConfirmedFacets, AreAllWhereNothingIsComparedOrAsked) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1F);
+  PhotometricTerms terms =
+      TermsOf(mesh, [](const Eigen::Vector3f& /*at*/) { return -0.5; });
+  std::vector<uint8_t> is_confirmed = Confirmed(mesh, terms);
+  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 1), 0);
+  is_confirmed = Confirmed(mesh, terms, -1);
+  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
+  terms.facets.assign(mesh.facets.size(), {});
+  is_confirmed = Confirmed(mesh, terms);
+  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
+}
+
+// A sheet of 20 x 20 unit quads in z = 0 that two views look down on from
+// above, and points on its left half.
+class PointConfidencesTest : public testing::Test {
+ protected:
+  PointConfidencesTest() : mesh_(MakeSheet(kSide, kSide)) {
+    for (uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
+      mesh_.vertices[i] = {static_cast<float>(i % (kSide + 1)),
+                           static_cast<float>(i / (kSide + 1)), 0};
+      vertex_views_.AddRow(std::vector<uint32_t>{0, 1});
+    }
+    const Facet& facet = mesh_.facets[0];
+    const float z =
+        (mesh_.vertices[facet[1]] - mesh_.vertices[facet[0]])
+            .cross(mesh_.vertices[facet[2]] - mesh_.vertices[facet[0]])
+            .z();
+    up_ = z > 0 ? 1 : -1;
+    for (const double x : {8.0, 12.0}) {
+      views_.push_back(LookAtView({x, 10, 30.0 * up_}, {10, 10, 0},
+                                  Eigen::Vector3d::UnitY(), 1000, 1000, 800));
+    }
+    AddPoints(0, 10, 0);
+  }
+
+  // Four a facet, at that height.
+  void AddPoints(double from, double to, double height) {
+    for (int i = 0; i < 8 * kSide * (to - from); ++i) {
+      points_.positions.emplace_back(from + (to - from) * random_.Unit(),
+                                     kSide * random_.Unit(), height);
+      points_.views.AddRow(std::vector<uint32_t>{0, 1});
+    }
+  }
+
+  std::vector<float> Confidences() const {
+    return PointConfidences(mesh_, vertex_views_, points_, views_);
+  }
+
+  static constexpr uint32_t kSide = 20;
+  TriangleMesh mesh_;
+  Rows<uint32_t> vertex_views_;
+  PointCloud points_;
+  std::vector<View> views_;
+  Random random_{1};
+  double up_ = 1;
+};
+
+TEST_F(PointConfidencesTest, IsHighWherePointsAreAndZeroWhereNoneAre) {
+  const std::vector<float> confidences = Confidences();
+  for (size_t i = 0; i < confidences.size(); ++i) {
+    if (mesh_.vertices[i].x() < 9) {
+      EXPECT_GT(confidences[i], 0.4) << mesh_.vertices[i].transpose();
+    } else if (mesh_.vertices[i].x() > 12) {
+      EXPECT_EQ(confidences[i], 0) << mesh_.vertices[i].transpose();
+    }
+    EXPECT_LE(confidences[i], 1);
+  }
+}
+
+// A pixel is 1/27 wide there.
+TEST_F(PointConfidencesTest, PointsFarFromTheSurfaceDoNotCount) {
+  const std::vector<float> before = Confidences();
+  AddPoints(12, 20, 0.5);
+  EXPECT_EQ(Confidences(), before);
+  AddPoints(12, 20, 0.05);
+  EXPECT_GT(Confidences().back(), 0.3);
+}
+
+TEST_F(PointConfidencesTest, PointsOfTheOtherSideDoNotCount) {
+  for (Facet& facet : mesh_.facets) {
+    std::swap(facet[1], facet[2]);
+  }
+  for (const float confidence : Confidences()) {
+    EXPECT_EQ(confidence, 0);
+  }
+}
+
+TEST_F(PointConfidencesTest, IsZeroWithoutPoints) {
+  points_ = {};
+  EXPECT_EQ(Confidences(), std::vector<float>(mesh_.vertices.size(), 0));
+}
+
+TEST_F(PointConfidencesTest, IsTheSameAtAnyNumberOfThreads) {
+  ExpectSameForAnyThreads([&] { return Confidences(); });
+}
 
 // What windows of the same correlation and texture give on each facet.
 PhotometricTerms MakeTerms(const TriangleMesh& mesh, double correlation,

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/vertex_normals.h"
-#include "refine/relief.h"
+#include "mesh/normals.h"
+#include "refine/thin_plate.h"
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
@@ -51,7 +51,7 @@ struct Scene {
     return target;
   }
 
-  Surface surface;
+  EvaluatedSurface surface;
   SmoothnessDomain domain;
 };
 

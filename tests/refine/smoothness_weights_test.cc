@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace smoothness_weights_test {
@@ -134,12 +134,7 @@ TEST(SmoothnessWeights, AreThatOfAllWithoutAnyEvidence) {
 TEST(SmoothnessWeights, DoNotDependOnThreads) {
   const Sheet sheet([](float x) { return 0.1 + std::sin(x); },
                     [](float x) { return 2 + std::cos(x); });
-  const std::vector<double> expected = sheet.Weights();
-  for (const int num_threads : {1, 2, 3}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
-    EXPECT_EQ(sheet.Weights(), expected);
-  }
+  ExpectSameForAnyThreads([&] { return sheet.Weights(); });
 }
 
 }  // namespace smoothness_weights_test

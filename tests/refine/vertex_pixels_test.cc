@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/vertex_rings.h"
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
 namespace vertex_pixels_test {

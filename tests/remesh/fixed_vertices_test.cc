@@ -6,11 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/fixed_vertices.h"
 #include "mesh/subdivision.h"
-#include "remesh/improve_angles.h"
+#include "mesh/surface.h"
 #include "remesh/isotropic_remeshing.h"
-#include "tests/mesh/same_topology.h"
+#include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
 #include "tests/random.h"
 
@@ -94,7 +93,7 @@ TEST(FixedVertices, StayWhenAnglesImprove) {
     vertex.y() += static_cast<float>(0.06 * random.Unit() - 0.03);
   }
   const FixedVertices fixed = Half(mesh);
-  const ImprovedMesh improved = ImproveAngles(mesh, fixed);
+  const RemeshedSurface improved = ImproveAngles(mesh, fixed);
   ExpectSameTopology(mesh, improved.mesh);
   ExpectFixed(mesh, fixed, improved.mesh, improved.fixed_sources);
   EXPECT_NE(mesh.facets, improved.mesh.facets);
@@ -103,10 +102,10 @@ TEST(FixedVertices, StayWhenAnglesImprove) {
 TEST(FixedVertices, AreNotCutByASubdivision) {
   const TriangleMesh mesh = MakeBumpySphere(0.2F);
   const FixedVertices fixed = Half(mesh);
-  const Subdivision result =
+  const DerivedMesh result =
       Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 1), fixed);
   ExpectSameTopology(mesh, result.mesh);
-  for (const auto& [a, b] : result.sources) {
+  for (const auto& [a, b] : result.from.vertices) {
     EXPECT_TRUE(a == b || !IsFixed(fixed, a) || !IsFixed(fixed, b));
   }
   EXPECT_GT(result.mesh.facets.size(), mesh.facets.size());
@@ -119,8 +118,7 @@ TEST(FixedVertices, NoneLeaveTheBytesAsTheyAre) {
   const RemeshedSurface none = RemeshIsotropically(mesh, lengths, tolerances);
   const RemeshedSurface free = RemeshIsotropically(
       mesh, lengths, tolerances, FixedVertices(mesh.vertices.size(), 0));
-  EXPECT_EQ(none.mesh.vertices, free.mesh.vertices);
-  EXPECT_EQ(none.mesh.facets, free.mesh.facets);
+  EXPECT_EQ(none.mesh, free.mesh);
 }
 
 }  // namespace fixed_vertices_test

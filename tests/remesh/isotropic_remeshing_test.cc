@@ -2,21 +2,96 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
-#include "mesh/facet_normals.h"
+#include "mesh/normals.h"
 #include "remesh/edge_length_field.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/same_topology.h"
+#include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
 #include "tests/remesh/mesh_measures.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace isotropic_remeshing_test {
+
+// One facet whose corners differ in everything.
+struct OneFacet {
+  OneFacet() {
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.facets = {{0, 1, 2}};
+    attributes.colors = {{0, 0, 0}, {100, 0, 0}, {0, 200, 7}};
+    attributes.confidences = {0, 0.5F, 1};
+    for (const std::vector<uint32_t>& views :
+         {std::vector<uint32_t>{1, 4}, {2}, {1, 9}}) {
+      attributes.views.AddRow(views);
+    }
+  }
+
+  TriangleMesh mesh;
+  VertexAttributes attributes;
+};
+
+TEST(CarryAttributes, AtCornersAreTheirs) {
+  const OneFacet one;
+  std::vector<SurfacePoint> corners;
+  for (int k = 0; k < 3; ++k) {
+    corners.push_back({0, Eigen::Vector3f::Unit(k)});
+  }
+  const VertexAttributes carried =
+      CarryAttributes(one.mesh, one.attributes, corners);
+  EXPECT_EQ(carried.colors, one.attributes.colors);
+  EXPECT_EQ(carried.confidences, one.attributes.confidences);
+  EXPECT_EQ(carried.views, one.attributes.views);
+}
+
+TEST(CarryAttributes, BetweenCornersAreOfThoseThatHaveAPart) {
+  const OneFacet one;
+  const VertexAttributes carried = CarryAttributes(
+      one.mesh, one.attributes, {{0, {0, 0.25F, 0.75F}}, {0, {0.5F, 0.5F, 0}}});
+  EXPECT_EQ(carried.colors[0], (Color{25, 150, 5}));
+  EXPECT_FLOAT_EQ(carried.confidences[0], 0.875F);
+  EXPECT_TRUE(
+      std::ranges::equal(carried.views[0], std::vector<uint32_t>{1, 2, 9}));
+  EXPECT_TRUE(
+      std::ranges::equal(carried.views[1], std::vector<uint32_t>{1, 2, 4}));
+}
+
+TEST(CarryAttributes, WithoutColorsAreWithout) {
+  OneFacet one;
+  one.attributes.colors.clear();
+  one.attributes.confidences.clear();
+  const VertexAttributes carried =
+      CarryAttributes(one.mesh, one.attributes, {{0, {1, 0, 0}}});
+  EXPECT_TRUE(carried.colors.empty());
+  EXPECT_TRUE(carried.confidences.empty());
+}
+
+TEST(RemeshEvenly, KeepsTheNumberOfFacetsAndCarriesAttributes) {
+  const TriangleMesh before = MakeBumpyCap(0.1F);
+  Surface surface{before, {}};
+  for (const Eigen::Vector3f& vertex : before.vertices) {
+    surface.attributes.confidences.push_back((vertex.x() + 2) / 4);
+    surface.attributes.views.AddRow(std::vector<uint32_t>{3});
+  }
+  RemeshEvenly(&surface);
+  const auto& [mesh, attributes, origins, fixed] = surface;
+  ExpectSameTopology(before, mesh);
+  EXPECT_NEAR(static_cast<double>(mesh.facets.size()) / before.facets.size(), 1,
+              0.4);
+  ASSERT_EQ(attributes.confidences.size(), mesh.vertices.size());
+  ASSERT_EQ(attributes.views.size(), mesh.vertices.size());
+  EXPECT_TRUE(origins.empty() && fixed.empty());
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    EXPECT_NEAR(attributes.confidences[i], (mesh.vertices[i].x() + 2) / 4,
+                0.01);
+    EXPECT_EQ(attributes.views[i].size(), 1);
+  }
+}
 
 using Eigen::Vector3f;
 
@@ -143,12 +218,117 @@ TEST(RemeshIsotropically, AnyManifoldMeshStaysOne) {
 
 TEST(RemeshIsotropically, TheSameWithAnyNumberOfThreads) {
   const TriangleMesh mesh = MakeBumpySphere(0.1F);
-  const RemeshedSurface many = Remesh(mesh, 0.06F, 0.1F);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism,
-                                1);
-  const RemeshedSurface single = Remesh(mesh, 0.06F, 0.1F);
-  EXPECT_EQ(many.mesh.facets, single.mesh.facets);
-  EXPECT_EQ(many.mesh.vertices, single.mesh.vertices);
+  ExpectSameForAnyThreads([&] { return Remesh(mesh, 0.06F, 0.1F).mesh; });
+}
+
+constexpr float kLength = 0.1F;
+
+// Of well-shaped facets.
+TriangleMesh MakeEven(const TriangleMesh& mesh) {
+  return RemeshIsotropically(
+             mesh, std::vector<float>(mesh.vertices.size(), kLength),
+             std::vector<float>(mesh.vertices.size(), 0.1F * kLength))
+      .mesh;
+}
+
+// Moves some vertices along an edge, nearly up to its other end: needles and
+// caps.
+TriangleMesh MakeThinFacets(TriangleMesh mesh, Random* random) {
+  std::set<uint32_t> used;
+  for (const auto& [a, b, c] : mesh.facets) {
+    if (random->Chance(0.02) && used.insert(a).second &&
+        used.insert(b).second && used.insert(c).second) {
+      mesh.vertices[a] = 0.1F * mesh.vertices[a] + 0.9F * mesh.vertices[b];
+    }
+  }
+  return mesh;
+}
+
+std::vector<TriangleMesh> EvenMeshes() {
+  return {MakeEven(MakeBumpySphere(0.1F)), MakeEven(MakeBumpyCap(0.1F)),
+          MakeEven(MakeRoundTorus(0.1F))};
+}
+
+double ShareBelow(double angle, const TriangleMesh& mesh) {
+  const std::vector<double> angles = SmallestAngles(mesh);
+  return static_cast<double>(
+             std::count_if(angles.begin(), angles.end(),
+                           [&](double smallest) { return smallest < angle; })) /
+         static_cast<double>(angles.size());
+}
+
+TEST(ImproveAngles, ThinFacetsGoAndTheSurfaceStays) {
+  Random random(2);
+  for (const TriangleMesh& even : EvenMeshes()) {
+    const TriangleMesh thin = MakeThinFacets(even, &random);
+    ASSERT_GT(ShareBelow(10, thin), 0.01);
+    const RemeshedSurface improved = ImproveAngles(thin);
+    ExpectSameTopology(thin, improved.mesh);
+    EXPECT_LT(ShareBelow(10, improved.mesh), 0.1 * ShareBelow(10, thin));
+    EXPECT_LT(Distance(improved.mesh, thin), 0.25 * kLength);
+    EXPECT_LT(Distance(thin, improved.mesh), 0.25 * kLength);
+  }
+}
+
+// Facets that are well shaped keep their corners, unless a neighbor is not.
+TEST(ImproveAngles, LeavesTheRestAsItIs) {
+  Random random(3);
+  for (const TriangleMesh& even : EvenMeshes()) {
+    const TriangleMesh thin = MakeThinFacets(even, &random);
+    const RemeshedSurface improved = ImproveAngles(thin);
+    ASSERT_EQ(improved.facet_sources.size(), improved.mesh.facets.size());
+    size_t num_kept = 0;
+    for (size_t i = 0; i < improved.mesh.facets.size(); ++i) {
+      bool is_kept = true;
+      for (int k = 0; k < 3; ++k) {
+        is_kept = is_kept &&
+                  improved.mesh.vertices[improved.mesh.facets[i][k]] ==
+                      thin.vertices[thin.facets[improved.facet_sources[i]][k]];
+      }
+      num_kept += is_kept ? 1 : 0;
+    }
+    EXPECT_GT(num_kept, improved.mesh.facets.size() * 2 / 3);
+  }
+}
+
+TEST(ImproveAngles, AMeshWithoutThinFacetsIsLeftAlone) {
+  TriangleMesh mesh;
+  const int n = 10;
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      mesh.vertices.emplace_back(i + 0.5F * j, 0.866F * j, 0.1F * i * j);
+    }
+  }
+  for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t j = 0; j < n; ++j) {
+      const uint32_t at = i * (n + 1) + j;
+      mesh.facets.push_back({at, at + n + 1, at + 1});
+      mesh.facets.push_back({at + 1, at + n + 1, at + n + 2});
+    }
+  }
+  const RemeshedSurface improved = ImproveAngles(mesh);
+  EXPECT_EQ(improved.mesh, mesh);
+}
+
+TEST(ImproveAngles, SourcesAreWhereTheVerticesAre) {
+  Random random(4);
+  const TriangleMesh thin = MakeThinFacets(EvenMeshes()[1], &random);
+  const RemeshedSurface improved = ImproveAngles(thin);
+  ASSERT_EQ(improved.sources.size(), improved.mesh.vertices.size());
+  const std::vector<Eigen::Vector3f> positions =
+      ValuesAt(improved.sources, thin, thin.vertices);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    EXPECT_LT((positions[i] - improved.mesh.vertices[i]).norm(), 1e-5F);
+  }
+}
+
+TEST(ImproveAngles, DoesNotDependOnTheNumberOfThreads) {
+  Random random(5);
+  const TriangleMesh thin = MakeThinFacets(EvenMeshes()[0], &random);
+  ExpectSameForAnyThreads([&] {
+    const RemeshedSurface improved = ImproveAngles(thin);
+    return std::pair(improved.mesh, improved.facet_sources);
+  });
 }
 
 }  // namespace isotropic_remeshing_test

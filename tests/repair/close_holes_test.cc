@@ -1,17 +1,17 @@
-#include "repair/close_holes.h"
+#include "repair/edit_borders.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
+#include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "spatial/self_intersections.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 #include "tests/random.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace close_holes_test {
@@ -30,7 +30,7 @@ TriangleMesh HoledSphere(const std::vector<Eigen::Vector3f>& centers,
       mesh.facets.push_back(facet);
     }
   }
-  return SplitFans(mesh, PairHalfEdges(mesh.facets)).mesh;
+  return SplitFans(mesh).mesh;
 }
 
 const std::vector<Eigen::Vector3f> kSixSides = {
@@ -46,12 +46,19 @@ VertexAttributes MakeAttributes(const TriangleMesh& mesh) {
   return attributes;
 }
 
-ClosedMesh Close(int max_edges, const TriangleMesh& mesh) {
-  return CloseHoles(max_edges, mesh, MakeAttributes(mesh));
+struct Closed : Surface {
+  HoleReport report;
+};
+
+Closed Close(int max_edges, const TriangleMesh& mesh) {
+  Closed closed{{mesh, MakeAttributes(mesh), mesh.vertices}, {}};
+  closed.report = CloseHoles(max_edges, &closed);
+  EXPECT_EQ(closed.origins, closed.mesh.vertices);
+  return closed;
 }
 
 // What was there stays; what is new is known to be.
-void ExpectSound(const TriangleMesh& mesh, const ClosedMesh& closed) {
+void ExpectSound(const TriangleMesh& mesh, const Closed& closed) {
   EXPECT_EQ(Analyze(closed.mesh).Defects(), "");
   const size_t num_vertices = mesh.vertices.size();
   const size_t num_facets = mesh.facets.size();
@@ -79,7 +86,7 @@ TEST(CloseHoles, ASphereWithHolesIsASphereAgain) {
   const TriangleMesh mesh = HoledSphere(kSixSides, 0.4f);
   ASSERT_EQ(Analyze(mesh).num_border_loops, 6);
   ASSERT_TRUE(Analyze(mesh).IsManifold());
-  const ClosedMesh closed = Close(kAllLoops, mesh);
+  const Closed closed = Close(kAllLoops, mesh);
   ExpectSound(mesh, closed);
   const MeshReport report = Analyze(closed.mesh);
   EXPECT_EQ(report.num_border_edges, 0);
@@ -95,7 +102,7 @@ TEST(CloseHoles, ASphereWithHolesIsASphereAgain) {
 
 TEST(CloseHoles, NewVerticesLieAboutWhereTheSphereWas) {
   const TriangleMesh mesh = HoledSphere(kSixSides, 0.4f);
-  const ClosedMesh closed = Close(kAllLoops, mesh);
+  const Closed closed = Close(kAllLoops, mesh);
   for (size_t i = mesh.vertices.size(); i < closed.mesh.vertices.size(); ++i) {
     EXPECT_NEAR(closed.mesh.vertices[i].norm(), 1, 0.2) << i;
   }
@@ -105,7 +112,7 @@ TEST(CloseHoles, ClosesNoneThatAreLonger) {
   const TriangleMesh mesh = HoledSphere({kSixSides[0]}, 0.3f);
   const size_t num_edges = Analyze(mesh).num_border_edges;
   for (const int max_edges : {0, 2, static_cast<int>(num_edges) - 1}) {
-    const ClosedMesh closed = Close(max_edges, mesh);
+    const Closed closed = Close(max_edges, mesh);
     EXPECT_EQ(closed.mesh.facets, mesh.facets);
     EXPECT_EQ(closed.report.num_loops, 0);
   }
@@ -119,9 +126,8 @@ TEST(CloseHoles, LeavesClosedMeshesAsTheyAre) {
 
 TEST(CloseHoles, GoesWithoutColoursAndConfidences) {
   const TriangleMesh mesh = HoledSphere(kSixSides, 0.4f);
-  VertexAttributes attributes;
-  attributes.views = Rows<uint32_t>(mesh.vertices.size());
-  const ClosedMesh closed = CloseHoles(kAllLoops, mesh, attributes);
+  Surface closed{mesh, {{}, Rows<uint32_t>(mesh.vertices.size())}};
+  CloseHoles(kAllLoops, &closed);
   EXPECT_TRUE(closed.attributes.colors.empty());
   EXPECT_TRUE(closed.attributes.confidences.empty());
   EXPECT_EQ(closed.attributes.views.size(), closed.mesh.vertices.size());
@@ -129,7 +135,7 @@ TEST(CloseHoles, GoesWithoutColoursAndConfidences) {
 
 TEST(CloseHoles, LeavesTheLoopOfASingleFacet) {
   TriangleMesh mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  const ClosedMesh closed = Close(kAllLoops, mesh);
+  const Closed closed = Close(kAllLoops, mesh);
   ExpectSound(mesh, closed);
   EXPECT_EQ(closed.report.num_loops, 1);
 }
@@ -140,8 +146,8 @@ TEST(CloseHoles, StaysManifoldWhateverItGets) {
     TriangleMesh mesh = MakeRandomManifold(&random);
     std::erase_if(mesh.facets,
                   [&](const Facet&) { return random.Unit() < 0.2; });
-    mesh = SplitFans(mesh, PairHalfEdges(mesh.facets)).mesh;
-    const ClosedMesh closed = Close(kAllLoops, mesh);
+    mesh = SplitFans(mesh).mesh;
+    const Closed closed = Close(kAllLoops, mesh);
     ExpectSound(mesh, closed);
     EXPECT_EQ(Analyze(closed.mesh).num_border_loops, closed.report.NumLeft());
   }
@@ -149,15 +155,10 @@ TEST(CloseHoles, StaysManifoldWhateverItGets) {
 
 TEST(CloseHoles, IsTheSameAtAnyNumberOfThreads) {
   const TriangleMesh mesh = HoledSphere(kSixSides, 0.4f);
-  const ClosedMesh expected = Close(kAllLoops, mesh);
-  for (const int num_threads : {1, 3}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
-    const ClosedMesh closed = Close(kAllLoops, mesh);
-    EXPECT_EQ(closed.mesh.vertices, expected.mesh.vertices);
-    EXPECT_EQ(closed.mesh.facets, expected.mesh.facets);
-    EXPECT_EQ(closed.attributes.colors, expected.attributes.colors);
-  }
+  ExpectSameForAnyThreads([&] {
+    const Closed closed = Close(kAllLoops, mesh);
+    return std::pair(closed.mesh, closed.attributes.colors);
+  });
 }
 
 }  // namespace close_holes_test

@@ -22,8 +22,16 @@ class EditBordersTest : public testing::Test {
     }
   }
 
-  EditedMesh Edit(double trim, int close_holes) {
-    return EditBorders({trim, close_holes}, mesh_, attributes_, confidences_);
+  struct Edited : Surface {
+    Provenance from;
+    BorderReport report;
+  };
+
+  Edited Edit(double trim, int close_holes) {
+    Edited edited{{mesh_, attributes_}, {}, {}};
+    edited.from =
+        EditBorders({trim, close_holes}, confidences_, &edited, &edited.report);
+    return edited;
   }
 
   const TriangleMesh mesh_ = MakeBumpySphere(0.15f);
@@ -32,14 +40,13 @@ class EditBordersTest : public testing::Test {
 };
 
 TEST_F(EditBordersTest, LeavesTheMeshByDefault) {
-  const EditedMesh edited = Edit(0, 0);
-  EXPECT_EQ(edited.mesh.vertices, mesh_.vertices);
-  EXPECT_EQ(edited.mesh.facets, mesh_.facets);
+  const Edited edited = Edit(0, 0);
+  EXPECT_EQ(edited.mesh, mesh_);
   EXPECT_EQ(edited.attributes.confidences, attributes_.confidences);
 }
 
 TEST_F(EditBordersTest, ClosesWhatItHasTrimmed) {
-  const EditedMesh edited = Edit(0.5, kAllLoops);
+  const Edited edited = Edit(0.5, kAllLoops);
   const MeshReport report = Analyze(edited.mesh);
   EXPECT_EQ(report.Defects(), "");
   EXPECT_EQ(report.euler, 2);
@@ -48,21 +55,21 @@ TEST_F(EditBordersTest, ClosesWhatItHasTrimmed) {
 }
 
 TEST_F(EditBordersTest, SaysWhereEachVertexAndFacetComesFrom) {
-  const EditedMesh edited = Edit(0.5, kAllLoops);
+  const Edited edited = Edit(0.5, kAllLoops);
   size_t num_new = 0;
-  ASSERT_EQ(edited.vertex_sources.size(), edited.mesh.vertices.size());
-  for (size_t i = 0; i < edited.vertex_sources.size(); ++i) {
-    const uint32_t source = edited.vertex_sources[i];
+  ASSERT_EQ(edited.from.vertices.size(), edited.mesh.vertices.size());
+  for (size_t i = 0; i < edited.from.vertices.size(); ++i) {
+    const uint32_t source = edited.from.vertices[i][0];
     num_new += source == kNone;
     EXPECT_EQ(edited.attributes.confidences[i],
               source == kNone ? 0 : attributes_.confidences[source]);
   }
   EXPECT_EQ(num_new, edited.report.holes.num_vertices);
-  ASSERT_EQ(edited.facet_sources.size(), edited.mesh.facets.size());
-  for (size_t i = 0; i < edited.facet_sources.size(); ++i) {
-    const uint32_t source = edited.facet_sources[i];
+  ASSERT_EQ(edited.from.facets.size(), edited.mesh.facets.size());
+  for (size_t i = 0; i < edited.from.facets.size(); ++i) {
+    const uint32_t source = edited.from.facets[i];
     for (int k = 0; k < 3 && source != kNone; ++k) {
-      EXPECT_EQ(edited.vertex_sources[edited.mesh.facets[i][k]],
+      EXPECT_EQ(edited.from.vertices[edited.mesh.facets[i][k]][0],
                 mesh_.facets[source][k]);
     }
   }

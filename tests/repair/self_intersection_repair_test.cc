@@ -6,17 +6,16 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
-#include "mesh/facet_normals.h"
-#include "mesh/fan_split.h"
-#include "mesh/half_edges.h"
+#include "mesh/adjacency.h"
+#include "mesh/manifold_repair.h"
+#include "mesh/normals.h"
 #include "mesh/topology.h"
 #include "repair/guarded_mesh.h"
-#include "repair/separate_copies.h"
 #include "spatial/self_intersections.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace self_intersection_repair_test {
@@ -56,6 +55,15 @@ SelfIntersectionRepair Repair(TriangleMesh* mesh) {
   return repair;
 }
 
+TriangleMesh WithNoise(TriangleMesh mesh, float noise, Random* random) {
+  for (Vector3f& vertex : mesh.vertices) {
+    for (int k = 0; k < 3; ++k) {
+      vertex[k] += noise * static_cast<float>(random->Unit() - 0.5);
+    }
+  }
+  return mesh;
+}
+
 void ExpectRepaired(TriangleMesh mesh) {
   const SelfIntersectionRepair repair = Repair(&mesh);
   EXPECT_GT(repair.num_before, 0u);
@@ -86,8 +94,7 @@ TEST(RepairSelfIntersections, LeavesMeshesWithoutThemAsTheyAre) {
     const SelfIntersectionRepair repair = RepairSelfIntersections(&repaired);
     EXPECT_EQ(repair.num_before, 0u);
     EXPECT_EQ(repair.num_moved_vertices, 0u);
-    EXPECT_EQ(repaired.vertices, mesh.vertices);
-    EXPECT_EQ(repaired.facets, mesh.facets);
+    EXPECT_EQ(repaired, mesh);
   }
 }
 
@@ -231,12 +238,7 @@ TEST(RepairSelfIntersections, NeverMakesMore) {
     Repair(&mesh);
   }
   for (const float noise : {0.02f, 0.06f}) {
-    TriangleMesh mesh = MakeBumpySphere(0.05f);
-    for (Vector3f& vertex : mesh.vertices) {
-      for (int k = 0; k < 3; ++k) {
-        vertex[k] += noise * static_cast<float>(random.Unit() - 0.5);
-      }
-    }
+    TriangleMesh mesh = WithNoise(MakeBumpySphere(0.05f), noise, &random);
     Repair(&mesh);
   }
 }
@@ -244,12 +246,7 @@ TEST(RepairSelfIntersections, NeverMakesMore) {
 // Noise turns facets over and lets them cross; most of it is repaired.
 TEST(RepairSelfIntersections, RepairsMostOfANoisySurface) {
   Random random(3);
-  TriangleMesh mesh = MakeBumpySphere(0.05f, 0);
-  for (Vector3f& vertex : mesh.vertices) {
-    for (int k = 0; k < 3; ++k) {
-      vertex[k] += 0.03f * static_cast<float>(random.Unit() - 0.5);
-    }
-  }
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.05f, 0), 0.03f, &random);
   const SelfIntersectionRepair repair = Repair(&mesh);
   EXPECT_GT(repair.num_before, 50u);
   EXPECT_LE(20 * repair.num_after, repair.num_before);
@@ -316,22 +313,12 @@ TEST(RepairSelfIntersections, IsThatOfThePartThatCrosses) {
 
 TEST(RepairSelfIntersections, IsTheSameForAnyNumberOfThreads) {
   Random random(4);
-  TriangleMesh mesh = MakeRoundTorus(0.05f);
-  for (Vector3f& vertex : mesh.vertices) {
-    for (int k = 0; k < 3; ++k) {
-      vertex[k] += 0.03f * static_cast<float>(random.Unit() - 0.5);
-    }
-  }
-  TriangleMesh expected = mesh;
-  EXPECT_GT(Repair(&expected).num_moved_vertices, 0u);
-  for (const size_t num_threads : {1, 2, 7}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
+  const TriangleMesh mesh = WithNoise(MakeRoundTorus(0.05f), 0.03f, &random);
+  ExpectSameForAnyThreads([&] {
     TriangleMesh repaired = mesh;
-    RepairSelfIntersections(&repaired);
-    EXPECT_EQ(repaired.vertices, expected.vertices);
-    EXPECT_EQ(repaired.facets, expected.facets);
-  }
+    EXPECT_GT(RepairSelfIntersections(&repaired).num_moved_vertices, 0u);
+    return repaired;
+  });
 }
 
 }  // namespace self_intersection_repair_test

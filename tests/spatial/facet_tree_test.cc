@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/random_soup.h"
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {

@@ -11,7 +11,6 @@
 
 #include "tests/delaunay/exact.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/random_soup.h"
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {

@@ -1,0 +1,162 @@
+#include "mesh/adjacency.h"
+
+#include <numeric>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "base/indices.h"
+
+namespace colmap_ext {
+
+CornerRows CornersByVertex(const std::vector<Facet>& facets) {
+  CornerRows rows;
+  for (const Facet& facet : facets) {
+    for (const uint32_t vertex : facet) {
+      if (vertex >= rows.ends.size()) {
+        rows.ends.resize(vertex + 1, 0);
+      }
+      ++rows.ends[vertex];
+    }
+  }
+  // Where rows begin, which become ends as they are filled.
+  std::exclusive_scan(rows.ends.begin(), rows.ends.end(), rows.ends.begin(),
+                      uint32_t{0});
+  rows.corners.resize(ExpectIndexable(3 * facets.size(), "half-edges"));
+  uint32_t corner = 0;
+  for (const Facet& facet : facets) {
+    for (const uint32_t vertex : facet) {
+      rows.corners[rows.ends[vertex]++] = corner++;
+    }
+  }
+  return rows;
+}
+
+std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets) {
+  std::vector<uint32_t> partners(3 * facets.size(), kNone);
+  ForEachEdge(facets, [&](auto first, auto last) {
+    const uint32_t half = first->second;
+    if (last - first == 2) {
+      const uint32_t other = (first + 1)->second;
+      if (FromVertex(facets, half) != FromVertex(facets, other)) {
+        partners[half] = other;
+        partners[other] = half;
+      }
+    }
+  });
+  return partners;
+}
+
+namespace {
+
+// The other vertices of the facets at a vertex, ascending, once for each facet.
+void CollectNeighbors(const std::vector<Facet>& facets,
+                      std::span<const uint32_t> corners,
+                      std::vector<uint32_t>* others) {
+  others->clear();
+  for (const uint32_t corner : corners) {
+    const Facet& facet = facets[corner / 3];
+    others->push_back(facet[(corner + 1) % 3]);
+    others->push_back(facet[(corner + 2) % 3]);
+  }
+  std::sort(others->begin(), others->end());
+}
+
+// Calls function(vertex, others) for each vertex, in parallel.
+template <typename Function>
+void ForEachVertex(const std::vector<Facet>& facets, const VertexRings& rings,
+                   const Function& function) {
+  constexpr size_t kGrain = 1024;  // vertices a task; a choice
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, rings.NumVertices(), kGrain),
+      [&](const tbb::blocked_range<size_t>& range) {
+        std::vector<uint32_t> others;
+        for (size_t vertex = range.begin(); vertex < range.end(); ++vertex) {
+          CollectNeighbors(facets, rings.corners[vertex], &others);
+          function(vertex, others);
+        }
+      });
+}
+
+// The number of different neighbors. One that is there only once is across an
+// edge with one facet.
+// \param others  ascending
+uint64_t CountNeighbors(const std::vector<uint32_t>& others,
+                        uint8_t* is_border) {
+  uint64_t count = 0;
+  for (auto first = others.begin(); first != others.end(); ++count) {
+    const auto last = std::upper_bound(first, others.end(), *first);
+    *is_border |= last - first == 1;
+    first = last;
+  }
+  return count;
+}
+
+void FillNeighbors(const std::vector<Facet>& facets, VertexRings* rings) {
+  std::vector<uint64_t>& offsets = rings->neighbors.offsets;
+  offsets.assign(rings->NumVertices() + 1, 0);
+  ForEachVertex(
+      facets, *rings, [&](size_t vertex, const std::vector<uint32_t>& others) {
+        offsets[vertex + 1] = CountNeighbors(others, &rings->is_border[vertex]);
+      });
+  std::inclusive_scan(offsets.begin(), offsets.end(), offsets.begin());
+  rings->neighbors.values.resize(offsets.back());
+  ForEachVertex(
+      facets, *rings, [&](size_t vertex, const std::vector<uint32_t>& others) {
+        std::unique_copy(others.begin(), others.end(),
+                         rings->neighbors.values.data() + offsets[vertex]);
+      });
+}
+
+}  // namespace
+
+std::vector<uint32_t> VertexRings::FacetsAt(
+    const std::vector<uint32_t>& vertices) const {
+  std::vector<uint32_t> facets;
+  for (const uint32_t vertex : vertices) {
+    for (const uint32_t corner : corners[vertex]) {
+      facets.push_back(corner / 3);
+    }
+  }
+  SortUnique(&facets);
+  return facets;
+}
+
+std::vector<uint32_t> VertexRings::VerticesAround(
+    std::vector<uint32_t> vertices, int num_rings) const {
+  SortUnique(&vertices);
+  for (int ring = 0; ring < num_rings; ++ring) {
+    for (size_t i = 0, size = vertices.size(); i < size; ++i) {
+      const auto others = neighbors[vertices[i]];
+      vertices.insert(vertices.end(), others.begin(), others.end());
+    }
+    SortUnique(&vertices);
+  }
+  return vertices;
+}
+
+std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
+                                 const std::vector<uint32_t>& facets) {
+  std::vector<uint32_t> vertices;
+  for (const uint32_t facet : facets) {
+    vertices.insert(vertices.end(), mesh.facets[facet].begin(),
+                    mesh.facets[facet].end());
+  }
+  SortUnique(&vertices);
+  return vertices;
+}
+
+VertexRings MakeVertexRings(const TriangleMesh& mesh) {
+  VertexRings rings;
+  rings.is_border.assign(mesh.vertices.size(), 0);
+  CornerRows corners = CornersByVertex(mesh.facets);
+  rings.corners.values = std::move(corners.corners);
+  rings.corners.offsets.insert(rings.corners.offsets.end(),
+                               corners.ends.begin(), corners.ends.end());
+  rings.corners.offsets.resize(mesh.vertices.size() + 1,
+                               rings.corners.values.size());
+  FillNeighbors(mesh.facets, &rings);
+  return rings;
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "base/index_limit.h"
+#include "base/rows.h"
+#include "mesh/triangle_mesh.h"
+
+namespace colmap_ext {
+
+// The half-edge 3 * facet + k runs from corner k of the facet to corner k + 1.
+
+inline uint32_t FromVertex(const std::vector<Facet>& facets, uint32_t half) {
+  return facets[half / 3][half % 3];
+}
+
+inline uint32_t ToVertex(const std::vector<Facet>& facets, uint32_t half) {
+  return facets[half / 3][(half % 3 + 1) % 3];
+}
+
+// The half-edge after this one in its facet.
+inline uint32_t NextHalfEdge(uint32_t half) {
+  return half % 3 == 2 ? half - 2 : half + 1;
+}
+
+// All corners by their vertices. A corner is named by the half-edge that leaves
+// it.
+struct CornerRows {
+  std::vector<uint32_t> ends;     // [V] where the row of each vertex ends
+  std::vector<uint32_t> corners;  // [3 F] ascending in each row
+};
+
+// \throw std::invalid_argument if there are more half-edges than 32-bit indices
+//        can number.
+CornerRows CornersByVertex(const std::vector<Facet>& facets);
+
+// The half-edge before this one in its facet.
+inline uint32_t PreviousHalfEdge(uint32_t half) {
+  return half % 3 == 0 ? half + 2 : half - 1;
+}
+
+// Another vertex, and a half-edge between it and one vertex.
+using HalfEdgeTo = std::pair<uint32_t, uint32_t>;
+
+// Calls function(vertex, half_edges) for each vertex up to the last that facets
+// use: its half-edges, leaving and entering, by the other vertex, then by their
+// number.
+// \pre no facet repeats a vertex
+// \throw std::invalid_argument as CornersByVertex() does.
+template <typename Function>
+void ForEachVertex(const std::vector<Facet>& facets, const Function& function) {
+  const CornerRows rows = CornersByVertex(facets);
+  std::vector<HalfEdgeTo> halves;
+  uint32_t begin = 0;
+  for (uint32_t vertex = 0; vertex < rows.ends.size(); ++vertex) {
+    halves.clear();
+    for (; begin < rows.ends[vertex]; ++begin) {
+      const uint32_t corner = rows.corners[begin];
+      const uint32_t before = PreviousHalfEdge(corner);
+      halves.emplace_back(ToVertex(facets, corner), corner);
+      halves.emplace_back(FromVertex(facets, before), before);
+    }
+    std::sort(halves.begin(), halves.end());
+    function(vertex, halves);
+  }
+}
+
+// Calls function(first, last) for the half-edges to each other vertex.
+template <typename Function>
+void ForEachNeighbor(const std::vector<HalfEdgeTo>& halves,
+                     const Function& function) {
+  for (auto first = halves.begin(); first != halves.end();) {
+    auto last = first;
+    while (last != halves.end() && last->first == first->first) {
+      ++last;
+    }
+    function(first, last);
+    first = last;
+  }
+}
+
+// Calls function(first, last) for each edge, in the order of its lower, then of
+// its higher vertex: it->second of the iterators are its half-edges, ascending.
+// \pre as above
+template <typename Function>
+void ForEachEdge(const std::vector<Facet>& facets, const Function& function) {
+  ForEachVertex(facets,
+                [&](uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
+                  ForEachNeighbor(halves, [&](auto first, auto last) {
+                    if (first->first > vertex) {
+                      function(first, last);
+                    }
+                  });
+                });
+}
+
+// Returns [3 F] the partner of each half-edge: the other one of its edge, where
+// exactly two facets share the edge and run it in opposite directions; else
+// kNone.
+std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets);
+
+// The neighbors and facets of each vertex.
+struct VertexRings {
+  Rows<uint32_t> neighbors;  // [V] the vertices that share an edge with it,
+                             // ascending
+  Rows<uint32_t> corners;    // [V] the corners at it, ascending; corner
+                             // 3 * facet + k is corner k of the facet
+  std::vector<uint8_t> is_border;  // [V] whether it is an end of an edge with
+                                   // one facet
+
+  size_t NumVertices() const { return is_border.size(); }
+  bool operator==(const VertexRings&) const = default;
+
+  // The facets at some vertices, ascending.
+  std::vector<uint32_t> FacetsAt(const std::vector<uint32_t>& vertices) const;
+
+  // Some vertices and those in a number of rings of edges around them,
+  // ascending.
+  std::vector<uint32_t> VerticesAround(std::vector<uint32_t> vertices,
+                                       int num_rings) const;
+};
+
+// The vertices of some facets, ascending.
+std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
+                                 const std::vector<uint32_t>& facets);
+
+// The rows of vertices that no facet uses are empty.
+// \pre facet indices are in range, no facet repeats a vertex
+VertexRings MakeVertexRings(const TriangleMesh& mesh);
+
+}  // namespace colmap_ext

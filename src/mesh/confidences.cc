@@ -1,0 +1,154 @@
+#include "mesh/confidences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <tuple>
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "mesh/normals.h"
+
+namespace colmap_ext {
+namespace {
+
+// The support of a facet's corners for each pixel that it covers where it is
+// seen best, and the support itself. A facet without area is small, one without
+// views has neither.
+struct FacetDensity {
+  double density = 0;
+  double support = 0;
+};
+
+// The pixels that the facet covers in the view that has most of them; -1
+// if none of the views has it before its camera.
+double PixelArea(const TriangleMesh& mesh, const Facet& facet,
+                 const Rows<uint32_t>& vertex_views,
+                 const std::vector<View>& views) {
+  // As PhotometricOptions::min_cosine: a facet that is seen edge-on by all
+  // views is one that none of them sees.
+  constexpr double kMinCosine = 0.1;
+  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const Eigen::Vector3d center = (a + b + c) / 3;
+  const Eigen::Vector3d area_normal = (b - a).cross(c - a) / 2;
+  double largest = -1;
+  for (const uint32_t vertex : facet) {
+    for (const uint32_t index : vertex_views[vertex]) {
+      const View& view = views[index];
+      const double depth = view.CamFromWorld(center).z();
+      if (depth > 0) {
+        const Eigen::Vector3d ray = (center - view.Center()).normalized();
+        const double seen_area = std::max(std::abs(area_normal.dot(ray)),
+                                          kMinCosine * area_normal.norm());
+        largest =
+            std::max(largest, seen_area * view.fx * view.fy / (depth * depth));
+      }
+    }
+  }
+  return largest;
+}
+
+// The density where half of the support is denser; 0 without support.
+double UsualDensity(std::vector<FacetDensity> densities) {
+  tbb::parallel_sort(densities.begin(), densities.end(),
+                     [](const FacetDensity& a, const FacetDensity& b) {
+                       return std::tie(a.density, a.support) <
+                              std::tie(b.density, b.support);
+                     });
+  double total = 0;
+  for (const FacetDensity& density : densities) {
+    total += density.support;
+  }
+  double sum = 0;
+  for (const FacetDensity& density : densities) {
+    sum += density.support;
+    if (2 * sum >= total) {
+      return density.density;
+    }
+  }
+  return 0;
+}
+
+// [F]
+std::vector<FacetDensity> FacetDensities(const TriangleMesh& mesh,
+                                         const std::vector<float>& support,
+                                         const Rows<uint32_t>& vertex_views,
+                                         const std::vector<View>& views) {
+  std::vector<FacetDensity> densities(mesh.facets.size());
+  tbb::parallel_for(size_t{0}, densities.size(), [&](size_t i) {
+    const Facet& facet = mesh.facets[i];
+    const double sum =
+        double{support[facet[0]]} + support[facet[1]] + support[facet[2]];
+    const double area = PixelArea(mesh, facet, vertex_views, views);
+    if (sum > 0 && area >= 0) {
+      densities[i] = {
+          sum / std::max(area, std::numeric_limits<double>::epsilon()), sum};
+    }
+  });
+  return densities;
+}
+
+// [F]
+std::vector<float> ConfidencesOf(const std::vector<FacetDensity>& densities,
+                                 double usual) {
+  // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
+  // 0.26. A choice.
+  constexpr double kUsual = 3;
+  std::vector<float> confidences(densities.size(), 0);
+  for (size_t i = 0; i < densities.size() && usual > 0; ++i) {
+    confidences[i] =
+        static_cast<float>(-std::expm1(-kUsual * densities[i].density / usual));
+  }
+  return confidences;
+}
+
+}  // namespace
+
+std::vector<float> FacetConfidences(const TriangleMesh& mesh,
+                                    const std::vector<float>& support,
+                                    const Rows<uint32_t>& vertex_views,
+                                    const std::vector<View>& views) {
+  const std::vector<FacetDensity> densities =
+      FacetDensities(mesh, support, vertex_views, views);
+  return ConfidencesOf(densities, UsualDensity(densities));
+}
+
+std::vector<float> VertexConfidences(
+    const TriangleMesh& mesh, const std::vector<float>& facet_confidences) {
+  std::vector<double> sums(mesh.vertices.size(), 0);
+  std::vector<double> angles(mesh.vertices.size(), 0);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    for (uint32_t k = 0; k < 3; ++k) {
+      const double angle = AngleVector(mesh, mesh.facets[i], k).norm();
+      sums[mesh.facets[i][k]] += angle * facet_confidences[i];
+      angles[mesh.facets[i][k]] += angle;
+    }
+  }
+  std::vector<float> confidences(mesh.vertices.size(), 0);
+  for (size_t i = 0; i < confidences.size(); ++i) {
+    if (angles[i] > 0) {
+      confidences[i] = static_cast<float>(std::min(sums[i] / angles[i], 1.0));
+    }
+  }
+  return confidences;
+}
+
+std::vector<float> MeanOfCorners(const std::vector<Facet>& facets,
+                                 const std::vector<float>& vertex_confidences) {
+  std::vector<float> means;
+  means.reserve(facets.size());
+  for (const auto& [a, b, c] : facets) {
+    means.push_back((vertex_confidences[a] + vertex_confidences[b] +
+                     vertex_confidences[c]) /
+                    3);
+  }
+  return means;
+}
+
+}  // namespace colmap_ext

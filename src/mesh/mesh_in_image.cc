@@ -1,0 +1,111 @@
+#include "mesh/mesh_in_image.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "base/percentile.h"
+
+namespace colmap_ext {
+namespace {
+
+using Polygon = std::vector<Eigen::Vector3d>;
+
+// The part of a polygon with normal . point >= 0.
+Polygon CutOff(const Polygon& polygon, const Eigen::Vector3d& normal) {
+  Polygon part;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector3d& from = polygon[i];
+    const Eigen::Vector3d& to = polygon[(i + 1) % polygon.size()];
+    const double from_side = normal.dot(from);
+    const double to_side = normal.dot(to);
+    if (from_side >= 0) {
+      part.push_back(from);
+    }
+    if ((from_side >= 0) != (to_side >= 0)) {
+      // From inside to outside, whichever way the edge is run.
+      part.push_back(from_side >= 0
+                         ? from +
+                               from_side / (from_side - to_side) * (to - from)
+                         : to + to_side / (to_side - from_side) * (from - to));
+    }
+  }
+  return part;
+}
+
+}  // namespace
+
+Polygon ClipToImage(const View& view, const TriangleMesh& mesh,
+                    const Facet& facet, const Eigen::AlignedBox2d& box) {
+  Polygon polygon;
+  for (const uint32_t vertex : facet) {
+    polygon.push_back(view.CamFromWorld(mesh.vertices[vertex].cast<double>()));
+  }
+  for (const Eigen::Vector3d& normal :
+       {Eigen::Vector3d(view.fx, 0, view.cx - box.min().x()),
+        Eigen::Vector3d(-view.fx, 0, box.max().x() - view.cx),
+        Eigen::Vector3d(0, view.fy, view.cy - box.min().y()),
+        Eigen::Vector3d(0, -view.fy, box.max().y() - view.cy)}) {
+    polygon = CutOff(polygon, normal);
+  }
+  const bool is_before =
+      std::ranges::all_of(polygon, [](const auto& p) { return p.z() > 0; });
+  return polygon.size() > 2 && is_before ? polygon : Polygon();
+}
+
+Eigen::AlignedBox2d ImageBox(const View& view, double border) {
+  return {Eigen::Vector2d(border, border),
+          Eigen::Vector2d(view.width - border, view.height - border)};
+}
+
+namespace {
+
+// Twice the signed area of a triangle in the image, px^2.
+double TwiceArea(const View& view, const Eigen::Vector3d& a,
+                 const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector2d corner = view.ImageFromCam(a);
+  const Eigen::Vector2d ab = view.ImageFromCam(b) - corner;
+  const Eigen::Vector2d ac = view.ImageFromCam(c) - corner;
+  return ab.x() * ac.y() - ab.y() * ac.x();
+}
+
+}  // namespace
+
+double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
+                   const View& view) {
+  std::array<Eigen::Vector3d, 3> corners;
+  for (int k = 0; k < 3; ++k) {
+    corners[k] = view.CamFromWorld(mesh.vertices[facet[k]].cast<double>());
+  }
+  const auto& [a, b, c] = corners;
+  if (a.z() > 0 && b.z() > 0 && c.z() > 0) {
+    return std::abs(TwiceArea(view, a, b, c)) / 2;
+  }
+  const std::vector<Eigen::Vector3d> part =
+      ClipToImage(view, mesh, facet, ImageBox(view));
+  double area = 0;
+  for (size_t k = 2; k < part.size(); ++k) {
+    area += TwiceArea(view, part[0], part[k - 1], part[k]);
+  }
+  return std::abs(area) / 2;
+}
+
+double MedianFootprint(const TriangleMesh& mesh,
+                       const Rows<uint32_t>& vertex_views,
+                       const std::vector<View>& views) {
+  std::vector<double> footprints;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    for (const uint32_t view_index : vertex_views[i]) {
+      const View& view = views[view_index];
+      const double depth =
+          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
+      if (depth > 0) {
+        footprints.push_back(depth / std::sqrt(view.fx * view.fy));
+      }
+    }
+  }
+  return footprints.empty() ? 0 : Median(&footprints);
+}
+
+}  // namespace colmap_ext

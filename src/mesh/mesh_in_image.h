@@ -1,0 +1,46 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "base/rows.h"
+#include "mesh/triangle_mesh.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// Clips a facet, of which any part may lie behind the camera, to what a view
+// shows in a box of its image's plane [Sutherland1974]. Each side of the box is
+// a plane through the camera's centre. No near plane is needed: between two
+// opposite sides z is positive, but for the centre itself.
+//
+// An edge is cut at the same point in both of its facets.
+//
+// \param box  px; it may be larger than the image.
+// \return the corners of a convex polygon in the camera's frame, all before the
+//         camera; empty if the view shows no part of the facet in the box, or
+//         the camera's centre lies on the facet.
+std::vector<Eigen::Vector3d> ClipToImage(const View& view,
+                                         const TriangleMesh& mesh,
+                                         const Facet& facet,
+                                         const Eigen::AlignedBox2d& box);
+
+// The image less a border, px; more than the image where it is negative.
+Eigen::AlignedBox2d ImageBox(const View& view, double border = 0);
+
+// Returns the area that a facet covers in a view's image, px^2, wherever it
+// ends and whatever occludes it. Of a facet that reaches behind the camera
+// the part within the image counts.
+double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
+                   const View& view);
+
+// What a pixel covers on a mesh, the median over its vertices and the views
+// that see them: depth over focal length, scene units. 0 where no view sees a
+// vertex.
+// \param vertex_views [V] see VertexAttributes
+double MedianFootprint(const TriangleMesh& mesh,
+                       const Rows<uint32_t>& vertex_views,
+                       const std::vector<View>& views);
+
+}  // namespace colmap_ext

@@ -1,0 +1,117 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "base/index_limit.h"
+#include "mesh/triangle_mesh.h"
+#include "mesh/vertex_attributes.h"
+
+namespace colmap_ext {
+
+// [V] not 0: the vertex is fixed: it is neither moved nor removed, and edges
+// between two fixed vertices are kept. Vertices beyond the array are free;
+// empty: all are.
+using FixedVertices = std::vector<uint8_t>;
+
+inline bool IsFixed(const FixedVertices& fixed, uint32_t vertex) {
+  return vertex < fixed.size() && fixed[vertex] != 0;
+}
+
+// Whether all corners of a facet, and with them the facet, are fixed.
+inline bool IsFixed(const FixedVertices& fixed, const Facet& facet) {
+  return IsFixed(fixed, facet[0]) && IsFixed(fixed, facet[1]) &&
+         IsFixed(fixed, facet[2]);
+}
+
+// [V] input index of each fixed vertex, kNone of the others; empty where none
+// is fixed.
+using FixedSources = std::vector<uint32_t>;
+
+// \param fixed  of a mesh of so many vertices, or empty
+inline FixedSources SourcesOf(const FixedVertices& fixed, size_t num_vertices) {
+  FixedSources sources;
+  for (uint32_t i = 0; !fixed.empty() && i < num_vertices; ++i) {
+    sources.push_back(IsFixed(fixed, i) ? i : kNone);
+  }
+  return sources;
+}
+
+inline FixedVertices FixedOf(const FixedSources& sources) {
+  FixedVertices fixed;
+  for (const uint32_t source : sources) {
+    fixed.push_back(source != kNone ? 1 : 0);
+  }
+  return fixed;
+}
+
+// Those of a mesh that a step made.
+// \param step [V] index before the step of each fixed vertex, or kNone
+inline FixedSources CarrySources(const FixedSources& before,
+                                 const FixedSources& step) {
+  FixedSources sources;
+  for (const uint32_t vertex : step) {
+    sources.push_back(vertex != kNone ? before[vertex] : kNone);
+  }
+  return sources;
+}
+
+// Where the vertices and facets of a mesh come from that was made from another.
+struct Provenance {
+  // [V] two old vertices: the ends of the edge that a new one lies on, or twice
+  // the vertex that it is; kNone where it comes from none.
+  std::vector<std::array<uint32_t, 2>> vertices;
+
+  std::vector<uint32_t> facets;  // [F] the old facet that each is, or is a part
+                                 // of; kNone where there is none. Empty:
+                                 // not kept
+
+  bool operator==(const Provenance&) const = default;
+};
+
+// Each vertex and facet of a mesh comes from itself.
+Provenance IdentityOf(const TriangleMesh& mesh);
+
+// Where a mesh comes from after two steps. A vertex on an edge comes from the
+// first source of the edge's first end and the second source of its second.
+// \pre the second step makes nothing from none
+Provenance Compose(const Provenance& first, Provenance second);
+
+// Drops the vertices that no facet uses.
+// \return [V] the index that each of the others had, ascending
+std::vector<uint32_t> DropUnusedVertices(TriangleMesh* mesh);
+
+struct DerivedMesh {
+  TriangleMesh mesh;
+  Provenance from;
+
+  bool operator==(const DerivedMesh&) const = default;
+};
+
+// Some facets of a mesh as a mesh, in the order of the whole.
+struct MeshPart {
+  TriangleMesh mesh;
+  std::vector<uint32_t> vertices;  // [V] the whole's, ascending
+  std::vector<uint32_t> facets;    // [F] the whole's, ascending
+};
+
+// A triangle mesh with what its vertices have.
+struct Surface {
+  TriangleMesh mesh;
+  VertexAttributes attributes;             // [V]
+  std::vector<Eigen::Vector3f> origins{};  // [V] or empty: on the surface that
+                                           // all began with, where the vertices
+                                           // come from
+  FixedSources fixed_sources{};            // [V] or empty
+
+  // Takes a mesh that was made from this one. Its vertices get the attributes
+  // of InterpolateAttributes() and the means of the origins of their sources;
+  // those that come from two vertices are not fixed.
+  // \pre all vertices come from some
+  void Become(DerivedMesh derived);
+};
+
+}  // namespace colmap_ext

@@ -1,0 +1,167 @@
+#include "refine/facet_sizes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+
+#include "mesh/mesh_in_image.h"
+#include "mesh/normals.h"
+#include "mesh/subdivision.h"
+#include "remesh/edge_length_field.h"
+#include "remesh/isotropic_remeshing.h"
+
+namespace colmap_ext {
+
+std::vector<float> RefinableAreas(const TriangleMesh& mesh,
+                                  const std::vector<View>& views,
+                                  const FacetVisibility& visibility) {
+  std::vector<float> areas(mesh.facets.size(), 0);
+  tbb::parallel_for(size_t{0}, areas.size(), [&](size_t i) {
+    double largest = 0;
+    double second = 0;
+    for (const uint32_t view : visibility[i]) {
+      const double area = AreaInImage(mesh, mesh.facets[i], views[view]);
+      second = std::max(second, std::min(area, largest));
+      largest = std::max(area, largest);
+    }
+    areas[i] = static_cast<float>(second);
+  });
+  return areas;
+}
+
+namespace {
+
+// Whether an edge of a facet is fixed.
+bool HasFixedEdge(const FixedVertices& fixed, const Facet& facet) {
+  return IsFixed(fixed, facet[0]) + IsFixed(fixed, facet[1]) +
+             IsFixed(fixed, facet[2]) >
+         1;
+}
+
+// [F] 1 where a facet covers more than max_area, else 0.
+std::vector<uint8_t> FindLarge(double max_area, const TriangleMesh& mesh,
+                               const std::vector<View>& views,
+                               const FacetVisibility& visibility,
+                               const FixedVertices& fixed) {
+  const std::vector<float> areas = RefinableAreas(mesh, views, visibility);
+  std::vector<uint8_t> is_large(areas.size(), 0);
+  for (size_t i = 0; i < areas.size(); ++i) {
+    is_large[i] = areas[i] > max_area && !HasFixedEdge(fixed, mesh.facets[i]);
+  }
+  return is_large;
+}
+
+// Of an equilateral triangle.
+double EdgeOfArea(double area) { return std::sqrt(area * 4 / std::sqrt(3.0)); }
+
+// [V] the edge length with which the facets around a vertex would cover a
+// pixel's area where the images show them largest; infinite where they are not
+// seen. Scene units.
+std::vector<float> LengthsOfPixels(const TriangleMesh& mesh,
+                                   const std::vector<float>& areas) {
+  std::vector<float> lengths(mesh.vertices.size(),
+                             std::numeric_limits<float>::infinity());
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    const float area = AreaVector(mesh, mesh.facets[i]).norm() / 2;
+    if (areas[i] > 0 && area > 0) {
+      const auto length = static_cast<float>(EdgeOfArea(area / areas[i]));
+      for (const uint32_t vertex : mesh.facets[i]) {
+        lengths[vertex] = std::min(lengths[vertex], length);
+      }
+    }
+  }
+  return lengths;
+}
+
+// [V] as short as is allowed where the surface bends, up to kMaxGrowth times as
+// long where it is flat; where fewer than two images see it, multiples of the
+// present lengths. Scene units.
+// \param area  px^2, of the smallest facets
+// \param areas [F] px^2, see RefinableAreas()
+std::vector<float> WantedLengths(double area, const TriangleMesh& mesh,
+                                 const std::vector<float>& areas) {
+  // How far an edge may stray from the surface, px: about what a refined
+  // surface errs. This and the factors are choices.
+  constexpr float kMaxError = 0.1F;
+  constexpr float kMaxGrowth = 3;
+  constexpr float kUnseenFactor = 4;
+  std::vector<float> lengths = LengthsOfPixels(mesh, areas);
+  std::vector<float> errors = lengths;
+  for (float& error : errors) {
+    error *= kMaxError / static_cast<float>(EdgeOfArea(1));
+  }
+  const std::vector<float> bent = LengthsForCurvature(mesh, errors);
+  const std::vector<float> present = MeanEdgeLengths(mesh);
+  const auto side = static_cast<float>(std::sqrt(area));
+  for (size_t i = 0; i < lengths.size(); ++i) {
+    const float shortest = side * lengths[i];
+    lengths[i] = std::isfinite(shortest)
+                     ? std::clamp(bent[i], shortest, kMaxGrowth * shortest)
+                     : kUnseenFactor * present[i];
+  }
+  LimitGradation(mesh, kGradation, &lengths);
+  return lengths;
+}
+
+}  // namespace
+
+FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
+                                     Surface* surface) {
+  // A round cuts a facet in four: 4^8 parts are enough for one that is 65536
+  // times too large.
+  constexpr int kMaxRounds = 8;
+  for (int round = 0;; ++round) {
+    const std::shared_ptr<const VisibilityBuffers> buffers =
+        draw(surface->mesh);
+    FacetVisibility visibility = FindVisibleFacets(*buffers);
+    if (round == kMaxRounds) {
+      return visibility;
+    }
+    const FixedVertices fixed = FixedOf(surface->fixed_sources);
+    const std::vector<uint8_t> is_large =
+        FindLarge(max_area, surface->mesh, buffers->Views(), visibility, fixed);
+    if (std::count(is_large.begin(), is_large.end(), 1) == 0) {
+      return visibility;
+    }
+    visibility = {};  // large where hundreds of images see each facet
+    surface->Become(Subdivide(surface->mesh, is_large, fixed));
+  }
+}
+
+FacetVisibility RemeshForImages(double area, const DrawMesh& draw,
+                                Surface* surface) {
+  std::vector<float> lengths;
+  {
+    const std::shared_ptr<const VisibilityBuffers> buffers =
+        draw(surface->mesh);
+    lengths = WantedLengths(area, surface->mesh,
+                            RefinableAreas(surface->mesh, buffers->Views(),
+                                           FindVisibleFacets(*buffers)));
+  }
+  BecomeRemeshed(
+      RemeshIsotropically(surface->mesh, lengths, TolerancesOf(lengths),
+                          FixedOf(surface->fixed_sources)),
+      surface);
+  return FindVisibleFacets(*draw(surface->mesh));
+}
+
+size_t ExpectedFacets(double area, const TriangleMesh& mesh,
+                      const Rows<uint32_t>& vertex_views,
+                      const std::vector<View>& views) {
+  const double footprint = MedianFootprint(mesh, vertex_views, views);
+  double total_area = 0;
+  for (const Facet& facet : mesh.facets) {
+    total_area += AreaVector(mesh, facet).norm() / 2;
+  }
+  const double expected =
+      footprint > 0 ? total_area / (area * footprint * footprint) : 0;
+  return std::max(mesh.facets.size(), static_cast<size_t>(expected));
+}
+
+}  // namespace colmap_ext
