@@ -1,13 +1,14 @@
 # A module is a folder under src/ and a static library colmap_ext_<name>.
 #
 #   add_module(<name> [DEPENDS <module>...] [LIBS <target>...]
-#              [PRIVATE_LIBS <target>...])
+#              [PRIVATE_LIBS <target>...] [WITHOUT <file>...])
 #
-# Its files are included as "<name>/file.h". The include folder of a module
+# WITHOUT lists sources that are not compiled. Its files are included as "<name>/file.h". The include folder of a module
 # holds nothing but a link to that module, so including a module that is not
 # among DEPENDS (or their own dependencies) fails at build.
 function(add_module name)
-  cmake_parse_arguments(MODULE "" "" "DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(MODULE "" "" "DEPENDS;LIBS;PRIVATE_LIBS;WITHOUT"
+                        ${ARGN})
   set(dir ${PROJECT_SOURCE_DIR}/src/${name})
   set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
   set(target colmap_ext_${name})
@@ -16,6 +17,8 @@ function(add_module name)
   file(CREATE_LINK ${dir} ${include_dir}/${name} SYMBOLIC)
 
   file(GLOB sources CONFIGURE_DEPENDS ${dir}/*.cc)
+  list(TRANSFORM MODULE_WITHOUT PREPEND ${dir}/)
+  list(REMOVE_ITEM sources ${MODULE_WITHOUT})
   if(sources)
     add_library(${target} STATIC ${sources})
     set(scope PUBLIC)

@@ -9,12 +9,15 @@ namespace colmap_ext {
 
 const std::vector<Command>& Commands() {
   static const std::vector<Command> commands = {
-      {"delaunay_manifold_mesher", &RunDelaunayManifoldMesher},
-      {"facetwise_refiner", &RunFacetwiseRefiner},
-      {"mesh_evaluator", &RunMeshEvaluator},
-      {"mesh_merger", &RunMeshMerger},
-      {"mesh_planner", &RunMeshPlanner},
-      {"mesh_viewer", &RunMeshViewer},
+      {"delaunay_manifold_mesher", &RunDelaunayManifoldMesher,
+       "mesh the fused points"},
+      {"facetwise_refiner", &RunFacetwiseRefiner,
+       "refine a mesh by the images"},
+      {"mesh_evaluator", &RunMeshEvaluator,
+       "measure a mesh against ground truth"},
+      {"mesh_merger", &RunMeshMerger, "join the tiles of a plan"},
+      {"mesh_planner", &RunMeshPlanner, "split a scene into tiles"},
+      {"mesh_viewer", &RunMeshViewer, "show meshes, or draw pictures"},
   };
   return commands;
 }

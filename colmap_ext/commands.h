@@ -14,6 +14,7 @@ struct Command {
   // As COLMAP's commands: argv[0] is the program and argv[1] the first option.
   // Returns the exit status.
   int (*run)(int argc, char** argv);
+  const char* help;  // a few words
 };
 
 // In alphabetical order.

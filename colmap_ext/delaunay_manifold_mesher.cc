@@ -18,7 +18,7 @@
 #include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
-#include "colmap_ext/report/run_pages.h"
+#include "colmap_ext/report/html_page.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "formats/atomic_file.h"

@@ -8,13 +8,13 @@
 #include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/refinement_run.h"
-#include "colmap_ext/report/run_pages.h"
+#include "colmap_ext/report/html_page.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/tiled_refinement.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/write_png.h"
-#include "viewer/viewer_window.h"
+#include "viewer/viewer_session.h"
 
 namespace colmap_ext {
 

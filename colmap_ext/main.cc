@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <iomanip>
 #include <iostream>
 #include <string>
 
@@ -25,7 +26,8 @@ int ShowHelp() {
                "Available commands:\n"
                "  help\n";
   for (const colmap_ext::Command& command : colmap_ext::Commands()) {
-    std::cout << "  " << command.name << "\n";
+    std::cout << "  " << std::left << std::setw(26) << command.name
+              << command.help << "\n";
   }
   std::cout << std::endl;
   return EXIT_SUCCESS;

@@ -12,14 +12,12 @@
 #include "colmap_ext/options/viewer_options.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/viewing/draw_screenshots.h"
-#include "colmap_ext/viewing/read_shown_mesh.h"
 #include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/viewing/viewer_workspace.h"
 #include "colmap_ext/write_png.h"
-#include "viewer/mesh_colors.h"
-#include "viewer/scene_inbox.h"
+#include "viewer/shown_mesh.h"
+#include "viewer/shown_scene.h"
 #include "viewer/viewer_session.h"
-#include "viewer/viewer_window.h"
 #include "workspace/expect_outputs.h"
 
 namespace colmap_ext {

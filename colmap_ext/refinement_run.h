@@ -4,7 +4,7 @@
 
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/options/refinement_options.h"
-#include "colmap_ext/report/run_pages.h"
+#include "colmap_ext/report/html_page.h"
 #include "colmap_ext/viewing/live_view.h"
 
 namespace colmap_ext {

@@ -28,8 +28,8 @@ void WriteLabels(const std::filesystem::path& path,
   }
   WriteLabeledMesh(path, mesh, best, together);
   WriteText(picture_path,
-            EncodePng(RenderLabels(mesh, best.labels,
-                                   AutomaticView(mesh, kWidth, kHeight))),
+            EncodePng(RenderMesh(mesh, AutomaticView(mesh, kWidth, kHeight),
+                                 LabelColors(best.labels))),
             together);
 }
 

@@ -58,8 +58,8 @@ class CommandOptions {
     std::string name;  // without dashes: "output_path", "Section.name"
     std::string help;
     OptionGroup group;
-    std::string kind;  // what the value has to be: "a whole number, 1 ... 8"
-    std::function<std::string()> text;  // the value, as it is typed
+    std::string kind;  // of the value: "a whole number, 1 ... 8"
+    std::function<std::string()> text;  // the value, as typed
     // Sets the value. Returns false, and keeps the value, if the text is not of
     // this kind.
     std::function<bool(const std::string&)> set;
@@ -85,11 +85,11 @@ class CommandOptions {
   // Options are added to this group from now on.
   void SetGroup(OptionGroup group) { group_ = group; }
 
-  // Adds an option whose default is what the value is now. A list takes several
+  // Adds an option; its default is the current value. A list takes several
   // values, `--name VALUE VALUE`, and can be given more than once; in a project
   // file it has one value.
   // \param value  has to outlive the parsing, as in all of these.
-  // \param help  what it does; first its unit in brackets, if it has one: "[px]
+  // \param help  its effect, after its unit in brackets, if it has one: "[px]
   //        Side of a window".
   void Add(const std::string& name, Value value, const std::string& help = "");
 

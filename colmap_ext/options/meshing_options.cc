@@ -27,7 +27,7 @@ void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
   options->AddWord(
       "input_type", &mesher->workspace.input_type,
       {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}},
-      "Mesh the fused points, or those of the sparse model");
+      "Mesh the fused points, or the points of the sparse model");
   options->Add("plan_path", &mesher->plan_path,
                "Plan folder of mesh_planner. With tile: mesh this tile of it, "
                "with the options of the plan");

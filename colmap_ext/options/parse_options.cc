@@ -24,7 +24,7 @@ constexpr std::array kCommonOptions = {
     "random_seed", "default_random_seed", "log_to_stderr", "log_target",
     "log_path",    "log_level",           "log_severity",  "log_color"};
 
-// What project_generator writes outside of any section besides.
+// Other options that project_generator writes outside of any section.
 constexpr std::array kProjectOptions = {"database_path", "image_path"};
 
 bool IsAmong(const auto& names, std::string_view name) {

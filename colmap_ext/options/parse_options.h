@@ -8,7 +8,7 @@
 
 namespace colmap_ext {
 
-// What a command line asks for besides values.
+// The result of parsing, besides the values.
 struct ParsedOptions {
   bool wants_help = false;
   bool wants_version = false;

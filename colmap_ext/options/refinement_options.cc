@@ -27,13 +27,13 @@ void CheckPaths(const RefinerOptions& options) {
   if (options.PlotPath() == options.report_path &&
       !options.report_path.empty()) {
     throw OptionError(
-        "--report_path is a page, .html, or a CSV; the plot beside it ends in "
-        ".svg");
+        "--report_path is a page, .html, or a CSV; the plot of the same name "
+        "ends in .svg");
   }
   if (options.LabelsPicturePath() == options.labels_path &&
       !options.labels_path.empty()) {
     throw OptionError(
-        "--labels_path is a PLY, and the picture beside it ends in .png");
+        "--labels_path is a PLY; the picture of the same name ends in .png");
   }
 }
 

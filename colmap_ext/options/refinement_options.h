@@ -62,7 +62,7 @@ struct RefinerOptions {
   // \param has_fused_points  whether the workspace has a fused.ply.
   void ChooseTrim(bool has_fused_points);
 
-  // Files that are written beside others, or by default
+  // Paths of written files
   std::filesystem::path OutputPath(const std::filesystem::path& folder) const;
   std::filesystem::path StepsPath() const;  // CSV
   std::filesystem::path PlotPath() const;   // SVG

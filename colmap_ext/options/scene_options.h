@@ -18,7 +18,7 @@ namespace colmap_ext {
 // The value of --region: empty, "auto", two corners "x0,y0,z0,x1,y1,z1", or a
 // file that ReadRegion() reads.
 struct RegionOption {
-  std::string text;  // as it is typed
+  std::string text;  // as typed
 
   // The same, read by Finish().
   bool is_auto = false;

@@ -7,7 +7,7 @@
 
 #include "colmap_ext/options/command_options.h"
 #include "colmap_ext/options/scene_options.h"
-#include "viewer/draw_settings.h"
+#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 

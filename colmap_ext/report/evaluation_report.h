@@ -8,12 +8,11 @@
 
 namespace colmap_ext {
 
-// For the user, on the screen: tables of the figures.
+// Prints tables of the figures.
 void PrintEvaluation(const EvaluatorOptions& options,
                      const MeshEvaluation& evaluation, ReportLog* log);
 
-// For programs: the same as a JSON object, in scene units; what there is no
-// figure for is null.
+// The figures as a JSON object, in scene units; null if there is none.
 std::string EvaluationJson(const EvaluatorOptions& options,
                            const MeshEvaluation& evaluation);
 

@@ -5,15 +5,88 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/report/html_text.h"
-#include "colmap_ext/report/page_style.h"
+#include "colmap_ext/report/refinement_report.h"
 #include "formats/encode_png.h"
 
 namespace colmap_ext {
 
 namespace {
 
-// Rows; what has more gets a frame of its own to scroll in.
+// The style of all pages, for dark and light, narrow and wide windows.
+constexpr const char* kPageStyle = R"(
+:root { color-scheme: light dark; --page: #fbfbfa; --card: #ffffff;
+  --line: #dcdcd8; --text: #20242a; --soft: #666d78; --panel: #f1f2f3;
+  --curve: #1f5fa8; --warn: #fff3d6; --warn-line: #d9a400; }
+@media (prefers-color-scheme: dark) {
+  :root { --page: #16181c; --card: #1e2126; --line: #363b43; --text: #e4e6ea;
+    --soft: #9aa2ae; --panel: #282c33; --curve: #7db3f0; --warn: #3a3011;
+    --warn-line: #c79a1a; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 84rem; padding: 1.5rem;
+  background: var(--page); color: var(--text);
+  font: 15px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; }
+h1 { margin: 0; font-size: 1.6rem; }
+h2 { margin: 2.2rem 0 0.7rem; font-size: 1.2rem; }
+h3 { margin: 0 0 0.4rem; font-size: 1rem; }
+p { margin: 0.2rem 0; }
+.soft { color: var(--soft); overflow-wrap: anywhere; }
+.keys { display: flex; flex-wrap: wrap; gap: 0.7rem; margin: 1.2rem 0 0;
+  padding: 0; list-style: none; }
+.keys li { flex: 1 1 9rem; padding: 0.6rem 0.9rem; background: var(--card);
+  border: 1px solid var(--line); border-radius: 6px; }
+.keys b { display: block; font-size: 1.25rem; font-weight: 600; }
+.warnings { margin: 1.2rem 0 0; padding: 0.7rem 1rem 0.7rem 2rem;
+  background: var(--warn); border: 1px solid var(--warn-line);
+  border-radius: 6px; overflow-wrap: anywhere; }
+.cards { columns: 2 34rem; column-gap: 1rem; }
+.card { break-inside: avoid; margin: 0 0 1rem; padding: 0.8rem 1rem;
+  background: var(--card); border: 1px solid var(--line); border-radius: 6px;
+  overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-size: 0.85rem; }
+th, td { padding: 0.12rem 0; text-align: left; vertical-align: top;
+  font-weight: normal; }
+th { min-width: 5rem; padding-right: 1rem; color: var(--soft);
+  overflow-wrap: anywhere; }
+td { overflow-wrap: anywhere; }
+th.inner { padding-left: 1rem; }
+td.numbers { white-space: pre;
+  font-family: ui-monospace, "DejaVu Sans Mono", monospace; }
+.stages td, .stages th + th { padding: 0.12rem 0 0.12rem 1rem; text-align: right;
+  font-variant-numeric: tabular-nums; }
+tr.names td { color: var(--soft); }
+tr + tr { border-top: 1px solid var(--panel); }
+.long { max-height: 30rem; overflow-y: auto; }
+.plot svg { max-width: 100%; min-width: 44rem; height: auto; }
+.plot svg > rect:first-child { fill: none; }
+.plot rect { fill: var(--panel); }
+.plot text { fill: var(--text); }
+.plot polyline { stroke: var(--curve); }
+.plot g { fill: var(--curve); }
+.pictures { display: grid; gap: 0.7rem; margin: 0 0 1.4rem; }
+.pictures figure { margin: 0; }
+.pictures img { display: block; width: 100%; height: auto;
+  border: 1px solid var(--line); border-radius: 4px; }
+.pictures figcaption { color: var(--soft); font-size: 0.8rem;
+  overflow-wrap: anywhere; }
+.pictures .none { padding: 3rem 0; text-align: center; color: var(--soft);
+  border: 1px dashed var(--line); border-radius: 4px; }
+@media (max-width: 40rem) {
+  .pictures { grid-template-columns: 1fr !important; } }
+.scale { display: inline-block; width: 10rem; height: 0.7rem; margin: 0 0.4rem;
+  background: linear-gradient(to right, #440154, #482878, #3e4a7a, #31688e,
+    #26828e, #1f9e89, #35b779, #6dcd59, #b4de2c, #fde725); }
+summary { cursor: pointer; margin: 0.5rem 0; }
+code { font-family: ui-monospace, "DejaVu Sans Mono", monospace; }
+)";
+
+// A row of a report that stands at the head of the page, if it exists.
+struct KeyFigure {
+  std::string section;
+  std::string label;
+  std::string name;  // on the page
+};
+
+// A section with more rows gets a frame to scroll in.
 constexpr size_t kLongSection = 40;
 
 std::string Trimmed(const std::string& text) {
@@ -23,7 +96,7 @@ std::string Trimmed(const std::string& text) {
 
 bool IsOfNumbers(const ReportRow& row) { return row.text.starts_with(' '); }
 
-// Blanks that all columns of numbers start with.
+// The number of blanks that all columns of numbers start with.
 size_t CommonIndent(const ReportSection& section) {
   size_t indent = std::string::npos;
   for (const ReportRow& row : section.rows) {
@@ -85,9 +158,8 @@ std::string HtmlKeyFigures(const std::vector<KeyFigure>& key_figures,
   std::string items;
   for (const KeyFigure& key : key_figures) {
     for (const ReportSection& section : log.sections) {
-      const auto row = std::find_if(
-          section.rows.begin(), section.rows.end(),
-          [&](const ReportRow& each) { return each.label == key.label; });
+      const auto row =
+          std::ranges::find(section.rows, key.label, &ReportRow::label);
       if (section.heading == key.section && row != section.rows.end()) {
         items +=
             fmt::format("<li><b>{}</b>{}</li>\n",
@@ -112,8 +184,7 @@ std::string HtmlOptions(const std::vector<PageOption>& options) {
   };
   return "<h2>Options</h2>\n<div class=\"card\">\n" + table(given) +
          (others.empty() ? ""
-                         : "<details>\n<summary>those that are as by "
-                           "default</summary>\n" +
+                         : "<details>\n<summary>defaults</summary>\n" +
                                table(others) + "</details>\n") +
          "</div>\n";
 }
@@ -163,17 +234,6 @@ std::string HtmlPictures(const PagePictures& pictures) {
   return html;
 }
 
-}  // namespace
-
-std::vector<PageOption> PageOptions(const CommandOptions& options) {
-  std::vector<PageOption> page_options;
-  for (const CommandOptions::Option& option : options.Options()) {
-    const std::string value = option.text();
-    page_options.push_back({option.name, value, value == option.default_value});
-  }
-  return page_options;
-}
-
 std::string HtmlPage(const PageRun& run, const ReportLog& log,
                      const std::vector<KeyFigure>& key_figures,
                      const std::string& plots, const PagePictures& pictures) {
@@ -189,6 +249,71 @@ std::string HtmlPage(const PageRun& run, const ReportLog& log,
          HtmlPictures(pictures) + HtmlSections(log.sections) +
          HtmlOptions(run.options) + "<p class=\"soft\">" +
          EscapeHtml(run.version) + "</p>\n</body>\n</html>\n";
+}
+
+const KeyFigure kSeconds = {"Time", "all", "in all"};
+const KeyFigure kMemory = {"Time", "peak memory", "peak memory"};
+
+std::string Plot(const std::vector<RefinementStep>& steps, StepValue value) {
+  return "<div class=\"card plot\">\n" + StepsFigure(steps, value) + "</div>\n";
+}
+
+std::string StagesTable(const std::vector<RefinementStep>& steps) {
+  std::string rows;
+  for (const StageText& stage : DescribeStages(steps)) {
+    rows += "<tr><th scope=\"row\">" + stage.name + "</th>";
+    for (const std::string& text :
+         {stage.iterations, stage.faces, stage.energy[0], stage.energy[1],
+          stage.mean_zncc[0], stage.mean_zncc[1]}) {
+      rows += "<td>" + text + "</td>";
+    }
+    rows += "</tr>\n";
+  }
+  return "<div class=\"card\">\n<table class=\"stages\">\n"
+         "<tr><th>stage</th><th>iterations</th><th>faces</th>"
+         "<th>energy before</th><th>after</th><th>mean ZNCC before</th>"
+         "<th>after</th></tr>\n" +
+         rows + "</table>\n</div>\n";
+}
+
+}  // namespace
+
+std::vector<PageOption> PageOptions(const CommandOptions& options) {
+  std::vector<PageOption> page_options;
+  for (const CommandOptions::Option& option : options.Options()) {
+    const std::string value = option.text();
+    page_options.push_back({option.name, value, value == option.default_value});
+  }
+  return page_options;
+}
+
+std::string RefinementPage(const PageRun& run, const ReportLog& log,
+                           const std::vector<RefinementStep>& steps,
+                           const PagePictures& pictures) {
+  const std::string iterations =
+      steps.empty() ? ""
+                    : "<h2>Iterations</h2>\n" + StagesTable(steps) +
+                          Plot(steps, StepValue::kEnergy) +
+                          Plot(steps, StepValue::kMeanZncc);
+  return HtmlPage(run, log,
+                  {{"Mesh", "faces", "faces"},
+                   {"Mesh", "vertices", "vertices"},
+                   {"Workspace", "images", "images"},
+                   kSeconds,
+                   kMemory},
+                  iterations, pictures);
+}
+
+std::string MeshingPage(const PageRun& run, const ReportLog& log,
+                        const PagePictures& pictures) {
+  return HtmlPage(run, log,
+                  {{"Workspace", "points read", "points"},
+                   {"Cells", "vertices, after thinning", "after thinning"},
+                   {"Cells", "cells", "cells"},
+                   {"Mesh", "faces", "faces"},
+                   kSeconds,
+                   kMemory},
+                  "", pictures);
 }
 
 }  // namespace colmap_ext

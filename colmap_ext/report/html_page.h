@@ -1,27 +1,29 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "colmap_ext/options/command_options.h"
 #include "colmap_ext/report/print_lines.h"
+#include "refine/facetwise_refinement.h"
 #include "scene/color_image.h"
 
 namespace colmap_ext {
 
-// A page on a run of a command: one HTML file with all that it shows, which can
-// also be read as XML. Whoever reads it needs no network and no scripts.
+// A page on a run of a command: one self-contained HTML file, without scripts,
+// which is also well-formed XML.
 
 struct PageOption {
   std::string name;   // without dashes
-  std::string value;  // as it is typed
+  std::string value;  // as typed
   bool is_default = true;
 };
 
-// \return the options of a command as they are now.
+// Returns the current options of a command.
 std::vector<PageOption> PageOptions(const CommandOptions& options);
 
-// What every page says of its run.
+// The run that a page describes.
 struct PageRun {
   std::string command;  // "facetwise_refiner"
   std::string output;   // the path of the mesh
@@ -34,8 +36,7 @@ struct PictureRow {
   std::string title;
   std::string note;                  // how to read them; may be empty
   bool has_scale = false;            // of ErrorColor() from 0 to 1
-  std::vector<ColorImage> pictures;  // [cameras], of no width where there is
-                                     // none
+  std::vector<ColorImage> pictures;  // [cameras], width 0 if there is none
 };
 
 struct PagePictures {
@@ -43,17 +44,21 @@ struct PagePictures {
   std::vector<PictureRow> rows;
 };
 
-// A row of a report that stands at the head of the page, where there is such.
-struct KeyFigure {
-  std::string section;
-  std::string label;
-  std::string name;  // there
-};
+// The page of a refinement.
+std::string RefinementPage(const PageRun& run, const ReportLog& log,
+                           const std::vector<RefinementStep>& steps,
+                           const PagePictures& pictures);
 
-// The page.
-// \param plots  HTML of its own; may be empty.
-std::string HtmlPage(const PageRun& run, const ReportLog& log,
-                     const std::vector<KeyFigure>& key_figures,
-                     const std::string& plots, const PagePictures& pictures);
+// The page of a meshing.
+std::string MeshingPage(const PageRun& run, const ReportLog& log,
+                        const PagePictures& pictures);
+
+// Escapes text for elements and quoted attributes of HTML and XML. Bytes that
+// are not UTF-8, or no character of XML, become U+FFFD: file names may be in
+// any encoding.
+std::string EscapeHtml(std::string_view text);
+
+// Encodes bytes (RFC 4648, section 4).
+std::string Base64(std::string_view bytes);
 
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "colmap_ext/report/html_text.h"
+#include "colmap_ext/report/html_page.h"
 
 #include <bit>
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kReplacement = "\xef\xbf\xbd";
 
-// Whether XML 1.0 has the character (its production 2).
+// Whether the character is one of XML 1.0 (production 2).
 bool IsCharacter(uint32_t code) {
   return code == '\t' || code == '\n' || code == '\r' ||
          (code >= 0x20 && code < 0xd800) || (code >= 0xe000 && code < 0xfffe) ||
@@ -38,7 +38,7 @@ size_t CharacterLength(std::string_view text) {
   return IsCharacter(code) && code >= kLeast[length] ? length : 0;
 }
 
-std::string EscapeCharacter(std::string_view character) {
+std::string_view EscapeCharacter(std::string_view character) {
   switch (character[0]) {
     case '&':
       return "&amp;";
@@ -51,7 +51,7 @@ std::string EscapeCharacter(std::string_view character) {
     case '\'':
       return "&#39;";
     default:
-      return std::string(character);
+      return character;
   }
 }
 

@@ -8,11 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "pictures/error_colors.h"
+#include "pictures/drawings.h"
 #include "pictures/mesh_renderer.h"
 #include "pictures/picture_views.h"
-#include "pictures/point_picture.h"
-#include "pictures/resize_picture.h"
 
 namespace colmap_ext {
 
@@ -21,7 +19,7 @@ namespace {
 constexpr size_t kNumCameras = 3;
 constexpr int kLongSide = 480;      // px, of a picture
 constexpr int kPointSide = 2;       // px
-constexpr float kSoftShade = 0.5f;  // lets the shape show through colours
+constexpr float kSoftShade = 0.5f;  // keeps the shape visible
 
 View PictureView(const View& view) {
   const double scale = 1.0 * kLongSide / std::max(view.width, view.height);
@@ -40,7 +38,7 @@ std::vector<size_t> CountSeen(const Rows<uint32_t>& vertex_views,
   return num_seen;
 }
 
-// What a camera shows of a mesh, picture by picture, in one row each.
+// Adds the pictures from one camera, each to one row.
 void AddPictures(std::vector<ColorImage> pictures, size_t first_row,
                  PagePictures* page) {
   for (size_t i = 0; i < pictures.size(); ++i) {
@@ -68,7 +66,8 @@ std::vector<int32_t> BestLabels(const FacetLabels& labels, size_t num_facets) {
 }
 
 PictureRow ConfidenceRow() {
-  return {"Confidence", "how well each vertex is known:", true, {}};
+  return {
+      "Confidence", "support of each vertex by points and images:", true, {}};
 }
 
 PagePictures StartPage(const PageCameras& cameras,
@@ -109,7 +108,7 @@ PagePictures DrawRefinement(const PageCameras& cameras,
       {{"Before", "red: seen from behind", false, {}},
        {"After", "", false, {}},
        {"Labels",
-        "a colour for each pair of images, the best of each face; grey: none",
+        "one color for each image pair, the best of each face; gray: none",
         false,
         {}},
        ConfidenceRow()});
@@ -135,7 +134,7 @@ PagePictures DrawMeshing(const PageCameras& cameras, const PointCloud& cloud,
       StartPage(cameras, {{"Points", "that were read", false, {}},
                           {"Mesh", "red: seen from behind", false, {}},
                           ConfidenceRow(),
-                          {"Vertex colours", "", false, {}}});
+                          {"Vertex colors", "", false, {}}});
   const MeshRenderer renderer(mesh.mesh);
   const std::vector<Color> confidences =
       ConfidenceColors(mesh.attributes, mesh.mesh.vertices.size());

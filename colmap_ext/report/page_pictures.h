@@ -15,15 +15,13 @@
 
 namespace colmap_ext {
 
-// The cameras that a page shows a mesh from.
+// The cameras of the pictures on a page.
 struct PageCameras {
   std::vector<View> views;         // of the pictures' size, about 480 px
-  std::vector<ColorImage> photos;  // [views] likewise; of no width where it can
-                                   // not be read
+  std::vector<ColorImage> photos;  // [views] width 0 if unreadable
 };
 
-// Returns three cameras that see much of the mesh and are spread out; fewer
-// where there are not as many.
+// Returns up to three cameras that see much of the mesh and are spread out.
 // \param vertex_views  [V] the views that see each vertex.
 // \param images_path  the folder of the photographs.
 PageCameras ChoosePageCameras(const std::vector<View>& views,
@@ -31,12 +29,12 @@ PageCameras ChoosePageCameras(const std::vector<View>& views,
                               const std::filesystem::path& images_path,
                               const PictureDecoder& decoder);
 
-// The photographs, the mesh before, and what became of it.
+// The photographs, the input mesh, and the refined mesh.
 PagePictures DrawRefinement(const PageCameras& cameras,
                             const TriangleMesh& before,
                             const RefinedMesh& refined);
 
-// The photographs, the points, and the mesh that was made of them.
+// The photographs, the points, and their mesh.
 PagePictures DrawMeshing(const PageCameras& cameras, const PointCloud& cloud,
                          const ManifoldMesh& mesh);
 

@@ -8,8 +8,7 @@ namespace colmap_ext {
 
 namespace {
 
-constexpr int kLabelWidth = 38;   // characters
-constexpr int kNumberWidth = 14;  // characters
+constexpr int kLabelWidth = 38;  // characters
 
 }  // namespace
 
@@ -27,14 +26,12 @@ void PrintText(const std::string& label, const std::string& text,
   log->sections.back().rows.push_back({label, text});
 }
 
-void Print(const std::string& label, int64_t number, ReportLog* log) {
-  PrintText(label, fmt::format("{:{}}", number, kNumberWidth), log);
-}
-
-void PrintIfAny(const std::string& label, size_t number, ReportLog* log) {
-  if (number > 0) {
-    Print(label, static_cast<int64_t>(number), log);
-  }
+void PrintNumber(const std::string& label, double number, ReportLog* log,
+                 std::optional<int> decimals) {
+  PrintText(label,
+            decimals ? fmt::format("{:14.{}f}", number, *decimals)
+                     : fmt::format("{:14.6g}", number),
+            log);
 }
 
 void PrintWarning(const std::string& what, ReportLog* log) {

@@ -1,14 +1,16 @@
 #pragma once
 
+#include <algorithm>
+#include <concepts>
 #include <cstddef>
-#include <cstdint>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace colmap_ext {
 
-// One fact. The text's columns of numbers are aligned by blanks.
+// One fact. Columns of numbers in the text are aligned by blanks.
 struct ReportRow {
   std::string label;
   std::string text;
@@ -19,10 +21,9 @@ struct ReportSection {
   std::vector<ReportRow> rows;
 };
 
-// A report: printed as it grows, and kept for a page, so that both say the
-// same.
+// A report: printed as it grows, and kept for the page.
 struct ReportLog {
-  // \param printed  where it is printed; outlives the log.
+  // \param printed  the stream to print to; outlives the log.
   explicit ReportLog(std::ostream* printed) : stream(printed) {}
 
   std::ostream* stream;
@@ -30,16 +31,34 @@ struct ReportLog {
   std::vector<std::string> warnings;
 };
 
-// The lines of a report on the screen: one fact a line, numbers in one column.
+// Print the lines of a report: one fact a line, numbers in one column.
 
 void PrintHeading(const std::string& heading, ReportLog* log);
 
 void PrintText(const std::string& label, const std::string& text,
                ReportLog* log);
 
-void Print(const std::string& label, int64_t number, ReportLog* log);
+// \param decimals  digits after the point; nullopt: six significant digits.
+void PrintNumber(const std::string& label, double number, ReportLog* log,
+                 std::optional<int> decimals = std::nullopt);
 
-void PrintIfAny(const std::string& label, size_t number, ReportLog* log);
+void Print(const std::string& label, std::integral auto number,
+           ReportLog* log) {
+  constexpr size_t kNumberWidth = 14;  // characters
+  const std::string digits = std::to_string(number);
+  PrintText(
+      label,
+      std::string(kNumberWidth - std::min(kNumberWidth, digits.size()), ' ') +
+          digits,
+      log);
+}
+
+void PrintIfAny(const std::string& label, std::integral auto number,
+                ReportLog* log) {
+  if (number > 0) {
+    Print(label, number, log);
+  }
+}
 
 void PrintWarning(const std::string& what, ReportLog* log);
 

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,19 +16,15 @@ namespace colmap_ext {
 
 namespace {
 
-void PrintCount(const char* label, size_t count, ReportLog* log) {
-  Print(label, static_cast<int64_t>(count), log);
-}
-
 void PrintRepair(const ManifoldRepair& repair, ReportLog* log) {
-  PrintText("not manifold, so it was split", "", log);
+  PrintText("not manifold: split", "", log);
   PrintIfAny("  faces dropped, vertex not finite", repair.num_invalid_facets,
              log);
   PrintIfAny("  faces dropped, repeat a vertex", repair.num_degenerate_facets,
              log);
   PrintIfAny("  faces dropped, there twice", repair.num_duplicate_facets, log);
   PrintIfAny("  vertices dropped, of no face", repair.num_unused_vertices, log);
-  PrintCount("  vertices split off", repair.num_split_vertices, log);
+  Print("  vertices split off", repair.num_split_vertices, log);
   PrintIfAny("  edges split", repair.num_midpoints, log);
 }
 
@@ -65,9 +63,28 @@ void PrintStages(const RefinementReport& report, ReportLog* log) {
         fmt::format("{:>14} -> {}", stage.mean_zncc[0], stage.mean_zncc[1]),
         log);
   }
-  PrintCount("steps shortened", report.num_shortened_steps, log);
+  Print("steps shortened", report.num_shortened_steps, log);
   PrintIfAny("solutions that did not converge",
              report.num_unconverged_solutions, log);
+}
+
+// px in the image. An image that moves farther was placed wrongly before, or is
+// now.
+constexpr double kFarMotion = 3;
+// px of the last level's images. Poses that move farther in the last round have
+// not converged.
+constexpr double kConverged = 0.05;
+
+// Warns of the views for which `is_listed` of their index holds, if any.
+void Warn(const std::vector<View>& views, const std::string& what,
+          const std::function<bool(size_t)>& is_listed, ReportLog* log) {
+  std::string list;
+  for (size_t i = 0; i < views.size(); ++i) {
+    list += is_listed(i) ? " " + views[i].name : "";
+  }
+  if (!list.empty()) {
+    PrintWarning(what + ":" + list, log);
+  }
 }
 
 }  // namespace
@@ -129,7 +146,7 @@ void PrintReport(const RefinementInput& input, ReportLog* log) {
   PrintReport(input.workspace, input.views.size(), std::nullopt, log);
   const std::string errors = DescribeErrors(input.views, input.picture_errors);
   if (!errors.starts_with("0 ")) {
-    PrintText("images left out", errors, log);
+    PrintText("images ignored", errors, log);
   }
   if (input.masks) {
     PrintReport(*input.masks, log);
@@ -139,12 +156,12 @@ void PrintReport(const RefinementInput& input, ReportLog* log) {
   if (input.repair) {
     PrintRepair(*input.repair, log);
   }
-  PrintCount("faces", input.mesh.facets.size(), log);
-  PrintCount("vertices", input.mesh.vertices.size(), log);
+  Print("faces", input.mesh.facets.size(), log);
+  Print("vertices", input.mesh.vertices.size(), log);
   PrintText("images that see them, from",
             input.has_visibility ? "its .vis" : "the nearest fused points",
             log);
-  PrintText("colours, from", input.colors_from, log);
+  PrintText("colors, from", input.colors_from, log);
   if (!input.has_fused_points) {
     PrintText("no fused.ply", "pairs of images by the mesh's vertices", log);
   }
@@ -156,15 +173,67 @@ void PrintReport(const RefinementReport& report, const MeshReport& mesh,
   PrintStages(report, log);
   PrintHeading("Mesh", log);
   PrintReport(report.borders, log);
-  PrintCount("faces", mesh.num_facets, log);
-  PrintCount("vertices", mesh.num_vertices, log);
-  PrintCount("components", mesh.num_components, log);
-  PrintCount("border edges", mesh.num_border_edges, log);
-  Print("genus", mesh.genus, log);
-  PrintCount("flipped faces", report.num_flipped_facets, log);
+  PrintTopology(mesh, log);
+  Print("flipped faces", report.num_flipped_facets, log);
   PrintIfAny("self-intersections removed",
              report.num_removed_self_intersections, log);
-  PrintCount("self-intersections", report.num_self_intersections, log);
+  Print("self-intersections", report.num_self_intersections, log);
+}
+
+std::string Describe(const CameraRefinementReport& report) {
+  return fmt::format(
+      "{}, cameras: {} rounds, {} windows, ZNCC {:.4f} -> {:.4f}, moved by "
+      "{:.3f} px at most",
+      LevelName(report.level), report.num_rounds, report.num_windows,
+      report.mean_zncc_before, report.mean_zncc, report.total_motion);
+}
+
+void PrintReport(const Misalignment& misalignment,
+                 const std::vector<View>& views, ReportLog* log) {
+  PrintHeading("Alignment of the images", log);
+  PrintNumber("off by, px of the surface", misalignment.by_cameras, log, 3);
+  PrintNumber("the surface before, px", misalignment.of_surface, log, 3);
+  const std::vector<uint32_t> misaligned = MisalignedViews(misalignment);
+  Warn(
+      views, "these images fit the others worse than the surface fits",
+      [&](size_t i) { return std::ranges::count(misaligned, i) > 0; }, log);
+}
+
+void PrintReport(const CameraRefinementReport& report,
+                 const std::vector<View>& views, ReportLog* log) {
+  PrintHeading("Cameras", log);
+  PrintNumber("noise of the features, px", report.track_sigma, log, 3);
+  PrintText("", "      moved by, px       windows      features", log);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const RefinedView& view = report.views[i];
+    PrintText(views[i].name,
+              fmt::format("{:18.3f}{:14}{:14}", view.motion, view.num_windows,
+                          view.num_observations),
+              log);
+  }
+  Warn(
+      views, fmt::format("these images moved by more than {} px", kFarMotion),
+      [&](size_t i) { return report.views[i].motion > kFarMotion; }, log);
+  Warn(
+      views, "these images did not converge",
+      [&](size_t i) { return report.views[i].last_motion > kConverged; }, log);
+  Warn(
+      views, "too little is seen by these images to refine them",
+      [&](size_t i) { return report.views[i].is_skipped; }, log);
+}
+
+std::string StepsCsv(const std::vector<RefinementStep>& steps) {
+  std::string csv =
+      "level,final,iteration,energy,photometric_energy,mean_zncc,mean_step_px,"
+      "seconds,vertices,faces,pairs\n";
+  for (const RefinementStep& step : steps) {
+    csv += fmt::format(
+        "{},{:d},{},{:.9g},{:.9g},{:.6g},{:.6g},{:.3f},{},{},{}\n", step.level,
+        step.is_final, step.iteration, step.energy, step.photometric_energy,
+        step.mean_zncc, step.mean_step, step.seconds, step.num_vertices,
+        step.num_facets, step.num_pairs);
+  }
+  return csv;
 }
 
 }  // namespace colmap_ext

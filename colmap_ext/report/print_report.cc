@@ -14,13 +14,13 @@ namespace {
 const char* MeaningOf(ImageOrderKind kind) {
   switch (kind) {
     case ImageOrderKind::kFile:
-      return "as in images.bin, as COLMAP 3.8 - 3.10 have it";
+      return "as in images.bin (COLMAP 3.8 - 3.10)";
     case ImageOrderKind::kImageId:
-      return "by image_id, as COLMAP 3.11 has it";
+      return "by image_id (COLMAP 3.11)";
     case ImageOrderKind::kFrame:
-      return "as in frames.bin, as COLMAP 3.12+ have it";
+      return "as in frames.bin (COLMAP 3.12+)";
     case ImageOrderKind::kFrameId:
-      return "by frame_id, as COLMAP 3.12+ may have it";
+      return "by frame_id (COLMAP 3.12+)";
   }
   return "";
 }
@@ -30,13 +30,13 @@ const char* Describe(OrderReason reason) {
     case OrderReason::kWanted:
       return "--image_order";
     case OrderReason::kOnlyOne:
-      return "the only one there is";
+      return "the only one possible";
     case OrderReason::kOnlyFit:
       return "the only one that fits";
     case OrderReason::kPositions:
       return "the best fit of the points";
     case OrderReason::kColors:
-      return "the best fit of the colours";
+      return "the best fit of the colors";
   }
   return "";
 }
@@ -44,7 +44,7 @@ const char* Describe(OrderReason reason) {
 void PrintOrder(const VerifiedOrder& verified, ReportLog* log) {
   PrintText("image order of fused.ply.vis", MeaningOf(verified.order.kind),
             log);
-  PrintText("  told by", Describe(verified.reason), log);
+  PrintText("  determined by", Describe(verified.reason), log);
   PrintText("  points inside their images",
             fmt::format("{:12.2f} %", 100 * verified.evidence.inside), log);
   PrintText("  ... and facing them",
@@ -53,42 +53,33 @@ void PrintOrder(const VerifiedOrder& verified, ReportLog* log) {
 
 void PrintCells(const ManifoldMeshingReport& report, ReportLog* log) {
   PrintHeading("Cells", log);
-  Print("points in", static_cast<int64_t>(report.num_points), log);
-  Print("  at the place of another",
-        static_cast<int64_t>(report.num_duplicate_points), log);
+  Print("points in", report.num_points, log);
+  Print("  at the place of another", report.num_duplicate_points, log);
   PrintIfAny("  outside of the region", report.num_outside_points, log);
   PrintIfAny("rays beyond", report.num_ray_ends, log);
-  Print("observations", static_cast<int64_t>(report.num_observations), log);
-  Print("vertices, after thinning", static_cast<int64_t>(report.num_vertices),
-        log);
-  Print("cells", static_cast<int64_t>(report.num_cells), log);
-  Print("  free", static_cast<int64_t>(report.num_free_cells), log);
-  PrintText("distance sigma", fmt::format("{:14.6g}", report.distance_sigma),
-            log);
-  Print("rays walked", static_cast<int64_t>(report.rays.num_rays), log);
-  Print("  given up", static_cast<int64_t>(report.rays.num_lost_rays), log);
+  Print("observations", report.num_observations, log);
+  Print("vertices, after thinning", report.num_vertices, log);
+  Print("cells", report.num_cells, log);
+  Print("  free", report.num_free_cells, log);
+  PrintNumber("distance sigma", report.distance_sigma, log);
+  Print("rays walked", report.rays.num_rays, log);
+  Print("  given up", report.rays.num_lost_rays, log);
   if (report.num_sharp_rays > 0) {
-    Print("  strengthened", static_cast<int64_t>(report.num_sharp_rays), log);
+    Print("  strengthened", report.num_sharp_rays, log);
   }
-  Print("facets crossed", static_cast<int64_t>(report.rays.num_steps), log);
+  Print("facets crossed", report.rays.num_steps, log);
   Print("maximum flow", report.flow, log);
   Print("minimum cut", report.cut, log);
 }
 
 void PrintFixing(const ManifoldMeshingReport& report, ReportLog* log) {
   PrintHeading("Singular vertices", log);
-  Print("of the cut", static_cast<int64_t>(report.fixing.num_singular_raw),
-        log);
-  Print("after fixing", static_cast<int64_t>(report.fixing.num_singular_fixed),
-        log);
-  Print("after the split",
-        static_cast<int64_t>(report.mesh.num_singular_vertices), log);
-  Print("cells relabelled",
-        static_cast<int64_t>(report.fixing.num_relabeled_cells), log);
-  Print("cells split", static_cast<int64_t>(report.fixing.num_split_cells),
-        log);
-  Print("vertices split off", static_cast<int64_t>(report.num_split_vertices),
-        log);
+  Print("of the cut", report.fixing.num_singular_raw, log);
+  Print("after fixing", report.fixing.num_singular_fixed, log);
+  Print("after the split", report.mesh.num_singular_vertices, log);
+  Print("cells relabelled", report.fixing.num_relabeled_cells, log);
+  Print("cells split", report.fixing.num_split_cells, log);
+  Print("vertices split off", report.num_split_vertices, log);
   PrintIfAny("edges split", report.num_midpoints, log);
 }
 
@@ -103,17 +94,21 @@ void PrintMesh(const ManifoldMeshingReport& report, ReportLog* log) {
              log);
   PrintIfAny("self-intersections left", repair.num_after, log);
   PrintReport(report.borders, log);
-  Print("faces", static_cast<int64_t>(report.mesh.num_facets), log);
-  Print("vertices", static_cast<int64_t>(report.mesh.num_vertices), log);
-  Print("components", static_cast<int64_t>(report.mesh.num_components), log);
-  Print("border loops", static_cast<int64_t>(report.mesh.num_border_loops),
-        log);
-  Print("border edges", static_cast<int64_t>(report.mesh.num_border_edges),
-        log);
-  Print("genus", report.mesh.genus, log);
+  PrintTopology(report.mesh, log);
 }
 
 }  // namespace
+
+void PrintTopology(const MeshReport& mesh, ReportLog* log) {
+  Print("faces", mesh.num_facets, log);
+  Print("vertices", mesh.num_vertices, log);
+  Print("components", mesh.num_components, log);
+  Print("border loops", mesh.num_border_loops, log);
+  Print("border edges", mesh.num_border_edges, log);
+  if (mesh.IsManifold()) {
+    Print("genus", mesh.genus, log);
+  }
+}
 
 void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
@@ -121,17 +116,15 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   PrintHeading("Workspace", log);
   PrintText("folder", report.path.string(), log);
   PrintText("sparse model", report.sparse_path.string(), log);
-  Print("images", static_cast<int64_t>(num_images), log);
+  Print("images", num_images, log);
   PrintIfAny("  not there, camera's size taken", report.num_missing_images,
              log);
   PrintIfAny("  scaled, other than their camera", report.num_rescaled_images,
              log);
-  Print("sparse points", static_cast<int64_t>(report.num_sparse_points), log);
-  Print("points read", static_cast<int64_t>(report.points.num_points), log);
-  Print("  dropped, not finite",
-        static_cast<int64_t>(report.points.num_not_finite), log);
-  Print("  dropped, seen by no image",
-        static_cast<int64_t>(report.points.num_without_views), log);
+  Print("sparse points", report.num_sparse_points, log);
+  Print("points read", report.points.num_points, log);
+  Print("  dropped, not finite", report.points.num_not_finite, log);
+  Print("  dropped, seen by no image", report.points.num_without_views, log);
   PrintIfAny("  list images that are not there", report.points.num_out_of_range,
              log);
   PrintIfAny("  list an image twice", report.points.num_with_repeats, log);
@@ -140,8 +133,7 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   }
   if (half_pixel) {
     const HalfPixelSlope& slope = half_pixel->slope;
-    PrintText("half pixel, times, corrected",
-              fmt::format("{:14.2f}", half_pixel->scale), log);
+    PrintNumber("half pixel, times, corrected", half_pixel->scale, log, 2);
     PrintText("  seen in the sparse points",
               slope.num_points > 0
                   ? fmt::format("{:14.2f} +- {:.2f}", slope.slope,
@@ -153,21 +145,17 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
 
 void PrintReport(const TileReport& report, ReportLog* log) {
   PrintHeading("Tile", log);
-  Print("vertices", static_cast<int64_t>(report.num_vertices), log);
-  Print("of other tiles, too", static_cast<int64_t>(report.num_other_vertices),
-        log);
-  Print("rounds until none was missing",
-        static_cast<int64_t>(report.num_rounds), log);
-  Print("cells", static_cast<int64_t>(report.num_star_cells), log);
-  Print("left to the merger", static_cast<int64_t>(report.num_unknown_cells),
-        log);
-  Print("rays walked", static_cast<int64_t>(report.rays.num_rays), log);
+  Print("vertices", report.num_vertices, log);
+  Print("of other tiles, too", report.num_other_vertices, log);
+  Print("rounds until none was missing", report.num_rounds, log);
+  Print("cells", report.num_star_cells, log);
+  Print("left to the merger", report.num_unknown_cells, log);
+  Print("rays walked", report.rays.num_rays, log);
   PrintIfAny("rays given up", report.rays.num_lost_rays, log);
 }
 
 void PrintFootprint(double footprint, ReportLog* log) {
-  PrintText("a pixel on it, scene units", fmt::format("{:14.6g}", footprint),
-            log);
+  PrintNumber("a pixel on it, scene units", footprint, log);
 }
 
 void PrintReport(const BorderReport& report, ReportLog* log) {
@@ -184,11 +172,9 @@ void PrintReport(const BorderReport& report, ReportLog* log) {
 }
 
 void PrintReport(const MaskReport& report, ReportLog* log) {
-  Print("masks", static_cast<int64_t>(report.num_masks), log);
-  Print("  masked views of points",
-        static_cast<int64_t>(report.num_masked_observations), log);
-  Print("  points masked in all views",
-        static_cast<int64_t>(report.num_masked_points), log);
+  Print("masks", report.num_masks, log);
+  Print("  masked views of points", report.num_masked_observations, log);
+  Print("  points masked in all views", report.num_masked_points, log);
 }
 
 void PrintReport(const std::optional<Region>& region, ReportLog* log) {
@@ -198,10 +184,10 @@ void PrintReport(const std::optional<Region>& region, ReportLog* log) {
   const Eigen::Vector3d& center = region->center;
   const Eigen::Vector3d size = 2 * region->half_sizes;
   PrintText(
-      "region, its centre",
+      "region, center",
       fmt::format("{:14.6g} {:.6g} {:.6g}", center.x(), center.y(), center.z()),
       log);
-  PrintText("  its size",
+  PrintText("  size",
             fmt::format("{:14.6g} {:.6g} {:.6g}", size.x(), size.y(), size.z()),
             log);
 }

@@ -16,39 +16,42 @@
 
 namespace colmap_ext {
 
-// For the user, on the screen: one fact a line, numbers in one column.
+// Print reports to the user: one fact a line, numbers in one column.
 
 struct HalfPixelReport {
   HalfPixelSlope slope;
   double scale = 1;  // of the correction
 };
 
-// What was read, and what was dropped and why.
-// \param half_pixel  if it was corrected.
+// The input: what was read, dropped, and why.
+// \param half_pixel  if the half pixel was corrected.
 void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
                  ReportLog* log);
 
-// What the masks left out.
+// The masked observations.
 void PrintReport(const MaskReport& report, ReportLog* log);
 
-// Where it is meshed or refined: nothing where that is everywhere.
+// The region; prints nothing without one.
 void PrintReport(const std::optional<Region>& region, ReportLog* log);
 
-// What was made of it.
+// Counts of a mesh.
+void PrintTopology(const MeshReport& mesh, ReportLog* log);
+
+// The meshing.
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log);
 
-// What was done of a tile of a plan.
+// A tile of a plan.
 void PrintReport(const TileReport& report, ReportLog* log);
 
-// What a pixel covers on the mesh, scene units, so that distances in options
-// can be judged.
+// The size of a pixel on the mesh, scene units: the scale for distances in
+// options.
 void PrintFootprint(double footprint, ReportLog* log);
 
-// What was dropped and closed at its borders: nothing where that is nothing.
+// Trimming and closing of holes; prints nothing if nothing was done.
 void PrintReport(const BorderReport& report, ReportLog* log);
 
-// What it took.
+// Time and memory.
 void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,
                  ReportLog* log);
 

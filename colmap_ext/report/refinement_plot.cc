@@ -14,7 +14,7 @@ namespace {
 
 using Steps = std::vector<RefinementStep>;
 
-// All in pixels of the picture.
+// All sizes in px.
 constexpr double kStepWidth = 24;
 constexpr double kMinPanelWidth = 190;
 constexpr double kPanelHeight = 200;
@@ -23,7 +23,7 @@ constexpr double kPadding = 14;  // of a curve in its panel
 constexpr double kTop = 64;      // of the panels
 constexpr double kHeight = kTop + kPanelHeight + 48;
 
-// What is plotted.
+// The plotted value.
 struct Curve {
   const char* name;
   double (*of)(const RefinementStep& step);
@@ -101,7 +101,7 @@ std::string Panel(const Steps& steps, const Curve& curve, double left) {
                           steps.back().iteration - steps.front().iteration));
 }
 
-// \param attributes  of the element, besides its size.
+// \param attributes  of the element, in addition to its size.
 std::string Plot(const Steps& steps, const Curve& curve,
                  const std::string& attributes) {
   double left = kMargin;

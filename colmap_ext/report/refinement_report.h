@@ -10,24 +10,24 @@
 
 namespace colmap_ext {
 
-// How the images of a level are called: "full size", "1/2 size".
+// Name of the image size of a level: "full size", "1/2 size".
 std::string LevelName(int level);
 
-// The iterations of each level, the final ones by themselves: energies can be
-// compared within these alone.
+// Splits the iterations by level and number of pairs. Energies are comparable
+// only within a stage.
 std::vector<std::vector<RefinementStep>> SplitIntoStages(
     const std::vector<RefinementStep>& steps);
 
-// Of a stage that the step is of: "1/2 size, final, 6 pairs".
+// Name of the stage of a step: "1/2 size, final, 6 pairs".
 std::string StageName(const RefinementStep& step);
 
-// A stage in words, for the screen and the page.
+// Text on a stage, for the screen and the page.
 struct StageText {
   std::string name;
   std::string iterations;
   std::string faces;
   std::string energy[2];     // before and after
-  std::string mean_zncc[2];  // likewise
+  std::string mean_zncc[2];  // before and after
 };
 
 std::vector<StageText> DescribeStages(const std::vector<RefinementStep>& steps);
@@ -38,32 +38,32 @@ std::string Describe(const RefinementStep& step);
 // A refinement of the cameras in one line.
 std::string Describe(const CameraRefinementReport& report);
 
-// The iterations as a table, one a row below a row of names.
+// The iterations as CSV, with a header row.
 std::string StepsCsv(const std::vector<RefinementStep>& steps);
 
 enum class StepValue { kEnergy, kMeanZncc };
 
-// A plot of a value by iteration: a panel with a scale of its own for each
-// stage. An SVG element as it stands in HTML.
+// A plot of a value by iteration, with a panel and a scale for each stage: an
+// SVG element for HTML.
 std::string StepsFigure(const std::vector<RefinementStep>& steps,
                         StepValue value);
 
-// That of the energy as an SVG file.
+// The plot of the energy as an SVG file.
 std::string StepsPlot(const std::vector<RefinementStep>& steps);
 
-// On the screen: what is going to be refined ...
+// Prints the input of the refinement.
 void PrintReport(const RefinementInput& input, ReportLog* log);
 
-// ... and what came of it.
+// Prints its result.
 void PrintReport(const RefinementReport& report, const MeshReport& mesh,
                  ReportLog* log);
 
-// How well the images are aligned.
+// Prints how well the images are aligned.
 void PrintReport(const Misalignment& misalignment,
                  const std::vector<View>& views, ReportLog* log);
 
-// How far the cameras moved, image by image, with warnings of those that moved
-// far, did not converge, or could not be moved.
+// Prints how far the camera of each image moved, with warnings of those that
+// moved far, did not converge, or could not be refined.
 void PrintReport(const CameraRefinementReport& report,
                  const std::vector<View>& views, ReportLog* log);
 

@@ -17,7 +17,7 @@ namespace {
 constexpr double kTerminalInterval = 0.1;  // seconds
 constexpr double kLogInterval = 10;        // seconds
 
-// Of the terminal, characters; 0 if it is not known.
+// Width of the terminal, characters; 0 if unknown.
 size_t TerminalWidth() {
   winsize size{};
   return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
@@ -40,7 +40,7 @@ double Seconds(std::chrono::steady_clock::duration duration) {
 ProgressReporter::ProgressReporter(std::ostream& stream, bool is_terminal)
     : stream_(stream), is_terminal_(is_terminal) {}
 
-// Where work was given up, what comes next shall not run into its line.
+// Ends the line of unfinished work.
 ProgressReporter::~ProgressReporter() {
   if (is_terminal_ && !stage_.empty()) {
     stream_ << std::endl;
@@ -105,7 +105,7 @@ void ProgressReporter::Show(double share) {
     line += ", " + note_;
   }
   if (is_terminal_) {
-    // A line that wraps can not be written over.
+    // A line that wraps cannot be overwritten.
     if (const size_t width = TerminalWidth(); width > 0) {
       line.resize(std::min(line.size(), width - 1));
     }

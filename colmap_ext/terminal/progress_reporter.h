@@ -16,9 +16,9 @@ struct StageTime {
   double seconds = 0;  // wall time
 };
 
-// Shows the progress of long work and records the duration of each stage: on a
-// terminal one updated line, in a log a line at the end of each stage and every
-// few seconds. Its Update() is a Progress (scene/progress.h).
+// Shows the progress of long work and records the duration of each stage: one
+// updated line on a terminal; in a log, a line every few seconds and at the end
+// of each stage.
 class ProgressReporter {
  public:
   ProgressReporter(std::ostream& stream, bool is_terminal);
@@ -26,7 +26,7 @@ class ProgressReporter {
   ProgressReporter(const ProgressReporter&) = delete;
   ProgressReporter& operator=(const ProgressReporter&) = delete;
 
-  // \param share  of the stage that is done, 0 ... 1.
+  // \param share  finished fraction of the stage, 0 ... 1.
   void Update(std::string_view stage, double share);
 
   // Update() as a Progress, valid while this object exists.
@@ -35,15 +35,15 @@ class ProgressReporter {
         [this](std::string_view stage, double share) { Update(stage, share); };
   }
 
-  // Prints how the present stage goes: within the moving line on a terminal, on
-  // a line of its own in a log.
+  // Prints a note on the current stage: in the updated line on a terminal, on a
+  // separate line in a log.
   void Note(const std::string& text);
 
   // Ends the last stage. A new one may follow.
   void Finish();
 
-  // Of the stages that have ended, in their order; one that came again later
-  // is added to its first time.
+  // Times of the stages that have ended, in order of their first start; times
+  // of repeated stages are added up.
   const std::vector<StageTime>& StageTimes() const { return stage_times_; }
 
  private:
@@ -54,15 +54,15 @@ class ProgressReporter {
   std::ostream& stream_;
   bool is_terminal_;
   std::string stage_;  // empty between stages
-  std::string note_;   // in the moving line
+  std::string note_;   // in the updated line
   double share_ = 0;   // of the last Update()
   Clock::time_point stage_start_;
   Clock::time_point last_shown_;
-  size_t shown_length_ = 0;  // of the moving line, characters
+  size_t shown_length_ = 0;  // of the updated line, characters
   std::vector<StageTime> stage_times_;
 };
 
-// Of this process up to now, bytes.
+// Peak memory of this process, bytes.
 size_t PeakMemory();
 
 }  // namespace colmap_ext

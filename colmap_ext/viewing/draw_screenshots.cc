@@ -9,14 +9,14 @@
 #include "colmap_ext/errors.h"
 #include "gl/egl_context.h"
 #include "pictures/picture_views.h"
-#include "viewer/first_view.h"
+#include "viewer/orbit_camera.h"
 #include "viewer/scene_renderer.h"
 
 namespace colmap_ext {
 
 namespace {
 
-// The part of a view that is asked for.
+// The requested part of a view.
 View Crop(const ViewerOptions& options, const View& view) {
   const int width = options.width > 0 ? options.width : view.width;
   const int height =
@@ -28,7 +28,7 @@ View Crop(const ViewerOptions& options, const View& view) {
                   height);
 }
 
-// The size of pictures that no camera of the workspace sees.
+// The size of pictures that are not from a camera of the workspace.
 Eigen::Vector2i FreeSize(const ViewerOptions& options) {
   const int width = options.width > 0 ? options.width : ViewerOptions::kWidth;
   return {width,

@@ -10,20 +10,20 @@
 
 namespace colmap_ext {
 
-// One of the pictures that are asked for.
+// A requested picture.
 struct Screenshot {
   std::filesystem::path path;
   View view;
 };
 
-// What is seen in the pictures, in their order.
+// The cameras of the requested pictures, in their order.
 // \throw OptionError if there is no such camera.
 std::vector<Screenshot> PlanScreenshots(const ViewerOptions& options,
                                         const ShownScene& scene);
 
-// Draws them by OpenGL without a display.
+// Draws pictures by OpenGL without a display.
 // \param write  gets each picture.
-// \return what drew them, as OpenGL names it.
+// \return OpenGL's name of the renderer.
 // \throw GlError if there is no OpenGL 4.5, or it fails.
 std::string DrawScreenshots(
     const ViewerOptions& options, const ShownScene& scene,
@@ -31,7 +31,7 @@ std::string DrawScreenshots(
     const std::function<void(const std::filesystem::path&, const ColorImage&)>&
         write);
 
-// The view of that name.
+// The index of the view with the name.
 // \throw OptionError if there is none.
 size_t FindView(const std::vector<View>& views, const std::string& name);
 

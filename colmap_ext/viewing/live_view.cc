@@ -7,7 +7,6 @@
 
 #include "colmap_ext/viewing/scene_loader.h"
 #include "viewer/viewer_session.h"
-#include "viewer/viewer_window.h"
 
 namespace colmap_ext {
 

@@ -13,7 +13,7 @@
 #include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
-#include "viewer/scene_inbox.h"
+#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 
@@ -21,12 +21,12 @@ namespace colmap_ext {
 // the viewer can only pause it.
 class LiveView {
  public:
-  // The mesh as it was, and what the images are of.
+  // Shows the input mesh, the cameras and the points.
   void Start(const TriangleMesh& mesh, const VertexAttributes& attributes,
              const std::vector<View>& views, const PointCloud& points);
 
-  // The mesh as it is now.
-  // \param status  what was done, in one line
+  // Shows the current mesh.
+  // \param status  the last iteration, in one line
   void Show(const TriangleMesh& mesh, const VertexAttributes& attributes,
             const std::string& status);
   void Say(const std::string& status);
@@ -37,7 +37,7 @@ class LiveView {
 
   // Called by the viewer's thread.
   void Pause(bool is_paused);
-  // The window is closed.
+  // Called when the window is closed.
   void Leave();
   SceneInbox* Inbox() { return &inbox_; }
 
@@ -49,12 +49,11 @@ class LiveView {
   std::atomic<bool> is_watched_ = true;
 };
 
-// Runs work on a thread of its own beside a window that shows it, until both
-// have ended. When the window is closed, the work continues.
-// \param folder  of the workspace, for its images.
-// \param save  saves a picture, see ViewerHost.
-// \throw NoWindowError if there is no window, before the work starts; what the
-//        work throws.
+// Runs work on a separate thread and shows it in a window, until both have
+// ended. When the window is closed, the work continues. \param folder  of the
+// workspace, for its images. \param save  saves a picture, see ViewerHost.
+// \throw NoWindowError if no window can be opened, before the work starts;
+//        exceptions of the work.
 void RunWithViewer(const std::string& title, const std::string& folder,
                    const PictureDecoder& decoder,
                    const std::function<std::string(const ColorImage&)>& save,

@@ -1,4 +1,4 @@
-#include "colmap_ext/viewing/read_shown_mesh.h"
+#include "colmap_ext/viewing/viewer_workspace.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@ namespace colmap_ext {
 
 namespace {
 
-// Moves vertices that are not finite to one that is, and empties their facets,
-// so that indices stay what they were.
+// Moves vertices that are not finite to a finite one, and makes their facets
+// degenerate. Indices do not change.
 void DropInfinite(const std::filesystem::path& path, TriangleMesh* mesh) {
   const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
   const auto first =
@@ -56,7 +56,7 @@ void AddErrors(const std::filesystem::path& path, ShownMesh* shown,
   ColoredMesh colored = ReadColoredPlyMesh(path);
   if (colored.colors.empty()) {
     throw FileError(path,
-                    "it has no colours; mesh_evaluator "
+                    "it has no colors; mesh_evaluator "
                     "--error_mesh_path writes them");
   }
   if (colored.mesh.vertices.size() != shown->mesh.vertices.size()) {
@@ -100,8 +100,8 @@ Provenance ClipCloud(const Region& region, TriangleMesh* cloud) {
   return from;
 }
 
-// Leaves what lies in the region. Vertices on its border are like those inside
-// that their edges come from.
+// Keeps the part in the region. Vertices on its border get the data of the
+// inner ends of their edges.
 void Crop(const Region& region, ShownMesh* shown) {
   const std::optional<Provenance> from = shown->mesh.facets.empty()
                                              ? ClipCloud(region, &shown->mesh)
@@ -158,7 +158,7 @@ ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
   if (paths.region) {
     Crop(*paths.region, &shown);
     if (shown.mesh.vertices.empty()) {
-      throw FileError(paths.mesh, "nothing of it lies in the region");
+      throw FileError(paths.mesh, "it has no part in the region");
     }
   }
   return shown;

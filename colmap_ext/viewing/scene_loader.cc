@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "viewer/coarse_mesh.h"
 #include "viewer/facet_match.h"
+#include "viewer/shown_mesh.h"
 
 namespace colmap_ext {
 
@@ -27,7 +27,7 @@ void SceneLoader::Say(const std::string& status) {
               [status](ShownScene* scene) { scene->status = status; });
 }
 
-// Each note once.
+// Adds notes that are new.
 void SceneLoader::Note(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) {
     if (std::ranges::find(notes_, note) == notes_.end()) {
@@ -83,8 +83,8 @@ void SceneLoader::LoadWorkspace(const ViewerOptions& options) {
 void SceneLoader::LoadImage(size_t index, const View& view) {
   auto image = ReadShownImage(paths_.folder, view, kImageSize, decoder_);
   if (image == nullptr) {
-    Note({(paths_.folder / "images" / view.name).string() +
-          ": can not be read"});
+    Note(
+        {(paths_.folder / "images" / view.name).string() + ": cannot be read"});
     return;
   }
   // One at a time: they are large.

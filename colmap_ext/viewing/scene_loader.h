@@ -12,25 +12,25 @@
 #include "colmap_ext/viewing/viewer_workspace.h"
 #include "scene/picture_decoder.h"
 #include "viewer/background_worker.h"
-#include "viewer/scene_inbox.h"
-#include "viewer/viewer_host.h"
+#include "viewer/shown_scene.h"
+#include "viewer/viewer_session.h"
 
 namespace colmap_ext {
 
-// Loads what the viewer shows, on a thread of its own, into its inbox.
+// Loads the scene of the viewer on a separate thread into its inbox.
 class SceneLoader {
  public:
-  // \param inbox  has to outlive it.
+  // \param inbox  has to outlive the loader.
   SceneLoader(ViewerPaths paths, PictureDecoder decoder, SceneInbox* inbox)
       : paths_(std::move(paths)),
         decoder_(std::move(decoder)),
         inbox_(inbox),
         worker_([this](const std::exception& error) { NoteError(error); }) {}
 
-  // The meshes, and then the workspace.
+  // Loads the meshes, then the workspace.
   void LoadAll(const ViewerOptions& options);
 
-  // What it does for the viewer.
+  // The viewer's callbacks into the loader.
   // \param save  saves a picture; see ViewerHost.
   ViewerHost Host(std::function<std::string(const ColorImage&)> save);
 
@@ -46,18 +46,18 @@ class SceneLoader {
   void Note(const std::vector<std::string>& notes);
   void NoteError(const std::exception& error);
 
-  // Used by the worker's thread alone, once it has jobs.
+  // Used only by the worker's thread once there are jobs.
   ViewerPaths paths_;
   PictureDecoder decoder_;
   std::vector<std::string> notes_;
   size_t num_meshes_ = 0;
 
   SceneInbox* inbox_;
-  BackgroundWorker worker_;  // The last, as it uses the others.
+  BackgroundWorker worker_;  // last, because its jobs use the others
 };
 
-// Saves a picture in the present folder under the first name that is free.
-// \return what became of it.
+// Saves a picture in the current folder under the first unused name.
+// \return the outcome, in one line.
 std::string SaveNumbered(const ColorImage& picture,
                          const std::function<void(const std::filesystem::path&,
                                                   const ColorImage&)>& write);

@@ -67,7 +67,6 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options) {
         meshes.push_back(paths.folder / name);
       }
     }
-    // Points alone are worth a look, too.
     if (meshes.empty() && fs::exists(paths.folder / "fused.ply")) {
       meshes.push_back(paths.folder / "fused.ply");
     }

@@ -24,7 +24,7 @@ def mesh(workspace, *, output_path=None, program=None, progress=None, **options)
     output_path: of the mesh; default: meshed-delaunay-manifold.ply in there.
     options: those of the command, without their section: min_confidence=0.2.
     program, progress: see program.find_program() and program.run().
-    Returns the path of the mesh, a str; its .vis lies beside it.
+    Returns the path of the mesh, a str; its .vis has the same name.
     Raises ColmapExtError.
     """
     return _run_writer("delaunay_manifold_mesher",

@@ -107,7 +107,7 @@ def read_ply(path):
 
     Elements other than vertex and face, and properties of faces, are left out.
     Raises ValueError if it is damaged or has faces of other than three corners,
-    OSError if it can not be read.
+    OSError if it cannot be read.
     """
     import numpy as np  # pylint: disable=import-outside-toplevel
 

@@ -81,7 +81,7 @@ def _raise_failure(exit_code, errors, arguments):
 
 
 def _watch(process, progress):
-    """Reads what the program prints, to its end. Returns that."""
+    """Reads and returns the output of the program."""
     printed = []
     for line in process.stdout:
         printed.append(line)
@@ -95,7 +95,7 @@ def run(arguments, progress=None):
     """Runs a command line. Returns what it prints.
 
     progress: is called with the name of the stage, and the share of it that is
-        done, 0 to 1. If it raises, the program is ended and the exception goes on.
+        done, 0 to 1. If it raises, the program is ended and the exception propagates.
     Raises CommandError, StoppedError or CrashError.
     """
     with tempfile.TemporaryFile() as errors:

@@ -31,7 +31,7 @@ class Visibility:
 def read_vis(path):
     """Reads a .vis as a Visibility.
 
-    Raises ValueError if it is truncated or too long, OSError if it can not be read.
+    Raises ValueError if it is truncated or too long, OSError if it cannot be read.
     """
     import numpy as np  # pylint: disable=import-outside-toplevel
 

@@ -1,4 +1,4 @@
-"""A tiny dense workspace: a coloured sphere and a ring of cameras around it."""
+"""A tiny dense workspace: a colored sphere and a ring of cameras around it."""
 
 import math
 import pathlib

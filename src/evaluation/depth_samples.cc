@@ -1,8 +1,11 @@
 #include "evaluation/depth_samples.h"
 
+#include <cmath>
+
 #include <tbb/parallel_for.h>
 
 namespace colmap_ext {
+
 namespace {
 
 DepthMap EmptyMap(int width, int height, int stride) {
@@ -13,6 +16,8 @@ DepthMap EmptyMap(int width, int height, int stride) {
   map.depths.resize(static_cast<size_t>(map.width) * map.height, 0);
   return map;
 }
+
+bool IsDepth(float depth) { return std::isfinite(depth) && depth > 0; }
 
 }  // namespace
 
@@ -68,6 +73,30 @@ std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
     }
   }
   return points;
+}
+
+double DepthErrors::Share(size_t threshold) const {
+  return static_cast<double>(num_within[threshold]) /
+         static_cast<double>(num_depths);
+}
+
+void AddDepthErrors(const DepthMap& truth, const DepthMap& mesh,
+                    DepthErrors* errors) {
+  errors->num_within.resize(errors->thresholds.size(), 0);
+  for (size_t i = 0; i < truth.depths.size(); ++i) {
+    if (!IsDepth(truth.depths[i])) {
+      continue;
+    }
+    ++errors->num_depths;
+    if (!IsDepth(mesh.depths[i])) {
+      ++errors->num_missing;
+      continue;
+    }
+    const double error = std::abs(double{mesh.depths[i]} - truth.depths[i]);
+    for (size_t t = 0; t < errors->thresholds.size(); ++t) {
+      errors->num_within[t] += error < errors->thresholds[t];
+    }
+  }
 }
 
 }  // namespace colmap_ext

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,21 +11,40 @@
 
 namespace colmap_ext {
 
-// Returns what a view sees of a surface: a ray through the centre of each
-// sampled pixel, (col + 0.5, row + 0.5).
+// Returns the depths of a surface in a view, along rays through the centers of
+// the sampled pixels, (col + 0.5, row + 0.5).
 // \param stride  px, > 0
 DepthMap RenderDepths(const Bvh& surface, const View& view, int stride);
 
-// Returns the same pixels of a map of the whole image.
+// Returns every stride-th pixel of a map of the whole image.
 // \param stride  px, > 0
 // \pre map.stride == 1
 DepthMap Subsample(const DepthMap& map, int stride);
 
-// Returns the samples of `depths` at which `mask` has a depth as well, as
-// points in the world frame, row by row.
-// \pre both are of the same size
+// Returns the points of `depths` where `mask` has a depth too, world frame, row
+// by row. \pre both are of the same size
 std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
                                          const DepthMap& mask,
                                          const View& view);
+
+// Counts of true depths that agree with a mesh: the protocol of the EPFL data
+// sets [Strecha2008] by [HuMordohai2012] (docs/method.md, section 8.2).
+struct DepthErrors {
+  std::vector<double> thresholds;  // [T], scene units, of the absolute error
+  std::vector<size_t> num_within;  // [T], strictly below the threshold
+  size_t num_depths = 0;           // true depths
+  size_t num_missing = 0;          // true depths where the mesh has none; they
+                                   // are within no threshold
+
+  // Returns num_within over num_depths, 0 ... 1; NaN if there are no depths.
+  // \param threshold  its index, < T
+  double Share(size_t threshold) const;
+};
+
+// Adds the pixels of a view. Values that are not finite and positive are
+// ignored.
+// \pre both maps are of the same size
+void AddDepthErrors(const DepthMap& truth, const DepthMap& mesh,
+                    DepthErrors* errors);
 
 }  // namespace colmap_ext

@@ -2,23 +2,26 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
+#include "base/percentile.h"
 #include "evaluation/surface_samples.h"
-#include "evaluation/voxel_downsampling.h"
 #include "spatial/bvh.h"
 
 namespace colmap_ext {
+
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-// Shares of the diagonal of the truth's bounding box. Choices near to DTU's,
-// 20 mm and 0.2 mm.
+// Fractions of the diagonal of the truth's bounding box, chosen by hand close
+// to DTU's 20 mm and 0.2 mm.
 constexpr double kMaxDistanceShare = 0.05;
 constexpr double kSpacingShare = 0.001;
 
@@ -39,8 +42,8 @@ void Append(const Points& points, Points* all) {
   all->insert(all->end(), points.begin(), points.end());
 }
 
-// Without the facets and points that are not finite. Points become facets
-// without area, so that one tree serves both.
+// The finite facets or points. Points become facets without area, so that the
+// same tree works for both.
 TriangleMesh FinitePart(const TriangleMesh& surface, bool is_points) {
   TriangleMesh part;
   if (is_points) {
@@ -210,13 +213,37 @@ class Evaluator {
   const Observability& observability_;
   const Progress& progress_;
   const TriangleMesh mesh_;     // its finite part
-  const TriangleMesh surface_;  // likewise, of the truth
+  const TriangleMesh surface_;  // the finite part of the truth
   std::optional<Bvh> mesh_tree_;
   std::optional<Bvh> truth_tree_;
   MeshEvaluation evaluation_;
 };
 
 }  // namespace
+
+DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
+                             bool drop_beyond) {
+  DistanceStatistics statistics;
+  statistics.num_samples = distances.size();
+  std::sort(distances.begin(), distances.end());
+  const auto beyond =
+      std::lower_bound(distances.begin(), distances.end(), max_distance);
+  statistics.num_beyond = static_cast<size_t>(distances.end() - beyond);
+  if (drop_beyond) {
+    distances.erase(beyond, distances.end());
+  }
+  if (distances.empty()) {
+    statistics.mean = statistics.median = statistics.percentile90 =
+        std::numeric_limits<double>::quiet_NaN();
+    return statistics;
+  }
+  // Summed in ascending order: independent of the order of the samples.
+  statistics.mean = std::accumulate(distances.begin(), distances.end(), 0.0) /
+                    static_cast<double>(distances.size());
+  statistics.median = Median(&distances);
+  statistics.percentile90 = InterpolatedPercentile(90, &distances);
+  return statistics;
+}
 
 double SurfaceDistances::AverageScore() const {
   return (accuracy.mean + accuracy.median + completeness.mean +

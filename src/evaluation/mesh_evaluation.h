@@ -7,9 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "evaluation/depth_errors.h"
 #include "evaluation/depth_samples.h"
-#include "evaluation/distance_statistics.h"
 #include "evaluation/observability.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
@@ -18,12 +16,29 @@
 
 namespace colmap_ext {
 
+// Statistics of distances; without distances, all but the counts are NaN.
+struct DistanceStatistics {
+  size_t num_samples = 0;
+  size_t num_beyond = 0;    // at the maximum distance or beyond
+  double mean = 0;          // scene units
+  double median = 0;        // mean of the middle two of an even number
+  double percentile90 = 0;  // interpolated
+};
+
+// \param distances     scene units, clipped at max_distance already
+// \param max_distance  scene units
+// \param drop_beyond   ignore distances of max_distance, as DTU's own
+// evaluation
+//        does. Surface that is far off or missing then costs nothing.
+DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
+                             bool drop_beyond);
+
 struct MeshEvaluationOptions {
-  // Every stride-th pixel of every stride-th row of the views is cast, px, 1
-  // to 1000. The default is a choice.
+  // A ray is cast through every stride-th pixel of every stride-th row of the
+  // views, px, 1 to 1000. The default is chosen by hand.
   int stride = 3;
 
-  // Side of the voxels of which each has one sample of a surface, scene units.
+  // Side of the voxels with one sample each, scene units.
   // 0: 0.001 of the diagonal of the truth's bounding box. DTU has 0.2 mm.
   double spacing = 0;
 
@@ -34,17 +49,17 @@ struct MeshEvaluationOptions {
   // Leave out distances beyond instead, as DTU's own evaluation does.
   bool drop_beyond = false;
 
-  // Depths with smaller errors are right, scene units, > 0. The defaults are
-  // those of [HuMordohai2012], if the scene's unit is a metre.
+  // Depths with smaller errors are correct, scene units, > 0. Defaults of
+  // [HuMordohai2012], if the scene's unit is a meter.
   std::vector<double> depth_thresholds = {0.02, 0.1};
 };
 
-// What is known to be true: a surface, points of it (no facets), or depth maps.
+// Ground truth: a surface, points of it (no facets), or depth maps.
 struct Truth {
   TriangleMesh surface;
 
-  // Instead of the surface, if set: the depth map of the whole image of a view,
-  // by its index; without depths where there is none.
+  // If set, replaces the surface: the depth map of the whole image of a view,
+  // by its index; empty if there is none.
   std::function<DepthMap(size_t view)> depth_maps;
 
   bool IsPoints() const { return !depth_maps && surface.facets.empty(); }
@@ -64,20 +79,19 @@ struct SurfaceDistances {
 struct MeshEvaluation {
   MeshReport topology;
   size_t num_dropped_facets = 0;  // with a vertex that is not finite
-  size_t num_views = 0;           // that the comparison is restricted to; 0:
-                                  // none
-  size_t num_views_without_depths = 0;  // of them, without a true depth map
+  size_t num_views = 0;  // only surface that they see counts; 0: all counts
+  size_t num_views_without_depths = 0;        // views without a true depth map
   std::optional<SurfaceDistances> distances;  // unless depth maps are the truth
   std::optional<DepthErrors> depths;  // if there are views, and surface or maps
 };
 
 // Compares a mesh with the truth.
 //
-// With views, what they see counts (docs/method.md, section 8.3): each sampled
-// pixel whose ray meets the truth gives a sample of the truth and, if it meets
-// the mesh, one of the mesh. If the truth is points, those in a view's image
-// count, hidden or not, and every hit of the mesh. Without views, the whole
-// surfaces count.
+// With views, only surface that they see counts (docs/method.md, section 8.3):
+// each sampled pixel whose ray meets the truth gives a sample of the truth and,
+// if it meets the mesh, one of the mesh. If the truth is points, all points
+// inside the image of a view count, even if occluded, and every hit of the
+// mesh. Without views, the whole surfaces count.
 //
 // \pre options in their ranges; facet indices in range; mesh and, unless depth
 //      maps are the truth, surface not empty
@@ -90,9 +104,8 @@ MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,
                             const Progress& progress = {});
 
 // Returns [V] the distance of each vertex to the truth's surface or points,
-// scene units, at most max_distance, which it is where the vertex is not
-// finite.
-// \pre truth has no depth_maps
+// scene units; max_distance if it is farther or not finite. \pre truth has no
+// depth_maps
 std::vector<double> VertexErrors(const TriangleMesh& mesh, const Truth& truth,
                                  double max_distance);
 

@@ -1,11 +1,17 @@
 #include "evaluation/surface_samples.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <stdexcept>
+#include <tuple>
 
+#include <tbb/parallel_sort.h>
 #include <Eigen/Geometry>
 
 namespace colmap_ext {
+
 namespace {
 
 using Eigen::Vector3d;
@@ -25,8 +31,8 @@ double LongestSide(const Triangle& triangle, int* side) {
   return longest;
 }
 
-// About how many samples a facet takes: as many as squares of the spacing fit
-// into it, but one for each spacing along a narrow one.
+// Approximate number of samples of a facet: its area over the squared spacing,
+// but at least one per spacing along its longest side.
 double EstimateCount(const Triangle& triangle, double spacing) {
   int side = 0;
   const double area =
@@ -58,6 +64,39 @@ void SampleTriangle(const Triangle& whole, double spacing,
   }
 }
 
+struct GridPoint {
+  std::array<int32_t, 3> voxel;
+  float offset_squared;  // from the voxel's center, in voxels
+  Eigen::Vector3f point;
+};
+
+GridPoint Locate(const Eigen::Vector3f& point, double spacing) {
+  constexpr double kMaxIndex = 2147483647;
+  const Eigen::Array3d position = point.cast<double>().array() / spacing;
+  const Eigen::Array3d voxel = position.floor();
+  if (!(voxel.abs() < kMaxIndex).all()) {
+    throw std::invalid_argument(
+        "the spacing of the samples is too small for the extent of the scene");
+  }
+  GridPoint located;
+  for (int i = 0; i < 3; ++i) {
+    located.voxel[i] = static_cast<int32_t>(voxel[i]);
+  }
+  located.offset_squared =
+      static_cast<float>((position - voxel - 0.5).matrix().squaredNorm());
+  located.point = point;
+  return located;
+}
+
+// A total order: points that compare equal are equal.
+bool IsBefore(const GridPoint& a, const GridPoint& b) {
+  const auto key = [](const GridPoint& p) {
+    return std::tuple(p.voxel, p.offset_squared, p.point.x(), p.point.y(),
+                      p.point.z());
+  };
+  return key(a) < key(b);
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
@@ -82,6 +121,21 @@ std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
     SampleTriangle(triangle, spacing, &stack, &samples);
   }
   return samples;
+}
+
+void DownsampleByVoxels(double spacing, std::vector<Eigen::Vector3f>* points) {
+  std::vector<GridPoint> located;
+  located.reserve(points->size());
+  for (const Eigen::Vector3f& point : *points) {
+    located.push_back(Locate(point, spacing));
+  }
+  tbb::parallel_sort(located.begin(), located.end(), IsBefore);
+  points->clear();
+  for (size_t i = 0; i < located.size(); ++i) {
+    if (i == 0 || located[i].voxel != located[i - 1].voxel) {
+      points->push_back(located[i].point);
+    }
+  }
 }
 
 }  // namespace colmap_ext

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Colours and light are chosen by looks.
+// Colors and light are chosen by eye.
 const Vector3f kBackground(1, 1, 1);
 const Vector3f kPlain(0.78f, 0.78f, 0.76f);
 const Vector3f kBack(0.85f, 0.25f, 0.2f);
@@ -39,7 +39,7 @@ Color ToColor(const Vector3f& value) {
   return color;
 }
 
-// What a camera sees of a mesh.
+// Casts the rays of a camera.
 class RayCaster {
  public:
   RayCaster(const TriangleMesh& mesh, const Bvh& bvh, const View& view)
@@ -52,7 +52,7 @@ class RayCaster {
               Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
                  .cast<float>()) {}
 
-  // In each of the colours: the mean of rays through the middles of the pixel's
+  // For each coloring, the mean of rays through the centers of the pixel's
   // quarters.
   std::vector<Vector3f> Pixel(int row, int col,
                               const std::vector<FrontColor>& colors) const {
@@ -106,7 +106,7 @@ class RayCaster {
   const Bvh& bvh_;
   const View& view_;
   const Vector3f eye_;
-  const Vector3f sun_;  // unit, to the light
+  const Vector3f sun_;  // unit, towards the light
 };
 
 }  // namespace
@@ -156,17 +156,6 @@ FrontColor PlainColor() {
 ColorImage RenderMesh(const TriangleMesh& mesh, const View& view,
                       const FrontColor& front_color) {
   return MeshRenderer(mesh).Draw(view, {front_color})[0];
-}
-
-ColorImage RenderVertexColors(const TriangleMesh& mesh,
-                              const std::vector<Color>& colors,
-                              const View& view) {
-  return RenderMesh(mesh, view, VertexColors(mesh, colors, 0));
-}
-
-ColorImage RenderLabels(const TriangleMesh& mesh,
-                        const std::vector<int32_t>& labels, const View& view) {
-  return RenderMesh(mesh, view, LabelColors(labels));
 }
 
 Color LabelColor(int32_t label) { return ToColor(LabelBase(label)); }

@@ -15,10 +15,11 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// What these views are like is chosen by looks.
+// Chosen by eye.
 constexpr double kFocalLength = 1.5;  // widths of the picture
 constexpr double kKeptPercent = 98;   // of the points are in the picture
-constexpr double kDistance = 1.1;     // of the least that has them all in it
+constexpr double kDistance =
+    1.1;  // times the smallest distance that shows them all
 
 // A ball around most of the points.
 struct Ball {
@@ -116,7 +117,7 @@ std::vector<size_t> SpreadViews(const std::vector<View>& views,
     return {};
   }
   std::vector<size_t> chosen = {static_cast<size_t>(most - num_seen.begin())};
-  // To the nearest chosen view; 0 of those that see too little.
+  // Distance to the nearest chosen view; 0 for views that see too little.
   std::vector<double> distances(views.size(),
                                 std::numeric_limits<double>::infinity());
   while (chosen.size() < count) {

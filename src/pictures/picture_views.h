@@ -12,18 +12,18 @@ namespace colmap_ext {
 
 // Cameras for pictures of meshes. Widths and heights are px.
 
-// Returns a camera that has nearly all of the points in its picture, without
-// stray ones, and looks at their broad side from above.
+// Returns a camera that sees nearly all points, except stray ones, from above
+// their broad side.
 // \param points  [P], world frame, scene units
-// \param front  points from the broad side that is seen to the camera
+// \param front  direction from the points to the side of the camera
 View AutomaticView(const std::vector<Eigen::Vector3f>& points,
                    const Eigen::Vector3d& front, int width, int height);
 
-// The same of a mesh, whose broad side is seen from the front of its facets.
+// The same for a mesh, whose facets are seen from the front.
 View AutomaticView(const TriangleMesh& mesh, int width, int height);
 
-// Returns the part of a view around (u, v), shares of its width and height,
-// `zoom` times as large, as a picture of the given size.
+// Returns the part of a view around (u, v), fractions of its width and height,
+// magnified by `zoom`, as a picture of the given size.
 View CropView(const View& view, double zoom, double u, double v, int width,
               int height);
 

@@ -11,8 +11,8 @@
 
 namespace colmap_ext {
 
-// Does jobs one after the other on a thread of its own. When it is destroyed,
-// the job at hand is finished and the others are dropped.
+// Runs jobs one after the other on its own thread. The destructor waits for the
+// current job and drops the others.
 class BackgroundWorker {
  public:
   using Job = std::function<void()>;
@@ -75,7 +75,7 @@ class BackgroundWorker {
     }
   }
 
-  // The thread continues, whatever a job throws.
+  // Exceptions of jobs do not end the thread.
   void Do(const Job& job) noexcept {
     try {
       try {
@@ -83,7 +83,7 @@ class BackgroundWorker {
       } catch (const std::exception& error) {
         on_error_(error);
       }
-    } catch (...) {  // There is no memory even to say so.
+    } catch (...) {  // out of memory for the message
     }
   }
 
@@ -92,7 +92,7 @@ class BackgroundWorker {
   std::condition_variable changed_;
   std::deque<Waiting> jobs_;
   bool is_ended_ = false;
-  std::thread thread_;  // The last, as it uses the others.
+  std::thread thread_;  // last, because it uses the others
 };
 
 }  // namespace colmap_ext

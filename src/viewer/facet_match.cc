@@ -17,7 +17,8 @@ namespace colmap_ext {
 
 namespace {
 
-// px a side, of what is shown, and of what it is looked up in; choices.
+// Side lengths [px] of the patch shown and of the area searched. Chosen by
+// hand.
 constexpr int kPatchSize = 48;
 constexpr int kSearchSize = 256;
 
@@ -35,7 +36,7 @@ Eigen::Vector3d CenterOf(const TriangleMesh& mesh, uint32_t facet) {
   return sum / 3;
 }
 
-// What lies outside of the image is black, which is compared with nothing.
+// Pixels outside of the image are black, which are never compared.
 Crop CropAround(const View& view, const GrayImage& image,
                 const Eigen::Vector3d& point, int size) {
   const Eigen::Vector2d center = view.ImageFromCam(view.CamFromWorld(point));
@@ -55,7 +56,7 @@ Crop CropAround(const View& view, const GrayImage& image,
   return crop;
 }
 
-// Whether a facet may show in a picture.
+// Whether a facet may be visible in a view.
 bool MayShow(const TriangleMesh& mesh, const Facet& facet, const View& view) {
   Eigen::Array2d low = Eigen::Array2d::Constant(1e300);
   Eigen::Array2d high = -low;
@@ -78,7 +79,7 @@ bool MayShow(const TriangleMesh& mesh, const Facet& facet, const View& view) {
          low.y() <= view.height;
 }
 
-// The facets that may show in either picture.
+// The facets that may be visible in either view.
 // \param facet  becomes its index among them
 TriangleMesh PartOf(const TriangleMesh& mesh, const View& first,
                     const View& second, uint32_t* facet) {
@@ -103,12 +104,12 @@ TriangleMesh PartOf(const TriangleMesh& mesh, const View& first,
   return part;
 }
 
-// The pixels that show the facet; of one that is too small, the middle, unless
-// something hides it.
-// \param depth  of the facet, scene units
+// Sets the pixels that show the facet as centers; for a facet that is too
+// small, the middle pixel, unless it is occluded. \param depth  of the facet,
+// scene units
 void SetCenters(const FacetIdBuffer& drawn, uint32_t facet, double depth,
                 int radius, CorrelationTile* tile) {
-  constexpr double kHidden = 1.01;  // of its inverse depth; a choice
+  constexpr double kHidden = 1.01;  // of its inverse depth; chosen by hand
   for (int row = 0; row < tile->height; ++row) {
     for (int col = 0; col < tile->width; ++col) {
       const bool is_margin = row < radius || col < radius ||
@@ -125,7 +126,7 @@ void SetCenters(const FacetIdBuffer& drawn, uint32_t facet, double depth,
   }
 }
 
-// Twice the area of a facet in a view, px squared; less than 0: not seen.
+// Twice the area of a facet in a view, px^2; negative: not visible.
 double AreaIn(const View& view, const TriangleMesh& mesh, uint32_t facet) {
   std::array<Eigen::Vector2d, 3> pixels;
   for (int k = 0; k < 3; ++k) {
@@ -138,7 +139,7 @@ double AreaIn(const View& view, const TriangleMesh& mesh, uint32_t facet) {
   }
   const Eigen::Vector2d a = pixels[1] - pixels[0];
   const Eigen::Vector2d b = pixels[2] - pixels[0];
-  return a.y() * b.x() - a.x() * b.y();  // v goes down
+  return a.y() * b.x() - a.x() * b.y();  // the v axis points down
 }
 
 // The pair that "IMAGE IMAGE" names; names may have spaces.

@@ -1,34 +1,19 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "labeling/facet_labels.h"
-#include "mesh/triangle_mesh.h"
-#include "scene/gray_image.h"
-#include "scene/view.h"
+#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 
-struct ShownMesh;
-
-// What two images show of a facet.
-struct FacetMatch {
-  GrayImage first;             // around the facet, as the first view shows it
-  GrayImage warped;            // the second image, seen from the first view by
-                               // way of the surface; 0 where that is not seen
-  std::optional<double> zncc;  // of the windows of the facet, by their weights;
-                               // nothing if none can be compared
-};
-
-// The scene's views that see a facet, by its corners: ascending.
+// The scene's views that see a corner of a facet, ascending.
 std::vector<uint32_t> ViewsOfFacet(const ShownMesh& mesh, uint32_t facet);
 
-// The pair that refines a facet, by its label; without one, of the views that
-// see it the two in which it is largest.
+// The pair of a facet's label; without a label, the two views in which the
+// facet is largest.
 std::optional<ViewPair> PairOfFacet(const ShownMesh& mesh, uint32_t facet,
                                     const std::vector<View>& views);
 

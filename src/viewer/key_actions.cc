@@ -1,26 +1,15 @@
-// What keys and mouse do: the table that the help is printed from.
+// The actions of keys and mouse: the table from which the help is printed.
 
 #include <algorithm>
+#include <utility>
 
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {
 
-// The actions, which alone see the session from inside.
+// The actions; they have access to the session's members.
 struct ViewerActions {
-  static KeyAction Mode(int key, const char* name, MeshMode mode,
-                        const char* help) {
-    return {{key}, name, help, [mode](ViewerSession* session) {
-              session->settings_.mode = mode;
-            }};
-  }
-
-  static KeyAction Toggle(int key, const char* name,
-                          bool DrawSettings::*setting, const char* help) {
-    return {{key}, name, help, [setting](ViewerSession* session) {
-              session->settings_.*setting = !(session->settings_.*setting);
-            }};
-  }
+  using Session = ViewerSession;
 
   static void Image(ViewerSession* session) {
     session->SetImage(!session->settings_.image);
@@ -54,90 +43,71 @@ struct ViewerActions {
     }
     session->is_paused_ = !session->is_paused_;
     session->host_.pause(session->is_paused_);
-    session->message_ = session->is_paused_ ? "paused; T goes on" : "";
+    session->message_ = session->is_paused_ ? "paused; T continues" : "";
   }
 
-  static std::vector<KeyAction> ForMeshes() {
-    return {
-        Mode('1', "1", MeshMode::kShaded, "shaded"),
-        Mode('2', "2", MeshMode::kColor, "colours of the vertices"),
-        Mode('3', "3", MeshMode::kNormals, "normals"),
-        Mode('4', "4", MeshMode::kLabels, "labels: the pair of each face"),
-        Mode('5', "5", MeshMode::kErrors, "errors"),
-        Mode('6', "6", MeshMode::kConfidence, "confidence"),
-        Toggle('W', "W", &DrawSettings::wireframe, "wireframe"),
-        Toggle('B', "B", &DrawSettings::backfaces, "mark backs of faces"),
-        Toggle('P', "P", &DrawSettings::points, "points"),
-        Toggle('C', "C", &DrawSettings::cameras, "cameras with their images"),
-    };
-  }
-
-  static std::vector<KeyAction> ForViews() {
+  static std::vector<KeyAction> All() {
     constexpr double kStep = 0.1;  // of the opacity
-    using Session = ViewerSession*;
-    return {
-        {{kKeyRight, ']'},
-         "Right ]",
-         "next camera",
-         [](Session session) { session->StepView(1); }},
-        {{kKeyLeft, '['},
-         "Left [",
-         "previous camera",
-         [](Session session) { session->StepView(-1); }},
-        {{'G'}, "G", "the camera's image over the mesh", &Image},
-        {{'+', '='},
-         "+",
-         "... stronger",
-         [](Session session) { Opacity(session, kStep); }},
-        {{'-'},
-         "-",
-         "... fainter",
-         [](Session session) { Opacity(session, -kStep); }},
+    std::vector<KeyAction> all;
+    const auto add = [&all](std::vector<int> keys, const char* name,
+                            const char* help, const auto& act) {
+      all.push_back({std::move(keys), name, help, act});
     };
-  }
-
-  static std::vector<KeyAction> ForAll() {
-    using Session = ViewerSession*;
-    return {
-        {{kKeyTab}, "Tab", "next mesh", &NextMesh},
-        {{'R'}, "R", "first view", &Reset},
-        {{'S'},
-         "S",
-         "save a picture",
-         [](Session session) { session->wants_screenshot_ = true; }},
-        {{'T'}, "T", "pause the refinement, or go on", &Pause},
-        {{'H'},
-         "H",
-         "this help",
-         [](Session session) {
-           session->is_help_shown_ = !session->is_help_shown_;
-         }},
-        {{kKeyEscape},
-         "Esc",
-         "close",
-         [](Session session) { session->is_closed_ = true; }},
+    const auto add_mode = [&](int key, MeshMode mode, const char* help) {
+      static constexpr const char* kNames[] = {"1", "2", "3", "4", "5", "6"};
+      add({key}, kNames[key - '1'], help,
+          [mode](Session* session) { session->settings_.mode = mode; });
     };
+    const auto add_toggle = [&](const char* name, bool DrawSettings::*setting,
+                                const char* help) {
+      add({name[0]}, name, help, [setting](Session* session) {
+        session->settings_.*setting = !(session->settings_.*setting);
+      });
+    };
+    add_mode('1', MeshMode::kShaded, "shaded");
+    add_mode('2', MeshMode::kColor, "colors of the vertices");
+    add_mode('3', MeshMode::kNormals, "normals");
+    add_mode('4', MeshMode::kLabels, "labels: the image pair of each face");
+    add_mode('5', MeshMode::kErrors, "errors");
+    add_mode('6', MeshMode::kConfidence, "confidence");
+    add_toggle("W", &DrawSettings::wireframe, "wireframe");
+    add_toggle("B", &DrawSettings::backfaces, "mark back sides of faces");
+    add_toggle("P", &DrawSettings::points, "points");
+    add_toggle("C", &DrawSettings::cameras, "cameras with their images");
+    add({kKeyRight, ']'}, "Right ]", "next camera",
+        [](Session* session) { session->StepView(1); });
+    add({kKeyLeft, '['}, "Left [", "previous camera",
+        [](Session* session) { session->StepView(-1); });
+    add({'G'}, "G", "the camera's image over the mesh", &Image);
+    add({'+', '='}, "+", "increase its opacity",
+        [](Session* session) { Opacity(session, kStep); });
+    add({'-'}, "-", "decrease its opacity",
+        [](Session* session) { Opacity(session, -kStep); });
+    add({kKeyTab}, "Tab", "next mesh", &NextMesh);
+    add({'R'}, "R", "first view", &Reset);
+    add({'S'}, "S", "save a picture",
+        [](Session* session) { session->wants_screenshot_ = true; });
+    add({'T'}, "T", "pause or continue the refinement", &Pause);
+    add({'H'}, "H", "this help", [](Session* session) {
+      session->is_help_shown_ = !session->is_help_shown_;
+    });
+    add({kKeyEscape}, "Esc", "close",
+        [](Session* session) { session->is_closed_ = true; });
+    return all;
   }
 };
 
 const std::vector<KeyAction>& KeyActions() {
-  static const std::vector<KeyAction> actions = [] {
-    std::vector<KeyAction> all = ViewerActions::ForMeshes();
-    for (const auto& more :
-         {ViewerActions::ForViews(), ViewerActions::ForAll()}) {
-      all.insert(all.end(), more.begin(), more.end());
-    }
-    return all;
-  }();
+  static const std::vector<KeyAction> actions = ViewerActions::All();
   return actions;
 }
 
 const std::vector<MouseHelp>& MouseActions() {
   static const std::vector<MouseHelp> actions = {
       {"left drag", "rotate"},
-      {"right or Ctrl drag", "move"},
-      {"wheel", "nearer, farther"},
-      {"double click", "a face: its views, and how well they agree"},
+      {"right or Ctrl drag", "pan"},
+      {"wheel", "zoom"},
+      {"double click", "select a face: its views and their agreement"},
   };
   return actions;
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
+#include "base/percentile.h"
 #include "pictures/picture_views.h"
 
 namespace colmap_ext {
@@ -14,8 +16,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// The point of the ball under the finger, in the camera's frame; outside of it
-// that on its rim.
+// The point of the trackball at a position, in the camera's frame; outside of
+// the ball the point on its rim.
 Vector3d OnBall(const Vector2d& place, int width, int height) {
   const double radius = 0.5 * std::min(width, height);
   const Vector2d flat = (place - 0.5 * Vector2d(width, height)) / radius;
@@ -26,7 +28,7 @@ Vector3d OnBall(const Vector2d& place, int width, int height) {
   return {flat.x(), flat.y(), -std::sqrt(1 - length * length)};
 }
 
-// Moves a camera by a motion of the world's points.
+// Moves a camera as if the world rotated around a center.
 void MoveWorld(const Eigen::Matrix3d& rotation, const Vector3d& center,
                View* view) {
   const Vector3d eye =
@@ -74,7 +76,7 @@ void OrbitCamera::Pan(const Vector2d& from, const Vector2d& to, int width,
 }
 
 void OrbitCamera::Zoom(double steps) {
-  constexpr double kStep = 0.85;  // of the distance; a choice
+  constexpr double kStep = 0.85;  // of the distance; chosen by hand
   SetCenter(pivot_ + std::pow(kStep, steps) * (view_.Center() - pivot_),
             &view_);
 }
@@ -102,6 +104,85 @@ View BetweenViews(const View& first, const View& second, double share) {
           .toRotationMatrix();
   SetCenter(first.Center() + share * (second.Center() - first.Center()), &view);
   return view;
+}
+
+Eigen::Vector3d Middle(const ShownMesh& mesh) {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3 && !mesh.mesh.vertices.empty(); ++axis) {
+    std::vector<double> coordinates;
+    coordinates.reserve(mesh.mesh.vertices.size());
+    for (const Eigen::Vector3f& vertex : mesh.mesh.vertices) {
+      coordinates.push_back(vertex[axis]);
+    }
+    middle[axis] = Median(&coordinates);
+  }
+  return middle;
+}
+
+OrbitCamera FirstCamera(const ShownMesh& mesh, int width, int height) {
+  const View view =
+      mesh.mesh.facets.empty()
+          ? AutomaticView(mesh.mesh.vertices, mesh.front, width, height)
+          : AutomaticView(mesh.mesh, width, height);
+  return {view, Middle(mesh)};
+}
+
+Eigen::Vector3d Upwards(const std::vector<View>& cameras, const View& view) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const View& camera : cameras) {
+    sum -= camera.cam_from_world_rotation.row(1).transpose();
+  }
+  // Cameras in all directions have no common one. Chosen by hand.
+  constexpr double kMinMean = 0.3;
+  if (sum.norm() > kMinMean * static_cast<double>(cameras.size())) {
+    return sum.normalized();
+  }
+  return -view.cam_from_world_rotation.row(1).transpose();
+}
+
+std::array<Eigen::Vector3d, 4> ImageCorners(const View& view, double depth) {
+  const Eigen::Matrix3d ray_from_pixel = view.RayFromPixel();
+  std::array<Eigen::Vector3d, 4> corners;
+  for (int i = 0; i < 4; ++i) {
+    const int below = i / 2;
+    const Eigen::Vector3d pixel(i % 2 * view.width, below * view.height, 1);
+    corners[i] = view.Center() + depth * (ray_from_pixel * pixel);
+  }
+  return corners;
+}
+
+std::vector<Eigen::Vector3f> FrustumLines(const std::vector<View>& views,
+                                          double depth) {
+  constexpr std::array<int, 8> kAround = {0, 1, 1, 3, 3, 2, 2, 0};
+  std::vector<Eigen::Vector3f> ends;
+  for (const View& view : views) {
+    const std::array<Eigen::Vector3d, 4> corners = ImageCorners(view, depth);
+    for (const Eigen::Vector3d& corner : corners) {
+      ends.emplace_back(view.Center().cast<float>());
+      ends.emplace_back(corner.cast<float>());
+    }
+    for (const int i : kAround) {
+      ends.emplace_back(corners[i].cast<float>());
+    }
+  }
+  return ends;
+}
+
+double FrustumDepth(const std::vector<View>& views) {
+  constexpr double kShare = 0.4;     // of the distance to the next camera
+  constexpr size_t kMaxAsked = 200;  // cameras; chosen by hand
+  std::vector<double> distances;
+  for (size_t i = 0; i < std::min(views.size(), kMaxAsked); ++i) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (size_t j = 0; j < views.size(); ++j) {
+      const double distance = (views[i].Center() - views[j].Center()).norm();
+      nearest = distance > 0 ? std::min(nearest, distance) : nearest;
+    }
+    if (nearest < std::numeric_limits<double>::infinity()) {
+      distances.push_back(nearest);
+    }
+  }
+  return distances.empty() ? 1 : kShare * Median(&distances);
 }
 
 }  // namespace colmap_ext

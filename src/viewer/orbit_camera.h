@@ -1,40 +1,45 @@
 #pragma once
 
+#include <array>
+#include <utility>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "scene/view.h"
+#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 
-// A camera that is moved by hand, around a point of the scene. Places in the
-// picture are px, (0, 0) is its upper left corner.
+// A camera that the user moves around a point of the scene. Positions in the
+// picture are in px from its upper left corner.
 class OrbitCamera {
  public:
-  // \param pivot  what it turns around, world frame
+  // \param pivot  center of rotation, world frame
   OrbitCamera(View view, const Eigen::Vector3d& pivot)
       : view_(std::move(view)), pivot_(pivot) {}
 
-  // What it sees in a picture of the given size: all of its view, and what is
-  // above and below or to the sides of it.
+  // The view in a picture of the given size, extended above and below or to the
+  // sides.
   View Picture(int width, int height) const;
 
   const Eigen::Vector3d& Pivot() const { return pivot_; }
   void SetPivot(const Eigen::Vector3d& pivot) { pivot_ = pivot; }
 
-  // Turns the scene around the pivot as if it were in a glass ball that fills
-  // the picture and is rolled by a finger [Shoemake1992].
+  // Turns the scene around the pivot by a virtual trackball that fills the
+  // picture [Shoemake1992].
   void Orbit(const Eigen::Vector2d& from, const Eigen::Vector2d& to, int width,
              int height);
 
   // Turns around an axis through the pivot. Radians, world frame.
   void Turn(double angle, const Eigen::Vector3d& axis);
 
-  // Moves the scene with the mouse: what is as far away as the pivot follows
-  // it exactly.
+  // Moves the scene with the mouse; points at the depth of the pivot follow it
+  // exactly.
   void Pan(const Eigen::Vector2d& from, const Eigen::Vector2d& to, int width,
            int height);
 
-  // Moves towards the pivot by a share of what is left of the way.
+  // Moves towards the pivot by a fraction of the distance.
   // \param steps  of a wheel; less than 0: away
   void Zoom(double steps);
 
@@ -43,12 +48,34 @@ class OrbitCamera {
   Eigen::Vector3d pivot_;
 };
 
-// The point before a camera that is as far away as another point is; where that
-// is behind the camera, as far as it is away from it.
+// Point on the viewing axis at the depth of `point` or, if that is behind the
+// camera, at its distance.
 Eigen::Vector3d PivotBefore(const View& view, const Eigen::Vector3d& point);
 
-// The way from one view to another, of the same size.
+// Interpolates between two views of the same size.
 // \param share  0: the first ... 1: the second, exactly
 View BetweenViews(const View& first, const View& second, double share);
+
+// The medians of the coordinates of a mesh or cloud, world frame.
+Eigen::Vector3d Middle(const ShownMesh& mesh);
+
+// A camera that sees the whole mesh; see pictures/picture_views.h.
+OrbitCamera FirstCamera(const ShownMesh& mesh, int width, int height);
+
+// The upward direction: the mean of the cameras; without cameras, of the view.
+Eigen::Vector3d Upwards(const std::vector<View>& cameras, const View& view);
+
+// Corners of an image on a plane in front of its camera: upper left, upper
+// right, lower left, lower right; world frame, scene units. \param depth  of
+// the plane, scene units
+std::array<Eigen::Vector3d, 4> ImageCorners(const View& view, double depth);
+
+// Ends of the lines that show cameras, [2 L], world frame.
+std::vector<Eigen::Vector3f> FrustumLines(const std::vector<View>& views,
+                                          double depth);
+
+// Distance of drawn images from their cameras at which they are large but do
+// not hide each other, scene units.
+double FrustumDepth(const std::vector<View>& views);
 
 }  // namespace colmap_ext

@@ -6,14 +6,14 @@
 
 #include "gl/gl_error.h"
 #include "raster/facet_id_buffer.h"
-#include "viewer/camera_frusta.h"
+#include "viewer/orbit_camera.h"
 
 namespace colmap_ext {
 
 namespace {
 
-// The way from the eye to the scene's first mesh or points, which depths are
-// measured by: scene units.
+// Distance from the camera to the first mesh or points, the scale of depths,
+// scene units.
 double Distance(const ShownScene& scene, const View& view) {
   const std::vector<Eigen::Vector3f>* points = nullptr;
   if (!scene.meshes.empty()) {
@@ -29,7 +29,7 @@ double Distance(const ShownScene& scene, const View& view) {
   return distance > 0 ? distance : 1;
 }
 
-// Of points, px as they are drawn.
+// Of points, drawn px.
 float Diameter(const DrawSettings& settings) {
   return static_cast<float>(2 * settings.point_radius * settings.samples);
 }
@@ -53,7 +53,7 @@ SceneRenderer::Targets::Targets(int the_width, int the_height, int the_samples)
   shown.Attach(GL_COLOR_ATTACHMENT0, picture);
   if (glCheckNamedFramebufferStatus(drawn.Name(), GL_FRAMEBUFFER) !=
       GL_FRAMEBUFFER_COMPLETE) {
-    throw GlError("This OpenGL can not draw colours and numbers together");
+    throw GlError("This OpenGL cannot draw colors and numbers together");
   }
 }
 
@@ -84,7 +84,7 @@ void SceneRenderer::Prepare(const View& view, const DrawSettings& settings) {
 
 void SceneRenderer::Draw(const ShownScene& scene, const View& view,
                          const DrawSettings& settings) {
-  // Of the distance; depths do not get less exact by a small one.
+  // Fraction of the distance; a small one costs no depth precision.
   constexpr double kNear = 1e-4;
   Prepare(view, settings);
   const int samples = settings.samples;

@@ -6,22 +6,18 @@
 #include "gl/gl_objects.h"
 #include "scene/color_image.h"
 #include "scene/view.h"
-#include "viewer/draw_settings.h"
-#include "viewer/image_pass.h"
-#include "viewer/line_pass.h"
-#include "viewer/mesh_pass.h"
-#include "viewer/point_pass.h"
+#include "viewer/draw_passes.h"
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 
-// Draws scenes by OpenGL into pictures of its own. The context that it was made
-// in has to be current whenever it is used.
+// Draws scenes by OpenGL into its own pictures. Its context has to be current
+// whenever it is used.
 class SceneRenderer {
  public:
   SceneRenderer() = default;
 
-  // Draws what a camera of the picture's size sees, with its exact intrinsics.
+  // Draws the view of a camera with exactly its size and intrinsics.
   // \throw GlError if OpenGL fails, or the picture is too large for it.
   void Draw(const ShownScene& scene, const View& view,
             const DrawSettings& settings);
@@ -29,14 +25,14 @@ class SceneRenderer {
   // The last picture.
   ColorImage Read() const;
 
-  // What facet of the mesh its pixel shows, or kNone.
+  // The facet of the mesh at a pixel, or kNone.
   uint32_t FacetAt(int row, int col) const;
 
-  // Shows it in a framebuffer of the context, 0: the window's.
+  // Copies the picture to a framebuffer of the context, 0: the window's.
   void ShowIn(GLuint framebuffer) const;
 
  private:
-  // Where it is drawn, and then made smaller.
+  // Textures to draw into, and the downsampled picture.
   struct Targets {
     Targets(int the_width, int the_height, int the_samples);
 
@@ -44,7 +40,7 @@ class SceneRenderer {
     int samples;        // pixels drawn for one of the picture, a side
     GlTexture colors, facets, depths;  // of width * samples, ...
     GlTexture picture;
-    GlFramebuffer drawn;  // colours, facets, depths
+    GlFramebuffer drawn;  // colors, facets, depths
     GlFramebuffer shown;  // the picture
   };
 

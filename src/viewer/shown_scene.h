@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,14 +15,23 @@
 #include "base/rows.h"
 #include "mesh/triangle_mesh.h"
 #include "scene/color_image.h"
+#include "scene/gray_image.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
-#include "viewer/facet_match.h"
 
 namespace colmap_ext {
 
-// A mesh, or a point cloud, which is one without facets, and what is known of
-// it. Not changed once it is shown.
+// Two images of a facet, compared.
+struct FacetMatch {
+  GrayImage first;             // the first image around the facet
+  GrayImage warped;            // the second image, warped over the surface into
+                               // the first view; 0 where it is occluded
+  std::optional<double> zncc;  // weighted mean over the windows of the facet;
+                               // nullopt if none can be compared
+};
+
+// A mesh, or a point cloud (a mesh without facets), with its data. Not changed
+// once it is shown.
 struct ShownMesh {
   std::string name;
   TriangleMesh mesh;
@@ -33,23 +45,83 @@ struct ShownMesh {
   Eigen::Vector3d front = {0, 0, 0};     // of a cloud: the sum of its normals
 };
 
-// What there is to be seen. What is large is shared, and known to be the same
-// by its address.
+// All that can be drawn. Large parts are shared and identified by address.
 struct ShownScene {
   std::vector<std::shared_ptr<const ShownMesh>> meshes;
   std::shared_ptr<const PointCloud> points;                        // or none
   std::vector<View> views;                                         // cameras
   std::map<size_t, std::shared_ptr<const ColorImage>> thumbnails;  // by view
   std::map<size_t, std::shared_ptr<const ColorImage>> images;      // by view
-  // Of facets that were picked, by mesh and facet.
+  // Matches of picked facets, by mesh and facet.
   std::map<std::pair<std::shared_ptr<const ShownMesh>, uint32_t>,
            std::shared_ptr<const FacetMatch>>
       matches{};
-  std::string status{};              // what is being done, in one line
-  std::vector<std::string> notes{};  // what can not be shown, and why
-  // Of large meshes, for where drawing is slow; see CoarseMesh().
+  std::string status{};              // the current work, in one line
+  std::vector<std::string> notes{};  // data that cannot be shown, and why
+  // Coarse copies of large meshes, for slow drawing; see CoarseMesh().
   std::map<const ShownMesh*, std::shared_ptr<const ShownMesh>> stand_ins{};
-  bool is_over = false;  // the viewer is to close
+  bool is_over = false;  // the viewer has to close
+};
+
+// The colors of a mesh.
+enum class MeshMode {
+  kShaded,
+  kColor,       // of the vertices
+  kNormals,     // red, green, blue for x, y, z of the facets' normals
+  kLabels,      // the pair of views that refines each facet
+  kErrors,      // of the vertices
+  kConfidence,  // dark violet for 0 to yellow for 1
+};
+
+// The name on the command line: "shaded", "color", "normals", "labels",
+// "error", "confidence".
+const char* NameOf(MeshMode mode);
+
+// Which parts of a scene are drawn, and how.
+struct DrawSettings {
+  size_t mesh = 0;  // of the scene's meshes
+  MeshMode mode = MeshMode::kShaded;
+  bool wireframe = false;
+  bool backfaces = false;  // draw them red
+  bool points = false;
+  bool cameras = false;
+  std::optional<size_t> image;  // of this view, over the mesh
+  double image_opacity = 0.5;
+  std::optional<uint32_t> picked;  // facet, whose edges are drawn
+  bool stand_in = false;           // draw a coarse mesh instead of a large one
+  double point_radius = 1.2;       // px
+  int samples = 2;                 // a pixel is the mean of their square
+};
+
+// Changes of the scene that other threads leave for the viewer. Thread-safe.
+class SceneInbox {
+ public:
+  using Edit = std::function<void(ShownScene* scene)>;
+
+  // Adds a change of the scene. It replaces an earlier one of the same key that
+  // has not been taken yet.
+  void Put(const std::string& key, Edit edit) {
+    const std::lock_guard lock(mutex_);
+    edits_[key] = std::move(edit);
+  }
+
+  // Applies the changes, in the order of their keys.
+  // \return whether there were any.
+  bool Take(ShownScene* scene) {
+    std::map<std::string, Edit> edits;
+    {
+      const std::lock_guard lock(mutex_);
+      edits.swap(edits_);
+    }
+    for (const auto& [key, edit] : edits) {
+      edit(scene);
+    }
+    return !edits.empty();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, Edit> edits_;
 };
 
 }  // namespace colmap_ext

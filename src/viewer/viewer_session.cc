@@ -7,19 +7,20 @@
 #include <fmt/format.h>
 
 #include "raster/facet_id_buffer.h"
-#include "viewer/first_view.h"
-#include "viewer/mesh_colors.h"
+#include "viewer/facet_match.h"
+#include "viewer/orbit_camera.h"
+#include "viewer/shown_mesh.h"
 
 namespace colmap_ext {
 
 namespace {
 
-constexpr double kFlightTime = 0.4;  // seconds; a choice
+constexpr double kFlightTime = 0.4;  // seconds; chosen by hand
 
-// Of a way that starts and ends slowly.
+// Starts and ends slowly.
 double Ease(double share) { return share * share * (3 - 2 * share); }
 
-// Views by the names of their images, as people count them.
+// Views in the order of the names of their images.
 std::vector<size_t> ByName(const std::vector<View>& views) {
   std::vector<size_t> order(views.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -43,7 +44,7 @@ bool ViewerSession::Update(double seconds) {
     camera_ = first_camera_;
   }
   if (picked_ && scene_.meshes[settings_.mesh] != picked_mesh_) {
-    picked_.reset();  // The mesh is another one now.
+    picked_.reset();  // the mesh has changed
     settings_.picked.reset();
   }
   if (settings_.cameras && !scene_.views.empty() && host_.load_thumbnails &&

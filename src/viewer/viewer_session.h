@@ -1,45 +1,63 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "labeling/facet_labels.h"
+#include "scene/color_image.h"
 #include "scene/view.h"
-#include "viewer/draw_settings.h"
 #include "viewer/orbit_camera.h"
-#include "viewer/scene_inbox.h"
 #include "viewer/shown_scene.h"
-#include "viewer/viewer_host.h"
 
 namespace colmap_ext {
 
-// Keys are capital letters, digits and signs as they are, and these.
+// Callbacks of the viewer into its program. All return at once; the SceneInbox
+// delivers the loaded data.
+struct ViewerHost {
+  // \param index  of the view in the scene.
+  std::function<void(size_t index, const View& view)> load_image;
+  std::function<void(const std::vector<View>& views)> load_thumbnails;
+  std::function<void(std::shared_ptr<const ShownMesh> mesh, uint32_t facet,
+                     const View& first, const View& second)>
+      match_facet;
+
+  // \return the outcome, in one line.
+  std::function<std::string(const ColorImage& picture)> save_picture;
+
+  // Pauses or resumes the computation; empty without one.
+  std::function<void(bool is_paused)> pause;
+};
+
+// Keys: capital letters, digits and signs by their characters, and these.
 enum ViewerKey : int { kKeyEscape = 256, kKeyTab, kKeyLeft, kKeyRight };
 
 enum class DragKind { kRotate, kPan };
 
-// What a person looks at, and what keys and mouse do to it: all of the viewer
-// but its window.
+// The state of the viewer, changed by keys and mouse: all but its window.
 class ViewerSession {
  public:
-  // What was double-clicked.
+  // A double-clicked facet.
   struct Picked {
     uint32_t facet = 0;
     std::vector<uint32_t> views;   // that see it
-    std::optional<ViewPair> pair;  // that it is compared in
-    bool is_by_label = false;      // the pair is that of its label
+    std::optional<ViewPair> pair;  // whose images are compared
+    bool is_by_label = false;      // the pair comes from its label
   };
 
-  // \param inbox  has to outlive it.
+  // \param inbox  has to outlive the session.
   ViewerSession(SceneInbox* inbox, ViewerHost host, DrawSettings settings);
 
-  // Takes what has come, and goes on with a flight.
-  // \param seconds  since some start
-  // \return whether there is something new to be seen.
+  // Applies the changes in the inbox and moves a flying camera.
+  // \param seconds  since an arbitrary start
+  // \return whether the picture changed.
   bool Update(double seconds);
   bool IsFlying() const { return flight_.has_value(); }
 
@@ -50,20 +68,20 @@ class ViewerSession {
   void Scroll(double steps);
   void Pick(uint32_t facet);
 
-  // What the picture shows; nothing before the first mesh has come.
+  // The camera of the picture; nullopt before the first mesh has arrived.
   std::optional<View> Picture() const;
   const ShownScene& Scene() const { return scene_; }
   const DrawSettings& Settings() const { return settings_; }
   const std::optional<Picked>& GetPicked() const { return picked_; }
-  // What two images show of what was picked; nullptr until they are compared.
+  // The comparison of the picked facet; nullptr until it is done.
   std::shared_ptr<const FacetMatch> PickedMatch() const;
 
-  // Lines about what is seen.
+  // Lines of text about the picture.
   std::vector<std::string> Lines() const;
   bool IsHelpShown() const { return is_help_shown_; }
   bool IsClosed() const { return is_closed_ || scene_.is_over; }
 
-  // Whether a picture is to be saved; once for each time.
+  // Whether the user asked to save a picture since the last call.
   bool TakeScreenshotWish();
   void SavePicture(const ColorImage& picture);
 
@@ -91,7 +109,7 @@ class ViewerSession {
   std::optional<OrbitCamera> first_camera_;
   std::optional<OrbitCamera> camera_;
   std::optional<Flight> flight_;
-  std::optional<size_t> at_view_;  // the camera is this one of the scene
+  std::optional<size_t> at_view_;  // the scene's view that the camera is at
   std::optional<Picked> picked_;
   std::shared_ptr<const ShownMesh> picked_mesh_;
   std::string message_;  // of the last action
@@ -105,7 +123,7 @@ class ViewerSession {
   bool wants_screenshot_ = false;
 };
 
-// What keys do, in the order of the help.
+// Actions of keys, in the order of the help.
 struct KeyAction {
   std::vector<int> keys;
   const char* name;  // of the keys, in the help
@@ -120,5 +138,24 @@ struct MouseHelp {
   const char* help;
 };
 const std::vector<MouseHelp>& MouseActions();
+
+// No window can be opened: no display, no OpenGL 4.5 on it, or a program
+// without GLFW.
+class NoWindowError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct WindowOptions {
+  std::string title;
+  int width = 1024;                         // px
+  int height = 768;                         // px
+  std::function<void()> on_open = nullptr;  // when the window is open
+};
+
+// Shows a session in a window until that is closed. Call it in the program's
+// first thread.
+// \throw NoWindowError if no window can be opened, GlError if OpenGL fails.
+void RunViewerWindow(const WindowOptions& options, ViewerSession* session);
 
 }  // namespace colmap_ext

@@ -103,7 +103,7 @@ TEST_P(CommandTest, WritesAPage) {
   ExpectPageOfRun(page, outcome);
   EXPECT_NE(page.find("&lt;page&gt;.html"), std::string::npos);
   for (const char* text : {"<h3>Points", "<h3>Mesh", "<h3>Confidence",
-                           "<h3>Vertex colours", "rays walked"}) {
+                           "<h3>Vertex colors", "rays walked"}) {
     EXPECT_NE(page.find(text), std::string::npos) << text;
   }
   EXPECT_GE(NumPictures(page), 12);
@@ -122,7 +122,7 @@ TEST_P(CommandTest, MeshesARegion) {
   }
   const Outcome outcome = Run(Workspace() + " --region auto");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("region, its centre"), std::string::npos);
+  EXPECT_NE(outcome.out.find("region, center"), std::string::npos);
   const fs::path region = path_ / "meshed-delaunay-manifold.region.txt";
   const std::string found = ReadFile(path_ / kMeshName);
   ASSERT_EQ(

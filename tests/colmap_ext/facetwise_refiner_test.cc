@@ -387,7 +387,7 @@ TEST_F(FacetwiseRefinerTest, ListsImagesThatCanNotBeUsed) {
       Run(Workspace() + " --FacetwiseRefinement.skip_missing_images 1" +
           Option("labels_path", "labels.ply"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("images left out"), std::string::npos);
+  EXPECT_NE(outcome.out.find("images ignored"), std::string::npos);
   ExpectGoodMesh(path_ / kOutput);
   const std::string labels = ReadFile(path_ / "labels.ply");
   for (const char* name : {"0000.png", "0002.png", "0003.png"}) {
@@ -412,7 +412,7 @@ TEST_F(FacetwiseRefinerTest, RefinesARegion) {
       Run(Workspace() + fmt::format(" --region=-9,-9,{},9,9,9", middle) +
           " --FacetwiseRefinement.levels 1 --FacetwiseRefinement.iterations 2");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("region, its centre"), std::string::npos);
+  EXPECT_NE(outcome.out.find("region, center"), std::string::npos);
   const TriangleMesh refined = ReadPlyMesh(path_ / kOutput);
   EXPECT_TRUE(Analyze(refined).IsManifold());
   float refined_bottom = 1e9f;

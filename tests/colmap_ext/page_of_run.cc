@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "colmap_ext/report/html_text.h"
+#include "colmap_ext/report/html_page.h"
 #include "tests/report/well_formed.h"
 
 namespace colmap_ext {

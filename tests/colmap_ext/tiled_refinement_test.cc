@@ -11,7 +11,7 @@
 #include "formats/encode_png.h"
 #include "tests/colmap_ext/process.h"
 #include "tests/colmap_ext/refiner_fixture.h"
-#include "tests/synthetic/scene_row.h"
+#include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext {
 namespace tiled_refinement_test {

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "evaluation/depth_errors.h"
 #include "scene/look_at.h"
 
 namespace colmap_ext {

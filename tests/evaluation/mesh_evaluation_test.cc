@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "evaluation/observability.h"
 #include "scene/look_at.h"
 #include "tests/random.h"
 
@@ -195,6 +196,66 @@ TEST(EvaluateMesh, LeavesOutFacetsThatAreNotFinite) {
   EXPECT_EQ(evaluation.topology.num_non_finite_vertices, 1);
   EXPECT_NEAR(evaluation.distances->accuracy.mean, 0, 1e-6);
   EXPECT_EQ(VertexErrors(mesh, {Square(0), nullptr}, 0.5)[5], 0.5);
+}
+
+TEST(Summarize, ClipsOrDropsWhatIsBeyond) {
+  const std::vector<double> distances = {10, 1, 4, 10, 3, 2};
+  const DistanceStatistics clipped = Summarize(distances, 10, false);
+  EXPECT_EQ(clipped.num_samples, 6);
+  EXPECT_EQ(clipped.num_beyond, 2);
+  EXPECT_DOUBLE_EQ(clipped.mean, 5);
+  EXPECT_DOUBLE_EQ(clipped.median, 3.5);
+  EXPECT_DOUBLE_EQ(clipped.percentile90, 10);
+  const DistanceStatistics dropped = Summarize(distances, 10, true);
+  EXPECT_EQ(dropped.num_samples, 6);
+  EXPECT_EQ(dropped.num_beyond, 2);
+  EXPECT_DOUBLE_EQ(dropped.mean, 2.5);
+  EXPECT_DOUBLE_EQ(dropped.median, 2.5);
+  EXPECT_DOUBLE_EQ(dropped.percentile90, 3.7);
+}
+
+TEST(Summarize, OfOddNumbersTheMedianIsTheMiddleOne) {
+  EXPECT_EQ(Summarize({5, 1, 2}, 10, false).median, 2);
+  EXPECT_EQ(Summarize({5}, 10, false).percentile90, 5);
+}
+
+TEST(Summarize, IsNotANumberWhereThereIsNothing) {
+  for (const DistanceStatistics& statistics :
+       {Summarize({}, 1, false), Summarize({1, 1}, 1, true)}) {
+    EXPECT_TRUE(std::isnan(statistics.mean));
+    EXPECT_TRUE(std::isnan(statistics.median));
+    EXPECT_TRUE(std::isnan(statistics.percentile90));
+  }
+}
+
+using Points = std::vector<Eigen::Vector3f>;
+
+TEST(Observability, OfAMaskIsThatOfTheNearestVoxel) {
+  Observability observability;
+  ObservabilityMask& mask = observability.mask.emplace();
+  mask.size = {2, 3, 4};
+  mask.voxels.resize(24, 0);
+  mask.voxels[(1 * 3 + 2) * 4 + 3] = 1;  // (1, 2, 3)
+  mask.origin = {10, 20, 30};
+  mask.resolution = 0.5;
+  Points points = {{10.5f, 21, 31.5f},   {10.7f, 20.8f, 31.3f},
+                   {10.8f, 21, 31.5f},   {10, 20, 30},
+                   {10.5f, 21, 31.9f},   {10.5f, 21, 1e30f},
+                   {-10.5f, -21, -31.5f}};
+  observability.RestrictMesh(&points);
+  EXPECT_EQ(points, (Points{{10.5f, 21, 31.5f}, {10.7f, 20.8f, 31.3f}}));
+}
+
+TEST(Observability, OfTheTruthIsAboveTheGround) {
+  Observability observability;
+  observability.ground_plane = Eigen::Vector4d(0, 0, 2, -1);
+  const Points all = {{0, 0, 0.6f}, {5, 5, 0.5f}, {0, 0, -1}};
+  Points points = all;
+  observability.RestrictTruth(&points);
+  EXPECT_EQ(points, (Points{{0, 0, 0.6f}}));
+  points = all;
+  observability.RestrictMesh(&points);
+  EXPECT_EQ(points, all);
 }
 
 }  // namespace mesh_evaluation_test

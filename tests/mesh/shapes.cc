@@ -28,13 +28,13 @@ synthetic::Solid BumpySphere(float height) {
 }  // namespace
 
 TriangleMesh MakeBumpySphere(float cell_size, float height) {
-  return synthetic::MeshSolid(BumpySphere(height), cell_size, 2);
+  return synthetic::MeshSolid(BumpySphere(height), cell_size);
 }
 
 TriangleMesh MakeBumpyCap(float cell_size, float height) {
   synthetic::Solid solid = BumpySphere(height);
   solid.box.min().z() = -0.3f;
-  return synthetic::MeshSolid(solid, cell_size, 2);
+  return synthetic::MeshSolid(solid, cell_size);
 }
 
 TriangleMesh MakeRoundTorus(float cell_size) {
@@ -42,7 +42,7 @@ TriangleMesh MakeRoundTorus(float cell_size) {
   solid.shape = [](const Eigen::Vector3f& point) {
     return std::hypot(point.head<2>().norm() - 0.7f, point.z()) - 0.3f;
   };
-  return synthetic::MeshSolid(solid, cell_size, 2);
+  return synthetic::MeshSolid(solid, cell_size);
 }
 
 TriangleMesh MakeFineCube(float cell_size) {
@@ -50,7 +50,7 @@ TriangleMesh MakeFineCube(float cell_size) {
   solid.shape = [](const Eigen::Vector3f& point) {
     return point.cwiseAbs().maxCoeff() - 1;
   };
-  return synthetic::MeshSolid(solid, cell_size, 2);
+  return synthetic::MeshSolid(solid, cell_size);
 }
 
 TriangleMesh MakeJitteredSquare(uint32_t num_quads, Random* random) {

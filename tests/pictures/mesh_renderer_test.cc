@@ -42,25 +42,26 @@ TEST(RenderMesh, TellsWhereTheRayHits) {
   });
 }
 
-TEST(RenderVertexColors, InterpolatesWithoutShades) {
+TEST(VertexColors, InterpolateWithoutShades) {
+  const TriangleMesh mesh = Square();
   const std::vector<Color> colors(4, {10, 20, 30});
-  EXPECT_EQ(Middle(RenderVertexColors(Square(), colors, ViewFrom(3))),
-            (Color{10, 20, 30}));
-  EXPECT_TRUE(
-      IsRed(Middle(RenderVertexColors(Square(), colors, ViewFrom(-3)))));
+  const FrontColor front = VertexColors(mesh, colors, 0);
+  EXPECT_EQ(Middle(RenderMesh(mesh, ViewFrom(3), front)), (Color{10, 20, 30}));
+  EXPECT_TRUE(IsRed(Middle(RenderMesh(mesh, ViewFrom(-3), front))));
 }
 
-TEST(RenderLabels, ShadesTheColorsOfTheLabels) {
+TEST(LabelColors, AreShaded) {
   for (const int32_t label : {-1, 0, 1, 7}) {
+    const std::vector<int32_t> labels = {label, label};
     const Color color = LabelColor(label);
     const Color seen =
-        Middle(RenderLabels(Square(), {label, label}, ViewFrom(3)));
+        Middle(RenderMesh(Square(), ViewFrom(3), LabelColors(labels)));
     for (int i = 0; i < 3; ++i) {
       EXPECT_LE(seen[i], color[i]);
       EXPECT_NEAR(1.0 * seen[i] / color[i], 1.0 * seen[0] / color[0], 0.02);
     }
     EXPECT_TRUE(
-        IsRed(Middle(RenderLabels(Square(), {label, label}, ViewFrom(-3)))));
+        IsRed(Middle(RenderMesh(Square(), ViewFrom(-3), LabelColors(labels)))));
   }
 }
 
@@ -73,9 +74,11 @@ TEST(MeshRenderer, DrawsSeveralColorsAsItDrawsEachAlone) {
   const std::vector<ColorImage> images = MeshRenderer(mesh).Draw(
       view, {PlainColor(), LabelColors(labels), VertexColors(mesh, colors, 0)});
   ASSERT_EQ(images.size(), 3);
-  EXPECT_EQ(images[0].pixels, RenderLabels(mesh, {-1, -1}, view).pixels);
-  EXPECT_EQ(images[1].pixels, RenderLabels(mesh, labels, view).pixels);
-  EXPECT_EQ(images[2].pixels, RenderVertexColors(mesh, colors, view).pixels);
+  EXPECT_EQ(images[0].pixels, RenderMesh(mesh, view, PlainColor()).pixels);
+  EXPECT_EQ(images[1].pixels,
+            RenderMesh(mesh, view, LabelColors(labels)).pixels);
+  EXPECT_EQ(images[2].pixels,
+            RenderMesh(mesh, view, VertexColors(mesh, colors, 0)).pixels);
 }
 
 TEST(VertexColors, ShadesAsMuchAsIsAskedFor) {

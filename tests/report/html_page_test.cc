@@ -4,9 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "colmap_ext/report/html_text.h"
 #include "colmap_ext/report/refinement_report.h"
-#include "colmap_ext/report/run_pages.h"
 #include "tests/report/well_formed.h"
 
 namespace colmap_ext {

@@ -9,10 +9,10 @@
 #include "tests/synthetic/render.h"
 #include "tests/synthetic/stereo.h"
 
-// What COLMAP itself reads and writes, whatever its version from 3.8 on.
+// Reading and writing by COLMAP itself, in any version from 3.8 on.
 namespace colmap_ext::synthetic {
 
-// \throw std::runtime_error where the file cannot be written.
+// \throw std::runtime_error if the file cannot be written.
 void WriteImage(const std::string& path, const ColorImage& image);
 
 // Reads a sparse model, binary or else text, with COLMAP, and writes it as this

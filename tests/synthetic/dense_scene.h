@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "tests/synthetic/fuse.h"
@@ -19,21 +20,21 @@ struct DenseSceneOptions {
   SparseOptions sparse;
   PoseNoiseOptions pose_noise;
 
-  // Whether the photographs are made; without them points have no colours.
+  // Whether images are rendered; without them points have no colors.
   bool render_images = true;
 
   // Whether the depth maps of the stereo are kept.
   bool keep_depth_maps = false;
 
-  // Whether what the pixels' centres see is kept.
+  // Whether the true depths at the pixel centers are kept.
   bool keep_true_depths = true;
 
-  // What is wrong with the options, in one line; empty when all is well.
+  // Returns what is wrong with the options, in one line; empty if nothing is.
   std::string Check() const;
 };
 
 // A dense workspace in memory: `scene.surface` is the truth, `model_views` and
-// `fused.cloud` are what a mesher takes.
+// `fused.cloud` are the input of a mesher.
 struct DenseScene {
   Scene scene;
   std::vector<View> model_views;     // scene.views, or disturbed ones
@@ -44,8 +45,14 @@ struct DenseScene {
   std::vector<SparsePoint> sparse_points;
 };
 
-// Same options, same bytes, whatever the number of threads.
+// The same options give the same bytes for any number of threads.
 // \throw std::invalid_argument for options that do not check.
 DenseScene MakeDenseScene(const DenseSceneOptions& options);
+
+// Returns copies of a scene side by side, each seen by its own views, whose
+// names begin with the number of the copy. Without depth maps and true depths.
+// \param offset  between neighbors, scene units
+DenseScene MakeSceneRow(const DenseScene& scene, int num_copies,
+                        const Eigen::Vector3d& offset);
 
 }  // namespace colmap_ext::synthetic

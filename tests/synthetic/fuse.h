@@ -25,29 +25,28 @@ struct FusionOptions {
   // Maximum angular difference of the normals of pixels to be fused, degrees.
   double max_normal_error = 10.0;
 
-  // Outliers that are added, as a share of the points: clumps off the surface,
-  // seen by few images.
+  // Outliers that are added, as a fraction of the points: clumps off the
+  // surface, seen by few images.
   double outliers = 0.01;
 };
 
 struct FusedPoints {
-  PointCloud cloud;                      // colours only where images were given
+  PointCloud cloud;                      // colors only with images
   std::vector<Eigen::Vector3f> normals;  // [P], world frame, unit
-  std::vector<char> is_outlier;          // [P], put there on purpose
+  std::vector<char> is_outlier;          // [P], added by AddOutliers()
 };
 
-// Joins depth maps into points by the rules of COLMAP's stereo_fusion: a pixel
-// that is left over is a reference; pixels of other images that its point falls
-// onto join it when position, depth and normal agree, and bring in those that
-// their own points fall onto; the point is the median. One thread, so that the
-// result is always the same.
-// \param images of all views, or empty
+// Fuses depth maps by the rules of COLMAP's stereo_fusion: an unused pixel is a
+// reference; the pixels of other images that its point projects to are joined
+// if position, depth and normal agree, then those that their points project to;
+// the point is the median. Single-threaded, for reproducible results. \param
+// images of all views, or empty
 FusedPoints FuseDepthMaps(const std::vector<View>& views,
                           const std::vector<DepthMap>& maps,
                           const std::vector<ColorImage>& images,
                           const FusionOptions& options);
 
-// Adds outliers as FusionOptions says, behind the points that are there.
+// Appends outliers, see FusionOptions.
 void AddOutliers(const std::vector<View>& views, double share, uint64_t seed,
                  FusedPoints* points);
 

@@ -4,9 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <utility>
 
-#include "tests/synthetic/parallel.h"
-#include "tests/synthetic/vertex_spreading.h"
+#include <tbb/parallel_for.h>
 
 namespace colmap_ext::synthetic {
 namespace {
@@ -43,8 +44,8 @@ struct Lattice {
   }
 };
 
-// Fills a block of nodes. Far from the surface the signs are all that matters,
-// and the detail, which is what costs, cannot change them.
+// Fills a block of nodes. Far from the surface only the signs are needed, which
+// the expensive detail cannot change.
 void FillBlock(const Solid& solid, const std::array<uint64_t, 3>& first,
                Lattice* lattice) {
   std::array<uint64_t, 3> last;
@@ -74,7 +75,7 @@ void FillBlock(const Solid& solid, const std::array<uint64_t, 3>& first,
   }
 }
 
-Lattice Sample(const Solid& solid, float cell_size, int num_threads) {
+Lattice Sample(const Solid& solid, float cell_size) {
   Lattice lattice;
   lattice.origin = solid.box.min();
   lattice.cell_size = cell_size;
@@ -84,12 +85,13 @@ Lattice Sample(const Solid& solid, float cell_size, int num_threads) {
     blocks[i] = (lattice.size[i] + kBlock - 1) / kBlock;
   }
   lattice.values.resize(lattice.size[0] * lattice.size[1] * lattice.size[2]);
-  ParallelFor(blocks[0] * blocks[1] * blocks[2], num_threads, [&](size_t b) {
-    FillBlock(solid,
-              {b % blocks[0] * kBlock, b / blocks[0] % blocks[1] * kBlock,
-               b / blocks[0] / blocks[1] * kBlock},
-              &lattice);
-  });
+  tbb::parallel_for(
+      size_t{0}, blocks[0] * blocks[1] * blocks[2], [&](size_t b) {
+        FillBlock(solid,
+                  {b % blocks[0] * kBlock, b / blocks[0] % blocks[1] * kBlock,
+                   b / blocks[0] / blocks[1] * kBlock},
+                  &lattice);
+      });
   return lattice;
 }
 
@@ -140,9 +142,8 @@ void MarchTetrahedron(const Lattice& lattice, uint64_t node,
 
 // The surface in one layer of cubes.
 std::vector<EdgeTriangle> MarchLayer(const Lattice& lattice, uint64_t z) {
-  // The six ways from corner 0 to corner 7, one axis after another; those of
-  // odd permutations with two corners swapped, so that all have one
-  // orientation.
+  // The six paths from corner 0 to corner 7 along the axes. In those of odd
+  // permutations two corners are swapped, so that all have one orientation.
   static constexpr std::array<std::array<uint64_t, 4>, 6> kTetrahedra = {
       {{0, 1, 3, 7},
        {0, 2, 6, 7},
@@ -174,15 +175,15 @@ Eigen::Vector3f EdgePoint(const Lattice& lattice, EdgeKey key) {
   const uint64_t other = node + lattice.Step(key % 8);
   const float a = lattice.values[node];
   const float b = lattice.values[other];
-  // Not too close to the nodes, where facets would shrink to nothing.
+  // Not too close to the nodes, where facets would degenerate.
   const float t = std::clamp(a / (a - b), 0.1f, 0.9f);
   return (1 - t) * lattice.Position(node) + t * lattice.Position(other);
 }
 
-TriangleMesh March(const Lattice& lattice, int num_threads) {
+TriangleMesh March(const Lattice& lattice) {
   std::vector<std::vector<EdgeTriangle>> layers(lattice.size[2] - 1);
-  ParallelFor(layers.size(), num_threads,
-              [&](size_t z) { layers[z] = MarchLayer(lattice, z); });
+  tbb::parallel_for(size_t{0}, layers.size(),
+                    [&](size_t z) { layers[z] = MarchLayer(lattice, z); });
   std::vector<EdgeKey> keys;
   for (const auto& layer : layers) {
     for (const EdgeTriangle& triangle : layer) {
@@ -190,37 +191,116 @@ TriangleMesh March(const Lattice& lattice, int num_threads) {
     }
   }
   std::vector<EdgeKey> vertices = keys;
-  std::sort(vertices.begin(), vertices.end());
+  std::ranges::sort(vertices);
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
 
   TriangleMesh mesh;
   mesh.vertices.resize(vertices.size());
   mesh.facets.resize(keys.size() / 3);
-  ParallelFor(vertices.size() / 4096 + 1, num_threads, [&](size_t chunk) {
-    const size_t end = std::min((chunk + 1) * 4096, vertices.size());
-    for (size_t v = chunk * 4096; v < end; ++v) {
-      mesh.vertices[v] = EdgePoint(lattice, vertices[v]);
-    }
+  tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t v) {
+    mesh.vertices[v] = EdgePoint(lattice, vertices[v]);
   });
-  ParallelFor(mesh.facets.size() / 4096 + 1, num_threads, [&](size_t chunk) {
-    const size_t end = std::min((chunk + 1) * 4096, mesh.facets.size());
-    for (size_t f = chunk * 4096; f < end; ++f) {
-      for (int i = 0; i < 3; ++i) {
-        mesh.facets[f][i] = std::lower_bound(vertices.begin(), vertices.end(),
-                                             keys[3 * f + i]) -
-                            vertices.begin();
-      }
+  tbb::parallel_for(size_t{0}, mesh.facets.size(), [&](size_t f) {
+    for (int i = 0; i < 3; ++i) {
+      mesh.facets[f][i] = std::ranges::lower_bound(vertices, keys[3 * f + i]) -
+                          vertices.begin();
     }
   });
   return mesh;
 }
 
+// [V] whether a vertex has an edge with only one facet.
+std::vector<char> BorderVertices(const TriangleMesh& mesh) {
+  std::map<std::pair<uint32_t, uint32_t>, int> counts;
+  for (const Facet& facet : mesh.facets) {
+    for (int i = 0; i < 3; ++i) {
+      ++counts[std::minmax({facet[i], facet[(i + 1) % 3]})];
+    }
+  }
+  std::vector<char> is_border(mesh.vertices.size(), false);
+  for (const auto& [edge, count] : counts) {
+    if (count == 1) {
+      is_border[edge.first] = is_border[edge.second] = true;
+    }
+  }
+  return is_border;
+}
+
+Eigen::Vector3f Gradient(const Solid& solid, const Eigen::Vector3f& point,
+                         float value, float step) {
+  Eigen::Vector3f gradient;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Vector3f ahead = point;
+    ahead[i] += step;
+    gradient[i] = (solid(ahead) - value) / step;
+  }
+  return gradient;
+}
+
+// `vector`, shortened to `length` where it is longer.
+Eigen::Vector3f Clamp(const Eigen::Vector3f& vector, float length) {
+  const float norm = vector.norm();
+  return norm > length ? Eigen::Vector3f(vector * (length / norm)) : vector;
+}
+
+// Evens out the facets of a mesh of the solid's surface: moves every vertex
+// towards the mean of its neighbors, in the tangent plane, and back onto the
+// surface by a Newton step. Vertices at the border stay.
+// \param cell_size  limits the step of a vertex in one round, scene units
+void SpreadVertices(const Solid& solid, float cell_size, int num_rounds,
+                    TriangleMesh* mesh) {
+  const std::vector<char> is_border = BorderVertices(*mesh);
+  const size_t num_vertices = mesh->vertices.size();
+  for (int round = 0; round < num_rounds; ++round) {
+    std::vector<Eigen::Vector3f> sums(num_vertices, Eigen::Vector3f::Zero());
+    std::vector<float> counts(num_vertices, 0);
+    for (const Facet& facet : mesh->facets) {
+      for (int i = 0; i < 3; ++i) {
+        sums[facet[i]] += mesh->vertices[facet[(i + 1) % 3]] +
+                          mesh->vertices[facet[(i + 2) % 3]];
+        counts[facet[i]] += 2;
+      }
+    }
+    tbb::parallel_for(size_t{0}, num_vertices, [&](size_t v) {
+      if (is_border[v] || counts[v] == 0) {
+        return;
+      }
+      Eigen::Vector3f& point = mesh->vertices[v];
+      const float value = solid(point);
+      const Eigen::Vector3f gradient =
+          Gradient(solid, point, value, 0.05f * cell_size);
+      const float squared = std::max(gradient.squaredNorm(), 0.1f);
+      const Eigen::Vector3f move = sums[v] / counts[v] - point;
+      point += Clamp(move - gradient * (move.dot(gradient) / squared) -
+                         gradient * (value / squared),
+                     0.3f * cell_size);
+    });
+  }
+}
+
 }  // namespace
 
-TriangleMesh MeshSolid(const Solid& solid, float cell_size, int num_threads) {
-  TriangleMesh mesh = March(Sample(solid, cell_size, num_threads), num_threads);
-  SpreadVertices(solid, cell_size, kNumSpreadings, num_threads, &mesh);
+TriangleMesh MeshSolid(const Solid& solid, float cell_size) {
+  TriangleMesh mesh = March(Sample(solid, cell_size));
+  SpreadVertices(solid, cell_size, kNumSpreadings, &mesh);
   return mesh;
+}
+
+std::vector<Eigen::Vector3f> VertexNormals(const TriangleMesh& mesh) {
+  std::vector<Eigen::Vector3f> normals(mesh.vertices.size(),
+                                       Eigen::Vector3f::Zero());
+  for (const Facet& facet : mesh.facets) {
+    const Eigen::Vector3f& a = mesh.vertices[facet[0]];
+    const Eigen::Vector3f normal =
+        (mesh.vertices[facet[1]] - a).cross(mesh.vertices[facet[2]] - a);
+    for (const uint32_t vertex : facet) {
+      normals[vertex] += normal;
+    }
+  }
+  for (Eigen::Vector3f& normal : normals) {
+    normal.normalize();
+  }
+  return normals;
 }
 
 }  // namespace colmap_ext::synthetic

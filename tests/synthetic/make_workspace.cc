@@ -3,21 +3,93 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <iomanip>
 #include <iostream>
+#include <map>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "tests/synthetic/arguments.h"
 #include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
 
 namespace {
 
-using colmap_ext::synthetic::Arguments;
 using colmap_ext::synthetic::DenseScene;
 using colmap_ext::synthetic::DenseSceneOptions;
 using colmap_ext::synthetic::SceneOptions;
+
+// The options of a program by name, `--name value`, each bound to a variable,
+// whose value so far is the default.
+class Arguments {
+ public:
+  template <typename T>
+  void Add(const std::string& name, T* value, const std::string& help) {
+    const std::string usual = Format(*value);
+    std::string column = "  --" + name + " ";
+    column.resize(std::max<size_t>(column.size(), 27), ' ');
+    help_ += column + help + (usual.empty() ? "" : " [" + usual + "]") + "\n";
+    setters_["--" + name] = [value](const std::string& text) {
+      return Parse(text, value);
+    };
+  }
+
+  // \throw std::invalid_argument for unknown options and unreadable values.
+  void Read(int argc, char** argv) const {
+    for (int i = 1; i < argc; i += 2) {
+      const auto setter = setters_.find(argv[i]);
+      if (setter == setters_.end()) {
+        throw std::invalid_argument(std::string("unknown option ") + argv[i]);
+      }
+      if (i + 1 == argc || !setter->second(argv[i + 1])) {
+        throw std::invalid_argument(std::string(argv[i]) +
+                                    " lacks a proper value");
+      }
+    }
+  }
+
+  const std::string& Help() const { return help_; }
+
+  static bool AsksForHelp(int argc, char** argv) {
+    const std::string first = argc > 1 ? argv[1] : "-h";
+    return first == "-h" || first == "--help" || first == "help";
+  }
+
+ private:
+  template <typename T>
+  static std::string Format(const T& value) {
+    std::ostringstream stream;
+    stream << value;
+    return stream.str();
+  }
+  static std::string Format(const std::vector<double>&) { return ""; }
+
+  template <typename T>
+  static bool Parse(const std::string& text, T* value) {
+    std::istringstream stream(text);
+    return stream >> *value && (stream >> std::ws).eof();
+  }
+  static bool Parse(const std::string& text, std::string* value) {
+    *value = text;
+    return true;
+  }
+  // Numbers with commas between.
+  static bool Parse(const std::string& text, std::vector<double>* value) {
+    std::istringstream stream(text);
+    value->clear();
+    for (std::string part; std::getline(stream, part, ',');) {
+      if (!Parse(part, &value->emplace_back())) {
+        return false;
+      }
+    }
+    return !value->empty();
+  }
+
+  std::map<std::string, std::function<bool(const std::string&)>> setters_;
+  std::string help_;
+};
 
 void AddSceneArguments(SceneOptions* options, Arguments* arguments) {
   arguments->Add("scene", &options->shape,
@@ -45,7 +117,7 @@ void AddPointArguments(DenseSceneOptions* options, Arguments* arguments) {
   arguments->Add("noise", &options->stereo.noise,
                  "of stereo matches, px, 0 - 10");
   arguments->Add("correlated_share", &options->stereo.correlated_share,
-                 "of its variance, between neighbours, 0 - 1");
+                 "of its variance, between neighbors, 0 - 1");
   arguments->Add("normal_noise", &options->stereo.normal_noise,
                  "degrees, 0 - 45");
   arguments->Add("dropout", &options->stereo.dropout,
@@ -83,7 +155,7 @@ Arguments Bind(DenseSceneOptions* options, std::string* output_path) {
   arguments.Add("write_depth_maps", &options->keep_depth_maps,
                 "the stereo's, with normals, to stereo/, 0 or 1");
   arguments.Add("write_true_depth_maps", &options->keep_true_depths,
-                "of the pixels' centres, to truth/depth_maps/, 0 or 1");
+                "of the pixels' centers, to truth/depth_maps/, 0 or 1");
   return arguments;
 }
 

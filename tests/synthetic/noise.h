@@ -6,7 +6,7 @@
 
 namespace colmap_ext::synthetic {
 
-// Random numbers without state: each is a hash of what it is for (a seed, an
+// Random numbers without state: each is a hash of its purpose (a seed, an
 // image, a pixel ...), so that none depends on the order of the work.
 uint64_t Hash(uint64_t seed, uint64_t a = 0, uint64_t b = 0, uint64_t c = 0);
 
@@ -26,7 +26,7 @@ float FractalNoise(const Eigen::Vector3f& point, int num_octaves, float gain,
                    uint32_t seed, float lacunarity = 1.9f);
 
 // ValueNoise of the plane scaled to deviation 1 on average: the part of an
-// error that neighbouring pixels share.
+// error that neighboring pixels share.
 float SmoothNoise(float x, float y, uint32_t seed);
 
 }  // namespace colmap_ext::synthetic

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "tests/synthetic/noise.h"
+#include "tests/synthetic/scene.h"
 
 namespace colmap_ext::synthetic {
 
@@ -50,13 +51,8 @@ std::vector<Vector6d> MakeNoise(bool is_smooth, size_t num_views,
 }  // namespace
 
 std::string PoseNoiseOptions::Check() const {
-  if (!(pixels >= 0 && pixels <= 100)) {
-    return "pose_noise must be in [0, 100]";
-  }
-  if (!(focal_factor >= 0.5 && focal_factor <= 2)) {
-    return "focal_factor must be in [0.5, 2]";
-  }
-  return "";
+  return RangeError(
+      {{"pose_noise", pixels, 0, 100}, {"focal_factor", focal_factor, 0.5, 2}});
 }
 
 // A turn about x or y, or a motion along them, moves what lies ahead by the

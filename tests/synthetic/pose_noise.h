@@ -8,27 +8,27 @@
 
 namespace colmap_ext::synthetic {
 
-// How a sparse model's cameras are off.
+// Errors of a sparse model's cameras.
 struct PoseNoiseOptions {
-  // RMS over the images of how far what they see moves, px, about: half of it
-  // by turns, half by motions of the camera, of zero mean.
+  // Approximate RMS motion of the image content, px: half of it by rotations,
+  // half by translations of the camera, of zero mean.
   double pixels = 0;
 
-  // Whether neighboring images are off alike, as after a drift.
+  // Whether neighboring images have similar errors, as after drift.
   bool is_smooth = false;
 
-  // Whether the depth maps are fused by the disturbed cameras, as in life.
+  // Whether the depth maps are fused by the disturbed cameras, as in practice.
   bool is_before_fusion = true;
 
   // A factor on all focal lengths.
   double focal_factor = 1;
 
-  // What is wrong with the options, in one line; empty when all is well.
+  // Returns what is wrong with the options, in one line; empty if nothing is.
   std::string Check() const;
 };
 
 // The views with poses and focal lengths disturbed.
-// \param depth  at which the scene lies, scene units.
+// \param depth  of the scene, scene units.
 std::vector<View> DisturbViews(const PoseNoiseOptions& options,
                                const std::vector<View>& views, double depth,
                                uint64_t seed);

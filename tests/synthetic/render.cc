@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/parallel.h"
 
 namespace colmap_ext::synthetic {
 namespace {
@@ -84,7 +84,7 @@ Color Expose(const Vector3f& radiance, double exposure,
 
 }  // namespace
 
-Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads) {
+Visible RenderVisible(const Bvh& bvh, const View& view) {
   Visible visible;
   visible.width = view.width;
   visible.height = view.height;
@@ -92,7 +92,7 @@ Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads) {
   visible.depths.resize(num_pixels, 0);
   visible.facets.resize(num_pixels, -1);
   const Vector3f eye = view.Center().cast<float>();
-  ParallelFor((view.height + 1) / 2, num_threads, [&](size_t row_pair) {
+  tbb::parallel_for(0, (view.height + 1) / 2, [&](int row_pair) {
     for (int col = 0; col < view.width; col += 2) {
       const int row = 2 * row_pair;
       RayPacket rays;
@@ -117,15 +117,14 @@ Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads) {
 }
 
 ColorImage RenderImage(const Scene& scene, const Bvh& bvh, size_t view_index,
-                       const RenderOptions& options, uint64_t seed,
-                       int num_threads) {
+                       const RenderOptions& options, uint64_t seed) {
   const View& view = scene.views[view_index];
   ColorImage image;
   image.width = view.width;
   image.height = view.height;
   image.pixels.resize(static_cast<size_t>(view.width) * view.height);
   const Vector3f eye = view.Center().cast<float>();
-  ParallelFor(view.height, num_threads, [&](size_t row) {
+  tbb::parallel_for(0, view.height, [&](int row) {
     for (int col = 0; col < view.width; ++col) {
       const size_t index = row * view.width + col;
       image.pixels[index] =

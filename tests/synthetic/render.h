@@ -18,26 +18,25 @@ struct RenderOptions {
   double photon_noise = 2.0;
 };
 
-// What the pixel centres (col + 0.5, row + 0.5) of an image see of a surface.
+// The surface at the pixel centers (col + 0.5, row + 0.5) of an image.
 struct Visible {
   int width = 0;
   int height = 0;
   std::vector<float> depths;    // [height * width], along the camera's z axis,
                                 // scene units; 0 where there is nothing
-  std::vector<int32_t> facets;  // [height * width]; -1 where there is nothing
+  std::vector<int32_t> facets;  // [height * width]; -1 for background
 
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * width + col;
   }
 };
 
-// Casts a ray through every pixel's centre.
-Visible RenderVisible(const Bvh& bvh, const View& view, int num_threads);
+// Casts a ray through every pixel's center.
+Visible RenderVisible(const Bvh& bvh, const View& view);
 
 // Photograph of the scene by one of its views: 2 x 2 rays a pixel, diffuse
 // light and highlights, exposure, noise.
 ColorImage RenderImage(const Scene& scene, const Bvh& bvh, size_t view,
-                       const RenderOptions& options, uint64_t seed,
-                       int num_threads);
+                       const RenderOptions& options, uint64_t seed);
 
 }  // namespace colmap_ext::synthetic

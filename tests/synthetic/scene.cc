@@ -3,28 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <stdexcept>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include "spatial/bvh.h"
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/parallel.h"
 #include "tests/synthetic/scene_shapes.h"
-#include "tests/synthetic/vertex_spreading.h"
 
 namespace colmap_ext::synthetic {
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr size_t kChunk = 1024;  // vertices
-constexpr int kNumSkyRays = 8;   // a multiple of four
-// Where there is no texture, the grain of so few rays must not be one.
+constexpr int kNumSkyRays = 8;  // a multiple of four
+// More rays without texture, so that their noise does not look like one.
 constexpr int kNumBlankSkyRays = 64;
-constexpr float kSky = 0.45f;  // share of the light that comes from all over
+constexpr float kSky = 0.45f;  // fraction of the light from the sky
 constexpr float kSkyReach =
-    0.6f;  // scene units; what is farther shades nothing
+    0.6f;  // scene units; occluders farther away are ignored
 
 // Direction of the sky's k-th of num_rays rays at a point, distributed by the
 // cosine around the normal.
@@ -38,7 +37,7 @@ Vector3f SkyDirection(const Vector3f& normal, uint64_t hash, int k,
   return (normal + 0.99f * on_sphere).normalized();
 }
 
-// Light at a vertex: sun with soft shadows, and the sky as far as it is seen.
+// Light at a vertex: sun with soft shadows, and the visible part of the sky.
 float Irradiance(const Scene& scene, const Bvh& bvh, size_t vertex,
                  uint64_t hash) {
   const Vector3f& point = scene.surface.vertices[vertex];
@@ -73,16 +72,11 @@ float Irradiance(const Scene& scene, const Bvh& bvh, size_t vertex,
   return kSky * num_sky / num_rays + (1 - kSky) * cosine * num_sun / 4;
 }
 
-std::vector<float> AllIrradiance(const Scene& scene,
-                                 const SceneOptions& options) {
+std::vector<float> AllIrradiance(const Scene& scene, uint64_t seed) {
   const Bvh bvh(scene.surface);
-  const size_t num_vertices = scene.surface.vertices.size();
-  std::vector<float> irradiance(num_vertices);
-  ParallelFor(num_vertices / kChunk + 1, options.num_threads, [&](size_t c) {
-    const size_t end = std::min((c + 1) * kChunk, num_vertices);
-    for (size_t v = c * kChunk; v < end; ++v) {
-      irradiance[v] = Irradiance(scene, bvh, v, Hash(options.seed, 3, v));
-    }
+  std::vector<float> irradiance(scene.surface.vertices.size());
+  tbb::parallel_for(size_t{0}, irradiance.size(), [&](size_t v) {
+    irradiance[v] = Irradiance(scene, bvh, v, Hash(seed, 3, v));
   });
   return irradiance;
 }
@@ -106,35 +100,30 @@ float Patch::At(const Vector3f& point) const {
   return strength > 0 ? strength * std::clamp(border, 0.0f, 1.0f) : 0;
 }
 
+std::string RangeError(const std::vector<CheckedValue>& values) {
+  for (const auto& [name, value, lower, upper] : values) {
+    if (!(value >= lower && value <= upper)) {
+      std::ostringstream text;
+      text << name << " must be in [" << lower << ", " << upper << "]";
+      return text.str();
+    }
+  }
+  return "";
+}
+
 std::string SceneOptions::Check() const {
   if (FindSceneShape(shape) == nullptr) {
     return "scene must be `statue`, `wall` or `grid`";
   }
-  if (num_images < 1 || num_images > 10000) {
-    return "num_images must be in [1, 10000]";
-  }
-  if (width < 16 || height < 16 || width > 20000 || height > 20000) {
-    return "width and height must be in [16, 20000]";
-  }
-  if (!(relief >= 0 && relief <= 2)) {
-    return "relief must be in [0, 2]";
-  }
-  if (!(thickness >= 0.2 && thickness <= 3)) {
-    return "thickness must be in [0.2, 3]";
-  }
-  if (!(untextured >= 0 && untextured <= 1)) {
-    return "untextured must be in [0, 1]";
-  }
-  if (!(gloss >= 0 && gloss <= 2)) {
-    return "gloss must be in [0, 2]";
-  }
-  if (!(exposure_change >= 0 && exposure_change <= 0.9)) {
-    return "exposure_change must be in [0, 0.9]";
-  }
-  if (!(cell_size >= 0.5 && cell_size <= 100)) {
-    return "cell_size must be in [0.5, 100]";
-  }
-  return "";
+  return RangeError({{"num_images", 1.0 * num_images, 1, 10000},
+                     {"width", 1.0 * width, 16, 20000},
+                     {"height", 1.0 * height, 16, 20000},
+                     {"relief", relief, 0, 2},
+                     {"thickness", thickness, 0.2, 3},
+                     {"untextured", untextured, 0, 1},
+                     {"gloss", gloss, 0, 2},
+                     {"exposure_change", exposure_change, 0, 0.9},
+                     {"cell_size", cell_size, 0.5, 100}});
 }
 
 Scene MakeScene(const SceneOptions& options) {
@@ -161,16 +150,15 @@ Scene MakeScene(const SceneOptions& options) {
   scene.blank.strength = static_cast<float>(options.untextured);
   scene.shiny = shape.shiny;
   scene.shiny.strength = static_cast<float>(options.gloss);
-  scene.surface =
-      MeshSolid(SolidOf(shape, options, scene.blank),
-                options.cell_size * scene.footprint, options.num_threads);
+  scene.surface = MeshSolid(SolidOf(shape, options, scene.blank),
+                            options.cell_size * scene.footprint);
   scene.normals = VertexNormals(scene.surface);
-  scene.irradiance = AllIrradiance(scene, options);
+  scene.irradiance = AllIrradiance(scene, options.seed);
   return scene;
 }
 
 Vector3f Albedo(const Scene& scene, const Vector3f& point) {
-  // The first octave is three cells to the unit, the last one or two pixels.
+  // The first octave has three cells per unit, the last one or two pixels.
   constexpr float kFirst = 3.0f;
   const Vector3f kBlank(0.62f, 0.60f, 0.56f);
   const int num_octaves = std::clamp(
@@ -179,13 +167,13 @@ Vector3f Albedo(const Scene& scene, const Vector3f& point) {
           1,
       2, 10);
   const uint32_t seed = scene.texture_seed;
-  const float grey =
+  const float gray =
       0.50f + 0.14f * FractalNoise(kFirst * point, num_octaves, 0.84f, seed);
   const float warm = FractalNoise(4.0f * point, 2, 0.8f, seed + 100);
   const float green = FractalNoise(5.0f * point, 2, 0.7f, seed + 200);
   const float blank = scene.blank.At(point);
   const Vector3f tint(1 + 0.11f * warm, 1 + 0.08f * green, 1 - 0.13f * warm);
-  return ((1 - blank) * grey * tint + blank * kBlank)
+  return ((1 - blank) * gray * tint + blank * kBlank)
       .cwiseMax(0.03f)
       .cwiseMin(1.0f);
 }

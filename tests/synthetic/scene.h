@@ -48,28 +48,40 @@ struct SceneOptions {
   // of the images; its facets have edges of about two thirds of that.
   double cell_size = 3.5;
 
-  // Of everything random: surface, texture, cameras, exposures, noise.
+  // Seed of everything random: surface, texture, cameras, exposures, noise.
   uint64_t seed = 1;
 
   // The number of threads to use. Default is all threads. The result does not
   // depend on it.
   int num_threads = -1;
 
-  // What is wrong with the options, in one line; empty when all is well.
+  // Returns what is wrong with the options, in one line; empty if nothing is.
   std::string Check() const;
 };
 
-// A part of the surface: what is inside of a ball, faded out at its border.
+// A value that has to be in a range, with its name on the command line.
+struct CheckedValue {
+  const char* name;
+  double value;
+  double lower;
+  double upper;
+};
+
+// The first value outside of its range, "NAME must be in [LOWER, UPPER]"; empty
+// if there is none.
+std::string RangeError(const std::vector<CheckedValue>& values);
+
+// A part of the surface: inside of a ball, faded out at its border.
 struct Patch {
   Eigen::Vector3f center = Eigen::Vector3f::Zero();
   float radius = 0;    // scene units
-  float strength = 0;  // of what is special in the patch
+  float strength = 0;  // of the patch's property
 
   // `strength` inside, 0 outside.
   float At(const Eigen::Vector3f& point) const;
 };
 
-// A world of which everything is known. About 2 scene units across, z is up.
+// A scene with known geometry and light. About 2 scene units across, z is up.
 struct Scene {
   TriangleMesh surface;                  // the truth, facets seen from outside
   std::vector<Eigen::Vector3f> normals;  // [V], unit, to the outside

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/parallel.h"
 
 namespace colmap_ext::synthetic {
 namespace {
@@ -16,14 +16,13 @@ using Eigen::Matrix3f;
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-// How far a seen surface may be from a point that is said to lie on it,
-// relative to its depth.
+// Maximum distance of a point from the visible surface, relative to its depth.
 constexpr float kSameDepth = 0.006f;
 
-// How much nearer than what is beside it foreground is, relative to the latter.
+// Least relative difference of depth between foreground and background.
 constexpr float kSilhouette = 0.02f;
 
-// How much of a highlight may differ between two images that are matched.
+// Maximum difference of a highlight between two images that are matched.
 constexpr float kSameHighlight = 0.1f;
 
 struct Camera {
@@ -110,8 +109,8 @@ struct Matcher {
   PixelIndex Content(PixelIndex pixel) const;
   SurfacePoint PointAt(PixelIndex pixel, int32_t facet) const;
 
-  // The error of a pixel's depth in deviations: what its neighbourhood shares,
-  // in two sizes, and what is its own.
+  // The error of a pixel's depth in deviations: two smooth parts that neighbors
+  // share, and an independent part.
   float DepthNoise(int row, int col) const {
     const auto key = static_cast<uint32_t>(Hash(seed, 10, reference));
     const float coarse = SmoothNoise(col / 17.0f, row / 17.0f, key);
@@ -146,8 +145,8 @@ struct Matcher {
   void MatchPixel(int row, int col, DepthMap* map) const;
 };
 
-// The pixel whose content stereo takes for that of `pixel`: itself, or beside a
-// silhouette one a little inside of the foreground.
+// The pixel whose content stereo assigns to `pixel`: itself or, near a
+// silhouette, one a little inside of the foreground.
 PixelIndex Matcher::Content(PixelIndex pixel) const {
   const Visible& seen = visible[reference];
   const auto depth_at = [&](int row, int col) {
@@ -254,27 +253,16 @@ void Matcher::MatchPixel(int row, int col, DepthMap* map) const {
 }  // namespace
 
 std::string StereoOptions::Check() const {
-  if (!(noise >= 0 && noise <= 10)) {
-    return "noise must be in [0, 10]";
-  }
-  if (!(correlated_share >= 0 && correlated_share <= 1)) {
-    return "correlated_share must be in [0, 1]";
-  }
-  if (!(normal_noise >= 0 && normal_noise <= 45)) {
-    return "normal_noise must be in [0, 45]";
-  }
-  if (!(dropout >= 0 && dropout <= 1)) {
-    return "dropout must be in [0, 1]";
-  }
-  if (!(fattening >= 0 && fattening <= 20)) {
-    return "fattening must be in [0, 20]";
-  }
-  return "";
+  return RangeError({{"noise", noise, 0, 10},
+                     {"correlated_share", correlated_share, 0, 1},
+                     {"normal_noise", normal_noise, 0, 45},
+                     {"dropout", dropout, 0, 1},
+                     {"fattening", fattening, 0, 20}});
 }
 
 DepthMap SimulateStereo(const Scene& scene, const std::vector<Visible>& visible,
                         size_t view, const StereoOptions& options,
-                        uint64_t seed, int num_threads) {
+                        uint64_t seed) {
   constexpr double kRadians = std::numbers::pi / 180;
   Matcher matcher{scene, visible, view, options, seed, {}, 0, 0};
   for (const View& v : scene.views) {
@@ -287,7 +275,7 @@ DepthMap SimulateStereo(const Scene& scene, const std::vector<Visible>& visible,
   map.height = visible[view].height;
   map.depths.resize(visible[view].depths.size(), 0);
   map.normals.resize(map.depths.size(), Vector3f::Zero());
-  ParallelFor(map.height, num_threads, [&](size_t row) {
+  tbb::parallel_for(0, map.height, [&](int row) {
     for (int col = 0; col < map.width; ++col) {
       matcher.MatchPixel(row, col, &map);
     }

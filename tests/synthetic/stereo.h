@@ -16,7 +16,7 @@ struct StereoOptions {
   // through the baselines to all images that see the point.
   double noise = 0.5;
 
-  // Share of the error's variance that neighbouring pixels have in common.
+  // Share of the error's variance that neighboring pixels have in common.
   double correlated_share = 0.9;
 
   // Deviation of the normals, degrees.
@@ -34,14 +34,14 @@ struct StereoOptions {
   // Share of the pixels without depth, in patches, though all is seen.
   double dropout = 0.04;
 
-  // How far the foreground may grow over what is behind it at silhouettes, px.
+  // Maximum growth of the foreground over the background at silhouettes, px.
   double fattening = 5.0;
 
-  // What is wrong with the options, in one line; empty when all is well.
+  // Returns what is wrong with the options, in one line; empty if nothing is.
   std::string Check() const;
 };
 
-// What multi-view stereo finds for one image, in COLMAP's form: pixel
+// The result of multi-view stereo for one image, in COLMAP's form: pixel
 // (row, col) stands for the ray through (col, row) of COLMAP's convention, not
 // (col + 0.5, row + 0.5).
 struct DepthMap {
@@ -56,14 +56,14 @@ struct DepthMap {
 };
 
 // Simulates COLMAP's patch_match_stereo on one view. The content of a pixel is
-// what its centre sees, but COLMAP takes it for what the pixel's upper left
-// corner sees, in this image and in all others. The depth is the one that fits
-// those shifted observations best, in least squares; noise is added to it. What
-// has no texture gets holes and more noise; images whose highlights differ are
-// not matched; windows that hold a silhouette are matched by the foreground.
-// \param visible of all views
+// seen by its center, but COLMAP attributes it to the pixel's upper left
+// corner, in this image and in all others. The depth is the one that fits those
+// shifted observations best, in least squares; noise is added to it. Surface
+// without texture gets holes and more noise; images with different highlights
+// are not matched; windows with a silhouette match the foreground. \param
+// visible of all views
 DepthMap SimulateStereo(const Scene& scene, const std::vector<Visible>& visible,
                         size_t view, const StereoOptions& options,
-                        uint64_t seed, int num_threads);
+                        uint64_t seed);
 
 }  // namespace colmap_ext::synthetic

@@ -8,12 +8,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include "formats/write_mesh.h"
 #include "tests/synthetic/colmap_workspace.h"
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/parallel.h"
 
 namespace colmap_ext::synthetic {
 namespace {
@@ -116,19 +116,9 @@ std::vector<int> WriteSparseModel(const fs::path& path, const DenseScene& scene,
 }
 
 void WriteImages(const fs::path& path, const DenseScene& scene) {
-  std::vector<std::string> errors(scene.images.size());
-  ParallelFor(scene.images.size(), -1, [&](size_t i) {
-    try {
-      WriteImage((path / scene.scene.views[i].name).string(), scene.images[i]);
-    } catch (const std::exception& error) {
-      errors[i] = error.what();
-    }
+  tbb::parallel_for(size_t{0}, scene.images.size(), [&](size_t i) {
+    WriteImage((path / scene.scene.views[i].name).string(), scene.images[i]);
   });
-  for (const std::string& error : errors) {
-    if (!error.empty()) {
-      throw std::runtime_error(error);
-    }
-  }
 }
 
 void WriteStereo(const fs::path& path, const DenseScene& scene) {

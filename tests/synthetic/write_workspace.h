@@ -9,12 +9,13 @@ namespace colmap_ext::synthetic {
 
 // Writes the scene as a COLMAP dense workspace, through COLMAP's own writers:
 // images/, sparse/*.bin, fused.ply, fused.ply.vis; with the depth maps also
-// stereo/{depth_maps,normal_maps,fusion.cfg}; and what is true: truth/mesh.ply,
-// truth/cameras.txt, truth/images.txt and, where they were kept, the depths
-// that the pixels' centres see (those of stereo/ belong to the corners), as
-// truth/depth_maps/NAME.geometric.bin. Files that are there are overwritten.
-// Image ids are in random order, as an incremental reconstruction leaves them.
-// \throw std::runtime_error where a folder or file cannot be written.
+// stereo/{depth_maps,normal_maps,fusion.cfg}; and the ground truth:
+// truth/mesh.ply, truth/cameras.txt, truth/images.txt and, where they were
+// kept, the depths that the pixels' centers see (those of stereo/ belong to the
+// corners), as truth/depth_maps/NAME.geometric.bin. Files that are there are
+// overwritten. Image ids are in random order, as an incremental reconstruction
+// leaves them. \throw std::runtime_error where a folder or file cannot be
+// written.
 void WriteWorkspace(const DenseScene& scene, uint64_t seed,
                     const std::string& path);
 

@@ -30,7 +30,7 @@ TEST(MeshSolid, BallIsASphere) {
   ball.box = {Vector3f(-1, -1, -1), Vector3f(1, 1, 1)};
   ball.shape = [](const Vector3f& p) { return p.norm() - 0.7f; };
   ball.detail = [](const Vector3f&) { return 0.0f; };
-  const TriangleMesh mesh = MeshSolid(ball, 0.06f, 2);
+  const TriangleMesh mesh = MeshSolid(ball, 0.06f);
   const MeshReport report = Analyze(mesh);
   EXPECT_TRUE(report.IsManifold()) << report.Defects();
   EXPECT_EQ(report.num_border_edges, 0);
@@ -52,7 +52,7 @@ TEST(MeshSolid, NoiseIsManifold) {
     solid.detail = [seed](const Vector3f& p) {
       return 0.1f * ValueNoise(20 * p, seed + 1);
     };
-    const MeshReport report = Analyze(MeshSolid(solid, 0.1f, 2));
+    const MeshReport report = Analyze(MeshSolid(solid, 0.1f));
     EXPECT_GT(report.num_facets, 100);
     EXPECT_TRUE(report.IsManifold()) << report.Defects();
   }

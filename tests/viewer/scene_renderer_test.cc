@@ -4,13 +4,13 @@
 #include <memory>
 #include <vector>
 
-#include "pictures/error_colors.h"
+#include "pictures/drawings.h"
 #include "pictures/mesh_renderer.h"
 #include "pictures/picture_views.h"
 #include "raster/facet_id_buffer.h"
 #include "scene/look_at.h"
 #include "tests/gl/gl_test.h"
-#include "viewer/mesh_colors.h"
+#include "viewer/shown_mesh.h"
 
 namespace colmap_ext {
 namespace scene_renderer_test {
@@ -106,14 +106,16 @@ TEST_F(SceneRendererTest, AgreesWithTheRenderersOfReports) {
   DrawSettings settings;
   settings.mode = MeshMode::kLabels;
   renderer.Draw(scene, view, settings);
-  EXPECT_LT(MeanDifference(renderer.Read(),
-                           RenderLabels(hills->mesh, hills->labels, view)),
-            1);
+  EXPECT_LT(
+      MeanDifference(renderer.Read(),
+                     RenderMesh(hills->mesh, view, LabelColors(hills->labels))),
+      1);
   settings.mode = MeshMode::kColor;
   renderer.Draw(scene, view, settings);
   EXPECT_LT(
       MeanDifference(renderer.Read(),
-                     RenderVertexColors(hills->mesh, hills->colors, view)),
+                     RenderMesh(hills->mesh, view,
+                                VertexColors(hills->mesh, hills->colors, 0))),
       1);
 }
 

@@ -1,0 +1,169 @@
+#include "colmap_ext/report/evaluation_report.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "colmap_ext/report/print_report.h"
+
+namespace colmap_ext {
+
+namespace {
+
+std::string Number(double number) {
+  return std::isfinite(number) ? fmt::format("{:14.6g}", number)
+                               : "             -";
+}
+
+void PrintPair(const std::string& label, const DistanceStatistics& accuracy,
+               const DistanceStatistics& completeness,
+               double DistanceStatistics::*number, ReportLog* log) {
+  PrintText(label, Number(accuracy.*number) + Number(completeness.*number),
+            log);
+}
+
+void PrintDistances(const SurfaceDistances& distances, bool drop_beyond,
+                    ReportLog* log) {
+  const DistanceStatistics& accuracy = distances.accuracy;
+  const DistanceStatistics& completeness = distances.completeness;
+  PrintHeading("Distances, scene units", log);
+  PrintText("", "      accuracy  completeness", log);
+  PrintPair("mean", accuracy, completeness, &DistanceStatistics::mean, log);
+  PrintPair("median", accuracy, completeness, &DistanceStatistics::median, log);
+  PrintPair("90th percentile", accuracy, completeness,
+            &DistanceStatistics::percentile90, log);
+  const auto print_counts = [log](const std::string& label, size_t a,
+                                  size_t b) {
+    PrintText(label, fmt::format("{:14}{:14}", a, b), log);
+  };
+  print_counts("samples", accuracy.num_samples, completeness.num_samples);
+  print_counts(drop_beyond ? "  beyond the maximum, dropped"
+                           : "  beyond the maximum, clipped",
+               accuracy.num_beyond, completeness.num_beyond);
+  PrintText("average score", Number(distances.AverageScore()), log);
+  PrintText("maximum distance", Number(distances.max_distance), log);
+  PrintText("spacing of the samples", Number(distances.spacing), log);
+}
+
+void PrintDepths(const DepthErrors& depths, ReportLog* log) {
+  PrintHeading("Depths", log);
+  for (size_t i = 0; i < depths.thresholds.size(); ++i) {
+    PrintText(fmt::format("within {:.6g}", depths.thresholds[i]),
+              std::isfinite(depths.Share(i))
+                  ? fmt::format("{:12.2f} %", 100 * depths.Share(i))
+                  : Number(depths.Share(i)),
+              log);
+  }
+  Print("true depths", depths.num_depths, log);
+  Print("  without the mesh", depths.num_missing, log);
+}
+
+void PrintMesh(const MeshReport& mesh, ReportLog* log) {
+  PrintHeading("Mesh", log);
+  PrintText("2-manifold",
+            mesh.IsManifold() ? "           yes" : "            no", log);
+  if (!mesh.IsManifold()) {
+    PrintText("  defects", mesh.Defects(), log);
+  }
+  PrintTopology(mesh, log);
+}
+
+using Json = nlohmann::ordered_json;
+
+// Rounded to 9 significant digits; null if not finite.
+Json ToJson(double number) {
+  if (!std::isfinite(number)) {
+    return nullptr;
+  }
+  return std::strtod(fmt::format("{:.9g}", number).c_str(), nullptr);
+}
+
+Json ToJson(const DistanceStatistics& statistics) {
+  return {{"mean", ToJson(statistics.mean)},
+          {"median", ToJson(statistics.median)},
+          {"percentile90", ToJson(statistics.percentile90)},
+          {"num_samples", statistics.num_samples},
+          {"num_beyond", statistics.num_beyond}};
+}
+
+Json ToJson(const DepthErrors& depths) {
+  Json thresholds = Json::array();
+  Json shares = Json::array();
+  for (size_t i = 0; i < depths.thresholds.size(); ++i) {
+    thresholds.push_back(ToJson(depths.thresholds[i]));
+    shares.push_back(ToJson(depths.Share(i)));
+  }
+  return {{"thresholds", thresholds},
+          {"shares", shares},
+          {"num_depths", depths.num_depths},
+          {"num_missing", depths.num_missing}};
+}
+
+Json ToJson(const MeshReport& mesh) {
+  return {{"is_manifold", mesh.IsManifold()},
+          {"defects", mesh.Defects()},
+          {"num_vertices", mesh.num_vertices},
+          {"num_faces", mesh.num_facets},
+          {"num_edges", mesh.num_edges},
+          {"num_components", mesh.num_components},
+          {"num_border_edges", mesh.num_border_edges},
+          {"num_border_loops", mesh.num_border_loops},
+          {"euler", mesh.euler},
+          {"genus", mesh.IsManifold() ? Json(mesh.genus) : Json()},
+          {"num_singular_vertices", mesh.num_singular_vertices},
+          {"num_non_manifold_edges", mesh.num_non_manifold_edges}};
+}
+
+void AddDistances(const MeshEvaluation& evaluation, Json* json) {
+  for (const char* name : {"max_distance", "spacing", "accuracy",
+                           "completeness", "average_score"}) {
+    (*json)[name] = nullptr;
+  }
+  if (const auto& distances = evaluation.distances) {
+    (*json)["max_distance"] = ToJson(distances->max_distance);
+    (*json)["spacing"] = ToJson(distances->spacing);
+    (*json)["accuracy"] = ToJson(distances->accuracy);
+    (*json)["completeness"] = ToJson(distances->completeness);
+    (*json)["average_score"] = ToJson(distances->AverageScore());
+  }
+}
+
+}  // namespace
+
+void PrintEvaluation(const EvaluatorOptions& options,
+                     const MeshEvaluation& evaluation, ReportLog* log) {
+  PrintMesh(evaluation.topology, log);
+  PrintIfAny("faces not finite, left out", evaluation.num_dropped_facets, log);
+  if (evaluation.num_views > 0) {
+    PrintHeading("Seen by", log);
+    Print("images", evaluation.num_views, log);
+    PrintIfAny("  without a true depth map",
+               evaluation.num_views_without_depths, log);
+  }
+  if (evaluation.distances) {
+    PrintDistances(*evaluation.distances, options.evaluation.drop_beyond, log);
+  }
+  if (evaluation.depths) {
+    PrintDepths(*evaluation.depths, log);
+  }
+}
+
+std::string EvaluationJson(const EvaluatorOptions& options,
+                           const MeshEvaluation& evaluation) {
+  Json json = {
+      {"mesh_path", options.mesh_path},
+      {"truth_path", options.truth_path},
+      {"workspace_path", options.workspace_path},
+      {"stride", options.evaluation.stride},
+      {"beyond", options.evaluation.drop_beyond ? "dropped" : "clipped"},
+      {"num_images", evaluation.num_views}};
+  AddDistances(evaluation, &json);
+  json["depths"] = evaluation.depths ? ToJson(*evaluation.depths) : Json();
+  json["topology"] = ToJson(evaluation.topology);
+  // Names of files may be in any encoding.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <Eigen/Core>
+
+#include "viewer/viewer_session.h"
+
+namespace colmap_ext {
+
+// A window with an OpenGL 4.5 core context, current in the calling thread.
+class GlfwWindow {
+ public:
+  // \throw NoWindowError if there is no display, or no OpenGL 4.5 on it.
+  GlfwWindow(const std::string& title, int width, int height);
+  ~GlfwWindow();
+  GlfwWindow(const GlfwWindow&) = delete;
+  GlfwWindow& operator=(const GlfwWindow&) = delete;
+
+  GLFWwindow* Get() const { return window_; }
+
+  // Size of the framebuffer, px.
+  Eigen::Vector2i Size() const;
+  // Pixels per unit of the mouse.
+  Eigen::Vector2d Scale() const;
+
+ private:
+  GLFWwindow* window_ = nullptr;
+};
+
+// Passes keys and mouse of a window on to a session, with the meaning that they
+// have in COLMAP's own window. Both have to outlive the object.
+class WindowInput {
+ public:
+  WindowInput(const GlfwWindow& window, ViewerSession* session);
+
+  // Position of a double click since the last call, px.
+  std::optional<Eigen::Vector2i> TakeDoubleClick();
+
+  // Whether there was any input since the last call.
+  bool TakeChange();
+
+ private:
+  void OnKey(int key, int action);
+  void OnButton(int button, int action, int modifiers);
+  void OnMotion(const Eigen::Vector2d& position);
+  void OnScroll(double steps);
+  void InstallCallbacks();
+
+  const GlfwWindow& window_;
+  ViewerSession* session_;
+  std::optional<DragKind> drag_;
+  // Position of the mouse by the events so far, px.
+  Eigen::Vector2d last_ = {0, 0};
+  Eigen::Vector2d last_click_ = {0, 0};  // px
+  double last_click_time_ = -1;          // seconds
+  std::optional<Eigen::Vector2i> double_click_;
+  bool has_changed_ = true;
+};
+
+}  // namespace colmap_ext

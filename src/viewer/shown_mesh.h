@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "viewer/shown_scene.h"
+
+namespace colmap_ext {
+
+// The elements that colors belong to, as in viewer_mesh.frag.
+enum class ColorsOf : int { kPlain, kVertices, kFacets, kNormals };
+
+struct MeshColors {
+  ColorsOf of = ColorsOf::kPlain;
+  std::vector<uint32_t> colors;  // [V] or [F] or empty; red in the lowest byte
+  float shading = 1;             // 0: none, 1: full
+};
+
+// The colors of a mesh by a mode; plain if the mesh has no such data.
+MeshColors ColorsByMode(const ShownMesh& mesh, MeshMode mode);
+
+// The data that a mesh lacks for a mode, and how to get it, in one line; empty
+// if none is missing.
+std::string MissingData(const ShownMesh& mesh, MeshMode mode);
+
+// A mesh of about `max_facets` facets to draw instead of a large one while the
+// camera moves: vertices within a cube of a grid become one [Rossignac1993].
+// Not manifold; keeps labels and colors.
+// \pre max_facets > 0
+ShownMesh CoarseMesh(const ShownMesh& mesh, size_t max_facets);
+
+}  // namespace colmap_ext
