@@ -21,8 +21,12 @@ bool IsDepth(float depth) { return std::isfinite(depth) && depth > 0; }
 
 }  // namespace
 
-DepthMap RenderDepths(const Bvh& surface, const View& view, int stride) {
+DepthMap RenderDepths(const Bvh& surface, const View& view, int stride,
+                      std::vector<int32_t>* facets) {
   DepthMap map = EmptyMap(view.width, view.height, stride);
+  if (facets != nullptr) {
+    facets->assign(map.depths.size(), -1);
+  }
   const Eigen::Vector3f eye = view.Center().cast<float>();
   tbb::parallel_for(0, (map.height + 1) / 2, [&](int row_pair) {
     for (int col = 0; col < map.width; col += 2) {
@@ -37,7 +41,11 @@ DepthMap RenderDepths(const Bvh& surface, const View& view, int stride) {
       for (int i = 0; i < 4; ++i) {
         if (hits.facet[i] >= 0 && row + i / 2 < map.height &&
             col + i % 2 < map.width) {
-          map.depths[map.Index(row + i / 2, col + i % 2)] = hits.distance[i];
+          const size_t index = map.Index(row + i / 2, col + i % 2);
+          map.depths[index] = hits.distance[i];
+          if (facets != nullptr) {
+            (*facets)[index] = hits.facet[i];
+          }
         }
       }
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,7 +15,11 @@ namespace colmap_ext {
 // Returns the depths of a surface in a view, along rays through the centers of
 // the sampled pixels, (col + 0.5, row + 0.5).
 // \param stride  px, > 0
-DepthMap RenderDepths(const Bvh& surface, const View& view, int stride);
+// \param facets  if not nullptr, is set to the facets that the rays hit,
+// [height *
+//        width]; -1: none
+DepthMap RenderDepths(const Bvh& surface, const View& view, int stride,
+                      std::vector<int32_t>* facets = nullptr);
 
 // Returns every stride-th pixel of a map of the whole image.
 // \param stride  px, > 0

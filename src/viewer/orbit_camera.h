@@ -24,7 +24,6 @@ class OrbitCamera {
   View Picture(int width, int height) const;
 
   const Eigen::Vector3d& Pivot() const { return pivot_; }
-  void SetPivot(const Eigen::Vector3d& pivot) { pivot_ = pivot; }
 
   // Turns the scene around the pivot by a virtual trackball that fills the
   // picture [Shoemake1992].

@@ -10,7 +10,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
@@ -21,8 +20,8 @@ using colmap_ext::synthetic::DenseScene;
 using colmap_ext::synthetic::DenseSceneOptions;
 using colmap_ext::synthetic::SceneOptions;
 
-// The options of a program by name, `--name value`, each bound to a variable,
-// whose value so far is the default.
+// The options of the program, `--name value`, each bound to a variable with its
+// default.
 class Arguments {
  public:
   template <typename T>
@@ -64,7 +63,6 @@ class Arguments {
     stream << value;
     return stream.str();
   }
-  static std::string Format(const std::vector<double>&) { return ""; }
 
   template <typename T>
   static bool Parse(const std::string& text, T* value) {
@@ -75,18 +73,6 @@ class Arguments {
     *value = text;
     return true;
   }
-  // Numbers with commas between.
-  static bool Parse(const std::string& text, std::vector<double>* value) {
-    std::istringstream stream(text);
-    value->clear();
-    for (std::string part; std::getline(stream, part, ',');) {
-      if (!Parse(part, &value->emplace_back())) {
-        return false;
-      }
-    }
-    return !value->empty();
-  }
-
   std::map<std::string, std::function<bool(const std::string&)>> setters_;
   std::string help_;
 };

@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
+#include "evaluation/depth_samples.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext::synthetic {
@@ -86,33 +87,8 @@ Color Expose(const Vector3f& radiance, double exposure,
 
 Visible RenderVisible(const Bvh& bvh, const View& view) {
   Visible visible;
-  visible.width = view.width;
-  visible.height = view.height;
-  const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
-  visible.depths.resize(num_pixels, 0);
-  visible.facets.resize(num_pixels, -1);
-  const Vector3f eye = view.Center().cast<float>();
-  tbb::parallel_for(0, (view.height + 1) / 2, [&](int row_pair) {
-    for (int col = 0; col < view.width; col += 2) {
-      const int row = 2 * row_pair;
-      RayPacket rays;
-      rays.origin = eye;
-      for (int i = 0; i < 4; ++i) {
-        const int right = i % 2, down = i / 2;
-        rays.SetDirection(
-            i, RayDirection(view, col + right + 0.5, row + down + 0.5));
-      }
-      const HitPacket hits = bvh.Intersect(rays);
-      for (int i = 0; i < 4; ++i) {
-        if (hits.facet[i] >= 0 && row + i / 2 < view.height &&
-            col + i % 2 < view.width) {
-          const size_t index = visible.Index(row + i / 2, col + i % 2);
-          visible.depths[index] = hits.distance[i];
-          visible.facets[index] = hits.facet[i];
-        }
-      }
-    }
-  });
+  static_cast<colmap_ext::DepthMap&>(visible) =
+      RenderDepths(bvh, view, 1, &visible.facets);
   return visible;
 }
 

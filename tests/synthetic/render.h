@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scene/color_image.h"
+#include "scene/depth_map.h"
 #include "scene/view.h"
 #include "spatial/bvh.h"
 #include "tests/synthetic/scene.h"
@@ -19,16 +20,8 @@ struct RenderOptions {
 };
 
 // The surface at the pixel centers (col + 0.5, row + 0.5) of an image.
-struct Visible {
-  int width = 0;
-  int height = 0;
-  std::vector<float> depths;    // [height * width], along the camera's z axis,
-                                // scene units; 0 where there is nothing
+struct Visible : colmap_ext::DepthMap {
   std::vector<int32_t> facets;  // [height * width]; -1 for background
-
-  size_t Index(int row, int col) const {
-    return static_cast<size_t>(row) * width + col;
-  }
 };
 
 // Casts a ray through every pixel's center.

@@ -44,15 +44,8 @@ struct StereoOptions {
 // The result of multi-view stereo for one image, in COLMAP's form: pixel
 // (row, col) stands for the ray through (col, row) of COLMAP's convention, not
 // (col + 0.5, row + 0.5).
-struct DepthMap {
-  int width = 0;
-  int height = 0;
-  std::vector<float> depths;  // [height * width], scene units; 0 for none
+struct DepthMap : colmap_ext::DepthMap {
   std::vector<Eigen::Vector3f> normals;  // [height * width], world frame, unit
-
-  size_t Index(int row, int col) const {
-    return static_cast<size_t>(row) * width + col;
-  }
 };
 
 // Simulates COLMAP's patch_match_stereo on one view. The content of a pixel is
