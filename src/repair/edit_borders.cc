@@ -138,17 +138,18 @@ void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
 Provenance EditBorders(const BorderOptions& options,
                        const std::vector<float>& facet_confidences,
                        Surface* surface, BorderReport* report) {
-  TrimmedMesh trimmed = TrimMesh(options.trim, surface->mesh, facet_confidences,
-                                 options.trim_rings);
-  if (trimmed.mesh.facets.empty() && !options.is_trim_optional) {
-    throw std::invalid_argument(
-        "no face is confident enough: a lower trim drops less");
-  }
   Provenance from = IdentityOf(surface->mesh);
-  if (!trimmed.mesh.facets.empty()) {
-    report->trim = trimmed.report;
-    from = trimmed.from;
-    surface->Become(std::move(trimmed));
+  if (options.trim > 0) {
+    TrimmedMesh trimmed = TrimMesh(options.trim, surface->mesh,
+                                   facet_confidences, options.trim_rings);
+    if (!trimmed.mesh.facets.empty()) {
+      report->trim = trimmed.report;
+      from = trimmed.from;
+      surface->Become(std::move(trimmed));
+    } else if (!options.is_trim_optional) {
+      throw std::invalid_argument(
+          "no face is confident enough: a lower trim drops less");
+    }
   }
   report->holes = CloseHoles(options.close_holes, surface);
   from.vertices.resize(surface->mesh.vertices.size(), {kNone, kNone});

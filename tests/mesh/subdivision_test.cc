@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "mesh/normals.h"
 #include "mesh/topology.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
@@ -168,11 +169,8 @@ TEST(Subdivide, TakesTheShorterDiagonal) {
 double SmallestAngle(const TriangleMesh& mesh) {
   double smallest = 4;
   for (const Facet& facet : mesh.facets) {
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d p = mesh.vertices[facet[k]].cast<double>();
-      const Vector3d a = mesh.vertices[facet[(k + 1) % 3]].cast<double>() - p;
-      const Vector3d b = mesh.vertices[facet[(k + 2) % 3]].cast<double>() - p;
-      smallest = std::min(smallest, std::atan2(a.cross(b).norm(), a.dot(b)));
+    for (uint32_t k = 0; k < 3; ++k) {
+      smallest = std::min(smallest, AngleVector(mesh, facet, k).norm());
     }
   }
   return smallest;
