@@ -132,10 +132,10 @@ struct RefinableCameras {
 };
 
 // What a refinement starts from: the input, or the result of a complete level.
-// The mesh is manifold. It may have no views: a facet none of whose pairs is
-// known from its vertices may take all pairs that see it. Without origins these
-// are the vertices. Of the fixed vertices their facets are visible, occlude
-// others and take part in the smoothness, but get no labels.
+// The mesh is manifold. Its vertices may have no views: then a facet may take
+// all pairs that see it. Without origins the vertices are the origins. Facets
+// between fixed vertices are visible, occlude other facets and take part in the
+// smoothness, but get no labels.
 struct RefinementStart : Surface {
   int first_level = 0;  // below FacetwiseRefinementOptions::levels
   // Whether the points were fused from the images, so that surface without
