@@ -107,7 +107,7 @@ TEST_F(MeshViewerTest, ShowsARegion) {
     const std::string mesh = "--mesh_path " + Quote((path_ / name).string());
     ExpectRefusal(
         View(mesh + " --screenshot_path a.png --region 70,70,70,80,80,80"),
-        "nothing of it lies in the region");
+        "it has no part in the region");
   }
   ExpectRefusal(View(Workspace() + " --screenshot_path a.png --region auto"),
                 ".region.txt");
