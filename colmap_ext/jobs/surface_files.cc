@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 // The kinds of files, and their sections in order.
 constexpr JobFileKind kSurfaceKind = {
-    "CESURF02", "run facetwise_refiner --plan_path PLAN --input_path MESH again"};
+    "CESURF02",
+    "run facetwise_refiner --plan_path PLAN --input_path MESH again"};
 enum SurfaceSection {
   kSurfacePositions,
   kSurfaceColors,
