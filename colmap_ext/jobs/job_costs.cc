@@ -67,7 +67,7 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
   constexpr double kGbPerThread = 0.004;
   constexpr double kGbPerReadPixel = 4e-9;
   // ... and the sums of the facets of five directions, which wait for their
-  // turn (photometry/cpu_photometric_energy.cc), and the places of all facets.
+  // turn (photometry/photometric_energy.cc), and the places of all facets.
   constexpr double kGbPerSum = 5 * 48e-9;
   constexpr double kGbPerPlace = 0.25e-9;
   // The facets of a direction, in shares of all: 18 labels a facet, each in one

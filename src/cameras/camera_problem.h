@@ -26,7 +26,7 @@ struct ShiftMeasurement {
   Eigen::Matrix2d whitening;
 };
 
-// How much the cameras are trusted to be what they were, standard deviations.
+// Priors: standard deviations of the changes.
 struct CameraPriors {
   double pose = 10;               // px in the image, of each part of a step
   double focal_length = 0.01;     // of its logarithm
@@ -35,21 +35,21 @@ struct CameraPriors {
   double displacement = 10;       // footprints, of a patch off the surface
 };
 
-// What the cameras are fitted to.
+// Input of the adjustment.
 struct CameraEvidence {
   std::vector<ShiftMeasurement> shifts;  // by their patches
   const SparseTracks& tracks;
   std::vector<double> depths;        // [views] of what they see, scene units
   std::vector<double> track_sigmas;  // [views] of an observation, px
-  std::vector<uint8_t> is_skipped;   // [views] too little is known to move it
+  std::vector<uint8_t> is_skipped;   // [views] too little evidence: not moved
   CameraPriors priors;
   bool refine_intrinsics = false;
 };
 
-// What is fitted. The displacements are those of the patches, footprints.
+// The unknowns of the adjustment.
 struct CameraEstimate {
   CameraSet cameras;
-  std::vector<double> displacements;       // [patches]
+  std::vector<double> displacements;       // [patches] footprints
   std::vector<Eigen::Vector3d> positions;  // [P] of the tracks
 };
 

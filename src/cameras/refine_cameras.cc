@@ -8,9 +8,8 @@
 #include <Eigen/LU>
 
 #include "base/percentile.h"
-#include "cameras/compare_patches.h"
+#include "cameras/camera_set.h"
 #include "cameras/shift_jacobian.h"
-#include "cameras/similarity.h"
 #include "cameras/sparse_tracks.h"
 #include "cameras/window_shift.h"
 
@@ -18,10 +17,9 @@ namespace colmap_ext {
 
 namespace {
 
-// The noise of a shift, px. What a window leaves unexplained is its noise, but
-// for what it can not know: how the images are sampled, and, along the epipolar
-// line, that its surface is tilted or curved. Found by trial on bunny
-// (docs/results.md).
+// The covariance of a shift, px^2: the noise of the window, the sampling of the
+// images, and, along the epipolar line, tilt and curvature of the surface. The
+// constants are tuned on bunny (docs/results.md).
 Eigen::Matrix2d Covariance(const PhotometricOptions& photometric,
                            const WindowShift& shift,
                            const ShiftJacobian& jacobian) {
@@ -68,8 +66,20 @@ std::vector<ShiftMeasurement> Measure(
   return measured;
 }
 
-// [views] The noise of the observations in each, px: that of all, or more in a
-// view that they do not fit, so that it can be brought back.
+// [views] Of each view's values; `otherwise` where there are fewer than
+// min_count.
+std::vector<double> Medians(std::vector<std::vector<double>> values,
+                            double otherwise, size_t min_count = 1) {
+  std::vector<double> medians;
+  for (std::vector<double>& of_view : values) {
+    medians.push_back(of_view.size() < min_count ? otherwise
+                                                 : Median(&of_view));
+  }
+  return medians;
+}
+
+// [views] The standard deviation of the observations in each view, px: that of
+// all views, or a larger one where they do not fit, so that the view can move.
 std::vector<double> TrackSigmas(const CameraEstimate& estimate,
                                 const SparseTracks& tracks, double* of_all) {
   constexpr double kMinSigma = 0.2;  // px, of features at best
@@ -88,12 +98,9 @@ std::vector<double> TrackSigmas(const CameraEstimate& estimate,
   *of_all = all.empty()
                 ? kMinSigma
                 : std::max(kMinSigma, kSigmaOfMedianDistance * Median(&all));
-  std::vector<double> sigmas;
-  for (std::vector<double>& of_view : errors) {
-    sigmas.push_back(
-        of_view.empty()
-            ? *of_all
-            : std::max(*of_all, kSigmaOfMedianDistance * Median(&of_view)));
+  std::vector<double> sigmas = Medians(std::move(errors), 0);
+  for (double& sigma : sigmas) {
+    sigma = std::max(*of_all, kSigmaOfMedianDistance * sigma);
   }
   return sigmas;
 }
@@ -101,23 +108,22 @@ std::vector<double> TrackSigmas(const CameraEstimate& estimate,
 class CameraRefinement {
  public:
   CameraRefinement(const CameraRefinementOptions& options,
-                   const PhotometricOptions& photometric,
-                   const CameraSet& original, CameraSet cameras,
-                   const SparseTracks& tracks, const VisibilityBuffers& buffers,
-                   const std::vector<ViewPair>& pairs, ImagePyramid* images)
+                   const CameraInput& input, const CameraSet& original,
+                   CameraSet cameras)
       : options_(options),
-        photometric_(photometric),
+        photometric_(input.photometric),
         original_(original),
-        all_tracks_(tracks),
-        tracks_(ChooseTracks(tracks, original.views.size(),
+        all_tracks_(input.tracks),
+        tracks_(ChooseTracks(input.tracks, original.views.size(),
                              options.min_observations_per_view)),
-        frames_(ComputeFacetFrames(buffers.Mesh())),
-        scene_{buffers, frames_, images},
-        patches_(SelectPatches(options.patches, photometric, scene_, pairs)),
+        frames_(ComputeFacetFrames(input.buffers.Mesh())),
+        scene_{input.buffers, frames_, input.images},
+        patches_(
+            SelectPatches(options.patches, photometric_, scene_, input.pairs)),
         estimate_{std::move(cameras),
                   std::vector<double>(patches_.patches.size(), 0),
                   tracks_.positions} {
-    report_.level = images->Level();
+    report_.level = input.images->Level();
     report_.num_patches = patches_.patches.size();
     report_.views.resize(original.views.size());
   }
@@ -158,15 +164,12 @@ class CameraRefinement {
       misalignment.by_cameras = Median(&by_cameras);
       misalignment.of_surface = Median(&of_surface);
     }
-    for (std::vector<double>& of_view : by_view) {
-      misalignment.by_view.push_back(
-          of_view.size() < kMinPatches ? 0 : Median(&of_view));
-    }
+    misalignment.by_view = Medians(std::move(by_view), 0, kMinPatches);
     return misalignment;
   }
 
  private:
-  // Compares windows and solves for what is to move, in turn.
+  // Compares windows and solves for the cameras, in turn.
   void Iterate(RefinedParts parts) {
     // Px of the level's images; a round that moves no image by more is the
     // last one.
@@ -228,11 +231,11 @@ class CameraRefinement {
     return evidence;
   }
 
-  // Drops the windows of views whose features say that they are far off: what
-  // matches there is chance, and would hold them where they are.
+  // Drops the windows of views whose reprojection errors are large: their
+  // matches are false and would keep the views in place.
   void DropAstray(CameraEvidence* evidence) const {
-    // Of the noise of all features; and px of the level, from which on windows
-    // do not follow.
+    // Multiples of the noise of all features; and px of the level, beyond which
+    // windows do not match.
     constexpr double kFarOff = 3;
     constexpr double kOutOfReach = 2;
     const double limit = std::max(kFarOff * report_.track_sigma,
@@ -258,9 +261,7 @@ class CameraRefinement {
         }
       }
     }
-    for (std::vector<double>& of_view : depths) {
-      evidence->depths.push_back(of_view.empty() ? 1 : Median(&of_view));
-    }
+    evidence->depths = Medians(std::move(depths), 1);
   }
 
   void CountEvidence(RefinedParts parts, const CameraEvidence& evidence) {
@@ -295,8 +296,7 @@ class CameraRefinement {
     return largest;
   }
 
-  // Moves the world so that the sparse model's points lie, on the whole, where
-  // they lay.
+  // Aligns the world to the original points of the sparse model.
   void RestoreGauge(std::vector<Eigen::Vector3d>* positions) {
     std::vector<View>& views = estimate_.cameras.views;
     std::vector<double> footprints(positions->size(), 0);
@@ -330,8 +330,8 @@ class CameraRefinement {
                            static_cast<double>(1 << report_.level);
   }
 
-  // [views] How far what each view sees moved in its full-size picture, from
-  // where it was: the median, px.
+  // [views] The median motion of the patches and points in each view, px of the
+  // full-size image.
   std::vector<double> Motions(const std::vector<View>& before) const {
     const std::vector<View>& after = estimate_.cameras.views;
     std::vector<std::vector<double>> motions(before.size());
@@ -354,11 +354,7 @@ class CameraRefinement {
         add(seen.view, estimate_.positions[i]);
       }
     }
-    std::vector<double> medians;
-    for (std::vector<double>& of_view : motions) {
-      medians.push_back(of_view.empty() ? 0 : Median(&of_view));
-    }
-    return medians;
+    return Medians(std::move(motions), 0);
   }
 
   const CameraRefinementOptions& options_;
@@ -376,15 +372,9 @@ class CameraRefinement {
 }  // namespace
 
 RefinedCameras RefineCameras(const CameraRefinementOptions& options,
-                             const PhotometricOptions& photometric,
-                             const CameraSet& original, CameraSet cameras,
-                             const SparseTracks& tracks,
-                             const VisibilityBuffers& buffers,
-                             const std::vector<ViewPair>& pairs,
-                             ImagePyramid* images) {
-  return CameraRefinement(options, photometric, original, std::move(cameras),
-                          tracks, buffers, pairs, images)
-      .Run();
+                             const CameraInput& input,
+                             const CameraSet& original, CameraSet cameras) {
+  return CameraRefinement(options, input, original, std::move(cameras)).Run();
 }
 
 std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment,
@@ -401,15 +391,9 @@ std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment,
 }
 
 Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
-                                 const PhotometricOptions& photometric,
-                                 const CameraSet& cameras,
-                                 const SparseTracks& tracks,
-                                 const VisibilityBuffers& buffers,
-                                 const std::vector<ViewPair>& pairs,
-                                 ImagePyramid* images) {
-  return CameraRefinement(options, photometric, cameras, cameras, tracks,
-                          buffers, pairs, images)
-      .FindMisalignment();
+                                 const CameraInput& input,
+                                 const CameraSet& cameras) {
+  return CameraRefinement(options, input, cameras, cameras).FindMisalignment();
 }
 
 }  // namespace colmap_ext

@@ -23,7 +23,7 @@ enum class RefinedParts {
 
 struct CameraRefinementOptions {
   RefinedParts parts = RefinedParts::kNothing;
-  // Cameras that are aligned well stay, see RefineFacetwise().
+  // Do not refine cameras that are aligned well, see RefineFacetwise().
   bool only_if_misaligned = false;
   PatchOptions patches;
   CameraPriors priors;
@@ -38,13 +38,13 @@ struct CameraRefinementOptions {
   double min_zncc = 0.5;
 };
 
-// What a refinement did to a view.
+// The report of one view.
 struct RefinedView {
   size_t num_windows = 0;       // that match
   size_t num_observations = 0;  // of the sparse model's points
   double motion = 0;            // median, px, since the original
   double last_motion = 0;       // in the last round, px of the level
-  bool is_skipped = false;      // too little is seen to move it
+  bool is_skipped = false;      // too little evidence to move it
 };
 
 struct CameraRefinementReport {
@@ -77,6 +77,16 @@ struct Misalignment {
                                 // each; 0 where there are too few to tell
 };
 
+// What the cameras are refined by. References are kept.
+struct CameraInput {
+  const PhotometricOptions& photometric;
+  const SparseTracks& tracks;
+  const VisibilityBuffers& buffers;    // of the surface, by the cameras as they
+                                       // are now
+  const std::vector<ViewPair>& pairs;  // views that may be compared
+  ImagePyramid* images;                // at the level
+};
+
 // Moves the cameras so that the surface looks the same in all images, as far as
 // no motion of the surface along its normals would do that (docs/method.md,
 // section 7.7).
@@ -85,16 +95,9 @@ struct Misalignment {
 //
 // \param original  before all refinement: they hold the gauge.
 // \param cameras  as they are now.
-// \param buffers  of the surface, by the cameras as they are now.
-// \param pairs  views that may be compared.
-// \param images  at the level.
 RefinedCameras RefineCameras(const CameraRefinementOptions& options,
-                             const PhotometricOptions& photometric,
-                             const CameraSet& original, CameraSet cameras,
-                             const SparseTracks& tracks,
-                             const VisibilityBuffers& buffers,
-                             const std::vector<ViewPair>& pairs,
-                             ImagePyramid* images);
+                             const CameraInput& input,
+                             const CameraSet& original, CameraSet cameras);
 
 // \param min_share  of what all views together would move the surface by.
 // \return the views that would move the surface by more than it is off, and by
@@ -103,13 +106,9 @@ std::vector<uint32_t> MisalignedViews(const Misalignment& misalignment,
                                       double min_share = 0);
 
 // Compares where the surface's patches go with the cameras as they are, and
-// with refined ones. Parameters as of RefineCameras().
+// with refined ones.
 Misalignment MeasureMisalignment(const CameraRefinementOptions& options,
-                                 const PhotometricOptions& photometric,
-                                 const CameraSet& cameras,
-                                 const SparseTracks& tracks,
-                                 const VisibilityBuffers& buffers,
-                                 const std::vector<ViewPair>& pairs,
-                                 ImagePyramid* images);
+                                 const CameraInput& input,
+                                 const CameraSet& cameras);
 
 }  // namespace colmap_ext

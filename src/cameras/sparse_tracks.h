@@ -14,8 +14,8 @@ namespace colmap_ext {
 double ReprojectionError(const View& view, const TrackObservation& seen,
                          const Eigen::Vector3d& position);
 
-// The tracks that suffice to hold the cameras: the longest ones first, until
-// each view has so many observations, or has no more.
+// The longest tracks, until each view has so many observations or all of its
+// own.
 SparseTracks ChooseTracks(const SparseTracks& tracks, size_t num_views,
                           size_t min_observations_per_view);
 

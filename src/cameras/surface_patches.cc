@@ -10,7 +10,7 @@
 
 #include "cameras/shift_jacobian.h"
 #include "cameras/window_shift.h"
-#include "photometry/view_order.h"
+#include "photometry/pair_work.h"
 
 namespace colmap_ext {
 
@@ -144,9 +144,7 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
     return std::nullopt;
   }
   const Eigen::Vector2d pixel = view_j.ImageFromCam(in_j);
-  if (!(pixel.x() >= border && pixel.y() >= border &&
-        pixel.x() < view_j.width - border &&
-        pixel.y() < view_j.height - border) ||
+  if (!IsWithin(view_j, pixel, border) ||
       !IsNearest(view_j, drawn, patch.facet,
                  PlaneSlope(view_j, scene.frames[patch.facet]), pixel.x(),
                  pixel.y(), 1 / in_j.z())) {

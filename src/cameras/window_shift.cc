@@ -1,10 +1,12 @@
 #include "cameras/window_shift.h"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <Eigen/Geometry>
 
-#include "photometry/interpolation.h"
+#include "photometry/pair_work.h"
 #include "photometry/window_correlation.h"
 
 namespace colmap_ext {
@@ -41,8 +43,7 @@ class DisplacedWarp {
     }
     const double u = p.x() / p.z();
     const double v = p.y() / p.z();
-    if (!(u >= 0.5 && v >= 0.5 && u < j_.image.width - 0.5 &&
-          v < j_.image.height - 0.5) ||
+    if (!IsWithin(j_.view, {u, v}, 0.5) ||
         !IsNearest(j_.view, j_.drawn, facet, slope_, u, v,
                    inverse_depth / p.z())) {
       return false;
@@ -170,6 +171,50 @@ WindowShift CompareWindow(const PhotometricOptions& options, int radius,
   }
   const int side = 2 * radius + 1;
   return 2 * sums.count > side * side ? Correlate(sums) : WindowShift();
+}
+
+std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
+                                        int radius, const DrawnScene& scene,
+                                        const std::vector<View>& views,
+                                        const SurfacePatches& patches) {
+  std::vector<std::set<uint32_t>> partners_of(views.size());
+  for (size_t k = 0; k < patches.patches.size(); ++k) {
+    partners_of[patches.patches[k].view].insert(patches.partners[k].begin(),
+                                                patches.partners[k].end());
+  }
+  Rows<uint32_t> partners;
+  for (const std::set<uint32_t>& row : partners_of) {
+    partners.AddRow(row);
+  }
+  std::vector<ViewPair> order;
+  for (const uint32_t view : OrderByPartners(partners)) {
+    for (const uint32_t partner : partners[view]) {
+      order.push_back({view, partner});
+    }
+  }
+  std::vector<WindowShift> shifts(patches.partners.values.size());
+  // Two views at a time: not all of a view's partners may fit into memory.
+  ForEachInOrder(order, [&](const ViewPair& pair) {
+    const auto [i, j] = pair;
+    const auto image_i = scene.images->Image(i);
+    const auto image_j = scene.images->Image(j);
+    const auto drawn_i = scene.buffers.Get(i);
+    const auto drawn_j = scene.buffers.Get(j);
+    const DrawnView view_i{views[i], *image_i, *drawn_i};
+    const DrawnView view_j{views[j], *image_j, *drawn_j};
+    for (const SurfacePatch& patch : std::ranges::equal_range(
+             patches.patches, i, {}, &SurfacePatch::view)) {
+      const size_t k = &patch - patches.patches.data();
+      const auto row = patches.partners[k];
+      const auto found = std::ranges::find(row, j);
+      if (found != row.end()) {
+        shifts[patches.partners.offsets[k] + (found - row.begin())] =
+            CompareWindow(photometric, radius, view_i, view_j, scene.frames,
+                          patch);
+      }
+    }
+  });
+  return shifts;
 }
 
 }  // namespace colmap_ext

@@ -45,4 +45,13 @@ WindowShift CompareWindow(const PhotometricOptions& options, int radius,
                           const std::vector<FacetFrame>& frames,
                           const SurfacePatch& patch);
 
+// Compares each patch with each of its partners (CompareWindow()).
+// \param radius  of the windows, px
+// \param views  the cameras as they are now
+// \return [values of patches.partners]
+std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
+                                        int radius, const DrawnScene& scene,
+                                        const std::vector<View>& views,
+                                        const SurfacePatches& patches);
+
 }  // namespace colmap_ext

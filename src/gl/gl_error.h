@@ -4,13 +4,13 @@
 
 namespace colmap_ext {
 
-// What OpenGL or a shader's compiler objects to.
+// An error of OpenGL or of a shader's compiler.
 class GlError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// There is no OpenGL 4.5 here.
+// OpenGL 4.5 is not available.
 class NoGlError : public GlError {
  public:
   using GlError::GlError;

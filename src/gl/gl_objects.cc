@@ -7,20 +7,6 @@
 
 namespace colmap_ext {
 
-namespace {
-
-using CreateNames = void (*)(GLsizei, GLuint*);
-
-GLuint CreateName(CreateNames create) {
-  GLuint name = 0;
-  create(1, &name);
-  return name;
-}
-
-}  // namespace
-
-GlBuffer::GlBuffer() : name_(CreateName(glCreateBuffers)) {}
-
 void GlBuffer::Resize(size_t num_bytes) {
   if (num_bytes != num_bytes_) {
     // Those of no bytes can not be bound.
@@ -105,13 +91,5 @@ void GlTexture::BindToSampler(GLuint index) const {
 void GlTexture::BindToImage(GLuint index, GLenum access) const {
   glBindImageTexture(index, Name(), 0, GL_FALSE, 0, access, format_);
 }
-
-GlFramebuffer::GlFramebuffer() : name_(CreateName(glCreateFramebuffers)) {}
-
-void GlFramebuffer::Attach(GLenum attachment, const GlTexture& texture) const {
-  glNamedFramebufferTexture(Name(), attachment, texture.Name(), 0);
-}
-
-GlVertexArray::GlVertexArray() : name_(CreateName(glCreateVertexArrays)) {}
 
 }  // namespace colmap_ext

@@ -38,12 +38,29 @@ struct DeleteOne {
   void operator()(GLuint name) const { (*kDelete)(1, &name); }
 };
 
+// An object that glCreate...() makes and glDelete...() deletes.
+template <auto* kCreate, auto* kDelete>
+class GlObject {
+ public:
+  GlObject()
+      : name_([] {
+          GLuint name = 0;
+          (*kCreate)(1, &name);
+          return name;
+        }()) {}
+
+  GLuint Name() const { return name_.Get(); }
+
+ private:
+  GlName<DeleteOne<kDelete>> name_;
+};
+
+using GlVertexArray = GlObject<&glCreateVertexArrays, &glDeleteVertexArrays>;
+
 // A run of bytes on the graphics card. Like a pointer's, its constness is not
 // that of the bytes.
-class GlBuffer {
+class GlBuffer : public GlObject<&glCreateBuffers, &glDeleteBuffers> {
  public:
-  GlBuffer();
-
   // What was in it is lost; of another size it is made anew.
   // \throw GlError if there is no memory for it.
   void Resize(size_t num_bytes);
@@ -69,7 +86,6 @@ class GlBuffer {
   }
 
   size_t NumBytes() const { return num_bytes_; }
-  GLuint Name() const { return name_.Get(); }
 
   // For `layout(std430, binding = index) buffer`.
   // \throw GlError if it is larger than shaders can use.
@@ -80,7 +96,6 @@ class GlBuffer {
  private:
   void ReadBytes(void* data, size_t num_bytes) const;
 
-  GlName<DeleteOne<&glDeleteBuffers>> name_;
   size_t num_bytes_ = 0;
 };
 
@@ -120,26 +135,13 @@ class GlTexture {
   int height_ = 0;
 };
 
-class GlFramebuffer {
+class GlFramebuffer
+    : public GlObject<&glCreateFramebuffers, &glDeleteFramebuffers> {
  public:
-  GlFramebuffer();
-
   // \param attachment  e.g. GL_COLOR_ATTACHMENT0
-  void Attach(GLenum attachment, const GlTexture& texture) const;
-  GLuint Name() const { return name_.Get(); }
-
- private:
-  GlName<DeleteOne<&glDeleteFramebuffers>> name_;
-};
-
-class GlVertexArray {
- public:
-  GlVertexArray();
-
-  GLuint Name() const { return name_.Get(); }
-
- private:
-  GlName<DeleteOne<&glDeleteVertexArrays>> name_;
+  void Attach(GLenum attachment, const GlTexture& texture) const {
+    glNamedFramebufferTexture(Name(), attachment, texture.Name(), 0);
+  }
 };
 
 }  // namespace colmap_ext

@@ -22,7 +22,7 @@ static_assert(sizeof(FacetTerms) == 12 * sizeof(float));  // as gather.comp
 constexpr size_t kVertexBytes = 3 * sizeof(float);
 constexpr size_t kNormalBytes = 3 * sizeof(double);
 
-// What a mesh and its labels ask of the card.
+// The size of a mesh and its labels on the card.
 struct MeshSize {
   size_t num_vertices = 0;
   size_t num_facets = 0;
@@ -60,7 +60,7 @@ class Evaluator {
         facet_normals_({"facet_normals.comp"}),
         passes_(options, limits) {}
 
-  // What a mesh lacks at the images' level, in words; empty if it fits.
+  // Why a mesh does not fit on the card at the images' level; empty if it does.
   std::string Lack(const MeshSize& size) const {
     if (size.LargestBlock() > limits_.max_block) {
       return std::to_string(size.num_facets) + " facets take " +
@@ -160,8 +160,8 @@ class Evaluator {
   GlBuffer sums_;           // [F] FacetTerms
 };
 
-// The processor draws where visibility buffers are asked for, and takes over
-// where the card fails.
+// The processor draws the visibility buffers that callers request, and takes
+// over where the card fails.
 class GlPhotometricEnergy : public PhotometricEnergy {
  public:
   GlPhotometricEnergy(const PhotometricOptions& options,
@@ -232,8 +232,8 @@ class GlPhotometricEnergy : public PhotometricEnergy {
   }
 
  private:
-  // Has the card do something, if it has not failed before.
-  // \return whether it did.
+  // Runs a function on the card, unless the card has failed before.
+  // \return whether it succeeded
   template <typename Function>
   bool TryGl(const Function& function) {
     if (!evaluator_) {

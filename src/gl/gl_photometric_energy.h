@@ -14,9 +14,8 @@ namespace colmap_ext {
 
 struct GlOptions {
   int gpu_index = -1;  // see EglContext
-  // On the host, of the views that the processor draws, see
-  // MakeCpuPhotometricEnergy(), and of views on a card that does not tell how
-  // much memory it has; the two of a pair whatever they take. Bytes.
+  // Bytes: on the host, of visibility buffers (MakeCpuPhotometricEnergy); on a
+  // card that does not report its memory, of views. Two views always fit.
   size_t max_memory = SIZE_MAX;
   // Used at most, where the card has more.
   GlLimits limits = {};

@@ -7,7 +7,7 @@
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
-#include "raster/facet_visibility.h"
+#include "raster/visibility_buffers.h"
 #include "scene/view.h"
 
 namespace colmap_ext {

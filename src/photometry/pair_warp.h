@@ -15,6 +15,18 @@
 
 namespace colmap_ext {
 
+// An image between its pixels' centres, and its gradient.
+struct Interpolated {
+  float value = 0;  // grey value
+  float by_u = 0;   // grey values / px
+  float by_v = 0;   // grey values / px
+};
+
+// Bicubic [Catmull1974], as bilinear interpolation blurs. Beyond the border,
+// the border pixels are repeated. \param u, v  pixel coordinates, px, see View.
+// \pre (u, v) is not outside of the border pixels' centres
+Interpolated Interpolate(const GrayImage& image, double u, double v);
+
 // A view, its image, and the mesh drawn into it. References are kept.
 struct DrawnView {
   const View& view;

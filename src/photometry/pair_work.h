@@ -1,10 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include <tbb/parallel_for.h>
 
 #include "base/rows.h"
 #include "labeling/facet_labels.h"
@@ -64,6 +67,25 @@ inline constexpr int kTileSize = 48;
 std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
                                                    uint32_t view,
                                                    const FacetLabels& labels);
+
+// An order of the views in which each one and most of its partners were used
+// shortly before, as few of many views fit into memory at a time. Greedy: next
+// is the view that lacks the fewest images, of itself and its partners, among
+// the last 16 that were used; of equal ones the first. The order does not
+// depend on the memory, and so sums in this order do not either.
+// \param partners [views] of each view, without repeats.
+// \return all views, each once.
+std::vector<uint32_t> OrderByPartners(const Rows<uint32_t>& partners);
+
+// Calls function(value) for all values of an order, in parallel. The calls
+// begin in that order for any number of threads, so that calls that run at a
+// time use the same few views.
+template <typename T, typename Function>
+void ForEachInOrder(const std::vector<T>& order, const Function& function) {
+  std::atomic<size_t> next = 0;
+  tbb::parallel_for(size_t{0}, order.size(),
+                    [&](size_t) { function(order[next++]); });
+}
 
 // A direction of a pair, i <- j, and the tiles of image i where it is compared.
 struct TiledDirection {

@@ -46,10 +46,17 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
 std::vector<uint32_t> FindClippedFacets(const View& view,
                                         const TriangleMesh& mesh);
 
-// Takes what a view shows in masked pixels, those of 0, out of what was drawn
-// into it: they show no facet, and IsNearest() holds for nothing there.
+// Erases the masked pixels of a view, those of 0: they show no facet, and
+// IsNearest() is false there.
 // \pre the mask is of the buffer's size
 void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer);
+
+// Whether a pixel keeps a distance from the image's border, px.
+inline bool IsWithin(const View& view, const Eigen::Vector2d& pixel,
+                     double border) {
+  return pixel.x() >= border && pixel.y() >= border &&
+         pixel.x() < view.width - border && pixel.y() < view.height - border;
+}
 
 // By how much the inverse depth of a facet's plane changes in a view, at most,
 // from a pixel to one of the eight around it, 1 / scene unit.

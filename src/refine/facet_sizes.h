@@ -5,7 +5,6 @@
 
 #include "base/rows.h"
 #include "mesh/surface.h"
-#include "raster/facet_visibility.h"
 #include "raster/visibility_buffers.h"
 #include "scene/view.h"
 

@@ -8,7 +8,7 @@
 #include "base/edit_rows.h"
 #include "labeling/view_pairs.h"
 #include "mesh/normals.h"
-#include "raster/facet_visibility.h"
+#include "photometry/image_pyramid.h"
 #include "raster/visibility_buffers.h"
 #include "refine/facet_sizes.h"
 #include "refine/level_refinement.h"
@@ -194,11 +194,11 @@ class Refinement {
     Report(hooks_.progress, "Measuring the images' alignment", 0);
     energy_->SetLevel(kLevel);
     energy_->SetViews(state.views);
-    return MeasureMisalignment(options_.cameras, options_.photometric,
-                               {state.views, cameras_->view_cameras},
-                               cameras_->tracks,
-                               *energy_->Visibility(state.mesh), camera_pairs_,
-                               cameras_->images.get());
+    return MeasureMisalignment(options_.cameras,
+                               {options_.photometric, cameras_->tracks,
+                                *energy_->Visibility(state.mesh), camera_pairs_,
+                                cameras_->images.get()},
+                               {state.views, cameras_->view_cameras});
   }
 
   // Refines the cameras, if that is to be, and passes them on.
@@ -211,10 +211,11 @@ class Refinement {
     constexpr double kMinMotion = 0.01;
     Report(hooks_.progress, "Refining the cameras", 0);
     RefinedCameras refined = RefineCameras(
-        options_.cameras, options_.photometric,
+        options_.cameras,
+        {options_.photometric, cameras_->tracks, *energy_->Visibility(mesh),
+         camera_pairs_, cameras_->images.get()},
         {cameras_->views, cameras_->view_cameras},
-        {state->views, cameras_->view_cameras}, cameras_->tracks,
-        *energy_->Visibility(mesh), camera_pairs_, cameras_->images.get());
+        {state->views, cameras_->view_cameras});
     state->views = std::move(refined.cameras.views);
     state->track_positions = std::move(refined.positions);
     energy_->SetViews(state->views);

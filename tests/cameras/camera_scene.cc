@@ -14,8 +14,8 @@ RefinedCameras CameraScene::Refine(const CameraRefinementOptions& options,
   const std::shared_ptr<ImagePyramid> images = scene.Pyramid();
   const VisibilityBuffers buffers(scene.Truth(), start.views,
                                   photometric.min_cosine, SIZE_MAX);
-  return RefineCameras(options, photometric, start, start, used, buffers, pairs,
-                       images.get());
+  return RefineCameras(
+      options, {photometric, used, buffers, pairs, images.get()}, start, start);
 }
 
 CameraScene MakeCameraScene(bool with_own_cameras, int width) {

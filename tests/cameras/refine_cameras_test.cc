@@ -10,7 +10,7 @@
 #include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
-#include "cameras/similarity.h"
+#include "cameras/camera_set.h"
 #include "tests/cameras/camera_scene.h"
 
 namespace colmap_ext {
@@ -27,24 +27,38 @@ CameraRefinementOptions Poses() {
   return options;
 }
 
+// Poses that a seed disturbs by half a pixel.
+CameraSet Start(uint64_t seed) {
+  return Disturb(Scene(), Scene().truth, 0.5, seed);
+}
+
+RefinedCameras Refine(const CameraSet& start,
+                      const CameraRefinementOptions& options = Poses()) {
+  return Scene().Refine(options, start, Scene().tracks);
+}
+
+// Px, see Distance().
+double DistanceToTruth(const RefinedCameras& refined, int view = -1) {
+  return Distance(Scene(), refined.cameras, Scene().truth, view);
+}
+
 TEST(RefineCameras, BringsDisturbedPosesBack) {
-  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 3);
-  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
-  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.05);
+  const CameraSet start = Start(3);
+  const RefinedCameras refined = Refine(start);
+  EXPECT_LT(DistanceToTruth(refined), 0.05);
   EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before);
 }
 
 TEST(RefineCameras, LeavesExactPosesWhereTheyAre) {
-  const RefinedCameras refined =
-      Scene().Refine(Poses(), Scene().truth, Scene().tracks);
-  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.03);
+  const RefinedCameras refined = Refine(Scene().truth);
+  EXPECT_LT(DistanceToTruth(refined), 0.03);
 }
 
 TEST(RefineCameras, NeedsNoFeatures) {
-  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 3);
+  const CameraSet start = Start(3);
   const RefinedCameras refined = Scene().Refine(Poses(), start, {});
   // The gauge is that of the disturbed cameras then.
-  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.3);
+  EXPECT_LT(DistanceToTruth(refined), 0.3);
   EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before + 0.01);
 }
 
@@ -55,8 +69,8 @@ TEST(RefineCameras, BringsASharedFocalLengthBack) {
   }
   CameraRefinementOptions options = Poses();
   options.parts = RefinedParts::kPosesIntrinsics;
-  const RefinedCameras refined = Scene().Refine(options, start, Scene().tracks);
-  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth), 0.05);
+  const RefinedCameras refined = Refine(start, options);
+  EXPECT_LT(DistanceToTruth(refined), 0.05);
   for (const View& view : refined.cameras.views) {
     EXPECT_EQ(view.fx, refined.cameras.views[0].fx);
     EXPECT_EQ(view.cx, refined.cameras.views[0].cx);
@@ -76,8 +90,8 @@ TEST(RefineCameras, ImagesOfTheirOwnCamerasHaveTheirOwnIntrinsics) {
 }
 
 TEST(RefineCameras, PosesAloneKeepTheIntrinsics) {
-  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 5);
-  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
+  const CameraSet start = Start(5);
+  const RefinedCameras refined = Refine(start);
   for (size_t i = 0; i < start.views.size(); ++i) {
     EXPECT_EQ(refined.cameras.views[i].fx, start.views[i].fx);
     EXPECT_EQ(refined.cameras.views[i].cx, start.views[i].cx);
@@ -93,10 +107,10 @@ TEST(RefineCameras, OneBadImageIsBroughtBackAndDoesNoHarm) {
   ASSERT_GT(Distance(Scene(), start, Scene().truth, 3), 5);
   CameraRefinementOptions options = Poses();
   options.max_rounds = 8;
-  const RefinedCameras refined = Scene().Refine(options, start, Scene().tracks);
-  EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth, 3), 0.2);
+  const RefinedCameras refined = Refine(start, options);
+  EXPECT_LT(DistanceToTruth(refined, 3), 0.2);
   for (int i = 0; i < 8; ++i) {
-    EXPECT_LT(Distance(Scene(), refined.cameras, Scene().truth, i), 0.2) << i;
+    EXPECT_LT(DistanceToTruth(refined, i), 0.2) << i;
   }
 }
 
@@ -147,8 +161,8 @@ TEST(RefineCameras, FollowsTheWorldsFrame) {
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())
           .toRotationMatrix(),
       {0.5, -2, 1}};
-  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 8);
-  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
+  const CameraSet start = Start(8);
+  const RefinedCameras refined = Refine(start);
 
   CameraScene moved = Scene();
   for (Eigen::Vector3f& vertex : moved.scene.dense.scene.surface.vertices) {
@@ -172,8 +186,8 @@ TEST(RefineCameras, FollowsTheWorldsFrame) {
 
 // The sparse model's points lie, on the whole, where they lay.
 TEST(RefineCameras, KeepsTheGauge) {
-  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 9);
-  const RefinedCameras refined = Scene().Refine(Poses(), start, Scene().tracks);
+  const CameraSet start = Start(9);
+  const RefinedCameras refined = Refine(start);
   const std::vector<double> footprints(refined.positions.size(),
                                        Scene().scene.dense.scene.footprint);
   const Similarity left =
@@ -184,11 +198,11 @@ TEST(RefineCameras, KeepsTheGauge) {
 }
 
 TEST(RefineCameras, DoesNotDependOnTheNumberOfThreads) {
-  const CameraSet start = Disturb(Scene(), Scene().truth, 0.5, 10);
-  const RefinedCameras all = Scene().Refine(Poses(), start, Scene().tracks);
+  const CameraSet start = Start(10);
+  const RefinedCameras all = Refine(start);
   const tbb::global_control control(
       tbb::global_control::max_allowed_parallelism, 1);
-  const RefinedCameras one = Scene().Refine(Poses(), start, Scene().tracks);
+  const RefinedCameras one = Refine(start);
   EXPECT_EQ(all.positions, one.positions);
   for (size_t i = 0; i < start.views.size(); ++i) {
     EXPECT_TRUE(all.cameras.views[i].cam_from_world_rotation ==
@@ -238,9 +252,9 @@ TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
                                     return std::shared_ptr<const GrayImage>();
                                   });
   const auto images = scene.scene.Pyramid();
-  const RefinedCameras refined =
-      RefineCameras(Poses(), {}, scene.truth, scene.truth, scene.tracks,
-                    buffers, scene.pairs, images.get());
+  const RefinedCameras refined = RefineCameras(
+      Poses(), {{}, scene.tracks, buffers, scene.pairs, images.get()},
+      scene.truth, scene.truth);
   EXPECT_GT(refined.report.num_windows, 100);
   const size_t num_passes = 1 + refined.report.num_rounds;
   EXPECT_LE(num_drawn, 1.5 * 8 * static_cast<double>(num_passes));

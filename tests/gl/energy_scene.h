@@ -14,7 +14,7 @@
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
-#include "tests/synthetic/dense_scene.h"
+#include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
 
@@ -29,19 +29,11 @@ class EnergyScene {
     options.scene.height = width * 3 / 4;
     options.keep_true_depths = false;
     options.sparse.num_points = 300;
-    dense_ = synthetic::MakeDenseScene(options);
-    for (const ColorImage& color : dense_.images) {
-      GrayImage gray{color.width, color.height, {}};
-      for (const Color& pixel : color.pixels) {
-        gray.pixels.push_back(static_cast<uint8_t>(
-            (299 * pixel[0] + 587 * pixel[1] + 114 * pixel[2] + 500) / 1000));
-      }
-      images_.push_back(std::move(gray));
-    }
+    scene_ = MakeRefinementScene(options);
   }
 
-  const std::vector<View>& Views() const { return dense_.scene.views; }
-  const TriangleMesh& Truth() const { return dense_.scene.surface; }
+  const std::vector<View>& Views() const { return scene_.Views(); }
+  const TriangleMesh& Truth() const { return scene_.Truth(); }
 
   // Of the scene's images; the scene has to outlive it.
   // \param scale  of the views' positions.
@@ -53,7 +45,7 @@ class EnergyScene {
       view.cam_from_world_translation *= scale;
     }
     return std::make_shared<ImagePyramid>(
-        views, [this](size_t view) { return images_[view]; }, SIZE_MAX,
+        views, [this](size_t view) { return scene_.images[view]; }, SIZE_MAX,
         std::move(read_mask));
   }
 
@@ -62,10 +54,10 @@ class EnergyScene {
   TriangleMesh Perturbed(double deviation, uint32_t seed) const {
     std::mt19937 random(seed);
     std::normal_distribution<float> noise(
-        0, static_cast<float>(deviation * dense_.scene.footprint));
+        0, static_cast<float>(deviation * scene_.dense.scene.footprint));
     TriangleMesh mesh = Truth();
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-      mesh.vertices[i] += noise(random) * dense_.scene.normals[i];
+      mesh.vertices[i] += noise(random) * scene_.dense.scene.normals[i];
     }
     return mesh;
   }
@@ -106,8 +98,7 @@ class EnergyScene {
     return smaller;
   }
 
-  synthetic::DenseScene dense_;
-  std::vector<GrayImage> images_;  // [views]
+  RefinementScene scene_;
 };
 
 // How far two evaluations of the same energy are apart.

@@ -55,15 +55,24 @@ TEST_F(GlCamerasTest, EachViewIsDrawnOnceAPass) {
   CameraRefinementOptions options;
   options.parts = RefinedParts::kPoses;
   energy->SetLevel(1);
-  MeasureMisalignment({}, {}, cameras, scene.tracks, *energy->Visibility(mesh),
-                      scene.pairs, drawn.images.get());
+  MeasureMisalignment({},
+                      {{},
+                       scene.tracks,
+                       *energy->Visibility(mesh),
+                       scene.pairs,
+                       drawn.images.get()},
+                      cameras);
   EXPECT_TRUE(drawn.AreAll(1));
   EXPECT_EQ(energy->Visibility(mesh), energy->Visibility(mesh));
   for (const int pass : {2, 3}) {
     energy->SetViews(cameras.views);
-    cameras = RefineCameras(options, {}, cameras, cameras, scene.tracks,
-                            *energy->Visibility(mesh), scene.pairs,
-                            drawn.images.get())
+    cameras = RefineCameras(options,
+                            {{},
+                             scene.tracks,
+                             *energy->Visibility(mesh),
+                             scene.pairs,
+                             drawn.images.get()},
+                            cameras, cameras)
                   .cameras;
     EXPECT_TRUE(drawn.AreAll(pass));
   }

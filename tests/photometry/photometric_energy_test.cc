@@ -11,7 +11,7 @@
 
 #include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
-#include "raster/facet_visibility.h"
+#include "raster/visibility_buffers.h"
 #include "tests/raster/room.h"
 #include "tests/refine/refinement_scene.h"
 
@@ -52,6 +52,16 @@ FacetLabels LabelFirst(const std::vector<ViewPair>& pairs, size_t num_facets,
 
 FacetLabels LabelAll(const std::vector<ViewPair>& pairs, size_t num_facets) {
   return LabelFirst(pairs, num_facets, num_facets);
+}
+
+// Drawn and evaluated.
+PhotometricTerms Evaluate(
+    const TriangleMesh& mesh, const FacetLabels& labels,
+    const std::shared_ptr<ImagePyramid>& images = Scene().Pyramid(),
+    size_t max_memory = SIZE_MAX) {
+  const auto energy = MakeCpuPhotometricEnergy({}, images, max_memory);
+  energy->Render(mesh);
+  return energy->Evaluate(mesh, labels);
 }
 
 // dE / dV, [V].
@@ -154,11 +164,8 @@ TEST(CpuPhotometricEnergy, IsLowestNearTheTruth) {
   double last = -INFINITY;
   for (const float pixels : {0.0F, 0.25F, 0.5F, 1.0F}) {
     const TriangleMesh mesh = PerturbedTruth(pixels);
-    const auto energy =
-        MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-    energy->Render(mesh);
     const double value =
-        energy->Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size())).energy;
+        Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size())).energy;
     EXPECT_GT(value, last) << pixels;
     last = value;
   }
@@ -191,10 +198,8 @@ TEST(CpuPhotometricEnergy, DirectionsAddUp) {
 TEST(CpuPhotometricEnergy, SaysNothingOfFacetsWithoutLabel) {
   const TriangleMesh mesh = PerturbedTruth(0.3F);
   const size_t num_labeled = mesh.facets.size() / 2;
-  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-  energy->Render(mesh);
-  const PhotometricTerms terms = energy->Evaluate(
-      mesh, LabelFirst({{0, 1}}, mesh.facets.size(), num_labeled));
+  const PhotometricTerms terms =
+      Evaluate(mesh, LabelFirst({{0, 1}}, mesh.facets.size(), num_labeled));
   size_t num_seen = 0;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     if (i < num_labeled) {
@@ -220,10 +225,8 @@ TEST(CpuPhotometricEnergy, SaysNothingOfHiddenFacets) {
         (view.Center() + to_world * (0.1 * corner)).cast<float>());
   }
   mesh.facets.push_back({first, first + 2, first + 1});
-  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-  energy->Render(mesh);
-  const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
-  const PhotometricTerms terms = energy->Evaluate(mesh, labels);
+  const PhotometricTerms terms =
+      Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size()));
   for (size_t i = 0; i < num_facets; ++i) {
     EXPECT_TRUE(terms.facets[i] == FacetTerms());
   }
@@ -231,10 +234,8 @@ TEST(CpuPhotometricEnergy, SaysNothingOfHiddenFacets) {
 
 TEST(CpuPhotometricEnergy, SecondDerivativesAreNotNegative) {
   const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-  energy->Render(mesh);
   const PhotometricTerms terms =
-      energy->Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size()));
+      Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size()));
   for (const FacetTerms& facet : terms.facets) {
     const auto& [aa, ab, ac, bb, bc, cc] = facet.curvatures;
     Eigen::Matrix3d matrix;
@@ -251,10 +252,7 @@ TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
   const auto evaluate = [&](int num_threads, size_t max_memory) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
-    const auto energy =
-        MakeCpuPhotometricEnergy({}, Scene().Pyramid(max_memory), max_memory);
-    energy->Render(mesh);
-    return energy->Evaluate(mesh, labels);
+    return Evaluate(mesh, labels, Scene().Pyramid(max_memory), max_memory);
   };
   const PhotometricTerms terms = evaluate(1, SIZE_MAX);
   EXPECT_TRUE(evaluate(2, SIZE_MAX) == terms);
@@ -352,10 +350,7 @@ TEST(CpuPhotometricEnergy, LabelsMayChangeFromOneEvaluationToTheNext) {
       LabelAll({{0, 1}, {2, 3}}, num_facets)};
   std::vector<PhotometricTerms> expected;
   for (const FacetLabels& labels : all_labels) {
-    const auto fresh =
-        MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-    fresh->Render(mesh);
-    expected.push_back(fresh->Evaluate(mesh, labels));
+    expected.push_back(Evaluate(mesh, labels));
   }
   energy->Render(mesh);
   for (const size_t i : {0, 0, 1, 2, 3, 2, 0}) {
@@ -419,15 +414,9 @@ std::shared_ptr<ImagePyramid> MaskedPyramid(bool is_painted_over) {
 TEST(CpuPhotometricEnergy, MaskedPixelsAreNotCompared) {
   const TriangleMesh mesh = PerturbedTruth(0.3F);
   const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
-  const auto evaluate = [&](std::shared_ptr<ImagePyramid> images) {
-    const auto energy =
-        MakeCpuPhotometricEnergy({}, std::move(images), SIZE_MAX);
-    energy->Render(mesh);
-    return energy->Evaluate(mesh, labels);
-  };
-  const PhotometricTerms whole = evaluate(Scene().Pyramid());
-  const PhotometricTerms masked = evaluate(MaskedPyramid(false));
-  const PhotometricTerms painted = evaluate(MaskedPyramid(true));
+  const PhotometricTerms whole = Evaluate(mesh, labels);
+  const PhotometricTerms masked = Evaluate(mesh, labels, MaskedPyramid(false));
+  const PhotometricTerms painted = Evaluate(mesh, labels, MaskedPyramid(true));
   EXPECT_TRUE(masked == painted);
   double num_whole = 0;
   double num_masked = 0;
@@ -469,11 +458,9 @@ TEST(CpuPhotometricEnergy, ComparesWallsThatReachBehindTheCameras) {
   }
   const auto images = std::make_shared<ImagePyramid>(
       views, [&](size_t view) { return RoomImage(views[view]); }, SIZE_MAX);
-  const auto energy = MakeCpuPhotometricEnergy({}, images, SIZE_MAX);
   const TriangleMesh room = MakeRoom();
-  energy->Render(room);
   const PhotometricTerms terms =
-      energy->Evaluate(room, {{{0, 1}}, RoomLabels(), {}});
+      Evaluate(room, {{{0, 1}}, RoomLabels(), {}}, images);
   const auto clipped = FindClippedFacets(views[0], room);
   float num_pixels = 0;
   for (const uint32_t facet : clipped) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raster/facet_visibility.h"
+#include "raster/visibility_buffers.h"
 
 namespace colmap_ext {
 
