@@ -13,7 +13,7 @@
 #include "colmap_ext/tiled_refinement.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "colmap_ext/viewing/scene_loader.h"
-#include "colmap_ext/write_png.h"
+#include "formats/encode_png.h"
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {

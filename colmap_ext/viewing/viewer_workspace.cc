@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "formats/errors.h"
-#include "viewer/shrink_image.h"
+#include "pictures/drawings.h"
 #include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
 
@@ -113,7 +113,7 @@ std::shared_ptr<const ColorImage> ReadShownImage(
     return nullptr;
   }
   return std::make_shared<const ColorImage>(
-      ShrinkImage(*std::move(image), max_size));
+      ShrinkPicture(*std::move(image), max_size));
 }
 
 }  // namespace colmap_ext

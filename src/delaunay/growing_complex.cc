@@ -1,21 +1,29 @@
 #include "delaunay/growing_complex.h"
 
+#include <algorithm>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "delaunay/predicates.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 namespace {
 
-// The first points in their order that span a volume, positively oriented.
-std::array<uint32_t, 4> FindSimplex(
+// The first points in their order that span a volume, positively oriented;
+// nothing if they lie in a plane.
+std::optional<std::array<uint32_t, 4>> FindSimplex(
     std::span<const uint32_t> order,
     const std::vector<Eigen::Vector3f>& points) {
+  if (order.size() < 4) {
+    return std::nullopt;
+  }
   const uint32_t a = order[0];
   const uint32_t b = order[1];
   size_t i = 2;
-  while (i < order.size() && IsOnLine(points[a], points[b], points[order[i]])) {
+  while (i < order.size() &&
+         AreCollinear(points[a], points[b], points[order[i]])) {
     ++i;
   }
   for (size_t k = i + 1; k < order.size(); ++k) {
@@ -26,16 +34,11 @@ std::array<uint32_t, 4> FindSimplex(
       return side > 0 ? std::array{a, b, c, d} : std::array{b, a, c, d};
     }
   }
-  throw std::invalid_argument(
-      "the points lie in a plane: there is no volume to mesh");
+  return std::nullopt;
 }
 
 uint32_t IndexOf(const GrowingComplex::Cell& cell, uint32_t vertex) {
-  uint32_t index = 0;
-  while (cell.vertices[index] != vertex) {
-    ++index;
-  }
-  return index;
+  return PlaceOf(vertex, cell.vertices);
 }
 
 }  // namespace
@@ -54,21 +57,19 @@ void AddFreeCells(size_t num_cells, GrowingComplex* complex) {
 }
 
 bool SpansVolume(const std::vector<Eigen::Vector3f>& points) {
-  size_t i = 2;
-  while (i < points.size() && IsOnLine(points[0], points[1], points[i])) {
-    ++i;
-  }
-  size_t k = i + 1;
-  while (k < points.size() &&
-         Orientation(points[0], points[1], points[i], points[k]) == 0) {
-    ++k;
-  }
-  return k < points.size();
+  std::vector<uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  return FindSimplex(order, points).has_value();
 }
 
 std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
                                      GrowingComplex* complex) {
-  const std::array<uint32_t, 4> simplex = FindSimplex(order, complex->points);
+  const auto found = FindSimplex(order, complex->points);
+  if (!found) {
+    throw std::invalid_argument(
+        "the points lie in a plane: there is no volume to mesh");
+  }
+  const std::array<uint32_t, 4>& simplex = *found;
   complex->vertex_cells.assign(complex->points.size(), kNone);
   std::vector<GrowingComplex::Cell>& cells = complex->cells;
   // The finite cell, and behind each of its facets i the infinite cell 1 + i,
@@ -94,6 +95,38 @@ std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
     }
   }
   return simplex;
+}
+
+uint32_t InfiniteCorner(const GrowingComplex::Cell& cell) {
+  return static_cast<uint32_t>(
+      std::ranges::find(cell.vertices, kInfiniteVertex) -
+      cell.vertices.begin());
+}
+
+int OrientationWith(const GrowingComplex& complex,
+                    const GrowingComplex::Cell& cell, uint32_t i,
+                    const Eigen::Vector3f& point) {
+  const auto corner = [&](uint32_t k) -> const Eigen::Vector3f& {
+    return k == i ? point : complex.points[cell.vertices[k]];
+  };
+  return Orientation(corner(0), corner(1), corner(2), corner(3));
+}
+
+bool IsInConflict(const GrowingComplex& complex, uint32_t index,
+                  const Eigen::Vector3f& point) {
+  const GrowingComplex::Cell& cell = complex.cells[index];
+  const auto corner = [&](uint32_t i) -> const Eigen::Vector3f& {
+    return complex.points[cell.vertices[i]];
+  };
+  const uint32_t infinite = InfiniteCorner(cell);
+  if (infinite == 4) {
+    return IsInSphere(corner(0), corner(1), corner(2), corner(3), point);
+  }
+  const int side = OrientationWith(complex, cell, infinite, point);
+  return side != 0 ? side > 0
+                   : IsInCircle(corner((infinite + 1) % 4),
+                                corner((infinite + 2) % 4),
+                                corner((infinite + 3) % 4), point);
 }
 
 }  // namespace colmap_ext

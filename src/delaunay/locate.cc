@@ -1,10 +1,36 @@
 #include "delaunay/locate.h"
 
+#include <array>
 #include <utility>
 
-#include "delaunay/predicates.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
+namespace {
+
+using FacetPoints = std::array<Eigen::Vector3d, 3>;
+
+// The corners of a cell's facet i, see kFacetCorners.
+// \pre they are finite
+FacetPoints PointsOfFacet(const Tetrahedralization& tetrahedra,
+                          uint32_t cell_index, int i) {
+  FacetPoints points;
+  for (int k = 0; k < 3; ++k) {
+    points[k] =
+        tetrahedra
+            .points[tetrahedra.cells[cell_index].vertices[kFacetCorners[i][k]]]
+            .cast<double>();
+  }
+  return points;
+}
+
+// Whether a point lies on a facet's inner side: 1, in its plane: 0, or
+// outside: -1.
+int InnerSide(const FacetPoints& facet, const Eigen::Vector3d& point) {
+  return Orientation(facet[0], facet[1], facet[2], point);
+}
+
+}  // namespace
 
 uint32_t Locate(const Tetrahedralization& tetrahedra,
                 const Eigen::Vector3d& point, uint32_t hint) {
@@ -14,14 +40,8 @@ uint32_t Locate(const Tetrahedralization& tetrahedra,
     const Tetrahedralization::Cell& cell = tetrahedra.cells[cell_index];
     uint32_t next = kNone;
     for (int i = 0; i < 4 && next == kNone; ++i) {
-      if (cell.neighbors[i] == previous) {
-        continue;
-      }
-      const auto& corners = kFacetCorners[i];
-      const auto corner = [&](int k) -> Eigen::Vector3d {
-        return tetrahedra.points[cell.vertices[corners[k]]].cast<double>();
-      };
-      if (Orientation(corner(0), corner(1), corner(2), point) < 0) {
+      if (cell.neighbors[i] != previous &&
+          InnerSide(PointsOfFacet(tetrahedra, cell_index, i), point) < 0) {
         next = cell.neighbors[i];
       }
     }
@@ -37,16 +57,11 @@ uint32_t EnteredCell(const Tetrahedralization& tetrahedra, uint32_t cell_index,
                      const Eigen::Vector3d& origin,
                      const Eigen::Vector3d& target) {
   for (int i = 0; i < 4 && !tetrahedra.IsInfinite(cell_index);) {
-    const Tetrahedralization::Cell& cell = tetrahedra.cells[cell_index];
-    const auto corner = [&](int k) -> Eigen::Vector3d {
-      return tetrahedra.points[cell.vertices[kFacetCorners[i][k]]]
-          .cast<double>();
-    };
-    const bool leaves =
-        Orientation(corner(0), corner(1), corner(2), origin) == 0 &&
-        RaySideExact(corner(0), target, corner(1), corner(2)) < 0;
+    const FacetPoints facet = PointsOfFacet(tetrahedra, cell_index, i);
+    const bool leaves = InnerSide(facet, origin) == 0 &&
+                        RaySideExact(facet[0], target, facet[1], facet[2]) < 0;
     if (leaves) {
-      cell_index = cell.neighbors[i];
+      cell_index = tetrahedra.cells[cell_index].neighbors[i];
     }
     i = leaves ? 0 : i + 1;
   }
@@ -55,12 +70,8 @@ uint32_t EnteredCell(const Tetrahedralization& tetrahedra, uint32_t cell_index,
 
 bool IsStrictlyInside(const Tetrahedralization& tetrahedra, uint32_t cell_index,
                       const Eigen::Vector3d& point) {
-  const Tetrahedralization::Cell& cell = tetrahedra.cells[cell_index];
-  for (const auto& corners : kFacetCorners) {
-    const auto corner = [&](int k) -> Eigen::Vector3d {
-      return tetrahedra.points[cell.vertices[corners[k]]].cast<double>();
-    };
-    if (Orientation(corner(0), corner(1), corner(2), point) <= 0) {
+  for (int i = 0; i < 4; ++i) {
+    if (InnerSide(PointsOfFacet(tetrahedra, cell_index, i), point) <= 0) {
       return false;
     }
   }

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/index_limit.h"
-#include "delaunay/cell_conflict.h"
+#include "delaunay/growing_complex.h"
 
 namespace colmap_ext {
 

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "delaunay/cell_graph.h"
-#include "delaunay/predicates.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 

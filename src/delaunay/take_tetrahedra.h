@@ -8,13 +8,11 @@
 
 namespace colmap_ext {
 
-// The first finite cell of each vertex.
-std::vector<uint32_t> FirstCells(const Tetrahedralization& tetrahedra);
-
-// The tetrahedralization of a complex all of whose points are inserted, with
-// other numbers for the vertices. It depends on the points and their numbers
-// alone. The complex is empty afterwards.
-// \param numbers [P] of the points, a permutation
+// The tetrahedralization of a complex, with other numbers for the vertices. It
+// depends on the points and their numbers alone. The complex is empty
+// afterwards.
+// \param numbers [P] from 0 on, each once, of the points that are inserted;
+//        kNone: of the others
 Tetrahedralization TakeTetrahedra(const std::vector<uint32_t>& numbers,
                                   GrowingComplex* complex);
 

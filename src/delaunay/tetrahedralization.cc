@@ -1,42 +1,91 @@
 #include "delaunay/tetrahedralization.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
-#include "delaunay/cell_order.h"
 #include "delaunay/cell_places.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
-#include "delaunay/insertion_order.h"
+#include "delaunay/point_inserter.h"
 #include "delaunay/take_tetrahedra.h"
-#include "delaunay/thinning.h"
 
 namespace colmap_ext {
 namespace {
 
-// Keeps the vertices, in their order along the curve.
+// Whether a point is near enough to all corners of its cell, in all of its
+// views, to be left out.
+bool IsRedundant(const PointCloud& cloud, const std::vector<View>& views,
+                 const ThinningOptions& options, uint32_t point,
+                 const std::array<uint32_t, 4>& corners) {
+  return std::ranges::all_of(cloud.views[point], [&](uint32_t index) {
+    const View& view = views[index];
+    const Eigen::Vector3d local =
+        view.CamFromWorld(cloud.positions[point].cast<double>());
+    return std::ranges::all_of(corners, [&](uint32_t corner) {
+      const Eigen::Vector3d other =
+          view.CamFromWorld(cloud.positions[corner].cast<double>());
+      return local.z() > 0 && other.z() > 0 &&
+             std::abs(local.z() / other.z() - 1) <= options.max_depth_dist &&
+             (view.ImageFromCam(local) - view.ImageFromCam(other))
+                     .squaredNorm() <=
+                 options.max_proj_dist * options.max_proj_dist;
+    });
+  });
+}
+
+uint32_t NearestCorner(const PointCloud& cloud, uint32_t point,
+                       const std::array<uint32_t, 4>& corners) {
+  return *std::ranges::min_element(corners, {}, [&](uint32_t corner) {
+    return (cloud.positions[corner] - cloud.positions[point]).squaredNorm();
+  });
+}
+
+// Inserts points one after the other into an empty complex, without the
+// redundant ones.
 // \param points  [complex points] of the cloud, along the curve
-// \param result  gets points, vertex_points, and point_vertices of those points
-//        that have a vertex of their own; kInfiniteVertex for the others
-void NumberVertices(const std::vector<uint32_t>& points, size_t num_points,
-                    GrowingComplex* complex,
-                    ThinnedTetrahedralization* result) {
-  std::vector<Eigen::Vector3f>& positions = complex->points;
-  result->point_vertices.assign(num_points, kInfiniteVertex);
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (complex->vertex_cells[i] != kNone) {
-      const size_t vertex = result->vertex_points.size();
-      result->point_vertices[points[i]] = static_cast<uint32_t>(vertex);
-      result->vertex_points.push_back(points[i]);
-      positions[vertex] = positions[i];
+// \param order   of insertion, indices into points
+// \param representatives [P] of redundant points are set to the point of the
+//        nearest vertex of the cell that they fall into
+// \throw std::invalid_argument as InsertPoints()
+void InsertThinned(const PointCloud& cloud, const std::vector<View>& views,
+                   const ThinningOptions& options,
+                   const std::vector<uint32_t>& points,
+                   const std::vector<uint32_t>& order,
+                   std::vector<uint32_t>* representatives,
+                   const Progress& progress, GrowingComplex* complex) {
+  const std::array<uint32_t, 4> simplex = StartComplex(order, complex);
+  PointInserter inserter(0, static_cast<uint32_t>(points.size()), complex);
+  // Before the points span a volume there is no cell to fall into.
+  bool spans_volume = false;
+  uint32_t hint = 0;
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (i % 65536 == 0) {
+      Report(progress, kTriangulatingStage,
+             static_cast<double>(i) / static_cast<double>(order.size()));
     }
+    const uint32_t point = order[i];
+    if (complex->vertex_cells[point] != kNone) {
+      spans_volume = spans_volume || point == simplex[3];
+      continue;
+    }
+    const uint32_t cell = inserter.Locate(point, hint);
+    if (spans_volume && InfiniteCorner(complex->cells[cell]) == 4) {
+      std::array<uint32_t, 4> corners;
+      std::ranges::transform(complex->cells[cell].vertices, corners.begin(),
+                             [&](uint32_t vertex) { return points[vertex]; });
+      if (IsRedundant(cloud, views, options, points[point], corners)) {
+        (*representatives)[points[point]] =
+            NearestCorner(cloud, points[point], corners);
+        hint = cell;
+        continue;
+      }
+    }
+    hint = InsertPoint(point, cell, &inserter, complex);
   }
-  positions.resize(result->vertex_points.size());
-  positions.shrink_to_fit();
-  result->tetrahedra.points = std::move(positions);
+  complex->free_cells = std::move(inserter.free_cells());
 }
 
 // Gives points without a vertex that of their representative, or of its own.
@@ -49,36 +98,6 @@ void FollowRepresentatives(const std::vector<uint32_t>& representatives,
     }
     (*point_vertices)[point] = (*point_vertices)[representative];
   }
-}
-
-// Replaces points along the curve by their vertices.
-void RenumberVertices(const std::vector<uint32_t>& points,
-                      const std::vector<uint32_t>& point_vertices,
-                      std::vector<Tetrahedralization::Cell>* cells) {
-  tbb::parallel_for(size_t{0}, cells->size(), [&](size_t i) {
-    for (uint32_t& vertex : (*cells)[i].vertices) {
-      if (vertex != kInfiniteVertex) {
-        vertex = point_vertices[points[vertex]];
-      }
-    }
-  });
-}
-
-// \param points          [complex points] of the cloud, along the curve
-// \param representatives [P] another point for each one without a vertex
-ThinnedTetrahedralization Flatten(const std::vector<uint32_t>& points,
-                                  const std::vector<uint32_t>& representatives,
-                                  GrowingComplex* complex) {
-  ThinnedTetrahedralization result;
-  Tetrahedralization& tetrahedra = result.tetrahedra;
-  tetrahedra.cells = TakeSortedCells(complex);
-  NumberVertices(points, representatives.size(), complex, &result);
-  FollowRepresentatives(representatives, &result.point_vertices);
-  if (result.vertex_points.size() < points.size()) {
-    RenumberVertices(points, result.point_vertices, &tetrahedra.cells);
-  }
-  tetrahedra.vertex_cells = FirstCells(tetrahedra);
-  return result;
 }
 
 }  // namespace
@@ -115,15 +134,27 @@ ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,
   for (const uint32_t point : points) {
     complex.points.push_back(cloud.positions[point]);
   }
-  const std::vector<uint32_t> order = InsertionOrder(points.size());
+  std::vector<uint32_t> order = InsertionOrder(points.size());
   if (options.max_proj_dist > 0) {
     InsertThinned(cloud, views, options, points, order, &representatives,
                   progress, &complex);
   } else {
     InsertPoints(order, progress, &complex);
   }
-  ThinnedTetrahedralization result = Flatten(points, representatives, &complex);
+  std::vector<uint32_t>().swap(order);
+  ThinnedTetrahedralization result;
   result.num_duplicate_points = cloud.size() - points.size();
+  result.point_vertices.assign(cloud.size(), kNone);
+  std::vector<uint32_t> numbers(points.size(), kNone);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (complex.vertex_cells[i] != kNone) {
+      numbers[i] = static_cast<uint32_t>(result.vertex_points.size());
+      result.point_vertices[points[i]] = numbers[i];
+      result.vertex_points.push_back(points[i]);
+    }
+  }
+  FollowRepresentatives(representatives, &result.point_vertices);
+  result.tetrahedra = TakeTetrahedra(numbers, &complex);
   return result;
 }
 

@@ -11,8 +11,8 @@
 #include <tbb/parallel_for.h>
 
 #include "delaunay/locate.h"
-#include "delaunay/predicates.h"
 #include "delaunay/ray_walk.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "delaunay/predicates.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 namespace {

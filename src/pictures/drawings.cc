@@ -150,4 +150,15 @@ ColorImage ResizePicture(const ColorImage& image, int width, int height) {
   return resized;
 }
 
+ColorImage ShrinkPicture(ColorImage image, int max_size) {
+  const int64_t longest = std::max(image.width, image.height);
+  if (longest <= max_size) {
+    return image;
+  }
+  const auto shrunk = [&](int size) {
+    return std::max(1, static_cast<int>(int64_t{size} * max_size / longest));
+  };
+  return ResizePicture(image, shrunk(image.width), shrunk(image.height));
+}
+
 }  // namespace colmap_ext

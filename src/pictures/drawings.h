@@ -36,4 +36,9 @@ ColorImage DrawPoints(const PointCloud& cloud, const View& view, int side);
 // \pre all sizes are positive
 ColorImage ResizePicture(const ColorImage& image, int width, int height);
 
+// Returns a picture whose longer side has at most max_size px, in the same
+// proportions; one that is not longer stays as it is.
+// \pre max_size > 0
+ColorImage ShrinkPicture(ColorImage image, int max_size);
+
 }  // namespace colmap_ext

@@ -3,23 +3,25 @@
 #include <algorithm>
 #include <array>
 
-#include "spatial/orientation.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 namespace {
 
-using Eigen::Vector3f;
-using Corners = std::array<Vector3f, 3>;
-using Sides = std::array<int, 3>;  // of each corner, see Side()
+using Eigen::Vector3d;
+using Corners = std::array<Vector3d, 3>;
+using Sides = std::array<int, 3>;  // of each corner, see Orientation()
 
-Corners CornersOf(const std::vector<Vector3f>& vertices, const Facet& facet) {
-  return {vertices[facet[0]], vertices[facet[1]], vertices[facet[2]]};
+Corners CornersOf(const std::vector<Eigen::Vector3f>& vertices,
+                  const Facet& facet) {
+  return {vertices[facet[0]].cast<double>(), vertices[facet[1]].cast<double>(),
+          vertices[facet[2]].cast<double>()};
 }
 
 // Whether two segments in a plane meet, seen against an axis.
 // \pre the axis does not lie in the plane
-bool SegmentsMeet(const Vector3f& p, const Vector3f& q, const Vector3f& a,
-                  const Vector3f& b, int axis) {
+bool SegmentsMeet(const Vector3d& p, const Vector3d& q, const Vector3d& a,
+                  const Vector3d& b, int axis) {
   const int pq_a = Turn(p, q, a, axis), pq_b = Turn(p, q, b, axis);
   const int ab_p = Turn(a, b, p, axis), ab_q = Turn(a, b, q, axis);
   if (pq_a * pq_b > 0 || ab_p * ab_q > 0) {
@@ -33,7 +35,7 @@ bool SegmentsMeet(const Vector3f& p, const Vector3f& q, const Vector3f& a,
 }
 
 // Whether a segment in the plane of a facet meets it.
-bool MeetsInPlane(const Vector3f& p, const Vector3f& q, const Corners& facet) {
+bool MeetsInPlane(const Vector3d& p, const Vector3d& q, const Corners& facet) {
   for (int axis = 0; axis < 3; ++axis) {
     const int turn = Turn(facet[0], facet[1], facet[2], axis);
     if (turn == 0) {
@@ -41,8 +43,8 @@ bool MeetsInPlane(const Vector3f& p, const Vector3f& q, const Corners& facet) {
     }
     bool is_inside = true;
     for (int k = 0; k < 3; ++k) {
-      const Vector3f& a = facet[k];
-      const Vector3f& b = facet[(k + 1) % 3];
+      const Vector3d& a = facet[k];
+      const Vector3d& b = facet[(k + 1) % 3];
       is_inside = is_inside && turn * Turn(a, b, p, axis) >= 0;
       if (SegmentsMeet(p, q, a, b, axis)) {
         return true;
@@ -55,18 +57,18 @@ bool MeetsInPlane(const Vector3f& p, const Vector3f& q, const Corners& facet) {
 
 // Whether a segment that is not in a facet's plane meets the facet.
 // \pre it meets the plane
-bool PassesThrough(const Vector3f& p, const Vector3f& q, const Corners& facet) {
-  const int ab = Side(p, q, facet[0], facet[1]);
-  const int bc = Side(p, q, facet[1], facet[2]);
+bool PassesThrough(const Vector3d& p, const Vector3d& q, const Corners& facet) {
+  const int ab = Orientation(p, q, facet[0], facet[1]);
+  const int bc = Orientation(p, q, facet[1], facet[2]);
   if (ab * bc < 0) {
     return false;
   }
-  const int ca = Side(p, q, facet[2], facet[0]);
+  const int ca = Orientation(p, q, facet[2], facet[0]);
   return ab * ca >= 0 && bc * ca >= 0;
 }
 
 // \param p_side, q_side  on which side of the facet's plane the ends lie
-bool SegmentMeets(const Vector3f& p, int p_side, const Vector3f& q, int q_side,
+bool SegmentMeets(const Vector3d& p, int p_side, const Vector3d& q, int q_side,
                   const Corners& facet) {
   if (p_side * q_side > 0) {
     return false;
@@ -78,7 +80,7 @@ bool SegmentMeets(const Vector3f& p, int p_side, const Vector3f& q, int q_side,
 Sides SidesOf(const Corners& corners, const Corners& plane) {
   Sides sides{};
   for (int k = 0; k < 3; ++k) {
-    sides[k] = Side(plane[0], plane[1], plane[2], corners[k]);
+    sides[k] = Orientation(plane[0], plane[1], plane[2], corners[k]);
   }
   return sides;
 }
@@ -110,25 +112,25 @@ bool Meet(const Corners& a, const Corners& b) {
 
 // Whether a facet but for its corner k lies on one side of another's plane.
 bool LiesAside(const Corners& corners, int k, const Corners& plane) {
-  return Side(plane[0], plane[1], plane[2], corners[(k + 1) % 3]) *
-             Side(plane[0], plane[1], plane[2], corners[(k + 2) % 3]) >
+  return Orientation(plane[0], plane[1], plane[2], corners[(k + 1) % 3]) *
+             Orientation(plane[0], plane[1], plane[2], corners[(k + 2) % 3]) >
          0;
 }
 
 // Whether the side opposite of corner k meets a facet.
 bool OppositeSideMeets(const Corners& corners, int k, const Corners& facet) {
-  const Vector3f& p = corners[(k + 1) % 3];
-  const Vector3f& q = corners[(k + 2) % 3];
-  const int p_side = Side(facet[0], facet[1], facet[2], p);
-  const int q_side = Side(facet[0], facet[1], facet[2], q);
+  const Vector3d& p = corners[(k + 1) % 3];
+  const Vector3d& q = corners[(k + 2) % 3];
+  const int p_side = Orientation(facet[0], facet[1], facet[2], p);
+  const int q_side = Orientation(facet[0], facet[1], facet[2], q);
   return SegmentMeets(p, p_side, q, q_side, facet);
 }
 
 // Whether p and q lie in one plane with the edge from a to b, and on one side
 // of it.
-bool IsFolded(const Vector3f& a, const Vector3f& b, const Vector3f& p,
-              const Vector3f& q) {
-  if (Side(a, b, p, q) != 0) {
+bool IsFolded(const Vector3d& a, const Vector3d& b, const Vector3d& p,
+              const Vector3d& q) {
+  if (Orientation(a, b, p, q) != 0) {
     return false;
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -182,12 +184,16 @@ bool MeetBeyondCommon(const Corners& a, const Corners& b, const Facet& first,
 
 }  // namespace
 
-bool FacetsIntersect(const std::vector<Vector3f>& vertices, const Facet& first,
-                     const Facet& second) {
+bool FacetsIntersect(const std::vector<Eigen::Vector3f>& vertices,
+                     const Facet& first, const Facet& second) {
   const Corners a = CornersOf(vertices, first);
   const Corners b = CornersOf(vertices, second);
-  return MeetBeyondCommon(a, b, first, second) &&
-         !AreCollinear(a[0], a[1], a[2]) && !AreCollinear(b[0], b[1], b[2]);
+  const auto has_area = [&](const Facet& facet) {
+    return !AreCollinear(vertices[facet[0]], vertices[facet[1]],
+                         vertices[facet[2]]);
+  };
+  return MeetBeyondCommon(a, b, first, second) && has_area(first) &&
+         has_area(second);
 }
 
 }  // namespace colmap_ext

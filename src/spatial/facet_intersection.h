@@ -9,7 +9,7 @@
 namespace colmap_ext {
 
 // Whether two facets of a mesh meet in more than what they share by index. All
-// signs are exact (spatial/orientation.h).
+// signs are exact (spatial/predicates.h).
 // - Facets without a common vertex: whether they have a point in common; one
 //   that touches the other does.
 // - With one common vertex: whether the side opposite of it, of one, has a

@@ -9,7 +9,7 @@
 
 #include "mesh/space_filling_curve.h"
 #include "spatial/facet_intersection.h"
-#include "spatial/orientation.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 namespace {

@@ -10,10 +10,8 @@
 
 #include "base/index_limit.h"
 #include "base/mix_bits.h"
-#include "delaunay/cell_conflict.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
-#include "delaunay/insertion_order.h"
 #include "delaunay/take_tetrahedra.h"
 #include "spatial/box_tree.h"
 #include "tiles/block_cache.h"

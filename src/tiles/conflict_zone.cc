@@ -1,67 +1,34 @@
 #include "tiles/conflict_zone.h"
 
-#include <array>
 #include <cmath>
-#include <limits>
 
-#include "delaunay/cell_conflict.h"
+#include <Eigen/Geometry>
+
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 namespace {
 
-#ifdef __SIZEOF_FLOAT128__
-__extension__ using Exact = __float128;
-#else
-using Exact = long double;
-#endif
-
-template <typename T>
-using Vector = std::array<T, 3>;
-
-template <typename T>
-Vector<T> Cross(const Vector<T>& a, const Vector<T>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-          a[0] * b[1] - a[1] * b[0]};
-}
-
-template <typename T>
-T Dot(const Vector<T>& a, const Vector<T>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-template <typename T>
-Vector<T> Difference(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-  return {static_cast<T>(a.x()) - static_cast<T>(b.x()),
-          static_cast<T>(a.y()) - static_cast<T>(b.y()),
-          static_cast<T>(a.z()) - static_cast<T>(b.z())};
-}
-
 // The centre of the sphere through o, a, b, c relative to o (docs/method.md,
 // section 2.2).
-// \param reliability  is set to the volume over the product of the edges' sizes
-template <typename T>
-Eigen::Vector3d Center(const Eigen::Vector3f& o, const Eigen::Vector3f& pa,
-                       const Eigen::Vector3f& pb, const Eigen::Vector3f& pc,
-                       double* reliability) {
-  const Vector<T> a = Difference<T>(pa, o);
-  const Vector<T> b = Difference<T>(pb, o);
-  const Vector<T> c = Difference<T>(pc, o);
-  const Vector<T> bc = Cross(b, c);
-  const Vector<T> ca = Cross(c, a);
-  const Vector<T> ab = Cross(a, b);
-  const T aa = Dot(a, a);
-  const T bb = Dot(b, b);
-  const T cc = Dot(c, c);
-  const T volume = Dot(a, bc);
-  *reliability = std::abs(static_cast<double>(volume)) /
-                 std::sqrt(static_cast<double>(aa) * static_cast<double>(bb) *
-                           static_cast<double>(cc));
-  Eigen::Vector3d center;
-  for (int i = 0; i < 3; ++i) {
-    center[i] = static_cast<double>((aa * bc[i] + bb * ca[i] + cc * ab[i]) /
-                                    (2 * volume));
+Eigen::Vector3d CenterOfSphere(const Eigen::Vector3f& o,
+                               const Eigen::Vector3f& pa,
+                               const Eigen::Vector3f& pb,
+                               const Eigen::Vector3f& pc) {
+  // The volume over the product of the edges' lengths. The centre of a flatter
+  // cell is far off in double precision.
+  constexpr double kMinFlatness = 1e-5;
+  const Eigen::Vector3d a = pa.cast<double>() - o.cast<double>();
+  const Eigen::Vector3d b = pb.cast<double>() - o.cast<double>();
+  const Eigen::Vector3d c = pc.cast<double>() - o.cast<double>();
+  const Eigen::Vector3d bc = b.cross(c);
+  const double volume = a.dot(bc);
+  if (!(std::abs(volume) > kMinFlatness * a.norm() * b.norm() * c.norm())) {
+    return CenterFrom(o, pa, pb, pc);
   }
-  return center;
+  return (a.squaredNorm() * bc + b.squaredNorm() * c.cross(a) +
+          c.squaredNorm() * a.cross(b)) /
+         (2 * volume);
 }
 
 // Relative to distances from the centre, many times what rounding can do.
@@ -77,16 +44,8 @@ ConflictZone::ConflictZone(const GrowingComplex& complex, uint32_t index) {
   };
   is_sphere_ = infinite == 4;
   if (is_sphere_) {
-    // Of a flat cell the centre is far off in double precision; products of
-    // differences of floats are exact in quadruple precision.
-    constexpr double kReliable = 1e-5;
-    double reliability = 0;
-    Eigen::Vector3d offset = Center<double>(corner(0), corner(1), corner(2),
-                                            corner(3), &reliability);
-    if (!(reliability > kReliable)) {
-      offset = Center<Exact>(corner(0), corner(1), corner(2), corner(3),
-                             &reliability);
-    }
+    const Eigen::Vector3d offset =
+        CenterOfSphere(corner(0), corner(1), corner(2), corner(3));
     center_ = corner(0).cast<double>() + offset;
     radius_squared_ = offset.squaredNorm();
     slack_ = kRelativeSlack *

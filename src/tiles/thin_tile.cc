@@ -7,7 +7,7 @@
 #include "base/percentile.h"
 #include "delaunay/edge_lengths.h"
 #include "delaunay/growing_complex.h"
-#include "delaunay/insertion_order.h"
+#include "delaunay/insert_points.h"
 #include "meshing/point_support.h"
 
 namespace colmap_ext {

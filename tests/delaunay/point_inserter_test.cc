@@ -1,12 +1,12 @@
 #include "delaunay/point_inserter.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
-#include "delaunay/cell_order.h"
 #include "delaunay/insert_points.h"
-#include "delaunay/insertion_order.h"
+#include "delaunay/take_tetrahedra.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/random.h"
 
@@ -108,8 +108,10 @@ TEST(PointInserter, ThoseOfTwoRangesMakeWhatOneMakes) {
     }
     begun.GiveBack(rest);
 
-    const auto a = TakeSortedCells(&begun.complex);
-    const auto b = TakeSortedCells(&expected.complex);
+    std::vector<uint32_t> numbers(begun.Size());
+    std::iota(numbers.begin(), numbers.end(), 0);
+    const auto a = TakeTetrahedra(numbers, &begun.complex).cells;
+    const auto b = TakeTetrahedra(numbers, &expected.complex).cells;
     ASSERT_EQ(a.size(), b.size());
     for (size_t i = 0; i < a.size(); ++i) {
       ASSERT_EQ(a[i].vertices, b[i].vertices);

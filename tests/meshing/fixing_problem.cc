@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "delaunay/predicates.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/vertex_star.h"
+#include "spatial/predicates.h"
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "delaunay/insertion_order.h"
+#include "delaunay/insert_points.h"
 
 namespace colmap_ext {
 

@@ -6,7 +6,6 @@
 
 #include "delaunay/cell_graph.h"
 #include "delaunay/insert_points.h"
-#include "delaunay/insertion_order.h"
 #include "delaunay/quality_weights.h"
 #include "delaunay/take_tetrahedra.h"
 #include "tests/random.h"

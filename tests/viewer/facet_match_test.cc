@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "pictures/drawings.h"
 #include "scene/look_at.h"
 #include "viewer/shown_mesh.h"
 #include "viewer/shown_scene.h"
-#include "viewer/shrink_image.h"
 
 namespace colmap_ext {
 namespace facet_match_test {
@@ -93,15 +93,15 @@ TEST_F(FacetMatchTest, PairsComeFromLabelsWithSpacesInNames) {
   EXPECT_FALSE(PairOfFacet(shown, 0, views));
 }
 
-TEST(ShrinkImage, KeepsMeansAndAspect) {
+TEST(ShrinkPicture, KeepsMeansAndAspect) {
   ColorImage image{100, 50, std::vector<Color>(5000, {10, 20, 30})};
   image.pixels[0] = {110, 20, 30};
-  const ColorImage small = ShrinkImage(image, 25);
+  const ColorImage small = ShrinkPicture(image, 25);
   EXPECT_EQ(small.width, 25);
   EXPECT_EQ(small.height, 12);
   EXPECT_GT(small.pixels[0][0], 10);
   EXPECT_EQ(small.pixels[1], (Color{10, 20, 30}));
-  EXPECT_EQ(ShrinkImage(image, 100).pixels, image.pixels);
+  EXPECT_EQ(ShrinkPicture(image, 100).pixels, image.pixels);
 }
 
 TEST(CoarseMesh, IsOfAboutAsManyFacetsOnTheSameSurface) {

@@ -1,4 +1,4 @@
-#include "delaunay/predicates.h"
+#include "spatial/predicates.h"
 
 #include <array>
 #include <cmath>
@@ -7,13 +7,28 @@
 #include <Eigen/Geometry>
 
 #include "tests/delaunay/exact.h"
-#include "tests/delaunay/random_complex.h"
+#include "tests/random.h"
 
 namespace colmap_ext {
 namespace predicates_test {
 
+// Integer coordinates in -range ... range.
 Eigen::Vector3d RandomPoint(int range, Random* random) {
-  return RandomPoints(1, range, random).front().cast<double>();
+  Eigen::Vector3d point;
+  for (int k = 0; k < 3; ++k) {
+    point[k] = random->Integer(-range, range);
+  }
+  return point;
+}
+
+// Of any magnitude.
+Eigen::Vector3f AnyPoint(Random* random) {
+  Eigen::Vector3f point;
+  for (int k = 0; k < 3; ++k) {
+    point[k] = std::ldexp(static_cast<float>(random->Unit() - 0.5),
+                          random->Integer(-30, 30));
+  }
+  return point;
 }
 
 IntVector ToInt(const Eigen::Vector3d& point) { return point.cast<int64_t>(); }
@@ -30,11 +45,67 @@ TEST(Orientation, IsExact) {
         p[3] = p[1] + p[2] - p[0];  // coplanar
         p[3].z() += random.Integer(-1, 1);
       }
+      const int expected =
+          ExactOrientation(ToInt(p[0]), ToInt(p[1]), ToInt(p[2]), ToInt(p[3]));
+      ASSERT_EQ(Orientation(p[0], p[1], p[2], p[3]), expected);
       ASSERT_EQ(
-          Orientation(p[0], p[1], p[2], p[3]),
-          ExactOrientation(ToInt(p[0]), ToInt(p[1]), ToInt(p[2]), ToInt(p[3])));
+          Orientation(Eigen::Vector3f(p[0].cast<float>()), p[1].cast<float>(),
+                      p[2].cast<float>(), p[3].cast<float>()),
+          expected);
     }
   }
+}
+
+TEST(Orientation, SeesTheLastBit) {
+  const Eigen::Vector3f a(0, 0, 1), b(1e10f, 0, 1), c(0, 1e10f, 1);
+  EXPECT_EQ(Orientation(a, b, c, {3e9f, 2e9f, 1}), 0);
+  EXPECT_EQ(Orientation(a, b, c, {3e9f, 2e9f, std::nextafter(1.f, 2.f)}), 1);
+  EXPECT_EQ(Orientation(a, b, c, {3e9f, 2e9f, std::nextafter(1.f, 0.f)}), -1);
+}
+
+// As a determinant does; rounding would break it near to zero.
+TEST(Orientation, ChangesSignWithEachSwap) {
+  Random random(4);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Eigen::Vector3f a = AnyPoint(&random);
+    const Eigen::Vector3f b = AnyPoint(&random);
+    const Eigen::Vector3f c = AnyPoint(&random);
+    const auto t = static_cast<float>(random.Unit());
+    const Eigen::Vector3f d = a + t * (b - a) + (1 - t) * (c - a);
+    const int side = Orientation(a, b, c, d);
+    EXPECT_EQ(Orientation(b, a, c, d), -side);
+    EXPECT_EQ(Orientation(a, c, b, d), -side);
+    EXPECT_EQ(Orientation(a, b, d, c), -side);
+    EXPECT_EQ(Orientation(d, b, c, a), -side);
+  }
+}
+
+TEST(Turn, IsExact) {
+  Random random(5);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Eigen::Vector3d a = RandomPoint(1 << 20, &random);
+    const Eigen::Vector3d b = a + RandomPoint(3, &random);
+    const Eigen::Vector3d c = a + RandomPoint(3, &random);
+    const IntVector cross = ToInt(b - a).cross(ToInt(c - a));
+    for (int axis = 0; axis < 3; ++axis) {
+      const int turn = Turn(a, b, c, axis);
+      EXPECT_EQ(turn, Sign(cross[axis]));
+      EXPECT_EQ(Turn(b, c, a, axis), turn);
+      EXPECT_EQ(Turn(b, a, c, axis), -turn);
+    }
+    EXPECT_EQ(AreCollinear(a.cast<float>(), b.cast<float>(), c.cast<float>()),
+              cross.isZero());
+  }
+}
+
+TEST(CenterFrom, IsExactForFlatCells) {
+  // In the plane z = 0 but for the last point, just above the circle's centre.
+  const float height = std::ldexp(1.f, -60);
+  const Eigen::Vector3d center =
+      CenterFrom({1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, height});
+  EXPECT_EQ(center.x(), -1);
+  EXPECT_EQ(center.y(), 0);
+  EXPECT_DOUBLE_EQ(center.z(), -std::ldexp(1., 59));  // (h^2 - 1) / 2 h
 }
 
 // With a number for the infinitesimal: e = 1 / 1024 and all multiplied by

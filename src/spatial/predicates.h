@@ -11,12 +11,24 @@ inline bool IsLower(const Eigen::Vector3f& p, const Eigen::Vector3f& q) {
   return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end());
 }
 
-// Exact geometric predicates on double coordinates (CGAL's filtered kernel).
+// Exact geometric predicates (CGAL's filtered kernel).
 
 // The sign of det(b - a, c - a, d - a): whether d lies on the side of the plane
-// abc that its right-handed normal points to.
+// abc that its right-handed normal points to; 0: in the plane.
 int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                 const Eigen::Vector3d& c, const Eigen::Vector3d& d);
+int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& d);
+
+// The sense in which a, b and c run, seen against an axis: the sign of that
+// component of (b - a) x (c - a).
+// \param axis  0, 1 or 2
+int Turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+         const Eigen::Vector3d& c, int axis);
+
+// Whether three points lie on one line, or at one position.
+bool AreCollinear(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                  const Eigen::Vector3f& c);
 
 // The side on which the line from `origin` to `target` passes the directed line
 // from u to v: the sign of det(target - origin, u - origin, v - origin), with
@@ -34,13 +46,11 @@ double CrossingOfPlane(const Eigen::Vector3d& origin,
                        const Eigen::Vector3d& target, const Eigen::Vector3d& a,
                        const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-// Whether c lies on the line through a and b.
-bool IsOnLine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-              const Eigen::Vector3f& c);
-
-// The sign of det(b - a, c - a, d - a).
-int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                const Eigen::Vector3f& c, const Eigen::Vector3f& d);
+// The centre of the sphere through o, a, b and c, relative to o: the doubles
+// next to the exact values.
+// \pre the points span a volume
+Eigen::Vector3d CenterFrom(const Eigen::Vector3f& o, const Eigen::Vector3f& a,
+                           const Eigen::Vector3f& b, const Eigen::Vector3f& c);
 
 // Whether p lies inside the sphere through a, b, c and d. For points on the
 // sphere a symbolic perturbation decides [Devillers2011]. It depends only on

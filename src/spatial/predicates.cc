@@ -1,4 +1,4 @@
-#include "delaunay/predicates.h"
+#include "spatial/predicates.h"
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -10,11 +10,17 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-Kernel::Point_3 ToCgal(const Eigen::Vector3d& p) {
+template <typename Scalar>
+Kernel::Point_3 ToCgal(const Eigen::Matrix<Scalar, 3, 1>& p) {
   return {p.x(), p.y(), p.z()};
 }
 
-Kernel::Point_3 ToCgal(const Eigen::Vector3f& p) {
+// For results that are no signs.
+using Number = CGAL::Exact_rational;
+using ExactPoint = CGAL::Simple_cartesian<Number>::Point_3;
+
+template <typename Scalar>
+ExactPoint ToExact(const Eigen::Matrix<Scalar, 3, 1>& p) {
   return {p.x(), p.y(), p.z()};
 }
 
@@ -30,16 +36,6 @@ class Perturbed : public CGAL::Delaunay_triangulation_3<Kernel> {
   }
 };
 
-// The sign of the component `axis` of the cross product (u - o) x (v - o).
-int CrossSign(const Eigen::Vector3d& o, const Eigen::Vector3d& u,
-              const Eigen::Vector3d& v, int axis) {
-  const int i = (axis + 1) % 3;
-  const int j = (axis + 2) % 3;
-  return CGAL::orientation(Kernel::Point_2(o[i], o[j]),
-                           Kernel::Point_2(u[i], u[j]),
-                           Kernel::Point_2(v[i], v[j]));
-}
-
 }  // namespace
 
 int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
@@ -47,11 +43,30 @@ int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
   return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
 }
 
+int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                const Eigen::Vector3f& c, const Eigen::Vector3f& d) {
+  return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
+}
+
+int Turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+         const Eigen::Vector3d& c, int axis) {
+  const int i = (axis + 1) % 3;
+  const int j = (axis + 2) % 3;
+  return CGAL::orientation(Kernel::Point_2(a[i], a[j]),
+                           Kernel::Point_2(b[i], b[j]),
+                           Kernel::Point_2(c[i], c[j]));
+}
+
+bool AreCollinear(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                  const Eigen::Vector3f& c) {
+  return CGAL::collinear(ToCgal(a), ToCgal(b), ToCgal(c));
+}
+
 int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
                  const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
   int sign = Orientation(origin, target, u, v);
   for (int axis = 0; sign == 0 && axis < 3; ++axis) {
-    sign = CrossSign(origin, u, v, axis);
+    sign = Turn(origin, u, v, axis);
   }
   return sign;
 }
@@ -59,27 +74,21 @@ int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
 double CrossingOfPlane(const Eigen::Vector3d& origin,
                        const Eigen::Vector3d& target, const Eigen::Vector3d& a,
                        const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  using Number = CGAL::Exact_rational;
-  using Point = CGAL::Simple_cartesian<Number>::Point_3;
-  const auto exact = [](const Eigen::Vector3d& p) {
-    return Point(p.x(), p.y(), p.z());
-  };
   const auto volume_to = [&](const Eigen::Vector3d& p) -> Number {
-    return CGAL::volume(exact(a), exact(b), exact(c), exact(p));
+    return CGAL::volume(ToExact(a), ToExact(b), ToExact(c), ToExact(p));
   };
   const Number before = volume_to(origin);
   const Number way = before - volume_to(target);
   return way != 0 ? CGAL::to_double(Number(before / way)) : 0;
 }
 
-bool IsOnLine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-              const Eigen::Vector3f& c) {
-  return CGAL::collinear(ToCgal(a), ToCgal(b), ToCgal(c));
-}
-
-int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                const Eigen::Vector3f& c, const Eigen::Vector3f& d) {
-  return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
+Eigen::Vector3d CenterFrom(const Eigen::Vector3f& o, const Eigen::Vector3f& a,
+                           const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
+  const auto center =
+      CGAL::circumcenter(ToExact(o), ToExact(a), ToExact(b), ToExact(c)) -
+      ToExact(o);
+  return {CGAL::to_double(center.x()), CGAL::to_double(center.y()),
+          CGAL::to_double(center.z())};
 }
 
 bool IsInSphere(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
