@@ -4,7 +4,7 @@
 #include <string>
 
 #include "formats/encode_png.h"
-#include "formats/write_labeled_mesh.h"
+#include "formats/write_mesh.h"
 #include "pictures/mesh_renderer.h"
 #include "pictures/picture_views.h"
 

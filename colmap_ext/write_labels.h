@@ -11,7 +11,7 @@
 namespace colmap_ext {
 
 // Writes a mesh whose faces are coloured by the pair of views that is best for
-// each (formats/write_labeled_mesh.h), and a picture of the same, PNG.
+// each (formats/write_mesh.h), and a picture of the same, PNG.
 // \param views  whose names are those of the pairs.
 // \param together  to which the files are added.
 // \pre labels.NumFacets() == mesh.facets.size()

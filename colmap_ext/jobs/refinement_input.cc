@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "base/edit_rows.h"
+#include "base/rows.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/refinable_cameras.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "formats/errors.h"
+#include "formats/read_numbers.h"
 #include "formats/read_ply_mesh.h"
-#include "formats/read_region.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"

@@ -1,8 +1,7 @@
 #include "colmap_ext/options/scene_options.h"
 
 #include "colmap_ext/errors.h"
-#include "formats/read_region.h"
-#include "formats/read_transform.h"
+#include "formats/read_numbers.h"
 #include "scene/focus_region.h"
 
 namespace colmap_ext {

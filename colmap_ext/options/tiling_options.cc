@@ -1,7 +1,7 @@
 #include "colmap_ext/options/tiling_options.h"
 
 #include "colmap_ext/errors.h"
-#include "formats/read_transform.h"
+#include "formats/read_numbers.h"
 
 namespace colmap_ext {
 

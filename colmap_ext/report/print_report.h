@@ -9,7 +9,7 @@
 #include "colmap_ext/terminal/progress_reporter.h"
 #include "meshing/manifold_meshing.h"
 #include "repair/edit_borders.h"
-#include "scene/half_pixel_slope.h"
+#include "scene/half_pixel.h"
 #include "scene/region.h"
 #include "workspace/masks.h"
 #include "workspace/workspace.h"

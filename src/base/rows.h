@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -51,5 +54,49 @@ struct Rows {
 
   bool operator==(const Rows&) const = default;
 };
+
+// Makes rows of values that come in any order, by a counting sort.
+// \param for_each  calls the function that it gets with the row and the value
+//        of each; called twice, and must do the same each time. The values of a
+//        row keep their order.
+template <typename T, typename ForEach>
+Rows<T> GroupInRows(size_t num_rows, const ForEach& for_each) {
+  Rows<T> rows(num_rows);
+  for_each([&](size_t row, const T&) { ++rows.offsets[row + 1]; });
+  std::partial_sum(rows.offsets.begin(), rows.offsets.end(),
+                   rows.offsets.begin());
+  rows.values.resize(rows.offsets.back());
+  std::vector<uint64_t> ends(rows.offsets.begin(), rows.offsets.end() - 1);
+  for_each(
+      [&](size_t row, const T& value) { rows.values[ends[row]++] = value; });
+  return rows;
+}
+
+// Shortens or drops rows in place.
+// \param edit  takes a row's index and values, which it may reorder; returns
+//        how many of the first ones stay; nothing to drop the row. Called for
+//        each row in turn.
+template <typename T, typename Edit>
+void EditRows(Edit edit, Rows<T>* rows) {
+  size_t num_rows = 0;
+  uint64_t num_values = 0;
+  uint64_t begin = 0;
+  for (size_t i = 0; i < rows->size(); ++i) {
+    const uint64_t end = rows->offsets[i + 1];
+    const std::span<T> row(rows->values.data() + begin, end - begin);
+    begin = end;
+    const std::optional<size_t> size = edit(i, row);
+    if (!size) {
+      continue;
+    }
+    // What stays never lies behind where it came from.
+    std::copy_n(row.begin(), *size,
+                rows->values.begin() + static_cast<std::ptrdiff_t>(num_values));
+    num_values += *size;
+    rows->offsets[++num_rows] = num_values;
+  }
+  rows->offsets.resize(num_rows + 1);
+  rows->values.resize(num_values);
+}
 
 }  // namespace colmap_ext

@@ -1,7 +1,6 @@
 #include "delaunay/insert_points.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <mutex>
 #include <numeric>
@@ -11,6 +10,7 @@
 
 #include "base/index_limit.h"
 #include "base/mix_bits.h"
+#include "base/rows.h"
 #include "mesh/space_filling_curve.h"
 
 namespace colmap_ext {
@@ -219,20 +219,18 @@ std::vector<uint32_t> InsertionOrder(size_t num_points) {
   // A point is in round k with probability 2^-(k + 1): its number of SplitMix64
   // starts with k zero bits.
   constexpr int kNumRounds = 64;
-  std::array<size_t, kNumRounds + 1> ends = {};  // [63 - round]
-  const auto slot = [](size_t point) {
-    return kNumRounds - 1 -
-           std::countl_zero(MixBits((point + 1) * kSplitMixStep) | 1);
+  const auto round_from_last = [](size_t point) {
+    const uint64_t hash = MixBits((point + 1) * kSplitMixStep) | 1;
+    return static_cast<size_t>(kNumRounds - 1 - std::countl_zero(hash));
   };
-  for (size_t point = 0; point < num_points; ++point) {
-    ++ends[slot(point) + 1];
-  }
-  std::partial_sum(ends.begin(), ends.end(), ends.begin());
-  std::vector<uint32_t> order(num_points);
-  for (size_t point = 0; point < num_points; ++point) {
-    order[ends[slot(point)]++] = static_cast<uint32_t>(point);
-  }
-  return order;
+  return GroupInRows<uint32_t>(
+             kNumRounds,
+             [&](const auto& add) {
+               for (size_t point = 0; point < num_points; ++point) {
+                 add(round_from_last(point), static_cast<uint32_t>(point));
+               }
+             })
+      .values;
 }
 
 uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,

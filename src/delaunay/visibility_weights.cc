@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <mutex>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -31,23 +30,18 @@ constexpr uint32_t kBlock = 256;
 // Rays that are walked together. Their paths fit a core's cache.
 constexpr size_t kBatch = 64;
 
-// A camera's centre and the cell that holds it, moved as all targets are
-// (RaySideExact).
-struct Center {
-  Eigen::Vector3d position;
-  uint32_t cell = 0;  // no cell's index where it lies beyond the hull
-};
-
-// A place and a cell that holds it, or an infinite one.
+// A position and a cell that holds it, or an infinite one. The cell of a
+// camera's centre is that of the centre moved as all targets are
+// (RaySideExact), and no cell's index where it lies beyond the hull.
 struct Place {
   Eigen::Vector3d position;
   uint32_t cell = kNone;
   bool is_inside = false;  // strictly, or strictly beyond the hull
 };
 
-std::vector<Center> LocateCenters(const Tetrahedralization& tetrahedra,
-                                  const std::vector<Eigen::Vector3d>& centers) {
-  std::vector<Center> located;
+std::vector<Place> LocateCenters(const Tetrahedralization& tetrahedra,
+                                 const std::vector<Eigen::Vector3d>& centers) {
+  std::vector<Place> located;
   for (const Eigen::Vector3d& center : centers) {
     const uint32_t cell = EnteredCell(
         tetrahedra, Locate(tetrahedra, center, tetrahedra.vertex_cells.front()),
@@ -83,7 +77,7 @@ class Voter {
  public:
   // \param places  of the points; null: they are the vertices
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
-        const std::vector<Place>* places, const std::vector<Center>& centers,
+        const std::vector<Place>* places, const std::vector<Place>& centers,
         const VisibilityWeightOptions& options, FlowCapacities* graph,
         std::vector<uint32_t>* free_support)
       : tetrahedra_(tetrahedra),
@@ -149,7 +143,7 @@ class Voter {
   }
 
   Ray RayToCenter(const Observation& observation) const {
-    const Center& center = centers_[observation.view];
+    const Place& center = centers_[observation.view];
     return RayFrom(observation.vertex, center.position, center.cell,
                    NearDistance(observation.vertex));
   }
@@ -303,7 +297,7 @@ class Voter {
   const Tetrahedralization& tetrahedra_;
   const Observations& observations_;
   const std::vector<Place>* places_;
-  const std::vector<Center>& centers_;
+  const std::vector<Place>& centers_;
   const VisibilityWeightOptions& options_;
   const double near_distance_;
   const double normalization_;
@@ -323,7 +317,7 @@ RayReport Vote(const Tetrahedralization& tetrahedra,
                const std::vector<Eigen::Vector3d>& centers,
                const VisibilityWeightOptions& options, FlowCapacities* graph,
                const Progress& progress, std::vector<uint32_t>* free_support) {
-  const std::vector<Center> located = LocateCenters(tetrahedra, centers);
+  const std::vector<Place> located = LocateCenters(tetrahedra, centers);
   const auto num_rows = static_cast<uint32_t>(observations.offsets.size() - 1);
   const uint32_t num_blocks = (num_rows + kBlock - 1) / kBlock;
   std::mutex mutex;
@@ -347,24 +341,18 @@ RayReport Vote(const Tetrahedralization& tetrahedra,
 Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
                              const std::vector<uint32_t>& point_vertices,
                              const std::vector<float>& point_alphas) {
-  // The points of each vertex, compressed sparse rows.
-  std::vector<uint64_t> offsets(num_vertices + 1, 0);
-  for (const uint32_t vertex : point_vertices) {
-    ++offsets[vertex + 1];
-  }
-  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-  std::vector<uint32_t> points(cloud.size());
-  std::vector<uint64_t> next(offsets.begin(), offsets.end() - 1);
-  for (uint32_t point = 0; point < cloud.size(); ++point) {
-    points[next[point_vertices[point]]++] = point;
-  }
+  const auto points = GroupInRows<uint32_t>(num_vertices, [&](const auto& add) {
+    for (uint32_t point = 0; point < cloud.size(); ++point) {
+      add(point_vertices[point], point);
+    }
+  });
   Observations observations;
   std::vector<std::pair<uint32_t, float>> row;  // view, alpha
   for (size_t vertex = 0; vertex < num_vertices; ++vertex) {
     row.clear();
-    for (uint64_t k = offsets[vertex]; k < offsets[vertex + 1]; ++k) {
-      for (const uint32_t view : cloud.views[points[k]]) {
-        row.emplace_back(view, point_alphas[points[k]]);
+    for (const uint32_t point : points[vertex]) {
+      for (const uint32_t view : cloud.views[point]) {
+        row.emplace_back(view, point_alphas[point]);
       }
     }
     std::sort(row.begin(), row.end());

@@ -84,37 +84,42 @@ void FindJpegEnd(ByteReader* reader) {
   }
 }
 
+enum class PictureFormat { kUnknown, kPng, kJpeg };
+
+// \throw FileError if there is no such file.
+PictureFormat FormatOf(const std::filesystem::path& path) {
+  const Signature signature = ByteReader(path).Read<Signature>("the picture");
+  return signature == kPngSignature ? PictureFormat::kPng
+         : signature[0] == 0xff && signature[1] == 0xd8
+             ? PictureFormat::kJpeg
+             : PictureFormat::kUnknown;
+}
+
 }  // namespace
 
 bool IsPictureCutOff(const std::filesystem::path& path) {
-  bool is_known = false;
+  PictureFormat format = PictureFormat::kUnknown;
   try {
-    ByteReader signature_reader(path);
-    const Signature signature = signature_reader.Read<Signature>("the picture");
+    format = FormatOf(path);
     ByteReader reader(path);
-    if (signature == kPngSignature) {
-      is_known = true;
+    if (format == PictureFormat::kPng) {
       FindPngEnd(&reader);
-    } else if (signature[0] == 0xff && signature[1] == 0xd8) {
-      is_known = true;
+    } else if (format == PictureFormat::kJpeg) {
       FindJpegEnd(&reader);
     }
   } catch (const FileError&) {
-    return is_known;
+    return format != PictureFormat::kUnknown;
   }
   return false;
 }
 
 std::optional<PictureSize> ReadPictureSize(const std::filesystem::path& path) {
   try {
-    ByteReader signature_reader(path);
-    const Signature signature = signature_reader.Read<Signature>("the picture");
+    const PictureFormat format = FormatOf(path);
     ByteReader reader(path);
-    if (signature == kPngSignature) {
-      return ReadPngSize(&reader);
-    }
-    if (signature[0] == 0xff && signature[1] == 0xd8) {
-      return ReadJpegSize(&reader);
+    if (format != PictureFormat::kUnknown) {
+      return format == PictureFormat::kPng ? ReadPngSize(&reader)
+                                           : ReadJpegSize(&reader);
     }
   } catch (const FileError&) {  // missing or damaged, as the caller will say
   }

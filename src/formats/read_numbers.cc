@@ -3,12 +3,82 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
 
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
+namespace {
+
+constexpr size_t kNumCorners = 6;
+constexpr size_t kNumOriented = 15;
+
+Eigen::Vector3d VectorAt(std::span<const double> numbers, size_t first) {
+  return {numbers[first], numbers[first + 1], numbers[first + 2]};
+}
+
+std::optional<Region> BetweenCorners(const Eigen::Vector3d& a,
+                                     const Eigen::Vector3d& b) {
+  if (!((a - b).cwiseAbs().minCoeff() > 0)) {
+    return std::nullopt;
+  }
+  return RegionBetween(a.cwiseMin(b), a.cwiseMax(b));
+}
+
+// \pre 15 numbers
+std::optional<Region> Oriented(std::span<const double> numbers) {
+  constexpr double kTolerance = 1e-3;  // of a rotation's entries; a choice
+  Eigen::Matrix3d rotation;
+  rotation << VectorAt(numbers, 0).transpose(),
+      VectorAt(numbers, 3).transpose(), VectorAt(numbers, 6).transpose();
+  const Eigen::Matrix3d difference =
+      rotation * rotation.transpose() - Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d half_sizes = VectorAt(numbers, 12);
+  if (!(difference.cwiseAbs().maxCoeff() < kTolerance) ||
+      !(half_sizes.minCoeff() > 0)) {
+    return std::nullopt;
+  }
+  // The nearest rotation.
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
+      rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return Region{svd.matrixU() * svd.matrixV().transpose(), VectorAt(numbers, 9),
+                half_sizes};
+}
+
+constexpr size_t kNumMatrix = 16;
+constexpr size_t kNumSimilarity = 8;
+
+Eigen::Matrix4d FromSimilarity(const std::vector<double>& numbers) {
+  const Eigen::Quaterniond rotation(numbers[1], numbers[2], numbers[3],
+                                    numbers[4]);
+  Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
+  transform.topLeftCorner<3, 3>() =
+      numbers[0] * rotation.normalized().toRotationMatrix();
+  transform.topRightCorner<3, 1>() << numbers[5], numbers[6], numbers[7];
+  return transform;
+}
+
+bool IsSimilarity(const Eigen::Matrix4d& transform) {
+  constexpr double kTolerance = 1e-3;  // of the squared scale; a choice
+  const Eigen::Matrix3d linear = transform.topLeftCorner<3, 3>();
+  const double scale_squared = linear.squaredNorm() / 3;
+  const Eigen::Matrix3d difference =
+      linear * linear.transpose() - scale_squared * Eigen::Matrix3d::Identity();
+  return transform.row(3) == Eigen::RowVector4d(0, 0, 0, 1) &&
+         linear.determinant() > 0 &&
+         difference.cwiseAbs().maxCoeff() < kTolerance * scale_squared;
+}
+
+}  // namespace
 
 std::optional<std::vector<double>> ParseNumbers(std::string_view text) {
   constexpr std::string_view kSeparators = " \t\r\n,";
@@ -53,6 +123,66 @@ std::vector<double> ReadNumbers(const std::filesystem::path& path) {
     throw FileError(path, "not a text of numbers");
   }
   return *std::move(numbers);
+}
+
+Region ReadRegion(const std::filesystem::path& path) {
+  const std::vector<double> numbers = ReadNumbers(path);
+  std::optional<Region> region;
+  if (numbers.size() == kNumCorners) {
+    region = BetweenCorners(VectorAt(numbers, 0), VectorAt(numbers, 3));
+  } else if (numbers.size() == kNumOriented) {
+    region = Oriented(numbers);
+  }
+  if (!region) {
+    throw FileError(
+        path,
+        fmt::format("not a region: {} numbers; 6 are expected, two opposite "
+                    "corners of a box, or 15, the rows of its rotation, its "
+                    "centre, and half its sizes",
+                    numbers.size()));
+  }
+  return *region;
+}
+
+std::string RegionText(const Region& region) {
+  std::string text =
+      "# A region: the rows of its rotation, its centre, half its sizes.\n";
+  const auto add = [&text](const Eigen::Vector3d& row) {
+    text += fmt::format("{} {} {}\n", row.x(), row.y(), row.z());
+  };
+  for (int row = 0; row < 3; ++row) {
+    add(region.region_from_world.row(row));
+  }
+  add(region.center);
+  add(region.half_sizes);
+  return text;
+}
+
+std::optional<Region> ParseCorners(std::string_view text) {
+  const std::optional<std::vector<double>> numbers = ParseNumbers(text);
+  if (!numbers || numbers->size() != kNumCorners) {
+    return std::nullopt;
+  }
+  return BetweenCorners(VectorAt(*numbers, 0), VectorAt(*numbers, 3));
+}
+
+Eigen::Matrix4d ReadTransform(const std::filesystem::path& path) {
+  const std::vector<double> numbers = ReadNumbers(path);
+  Eigen::Matrix4d transform = Eigen::Matrix4d::Zero();
+  if (numbers.size() == kNumMatrix) {
+    transform = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(
+        numbers.data());
+  } else if (numbers.size() == kNumSimilarity) {
+    transform = FromSimilarity(numbers);
+  }
+  if (!IsSimilarity(transform)) {
+    throw FileError(
+        path, fmt::format("no similarity transform: {} numbers; 16 are "
+                          "expected, a 4 x 4 matrix, or 8, scale, quaternion "
+                          "and translation, as model_aligner writes them",
+                          numbers.size()));
+  }
+  return transform;
 }
 
 }  // namespace colmap_ext

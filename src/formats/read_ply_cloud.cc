@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "base/index_limit.h"
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
-#include "formats/ply_header.h"
-#include "formats/ply_numbers.h"
+#include "formats/ply_reader.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Where in a vertex, as an index of its properties, are its coordinates?
@@ -80,6 +79,21 @@ uint8_t ToByte(double value) {
   return value > 0 ? static_cast<uint8_t>(std::min(value, 255.0)) : 0;
 }
 
+// Reads up to the vertices.
+PlyElement SkipToVertices(const PlyHeader& header,
+                          const std::filesystem::path& path,
+                          PlyNumberReader* numbers,
+                          uint64_t max_count = UINT64_MAX) {
+  for (const PlyElement& element : header.elements) {
+    numbers->ExpectRoomFor(element, max_count);
+    if (element.name == "vertex") {
+      return element;
+    }
+    numbers->Skip(element);
+  }
+  throw FileError(path, "not a point cloud: it has no vertices");
+}
+
 }  // namespace
 
 PlyCloud ReadPlyVertices(const PlyElement& vertex,
@@ -125,14 +139,36 @@ PlyCloud ReadPlyCloud(const std::filesystem::path& path) {
   ByteReader reader(path);
   const PlyHeader header = ReadPlyHeader(&reader);
   PlyNumberReader numbers(&reader, header.format, "the vertices");
-  for (const PlyElement& element : header.elements) {
-    numbers.ExpectRoomFor(element, kMaxIndexed);
-    if (element.name == "vertex") {
-      return ReadPlyVertices(element, path, &numbers);
-    }
-    numbers.Skip(element);
+  return ReadPlyVertices(SkipToVertices(header, path, &numbers, kMaxIndexed),
+                         path, &numbers);
+}
+
+uint64_t CountPlyVertices(const std::filesystem::path& path) {
+  ByteReader reader(path);
+  const PlyHeader header = ReadPlyHeader(&reader);
+  PlyNumberReader numbers(&reader, header.format, "the vertices");
+  return SkipToVertices(header, path, &numbers).count;
+}
+
+void StreamCloud(const std::filesystem::path& path,
+                 const std::filesystem::path& visibility_path,
+                 size_t max_points,
+                 const std::function<void(CloudPiece piece)>& visit) {
+  ByteReader reader(path);
+  const PlyHeader header = ReadPlyHeader(&reader);
+  PlyNumberReader numbers(&reader, header.format, "the vertices");
+  PlyElement rest = SkipToVertices(header, path, &numbers);
+  VisibilityReader visibility(visibility_path, rest.count);
+  while (rest.count > 0) {
+    PlyElement piece = rest;
+    piece.count = std::min<uint64_t>(rest.count, max_points);
+    CloudPiece read;
+    read.cloud = ReadPlyVertices(piece, path, &numbers);
+    visibility.Read(piece.count, &read.visibility);
+    rest.count -= piece.count;
+    visit(std::move(read));
   }
-  throw FileError(path, "not a point cloud: it has no vertices");
+  visibility.ExpectEnd();
 }
 
 }  // namespace colmap_ext

@@ -1,13 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "formats/ply_header.h"
-#include "formats/ply_numbers.h"
+#include "formats/ply_reader.h"
+#include "formats/read_visibility.h"
 #include "scene/point_cloud.h"
 
 namespace colmap_ext {
@@ -39,5 +41,23 @@ PlyCloud ReadPlyCloud(const std::filesystem::path& path);
 PlyCloud ReadPlyVertices(const PlyElement& vertex,
                          const std::filesystem::path& path,
                          PlyNumberReader* numbers);
+
+// Points that follow each other in a cloud, and the images that see them.
+struct CloudPiece {
+  PlyCloud cloud;
+  Visibility visibility;
+};
+
+// How many points a PLY file has.
+// \throw FileError as ReadPlyCloud()
+uint64_t CountPlyVertices(const std::filesystem::path& path);
+
+// Reads a cloud and its .vis piece by piece, without ever holding more.
+// \param visit  gets each piece, of max_points but the last
+// \throw FileError as ReadPlyCloud() and ReadVisibility()
+void StreamCloud(const std::filesystem::path& path,
+                 const std::filesystem::path& visibility_path,
+                 size_t max_points,
+                 const std::function<void(CloudPiece piece)>& visit);
 
 }  // namespace colmap_ext

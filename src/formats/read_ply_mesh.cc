@@ -8,8 +8,7 @@
 #include "base/index_limit.h"
 #include "formats/byte_reader.h"
 #include "formats/errors.h"
-#include "formats/ply_header.h"
-#include "formats/ply_numbers.h"
+#include "formats/ply_reader.h"
 #include "formats/read_ply_cloud.h"
 
 namespace colmap_ext {

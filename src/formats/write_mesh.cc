@@ -1,7 +1,10 @@
 #include "formats/write_mesh.h"
 
+#include <algorithm>
+#include <compare>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,73 +14,86 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
-using Transform = std::optional<Eigen::Matrix4d>;
-
-// What the header of a mesh's file says.
-struct MeshLayout {
-  size_t num_vertices = 0;
-  size_t num_facets = 0;
-  bool has_colors = false;
-  bool has_confidences = false;
-  bool is_double = false;
+// What a PLY file of a mesh holds. Empty columns are left out.
+struct PlyMesh {
+  std::span<const Eigen::Vector3f> positions;  // [V]
+  std::span<const Color> colors{};             // [V] or empty
+  std::span<const float> confidences{};        // [V] or empty
+  std::span<const int32_t> labels{};           // [V] or empty
+  std::span<const Facet> facets{};             // [F]
+  std::string comments{};                      // lines of the header
+  std::optional<Eigen::Matrix4d> transform{};  // of the positions
 };
 
-std::string Header(const MeshLayout& layout) {
+std::string Header(const PlyMesh& mesh) {
   return fmt::format(
-      "ply\nformat binary_little_endian 1.0\nelement vertex {1}\n"
-      "property {0} x\nproperty {0} y\nproperty {0} z\n{2}{3}"
-      "element face {4}\nproperty list uchar int vertex_index\nend_header\n",
-      layout.is_double ? "double" : "float", layout.num_vertices,
-      layout.has_colors
-          ? "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-          : "",
-      layout.has_confidences ? "property float confidence\n" : "",
-      layout.num_facets);
+      "ply\nformat binary_little_endian 1.0\n{0}element vertex {1}\n"
+      "property {2} x\nproperty {2} y\nproperty {2} z\n{3}{4}{5}"
+      "element face {6}\nproperty list uchar int vertex_index\nend_header\n",
+      mesh.comments, mesh.positions.size(), mesh.transform ? "double" : "float",
+      mesh.colors.empty() ? ""
+                          : "property uchar red\nproperty uchar green\n"
+                            "property uchar blue\n",
+      mesh.confidences.empty() ? "" : "property float confidence\n",
+      mesh.labels.empty() ? "" : "property int label\n", mesh.facets.size());
 }
 
-void WritePosition(const Eigen::Vector3f& position, const Transform& transform,
-                   AtomicFile* file) {
-  if (!transform) {
-    file->Write(position.data(), 3 * sizeof(float));
-    return;
-  }
-  const Eigen::Vector3d transformed =
-      (*transform * position.cast<double>().homogeneous()).head<3>();
-  file->Write(transformed.data(), 3 * sizeof(double));
-}
-
-void WriteHeader(const std::filesystem::path& path, const MeshLayout& layout,
-                 AtomicFile* file) {
-  if (layout.num_vertices > std::numeric_limits<int32_t>::max()) {
+void WritePly(const std::filesystem::path& path, const PlyMesh& mesh,
+              AtomicFile* file) {
+  if (mesh.positions.size() > std::numeric_limits<int32_t>::max()) {
     throw FileError(path, "the mesh has more vertices than a PLY can index");
   }
-  const std::string header = Header(layout);
+  const std::string header = Header(mesh);
   file->Write(header.data(), header.size());
-}
-
-void WriteVertices(const std::vector<Eigen::Vector3f>& positions,
-                   const std::vector<Color>& colors,
-                   const std::vector<float>& confidences,
-                   const Transform& transform, AtomicFile* file) {
-  for (size_t i = 0; i < positions.size(); ++i) {
-    WritePosition(positions[i], transform, file);
-    if (!colors.empty()) {
-      file->Write(colors[i]);
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Eigen::Vector3f& position = mesh.positions[i];
+    if (mesh.transform) {
+      const Eigen::Vector3d transformed =
+          (*mesh.transform * position.cast<double>().homogeneous()).head<3>();
+      file->Write(transformed.data(), 3 * sizeof(double));
+    } else {
+      file->Write(position.data(), 3 * sizeof(float));
     }
-    if (!confidences.empty()) {
-      file->Write(confidences[i]);
+    if (!mesh.colors.empty()) {
+      file->Write(mesh.colors[i]);
+    }
+    if (!mesh.confidences.empty()) {
+      file->Write(mesh.confidences[i]);
+    }
+    if (!mesh.labels.empty()) {
+      file->Write(mesh.labels[i]);
     }
   }
-}
-
-void WriteFacets(const std::vector<Facet>& facets, AtomicFile* file) {
-  for (const Facet& facet : facets) {
+  for (const Facet& facet : mesh.facets) {
     file->Write(uint8_t{3});
     file->Write(facet);
   }
+}
+
+// A vertex as the facets of one label have it.
+struct LabeledVertex {
+  uint32_t vertex = 0;
+  int32_t label = -1;
+  Color color = {};
+
+  auto operator<=>(const LabeledVertex&) const = default;
+};
+
+// Sorted, each once.
+std::vector<LabeledVertex> FindVertices(const TriangleMesh& mesh,
+                                        const MeshLabels& labels) {
+  std::vector<LabeledVertex> vertices;
+  vertices.reserve(3 * mesh.facets.size());
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    for (const uint32_t vertex : mesh.facets[i]) {
+      vertices.push_back({vertex, labels.labels[i], labels.colors[i]});
+    }
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
 }
 
 }  // namespace
@@ -87,20 +103,19 @@ std::filesystem::path VisibilityPath(const std::filesystem::path& path) {
 }
 
 void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
-               const VertexAttributes& attributes, const Transform& transform,
+               const VertexAttributes& attributes,
+               const std::optional<Eigen::Matrix4d>& transform,
                AtomicFiles* together) {
   AtomicFiles alone;
   AtomicFiles& files = together != nullptr ? *together : alone;
   AtomicFile* visibility_file = files.Add(VisibilityPath(path));
-  AtomicFile* mesh_file = files.Add(path);
-  WriteHeader(
-      path,
-      {mesh.vertices.size(), mesh.facets.size(), !attributes.colors.empty(),
-       !attributes.confidences.empty(), transform.has_value()},
-      mesh_file);
-  WriteVertices(mesh.vertices, attributes.colors, attributes.confidences,
-                transform, mesh_file);
-  WriteFacets(mesh.facets, mesh_file);
+  WritePly(path,
+           {.positions = mesh.vertices,
+            .colors = attributes.colors,
+            .confidences = attributes.confidences,
+            .facets = mesh.facets,
+            .transform = transform},
+           files.Add(path));
   visibility_file->Write(uint64_t{mesh.vertices.size()});
   for (size_t i = 0; i < attributes.views.size(); ++i) {
     const auto views = attributes.views[i];
@@ -114,11 +129,45 @@ void WriteColoredMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh,
                       const std::vector<Color>& colors, AtomicFiles* together) {
   AtomicFiles alone;
-  AtomicFile* file = (together != nullptr ? together : &alone)->Add(path);
-  WriteHeader(path, {mesh.vertices.size(), mesh.facets.size(), !colors.empty()},
-              file);
-  WriteVertices(mesh.vertices, colors, {}, std::nullopt, file);
-  WriteFacets(mesh.facets, file);
+  WritePly(
+      path,
+      {.positions = mesh.vertices, .colors = colors, .facets = mesh.facets},
+      (together != nullptr ? together : &alone)->Add(path));
+  alone.Commit();
+}
+
+void WriteLabeledMesh(const std::filesystem::path& path,
+                      const TriangleMesh& mesh, const MeshLabels& labels,
+                      AtomicFiles* together) {
+  const std::vector<LabeledVertex> vertices = FindVertices(mesh, labels);
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<Color> colors;
+  std::vector<int32_t> vertex_labels;
+  for (const LabeledVertex& vertex : vertices) {
+    positions.push_back(mesh.vertices[vertex.vertex]);
+    colors.push_back(vertex.color);
+    vertex_labels.push_back(vertex.label);
+  }
+  std::vector<Facet> facets = mesh.facets;
+  for (size_t i = 0; i < facets.size(); ++i) {
+    for (uint32_t& vertex : facets[i]) {
+      const LabeledVertex wanted{vertex, labels.labels[i], labels.colors[i]};
+      vertex = static_cast<uint32_t>(
+          std::ranges::lower_bound(vertices, wanted) - vertices.begin());
+    }
+  }
+  std::string comments;
+  for (size_t i = 0; i < labels.names.size(); ++i) {
+    comments += fmt::format("comment label {}: {}\n", i, labels.names[i]);
+  }
+  AtomicFiles alone;
+  WritePly(path,
+           {.positions = positions,
+            .colors = colors,
+            .labels = vertex_labels,
+            .facets = facets,
+            .comments = comments},
+           (together != nullptr ? together : &alone)->Add(path));
   alone.Commit();
 }
 

@@ -144,10 +144,9 @@ FacetLabels BestLabels(const std::vector<ViewPair>& pairs,
   sets = AddFurtherLabels(problem, sets, std::max(count, final_count));
   FacetLabels labels;
   labels.pairs = pairs;
-  labels.labels.values.reserve(sets.labels.size());
-  labels.labels.offsets.reserve(sets.offsets.size());
+  labels.labels.Reserve(sets.size(), sets.values.size());
   for (const uint32_t node : field.nodes) {
-    labels.labels.AddRow(std::span(sets.Labels(node), sets.Labels(node + 1)));
+    labels.labels.AddRow(sets[node]);
   }
   return labels;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -21,8 +22,8 @@ int NumWithout(const PottsProblem& problem, const LabelSets& sets,
     if (neighbor == kNone) {
       continue;
     }
-    const uint32_t* end = sets.Labels(neighbor + 1);
-    count += std::find(sets.Labels(neighbor), end, label) == end ? 1 : 0;
+    const auto labels = sets[neighbor];
+    count += std::ranges::find(labels, label) == labels.end() ? 1 : 0;
   }
   return count;
 }
@@ -36,17 +37,15 @@ bool ChoosesIn(int round, uint32_t node) {
   return ((node * 0x9e3779b1U) >> (31 - round) & 1) != 0;
 }
 
-// Writes the given labels and the cheapest others between `begin` and `end`.
+// Writes the given labels of a node and the cheapest others to `chosen`.
 void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
                     const LabelSets& sets, uint32_t node, double weight,
-                    std::vector<PricedLabel>* row, uint32_t* begin,
-                    const uint32_t* end) {
-  const uint32_t* given_begin = given.Labels(node);
-  const uint32_t* given_end = given.Labels(node + 1);
+                    std::vector<PricedLabel>* row, std::span<uint32_t> chosen) {
+  const auto given_labels = given[node];
   row->clear();
   for (uint64_t i = problem.offsets[node]; i < problem.offsets[node + 1]; ++i) {
     const uint32_t label = problem.labels[i];
-    if (std::find(given_begin, given_end, label) != given_end) {
+    if (std::ranges::find(given_labels, label) != given_labels.end()) {
       continue;
     }
     double cost = problem.costs[i];
@@ -55,10 +54,13 @@ void ChooseCheapest(const PottsProblem& problem, const LabelSets& given,
     }
     row->emplace_back(cost, label);
   }
-  begin = std::copy(given_begin, given_end, begin);
-  std::partial_sort(row->begin(), row->begin() + (end - begin), row->end());
-  for (auto priced = row->begin(); begin != end; ++priced) {
-    *begin++ = priced->second;
+  std::ranges::copy(given_labels, chosen.begin());
+  const auto others = chosen.subspan(given_labels.size());
+  std::partial_sort(row->begin(),
+                    row->begin() + static_cast<ptrdiff_t>(others.size()),
+                    row->end());
+  for (size_t i = 0; i < others.size(); ++i) {
+    others[i] = (*row)[i].second;
   }
 }
 
@@ -86,14 +88,14 @@ void ChooseInRound(const PottsProblem& problem, const LabelSets& given,
   const double weight = round > 0 ? problem.weight / 3 : 0;
   std::vector<PricedLabel> row;
   for (uint32_t node = nodes.begin(); node != nodes.end(); ++node) {
-    uint32_t* begin = next->data() + sets.offsets[node];
+    const std::span<uint32_t> chosen(next->data() + sets.offsets[node],
+                                     sets[node].size());
     if (round == 0 ||
         (ChoosesIn(round, node) && history->IsOutdated(problem, node))) {
       history->chosen[node] = static_cast<uint8_t>(round);
-      ChooseCheapest(problem, given, sets, node, weight, &row, begin,
-                     next->data() + sets.offsets[node + 1]);
+      ChooseCheapest(problem, given, sets, node, weight, &row, chosen);
     } else {
-      std::copy(sets.Labels(node), sets.Labels(node + 1), begin);
+      std::ranges::copy(sets[node], chosen.begin());
     }
   }
 }
@@ -105,9 +107,9 @@ LabelSets ChosenLabels(const PottsProblem& problem,
   LabelSets sets;
   for (uint32_t node = 0; node < choices.size(); ++node) {
     if (choices[node] != kNone) {
-      sets.labels.push_back(problem.Labels(node)[choices[node]]);
+      sets.values.push_back(problem.Labels(node)[choices[node]]);
     }
-    sets.offsets.push_back(sets.labels.size());
+    sets.EndRow();
   }
   return sets;
 }
@@ -123,11 +125,11 @@ LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
     sets.offsets.push_back(sets.offsets.back() +
                            std::min(problem.NumLabels(node), count));
   }
-  if (sets.offsets.back() == given.labels.size()) {
+  if (sets.offsets.back() == given.values.size()) {
     return given;
   }
-  sets.labels.resize(sets.offsets.back());
-  std::vector<uint32_t> next(sets.labels.size());
+  sets.values.resize(sets.offsets.back());
+  std::vector<uint32_t> next(sets.values.size());
   History history{std::vector<uint8_t>(num_nodes, 0),
                   std::vector<uint8_t>(num_nodes, 0)};
   for (int round = 0; round < kRounds; ++round) {
@@ -137,13 +139,13 @@ LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
                                       &history, &next);
                       });
     tbb::parallel_for(uint32_t{0}, num_nodes, [&](uint32_t node) {
-      const uint32_t* end = sets.Labels(node + 1);
-      if (!std::equal(sets.Labels(node), end,
+      const auto labels = sets[node];
+      if (!std::equal(labels.begin(), labels.end(),
                       next.data() + sets.offsets[node])) {
         history.changed[node] = static_cast<uint8_t>(round);
       }
     });
-    sets.labels.swap(next);
+    sets.values.swap(next);
   }
   return sets;
 }

@@ -3,19 +3,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/rows.h"
 #include "optim/potts_mrf.h"
 
 namespace colmap_ext {
 
-// Several labels of each node, or none.
-struct LabelSets {
-  std::vector<uint64_t> offsets{0};  // [N + 1], into labels
-  std::vector<uint32_t> labels;
-
-  const uint32_t* Labels(uint32_t node) const {
-    return labels.data() + offsets[node];
-  }
-};
+// Several labels of each node, or none. [N]
+using LabelSets = Rows<uint32_t>;
 
 // The chosen label of each node, none where it has no choice.
 // \param choices  [N] see PottsSolution

@@ -1,11 +1,11 @@
 #include "optim/label_expansion.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "base/rows.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {
@@ -24,33 +24,20 @@ struct Block {
 // which takes four times as long.
 constexpr uint32_t kBlockSize = 1 << 16;
 
-// The nodes of a block that have each label.
-struct NodesOfLabels {
-  std::vector<uint64_t> offsets;  // [L + 1], into nodes
-  std::vector<uint32_t> nodes;    // ascending in each row
-};
-
-NodesOfLabels FindNodes(const PottsProblem& problem, Block block) {
-  const auto begin = problem.labels.begin() +
-                     static_cast<ptrdiff_t>(problem.offsets[block.begin]);
-  const auto end = problem.labels.begin() +
-                   static_cast<ptrdiff_t>(problem.offsets[block.end]);
-  const uint32_t num_labels =
-      begin == end ? 0 : *std::max_element(begin, end) + 1;
-  NodesOfLabels result;
-  std::vector<uint64_t>& offsets = result.offsets;
-  offsets.assign(num_labels + 2, 0);
-  std::for_each(begin, end, [&](uint32_t label) { ++offsets[label + 2]; });
-  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-  result.nodes.resize(static_cast<size_t>(end - begin));
-  for (uint32_t node = block.begin; node < block.end; ++node) {
-    const uint32_t* labels = problem.Labels(node);
-    for (uint32_t i = 0; i < problem.NumLabels(node); ++i) {
-      result.nodes[offsets[labels[i] + 1]++] = node;
-    }
+// [labels] the nodes of a block that have each label, ascending.
+Rows<uint32_t> FindNodes(const PottsProblem& problem, Block block) {
+  uint32_t num_labels = 0;
+  for (uint64_t i = problem.offsets[block.begin];
+       i < problem.offsets[block.end]; ++i) {
+    num_labels = std::max(num_labels, problem.labels[i] + 1);
   }
-  offsets.pop_back();
-  return result;
+  return GroupInRows<uint32_t>(num_labels, [&](const auto& add) {
+    for (uint32_t node = block.begin; node < block.end; ++node) {
+      for (const uint32_t label : problem.Labels(node)) {
+        add(label, node);
+      }
+    }
+  });
 }
 
 // What a cost of 1 is as a capacity. A node pays for a label and for three
@@ -79,8 +66,7 @@ class BlockExpansion {
         places_(block.end - block.begin, kNone) {}
 
   void Run() {
-    for (uint32_t label = 0; label + 1 < nodes_of_labels_.offsets.size();
-         ++label) {
+    for (uint32_t label = 0; label < nodes_of_labels_.size(); ++label) {
       Expand(label);
     }
   }
@@ -109,9 +95,7 @@ class BlockExpansion {
   // The nodes that have the label and have not chosen it.
   void FindMovable(uint32_t label) {
     movable_.clear();
-    for (uint64_t i = nodes_of_labels_.offsets[label];
-         i < nodes_of_labels_.offsets[label + 1]; ++i) {
-      const uint32_t node = nodes_of_labels_.nodes[i];
+    for (const uint32_t node : nodes_of_labels_[label]) {
       if (Chosen(node) != label) {
         places_[node - block_.begin] = static_cast<uint32_t>(movable_.size());
         movable_.push_back(node);
@@ -160,10 +144,9 @@ class BlockExpansion {
   }
 
   uint32_t Place(uint32_t node, uint32_t label) const {
-    const uint32_t* labels = problem_.Labels(node);
-    return static_cast<uint32_t>(
-        std::lower_bound(labels, labels + problem_.NumLabels(node), label) -
-        labels);
+    const auto labels = problem_.Labels(node);
+    return static_cast<uint32_t>(std::ranges::lower_bound(labels, label) -
+                                 labels.begin());
   }
 
   uint32_t Capacity(double cost) const {
@@ -174,7 +157,7 @@ class BlockExpansion {
   const double scale_;
   const Block block_;
   std::vector<uint32_t>& choices_;
-  const NodesOfLabels nodes_of_labels_;
+  const Rows<uint32_t> nodes_of_labels_;
   std::vector<uint32_t> movable_;  // nodes
   std::vector<uint32_t> places_;   // [nodes of the block], see PlaceInGraph
   FlowGraph graph_;                // of movable_

@@ -106,8 +106,8 @@ void MessagePassing::AllocateMessages() {
 
 // The node's costs and the messages of all its neighbors.
 void MessagePassing::Collect(uint32_t node, std::vector<float>* belief) const {
-  belief->assign(problem_.Costs(node),
-                 problem_.Costs(node) + problem_.NumLabels(node));
+  const auto costs = problem_.Costs(node);
+  belief->assign(costs.begin(), costs.end());
   for (int k = 0; k < 3; ++k) {
     if (IsUsed(problem_.neighbors[node][k])) {
       AddMessage(messages_of_[node][k], belief);
@@ -126,9 +126,9 @@ void MessagePassing::AddMessage(uint64_t at, std::vector<float>* belief) const {
 // \return its cost, with the edges to the earlier neighbors
 double MessagePassing::Choose(uint32_t node, std::vector<float>* belief,
                               std::vector<uint32_t>* choices) const {
-  belief->assign(problem_.Costs(node),
-                 problem_.Costs(node) + problem_.NumLabels(node));
-  const uint32_t* labels = problem_.Labels(node);
+  const auto costs = problem_.Costs(node);
+  belief->assign(costs.begin(), costs.end());
+  const auto labels = problem_.Labels(node);
   std::array<uint32_t, 3> chosen{};  // by the earlier neighbors
   int num_chosen = 0;
   for (int k = 0; k < 3; ++k) {
@@ -151,7 +151,7 @@ double MessagePassing::Choose(uint32_t node, std::vector<float>* belief,
   (*choices)[node] = choice;
   const auto num_equal =
       std::count(chosen.begin(), chosen.begin() + num_chosen, labels[choice]);
-  return problem_.Costs(node)[choice] +
+  return costs[choice] +
          problem_.weight * static_cast<double>(num_chosen - num_equal);
 }
 
@@ -184,28 +184,26 @@ double MessagePassing::Send(uint32_t node, bool is_forward, Scratch* scratch) {
 // the weight for all but the same label.
 float MessagePassing::SendTo(uint32_t node, uint32_t neighbor, float share,
                              Scratch* scratch, float* message) const {
-  const uint32_t num_labels = problem_.NumLabels(node);
+  const auto from = problem_.Labels(node);
+  const auto to = problem_.Labels(neighbor);
   std::vector<float>& reduced = scratch->reduced;
-  reduced.resize(num_labels);
+  reduced.resize(from.size());
   float least = std::numeric_limits<float>::max();
-  for (uint32_t i = 0; i < num_labels; ++i) {
+  for (size_t i = 0; i < from.size(); ++i) {
     reduced[i] = share * scratch->belief[i] - message[i];
     least = std::min(least, reduced[i]);
   }
   const float other = least + weight_;
-  const uint32_t* from = problem_.Labels(node);
-  const uint32_t* to = problem_.Labels(neighbor);
-  const uint32_t num_to = problem_.NumLabels(neighbor);
   float lowest = other;
-  for (uint32_t i = 0, j = 0; j < num_to; ++j) {
-    while (i < num_labels && from[i] < to[j]) {
+  for (size_t i = 0, j = 0; j < to.size(); ++j) {
+    while (i < from.size() && from[i] < to[j]) {
       ++i;
     }
-    const bool is_common = i < num_labels && from[i] == to[j];
+    const bool is_common = i < from.size() && from[i] == to[j];
     message[j] = is_common ? std::min(reduced[i], other) : other;
     lowest = std::min(lowest, message[j]);
   }
-  for (uint32_t j = 0; j < num_to; ++j) {
+  for (size_t j = 0; j < to.size(); ++j) {
     message[j] -= lowest;
   }
   return lowest;

@@ -13,11 +13,10 @@ namespace {
 std::vector<uint32_t> CheapestLabels(const PottsProblem& problem) {
   std::vector<uint32_t> choices(problem.NumNodes(), kNone);
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
-    const float* costs = problem.Costs(node);
-    const float* end = costs + problem.NumLabels(node);
-    if (costs != end) {
-      choices[node] =
-          static_cast<uint32_t>(std::min_element(costs, end) - costs);
+    const auto costs = problem.Costs(node);
+    if (!costs.empty()) {
+      choices[node] = static_cast<uint32_t>(std::ranges::min_element(costs) -
+                                            costs.begin());
     }
   }
   return choices;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/index_limit.h"
@@ -26,12 +27,12 @@ struct PottsProblem {
     return static_cast<uint32_t>(offsets[node + 1] - offsets[node]);
   }
 
-  const uint32_t* Labels(uint32_t node) const {
-    return labels.data() + offsets[node];
+  std::span<const uint32_t> Labels(uint32_t node) const {
+    return {labels.data() + offsets[node], NumLabels(node)};
   }
 
-  const float* Costs(uint32_t node) const {
-    return costs.data() + offsets[node];
+  std::span<const float> Costs(uint32_t node) const {
+    return {costs.data() + offsets[node], NumLabels(node)};
   }
 };
 

@@ -1,7 +1,8 @@
 #include "optim/sweep_order.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "base/rows.h"
 
 namespace colmap_ext {
 
@@ -68,18 +69,16 @@ std::vector<uint32_t> Classes(const Neighbors& neighbors,
 std::vector<uint32_t> SweepOrder(const Neighbors& neighbors) {
   const Search search = BreadthFirst(neighbors);
   const std::vector<uint32_t> classes = Classes(neighbors, search);
-  // Sorted by counting: nodes of a class stay in the search's order.
-  std::vector<uint32_t> places;
-  for (const uint32_t c : classes) {
-    places.resize(std::max<size_t>(places.size(), c + 2), 0);
-    ++places[c + 1];
-  }
-  std::partial_sum(places.begin(), places.end(), places.begin());
-  std::vector<uint32_t> order(neighbors.size());
-  for (const uint32_t node : search.order) {
-    order[places[classes[node]]++] = node;
-  }
-  return order;
+  const uint32_t num_classes =
+      classes.empty() ? 0 : *std::ranges::max_element(classes) + 1;
+  // Nodes of a class stay in the search's order.
+  return GroupInRows<uint32_t>(num_classes,
+                               [&](const auto& add) {
+                                 for (const uint32_t node : search.order) {
+                                   add(classes[node], node);
+                                 }
+                               })
+      .values;
 }
 
 }  // namespace colmap_ext

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "base/edit_rows.h"
+#include "base/rows.h"
 #include "labeling/view_pairs.h"
 #include "mesh/normals.h"
 #include "photometry/image_pyramid.h"

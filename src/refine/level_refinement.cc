@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "labeling/compared_directions.h"
+#include "labeling/facet_labels.h"
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"
 #include "refine/normal_equations.h"

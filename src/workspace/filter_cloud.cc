@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "base/edit_rows.h"
+#include "base/rows.h"
 
 namespace colmap_ext {
 

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "base/edit_rows.h"
 #include "base/lru_cache.h"
 #include "base/rows.h"
 #include "formats/errors.h"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "base/edit_rows.h"
+#include "base/rows.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "formats/cloud_stream.h"
 #include "formats/errors.h"
 #include "formats/read_ply_cloud.h"
 #include "formats/read_visibility.h"

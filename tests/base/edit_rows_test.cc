@@ -1,4 +1,4 @@
-#include "base/edit_rows.h"
+#include "base/rows.h"
 
 #include <random>
 #include <vector>

@@ -5,7 +5,6 @@
 
 #include <colmap/util/ply.h>
 
-#include "formats/write_labeled_mesh.h"
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
 

@@ -1,4 +1,3 @@
-#include "formats/read_region.h"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,4 @@
-#include "formats/write_labeled_mesh.h"
+#include "formats/write_mesh.h"
 
 #include "formats/read_ply_cloud.h"
 #include "formats/read_ply_mesh.h"

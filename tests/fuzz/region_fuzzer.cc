@@ -1,4 +1,4 @@
-#include "formats/read_region.h"
+#include "formats/read_numbers.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t num_bytes) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gl/gl_error.h"
-#include "labeling/compared_directions.h"
+#include "labeling/facet_labels.h"
 #include "photometry/photometric_energy.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/energy_scene.h"

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <ranges>
 #include <set>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -25,22 +27,25 @@ LabelSets Choose(const PottsProblem& problem) {
   return ChosenLabels(problem, SolvePotts(problem).choices);
 }
 
+bool Contains(std::span<const uint32_t> labels, uint32_t label) {
+  return std::ranges::find(labels, label) != labels.end();
+}
+
+std::set<uint32_t> SetOf(std::span<const uint32_t> labels) {
+  return {labels.begin(), labels.end()};
+}
+
 // What the sets' labels after the first cost, a third of the weight for each
 // neighbor without them counted.
 double Cost(const PottsProblem& problem, const LabelSets& sets) {
   double sum = 0;
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
-    for (const uint32_t* label = sets.Labels(node) + 1;
-         label < sets.Labels(node + 1); ++label) {
-      const uint32_t* row = problem.Labels(node);
-      sum += problem.Costs(
-          node)[std::find(row, row + problem.NumLabels(node), *label) - row];
+    const auto own = problem.Labels(node);
+    for (const uint32_t label : sets[node] | std::views::drop(1)) {
+      sum += problem.Costs(node)[std::ranges::find(own, label) - own.begin()];
       for (const uint32_t other : problem.neighbors[node]) {
-        if (other != kNone) {
-          const uint32_t* end = sets.Labels(other + 1);
-          sum += std::find(sets.Labels(other), end, *label) == end
-                     ? problem.weight / 3
-                     : 0;
+        if (other != kNone && !Contains(sets[other], label)) {
+          sum += problem.weight / 3;
         }
       }
     }
@@ -55,15 +60,14 @@ TEST(AddFurtherLabels, GivesEachNodeLabelsOfItsOwn) {
     const LabelSets sets = AddFurtherLabels(problem, chosen, count);
     ASSERT_EQ(sets.offsets.size(), problem.NumNodes() + 1);
     for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
-      const std::set<uint32_t> own(problem.Labels(node),
-                                   problem.Labels(node + 1));
-      const std::set<uint32_t> labels(sets.Labels(node), sets.Labels(node + 1));
+      const std::set<uint32_t> own = SetOf(problem.Labels(node));
+      const std::set<uint32_t> labels = SetOf(sets[node]);
       EXPECT_EQ(labels.size(), std::min<size_t>(own.size(), count));
-      EXPECT_EQ(labels.size(), sets.offsets[node + 1] - sets.offsets[node]);
+      EXPECT_EQ(labels.size(), sets[node].size());
       EXPECT_TRUE(
           std::includes(own.begin(), own.end(), labels.begin(), labels.end()));
       if (!own.empty()) {
-        EXPECT_EQ(*sets.Labels(node), *chosen.Labels(node));
+        EXPECT_EQ(sets[node][0], chosen[node][0]);
       }
     }
   }
@@ -75,14 +79,11 @@ TEST(AddFurtherLabels, KeepsTheGivenOnesFirst) {
   const LabelSets many = AddFurtherLabels(problem, few, 6);
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
     EXPECT_TRUE(
-        std::equal(few.Labels(node), few.Labels(node + 1), many.Labels(node)));
-    EXPECT_EQ(many.offsets[node + 1] - many.offsets[node],
-              std::min(problem.NumLabels(node), 6U));
-    EXPECT_EQ(
-        std::set<uint32_t>(many.Labels(node), many.Labels(node + 1)).size(),
-        many.offsets[node + 1] - many.offsets[node]);
+        std::ranges::equal(few[node], many[node].first(few[node].size())));
+    EXPECT_EQ(many[node].size(), std::min(problem.NumLabels(node), 6U));
+    EXPECT_EQ(SetOf(many[node]).size(), many[node].size());
   }
-  EXPECT_EQ(AddFurtherLabels(problem, few, 3).labels, few.labels);
+  EXPECT_EQ(AddFurtherLabels(problem, few, 3), few);
 }
 
 TEST(AddFurtherLabels, TakesTheCheapestWhereNeighborsDoNotCount) {
@@ -96,7 +97,7 @@ TEST(AddFurtherLabels, TakesTheCheapestWhereNeighborsDoNotCount) {
     }
     std::sort(row.begin(), row.end());
     for (size_t i = 0; i < std::min<size_t>(row.size(), 4); ++i) {
-      EXPECT_EQ(sets.Labels(node)[i], row[i].second);
+      EXPECT_EQ(sets[node][i], row[i].second);
     }
   }
 }
@@ -117,7 +118,7 @@ TEST(AddFurtherLabels, DoesNotDependOnThreads) {
   for (const int num_threads : {1, 2, 3}) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
-    EXPECT_EQ(AddFurtherLabels(problem, chosen, 4).labels, expected.labels);
+    EXPECT_EQ(AddFurtherLabels(problem, chosen, 4), expected);
   }
 }
 

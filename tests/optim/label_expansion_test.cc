@@ -26,11 +26,10 @@ double LeastOfExpansions(const PottsProblem& problem, uint32_t label,
   for (uint32_t takers = 0; takers < 1U << problem.NumNodes(); ++takers) {
     std::vector<uint32_t> expanded = choices;
     for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
-      const uint32_t* labels = problem.Labels(node);
-      const uint32_t* end = labels + problem.NumLabels(node);
-      const uint32_t* at = std::find(labels, end, label);
-      if ((takers >> node & 1) != 0 && at != end) {
-        expanded[node] = static_cast<uint32_t>(at - labels);
+      const auto labels = problem.Labels(node);
+      const auto at = std::ranges::find(labels, label);
+      if ((takers >> node & 1) != 0 && at != labels.end()) {
+        expanded[node] = static_cast<uint32_t>(at - labels.begin());
       }
     }
     least = std::min(least, PottsEnergy(problem, expanded));

@@ -1,4 +1,3 @@
-#include "scene/half_pixel_slope.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "labeling/compared_directions.h"
+#include "labeling/facet_labels.h"
 
 #include <cstddef>
 #include <cstdint>
