@@ -37,10 +37,6 @@ std::optional<std::array<uint32_t, 4>> FindSimplex(
   return std::nullopt;
 }
 
-uint32_t IndexOf(const GrowingComplex::Cell& cell, uint32_t vertex) {
-  return PlaceOf(vertex, cell.vertices);
-}
-
 }  // namespace
 
 void AddFreeCells(size_t num_cells, GrowingComplex* complex) {
@@ -89,8 +85,8 @@ std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
     cells[1 + i].mirror_facets[i] = i;
     for (uint32_t k = 0; k < 4; ++k) {
       if (k != i) {
-        cells[1 + i].mirror_facets[IndexOf(cells[1 + i], simplex[k])] =
-            4 * (1 + k) + IndexOf(cells[1 + k], simplex[i]);
+        cells[1 + i].mirror_facets[PlaceOf(simplex[k], cells[1 + i].vertices)] =
+            4 * (1 + k) + PlaceOf(simplex[i], cells[1 + k].vertices);
       }
     }
   }

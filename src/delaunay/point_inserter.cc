@@ -43,7 +43,9 @@ uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {
 uint32_t PointInserter::Insert(uint32_t point, uint32_t cell) {
   const bool is_found = FindCavity(point, cell);
   const uint32_t result = is_found ? FillCavity(point) : kNone;
-  LeaveCavity();
+  for (const uint32_t marked : cavity_) {
+    complex_->is_marked[marked] = 0;
+  }
   return result;
 }
 
@@ -144,16 +146,7 @@ uint32_t PointInserter::TurnThroughCavity(uint32_t arc, uint32_t exit) const {
     const uint32_t pivot = cells[at].vertices[entry];
     at = next;
     entry = mirror % 4;
-    exit = 0;
-    while (cells[at].vertices[exit] != pivot) {
-      ++exit;
-    }
-  }
-}
-
-void PointInserter::LeaveCavity() {
-  for (const uint32_t cell : cavity_) {
-    complex_->is_marked[cell] = 0;
+    exit = PlaceOf(pivot, cells[at].vertices);
   }
 }
 

@@ -45,7 +45,6 @@ class PointInserter {
   uint32_t AddCell(uint32_t point, uint32_t arc);
   void Connect(uint32_t cell, uint32_t arc);
   uint32_t TurnThroughCavity(uint32_t arc, uint32_t exit) const;
-  void LeaveCavity();
 
   uint32_t begin_;
   uint32_t end_;

@@ -4,6 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/percentile.h"
 #include "delaunay/cell_graph.h"
 #include "delaunay/ray_walk.h"
 
@@ -59,21 +60,14 @@ std::vector<SupportJump> MeasureJumps(
 
 // The upper median of the support in front of the rays that are not lost; 0
 // where all are.
-uint32_t MedianFront(const std::vector<SupportJump>& jumps) {
-  std::vector<uint32_t> fronts;
-  fronts.reserve(jumps.size());
+double MedianFront(const std::vector<SupportJump>& jumps) {
+  std::vector<double> fronts;
   for (const SupportJump& jump : jumps) {
     if (jump.end_cell != kNone) {
       fronts.push_back(jump.front);
     }
   }
-  if (fronts.empty()) {
-    return 0;
-  }
-  const auto middle =
-      fronts.begin() + static_cast<ptrdiff_t>(fronts.size() / 2);
-  std::nth_element(fronts.begin(), middle, fronts.end());
-  return *middle;
+  return fronts.empty() ? 0 : Percentile(50, &fronts);
 }
 
 }  // namespace

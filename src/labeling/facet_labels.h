@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -16,7 +17,7 @@ struct ViewPair {
   uint32_t first = 0;
   uint32_t second = 0;
 
-  bool operator==(const ViewPair&) const = default;
+  auto operator<=>(const ViewPair&) const = default;
 };
 
 // The directions of a pair: in which of its views it is compared, the other

@@ -1,32 +1,19 @@
 #include "labeling/view_pairs.h"
 
 #include <algorithm>
-#include <numeric>
-#include <utility>
 
 #include <tbb/parallel_for.h>
+
+#include "base/rows.h"
 
 namespace colmap_ext {
 
 namespace {
 
-// [views] the points that each view sees, ascending.
-std::vector<std::vector<uint32_t>> PointsOfViews(const PointCloud& points,
-                                                 size_t num_views) {
-  std::vector<std::vector<uint32_t>> points_of(num_views);
-  for (uint32_t i = 0; i < points.size(); ++i) {
-    for (const uint32_t view : points.views[i]) {
-      points_of[view].push_back(i);
-    }
-  }
-  return points_of;
-}
-
 // The views that share the most points with a view, at most `count`.
-std::vector<uint32_t> FindPartners(
-    const PointCloud& points,
-    const std::vector<std::vector<uint32_t>>& points_of, size_t view,
-    size_t count) {
+std::vector<uint32_t> FindPartners(const PointCloud& points,
+                                   const Rows<uint32_t>& points_of, size_t view,
+                                   size_t count) {
   std::vector<uint32_t> num_shared(points_of.size(), 0);
   for (const uint32_t point : points_of[view]) {
     for (const uint32_t other : points.views[point]) {
@@ -51,8 +38,13 @@ std::vector<uint32_t> FindPartners(
 
 std::vector<ViewPair> SelectViewPairs(const PointCloud& points,
                                       size_t num_views, int partners_per_view) {
-  const std::vector<std::vector<uint32_t>> points_of =
-      PointsOfViews(points, num_views);
+  const auto points_of = GroupInRows<uint32_t>(num_views, [&](const auto& add) {
+    for (uint32_t i = 0; i < points.size(); ++i) {
+      for (const uint32_t view : points.views[i]) {
+        add(view, i);
+      }
+    }
+  });
   std::vector<std::vector<uint32_t>> partners(num_views);
   tbb::parallel_for(size_t{0}, num_views, [&](size_t view) {
     partners[view] = FindPartners(points, points_of, view, partners_per_view);
@@ -63,10 +55,7 @@ std::vector<ViewPair> SelectViewPairs(const PointCloud& points,
       pairs.push_back({std::min(view, other), std::max(view, other)});
     }
   }
-  std::sort(
-      pairs.begin(), pairs.end(), [](const ViewPair& a, const ViewPair& b) {
-        return std::pair(a.first, a.second) < std::pair(b.first, b.second);
-      });
+  std::ranges::sort(pairs);
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -131,7 +132,7 @@ struct Candidate {
 
   // Whether it is the better one, as far as its change is known.
   bool IsBefore(const Candidate& other) const {
-    return change == other.change ? place < other.place : change < other.change;
+    return std::tie(change, place) < std::tie(other.change, other.place);
   }
 };
 

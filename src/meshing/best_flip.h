@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -15,11 +16,7 @@ struct FlipChange {
   int64_t excess = 0;  // components beyond the second, summed over the vertices
   int64_t energy = 0;  // value of the cut, capacities' unit
 
-  bool operator<(const FlipChange& other) const {
-    return excess != other.excess ? excess < other.excess
-                                  : energy < other.energy;
-  }
-  bool operator==(const FlipChange& other) const = default;
+  auto operator<=>(const FlipChange&) const = default;
 };
 
 // Whether a vertex is known not to be singular.

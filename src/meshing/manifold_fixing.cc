@@ -166,46 +166,33 @@ class Fixer {
     });
   }
 
-  // The paper's rule, first for matter and then for free space.
+  // The paper's rule, first for matter and then for free space: flips all
+  // components of a label around a singular vertex but the largest.
   void KeepLargestComponents(const std::vector<uint32_t>& vertices) {
     for (const uint32_t vertex : vertices) {
       for (const bool is_free : {false, true}) {
-        KeepLargestComponent(vertex, is_free);
+        MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
+        const std::optional<size_t> largest = Largest(star_, is_free);
+        for (size_t i = 0; star_.IsSingular() && i < star_.NumComponents();
+             ++i) {
+          if (i != largest && (star_.is_free[i] != 0) == is_free) {
+            tracker_.Flip(star_.Component(i));
+          }
+        }
       }
-    }
-  }
-
-  // Flips all components of a label around a singular vertex but the largest.
-  void KeepLargestComponent(uint32_t vertex, bool is_free) {
-    MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
-    if (!star_.IsSingular()) {
-      return;
-    }
-    const std::optional<size_t> largest = Largest(star_, is_free);
-    for (size_t i = 0; i < star_.NumComponents(); ++i) {
-      if (i != largest && (star_.is_free[i] != 0) == is_free) {
-        tracker_.Flip(star_.Component(i));
-      }
-    }
-  }
-
-  void SplitSmallComponents(const std::vector<uint32_t>& vertices) {
-    for (const uint32_t vertex : vertices) {
-      SplitSmallComponents(vertex);
     }
   }
 
   // Splits the cells of all components but the largest of either label.
-  void SplitSmallComponents(uint32_t vertex) {
-    MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
-    if (!star_.IsSingular()) {
-      return;
-    }
-    const std::optional<size_t> largest_free = Largest(star_, true);
-    const std::optional<size_t> largest_matter = Largest(star_, false);
-    for (size_t i = 0; i < star_.NumComponents(); ++i) {
-      if (i != largest_free && i != largest_matter) {
-        SplitCells(star_.Component(i));
+  void SplitSmallComponents(const std::vector<uint32_t>& vertices) {
+    for (const uint32_t vertex : vertices) {
+      MakeVertexStar(*tetrahedra_, *is_free_, vertex, &star_);
+      const std::optional<size_t> largest_free = Largest(star_, true);
+      const std::optional<size_t> largest_matter = Largest(star_, false);
+      for (size_t i = 0; star_.IsSingular() && i < star_.NumComponents(); ++i) {
+        if (i != largest_free && i != largest_matter) {
+          SplitCells(star_.Component(i));
+        }
       }
     }
   }

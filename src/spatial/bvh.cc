@@ -239,23 +239,34 @@ double Bvh::DistanceSquared(const Node& node, const Vector3d& point) {
       .squaredNorm();
 }
 
-template <typename Function>
-void Bvh::Approach(const Vector3d& point, const double* nearest_squared,
-                   const Function& function) const {
-  if (nodes_.empty()) {
-    return;
-  }
+template <bool kAny, typename Accepts>
+std::pair<double, uint32_t> Bvh::Nearest(const Vector3f& query,
+                                         double max_distance,
+                                         const Accepts& accepts) const {
+  const Vector3d point = query.cast<double>();
+  double nearest = max_distance * max_distance;
+  uint32_t facet = kNone;
   std::array<std::pair<double, uint32_t>, kMaxDepth + 2> stack;
   int size = 0;
-  stack[size++] = {DistanceSquared(nodes_[0], point), 0};
+  if (!nodes_.empty()) {
+    stack[size++] = {DistanceSquared(nodes_[0], point), 0};
+  }
   while (size > 0) {
     const auto [bound, index] = stack[--size];
-    if (bound >= *nearest_squared) {
+    if (bound >= nearest) {
       continue;
     }
     const Node& node = nodes_[index];
-    for (uint32_t i = 0; i < node.num_facets; ++i) {
-      function(node.next + i);
+    for (uint32_t i = node.next; i < node.next + node.num_facets; ++i) {
+      const double squared =
+          accepts(i) ? DistanceSquared(corners_[i], point) : nearest;
+      if (squared < nearest) {
+        nearest = squared;
+        facet = facets_[i];
+        if (kAny) {
+          return {nearest, facet};
+        }
+      }
     }
     if (node.num_facets == 0) {
       std::pair near{DistanceSquared(nodes_[index + 1], point), index + 1};
@@ -267,53 +278,27 @@ void Bvh::Approach(const Vector3d& point, const double* nearest_squared,
       stack[size++] = near;
     }
   }
+  return {nearest, facet};
 }
 
-double Bvh::Distance(const Vector3f& query, double max_distance) const {
-  const Vector3d point = query.cast<double>();
-  double nearest = max_distance * max_distance;
-  bool is_found = false;
-  Approach(point, &nearest, [&](uint32_t i) {
-    const double squared = DistanceSquared(corners_[i], point);
-    if (squared < nearest) {
-      nearest = squared;
-      is_found = true;
-    }
-  });
-  return is_found ? std::sqrt(nearest) : max_distance;
+double Bvh::Distance(const Vector3f& point, double max_distance) const {
+  const auto [squared, facet] =
+      Nearest<false>(point, max_distance, [](uint32_t) { return true; });
+  return facet != kNone ? std::sqrt(squared) : max_distance;
 }
 
-uint32_t Bvh::NearestFacet(const Vector3f& query, const Vector3f& normal,
+uint32_t Bvh::NearestFacet(const Vector3f& point, const Vector3f& normal,
                            double max_distance) const {
-  const Vector3d point = query.cast<double>();
-  double nearest = max_distance * max_distance;
-  uint32_t facet = kNone;
-  Approach(point, &nearest, [&](uint32_t i) {
-    if (!Faces(i, normal)) {
-      return;
-    }
-    const double squared = DistanceSquared(corners_[i], point);
-    if (squared < nearest) {
-      nearest = squared;
-      facet = facets_[i];
-    }
-  });
-  return facet;
+  return Nearest<false>(point, max_distance,
+                        [&](uint32_t i) { return Faces(i, normal); })
+      .second;
 }
 
-bool Bvh::IsNear(const Vector3f& query, const Vector3f& normal,
+bool Bvh::IsNear(const Vector3f& point, const Vector3f& normal,
                  double max_distance) const {
-  const Vector3d point = query.cast<double>();
-  double bound = max_distance * max_distance;
-  bool is_found = false;
-  Approach(point, &bound, [&](uint32_t i) {
-    if (!is_found && Faces(i, normal) &&
-        DistanceSquared(corners_[i], point) < bound) {
-      is_found = true;
-      bound = 0;  // Nothing is nearer.
-    }
-  });
-  return is_found;
+  return Nearest<true>(point, max_distance, [&](uint32_t i) {
+           return Faces(i, normal);
+         }).second != kNone;
 }
 
 }  // namespace colmap_ext

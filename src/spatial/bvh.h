@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -92,11 +93,13 @@ class Bvh {
     return corners_[i].edge1.cross(corners_[i].edge2).dot(normal) > 0;
   }
 
-  // Calls function(i) for facets in the order of the leaves, those that may be
-  // nearer than *nearest_squared, which the function lowers.
-  template <typename Function>
-  void Approach(const Eigen::Vector3d& point, const double* nearest_squared,
-                const Function& function) const;
+  // The squared distance and the index of the nearest facet, or with kAny of
+  // any, for which accepts(i) holds, i in the order of the leaves, and which is
+  // nearer than max_distance; kNone if there is none.
+  template <bool kAny, typename Accepts>
+  std::pair<double, uint32_t> Nearest(const Eigen::Vector3f& point,
+                                      double max_distance,
+                                      const Accepts& accepts) const;
 
   std::vector<Node> nodes_;
   std::vector<Corner> corners_;   // [F], in the order of the leaves

@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Exact_rational.h>
 #include <CGAL/Simple_cartesian.h>
+#include <CGAL/intersections.h>
 
 namespace colmap_ext {
 namespace {
@@ -36,6 +37,20 @@ class Perturbed : public CGAL::Delaunay_triangulation_3<Kernel> {
   }
 };
 
+Kernel::Triangle_3 ToCgal(const Triangle& triangle) {
+  return {ToCgal(triangle[0]), ToCgal(triangle[1]), ToCgal(triangle[2])};
+}
+
+// The sign of the component `axis` of (b - a) x (c - a).
+int Turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+         const Eigen::Vector3d& c, int axis) {
+  const int i = (axis + 1) % 3;
+  const int j = (axis + 2) % 3;
+  return CGAL::orientation(Kernel::Point_2(a[i], a[j]),
+                           Kernel::Point_2(b[i], b[j]),
+                           Kernel::Point_2(c[i], c[j]));
+}
+
 }  // namespace
 
 int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
@@ -48,18 +63,26 @@ int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
   return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
 }
 
-int Turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-         const Eigen::Vector3d& c, int axis) {
-  const int i = (axis + 1) % 3;
-  const int j = (axis + 2) % 3;
-  return CGAL::orientation(Kernel::Point_2(a[i], a[j]),
-                           Kernel::Point_2(b[i], b[j]),
-                           Kernel::Point_2(c[i], c[j]));
-}
-
 bool AreCollinear(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                   const Eigen::Vector3f& c) {
   return CGAL::collinear(ToCgal(a), ToCgal(b), ToCgal(c));
+}
+
+bool AreOnOneSide(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                  const Eigen::Vector3f& p, const Eigen::Vector3f& q) {
+  return Orientation(a, b, p, q) == 0 &&
+         CGAL::coplanar_orientation(ToCgal(a), ToCgal(b), ToCgal(p),
+                                    ToCgal(q)) == CGAL::POSITIVE;
+}
+
+bool TrianglesMeet(const Triangle& a, const Triangle& b) {
+  return CGAL::do_intersect(ToCgal(a), ToCgal(b));
+}
+
+bool SegmentMeetsTriangle(const Eigen::Vector3f& p, const Eigen::Vector3f& q,
+                          const Triangle& triangle) {
+  return CGAL::do_intersect(Kernel::Segment_3(ToCgal(p), ToCgal(q)),
+                            ToCgal(triangle));
 }
 
 int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include <Eigen/Core>
 
@@ -20,15 +21,26 @@ int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                 const Eigen::Vector3f& c, const Eigen::Vector3f& d);
 
-// The sense in which a, b and c run, seen against an axis: the sign of that
-// component of (b - a) x (c - a).
-// \param axis  0, 1 or 2
-int Turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-         const Eigen::Vector3d& c, int axis);
-
 // Whether three points lie on one line, or at one position.
 bool AreCollinear(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                   const Eigen::Vector3f& c);
+
+// Whether p and q lie in one plane with the edge from a to b, and on one side
+// of it.
+// \pre a, b and p are not collinear
+bool AreOnOneSide(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                  const Eigen::Vector3f& p, const Eigen::Vector3f& q);
+
+using Triangle = std::array<Eigen::Vector3f, 3>;
+
+// Whether two triangles have a point in common.
+// \pre they have an area
+bool TrianglesMeet(const Triangle& a, const Triangle& b);
+
+// Whether the segment from p to q and a triangle have a point in common.
+// \pre p != q, the triangle has an area
+bool SegmentMeetsTriangle(const Eigen::Vector3f& p, const Eigen::Vector3f& q,
+                          const Triangle& triangle);
 
 // The side on which the line from `origin` to `target` passes the directed line
 // from u to v: the sign of det(target - origin, u - origin, v - origin), with

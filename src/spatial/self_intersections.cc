@@ -1,6 +1,7 @@
 #include "spatial/self_intersections.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include <tbb/enumerable_thread_specific.h>
@@ -8,7 +9,6 @@
 #include <tbb/parallel_sort.h>
 
 #include "mesh/space_filling_curve.h"
-#include "spatial/facet_intersection.h"
 #include "spatial/predicates.h"
 
 namespace colmap_ext {
@@ -91,15 +91,79 @@ std::vector<std::vector<uint32_t>> PartsOf(const TriangleMesh& mesh,
   return parts;
 }
 
+Triangle TriangleOf(const TriangleMesh& mesh, const Facet& facet) {
+  return {mesh.vertices[facet[0]], mesh.vertices[facet[1]],
+          mesh.vertices[facet[2]]};
+}
+
+// The corners of a facet that are no corners of another one.
+struct OwnCorners {
+  OwnCorners(const Facet& facet, const Facet& other) {
+    for (int k = 0; k < 3; ++k) {
+      if (std::ranges::find(other, facet[k]) == other.end()) {
+        corners[count++] = k;
+      }
+    }
+  }
+
+  std::array<int, 3> corners{};
+  int count = 0;
+};
+
+// Whether a facet's own corners lie on one side of another's plane.
+bool LieAside(const Triangle& facet, const OwnCorners& own,
+              const Triangle& other) {
+  int side = 0;
+  for (int i = 0; i < own.count; ++i) {
+    const int at =
+        Orientation(other[0], other[1], other[2], facet[own.corners[i]]);
+    if (at == 0 || at * side < 0) {
+      return false;
+    }
+    side = at;
+  }
+  return own.count > 0;
+}
+
+bool HasArea(const Triangle& facet) {
+  return !AreCollinear(facet[0], facet[1], facet[2]);
+}
+
+// Whether two facets meet in more than what they share by index, see
+// FindSelfIntersections().
+bool FacetsIntersect(const TriangleMesh& mesh, const Facet& first,
+                     const Facet& second) {
+  const Triangle a = TriangleOf(mesh, first);
+  const Triangle b = TriangleOf(mesh, second);
+  const OwnCorners own_a(first, second);
+  const OwnCorners own_b(second, first);
+  // Most facets end here.
+  if (LieAside(a, own_a, b) || LieAside(b, own_b, a) || !HasArea(a) ||
+      !HasArea(b)) {
+    return false;
+  }
+  const auto& [i, j, k] = own_a.corners;
+  const auto& [l, m, n] = own_b.corners;
+  switch (own_a.count) {
+    case 3:
+      return TrianglesMeet(a, b);
+    case 2:
+      return SegmentMeetsTriangle(a[i], a[j], b) ||
+             SegmentMeetsTriangle(b[l], b[m], a);
+    case 1:
+      return AreOnOneSide(a[(i + 1) % 3], a[(i + 2) % 3], a[i], b[l]);
+    default:
+      return true;
+  }
+}
+
 }  // namespace
 
 bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
   if (pair[0] == pair[1]) {
-    const auto& [a, b, c] = mesh.facets[pair[0]];
-    return AreCollinear(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+    return !HasArea(TriangleOf(mesh, mesh.facets[pair[0]]));
   }
-  return FacetsIntersect(mesh.vertices, mesh.facets[pair[0]],
-                         mesh.facets[pair[1]]);
+  return FacetsIntersect(mesh, mesh.facets[pair[0]], mesh.facets[pair[1]]);
 }
 
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,

@@ -13,14 +13,20 @@ namespace colmap_ext {
 // Two facets, the lower index first.
 using FacetPair = std::array<uint32_t, 2>;
 
-// Whether a pair intersects: FacetsIntersect(), or of a facet with itself,
-// whether its corners lie on one line.
-// \pre as FindSelfIntersections
+// Whether a pair intersects, see FindSelfIntersections().
 bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair);
 
-// Returns the pairs of facets that intersect, ascending: those that meet in
-// more than what they share by index (FacetsIntersect), and each facet whose
-// corners lie on one line, paired with itself. The count is CGAL's.
+// Returns the pairs of facets that intersect, ascending: each facet whose
+// corners lie on one line, paired with itself, and two facets with area that
+// meet in more than what they share by index:
+// - without a common vertex: they have a point in common, if only a touching
+//   one;
+// - with one: the side opposite of it, of one, has a point in common with the
+//   other;
+// - with two: they lie in one plane, folded onto each other;
+// - with three: always.
+// All signs are exact (spatial/predicates.h). This is what CGAL's
+// Polygon_mesh_processing::self_intersections() counts.
 //
 // Takes little memory beside the mesh, as one part of it after the other gets a
 // tree.
