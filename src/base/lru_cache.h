@@ -96,7 +96,7 @@ class LruCache {
     return last_id_;
   }
 
-  // The entry is gone if the cache was cleared.
+  // Whether the entry is still in the cache, which may have been cleared.
   bool IsThere(size_t key, uint64_t id) const {
     const auto found = places_.find(key);
     return found != places_.end() && found->second->id == id;

@@ -20,7 +20,7 @@ namespace {
 // which have more than those of a surface.
 constexpr size_t kCellsPerPoint = 7;
 
-// Spare cells of an inserter, for the insertion in hand and for vertices with
+// Spare cells of an inserter, for the current insertion and for vertices with
 // more cells than usual.
 constexpr size_t kSpareCells = 4096;
 

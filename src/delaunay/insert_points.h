@@ -32,7 +32,7 @@ std::vector<uint32_t> DistinctPoints(
 // \return [num_points] indices of points
 std::vector<uint32_t> InsertionOrder(size_t num_points);
 
-// Inserts a point, whatever it takes.
+// Inserts a point; adds free cells where there are too few.
 // \param inserter  of all vertices
 // \param cell      that holds the point
 // \return a finite cell at the point

@@ -172,7 +172,7 @@ class Walk {
     return Orientation(Corner(0), Corner(1), Corner(2), origin_) < 0;
   }
 
-  // Whether the ray crosses the exit before it comes to the target.
+  // Whether the ray crosses the exit before it reaches the target.
   bool IsTargetBeyondExit() const {
     return RaySideExact(Corner(0), ray_->target, Corner(1), Corner(2)) > 0;
   }

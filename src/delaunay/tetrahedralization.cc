@@ -88,7 +88,8 @@ void InsertThinned(const PointCloud& cloud, const std::vector<View>& views,
   complex->free_cells = std::move(inserter.free_cells());
 }
 
-// Gives points without a vertex that of their representative, or of its own.
+// Gives points without a vertex the vertex of their representative, or of its
+// representative in turn.
 void FollowRepresentatives(const std::vector<uint32_t>& representatives,
                            std::vector<uint32_t>* point_vertices) {
   for (uint32_t point = 0; point < point_vertices->size(); ++point) {

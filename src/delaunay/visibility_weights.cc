@@ -168,7 +168,7 @@ class Voter {
                               : tetrahedra_.points[vertex].cast<double>();
   }
 
-  // Behind an end it goes on to the hull.
+  // The ray behind the vertex; behind an end it continues to the hull.
   Ray RayBehind(const Observation& observation) const {
     const uint32_t vertex = observation.vertex;
     const Eigen::Vector3d& center = centers_[observation.view].position;

@@ -36,7 +36,7 @@ SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
                         const VisibilityWeightOptions& options);
 
 // Where free space ends sharply, the rays' votes for matter behind the point
-// count three times, so that matter stays whose surface few points bear out
+// count three times, so that matter remains whose surface few points support
 // [Jancosek2014]. With m, the median over all rays of the support in front, a
 // ray's end is sharp if
 //   front - behind > m / 2  and  behind < m / 100.

@@ -27,7 +27,7 @@ struct PlyCloud {
 // are uchar, confidences if they are float or double, the property label if it
 // is int. Other properties, lists, and elements are skipped.
 //
-// We have a reader of our own since COLMAP's (util/ply) aborts on what it does
+// COLMAP's reader (util/ply) is not used, as it aborts on what it does
 // not expect and trusts counts, and none is packaged apart from libraries that
 // bring a mesh type or more along.
 //

@@ -44,7 +44,7 @@ Visibility ReadVisibility(const std::filesystem::path& path, size_t num_points,
 // Reads the same piece by piece.
 class VisibilityReader {
  public:
-  // \throw FileError as ReadVisibility(), for what the head tells
+  // \throw FileError as ReadVisibility(), for what the header shows
   VisibilityReader(const std::filesystem::path& path, size_t num_points,
                    const VisibilityOwner& owner = kFusedCloud);
 

@@ -10,20 +10,6 @@ namespace colmap_ext {
 
 namespace {
 
-// The pairs that each view is the first of: [views + 1] into pairs, which are
-// ascending.
-std::vector<uint32_t> FirstPairs(const std::vector<ViewPair>& pairs,
-                                 size_t num_views) {
-  std::vector<uint32_t> offsets(num_views + 1, 0);
-  for (const ViewPair& pair : pairs) {
-    ++offsets[pair.first + 1];
-  }
-  for (size_t i = 0; i < num_views; ++i) {
-    offsets[i + 1] += offsets[i];
-  }
-  return offsets;
-}
-
 // Information of view j on the facet's position, beside i: pixels in i times
 // the squared motion in j (px) for a unit motion along the normal, for a facet
 // of unit area (docs/method.md, section 4.3). The number of pixels is low by
@@ -62,7 +48,11 @@ CandidatePairs::CandidatePairs(const TriangleMesh& mesh,
       attributes_(attributes),
       pairs_(pairs),
       visibility_(visibility),
-      first_pairs_(FirstPairs(pairs, views.size())) {}
+      pairs_of_(GroupInRows<uint32_t>(views.size(), [&](const auto& add) {
+        for (uint32_t i = 0; i < pairs.size(); ++i) {
+          add(pairs[i].first, i);
+        }
+      })) {}
 
 CandidatePairs::Occurrences CandidatePairs::CountOccurrences(
     size_t facet) const {
@@ -89,8 +79,7 @@ void CandidatePairs::ForEachSeeing(size_t facet,
   const auto seen = visibility_[facet];
   for (size_t i = 0; i < seen.size(); ++i) {
     size_t j = i + 1;
-    const uint32_t end = first_pairs_[seen[i] + 1];
-    for (uint32_t pair = first_pairs_[seen[i]]; pair < end; ++pair) {
+    for (const uint32_t pair : pairs_of_[seen[i]]) {
       while (j < seen.size() && seen[j] < pairs_[pair].second) {
         ++j;
       }
@@ -121,8 +110,9 @@ std::vector<CandidatePair> CandidatePairs::Find(size_t facet) const {
 
 void CandidatePairs::AddInformation(
     size_t facet, std::vector<CandidatePair>* candidates) const {
-  // Of the best pair's. Cameras at one place tell nothing: they cost 6.9, more
-  // than any difference of the other term, instead of infinitely much.
+  // Of the best pair's. Cameras at one place have no information: they
+  // cost 6.9, more than any difference of the other term, instead of infinitely
+  // much.
   constexpr double kMinShare = 1e-6;
   const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
   std::vector<double> information;

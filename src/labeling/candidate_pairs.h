@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/rows.h"
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
@@ -62,8 +63,7 @@ class CandidatePairs {
   const VertexAttributes& attributes_;
   const std::vector<ViewPair>& pairs_;
   const FacetVisibility& visibility_;
-  // The pairs that each view is the first of: [views + 1] into pairs_.
-  std::vector<uint32_t> first_pairs_;
+  Rows<uint32_t> pairs_of_;  // [views] that each view is the first of
 };
 
 }  // namespace colmap_ext

@@ -35,7 +35,7 @@ Neighbors FacetNeighbors(const std::vector<Facet>& facets) {
   return neighbors;
 }
 
-// Where each number stands in a permutation.
+// The inverse permutation.
 std::vector<uint32_t> Inverse(const std::vector<uint32_t>& order) {
   std::vector<uint32_t> inverse(order.size());
   for (uint32_t i = 0; i < order.size(); ++i) {

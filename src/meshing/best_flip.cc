@@ -204,8 +204,8 @@ std::vector<uint32_t> BestFlip(const Tetrahedralization& tetrahedra,
   for (Cells& cells : Candidates(tetrahedra, vertex, is_free)) {
     candidates.push_back(rater.Bound(std::move(cells), candidates.size()));
   }
-  // Small ones first: they tell about larger ones that these are no better,
-  // from the stars of few vertices.
+  // Small ones first: their ratings, which need the stars of few vertices,
+  // often show that larger ones are no better.
   std::ranges::stable_sort(candidates, {}, [](const Candidate& candidate) {
     return candidate.vertices.size();
   });

@@ -215,8 +215,8 @@ class Fixer {
   PartialComplex* partial_;
   SingularVertexTracker tracker_;
   FixingReport report_;
-  VertexStar star_;              // of the vertex in hand
-  std::vector<uint32_t> cells_;  // at the vertex in hand
+  VertexStar star_;              // of the current vertex
+  std::vector<uint32_t> cells_;  // at the current vertex
   // At cells that were flipped since flips were chosen side by side.
   std::unordered_set<uint32_t> touched_;
 };

@@ -141,7 +141,7 @@ PointCloud PointsOfVertices(const PointCloud& cloud,
 }
 
 // The surface with the attributes and confidences of its points. What it is
-// made from is gone when it returns.
+// made from is freed when it returns.
 ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
                          PointCloud cloud, const std::vector<View>& views,
                          const Progress& progress, const RayEnds& ends) {
@@ -160,7 +160,7 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
       report.num_vertices, thinned.point_vertices, weighted.weights);
   FlowCapacities graph =
       MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
-  // The cut needs most memory: what has served goes before.
+  // The cut needs most memory: what is no longer needed is freed first.
   std::vector<uint32_t>().swap(thinned.point_vertices);
   PointCloud points = PointsOfVertices(weighted.cloud, &thinned.vertex_points);
   weighted = {};

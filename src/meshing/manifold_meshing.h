@@ -58,7 +58,7 @@ struct ManifoldMeshingOptions {
   double behind_sigma = 1.0;
 
   // Strengthen matter where the support of free space ends sharply behind a
-  // point (AddWeakSurfaceWeights). Keeps parts that few points bear out, such
+  // point (AddWeakSurfaceWeights). Keeps parts that few points support, such
   // as surface without texture, and makes the rest slightly noisier.
   bool weak_surfaces = false;
 

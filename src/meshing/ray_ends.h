@@ -35,8 +35,8 @@ struct RayEnds {
 // points are thinned by default.
 inline constexpr double kRayEndSpacing = 10;
 
-// How far beyond the region points are kept, so that the surface goes on to
-// its border, scene units: a share of its diagonal. A choice.
+// How far beyond the region points are kept, so that the surface extends
+// to its border, scene units: a share of its diagonal. A choice.
 double MarginOf(const Region& region);
 
 // Points that vote, and behind them ends of rays.

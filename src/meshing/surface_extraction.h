@@ -16,7 +16,7 @@ struct ExtractedSurface {
   TriangleMesh mesh;  // all of the tetrahedralization's points, used or not
   // [3 F] the half-edge with which each forms one surface: of the two facets
   // that the matter between them connects around the edge. kNone at a
-  // border, where the surface goes on to the vertex at infinity.
+  // border, where the surface continues to the vertex at infinity.
   std::vector<uint32_t> partners;
 };
 

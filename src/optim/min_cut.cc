@@ -44,8 +44,8 @@ struct Solved {
   uint32_t time = 0;
 };
 
-// Solves both halves of a region side by side and then goes on where they meet
-// [Liu2010].
+// Solves both halves of a region in parallel, and then continues from the
+// border between them [Liu2010].
 Solved Solve(uint32_t begin, uint32_t end, FlowNetwork* network) {
   // So large that few paths lead from region to region.
   constexpr uint32_t kMinRegion = 1 << 16;

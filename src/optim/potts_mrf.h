@@ -49,10 +49,10 @@ struct PottsSolution {
 // Sequential tree-reweighted message passing [Kolmogorov2006] until the energy
 // is within `max_gap` of the lower bound, relative to the energy, the bound no
 // longer rises, or `max_iterations` are done; then alpha
-// expansion (ExpandLabels), as messages alone take very long to tell which
-// label is best for a large area. Messages are passed in the nodes' order:
-// nodes in a SweepOrder let them run far, in parallel, and close in memory.
-// Time of an iteration and memory follow the sum of the nodes' labels.
+// expansion (ExpandLabels), as messages alone take very long to decide
+// which label is best for a large area. Messages are passed in the nodes'
+// order: nodes in a SweepOrder let them run far, in parallel, and close in
+// memory. Time of an iteration and memory follow the sum of the nodes' labels.
 PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
                          int max_iterations = 20);
 

@@ -6,7 +6,7 @@
 
 namespace colmap_ext {
 
-// Returns a camera at `eye` that looks at `target`, which comes to lie in the
+// Returns a camera at `eye` that looks at `target`, which is shown in the
 // middle of the image, with `up` upwards in the image. Where `up` is parallel
 // to the camera's axis, it is any direction.
 // \param eye, target  world frame, scene units

@@ -61,7 +61,7 @@ class NearestPoints {
   // takes for farther.
   float worstDist() const { return bound_; }
 
-  // \return whether the search goes on: always
+  // \return whether the search continues: always
   bool addPoint(float distance_squared, uint32_t index) {
     const std::pair candidate(distance_squared, index);
     if (!(distance_squared <= max_distance_squared_)) {

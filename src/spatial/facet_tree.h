@@ -116,7 +116,7 @@ class FacetTree {
   std::vector<Box> nodes_;        // a power of two of leaves, the last ones
   std::vector<uint32_t> facets_;  // [F], in the order of the leaves
   std::vector<Box> boxes_;        // [F], in the order of the leaves
-  std::vector<uint32_t> places_;  // [F] where in facets_ each facet stands;
+  std::vector<uint32_t> places_;  // [F] index of each facet in facets_;
                                   // empty of a tree of some
 };
 

@@ -36,7 +36,7 @@ bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair);
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
                                              size_t max_part_facets = 1 << 16);
 
-// The same, by a tree that is there already.
+// The same with an existing tree.
 // \pre the tree is of this mesh's facets and encloses its positions
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
                                              const FacetTree& tree);

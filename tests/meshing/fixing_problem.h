@@ -8,6 +8,7 @@
 
 #include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
+#include "meshing/manifold_fixing.h"
 #include "optim/min_cut.h"
 #include "tests/random.h"
 
@@ -39,6 +40,12 @@ FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
 
 // Neighboring floats far from the origin, a unit apart.
 std::vector<Eigen::Vector3f> FarPoints(uint32_t num_points, Random* random);
+
+// What FixSingularVertices does, written down without regard for time: after
+// every pass all vertices are examined again, labels are copied to be put back.
+FixingReport ReferenceFixing(FixingRule rule, Tetrahedralization* tetrahedra,
+                             FlowCapacities* graph,
+                             std::vector<uint8_t>* is_free);
 
 // Whether all finite cells are positively oriented.
 bool ArePositive(const Tetrahedralization& tetrahedra);

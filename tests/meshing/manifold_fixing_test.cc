@@ -13,7 +13,6 @@
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/meshing/fixing_problem.h"
-#include "tests/meshing/reference_fixing.h"
 
 namespace colmap_ext {
 namespace manifold_fixing_test {

@@ -1,4 +1,4 @@
-#include "tests/meshing/reference_fixing.h"
+#include "tests/meshing/fixing_problem.h"
 
 #include <algorithm>
 #include <limits>

@@ -9,6 +9,7 @@
 #include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
+#include "spatial/facet_tree.h"
 #include "tests/delaunay/exact.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
@@ -347,6 +348,30 @@ TEST(FindSelfIntersections, IsTheSameForAnyNumberOfThreads) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
     EXPECT_EQ(FindSelfIntersections(mesh), expected);
+  }
+}
+
+TEST(FacetTree, FindsAllPairsOfBoxesThatMeetOnce) {
+  Random random(1);
+  for (const TriangleMesh& mesh :
+       {TriangleMesh(), MakeTetrahedron(), MakeDisc(), MakeBumpySphere(0.2f),
+        RandomSoup(300, 100, true, &random)}) {
+    std::set<std::pair<uint32_t, uint32_t>> expected;
+    for (uint32_t a = 0; a < mesh.facets.size(); ++a) {
+      for (uint32_t b = a + 1; b < mesh.facets.size(); ++b) {
+        if (BoxOf(mesh, a).intersects(BoxOf(mesh, b))) {
+          expected.emplace(a, b);
+        }
+      }
+    }
+    const FacetTree tree(mesh);
+    std::set<std::pair<uint32_t, uint32_t>> found;
+    for (size_t leaf = 0; leaf < tree.NumLeaves(); ++leaf) {
+      tree.ForEachPair(leaf, [&](uint32_t a, uint32_t b) {
+        EXPECT_TRUE(found.insert(std::minmax(a, b)).second);
+      });
+    }
+    EXPECT_EQ(found, expected);
   }
 }
 

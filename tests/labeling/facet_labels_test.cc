@@ -6,7 +6,7 @@
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
-namespace compared_directions_test {
+namespace facet_labels_test {
 
 TEST(InSmallerView, ComparesEachLabelWhereTheFacetIsSmaller) {
   const RefinementScene scene = MakeRefinementScene();
@@ -43,5 +43,5 @@ TEST(InSmallerView, ComparesEachLabelWhereTheFacetIsSmaller) {
   EXPECT_LT(num_first, num_directions);
 }
 
-}  // namespace compared_directions_test
+}  // namespace facet_labels_test
 }  // namespace colmap_ext

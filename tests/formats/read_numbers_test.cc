@@ -5,7 +5,7 @@
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
-namespace read_region_test {
+namespace read_numbers_test {
 
 class ReadRegionTest : public testing::Test {
  protected:
@@ -73,5 +73,5 @@ TEST(ParseCornersTest, TakesSixNumbersOnly) {
   }
 }
 
-}  // namespace read_region_test
+}  // namespace read_numbers_test
 }  // namespace colmap_ext

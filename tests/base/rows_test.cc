@@ -6,7 +6,18 @@
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace edit_rows_test {
+namespace rows_test {
+
+TEST(GroupInRows, KeepsTheOrderWithinEachRow) {
+  const std::vector<size_t> rows_of = {2, 0, 2, 4, 0, 2};
+  const auto rows = GroupInRows<int>(5, [&](const auto& add) {
+    for (size_t i = 0; i < rows_of.size(); ++i) {
+      add(rows_of[i], static_cast<int>(10 * i));
+    }
+  });
+  EXPECT_EQ(rows, Rows<int>({0, 2, 2, 5, 5, 6}, {10, 40, 0, 20, 50, 30}));
+  EXPECT_EQ(GroupInRows<int>(0, [](const auto&) {}), Rows<int>());
+}
 
 TEST(EditRowsTest, KeepsWhatTheEditReturns) {
   std::mt19937 random(1);
@@ -42,5 +53,5 @@ TEST(EditRowsTest, KeepsWhatTheEditReturns) {
   }
 }
 
-}  // namespace edit_rows_test
+}  // namespace rows_test
 }  // namespace colmap_ext
