@@ -10,7 +10,6 @@
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "delaunay/point_inserter.h"
-#include "delaunay/take_tetrahedra.h"
 
 namespace colmap_ext {
 namespace {

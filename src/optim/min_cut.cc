@@ -4,7 +4,6 @@
 #include <cassert>
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include "optim/region_solver.h"
 
@@ -38,35 +37,6 @@ void InitializeNode(const FlowCapacities& graph, uint32_t index,
   node.next_active = kNone;
 }
 
-// A region that is solved.
-struct Solved {
-  int64_t flow = 0;
-  uint32_t time = 0;
-};
-
-// Solves both halves of a region in parallel, and then continues from the
-// border between them [Liu2010].
-Solved Solve(uint32_t begin, uint32_t end, FlowNetwork* network) {
-  // So large that few paths lead from region to region.
-  constexpr uint32_t kMinRegion = 1 << 16;
-  if (end - begin < 2 * kMinRegion) {
-    RegionSolver solver(network, begin, end, 0);
-    solver.ActivateTerminals();
-    solver.Run();
-    return {solver.flow(), solver.time()};
-  }
-  const uint32_t middle = begin + (end - begin) / 2;
-  Solved first;
-  Solved second;
-  tbb::parallel_invoke([&] { first = Solve(begin, middle, network); },
-                       [&] { second = Solve(middle, end, network); });
-  RegionSolver solver(network, begin, end,
-                      std::max(first.time, second.time) + 1);
-  solver.ActivateAcross(middle);
-  solver.Run();
-  return {first.flow + second.flow + solver.flow(), solver.time()};
-}
-
 }  // namespace
 
 MinCut ComputeMinCut(NeighborView neighbors, const FlowCapacities& capacities) {
@@ -76,7 +46,7 @@ MinCut ComputeMinCut(NeighborView neighbors, const FlowCapacities& capacities) {
     InitializeNode(capacities, i, &network);
   });
   MinCut cut;
-  cut.flow = Solve(0, num_nodes, &network).flow;
+  cut.flow = SolveRegion(0, num_nodes, &network).flow;
   for (uint32_t i = 0; i < num_nodes; ++i) {
     // What goes straight through the node.
     cut.flow +=

@@ -22,38 +22,6 @@ std::vector<uint32_t> CheapestLabels(const PottsProblem& problem) {
   return choices;
 }
 
-// Takes the choices if they are better.
-void Offer(std::vector<uint32_t> choices, double energy,
-           PottsSolution* solution) {
-  if (energy < solution->energy) {
-    solution->energy = energy;
-    solution->choices = std::move(choices);
-  }
-}
-
-void PassMessages(const PottsProblem& problem, double max_gap,
-                  int max_iterations, PottsSolution* solution) {
-  // Relative to the bound, from pass to pass. A third of the default max_gap:
-  // at a slower rise the gap would take many passes to close, which the alpha
-  // expansion does in one round.
-  constexpr double kMinRise = 3e-4;
-  MessagePassing passing(problem);
-  std::vector<uint32_t> choices = solution->choices;
-  while (solution->iterations < max_iterations) {
-    ++solution->iterations;
-    const double energy = passing.Forward(&choices);
-    Offer(choices, energy, solution);
-    const double bound = passing.Backward();
-    const double rise = bound - solution->lower_bound;
-    solution->lower_bound = std::max(solution->lower_bound, bound);
-    if (solution->energy - solution->lower_bound <=
-            max_gap * solution->energy ||
-        (solution->iterations > 1 && rise < kMinRise * solution->lower_bound)) {
-      return;
-    }
-  }
-}
-
 }  // namespace
 
 double PottsEnergy(const PottsProblem& problem,
@@ -86,7 +54,7 @@ PottsSolution SolvePotts(const PottsProblem& problem, double max_gap,
   solution.energy = PottsEnergy(problem, solution.choices);
   std::vector<uint32_t> expanded = ExpandLabels(problem, solution.choices);
   const double energy = PottsEnergy(problem, expanded);
-  Offer(std::move(expanded), energy, &solution);
+  OfferChoices(std::move(expanded), energy, &solution);
   return solution;
 }
 

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include <tbb/parallel_invoke.h>
+
 #include "base/index_limit.h"
 
 namespace colmap_ext {
@@ -15,255 +17,309 @@ uint16_t Near(uint32_t distance) {
   return static_cast<uint16_t>(std::min<uint32_t>(distance, UINT16_MAX));
 }
 
-}  // namespace
+// Augments paths along two search trees [Boykov2004] within a region of a
+// network: consecutive nodes and the arcs between them. The solver of a larger
+// region around it starts from the resulting flow and trees.
+class RegionSolver {
+ public:
+  // \param start_time  later than all times at which the nodes got distances
+  RegionSolver(FlowNetwork* network, uint32_t begin, uint32_t end,
+               uint32_t start_time)
+      : neighbors_(network->neighbors),
+        nodes_(network->nodes.data()),
+        begin_(begin),
+        size_(end - begin),
+        time_(start_time) {}
 
-RegionSolver::RegionSolver(FlowNetwork* network, uint32_t begin, uint32_t end,
-                           uint32_t start_time)
-    : neighbors_(network->neighbors),
-      nodes_(network->nodes.data()),
-      begin_(begin),
-      size_(end - begin),
-      time_(start_time) {}
-
-void RegionSolver::ActivateTerminals() {
-  for (uint32_t i = begin_; i < begin_ + size_; ++i) {
-    if (nodes_[i].terminal != 0) {
-      Activate(i);
-    }
-  }
-}
-
-void RegionSolver::ActivateAcross(uint32_t middle) {
-  for (uint32_t i = begin_; i < begin_ + size_; ++i) {
-    if (nodes_[i].parent != kNoParent &&
-        std::ranges::any_of(neighbors_[i], [&](uint32_t other) {
-          return IsInside(other) && (other < middle) != (i < middle);
-        })) {
-      Activate(i);
-    }
-  }
-}
-
-void RegionSolver::Run() {
-  while (first_active_ != kNone) {
-    const uint32_t node = first_active_;
-    if (nodes_[node].parent == kNoParent || !Grow(node)) {
-      PopActive();
-    }
-  }
-}
-
-void RegionSolver::Activate(uint32_t index) {
-  if (nodes_[index].next_active != kNone) {
-    return;
-  }
-  nodes_[index].next_active = index;
-  if (last_active_ == kNone) {
-    first_active_ = index;
-  } else {
-    nodes_[last_active_].next_active = index;
-  }
-  last_active_ = index;
-}
-
-void RegionSolver::PopActive() {
-  FlowNode& node = nodes_[first_active_];
-  const bool is_last = node.next_active == first_active_;
-  const uint32_t next = is_last ? kNone : node.next_active;
-  node.next_active = kNone;
-  first_active_ = next;
-  if (is_last) {
-    last_active_ = kNone;
-  }
-}
-
-// The residual capacity between a node and its neighbor k in the direction in
-// which flow passes in the node's tree from the node to the neighbor's side:
-// away from the source, or from the neighbor towards the sink.
-int32_t RegionSolver::Outward(const FlowNode& node, int k,
-                              const FlowNode& neighbor) const {
-  return node.in_sink_tree ? neighbor.residual[node.Mirror(k)]
-                           : node.residual[k];
-}
-
-int32_t RegionSolver::Inward(const FlowNode& node, int k,
-                             const FlowNode& neighbor) const {
-  return node.in_sink_tree ? node.residual[k]
-                           : neighbor.residual[node.Mirror(k)];
-}
-
-// Lets the tree grow from an active node. Where it meets the other tree, flow
-// is augmented and the trees are repaired.
-// \return whether it met the other tree; the node stays active then.
-bool RegionSolver::Grow(uint32_t index) {
-  FlowNode& node = nodes_[index];
-  for (int k = 0; k < 4; ++k) {
-    const uint32_t other = neighbors_[index][k];
-    if (!IsInside(other)) {
-      continue;
-    }
-    FlowNode& neighbor = nodes_[other];
-    if (Outward(node, k, neighbor) == 0) {
-      continue;
-    }
-    if (neighbor.parent == kNoParent) {
-      neighbor.in_sink_tree = node.in_sink_tree;
-      Adopt(&neighbor, node, k);
-      Activate(other);
-    } else if (neighbor.in_sink_tree != node.in_sink_tree) {
-      if (node.in_sink_tree) {
-        Augment(other, node.Mirror(k));
-      } else {
-        Augment(index, k);
+  void ActivateTerminals() {
+    for (uint32_t i = begin_; i < begin_ + size_; ++i) {
+      if (nodes_[i].terminal != 0) {
+        Activate(i);
       }
-      return true;
-    } else if (neighbor.stamp <= node.stamp &&
-               neighbor.distance > node.distance + 1) {
-      Adopt(&neighbor, node, k);  // a shorter way to the terminal
     }
   }
-  return false;
-}
 
-void RegionSolver::Adopt(FlowNode* child, const FlowNode& parent,
-                         int arc_of_parent) {
-  child->parent = parent.Mirror(arc_of_parent);
-  child->distance = Near(parent.distance + 1u);
-  child->stamp = parent.stamp;
-}
-
-// Pushes as much as fits from the source to the sink over the arc from a node
-// of the source's tree to one of the sink's.
-void RegionSolver::Augment(uint32_t from, int arc) {
-  const uint32_t to = neighbors_[from][arc];
-  int32_t amount = nodes_[from].residual[arc];
-  amount = std::min(amount, Bottleneck(from));
-  amount = std::min(amount, Bottleneck(to));
-  nodes_[from].residual[arc] -= amount;
-  nodes_[to].residual[nodes_[from].Mirror(arc)] += amount;
-  Push(from, amount);
-  Push(to, amount);
-  flow_ += amount;
-  ++time_;
-  for (size_t i = 0; i < orphans_.size(); ++i) {
-    FindParent(orphans_[i]);
-  }
-  orphans_.clear();
-}
-
-int32_t RegionSolver::Bottleneck(uint32_t index) const {
-  int32_t amount = std::numeric_limits<int32_t>::max();
-  for (;;) {
-    const FlowNode& node = nodes_[index];
-    if (node.parent == kTerminalParent) {
-      return std::min(amount, std::abs(node.terminal));
-    }
-    const uint32_t parent = neighbors_[index][node.parent];
-    amount = std::min(amount, Inward(node, node.parent, nodes_[parent]));
-    index = parent;
-  }
-}
-
-// Augments the path between a node and its tree's terminal. Nodes whose arc to
-// the parent becomes saturated become orphans.
-void RegionSolver::Push(uint32_t index, int32_t amount) {
-  for (;;) {
-    FlowNode& node = nodes_[index];
-    const uint8_t arc = node.parent;
-    if (arc == kTerminalParent) {
-      node.terminal += node.in_sink_tree ? amount : -amount;
-      if (node.terminal == 0) {
-        MakeOrphan(index);
+  // In a region where nothing flows yet, all that the terminals reach.
+  void ActivateTerminals() {
+    for (uint32_t i = begin_; i < begin_ + size_; ++i) {
+      if (nodes_[i].terminal != 0) {
+        Activate(i);
       }
+    }
+  }
+
+  // In a region of two that are solved, the nodes in trees with arcs from one
+  // to the other.
+  // \param middle  the first node of the second one
+  void ActivateAcross(uint32_t middle) {
+    for (uint32_t i = begin_; i < begin_ + size_; ++i) {
+      if (nodes_[i].parent != kNoParent &&
+          std::ranges::any_of(neighbors_[i], [&](uint32_t other) {
+            return IsInside(other) && (other < middle) != (i < middle);
+          })) {
+        Activate(i);
+      }
+    }
+  }
+
+  void Run() {
+    while (first_active_ != kNone) {
+      const uint32_t node = first_active_;
+      if (nodes_[node].parent == kNoParent || !Grow(node)) {
+        PopActive();
+      }
+    }
+  }
+
+  int64_t flow() const { return flow_; }
+  uint32_t time() const { return time_; }
+
+ private:
+  bool IsInside(uint32_t node) const { return node - begin_ < size_; }
+
+  void Activate(uint32_t index) {
+    if (nodes_[index].next_active != kNone) {
       return;
     }
-    const uint32_t parent = neighbors_[index][arc];
-    int32_t& towards_parent = node.residual[arc];
-    int32_t& from_parent = nodes_[parent].residual[node.Mirror(arc)];
-    towards_parent += node.in_sink_tree ? -amount : amount;
-    from_parent += node.in_sink_tree ? amount : -amount;
-    if ((node.in_sink_tree ? towards_parent : from_parent) == 0) {
-      MakeOrphan(index);
+    nodes_[index].next_active = index;
+    if (last_active_ == kNone) {
+      first_active_ = index;
+    } else {
+      nodes_[last_active_].next_active = index;
     }
-    index = parent;
+    last_active_ = index;
   }
-}
 
-void RegionSolver::MakeOrphan(uint32_t index) {
-  nodes_[index].parent = kOrphanParent;
-  orphans_.push_back(index);
-}
+  void PopActive() {
+    FlowNode& node = nodes_[first_active_];
+    const bool is_last = node.next_active == first_active_;
+    const uint32_t next = is_last ? kNone : node.next_active;
+    node.next_active = kNone;
+    first_active_ = next;
+    if (is_last) {
+      last_active_ = kNone;
+    }
+  }
 
-// Adoption [Boykov2004]: connects an orphan to the neighbor in its tree that is
-// nearest to the terminal. Without such a neighbor the node becomes free, and
-// its children become orphans.
-void RegionSolver::FindParent(uint32_t index) {
-  FlowNode& node = nodes_[index];
-  uint32_t nearest = kNone;
-  for (int k = 0; k < 4; ++k) {
-    const uint32_t other = neighbors_[index][k];
-    if (!IsInside(other) || nodes_[other].parent == kNoParent ||
-        nodes_[other].in_sink_tree != node.in_sink_tree ||
-        Inward(node, k, nodes_[other]) == 0) {
-      continue;
-    }
-    const uint32_t distance = DistanceToTerminal(other);
-    if (distance < nearest) {
-      nearest = distance;
-      node.parent = static_cast<uint8_t>(k);
-    }
+  // The residual capacity between a node and its neighbor k in the direction in
+  // which flow passes in the node's tree from the node to the neighbor's side:
+  // away from the source, or from the neighbor towards the sink.
+  int32_t Outward(const FlowNode& node, int k, const FlowNode& neighbor) const {
+    return node.in_sink_tree ? neighbor.residual[node.Mirror(k)]
+                             : node.residual[k];
   }
-  if (nearest != kNone) {
-    node.distance = Near(nearest + 1);
-    node.stamp = time_;
-    return;
-  }
-  node.parent = kNoParent;
-  for (int k = 0; k < 4; ++k) {
-    const uint32_t other = neighbors_[index][k];
-    if (!IsInside(other) || nodes_[other].parent == kNoParent ||
-        nodes_[other].in_sink_tree != node.in_sink_tree) {
-      continue;
-    }
-    if (Inward(node, k, nodes_[other]) > 0) {
-      Activate(other);
-    }
-    if (nodes_[other].parent == node.Mirror(k)) {
-      MakeOrphan(other);
-    }
-  }
-}
 
-// The length of the path to the terminal, or kNone if it ends in an orphan.
-// Stores the distances of all nodes on the path for later calls.
-uint32_t RegionSolver::DistanceToTerminal(uint32_t index) {
-  uint32_t distance = 0;
-  uint32_t at = index;
-  for (;;) {
-    const FlowNode& node = nodes_[at];
-    if (node.stamp == time_) {
-      distance += node.distance;
-      break;
+  int32_t Inward(const FlowNode& node, int k, const FlowNode& neighbor) const {
+    return node.in_sink_tree ? node.residual[k]
+                             : neighbor.residual[node.Mirror(k)];
+  }
+
+  // Lets the tree grow from an active node. Where it meets the other tree, flow
+  // is augmented and the trees are repaired.
+  // \return whether it met the other tree; the node stays active then.
+  bool Grow(uint32_t index) {
+    FlowNode& node = nodes_[index];
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t other = neighbors_[index][k];
+      if (!IsInside(other)) {
+        continue;
+      }
+      FlowNode& neighbor = nodes_[other];
+      if (Outward(node, k, neighbor) == 0) {
+        continue;
+      }
+      if (neighbor.parent == kNoParent) {
+        neighbor.in_sink_tree = node.in_sink_tree;
+        Adopt(&neighbor, node, k);
+        Activate(other);
+      } else if (neighbor.in_sink_tree != node.in_sink_tree) {
+        if (node.in_sink_tree) {
+          Augment(other, node.Mirror(k));
+        } else {
+          Augment(index, k);
+        }
+        return true;
+      } else if (neighbor.stamp <= node.stamp &&
+                 neighbor.distance > node.distance + 1) {
+        Adopt(&neighbor, node, k);  // a shorter way to the terminal
+      }
     }
-    if (node.parent == kTerminalParent) {
+    return false;
+  }
+
+  static void Adopt(FlowNode* child, const FlowNode& parent,
+                    int arc_of_parent) {
+    child->parent = parent.Mirror(arc_of_parent);
+    child->distance = Near(parent.distance + 1u);
+    child->stamp = parent.stamp;
+  }
+
+  // Pushes as much as fits from the source to the sink over the arc from a node
+  // of the source's tree to one of the sink's.
+  void Augment(uint32_t from, int arc) {
+    const uint32_t to = neighbors_[from][arc];
+    int32_t amount = nodes_[from].residual[arc];
+    amount = std::min(amount, Bottleneck(from));
+    amount = std::min(amount, Bottleneck(to));
+    nodes_[from].residual[arc] -= amount;
+    nodes_[to].residual[nodes_[from].Mirror(arc)] += amount;
+    Push(from, amount);
+    Push(to, amount);
+    flow_ += amount;
+    ++time_;
+    for (size_t i = 0; i < orphans_.size(); ++i) {
+      FindParent(orphans_[i]);
+    }
+    orphans_.clear();
+  }
+
+  int32_t Bottleneck(uint32_t index) const {
+    int32_t amount = std::numeric_limits<int32_t>::max();
+    for (;;) {
+      const FlowNode& node = nodes_[index];
+      if (node.parent == kTerminalParent) {
+        return std::min(amount, std::abs(node.terminal));
+      }
+      const uint32_t parent = neighbors_[index][node.parent];
+      amount = std::min(amount, Inward(node, node.parent, nodes_[parent]));
+      index = parent;
+    }
+  }
+
+  // Augments the path between a node and its tree's terminal. Nodes whose arc
+  // to the parent becomes saturated become orphans.
+  void Push(uint32_t index, int32_t amount) {
+    for (;;) {
+      FlowNode& node = nodes_[index];
+      const uint8_t arc = node.parent;
+      if (arc == kTerminalParent) {
+        node.terminal += node.in_sink_tree ? amount : -amount;
+        if (node.terminal == 0) {
+          MakeOrphan(index);
+        }
+        return;
+      }
+      const uint32_t parent = neighbors_[index][arc];
+      int32_t& towards_parent = node.residual[arc];
+      int32_t& from_parent = nodes_[parent].residual[node.Mirror(arc)];
+      towards_parent += node.in_sink_tree ? -amount : amount;
+      from_parent += node.in_sink_tree ? amount : -amount;
+      if ((node.in_sink_tree ? towards_parent : from_parent) == 0) {
+        MakeOrphan(index);
+      }
+      index = parent;
+    }
+  }
+
+  void MakeOrphan(uint32_t index) {
+    nodes_[index].parent = kOrphanParent;
+    orphans_.push_back(index);
+  }
+
+  // Adoption [Boykov2004]: connects an orphan to the neighbor in its tree that
+  // is nearest to the terminal. Without such a neighbor the node becomes free,
+  // and its children become orphans.
+  void FindParent(uint32_t index) {
+    FlowNode& node = nodes_[index];
+    uint32_t nearest = kNone;
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t other = neighbors_[index][k];
+      if (!IsInside(other) || nodes_[other].parent == kNoParent ||
+          nodes_[other].in_sink_tree != node.in_sink_tree ||
+          Inward(node, k, nodes_[other]) == 0) {
+        continue;
+      }
+      const uint32_t distance = DistanceToTerminal(other);
+      if (distance < nearest) {
+        nearest = distance;
+        node.parent = static_cast<uint8_t>(k);
+      }
+    }
+    if (nearest != kNone) {
+      node.distance = Near(nearest + 1);
+      node.stamp = time_;
+      return;
+    }
+    node.parent = kNoParent;
+    for (int k = 0; k < 4; ++k) {
+      const uint32_t other = neighbors_[index][k];
+      if (!IsInside(other) || nodes_[other].parent == kNoParent ||
+          nodes_[other].in_sink_tree != node.in_sink_tree) {
+        continue;
+      }
+      if (Inward(node, k, nodes_[other]) > 0) {
+        Activate(other);
+      }
+      if (nodes_[other].parent == node.Mirror(k)) {
+        MakeOrphan(other);
+      }
+    }
+  }
+
+  // The length of the path to the terminal, or kNone if it ends in an orphan.
+  // Stores the distances of all nodes on the path for later calls.
+  uint32_t DistanceToTerminal(uint32_t index) {
+    uint32_t distance = 0;
+    uint32_t at = index;
+    for (;;) {
+      const FlowNode& node = nodes_[at];
+      if (node.stamp == time_) {
+        distance += node.distance;
+        break;
+      }
+      if (node.parent == kTerminalParent) {
+        ++distance;
+        nodes_[at].stamp = time_;
+        nodes_[at].distance = 1;
+        break;
+      }
+      if (node.parent == kOrphanParent) {
+        return kNone;
+      }
       ++distance;
+      at = neighbors_[at][node.parent];
+    }
+    uint32_t remaining = distance;
+    for (at = index; nodes_[at].stamp != time_;
+         at = neighbors_[at][nodes_[at].parent]) {
       nodes_[at].stamp = time_;
-      nodes_[at].distance = 1;
-      break;
+      nodes_[at].distance = Near(remaining--);
     }
-    if (node.parent == kOrphanParent) {
-      return kNone;
-    }
-    ++distance;
-    at = neighbors_[at][node.parent];
+    return distance;
   }
-  uint32_t remaining = distance;
-  for (at = index; nodes_[at].stamp != time_;
-       at = neighbors_[at][nodes_[at].parent]) {
-    nodes_[at].stamp = time_;
-    nodes_[at].distance = Near(remaining--);
+
+  const NeighborView neighbors_;
+  FlowNode* const nodes_;
+  const uint32_t begin_;
+  const uint32_t size_;
+  std::vector<uint32_t> orphans_;
+  uint32_t first_active_ = kNone;
+  uint32_t last_active_ = kNone;
+  uint32_t time_;
+  int64_t flow_ = 0;
+};
+
+}  // namespace
+
+Solved SolveRegion(uint32_t begin, uint32_t end, FlowNetwork* network) {
+  // So large that few paths lead from region to region.
+  constexpr uint32_t kMinRegion = 1 << 16;
+  if (end - begin < 2 * kMinRegion) {
+    RegionSolver solver(network, begin, end, 0);
+    solver.ActivateTerminals();
+    solver.Run();
+    return {solver.flow(), solver.time()};
   }
-  return distance;
+  const uint32_t middle = begin + (end - begin) / 2;
+  Solved first;
+  Solved second;
+  tbb::parallel_invoke([&] { first = SolveRegion(begin, middle, network); },
+                       [&] { second = SolveRegion(middle, end, network); });
+  RegionSolver solver(network, begin, end,
+                      std::max(first.time, second.time) + 1);
+  solver.ActivateAcross(middle);
+  solver.Run();
+  return {first.flow + second.flow + solver.flow(), solver.time()};
 }
 
 }  // namespace colmap_ext

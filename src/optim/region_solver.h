@@ -34,52 +34,15 @@ struct FlowNetwork {
   std::vector<FlowNode> nodes;
 };
 
-// Augments paths along two search trees [Boykov2004] within a region of a
-// network: consecutive nodes and the arcs between them. The solver of a larger
-// region around it starts from the resulting flow and trees.
-class RegionSolver {
- public:
-  // \param start_time  later than all times at which the nodes got distances
-  RegionSolver(FlowNetwork* network, uint32_t begin, uint32_t end,
-               uint32_t start_time);
-
-  // In a region where nothing flows yet, all that the terminals reach.
-  void ActivateTerminals();
-
-  // In a region of two that are solved, the nodes in trees with arcs from one
-  // to the other.
-  // \param middle  the first node of the second one
-  void ActivateAcross(uint32_t middle);
-
-  void Run();
-
-  int64_t flow() const { return flow_; }
-  uint32_t time() const { return time_; }
-
- private:
-  bool IsInside(uint32_t node) const { return node - begin_ < size_; }
-  void Activate(uint32_t index);
-  void PopActive();
-  int32_t Outward(const FlowNode& node, int k, const FlowNode& neighbor) const;
-  int32_t Inward(const FlowNode& node, int k, const FlowNode& neighbor) const;
-  bool Grow(uint32_t index);
-  static void Adopt(FlowNode* child, const FlowNode& parent, int arc_of_parent);
-  void Augment(uint32_t from, int arc);
-  int32_t Bottleneck(uint32_t index) const;
-  void Push(uint32_t index, int32_t amount);
-  void MakeOrphan(uint32_t index);
-  void FindParent(uint32_t index);
-  uint32_t DistanceToTerminal(uint32_t index);
-
-  const NeighborView neighbors_;
-  FlowNode* const nodes_;
-  const uint32_t begin_;
-  const uint32_t size_;
-  std::vector<uint32_t> orphans_;
-  uint32_t first_active_ = kNone;
-  uint32_t last_active_ = kNone;
-  uint32_t time_;
-  int64_t flow_ = 0;
+// A region that is solved.
+struct Solved {
+  int64_t flow = 0;
+  uint32_t time = 0;
 };
+
+// Solves both halves of a region in parallel, and then continues from the
+// border between them [Liu2010].
+// \param begin, end  consecutive nodes; the arcs between them count
+Solved SolveRegion(uint32_t begin, uint32_t end, FlowNetwork* network);
 
 }  // namespace colmap_ext

@@ -12,7 +12,6 @@
 #include "base/mix_bits.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
-#include "delaunay/take_tetrahedra.h"
 #include "spatial/box_tree.h"
 #include "tiles/block_cache.h"
 #include "tiles/conflict_zone.h"

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
-#include "delaunay/take_tetrahedra.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/random.h"
 

@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "delaunay/cell_graph.h"
+#include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "delaunay/quality_weights.h"
-#include "delaunay/take_tetrahedra.h"
 #include "tests/random.h"
 
 namespace colmap_ext {
