@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "labeling/candidate_pairs.h"
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
@@ -12,6 +11,11 @@
 #include "scene/view.h"
 
 namespace colmap_ext {
+
+enum class PairSelection {
+  kFacetwise,  // each facet by its best pairs [Romanoni2020, section V]
+  kClassical,  // each facet by every pair that sees it [Vu2012]
+};
 
 struct FacetLabelingOptions {
   PairSelection pair_selection = PairSelection::kFacetwise;

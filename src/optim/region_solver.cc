@@ -31,14 +31,6 @@ class RegionSolver {
         size_(end - begin),
         time_(start_time) {}
 
-  void ActivateTerminals() {
-    for (uint32_t i = begin_; i < begin_ + size_; ++i) {
-      if (nodes_[i].terminal != 0) {
-        Activate(i);
-      }
-    }
-  }
-
   // In a region where nothing flows yet, all that the terminals reach.
   void ActivateTerminals() {
     for (uint32_t i = begin_; i < begin_ + size_; ++i) {
