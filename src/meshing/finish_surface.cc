@@ -1,19 +1,85 @@
 #include "meshing/finish_surface.h"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
 
+#include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
+#include "mesh/facet_filters.h"
 #include "mesh/manifold_repair.h"
-#include "meshing/filter_surface.h"
 #include "meshing/inherit_attributes.h"
-#include "meshing/point_support.h"
 #include "remesh/isotropic_remeshing.h"
 #include "repair/self_intersection_repair.h"
 
 namespace colmap_ext {
 namespace {
+
+void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
+  const auto is_at_end = [&](uint32_t vertex) {
+    const auto& [a, b] = surface->from.vertices[vertex];
+    return (a < is_end.size() && is_end[a] != 0) ||
+           (b < is_end.size() && is_end[b] != 0);
+  };
+  std::erase_if(surface->mesh.facets, [&](const Facet& facet) {
+    return std::ranges::any_of(facet, is_at_end);
+  });
+}
+
+// \return how many
+size_t DropLongFacets(const ManifoldMeshingOptions& options,
+                      TriangleMesh* mesh) {
+  const std::vector<float> sides = LongestSides(*mesh);
+  const double limit = SideLimit(options.max_side_length_factor,
+                                 options.max_side_length_percentile, sides);
+  size_t num_kept = 0;
+  for (size_t i = 0; i < sides.size(); ++i) {
+    if (sides[i] <= limit) {
+      mesh->facets[num_kept++] = mesh->facets[i];
+    }
+  }
+  mesh->facets.resize(num_kept);
+  return sides.size() - num_kept;
+}
+
+// Makes it manifold again.
+void SplitAgain(FanSplit* surface) {
+  FanSplit split = SplitFans(std::move(surface->mesh));
+  split.from = Compose(surface->from, std::move(split.from));
+  split.num_split_vertices += surface->num_split_vertices;
+  split.num_midpoints += surface->num_midpoints;
+  *surface = std::move(split);
+}
+
+// Makes a surface manifold, drops facets that have an end of rays as a corner
+// (there is no evidence of a surface) and those that the options exclude, and
+// makes the remaining surface manifold again. Facets keep the order of the
+// input facets that they are parts of; vertices are in the order of their use.
+// \param is_end  [V] of the tetrahedralization, see MarkEnds()
+// \param report  gets the counts of what is dropped, copied and split
+// \return its sources are vertices of the tetrahedralization
+FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
+                        ExtractedSurface extracted,
+                        const std::vector<uint8_t>& is_end,
+                        ManifoldMeshingReport* report) {
+  FanSplit surface =
+      SplitFans(std::move(extracted.mesh), std::move(extracted.partners));
+  surface.from.facets = {};  // not kept in time
+  DropFacetsAtEnds(is_end, &surface);
+  report->num_long_facets = DropLongFacets(options, &surface.mesh);
+  if (options.region) {
+    if (auto clipped = ClipMesh(*options.region, &surface.mesh)) {
+      surface.from = Compose(surface.from, std::move(*clipped));
+    }
+  }
+  report->small_components = DropSmallComponents(
+      static_cast<size_t>(options.min_component_faces), &surface.mesh.facets);
+  SplitAgain(&surface);
+  report->num_split_vertices = surface.num_split_vertices;
+  report->num_midpoints = surface.num_midpoints;
+  return surface;
+}
 
 // The fused points that the surface's vertices come from.
 std::vector<std::array<uint32_t, 2>> PointsOf(
@@ -53,6 +119,30 @@ void FinishBorders(const BorderOptions& options, const Progress& progress,
 }
 
 }  // namespace
+
+std::vector<float> SupportOfVertices(
+    size_t num_vertices, const std::vector<uint32_t>& point_vertices,
+    const std::vector<float>& point_weights) {
+  std::vector<float> supports(num_vertices, 0);
+  for (size_t point = 0; point < point_vertices.size(); ++point) {
+    supports[point_vertices[point]] += point_weights[point];
+  }
+  return supports;
+}
+
+std::vector<float> SupportOfSurface(
+    const std::vector<float>& supports,
+    const std::vector<std::array<uint32_t, 2>>& sources) {
+  const auto support = [&](uint32_t vertex) {
+    return vertex < supports.size() ? supports[vertex] : 0.0f;
+  };
+  std::vector<float> of_surface;
+  of_surface.reserve(sources.size());
+  for (const auto& [a, b] : sources) {
+    of_surface.push_back((support(a) + support(b)) / 2);
+  }
+  return of_surface;
+}
 
 void SplitSurface(const ManifoldMeshingOptions& options,
                   ExtractedSurface extracted, SurfacePoints points,

@@ -12,7 +12,6 @@
 #include "delaunay/visibility_weights.h"
 #include "delaunay/weak_surfaces.h"
 #include "meshing/finish_surface.h"
-#include "meshing/point_support.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"
 #include "optim/min_cut.h"

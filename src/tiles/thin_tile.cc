@@ -8,7 +8,7 @@
 #include "delaunay/edge_lengths.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
-#include "meshing/point_support.h"
+#include "meshing/finish_surface.h"
 
 namespace colmap_ext {
 namespace {

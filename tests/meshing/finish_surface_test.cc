@@ -1,9 +1,9 @@
-#include "meshing/point_support.h"
+#include "meshing/finish_surface.h"
 
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
-namespace point_support_test {
+namespace finish_surface_test {
 
 TEST(SupportOfVertices, AddsUpThePointsOfEach) {
   EXPECT_EQ(SupportOfVertices(3, {0, 2, 0, 2}, {1, 2, 4, 8}),
@@ -15,5 +15,5 @@ TEST(SupportOfSurface, IsTheMeanOfTheSources) {
             (std::vector<float>{1, 2, 0, 1.5f}));
 }
 
-}  // namespace point_support_test
+}  // namespace finish_surface_test
 }  // namespace colmap_ext
