@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "base/indices.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -91,8 +92,7 @@ std::vector<LabeledVertex> FindVertices(const TriangleMesh& mesh,
       vertices.push_back({vertex, labels.labels[i], labels.colors[i]});
     }
   }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  SortUnique(&vertices);
   return vertices;
 }
 

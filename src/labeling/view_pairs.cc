@@ -4,6 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/indices.h"
 #include "base/rows.h"
 
 namespace colmap_ext {
@@ -55,8 +56,7 @@ std::vector<ViewPair> SelectViewPairs(const PointCloud& points,
       pairs.push_back({std::min(view, other), std::max(view, other)});
     }
   }
-  std::ranges::sort(pairs);
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  SortUnique(&pairs);
   return pairs;
 }
 

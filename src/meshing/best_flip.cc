@@ -6,6 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/indices.h"
 #include "meshing/vertex_star.h"
 
 namespace colmap_ext {
@@ -88,8 +89,7 @@ std::vector<uint32_t> VerticesOf(const Tetrahedralization& tetrahedra,
       }
     }
   }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  SortUnique(&vertices);
   return vertices;
 }
 

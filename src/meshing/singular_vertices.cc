@@ -11,6 +11,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/indices.h"
 #include "meshing/vertex_star.h"
 
 namespace colmap_ext {
@@ -138,11 +139,9 @@ std::vector<uint32_t> SingularAmong(const Tetrahedralization& tetrahedra,
                         is_singular[i] = CountComponents(star, labels) > 2;
                       }
                     });
-  std::vector<uint32_t> singular;
-  for (size_t i = 0; i < vertices.size(); ++i) {
-    if (is_singular[i]) {
-      singular.push_back(vertices[i]);
-    }
+  std::vector<uint32_t> singular = Marked(is_singular);
+  for (uint32_t& i : singular) {
+    i = vertices[i];
   }
   return singular;
 }
@@ -156,13 +155,7 @@ std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
   tbb::parallel_for(size_t{0}, is_singular.size(), [&](size_t vertex) {
     is_singular[vertex] = !IsAtMostOneCycle(links.Edges(vertex));
   });
-  std::vector<uint32_t> singular;
-  for (uint32_t vertex = 0; vertex < is_singular.size(); ++vertex) {
-    if (is_singular[vertex]) {
-      singular.push_back(vertex);
-    }
-  }
-  return singular;
+  return Marked(is_singular);
 }
 
 SingularVertexTracker::SingularVertexTracker(

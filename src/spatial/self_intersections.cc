@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "base/indices.h"
 #include "mesh/space_filling_curve.h"
 #include "spatial/predicates.h"
 
@@ -23,8 +24,7 @@ Pairs Collect(const PairsOfThreads& parts) {
   for (const Pairs& part : parts) {
     pairs.insert(pairs.end(), part.begin(), part.end());
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  SortUnique(&pairs);
   return pairs;
 }
 
