@@ -5,15 +5,13 @@
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/refinement_input.h"
-#include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/refinement_run.h"
 #include "colmap_ext/report/html_page.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/tiled_refinement.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "colmap_ext/viewing/scene_loader.h"
-#include "colmap_ext/write_png.h"
+#include "colmap_ext/write_labels.h"
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {

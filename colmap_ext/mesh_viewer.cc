@@ -14,7 +14,7 @@
 #include "colmap_ext/viewing/draw_screenshots.h"
 #include "colmap_ext/viewing/scene_loader.h"
 #include "colmap_ext/viewing/viewer_workspace.h"
-#include "colmap_ext/write_png.h"
+#include "colmap_ext/write_labels.h"
 #include "viewer/shown_mesh.h"
 #include "viewer/shown_scene.h"
 #include "viewer/viewer_session.h"

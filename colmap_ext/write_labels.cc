@@ -33,4 +33,8 @@ void WriteLabels(const std::filesystem::path& path,
             together);
 }
 
+void WritePng(const std::filesystem::path& path, const ColorImage& image) {
+  WriteText(path, EncodePng(image));
+}
+
 }  // namespace colmap_ext

@@ -6,6 +6,7 @@
 #include "formats/atomic_file.h"
 #include "labeling/facet_labels.h"
 #include "mesh/triangle_mesh.h"
+#include "scene/color_image.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -20,5 +21,8 @@ void WriteLabels(const std::filesystem::path& path,
                  const std::filesystem::path& picture_path,
                  const TriangleMesh& mesh, const FacetLabels& labels,
                  const std::vector<View>& views, AtomicFiles* together);
+
+// \throw FileError if the file can not be written.
+void WritePng(const std::filesystem::path& path, const ColorImage& image);
 
 }  // namespace colmap_ext

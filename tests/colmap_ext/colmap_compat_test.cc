@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "colmap_ext/write_png.h"
+#include "colmap_ext/write_labels.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
