@@ -13,7 +13,6 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/jobs/run_tile.h"
-#include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/report/html_page.h"
 #include "colmap_ext/report/page_pictures.h"

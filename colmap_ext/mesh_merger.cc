@@ -5,9 +5,7 @@
 
 #include "colmap_ext/commands.h"
 #include "colmap_ext/jobs/merge_plan.h"
-#include "colmap_ext/jobs/merge_refined.h"
 #include "colmap_ext/jobs/refinement_state.h"
-#include "colmap_ext/large_blocks.h"
 #include "colmap_ext/options/tiling_options.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"

@@ -21,4 +21,8 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths);
 void RunRefinement(const RefinerOptions& options, const RefinementPaths& paths,
                    const std::vector<PageOption>& page_options, LiveView* live);
 
+// The same with a plan: refines one of its tiles or, without a tile, plans how
+// they are refined.
+void RunTiledRefinement(const RefinerOptions& options);
+
 }  // namespace colmap_ext

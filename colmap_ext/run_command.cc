@@ -1,5 +1,7 @@
 #include "colmap_ext/run_command.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cctype>
 #include <csignal>
@@ -110,6 +112,12 @@ int RunCommand(int argc, char** argv, const CommandOptions& options,
   } catch (const std::exception& error) {
     return Fail(error.what());
   }
+}
+
+void ReturnBlocksFrom([[maybe_unused]] int num_bytes) {
+#ifdef M_MMAP_THRESHOLD
+  mallopt(M_MMAP_THRESHOLD, num_bytes);
+#endif
 }
 
 }  // namespace colmap_ext

@@ -1,10 +1,11 @@
-#include "colmap_ext/tiled_refinement.h"
+#include "colmap_ext/refinement_run.h"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,12 +15,15 @@
 #include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_refinement.h"
-#include "colmap_ext/jobs/refine_tile.h"
+#include "colmap_ext/jobs/refinement_state.h"
+#include "colmap_ext/jobs/resumable_refinement.h"
+#include "colmap_ext/jobs/surface_files.h"
+#include "colmap_ext/jobs/tile_job.h"
 #include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/terminal/progress_reporter.h"
-#include "colmap_ext/terminal/stop_signal.h"
+#include "formats/errors.h"
 
 namespace colmap_ext {
 
@@ -83,64 +87,85 @@ void PlanTiles(const RefinerOptions& options) {
             << std::endl;
 }
 
-void Print(const RefineTileReport& report, ReportLog* log) {
+void Print(const TileJob& job, const TileInput& tile, ReportLog* log) {
   PrintHeading("Tile", log);
-  Print("colour", report.color, log);
-  if (report.resumed_level > 0) {
-    PrintText("went on after", LevelName(report.resumed_level), log);
+  Print("colour", job.Color(job.tile), log);
+  Print("images read", static_cast<int64_t>(tile.views.size()), log);
+  if (tile.input.masks) {
+    PrintReport(*tile.input.masks, log);
   }
-  Print("images read", static_cast<int64_t>(report.num_views), log);
-  if (report.masks) {
-    PrintReport(*report.masks, log);
-  }
-  Print("faces read", static_cast<int64_t>(report.num_facets), log);
-  Print("faces refined", static_cast<int64_t>(report.num_removed), log);
-  Print("faces that they become", static_cast<int64_t>(report.num_added), log);
-  Print("self-intersections",
-        static_cast<int64_t>(report.refinement.num_self_intersections), log);
-  PrintText("computed by", report.computed_by, log);
-  for (const std::string& warning : report.warnings) {
-    PrintWarning(warning, log);
+  Print("faces read", static_cast<int64_t>(tile.part.mesh.facets.size()), log);
+}
+
+// A state that is damaged or of another run is ignored: the job starts from its
+// first level then.
+void ResumeIfPossible(ResumableRefinement* run, RefinementInput* input) {
+  try {
+    run->Resume(input);
+  } catch (const FileError&) {
   }
 }
 
-void RefineOne(const RefinerOptions& options) {
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const StopSignal stop_signal;
-  RefinementHooks hooks;
-  hooks.progress = reporter.AsProgress();
-  hooks.on_step = [&reporter](const RefinementStep& step, const RefinedMesh&) {
-    reporter.Note(Describe(step));
-  };
-  hooks.should_stop = [] { return StopSignal::Received() != 0; };
-  const RefineTileReport report =
-      RefineTile(options.plan_path, static_cast<uint32_t>(options.tile),
-                 options, ColmapPictureDecoder(), hooks);
-  reporter.Finish();
-  if (report.refinement.is_stopped) {
-    throw Interruption(StopSignal::Received(),
-                       report.last_level > 0
-                           ? "the tile is refined up to " +
-                                 LevelName(report.last_level) +
-                                 "; the next job goes on from it"
-                           : "the tile is not refined");
+// What the job makes of its tile.
+// \throw Interruption if it is stopped
+TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
+                   ResumableRefinement* run) {
+  TileInput tile =
+      ReadTileInput(job, options, ColmapPictureDecoder(), run->GetProgress());
+  run->Reporter()->Finish();
+  Print(job, tile, run->Log());
+  if (!tile.HasViews()) {
+    return {};
   }
-  if (report.is_kept) {
-    std::cout << "Tile " << options.tile << " is refined already: nothing to do"
+  run->inputs = tile.inputs;
+  ResumeIfPossible(run, &tile.input);
+  RefinedMesh refined = run->Run(&tile.input);
+  run->Reporter()->Finish();
+  if (refined.report.is_stopped) {
+    throw Interruption(run->Signal(), run->Level() > 0
+                                          ? "the tile is refined up to " +
+                                                LevelName(run->Level()) +
+                                                "; the next job goes on from it"
+                                          : "the tile is not refined");
+  }
+  Print("self-intersections",
+        static_cast<int64_t>(refined.report.num_self_intersections),
+        run->Log());
+  return MakePatch(job, tile, std::move(refined));
+}
+
+// Refines a tile, once: its file is complete or does not exist.
+// \param options  how to compute; what to compute comes from the plan
+void RefineTile(RefinerOptions options) {
+  const TileJob job =
+      MakeTileJob(options.plan_path, static_cast<uint32_t>(options.tile));
+  const uint64_t identity = job.refinement.identity;
+  job.refinement.SetOptions(job.folder, &options);
+  options.FinishMethod();
+  const std::filesystem::path output = PatchPath(job.folder, job.tile);
+  if (HasPatch(job.folder, identity, job.tile)) {
+    RemoveState(output);
+    std::cout << "Tile " << job.tile << " is refined already: nothing to do"
               << std::endl;
     return;
   }
-  ReportLog log(&std::cout);
-  Print(report, &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
-  std::cout << "\nTile " << options.tile << " is refined" << std::endl;
+  ExpectRefined(job.folder, job.refinement, job.before);
+  ResumableRefinement run(options, output, nullptr);
+  const TilePatch patch = MakeTile(job, options, &run);
+  WritePatch(job.folder, identity, job.tile, patch);
+  RemoveState(output);
+  Print("faces refined", static_cast<int64_t>(patch.removed.size()), run.Log());
+  Print("faces that they become",
+        static_cast<int64_t>(patch.part.mesh.facets.size()), run.Log());
+  PrintReport(run.Reporter()->StageTimes(), PeakMemory(), run.Log());
+  std::cout << "\nTile " << job.tile << " is refined" << std::endl;
 }
 
 }  // namespace
 
 void RunTiledRefinement(const RefinerOptions& options) {
   if (options.tile >= 0) {
-    RefineOne(options);
+    RefineTile(options);
   } else {
     PlanTiles(options);
   }

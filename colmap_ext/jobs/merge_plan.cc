@@ -10,11 +10,10 @@
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/options/scene_options.h"
 #include "formats/write_mesh.h"
-#include "merging/fix_plan.h"
-#include "merging/labeled_parts.h"
-#include "merging/merged_surface.h"
-#include "merging/seam_cut.h"
 #include "meshing/finish_surface.h"
+#include "tiles/cell_changes.h"
+#include "tiles/merged_surface.h"
+#include "tiles/seam_labels.h"
 
 namespace colmap_ext {
 namespace {

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "meshing/manifold_meshing.h"
+#include "refine/facetwise_refinement.h"
 #include "scene/progress.h"
 
 namespace colmap_ext {
@@ -28,5 +29,12 @@ MergeReport MergePlan(const std::filesystem::path& folder,
                       const std::filesystem::path& output_path,
                       const std::optional<Eigen::Matrix4d>& transform,
                       const Progress& progress);
+
+// The refined surface of a plan, all of whose tiles are refined: their patches
+// put together, borders and self-intersections as RefineFacetwise() leaves
+// them.
+// \throw FileError if a tile is not refined, or patches do not fit together
+RefinedMesh MergeRefined(const std::filesystem::path& folder,
+                         const Progress& progress);
 
 }  // namespace colmap_ext

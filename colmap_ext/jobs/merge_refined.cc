@@ -1,11 +1,11 @@
-#include "colmap_ext/jobs/merge_refined.h"
+#include "colmap_ext/jobs/merge_plan.h"
 
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "colmap_ext/jobs/refinement_job.h"
 #include "colmap_ext/jobs/surface_files.h"
+#include "colmap_ext/jobs/tile_job.h"
 #include "formats/errors.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"

@@ -181,25 +181,6 @@ void CompleteAttributes(const Surface& file, RefinementInput* input) {
   }
 }
 
-void CheckPictures(const RefinerOptions& options, const RefinementPaths& paths,
-                   const PictureDecoder& decoder, RefinementInput* input) {
-  const fs::path images_path = paths.folder / "images";
-  ReadGrayImage read_mask;
-  if (!options.scene.mask_path.empty()) {
-    read_mask = MaskReader(options.scene.mask_path, input->views, decoder);
-    input->masks = MaskCloud(read_mask, input->views, &input->points);
-  }
-  input->images = std::make_shared<ImagePyramid>(
-      input->views, PictureReader(images_path, input->views, decoder),
-      options.MaxImageMemory(), read_mask, options.MaxMemoryLentToImages());
-  FindUnreadable([input](size_t view) { input->images->Image(view); },
-                 &input->picture_errors);
-  if (!options.skip_missing_images) {
-    ExpectPictures(images_path, input->views, input->picture_errors);
-  }
-  RemoveUnusable(images_path, input->picture_errors, &input->points);
-}
-
 // The sparse model with its tracks. Where the cameras are not refined, it tells
 // how well they are aligned.
 void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
@@ -258,6 +239,23 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   return paths;
 }
 
+void ReadPictures(const RefinerOptions& options, const fs::path& images_path,
+                  const ReadGrayImage& read_mask, const PictureDecoder& decoder,
+                  RefinementInput* input) {
+  if (read_mask) {
+    input->masks = MaskCloud(read_mask, input->views, &input->points);
+  }
+  input->images = std::make_shared<ImagePyramid>(
+      input->views, PictureReader(images_path, input->views, decoder),
+      options.MaxImageMemory(), read_mask, options.MaxMemoryLentToImages());
+  FindUnreadable([input](size_t view) { input->images->Image(view); },
+                 &input->picture_errors);
+  if (!options.skip_missing_images) {
+    ExpectPictures(images_path, input->views, input->picture_errors);
+  }
+  RemoveUnusable(images_path, input->picture_errors, &input->points);
+}
+
 RefinementInput ReadRefinementInput(const RefinerOptions& options,
                                     const RefinementPaths& paths,
                                     const PictureDecoder& decoder,
@@ -285,7 +283,11 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   CompleteAttributes(file, &input);
   input.mesh = std::move(file.mesh);
   Report(progress, "Reading the images", 0);
-  CheckPictures(options, paths, decoder, &input);
+  const std::string& masks = options.scene.mask_path;
+  ReadPictures(
+      options, paths.folder / "images",
+      masks.empty() ? ReadGrayImage() : MaskReader(masks, input.views, decoder),
+      decoder, &input);
   ReadRefinedCameras(options, progress, &input);
   return input;
 }

@@ -50,7 +50,10 @@ struct RefinementInput {
 
   std::shared_ptr<const RefinableCameras> cameras;
   RefinedParts camera_parts = RefinedParts::kNothing;  // none: rigs, by default
-  SparseModel sparse_model;                            // in full
+  std::vector<Eigen::Vector3f> origins;                // see Surface
+  FixedSources fixed_sources;  // of the mesh; empty: none is
+  bool is_part = false;        // see RefinementStart
+  SparseModel sparse_model;    // in full
 
   WorkspaceReport workspace;
   bool has_fused_points = true;     // else the mesh's vertices stand for them
@@ -60,6 +63,15 @@ struct RefinementInput {
   std::string colors_from;          // where the vertices' colours come from
   std::optional<ManifoldRepair> repair;  // of the mesh, without its arrays
 };
+
+// Opens the pictures of the input's views, and reads each once to see that it
+// can be read; takes masked observations and unusable pictures from the points.
+// \param read_mask  of the views; empty: no masks
+// \throw FileError if a picture can not be used, unless such are skipped
+void ReadPictures(const RefinerOptions& options,
+                  const std::filesystem::path& images_path,
+                  const ReadGrayImage& read_mask, const PictureDecoder& decoder,
+                  RefinementInput* input);
 
 // Reads the mesh with its .vis, the cameras, and the fused points, and reads
 // all pictures once to see that they can be read.

@@ -9,15 +9,63 @@
 #include <tbb/parallel_for.h>
 
 #include "base/index_limit.h"
+#include "base/lru_cache.h"
 #include "base/mix_bits.h"
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "spatial/box_tree.h"
-#include "tiles/block_cache.h"
 #include "tiles/conflict_zone.h"
 
 namespace colmap_ext {
 namespace {
+
+// Vertices of a block whose box is known.
+constexpr uint32_t kGroupVertices = 32;
+
+// The vertices of a block.
+struct BlockVertices {
+  std::vector<Eigen::Vector3f> positions;
+  std::vector<Eigen::AlignedBox3f> boxes;  // of each kGroupVertices of them
+};
+
+BlockVertices WithBoxes(std::vector<Eigen::Vector3f> positions) {
+  BlockVertices block{std::move(positions), {}};
+  for (size_t i = 0; i < block.positions.size(); ++i) {
+    if (i % kGroupVertices == 0) {
+      block.boxes.emplace_back();
+    }
+    block.boxes.back().extend(block.positions[i]);
+  }
+  return block;
+}
+
+// Keeps the blocks of a plan that were read last. Safe from several threads.
+class BlockCache {
+ public:
+  explicit BlockCache(const PlanVertices& plan)
+      : plan_(plan), cache_(kCacheBytes) {}
+
+  std::shared_ptr<BlockVertices> Read(uint32_t block);
+
+ private:
+  static constexpr size_t kCacheBytes = size_t{256} << 20;
+
+  const PlanVertices& plan_;
+  LruCache<BlockVertices> cache_;
+};
+
+std::shared_ptr<BlockVertices> BlockCache::Read(uint32_t block) {
+  const uint32_t begin = plan_.Blocks().begins[block];
+  const uint32_t end = plan_.Blocks().begins[block + 1];
+  // With a box for each group.
+  constexpr size_t kVertexBytes = sizeof(Eigen::Vector3f) +
+                                  sizeof(Eigen::AlignedBox3f) / kGroupVertices +
+                                  1;
+  return cache_.Get(block, (end - begin) * kVertexBytes, [&] {
+    return std::make_shared<BlockVertices>(
+        WithBoxes(plan_.ReadPositions(begin, end)));
+  });
+}
 
 using Positions = std::vector<Eigen::Vector3f>;
 

@@ -61,9 +61,9 @@ void Run(benchmark::State& state, bool is_gl, bool draws) {
   }
   energy->Render(problem.mesh);
   double num_pixels = 0;  // With the first evaluation's preparations left out.
-  for (const float count :
-       energy->Evaluate(problem.mesh, problem.labels).num_pixels) {
-    num_pixels += count;
+  for (const FacetTerms& terms :
+       energy->Evaluate(problem.mesh, problem.labels).facets) {
+    num_pixels += terms.num_pixels;
   }
   for (auto _ : state) {
     if (draws) {

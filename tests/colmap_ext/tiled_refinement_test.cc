@@ -247,7 +247,7 @@ TEST_F(TiledRefinementTest, GoesOnAfterTheLastCompleteLevel) {
             std::string::npos);
   EXPECT_TRUE(WIFSIGNALED(Interrupt(tile, "full size, iteration 1", SIGKILL)));
   EXPECT_FALSE(fs::exists(PatchPath(tile)));
-  EXPECT_NE(RefineAgain(tile).find("went on after"), std::string::npos);
+  EXPECT_NE(RefineAgain(tile).find("goes on after"), std::string::npos);
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   EXPECT_EQ(List(plan_), files);
 }
@@ -263,7 +263,7 @@ TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
   Interrupt(tile, "full size, iteration 0", SIGKILL);
   const std::string of_this_run = ReadFile(state);
   WriteFile(state, of_this_run.substr(0, of_this_run.size() / 2));
-  EXPECT_EQ(RefineAgain(tile).find("went on after"), std::string::npos);
+  EXPECT_EQ(RefineAgain(tile).find("goes on after"), std::string::npos);
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   const int other = TilesOf(0).at(0);
   fs::path other_state = PatchPath(other);
@@ -274,7 +274,7 @@ TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
   RefineAgain(other);
   fs::remove(PatchPath(tile));
   WriteFile(state, of_another);
-  EXPECT_EQ(RefineAgain(tile).find("went on after"), std::string::npos);
+  EXPECT_EQ(RefineAgain(tile).find("goes on after"), std::string::npos);
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
 }
 

@@ -9,8 +9,8 @@
 
 #include "delaunay/tetrahedralization.h"
 #include "tests/tiles/memory_plan.h"
-#include "tiles/cell_key.h"
 #include "tiles/tile_cut.h"
+#include "tiles/tile_part.h"
 
 namespace colmap_ext {
 

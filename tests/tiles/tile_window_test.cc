@@ -1,10 +1,10 @@
-#include "merging/tile_window.h"
+#include "tiles/patch_cells.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "tests/merging/merged_plan.h"
+#include "tests/tiles/merged_plan.h"
 
 namespace colmap_ext {
 namespace tile_window_test {

@@ -1,4 +1,4 @@
-#include "merging/merged_surface.h"
+#include "tiles/merged_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"
-#include "tests/merging/merged_plan.h"
+#include "tests/tiles/merged_plan.h"
 
 namespace colmap_ext {
 namespace merged_surface_test {

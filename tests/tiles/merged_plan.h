@@ -2,12 +2,11 @@
 
 #include <optional>
 
-#include "merging/fix_plan.h"
-#include "merging/labeled_parts.h"
-#include "merging/seam_cut.h"
 #include "tests/tiles/memory_parts.h"
 #include "tests/tiles/memory_plan.h"
 #include "tests/tiles/seen_scene.h"
+#include "tiles/cell_changes.h"
+#include "tiles/seam_labels.h"
 
 namespace colmap_ext {
 

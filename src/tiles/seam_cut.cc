@@ -1,4 +1,4 @@
-#include "merging/seam_cut.h"
+#include "tiles/seam_labels.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "merging/fix_plan.h"
+#include "tiles/cell_changes.h"
 
 #include <algorithm>
 #include <functional>
@@ -10,10 +10,9 @@
 
 #include <tbb/parallel_sort.h>
 
-#include "merging/labeled_parts.h"
-#include "merging/merged_surface.h"
-#include "merging/patch_cells.h"
 #include "meshing/singular_vertices.h"
+#include "tiles/merged_surface.h"
+#include "tiles/patch_cells.h"
 
 namespace colmap_ext {
 namespace {

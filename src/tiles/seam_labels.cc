@@ -1,4 +1,4 @@
-#include "merging/seam_labels.h"
+#include "tiles/seam_labels.h"
 
 #include <algorithm>
 #include <numeric>

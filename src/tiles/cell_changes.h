@@ -8,8 +8,10 @@
 
 #include <Eigen/Core>
 
-#include "tiles/cell_key.h"
+#include "meshing/manifold_fixing.h"
+#include "scene/progress.h"
 #include "tiles/plan_vertices.h"
+#include "tiles/seam_labels.h"
 #include "tiles/tile_part.h"
 
 namespace colmap_ext {
@@ -52,5 +54,45 @@ class CellChanges {
   std::vector<Eigen::Vector3f> centroids_;
   std::vector<uint32_t> tiles_;  // [centroids]
 };
+
+// What the tiles have left with the labels of the seams, and as fixing has
+// changed it.
+class LabeledParts {
+ public:
+  // \pre all of these outlive it
+  LabeledParts(const TileParts& parts, const SeamLabels& seam,
+               const CellChanges& changes)
+      : parts_(parts), seam_(seam), changes_(changes) {}
+
+  // Labels are kMatter or kFreeSpace.
+  TilePart Read(uint32_t tile) const {
+    TilePart part = parts_.ReadPart(tile);
+    ApplySeamLabels(seam_, part.tile, &part.labels);
+    changes_.Apply(&part);
+    return part;
+  }
+
+  // The tile of a vertex of the plan or of a centroid.
+  uint32_t TileOf(uint32_t vertex) const { return changes_.TileOf(vertex); }
+
+ private:
+  const TileParts& parts_;
+  const SeamLabels& seam_;
+  const CellChanges& changes_;
+};
+
+// Fixes the singular vertices of a plan (FixSingularVertices), tile by tile: in
+// two rings of cells around them, whichever tiles these are of, with what has
+// been changed before. Flips at a vertex concern its own cells, and are judged
+// by the cells of their vertices. Rings around vertices that become singular on
+// the way are added then. So it takes memory for the rings of one tile, and for
+// one tile.
+//
+// \param at_once  all tiles in one go: the result is that of one machine
+// \return num_singular_raw counts those that are singular when it is the turn
+//         of their tile
+FixingReport FixPlan(const PlanVertices& plan, const TileParts& parts,
+                     const SeamLabels& seam, FixingRule rule, bool at_once,
+                     CellChanges* changes, const Progress& progress = {});
 
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "merging/cell_changes.h"
+#include "tiles/cell_changes.h"
 
 #include <algorithm>
 

@@ -1,0 +1,222 @@
+#include "colmap_ext/jobs/tile_job.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "colmap_ext/jobs/plan_refinement.h"
+#include "colmap_ext/jobs/surface_files.h"
+#include "formats/errors.h"
+#include "mesh/manifold_repair.h"
+#include "workspace/masks.h"
+
+namespace colmap_ext {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A vertex of the whole may have several fans in a part.
+SurfacePart SplitPart(SurfacePart part) {
+  const FanSplit split = SplitFans(part.mesh);
+  SurfacePart result;
+  result.mesh = split.mesh;
+  result.facet_ids = std::move(part.facet_ids);
+  for (const auto& source : split.from.vertices) {
+    result.ids.push_back(part.ids[source[0]]);
+    AddAttributes(part.attributes, source[0], &result.attributes);
+  }
+  return result;
+}
+
+// Rows of views by other numbers; those without one are left out.
+Rows<uint32_t> Renumber(const Rows<uint32_t>& rows,
+                        const std::vector<uint32_t>& numbers) {
+  Rows<uint32_t> renumbered;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    for (const uint32_t view : rows[i]) {
+      if (numbers[view] != kNone) {
+        renumbered.values.push_back(numbers[view]);
+      }
+    }
+    renumbered.EndRow();
+  }
+  return renumbered;
+}
+
+// [views of the plan] their numbers among these, or kNone.
+std::vector<uint32_t> NumbersOf(const std::vector<uint32_t>& views,
+                                size_t num_views) {
+  std::vector<uint32_t> numbers(num_views, kNone);
+  for (uint32_t i = 0; i < views.size(); ++i) {
+    numbers[views[i]] = i;
+  }
+  return numbers;
+}
+
+// \param views [out] that see the target
+// \return box of the facets that change
+Eigen::AlignedBox3f FindTarget(const TileJob& job, const SurfaceStore& store,
+                               std::vector<uint32_t>* views) {
+  const Eigen::AlignedBox3f reach = job.Reach();
+  const SurfacePart part = GatherSurface(
+      store, job.before,
+      [&](const Eigen::AlignedBox3f& box) { return reach.intersects(box); });
+  std::set<uint32_t> seen_by;
+  std::vector<uint8_t> is_free;
+  for (size_t i = 0; i < part.ids.size(); ++i) {
+    is_free.push_back(job.IsFree(part.mesh.vertices[i]) ? 1 : 0);
+    if (is_free[i] != 0) {
+      const auto row = part.attributes.views[i];
+      seen_by.insert(row.begin(), row.end());
+    }
+  }
+  views->assign(seen_by.begin(), seen_by.end());
+  Eigen::AlignedBox3f target;
+  for (const Facet& facet : part.mesh.facets) {
+    if (is_free[facet[0]] + is_free[facet[1]] + is_free[facet[2]] > 0) {
+      target.extend(BoxOf(part.mesh, facet));
+    }
+  }
+  return target;
+}
+
+// The target, and all that is fixed and may hide it; its mesh is manifold.
+SurfacePart GatherPart(const TileJob& job, const Eigen::AlignedBox3f& target,
+                       const std::vector<uint32_t>& views,
+                       const SurfaceStore& store) {
+  std::vector<Eigen::Vector3f> centers;
+  for (const uint32_t view : views) {
+    centers.emplace_back(job.plan.views[view].Center().cast<float>());
+  }
+  return SplitPart(
+      GatherSurface(store, job.before, [&](const Eigen::AlignedBox3f& box) {
+        return box.intersects(target) ||
+               std::ranges::any_of(centers, [&](const Eigen::Vector3f& center) {
+                 return MayHide(box, center, target);
+               });
+      }));
+}
+
+// \return nothing if the plan has no masks
+ReadGrayImage TileMasks(const TileJob& job, const std::vector<uint32_t>& views,
+                        const PictureDecoder& decoder) {
+  const fs::path folder = job.plan.Options(job.folder).mesher.scene.mask_path;
+  if (folder.empty()) {
+    return {};
+  }
+  for (const uint32_t view : views) {
+    const fs::path mask = FindMask(folder, job.plan.views[view].name);
+    if (!mask.empty()) {
+      ExpectSame(job.refinement, mask);
+    }
+  }
+  return [read = MaskReader(folder, job.plan.views, decoder),
+          views](size_t view) { return read(views[view]); };
+}
+
+template <typename T>
+uint64_t HashValues(const std::vector<T>& values, uint64_t hash) {
+  return HashBytes(
+      {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)},
+      hash);
+}
+
+// Of what the job starts from: lower colours may have been refined again, by
+// another backend.
+uint64_t HashOf(const SurfacePart& part) {
+  uint64_t hash = HashValues(part.ids, 0);
+  hash = HashValues(part.facet_ids, hash);
+  hash = HashValues(part.mesh.vertices, hash);
+  return HashValues(part.mesh.facets, hash);
+}
+
+}  // namespace
+
+Eigen::AlignedBox3f TileJob::Reach() const {
+  return GrowBox(cells[tile],
+                 static_cast<float>(refinement.tiles[tile].margin));
+}
+
+bool TileJob::IsFree(const Eigen::Vector3f& vertex) const {
+  return Reach().contains(vertex) &&
+         Color(CellOf(cells, vertex)) >= Color(tile);
+}
+
+TileJob MakeTileJob(const fs::path& folder, uint32_t tile) {
+  TileJob job{folder, tile, ReadPlan(folder, tile), {}, {}, {}};
+  job.refinement = ReadRefinementPlan(folder, job.plan);
+  job.cells = job.plan.Cells();
+  job.before = job.refinement.TilesBefore(job.Color(tile));
+  return job;
+}
+
+void ExpectRefined(const fs::path& folder, const RefinementPlan& plan,
+                   const std::vector<uint32_t>& tiles) {
+  for (const uint32_t tile : tiles) {
+    if (!HasPatch(folder, plan.identity, tile)) {
+      throw FileError(
+          PatchPath(folder, tile),
+          fmt::format("tile {} of colour {} is not refined: run "
+                      "facetwise_refiner --plan_path {} --tile {} first",
+                      tile, plan.tiles[tile].color, folder.string(), tile));
+    }
+  }
+}
+
+TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
+                        const PictureDecoder& decoder,
+                        const Progress& progress) {
+  Report(progress, "Reading the surface", 0);
+  const FileSurface store(job.folder, job.refinement.identity);
+  TileInput tile;
+  const Eigen::AlignedBox3f box = FindTarget(job, store, &tile.views);
+  if (!tile.HasViews()) {
+    return tile;
+  }
+  tile.part = GatherPart(job, box, tile.views, store);
+  RefinementInput& input = tile.input;
+  for (const uint32_t view : tile.views) {
+    input.views.push_back(job.plan.views[view]);
+  }
+  input.mesh = tile.part.mesh;
+  input.attributes = tile.part.attributes;
+  input.attributes.views = Renumber(
+      tile.part.attributes.views, NumbersOf(tile.views, job.plan.views.size()));
+  input.has_fused_points = false;
+  input.is_part = true;
+  for (uint32_t i = 0; i < input.mesh.vertices.size(); ++i) {
+    const Eigen::Vector3f& vertex = input.mesh.vertices[i];
+    tile.fixed.push_back(job.IsFree(vertex) ? 0 : 1);
+    if (tile.fixed[i] == 0) {
+      input.points.positions.push_back(vertex);
+      input.points.views.AddRow(input.attributes.views[i]);
+    }
+  }
+  input.fixed_sources = SourcesOf(tile.fixed, tile.fixed.size());
+  Report(progress, "Reading the images", 0);
+  const fs::path images_path = ImagesPath(job.plan);
+  for (const View& view : input.views) {
+    ExpectSame(job.refinement, images_path / view.name);
+  }
+  input.picture_errors.resize(input.views.size());
+  ReadPictures(options, images_path, TileMasks(job, tile.views, decoder),
+               decoder, &input);
+  tile.inputs.options = {
+      {"refinement", fmt::format("{}", job.refinement.identity)},
+      {"tile", fmt::format("{}", job.tile)},
+      {"surface", fmt::format("{:016x}", HashOf(tile.part))},
+      {"pictures", fmt::format("{}", fmt::join(input.picture_errors, "\n"))}};
+  return tile;
+}
+
+TilePatch MakePatch(const TileJob& job, const TileInput& tile,
+                    RefinedMesh refined) {
+  refined.attributes.views = Renumber(refined.attributes.views, tile.views);
+  return MakePatch(job.tile, tile.part, tile.fixed, refined.mesh,
+                   refined.attributes, refined.fixed_sources);
+}
+
+}  // namespace colmap_ext

@@ -1,0 +1,350 @@
+// COLMAP's binary and text model formats: https://colmap.github.io/format.html,
+// and src/colmap/scene/reconstruction_io_*.cc for frames and rigs.
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "formats/byte_reader.h"
+#include "formats/errors.h"
+#include "workspace/sparse_model.h"
+
+namespace colmap_ext {
+
+namespace {
+
+constexpr int kCameraSensorType = 0;
+
+// The values of a binary file, whose records and lists follow their counts.
+class BinarySource {
+ public:
+  static constexpr const char* kExtension = ".bin";
+
+  // \param what  the records are, for messages
+  // \param min_bytes  of a record
+  BinarySource(const std::filesystem::path& path, const char* what,
+               uint64_t min_bytes)
+      : reader_(path),
+        what_(what),
+        num_records_(reader_.ReadCount(min_bytes, what)) {}
+
+  // Goes to the next record.
+  bool Next() {
+    if (num_records_ == 0) {
+      reader_.ExpectEnd();
+      return false;
+    }
+    --num_records_;
+    return true;
+  }
+
+  template <typename T>
+  T Number() {
+    return reader_.Read<T>(what_);
+  }
+
+  std::string Name() {
+    std::string name;
+    for (char c = Number<char>(); c != '\0'; c = Number<char>()) {
+      name.push_back(c);
+    }
+    return name;
+  }
+
+  const CameraModelInfo* Model() {
+    const int model_id = Number<int>();
+    const CameraModelInfo* info = FindCameraModel(model_id);
+    if (info == nullptr) {
+      throw FileError(reader_.Path(), fmt::format("unknown camera model {}; {}",
+                                                  model_id, kUndistort));
+    }
+    return info;
+  }
+
+  int SensorType() { return Number<int>(); }
+
+  void SkipSensors(uint32_t count) {
+    for (uint32_t i = 0; i < count; ++i) {
+      reader_.Skip(4 + 4, what_);
+      if (Number<uint8_t>() != 0) {
+        reader_.Skip(7 * 8, what_);
+      }
+    }
+  }
+
+  void BeginList(uint64_t bytes_each, bool /*has_line*/ = false) {
+    num_items_ = reader_.ReadCount(bytes_each, what_);
+  }
+  bool InList() { return num_items_ > 0 && num_items_-- > 0; }
+  void SkipList(uint64_t bytes_each) {
+    reader_.Skip(num_items_ * bytes_each, what_);
+  }
+
+ private:
+  ByteReader reader_;
+  const char* what_;
+  uint64_t num_records_;
+  uint64_t num_items_ = 0;
+};
+
+// The values of a text file, a line for each record, with the line's number in
+// every complaint.
+class TextSource {
+ public:
+  static constexpr const char* kExtension = ".txt";
+
+  TextSource(const std::filesystem::path& path, const char* /*what*/,
+             uint64_t /*min_bytes*/)
+      : path_(path) {
+    ExpectRegularFile(path);
+    file_.open(path);
+    if (!file_) {
+      throw FileError(path, "can not be read");
+    }
+  }
+
+  // Goes to the next line that is neither empty nor a comment.
+  bool Next() {
+    while (NextLine()) {
+      if (HasItem() && line_[position_] != '#') {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  template <typename T>
+  T Number() {
+    const std::string item = Item();
+    T number{};
+    const auto [end, error] =
+        std::from_chars(item.data(), item.data() + item.size(), number);
+    if (error != std::errc() || end != item.data() + item.size()) {
+      Throw("'" + item + "' is not a number that fits here");
+    }
+    return number;
+  }
+
+  std::string Name() { return Item(); }
+
+  const CameraModelInfo* Model() {
+    const std::string name = Item();
+    const CameraModelInfo* info = FindCameraModel(name);
+    if (info == nullptr) {
+      Throw("unknown camera model " + name + "; " + kUndistort);
+    }
+    return info;
+  }
+
+  int SensorType() { return Item() == "CAMERA" ? kCameraSensorType : 1; }
+
+  void SkipSensors(uint32_t /*count*/) {}
+
+  // A list fills the rest of the line, or a line of its own.
+  void BeginList(uint64_t /*bytes_each*/, bool has_line = false) {
+    if (has_line && !NextLine()) {
+      Throw("truncated: the line of the image's 2D points is missing");
+    }
+  }
+  bool InList() { return HasItem(); }
+  void SkipList(uint64_t /*bytes_each*/) {}
+
+ private:
+  // Goes to the next line, whatever it holds.
+  bool NextLine() {
+    position_ = 0;
+    ++line_number_;
+    return static_cast<bool>(std::getline(file_, line_));
+  }
+
+  bool HasItem() {
+    position_ =
+        std::min(line_.find_first_not_of(" \t\r", position_), line_.size());
+    return position_ < line_.size();
+  }
+
+  std::string Item() {
+    if (!HasItem()) {
+      Throw("truncated or damaged: the line is too short");
+    }
+    const size_t end =
+        std::min(line_.find_first_of(" \t\r", position_), line_.size());
+    const std::string item = line_.substr(position_, end - position_);
+    position_ = end;
+    return item;
+  }
+
+  [[noreturn]] void Throw(const std::string& message) const {
+    throw FileError(path_, fmt::format("line {}: {}", line_number_, message));
+  }
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  std::string line_;
+  size_t line_number_ = 0;
+  size_t position_ = 0;  // in the line
+};
+
+template <typename Source>
+void ReadCameras(Source source, SparseModel* model) {
+  while (source.Next()) {
+    const auto camera_id = source.template Number<uint32_t>();
+    const CameraModelInfo* info = source.Model();
+    const auto width = source.template Number<uint64_t>();
+    const auto height = source.template Number<uint64_t>();
+    std::vector<double> params(info->num_params);
+    for (double& param : params) {
+      param = source.template Number<double>();
+    }
+    model->cameras[camera_id] = MakeSparseCamera(*info, width, height, params);
+  }
+}
+
+// qw, qx, qy, qz, tx, ty, tz
+template <typename Source>
+std::array<double, 7> ReadPose(Source* source) {
+  std::array<double, 7> pose;
+  for (double& number : pose) {
+    number = source->template Number<double>();
+  }
+  return pose;
+}
+
+template <typename Source>
+void ReadImages(Source source, SparseDetail detail, SparseModel* model) {
+  constexpr uint64_t kObservationBytes = 8 + 8 + 8;
+  while (source.Next()) {
+    SparseImage& image = model->images.emplace_back();
+    image.image_id = source.template Number<uint32_t>();
+    const std::array<double, 7> pose = ReadPose(&source);
+    image.cam_from_world_rotation =
+        Eigen::Quaterniond(pose[0], pose[1], pose[2], pose[3]).normalized();
+    image.cam_from_world_translation = {pose[4], pose[5], pose[6]};
+    image.camera_id = source.template Number<uint32_t>();
+    image.name = source.Name();
+    source.BeginList(kObservationBytes, /*has_line=*/true);
+    if (detail != SparseDetail::kAll) {
+      source.SkipList(kObservationBytes);
+      continue;
+    }
+    while (source.InList()) {
+      SparseObservation& observation = image.observations.emplace_back();
+      observation.pixel.x() = source.template Number<double>();
+      observation.pixel.y() = source.template Number<double>();
+      // -1 where it shows none
+      observation.point_id =
+          static_cast<uint64_t>(source.template Number<int64_t>());
+    }
+  }
+}
+
+template <typename Source>
+void ReadPoints3D(Source source, SparseDetail detail, SparseModel* model) {
+  const bool is_all = detail == SparseDetail::kAll;
+  while (source.Next()) {
+    const auto point_id = source.template Number<uint64_t>();
+    Eigen::Vector3d position;
+    for (double& coordinate : position) {
+      coordinate = source.template Number<double>();
+    }
+    model->point_positions.push_back(position.cast<float>());
+    for (uint8_t& channel : model->point_colors.emplace_back()) {
+      channel = source.template Number<uint8_t>();
+    }
+    source.template Number<double>();  // its error
+    source.BeginList(4 + 4);
+    while (source.InList()) {
+      model->track_image_ids.values.push_back(
+          source.template Number<uint32_t>());
+      const auto observation = source.template Number<uint32_t>();
+      if (is_all) {
+        model->track_observations.push_back(observation);
+      }
+    }
+    model->track_image_ids.EndRow();
+    if (is_all) {
+      model->point_ids.push_back(point_id);
+      model->exact_positions.push_back(position);
+    }
+  }
+}
+
+template <typename Source>
+void ReadFrames(Source source, SparseModel* model) {
+  while (source.Next()) {
+    SparseFrame& frame = model->frames.emplace_back();
+    frame.frame_id = source.template Number<uint32_t>();
+    frame.rig_id = source.template Number<uint32_t>();
+    ReadPose(&source);  // of its rig
+    const auto num_data = source.template Number<uint32_t>();
+    std::vector<std::tuple<uint32_t, uint64_t>> images;  // with their sensors
+    for (uint32_t i = 0; i < num_data; ++i) {
+      SparseData data;
+      data.sensor_type = source.SensorType();
+      data.sensor_id = source.template Number<uint32_t>();
+      data.data_id = source.template Number<uint64_t>();
+      frame.data.push_back(data);
+      if (data.sensor_type == kCameraSensorType) {
+        images.emplace_back(data.sensor_id, data.data_id);
+      }
+    }
+    std::ranges::sort(images);
+    for (const auto& [sensor_id, image_id] : images) {
+      frame.image_ids.push_back(static_cast<uint32_t>(image_id));
+    }
+  }
+}
+
+template <typename Source>
+void ReadRigs(Source source, SparseModel* model) {
+  while (source.Next()) {
+    SparseRig& rig = model->rigs.emplace_back();
+    rig.rig_id = source.template Number<uint32_t>();
+    rig.num_sensors = source.template Number<uint32_t>();
+    if (rig.num_sensors > 0) {
+      rig.sensor_type = source.SensorType();
+      rig.sensor_id = source.template Number<uint32_t>();
+      source.SkipSensors(rig.num_sensors - 1);
+    }
+  }
+}
+
+template <typename Source>
+SparseModel ReadModel(const std::filesystem::path& folder,
+                      SparseDetail detail) {
+  const auto path = [&](const std::string& name) {
+    return folder / (name + Source::kExtension);
+  };
+  SparseModel model;
+  ReadCameras(Source(path("cameras"), "cameras", 4 + 4 + 8 + 8 + 2 * 8),
+              &model);
+  ReadImages(Source(path("images"), "images", 4 + 7 * 8 + 4 + 1 + 8), detail,
+             &model);
+  ReadPoints3D(Source(path("points3D"), "3D points", 8 + 3 * 8 + 3 + 8 + 8),
+               detail, &model);
+  if (detail == SparseDetail::kAll && std::filesystem::exists(path("rigs"))) {
+    ReadRigs(Source(path("rigs"), "rigs", 4 + 4), &model);
+  }
+  if (std::filesystem::exists(path("frames"))) {
+    ReadFrames(Source(path("frames"), "frames", 4 + 4 + 7 * 8 + 4), &model);
+  }
+  return model;
+}
+
+}  // namespace
+
+SparseModel ReadBinarySparseModel(const std::filesystem::path& folder,
+                                  SparseDetail detail) {
+  return ReadModel<BinarySource>(folder, detail);
+}
+
+SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
+                                SparseDetail detail) {
+  return ReadModel<TextSource>(folder, detail);
+}
+
+}  // namespace colmap_ext
