@@ -29,6 +29,11 @@ struct JobFileTail {
   uint64_t num_sections;  // whose sizes are the last of these bytes
 };
 
+// A file of a job does not stand for another one of it.
+uint64_t FileIdentity(const std::filesystem::path& path, uint64_t identity) {
+  return HashBytes(path.filename().native(), identity);
+}
+
 uint64_t HashWords(const std::vector<uint64_t>& words) {
   return HashBytes({reinterpret_cast<const char*>(words.data()),
                     words.size() * sizeof(uint64_t)});
@@ -39,6 +44,7 @@ uint64_t HashWords(const std::vector<uint64_t>& words) {
 JobFileWriter::JobFileWriter(const std::filesystem::path& path,
                              const JobFileKind& kind, uint64_t identity)
     : file_(files_.Add(path)) {
+  identity = FileIdentity(path, identity);
   Write(kind.name, kKindLength);
   Write(&identity, sizeof(identity));
 }
@@ -91,8 +97,8 @@ JobFileReader::JobFileReader(const std::filesystem::path& path,
   if (std::memcmp(kind.name, head.kind, kKindLength) != 0) {
     Throw("of another version of the program");
   }
-  if (head.identity != identity) {
-    Throw("belongs to another plan");
+  if (head.identity != FileIdentity(path, identity)) {
+    Throw("belongs to another plan, or has another name there");
   }
   const uint64_t num_sections = ReadChecksums(size);
   ReadBytes(0, sizeof(head), &head);

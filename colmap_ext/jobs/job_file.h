@@ -13,8 +13,8 @@
 
 namespace colmap_ext {
 
-// The one binary file of all jobs: 8 bytes that name its kind, the identity of
-// its job, and sections of values as they are in memory, little-endian, and
+// The one binary file of all jobs: 8 bytes that name its kind, a hash of its
+// name and the identity of its job, and sections of values as they are in memory, little-endian, and
 // their sizes. Then a checksum of each kJobFileChunk bytes of all that, and
 // finally a checksum of these checksums, and two counts.
 inline constexpr size_t kJobFileChunk = 8192;
@@ -73,7 +73,8 @@ class JobFileWriter {
 // Reads one, and checks what it reads. Safe from several threads.
 class JobFileReader {
  public:
-  // \throw FileError if the file is missing, damaged, or of another kind or job
+  // \throw FileError if the file is missing, damaged, renamed, or of another
+  //        kind or job
   JobFileReader(const std::filesystem::path& path, const JobFileKind& kind,
                 uint64_t identity);
 

@@ -400,13 +400,21 @@ class Planner {
 Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
               const Progress& progress, PlanReport* report) {
   std::error_code error;
-  fs::create_directories(options.output_path, error);
+  const bool is_new = fs::create_directories(options.output_path, error);
   if (error) {
     throw FileError(options.output_path, "can not be made: " + error.message());
   }
   const FolderLock lock(options.output_path);
   report->is_locked = lock.IsLocked();
-  return Planner(options, decoder, progress, report).Run();
+  try {
+    return Planner(options, decoder, progress, report).Run();
+  } catch (...) {
+    if (is_new) {  // leaves no folder behind that has nothing but the lock
+      fs::remove(fs::path(options.output_path) / "plan.lock", error);
+      fs::remove(options.output_path, error);
+    }
+    throw;
+  }
 }
 
 }  // namespace colmap_ext

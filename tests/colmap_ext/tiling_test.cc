@@ -308,6 +308,7 @@ TEST_F(TilingTest, RefusesWhatDoesNotFitTogether) {
   ExpectRefusal(MakePlan(2, "--DelaunayManifoldMeshing.weak_surfaces 1"),
                 "weak_surfaces");
   ExpectRefusal(MakePlan(100000), "too few points for 100000 tiles");
+  EXPECT_FALSE(fs::exists(plan_));
   ASSERT_EQ(MakePlan(2).exit_code, 0);
   ExpectRefusal(MakeTile(2), "has no tile 2, but those from 0 to 1");
   ExpectRefusal(Run("delaunay_manifold_mesher --tile 0"), "belong together");
@@ -333,6 +334,12 @@ TEST_F(TilingTest, RefusesDamagedAndOtherPlans) {
   WriteFile(cut, bytes);
   ExpectRefusal(Merge(), "belongs to another plan");
   MakeMesh({0, 1});
+  // Another tile's.
+  const fs::path vertices = plan_ / "tile00001.vertices.bin";
+  const std::string own = ReadFile(vertices);
+  WriteFile(vertices, ReadFile(plan_ / "tile00000.vertices.bin"));
+  ExpectRefusal(MakeTile(0), "belongs to another plan, or has another name");
+  WriteFile(vertices, own);
   const std::string json = ReadFile(plan_ / "plan.json");
   std::string other_version = json;
   const std::string version = "\"version\": ";
