@@ -14,9 +14,9 @@
 namespace colmap_ext {
 
 // The one binary file of all jobs: 8 bytes that name its kind, a hash of its
-// name and the identity of its job, and sections of values as they are in memory, little-endian, and
-// their sizes. Then a checksum of each kJobFileChunk bytes of all that, and
-// finally a checksum of these checksums, and two counts.
+// name and the identity of its job, and sections of values as they are in
+// memory, little-endian, and their sizes. Then a checksum of each kJobFileChunk
+// bytes of all that, and finally a checksum of these checksums, and two counts.
 inline constexpr size_t kJobFileChunk = 8192;
 
 struct JobFileKind {
