@@ -338,7 +338,7 @@ TEST_F(TilingTest, RefusesDamagedAndOtherPlans) {
   const fs::path vertices = plan_ / "tile00001.vertices.bin";
   const std::string own = ReadFile(vertices);
   WriteFile(vertices, ReadFile(plan_ / "tile00000.vertices.bin"));
-  ExpectRefusal(MakeTile(0), "belongs to another plan, or has another name");
+  ExpectRefusal(Merge(), "belongs to another plan, or has another name");
   WriteFile(vertices, own);
   const std::string json = ReadFile(plan_ / "plan.json");
   std::string other_version = json;
