@@ -10,7 +10,7 @@ namespace colmap_ext {
 template <typename T>
 void SortUnique(std::vector<T>* values) {
   std::ranges::sort(*values);
-  values->erase(std::ranges::unique(*values).begin(), values->end());
+  values->erase(std::unique(values->begin(), values->end()), values->end());
 }
 
 // The indices of what is marked, ascending.

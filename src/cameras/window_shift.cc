@@ -202,15 +202,16 @@ std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
     const auto drawn_j = scene.buffers.Get(j);
     const DrawnView view_i{views[i], *image_i, *drawn_i};
     const DrawnView view_j{views[j], *image_j, *drawn_j};
-    for (const SurfacePatch& patch : std::ranges::equal_range(
-             patches.patches, i, {}, &SurfacePatch::view)) {
-      const size_t k = &patch - patches.patches.data();
+    for (size_t k = std::ranges::lower_bound(patches.patches, i, {},
+                                             &SurfacePatch::view) -
+                    patches.patches.begin();
+         k < patches.patches.size() && patches.patches[k].view == i; ++k) {
       const auto row = patches.partners[k];
       const auto found = std::ranges::find(row, j);
       if (found != row.end()) {
         shifts[patches.partners.offsets[k] + (found - row.begin())] =
             CompareWindow(photometric, radius, view_i, view_j, scene.frames,
-                          patch);
+                          patches.patches[k]);
       }
     }
   });

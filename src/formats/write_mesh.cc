@@ -79,6 +79,7 @@ struct LabeledVertex {
   int32_t label = -1;
   Color color = {};
 
+  // NOLINTNEXTLINE(modernize-use-nullptr)
   auto operator<=>(const LabeledVertex&) const = default;
 };
 

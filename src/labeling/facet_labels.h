@@ -17,6 +17,7 @@ struct ViewPair {
   uint32_t first = 0;
   uint32_t second = 0;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr)
   auto operator<=>(const ViewPair&) const = default;
 };
 

@@ -16,6 +16,7 @@ struct FlipChange {
   int64_t excess = 0;  // components beyond the second, summed over the vertices
   int64_t energy = 0;  // value of the cut, capacities' unit
 
+  // NOLINTNEXTLINE(modernize-use-nullptr)
   auto operator<=>(const FlipChange&) const = default;
 };
 

@@ -285,7 +285,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
     start.origins = start.mesh.vertices;
   }
   RefinedMesh complete;
-  static_cast<Surface&>(complete) = std::move(start);
+  static_cast<Surface&>(complete) = std::move(static_cast<Surface&>(start));
   complete.views = views;
   complete.report.misalignment = std::move(start.misalignment);
   if (!refinement.DecideByAlignment(&complete)) {
