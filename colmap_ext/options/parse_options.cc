@@ -305,9 +305,10 @@ void PrintGroup(const CommandOptions& options, OptionGroup group,
       value = fmt::format("{:.4g}", std::stod(value));
     }
     const std::string range = option.range ? "; " + option.range->Text() : "";
-    PrintOption(
-        "--" + option.name + (value.empty() ? "" : " (=" + value + range + ")"),
-        option.help, stream);
+    if (!value.empty()) {
+      value = fmt::format(" (={}{})", value, range);
+    }
+    PrintOption("--" + option.name + value, option.help, stream);
   }
   for (const CommandOptions::Alias& alias : options.Aliases()) {
     if (group == OptionGroup::kOldNames) {
