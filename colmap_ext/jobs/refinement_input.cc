@@ -107,8 +107,7 @@ std::optional<ManifoldRepair> Repair(const fs::path& path, Surface* file) {
   if (repair.mesh.facets.empty()) {
     throw FileError(path, "none of its faces can be used");
   }
-  file->Become(std::move(repair));
-  static_cast<DerivedMesh&>(repair) = {};
+  file->Become(std::exchange<DerivedMesh>(repair, {}));
   return repair;
 }
 
