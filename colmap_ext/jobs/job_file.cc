@@ -24,8 +24,8 @@ struct JobFileHead {
 
 // After the checksums.
 struct JobFileTail {
-  uint64_t checksum;      // of them
-  uint64_t num_bytes;     // that they are of
+  uint64_t checksum;      // of the checksums and of the two counts
+  uint64_t num_bytes;     // that the checksums cover
   uint64_t num_sections;  // whose sizes are the last of these bytes
 };
 
@@ -34,7 +34,10 @@ uint64_t FileIdentity(const std::filesystem::path& path, uint64_t identity) {
   return HashBytes(path.filename().native(), identity);
 }
 
-uint64_t HashWords(const std::vector<uint64_t>& words) {
+uint64_t TailChecksum(std::vector<uint64_t> words, uint64_t num_bytes,
+                      uint64_t num_sections) {
+  words.push_back(num_bytes);
+  words.push_back(num_sections);
   return HashBytes({reinterpret_cast<const char*>(words.data()),
                     words.size() * sizeof(uint64_t)});
 }
@@ -75,7 +78,9 @@ void JobFileWriter::Commit() {
     EndChunk();
   }
   file_->Write(checksums_.data(), checksums_.size() * sizeof(uint64_t));
-  file_->Write(JobFileTail{HashWords(checksums_), num_bytes_, sizes_.size()});
+  file_->Write(
+      JobFileTail{TailChecksum(checksums_, num_bytes_, sizes_.size()),
+                  num_bytes_, sizes_.size()});
   files_.Commit();
 }
 
@@ -136,7 +141,8 @@ uint64_t JobFileReader::ReadChecksums(uint64_t size) {
   }
   checksums_.resize(num_chunks);
   ReadUnchecked(num_bytes_, num_chunks * sizeof(uint64_t), checksums_.data());
-  if (HashWords(checksums_) != tail.checksum) {
+  if (TailChecksum(checksums_, tail.num_bytes, tail.num_sections) !=
+      tail.checksum) {
     ThrowDamaged();
   }
   return tail.num_sections;

@@ -16,7 +16,8 @@ namespace colmap_ext {
 // The one binary file of all jobs: 8 bytes that name its kind, a hash of its
 // name and the identity of its job, and sections of values as they are in
 // memory, little-endian, and their sizes. Then a checksum of each kJobFileChunk
-// bytes of all that, and finally a checksum of these checksums, and two counts.
+// bytes of all that, and finally a checksum of these checksums and of two
+// counts, and the counts.
 inline constexpr size_t kJobFileChunk = 8192;
 
 struct JobFileKind {

@@ -59,12 +59,9 @@ std::vector<char> ValuesText(const JobInputs::Values& values) {
 
 JobInputs::Values ValuesFrom(const std::vector<char>& text) {
   JobInputs::Values values;
-  const char* end = text.data() + text.size();
-  for (const char* at = text.data(); at < end;) {
-    const std::string name = at;
-    at += name.size() + 1;
-    const std::string value = at;
-    at += value.size() + 1;
+  std::istringstream stream(std::string(text.begin(), text.end()));
+  for (std::string name, value; std::getline(stream, name, '\0') &&
+                                std::getline(stream, value, '\0');) {
     values[name] = value;
   }
   return values;
