@@ -78,9 +78,8 @@ void JobFileWriter::Commit() {
     EndChunk();
   }
   file_->Write(checksums_.data(), checksums_.size() * sizeof(uint64_t));
-  file_->Write(
-      JobFileTail{TailChecksum(checksums_, num_bytes_, sizes_.size()),
-                  num_bytes_, sizes_.size()});
+  file_->Write(JobFileTail{TailChecksum(checksums_, num_bytes_, sizes_.size()),
+                           num_bytes_, sizes_.size()});
   files_.Commit();
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -60,8 +61,8 @@ std::vector<char> ValuesText(const JobInputs::Values& values) {
 JobInputs::Values ValuesFrom(const std::vector<char>& text) {
   JobInputs::Values values;
   std::istringstream stream(std::string(text.begin(), text.end()));
-  for (std::string name, value; std::getline(stream, name, '\0') &&
-                                std::getline(stream, value, '\0');) {
+  for (std::string name, value;
+       std::getline(stream, name, '\0') && std::getline(stream, value, '\0');) {
     values[name] = value;
   }
   return values;
