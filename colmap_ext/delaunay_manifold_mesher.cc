@@ -1,10 +1,7 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -12,14 +9,11 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/jobs/run_tile.h"
+#include "colmap_ext/jobs/mesh_tiles.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/report/html_page.h"
 #include "colmap_ext/report/page_pictures.h"
-#include "colmap_ext/report/print_lines.h"
-#include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/terminal/progress_reporter.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/write_mesh.h"
@@ -34,15 +28,6 @@
 namespace colmap_ext {
 
 namespace {
-
-CommandAdvice Advice() {
-  return {"a larger --DelaunayManifoldMeshing.max_proj_dist keeps fewer points",
-          "fused.ply, fused.ply.vis and sparse/",
-          {{Alternative::kSayImageOrder, "; say it with --image_order"},
-           {Alternative::kOtherImageOrder, "; choose another --image_order"},
-           {Alternative::kUseSparsePoints,
-            ", or mesh the sparse points with --input_type sparse"}}};
-}
 
 // Moves the points.
 HalfPixelReport CorrectHalfPixel(const MesherOptions& options,
@@ -193,16 +178,14 @@ PagePictures Draw(const Workspace& workspace, const ManifoldMesh& mesh) {
   return DrawMeshing(cameras, workspace.cloud, mesh);
 }
 
-void MeshWorkspace(const MesherOptions& options,
-                   const std::vector<PageOption>& page_options) {
+void MeshWorkspace(const MesherOptions& options, Console* console) {
   const std::filesystem::path output_path = FindOutputPath(options);
   const bool has_page = !options.report_path.empty();
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const Progress progress = reporter.AsProgress();
+  const Progress& progress = console->progress;
+  ReportLog* const log = &console->log;
   MesherInput input = ReadInput(options, progress);
-  reporter.Finish();
-  ReportLog log(&std::cout);
-  PrintInput(options, input, &log);
+  console->reporter.Finish();
+  PrintInput(options, input, log);
   const std::vector<View> views = MeshingViews(options, input.workspace);
   PointCloud& cloud = input.workspace.cloud;
   const ManifoldMesh mesh =
@@ -219,17 +202,17 @@ void MeshWorkspace(const MesherOptions& options,
     Report(progress, "Drawing the report", 0);
     pictures = Draw(input.workspace, mesh);
   }
-  reporter.Finish();
-  PrintReport(mesh.report, &log);
+  console->reporter.Finish();
+  PrintReport(mesh.report, log);
   PrintFootprint(
       MedianFootprint(mesh.mesh, mesh.attributes.views, input.workspace.views),
-      &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+      log);
+  console->PrintTime();
   if (has_page) {
     WriteText(options.report_path,
               MeshingPage({"delaunay_manifold_mesher", output_path.string(),
-                           Versions(), page_options},
-                          log, pictures),
+                           Versions()},
+                          *log, pictures),
               &files);
   }
   files.Commit();
@@ -237,21 +220,27 @@ void MeshWorkspace(const MesherOptions& options,
             << VisibilityPath(output_path).string() << std::endl;
 }
 
-void MeshTile(const MesherOptions& options) {
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+void MeshTile(const MesherOptions& options, Console* console) {
   const TileReport report =
       RunTile(options.plan_path, static_cast<uint32_t>(options.tile),
-              reporter.AsProgress());
-  reporter.Finish();
+              console->progress);
+  console->reporter.Finish();
   if (report.is_kept) {
     std::cout << "Tile " << options.tile << " is done already: nothing to do"
               << std::endl;
     return;
   }
-  ReportLog log(&std::cout);
-  PrintReport(report, &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  PrintReport(report, &console->log);
+  console->PrintTime();
   std::cout << "\nTile " << options.tile << " is done" << std::endl;
+}
+
+void Mesh(const MesherOptions& options, Console* console) {
+  if (options.plan_path.empty()) {
+    MeshWorkspace(options, console);
+  } else {
+    MeshTile(options, console);
+  }
 }
 
 }  // namespace
@@ -260,19 +249,12 @@ int RunDelaunayManifoldMesher(int argc, char** argv) {
   // Tuned on: fountain, every point kept; by: peak memory, 353 MB with 128 kB,
   // 357 MB with this, 376 MB by default, in the same time.
   ReturnBlocksFrom(1 << 22);
-  MesherOptions options;
-  CommandOptions command;
-  AddMesherOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); },
-                              &options.num_threads,
-                              [&options, &command] {
-                                if (options.plan_path.empty()) {
-                                  MeshWorkspace(options, PageOptions(command));
-                                } else {
-                                  MeshTile(options);
-                                }
-                              }};
-  return RunCommand(argc, argv, command, steps, Advice());
+  return RunCommand(
+      argc, argv, &AddMesherOptions, &Mesh,
+      {"a larger --DelaunayManifoldMeshing.max_proj_dist keeps fewer points",
+       "fused.ply, fused.ply.vis and sparse/",
+       {{Alternative::kUseSparsePoints,
+         ", or mesh the sparse points with --input_type sparse"}}});
 }
 
 }  // namespace colmap_ext

@@ -12,6 +12,13 @@ class OptionError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// \throw OptionError if the condition holds
+inline void RefuseIf(bool condition, const char* message) {
+  if (condition) {
+    throw OptionError(message);
+  }
+}
+
 // A signal that ended the work before it was done.
 class Interruption : public std::runtime_error {
  public:

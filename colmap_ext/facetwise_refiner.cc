@@ -1,37 +1,309 @@
+#include <filesystem>
+#include <iostream>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/refinement_input.h"
+#include "colmap_ext/jobs/resumable_refinement.h"
 #include "colmap_ext/options/refinement_options.h"
-#include "colmap_ext/refinement_run.h"
-#include "colmap_ext/report/html_page.h"
+#include "colmap_ext/report/page_pictures.h"
+#include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
+#include "colmap_ext/tiled_refinement.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "colmap_ext/viewing/scene_loader.h"
+#include "formats/atomic_file.h"
 #include "formats/encode_png.h"
+#include "formats/write_mesh.h"
+#include "mesh/mesh_in_image.h"
+#include "mesh/topology.h"
+#include "pictures/mesh_renderer.h"
+#include "pictures/picture_views.h"
 #include "viewer/viewer_session.h"
+#include "workspace/expect_outputs.h"
+#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
-
 namespace {
 
-CommandAdvice Advice() {
-  return {
-      "a smaller --image_cache_gb keeps fewer images, and a "
-      "larger --FacetwiseRefinement.max_face_area makes fewer faces",
-      "the mesh, fused.ply.vis, sparse/ and images/",
-      {{Alternative::kSayImageOrder, "; say it with --image_order"},
-       {Alternative::kOtherImageOrder, "; choose another --image_order"},
-       {Alternative::kLeavePicturesOut,
-        ", or go on without them with "
-        "--FacetwiseRefinement.skip_missing_images 1"}}};
+namespace fs = std::filesystem;
+
+// What brings poses closer that are too inaccurate.
+std::string HowToAlign(const RefinementInput& input) {
+  if (HasOneImageFrames(input.sparse_model)) {
+    return "Let --FacetwiseRefinement.refine_cameras poses align them";
+  }
+  return fmt::format(
+      "Cameras of rigs are not refined here: refine them by `mkdir SPARSE && "
+      "colmap bundle_adjuster --input_path {} --output_path SPARSE`, and take "
+      "--sparse_path SPARSE",
+      input.workspace.sparse_path.string());
+}
+
+// Writes a mesh whose faces are coloured by the pair of views that is best for
+// each (formats/write_mesh.h), and a picture of the same, PNG.
+void WriteLabels(const std::filesystem::path& path,
+                 const std::filesystem::path& picture_path,
+                 const RefinedMesh& refined, AtomicFiles* together) {
+  constexpr int kWidth = 1024;  // px, of the picture
+  constexpr int kHeight = 768;  // px
+  MeshLabels best;
+  for (const ViewPair& pair : refined.labels.pairs) {
+    best.names.push_back(refined.views[pair.first].name + " " +
+                         refined.views[pair.second].name);
+  }
+  for (size_t i = 0; i < refined.labels.NumFacets(); ++i) {
+    const auto row = refined.labels.labels[i];
+    best.labels.push_back(row.empty() ? -1 : static_cast<int32_t>(row[0]));
+    best.colors.push_back(LabelColor(best.labels.back()));
+  }
+  WriteLabeledMesh(path, refined.mesh, best, together);
+  WriteText(picture_path,
+            EncodePng(RenderMesh(refined.mesh,
+                                 AutomaticView(refined.mesh, kWidth, kHeight),
+                                 LabelColors(best.labels))),
+            together);
+}
+
+// One run of the command, from its files to its files.
+class Refiner {
+ public:
+  // \param live  shows the run, or nullptr.
+  Refiner(const RefinerOptions& options, const RefinementPaths& paths,
+          Console* console, LiveView* live)
+      : options_(options),
+        paths_(paths),
+        console_(*console),
+        live_(live),
+        run_(options, paths.output, console, live) {}
+
+  void Run() {
+    Read();
+    RefinedMesh refined = run_.Run(&input_);
+    if (refined.report.is_stopped) {
+      GiveUp(refined.report);
+    }
+    AtomicFiles files;
+    Write(refined, &files);
+    const PagePictures pictures = Draw(refined);
+    console_.reporter.Finish();
+    Print(refined);
+    WritePage(refined.report.steps, pictures, &files);
+    Commit(refined, &files);
+    PrintFiles(refined.report);
+  }
+
+ private:
+  void Read() {
+    input_ = ReadRefinementInput(options_, paths_, decoder_, progress_);
+    Report(progress_, "Fingerprinting the files", 0);
+    run_.inputs = RunInputs(options_, paths_, input_);
+    if (HasReport()) {
+      before_ = input_.mesh;
+    }
+    console_.reporter.Finish();
+    PrintReport(input_, log_);
+    const fs::path state_path = StatePath(paths_.output);
+    if (!fs::exists(state_path) && options_.resume) {
+      PrintText("starts from the beginning",
+                "there is no " + state_path.string(), log_);
+    } else if (options_.resume) {
+      run_.Resume(&input_);
+    } else if (fs::exists(state_path)) {
+      PrintText("starts from the beginning",
+                "--resume 1 would go on by " + state_path.string(), log_);
+    }
+    if (live_ != nullptr) {
+      live_->Start(input_.mesh, input_.attributes, input_.views, input_.points);
+    }
+  }
+
+  [[noreturn]] void GiveUp(const RefinementReport& report) {
+    console_.reporter.Finish();
+    AtomicFiles files;
+    WriteReport(report, &files);
+    files.Commit();
+    const int level = run_.Level();
+    if (level == 0) {
+      throw Interruption(run_.Signal(),
+                         "no level was complete, and nothing was written");
+    }
+    throw Interruption(run_.Signal(), "the mesh refined up to " +
+                                          LevelName(level) + " is " +
+                                          run_.LevelMeshPath(level).string() +
+                                          "; --resume 1 goes on from it");
+  }
+
+  void Write(const RefinedMesh& refined, AtomicFiles* files) {
+    Report(progress_, "Writing the mesh", 0);
+    ExpectManifold(refined.mesh);
+    if (live_ != nullptr) {
+      live_->Show(refined.mesh, refined.attributes, "writing");
+    }
+    WriteMesh(paths_.output, refined.mesh, refined.attributes,
+              options_.scene.transform, files);
+    WriteFoundRegion(options_.scene.region, input_.region, paths_.output,
+                     files);
+    WriteReport(refined.report, files);
+    if (!options_.labels_path.empty()) {
+      Report(progress_, "Drawing the labels", 0);
+      WriteLabels(options_.labels_path, options_.LabelsPicturePath(), refined,
+                  files);
+    }
+  }
+
+  // All files or none: the cameras, a folder, where the others are on the disk
+  // and have only to get their names.
+  void Commit(const RefinedMesh& refined, AtomicFiles* files) {
+    files->Sync();
+    if (AreCamerasRefined(refined.report)) {
+      WriteSparseModel(
+          paths_.refined_sparse,
+          WithRefinedCameras(
+              std::move(input_.sparse_model),
+              input_.workspace.order.order.images, refined.views,
+              input_.camera_parts == RefinedParts::kPosesIntrinsics,
+              refined.track_positions));
+    }
+    files->Commit();
+    run_.RemoveFiles();
+  }
+
+  // Whether other cameras than the input's belong to the mesh.
+  static bool AreCamerasRefined(const RefinementReport& report) {
+    return !report.cameras.empty();
+  }
+
+  bool HasReport() const { return !options_.report_path.empty(); }
+
+  void WriteReport(const RefinementReport& report, AtomicFiles* files) const {
+    if (HasReport()) {
+      WriteText(options_.StepsPath(), StepsCsv(report.steps), files);
+      WriteText(options_.PlotPath(), StepsPlot(report.steps), files);
+    }
+  }
+
+  PagePictures Draw(const RefinedMesh& refined) const {
+    if (!HasReport()) {
+      return {};
+    }
+    Report(progress_, "Drawing the report", 0);
+    const PageCameras cameras =
+        ChoosePageCameras(refined.views, refined.attributes.views,
+                          paths_.folder / "images", decoder_);
+    return DrawRefinement(cameras, before_, refined);
+  }
+
+  void WritePage(const std::vector<RefinementStep>& steps,
+                 const PagePictures& pictures, AtomicFiles* files) const {
+    if (HasReport()) {
+      WriteText(options_.PagePath(),
+                RefinementPage(
+                    {"facetwise_refiner", paths_.output.string(), Versions()},
+                    *log_, steps, pictures),
+                files);
+    }
+  }
+
+  void Print(const RefinedMesh& refined) {
+    PrintReport(refined.report, Analyze(refined.mesh), log_);
+    PrintFootprint(
+        MedianFootprint(refined.mesh, refined.attributes.views, refined.views),
+        log_);
+    if (refined.report.is_skipped) {
+      PrintWarning(
+          fmt::format("the camera poses are too inaccurate ({:.2f} px): the "
+                      "mesh was not refined, and is written as it is. {}",
+                      refined.report.misalignment->by_cameras,
+                      HowToAlign(input_)),
+          log_);
+    }
+    if (refined.report.misalignment) {
+      PrintReport(*refined.report.misalignment, refined.views, log_);
+    }
+    if (AreCamerasRefined(refined.report)) {
+      PrintReport(refined.report.cameras.back(), refined.views, log_);
+    } else {
+      PrintSameCameras();
+    }
+    console_.PrintTime();
+  }
+
+  // Cameras of an earlier run may lie where those of this one would.
+  void PrintSameCameras() {
+    std::error_code ignored;
+    const fs::path& sparse = input_.workspace.sparse_path;
+    PrintText("cameras", "as they were, " + sparse.string(), log_);
+    if (fs::exists(paths_.refined_sparse, ignored) &&
+        !fs::equivalent(paths_.refined_sparse, sparse, ignored)) {
+      PrintWarning(paths_.refined_sparse.string() +
+                       " is of an earlier run: this mesh does not belong to it",
+                   log_);
+    }
+  }
+
+  void PrintFiles(const RefinementReport& report) const {
+    std::cout << "\nWrote " << paths_.output.string()
+              << (AreCamerasRefined(report) ? ", " : " and ")
+              << VisibilityPath(paths_.output).string();
+    if (AreCamerasRefined(report)) {
+      std::cout << " and " << paths_.refined_sparse.string()
+                << ", which belong together";
+    }
+    std::cout << std::endl;
+  }
+
+  const RefinerOptions& options_;
+  const RefinementPaths& paths_;
+  Console& console_;
+  LiveView* live_;
+  const PictureDecoder decoder_ = ColmapPictureDecoder();
+  ResumableRefinement run_;
+  const Progress& progress_ = console_.progress;
+  ReportLog* const log_ = &console_.log;
+  RefinementInput input_;
+  TriangleMesh before_;  // the input's, if it is reported on
+};
+
+// Called before anything is read, so that an unwritable output fails early.
+void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
+  const fs::path& output = paths.output;
+  std::vector<fs::path> outputs = {output, VisibilityPath(output),
+                                   StatePath(output)};
+  if (options.refinement.cameras.parts != RefinedParts::kNothing) {
+    std::error_code ignored;
+    ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
+                       ? paths.refined_sparse / "images.bin"
+                       : paths.refined_sparse);
+  }
+  if (options.scene.region.is_auto) {
+    outputs.push_back(RegionPath(output));
+  }
+  if (!options.report_path.empty()) {
+    outputs.insert(outputs.end(), {options.StepsPath(), options.PlotPath(),
+                                   options.PagePath()});
+  }
+  if (!options.labels_path.empty()) {
+    outputs.insert(outputs.end(),
+                   {options.labels_path, options.LabelsPicturePath()});
+  }
+  std::vector<fs::path> inputs =
+      WorkspaceInputs(paths.folder, paths.fused, options.sparse_path);
+  inputs.insert(
+      inputs.end(),
+      {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,
+       options.scene.transform_path, options.scene.region.text});
+  ExpectOutputs(outputs, inputs);
 }
 
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
-                    const std::vector<PageOption>& page_options) {
+                    Console* console) {
   try {
     RunWithViewer(
         "facetwise_refiner " + paths.mesh.string(), paths.folder,
@@ -39,9 +311,7 @@ void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
         [](const ColorImage& picture) {
           return SaveNumbered(picture, &WritePng);
         },
-        [&](LiveView* live) {
-          RunRefinement(options, paths, page_options, live);
-        });
+        [&](LiveView* live) { Refiner(options, paths, console, live).Run(); });
   } catch (const NoWindowError& error) {
     throw OptionError(error.what() +
                       std::string("; leave --viewer out, and look at the "
@@ -49,15 +319,22 @@ void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
   }
 }
 
-void RefineWorkspace(RefinerOptions options,
-                     const std::vector<PageOption>& page_options) {
+void RefineWorkspace(RefinerOptions options, Console* console) {
   const RefinementPaths paths = FindRefinementPaths(options);
   options.ChooseTrim(paths.HasFusedPoints());
   CheckOutputs(options, paths);
   if (options.viewer) {
-    RefineInWindow(options, paths, page_options);
+    RefineInWindow(options, paths, console);
   } else {
-    RunRefinement(options, paths, page_options, nullptr);
+    Refiner(options, paths, console, nullptr).Run();
+  }
+}
+
+void Refine(const RefinerOptions& options, Console* console) {
+  if (options.plan_path.empty()) {
+    RefineWorkspace(options, console);
+  } else {
+    RunTiledRefinement(options, console);
   }
 }
 
@@ -68,19 +345,14 @@ int RunFacetwiseRefiner(int argc, char** argv) {
   // such as values of all faces of most meshes, comes and goes faster on the
   // heap.
   ReturnBlocksFrom(1 << 24);
-  RefinerOptions options;
-  CommandOptions command;
-  AddRefinerOptions(&command, &options);
-  const CommandSteps steps = {
-      [&options] { options.Finish(); }, &options.num_threads,
-      [&options, &command] {
-        if (options.plan_path.empty()) {
-          RefineWorkspace(options, PageOptions(command));
-        } else {
-          RunTiledRefinement(options);
-        }
-      }};
-  return RunCommand(argc, argv, command, steps, Advice());
+  return RunCommand(argc, argv, &AddRefinerOptions, &Refine,
+                    {"a smaller --image_cache_gb keeps fewer images, and a "
+                     "larger --FacetwiseRefinement.max_face_area makes fewer "
+                     "faces",
+                     "the mesh, fused.ply.vis, sparse/ and images/",
+                     {{Alternative::kLeavePicturesOut,
+                       ", or go on without them with "
+                       "--FacetwiseRefinement.skip_missing_images 1"}}});
 }
 
 }  // namespace colmap_ext

@@ -1,9 +1,5 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,10 +7,9 @@
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/evaluation_options.h"
-#include "colmap_ext/report/evaluation_report.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/viewing/scene_loader.h"
 #include "evaluation/mesh_evaluation.h"
 #include "formats/atomic_file.h"
 #include "formats/encode_png.h"
@@ -33,14 +28,6 @@ namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
-
-CommandAdvice Advice() {
-  return {
-      "a larger --MeshEvaluation.stride or --MeshEvaluation.spacing takes "
-      "fewer samples",
-      "the mesh and the truth",
-      {}};
-}
 
 // Before the work.
 void CheckOutputs(const EvaluatorOptions& options) {
@@ -83,11 +70,10 @@ EvaluatedViews ReadEvaluatedViews(const EvaluatorOptions& options) {
 
 // \pre views outlive what is returned
 Truth ReadDepthMaps(const fs::path& folder, const std::vector<View>& views) {
-  if (views.empty()) {
-    throw OptionError(
-        "a --truth_path of depth maps needs --workspace_path, which has their "
-        "cameras");
-  }
+  RefuseIf(
+      views.empty(),
+      "a --truth_path of depth maps needs --workspace_path, which has their "
+      "cameras");
   if (std::all_of(views.begin(), views.end(), [&](const View& view) {
         return FindDepthMap(folder, view.name).empty();
       })) {
@@ -107,11 +93,9 @@ Truth ReadTruth(const EvaluatorOptions& options,
   if (!fs::is_directory(options.truth_path)) {
     return {ReadPlyMesh(options.truth_path), nullptr};
   }
-  if (!options.error_mesh_path.empty() || !options.picture_path.empty()) {
-    throw OptionError(
-        "--error_mesh_path and --picture_path need a mesh or points as the "
-        "truth, not depth maps");
-  }
+  RefuseIf(!options.error_mesh_path.empty() || !options.picture_path.empty(),
+           "--error_mesh_path and --picture_path need a mesh or points as the "
+           "truth, not depth maps");
   return ReadDepthMaps(options.truth_path, views);
 }
 
@@ -130,15 +114,8 @@ View PictureView(const EvaluatorOptions& options, const TriangleMesh& mesh,
   if (options.image_name.empty()) {
     return AutomaticView(mesh, kWidth, kHeight);
   }
-  const auto view =
-      std::find_if(views.begin(), views.end(), [&](const View& candidate) {
-        return candidate.name == options.image_name;
-      });
-  if (view == views.end()) {
-    throw OptionError("--image_name: the workspace has no image " +
-                      options.image_name);
-  }
-  return CropView(*view, 1, 0.5, 0.5, kWidth, kHeight);
+  return CropView(views[FindView(views, options.image_name)], 1, 0.5, 0.5,
+                  kWidth, kHeight);
 }
 
 void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
@@ -161,10 +138,9 @@ void WriteErrors(const EvaluatorOptions& options, const TriangleMesh& mesh,
   }
 }
 
-void Evaluate(const EvaluatorOptions& options) {
+void Evaluate(const EvaluatorOptions& options, Console* console) {
   CheckOutputs(options);
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const Progress progress = reporter.AsProgress();
+  const Progress& progress = console->progress;
   Report(progress, "Reading", 0);
   const auto [views, sparse_points] = ReadEvaluatedViews(options);
   const TriangleMesh mesh = ReadMesh(options);
@@ -184,23 +160,20 @@ void Evaluate(const EvaluatorOptions& options) {
     WriteText(options.json_path, EvaluationJson(options, evaluation), &files);
   }
   files.Commit();
-  reporter.Finish();
-  ReportLog log(&std::cout);
-  PrintReport(observability.region, &log);
-  PrintEvaluation(options, evaluation, &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  console->reporter.Finish();
+  PrintReport(observability.region, &console->log);
+  PrintEvaluation(options, evaluation, &console->log);
+  console->PrintTime();
 }
 
 }  // namespace
 
 int RunMeshEvaluator(int argc, char** argv) {
-  EvaluatorOptions options;
-  CommandOptions command;
-  AddEvaluatorOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); },
-                              &options.num_threads,
-                              [&options] { Evaluate(options); }};
-  return RunCommand(argc, argv, command, steps, Advice());
+  return RunCommand(
+      argc, argv, &AddEvaluatorOptions, &Evaluate,
+      {"a larger --MeshEvaluation.stride or --MeshEvaluation.spacing takes "
+       "fewer samples",
+       "the mesh and the truth"});
 }
 
 }  // namespace colmap_ext

@@ -1,17 +1,12 @@
-#include <unistd.h>
-
 #include <iostream>
-#include <string>
 
 #include "colmap_ext/commands.h"
-#include "colmap_ext/jobs/merge_plan.h"
-#include "colmap_ext/jobs/refinement_state.h"
-#include "colmap_ext/options/tiling_options.h"
-#include "colmap_ext/report/print_lines.h"
+#include "colmap_ext/jobs/mesh_tiles.h"
+#include "colmap_ext/jobs/refine_tiles.h"
+#include "colmap_ext/jobs/resumable_refinement.h"
+#include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/report/print_report.h"
-#include "colmap_ext/report/refinement_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/terminal/progress_reporter.h"
 #include "formats/atomic_file.h"
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
@@ -20,54 +15,40 @@ namespace colmap_ext {
 
 namespace {
 
-CommandAdvice Advice() {
-  return {"a machine with more memory has to merge, or smaller tiles",
-          "the plan's folder",
-          {}};
-}
-
-void MergeRefinedTiles(const MergerOptions& options) {
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const Progress progress = reporter.AsProgress();
-  const RefinedMesh refined = MergeRefined(options.plan_path, progress);
-  Report(progress, "Writing the mesh", 0);
+void MergeRefinedTiles(const MergerOptions& options, Console* console) {
+  const RefinedMesh refined =
+      MergeRefined(options.plan_path, console->progress);
+  Report(console->progress, "Writing the mesh", 0);
   ExpectManifold(refined.mesh);
   WriteMesh(options.output_path, refined.mesh, refined.attributes,
             options.transform);
-  reporter.Finish();
-  ReportLog log(&std::cout);
-  PrintReport(refined.report, Analyze(refined.mesh), &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  console->reporter.Finish();
+  PrintReport(refined.report, Analyze(refined.mesh), &console->log);
 }
 
-void MergeTiles(const MergerOptions& options) {
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const Progress progress = reporter.AsProgress();
+void MergeTiles(const MergerOptions& options, Console* console) {
   const MergeReport report = MergePlan(options.plan_path, options.output_path,
-                                       options.transform, progress);
-  reporter.Finish();
-  ReportLog log(&std::cout);
-  PrintHeading("Tiles", &log);
-  Print("tiles", static_cast<int64_t>(report.num_tiles), &log);
-  Print("cells cut at the seams", static_cast<int64_t>(report.num_cut_cells),
-        &log);
-  if (report.num_contradictions > 0) {
-    Print("arcs that two tiles tell differently",
-          static_cast<int64_t>(report.num_contradictions), &log);
-  }
-  PrintReport(report.meshing, &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+                                       options.transform, console->progress);
+  console->reporter.Finish();
+  ReportLog* const log = &console->log;
+  PrintHeading("Tiles", log);
+  Print("tiles", report.num_tiles, log);
+  Print("cells cut at the seams", report.num_cut_cells, log);
+  PrintIfAny("arcs that two tiles tell differently", report.num_contradictions,
+             log);
+  PrintReport(report.meshing, log);
 }
 
-void Merge(const MergerOptions& options) {
+void Merge(const MergerOptions& options, Console* console) {
   ReturnBlocksFrom(1 << 22);
   ExpectWritable(options.output_path);
   ExpectWritable(VisibilityPath(options.output_path));
   if (options.is_refined) {
-    MergeRefinedTiles(options);
+    MergeRefinedTiles(options, console);
   } else {
-    MergeTiles(options);
+    MergeTiles(options, console);
   }
+  console->PrintTime();
   std::cout << "\nWrote " << options.output_path << " and "
             << VisibilityPath(options.output_path).string() << std::endl;
 }
@@ -75,13 +56,10 @@ void Merge(const MergerOptions& options) {
 }  // namespace
 
 int RunMeshMerger(int argc, char** argv) {
-  MergerOptions options;
-  CommandOptions command;
-  AddMergerOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); },
-                              &options.num_threads,
-                              [&options] { Merge(options); }};
-  return RunCommand(argc, argv, command, steps, Advice());
+  return RunCommand(
+      argc, argv, &AddMergerOptions, &Merge,
+      {"a machine with more memory has to merge, or smaller tiles",
+       "the plan's folder"});
 }
 
 }  // namespace colmap_ext

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <iostream>
 #include <string>
@@ -9,23 +7,13 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/jobs/job_file.h"
-#include "colmap_ext/jobs/make_plan.h"
-#include "colmap_ext/options/tiling_options.h"
-#include "colmap_ext/report/print_lines.h"
-#include "colmap_ext/report/print_report.h"
+#include "colmap_ext/jobs/mesh_tiles.h"
+#include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/terminal/progress_reporter.h"
 
 namespace colmap_ext {
 
 namespace {
-
-CommandAdvice Advice() {
-  return {"more tiles take less each: --num_tiles",
-          "fused.ply, fused.ply.vis and sparse/",
-          {{Alternative::kSayImageOrder, "; say it with --image_order"},
-           {Alternative::kOtherImageOrder, "; choose another --image_order"}}};
-}
 
 void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
   PlannedTile all;
@@ -38,11 +26,10 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
     memory = std::max(memory, tile.memory_gb);
   }
   PrintHeading("Plan", log);
-  Print("tiles", static_cast<int64_t>(plan.tiles.size()), log);
-  Print("points", static_cast<int64_t>(all.num_points), log);
-  Print("vertices, after thinning", static_cast<int64_t>(all.num_vertices),
-        log);
-  Print("rays", static_cast<int64_t>(all.num_rays), log);
+  Print("tiles", plan.tiles.size(), log);
+  Print("points", all.num_points, log);
+  Print("vertices, after thinning", all.num_vertices, log);
+  Print("rays", all.num_rays, log);
   PrintText("distance sigma", fmt::format("{:.4g}", plan.distance_sigma), log);
   PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
   PrintText("memory, merger", fmt::format("{:.1f} GB", plan.merger_memory_gb),
@@ -65,43 +52,37 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
       static_cast<int>(1126 * plan.merger_memory_gb) + 1);
 }
 
-void MakeAndPrint(const PlannerOptions& options) {
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
-  const Progress progress = reporter.AsProgress();
+void MakeAndPrint(const PlannerOptions& options, Console* console) {
   PlanReport report;
   const Plan plan =
-      MakePlan(options, ColmapPictureDecoder(), progress, &report);
-  reporter.Finish();
-  ReportLog log(&std::cout);
+      MakePlan(options, ColmapPictureDecoder(), console->progress, &report);
+  console->reporter.Finish();
+  ReportLog* const log = &console->log;
   if (!report.is_locked) {
-    PrintWarning(kNoLocks, &log);
+    PrintWarning(kNoLocks, log);
   }
   if (report.is_kept) {
     std::cout << "This plan is there already: nothing to do" << std::endl;
   } else {
-    PrintReport(report.workspace, plan.views.size(), report.half_pixel, &log);
+    PrintReport(report.workspace, plan.views.size(), report.half_pixel, log);
     if (report.masks) {
-      PrintReport(*report.masks, &log);
+      PrintReport(*report.masks, log);
     }
-    PrintReport(report.region, &log);
-    PrintIfAny("points outside of the region", report.num_outside_points, &log);
-    PrintIfAny("rays beyond", report.num_ray_ends, &log);
+    PrintReport(report.region, log);
+    PrintIfAny("points outside of the region", report.num_outside_points, log);
+    PrintIfAny("rays beyond", report.num_ray_ends, log);
   }
-  PrintPlan(plan, options.output_path, &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  PrintPlan(plan, options.output_path, log);
+  console->PrintTime();
   std::cout << "\nPlanned " << options.output_path << std::endl;
 }
 
 }  // namespace
 
 int RunMeshPlanner(int argc, char** argv) {
-  PlannerOptions options;
-  CommandOptions command;
-  AddPlannerOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); },
-                              &options.mesher.num_threads,
-                              [&options] { MakeAndPrint(options); }};
-  return RunCommand(argc, argv, command, steps, Advice());
+  return RunCommand(argc, argv, &AddPlannerOptions, &MakeAndPrint,
+                    {"more tiles take less each: --num_tiles",
+                     "fused.ply, fused.ply.vis and sparse/"});
 }
 
 }  // namespace colmap_ext

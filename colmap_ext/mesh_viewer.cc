@@ -1,41 +1,33 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/viewer_options.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/viewing/draw_screenshots.h"
 #include "colmap_ext/viewing/scene_loader.h"
-#include "colmap_ext/viewing/viewer_workspace.h"
 #include "formats/encode_png.h"
+#include "gl/egl_context.h"
+#include "pictures/picture_views.h"
+#include "viewer/orbit_camera.h"
+#include "viewer/scene_renderer.h"
 #include "viewer/shown_mesh.h"
 #include "viewer/shown_scene.h"
 #include "viewer/viewer_session.h"
 #include "workspace/expect_outputs.h"
 
 namespace colmap_ext {
-
 namespace {
-
-CommandAdvice Advice() {
-  return {"look at fewer meshes at a time",
-          "the mesh",
-          {{Alternative::kSayImageOrder, "; say it with --image_order"},
-           {Alternative::kOtherImageOrder, "; choose another --image_order"}}};
-}
-
-void PrintNotes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) {
-    std::cout << "NOTE: " << note << "\n";
-  }
-}
 
 // All that a picture shows.
 ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
@@ -68,8 +60,79 @@ ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
                       "can not be read");
     }
   }
-  PrintNotes(notes);
+  for (const std::string& note : notes) {
+    std::cout << "NOTE: " << note << "\n";
+  }
   return scene;
+}
+
+// A requested picture.
+struct Screenshot {
+  std::filesystem::path path;
+  View view;
+};
+
+// The requested part of a view.
+View Crop(const ViewerOptions& options, const View& view) {
+  const int width = options.width > 0 ? options.width : view.width;
+  const int height =
+      options.height > 0
+          ? options.height
+          : std::max(1, static_cast<int>(std::lround(1.0 * width * view.height /
+                                                     view.width)));
+  return CropView(view, options.zoom, options.center_u, options.center_v, width,
+                  height);
+}
+
+// The cameras of the requested pictures, in their order.
+// \throw OptionError if there is no such camera.
+std::vector<Screenshot> PlanScreenshots(const ViewerOptions& options,
+                                        const ShownScene& scene) {
+  const std::filesystem::path path = options.screenshot_path;
+  if (!options.image_name.empty()) {
+    return {
+        {path, Crop(options,
+                    scene.views[FindView(scene.views, options.image_name)])}};
+  }
+  const auto [width, height] = options.FreeSize();
+  OrbitCamera camera = FirstCamera(*scene.meshes[0], width, height);
+  const auto picture = [&] {
+    return Crop(options, camera.Picture(width, height));
+  };
+  if (options.turntable == 0) {
+    return {{path, picture()}};
+  }
+  const Eigen::Vector3d axis = Upwards(scene.views, picture());
+  std::vector<Screenshot> screenshots;
+  for (int i = 0; i < options.turntable; ++i) {
+    screenshots.push_back(
+        {std::filesystem::path(path).replace_extension(
+             fmt::format(".{:03}{}", i, path.extension().string())),
+         picture()});
+    camera.Turn(2 * std::numbers::pi / options.turntable, axis);
+  }
+  return screenshots;
+}
+
+// Draws pictures by OpenGL without a display.
+// \return OpenGL's name of the renderer.
+// \throw GlError if there is no OpenGL 4.5, or it fails.
+std::string DrawScreenshots(const ViewerOptions& options,
+                            const ShownScene& scene,
+                            const std::vector<Screenshot>& screenshots) {
+  const EglContext context(options.gpu_index);
+  const EglContext::Scope scope = context.MakeCurrent();
+  SceneRenderer renderer;
+  DrawSettings settings = options.settings;
+  if (options.image_opacity > 0) {
+    settings.image = FindView(scene.views, options.image_name);
+    settings.image_opacity = options.image_opacity;
+  }
+  for (const Screenshot& screenshot : screenshots) {
+    renderer.Draw(scene, screenshot.view, settings);
+    WritePng(screenshot.path, renderer.Read());
+  }
+  return context.RendererName();
 }
 
 void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
@@ -87,8 +150,7 @@ void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
     inputs.insert(inputs.end(), {mesh.mesh, mesh.labels, mesh.errors});
   }
   ExpectOutputs(outputs, inputs);
-  const std::string renderer =
-      DrawScreenshots(options, scene, screenshots, &WritePng);
+  const std::string renderer = DrawScreenshots(options, scene, screenshots);
   for (const Screenshot& screenshot : screenshots) {
     std::cout << "Wrote " << screenshot.path.string() << "\n";
   }
@@ -104,9 +166,7 @@ void OpenWindow(const ViewerOptions& options, ViewerPaths paths) {
   }),
                         options.settings);
   loader.LoadAll(options);
-  const int width = options.width > 0 ? options.width : ViewerOptions::kWidth;
-  const int height =
-      options.height > 0 ? options.height : std::max(1, width * 3 / 4);
+  const auto [width, height] = options.FreeSize();
   try {
     RunViewerWindow({title, width, height}, &session);
   } catch (const NoWindowError& error) {
@@ -116,7 +176,7 @@ void OpenWindow(const ViewerOptions& options, ViewerPaths paths) {
   }
 }
 
-void LookAtMeshes(const ViewerOptions& options) {
+void LookAtMeshes(const ViewerOptions& options, Console* /*console*/) {
   ViewerPaths paths = FindViewerPaths(options);
   if (options.screenshot_path.empty()) {
     OpenWindow(options, std::move(paths));
@@ -128,13 +188,8 @@ void LookAtMeshes(const ViewerOptions& options) {
 }  // namespace
 
 int RunMeshViewer(int argc, char** argv) {
-  constexpr int kAllThreads = -1;
-  ViewerOptions options;
-  CommandOptions command;
-  AddViewerOptions(&command, &options);
-  const CommandSteps steps = {[&options] { options.Finish(); }, &kAllThreads,
-                              [&options] { LookAtMeshes(options); }};
-  return RunCommand(argc, argv, command, steps, Advice());
+  return RunCommand(argc, argv, &AddViewerOptions, &LookAtMeshes,
+                    {"look at fewer meshes at a time", "the mesh"});
 }
 
 }  // namespace colmap_ext

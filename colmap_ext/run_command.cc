@@ -15,11 +15,14 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/options/parse_options.h"
+#include "colmap_ext/report/html_page.h"
 
 namespace colmap_ext {
 
@@ -34,20 +37,14 @@ void RestoreTermination() {
   }
 }
 
-// The only place that limits the number of threads.
-void RunOnThreads(int num_threads, const std::function<void()>& run) {
-  std::optional<tbb::global_control> limit;
-  if (num_threads > 0) {
-    limit.emplace(tbb::global_control::max_allowed_parallelism, num_threads);
-  }
-  run();
-}
-
 std::string HowTo(std::optional<Alternative> alternative,
                   const CommandAdvice& advice) {
-  const auto it = alternative ? advice.alternatives.find(*alternative)
-                              : advice.alternatives.end();
-  return it != advice.alternatives.end() ? it->second : "";
+  std::map<Alternative, const char*> all = {
+      {Alternative::kSayImageOrder, "; say it with --image_order"},
+      {Alternative::kOtherImageOrder, "; choose another --image_order"}};
+  all.insert(advice.alternatives.begin(), advice.alternatives.end());
+  const auto it = alternative ? all.find(*alternative) : all.end();
+  return it != all.end() ? it->second : "";
 }
 
 // One line, whatever is quoted in it.
@@ -60,24 +57,24 @@ int Fail(std::string message) {
 }
 
 void PrintIgnored(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) {
-    list += (list.empty() ? "" : ", ") + name;
-  }
-  if (!list.empty()) {
-    std::cout << "NOTE: these options have no meaning here and are ignored: "
-              << list << std::endl;
+  if (!names.empty()) {
+    std::cout << fmt::format(
+                     "NOTE: these options have no meaning here and are "
+                     "ignored: {}",
+                     fmt::join(names, ", "))
+              << std::endl;
   }
 }
 
 }  // namespace
 
-int RunCommand(int argc, char** argv, const CommandOptions& options,
-               const CommandSteps& steps, const CommandAdvice& advice) {
+int RunCommand(int argc, char** argv, const CommandOptions& command,
+               const CommandAdvice& advice, const std::function<void()>& finish,
+               const std::function<void(Console*)>& run) {
   try {
-    const ParsedOptions parsed = ParseOptions(argc, argv, options);
+    const ParsedOptions parsed = ParseOptions(argc, argv, command);
     if (parsed.wants_help) {
-      PrintHelp(options, Versions(), std::cout);
+      PrintHelp(command, Versions(), std::cout);
       return EXIT_SUCCESS;
     }
     if (parsed.wants_version) {
@@ -86,8 +83,16 @@ int RunCommand(int argc, char** argv, const CommandOptions& options,
     }
     PrintIgnored(parsed.ignored);
     RestoreTermination();
-    steps.finish_options();
-    RunOnThreads(*steps.num_threads, steps.run);
+    finish();
+    // The only place that limits the number of threads.
+    std::optional<tbb::global_control> limit;
+    if (command.NumThreads() > 0) {
+      limit.emplace(tbb::global_control::max_allowed_parallelism,
+                    command.NumThreads());
+    }
+    Console console;
+    console.log.options = PageOptions(command);
+    run(&console);
     return EXIT_SUCCESS;
   } catch (const Interruption& interruption) {
     std::cout << std::flush;

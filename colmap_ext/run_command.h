@@ -4,6 +4,7 @@
 #include <map>
 
 #include "colmap_ext/options/command_options.h"
+#include "colmap_ext/report/print_report.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -14,22 +15,30 @@ struct CommandAdvice {
   const char* bug_files;      // to send with the report of a bug of ours
 
   // The option for each alternative that a FileError offers, appended to its
-  // message. Without an entry nothing is appended.
-  std::map<Alternative, const char*> alternatives;
+  // message. All commands have --image_order. Without an entry nothing is
+  // appended.
+  std::map<Alternative, const char*> alternatives = {};
 };
 
-// What a command does after its options are known.
-struct CommandSteps {
-  std::function<void()> finish_options;  // after they are parsed
-  const int* num_threads;                // to be used at most, then; -1 for all
-  std::function<void()> run;
-};
-
-// Parses the options and runs a command: any exception becomes one line on
-// the screen.
+// Parses the options of a command, finishes them and runs it: any exception
+// becomes one line on the screen.
 // \return the exit status: 128 + its number if a signal interrupted it.
-int RunCommand(int argc, char** argv, const CommandOptions& options,
-               const CommandSteps& steps, const CommandAdvice& advice);
+int RunCommand(int argc, char** argv, const CommandOptions& command,
+               const CommandAdvice& advice, const std::function<void()>& finish,
+               const std::function<void(Console*)>& run);
+
+// \param add  adds the command's options to its command line
+template <typename Options>
+int RunCommand(int argc, char** argv, void (*add)(CommandOptions*, Options*),
+               void (*run)(const Options&, Console*),
+               const CommandAdvice& advice) {
+  Options options;
+  CommandOptions command;
+  add(&command, &options);
+  return RunCommand(
+      argc, argv, command, advice, [&] { options.Finish(); },
+      [&](Console* console) { run(options, console); });
+}
 
 // Has memory of that size and above returned to the system when it is freed.
 // Without this, glibc puts blocks of up to 32 MB between others on the heap,

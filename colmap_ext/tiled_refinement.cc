@@ -1,12 +1,9 @@
-#include "colmap_ext/refinement_run.h"
-
-#include <unistd.h>
+#include "colmap_ext/tiled_refinement.h"
 
 #include <algorithm>
 #include <iostream>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,15 +11,9 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/job_file.h"
-#include "colmap_ext/jobs/plan_refinement.h"
-#include "colmap_ext/jobs/refinement_state.h"
+#include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/jobs/refine_tiles.h"
 #include "colmap_ext/jobs/resumable_refinement.h"
-#include "colmap_ext/jobs/surface_files.h"
-#include "colmap_ext/jobs/tile_job.h"
-#include "colmap_ext/report/print_lines.h"
-#include "colmap_ext/report/print_report.h"
-#include "colmap_ext/report/refinement_report.h"
-#include "colmap_ext/terminal/progress_reporter.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -56,7 +47,7 @@ void PrintPlan(const RefinementPlan& plan, const std::string& folder,
     seconds += tile.core_seconds;
   }
   PrintHeading("Refinement in tiles", log);
-  Print("tiles", static_cast<int64_t>(plan.tiles.size()), log);
+  Print("tiles", plan.tiles.size(), log);
   Print("colours", plan.NumColors(), log);
   PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
   PrintText("  and each thread", fmt::format("{:.2f} GB", of_thread), log);
@@ -66,23 +57,21 @@ void PrintPlan(const RefinementPlan& plan, const std::string& folder,
   PrintCommands(plan, folder);
 }
 
-void PlanTiles(const RefinerOptions& options) {
-  ProgressReporter reporter(std::cout, isatty(STDOUT_FILENO) != 0);
+void PlanTiles(const RefinerOptions& options, Console* console) {
   RefinementPlanReport report;
   const RefinementPlan plan =
       PlanRefinement(options.plan_path, options.input_path, options,
-                     reporter.AsProgress(), &report);
-  reporter.Finish();
+                     console->progress, &report);
+  console->reporter.Finish();
   if (report.is_kept) {
     std::cout << "This refinement is planned already: nothing to do"
               << std::endl;
   }
-  ReportLog log(&std::cout);
   if (!report.is_locked) {
-    PrintWarning(kNoLocks, &log);
+    PrintWarning(kNoLocks, &console->log);
   }
-  PrintPlan(plan, options.plan_path, &log);
-  PrintReport(reporter.StageTimes(), PeakMemory(), &log);
+  PrintPlan(plan, options.plan_path, &console->log);
+  console->PrintTime();
   std::cout << "\nPlanned " << RefinementPlanPath(options.plan_path).string()
             << std::endl;
 }
@@ -90,11 +79,11 @@ void PlanTiles(const RefinerOptions& options) {
 void Print(const TileJob& job, const TileInput& tile, ReportLog* log) {
   PrintHeading("Tile", log);
   Print("colour", job.Color(job.tile), log);
-  Print("images read", static_cast<int64_t>(tile.views.size()), log);
+  Print("images read", tile.views.size(), log);
   if (tile.input.masks) {
     PrintReport(*tile.input.masks, log);
   }
-  Print("faces read", static_cast<int64_t>(tile.part.mesh.facets.size()), log);
+  Print("faces read", tile.part.mesh.facets.size(), log);
 }
 
 // A state that is damaged or of another run is ignored: the job starts from its
@@ -109,18 +98,18 @@ void ResumeIfPossible(ResumableRefinement* run, RefinementInput* input) {
 // What the job makes of its tile.
 // \throw Interruption if it is stopped
 TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
-                   ResumableRefinement* run) {
+                   Console* console, ResumableRefinement* run) {
   TileInput tile =
-      ReadTileInput(job, options, ColmapPictureDecoder(), run->GetProgress());
-  run->Reporter()->Finish();
-  Print(job, tile, run->Log());
+      ReadTileInput(job, options, ColmapPictureDecoder(), console->progress);
+  console->reporter.Finish();
+  Print(job, tile, &console->log);
   if (!tile.HasViews()) {
     return {};
   }
   run->inputs = tile.inputs;
   ResumeIfPossible(run, &tile.input);
   RefinedMesh refined = run->Run(&tile.input);
-  run->Reporter()->Finish();
+  console->reporter.Finish();
   if (refined.report.is_stopped) {
     throw Interruption(run->Signal(), run->Level() > 0
                                           ? "the tile is refined up to " +
@@ -128,46 +117,44 @@ TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
                                                 "; the next job goes on from it"
                                           : "the tile is not refined");
   }
-  Print("self-intersections",
-        static_cast<int64_t>(refined.report.num_self_intersections),
-        run->Log());
+  Print("self-intersections", refined.report.num_self_intersections,
+        &console->log);
   return MakePatch(job, tile, std::move(refined));
 }
 
 // Refines a tile, once: its file is complete or does not exist.
 // \param options  how to compute; what to compute comes from the plan
-void RefineTile(RefinerOptions options) {
+void RefineTile(RefinerOptions options, Console* console) {
   const TileJob job =
       MakeTileJob(options.plan_path, static_cast<uint32_t>(options.tile));
-  const uint64_t identity = job.refinement.identity;
   job.refinement.SetOptions(job.folder, &options);
   options.FinishMethod();
-  const std::filesystem::path output = PatchPath(job.folder, job.tile);
-  if (HasPatch(job.folder, identity, job.tile)) {
-    RemoveState(output);
+  const JobFile patch_file =
+      PatchFile(job.folder, job.refinement.identity, job.tile);
+  if (patch_file.Exists()) {
+    RemoveState(patch_file.path);
     std::cout << "Tile " << job.tile << " is refined already: nothing to do"
               << std::endl;
     return;
   }
   ExpectRefined(job.folder, job.refinement, job.before);
-  ResumableRefinement run(options, output, nullptr);
-  const TilePatch patch = MakeTile(job, options, &run);
-  WritePatch(job.folder, identity, job.tile, patch);
-  RemoveState(output);
-  Print("faces refined", static_cast<int64_t>(patch.removed.size()), run.Log());
-  Print("faces that they become",
-        static_cast<int64_t>(patch.part.mesh.facets.size()), run.Log());
-  PrintReport(run.Reporter()->StageTimes(), PeakMemory(), run.Log());
+  ResumableRefinement run(options, patch_file.path, console, nullptr);
+  const TilePatch patch = MakeTile(job, options, console, &run);
+  Write(patch_file, patch);
+  RemoveState(patch_file.path);
+  Print("faces refined", patch.removed.size(), &console->log);
+  Print("faces that they become", patch.part.mesh.facets.size(), &console->log);
+  console->PrintTime();
   std::cout << "\nTile " << job.tile << " is refined" << std::endl;
 }
 
 }  // namespace
 
-void RunTiledRefinement(const RefinerOptions& options) {
+void RunTiledRefinement(const RefinerOptions& options, Console* console) {
   if (options.tile >= 0) {
-    RefineTile(options);
+    RefineTile(options, console);
   } else {
-    PlanTiles(options);
+    PlanTiles(options, console);
   }
 }
 

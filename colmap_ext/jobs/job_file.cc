@@ -30,8 +30,8 @@ struct JobFileTail {
 };
 
 // A file of a job does not stand for another one of it.
-uint64_t FileIdentity(const std::filesystem::path& path, uint64_t identity) {
-  return HashBytes(path.filename().native(), identity);
+uint64_t FileIdentity(const JobFile& file) {
+  return HashBytes(file.path.filename().native(), file.identity);
 }
 
 uint64_t TailChecksum(std::vector<uint64_t> words, uint64_t num_bytes,
@@ -44,11 +44,10 @@ uint64_t TailChecksum(std::vector<uint64_t> words, uint64_t num_bytes,
 
 }  // namespace
 
-JobFileWriter::JobFileWriter(const std::filesystem::path& path,
-                             const JobFileKind& kind, uint64_t identity)
-    : file_(files_.Add(path)) {
-  identity = FileIdentity(path, identity);
-  Write(kind.name, kKindLength);
+JobFileWriter::JobFileWriter(const JobFile& file)
+    : file_(files_.Add(file.path)) {
+  const uint64_t identity = FileIdentity(file);
+  Write(file.kind.name, kKindLength);
   Write(&identity, sizeof(identity));
 }
 
@@ -83,25 +82,24 @@ void JobFileWriter::Commit() {
   files_.Commit();
 }
 
-JobFileReader::JobFileReader(const std::filesystem::path& path,
-                             const JobFileKind& kind, uint64_t identity)
-    : path_(path), kind_(kind) {
+JobFileReader::JobFileReader(JobFile file) : file_(std::move(file)) {
   std::error_code error;
-  const uint64_t size = std::filesystem::file_size(path, error);
-  descriptor_.value = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const uint64_t size = std::filesystem::file_size(file_.path, error);
+  descriptor_.value = open(file_.path.c_str(), O_RDONLY | O_CLOEXEC);
   if (error || descriptor_.value < 0) {
-    throw FileError(path, "can not be read: " +
-                              (error ? error.message() : std::strerror(errno)));
+    throw FileError(
+        file_.path,
+        "can not be read: " + (error ? error.message() : std::strerror(errno)));
   }
   JobFileHead head = {};
   if (size < sizeof(head) + sizeof(JobFileTail)) {
     ThrowDamaged();
   }
   ReadUnchecked(0, sizeof(head), &head);
-  if (std::memcmp(kind.name, head.kind, kKindLength) != 0) {
+  if (std::memcmp(file_.kind.name, head.kind, kKindLength) != 0) {
     Throw("of another version of the program");
   }
-  if (head.identity != FileIdentity(path, identity)) {
+  if (head.identity != FileIdentity(file_)) {
     Throw("belongs to another plan, or has another name there");
   }
   const uint64_t num_sections = ReadChecksums(size);
@@ -184,7 +182,7 @@ void JobFileReader::CheckChunk(uint64_t chunk, const char* bytes,
 }
 
 void JobFileReader::Throw(const std::string& what) const {
-  throw FileError(path_, what + ": " + kind_.what_to_do);
+  throw FileError(file_.path, what + ": " + file_.kind.what_to_do);
 }
 
 void JobFileReader::ThrowDamaged() const { Throw("truncated or damaged"); }
@@ -200,17 +198,16 @@ void JobFileReader::ReadUnchecked(uint64_t offset, size_t num_bytes,
       ThrowDamaged();
     }
     if (count < 0 && errno != EINTR) {
-      throw FileError(path_,
+      throw FileError(file_.path,
                       std::string("can not be read: ") + std::strerror(errno));
     }
     num_read += count > 0 ? static_cast<size_t>(count) : 0;
   }
 }
 
-bool HasJobFile(const std::filesystem::path& path, const JobFileKind& kind,
-                uint64_t identity) {
+bool JobFile::Exists() const {
   try {
-    const JobFileReader reader(path, kind, identity);
+    const JobFileReader reader(*this);
     return true;
   } catch (const FileError&) {
     return false;

@@ -25,14 +25,23 @@ struct JobFileKind {
   const char* what_to_do;  // if the file is damaged, or of another job
 };
 
+// A file of a job.
+struct JobFile {
+  std::filesystem::path path;
+  JobFileKind kind;
+  uint64_t identity = 0;  // of the job
+
+  // Whether it exists, of this kind and job.
+  bool Exists() const;
+};
+
 static_assert(sizeof(Eigen::AlignedBox3f) == 6 * sizeof(float));
 
 // Writes one. It appears complete or not at all.
 class JobFileWriter {
  public:
   // \throw FileError as AtomicFile
-  JobFileWriter(const std::filesystem::path& path, const JobFileKind& kind,
-                uint64_t identity);
+  explicit JobFileWriter(const JobFile& file);
 
   // Adds a section for each value, two for rows.
   // \throw FileError if the disk is full
@@ -71,13 +80,21 @@ class JobFileWriter {
   uint64_t num_bytes_ = 0;
 };
 
+// Writes a file of these sections.
+// \throw FileError if it can not be written
+template <typename... T>
+void WriteJobFile(const JobFile& file, const T&... values) {
+  JobFileWriter writer(file);
+  writer.Add(values...);
+  writer.Commit();
+}
+
 // Reads one, and checks what it reads. Safe from several threads.
 class JobFileReader {
  public:
   // \throw FileError if the file is missing, damaged, renamed, or of another
   //        kind or job
-  JobFileReader(const std::filesystem::path& path, const JobFileKind& kind,
-                uint64_t identity);
+  explicit JobFileReader(JobFile file);
 
   // Number of values of a type in a section.
   template <typename T>
@@ -144,17 +161,12 @@ class JobFileReader {
   [[noreturn]] void Throw(const std::string& what) const;
   [[noreturn]] void ThrowDamaged() const;
 
-  std::filesystem::path path_;
-  JobFileKind kind_;
+  JobFile file_;
   Descriptor descriptor_;
   uint64_t num_bytes_ = 0;           // that have checksums
   std::vector<uint64_t> checksums_;  // of each kJobFileChunk of them
   std::vector<uint64_t> offsets_;    // [sections + 1], bytes
 };
-
-// Whether there is such a file of the job.
-bool HasJobFile(const std::filesystem::path& path, const JobFileKind& kind,
-                uint64_t identity);
 
 // While it exists, no other process can plan a meshing or a refinement in the
 // folder. Has no effect on network file systems without locks.

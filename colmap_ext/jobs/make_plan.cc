@@ -1,21 +1,17 @@
-#include "colmap_ext/jobs/make_plan.h"
+#include "colmap_ext/jobs/mesh_tiles.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "colmap_ext/jobs/job_costs.h"
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/tile_points.h"
 #include "formats/errors.h"
 #include "formats/read_ply_cloud.h"
-#include "meshing/manifold_meshing.h"
 #include "scene/gray_image.h"
 #include "scene/half_pixel.h"
 #include "tiles/split_tree.h"
@@ -32,10 +28,6 @@ namespace fs = std::filesystem;
 // others, and to calibrate the half pixel.
 constexpr size_t kMaxSamplePoints = 1 << 20;
 constexpr size_t kPiecePoints = 1 << 18;
-
-// How many of the points are vertices after the usual thinning. Measured on:
-// fountain, bunny and sceaux, 0.26 to 0.35.
-constexpr double kThinnedShare = 0.3;
 
 // Of max_memory_gb, for masks that are kept. A choice.
 constexpr double kMaskShare = 0.25;
@@ -94,7 +86,7 @@ class Planner {
   void Identify() {
     num_tiles_ = options_.num_tiles > 0
                      ? static_cast<size_t>(options_.num_tiles)
-                     : NumTilesForMemory();
+                     : NumTilesForMemory(options_, num_points_);
     PlannerOptions typed = options_;
     std::string& masks = typed.mesher.scene.mask_path;
     if (!masks.empty()) {  // jobs may run elsewhere
@@ -147,37 +139,14 @@ class Planner {
     return fmt::format("{:016x}", inputs.Hash(0));
   }
 
-  size_t NumTilesForMemory() const {
-    const double share =
-        options_.mesher.meshing.max_proj_dist > 0 ? kThinnedShare : 1;
-    size_t num_tiles = 1;
-    while (num_tiles < num_points_ &&
-           TileMemoryGb(static_cast<size_t>(
-               share * static_cast<double>(num_points_) /
-               static_cast<double>(num_tiles))) > options_.max_memory_gb) {
-      ++num_tiles;
-    }
-    return num_tiles;
-  }
-
-  bool IsThere() const {
-    if (!fs::exists(PlanPath(folder_)) || ReadIdentity() != plan_.identity) {
-      return false;
-    }
-    for (size_t tile = 0; tile < num_tiles_; ++tile) {
-      if (!HasVertices(folder_, plan_.identity, tile)) {
-        return false;
-      }
-    }
-    return fs::exists(BlocksPath(folder_));
-  }
-
   // A plan that can not be read is made again.
-  uint64_t ReadIdentity() const {
+  bool IsThere() const {
     try {
-      return ReadPlan(folder_).identity;
+      const Plan plan = ReadPlan(folder_);
+      const FilePlan files(folder_, plan);
+      return plan.identity == plan_.identity;
     } catch (const FileError&) {
-      return ~plan_.identity;
+      return false;
     }
   }
 
@@ -343,7 +312,7 @@ class Planner {
         thinned[i] = {};
       }
     }
-    WriteBlocks(folder_, plan_.identity, blocks);
+    colmap_ext::Write(BlocksFile(folder_, plan_.identity), blocks);
     plan_.distance_sigma =
         options_.distance_sigma > 0
             ? options_.distance_sigma
@@ -368,7 +337,7 @@ class Planner {
   }
 
   void Write(size_t tile, const TileVertices& vertices, PlanBlocks* blocks) {
-    WriteVertices(folder_, plan_.identity, tile, vertices);
+    colmap_ext::Write(VerticesFile(folder_, plan_.identity, tile), vertices);
     AddTile(vertices.positions, vertices.observations, blocks);
     PlannedTile& planned = plan_.tiles[tile];
     planned.num_vertices = vertices.positions.size();

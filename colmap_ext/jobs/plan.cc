@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "colmap_ext/options/refinement_options.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 

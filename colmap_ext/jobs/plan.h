@@ -9,8 +9,8 @@
 #include <Eigen/Geometry>
 
 #include "colmap_ext/jobs/job_inputs.h"
+#include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/refinement_options.h"
-#include "colmap_ext/options/tiling_options.h"
 #include "scene/region.h"
 #include "scene/view.h"
 #include "tiles/tile_cells.h"
@@ -106,5 +106,25 @@ RefinementPlan ReadRefinementPlan(const std::filesystem::path& folder,
 //        no longer exists, or was not planned with, is accepted.
 void ExpectSame(const Plan& plan);
 void ExpectSame(const RefinementPlan& plan, const std::filesystem::path& path);
+
+// What a tile's job takes, with others all around it: fitted to tiles of
+// fountain side by side, of 160,000 and 1,900,000 vertices
+// (docs/experiments.md).
+double TileMemoryGb(size_t num_vertices);
+double TileSeconds(size_t num_vertices);
+// ... and the merger, which holds one tile's cells with the seams and the rings
+// around singular vertices there, then the whole surface.
+double MergerMemoryGb(const Plan& plan, const PlannerOptions& options);
+
+// The number of tiles whose jobs fit in options.max_memory_gb.
+// \param num_points  of the cloud
+size_t NumTilesForMemory(const PlannerOptions& options, size_t num_points);
+
+// Sets what the job that refines a tile takes by `pixels` of surface: its
+// memory, that of each of its threads, and its time.
+// \param views  that see the tile.
+// \param max_memory_gb  see RefinerOptions.
+void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
+                        RefinementTile* tile);
 
 }  // namespace colmap_ext

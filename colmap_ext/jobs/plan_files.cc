@@ -42,73 +42,76 @@ enum CutSection {
   kCutShared
 };
 
-// Files that are open at once, as a plan may have more tiles than a process may
-// open files. Of the 1,024 that a process may usually open the merger needs
-// twice as many, and some more. A choice.
+// Files of a kind that are open at once. Of the 1,024 that a process may
+// usually open the merger needs twice as many, and some more. A choice.
 constexpr size_t kMaxOpen = 128;
+
+const Plan& ExpectDone(const fs::path& folder, const Plan& plan) {
+  for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
+    const fs::path path = CutFile(folder, plan.identity, tile).path;
+    if (!fs::exists(path)) {
+      throw FileError(path, fmt::format("tile {0} is not done: run "
+                                        "delaunay_manifold_mesher --plan_path "
+                                        "{1} --tile {0}",
+                                        tile, folder.string()));
+    }
+  }
+  return plan;
+}
 
 }  // namespace
 
-fs::path BlocksPath(const fs::path& folder) { return folder / "blocks.bin"; }
-
-fs::path VerticesPath(const fs::path& folder, size_t tile) {
-  return folder / fmt::format("tile{:05}.vertices.bin", tile);
+JobFile BlocksFile(const fs::path& folder, uint64_t identity) {
+  return {folder / "blocks.bin", kBlocksKind, identity};
 }
 
-fs::path CutPath(const fs::path& folder, size_t tile) {
-  return folder / fmt::format("tile{:05}.cut.bin", tile);
+JobFile VerticesFile(const fs::path& folder, uint64_t identity, size_t tile) {
+  return {folder / fmt::format("tile{:05}.vertices.bin", tile), kVerticesKind,
+          identity};
 }
 
-void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
-                   const TileVertices& vertices) {
-  JobFileWriter file(VerticesPath(folder, tile), kVerticesKind, identity);
+JobFile CutFile(const fs::path& folder, uint64_t identity, size_t tile) {
+  return {folder / fmt::format("tile{:05}.cut.bin", tile), kCutKind, identity};
+}
+
+void Write(const JobFile& file, const TileVertices& vertices) {
   const Observations& observations = vertices.observations;
-  file.Add(vertices.positions, observations.offsets, observations.views,
-           observations.alphas, observations.is_end, vertices.supports,
-           vertices.colors, vertices.views);
-  file.Commit();
+  WriteJobFile(file, vertices.positions, observations.offsets,
+               observations.views, observations.alphas, observations.is_end,
+               vertices.supports, vertices.colors, vertices.views);
 }
 
-void WriteBlocks(const fs::path& folder, uint64_t identity,
-                 const PlanBlocks& blocks) {
-  JobFileWriter file(BlocksPath(folder), kBlocksKind, identity);
-  file.Add(blocks.tile_begins, blocks.begins, blocks.boxes, blocks.views,
-           blocks.sum, blocks.have_ends);
-  file.Commit();
+void Write(const JobFile& file, const PlanBlocks& blocks) {
+  WriteJobFile(file, blocks.tile_begins, blocks.begins, blocks.boxes,
+               blocks.views, blocks.sum, blocks.have_ends);
 }
 
-void WriteCut(const fs::path& folder, uint64_t identity, size_t tile,
-              const TileCut& cut, const TileSeam& seam) {
-  JobFileWriter file(CutPath(folder, tile), kCutKind, identity);
-  file.Add(cut.tile.ids, cut.tile.num_own, cut.tile.tetrahedra.vertex_cells,
-           cut.tile.tetrahedra.cells, cut.labels.known, cut.graph.capacities,
-           cut.graph.source, cut.graph.sink, seam.unknown, seam.shared);
-  file.Commit();
+void Write(const JobFile& file, const TileCut& cut, const TileSeam& seam) {
+  WriteJobFile(file, cut.tile.ids, cut.tile.num_own,
+               cut.tile.tetrahedra.vertex_cells, cut.tile.tetrahedra.cells,
+               cut.labels.known, cut.graph.capacities, cut.graph.source,
+               cut.graph.sink, seam.unknown, seam.shared);
 }
 
-bool HasVertices(const fs::path& folder, uint64_t identity, size_t tile) {
-  return HasJobFile(VerticesPath(folder, tile), kVerticesKind, identity);
-}
-
-bool HasCut(const fs::path& folder, uint64_t identity, size_t tile) {
-  return HasJobFile(CutPath(folder, tile), kCutKind, identity);
-}
-
-FilePlan::FilePlan(const fs::path& folder, const Plan& plan)
-    : folder_(folder), identity_(plan.identity), open_(kMaxOpen) {
-  const JobFileReader file(BlocksPath(folder), kBlocksKind, identity_);
-  file.ReadFrom(0, &blocks_.tile_begins, &blocks_.begins, &blocks_.boxes,
-                &blocks_.views, &blocks_.sum, &blocks_.have_ends);
+TileFiles::TileFiles(const fs::path& folder, const Plan& plan, Find find)
+    : folder_(folder), identity_(plan.identity), find_(find), open_(kMaxOpen) {
   for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
     Open(tile);
   }
 }
 
-std::shared_ptr<const JobFileReader> FilePlan::Open(size_t tile) const {
+std::shared_ptr<const JobFileReader> TileFiles::Open(size_t tile) const {
   return open_.Get(tile, 1, [&] {
-    return std::make_shared<const JobFileReader>(VerticesPath(folder_, tile),
-                                                 kVerticesKind, identity_);
+    return std::make_shared<const JobFileReader>(
+        find_(folder_, identity_, tile));
   });
+}
+
+FilePlan::FilePlan(const fs::path& folder, const Plan& plan)
+    : files_(folder, plan, &VerticesFile) {
+  const JobFileReader file(BlocksFile(folder, plan.identity));
+  file.ReadFrom(0, &blocks_.tile_begins, &blocks_.begins, &blocks_.boxes,
+                &blocks_.views, &blocks_.sum, &blocks_.have_ends);
 }
 
 std::vector<Eigen::Vector3f> FilePlan::ReadPositions(uint32_t begin,
@@ -118,8 +121,8 @@ std::vector<Eigen::Vector3f> FilePlan::ReadPositions(uint32_t begin,
   }
   const uint32_t tile = blocks_.TileOf(begin);
   const uint32_t first = blocks_.FirstVertex(tile);
-  return Open(tile)->Read<Eigen::Vector3f>(kPositions, begin - first,
-                                           end - first);
+  return files_.Open(tile)->Read<Eigen::Vector3f>(kPositions, begin - first,
+                                                  end - first);
 }
 
 Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
@@ -129,7 +132,7 @@ Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
   }
   const uint32_t tile = blocks_.TileOf(begin);
   const uint32_t first = blocks_.FirstVertex(tile);
-  const auto file = Open(tile);
+  const auto file = files_.Open(tile);
   read.offsets =
       file->Read<uint64_t>(kRayOffsets, begin - first, end - first + 1);
   const uint64_t from = read.offsets.front();
@@ -151,7 +154,7 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
     const uint32_t first = blocks_.FirstVertex(tile);
     const uint32_t begin = blocks_.begins[block] - first;
     const uint32_t end = blocks_.begins[block + 1] - first;
-    const auto file = Open(tile);
+    const auto file = files_.Open(tile);
     const auto supports = file->Read<float>(kSupports, begin, end);
     const auto colors = file->ReadIfAny<Color>(kColors, begin, end);
     auto is_end = file->ReadIfAny<uint8_t>(kIsEnd, begin, end);
@@ -174,56 +177,37 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
 }
 
 FileParts::FileParts(const fs::path& folder, const Plan& plan)
-    : folder_(folder), identity_(plan.identity), open_(kMaxOpen) {
-  for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
-    if (!fs::exists(CutPath(folder, tile))) {
-      throw FileError(CutPath(folder, tile),
-                      fmt::format("tile {0} is not done: run "
-                                  "delaunay_manifold_mesher --plan_path {1} "
-                                  "--tile "
-                                  "{0}",
-                                  tile, folder.string()));
-    }
-    Open(tile);
-  }
-}
-
-std::shared_ptr<const JobFileReader> FileParts::Open(size_t tile) const {
-  return open_.Get(tile, 1, [&] {
-    return std::make_shared<const JobFileReader>(CutPath(folder_, tile),
-                                                 kCutKind, identity_);
-  });
-}
+    : files_(folder, ExpectDone(folder, plan), &CutFile) {}
 
 TileSeam FileParts::ReadSeam(uint32_t tile) const {
   TileSeam seam;
-  Open(tile)->ReadFrom(kCutUnknown, &seam.unknown, &seam.shared);
+  files_.Open(tile)->ReadFrom(kCutUnknown, &seam.unknown, &seam.shared);
   return seam;
 }
 
 TilePart FileParts::ReadPart(uint32_t tile) const {
   TilePart part;
   Tetrahedralization& tetrahedra = part.tile.tetrahedra;
-  Open(tile)->ReadFrom(kCutIds, &part.tile.ids, &part.tile.num_own,
-                       &tetrahedra.vertex_cells, &tetrahedra.cells,
-                       &part.labels);
+  files_.Open(tile)->ReadFrom(kCutIds, &part.tile.ids, &part.tile.num_own,
+                              &tetrahedra.vertex_cells, &tetrahedra.cells,
+                              &part.labels);
   tetrahedra.points.assign(part.tile.ids.size(), Eigen::Vector3f::Zero());
   return part;
 }
 
 PartVertices FileParts::ReadVertices(uint32_t tile) const {
-  const auto file = Open(tile);
+  const auto file = files_.Open(tile);
   return {file->ReadAll<uint32_t>(kCutIds),
           file->ReadAll<uint32_t>(kCutFirstCells)};
 }
 
 uint32_t FileParts::NumCells(uint32_t tile) const {
-  return static_cast<uint32_t>(Open(tile)->Count<uint8_t>(kCutLabels));
+  return static_cast<uint32_t>(files_.Open(tile)->Count<uint8_t>(kCutLabels));
 }
 
 PartCells FileParts::ReadCells(uint32_t tile, uint32_t begin,
                                uint32_t end) const {
-  const auto file = Open(tile);
+  const auto file = files_.Open(tile);
   PartCells read;
   read.cells = file->Read<Tetrahedralization::Cell>(kCutCells, begin, end);
   read.labels = file->Read<uint8_t>(kCutLabels, begin, end);

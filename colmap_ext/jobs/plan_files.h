@@ -9,30 +9,51 @@
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan.h"
 #include "tiles/plan_vertices.h"
+#include "tiles/surface_patches.h"
 #include "tiles/thin_tile.h"
 #include "tiles/tile_cut.h"
 #include "tiles/tile_part.h"
 
 namespace colmap_ext {
 
-// The files of a plan's tiles.
-std::filesystem::path BlocksPath(const std::filesystem::path& folder);
-std::filesystem::path VerticesPath(const std::filesystem::path& folder,
-                                   size_t tile);
-std::filesystem::path CutPath(const std::filesystem::path& folder, size_t tile);
+// The files of a plan: the blocks of all vertices, and of each tile its
+// vertices, the cut of its cells, and its patch of the refined surface; and the
+// surface before it is refined.
+// \param identity  of the plan; of its refinement for surface and patches
+JobFile BlocksFile(const std::filesystem::path& folder, uint64_t identity);
+JobFile VerticesFile(const std::filesystem::path& folder, uint64_t identity,
+                     size_t tile);
+JobFile CutFile(const std::filesystem::path& folder, uint64_t identity,
+                size_t tile);
+JobFile SurfaceFile(const std::filesystem::path& folder, uint64_t identity);
+JobFile PatchFile(const std::filesystem::path& folder, uint64_t identity,
+                  size_t tile);
 
 // \throw FileError if it can not be written
-void WriteVertices(const std::filesystem::path& folder, uint64_t identity,
-                   size_t tile, const TileVertices& vertices);
-void WriteBlocks(const std::filesystem::path& folder, uint64_t identity,
-                 const PlanBlocks& blocks);
-void WriteCut(const std::filesystem::path& folder, uint64_t identity,
-              size_t tile, const TileCut& cut, const TileSeam& seam);
+void Write(const JobFile& file, const TileVertices& vertices);
+void Write(const JobFile& file, const PlanBlocks& blocks);
+void Write(const JobFile& file, const TileCut& cut, const TileSeam& seam);
+void Write(const JobFile& file, const TriangleMesh& mesh,
+           const VertexAttributes& attributes);
+void Write(const JobFile& file, const TilePatch& patch);
 
-bool HasVertices(const std::filesystem::path& folder, uint64_t identity,
-                 size_t tile);
-bool HasCut(const std::filesystem::path& folder, uint64_t identity,
-            size_t tile);
+// Readers of the files of a kind, one for each tile, of which few are open at a
+// time: a plan may have more tiles than a process may open files.
+class TileFiles {
+ public:
+  using Find = JobFile (*)(const std::filesystem::path&, uint64_t, size_t);
+
+  // \throw FileError if a file is missing, damaged, or of another plan
+  TileFiles(const std::filesystem::path& folder, const Plan& plan, Find find);
+
+  std::shared_ptr<const JobFileReader> Open(size_t tile) const;
+
+ private:
+  std::filesystem::path folder_;
+  uint64_t identity_;
+  Find find_;
+  mutable LruCache<const JobFileReader> open_;
+};
 
 // The vertices of a plan on disk.
 class FilePlan : public PlanVertices {
@@ -50,12 +71,8 @@ class FilePlan : public PlanVertices {
   TileVertices ReadAttributes(const std::vector<uint32_t>& ids) const;
 
  private:
-  std::shared_ptr<const JobFileReader> Open(size_t tile) const;
-
-  std::filesystem::path folder_;
-  uint64_t identity_;
+  TileFiles files_;
   PlanBlocks blocks_;
-  mutable LruCache<const JobFileReader> open_;
 };
 
 // What the tiles' jobs have left on disk.
@@ -72,11 +89,32 @@ class FileParts : public TileParts {
                       uint32_t end) const override;
 
  private:
-  std::shared_ptr<const JobFileReader> Open(size_t tile) const;
+  TileFiles files_;
+};
+
+// The surface on disk, read on demand.
+class FileSurface : public SurfaceStore {
+ public:
+  // \throw FileError if the mesh is missing, damaged or of another plan; the
+  //        same for patches when they are read
+  FileSurface(std::filesystem::path folder, uint64_t identity);
+
+  size_t NumBlocks() const override { return boxes_.size(); }
+  Eigen::AlignedBox3f BlockBox(size_t block) const override {
+    return boxes_[block];
+  }
+  SurfacePart ReadBlock(size_t block) const override;
+  Eigen::AlignedBox3f PatchBox(uint32_t tile) const override;
+  std::vector<SurfaceId> ReadRemoved(uint32_t tile) const override;
+  SurfacePart ReadPatchPart(uint32_t tile) const override;
+
+ private:
+  JobFileReader Patch(uint32_t tile) const;
 
   std::filesystem::path folder_;
   uint64_t identity_;
-  mutable LruCache<const JobFileReader> open_;
+  JobFileReader file_;
+  std::vector<Eigen::AlignedBox3f> boxes_;  // [blocks]
 };
 
 }  // namespace colmap_ext

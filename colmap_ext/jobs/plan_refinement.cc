@@ -1,26 +1,16 @@
-#include "colmap_ext/jobs/plan_refinement.h"
+#include "colmap_ext/jobs/refine_tiles.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "colmap_ext/jobs/job_costs.h"
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_files.h"
-#include "colmap_ext/jobs/surface_files.h"
-#include "colmap_ext/options/refinement_options.h"
 #include "formats/errors.h"
-#include "formats/read_ply_mesh.h"
-#include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/space_filling_curve.h"
-#include "mesh/surface.h"
 #include "mesh/topology.h"
-#include "tiles/tile_cells.h"
 #include "workspace/find_workspace.h"
 #include "workspace/masks.h"
 
@@ -43,17 +33,7 @@ constexpr VisibilityOwner kMergedMesh = {
 
 void ExpectPlansMesh(const fs::path& path, const Plan& plan,
                      const Surface& surface) {
-  const std::vector<uint32_t>& views = surface.attributes.views.values;
-  const auto highest = std::ranges::max_element(views);
-  if (highest != views.end() && *highest >= plan.views.size()) {
-    throw FileError(VisibilityPath(path),
-                    fmt::format("lists image {}, but the plan has {}: it "
-                                "belongs to another plan",
-                                *highest, plan.views.size()));
-  }
-  if (surface.mesh.facets.empty()) {
-    throw FileError(path, "it has no faces: not a mesh");
-  }
+  ExpectViews(surface, plan.views.size(), path, "plan", kMergedMesh);
   const MeshReport report = Analyze(surface.mesh);
   if (!report.IsManifold()) {
     throw FileError(path, "not 2-manifold (" + report.Defects() +
@@ -90,13 +70,8 @@ bool IsOfPlan(const FilePlan& plan, const TriangleMesh& mesh) {
   return 2 * num_planned >= num_samples;
 }
 
-Surface ReadSurface(const fs::path& path, const Plan& plan) {
-  ColoredMesh read = ReadColoredPlyMesh(path);
-  Rows<uint32_t> views = ReadVisibility(VisibilityPath(path),
-                                        read.mesh.vertices.size(), kMergedMesh);
-  Surface surface{
-      std::move(read.mesh),
-      {std::move(read.colors), std::move(views), std::move(read.confidences)}};
+Surface ReadMerged(const fs::path& path, const Plan& plan) {
+  Surface surface = ReadSurface(path, true, kMergedMesh);
   ExpectPlansMesh(path, plan, surface);
   const VertexAttributes before = std::exchange(surface.attributes, {});
   for (const uint32_t vertex : SortAlongCurve(&surface.mesh)) {
@@ -225,7 +200,7 @@ void Identify(const fs::path& folder, const fs::path& mesh_path,
 bool IsThere(const fs::path& folder, const Plan& plan, uint64_t identity) {
   try {
     return ReadRefinementPlan(folder, plan).identity == identity &&
-           HasSurface(folder, identity);
+           SurfaceFile(folder, identity).Exists();
   } catch (const FileError&) {
     return false;
   }
@@ -255,7 +230,7 @@ RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
     return ReadRefinementPlan(folder, plan);
   }
   Report(progress, "Reading the mesh", 0);
-  const Surface surface = ReadSurface(mesh_path, plan);
+  const Surface surface = ReadMerged(mesh_path, plan);
   if (!plan.Options(folder).mesher.meshing.remeshing &&
       !IsOfPlan(FilePlan(folder, plan), surface.mesh)) {
     throw FileError(mesh_path,
@@ -267,7 +242,8 @@ RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
   Report(progress, "Colouring the tiles", 0);
   refinement.tiles = PlanTiles(surface, plan, options);
   Report(progress, "Writing the plan", 0);
-  WriteSurface(folder, refinement.identity, surface.mesh, surface.attributes);
+  Write(SurfaceFile(folder, refinement.identity), surface.mesh,
+        surface.attributes);
   WritePlan(folder, refinement);
   return refinement;
 }

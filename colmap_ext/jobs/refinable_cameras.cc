@@ -1,4 +1,4 @@
-#include "colmap_ext/jobs/refinable_cameras.h"
+#include "colmap_ext/jobs/refinement_input.h"
 
 #include <cstdint>
 #include <map>

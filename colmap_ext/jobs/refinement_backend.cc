@@ -1,4 +1,4 @@
-#include "colmap_ext/jobs/refinement_backend.h"
+#include "colmap_ext/jobs/resumable_refinement.h"
 
 #include <algorithm>
 #include <optional>
@@ -8,7 +8,6 @@
 #include "gl/egl_context.h"
 #include "gl/gl_error.h"
 #include "gl/gl_photometric_energy.h"
-#include "photometry/photometric_energy.h"
 
 namespace colmap_ext {
 
@@ -23,34 +22,27 @@ std::optional<bool> IsGlSoftware(int gpu_index) {
   }
 }
 
-RefinementBackend MakeGl(const RefinerOptions& options,
-                         std::shared_ptr<ImagePyramid> images,
-                         size_t expected_facets, Warn warn) {
+std::unique_ptr<PhotometricEnergy> MakeGl(const RefinerOptions& options,
+                                          std::shared_ptr<ImagePyramid> images,
+                                          size_t expected_facets, Warn warn) {
   // Both directions of the first labels, one of the final ones.
   const FacetLabelingOptions& labeling = options.refinement.labeling;
   const int num_directions =
       std::max(2 * labeling.pairs_per_facet, labeling.final_pairs_per_facet);
-  RefinementBackend backend;
-  backend.energy =
-      MakeGlPhotometricEnergy(options.refinement.photometric, std::move(images),
-                              {options.gpu_index,
-                               options.MaxDrawingMemory(),
-                               {},
-                               expected_facets,
-                               static_cast<size_t>(num_directions),
-                               std::move(warn)});
-  backend.description = backend.energy->Description();
-  return backend;
+  return MakeGlPhotometricEnergy(options.refinement.photometric,
+                                 std::move(images),
+                                 {options.gpu_index,
+                                  options.MaxDrawingMemory(),
+                                  {},
+                                  expected_facets,
+                                  static_cast<size_t>(num_directions),
+                                  std::move(warn)});
 }
 
-RefinementBackend MakeCpu(const RefinerOptions& options,
-                          std::shared_ptr<ImagePyramid> images) {
-  RefinementBackend backend;
-  backend.energy =
-      MakeCpuPhotometricEnergy(options.refinement.photometric,
-                               std::move(images), options.MaxDrawingMemory());
-  backend.description = backend.energy->Description();
-  return backend;
+RefinementBackend Describe(std::unique_ptr<PhotometricEnergy> energy,
+                           const std::string& reason = "") {
+  const std::string description = energy->Description() + reason;
+  return {std::move(energy), description};
 }
 
 }  // namespace
@@ -58,8 +50,12 @@ RefinementBackend MakeCpu(const RefinerOptions& options,
 RefinementBackend MakeBackend(const RefinerOptions& options,
                               std::shared_ptr<ImagePyramid> images,
                               size_t expected_facets, Warn warn) {
+  const auto make_cpu = [&] {
+    return MakeCpuPhotometricEnergy(options.refinement.photometric, images,
+                                    options.MaxDrawingMemory());
+  };
   if (options.backend == Backend::kCpu) {
-    return MakeCpu(options, std::move(images));
+    return Describe(make_cpu());
   }
   const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
   if (options.backend == Backend::kGl) {
@@ -69,8 +65,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
           "--FacetwiseRefinement.backend cpu");
     }
     try {
-      return MakeGl(options, std::move(images), expected_facets,
-                    std::move(warn));
+      return Describe(MakeGl(options, images, expected_facets, warn));
     } catch (const NoGlError& error) {
       throw OptionError(std::string(error.what()) +
                         "; --FacetwiseRefinement.backend cpu needs none");
@@ -78,18 +73,15 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
   }
   if (is_software.has_value() && !*is_software) {
     try {
-      return MakeGl(options, images, expected_facets, warn);
+      return Describe(MakeGl(options, images, expected_facets, warn));
     } catch (const GlError& error) {
       warn(std::string("the graphics card can not be used (") + error.what() +
            "); the processor computes all");
     }
   }
-  RefinementBackend backend = MakeCpu(options, std::move(images));
-  if (is_software.value_or(true)) {
-    backend.description += is_software ? "; OpenGL would be software here"
-                                       : "; there is no OpenGL here";
-  }
-  return backend;
+  return Describe(make_cpu(), !is_software   ? "; there is no OpenGL here"
+                              : *is_software ? "; OpenGL would be software here"
+                                             : "");
 }
 
 }  // namespace colmap_ext

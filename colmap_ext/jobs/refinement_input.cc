@@ -10,16 +10,12 @@
 
 #include "base/rows.h"
 #include "colmap_ext/errors.h"
-#include "colmap_ext/jobs/refinable_cameras.h"
-#include "colmap_ext/options/refinement_options.h"
 #include "formats/errors.h"
 #include "formats/read_numbers.h"
 #include "formats/read_ply_mesh.h"
-#include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "mesh/topology.h"
-#include "mesh/vertex_attributes.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
 #include "workspace/write_sparse_model.h"
@@ -60,21 +56,6 @@ fs::path FindWorkspaceFolder(const RefinerOptions& options) {
   return path;
 }
 
-// No views if there is no .vis.
-Surface ReadMeshFile(const fs::path& path, bool has_visibility) {
-  ColoredMesh read = ReadColoredPlyMesh(path);
-  if (read.mesh.facets.empty()) {
-    throw FileError(path, "it has no faces: not a mesh");
-  }
-  const size_t num_vertices = read.mesh.vertices.size();
-  return {std::move(read.mesh),
-          {std::move(read.colors),
-           has_visibility
-               ? ReadVisibility(VisibilityPath(path), num_vertices, kMesh)
-               : Rows<uint32_t>(num_vertices),
-           std::move(read.confidences)}};
-}
-
 // Sorts each row, and drops what it has twice.
 void SortViews(VertexAttributes* attributes) {
   EditRows(
@@ -84,17 +65,6 @@ void SortViews(VertexAttributes* attributes) {
                                    row.begin());
       },
       &attributes->views);
-}
-
-void ExpectViews(const VertexAttributes& attributes, size_t num_views,
-                 const fs::path& path) {
-  const std::vector<uint32_t>& views = attributes.views.values;
-  const auto highest = std::max_element(views.begin(), views.end());
-  if (highest != views.end() && *highest >= num_views) {
-    throw FileError(path, fmt::format("lists image {}, but sparse/ has {}: it "
-                                      "belongs to another model; {}",
-                                      *highest, num_views, kMesh.what_to_do));
-  }
 }
 
 // Makes the mesh manifold if it is not.
@@ -205,6 +175,34 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
 
 }  // namespace
 
+Surface ReadSurface(const fs::path& path, bool has_visibility,
+                    const VisibilityOwner& owner) {
+  ColoredMesh read = ReadColoredPlyMesh(path);
+  if (read.mesh.facets.empty()) {
+    throw FileError(path, "it has no faces: not a mesh");
+  }
+  const size_t num_vertices = read.mesh.vertices.size();
+  return {std::move(read.mesh),
+          {std::move(read.colors),
+           has_visibility
+               ? ReadVisibility(VisibilityPath(path), num_vertices, owner)
+               : Rows<uint32_t>(num_vertices),
+           std::move(read.confidences)}};
+}
+
+void ExpectViews(const Surface& surface, size_t num_views, const fs::path& path,
+                 const std::string& model, const VisibilityOwner& owner) {
+  const std::vector<uint32_t>& views = surface.attributes.views.values;
+  const auto highest = std::ranges::max_element(views);
+  if (highest != views.end() && *highest >= num_views) {
+    throw FileError(
+        VisibilityPath(path),
+        fmt::format("lists image {}, but the {} has {}: it belongs "
+                    "to another {}; {}",
+                    *highest, model, num_views, model, owner.what_to_do));
+  }
+}
+
 RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   const fs::path folder = FindWorkspaceFolder(options);
   const RefinementPaths paths{
@@ -225,16 +223,14 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
     throw FileError(paths.fused, "no such file");
   }
   std::error_code ignored;
-  if (fs::equivalent(paths.mesh, paths.output, ignored)) {
-    throw OptionError("--output_path is the mesh that is to be refined");
-  }
-  if (options.refinement.cameras.parts != RefinedParts::kNothing &&
-      !options.sparse_path.empty() &&
-      fs::equivalent(options.sparse_path, paths.refined_sparse, ignored)) {
-    throw OptionError(
-        "--sparse_path is where the refined cameras are written to; move it "
-        "away first, or take --FacetwiseRefinement.refine_cameras none");
-  }
+  RefuseIf(fs::equivalent(paths.mesh, paths.output, ignored),
+           "--output_path is the mesh that is to be refined");
+  RefuseIf(
+      options.refinement.cameras.parts != RefinedParts::kNothing &&
+          !options.sparse_path.empty() &&
+          fs::equivalent(options.sparse_path, paths.refined_sparse, ignored),
+      "--sparse_path is where the refined cameras are written to; move it "
+      "away first, or take --FacetwiseRefinement.refine_cameras none");
   return paths;
 }
 
@@ -263,13 +259,12 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   input.has_visibility = fs::exists(VisibilityPath(paths.mesh));
   input.has_fused_points = paths.HasFusedPoints();
   Report(progress, "Reading the mesh", 0);
-  Surface file = ReadMeshFile(paths.mesh, input.has_visibility);
+  Surface file = ReadSurface(paths.mesh, input.has_visibility, kMesh);
   SortViews(&file.attributes);
   input.repair = Repair(paths.mesh, &file);
   Report(progress, "Reading the workspace", 0);
   Workspace workspace = ReadCameras(options, paths, decoder, file, input);
-  ExpectViews(file.attributes, workspace.views.size(),
-              VisibilityPath(paths.mesh));
+  ExpectViews(file, workspace.views.size(), paths.mesh, "sparse model", kMesh);
   input.region =
       options.scene.region.Resolve(workspace.views, workspace.sparse_points);
   if (input.region) {

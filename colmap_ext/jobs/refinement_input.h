@@ -9,7 +9,9 @@
 
 #include "colmap_ext/jobs/job_inputs.h"
 #include "colmap_ext/options/refinement_options.h"
+#include "formats/read_visibility.h"
 #include "mesh/manifold_repair.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/vertex_attributes.h"
 #include "photometry/image_pyramid.h"
@@ -24,6 +26,18 @@
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
+
+// Reads a mesh and its .vis. If it has none, no vertex has views.
+// \param owner  of the .vis, see ReadVisibility()
+// \throw FileError if it has no faces, or the .vis does not fit
+Surface ReadSurface(const std::filesystem::path& path, bool has_visibility,
+                    const VisibilityOwner& owner);
+
+// \param model  whose views they are, "plan"
+// \throw FileError if the mesh's .vis lists a view that does not exist
+void ExpectViews(const Surface& surface, size_t num_views,
+                 const std::filesystem::path& path, const std::string& model,
+                 const VisibilityOwner& owner);
 
 // Paths of a refinement.
 struct RefinementPaths {
@@ -88,5 +102,22 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
 // \param input  as ReadRefinementInput() has read it.
 JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
                     const RefinementInput& input);
+
+// The model, read in full, as the refinement of the cameras takes it.
+// \param order  [views] the image of the model that each view is.
+// \param views  by the pictures' sizes, which may not be the cameras'.
+std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
+    const SparseModel& model, const std::vector<size_t>& order,
+    const std::vector<View>& views, std::shared_ptr<ImagePyramid> images);
+
+// The model with other poses and points, and, if `has_intrinsics`, other
+// intrinsics, scaled to the cameras' sizes.
+// \param order  as above
+// \param positions  [P]
+SparseModel WithRefinedCameras(SparseModel model,
+                               const std::vector<size_t>& order,
+                               const std::vector<View>& views,
+                               bool has_intrinsics,
+                               const std::vector<Eigen::Vector3d>& positions);
 
 }  // namespace colmap_ext

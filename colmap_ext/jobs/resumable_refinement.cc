@@ -1,29 +1,154 @@
 #include "colmap_ext/jobs/resumable_refinement.h"
 
-#include <unistd.h>
-
+#include <array>
+#include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "colmap_ext/jobs/refinement_backend.h"
-#include "colmap_ext/jobs/refinement_state.h"
-#include "colmap_ext/report/refinement_report.h"
-#include "colmap_ext/terminal/stop_signal.h"
+#include "colmap_ext/jobs/job_file.h"
+#include "colmap_ext/terminal/terminal.h"
+#include "formats/errors.h"
 #include "formats/write_mesh.h"
+#include "mesh/topology.h"
 #include "refine/facet_sizes.h"
 
 namespace colmap_ext {
+namespace {
 
 namespace fs = std::filesystem;
 
+JobFile StateFile(const fs::path& output) {
+  return {StatePath(output), {"CESTATE1", "start anew, without --resume"}, 0};
+}
+
+// What is refined of a view: fx, fy, cx, cy, the rotation by columns, the
+// translation.
+using CameraNumbers = std::array<double, 16>;
+
+std::vector<CameraNumbers> CameraNumbersOf(const std::vector<View>& views) {
+  std::vector<CameraNumbers> all;
+  for (const View& view : views) {
+    CameraNumbers& numbers =
+        all.emplace_back(CameraNumbers{view.fx, view.fy, view.cx, view.cy});
+    Eigen::Map<Eigen::Matrix3d>(numbers.data() + 4) =
+        view.cam_from_world_rotation;
+    Eigen::Map<Eigen::Vector3d>(numbers.data() + 13) =
+        view.cam_from_world_translation;
+  }
+  return all;
+}
+
+void SetCameraNumbers(const CameraNumbers& numbers, View* view) {
+  view->fx = numbers[0];
+  view->fy = numbers[1];
+  view->cx = numbers[2];
+  view->cy = numbers[3];
+  view->cam_from_world_rotation =
+      Eigen::Map<const Eigen::Matrix3d>(&numbers[4]);
+  view->cam_from_world_translation =
+      Eigen::Map<const Eigen::Vector3d>(&numbers[13]);
+}
+
+// Names and values, each with a null character behind it.
+std::vector<char> ValuesText(const JobInputs::Values& values) {
+  std::vector<char> text;
+  for (const auto& [name, value] : values) {
+    text.insert(text.end(), name.c_str(), name.c_str() + name.size() + 1);
+    text.insert(text.end(), value.c_str(), value.c_str() + value.size() + 1);
+  }
+  return text;
+}
+
+JobInputs::Values ValuesFrom(const std::vector<char>& text) {
+  JobInputs::Values values;
+  std::istringstream stream(std::string(text.begin(), text.end()));
+  for (std::string name, value;
+       std::getline(stream, name, '\0') && std::getline(stream, value, '\0');) {
+    values[name] = value;
+  }
+  return values;
+}
+
+}  // namespace
+
+fs::path StatePath(const fs::path& output) {
+  return output.string() + ".resume";
+}
+
+void ExpectManifold(const TriangleMesh& mesh) {
+  if (const MeshReport report = Analyze(mesh); !report.IsManifold()) {
+    throw std::logic_error("the refined mesh has " + report.Defects());
+  }
+}
+
+void WriteState(const fs::path& output, const JobInputs& inputs,
+                const RefinementState& state) {
+  ExpectManifold(state.mesh);
+  const RefinementReport& report = state.report;
+  const Misalignment misalignment =
+      report.misalignment.value_or(Misalignment());
+  const VertexAttributes& attributes = state.attributes;
+  WriteJobFile(
+      StateFile(output), ValuesText(inputs.options), ValuesText(inputs.files),
+      state.level, state.mesh.vertices, state.mesh.facets, attributes.colors,
+      attributes.views, attributes.confidences, state.origins,
+      state.fixed_sources, CameraNumbersOf(state.views),
+      report.misalignment.has_value(), misalignment.by_cameras,
+      misalignment.of_surface, misalignment.by_view, report.num_shortened_steps,
+      report.num_unconverged_solutions, report.num_flipped_facets,
+      report.num_removed_self_intersections, report.labelings, report.steps);
+}
+
+RefinementState ReadState(const fs::path& output, const JobInputs& inputs,
+                          const std::vector<View>& views) {
+  const JobFile state_file = StateFile(output);
+  const JobFileReader file(state_file);
+  const JobInputs earlier = {ValuesFrom(file.ReadAll<char>(0)),
+                             ValuesFrom(file.ReadAll<char>(1))};
+  if (const std::string difference = inputs.DifferenceTo(earlier);
+      !difference.empty()) {
+    throw FileError(state_file.path, "belongs to another run: " + difference +
+                                         "; go on as it was begun, or " +
+                                         state_file.kind.what_to_do);
+  }
+  RefinementState state;
+  std::vector<CameraNumbers> cameras;
+  bool has_misalignment = false;
+  Misalignment misalignment;
+  VertexAttributes& attributes = state.attributes;
+  RefinementReport& report = state.report;
+  file.ReadFrom(
+      2, &state.level, &state.mesh.vertices, &state.mesh.facets,
+      &attributes.colors, &attributes.views, &attributes.confidences,
+      &state.origins, &state.fixed_sources, &cameras, &has_misalignment,
+      &misalignment.by_cameras, &misalignment.of_surface, &misalignment.by_view,
+      &report.num_shortened_steps, &report.num_unconverged_solutions,
+      &report.num_flipped_facets, &report.num_removed_self_intersections,
+      &report.labelings, &report.steps);
+  if (has_misalignment) {
+    report.misalignment = std::move(misalignment);
+  }
+  state.views = views;
+  for (size_t i = 0; i < views.size(); ++i) {
+    SetCameraNumbers(cameras.at(i), &state.views[i]);
+  }
+  return state;
+}
+
+void RemoveState(const fs::path& output) {
+  std::error_code ignored;
+  fs::remove(StatePath(output), ignored);
+}
+
 ResumableRefinement::ResumableRefinement(const RefinerOptions& options,
-                                         fs::path output, LiveView* live)
+                                         fs::path output, Console* console,
+                                         LiveView* live)
     : options_(options),
       output_(std::move(output)),
       live_(live),
-      reporter_(std::cout, isatty(STDOUT_FILENO) != 0),
-      progress_(reporter_.AsProgress()) {}
+      console_(*console) {}
 
 void ResumableRefinement::Resume(RefinementInput* input) {
   RefinementState state = ReadState(output_, inputs, input->views);
@@ -35,7 +160,8 @@ void ResumableRefinement::Resume(RefinementInput* input) {
   input->origins = std::move(state.origins);
   earlier_ = std::move(state.report);
   PrintText("goes on after",
-            LevelName(level_) + ", by " + StatePath(output_).string(), &log_);
+            LevelName(level_) + ", by " + StatePath(output_).string(),
+            &console_.log);
 }
 
 RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
@@ -45,19 +171,19 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
                   ExpectedFacets(options_.refinement.max_face_area, input->mesh,
                                  input->attributes.views, input->views),
                   [this](const std::string& warning) {
-                    reporter_.Finish();
-                    PrintWarning(warning, &log_);
+                    console_.reporter.Finish();
+                    PrintWarning(warning, &console_.log);
                   });
-  PrintText("computed by", backend.description, &log_);
+  PrintText("computed by", backend.description, &console_.log);
   std::cout << std::endl;
   const StopSignal stop_signal;
   RefinementHooks hooks;
-  hooks.progress = progress_;
+  hooks.progress = console_.progress;
   hooks.on_step = [this](const RefinementStep& step, const RefinedMesh& state) {
     OnStep(step, state);
   };
   hooks.on_cameras = [this](const CameraRefinementReport& report) {
-    reporter_.Note(Describe(report));
+    console_.reporter.Note(Describe(report));
   };
   hooks.on_level = [this](int level, const RefinedMesh& state) {
     OnLevel(level, state);
@@ -89,7 +215,7 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
 
 void ResumableRefinement::OnStep(const RefinementStep& step,
                                  const RefinedMesh& state) {
-  reporter_.Note(Describe(step));
+  console_.reporter.Note(Describe(step));
   if (live_ != nullptr) {
     live_->Show(state.mesh, state.attributes, Describe(step));
   }

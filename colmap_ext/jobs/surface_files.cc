@@ -1,4 +1,4 @@
-#include "colmap_ext/jobs/surface_files.h"
+#include "colmap_ext/jobs/plan_files.h"
 
 #include <algorithm>
 #include <utility>
@@ -39,10 +39,6 @@ constexpr size_t kBlockFacets = 4096;
 // Vertices that are not needed, but read to be done with one reading.
 constexpr uint32_t kMaxGap = 256;
 
-fs::path SurfacePath(const fs::path& folder) {
-  return folder / "refine.surface.bin";
-}
-
 // Appends vertices of a file to a part.
 void ReadVertices(const JobFileReader& file, uint32_t begin, uint32_t end,
                   SurfacePart* part) {
@@ -79,46 +75,37 @@ std::vector<uint32_t> VerticesOf(const std::vector<Facet>& facets) {
 
 }  // namespace
 
-fs::path PatchPath(const fs::path& folder, size_t tile) {
-  return folder / fmt::format("tile{:05}.refined.bin", tile);
+JobFile SurfaceFile(const fs::path& folder, uint64_t identity) {
+  return {folder / "refine.surface.bin", kSurfaceKind, identity};
 }
 
-void WriteSurface(const fs::path& folder, uint64_t identity,
-                  const TriangleMesh& mesh,
-                  const VertexAttributes& attributes) {
+JobFile PatchFile(const fs::path& folder, uint64_t identity, size_t tile) {
+  return {folder / fmt::format("tile{:05}.refined.bin", tile), kPatchKind,
+          identity};
+}
+
+void Write(const JobFile& file, const TriangleMesh& mesh,
+           const VertexAttributes& attributes) {
   std::vector<Eigen::AlignedBox3f> boxes(
       (mesh.facets.size() + kBlockFacets - 1) / kBlockFacets);
   for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
     boxes[facet / kBlockFacets].extend(BoxOf(mesh, mesh.facets[facet]));
   }
-  JobFileWriter file(SurfacePath(folder), kSurfaceKind, identity);
-  file.Add(mesh.vertices, attributes.colors, attributes.confidences,
-           attributes.views, mesh.facets, boxes);
-  file.Commit();
+  WriteJobFile(file, mesh.vertices, attributes.colors, attributes.confidences,
+               attributes.views, mesh.facets, boxes);
 }
 
-void WritePatch(const fs::path& folder, uint64_t identity, size_t tile,
-                const TilePatch& patch) {
-  JobFileWriter file(PatchPath(folder, tile), kPatchKind, identity);
+void Write(const JobFile& file, const TilePatch& patch) {
   const VertexAttributes& attributes = patch.part.attributes;
-  file.Add(patch.part.mesh.vertices, attributes.colors, attributes.confidences,
-           attributes.views, patch.part.mesh.facets, patch.box, patch.part.ids,
-           patch.removed);
-  file.Commit();
-}
-
-bool HasSurface(const fs::path& folder, uint64_t identity) {
-  return HasJobFile(SurfacePath(folder), kSurfaceKind, identity);
-}
-
-bool HasPatch(const fs::path& folder, uint64_t identity, size_t tile) {
-  return HasJobFile(PatchPath(folder, tile), kPatchKind, identity);
+  WriteJobFile(file, patch.part.mesh.vertices, attributes.colors,
+               attributes.confidences, attributes.views, patch.part.mesh.facets,
+               patch.box, patch.part.ids, patch.removed);
 }
 
 FileSurface::FileSurface(fs::path folder, uint64_t identity)
     : folder_(std::move(folder)),
       identity_(identity),
-      file_(SurfacePath(folder_), kSurfaceKind, identity),
+      file_(SurfaceFile(folder_, identity)),
       boxes_(file_.ReadAll<Eigen::AlignedBox3f>(kSurfaceBoxes)) {}
 
 SurfacePart FileSurface::ReadBlock(size_t block) const {
@@ -149,7 +136,7 @@ SurfacePart FileSurface::ReadBlock(size_t block) const {
 }
 
 JobFileReader FileSurface::Patch(uint32_t tile) const {
-  return {PatchPath(folder_, tile), kPatchKind, identity_};
+  return JobFileReader(PatchFile(folder_, identity_, tile));
 }
 
 Eigen::AlignedBox3f FileSurface::PatchBox(uint32_t tile) const {

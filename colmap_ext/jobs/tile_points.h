@@ -4,18 +4,45 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "colmap_ext/jobs/point_shares.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "meshing/ray_ends.h"
 #include "scene/gray_image.h"
+#include "scene/point_cloud.h"
 #include "scene/region.h"
 #include "scene/view.h"
 #include "tiles/split_tree.h"
 #include "workspace/masks.h"
 
 namespace colmap_ext {
+
+// Points on their way from one large file to those of the tiles: they are
+// appended to files of the plan's folder, which go away with the object.
+class PointShares {
+ public:
+  // \throw FileError if the folder can not be written
+  PointShares(const std::filesystem::path& folder, size_t num_tiles);
+  ~PointShares();
+  PointShares(const PointShares&) = delete;
+  PointShares& operator=(const PointShares&) = delete;
+
+  // \throw FileError if the disk is full
+  void Add(size_t tile, const PointCloud& cloud, size_t point);
+
+  // All points of a tile, in their order. Its file is gone then.
+  // \throw FileError
+  PointCloud Take(size_t tile);
+
+ private:
+  std::filesystem::path PathOf(size_t tile) const;
+  void Flush(size_t tile);
+
+  std::filesystem::path folder_;
+  size_t max_buffer_;                 // bytes
+  std::vector<std::string> buffers_;  // [tiles]
+};
 
 // The points of a plan's tiles, and the ends of rays that meet no surface: what
 // masks, a region and mask_background make of a cloud that is read point by

@@ -175,13 +175,13 @@ std::vector<double> ParseNumberList(const std::string& option,
   return *std::move(numbers);
 }
 
-void AddThreadsOption(const std::string& section, int* num_threads,
-                      CommandOptions* options) {
-  options->AddNumber("num_threads", num_threads, kThreads,
-                     "[threads] Number of threads; -1: all cores. The result "
-                     "does not depend on it");
+void CommandOptions::AddThreads(const std::string& section, int* num_threads) {
+  num_threads_ = num_threads;
+  AddNumber("num_threads", num_threads, kThreads,
+            "[threads] Number of threads; -1: all cores. The result does not "
+            "depend on it");
   if (!section.empty()) {
-    options->AddAlias(section + ".num_threads", "num_threads");
+    AddAlias(section + ".num_threads", "num_threads");
   }
 }
 

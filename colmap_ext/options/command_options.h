@@ -128,6 +128,13 @@ class CommandOptions {
     aliases_.push_back({alias, option, note, is_used});
   }
 
+  // Adds "num_threads", and its alias SECTION.num_threads; without a section,
+  // no alias.
+  void AddThreads(const std::string& section, int* num_threads);
+
+  // To be used at most; -1 for all.
+  int NumThreads() const { return num_threads_ ? *num_threads_ : -1; }
+
   const std::string& Summary() const { return summary_; }
   const std::vector<Option>& Options() const { return options_; }
   const std::vector<Alias>& Aliases() const { return aliases_; }
@@ -147,6 +154,7 @@ class CommandOptions {
   OptionGroup group_ = OptionGroup::kBasic;
   std::vector<Option> options_;
   std::vector<Alias> aliases_;
+  const int* num_threads_ = nullptr;
 };
 
 // Separates the values of a list in the text that Option::set takes.
@@ -158,10 +166,5 @@ inline constexpr char kListSeparator = '\n';
 // \throw OptionError if the text is anything else.
 std::vector<double> ParseNumberList(const std::string& option,
                                     const std::string& text, size_t count);
-
-// Adds "num_threads", and its alias SECTION.num_threads; without a section, no
-// alias.
-void AddThreadsOption(const std::string& section, int* num_threads,
-                      CommandOptions* options);
 
 }  // namespace colmap_ext

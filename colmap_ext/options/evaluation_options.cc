@@ -10,28 +10,22 @@
 namespace colmap_ext {
 
 void EvaluatorOptions::Finish() {
-  if (mesh_path.empty() || truth_path.empty()) {
-    throw OptionError("--mesh_path and --truth_path are required");
-  }
+  RefuseIf(mesh_path.empty() || truth_path.empty(),
+           "--mesh_path and --truth_path are required");
   region.Finish();
-  if (region.is_auto && workspace_path.empty()) {
-    throw OptionError("--region auto needs --workspace_path");
-  }
-  if (observability_mask.empty() != observability_box.empty()) {
-    throw OptionError(
-        "--observability_mask and --observability_box go together");
-  }
-  if (!image_name.empty() && (workspace_path.empty() || picture_path.empty())) {
-    throw OptionError("--image_name needs --picture_path and --workspace_path");
-  }
-  if (!sparse_path.empty() && workspace_path.empty()) {
-    throw OptionError("--sparse_path needs --workspace_path");
-  }
+  RefuseIf(region.is_auto && workspace_path.empty(),
+           "--region auto needs --workspace_path");
+  RefuseIf(observability_mask.empty() != observability_box.empty(),
+           "--observability_mask and --observability_box go together");
+  RefuseIf(
+      !image_name.empty() && (workspace_path.empty() || picture_path.empty()),
+      "--image_name needs --picture_path and --workspace_path");
+  RefuseIf(!sparse_path.empty() && workspace_path.empty(),
+           "--sparse_path needs --workspace_path");
   evaluation.depth_thresholds =
       ParseNumberList("depth_thresholds", depth_thresholds, 0);
-  if (!(std::ranges::min(evaluation.depth_thresholds) > 0)) {
-    throw OptionError("depth_thresholds must be positive lengths");
-  }
+  RefuseIf(!(std::ranges::min(evaluation.depth_thresholds) > 0),
+           "depth_thresholds must be positive lengths");
 }
 
 Observability EvaluatorOptions::ReadObservability() const {
@@ -39,9 +33,8 @@ Observability EvaluatorOptions::ReadObservability() const {
   if (!observability_mask.empty()) {
     const std::vector<double> box =
         ParseNumberList("observability_box", observability_box, 4);
-    if (!(box[3] > 0)) {
-      throw OptionError("observability_box: the resolution must be positive");
-    }
+    RefuseIf(!(box[3] > 0),
+             "observability_box: the resolution must be positive");
     VoxelGrid grid = ReadNpyMask(observability_mask);
     observability.mask = ObservabilityMask{
         grid.size, std::move(grid.voxels), {box[0], box[1], box[2]}, box[3]};
@@ -95,7 +88,7 @@ void AddEvaluatorOptions(CommandOptions* options, EvaluatorOptions* evaluator) {
   options->Add(ours + "depth_thresholds", &evaluator->depth_thresholds,
                "[scene units] Errors below which a depth counts as correct. "
                "EPFL: 0.02,0.1 m");
-  AddThreadsOption("MeshEvaluation", &evaluator->num_threads, options);
+  options->AddThreads("MeshEvaluation", &evaluator->num_threads);
   options->SetGroup(OptionGroup::kAdvanced);
   options->Add("observability_mask", &evaluator->observability_mask,
                "Count samples of the mesh only where this NumPy array [X,Y,Z] "

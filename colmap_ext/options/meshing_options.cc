@@ -1,10 +1,10 @@
 #include "colmap_ext/options/meshing_options.h"
 
 #include "colmap_ext/errors.h"
+#include "formats/read_numbers.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr const char* kMeshingSection = "DelaunayManifoldMeshing.";
@@ -162,24 +162,19 @@ void MesherOptions::Finish() {
     FinishTile();
     return;
   }
-  if (workspace_path.empty() == input_path.empty()) {
-    throw OptionError("either --workspace_path or --input_path is required");
-  }
-  if (!input_path.empty() && output_path.empty()) {
-    throw OptionError("--output_path is required with --input_path");
-  }
-  if (!report_path.empty() &&
-      std::filesystem::path(report_path).extension() != ".html") {
-    throw OptionError("--report_path is a page, and ends in .html");
-  }
-  if (workspace.input_type == InputType::kSparse &&
-      !workspace.fused_path.empty()) {
-    throw OptionError("--fused_path is for dense input, not for sparse");
-  }
+  RefuseIf(workspace_path.empty() == input_path.empty(),
+           "either --workspace_path or --input_path is required");
+  RefuseIf(!input_path.empty() && output_path.empty(),
+           "--output_path is required with --input_path");
+  RefuseIf(!report_path.empty() &&
+               std::filesystem::path(report_path).extension() != ".html",
+           "--report_path is a page, and ends in .html");
+  RefuseIf(workspace.input_type == InputType::kSparse &&
+               !workspace.fused_path.empty(),
+           "--fused_path is for dense input, not for sparse");
   scene.Finish();
-  if (mask_background && scene.mask_path.empty()) {
-    throw OptionError("--mask_background needs --mask_path");
-  }
+  RefuseIf(mask_background && scene.mask_path.empty(),
+           "--mask_background needs --mask_path");
   if (old_alpha_kind == ObservationWeight::kConstant && alpha_vis == 0) {
     alpha_vis = 1;
   }
@@ -193,14 +188,11 @@ void MesherOptions::Finish() {
 }
 
 void MesherOptions::FinishTile() const {
-  if (plan_path.empty() || tile < 0) {
-    throw OptionError("--plan_path and --tile belong together");
-  }
-  if (!InputPath().empty() || !output_path.empty() || !report_path.empty()) {
-    throw OptionError(
-        "--plan_path determines what is meshed: omit --workspace_path, "
-        "--input_path, --output_path and --report_path");
-  }
+  RefuseIf(plan_path.empty() || tile < 0,
+           "--plan_path and --tile belong together");
+  RefuseIf(!InputPath().empty() || !output_path.empty() || !report_path.empty(),
+           "--plan_path determines what is meshed: omit --workspace_path, "
+           "--input_path, --output_path and --report_path");
 }
 
 void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
@@ -210,7 +202,7 @@ void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
   options->Add("mask_background", &mesher->mask_background,
                "Masked pixels are background: everything along their rays is "
                "empty");
-  AddThreadsOption("DelaunayManifoldMeshing", &mesher->num_threads, options);
+  options->AddThreads("DelaunayManifoldMeshing", &mesher->num_threads);
   options->SetGroup(OptionGroup::kAdvanced);
   AddFusedPathOption(&mesher->workspace.fused_path, options);
   AddSparsePathOption(&mesher->workspace.sparse_path, options);
@@ -233,6 +225,65 @@ void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {
   AddTransformOption(&mesher->scene.transform_path, options);
   AddMeshingOptions(options, mesher);
   AddColmapAliases(options, mesher);
+}
+
+void PlannerOptions::Finish() {
+  RefuseIf(output_path.empty(), "--output_path is required: the plan's folder");
+  RefuseIf(mesher.meshing.weak_surfaces,
+           "DelaunayManifoldMeshing.weak_surfaces compares each ray with all "
+           "others, which no tile knows: omit it");
+  mesher.Finish();
+}
+
+void MergerOptions::Finish() {
+  RefuseIf(plan_path.empty() || output_path.empty(),
+           "--plan_path and --output_path are required");
+  if (!transform_path.empty()) {
+    transform = ReadTransform(transform_path);
+  }
+}
+
+void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner) {
+  options->SetSummary(
+      "Splits a scene into tiles that delaunay_manifold_mesher meshes as "
+      "independent\njobs, and prints the commands for Slurm or xargs.\n\n"
+      "  colmap mesh_planner --workspace_path DIR --output_path PLAN\n");
+  options->Add("workspace_path", &planner->mesher.workspace_path,
+               "Dense workspace, as for delaunay_manifold_mesher; required");
+  options->Add("output_path", &planner->output_path,
+               "Plan folder; required. Files of the same plan are kept");
+  options->AddNumber("max_memory_gb", &planner->max_memory_gb, kGigabytes,
+                     "[GB] Memory of the job of one tile; higher makes fewer "
+                     "tiles");
+  AddMeshingInputOptions(options, &planner->mesher);
+  options->SetGroup(OptionGroup::kAdvanced);
+  options->AddNumber("num_tiles", &planner->num_tiles, {0},
+                     "[tiles] Number of tiles; 0: by max_memory_gb");
+  options->AddNumber("distance_sigma", &planner->distance_sigma, kLength,
+                     "[scene units] Expected noise of the points; 0: by "
+                     "DelaunayManifoldMeshing.distance_sigma_factor");
+  options->AddNumber("seam_rings", &planner->seam_rings, kCountOrMinusOne,
+                     "[cells] Width that the merger re-solves on both sides of "
+                     "tile borders; -1: re-solve everything undecided: "
+                     "identical to a single-machine run, more memory");
+  options->SetGroup(OptionGroup::kBasic);
+  AddMeshingOptions(options, &planner->mesher);
+}
+
+void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
+  options->SetSummary(
+      "Joins the tiles of a plan into one seamless 2-manifold mesh.\n\n"
+      "  colmap mesh_merger --plan_path PLAN --output_path MESH.ply\n");
+  options->Add("plan_path", &merger->plan_path,
+               "Plan folder of mesh_planner, all of whose tiles are done; "
+               "required");
+  options->AddAlias("plan", "plan_path");
+  options->Add("output_path", &merger->output_path,
+               "Mesh to write, PLY, with its .vis; required");
+  options->Add("refined", &merger->is_refined,
+               "Merge the tiles as facetwise_refiner has refined them");
+  AddTransformOption(&merger->transform_path, options);
+  options->AddThreads("", &merger->num_threads);
 }
 
 }  // namespace colmap_ext

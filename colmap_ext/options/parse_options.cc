@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string_view>
@@ -219,52 +220,38 @@ void RemoveIgnored(const Names& names, bool is_file, Texts* texts,
   });
 }
 
-// \param sources  the first source that has an option counts.
+// \param sources  the arguments, then a project file: the first that has an
+//        option counts.
 void Apply(const CommandOptions& options, const std::vector<Texts>& sources) {
   for (const CommandOptions::Option& option : options.Options()) {
-    const auto apply = [&option](const Texts& texts, const std::string& name) {
-      const auto it = texts.find(name);
-      if (it != texts.end() && !option.set(it->second)) {
-        throw OptionError(fmt::format("--{} is '{}'; it has to be {}", name,
-                                      it->second, option.kind));
+    std::vector<CommandOptions::Alias> names = {{option.name, "", "", nullptr}};
+    std::ranges::copy_if(
+        options.Aliases(), std::back_inserter(names),
+        [&](const auto& alias) { return alias.option == option.name; });
+    const std::string* first = nullptr;  // of the names, among the arguments
+    for (const CommandOptions::Alias& alias : names) {
+      if (sources[0].contains(alias.name) && first != nullptr) {
+        throw OptionError(fmt::format("--{} and --{} are the same option",
+                                      alias.name, *first));
       }
-      return it != texts.end();
-    };
+      first = sources[0].contains(alias.name) ? &alias.name : first;
+    }
     for (const Texts& texts : sources) {
-      bool is_given = apply(texts, option.name);
-      for (const CommandOptions::Alias& alias : options.Aliases()) {
-        if (!is_given && alias.option == option.name &&
-            apply(texts, alias.name)) {
-          is_given = true;
-          if (alias.is_used != nullptr) {
-            *alias.is_used = true;
-          }
-        }
+      const auto given = std::ranges::find_if(
+          names, [&](const auto& alias) { return texts.contains(alias.name); });
+      if (given == names.end()) {
+        continue;
       }
-      if (is_given) {
-        break;
+      const std::string& text = texts.at(given->name);
+      if (!option.set(text)) {
+        throw OptionError(fmt::format("--{} is '{}'; it has to be {}",
+                                      given->name, text, option.kind));
       }
+      if (given->is_used != nullptr) {
+        *given->is_used = true;
+      }
+      break;
     }
-  }
-}
-
-void ExpectOneName(const CommandOptions& options, const Texts& arguments) {
-  std::map<std::string, std::string> names;  // given, by option
-  const auto add = [&](const std::string& name, const std::string& option) {
-    if (!arguments.contains(name)) {
-      return;
-    }
-    const auto [first, is_new] = names.emplace(option, name);
-    if (!is_new) {
-      throw OptionError(fmt::format("--{} and --{} are the same option", name,
-                                    first->second));
-    }
-  };
-  for (const CommandOptions::Option& option : options.Options()) {
-    add(option.name, option.name);
-  }
-  for (const CommandOptions::Alias& alias : options.Aliases()) {
-    add(alias.name, alias.option);
   }
 }
 
@@ -330,7 +317,6 @@ ParsedOptions ParseOptions(int argc, const char* const* argv,
     return parsed;
   }
   RemoveIgnored(names, false, &sources[0], &parsed);
-  ExpectOneName(options, sources[0]);
   if (sources[0].contains(kProjectPath)) {
     sources.push_back(ReadProjectFile(sources[0].at(kProjectPath)));
     RemoveIgnored(names, true, &sources[1], &parsed);

@@ -18,46 +18,33 @@ constexpr double kImageShare = 1.0 / 9;
 constexpr double kMinDrawingShare = 0.25;
 
 void CheckPaths(const RefinerOptions& options) {
-  if (options.workspace_path.empty()) {
-    throw OptionError("--workspace_path is required");
-  }
-  if (!options.input_path.empty() && options.output_path.empty()) {
-    throw OptionError("--output_path is required with --input_path");
-  }
-  if (options.PlotPath() == options.report_path &&
-      !options.report_path.empty()) {
-    throw OptionError(
-        "--report_path is a page, .html, or a CSV; the plot of the same name "
-        "ends in .svg");
-  }
-  if (options.LabelsPicturePath() == options.labels_path &&
-      !options.labels_path.empty()) {
-    throw OptionError(
-        "--labels_path is a PLY; the picture of the same name ends in .png");
-  }
+  RefuseIf(options.workspace_path.empty(), "--workspace_path is required");
+  RefuseIf(!options.input_path.empty() && options.output_path.empty(),
+           "--output_path is required with --input_path");
+  RefuseIf(
+      options.PlotPath() == options.report_path && !options.report_path.empty(),
+      "--report_path is a page, .html, or a CSV; the plot of the same name "
+      "ends in .svg");
+  RefuseIf(options.LabelsPicturePath() == options.labels_path &&
+               !options.labels_path.empty(),
+           "--labels_path is a PLY; the picture of the same name ends in .png");
 }
 
 // A plan determines what is refined.
 void CheckPlan(const RefinerOptions& options) {
-  if (options.plan_path.empty()) {
-    throw OptionError("--tile needs --plan_path");
-  }
+  RefuseIf(options.plan_path.empty(), "--tile needs --plan_path");
   for (const std::string* path :
        {&options.workspace_path, &options.output_path, &options.fused_path,
         &options.sparse_path, &options.report_path, &options.labels_path,
         &options.scene.mask_path, &options.scene.transform_path,
         &options.scene.region.text}) {
-    if (!path->empty()) {
-      throw OptionError(
-          "--plan_path determines what is refined: omit masks, regions, "
-          "transforms and all paths but --input_path");
-    }
+    RefuseIf(!path->empty(),
+             "--plan_path determines what is refined: omit masks, regions, "
+             "transforms and all paths but --input_path");
   }
-  if (options.resume || options.viewer || options.snapshot_interval > 0) {
-    throw OptionError(
-        "--resume, --viewer and snapshot_interval are not for plans: a job "
-        "refines a whole tile");
-  }
+  RefuseIf(options.resume || options.viewer || options.snapshot_interval > 0,
+           "--resume, --viewer and snapshot_interval are not for plans: a job "
+           "refines a whole tile");
   if (options.input_path.empty() != (options.tile >= 0)) {
     throw OptionError(
         options.tile >= 0
@@ -65,13 +52,11 @@ void CheckPlan(const RefinerOptions& options) {
             : "--plan_path needs --tile, or --input_path, the plan's mesh, to "
               "plan its refinement");
   }
-  if (options.refine_cameras.value_or(RefinedParts::kNothing) !=
-      RefinedParts::kNothing) {
-    throw OptionError(
-        "cameras are not refined in tiles: refine them before, without "
-        "--plan_path, and plan by mesh_planner --sparse_path "
-        "WORKSPACE/sparse-refined");
-  }
+  RefuseIf(options.refine_cameras.value_or(RefinedParts::kNothing) !=
+               RefinedParts::kNothing,
+           "cameras are not refined in tiles: refine them before, without "
+           "--plan_path, and plan by mesh_planner --sparse_path "
+           "WORKSPACE/sparse-refined");
 }
 
 void AddPathOptions(CommandOptions* options, RefinerOptions* refiner) {
@@ -225,7 +210,7 @@ void AddRunOptions(CommandOptions* options, RefinerOptions* refiner) {
       "the processor");
   AddGpuIndexOption(&refiner->gpu_index, options);
   options->AddAlias(ours + "gpu_index", "gpu_index");
-  AddThreadsOption("FacetwiseRefinement", &refiner->num_threads, options);
+  options->AddThreads("FacetwiseRefinement", &refiner->num_threads);
   options->AddNumber("image_cache_gb", &refiner->image_cache_gb, kGigabytes,
                      "[GB] Memory for cached images and depth buffers; those "
                      "that do not fit are read and drawn again. The mesh, its "
@@ -253,9 +238,7 @@ void RefinerOptions::Finish() {
 }
 
 void RefinerOptions::FinishMethod() {
-  if (window % 2 == 0) {
-    throw OptionError("FacetwiseRefinement.window must be odd");
-  }
+  RefuseIf(window % 2 == 0, "FacetwiseRefinement.window must be odd");
   refinement.photometric.window_radius = window / 2;
   refinement.cameras.parts = refine_cameras.value_or(RefinedParts::kPoses);
   refinement.cameras.only_if_misaligned = !refine_cameras;

@@ -30,10 +30,9 @@ std::optional<Region> RegionOption::Resolve(
     return region;
   }
   std::optional<Region> found = FocusRegion(views, sparse_points);
-  if (!found) {
-    throw OptionError(
-        "--region auto finds too few sparse points in the images; give a box");
-  }
+  RefuseIf(
+      !found,
+      "--region auto finds too few sparse points in the images; give a box");
   return found;
 }
 

@@ -1,5 +1,7 @@
 #include "colmap_ext/options/viewer_options.h"
 
+#include <algorithm>
+
 #include "colmap_ext/errors.h"
 
 namespace colmap_ext {
@@ -7,44 +9,40 @@ namespace colmap_ext {
 namespace {
 
 void CheckScreenshot(const ViewerOptions& options) {
-  if (options.screenshot_path.empty() &&
-      (!options.image_name.empty() || options.turntable > 0)) {
-    throw OptionError("--image_name and --turntable need --screenshot_path");
-  }
-  if (!options.image_name.empty() && options.turntable > 0) {
-    throw OptionError("--image_name and --turntable exclude each other");
-  }
-  if (!options.screenshot_path.empty() && options.mesh_paths.size() > 1) {
-    throw OptionError("--screenshot_path takes one --mesh_path");
-  }
-  if (options.image_name.empty() && options.image_opacity > 0 &&
-      !options.screenshot_path.empty()) {
-    throw OptionError("--image_opacity needs --image_name");
-  }
-  if ((!options.image_name.empty() || options.settings.cameras ||
-       options.settings.points) &&
-      options.workspace_path.empty()) {
-    throw OptionError(
-        "--image_name, --cameras and --points need --workspace_path");
-  }
+  RefuseIf(options.screenshot_path.empty() &&
+               (!options.image_name.empty() || options.turntable > 0),
+           "--image_name and --turntable need --screenshot_path");
+  RefuseIf(!options.image_name.empty() && options.turntable > 0,
+           "--image_name and --turntable exclude each other");
+  RefuseIf(!options.screenshot_path.empty() && options.mesh_paths.size() > 1,
+           "--screenshot_path takes one --mesh_path");
+  RefuseIf(options.image_name.empty() && options.image_opacity > 0 &&
+               !options.screenshot_path.empty(),
+           "--image_opacity needs --image_name");
+  RefuseIf((!options.image_name.empty() || options.settings.cameras ||
+            options.settings.points) &&
+               options.workspace_path.empty(),
+           "--image_name, --cameras and --points need --workspace_path");
 }
 
 }  // namespace
 
 void ViewerOptions::Finish() {
-  if (workspace_path.empty() && mesh_paths.empty()) {
-    throw OptionError("--workspace_path or --mesh_path is required");
-  }
+  RefuseIf(workspace_path.empty() && mesh_paths.empty(),
+           "--workspace_path or --mesh_path is required");
   region.Finish();
-  if (region.is_auto) {
-    throw OptionError(
-        "--region auto is not for mesh_viewer: give the file that it made, "
-        "MESH.region.txt");
-  }
+  RefuseIf(region.is_auto,
+           "--region auto is not for mesh_viewer: give the file that it made, "
+           "MESH.region.txt");
   const std::vector<double> center = ParseNumberList("center", center_words, 2);
   center_u = center[0];
   center_v = center[1];
   CheckScreenshot(*this);
+}
+
+std::array<int, 2> ViewerOptions::FreeSize() const {
+  const int free_width = width > 0 ? width : 1024;
+  return {free_width, height > 0 ? height : std::max(1, free_width * 3 / 4)};
 }
 
 void AddViewerOptions(CommandOptions* options, ViewerOptions* viewer) {

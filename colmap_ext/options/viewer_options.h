@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filesystem>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,7 +24,7 @@ struct ViewerOptions {
   std::string screenshot_path;  // PNG; empty: a window
   std::string image_name;       // the picture is drawn from this image's camera
   int turntable = 0;            // pictures around the scene; 0: one picture
-  int width = 0;                // px; 0: the camera's, or kWidth
+  int width = 0;                // px; 0: the camera's, or 1024
   int height = 0;               // px; 0: from the width and the aspect ratio
   double zoom = 1;
   std::string center_words = "0.5,0.5";
@@ -35,7 +35,9 @@ struct ViewerOptions {
   DrawSettings settings;
   double image_opacity = 0;  // 0: no image over the mesh
 
-  static constexpr int kWidth = 1024;  // px
+  // Width and height of the window, and of pictures that are not from a camera
+  // of the workspace, px.
+  std::array<int, 2> FreeSize() const;
 
   // Checks the options, and sets those that depend on others.
   // \throw OptionError if something is wrong with any of the options.

@@ -1,4 +1,3 @@
-#include "colmap_ext/report/evaluation_report.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -17,12 +16,7 @@ std::string Number(double number) {
                                : "             -";
 }
 
-void PrintPair(const std::string& label, const DistanceStatistics& accuracy,
-               const DistanceStatistics& completeness,
-               double DistanceStatistics::*number, ReportLog* log) {
-  PrintText(label, Number(accuracy.*number) + Number(completeness.*number),
-            log);
-}
+std::string Number(size_t number) { return fmt::format("{:14}", number); }
 
 void PrintDistances(const SurfaceDistances& distances, bool drop_beyond,
                     ReportLog* log) {
@@ -30,18 +24,17 @@ void PrintDistances(const SurfaceDistances& distances, bool drop_beyond,
   const DistanceStatistics& completeness = distances.completeness;
   PrintHeading("Distances, scene units", log);
   PrintText("", "      accuracy  completeness", log);
-  PrintPair("mean", accuracy, completeness, &DistanceStatistics::mean, log);
-  PrintPair("median", accuracy, completeness, &DistanceStatistics::median, log);
-  PrintPair("90th percentile", accuracy, completeness,
-            &DistanceStatistics::percentile90, log);
-  const auto print_counts = [log](const std::string& label, size_t a,
-                                  size_t b) {
-    PrintText(label, fmt::format("{:14}{:14}", a, b), log);
+  const auto print = [&](const std::string& label, auto member) {
+    PrintText(label, Number(accuracy.*member) + Number(completeness.*member),
+              log);
   };
-  print_counts("samples", accuracy.num_samples, completeness.num_samples);
-  print_counts(drop_beyond ? "  beyond the maximum, dropped"
-                           : "  beyond the maximum, clipped",
-               accuracy.num_beyond, completeness.num_beyond);
+  print("mean", &DistanceStatistics::mean);
+  print("median", &DistanceStatistics::median);
+  print("90th percentile", &DistanceStatistics::percentile90);
+  print("samples", &DistanceStatistics::num_samples);
+  print(drop_beyond ? "  beyond the maximum, dropped"
+                    : "  beyond the maximum, clipped",
+        &DistanceStatistics::num_beyond);
   PrintText("average score", Number(distances.AverageScore()), log);
   PrintText("maximum distance", Number(distances.max_distance), log);
   PrintText("spacing of the samples", Number(distances.spacing), log);

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/report/refinement_report.h"
 #include "formats/encode_png.h"
 
 namespace colmap_ext {
@@ -247,7 +246,7 @@ std::string HtmlPage(const PageRun& run, const ReportLog& log,
          "</h1>\n<p class=\"soft\">" + output + "</p>\n" +
          HtmlKeyFigures(key_figures, log) + HtmlWarnings(log.warnings) + plots +
          HtmlPictures(pictures) + HtmlSections(log.sections) +
-         HtmlOptions(run.options) + "<p class=\"soft\">" +
+         HtmlOptions(log.options) + "<p class=\"soft\">" +
          EscapeHtml(run.version) + "</p>\n</body>\n</html>\n";
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "colmap_ext/options/command_options.h"
-#include "colmap_ext/report/print_lines.h"
+#include "colmap_ext/report/print_report.h"
 #include "refine/facetwise_refinement.h"
 #include "scene/color_image.h"
 
@@ -13,12 +13,6 @@ namespace colmap_ext {
 
 // A page on a run of a command: one self-contained HTML file, without scripts,
 // which is also well-formed XML.
-
-struct PageOption {
-  std::string name;   // without dashes
-  std::string value;  // as typed
-  bool is_default = true;
-};
 
 // Returns the current options of a command.
 std::vector<PageOption> PageOptions(const CommandOptions& options);
@@ -28,7 +22,6 @@ struct PageRun {
   std::string command;  // "facetwise_refiner"
   std::string output;   // the path of the mesh
   std::string version;  // of the program
-  std::vector<PageOption> options;
 };
 
 // Pictures of one kind, from each of the cameras.

@@ -7,9 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/report/print_lines.h"
 #include "colmap_ext/report/print_report.h"
-#include "colmap_ext/report/refinement_report.h"
 #include "workspace/usable_pictures.h"
 
 namespace colmap_ext {

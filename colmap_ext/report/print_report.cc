@@ -1,15 +1,15 @@
 #include "colmap_ext/report/print_report.h"
 
-#include <cstdint>
-#include <string>
+#include <ostream>
 
 #include <fmt/format.h>
 
-#include "colmap_ext/report/print_lines.h"
+#include "colmap_ext/jobs/mesh_tiles.h"
 
 namespace colmap_ext {
-
 namespace {
+
+constexpr int kLabelWidth = 38;  // characters
 
 const char* MeaningOf(ImageOrderKind kind) {
   switch (kind) {
@@ -98,6 +98,33 @@ void PrintMesh(const ManifoldMeshingReport& report, ReportLog* log) {
 }
 
 }  // namespace
+
+void PrintHeading(const std::string& heading, ReportLog* log) {
+  *log->stream << "\n" << heading << "\n";
+  log->sections.push_back({heading, {}});
+}
+
+void PrintText(const std::string& label, const std::string& text,
+               ReportLog* log) {
+  *log->stream << fmt::format("  {:<{}}{}\n", label, kLabelWidth, text);
+  if (log->sections.empty()) {
+    log->sections.emplace_back();
+  }
+  log->sections.back().rows.push_back({label, text});
+}
+
+void PrintNumber(const std::string& label, double number, ReportLog* log,
+                 std::optional<int> decimals) {
+  PrintText(label,
+            decimals ? fmt::format("{:14.{}f}", number, *decimals)
+                     : fmt::format("{:14.6g}", number),
+            log);
+}
+
+void PrintWarning(const std::string& what, ReportLog* log) {
+  *log->stream << "WARNING: " << what << "\n";
+  log->warnings.push_back(what);
+}
 
 void PrintTopology(const MeshReport& mesh, ReportLog* log) {
   Print("faces", mesh.num_facets, log);
@@ -200,16 +227,16 @@ void PrintReport(const ManifoldMeshingReport& report, ReportLog* log) {
   PrintMesh(report, log);
 }
 
-void PrintReport(const std::vector<StageTime>& stage_times, size_t peak_memory,
-                 ReportLog* log) {
-  PrintHeading("Time", log);
+void Console::PrintTime() {
+  PrintHeading("Time", &log);
   double total = 0;
-  for (const StageTime& time : stage_times) {
-    PrintText(time.stage, fmt::format("{:12.2f} s", time.seconds), log);
+  for (const StageTime& time : reporter.StageTimes()) {
+    PrintText(time.stage, fmt::format("{:12.2f} s", time.seconds), &log);
     total += time.seconds;
   }
-  PrintText("all", fmt::format("{:12.2f} s", total), log);
-  PrintText("peak memory", fmt::format("{:11.0f} MB", peak_memory / 1e6), log);
+  PrintText("all", fmt::format("{:12.2f} s", total), &log);
+  PrintText("peak memory", fmt::format("{:11.0f} MB", PeakMemory() / 1e6),
+            &log);
 }
 
 }  // namespace colmap_ext

@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "colmap_ext/report/print_lines.h"
-#include "colmap_ext/report/refinement_report.h"
+#include "colmap_ext/report/print_report.h"
 
 namespace colmap_ext {
 

@@ -1,7 +1,6 @@
 #include "colmap_ext/viewing/scene_loader.h"
 
 #include <algorithm>
-#include <exception>
 #include <new>
 #include <utility>
 

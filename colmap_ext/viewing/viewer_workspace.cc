@@ -1,16 +1,20 @@
-#include "colmap_ext/viewing/viewer_workspace.h"
+#include "colmap_ext/viewing/scene_loader.h"
 
 #include <algorithm>
-#include <optional>
+#include <array>
 #include <utility>
 
+#include "colmap_ext/errors.h"
 #include "formats/errors.h"
+#include "formats/read_ply_mesh.h"
+#include "formats/read_visibility.h"
+#include "formats/write_mesh.h"
+#include "mesh/clip_mesh.h"
 #include "pictures/drawings.h"
 #include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,6 +54,120 @@ bool Read(const ViewerOptions& options, InputType type, const fs::path& folder,
     result->notes.push_back(error.what());
     return false;
   }
+}
+
+// Moves vertices that are not finite to a finite one, and makes their facets
+// degenerate. Indices do not change.
+void DropInfinite(const std::filesystem::path& path, TriangleMesh* mesh) {
+  const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
+  const auto first =
+      std::find_if(mesh->vertices.begin(), mesh->vertices.end(), is_finite);
+  if (first == mesh->vertices.end()) {
+    throw FileError(path, "none of its vertices is finite");
+  }
+  for (Facet& facet : mesh->facets) {
+    if (!std::ranges::all_of(facet, [&](uint32_t vertex) {
+          return is_finite(mesh->vertices[vertex]);
+        })) {
+      facet = {facet[0], facet[0], facet[0]};
+    }
+  }
+  std::replace_if(mesh->vertices.begin(), mesh->vertices.end(),
+                  std::not_fn(is_finite), Eigen::Vector3f(*first));
+}
+
+void AddLabels(const std::filesystem::path& path, ShownMesh* shown,
+               std::vector<std::string>* notes) {
+  ColoredMesh labeled = ReadColoredPlyMesh(path);
+  if (labeled.labels.empty()) {
+    throw FileError(path,
+                    "it has no labels; facetwise_refiner --labels_path "
+                    "writes them");
+  }
+  if (labeled.labels.size() != shown->mesh.facets.size()) {
+    notes->push_back(path.string() + " is not of " + shown->name +
+                     ", which has another number of faces");
+    return;
+  }
+  shown->labels = std::move(labeled.labels);
+  shown->label_names = std::move(labeled.label_names);
+}
+
+void AddErrors(const std::filesystem::path& path, ShownMesh* shown,
+               std::vector<std::string>* notes) {
+  ColoredMesh colored = ReadColoredPlyMesh(path);
+  if (colored.colors.empty()) {
+    throw FileError(path,
+                    "it has no colors; mesh_evaluator "
+                    "--error_mesh_path writes them");
+  }
+  if (colored.mesh.vertices.size() != shown->mesh.vertices.size()) {
+    notes->push_back(path.string() + " is not of " + shown->name +
+                     ", which has another number of vertices");
+    return;
+  }
+  shown->error_colors = std::move(colored.colors);
+}
+
+void AddVisibility(const std::filesystem::path& path, ShownMesh* shown,
+                   std::vector<std::string>* notes) {
+  try {
+    shown->views = ReadVisibility(path, shown->mesh.vertices.size());
+  } catch (const FileError& error) {
+    notes->push_back(error.what());
+  }
+}
+
+template <typename T>
+std::vector<T> ValuesAt(const std::vector<std::array<uint32_t, 2>>& sources,
+                        const std::vector<T>& values) {
+  std::vector<T> at;
+  for (size_t i = 0; i < sources.size() && !values.empty(); ++i) {
+    at.push_back(values[sources[i][0]]);
+  }
+  return at;
+}
+
+// Of points without facets.
+Provenance ClipCloud(const Region& region, TriangleMesh* cloud) {
+  Provenance from;
+  std::vector<Eigen::Vector3f> kept;
+  for (uint32_t i = 0; i < cloud->vertices.size(); ++i) {
+    if (region.Contains(cloud->vertices[i])) {
+      kept.push_back(cloud->vertices[i]);
+      from.vertices.push_back({i, i});
+    }
+  }
+  cloud->vertices = std::move(kept);
+  return from;
+}
+
+// Keeps the part in the region. Vertices on its border get the data of the
+// inner ends of their edges.
+void Crop(const Region& region, ShownMesh* shown) {
+  const std::optional<Provenance> from = shown->mesh.facets.empty()
+                                             ? ClipCloud(region, &shown->mesh)
+                                             : ClipMesh(region, &shown->mesh);
+  if (!from) {
+    return;
+  }
+  shown->colors = ValuesAt(from->vertices, shown->colors);
+  shown->error_colors = ValuesAt(from->vertices, shown->error_colors);
+  shown->confidences = ValuesAt(from->vertices, shown->confidences);
+  if (shown->views.size() > 0) {
+    Rows<uint32_t> views;
+    for (const auto& source : from->vertices) {
+      views.AddRow(shown->views[source[0]]);
+    }
+    shown->views = std::move(views);
+  }
+  std::vector<int32_t> labels;
+  for (const uint32_t source : from->facets) {
+    if (source < shown->labels.size()) {
+      labels.push_back(shown->labels[source]);
+    }
+  }
+  shown->labels = std::move(labels);
 }
 
 }  // namespace
@@ -114,6 +232,51 @@ std::shared_ptr<const ColorImage> ReadShownImage(
   }
   return std::make_shared<const ColorImage>(
       ShrinkPicture(*std::move(image), max_size));
+}
+
+ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
+                        std::vector<std::string>* notes) {
+  ColoredMesh read = ReadColoredPlyMesh(paths.mesh);
+  ShownMesh shown;
+  shown.name = paths.mesh.filename().string();
+  shown.mesh = std::move(read.mesh);
+  shown.colors = std::move(read.colors);
+  shown.confidences = std::move(read.confidences);
+  shown.labels = std::move(read.labels);
+  shown.label_names = std::move(read.label_names);
+  DropInfinite(paths.mesh, &shown.mesh);
+  for (const Eigen::Vector3f& normal : read.normals) {
+    if (normal.allFinite()) {
+      shown.front += normal.cast<double>();
+    }
+  }
+  if (!paths.labels.empty()) {
+    AddLabels(paths.labels, &shown, notes);
+  }
+  if (!paths.errors.empty()) {
+    AddErrors(paths.errors, &shown, notes);
+  }
+  if (const auto path = VisibilityPath(paths.mesh); exists(path)) {
+    AddVisibility(path, &shown, notes);
+  }
+  if (paths.region) {
+    Crop(*paths.region, &shown);
+    if (shown.mesh.vertices.empty()) {
+      throw FileError(paths.mesh, "it has no part in the region");
+    }
+  }
+  return shown;
+}
+
+size_t FindView(const std::vector<View>& views, const std::string& name) {
+  const auto found = std::ranges::find(views, name, &View::name);
+  if (found == views.end()) {
+    throw OptionError("--image_name: the workspace has no image " + name +
+                      (views.empty()
+                           ? ", nor any other"
+                           : "; one that it has is " + views.front().name));
+  }
+  return found - views.begin();
 }
 
 }  // namespace colmap_ext

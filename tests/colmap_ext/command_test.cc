@@ -5,170 +5,130 @@
 #include "formats/encode_png.h"
 #include "formats/read_ply_cloud.h"
 #include "formats/read_visibility.h"
-#include "tests/colmap_ext/page_of_run.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
+#include "workspace/find_workspace.h"
 
 namespace colmap_ext {
 namespace command_test {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMeshName = "meshed-delaunay-manifold.ply";
-
-class CommandTest : public testing::TestWithParam<const char*> {
+class CommandTest : public testing::TestWithParam<std::string> {
  protected:
-  Outcome RunProgram(const std::string& arguments) {
-    return RunShell(prefix_ + "\"" + GetParam() + "\" " + arguments);
+  CommandTest() { sphere_.Write(path_); }
+
+  Outcome RunProgram(const std::string& arguments) const {
+    return RunShell(prefix_ + CommandLine(arguments, GetParam()));
   }
 
-  Outcome Run(const std::string& arguments) {
+  Outcome Run(const std::string& arguments) const {
     return RunProgram("delaunay_manifold_mesher " + arguments);
   }
 
+  // In the workspace.
+  Outcome Mesh(const std::string& options = "") const {
+    return Run(PathOption("workspace_path", path_) + options);
+  }
+
   // One line that says what is wrong, exit code 1, and no mesh.
-  void ExpectRefused(const std::string& arguments, const std::string& message) {
-    ExpectRefusal(Run(arguments), message);
-    EXPECT_FALSE(fs::exists(path_ / kMeshName)) << arguments;
+  void ExpectRefused(const std::string& options,
+                     const std::string& message) const {
+    ExpectRefusal(Mesh(options), message);
+    EXPECT_FALSE(fs::exists(path_ / kMesherOutput)) << options;
   }
 
-  std::string Workspace() const {
-    return "--workspace_path \"" + path_.string() + "\"";
-  }
-
+  SphereWorkspace sphere_;
   TemporaryFolder folder_;
   fs::path path_ = folder_.Path() / "a workspace";
-  SphereWorkspace sphere_;
   std::string prefix_;  // of the command line
 };
 
 TEST_P(CommandTest, ListsItselfInTheHelp) {
   for (const char* arguments : {"", "help", "-h"}) {
-    const Outcome outcome = RunProgram(arguments);
-    EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* command :
-         {"delaunay_manifold_mesher", "facetwise_refiner", "mesh_evaluator"}) {
-      EXPECT_NE(outcome.out.find(command), std::string::npos) << command;
-    }
+    EXPECT_TRUE(HasAll(
+        Succeed(RunProgram(arguments)).out,
+        {"delaunay_manifold_mesher", "facetwise_refiner", "mesh_evaluator"}));
   }
   EXPECT_EQ(RunProgram("no_such_command").exit_code, 1);
 }
 
+// docs/option_tables compares the options.
 TEST_P(CommandTest, ExplainsItsOptions) {
   for (const char* arguments : {"-h", "--help"}) {
-    const Outcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* option :
-         {"--workspace_path", "--input_path", "--output_path", "--input_type",
-          "--project_path", "--image_order",
-          "--DelaunayManifoldMeshing.max_proj_dist",
-          "--DelaunayManifoldMeshing.half_pixel_correction",
-          "--DelaunayManifoldMeshing.trim",
-          "--DelaunayManifoldMeshing.close_holes",
-          "--DelaunayManifoldMeshing.num_threads"}) {
-      EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
-    }
+    EXPECT_TRUE(HasAll(Succeed(Run(arguments)).out,
+                       {"--workspace_path", "--project_path",
+                        "--DelaunayManifoldMeshing.trim"}));
   }
 }
 
 TEST_P(CommandTest, MeshesAWorkspace) {
-  sphere_.Write(path_);
-  const Outcome outcome = Run(Workspace());
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
-  EXPECT_EQ(List(path_), "fused.ply fused.ply.vis images " +
-                             std::string(kMeshName) + " " + kMeshName +
-                             ".vis sparse");
-  const PlyCloud mesh = ReadPlyCloud(path_ / kMeshName);
+  const Outcome outcome = Succeed(Mesh());
+  EXPECT_EQ(List(path_),
+            "fused.ply fused.ply.vis images meshed-delaunay-manifold.ply "
+            "meshed-delaunay-manifold.ply.vis sparse");
+  const PlyCloud mesh = ReadPlyCloud(path_ / kMesherOutput);
   EXPECT_GT(mesh.positions.size(), 100);
   EXPECT_EQ(mesh.colors.size(), mesh.positions.size());
   EXPECT_EQ(mesh.confidences.size(), mesh.positions.size());
-  EXPECT_NO_THROW(ReadVisibility(path_ / (std::string(kMeshName) + ".vis"),
+  EXPECT_NO_THROW(ReadVisibility(path_ / ("meshed-delaunay-manifold.ply.vis"),
                                  mesh.positions.size()));
-  for (const char* text :
-       {"points read", "rays walked", "maximum flow", "minimum cut",
-        "Singular vertices", "genus", "peak memory", "half pixel"}) {
-    EXPECT_NE(outcome.out.find(text), std::string::npos) << text;
-  }
+  EXPECT_TRUE(HasAll(outcome.out, {"points read", "rays walked", "maximum flow",
+                                   "minimum cut", "Singular vertices", "genus",
+                                   "peak memory", "half pixel"}));
 }
 
 TEST_P(CommandTest, WritesAPage) {
-  sphere_.Write(path_);
   const fs::path page_path = path_ / "<page>.html";
-  const std::string arguments =
-      Workspace() + " --report_path \"" + page_path.string() + "\"";
-  const Outcome outcome = Run(arguments);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string arguments = PathOption("report_path", page_path);
+  const Outcome outcome = Succeed(Mesh(arguments));
   const std::string page = ReadFile(page_path);
   ExpectPageOfRun(page, outcome);
-  EXPECT_NE(page.find("&lt;page&gt;.html"), std::string::npos);
-  for (const char* text : {"<h3>Points", "<h3>Mesh", "<h3>Confidence",
-                           "<h3>Vertex colors", "rays walked"}) {
-    EXPECT_NE(page.find(text), std::string::npos) << text;
-  }
-  EXPECT_GE(NumPictures(page), 12);
+  EXPECT_TRUE(
+      HasAll(page, {"&lt;page&gt;.html", "<h3>Points", "<h3>Mesh",
+                    "<h3>Confidence", "<h3>Vertex colors", "rays walked"}));
+  EXPECT_GE(Count(page, "<img "), 12);
   WriteFile(page_path, "before");
   fs::remove(path_ / "fused.ply");
-  EXPECT_EQ(Run(arguments).exit_code, 1);
+  EXPECT_EQ(Mesh(arguments).exit_code, 1);
   EXPECT_EQ(ReadFile(page_path), "before");
 }
 
 TEST_P(CommandTest, MeshesARegion) {
-  sphere_.Write(path_);
-  ASSERT_EQ(Run(Workspace() + " --region -2,-2,-2,2,2,0.3").exit_code, 0);
+  Succeed(Mesh(" --region -2,-2,-2,2,2,0.3"));
   for (const Eigen::Vector3f& position :
-       ReadPlyCloud(path_ / kMeshName).positions) {
+       ReadPlyCloud(path_ / kMesherOutput).positions) {
     EXPECT_LE(position.z(), 0.3f + 1e-5f);
   }
-  const Outcome outcome = Run(Workspace() + " --region auto");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("region, center"), std::string::npos);
+  EXPECT_TRUE(Has(Succeed(Mesh(" --region auto")).out, "region, center"));
   const fs::path region = path_ / "meshed-delaunay-manifold.region.txt";
-  const std::string found = ReadFile(path_ / kMeshName);
-  ASSERT_EQ(
-      Run(Workspace() + " --region \"" + region.string() + "\"").exit_code, 0);
-  EXPECT_EQ(ReadFile(path_ / kMeshName), found);
-  fs::remove(path_ / kMeshName);
-  ExpectRefused(Workspace() + " --region nonsense", "--region");
-  ExpectRefused(Workspace() + " --region 5,5,5,6,6,6", "region");
-  ExpectRefused(Workspace() + " --region \"" + path_.string() + "\"",
-                path_.string());
+  const std::string found = ReadFile(path_ / kMesherOutput);
+  Succeed(Mesh(PathOption("region", region)));
+  EXPECT_EQ(ReadFile(path_ / kMesherOutput), found);
+  fs::remove(path_ / kMesherOutput);
+  ExpectRefused(" --region nonsense", "--region");
+  ExpectRefused(" --region 5,5,5,6,6,6", "region");
+  ExpectRefused(PathOption("region", path_), path_.string());
   WriteFile(region, "1 2 3");
-  ExpectRefused(Workspace() + " --region \"" + region.string() + "\"",
-                "not a region");
-}
-
-// Writes masks that leave out the upper part of every image.
-void WriteMasks(const SphereWorkspace& sphere, double share,
-                const fs::path& folder) {
-  for (const SphereWorkspace::Image& image : sphere.images) {
-    const View& view = image.view;
-    ColorImage mask{view.width, view.height, {}};
-    for (int i = 0; i < view.width * view.height; ++i) {
-      const uint8_t value = i < share * view.width * view.height ? 0 : 255;
-      mask.pixels.push_back({value, value, value});
-    }
-    const fs::path path = folder / (view.name + ".png");
-    fs::create_directories(path.parent_path());
-    WriteFile(path, EncodePng(mask));
-  }
+  ExpectRefused(PathOption("region", region), "not a region");
 }
 
 TEST_P(CommandTest, LeavesOutWhatIsMasked) {
-  sphere_.Write(path_);
   const fs::path masks = folder_.Path() / "masks";
-  const std::string arguments =
-      Workspace() + " --mask_path \"" + masks.string() + "\"";
-  WriteMasks(sphere_, 0.4, masks);
-  const Outcome outcome = Run(arguments);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("points masked in all views"), std::string::npos);
-  const Outcome carved = Run(arguments + " --mask_background 1");
-  ASSERT_EQ(carved.exit_code, 0) << carved.err;
-  EXPECT_NE(carved.out.find("rays beyond"), std::string::npos);
-  fs::remove(path_ / kMeshName);
-  ExpectRefused(Workspace() + " --mask_background 1", "--mask_path");
-  WriteMasks(sphere_, 1, masks);
+  const std::string arguments = PathOption("mask_path", masks);
+  const auto write_masks = [&](double share) {
+    for (const SphereWorkspace::Image& image : sphere_.images) {
+      WriteMask(masks, image.view, share);
+    }
+  };
+  write_masks(0.4);
+  EXPECT_TRUE(Has(Succeed(Mesh(arguments)).out, "points masked in all views"));
+  EXPECT_TRUE(Has(Succeed(Mesh(arguments + " --mask_background 1")).out,
+                  "rays beyond"));
+  fs::remove(path_ / kMesherOutput);
+  ExpectRefused(" --mask_background 1", "--mask_path");
+  write_masks(1);
   ExpectRefused(arguments, "all points are masked");
   const fs::path mask = masks / (sphere_.images[0].view.name + ".png");
   WriteFile(mask, "no picture");
@@ -180,22 +140,20 @@ TEST_P(CommandTest, LeavesOutWhatIsMasked) {
 }
 
 TEST_P(CommandTest, TransformsWhatItWrites) {
-  sphere_.Write(path_);
-  ASSERT_EQ(Run(Workspace()).exit_code, 0);
-  const PlyCloud before = ReadPlyCloud(path_ / kMeshName);
+  Succeed(Mesh());
+  const PlyCloud before = ReadPlyCloud(path_ / kMesherOutput);
   const fs::path transform = folder_.Path() / "transform.txt";
-  const std::string arguments =
-      Workspace() + " --transform_path \"" + transform.string() + "\"";
+  const std::string arguments = PathOption("transform_path", transform);
   // A quarter turn around z, twice the size.
   const std::string matrix = "0 -2 0 100\n2 0 0 200\n0 0 2 300\n0 0 0 1\n";
   for (const std::string& text :
-       {matrix, std::string("2 0.70710678118654752 0 0 0.70710678118654752 "
-                            "100 200 300\n")}) {
+       {matrix,
+        std::string(
+            "2 0.70710678118654752 0 0 0.70710678118654752 100 200 300\n")}) {
     WriteFile(transform, text);
-    ASSERT_EQ(Run(arguments).exit_code, 0);
-    EXPECT_NE(ReadFile(path_ / kMeshName).find("property double x"),
-              std::string::npos);
-    const PlyCloud after = ReadPlyCloud(path_ / kMeshName);
+    Succeed(Mesh(arguments));
+    EXPECT_TRUE(Has(ReadFile(path_ / kMesherOutput), "property double x"));
+    const PlyCloud after = ReadPlyCloud(path_ / kMesherOutput);
     ASSERT_EQ(after.positions.size(), before.positions.size());
     for (size_t i = 0; i < after.positions.size(); ++i) {
       const Eigen::Vector3f& p = before.positions[i];
@@ -206,7 +164,7 @@ TEST_P(CommandTest, TransformsWhatItWrites) {
           1e-4);
     }
   }
-  fs::remove(path_ / kMeshName);
+  fs::remove(path_ / kMesherOutput);
   for (const char* text :
        {"", "1 2 3", "1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1",
         "1 0 0 0 0 2 0 0 0 0 1 0 0 0 0 1", "0 1 0 0 0 0 0 0"}) {
@@ -216,81 +174,71 @@ TEST_P(CommandTest, TransformsWhatItWrites) {
 }
 
 TEST_P(CommandTest, IsADropInForDelaunayMesher) {
-  sphere_.Write(path_);
   const fs::path mesh_path = folder_.Path() / "mesh.ply";
-  const std::string paths = "--input_path \"" + path_.string() +
-                            "\" --output_path \"" + mesh_path.string() + "\"";
-  EXPECT_EQ(Run(paths).exit_code, 0);
+  const std::string paths =
+      PathOption("input_path", path_) + PathOption("output_path", mesh_path);
+  Succeed(Run(paths));
   EXPECT_TRUE(fs::exists(mesh_path));
-  EXPECT_FALSE(fs::exists(path_ / kMeshName));
-  EXPECT_EQ(Run(paths + " --input_type sparse").exit_code, 0);
+  EXPECT_FALSE(fs::exists(path_ / kMesherOutput));
+  Succeed(Run(paths + " --input_type sparse"));
 }
 
 TEST_P(CommandTest, FindsTheWorkspaceOfAutomaticReconstructor) {
+  fs::remove_all(path_);
   sphere_.Write(path_ / "dense" / "0");
-  const Outcome outcome = Run(Workspace());
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_TRUE(fs::exists(path_ / "dense" / "0" / kMeshName));
-  EXPECT_NE(outcome.out.find("dense/0"), std::string::npos);
+  const Outcome outcome = Succeed(Mesh());
+  EXPECT_TRUE(fs::exists(path_ / "dense" / "0" / kMesherOutput));
+  EXPECT_TRUE(Has(outcome.out, "dense/0"));
   sphere_.Write(path_ / "dense" / "1");
-  ExpectRefused(Workspace(), "which workspace?");
+  ExpectRefused("", "which workspace?");
 }
 
 TEST_P(CommandTest, TakesAProjectFile) {
-  sphere_.Write(path_);
   const fs::path project = folder_.Path() / "project.ini";
   WriteFile(project, "workspace_path=" + path_.string() +
                          "\n[DelaunayManifoldMeshing]\nmax_proj_dist=5\n");
-  EXPECT_EQ(Run("--project_path \"" + project.string() + "\"").exit_code, 0);
-  EXPECT_TRUE(fs::exists(path_ / kMeshName));
+  Succeed(Run(PathOption("project_path", project)));
+  EXPECT_TRUE(fs::exists(path_ / kMesherOutput));
   EXPECT_EQ(Run("--project_path /none").exit_code, 1);
 }
 
 TEST_P(CommandTest, GivesTheSameBytesOnAnyNumberOfThreads) {
-  sphere_.Write(path_);
   std::string first;
   for (const char* num_threads : {"1", "2", "3", "-1"}) {
-    ASSERT_EQ(Run(Workspace() + " --DelaunayManifoldMeshing.num_threads " +
-                  num_threads)
-                  .exit_code,
-              0);
-    const std::string bytes = ReadFile(path_ / kMeshName);
+    Succeed(Mesh(std::string(" @num_threads ") + num_threads));
+    const std::string bytes = ReadFile(path_ / kMesherOutput);
     EXPECT_EQ(bytes, first.empty() ? bytes : first);
     first = bytes;
   }
 }
 
 TEST_P(CommandTest, RefusesBadOptions) {
-  sphere_.Write(path_);
-  ExpectRefused("", "--workspace_path or --input_path");
-  ExpectRefused(Workspace() + " --input_path .",
-                "--workspace_path or --input_path");
-  ExpectRefused("--input_path .", "--output_path is required");
-  ExpectRefused(Workspace() + " --no_such_option 1", "no_such_option");
-  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.num_threads abc",
-                "abc");
-  ExpectRefused(Workspace() + " --input_type fuzzy", "input_type");
-  ExpectRefused(Workspace() + " --image_order random", "image_order");
-  ExpectRefused(Workspace() + " --image_order frame", "image_order");
-  ExpectRefused(Workspace() + " --report_path page.csv", "ends in .html");
-  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.max_depth_dist 2",
-                "max_depth_dist");
-  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.max_proj_dist nan",
-                "max_proj_dist");
-  ExpectRefused(Workspace() + " --DelaunayManifoldMeshing.behind_sigma inf",
+  ExpectRefusal(Run(""), "--workspace_path or --input_path");
+  ExpectRefused(" --input_path .", "--workspace_path or --input_path");
+  ExpectRefusal(Run("--input_path ."), "--output_path is required");
+  ExpectRefused(" --no_such_option 1", "no_such_option");
+  ExpectRefused(" @num_threads abc", "abc");
+  ExpectRefused(" --input_type fuzzy", "input_type");
+  ExpectRefused(" --image_order random", "image_order");
+  ExpectRefused(" --image_order frame", "image_order");
+  ExpectRefused(" --report_path page.csv", "ends in .html");
+  ExpectRefused(" @max_depth_dist 2", "max_depth_dist");
+  ExpectRefused(" @max_proj_dist nan", "max_proj_dist");
+  ExpectRefused(" @behind_sigma inf",
                 "--DelaunayManifoldMeshing.behind_sigma is 'inf'; it has to be "
                 "a number, 1e-06 ... 1000000");
 }
 
 TEST_P(CommandTest, RefusesMissingFiles) {
-  ExpectRefused(Workspace(), "no such folder");
+  fs::remove_all(path_);
+  ExpectRefused("", "no such folder");
   fs::create_directory(path_);
-  ExpectRefused(Workspace(), "stereo_fusion");
+  ExpectRefused("", "stereo_fusion");
   for (const char* name : {"fused.ply", "fused.ply.vis", "sparse/images.bin",
                            "sparse/cameras.bin", "sparse/points3D.bin"}) {
     sphere_.Write(path_);
     fs::remove(path_ / name);
-    ExpectRefused(Workspace(), path_.string());
+    ExpectRefused("", path_.string());
   }
 }
 
@@ -304,7 +252,7 @@ TEST_P(CommandTest, RefusesTruncatedFiles) {
     for (const size_t size : {size_t{0}, size_t{4}, size_t{8}, size_t{20},
                               bytes.size() / 2, bytes.size() - 1}) {
       WriteFile(path_ / name, bytes.substr(0, size));
-      ExpectRefused(Workspace(), fs::path(name).filename().string());
+      ExpectRefused("", fs::path(name).filename().string());
     }
   }
 }
@@ -315,58 +263,49 @@ TEST_P(CommandTest, RefusesLoopsOfLinks) {
     sphere_.Write(path_);
     fs::remove(path_ / name);
     fs::create_symlink(fs::path(name).filename(), path_ / name);
-    ExpectRefused(Workspace(), std::string("ERROR: ") +
-                                   (path_ / name).string() + ": Too many");
+    ExpectRefused(
+        "", std::string("ERROR: ") + (path_ / name).string() + ": Too many");
   }
 }
 
 TEST_P(CommandTest, SaysInOneLineWhatCanNotBePrinted) {
-  ExpectRefused("'--no\n\033such' 1", "--no??such");
+  ExpectRefused(" '--no\n\033such' 1", "--no??such");
 }
 
 TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
-  sphere_.Write(path_);
-  const std::string input = "--input_path \"" + path_.string() + "\" ";
   for (const char* output : {"/proc/mesh.ply", "/dev/null/mesh.ply", "/tmp"}) {
-    ExpectRefused(input + "--output_path " + output, "can not be written");
+    ExpectRefused(PathOption("output_path", output), "can not be written");
   }
-  ExpectRefused(Workspace() + " --report_path /proc/page.html",
-                "can not be written");
+  ExpectRefused(" --report_path /proc/page.html", "can not be written");
 }
 
 // A limit on the size of files stands for a full disk.
 TEST_P(CommandTest, OnAFullDiskAllFilesStayAsTheyWere) {
-  sphere_.Write(path_);
   const fs::path page = path_ / "page.html";
-  const std::string arguments =
-      Workspace() + " --report_path \"" + page.string() + "\"";
-  ASSERT_EQ(Run(arguments).exit_code, 0);
-  ASSERT_GT(fs::file_size(page), fs::file_size(path_ / kMeshName));
+  const std::string arguments = PathOption("report_path", page);
+  Succeed(Mesh(arguments));
+  ASSERT_GT(fs::file_size(page), fs::file_size(path_ / kMesherOutput));
   for (const uintmax_t size :
-       {fs::file_size(page) / 2, fs::file_size(path_ / kMeshName) - 1}) {
-    WriteFile(path_ / kMeshName, "old");
+       {fs::file_size(page) / 2, fs::file_size(path_ / kMesherOutput) - 1}) {
+    WriteFile(path_ / kMesherOutput, "old");
     WriteFile(page, "old");
     const auto before = FilesOf(path_);
     prefix_ = "trap '' XFSZ; prlimit --fsize=" + std::to_string(size) + " ";
-    ExpectRefusal(Run(arguments), "File too large");
+    ExpectRefusal(Mesh(arguments), "File too large");
     EXPECT_TRUE(FilesOf(path_) == before);
   }
 }
 
 TEST_P(CommandTest, RefusesToReplaceWhatItReads) {
-  sphere_.Write(path_);
   const auto before = FilesOf(path_);
   for (const char* name :
        {"fused.ply", "sparse/cameras.bin", "fused.ply.vis"}) {
-    ExpectRefused(
-        Workspace() + " --output_path \"" + (path_ / name).string() + "\"",
-        "would be replaced");
+    ExpectRefused(PathOption("output_path", path_ / name), "would be replaced");
   }
   EXPECT_TRUE(FilesOf(path_) == before);
 }
 
 TEST_P(CommandTest, RefusesReadOnlyWorkspaces) {
-  sphere_.Write(path_);
   constexpr fs::perms kReadOnly =
       fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
       fs::perms::others_exec;
@@ -378,7 +317,7 @@ TEST_P(CommandTest, RefusesReadOnlyWorkspaces) {
       GTEST_SKIP() << "root can not run the program as another user here";
     }
   }
-  ExpectRefused(Workspace(), "can not be written");
+  ExpectRefused("", "can not be written");
   fs::permissions(path_, fs::perms::owner_all);
 }
 
@@ -388,21 +327,10 @@ TEST_P(CommandTest, RefusesPointsWithoutVolume) {
   }
   sphere_.write_normals = false;
   sphere_.Write(path_);
-  ExpectRefused(Workspace() +
-                    " --image_order file "
-                    "--DelaunayManifoldMeshing.half_pixel_correction 0",
-                "volume");
+  ExpectRefused(" --image_order file @half_pixel_correction 0", "volume");
 }
 
-#ifdef COLMAP_EXT_PROGRAM
-INSTANTIATE_TEST_SUITE_P(StandAlone, CommandTest,
-                         testing::Values(COLMAP_EXT_PROGRAM));
-#endif
-#ifdef COLMAP_EXT_COLMAP_PROGRAM
-INSTANTIATE_TEST_SUITE_P(PatchedColmap, CommandTest,
-                         testing::Values(COLMAP_EXT_COLMAP_PROGRAM));
-#endif
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(CommandTest);
+INSTANTIATE_TEST_SUITE_P(Programs, CommandTest, testing::ValuesIn(Programs()));
 
 }  // namespace command_test
 }  // namespace colmap_ext

@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 
+#include <fmt/format.h>
+
 #include "colmap_ext/colmap_compat.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/gl/gl_test.h"
@@ -39,9 +41,6 @@ class MeshViewerTest : public RefinerFixture {
  protected:
   void SetUp() override {
     RefinerFixture::SetUp();
-    if (IsSkipped()) {
-      return;
-    }
     std::string missing;
     try {
       const EglContext context;
@@ -62,8 +61,8 @@ class MeshViewerTest : public RefinerFixture {
   }
 
   Outcome View(const std::string& arguments) const {
-    return RunShell("cd " + Quote(folder_.Path().string()) + " && " +
-                    Quote(kProgram) + " mesh_viewer " + arguments);
+    return RunShell("cd " + Quote(folder_.Path()) + " && " +
+                    CommandLine("mesh_viewer " + arguments));
   }
 
   ColorImage Picture(const std::string& name) const {
@@ -71,10 +70,13 @@ class MeshViewerTest : public RefinerFixture {
     return image ? *image : ColorImage();
   }
 
+  // The name of the n-th picture that the window saves.
+  static std::string Saved(size_t n) {
+    return fmt::format("mesh_viewer.{:03}.png", n);
+  }
+
   ColorImage Screenshot(const std::string& arguments) const {
-    const Outcome outcome =
-        View(Workspace() + " --screenshot_path shot.png " + arguments);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Succeed(View(Workspace() + " --screenshot_path shot.png " + arguments));
     return Picture("shot.png");
   }
 };
@@ -104,7 +106,7 @@ TEST_F(MeshViewerTest, ShowsARegion) {
   EXPECT_GT(num_half, num_whole / 10);
   EXPECT_LT(num_half, num_whole * 9 / 10);
   for (const char* name : {kInput, "fused.ply"}) {
-    const std::string mesh = "--mesh_path " + Quote((path_ / name).string());
+    const std::string mesh = PathOption("mesh_path", (path_ / name));
     ExpectRefusal(
         View(mesh + " --screenshot_path a.png --region 70,70,70,80,80,80"),
         "it has no part in the region");
@@ -115,18 +117,15 @@ TEST_F(MeshViewerTest, ShowsARegion) {
 
 TEST_F(MeshViewerTest, SaysWhatAModeMisses) {
   const Outcome outcome =
-      View(Workspace() + " --mode labels --screenshot_path shot.png");
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_NE(outcome.out.find("has no labels; facetwise_refiner --labels_path"),
-            std::string::npos);
+      Succeed(View(Workspace() + " --mode labels --screenshot_path shot.png"));
+  EXPECT_TRUE(
+      Has(outcome.out, "has no labels; facetwise_refiner --labels_path"));
 }
 
 TEST_F(MeshViewerTest, TakesMeshesAndCloudsWithoutAWorkspace) {
   for (const char* name : {kInput, "fused.ply"}) {
-    const Outcome outcome =
-        View("--mesh_path " + Quote((path_ / name).string()) +
-             " --screenshot_path alone.png --width 200");
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Succeed(View(PathOption("mesh_path", (path_ / name)) +
+                 " --screenshot_path alone.png --width 200"));
     const ColorImage picture = Picture("alone.png");
     EXPECT_EQ(picture.height, 150);
     EXPECT_GT(
@@ -155,9 +154,7 @@ TEST_F(MeshViewerTest, TheCamerasImageLiesOverTheMesh) {
 }
 
 TEST_F(MeshViewerTest, TurntableDrawsAllAround) {
-  EXPECT_EQ(View(Workspace() + " --screenshot t.png --turntable 3 --width 99")
-                .exit_code,
-            0);
+  Succeed(View(Workspace() + " --screenshot t.png --turntable 3 --width 99"));
   EXPECT_GT(MeanDifference(Picture("t.000.png"), Picture("t.001.png")), 1);
   EXPECT_GT(MeanDifference(Picture("t.001.png"), Picture("t.002.png")), 1);
   EXPECT_FALSE(fs::exists(folder_.Path() / "t.003.png"));
@@ -177,10 +174,9 @@ TEST_F(MeshViewerTest, RefusesWhatMakesNoSense) {
 }
 
 TEST_F(MeshViewerTest, WithoutADisplayItNamesTheWayWithoutOne) {
-  const Outcome outcome =
-      RunShell("env -u DISPLAY -u WAYLAND_DISPLAY " + Quote(kProgram) +
-               " mesh_viewer " + Workspace());
-  ExpectRefusal(outcome, "--screenshot_path FILE.png draws without one");
+  ExpectRefusal(RunShell("env -u DISPLAY -u WAYLAND_DISPLAY " +
+                         CommandLine("mesh_viewer" + Workspace())),
+                "--screenshot_path FILE.png draws without one");
 }
 
 class MeshViewerWindowTest : public MeshViewerTest {
@@ -196,30 +192,25 @@ class MeshViewerWindowTest : public MeshViewerTest {
         return;
       }
     }
-    if (View(Workspace()).err.find("built without") != std::string::npos) {
+    if (Has(View(Workspace()).err, "built without")) {
       SkipWithout("the program was built without GLFW");
     }
   }
 
-  // Does the steps of window_session to a command.
-  Outcome Act(const std::string& arguments, const std::string& steps) const {
+  // Does the steps of window_session to a command, which has to succeed.
+  void Act(const std::string& arguments, const std::string& steps) const {
     WriteFile(folder_.Path() / "steps", steps);
-    return RunShell("cd " + Quote(folder_.Path().string()) + " && " +
-                    COLMAP_EXT_WINDOW_SESSION + " steps " + Quote(kProgram) +
-                    " " + arguments);
-  }
-
-  void ExpectFine(const Outcome& outcome) const {
-    EXPECT_EQ(outcome.exit_code, 0);
+    const Outcome outcome = Succeed(RunShell(
+        "cd " + Quote(folder_.Path()) + " && " + COLMAP_EXT_WINDOW_SESSION +
+        " steps " + CommandLine(arguments)));
     EXPECT_EQ(outcome.err, "");  // OpenGL has nothing to say, either.
   }
 };
 
 TEST_F(MeshViewerWindowTest, ShowsWhatTheOffscreenPictureShows) {
-  ExpectFine(Act("mesh_viewer " + Workspace(),
-                 "key s\nuntil mesh_viewer.001.png\nkey Escape\n"));
-  EXPECT_LT(MeanDifference(Picture("mesh_viewer.001.png"), Screenshot("")),
-            0.1);
+  Act("mesh_viewer " + Workspace(),
+      "key s\nuntil mesh_viewer.001.png\nkey Escape\n");
+  EXPECT_LT(MeanDifference(Picture(Saved(1)), Screenshot("")), 0.1);
 }
 
 // Each key changes the picture, and once more, or R, brings it back.
@@ -242,16 +233,13 @@ TEST_F(MeshViewerWindowTest, KeysAndMouseDoWhatTheHelpSays) {
       "click --repeat 2 --delay 80 1"};
   std::string steps = "key s\nuntil mesh_viewer.001.png\nsleep 2\n";
   for (size_t i = 0; i < acts.size(); ++i) {
-    steps += acts[i] + "\nsleep 1.2\nkey h\nkey s\nuntil mesh_viewer.0" +
-             (i + 2 < 10 ? "0" : "") + std::to_string(i + 2) + ".png\n";
+    steps +=
+        acts[i] + "\nsleep 1.2\nkey h\nkey s\nuntil " + Saved(i + 2) + "\n";
   }
-  ExpectFine(Act("mesh_viewer " + Workspace(), steps + "key Escape\n"));
-  const ColorImage first = Picture("mesh_viewer.001.png");
+  Act("mesh_viewer " + Workspace(), steps + "key Escape\n");
+  const ColorImage first = Picture(Saved(1));
   for (size_t i = 0; i < acts.size(); ++i) {
-    const double difference = MeanDifference(
-        Picture("mesh_viewer.0" + std::string(i + 2 < 10 ? "0" : "") +
-                std::to_string(i + 2) + ".png"),
-        first);
+    const double difference = MeanDifference(Picture(Saved(i + 2)), first);
     if (i % 2 == 0) {
       EXPECT_GT(difference, 0.001) << acts[i];
     } else {
@@ -261,33 +249,32 @@ TEST_F(MeshViewerWindowTest, KeysAndMouseDoWhatTheHelpSays) {
 }
 
 TEST_F(MeshViewerWindowTest, FliesToCamerasWithTheirIntrinsics) {
-  ExpectFine(Act("mesh_viewer " + Workspace() + " --width 640 --height 480",
-                 "key s\nuntil mesh_viewer.001.png\nsleep 2\nkey Right\n"
-                 "sleep 2\nkey s\nuntil mesh_viewer.002.png\nkey g\nsleep 2\n"
-                 "key plus\nkey s\nuntil mesh_viewer.003.png\nkey Escape\n"));
+  Act("mesh_viewer " + Workspace() + " --width 640 --height 480",
+      "key s\nuntil mesh_viewer.001.png\nsleep 2\nkey Right\n"
+      "sleep 2\nkey s\nuntil mesh_viewer.002.png\nkey g\nsleep 2\n"
+      "key plus\nkey s\nuntil mesh_viewer.003.png\nkey Escape\n");
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(path_ / "images")) {
     names.push_back(entry.path().filename().string());
   }
   const std::string camera = "--width 640 --height 480 --image_name " +
                              *std::ranges::min_element(names);
-  EXPECT_LT(MeanDifference(Picture("mesh_viewer.002.png"), Screenshot(camera)),
-            0.1);
-  EXPECT_LT(MeanDifference(Picture("mesh_viewer.003.png"),
+  EXPECT_LT(MeanDifference(Picture(Saved(2)), Screenshot(camera)), 0.1);
+  EXPECT_LT(MeanDifference(Picture(Saved(3)),
                            Screenshot(camera + " --image_opacity 0.6")),
             0.1);
 }
 
 TEST_F(MeshViewerWindowTest, FollowsTheSizeOfTheWindow) {
-  ExpectFine(Act("mesh_viewer " + Workspace(),
-                 "search --name mesh_viewer windowsize 500 410\nsleep 1\n"
-                 "key s\nuntil mesh_viewer.001.png\nkey Escape\n"));
-  EXPECT_EQ(Picture("mesh_viewer.001.png").width, 500);
-  EXPECT_EQ(Picture("mesh_viewer.001.png").height, 410);
+  Act("mesh_viewer " + Workspace(),
+      "search --name mesh_viewer windowsize 500 410\nsleep 1\n"
+      "key s\nuntil mesh_viewer.001.png\nkey Escape\n");
+  EXPECT_EQ(Picture(Saved(1)).width, 500);
+  EXPECT_EQ(Picture(Saved(1)).height, 410);
 }
 
 TEST_F(MeshViewerWindowTest, MayBeClosedWhileItLoads) {
-  ExpectFine(Act("mesh_viewer " + Workspace(), "key Escape\n"));
+  Act("mesh_viewer " + Workspace(), "key Escape\n");
 }
 
 TEST_F(MeshViewerWindowTest, WorksWithoutImagesAndWithAnotherMesh) {
@@ -295,24 +282,20 @@ TEST_F(MeshViewerWindowTest, WorksWithoutImagesAndWithAnotherMesh) {
   const fs::path other = folder_.Path() / "other.ply";
   fs::copy(meshed_->folder.Path() / kInput, other);
   WriteFile(VisibilityPath(other), "of another mesh");
-  ExpectFine(Act(
-      "mesh_viewer " + Workspace() + " --mesh_path " + Quote(other.string()),
+  Act("mesh_viewer " + Workspace() + PathOption("mesh_path", other),
       "key s\nuntil mesh_viewer.001.png\nsleep 2\nkey Right\n"
       "key g\nkey c\nmousemove 500 400\n"
-      "click --repeat 2 --delay 80 1\nsleep 2\nkey Escape\n"));
+      "click --repeat 2 --delay 80 1\nsleep 2\nkey Escape\n");
 }
 
 // What the refinement writes does not depend on who looks, pauses or leaves.
 TEST_F(MeshViewerWindowTest, ARefinementIsTheSameWhenItIsWatched) {
-  const std::string command =
-      "facetwise_refiner " + Workspace() +
-      " --FacetwiseRefinement.backend cpu --FacetwiseRefinement.levels 2"
-      " --FacetwiseRefinement.iterations 3 --viewer ";
-  ASSERT_EQ(RunShell(Quote(kProgram) + " " + command + "0").exit_code, 0);
+  const std::string command = "facetwise_refiner " + Workspace() +
+                              " @backend cpu @levels 2 @iterations 3 --viewer ";
+  Succeed(RunProgram(command + "0"));
   const std::string alone = ReadFile(path_ / kOutput);
   fs::remove(path_ / kOutput);
-  ExpectFine(Act(command + "1",
-                 "sleep 2\nkey t\nsleep 1\nkey t\nsleep 1\nkey Escape\n"));
+  Act(command + "1", "sleep 2\nkey t\nsleep 1\nkey t\nsleep 1\nkey Escape\n");
   EXPECT_EQ(ReadFile(path_ / kOutput), alone);
 }
 

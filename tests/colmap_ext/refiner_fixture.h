@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,17 +19,11 @@ inline constexpr const char* kInput = "meshed-delaunay-manifold.ply";
 inline constexpr const char* kOutput = "meshed-refined.ply";
 inline constexpr const char* kEarlierOutput = "of an earlier run";
 
-#ifdef COLMAP_EXT_PROGRAM
-inline const std::string kProgram = COLMAP_EXT_PROGRAM;
-#else
-inline const std::string kProgram;
-#endif
-
-inline std::string Quote(const std::string& text) { return "\"" + text + "\""; }
-
-inline synthetic::DenseScene MakeStatue(int num_images) {
+// \param pose_noise  px
+inline synthetic::DenseScene MakeStatue(double pose_noise = 0) {
   synthetic::DenseSceneOptions options;
-  options.scene.num_images = num_images;
+  options.pose_noise.pixels = pose_noise;
+  options.scene.num_images = 8;
   options.scene.width = 160;
   options.scene.height = 120;
   return MakeDenseScene(options);
@@ -39,12 +32,12 @@ inline synthetic::DenseScene MakeStatue(int num_images) {
 // A workspace that delaunay_manifold_mesher has been run on.
 struct MeshedWorkspace {
   MeshedWorkspace() {
-    const synthetic::DenseScene scene = MakeStatue(8);
+    const synthetic::DenseScene scene = MakeStatue();
     truth = scene.scene.surface;
     WriteWorkspace(scene, 1, folder.Path().string());
     std::filesystem::remove_all(folder.Path() / "truth");
-    RunShell(Quote(kProgram) + " delaunay_manifold_mesher --workspace_path " +
-             Quote(folder.Path().string()));
+    RunProgram("delaunay_manifold_mesher" +
+               PathOption("workspace_path", folder.Path()));
   }
 
   TemporaryFolder folder;
@@ -55,46 +48,42 @@ struct MeshedWorkspace {
 class RefinerFixture : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (!kProgram.empty()) {
-      meshed_ = std::make_unique<MeshedWorkspace>();
-    }
+    meshed_ = std::make_unique<MeshedWorkspace>();
   }
 
   static void TearDownTestSuite() { meshed_.reset(); }
 
   void SetUp() override {
-    if (kProgram.empty()) {
-      GTEST_SKIP() << "there is no stand-alone program";
-    }
-    MakeWorkspace();
+    std::filesystem::copy(meshed_->folder.Path(), path_,
+                          std::filesystem::copy_options::recursive);
     ASSERT_TRUE(std::filesystem::exists(path_ / kInput));
   }
 
-  void MakeWorkspace() const {
-    std::filesystem::remove_all(path_);
-    std::filesystem::copy(meshed_->folder.Path(), path_,
-                          std::filesystem::copy_options::recursive);
+  // The command line of facetwise_refiner: by the processor, if not otherwise.
+  static std::string CommandOf(const std::string& arguments) {
+    return CommandLine("facetwise_refiner " + arguments +
+                       (Has(arguments, "@backend") ? "" : " @backend cpu"));
   }
 
-  Outcome Run(const std::string& arguments) const {
-    const std::string backend = "--FacetwiseRefinement.backend ";
-    return RunShell(Quote(kProgram) + " facetwise_refiner " + arguments +
-                    (arguments.find(backend) == std::string::npos
-                         ? " " + backend + "cpu"
-                         : ""));
+  static Outcome Run(const std::string& arguments) {
+    return RunShell(CommandOf(arguments));
   }
 
+  // In the workspace.
+  Outcome Refine(const std::string& options = "") const {
+    return Run(Workspace() + options);
+  }
+
+  // \param name  in the workspace
   std::string Option(const std::string& option, const std::string& name) const {
-    return " --" + option + " " + Quote((path_ / name).string());
+    return PathOption(option, path_ / name);
   }
 
-  std::string Workspace() const {
-    return "--workspace_path " + Quote(path_.string());
-  }
+  std::string Workspace() const { return PathOption("workspace_path", path_); }
 
-  void ExpectRefused(const std::string& arguments, const std::string& message) {
-    ExpectRefusal(Run(arguments), message);
-    EXPECT_FALSE(std::filesystem::exists(path_ / kOutput)) << arguments;
+  void ExpectRefused(const std::string& options, const std::string& message) {
+    ExpectRefusal(Refine(options), message);
+    EXPECT_FALSE(std::filesystem::exists(path_ / kOutput)) << options;
   }
 
   // The output is as promised.
@@ -118,17 +107,11 @@ class RefinerFixture : public testing::Test {
     const std::filesystem::path truth = folder_.Path() / "truth.ply";
     WriteColoredMesh(truth, meshed_->truth, {});
     const std::filesystem::path json = folder_.Path() / "figures.json";
-    const Outcome outcome = RunShell(
-        Quote(kProgram) + " mesh_evaluator --mesh_path " +
-        Quote(path.string()) + " --truth_path " + Quote(truth.string()) +
-        " --workspace_path " + Quote(path_.string()) + " --json_path " +
-        Quote(json.string()) + " --MeshEvaluation.spacing 0.01");
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    const std::string key = "\"average_score\": ";
-    const std::string figures = ReadFile(json);
-    const size_t at = figures.find(key);
-    return at == std::string::npos ? std::nan("")
-                                   : std::stod(figures.substr(at + key.size()));
+    Succeed(RunProgram("mesh_evaluator @spacing 0.01" +
+                       PathOption("mesh_path", path) +
+                       PathOption("truth_path", truth) + Workspace() +
+                       PathOption("json_path", json)));
+    return NumberAfter("\"average_score\": ", ReadFile(json));
   }
 
   static inline std::unique_ptr<MeshedWorkspace> meshed_;

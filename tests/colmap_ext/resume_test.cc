@@ -5,7 +5,6 @@
 #include <csignal>
 #include <utility>
 
-#include "tests/colmap_ext/process.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 
 namespace colmap_ext {
@@ -18,16 +17,10 @@ class ResumeTest : public RefinerFixture {
   // Runs the program in a workspace where there is an output already, and sends
   // it signals, one after the other, when it has printed the text.
   // \return as waitpid() has it.
-  int Interrupt(const std::vector<std::string>& more_arguments,
-                const std::string& text,
+  int Interrupt(const std::string& options, const std::string& text,
                 const std::vector<int>& signals) const {
     WriteFile(path_ / kOutput, kEarlierOutput);
-    std::vector<std::string> arguments = {
-        "facetwise_refiner", "--FacetwiseRefinement.backend", "cpu",
-        "--workspace_path", path_.string()};
-    arguments.insert(arguments.end(), more_arguments.begin(),
-                     more_arguments.end());
-    Process process(kProgram, arguments, folder_.Path() / "err");
+    Process process(CommandOf(Workspace() + options), folder_.Path() / "err");
     EXPECT_TRUE(process.WaitFor(text)) << ErrorOutput();
     for (const int number : signals) {
       process.Signal(number);
@@ -36,10 +29,8 @@ class ResumeTest : public RefinerFixture {
   }
 
   // Of a run that is interrupted at the second level.
-  void InterruptAtTheSecondLevel(
-      const std::vector<std::string>& more_arguments = {}) const {
-    const int status =
-        Interrupt(more_arguments, "1/2 size, iteration 0", {SIGINT});
+  void InterruptAtTheSecondLevel(const std::string& options = "") const {
+    const int status = Interrupt(options, "1/2 size, iteration 0", {SIGINT});
     ASSERT_TRUE(WIFEXITED(status));
     ASSERT_EQ(WEXITSTATUS(status), 130) << ErrorOutput();
   }
@@ -51,7 +42,7 @@ class ResumeTest : public RefinerFixture {
   }
 
   void ExpectResumeRefused(const std::string& message) const {
-    ExpectRefusal(Run(Workspace() + " --resume 1"), message);
+    ExpectRefusal(Refine(" --resume 1"), message);
   }
 
   std::string ErrorOutput() const { return ReadFile(folder_.Path() / "err"); }
@@ -59,34 +50,29 @@ class ResumeTest : public RefinerFixture {
 
 TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
   const fs::path output = path_ / kOutput;
-  ASSERT_EQ(Run(Workspace() + Option("report_path", "steps.csv")).exit_code, 0);
+  Succeed(Refine(Option("report_path", "steps.csv")));
   const auto num_steps = [this] {
-    const std::string csv = ReadFile(path_ / "steps.csv");
-    return std::count(csv.begin(), csv.end(), '\n');
+    return Count(ReadFile(path_ / "steps.csv"), "\n");
   };
   const auto num_steps_of_all = num_steps();
-  const std::string mesh = ReadFile(output);
-  const std::string visibility = ReadFile(VisibilityPath(output));
+  const std::string mesh = BytesOf(output);
   const fs::path state = path_ / "meshed-refined.ply.resume";
   InterruptAtTheSecondLevel();
-  EXPECT_NE(ErrorOutput().find("--resume 1"), std::string::npos);
+  EXPECT_TRUE(Has(ErrorOutput(), "--resume 1"));
   EXPECT_EQ(ReadFile(output), kEarlierOutput);
   const fs::path level_mesh = path_ / "meshed-refined.level2.ply";
-  EXPECT_NE(ErrorOutput().find(level_mesh.string()), std::string::npos);
+  EXPECT_TRUE(Has(ErrorOutput(), level_mesh.string()));
   ExpectGoodMesh(level_mesh);
-  ExpectRefusal(
-      Run(Workspace() + " --resume 1 --FacetwiseRefinement.iterations 3"),
-      "iterations was '10' and is '3'");
+  ExpectRefusal(Refine(" --resume 1 @iterations 3"),
+                "iterations was '10' and is '3'");
   const std::string state_bytes = ReadFile(state);
   WriteFile(state, state_bytes.substr(0, state_bytes.size() - 8));
   ExpectResumeRefused("damaged");
   WriteFile(state, state_bytes);
-  const Outcome outcome =
-      Run(Workspace() + " --resume 1" + Option("report_path", "steps.csv"));
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("goes on after"), std::string::npos);
-  EXPECT_TRUE(ReadFile(output) == mesh);
-  EXPECT_TRUE(ReadFile(VisibilityPath(output)) == visibility);
+  EXPECT_TRUE(Has(
+      Succeed(Refine(" --resume 1" + Option("report_path", "steps.csv"))).out,
+      "goes on after"));
+  EXPECT_TRUE(BytesOf(output) == mesh);
   EXPECT_FALSE(fs::exists(state));
   EXPECT_FALSE(fs::exists(level_mesh));
   EXPECT_FALSE(fs::exists(VisibilityPath(level_mesh)));
@@ -94,9 +80,7 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
 }
 
 TEST_F(ResumeTest, GoesOnWithTheCamerasAsTheyWereRefined) {
-  const std::vector<std::string> poses = {
-      "--FacetwiseRefinement.refine_cameras", "poses"};
-  const std::string options = Workspace() + " " + poses[0] + " " + poses[1];
+  const std::string poses = " @refine_cameras poses";
   const auto results = [this] {
     std::string bytes = ReadFile(path_ / kOutput);
     for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
@@ -104,14 +88,12 @@ TEST_F(ResumeTest, GoesOnWithTheCamerasAsTheyWereRefined) {
     }
     return bytes;
   };
-  ASSERT_EQ(Run(options).exit_code, 0);
+  Succeed(Refine(poses));
   const std::string expected = results();
   fs::remove_all(path_ / "sparse-refined");
   InterruptAtTheSecondLevel(poses);
   EXPECT_FALSE(fs::exists(path_ / "sparse-refined" / "images.bin"));
-  const Outcome outcome = Run(options + " --resume 1");
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("goes on after"), std::string::npos);
+  EXPECT_TRUE(Has(Succeed(Refine(poses + " --resume 1")).out, "goes on after"));
   EXPECT_TRUE(results() == expected);
 }
 
@@ -136,42 +118,38 @@ TEST_F(ResumeTest, RefusesToGoOnWithOtherPosesOrPictures) {
   WriteFile(picture, bytes + "x");  // which decoders do not read
   ExpectResumeRefused("images/0003.png");
   WriteFile(picture, bytes);
-  EXPECT_EQ(Run(Workspace() + " --resume 1").exit_code, 0);
+  Succeed(Refine(" --resume 1"));
 }
 
 TEST_F(ResumeTest, RefusesToGoOnInAnotherOrderOfTheImages) {
   InterruptAtTheSecondLevel();
   // Images are in the order that this COLMAP's stereo_fusion counts them by.
 #if COLMAP_EXT_COLMAP_VERSION >= 31200
-  ExpectRefusal(Run(Workspace() + " --resume 1 --image_order file"),
+  ExpectRefusal(Refine(" --resume 1 --image_order file"),
                 "image_order was 'image_id' and is 'file'");
 #else
-  ExpectRefusal(Run(Workspace() + " --resume 1 --image_order image_id"),
+  ExpectRefusal(Refine(" --resume 1 --image_order image_id"),
                 "image_order was 'file' and is 'image_id'");
 #endif
 }
 
 TEST_F(ResumeTest, StartsWhereThereIsNothingToGoOnFrom) {
-  const Outcome outcome =
-      Run(Workspace() + " --resume 1 --FacetwiseRefinement.levels 1");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("starts from the beginning"), std::string::npos);
+  EXPECT_TRUE(Has(Succeed(Refine(" --resume 1 @levels 1")).out,
+                  "starts from the beginning"));
 }
 
 TEST_F(ResumeTest, WritesNothingBeforeTheFirstLevelIsComplete) {
   const std::string before = ListWithEarlierOutput();
-  const int status = Interrupt({"--FacetwiseRefinement.levels", "1"},
-                               "iteration 0", {SIGTERM});
+  const int status = Interrupt(" @levels 1", "iteration 0", {SIGTERM});
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 143);
-  EXPECT_NE(ErrorOutput().find("nothing was written"), std::string::npos);
+  EXPECT_TRUE(Has(ErrorOutput(), "nothing was written"));
   EXPECT_EQ(List(path_), before);
 }
 
 TEST_F(ResumeTest, EndsAtOnceAtTheSecondSignal) {
   const std::string before = ListWithEarlierOutput();
-  const int status = Interrupt({"--FacetwiseRefinement.levels", "1"},
-                               "iteration 0", {SIGINT, SIGTERM});
+  const int status = Interrupt(" @levels 1", "iteration 0", {SIGINT, SIGTERM});
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(List(path_), before);
 }

@@ -1,8 +1,6 @@
 // The commands as scripts run them that were written for delaunay_mesher: in a
 // shell, with COLMAP's options, from other folders, several at a time.
 
-#include <fstream>
-
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
@@ -12,11 +10,7 @@ namespace scripts_test {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMeshName = "meshed-delaunay-manifold.ply";
-
-std::string Quote(const fs::path& path) { return "'" + path.string() + "'"; }
-
-class ScriptsTest : public testing::TestWithParam<const char*> {
+class ScriptsTest : public testing::TestWithParam<std::string> {
  protected:
   // A little rough, or no point would lie within others and be thinned.
   void SetUp() override {
@@ -40,17 +34,12 @@ class ScriptsTest : public testing::TestWithParam<const char*> {
   }
 
   void ExpectSuccess(const std::string& lines) {
-    const Outcome outcome = RunScript(lines);
-    EXPECT_EQ(outcome.exit_code, 0) << lines << "\n" << outcome.err;
-    out_ = outcome.out;
+    SCOPED_TRACE(lines);
+    out_ = Succeed(RunScript(lines)).out;
   }
 
   std::string Bytes(const std::string& name) {
     return ReadFile(folder_.Path() / name);
-  }
-
-  bool HasSaid(const std::string& text) const {
-    return out_.find(text) != std::string::npos;
   }
 
   TemporaryFolder folder_;
@@ -70,14 +59,13 @@ TEST_P(ScriptsTest, TakesTheOptionsOfDelaunayMesher) {
       "cmp same.ply 'a scène/scene.ply'");
   ExpectSuccess(
       "mesher --input_path 'a scène' --input_type sparse --output_path s1.ply\n"
-      "mesher --input_path 'a scène/sparse' --input_type SPARSE "
-      "--output_path s2.ply\ncmp s1.ply s2.ply");
+      "mesher --input_path 'a scène/sparse' --input_type SPARSE --output_path "
+      "s2.ply\ncmp s1.ply s2.ply");
   ExpectSuccess(
       "mesher --input_path 'a scène' --output_path x.ply --log_level 1 "
       "--DelaunayMeshing.of_another_version 3");
-  EXPECT_TRUE(
-      HasSaid("ignored: --DelaunayMeshing.of_another_version, "
-              "--log_level\n"));
+  EXPECT_TRUE(Has(
+      out_, "ignored: --DelaunayMeshing.of_another_version, --log_level\n"));
 }
 
 // What image_undistorter writes into run-colmap-geometric.sh.
@@ -104,11 +92,12 @@ TEST_P(ScriptsTest, CountsThePixelsOfTheCameraLikeDelaunayMesher) {
   ExpectSuccess(
       "mesher --workspace_path 'a scène' --output_path camera.ply "
       "--DelaunayMeshing.max_proj_dist 8");
-  EXPECT_TRUE(HasSaid("8 px of the cameras, as COLMAP has it: 4 px of images"));
+  EXPECT_TRUE(
+      Has(out_, "8 px of the cameras, as COLMAP has it: 4 px of images"));
   ExpectSuccess(
       "mesher --workspace_path 'a scène' --output_path image.ply "
       "--DelaunayManifoldMeshing.max_proj_dist 4");
-  EXPECT_FALSE(HasSaid("of the cameras"));
+  EXPECT_FALSE(Has(out_, "of the cameras"));
   EXPECT_EQ(Bytes("camera.ply.vis"), Bytes("image.ply.vis"));
   ExpectSuccess(
       "mesher --workspace_path 'a scène' --output_path other.ply "
@@ -126,18 +115,17 @@ TEST_P(ScriptsTest, TakesTheProjectFileOfProjectGenerator) {
       "mesher --project_path project.ini --workspace_path 'a scène'\n"
       "mesher --workspace_path 'a scène' --output_path same.ply "
       "--DelaunayMeshing.max_proj_dist 3\n"
-      "cmp same.ply 'a scène/" +
-      std::string(kMeshName) + "'");
+      "cmp same.ply 'a scène/meshed-delaunay-manifold.ply'");
   EXPECT_EQ(RunScript("mesher --project_path none.ini").exit_code, 1);
 }
 
 #ifdef COLMAP_EXT_COLMAP_PROGRAM
 TEST_P(ScriptsTest, TakesWhatThisColmapWritesAsAProject) {
-  ExpectSuccess(Quote(COLMAP_EXT_COLMAP_PROGRAM) +
-                " project_generator --output_path generated.ini\n"
-                "mesher --project_path generated.ini --workspace_path "
-                "'a scène'");
-  EXPECT_TRUE(HasSaid("are ignored: ")) << out_;
+  ExpectSuccess(
+      Quote(COLMAP_EXT_COLMAP_PROGRAM) +
+      " project_generator --output_path generated.ini\n"
+      "mesher --project_path generated.ini --workspace_path 'a scène'");
+  EXPECT_TRUE(Has(out_, "are ignored: ")) << out_;
 }
 #endif
 
@@ -147,16 +135,12 @@ TEST_P(ScriptsTest, FindsCloudsOfAnotherName) {
       "mkdir clouds\n"
       "mv 'a scène/fused.ply' 'clouds/fused geometric.ply'\n"
       "mv 'a scène/fused.ply.vis' 'clouds/fused geometric.ply.vis'\n"
-      "mesher --workspace_path 'a scène' "
-      "--fused_path 'clouds/fused geometric.ply'\n"
-      "cmp as_ever.ply 'a scène/" +
-      std::string(kMeshName) +
-      "'\n"
-      "rm 'a scène/" +
-      std::string(kMeshName) +
-      ".vis'\n"
-      "refiner --workspace_path 'a scène' --fused_path "
-      "'clouds/fused geometric.ply' --FacetwiseRefinement.levels 1 "
+      "mesher --workspace_path 'a scène' --fused_path 'clouds/fused "
+      "geometric.ply'\n"
+      "cmp as_ever.ply 'a scène/meshed-delaunay-manifold.ply'\n"
+      "rm 'a scène/meshed-delaunay-manifold.ply.vis'\n"
+      "refiner --workspace_path 'a scène' --fused_path 'clouds/fused "
+      "geometric.ply' --FacetwiseRefinement.levels 1 "
       "--FacetwiseRefinement.iterations 1\n"
       "test -s 'a scène/meshed-refined.ply'");
   const Outcome outcome = RunScript(
@@ -172,8 +156,7 @@ TEST_P(ScriptsTest, FindsTheWorkspaceOfACloudByItsStereoFolder) {
       "mv ws/dense/0/fused.ply ws/dense/0/fused-2.ply\n"
       "mv ws/dense/0/fused.ply.vis ws/dense/0/fused-2.ply.vis\n"
       "mesher --workspace_path ws --fused_path ws/dense/0/fused-2.ply\n"
-      "test -s ws/dense/0/" +
-      std::string(kMeshName));
+      "test -s ws/dense/0/meshed-delaunay-manifold.ply");
 }
 
 TEST_P(ScriptsTest, TakesPathsOfAllKinds) {
@@ -183,8 +166,8 @@ TEST_P(ScriptsTest, TakesPathsOfAllKinds) {
       "mesher --workspace_path 'a scène/' --output_path slash.ply\n"
       "mesher --workspace_path link/ --output_path 'other folder/link.ply'\n"
       "cd link\nmesher --workspace_path . --output_path ../dot.ply\n"
-      "cd ..\nmesher --input_path ./link/../'a scène'//. "
-      "--output_path \"$PWD/absolute.ply\"\n"
+      "cd ..\nmesher --input_path ./link/../'a scène'//. --output_path "
+      "\"$PWD/absolute.ply\"\n"
       "touch target.ply\nln -s target.ply linked.ply\n"
       "mesher --workspace_path link --output_path linked.ply\n"
       "test -L linked.ply\n"
@@ -210,38 +193,29 @@ TEST_P(ScriptsTest, TakesImagesInSubfolders) {
 TEST_P(ScriptsTest, RunsTwiceInOneWorkspaceAtATime) {
   ExpectSuccess(
       "mesher --workspace_path 'a scène' --output_path alone.ply\n"
-      "for i in 1 2; do mesher --workspace_path 'a scène' & "
-      "mesher --workspace_path 'a scène' --output_path both$i.ply & done\n"
+      "for i in 1 2; do mesher --workspace_path 'a scène' & mesher "
+      "--workspace_path 'a scène' --output_path both$i.ply & done\n"
       "for job in $(jobs -p); do wait \"$job\"; done\n"
-      "for mesh in both1.ply both2.ply 'a scène/" +
-      std::string(kMeshName) +
-      "'; do cmp alone.ply \"$mesh\"; cmp alone.ply.vis \"$mesh.vis\"; done");
-  EXPECT_EQ(List(path_), "fused.ply fused.ply.vis images " +
-                             std::string(kMeshName) + " " + kMeshName +
-                             ".vis sparse");
+      "for mesh in both1.ply both2.ply 'a scène/meshed-delaunay-manifold.ply'; "
+      "do cmp alone.ply \"$mesh\"; cmp alone.ply.vis \"$mesh.vis\"; done");
+  EXPECT_EQ(List(path_),
+            "fused.ply fused.ply.vis images meshed-delaunay-manifold.ply "
+            "meshed-delaunay-manifold.ply.vis sparse");
 }
 
 TEST_P(ScriptsTest, StopsScriptsByItsExitCode) {
   const Outcome outcome =
       RunScript("mesher --workspace_path nowhere | cat\necho 'never printed'");
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_EQ(outcome.out.find("never printed"), std::string::npos);
+  EXPECT_FALSE(Has(outcome.out, "never printed"));
   ExpectSuccess(
       "if mesher --workspace_path nowhere; then exit 5; fi\n"
       "mesher -h | grep max_proj_dist > help.txt\n"
       "mesher --workspace_path 'a scène' > log.txt\necho 'goes on'");
-  EXPECT_TRUE(HasSaid("goes on"));
+  EXPECT_TRUE(Has(out_, "goes on"));
 }
 
-#ifdef COLMAP_EXT_PROGRAM
-INSTANTIATE_TEST_SUITE_P(StandAlone, ScriptsTest,
-                         testing::Values(COLMAP_EXT_PROGRAM));
-#endif
-#ifdef COLMAP_EXT_COLMAP_PROGRAM
-INSTANTIATE_TEST_SUITE_P(PatchedColmap, ScriptsTest,
-                         testing::Values(COLMAP_EXT_COLMAP_PROGRAM));
-#endif
-GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ScriptsTest);
+INSTANTIATE_TEST_SUITE_P(Programs, ScriptsTest, testing::ValuesIn(Programs()));
 
 }  // namespace scripts_test
 }  // namespace colmap_ext

@@ -33,10 +33,6 @@ class SlurmScriptsTest : public testing::Test {
     fs::permissions(bin_ / name, fs::perms::owner_all);
   }
 
-  static std::string Quote(const fs::path& path) {
-    return "'" + path.string() + "'";
-  }
-
   Outcome Run(const std::string& script, const std::string& environment = "") {
     fs::remove(calls_);
     return RunShell("env PATH=" + Quote(bin_) +
@@ -68,15 +64,11 @@ class SlurmScriptsTest : public testing::Test {
 TEST_F(SlurmScriptsTest, MergesBehindAllTiles) {
   const fs::path workspace = folder_.Path() / "workspace";
   SphereWorkspace().Write(workspace);
-  ASSERT_EQ(RunShell("\"" COLMAP_EXT_PROGRAM "\" mesh_planner --num_tiles 3"
-                     " --workspace_path " +
-                     Quote(workspace) + " --output_path " + Quote(plan_))
-                .exit_code,
-            0);
-  const Outcome outcome =
-      Run("mesh_tiles " + Quote(plan_) + " " +
-          Quote(folder_.Path() / "mesh.ply") + " --partition=big");
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  Succeed(RunProgram("mesh_planner --num_tiles 3" +
+                     PathOption("workspace_path", workspace) +
+                     PathOption("output_path", plan_)));
+  Succeed(Run("mesh_tiles " + Quote(plan_) + " " +
+              Quote(folder_.Path() / "mesh.ply") + " --partition=big"));
   EXPECT_TRUE(HasCall("--array=0-2 --mem=")) << ReadFile(calls_);
   EXPECT_TRUE(HasCall("--dependency=afterok:100_0:100_1:100_2 --kill-on"));
   EXPECT_TRUE(HasCall("--partition=big"));
@@ -93,8 +85,7 @@ TEST_F(SlurmScriptsTest, RefinesColourAfterColour) {
             "  },\n";
   }
   WriteFile(plan_ / "refine.json", json);
-  const Outcome outcome = Run("refine_tiles " + Quote(plan_) + " " + mesh);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  Succeed(Run("refine_tiles " + Quote(plan_) + " " + mesh));
   EXPECT_TRUE(HasCall("--array=0,2 --mem=676M")) << ReadFile(calls_);
   EXPECT_TRUE(HasCall("--array=1 "));
   EXPECT_TRUE(HasCall("--dependency=afterok:100_0:100_2 "));
@@ -120,7 +111,7 @@ TEST_F(SlurmScriptsTest, QueuesAgainWhatASignalHasEnded) {
     EXPECT_FALSE(HasCall(again)) << script;
     EXPECT_EQ(RunTask(script, 1, "STATE=RUNNING").exit_code, 1);
     EXPECT_FALSE(HasCall(again)) << script;
-    EXPECT_EQ(RunTask(script, 0, "STATE=RUNNING").exit_code, 0);
+    Succeed(RunTask(script, 0, "STATE=RUNNING"));
     EXPECT_FALSE(HasCall(again)) << script;
   }
 }

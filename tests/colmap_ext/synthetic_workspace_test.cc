@@ -1,13 +1,12 @@
 // The synthetic workspaces, read back and meshed as a user's are.
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <map>
 #include <utility>
 
 #include "colmap_ext/colmap_compat.h"
 #include "formats/read_ply_cloud.h"
+#include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
 #include "workspace/workspace.h"
@@ -88,17 +87,12 @@ TEST_P(SyntheticWorkspaceTest, HasDepthMapsInTheFormOfColmap) {
   }
 }
 
-#ifdef COLMAP_EXT_PROGRAM
 TEST_P(SyntheticWorkspaceTest, IsMeshed) {
-  const std::string command =
-      "\"" COLMAP_EXT_PROGRAM
-      "\" delaunay_manifold_mesher --workspace_path \"" +
-      path_.string() + "\" >/dev/null";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  Succeed(RunProgram("delaunay_manifold_mesher" +
+                     PathOption("workspace_path", path_)));
   const PlyCloud mesh = ReadPlyCloud(path_ / "meshed-delaunay-manifold.ply");
   EXPECT_GT(mesh.positions.size(), 500);
 }
-#endif
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SyntheticWorkspaceTest,
                          testing::Values("statue", "wall", "grid"));

@@ -15,37 +15,27 @@ namespace thinning_agreement_test {
 
 namespace fs = std::filesystem;
 
-// The first number after a text.
-double NumberAfter(const std::string& text, const Outcome& outcome) {
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  const size_t at = outcome.out.find(text);
-  if (at == std::string::npos) {
-    ADD_FAILURE() << "no '" << text << "' in\n" << outcome.out;
-    return 0;
-  }
-  return std::stod(outcome.out.substr(at + text.size()));
-}
-
 void ExpectSameThinning(const fs::path& workspace, double max_proj_dist,
                         double max_share) {
   const TemporaryFolder folder;
-  const auto output = [&](const std::string& name) {
-    return " --output_path " + Quote((folder.Path() / name).string());
-  };
-  const std::string program = Quote(COLMAP_EXT_COLMAP_PROGRAM);
+  const std::string output =
+      PathOption("output_path", folder.Path() / "mesh.ply");
   const std::string distance = "max_proj_dist " + std::to_string(max_proj_dist);
-  const double theirs = NumberAfter(
-      "Triangulation has",
-      RunShell(program + " delaunay_mesher --input_type dense --input_path " +
-               Quote(workspace.string()) + output("theirs.ply") +
-               " --DelaunayMeshing." + distance));
-  const double ours = NumberAfter(
+  const auto number_after = [](const std::string& text,
+                               const std::string& arguments) {
+    return NumberAfter(
+        text,
+        Succeed(RunShell(CommandLine(arguments, COLMAP_EXT_COLMAP_PROGRAM)))
+            .out);
+  };
+  const double theirs =
+      number_after("Triangulation has",
+                   "delaunay_mesher --input_type dense --DelaunayMeshing." +
+                       distance + PathOption("input_path", workspace) + output);
+  const double ours = number_after(
       "vertices, after thinning",
-      RunShell(program + " delaunay_manifold_mesher --workspace_path " +
-               Quote(workspace.string()) + output("ours.ply") +
-               " --DelaunayManifoldMeshing.half_pixel_correction 0"
-               " --DelaunayManifoldMeshing." +
-               distance));
+      "delaunay_manifold_mesher @half_pixel_correction 0 @" + distance +
+          PathOption("workspace_path", workspace) + output);
   const auto num_points = static_cast<double>(
       ReadPlyCloud(workspace / "fused.ply").positions.size());
   EXPECT_LT(theirs, max_share * num_points);

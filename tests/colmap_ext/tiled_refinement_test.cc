@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <csignal>
-#include <filesystem>
-#include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "formats/encode_png.h"
-#include "tests/colmap_ext/process.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/synthetic/dense_scene.h"
 
@@ -20,51 +19,46 @@ namespace fs = std::filesystem;
 
 class TiledRefinementTest : public RefinerFixture {
  protected:
-  Outcome RunCommand(const std::string& arguments) const {
-    return RunShell(Quote(kProgram) + " " + arguments);
+  std::string PlanCommand(int num_tiles) const {
+    return CommandLine("mesh_planner" + Workspace() +
+                       PathOption("output_path", plan_) + " --num_tiles " +
+                       std::to_string(num_tiles) + " ");
   }
 
   // Plans, meshes and merges.
   void MakePlan(int num_tiles, const std::string& more = "") const {
     fs::remove_all(plan_);
-    const Outcome planned =
-        RunShell("cd " + Quote(folder_.Path().string()) + " && " +
-                 Quote(kProgram) + " mesh_planner " + Workspace() +
-                 " --output_path " + Quote(plan_.string()) + " --num_tiles " +
-                 std::to_string(num_tiles) + " " + more);
-    EXPECT_EQ(planned.exit_code, 0) << planned.err;
+    Succeed(RunShell("cd " + Quote(folder_.Path()) + " && " +
+                     PlanCommand(num_tiles) + more));
     for (int tile = 0; tile < num_tiles; ++tile) {
-      RunCommand("delaunay_manifold_mesher " + Plan() + Tile(tile));
+      RunProgram("delaunay_manifold_mesher " + Plan() + Tile(tile));
     }
-    const Outcome merged = RunCommand(
-        "mesh_merger " + Plan() + " --output_path " + Quote(merged_.string()));
-    EXPECT_EQ(merged.exit_code, 0) << merged.err;
+    Succeed(RunProgram("mesh_merger " + Plan() +
+                       PathOption("output_path", merged_)));
   }
 
   Outcome PlanRefinement() const {
-    return Run(Plan() + " --input_path " + Quote(merged_.string()) + kEffort);
+    return Run(Plan() + PathOption("input_path", merged_) + kEffort);
   }
 
   void RefineTiles(int num_tiles) const {
-    const Outcome planned = PlanRefinement();
-    EXPECT_EQ(planned.exit_code, 0) << planned.err;
+    Succeed(PlanRefinement());
     for (int color = 0; color < num_tiles; ++color) {
       for (const int tile : TilesOf(color)) {
-        const Outcome outcome = Run(Plan() + Tile(tile));
-        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        Succeed(Run(Plan() + Tile(tile)));
       }
     }
   }
 
-  // By the plan.
+  nlohmann::json PlannedTiles() const {
+    return nlohmann::json::parse(ReadFile(plan_ / "refine.json"))["tiles"];
+  }
+
   std::vector<int> TilesOf(int color) const {
-    const std::string json = ReadFile(plan_ / "refine.json");
-    const std::string key = "\"color\": ";
+    const nlohmann::json planned = PlannedTiles();
     std::vector<int> tiles;
-    int tile = 0;
-    for (size_t at = json.find(key); at != std::string::npos;
-         at = json.find(key, at + 1), ++tile) {
-      if (std::stoi(json.substr(at + key.size())) == color) {
+    for (int tile = 0; tile < static_cast<int>(planned.size()); ++tile) {
+      if (planned[tile]["color"] == color) {
         tiles.push_back(tile);
       }
     }
@@ -72,27 +66,24 @@ class TiledRefinementTest : public RefinerFixture {
   }
 
   Outcome MergeRefined() const {
-    return RunCommand("mesh_merger " + Plan() + " --refined 1 --output_path " +
-                      Quote(refined_.string()));
+    return RunProgram("mesh_merger " + Plan() + " --refined 1 --output_path " +
+                      Quote(refined_));
   }
 
   // Refines the merged mesh by its tiles.
   // \return its bytes
   std::string RefineAndMerge(int num_tiles) const {
     RefineTiles(num_tiles);
-    const Outcome outcome = MergeRefined();
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return ReadFile(refined_) + ReadFile(VisibilityPath(refined_));
+    Succeed(MergeRefined());
+    return BytesOf(refined_);
   }
 
   // The same without tiles, to a file of its own.
   fs::path RefineUntiled(const std::string& options) const {
     fs::path output = folder_.Path() / "untiled.ply";
-    const Outcome outcome =
-        Run(Workspace() + " --input_path " + Quote(merged_.string()) +
-            " --output_path " + Quote(output.string()) + kEffort +
-            " --FacetwiseRefinement.refine_cameras none " + options);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    Succeed(Refine(PathOption("input_path", merged_) +
+                   PathOption("output_path", output) + kEffort +
+                   " @refine_cameras none " + options));
     return output;
   }
 
@@ -103,11 +94,7 @@ class TiledRefinementTest : public RefinerFixture {
   // Sends a tile's job a signal when it has printed the text.
   // \return as waitpid() has it.
   int Interrupt(int tile, const std::string& text, int signal) const {
-    Process process(
-        kProgram,
-        {"facetwise_refiner", "--FacetwiseRefinement.backend", "cpu", "--plan",
-         plan_.string(), "--tile", std::to_string(tile)},
-        folder_.Path() / "err");
+    Process process(CommandOf(Plan() + Tile(tile)), folder_.Path() / "err");
     EXPECT_TRUE(process.WaitFor(text)) << ReadFile(folder_.Path() / "err");
     process.Signal(signal);
     return process.Wait();
@@ -116,18 +103,31 @@ class TiledRefinementTest : public RefinerFixture {
   // Refines a tile, its patch gone.
   // \return what the job prints
   std::string RefineAgain(int tile) const {
-    const Outcome outcome = Run(Plan() + Tile(tile));
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return outcome.out;
+    return Succeed(Run(Plan() + Tile(tile))).out;
   }
 
-  std::string Plan() const { return "--plan " + Quote(plan_.string()); }
+  // Refines two tiles, and removes the patch of the one that comes last, next
+  // to what is fixed then.
+  struct LastTile {
+    int tile;
+    std::string patch;  // its bytes
+    std::string files;  // of the plan
+  };
+  LastTile RefineTwoTiles() const {
+    MakePlan(2);
+    RefineTiles(2);
+    const int tile = TilesOf(1).at(0);
+    LastTile last = {tile, ReadFile(PatchPath(tile)), List(plan_)};
+    fs::remove(PatchPath(tile));
+    return last;
+  }
+
+  std::string Plan() const { return PathOption("plan", plan_); }
   static std::string Tile(int tile) {
     return " --tile " + std::to_string(tile);
   }
 
-  static constexpr const char* kEffort =
-      " --FacetwiseRefinement.levels 2 --FacetwiseRefinement.iterations 3";
+  static constexpr const char* kEffort = " @levels 2 @iterations 3";
 
   fs::path plan_ = folder_.Path() / "a plan";
   fs::path merged_ = folder_.Path() / "merged.ply";
@@ -136,16 +136,13 @@ class TiledRefinementTest : public RefinerFixture {
 
 TEST_F(TiledRefinementTest, MakesAMeshWithoutSeams) {
   MakePlan(1);
-  RefineTiles(1);
-  ASSERT_EQ(MergeRefined().exit_code, 0);
+  RefineAndMerge(1);
   ExpectGoodMesh(refined_);
   const double whole = Error(refined_);
   EXPECT_LT(whole, 0.9 * Error(merged_));
   for (const int num_tiles : {2, 4}) {
     MakePlan(num_tiles);
-    RefineTiles(num_tiles);
-    const Outcome outcome = MergeRefined();
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    RefineAndMerge(num_tiles);
     ExpectGoodMesh(refined_);
     EXPECT_LT(Error(refined_), 1.05 * whole) << num_tiles;
   }
@@ -155,7 +152,7 @@ TEST_F(TiledRefinementTest, MakesAMeshWithoutSeams) {
 TEST_F(TiledRefinementTest, LeavesOutWhatIsMasked) {
   constexpr int kMasked = 70;  // columns
   constexpr int kDeep = 50;    // columns, whatever windows and levels reach
-  const synthetic::DenseScene statue = MakeStatue(8);
+  const synthetic::DenseScene statue = MakeStatue();
   const fs::path masks = folder_.Path() / "masks";
   fs::create_directory(masks);
   const auto fill = [](int num_columns, Color color, ColorImage image) {
@@ -167,15 +164,18 @@ TEST_F(TiledRefinementTest, LeavesOutWhatIsMasked) {
     }
     return image;
   };
-  const ColorImage white{160, 120, std::vector<Color>(160 * 120, {9, 9, 9})};
-  for (const View& view : statue.scene.views) {
-    WriteFile(masks / (view.name + ".png"),
-              EncodePng(fill(kMasked, {0, 0, 0}, white)));
-  }
+  const auto write_masks = [&](int num_columns) {
+    const ColorImage white{160, 120, std::vector<Color>(160 * 120, {9, 9, 9})};
+    for (const View& view : statue.scene.views) {
+      WriteFile(masks / (view.name + ".png"),
+                EncodePng(fill(num_columns, {0, 0, 0}, white)));
+    }
+  };
+  write_masks(kMasked);
   MakePlan(2, "--mask_path masks");  // jobs run elsewhere
   const std::string refined = RefineAndMerge(2);
   ExpectGoodMesh(refined_);
-  const std::string option = "--mask_path " + Quote(masks.string());
+  const std::string option = PathOption("mask_path", masks);
   const fs::path untiled = RefineUntiled(option);
   EXPECT_LT(Error(refined_), 1.05 * Error(untiled));
   const std::string untiled_bytes = ReadFile(untiled);
@@ -185,10 +185,7 @@ TEST_F(TiledRefinementTest, LeavesOutWhatIsMasked) {
   }
   EXPECT_TRUE(ReadFile(RefineUntiled(option)) == untiled_bytes);
   EXPECT_TRUE(RefineAndMerge(2) == refined);
-  for (const View& view : statue.scene.views) {
-    WriteFile(masks / (view.name + ".png"),
-              EncodePng(fill(kDeep, {0, 0, 0}, white)));
-  }
+  write_masks(kDeep);
   fs::remove(PatchPath(0));
   ExpectRefusal(Run(Plan() + Tile(0)), "has changed since its refinement");
   EXPECT_TRUE(RefineAndMerge(2) != refined);
@@ -215,118 +212,80 @@ TEST_F(TiledRefinementTest, NothingIsLeftOutsideOfTheRegion) {
 
 TEST_F(TiledRefinementTest, KilledAndRepeatedJobsChangeNothing) {
   MakePlan(2);
-  RefineTiles(2);
-  ASSERT_EQ(MergeRefined().exit_code, 0);
-  const std::string undisturbed = ReadFile(refined_);
-  EXPECT_NE(PlanRefinement().out.find("nothing to do"), std::string::npos);
-  EXPECT_NE(Run(Plan() + Tile(0)).out.find("nothing to do"), std::string::npos);
+  const std::string undisturbed = RefineAndMerge(2);
+  EXPECT_TRUE(Has(PlanRefinement().out, "nothing to do"));
+  EXPECT_TRUE(Has(Run(Plan() + Tile(0)).out, "nothing to do"));
   fs::remove(PatchPath(0));
   for (const char* seconds : {"0.02", "0.1", "0.4"}) {
-    RunShell(std::string("timeout -s KILL ") + seconds + " " + Quote(kProgram) +
-             " facetwise_refiner " + Plan() + Tile(0) +
-             " --FacetwiseRefinement.backend cpu");
+    RunShell(std::string("timeout -s KILL ") + seconds + " " +
+             CommandOf(Plan() + Tile(0)));
   }
-  const Outcome again =
-      Run(Plan() + Tile(0) + " --FacetwiseRefinement.num_threads 1");
-  EXPECT_EQ(again.exit_code, 0) << again.err;
-  ASSERT_EQ(MergeRefined().exit_code, 0);
-  EXPECT_EQ(ReadFile(refined_), undisturbed);
+  Succeed(Run(Plan() + Tile(0) + " @num_threads 1"));
+  Succeed(MergeRefined());
+  EXPECT_EQ(BytesOf(refined_), undisturbed);
 }
 
 TEST_F(TiledRefinementTest, GoesOnAfterTheLastCompleteLevel) {
-  MakePlan(2);
-  RefineTiles(2);
-  const int tile = TilesOf(1).at(0);  // next to what is fixed
-  const std::string undisturbed = ReadFile(PatchPath(tile));
-  const std::string files = List(plan_);
-  fs::remove(PatchPath(tile));
+  const auto [tile, undisturbed, files] = RefineTwoTiles();
   const int status = Interrupt(tile, "full size, iteration 0", SIGTERM);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 143);
-  EXPECT_NE(ReadFile(folder_.Path() / "err").find("1/2 size"),
-            std::string::npos);
+  EXPECT_TRUE(Has(ReadFile(folder_.Path() / "err"), "1/2 size"));
   EXPECT_TRUE(WIFSIGNALED(Interrupt(tile, "full size, iteration 1", SIGKILL)));
   EXPECT_FALSE(fs::exists(PatchPath(tile)));
-  EXPECT_NE(RefineAgain(tile).find("goes on after"), std::string::npos);
+  EXPECT_TRUE(Has(RefineAgain(tile), "goes on after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   EXPECT_EQ(List(plan_), files);
 }
 
 TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
-  MakePlan(2);
-  RefineTiles(2);
-  const int tile = TilesOf(1).at(0);
-  const std::string undisturbed = ReadFile(PatchPath(tile));
-  fs::path state = PatchPath(tile);
-  state += ".resume";
-  fs::remove(PatchPath(tile));
+  const auto [tile, undisturbed, files] = RefineTwoTiles();
+  const std::string state = PatchPath(tile).string() + ".resume";
   Interrupt(tile, "full size, iteration 0", SIGKILL);
   const std::string of_this_run = ReadFile(state);
   WriteFile(state, of_this_run.substr(0, of_this_run.size() / 2));
-  EXPECT_EQ(RefineAgain(tile).find("goes on after"), std::string::npos);
+  EXPECT_FALSE(Has(RefineAgain(tile), "goes on after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   const int other = TilesOf(0).at(0);
-  fs::path other_state = PatchPath(other);
-  other_state += ".resume";
   fs::remove(PatchPath(other));
   Interrupt(other, "full size, iteration 0", SIGKILL);
-  const std::string of_another = ReadFile(other_state);
+  const std::string of_another =
+      ReadFile(PatchPath(other).string() + ".resume");
   RefineAgain(other);
   fs::remove(PatchPath(tile));
   WriteFile(state, of_another);
-  EXPECT_EQ(RefineAgain(tile).find("goes on after"), std::string::npos);
+  EXPECT_FALSE(Has(RefineAgain(tile), "goes on after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
-}
-
-// The numbers of a plan that stand behind a name.
-std::vector<double> NumbersIn(const std::string& json,
-                              const std::string& name) {
-  const std::string key = "\"" + name + "\": ";
-  std::vector<double> numbers;
-  for (size_t at = json.find(key); at != std::string::npos;
-       at = json.find(key, at + 1)) {
-    numbers.push_back(std::stod(json.substr(at + key.size())));
-  }
-  return numbers;
 }
 
 TEST_F(TiledRefinementTest, JobsTakeNoMoreMemoryThanIsPlanned) {
   MakePlan(2);
-  ASSERT_EQ(PlanRefinement().exit_code, 0);
-  const std::string json = ReadFile(plan_ / "refine.json");
-  const std::vector<double> memory = NumbersIn(json, "memory_gb");
-  const std::vector<double> of_thread = NumbersIn(json, "thread_gb");
-  ASSERT_EQ(memory.size(), 2);
-  ASSERT_EQ(of_thread.size(), 2);
+  Succeed(PlanRefinement());
   const int tile = TilesOf(0).at(0);
+  const nlohmann::json planned = PlannedTiles()[tile];
+  const double memory_gb = planned["memory_gb"];
+  const double thread_gb = planned["thread_gb"];
   for (const int num_threads : {1, 4}) {
     fs::remove(PatchPath(tile));
-    const Outcome outcome =
-        Run(Plan() + Tile(tile) + " --FacetwiseRefinement.num_threads " +
-            std::to_string(num_threads));
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    const std::string line = "peak memory";
-    const double peak_gb =
-        std::stod(outcome.out.substr(outcome.out.find(line) + line.size())) /
-        1000;
+    const Outcome outcome = Succeed(Run(Plan() + Tile(tile) + " @num_threads " +
+                                        std::to_string(num_threads)));
+    const double peak_gb = NumberAfter("peak memory", outcome.out) / 1000;
     EXPECT_GT(peak_gb, 0.01);
-    EXPECT_LT(peak_gb, memory[tile] + num_threads * of_thread[tile]);
+    EXPECT_LT(peak_gb, memory_gb + num_threads * thread_gb);
   }
 }
 
 // Three statues in a row, of which the outer ones share a colour.
 TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   fs::remove_all(path_);
-  const synthetic::DenseScene statue = MakeStatue(8);
+  const synthetic::DenseScene statue = MakeStatue();
   WriteWorkspace(synthetic::MakeSceneRow(statue, 3, {20, 0, 0}), 1,
                  path_.string());
   MakePlan(3);
-  RefineTiles(3);
+  const std::string undisturbed = RefineAndMerge(3);
   ASSERT_EQ(TilesOf(0).size(), 2);
   ASSERT_EQ(TilesOf(1).size(), 1);
-  ASSERT_EQ(MergeRefined().exit_code, 0);
   ExpectGoodMesh(refined_, 24);
-  const std::string undisturbed = ReadFile(refined_);
   for (int tile = 0; tile < 3; ++tile) {
     fs::remove(PatchPath(tile));
   }
@@ -334,27 +293,19 @@ TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   const int second = TilesOf(0)[1];
   EXPECT_TRUE(WIFSIGNALED(Interrupt(first, "full size, iteration 0", SIGKILL)));
   ExpectRefusal(Run(Plan() + Tile(TilesOf(1)[0])), "of colour 0 is not");
-  const std::string command = Quote(kProgram) + " facetwise_refiner " + Plan() +
-                              " --FacetwiseRefinement.backend cpu";
-  const Outcome both = RunShell("{ " + command + Tile(second) + " & " +
-                                command + Tile(first) + " && wait $!; }");
-  EXPECT_EQ(both.exit_code, 0) << both.err;
+  const std::string command = CommandOf(Plan());
+  Succeed(RunShell("{ " + command + Tile(second) + " & " + command +
+                   Tile(first) + " && wait $!; }"));
   RefineAgain(TilesOf(1)[0]);
-  ASSERT_EQ(MergeRefined().exit_code, 0);
-  EXPECT_TRUE(ReadFile(refined_) == undisturbed);
+  Succeed(MergeRefined());
+  EXPECT_TRUE(BytesOf(refined_) == undisturbed);
 }
 
 TEST_F(TiledRefinementTest, AFullDiskLosesNothing) {
-  MakePlan(2);
-  RefineTiles(2);
-  const int tile = TilesOf(1).at(0);
-  const std::string undisturbed = ReadFile(PatchPath(tile));
-  const std::string files = List(plan_);
-  fs::remove(PatchPath(tile));
-  ExpectRefusal(RunShell("trap '' XFSZ; ulimit -f 16; " + Quote(kProgram) +
-                         " facetwise_refiner " + Plan() + Tile(tile) +
-                         " --FacetwiseRefinement.backend cpu"),
-                "can not be written");
+  const auto [tile, undisturbed, files] = RefineTwoTiles();
+  ExpectRefusal(
+      RunShell("trap '' XFSZ; ulimit -f 16; " + CommandOf(Plan() + Tile(tile))),
+      "can not be written");
   RefineAgain(tile);
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   EXPECT_EQ(List(plan_), files);
@@ -362,17 +313,15 @@ TEST_F(TiledRefinementTest, AFullDiskLosesNothing) {
 
 TEST_F(TiledRefinementTest, OnePlannerAtATime) {
   MakePlan(1);
-  const std::string locked =
-      "flock " + Quote((plan_ / "plan.lock").string()) + " " + Quote(kProgram);
-  ExpectRefusal(RunShell(locked + " facetwise_refiner " + Plan() +
-                         " --input_path " + Quote(merged_.string())),
-                "another planner is at work there");
-  ExpectRefusal(
-      RunShell(locked + " mesh_planner " + Workspace() + " --output_path " +
-               Quote(plan_.string()) + " --num_tiles 2"),
-      "another planner is at work there");
+  for (const std::string& planner :
+       {CommandOf(Plan() + PathOption("input_path", merged_)),
+        PlanCommand(2)}) {
+    ExpectRefusal(
+        RunShell("flock " + Quote(plan_ / "plan.lock") + " " + planner),
+        "another planner is at work there");
+  }
   EXPECT_FALSE(fs::exists(plan_ / "refine.json"));
-  EXPECT_EQ(PlanRefinement().exit_code, 0);
+  Succeed(PlanRefinement());
 }
 
 TEST_F(TiledRefinementTest, SaysWhatIsMissing) {
@@ -380,10 +329,9 @@ TEST_F(TiledRefinementTest, SaysWhatIsMissing) {
   ExpectRefusal(Run(Plan() + Tile(0)), "refine.json: not there");
   ExpectRefusal(Run(Plan()), "--plan_path needs --tile, or --input_path");
   ExpectRefusal(Run("--tile 1"), "--tile needs --plan_path");
-  ExpectRefusal(
-      Run(Plan() + Tile(0) + " --FacetwiseRefinement.refine_cameras poses"),
-      "cameras are not refined in tiles");
-  EXPECT_EQ(PlanRefinement().exit_code, 0);
+  ExpectRefusal(Run(Plan() + Tile(0) + " @refine_cameras poses"),
+                "cameras are not refined in tiles");
+  Succeed(PlanRefinement());
   ExpectRefusal(MergeRefined(), "is not refined");
   ExpectRefusal(Run(Plan() + Tile(7)), "has no tile 7");
   const std::vector<int> second = TilesOf(1);

@@ -7,6 +7,7 @@
 #include <cerrno>
 
 #include "tests/formats/test_files.h"
+#include "tests/texts.h"
 
 namespace {
 
@@ -31,10 +32,8 @@ TEST(FolderLock, KeepsOthersFromPlanning) {
   {
     const FolderLock lock(folder.Path());
     EXPECT_TRUE(lock.IsLocked());
-    EXPECT_NE(FileErrorOf([&] {
-                FolderLock{folder.Path()};
-              }).find("another planner is at work"),
-              std::string::npos);
+    EXPECT_TRUE(Has(FileErrorOf([&] { FolderLock{folder.Path()}; }),
+                    "another planner is at work"));
   }
   EXPECT_TRUE(FolderLock(folder.Path()).IsLocked());
 }
@@ -50,9 +49,8 @@ TEST(FolderLock, IsNoneWhereTheFileSystemHasNone) {
 
 TEST(FolderLock, NeedsAFolderThatCanBeWritten) {
   const TemporaryFolder folder;
-  EXPECT_NE(
-      FileErrorOf([&] { FolderLock{folder.Path() / "none"}; }).find("written"),
-      std::string::npos);
+  EXPECT_TRUE(
+      Has(FileErrorOf([&] { FolderLock{folder.Path() / "none"}; }), "written"));
 }
 
 }  // namespace

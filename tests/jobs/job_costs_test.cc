@@ -1,4 +1,4 @@
-#include "colmap_ext/jobs/job_costs.h"
+#include "colmap_ext/jobs/plan.h"
 
 #include <vector>
 

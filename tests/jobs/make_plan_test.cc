@@ -1,4 +1,4 @@
-#include "colmap_ext/jobs/make_plan.h"
+#include "colmap_ext/jobs/mesh_tiles.h"
 
 #include <map>
 #include <mutex>
@@ -12,13 +12,49 @@ namespace make_plan_test {
 
 namespace fs = std::filesystem;
 
-TEST(MakePlan, DecodesEachMaskOnce) {
-  const TemporaryFolder folder;
-  const fs::path workspace = folder.Path() / "workspace";
-  const fs::path masks = folder.Path() / "masks";
-  const SphereWorkspace sphere;
-  sphere.Write(workspace);
-  for (const SphereWorkspace::Image& image : sphere.images) {
+class MakePlanTest : public testing::Test {
+ protected:
+  MakePlanTest() {
+    sphere_.Write(workspace_);
+    options_.mesher.workspace_path = workspace_.string();
+    options_.output_path = plan_.string();
+    options_.num_tiles = 3;
+  }
+
+  SphereWorkspace sphere_;
+  TemporaryFolder folder_;
+  fs::path workspace_ = folder_.Path() / "workspace";
+  fs::path plan_ = folder_.Path() / "plan";
+  PlannerOptions options_;
+  PlanReport report_;
+};
+
+TEST_F(MakePlanTest, ADamagedPlanIsMadeAgain) {
+  options_.Finish();
+  MakePlan(options_, NetpbmDecoder(), {}, &report_);
+  EXPECT_FALSE(report_.is_kept);
+  const auto files = FilesOf(plan_);
+  MakePlan(options_, NetpbmDecoder(), {}, &report_);
+  EXPECT_TRUE(report_.is_kept);
+  for (const char* name : {"blocks.bin", "plan.json"}) {
+    const std::string bytes = ReadFile(plan_ / name);
+    for (const size_t at : {size_t{0}, bytes.size() / 3, bytes.size() - 3}) {
+      std::string damaged = bytes;
+      damaged[at] = static_cast<char>(damaged[at] ^ 1);
+      for (const std::string& other : {damaged, bytes.substr(0, at)}) {
+        WriteFile(plan_ / name, other);
+        PlanReport report;
+        MakePlan(options_, NetpbmDecoder(), {}, &report);
+        EXPECT_FALSE(report.is_kept) << name << " " << at;
+        EXPECT_TRUE(FilesOf(plan_) == files) << name << " " << at;
+      }
+    }
+  }
+}
+
+TEST_F(MakePlanTest, DecodesEachMaskOnce) {
+  const fs::path masks = folder_.Path() / "masks";
+  for (const SphereWorkspace::Image& image : sphere_.images) {
     const View& view = image.view;
     std::string pixels(static_cast<size_t>(view.width) * view.height, '\xff');
     pixels.replace(0, pixels.size() / 4, pixels.size() / 4, '\0');
@@ -34,20 +70,15 @@ TEST(MakePlan, DecodesEachMaskOnce) {
     ++num_decoded[path];
     return read(path);
   };
-  PlannerOptions options;
-  options.mesher.workspace_path = workspace.string();
-  options.mesher.scene.mask_path = masks.string();
-  options.mesher.scene.region.text = "-0.9,-2,-2,0.9,2,2";
-  options.mesher.mask_background = true;
-  options.output_path = (folder.Path() / "plan").string();
-  options.num_tiles = 3;
-  options.Finish();
-  PlanReport report;
-  MakePlan(options, decoder, {}, &report);
-  ASSERT_TRUE(report.masks);
-  EXPECT_EQ(report.masks->num_masks, sphere.images.size());
-  EXPECT_GT(report.masks->num_masked_points, 0u);
-  for (const SphereWorkspace::Image& image : sphere.images) {
+  options_.mesher.scene.mask_path = masks.string();
+  options_.mesher.scene.region.text = "-0.9,-2,-2,0.9,2,2";
+  options_.mesher.mask_background = true;
+  options_.Finish();
+  MakePlan(options_, decoder, {}, &report_);
+  ASSERT_TRUE(report_.masks);
+  EXPECT_EQ(report_.masks->num_masks, sphere_.images.size());
+  EXPECT_GT(report_.masks->num_masked_points, 0u);
+  for (const SphereWorkspace::Image& image : sphere_.images) {
     EXPECT_EQ(num_decoded[masks / (image.view.name + ".png")], 1)
         << image.view.name;
   }

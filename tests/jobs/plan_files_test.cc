@@ -38,12 +38,12 @@ Plan WriteTiles(const fs::path& folder, size_t num_tiles) {
     vertices.positions.emplace_back(static_cast<float>(tile), 0, 0);
     vertices.observations.offsets = {0, 0};
     AddTile(vertices.positions, vertices.observations, &blocks);
-    WriteVertices(folder, plan.identity, tile, vertices);
+    Write(VerticesFile(folder, plan.identity, tile), vertices);
     TileCut cut;
     cut.labels.known.assign(tile, 0);
-    WriteCut(folder, plan.identity, tile, cut, {});
+    Write(CutFile(folder, plan.identity, tile), cut, {});
   }
-  WriteBlocks(folder, plan.identity, blocks);
+  Write(BlocksFile(folder, plan.identity), blocks);
   return plan;
 }
 

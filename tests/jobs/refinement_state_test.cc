@@ -1,4 +1,4 @@
-#include "colmap_ext/jobs/refinement_state.h"
+#include "colmap_ext/jobs/resumable_refinement.h"
 
 #include <cmath>
 #include <cstddef>
@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tests/formats/test_files.h"
+#include "tests/texts.h"
 
 namespace colmap_ext {
 namespace refinement_state_test {
@@ -64,36 +65,25 @@ TEST_F(RefinementStateTest, IsReadBackAsItWas) {
   WriteState(output_, inputs_, state_);
   const RefinementState read = Read();
   EXPECT_EQ(read.level, 2);
-  EXPECT_EQ(read.mesh.vertices, state_.mesh.vertices);
   EXPECT_EQ(read.mesh.facets, state_.mesh.facets);
-  EXPECT_EQ(read.attributes.colors, state_.attributes.colors);
   EXPECT_EQ(read.attributes.views, state_.attributes.views);
   EXPECT_TRUE(read.attributes.confidences.empty());
-  EXPECT_EQ(read.origins, state_.origins);
   EXPECT_EQ(read.fixed_sources, state_.fixed_sources);
   ASSERT_EQ(read.views.size(), 2u);
   EXPECT_EQ(read.views[1].name, "b.png");
-  EXPECT_EQ(read.views[1].fx, 1000.1);
   EXPECT_EQ(read.views[1].cam_from_world_rotation,
             state_.views[1].cam_from_world_rotation);
-  EXPECT_EQ(read.views[1].cam_from_world_translation,
-            state_.views[1].cam_from_world_translation);
-  const RefinementReport& report = read.report;
-  EXPECT_EQ(report.num_shortened_steps, size_t{1} << 60);
-  EXPECT_EQ(report.num_unconverged_solutions, 5u);
-  EXPECT_EQ(report.num_flipped_facets, 7u);
-  EXPECT_EQ(report.num_removed_self_intersections, 11u);
-  ASSERT_EQ(report.labelings.size(), 1u);
-  EXPECT_EQ(report.labelings[0].num_pairs, 9u);
-  EXPECT_EQ(report.labelings[0].final_energy, 1e-300);
-  EXPECT_EQ(report.labelings[0].lower_bound, -kInfinity);
-  ASSERT_EQ(report.steps.size(), 2u);
-  EXPECT_TRUE(std::isnan(report.steps[0].energy));
-  EXPECT_TRUE(report.steps[1].is_final);
-  EXPECT_EQ(report.steps[1].photometric_energy, kInfinity);
-  ASSERT_TRUE(report.misalignment);
-  EXPECT_EQ(report.misalignment->by_cameras, 1.0 / 3);
-  EXPECT_EQ(report.misalignment->by_view, (std::vector<double>{0, 1e-300}));
+  EXPECT_EQ(read.report.num_flipped_facets, 7u);
+  ASSERT_EQ(read.report.steps.size(), 2u);
+  EXPECT_TRUE(std::isnan(read.report.steps[0].energy));
+  EXPECT_TRUE(read.report.steps[1].is_final);
+  ASSERT_TRUE(read.report.misalignment);
+  EXPECT_EQ(read.report.misalignment->by_view,
+            state_.report.misalignment->by_view);
+  // All else, by what is written of it.
+  const std::string bytes = ReadFile(StatePath(output_));
+  WriteState(output_, inputs_, read);
+  EXPECT_TRUE(ReadFile(StatePath(output_)) == bytes);
   RemoveState(output_);
   EXPECT_FALSE(fs::exists(StatePath(output_)));
 }
@@ -101,8 +91,7 @@ TEST_F(RefinementStateTest, IsReadBackAsItWas) {
 TEST_F(RefinementStateTest, NamesWhatDiffers) {
   WriteState(output_, inputs_, state_);
   inputs_.options["levels"] = "2";
-  EXPECT_NE(FileErrorOf([&] { Read(); }).find("levels was '3' and is '2'"),
-            std::string::npos);
+  EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "levels was '3' and is '2'"));
 }
 
 TEST_F(RefinementStateTest, RefusesDamagedFiles) {
@@ -112,13 +101,9 @@ TEST_F(RefinementStateTest, RefusesDamagedFiles) {
     std::string other = bytes;
     other[at] = static_cast<char>(other[at] ^ 4);
     WriteFile(StatePath(output_), other);
-    EXPECT_NE(FileErrorOf([&] { Read(); }).find("start anew"),
-              std::string::npos)
-        << at;
+    EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "start anew")) << at;
     WriteFile(StatePath(output_), bytes.substr(0, at));
-    EXPECT_NE(FileErrorOf([&] { Read(); }).find("start anew"),
-              std::string::npos)
-        << at;
+    EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "start anew")) << at;
   }
 }
 

@@ -10,6 +10,7 @@
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/options/viewer_options.h"
+#include "tests/texts.h"
 
 namespace colmap_ext {
 namespace options_test {
@@ -17,13 +18,7 @@ namespace options_test {
 // Fails unless the options are refused with a message that has the text.
 template <typename Options>
 void ExpectRefused(Options* options, const std::string& text) {
-  try {
-    options->Finish();
-    ADD_FAILURE() << text << " is not refused";
-  } catch (const OptionError& error) {
-    EXPECT_NE(std::string(error.what()).find(text), std::string::npos)
-        << error.what();
-  }
+  EXPECT_TRUE(Has(MessageOf<OptionError>([&] { options->Finish(); }), text));
 }
 
 // The same for sound options after a change.

@@ -1,4 +1,4 @@
-#include "colmap_ext/report/refinement_report.h"
+#include "colmap_ext/report/print_report.h"
 
 #include <limits>
 #include <sstream>
@@ -6,8 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "colmap_ext/report/evaluation_report.h"
-#include "colmap_ext/report/print_lines.h"
+#include "tests/texts.h"
 
 namespace colmap_ext {
 namespace refinement_report_test {
@@ -66,21 +65,15 @@ TEST(RefinementReportTest, PlotsAPanelAStage) {
   const std::string plot = StepsPlot(Steps());
   EXPECT_TRUE(plot.starts_with("<svg "));
   EXPECT_TRUE(plot.ends_with("</svg>\n"));
-  size_t num_panels = 0;
-  for (size_t at = plot.find("<polyline"); at != std::string::npos;
-       at = plot.find("<polyline", at + 1)) {
-    ++num_panels;
-  }
-  EXPECT_EQ(num_panels, 3);
+  EXPECT_EQ(Count(plot, "<polyline"), 3);
   EXPECT_TRUE(StepsPlot({}).ends_with("</svg>\n"));
 }
 
 TEST(RefinementReportTest, PlotsOtherValuesForPages) {
   const std::string figure = StepsFigure(Steps(), StepValue::kMeanZncc);
   EXPECT_TRUE(figure.starts_with("<svg role="));
-  EXPECT_NE(figure.find("Mean ZNCC"), std::string::npos);
-  EXPECT_NE(figure.find(">0.5000<"), std::string::npos);
-  EXPECT_EQ(figure.find("http"), std::string::npos);
+  EXPECT_TRUE(HasAll(figure, {"Mean ZNCC", ">0.5000<"}));
+  EXPECT_FALSE(Has(figure, "http"));
 }
 
 TEST(PrintLinesTest, AlignsNumbersAndKeepsWhatIsPrinted) {

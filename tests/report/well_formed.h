@@ -1,12 +1,25 @@
 #pragma once
 
+#include <stdlib.h>
+
 #include <string>
+
+#include "tests/formats/test_files.h"
 
 namespace colmap_ext {
 
-// What is wrong with a document as XML, apart from its declarations: elements
-// are closed in their order, attributes are quoted, the five entities that need
-// no declaration are the only ones. Empty where nothing is.
-std::string XmlDefect(const std::string& document);
+// What Python's parser of XML says against a document; empty if it is
+// well-formed.
+inline std::string XmlDefect(const std::string& document) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.Path() / "document").string();
+  WriteFile(path, document);
+  const std::string command =
+      "\"" COLMAP_EXT_PYTHON
+      "\" -c 'import sys, xml.sax; xml.sax.parse(sys.argv[1], "
+      "xml.sax.ContentHandler())' " +
+      path + " 2>" + path + ".err";
+  return std::system(command.c_str()) == 0 ? "" : ReadFile(path + ".err");
+}
 
 }  // namespace colmap_ext

@@ -1,10 +1,12 @@
-#include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/terminal/terminal.h"
 
 #include <chrono>
 #include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
+
+#include "tests/texts.h"
 
 namespace colmap_ext {
 namespace progress_reporter_test {
@@ -29,7 +31,7 @@ TEST(ProgressReporterTest, MovesOneLineOnATerminal) {
   std::this_thread::sleep_for(std::chrono::milliseconds(150));
   reporter.Update("First", 0.25);
   reporter.Finish();
-  EXPECT_NE(stream.str().find("\rFirst ... 25 %"), std::string::npos);
+  EXPECT_TRUE(Has(stream.str(), "\rFirst ... 25 %"));
   EXPECT_TRUE(stream.str().ends_with("s \n") || stream.str().ends_with("s\n"));
 }
 
@@ -40,12 +42,10 @@ TEST(ProgressReporterTest, NotesHowItGoes) {
     reporter.Update("First", 0);
     reporter.Update("First", 0.5);
     reporter.Note("energy -7");
-    EXPECT_NE(stream.str().find(is_terminal ? "\rFirst ... 50 %, energy -7"
-                                            : "energy -7\n"),
-              std::string::npos)
-        << stream.str();
+    EXPECT_TRUE(Has(stream.str(), is_terminal ? "\rFirst ... 50 %, energy -7"
+                                              : "energy -7\n"));
     reporter.Update("Second", 0);
-    EXPECT_EQ(stream.str().find("Second ... 0 %, energy"), std::string::npos);
+    EXPECT_FALSE(Has(stream.str(), "Second ... 0 %, energy"));
   }
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/mix_bits.h"
 #include "scene/look_at.h"
+#include "tests/texts.h"
 #include "viewer/facet_match.h"
 #include "viewer/viewer_session.h"
 
@@ -153,8 +154,7 @@ TEST_F(SceneLoaderTest, WhatGoesWrongIsANote) {
   loader_->Host({}).load_thumbnails(views_);
   ASSERT_TRUE(Until([&] { return IsAllDone(); }));
   ASSERT_EQ(session_->Scene().notes.size(), 1);
-  EXPECT_NE(session_->Scene().notes[0].find("out of memory"),
-            std::string::npos);
+  EXPECT_TRUE(Has(session_->Scene().notes[0], "out of memory"));
 }
 
 }  // namespace scene_loader_test

@@ -1,17 +1,21 @@
-#include "colmap_ext/terminal/progress_reporter.h"
+#include "colmap_ext/terminal/terminal.h"
 
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <cstdint>
+#include <iterator>
 #include <ostream>
 
 #include <fmt/format.h>
 
-namespace colmap_ext {
+#include "formats/atomic_file.h"
 
+namespace colmap_ext {
 namespace {
 
 constexpr double kTerminalInterval = 0.1;  // seconds
@@ -33,6 +37,24 @@ std::string FormatSeconds(double seconds) {
 
 double Seconds(std::chrono::steady_clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
+}
+
+constexpr int kSignals[] = {SIGINT, SIGTERM};
+
+std::atomic<int> received{0};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+struct sigaction previous_actions[std::size(kSignals)];
+
+extern "C" void RememberSignal(int signal) {
+  if (received.exchange(signal) != 0) {
+    DieOfSignal(signal);
+    return;
+  }
+  constexpr char kMessage[] =
+      "\nStopping after this iteration; once more ends at once.\n";
+  [[maybe_unused]] const ssize_t ignored =
+      write(STDERR_FILENO, kMessage, sizeof(kMessage) - 1);
 }
 
 }  // namespace
@@ -128,5 +150,26 @@ size_t PeakMemory() {
   return static_cast<size_t>(usage.ru_maxrss) * 1024;
 #endif
 }
+
+StopSignal::StopSignal() {
+  received = 0;
+  struct sigaction action = {};
+  action.sa_handler = &RememberSignal;
+  action.sa_flags = SA_RESTART;
+  for (size_t i = 0; i < std::size(kSignals); ++i) {
+    sigaction(kSignals[i], nullptr, &previous_actions[i]);
+    if (previous_actions[i].sa_handler != SIG_IGN) {
+      sigaction(kSignals[i], &action, nullptr);
+    }
+  }
+}
+
+StopSignal::~StopSignal() {
+  for (size_t i = 0; i < std::size(kSignals); ++i) {
+    sigaction(kSignals[i], &previous_actions[i], nullptr);
+  }
+}
+
+int StopSignal::Received() { return received; }
 
 }  // namespace colmap_ext

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include "colmap_ext/jobs/job_inputs.h"
 #include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "scene/picture_decoder.h"
@@ -14,7 +14,30 @@
 #include "tiles/surface_patches.h"
 #include "tiles/tile_cells.h"
 
+// The jobs that refine the mesh of a plan tile by tile.
 namespace colmap_ext {
+
+struct RefinementPlanReport {
+  bool is_kept = false;    // the same plan was there: nothing was done
+  bool is_locked = false;  // see FolderLock
+  size_t num_vertices = 0;
+  size_t num_facets = 0;
+};
+
+// Plans how the mesh of a plan is refined tile by tile: copies it into the
+// plan's folder, in blocks that jobs read where they need them, and gives tiles
+// colours. Holds the mesh.
+// \param mesh_path  as mesh_merger has written it, with its .vis
+// \throw FileError if a file is missing, damaged, or of another plan, or can
+//        not be written, or where another planner is at work
+RefinementPlan PlanRefinement(const std::filesystem::path& folder,
+                              const std::filesystem::path& mesh_path,
+                              const RefinerOptions& options,
+                              const Progress& progress,
+                              RefinementPlanReport* report);
+
+// Where a plan's pictures lie.
+std::filesystem::path ImagesPath(const Plan& plan);
 
 // The job that refines a tile of a plan.
 //
@@ -66,5 +89,12 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
 // The result as the patch of the tile.
 TilePatch MakePatch(const TileJob& job, const TileInput& tile,
                     RefinedMesh refined);
+
+// The refined surface of a plan, all of whose tiles are refined: their patches
+// put together, borders and self-intersections as RefineFacetwise() leaves
+// them.
+// \throw FileError if a tile is not refined, or patches do not fit together
+RefinedMesh MergeRefined(const std::filesystem::path& folder,
+                         const Progress& progress);
 
 }  // namespace colmap_ext

@@ -1,12 +1,10 @@
-#include "colmap_ext/jobs/merge_plan.h"
+#include "colmap_ext/jobs/mesh_tiles.h"
 
 #include <algorithm>
-#include <memory>
 #include <numeric>
 #include <utility>
 #include <vector>
 
-#include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/options/scene_options.h"
 #include "formats/write_mesh.h"
@@ -20,40 +18,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The cells of a plan, cut and fixed.
-struct MergedCells {
-  MergedCells(const FilePlan& vertices, const FileParts& parts)
-      : seam(vertices.Blocks(), parts), changes(vertices.Blocks()) {}
-
-  SeamLabels seam;
-  CellChanges changes;
-};
-
-std::unique_ptr<MergedCells> CutAndFix(const FilePlan& vertices,
-                                       const FileParts& parts,
-                                       const ManifoldMeshingOptions& options,
-                                       int seam_rings, const Progress& progress,
-                                       MergeReport* report) {
-  auto cells = std::make_unique<MergedCells>(vertices, parts);
-  report->num_contradictions = CutSeams(seam_rings, &cells->seam, progress);
-  report->num_cut_cells = cells->seam.NumUnknown();
-  if (options.preemptive_fixing) {
-    report->meshing.fixing =
-        FixPlan(vertices, parts, cells->seam, options.fixing_rule,
-                seam_rings == kAllAtOnce, &cells->changes, progress);
-  }
-  return cells;
-}
-
-// The whole surface, connected, where its cells are no longer needed.
+// The whole surface, connected: the cells of a plan are cut, fixed, and no
+// longer needed then.
 MergedSurface Extract(const FilePlan& vertices, const FileParts& parts,
                       const ManifoldMeshingOptions& options, int seam_rings,
                       const Progress& progress, MergeReport* report) {
-  const auto cells =
-      CutAndFix(vertices, parts, options, seam_rings, progress, report);
+  SeamLabels seam(vertices.Blocks(), parts);
+  CellChanges changes(vertices.Blocks());
+  report->num_contradictions = CutSeams(seam_rings, &seam, progress);
+  report->num_cut_cells = seam.NumUnknown();
+  if (options.preemptive_fixing) {
+    report->meshing.fixing =
+        FixPlan(vertices, parts, seam, options.fixing_rule,
+                seam_rings == kAllAtOnce, &changes, progress);
+  }
   Report(progress, "Extracting the surface", 0);
-  return MergeSurface(vertices, {parts, cells->seam, cells->changes},
-                      cells->changes.centroids());
+  return MergeSurface(vertices, {parts, seam, changes}, changes.centroids());
 }
 
 // Makes the surface a mesh, as the mesher does without a plan.
@@ -78,6 +58,42 @@ void Finish(const Plan& plan, const FilePlan& vertices,
 }
 
 }  // namespace
+
+TileReport RunTile(const fs::path& folder, uint32_t tile,
+                   const Progress& progress) {
+  const Plan plan = ReadPlan(folder, tile);
+  ExpectSame(plan);
+  TileReport report;
+  const JobFile cut_file = CutFile(folder, plan.identity, tile);
+  if (cut_file.Exists()) {
+    report.is_kept = true;
+    return report;
+  }
+  const PlannerOptions options = plan.Options(folder);
+  const ManifoldMeshingOptions& meshing = options.mesher.meshing;
+  const FilePlan vertices(folder, plan);
+  std::vector<Eigen::Vector3d> centers;
+  for (const View& view : plan.views) {
+    centers.push_back(view.Center());
+  }
+  const TileCut cut = CutTile(vertices, tile, centers,
+                              {{plan.distance_sigma, meshing.behind_sigma},
+                               meshing.quality_regularization,
+                               options.seam_rings},
+                              progress);
+  const TileSeam seam = SeamOf(cut);
+  Report(progress, "Writing the tile", 0);
+  Write(cut_file, cut, seam);
+  report.num_vertices = cut.tile.num_own;
+  report.num_other_vertices = cut.tile.ids.size() - cut.tile.num_own;
+  report.num_rounds = cut.tile.num_rounds;
+  report.num_unknown_cells = seam.unknown.size();
+  for (uint32_t cell = 0; cell < cut.places.size(); ++cell) {
+    report.num_star_cells += cut.tile.IsStarCell(cell);
+  }
+  report.rays = cut.rays;
+  return report;
+}
 
 MergeReport MergePlan(const fs::path& folder, const fs::path& output_path,
                       const std::optional<Eigen::Matrix4d>& transform,

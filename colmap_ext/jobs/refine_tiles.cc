@@ -1,16 +1,18 @@
-#include "colmap_ext/jobs/tile_job.h"
+#include "colmap_ext/jobs/refine_tiles.h"
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "colmap_ext/jobs/plan_refinement.h"
-#include "colmap_ext/jobs/surface_files.h"
+#include "colmap_ext/jobs/plan_files.h"
 #include "formats/errors.h"
 #include "mesh/manifold_repair.h"
+#include "mesh/topology.h"
+#include "refine/facetwise_refinement.h"
 #include "workspace/masks.h"
 
 namespace colmap_ext {
@@ -156,9 +158,10 @@ TileJob MakeTileJob(const fs::path& folder, uint32_t tile) {
 void ExpectRefined(const fs::path& folder, const RefinementPlan& plan,
                    const std::vector<uint32_t>& tiles) {
   for (const uint32_t tile : tiles) {
-    if (!HasPatch(folder, plan.identity, tile)) {
+    const JobFile patch = PatchFile(folder, plan.identity, tile);
+    if (!patch.Exists()) {
       throw FileError(
-          PatchPath(folder, tile),
+          patch.path,
           fmt::format("tile {} of colour {} is not refined: run "
                       "facetwise_refiner --plan_path {} --tile {} first",
                       tile, plan.tiles[tile].color, folder.string(), tile));
@@ -217,6 +220,41 @@ TilePatch MakePatch(const TileJob& job, const TileInput& tile,
   refined.attributes.views = Renumber(refined.attributes.views, tile.views);
   return MakePatch(job.tile, tile.part, tile.fixed, refined.mesh,
                    refined.attributes, refined.fixed_sources);
+}
+
+RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
+  const Plan plan = ReadPlan(folder);
+  const RefinementPlan refinement = ReadRefinementPlan(folder, plan);
+  const std::vector<uint32_t> tiles =
+      refinement.TilesBefore(refinement.NumColors());
+  ExpectRefined(folder, refinement, tiles);
+  RefinerOptions options;
+  refinement.SetOptions(folder, &options);
+  options.FinishMethod();
+  options.refinement.region = plan.region;
+  Report(progress, "Putting the tiles together", 0);
+  RefinedMesh refined;
+  try {
+    SurfacePart part =
+        GatherSurface(FileSurface(folder, refinement.identity), tiles,
+                      [](const Eigen::AlignedBox3f& /*box*/) { return true; });
+    refined.mesh = std::move(part.mesh);
+    refined.attributes = std::move(part.attributes);
+  } catch (const PatchError& error) {
+    throw FileError(folder, std::string("the refined tiles do not fit each "
+                                        "other (") +
+                                error.what() + "): plan larger tiles");
+  }
+  const MeshReport report = Analyze(refined.mesh);
+  if (!report.IsManifold()) {
+    throw FileError(folder, "the refined tiles do not fit each other (" +
+                                report.Defects() + "): plan larger tiles");
+  }
+  refined.origins = refined.mesh.vertices;
+  refined.labels.labels = Rows<uint32_t>(refined.mesh.facets.size());
+  refined.views = plan.views;
+  FinishRefinement(options.refinement, progress, &refined);
+  return refined;
 }
 
 }  // namespace colmap_ext
