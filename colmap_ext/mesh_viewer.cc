@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -94,10 +95,10 @@ std::vector<Screenshot> PlanScreenshots(const ViewerOptions& options,
         {path, Crop(options,
                     scene.views[FindView(scene.views, options.image_name)])}};
   }
-  const auto [width, height] = options.FreeSize();
-  OrbitCamera camera = FirstCamera(*scene.meshes[0], width, height);
+  const std::array<int, 2> size = options.FreeSize();
+  OrbitCamera camera = FirstCamera(*scene.meshes[0], size[0], size[1]);
   const auto picture = [&] {
-    return Crop(options, camera.Picture(width, height));
+    return Crop(options, camera.Picture(size[0], size[1]));
   };
   if (options.turntable == 0) {
     return {{path, picture()}};
