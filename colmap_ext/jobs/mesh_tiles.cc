@@ -52,6 +52,9 @@ void Finish(const Plan& plan, const FilePlan& vertices,
   points.cloud.views = std::move(read.views);
   points.vertex_points = std::move(ids);
   points.supports = std::move(read.supports);
+  if (options.smoothing > 0) {
+    points.noises = std::move(read.noises);
+  }
   points.is_end = std::move(read.observations.is_end);
   SplitSurface(options, std::move(merged.extracted), std::move(points),
                plan.views, result);

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The kinds of files, and their sections in order.
-constexpr JobFileKind kVerticesKind = {"CEVERT04", "run mesh_planner again"};
+constexpr JobFileKind kVerticesKind = {"CEVERT05", "run mesh_planner again"};
 enum VerticesSection {
   kPositions,
   kRayOffsets,
@@ -20,6 +20,7 @@ enum VerticesSection {
   kRayAlphas,
   kIsEnd,
   kSupports,
+  kNoises,
   kColors,
   kViewOffsets,
   kViews
@@ -78,7 +79,8 @@ void Write(const JobFile& file, const TileVertices& vertices) {
   const Observations& observations = vertices.observations;
   WriteJobFile(file, vertices.positions, observations.offsets,
                observations.views, observations.alphas, observations.is_end,
-               vertices.supports, vertices.colors, vertices.views);
+               vertices.supports, vertices.noises, vertices.colors,
+               vertices.views);
 }
 
 void Write(const JobFile& file, const PlanBlocks& blocks) {
@@ -156,6 +158,7 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
     const uint32_t end = blocks_.begins[block + 1] - first;
     const auto file = files_.Open(tile);
     const auto supports = file->Read<float>(kSupports, begin, end);
+    const auto noises = file->Read<float>(kNoises, begin, end);
     const auto colors = file->ReadIfAny<Color>(kColors, begin, end);
     auto is_end = file->ReadIfAny<uint8_t>(kIsEnd, begin, end);
     is_end.resize(end - begin, 0);
@@ -165,6 +168,7 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
     for (; it != ids.end() && *it < blocks_.begins[block + 1]; ++it) {
       const uint32_t vertex = *it - first - begin;
       read.supports.push_back(supports[vertex]);
+      read.noises.push_back(noises[vertex]);
       if (!colors.empty()) {
         read.colors.push_back(colors[vertex]);
       }

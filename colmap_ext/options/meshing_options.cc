@@ -47,6 +47,10 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
   options->AddNumber(ours + "quality_regularization",
                      &meshing->quality_regularization, {0, 1e4},
                      "Weight of the surface quality; higher is smoother");
+  options->AddNumber(ours + "smoothing", &meshing->smoothing, {0, 10},
+                     "Strength of the final smoothing, which moves vertices "
+                     "by about the noise of the points around them. 0: keep "
+                     "the vertices at fused points");
   options->AddNumber(ours + "min_confidence", &meshing->borders.trim, {0, 1},
                      "Remove faces with a lower confidence; 0.2 removes "
                      "membranes that span sky or openings. 0: keep all");

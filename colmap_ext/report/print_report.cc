@@ -89,6 +89,7 @@ void PrintMesh(const ManifoldMeshingReport& report, ReportLog* log) {
   PrintIfAny("small components dropped", report.small_components.num_components,
              log);
   PrintIfAny("  their faces", report.small_components.num_facets, log);
+  PrintIfAny("vertices smoothed", report.smoothing.num_moved, log);
   const SelfIntersectionRepair& repair = report.self_intersections;
   PrintIfAny("self-intersections removed", repair.num_before - repair.num_after,
              log);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "mesh/facet_filters.h"
 #include "mesh/manifold_repair.h"
 #include "meshing/inherit_attributes.h"
+#include "meshing/noise_smoothing.h"
 #include "remesh/isotropic_remeshing.h"
 #include "repair/self_intersection_repair.h"
 
@@ -53,21 +55,26 @@ void SplitAgain(FanSplit* surface) {
 }
 
 // Makes a surface manifold, drops facets that have an end of rays as a corner
-// (there is no evidence of a surface) and those that the options exclude, and
-// makes the remaining surface manifold again. Facets keep the order of the
-// input facets that they are parts of; vertices are in the order of their use.
-// \param is_end  [V] of the tetrahedralization, see MarkEnds()
-// \param report  gets the counts of what is dropped, copied and split
-// \return its sources are vertices of the tetrahedralization
+// (there is no evidence of a surface) and those that the options exclude,
+// smooths it, and makes the remaining surface manifold again. Facets keep the
+// order of the input facets that they are parts of; vertices are in the order
+// of their use. \param report  gets the counts of what is dropped, copied and
+// split \return its sources are vertices of the tetrahedralization
 FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
-                        ExtractedSurface extracted,
-                        const std::vector<uint8_t>& is_end,
+                        ExtractedSurface extracted, const SurfacePoints& points,
                         ManifoldMeshingReport* report) {
   FanSplit surface =
       SplitFans(std::move(extracted.mesh), std::move(extracted.partners));
   surface.from.facets = {};  // not kept in time
-  DropFacetsAtEnds(is_end, &surface);
+  DropFacetsAtEnds(points.is_end, &surface);
   report->num_long_facets = DropLongFacets(options, &surface.mesh);
+  if (!points.noises.empty()) {
+    // Centroids of split cells are not measured.
+    constexpr float kUnknown = std::numeric_limits<float>::infinity();
+    report->smoothing = SmoothByNoise(
+        MeansOfSources(points.noises, surface.from.vertices, kUnknown),
+        options.smoothing, &surface.mesh);
+  }
   if (options.region) {
     if (auto clipped = ClipMesh(*options.region, &surface.mesh)) {
       surface.from = Compose(surface.from, std::move(*clipped));
@@ -130,25 +137,25 @@ std::vector<float> SupportOfVertices(
   return supports;
 }
 
-std::vector<float> SupportOfSurface(
-    const std::vector<float>& supports,
-    const std::vector<std::array<uint32_t, 2>>& sources) {
-  const auto support = [&](uint32_t vertex) {
-    return vertex < supports.size() ? supports[vertex] : 0.0f;
+std::vector<float> MeansOfSources(
+    const std::vector<float>& values,
+    const std::vector<std::array<uint32_t, 2>>& sources, float missing) {
+  const auto value = [&](uint32_t vertex) {
+    return vertex < values.size() ? values[vertex] : missing;
   };
-  std::vector<float> of_surface;
-  of_surface.reserve(sources.size());
+  std::vector<float> means;
+  means.reserve(sources.size());
   for (const auto& [a, b] : sources) {
-    of_surface.push_back((support(a) + support(b)) / 2);
+    means.push_back((value(a) + value(b)) / 2);
   }
-  return of_surface;
+  return means;
 }
 
 void SplitSurface(const ManifoldMeshingOptions& options,
                   ExtractedSurface extracted, SurfacePoints points,
                   const std::vector<View>& views, ManifoldMesh* result) {
-  FanSplit surface = SplitAndFilter(options, std::move(extracted),
-                                    points.is_end, &result->report);
+  FanSplit surface =
+      SplitAndFilter(options, std::move(extracted), points, &result->report);
   if (surface.mesh.facets.empty()) {
     throw std::invalid_argument(
         "the points and views enclose no surface: nothing to mesh");
@@ -158,7 +165,7 @@ void SplitSurface(const ManifoldMeshingOptions& options,
       InheritAttributes(result->mesh, points.cloud,
                         PointsOf(surface.from.vertices, points.vertex_points));
   const std::vector<float> supports =
-      SupportOfSurface(points.supports, surface.from.vertices);
+      MeansOfSources(points.supports, surface.from.vertices, 0);
   // What has served goes before more memory is needed.
   points = {};
   surface = {};

@@ -21,12 +21,13 @@ std::vector<float> SupportOfVertices(
     size_t num_vertices, const std::vector<uint32_t>& point_vertices,
     const std::vector<float>& point_weights);
 
-// The same for the vertices of a surface: [V] the mean of two supports.
-// \param sources [V] two vertices each, see Provenance; those from
-//        supports.size() on have none
-std::vector<float> SupportOfSurface(
-    const std::vector<float>& supports,
-    const std::vector<std::array<uint32_t, 2>>& sources);
+// What the vertices of a surface have: [V] the mean of two values of vertices
+// of the tetrahedralization.
+// \param sources [V] two of these vertices each, see Provenance
+// \param missing  the value of those from values.size() on
+std::vector<float> MeansOfSources(
+    const std::vector<float>& values,
+    const std::vector<std::array<uint32_t, 2>>& sources, float missing);
 
 // What the vertices of a tetrahedralization stand for. Those beyond the arrays
 // are centroids of split cells.
@@ -34,12 +35,13 @@ struct SurfacePoints {
   PointCloud cloud;                     // may have no positions
   std::vector<uint32_t> vertex_points;  // [V] the cloud's, or kNone
   std::vector<float> supports;          // [V] SupportOfVertices()
+  std::vector<float> noises;            // [V] LocalNoise(); empty: not smoothed
   std::vector<uint8_t> is_end;          // [V] MarkEnds()
 };
 
-// Makes a surface manifold, drops the facets that the options exclude, and adds
-// the attributes and confidences of its points (docs/method.md, sections 3.3
-// and 3.6).
+// Makes a surface manifold, drops the facets that the options exclude, smooths
+// it, and adds the attributes and confidences of its points (docs/method.md,
+// sections 3.3 and 3.6).
 // \param result  gets the mesh and what belongs to it, the report its counts
 // \throw std::invalid_argument if no facet is left
 void SplitSurface(const ManifoldMeshingOptions& options,

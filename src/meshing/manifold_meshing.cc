@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -157,6 +158,13 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
   std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
   std::vector<float> supports = SupportOfVertices(
       report.num_vertices, thinned.point_vertices, weighted.weights);
+  std::vector<float> noises;
+  if (options.smoothing > 0) {
+    Report(progress, "Measuring the noise", 0);
+    noises = LocalNoise(
+        std::span(weighted.cloud.positions).first(weighted.num_points),
+        thinned.tetrahedra.points);
+  }
   FlowCapacities graph =
       MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
   // The cut needs most memory: what is no longer needed is freed first.
@@ -172,7 +180,7 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
   thinned.tetrahedra = {};
   SplitSurface(options, std::move(extracted),
                {std::move(points), std::move(thinned.vertex_points),
-                std::move(supports), std::move(is_end)},
+                std::move(supports), std::move(noises), std::move(is_end)},
                views, &result);
   return result;
 }

@@ -11,6 +11,7 @@
 #include "mesh/triangle_mesh.h"
 #include "meshing/inherit_attributes.h"
 #include "meshing/manifold_fixing.h"
+#include "meshing/noise_smoothing.h"
 #include "meshing/ray_ends.h"
 #include "repair/edit_borders.h"
 #include "repair/self_intersection_repair.h"
@@ -81,6 +82,10 @@ struct ManifoldMeshingOptions {
   // Connected components of fewer facets are dropped. 0 or more.
   int min_component_faces = 0;
 
+  // The surface is smoothed by the noise of its points: the strength of
+  // SmoothByNoise(). Zero leaves the points where they are. In [0, 10].
+  double smoothing = 1.0;
+
   // Only the inside is meshed: points outside are ignored, but rays to them
   // vote, and the surface is clipped at the border. nullopt: all is meshed.
   std::optional<Region> region;
@@ -116,6 +121,7 @@ struct ManifoldMeshingReport {
   size_t num_midpoints = 0;       // put into edges that the split leaves shared
   size_t num_long_facets = 0;     // dropped
   DroppedComponents small_components;
+  SmoothingReport smoothing;
   SelfIntersectionRepair self_intersections;
   BorderReport borders;
 
@@ -133,10 +139,10 @@ std::vector<float> ObservationWeights(const ManifoldMeshingOptions& options,
 
 // The 2-manifold surface between what the views see through and what they do
 // not: Delaunay tetrahedralization, visibility votes, minimum cut, fixing of
-// singular vertices, surface, filters, confidences, borders [Romanoni2020,
-// section IV; Labatut2009], repair of self-intersections, which copies of a
-// vertex at one position make.
-// The result does not depend on the number of threads.
+// singular vertices, surface, filters, smoothing, confidences, borders
+// [Romanoni2020, section IV; Labatut2009], repair of self-intersections, which
+// copies of a vertex at one position make. The result does not depend on the
+// number of threads.
 //
 // \param ends  of more rays that meet no surface
 // \pre all positions are finite, view indices < views.size(), options in their

@@ -94,26 +94,6 @@ bool PutBack(const GuardedFacets& guarded,
   return has_turned;
 }
 
-// Puts the corners of facets that intersect back, and of those that this turns.
-// \param positions [V] where no guarded facet is turned
-void PutBackIntersecting(const GuardedFacets& guarded,
-                         const std::vector<Vector3f>& positions,
-                         TriangleMesh* mesh) {
-  for (bool is_moved = true; is_moved;) {
-    is_moved = false;
-    for (const auto& pair : FindSelfIntersections(*mesh)) {
-      for (const uint32_t facet : pair) {
-        for (const uint32_t vertex : mesh->facets[facet]) {
-          is_moved |= mesh->vertices[vertex] != positions[vertex];
-          mesh->vertices[vertex] = positions[vertex];
-        }
-      }
-    }
-    while (PutBack(guarded, positions, mesh)) {
-    }
-  }
-}
-
 }  // namespace
 
 void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
@@ -132,7 +112,10 @@ void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
     while (PutBack(guarded, positions, mesh)) {
     }
   }
-  PutBackIntersecting(guarded, first_positions, mesh);
+  while (PutBackIntersecting(first_positions, mesh) > 0) {
+    while (PutBack(guarded, first_positions, mesh)) {
+    }
+  }
 }
 
 Provenance EditBorders(const BorderOptions& options,

@@ -206,4 +206,18 @@ std::vector<FacetPair> FindSelfIntersections(
   return Collect(found);
 }
 
+size_t PutBackIntersecting(const std::vector<Eigen::Vector3f>& positions,
+                           TriangleMesh* mesh) {
+  size_t num_moved = 0;
+  for (const FacetPair& pair : FindSelfIntersections(*mesh)) {
+    for (const uint32_t facet : pair) {
+      for (const uint32_t vertex : mesh->facets[facet]) {
+        num_moved += mesh->vertices[vertex] != positions[vertex] ? 1 : 0;
+        mesh->vertices[vertex] = positions[vertex];
+      }
+    }
+  }
+  return num_moved;
+}
+
 }  // namespace colmap_ext

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "mesh/triangle_mesh.h"
 #include "spatial/facet_tree.h"
 
@@ -48,5 +50,12 @@ std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
 std::vector<FacetPair> FindSelfIntersections(
     const TriangleMesh& mesh, const FacetTree& tree,
     const std::vector<uint32_t>& facets);
+
+// Puts the corners of facets that intersect back to where they were. Facets may
+// intersect others then: to be repeated until no corner moves.
+// \param positions [V]
+// \return how many vertices moved
+size_t PutBackIntersecting(const std::vector<Eigen::Vector3f>& positions,
+                           TriangleMesh* mesh);
 
 }  // namespace colmap_ext

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "base/percentile.h"
@@ -9,6 +10,7 @@
 #include "delaunay/growing_complex.h"
 #include "delaunay/insert_points.h"
 #include "meshing/finish_surface.h"
+#include "meshing/noise_smoothing.h"
 
 namespace colmap_ext {
 namespace {
@@ -68,6 +70,9 @@ TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
     thinned = Tetrahedralize(cloud, views, options, progress);
   }
   const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
+  vertices.noises =
+      LocalNoise(std::span(cloud.positions).first(weighted.num_points),
+                 thinned.tetrahedra.points);
   if (!thinned.tetrahedra.cells.empty()) {
     vertices.edges = SampleEdges(thinned.tetrahedra, is_end);
   }

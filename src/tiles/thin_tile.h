@@ -30,6 +30,7 @@ struct TileVertices {
   Observations observations;               // [V] of the points they stand for,
                                            // with what are ends of rays
   std::vector<float> supports;             // [V] SupportOfVertices()
+  std::vector<float> noises;               // [V] LocalNoise() of the points
   std::vector<Color> colors;               // [V] or empty
   Rows<uint32_t> views;                    // [V] of the vertex's own point
   EdgeSample edges;

@@ -10,9 +10,9 @@ TEST(SupportOfVertices, AddsUpThePointsOfEach) {
             (std::vector<float>{5, 0, 10}));
 }
 
-TEST(SupportOfSurface, IsTheMeanOfTheSources) {
-  EXPECT_EQ(SupportOfSurface({1, 3}, {{0, 0}, {0, 1}, {2, 2}, {1, 2}}),
-            (std::vector<float>{1, 2, 0, 1.5f}));
+TEST(MeansOfSources, IsTheMeanOfBoth) {
+  EXPECT_EQ(MeansOfSources({1, 3}, {{0, 0}, {0, 1}, {2, 2}, {1, 2}}, 7),
+            (std::vector<float>{1, 2, 7, 5}));
 }
 
 }  // namespace finish_surface_test

@@ -334,6 +334,7 @@ TEST(MeshManifold, ReportsWhatItDid) {
 TEST(MeshManifold, VerticesHaveWhatTheirPointsHave) {
   const SphereScene scene;
   ManifoldMeshingOptions options;
+  options.smoothing = 0;
   options.preemptive_fixing = false;  // no centroids
   const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
   ASSERT_EQ(result.report.num_midpoints, 0u);
@@ -390,6 +391,7 @@ TEST(MeshManifold, ScalesWithTheScene) {
 TEST(MeshManifold, DuplicatesChangeNothingButTheirVotes) {
   SphereScene scene(1000);
   ManifoldMeshingOptions options;
+  options.smoothing = 0;
   options.max_proj_dist = 0;
   const ManifoldMesh expected = MeshManifold(options, scene.cloud, scene.views);
   // Duplicates without views.

@@ -1,0 +1,317 @@
+#include "meshing/noise_smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "base/rows.h"
+#include "mesh/adjacency.h"
+#include "optim/conjugate_gradients.h"
+#include "scene/point_tree.h"
+#include "spatial/self_intersections.h"
+
+namespace colmap_ext {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+// Of the points that a quadric is fitted to. A choice: five times as many as
+// it has coefficients.
+constexpr size_t kNumNearest = 32;
+constexpr int kNumCoefficients = 6;
+using Coefficients = Eigen::Matrix<double, kNumCoefficients, 1>;
+
+// The deviation of the umbrella vectors, in mean lengths of edges. Tuned by the
+// accuracy of bunny and the roughness of the walls of south: .03 is smoother
+// and less exact, .05 the opposite.
+constexpr double kRelief = 0.04;
+
+// The noise lies within these bounds, in mean lengths of edges.
+constexpr double kMinNoise = 1e-3;
+constexpr double kMaxNoise = 1;
+
+// Spikes have long edges, which allow for larger umbrella vectors: the second
+// round has the lengths that the first one leaves.
+constexpr int kRounds = 2;
+
+constexpr int kPutBackRounds = 4;
+
+constexpr SolverOptions kSolver{.tolerance = 1e-3, .max_iterations = 200};
+
+// The noise by the quadric z = q(x, y) over the plane that fits the points.
+float NoiseAt(const Vector3f& place, std::span<const Vector3f> points,
+              const std::vector<uint32_t>& nearest) {
+  if (nearest.size() < 2 * kNumCoefficients) {
+    return 0;
+  }
+  const double radius_squared =
+      (points[nearest.back()] - place).cast<double>().squaredNorm();
+  if (!(radius_squared > 0)) {
+    return 0;
+  }
+  Vector3d mean = Vector3d::Zero();
+  for (const uint32_t point : nearest) {
+    mean += (points[point] - place).cast<double>();
+  }
+  mean /= static_cast<double>(nearest.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const uint32_t point : nearest) {
+    const Vector3d from_mean = (points[point] - place).cast<double>() - mean;
+    scatter += from_mean * from_mean.transpose();
+  }
+  // Ascending: the normal first.
+  const Eigen::Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors();
+  using Row = Eigen::Matrix<double, kNumCoefficients + 1, 1>;
+  // The normal equations, with the right hand side as the last column.
+  Eigen::Matrix<double, kNumCoefficients + 1, kNumCoefficients + 1> products;
+  products.setZero();
+  double sum_of_weights = 0;
+  for (const uint32_t point : nearest) {
+    const Vector3d offset = (points[point] - place).cast<double>();
+    const Vector3d local =
+        axes.transpose() * (offset - mean) / std::sqrt(radius_squared);
+    const double weight = 1 - 0.75 * offset.squaredNorm() / radius_squared;
+    Row row;
+    row << 1, local[1], local[2], local[1] * local[1], local[1] * local[2],
+        local[2] * local[2], local[0];
+    products += weight * row * row.transpose();
+    sum_of_weights += weight;
+  }
+  const Coefficients right = products.topRightCorner<kNumCoefficients, 1>();
+  const Coefficients quadric =
+      products.topLeftCorner<kNumCoefficients, kNumCoefficients>().ldlt().solve(
+          right);
+  const double residual =
+      products(kNumCoefficients, kNumCoefficients) - quadric.dot(right);
+  const auto count = static_cast<double>(nearest.size());
+  const double variance = std::max(residual, 0.0) / sum_of_weights *
+                          radius_squared * count / (count - kNumCoefficients);
+  return std::isfinite(variance) ? static_cast<float>(std::sqrt(variance)) : 0;
+}
+
+// The neighbors that a vertex is compared with, and the reverse.
+struct Umbrellas {
+  Rows<uint32_t> neighbors;  // [V] those along the border at the border
+  Rows<uint32_t> users;      // [V] whose neighbor it is
+};
+
+Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
+  VertexRings rings = MakeVertexRings(mesh);
+  const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
+  Rows<uint32_t> at_border =
+      GroupInRows<uint32_t>(mesh.vertices.size(), [&](const auto& add) {
+        for (uint32_t half = 0; half < partners.size(); ++half) {
+          if (partners[half] == kNone) {
+            const uint32_t from = FromVertex(mesh.facets, half);
+            const uint32_t to = ToVertex(mesh.facets, half);
+            add(from, to);
+            add(to, from);
+          }
+        }
+      });
+  Umbrellas umbrellas;
+  umbrellas.neighbors.Reserve(mesh.vertices.size(),
+                              rings.neighbors.values.size());
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    umbrellas.neighbors.AddRow(at_border[i].empty() ? rings.neighbors[i]
+                                                    : at_border[i]);
+  }
+  umbrellas.users =
+      GroupInRows<uint32_t>(mesh.vertices.size(), [&](const auto& add) {
+        for (uint32_t i = 0; i < umbrellas.neighbors.size(); ++i) {
+          for (const uint32_t neighbor : umbrellas.neighbors[i]) {
+            add(neighbor, i);
+          }
+        }
+      });
+  return umbrellas;
+}
+
+// [V] scene units; 0 where a vertex has none
+std::vector<double> MeanLengths(const Rows<uint32_t>& neighbors,
+                                const std::vector<Vector3f>& vertices) {
+  std::vector<double> lengths(vertices.size(), 0);
+  tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
+    for (const uint32_t neighbor : neighbors[i]) {
+      lengths[i] += (vertices[neighbor] - vertices[i]).norm();
+    }
+    lengths[i] /= std::max<double>(1, static_cast<double>(neighbors[i].size()));
+  });
+  return lengths;
+}
+
+// The normal equations of the displacements. Vectors have 3 V elements.
+class Smoother {
+ public:
+  using Values = std::vector<double>;
+
+  // \param data [V] weights of the positions
+  // \param smoothness [V] of the umbrella vectors
+  Smoother(const Umbrellas& umbrellas, std::vector<double> data,
+           std::vector<double> smoothness)
+      : umbrellas_(umbrellas),
+        data_(std::move(data)),
+        smoothness_(std::move(smoothness)) {}
+
+  // The displacements that minimize the sum of both terms.
+  // \param motions  where to start from
+  Values Minimize(const std::vector<Vector3f>& positions) const {
+    Values values;
+    values.reserve(3 * positions.size());
+    for (const Vector3f& position : positions) {
+      values.insert(values.end(), position.begin(), position.end());
+    }
+    Values descent(values.size());
+    Multiply(values, 0, &descent);
+    for (double& value : descent) {
+      value = -value;
+    }
+    const Values diagonal = Diagonal();
+    return SolveByConjugateGradients(
+               kSolver, std::move(descent),
+               [&](const Values& in, Values* out) { Multiply(in, 1, out); },
+               [&](const Values& in, Values* out) {
+                 std::ranges::transform(in, diagonal, out->begin(),
+                                        std::divides());
+               })
+        .values;
+  }
+
+ private:
+  static Eigen::Map<const Vector3d> At(const Values& values, size_t vertex) {
+    return Eigen::Map<const Vector3d>(&values[3 * vertex]);
+  }
+  static Eigen::Map<Vector3d> At(Values* values, size_t vertex) {
+    return Eigen::Map<Vector3d>(&(*values)[3 * vertex]);
+  }
+
+  // Of each neighbor in the mean.
+  double Share(size_t vertex) const {
+    return 1 / static_cast<double>(umbrellas_.neighbors[vertex].size());
+  }
+
+  Values Diagonal() const {
+    Values diagonal(3 * data_.size());
+    tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
+      double sum = data_[i] + smoothness_[i];
+      for (const uint32_t user : umbrellas_.users[i]) {
+        sum += smoothness_[user] * Share(user) * Share(user);
+      }
+      std::fill_n(diagonal.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
+                  sum);
+    });
+    return diagonal;
+  }
+
+  // out = (data_share * data's matrix + smoothness' matrix) * in
+  void Multiply(const Values& in, double data_share, Values* out) const {
+    Values weighted(in.size(), 0);  // umbrella vectors times their weights
+    tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
+      const auto ring = umbrellas_.neighbors[i];
+      Vector3d sum = Vector3d::Zero();
+      for (const uint32_t neighbor : ring) {
+        sum += At(in, neighbor) - At(in, i);
+      }
+      if (!ring.empty()) {
+        At(&weighted, i) = smoothness_[i] * Share(i) * sum;
+      }
+    });
+    tbb::parallel_for(size_t{0}, data_.size(), [&](size_t i) {
+      Vector3d sum = data_share * data_[i] * At(in, i) - At(weighted, i);
+      for (const uint32_t user : umbrellas_.users[i]) {
+        sum += Share(user) * At(weighted, user);
+      }
+      At(out, i) = sum;
+    });
+  }
+
+  const Umbrellas& umbrellas_;
+  std::vector<double> data_;
+  std::vector<double> smoothness_;
+};
+
+// Where the vertices go, for the lengths of edges that the mesh has.
+// \param positions [V] the measured ones
+std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
+                               const std::vector<Vector3f>& positions,
+                               const std::vector<float>& noises, double relief,
+                               const TriangleMesh& mesh) {
+  const size_t size = positions.size();
+  const std::vector<double> lengths =
+      MeanLengths(umbrellas.neighbors, mesh.vertices);
+  std::vector<double> data(size, 1);
+  std::vector<double> smoothness(size, 0);
+  for (size_t i = 0; i < size; ++i) {
+    if (lengths[i] > 0) {
+      const double noise = std::clamp<double>(noises[i], kMinNoise * lengths[i],
+                                              kMaxNoise * lengths[i]);
+      data[i] = 1 / (noise * noise);
+      smoothness[i] = 1 / (relief * lengths[i] * relief * lengths[i]);
+    }
+  }
+  const std::vector<double> motions =
+      Smoother(umbrellas, std::move(data), std::move(smoothness))
+          .Minimize(positions);
+  std::vector<Vector3f> smoothed(positions);
+  for (size_t i = 0; i < size; ++i) {
+    const Eigen::Map<const Vector3d> motion(&motions[3 * i]);
+    const double share = std::min(1.0, lengths[i] / motion.norm());
+    if (share > 0) {
+      smoothed[i] += (share * motion).cast<float>();
+    }
+  }
+  return smoothed;
+}
+
+}  // namespace
+
+std::vector<float> LocalNoise(std::span<const Vector3f> points,
+                              const std::vector<Vector3f>& places) {
+  const PointTree tree(points);
+  std::vector<float> noises(places.size());
+  tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
+    noises[i] = NoiseAt(places[i], points,
+                        tree.Nearest(places[i], kNumNearest,
+                                     std::numeric_limits<float>::infinity()));
+  });
+  return noises;
+}
+
+SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
+                              TriangleMesh* mesh) {
+  const Umbrellas umbrellas = MakeUmbrellas(*mesh);
+  const std::vector<Vector3f> positions = mesh->vertices;
+  for (int round = 0; round < kRounds; ++round) {
+    mesh->vertices =
+        Smoothed(umbrellas, positions, noises, kRelief / strength, *mesh);
+  }
+  SmoothingReport report;
+  for (int round = 0; round < kPutBackRounds; ++round) {
+    const size_t num_put_back = PutBackIntersecting(positions, mesh);
+    report.num_kept += num_put_back;
+    if (num_put_back == 0) {
+      break;
+    }
+  }
+  double sum = 0;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    if (mesh->vertices[i] != positions[i]) {
+      ++report.num_moved;
+      sum += (mesh->vertices[i] - positions[i]).norm();
+    }
+  }
+  report.mean_motion = sum / std::max<double>(1, report.num_moved);
+  return report;
+}
+
+}  // namespace colmap_ext
