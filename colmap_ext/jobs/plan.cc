@@ -87,9 +87,12 @@ void WriteJson(const fs::path& path, Json json) {
 template <typename Make>
 auto ReadJson(const fs::path& path, const std::string& what_to_do,
               const Make& make) {
+  std::error_code error;
   std::ifstream file(path);
-  if (!file) {
-    throw FileError(path, "not there: " + what_to_do);
+  if (!fs::is_regular_file(path, error) || !file) {
+    throw FileError(path,
+                    (fs::exists(path, error) ? "not a file: " : "not there: ") +
+                        what_to_do);
   }
   try {
     Json json = Json::parse(file);
