@@ -41,31 +41,18 @@ void ExpectPlansMesh(const fs::path& path, const Plan& plan,
   }
 }
 
-// Whether a vertex is one of the plan.
-bool IsPlanned(const FilePlan& plan, const Eigen::Vector3f& vertex) {
-  const PlanBlocks& blocks = plan.Blocks();
-  for (size_t block = 0; block < blocks.NumBlocks(); ++block) {
-    if (blocks.boxes[block].contains(vertex)) {
-      const std::vector<Eigen::Vector3f> positions =
-          plan.ReadPositions(blocks.begins[block], blocks.begins[block + 1]);
-      if (std::ranges::find(positions, vertex) != positions.end()) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-// Whether a mesh has been made of the vertices of a plan: most are its own
-// then, if it was not remeshed.
-bool IsOfPlan(const FilePlan& plan, const TriangleMesh& mesh) {
+// Whether a mesh lies where the vertices of a plan do: most of it in the boxes
+// of its blocks.
+bool IsOfPlan(const PlanBlocks& blocks, const TriangleMesh& mesh) {
   constexpr size_t kNumSamples = 200;
   const size_t stride = mesh.vertices.size() / kNumSamples + 1;
   size_t num_samples = 0;
   size_t num_planned = 0;
   for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
     ++num_samples;
-    num_planned += IsPlanned(plan, mesh.vertices[i]) ? 1 : 0;
+    num_planned += std::ranges::any_of(blocks.boxes, [&](const auto& box) {
+      return box.contains(mesh.vertices[i]);
+    });
   }
   return 2 * num_planned >= num_samples;
 }
@@ -231,11 +218,10 @@ RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
   }
   Report(progress, "Reading the mesh", 0);
   const Surface surface = ReadMerged(mesh_path, plan);
-  if (!plan.Options(folder).mesher.meshing.remeshing &&
-      !IsOfPlan(FilePlan(folder, plan), surface.mesh)) {
+  if (!IsOfPlan(FilePlan(folder, plan).Blocks(), surface.mesh)) {
     throw FileError(mesh_path,
-                    "was not made of the points of the plan: it belongs to "
-                    "another one");
+                    "does not lie where the points of the plan do: it belongs "
+                    "to another one");
   }
   report->num_vertices = surface.mesh.vertices.size();
   report->num_facets = surface.mesh.facets.size();

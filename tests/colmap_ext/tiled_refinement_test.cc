@@ -349,7 +349,7 @@ TEST_F(TiledRefinementTest, RefusesTheMeshOfAnotherPlan) {
   EXPECT_FALSE(fs::exists(plan_ / "refine.json"));
   TriangleMesh moved = ReadPlyMesh(path_ / kInput);
   for (Eigen::Vector3f& vertex : moved.vertices) {
-    vertex *= 0.999F;
+    vertex *= 3;
   }
   Visibility none(moved.vertices.size());
   WriteMesh(merged_, moved, {{}, none, {}});
