@@ -11,9 +11,7 @@
 #include "colmap_ext/options/scene_options.h"
 #include "formats/write_mesh.h"
 #include "meshing/finish_surface.h"
-#include "tiles/cell_changes.h"
-#include "tiles/merged_surface.h"
-#include "tiles/seam_labels.h"
+#include "tiles/merged_plan.h"
 
 namespace colmap_ext {
 namespace {
@@ -23,7 +21,7 @@ namespace fs = std::filesystem;
 // The cells of a plan, cut and fixed.
 struct MergedCells {
   MergedCells(const FilePlan& vertices, const FileParts& parts)
-      : seam(vertices.Blocks(), parts), changes(vertices.Blocks()) {}
+      : seam(vertices, parts), changes(seam) {}
 
   SeamLabels seam;
   CellChanges changes;
@@ -39,8 +37,8 @@ std::unique_ptr<MergedCells> CutAndFix(const FilePlan& vertices,
   report->num_cut_cells = cells->seam.NumUnknown();
   if (options.preemptive_fixing) {
     report->meshing.fixing =
-        FixPlan(vertices, parts, cells->seam, options.fixing_rule,
-                seam_rings == kAllAtOnce, &cells->changes, progress);
+        FixPlan(options.fixing_rule, seam_rings == kAllAtOnce, &cells->changes,
+                progress);
   }
   return cells;
 }
@@ -52,8 +50,7 @@ MergedSurface Extract(const FilePlan& vertices, const FileParts& parts,
   const auto cells =
       CutAndFix(vertices, parts, options, seam_rings, progress, report);
   Report(progress, "Extracting the surface", 0);
-  return MergeSurface(vertices, {parts, cells->seam, cells->changes},
-                      cells->changes.centroids());
+  return MergeSurface(cells->changes);
 }
 
 // Makes the surface a mesh, as the mesher does without a plan.

@@ -12,12 +12,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // The kinds of files, and their sections in order.
-constexpr JobFileKind kVerticesKind = {"CEVERT04", "run mesh_planner again"};
+constexpr JobFileKind kVerticesKind = {"CEVERT05", "run mesh_planner again"};
 enum VerticesSection {
   kPositions,
   kRayOffsets,
-  kRayViews,
-  kRayAlphas,
+  kRays,
   kIsEnd,
   kSupports,
   kColors,
@@ -27,7 +26,7 @@ enum VerticesSection {
 
 constexpr JobFileKind kBlocksKind = {"CEBLOCK4", "run mesh_planner again"};
 
-constexpr JobFileKind kCutKind = {"CECUT005",
+constexpr JobFileKind kCutKind = {"CECUT006",
                                   "remove it, and run its tile again"};
 enum CutSection {
   kCutIds,
@@ -36,8 +35,6 @@ enum CutSection {
   kCutCells,
   kCutLabels,
   kCutCapacities,
-  kCutSource,
-  kCutSink,
   kCutUnknown,
   kCutShared
 };
@@ -63,9 +60,9 @@ void WriteVertices(const fs::path& folder, uint64_t identity, size_t tile,
                    const TileVertices& vertices) {
   JobFileWriter file(VerticesPath(folder, tile), kVerticesKind, identity);
   const Observations& observations = vertices.observations;
-  file.Add(vertices.positions, observations.offsets, observations.views,
-           observations.alphas, observations.is_end, vertices.supports,
-           vertices.colors, vertices.views);
+  file.Add(vertices.positions, observations.offsets, observations.values,
+           observations.is_end, vertices.supports, vertices.colors,
+           vertices.views);
   file.Commit();
 }
 
@@ -81,8 +78,8 @@ void WriteCut(const fs::path& folder, uint64_t identity, size_t tile,
               const TileCut& cut, const TileSeam& seam) {
   JobFileWriter file(CutPath(folder, tile), kCutKind, identity);
   file.Add(cut.tile.ids, cut.tile.num_own, cut.tile.tetrahedra.vertex_cells,
-           cut.tile.tetrahedra.cells, cut.labels.known, cut.graph.capacities,
-           cut.graph.source, cut.graph.sink, seam.unknown, seam.shared);
+           cut.tile.tetrahedra.cells, cut.labels.known, cut.graph, seam.unknown,
+           seam.shared);
   file.Commit();
 }
 
@@ -133,9 +130,7 @@ Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
   read.offsets =
       file->Read<uint64_t>(kRayOffsets, begin - first, end - first + 1);
   const uint64_t from = read.offsets.front();
-  const uint64_t to = read.offsets.back();
-  read.views = file->Read<uint32_t>(kRayViews, from, to);
-  read.alphas = file->Read<float>(kRayAlphas, from, to);
+  read.values = file->Read<Observation>(kRays, from, read.offsets.back());
   read.is_end = file->ReadIfAny<uint8_t>(kIsEnd, begin - first, end - first);
   for (uint64_t& offset : read.offsets) {
     offset -= from;
@@ -227,10 +222,7 @@ PartCells FileParts::ReadCells(uint32_t tile, uint32_t begin,
   PartCells read;
   read.cells = file->Read<Tetrahedralization::Cell>(kCutCells, begin, end);
   read.labels = file->Read<uint8_t>(kCutLabels, begin, end);
-  read.graph.capacities =
-      file->Read<std::array<uint32_t, 4>>(kCutCapacities, begin, end);
-  read.graph.source = file->Read<uint32_t>(kCutSource, begin, end);
-  read.graph.sink = file->Read<uint32_t>(kCutSink, begin, end);
+  read.graph = file->Read<NodeCapacities>(kCutCapacities, begin, end);
   return read;
 }
 

@@ -11,7 +11,6 @@
 #include "tiles/plan_vertices.h"
 #include "tiles/thin_tile.h"
 #include "tiles/tile_cut.h"
-#include "tiles/tile_part.h"
 
 namespace colmap_ext {
 

@@ -12,7 +12,7 @@
 #include "scene/gray_image.h"
 #include "scene/region.h"
 #include "scene/view.h"
-#include "tiles/split_tree.h"
+#include "tiles/tile_cells.h"
 #include "workspace/masks.h"
 
 namespace colmap_ext {

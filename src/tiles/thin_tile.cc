@@ -1,13 +1,10 @@
 #include "tiles/thin_tile.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "base/percentile.h"
-#include "delaunay/edge_lengths.h"
 #include "delaunay/growing_complex.h"
-#include "delaunay/insert_points.h"
 #include "meshing/finish_surface.h"
 
 namespace colmap_ext {
