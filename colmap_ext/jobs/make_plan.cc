@@ -14,8 +14,8 @@
 #include "formats/read_ply_cloud.h"
 #include "scene/gray_image.h"
 #include "scene/half_pixel.h"
-#include "tiles/split_tree.h"
 #include "tiles/thin_tile.h"
+#include "tiles/tile_cells.h"
 #include "workspace/find_workspace.h"
 #include "workspace/masks.h"
 
@@ -341,7 +341,7 @@ class Planner {
     AddTile(vertices.positions, vertices.observations, blocks);
     PlannedTile& planned = plan_.tiles[tile];
     planned.num_vertices = vertices.positions.size();
-    planned.num_rays = vertices.observations.size();
+    planned.num_rays = vertices.observations.values.size();
     planned.memory_gb = TileMemoryGb(planned.num_vertices);
     planned.core_seconds = TileSeconds(planned.num_vertices);
   }

@@ -9,9 +9,7 @@
 #include "colmap_ext/options/scene_options.h"
 #include "formats/write_mesh.h"
 #include "meshing/finish_surface.h"
-#include "tiles/cell_changes.h"
-#include "tiles/merged_surface.h"
-#include "tiles/seam_labels.h"
+#include "tiles/merged_plan.h"
 
 namespace colmap_ext {
 namespace {
@@ -23,17 +21,16 @@ namespace fs = std::filesystem;
 MergedSurface Extract(const FilePlan& vertices, const FileParts& parts,
                       const ManifoldMeshingOptions& options, int seam_rings,
                       const Progress& progress, MergeReport* report) {
-  SeamLabels seam(vertices.Blocks(), parts);
-  CellChanges changes(vertices.Blocks());
+  SeamLabels seam(vertices, parts);
+  CellChanges changes(seam);
   report->num_contradictions = CutSeams(seam_rings, &seam, progress);
   report->num_cut_cells = seam.NumUnknown();
   if (options.preemptive_fixing) {
-    report->meshing.fixing =
-        FixPlan(vertices, parts, seam, options.fixing_rule,
-                seam_rings == kAllAtOnce, &changes, progress);
+    report->meshing.fixing = FixPlan(
+        options.fixing_rule, seam_rings == kAllAtOnce, &changes, progress);
   }
   Report(progress, "Extracting the surface", 0);
-  return MergeSurface(vertices, {parts, seam, changes}, changes.centroids());
+  return MergeSurface(changes);
 }
 
 // Makes the surface a mesh, as the mesher does without a plan.

@@ -16,8 +16,7 @@ constexpr JobFileKind kVerticesKind = {"CEVERT05", "run mesh_planner again"};
 enum VerticesSection {
   kPositions,
   kRayOffsets,
-  kRayViews,
-  kRayAlphas,
+  kRays,
   kIsEnd,
   kSupports,
   kNoises,
@@ -28,7 +27,7 @@ enum VerticesSection {
 
 constexpr JobFileKind kBlocksKind = {"CEBLOCK4", "run mesh_planner again"};
 
-constexpr JobFileKind kCutKind = {"CECUT005",
+constexpr JobFileKind kCutKind = {"CECUT006",
                                   "remove it, and run its tile again"};
 enum CutSection {
   kCutIds,
@@ -37,8 +36,6 @@ enum CutSection {
   kCutCells,
   kCutLabels,
   kCutCapacities,
-  kCutSource,
-  kCutSink,
   kCutUnknown,
   kCutShared
 };
@@ -78,9 +75,8 @@ JobFile CutFile(const fs::path& folder, uint64_t identity, size_t tile) {
 void Write(const JobFile& file, const TileVertices& vertices) {
   const Observations& observations = vertices.observations;
   WriteJobFile(file, vertices.positions, observations.offsets,
-               observations.views, observations.alphas, observations.is_end,
-               vertices.supports, vertices.noises, vertices.colors,
-               vertices.views);
+               observations.values, observations.is_end, vertices.supports,
+               vertices.noises, vertices.colors, vertices.views);
 }
 
 void Write(const JobFile& file, const PlanBlocks& blocks) {
@@ -91,8 +87,7 @@ void Write(const JobFile& file, const PlanBlocks& blocks) {
 void Write(const JobFile& file, const TileCut& cut, const TileSeam& seam) {
   WriteJobFile(file, cut.tile.ids, cut.tile.num_own,
                cut.tile.tetrahedra.vertex_cells, cut.tile.tetrahedra.cells,
-               cut.labels.known, cut.graph.capacities, cut.graph.source,
-               cut.graph.sink, seam.unknown, seam.shared);
+               cut.labels.known, cut.graph, seam.unknown, seam.shared);
 }
 
 TileFiles::TileFiles(const fs::path& folder, const Plan& plan, Find find)
@@ -138,9 +133,7 @@ Observations FilePlan::ReadObservations(uint32_t begin, uint32_t end) const {
   read.offsets =
       file->Read<uint64_t>(kRayOffsets, begin - first, end - first + 1);
   const uint64_t from = read.offsets.front();
-  const uint64_t to = read.offsets.back();
-  read.views = file->Read<uint32_t>(kRayViews, from, to);
-  read.alphas = file->Read<float>(kRayAlphas, from, to);
+  read.values = file->Read<Observation>(kRays, from, read.offsets.back());
   read.is_end = file->ReadIfAny<uint8_t>(kIsEnd, begin - first, end - first);
   for (uint64_t& offset : read.offsets) {
     offset -= from;
@@ -215,10 +208,7 @@ PartCells FileParts::ReadCells(uint32_t tile, uint32_t begin,
   PartCells read;
   read.cells = file->Read<Tetrahedralization::Cell>(kCutCells, begin, end);
   read.labels = file->Read<uint8_t>(kCutLabels, begin, end);
-  read.graph.capacities =
-      file->Read<std::array<uint32_t, 4>>(kCutCapacities, begin, end);
-  read.graph.source = file->Read<uint32_t>(kCutSource, begin, end);
-  read.graph.sink = file->Read<uint32_t>(kCutSink, begin, end);
+  read.graph = file->Read<NodeCapacities>(kCutCapacities, begin, end);
   return read;
 }
 

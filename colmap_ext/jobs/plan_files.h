@@ -12,7 +12,6 @@
 #include "tiles/surface_patches.h"
 #include "tiles/thin_tile.h"
 #include "tiles/tile_cut.h"
-#include "tiles/tile_part.h"
 
 namespace colmap_ext {
 

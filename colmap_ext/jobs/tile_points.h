@@ -13,7 +13,7 @@
 #include "scene/point_cloud.h"
 #include "scene/region.h"
 #include "scene/view.h"
-#include "tiles/split_tree.h"
+#include "tiles/tile_cells.h"
 #include "workspace/masks.h"
 
 namespace colmap_ext {

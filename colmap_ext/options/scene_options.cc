@@ -2,7 +2,6 @@
 
 #include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
-#include "scene/focus_region.h"
 
 namespace colmap_ext {
 

@@ -40,15 +40,23 @@ class LruCache {
         lock.unlock();
         return value.get();
       }
-      id = Insert(key, num_bytes, promise.get_future().share());
+      MakeRoom(num_bytes, 0);
+      id = ++last_id_;
+      entries_.push_front(
+          {key, id, num_bytes, promise.get_future().share(), false});
+      places_[key] = entries_.begin();
+      num_bytes_ += num_bytes;
     }
     try {
       std::shared_ptr<T> value = load();
-      Keep(key, id);
+      Finish(key, id, [&](Place place) {
+        place->is_loaded = true;
+        MakeRoom(0, id);
+      });
       promise.set_value(value);
       return value;
     } catch (...) {
-      Forget(key, id);
+      Finish(key, id, [&](Place place) { Erase(place); });
       promise.set_exception(std::current_exception());
       throw;
     }
@@ -85,37 +93,18 @@ class LruCache {
   };
   using Place = typename std::list<Entry>::iterator;
 
-  // All of these: \pre the mutex is locked, but for Keep() and Forget().
-
-  uint64_t Insert(size_t key, size_t num_bytes,
-                  std::shared_future<std::shared_ptr<T>> value) {
-    MakeRoom(num_bytes, 0);
-    entries_.push_front({key, ++last_id_, num_bytes, std::move(value), false});
-    places_[key] = entries_.begin();
-    num_bytes_ += num_bytes;
-    return last_id_;
-  }
-
-  // Whether the entry is still in the cache, which may have been cleared.
-  bool IsThere(size_t key, uint64_t id) const {
+  // Calls finish() with the entry of a load, if it is still in the cache, which
+  // may have been cleared.
+  template <typename Function>
+  void Finish(size_t key, uint64_t id, const Function& finish) {
+    const std::scoped_lock lock(mutex_);
     const auto found = places_.find(key);
-    return found != places_.end() && found->second->id == id;
-  }
-
-  void Keep(size_t key, uint64_t id) {
-    const std::scoped_lock lock(mutex_);
-    if (IsThere(key, id)) {
-      places_[key]->is_loaded = true;
-      MakeRoom(0, id);
+    if (found != places_.end() && found->second->id == id) {
+      finish(found->second);
     }
   }
 
-  void Forget(size_t key, uint64_t id) {
-    const std::scoped_lock lock(mutex_);
-    if (IsThere(key, id)) {
-      Erase(places_[key]);
-    }
-  }
+  // Both of these: \pre the mutex is locked.
 
   // Drops what was not used for the longest time, but for what is being loaded,
   // and one entry.

@@ -2,6 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
+
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 
@@ -12,14 +18,8 @@ NeighborView NeighborsOf(const Tetrahedralization& tetrahedra) {
 
 FlowCapacities ZeroCapacities(const Tetrahedralization& tetrahedra) {
   FlowCapacities graph;
-  const size_t num_cells = tetrahedra.cells.size();
-  const size_t capacity = WithSpareCells(num_cells);
-  graph.capacities.reserve(capacity);
-  graph.source.reserve(capacity);
-  graph.sink.reserve(capacity);
-  graph.capacities.resize(num_cells, {0, 0, 0, 0});
-  graph.source.resize(num_cells, 0);
-  graph.sink.resize(num_cells, 0);
+  graph.reserve(WithSpareCells(tetrahedra.cells.size()));
+  graph.resize(tetrahedra.cells.size());
   return graph;
 }
 
@@ -33,6 +33,64 @@ void AddCapacity(uint32_t capacity, uint32_t* sum) {
   if (atomic.load(std::memory_order_relaxed) <= kMaxCapacity) {
     atomic.fetch_add(capacity, std::memory_order_relaxed);
   }
+}
+
+double CosFacetSphereAngle(const Tetrahedralization& tetrahedra,
+                           uint32_t cell_index, int facet) {
+  if (tetrahedra.IsInfinite(cell_index)) {
+    return 1;
+  }
+  const auto& cell = tetrahedra.cells[cell_index];
+  const auto& corners = kFacetCorners[facet];
+  const auto corner = [&](int k) -> Eigen::Vector3d {
+    return tetrahedra.PositionOf(cell.vertices[k]);
+  };
+  // From the lowest corner, so that rounding does not depend on their numbers.
+  const int first =
+      static_cast<int>(std::ranges::min_element(
+                           corners, IsLower,
+                           [&](int k) -> const auto& {
+                             return tetrahedra.points[cell.vertices[k]];
+                           }) -
+                       corners.begin());
+  const Eigen::Vector3d origin = corner(corners[first]);
+  const Eigen::Vector3d a = corner(corners[(first + 1) % 3]) - origin;
+  const Eigen::Vector3d b = corner(corners[(first + 2) % 3]) - origin;
+  const Eigen::Vector3d c = corner(facet) - origin;
+  const Eigen::Vector3d normal = a.cross(b);  // into the cell
+  // The sphere's centre relative to the origin is this vector over twelve times
+  // the volume, which is positive: the cosine needs its direction alone.
+  const Eigen::Vector3d center = a.squaredNorm() * b.cross(c) +
+                                 b.squaredNorm() * c.cross(a) +
+                                 c.squaredNorm() * normal;
+  const double length = center.norm() * normal.norm();
+  return length > 0 ? std::clamp(normal.dot(center) / length, -1.0, 1.0) : 0;
+}
+
+void AddQualityWeights(const Tetrahedralization& tetrahedra, double weight,
+                       FlowCapacities* graph) {
+  const auto num_cells = static_cast<uint32_t>(tetrahedra.cells.size());
+  std::vector<std::array<float, 4>> cosines(num_cells);
+  tbb::parallel_for(uint32_t{0}, num_cells, [&](uint32_t cell) {
+    for (int i = 0; i < 4; ++i) {
+      cosines[cell][i] =
+          static_cast<float>(CosFacetSphereAngle(tetrahedra, cell, i));
+    }
+  });
+  tbb::parallel_for(uint32_t{0}, num_cells, [&](uint32_t cell) {
+    for (int i = 0; i < 4; ++i) {
+      const uint32_t other = tetrahedra.cells[cell].neighbors[i];
+      const bool is_beyond_hull =
+          tetrahedra.IsInfinite(cell) && tetrahedra.IsInfinite(other);
+      const float cosine =
+          is_beyond_hull
+              ? -1
+              : std::min(cosines[cell][i],
+                         cosines[other][tetrahedra.FacetTo(other, cell)]);
+      (*graph)[cell].arcs[i] += static_cast<uint32_t>(
+          std::lround(kWeightUnit * weight * (1 - cosine)));
+    }
+  });
 }
 
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "delaunay/edge_lengths.h"
+#include "delaunay/tetrahedralization.h"
 
 #include <algorithm>
 #include <array>

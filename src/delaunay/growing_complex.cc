@@ -39,23 +39,6 @@ std::optional<std::array<uint32_t, 4>> FindSimplex(
   return std::nullopt;
 }
 
-// Sorts a cell's corners, and its mirror facets with them, so that the first
-// two vertices are the lowest and the cell keeps its orientation.
-void SortCorners(GrowingComplex::Cell* cell) {
-  bool odd = false;
-  for (int i = 1; i < 4; ++i) {
-    for (int j = i; j > 0 && cell->vertices[j] < cell->vertices[j - 1]; --j) {
-      std::swap(cell->vertices[j], cell->vertices[j - 1]);
-      std::swap(cell->mirror_facets[j], cell->mirror_facets[j - 1]);
-      odd = !odd;
-    }
-  }
-  if (odd) {
-    std::swap(cell->vertices[2], cell->vertices[3]);
-    std::swap(cell->mirror_facets[2], cell->mirror_facets[3]);
-  }
-}
-
 // The cells in use in their order: first by their lowest vertex, as a counting
 // sort, then those of each vertex by the others.
 // \pre the corners of each cell are sorted, cells not in use have equal ones
@@ -95,8 +78,9 @@ std::vector<Tetrahedralization::Cell> TakeSortedCells(GrowingComplex* complex) {
   for (const uint32_t cell : complex->free_cells) {
     cells[cell].vertices.fill(0);
   }
-  tbb::parallel_for(size_t{0}, cells.size(),
-                    [&](size_t i) { SortCorners(&cells[i]); });
+  tbb::parallel_for(size_t{0}, cells.size(), [&](size_t i) {
+    SortCorners(&cells[i].vertices, &cells[i].mirror_facets);
+  });
   const std::vector<uint32_t> order = Order(cells, complex->points.size());
   std::vector<uint32_t> rank(cells.size());
   tbb::parallel_for(size_t{0}, order.size(), [&](size_t i) {

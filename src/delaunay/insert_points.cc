@@ -1,4 +1,4 @@
-#include "delaunay/insert_points.h"
+#include "delaunay/growing_complex.h"
 
 #include <algorithm>
 #include <bit>
@@ -62,8 +62,6 @@ class InsertionProgress {
 // A range of vertices, and what of a round lies in it, ascending.
 struct Part {
   PointInserter inserter;
-  uint32_t begin;
-  uint32_t end;
   Points points;
   std::vector<uint32_t> left_over;  // points that it could not insert
 };
@@ -76,23 +74,10 @@ void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
   from->resize(kept);
 }
 
-// The cell of a vertex in a range, all of whose vertices are the
-// inserter's; kNone where none is found.
-uint32_t FindOwnCell(const PointInserter& inserter, uint32_t begin,
-                     uint32_t end, const GrowingComplex& complex) {
-  for (uint32_t vertex = begin; vertex < end; ++vertex) {
-    const uint32_t cell = complex.vertex_cells[vertex];
-    if (cell != kNone && inserter.IsOwn(cell)) {
-      return cell;
-    }
-  }
-  return kNone;
-}
-
 void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
                 Part* part) {
   size_t num_inserted = 0;
-  uint32_t hint = FindOwnCell(part->inserter, part->begin, part->end, complex);
+  uint32_t hint = part->inserter.FindOwnCell();
   for (const uint32_t point : part->points) {
     if (complex.vertex_cells[point] != kNone) {
       continue;
@@ -127,8 +112,6 @@ std::vector<uint32_t> InsertInParts(Points points,
     const auto begin = std::ranges::lower_bound(points, borders[i]);
     const auto end = std::ranges::lower_bound(points, borders[i + 1]);
     parts.push_back({PointInserter(borders[i], borders[i + 1], complex),
-                     borders[i],
-                     borders[i + 1],
                      Points(begin, end),
                      {}});
     MoveCells(kCellsPerPoint * parts[i].points.size() + kSpareCells,
@@ -168,7 +151,7 @@ void InsertSerially(Points points, GrowingComplex* complex) {
   const auto num_points = static_cast<uint32_t>(complex->points.size());
   PointInserter inserter(0, num_points, complex);
   inserter.free_cells().swap(complex->free_cells);
-  uint32_t hint = FindOwnCell(inserter, 0, num_points, *complex);
+  uint32_t hint = inserter.FindOwnCell();
   for (const uint32_t point : points) {
     if (complex->vertex_cells[point] == kNone) {
       hint =

@@ -1,4 +1,4 @@
-#include "delaunay/locate.h"
+#include "delaunay/ray_walk.h"
 
 #include <array>
 #include <utility>
@@ -12,16 +12,11 @@ using FacetPoints = std::array<Eigen::Vector3d, 3>;
 
 // The corners of a cell's facet i, see kFacetCorners.
 // \pre they are finite
-FacetPoints PointsOfFacet(const Tetrahedralization& tetrahedra,
-                          uint32_t cell_index, int i) {
-  FacetPoints points;
-  for (int k = 0; k < 3; ++k) {
-    points[k] =
-        tetrahedra
-            .points[tetrahedra.cells[cell_index].vertices[kFacetCorners[i][k]]]
-            .cast<double>();
-  }
-  return points;
+FacetPoints PointsOfFacet(const Tetrahedralization& tetrahedra, uint32_t cell,
+                          int i) {
+  const auto [a, b, c] = FacetVertices(tetrahedra.cells[cell], i);
+  return {tetrahedra.PositionOf(a), tetrahedra.PositionOf(b),
+          tetrahedra.PositionOf(c)};
 }
 
 // Whether a point lies on a facet's inner side: 1, in its plane: 0, or

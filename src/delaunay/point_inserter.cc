@@ -1,10 +1,8 @@
-#include "delaunay/point_inserter.h"
+#include "delaunay/growing_complex.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "base/index_limit.h"
-#include "delaunay/growing_complex.h"
 
 namespace colmap_ext {
 
@@ -13,6 +11,16 @@ bool PointInserter::IsOwn(uint32_t cell) const {
       complex_->cells[cell].vertices, [&](uint32_t vertex) {
         return vertex - begin_ < end_ - begin_ || vertex == kInfiniteVertex;
       });
+}
+
+uint32_t PointInserter::FindOwnCell() const {
+  for (uint32_t vertex = begin_; vertex < end_; ++vertex) {
+    const uint32_t cell = complex_->vertex_cells[vertex];
+    if (cell != kNone && IsOwn(cell)) {
+      return cell;
+    }
+  }
+  return kNone;
 }
 
 uint32_t PointInserter::Locate(uint32_t point, uint32_t hint) const {

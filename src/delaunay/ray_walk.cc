@@ -20,7 +20,8 @@ class Walk {
  public:
   Walk(const Tetrahedralization& tetrahedra, const Ray& ray, RayPath* path)
       : tetrahedra_(&tetrahedra),
-        origin_(OriginOf(tetrahedra, ray)),
+        origin_(ray.origin != kNone ? tetrahedra.PositionOf(ray.origin)
+                                    : ray.position),
         ray_(&ray),
         path_(path),
         direction_(ray.target - origin_),
@@ -115,12 +116,6 @@ class Walk {
   }
 
  private:
-  static Eigen::Vector3d OriginOf(const Tetrahedralization& tetrahedra,
-                                  const Ray& ray) {
-    return ray.origin != kNone ? tetrahedra.points[ray.origin].cast<double>()
-                               : ray.position;
-  }
-
   // Finds the facet through which the ray leaves the cell that it starts in.
   // \return false where it misses the hull
   bool StartInCell(uint32_t cell) {
@@ -164,7 +159,7 @@ class Walk {
   }
 
   Eigen::Vector3d Corner(int i) const {
-    return tetrahedra_->points[corners_[i]].cast<double>();
+    return tetrahedra_->PositionOf(corners_[i]);
   }
 
   // Whether the exit of an infinite cell turns its outer side to the origin.
@@ -239,13 +234,12 @@ class Walk {
   }
 
   Eigen::Vector3d Offset(uint32_t vertex) const {
-    return tetrahedra_->points[vertex].cast<double>() - origin_;
+    return tetrahedra_->PositionOf(vertex) - origin_;
   }
 
   void SetExitCorners(const Cell& cell) {
-    const auto& inward = kFacetCorners[exit_];
-    corners_ = {cell.vertices[inward[0]], cell.vertices[inward[2]],
-                cell.vertices[inward[1]]};
+    const auto [a, c, b] = FacetVertices(cell, exit_);  // inward
+    corners_ = {a, b, c};
     for (int i = 0; i < 3; ++i) {
       const Eigen::Vector3d offset = Offset(corners_[i]);
       x_[i] = offset.dot(axis_x_);
@@ -291,9 +285,8 @@ class Walk {
   }
 
   [[gnu::noinline]] unsigned TurnsExactly(uint32_t u, uint32_t v) const {
-    return RaySideExact(origin_, ray_->target,
-                        tetrahedra_->points[u].cast<double>(),
-                        tetrahedra_->points[v].cast<double>()) > 0;
+    return RaySideExact(origin_, ray_->target, tetrahedra_->PositionOf(u),
+                        tetrahedra_->PositionOf(v)) > 0;
   }
 
   // Each of the four factors of a determinant is off by less than 8 e times the

@@ -8,8 +8,6 @@
 
 #include "delaunay/cell_places.h"
 #include "delaunay/growing_complex.h"
-#include "delaunay/insert_points.h"
-#include "delaunay/point_inserter.h"
 
 namespace colmap_ext {
 namespace {
@@ -102,20 +100,30 @@ void FollowRepresentatives(const std::vector<uint32_t>& representatives,
 
 }  // namespace
 
-void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
-                   std::vector<uint32_t>* cells) {
-  thread_local CellPlaces places;
-  places.Clear();
-  cells->clear();
-  places.PlaceIn(tetrahedra.vertex_cells[vertex], cells);
-  for (size_t i = 0; i < cells->size(); ++i) {
-    const Tetrahedralization::Cell& cell = tetrahedra.cells[(*cells)[i]];
-    for (int k = 0; k < 4; ++k) {
-      if (cell.vertices[k] != vertex) {
-        places.PlaceIn(cell.neighbors[k], cells);
-      }
+void SortCorners(std::array<uint32_t, 4>* vertices,
+                 std::array<uint32_t, 4>* of_corners) {
+  bool is_odd = false;
+  const auto swap = [&](int i, int j) {
+    std::swap((*vertices)[i], (*vertices)[j]);
+    std::swap((*of_corners)[i], (*of_corners)[j]);
+  };
+  for (int i = 1; i < 4; ++i) {
+    for (int j = i; j > 0 && (*vertices)[j] < (*vertices)[j - 1]; --j) {
+      swap(j - 1, j);
+      is_odd = !is_odd;
     }
   }
+  if (is_odd) {
+    swap(2, 3);
+  }
+}
+
+void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
+                   std::vector<uint32_t>* cells) {
+  CollectStar(
+      vertex, tetrahedra.vertex_cells[vertex],
+      [&](uint32_t cell) -> const auto& { return tetrahedra.cells[cell]; },
+      cells);
 }
 
 ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,

@@ -39,6 +39,8 @@ struct Tetrahedralization {
   struct alignas(32) Cell {
     std::array<uint32_t, 4> vertices;   // index into points, or kInfiniteVertex
     std::array<uint32_t, 4> neighbors;  // [i]: the cell opposite to vertex i
+
+    bool operator==(const Cell&) const = default;
   };
 
   std::vector<Eigen::Vector3f> points;  // [V], world frame
@@ -49,6 +51,10 @@ struct Tetrahedralization {
     const auto& v = cells[cell].vertices;
     return v[0] == kInfiniteVertex || v[1] == kInfiniteVertex ||
            v[2] == kInfiniteVertex || v[3] == kInfiniteVertex;
+  }
+
+  Eigen::Vector3d PositionOf(uint32_t vertex) const {
+    return points[vertex].cast<double>();
   }
 
   // Which corner of the cell the vertex is.
@@ -62,7 +68,21 @@ struct Tetrahedralization {
   uint32_t FacetTo(uint32_t cell, uint32_t neighbor) const {
     return PlaceOf(neighbor, cells[cell].neighbors);
   }
+
+  bool operator==(const Tetrahedralization&) const = default;
 };
+
+// The vertices of a cell's facet i, see kFacetCorners.
+inline std::array<uint32_t, 3> FacetVertices(
+    const Tetrahedralization::Cell& cell, size_t i) {
+  const auto& [a, b, c] = kFacetCorners[i];
+  return {cell.vertices[a], cell.vertices[b], cell.vertices[c]};
+}
+
+// Sorts a cell's vertices, and what belongs to its corners with them, so that
+// the first two are the lowest and the cell keeps its orientation.
+void SortCorners(std::array<uint32_t, 4>* vertices,
+                 std::array<uint32_t, 4>* of_corners);
 
 // The capacity to reserve for arrays of cells, with space for the cells that
 // SplitCell appends; otherwise the first of them would copy the arrays. About
@@ -76,6 +96,17 @@ inline size_t WithSpareCells(size_t num_cells) {
 // alone.
 void IncidentCells(const Tetrahedralization& tetrahedra, uint32_t vertex,
                    std::vector<uint32_t>* cells);
+
+// A percentile of the lengths of all finite edges, each counted once. Scene
+// units; 0 where no edge counts.
+// \param percent in [0, 100]
+// \param is_left_out [V] 1: edges of the vertex do not count; empty: all do
+float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,
+                           const std::vector<uint8_t>& is_left_out = {});
+
+// The lengths themselves, in no particular order.
+std::vector<float> EdgeLengths(const Tetrahedralization& tetrahedra,
+                               const std::vector<uint8_t>& is_left_out = {});
 
 // Which points become vertices, as in COLMAP's delaunay_mesher: a point is left
 // out when it falls into a cell whose four vertices all lie, in all of its

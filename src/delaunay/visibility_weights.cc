@@ -5,11 +5,9 @@
 #include <cmath>
 #include <mutex>
 #include <span>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 
-#include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 #include "spatial/predicates.h"
 
@@ -75,9 +73,9 @@ std::vector<Place> LocatePoints(const Tetrahedralization& tetrahedra,
 // Walks the rays of vertices, or of other points, and counts their votes.
 class Voter {
  public:
-  // \param places  of the points; null: they are the vertices
+  // \param places  of the observations' points
   Voter(const Tetrahedralization& tetrahedra, const Observations& observations,
-        const std::vector<Place>* places, const std::vector<Place>& centers,
+        const std::vector<Place>& places, const std::vector<Place>& centers,
         const VisibilityWeightOptions& options, FlowCapacities* graph,
         std::vector<uint32_t>* free_support)
       : tetrahedra_(tetrahedra),
@@ -93,18 +91,13 @@ class Voter {
 
   // \param begin, end  vertices
   void VoteBlock(uint32_t begin, uint32_t end) {
-    std::vector<Observation> block;
+    std::vector<VotingRay> block;
     for (uint32_t vertex = begin; vertex < end; ++vertex) {
-      for (uint64_t k = observations_.offsets[vertex];
-           k < observations_.offsets[vertex + 1]; ++k) {
-        block.push_back(
-            {observations_.views[k], vertex, observations_.alphas[k]});
+      for (const auto& [view, alpha] : observations_[vertex]) {
+        block.push_back({vertex, view, alpha});
       }
     }
-    std::stable_sort(block.begin(), block.end(),
-                     [](const Observation& a, const Observation& b) {
-                       return a.view < b.view;
-                     });
+    std::ranges::stable_sort(block, {}, &VotingRay::view);
     for (size_t i = 0; i < block.size(); i += kBatch) {
       VoteBatch({block.data() + i, std::min(kBatch, block.size() - i)});
     }
@@ -113,17 +106,19 @@ class Voter {
   const RayReport& report() const { return report_; }
 
  private:
-  struct Observation {
-    uint32_t view;
+  struct VotingRay {
     uint32_t vertex;
+    uint32_t view;
     float alpha;
   };
 
-  // \param batch  kBatch observations at most
-  void VoteBatch(std::span<const Observation> batch) {
+  // \param batch  kBatch rays at most
+  void VoteBatch(std::span<const VotingRay> batch) {
     rays_.clear();
-    for (const Observation& observation : batch) {
-      rays_.push_back(RayToCenter(observation));
+    for (const auto& [vertex, view, alpha] : batch) {
+      rays_.push_back(
+          RayFrom(vertex, centers_[view].position, centers_[view].cell,
+                  observations_.IsEnd(vertex) ? 0 : near_distance_));
     }
     WalkRays(tetrahedra_, rays_, front_);
     for (size_t i = 0; i < batch.size(); ++i) {
@@ -142,18 +137,12 @@ class Voter {
     }
   }
 
-  Ray RayToCenter(const Observation& observation) const {
-    const Place& center = centers_[observation.view];
-    return RayFrom(observation.vertex, center.position, center.cell,
-                   NearDistance(observation.vertex));
-  }
-
   Ray RayFrom(uint32_t vertex, const Eigen::Vector3d& target, uint32_t end,
               double near_distance) const {
-    if (places_ == nullptr) {
+    if (places_.empty()) {
       return {vertex, target, end, near_distance};
     }
-    const auto& [position, cell, is_inside] = (*places_)[vertex];
+    const auto& [position, cell, is_inside] = places_[vertex];
     return {
         kNone,
         target,
@@ -164,14 +153,14 @@ class Voter {
   }
 
   Eigen::Vector3d PositionOf(uint32_t vertex) const {
-    return places_ != nullptr ? (*places_)[vertex].position
-                              : tetrahedra_.points[vertex].cast<double>();
+    return !places_.empty() ? places_[vertex].position
+                            : tetrahedra_.PositionOf(vertex);
   }
 
   // The ray behind the vertex; behind an end it continues to the hull.
-  Ray RayBehind(const Observation& observation) const {
-    const uint32_t vertex = observation.vertex;
-    const Eigen::Vector3d& center = centers_[observation.view].position;
+  Ray RayBehind(const VotingRay& ray) const {
+    const uint32_t vertex = ray.vertex;
+    const Eigen::Vector3d& center = centers_[ray.view].position;
     const Eigen::Vector3d position = PositionOf(vertex);
     if (observations_.IsEnd(vertex)) {
       return RayFrom(vertex, 2 * position - center, kToHull, 0);
@@ -183,46 +172,42 @@ class Voter {
         kNone, near_distance_);
   }
 
-  double NearDistance(uint32_t vertex) const {
-    return observations_.IsEnd(vertex) ? 0 : near_distance_;
-  }
-
   // Where flow is pushed along the ray at once (docs/method.md, section 2.3),
   // from both of its ends towards the point.
-  void Vote(const Observation& observation, const RayPath& front,
-            const RayPath& behind) {
-    const uint32_t weight = ToCapacity(observation.alpha);
-    const bool is_end = observations_.IsEnd(observation.vertex);
-    PushAlong(front, observation, &Crossing::exit_arc, &graph_->source);
-    if (is_end) {
+  void Vote(const VotingRay& ray, const RayPath& front, const RayPath& behind) {
+    const uint32_t weight = ToCapacity(ray.alpha);
+    PushAlong(front, ray, &Crossing::exit_arc, &NodeCapacities::source);
+    if (observations_.IsEnd(ray.vertex)) {
       for (const Crossing& crossing : behind.crossings) {
         AddToArc(weight, crossing.exit_arc);
       }
     } else {
-      PushAlong(behind, observation, &Crossing::entry_arc, &graph_->sink);
+      PushAlong(behind, ray, &Crossing::entry_arc, &NodeCapacities::sink);
     }
     if (free_support_ != nullptr) {
-      AddFreeSupport(weight, front);
+      for (const Crossing& crossing : front.crossings) {
+        AddCapacity(weight, &(*free_support_)[crossing.exit_arc / 4]);
+      }
+      AddCapacity(weight, &(*free_support_)[front.end]);
     }
   }
 
   // Adds to the cell where a ray ends. Where that is beyond the hull, which a
   // part of all vertices has another one of, it is all that may be the one.
-  void AddAtEnds(uint32_t weight, const Observation& observation,
-                 const RayPath& path, std::vector<uint32_t>* sums) {
-    if (!options_.inner_place || places_ != nullptr ||
-        !path.crossings.empty() || !tetrahedra_.IsInfinite(path.end)) {
-      AddCapacity(weight, &(*sums)[path.end]);
+  void AddAtEnds(uint32_t weight, const VotingRay& ray, const RayPath& path,
+                 uint32_t NodeCapacities::*terminal) {
+    if (!options_.inner_place || !places_.empty() || !path.crossings.empty() ||
+        !tetrahedra_.IsInfinite(path.end)) {
+      AddToTerminal(weight, path.end, terminal);
       return;
     }
-    const Eigen::Vector3d target = sums == &graph_->source
-                                       ? centers_[observation.view].position
-                                       : RayBehind(observation).target;
-    IncidentCells(tetrahedra_, observation.vertex, &star_);
+    const Eigen::Vector3d target = terminal == &NodeCapacities::source
+                                       ? centers_[ray.view].position
+                                       : RayBehind(ray).target;
+    IncidentCells(tetrahedra_, ray.vertex, &star_);
     for (const uint32_t cell : star_) {
-      if (tetrahedra_.IsInfinite(cell) &&
-          GoesOver(cell, observation.vertex, target)) {
-        AddCapacity(weight, &(*sums)[cell]);
+      if (tetrahedra_.IsInfinite(cell) && GoesOver(cell, ray.vertex, target)) {
+        AddToTerminal(weight, cell, terminal);
       }
     }
   }
@@ -232,13 +217,9 @@ class Voter {
   // here need not be that of all vertices at its other facets.
   bool GoesOver(uint32_t cell, uint32_t vertex,
                 const Eigen::Vector3d& target) const {
-    const auto& vertices = tetrahedra_.cells[cell].vertices;
     // Counter-clockwise seen from outside.
-    std::array<uint32_t, 3> facet;
-    const uint32_t infinite = tetrahedra_.IndexOf(cell, kInfiniteVertex);
-    for (int i = 0; i < 3; ++i) {
-      facet[i] = vertices[kFacetCorners[infinite][i]];
-    }
+    const std::array<uint32_t, 3> facet = FacetVertices(
+        tetrahedra_.cells[cell], tetrahedra_.IndexOf(cell, kInfiniteVertex));
     const auto at =
         static_cast<size_t>(std::ranges::find(facet, vertex) - facet.begin());
     const Eigen::Vector3d origin = PositionOf(vertex);
@@ -250,38 +231,31 @@ class Voter {
            RaySideExact(origin, target, first, second) > 0;
   }
 
-  void AddFreeSupport(uint32_t weight, const RayPath& front) {
-    for (const Crossing& crossing : front.crossings) {
-      AddCapacity(weight, &(*free_support_)[crossing.exit_arc / 4]);
-    }
-    AddCapacity(weight, &(*free_support_)[front.end]);
-  }
-
   // A path of arcs whose weights do not fall from the point outwards, to a
   // terminal arc of the whole weight. As much flow as each arc takes leaves its
   // reverse with the capacity, and the cells with what the next arc did not
   // take.
   // \param reverse_arc  of each arc
-  // \param terminal [cells] source or sink
-  void PushAlong(const RayPath& path, const Observation& observation,
+  // \param terminal  source or sink
+  void PushAlong(const RayPath& path, const VotingRay& ray,
                  uint32_t Crossing::*reverse_arc,
-                 std::vector<uint32_t>* terminal) {
-    const uint32_t whole = ToCapacity(observation.alpha);
-    const bool is_end = observations_.IsEnd(observation.vertex);
+                 uint32_t NodeCapacities::*terminal) {
+    const uint32_t whole = ToCapacity(ray.alpha);
+    const bool is_end = observations_.IsEnd(ray.vertex);
     uint32_t before = 0;
     for (const Crossing& crossing : path.crossings) {
       uint32_t weight = whole;
       if (!is_end && crossing.distance < near_distance_) {
-        weight = SoftWeight(observation.alpha, crossing.distance);
+        weight = SoftWeight(ray.alpha, crossing.distance);
       }
       AddToArc(weight, crossing.*reverse_arc);
       if (weight > before) {  // Distances fall by a rounding at most.
-        AddCapacity(weight - before, &(*terminal)[crossing.exit_arc / 4]);
+        AddToTerminal(weight - before, crossing.exit_arc / 4, terminal);
       }
       before = weight;
     }
     if (whole > before) {
-      AddAtEnds(whole - before, observation, path, terminal);
+      AddAtEnds(whole - before, ray, path, terminal);
     }
   }
 
@@ -291,12 +265,17 @@ class Voter {
   }
 
   void AddToArc(uint32_t weight, uint32_t arc) {
-    AddCapacity(weight, &graph_->capacities[arc / 4][arc % 4]);
+    AddCapacity(weight, &(*graph_)[arc / 4].arcs[arc % 4]);
+  }
+
+  void AddToTerminal(uint32_t weight, uint32_t cell,
+                     uint32_t NodeCapacities::*terminal) {
+    AddCapacity(weight, &((*graph_)[cell].*terminal));
   }
 
   const Tetrahedralization& tetrahedra_;
   const Observations& observations_;
-  const std::vector<Place>* places_;
+  const std::vector<Place>& places_;
   const std::vector<Place>& centers_;
   const VisibilityWeightOptions& options_;
   const double near_distance_;
@@ -310,32 +289,6 @@ class Voter {
   std::array<RayPath, kBatch> behind_;
 };
 
-// Counts the votes of all rows of observations.
-RayReport Vote(const Tetrahedralization& tetrahedra,
-               const Observations& observations,
-               const std::vector<Place>* places,
-               const std::vector<Eigen::Vector3d>& centers,
-               const VisibilityWeightOptions& options, FlowCapacities* graph,
-               const Progress& progress, std::vector<uint32_t>* free_support) {
-  const std::vector<Place> located = LocateCenters(tetrahedra, centers);
-  const auto num_rows = static_cast<uint32_t>(observations.offsets.size() - 1);
-  const uint32_t num_blocks = (num_rows + kBlock - 1) / kBlock;
-  std::mutex mutex;
-  size_t num_done = 0;
-  RayReport report;
-  tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
-    Voter voter(tetrahedra, observations, places, located, options, graph,
-                free_support);
-    voter.VoteBlock(block * kBlock, std::min(num_rows, (block + 1) * kBlock));
-    const std::lock_guard lock(mutex);
-    report.num_rays += voter.report().num_rays;
-    report.num_lost_rays += voter.report().num_lost_rays;
-    report.num_steps += voter.report().num_steps;
-    Report(progress, kStage, static_cast<double>(++num_done) / num_blocks);
-  });
-  return report;
-}
-
 }  // namespace
 
 Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
@@ -347,24 +300,23 @@ Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
     }
   });
   Observations observations;
-  std::vector<std::pair<uint32_t, float>> row;  // view, alpha
+  std::vector<Observation> row;
   for (size_t vertex = 0; vertex < num_vertices; ++vertex) {
     row.clear();
     for (const uint32_t point : points[vertex]) {
       for (const uint32_t view : cloud.views[point]) {
-        row.emplace_back(view, point_alphas[point]);
+        row.push_back({view, point_alphas[point]});
       }
     }
-    std::sort(row.begin(), row.end());
+    std::ranges::sort(row);
     for (size_t i = 0; i < row.size(); ++i) {
-      if (i > 0 && row[i].first == row[i - 1].first) {
-        observations.alphas.back() += row[i].second;
+      if (i > 0 && row[i].view == row[i - 1].view) {
+        observations.values.back().alpha += row[i].alpha;
       } else {
-        observations.views.push_back(row[i].first);
-        observations.alphas.push_back(row[i].second);
+        observations.values.push_back(row[i]);
       }
     }
-    observations.offsets.push_back(observations.size());
+    observations.EndRow();
   }
   return observations;
 }
@@ -379,19 +331,23 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
   if (free_support != nullptr) {
     free_support->assign(tetrahedra.cells.size(), 0);
   }
-  return Vote(tetrahedra, observations, nullptr, centers, options, graph,
-              progress, free_support);
-}
-
-RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
-                                    const std::vector<Eigen::Vector3f>& points,
-                                    const Observations& observations,
-                                    const std::vector<Eigen::Vector3d>& centers,
-                                    const VisibilityWeightOptions& options,
-                                    FlowCapacities* graph) {
-  const std::vector<Place> places = LocatePoints(tetrahedra, points);
-  return Vote(tetrahedra, observations, &places, centers, options, graph, {},
-              nullptr);
+  const std::vector<Place> places =
+      LocatePoints(tetrahedra, observations.points);
+  const std::vector<Place> located = LocateCenters(tetrahedra, centers);
+  const auto num_rows = static_cast<uint32_t>(observations.size());
+  const uint32_t num_blocks = (num_rows + kBlock - 1) / kBlock;
+  std::mutex mutex;
+  size_t num_done = 0;
+  RayReport report;
+  tbb::parallel_for(uint32_t{0}, num_blocks, [&](uint32_t block) {
+    Voter voter(tetrahedra, observations, places, located, options, graph,
+                free_support);
+    voter.VoteBlock(block * kBlock, std::min(num_rows, (block + 1) * kBlock));
+    const std::lock_guard lock(mutex);
+    report += voter.report();
+    Report(progress, kStage, static_cast<double>(++num_done) / num_blocks);
+  });
+  return report;
 }
 
 }  // namespace colmap_ext

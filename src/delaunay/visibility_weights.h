@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -7,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "base/rows.h"
 #include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
 #include "optim/min_cut.h"
@@ -25,21 +27,28 @@ struct VisibilityWeightOptions {
   std::optional<Eigen::Vector3d> inner_place = std::nullopt;
 };
 
-// What votes: each view of each vertex, compressed sparse rows.
-struct Observations {
-  std::vector<uint64_t> offsets{0};  // [V + 1], into views and alphas
-  std::vector<uint32_t> views;       // ascending in each row
-  std::vector<float> alphas;         // weight of each observation
+// A view of a vertex, and its weight.
+struct Observation {
+  uint32_t view = 0;
+  float alpha = 0;
+
+  auto operator<=>(const Observation&) const = default;
+};
+
+// What votes: [V] the observations of each vertex, by ascending views.
+struct Observations : Rows<Observation> {
   // [V] 1: the vertex is only an end of rays. These rays vote for free space
   // before and behind it, and not for matter. Empty: there are no such
   // vertices.
-  std::vector<uint8_t> is_end{};
+  std::vector<uint8_t> is_end = {};
+  // World frame. Empty: row i is of vertex i. Otherwise it is of point i, which
+  // is no vertex, and near the point before. Beyond the cell that holds the
+  // point its rays vote as if it were a vertex, to the unit.
+  std::vector<Eigen::Vector3f> points = {};
 
   bool IsEnd(size_t vertex) const {
     return !is_end.empty() && is_end[vertex] != 0;
   }
-
-  size_t size() const { return views.size(); }
 };
 
 // The observations of a cloud, each at the vertex of its point; those of one
@@ -58,6 +67,13 @@ struct RayReport {
   size_t num_rays = 0;       // walked, before and behind their points
   size_t num_lost_rays = 0;  // given up; they contribute nothing
   size_t num_steps = 0;      // facets crossed by all rays
+
+  RayReport& operator+=(const RayReport& other) {
+    num_rays += other.num_rays;
+    num_lost_rays += other.num_lost_rays;
+    num_steps += other.num_steps;
+    return *this;
+  }
 };
 
 // The votes of all observations for free space and matter [Labatut2009; Vu2012;
@@ -73,10 +89,10 @@ struct RayReport {
 // the hull, get alpha, and the sink nothing.
 // The paper [Romanoni2020] prints 1 - e^(d / 2 sigma), which is never positive.
 //
-// Adds to graph->capacities, source and sink, after flow was pushed along each
-// ray: what every labelling costs is the same, and little is left to push for
-// the cut (docs/method.md, section 2.3). Sums of integers: the result does not
-// depend on the number of threads. Sums stop growing a little above
+// Adds to the arcs of the nodes and of their terminals, after flow was pushed
+// along each ray: what every labelling costs is the same, and little is left to
+// push for the cut (docs/method.md, section 2.3). Sums of integers: the result
+// does not depend on the number of threads. Sums stop growing a little above
 // kMaxCapacity.
 //
 // \param centers [views] camera centres, world frame
@@ -91,16 +107,53 @@ RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,
                                const Progress& progress = {},
                                std::vector<uint32_t>* free_support = nullptr);
 
-// The same votes of points that are not vertices: what their rays do beyond
-// the cells that hold them, to the unit as if they were.
+// How free-space support changes along a ray at its vertex.
+struct SupportJump {
+  uint32_t front = 0;   // the largest support up to kFrontSigmas before it
+  uint32_t behind = 0;  // the largest support up to kBehindSigmas behind it
+  // Where the ray ends (AddVisibilityWeights); kNone where the ray is lost or
+  // ends beyond the hull.
+  uint32_t end_cell = kNone;
+};
+
+// How far from a vertex support is looked up, in distance sigmas
+// [Jancosek2014, k_f and k_b].
+inline constexpr double kFrontSigmas = 3;
+inline constexpr double kBehindSigmas = 4;
+
+// Measures the jump along the ray from a camera to a vertex.
 //
-// \param points [P] world frame, near each other where they follow each other
-// \param observations [P] rows of the points, not of vertices
-RayReport AddOuterVisibilityWeights(const Tetrahedralization& tetrahedra,
-                                    const std::vector<Eigen::Vector3f>& points,
-                                    const Observations& observations,
-                                    const std::vector<Eigen::Vector3d>& centers,
-                                    const VisibilityWeightOptions& options,
-                                    FlowCapacities* graph);
+// \param free_support [cells] see AddVisibilityWeights()
+// \param center       of the camera, world frame
+SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
+                        const std::vector<uint32_t>& free_support,
+                        uint32_t vertex, const Eigen::Vector3d& center,
+                        const VisibilityWeightOptions& options);
+
+// Where free space ends sharply, the rays' votes for matter behind the point
+// count three times, so that matter remains whose surface few points support
+// [Jancosek2014]. With m, the median over all rays of the support in front, a
+// ray's end is sharp if
+//   front - behind > m / 2  and  behind < m / 100.
+//
+// [Jancosek2014] multiplies the capacity by the jump, and its thresholds are
+// numbers of rays. Here that is a factor of thousands, which turns the shadows
+// of outliers into matter, and numbers of rays depend on the density of the
+// points. The largest support behind has to be small, not the smallest, which
+// is small behind most points. The factor and the thresholds are tuned on the
+// synthetic scenes of docs/method.md, section 2.5.
+//
+// Only grows the arcs from finite cells to the sink. Does not depend on the
+// number of threads.
+//
+// \param free_support [cells] of the same observations
+// \param centers [views] camera centres, world frame
+// \return the number of rays that end sharply
+size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,
+                             const Observations& observations,
+                             const std::vector<Eigen::Vector3d>& centers,
+                             const std::vector<uint32_t>& free_support,
+                             const VisibilityWeightOptions& options,
+                             FlowCapacities* graph);
 
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "delaunay/weak_surfaces.h"
+#include "delaunay/visibility_weights.h"
 
 #include <algorithm>
 
@@ -42,32 +42,19 @@ std::vector<SupportJump> MeasureJumps(
     const std::vector<Eigen::Vector3d>& centers,
     const std::vector<uint32_t>& free_support,
     const VisibilityWeightOptions& options) {
-  std::vector<SupportJump> jumps(observations.size());
-  tbb::parallel_for(
-      size_t{0}, observations.offsets.size() - 1, [&](size_t vertex) {
-        if (observations.IsEnd(vertex)) {
-          return;
-        }
-        for (uint64_t k = observations.offsets[vertex];
-             k < observations.offsets[vertex + 1]; ++k) {
-          jumps[k] = MeasureJump(tetrahedra, free_support,
-                                 static_cast<uint32_t>(vertex),
-                                 centers[observations.views[k]], options);
-        }
-      });
-  return jumps;
-}
-
-// The upper median of the support in front of the rays that are not lost; 0
-// where all are.
-double MedianFront(const std::vector<SupportJump>& jumps) {
-  std::vector<double> fronts;
-  for (const SupportJump& jump : jumps) {
-    if (jump.end_cell != kNone) {
-      fronts.push_back(jump.front);
+  std::vector<SupportJump> jumps(observations.values.size());
+  tbb::parallel_for(size_t{0}, observations.size(), [&](size_t vertex) {
+    if (observations.IsEnd(vertex)) {
+      return;
     }
-  }
-  return fronts.empty() ? 0 : Percentile(50, &fronts);
+    for (uint64_t k = observations.offsets[vertex];
+         k < observations.offsets[vertex + 1]; ++k) {
+      jumps[k] =
+          MeasureJump(tetrahedra, free_support, static_cast<uint32_t>(vertex),
+                      centers[observations.values[k].view], options);
+    }
+  });
+  return jumps;
 }
 
 }  // namespace
@@ -76,7 +63,7 @@ SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
                         const std::vector<uint32_t>& free_support,
                         uint32_t vertex, const Eigen::Vector3d& center,
                         const VisibilityWeightOptions& options) {
-  const Eigen::Vector3d position = tetrahedra.points[vertex].cast<double>();
+  const Eigen::Vector3d position = tetrahedra.PositionOf(vertex);
   const Eigen::Vector3d sigma =
       options.distance_sigma * (position - center).normalized();
   SupportJump jump;
@@ -103,17 +90,23 @@ size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,
                              FlowCapacities* graph) {
   const std::vector<SupportJump> jumps =
       MeasureJumps(tetrahedra, observations, centers, free_support, options);
-  const double median = MedianFront(jumps);
+  std::vector<double> fronts;  // of the rays that are not lost
+  for (const SupportJump& jump : jumps) {
+    if (jump.end_cell != kNone) {
+      fronts.push_back(jump.front);
+    }
+  }
+  // The upper one of two.
+  const double median = fronts.empty() ? 0 : Percentile(50, &fronts);
   size_t num_sharp = 0;
   for (size_t k = 0; k < jumps.size(); ++k) {
     const auto& [front, behind, end_cell] = jumps[k];
-    if (end_cell != kNone &&
-        behind<kMaxBehind * median&& static_cast<double>(front) - behind>
-                kMinJump *
-            median) {
+    const double jump = static_cast<double>(front) - behind;
+    if (end_cell != kNone && (behind < kMaxBehind * median) &&
+        (jump > kMinJump * median)) {
       ++num_sharp;
-      AddCapacity(ToCapacity(kGain * observations.alphas[k]),
-                  &graph->sink[end_cell]);
+      AddCapacity(ToCapacity(kGain * observations.values[k].alpha),
+                  &(*graph)[end_cell].sink);
     }
   }
   return num_sharp;

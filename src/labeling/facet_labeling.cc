@@ -10,9 +10,7 @@
 
 #include "base/rows.h"
 #include "mesh/adjacency.h"
-#include "optim/further_labels.h"
 #include "optim/potts_mrf.h"
-#include "optim/sweep_order.h"
 #include "raster/facet_frames.h"
 
 namespace colmap_ext {

@@ -109,14 +109,14 @@ int64_t EnergyAround(const Tetrahedralization& tetrahedra,
   int64_t energy = 0;
   for (const uint32_t cell : cells) {
     const bool is_free = labels[cell] != 0;
-    energy += is_free ? graph.sink[cell] : graph.source[cell];
+    energy += is_free ? graph[cell].sink : graph[cell].source;
     for (int i = 0; i < 4; ++i) {
       const uint32_t other = tetrahedra.cells[cell].neighbors[i];
       const bool is_other_free = labels[other] != 0;
       if (is_free && !is_other_free) {
-        energy += graph.capacities[cell][i];
+        energy += graph[cell].arcs[i];
       } else if (!is_free && is_other_free) {
-        energy += graph.capacities[other][tetrahedra.FacetTo(other, cell)];
+        energy += graph[other].arcs[tetrahedra.FacetTo(other, cell)];
       }
     }
   }

@@ -11,18 +11,10 @@ namespace {
 // Gives the parts of a cell what they have of its capacities.
 void SplitCapacities(const std::array<uint32_t, 4>& parts,
                      FlowCapacities* graph) {
-  const CellCapacities whole{graph->capacities[parts[0]],
-                             graph->source[parts[0]], graph->sink[parts[0]]};
+  const NodeCapacities whole = (*graph)[parts[0]];
+  graph->resize(graph->size() + 3);
   for (int i = 0; i < 4; ++i) {
-    const CellCapacities part = PartOf(whole, i);
-    if (i > 0) {
-      graph->capacities.emplace_back();
-      graph->source.emplace_back();
-      graph->sink.emplace_back();
-    }
-    graph->capacities[parts[i]] = part.facets;
-    graph->source[parts[i]] = part.source;
-    graph->sink[parts[i]] = part.sink;
+    (*graph)[parts[i]] = PartOf(whole, i);
   }
 }
 
@@ -36,9 +28,9 @@ Eigen::Vector3f Centroid(const Tetrahedralization& tetrahedra, uint32_t cell) {
 
 }  // namespace
 
-CellCapacities PartOf(const CellCapacities& cell, int part) {
-  CellCapacities share{{}, cell.source / 4, cell.sink / 4};
-  share.facets[part] = cell.facets[part];
+NodeCapacities PartOf(const NodeCapacities& cell, int part) {
+  NodeCapacities share{{}, cell.source / 4, cell.sink / 4};
+  share.arcs[part] = cell.arcs[part];
   if (part == 0) {
     share.source = cell.source - 3 * share.source;
     share.sink = cell.sink - 3 * share.sink;

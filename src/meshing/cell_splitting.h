@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -9,16 +8,9 @@
 
 namespace colmap_ext {
 
-// The capacities of a cell's arcs.
-struct CellCapacities {
-  std::array<uint32_t, 4> facets = {0, 0, 0, 0};
-  uint32_t source = 0;
-  uint32_t sink = 0;
-};
-
 // What one of the four parts of a split cell has of its capacities.
 // \param part  the one that has the centroid in place of this corner
-CellCapacities PartOf(const CellCapacities& cell, int part);
+NodeCapacities PartOf(const NodeCapacities& cell, int part);
 
 // Whether a cell can be split: it is finite, and its centroid, rounded to
 // floats, lies within it, so that its parts are positively oriented.

@@ -7,11 +7,8 @@
 #include <utility>
 
 #include "delaunay/cell_graph.h"
-#include "delaunay/edge_lengths.h"
-#include "delaunay/quality_weights.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
-#include "delaunay/weak_surfaces.h"
 #include "meshing/finish_surface.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"

@@ -1,4 +1,4 @@
-#include "optim/further_labels.h"
+#include "optim/potts_mrf.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +9,6 @@
 #include <tbb/parallel_for.h>
 
 namespace colmap_ext {
-
 namespace {
 
 using PricedLabel = std::pair<double, uint32_t>;

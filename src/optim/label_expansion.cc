@@ -1,15 +1,12 @@
-#include "optim/label_expansion.h"
+#include "optim/potts_mrf.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 
-#include "base/rows.h"
 #include "optim/min_cut.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Consecutive nodes.
@@ -27,9 +24,10 @@ constexpr uint32_t kBlockSize = 1 << 16;
 // [labels] the nodes of a block that have each label, ascending.
 Rows<uint32_t> FindNodes(const PottsProblem& problem, Block block) {
   uint32_t num_labels = 0;
-  for (uint64_t i = problem.offsets[block.begin];
-       i < problem.offsets[block.end]; ++i) {
-    num_labels = std::max(num_labels, problem.labels[i] + 1);
+  for (uint32_t node = block.begin; node < block.end; ++node) {
+    if (problem.NumLabels(node) > 0) {  // ascending
+      num_labels = std::max(num_labels, problem.Labels(node).back() + 1);
+    }
   }
   return GroupInRows<uint32_t>(num_labels, [&](const auto& add) {
     for (uint32_t node = block.begin; node < block.end; ++node) {
@@ -43,11 +41,9 @@ Rows<uint32_t> FindNodes(const PottsProblem& problem, Block block) {
 // What a cost of 1 is as a capacity. A node pays for a label and for three
 // edges at most.
 double CapacityScale(const PottsProblem& problem) {
-  float largest = 0;
-  for (const float cost : problem.costs) {
-    largest = std::max(largest, cost);
-  }
-  const double most = largest + 3 * problem.weight;
+  const double most =
+      (problem.costs.empty() ? 0 : std::ranges::max(problem.costs)) +
+      3 * problem.weight;
   return most > 0 ? kMaxCapacity / most : 0;
 }
 
@@ -76,14 +72,12 @@ class BlockExpansion {
   void Expand(uint32_t label) {
     FindMovable(label);
     const size_t num_nodes = movable_.size();
-    graph_.neighbors.assign(num_nodes, {kNone, kNone, kNone, kNone});
-    graph_.capacities.assign(num_nodes, {});
-    graph_.source.resize(num_nodes);
-    graph_.sink.resize(num_nodes);
+    neighbors_.assign(num_nodes, {kNone, kNone, kNone, kNone});
+    capacities_.assign(num_nodes, {});
     for (size_t i = 0; i < num_nodes; ++i) {
       AddNode(i, label);
     }
-    const MinCut cut = ComputeMinCut(graph_);
+    const MinCut cut = ComputeMinCut(neighbors_, capacities_);
     for (size_t i = 0; i < num_nodes; ++i) {
       places_[movable_[i] - block_.begin] = kNone;
       if (cut.on_source_side[i] != 0) {
@@ -124,12 +118,12 @@ class BlockExpansion {
       }
       const bool is_second = node > other;
       keep += differs && is_second ? problem_.weight : 0;
-      graph_.neighbors[place][k] = other_place;
-      graph_.capacities[place][k] =
+      neighbors_[place][k] = other_place;
+      capacities_[place].arcs[k] =
           differs && !is_second ? 0 : Capacity(problem_.weight);
     }
-    graph_.source[place] = Capacity(keep);
-    graph_.sink[place] = Capacity(take);
+    capacities_[place].source = Capacity(keep);
+    capacities_[place].sink = Capacity(take);
   }
 
   uint32_t Chosen(uint32_t node) const {
@@ -160,7 +154,9 @@ class BlockExpansion {
   const Rows<uint32_t> nodes_of_labels_;
   std::vector<uint32_t> movable_;  // nodes
   std::vector<uint32_t> places_;   // [nodes of the block], see PlaceInGraph
-  FlowGraph graph_;                // of movable_
+  // The cut's graph, of movable_.
+  std::vector<std::array<uint32_t, 4>> neighbors_;
+  FlowCapacities capacities_;
 };
 
 // \param first_size  of the first block, nodes; all others have kBlockSize

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/index_limit.h"
+#include "base/rows.h"
 
 namespace colmap_ext {
 
@@ -60,5 +61,51 @@ PottsSolution SolvePotts(const PottsProblem& problem, double max_gap = 1e-3,
 // \param choices [N] see PottsSolution
 double PottsEnergy(const PottsProblem& problem,
                    const std::vector<uint32_t>& choices);
+
+// Alpha expansion [Boykov2001]: for one label after the other, those nodes take
+// it that have it among theirs and lower the energy most by taking it together,
+// found by a minimum cut. The cuts' graphs are of these nodes alone, so that
+// time and memory follow the sum of the nodes' labels. Capacities are integers:
+// the energy can rise by a rounding.
+//
+// A round is done in each block of consecutive nodes while the others stay,
+// those without edges between them in parallel; large problems have a second
+// round, in blocks shifted by half of one.
+//
+// \param choices [N] see PottsSolution
+// \return new choices
+std::vector<uint32_t> ExpandLabels(const PottsProblem& problem,
+                                   std::vector<uint32_t> choices);
+
+// An order to visit a graph's nodes in, each after what its neighbors before it
+// have left: by their distance from the first node, so that paths of growing
+// order run through the whole graph. Nodes of the same distance are sorted so
+// that long runs of the order have no neighbors among them, and can be visited
+// at the same time; parts that are not connected run side by side.
+//
+// \param neighbors  [N] symmetric; kNone: none.
+// \return  [N] nodes.
+std::vector<uint32_t> SweepOrder(
+    const std::vector<std::array<uint32_t, 3>>& neighbors);
+
+// Several labels of each node, or none. [N]
+using LabelSets = Rows<uint32_t>;
+
+// The chosen label of each node, none where it has no choice.
+// \param choices  [N] see PottsSolution
+LabelSets ChosenLabels(const PottsProblem& problem,
+                       const std::vector<uint32_t>& choices);
+
+// Adds to each node's labels the cheapest others, `count` in all where it has
+// as many. As with the first label, those that neighbors have too are
+// preferred: for each neighbor that has not got it, a label costs a third of
+// the field's weight more: a label that no neighbor has costs the weight. That
+// is approached in a few rounds, in each of which half of the nodes choose
+// again by what their neighbors have.
+//
+// \param given  labels that stay, and stay first; not more than `count` a node
+// \return the labels of each node, `count` or all that it has
+LabelSets AddFurtherLabels(const PottsProblem& problem, const LabelSets& given,
+                           uint32_t count);
 
 }  // namespace colmap_ext

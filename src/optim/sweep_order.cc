@@ -1,11 +1,8 @@
-#include "optim/sweep_order.h"
+#include "optim/potts_mrf.h"
 
 #include <algorithm>
 
-#include "base/rows.h"
-
 namespace colmap_ext {
-
 namespace {
 
 using Neighbors = std::vector<std::array<uint32_t, 3>>;
@@ -15,31 +12,24 @@ struct Search {
   std::vector<uint32_t> levels;  // [N] edges from the part's first node
 };
 
-// Appends the part that is connected to a node that no search has reached.
-void AppendPart(const Neighbors& neighbors, uint32_t seed, Search* search) {
-  std::vector<uint32_t>& order = search->order;
-  std::vector<uint32_t>& levels = search->levels;
-  size_t next = order.size();
-  levels[seed] = 0;
-  order.push_back(seed);
-  for (; next < order.size(); ++next) {
-    const uint32_t node = order[next];
-    for (const uint32_t other : neighbors[node]) {
-      if (other != kNone && levels[other] == kNone) {
-        levels[other] = levels[node] + 1;
-        order.push_back(other);
-      }
-    }
-  }
-}
-
 Search BreadthFirst(const Neighbors& neighbors) {
   Search search;
   search.order.reserve(neighbors.size());
   search.levels.assign(neighbors.size(), kNone);
+  const auto reach = [&](uint32_t node, uint32_t level) {
+    if (node != kNone && search.levels[node] == kNone) {
+      search.levels[node] = level;
+      search.order.push_back(node);
+    }
+  };
+  size_t next = 0;
   for (uint32_t seed = 0; seed < neighbors.size(); ++seed) {
-    if (search.levels[seed] == kNone) {
-      AppendPart(neighbors, seed, &search);
+    reach(seed, 0);
+    for (; next < search.order.size(); ++next) {
+      const uint32_t node = search.order[next];
+      for (const uint32_t other : neighbors[node]) {
+        reach(other, search.levels[node] + 1);
+      }
     }
   }
   return search;

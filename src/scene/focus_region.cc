@@ -1,4 +1,4 @@
-#include "scene/focus_region.h"
+#include "scene/region.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -118,8 +118,6 @@ PointTree::PointTree(Points points)
     : index_(points.empty() ? nullptr : std::make_unique<Index>(points)) {}
 
 PointTree::~PointTree() = default;
-PointTree::PointTree(PointTree&&) noexcept = default;
-PointTree& PointTree::operator=(PointTree&&) noexcept = default;
 
 std::vector<uint32_t> PointTree::Nearest(const Eigen::Vector3f& place,
                                          size_t count,

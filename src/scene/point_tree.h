@@ -18,8 +18,6 @@ class PointTree {
   // \pre the points are finite, fewer than 2^32, and outlive the tree
   explicit PointTree(std::span<const Eigen::Vector3f> points);
   ~PointTree();
-  PointTree(PointTree&&) noexcept;
-  PointTree& operator=(PointTree&&) noexcept;
 
   // Returns the indices of the points nearest to a place, at most `count`, the
   // nearest first, none of them farther away than max_distance (units of the

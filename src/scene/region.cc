@@ -1,8 +1,6 @@
 #include "scene/region.h"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 namespace colmap_ext {
 
@@ -18,28 +16,27 @@ Region Grow(const Region& region, double margin) {
   return grown;
 }
 
+SegmentPart ClipToBox(const Eigen::Vector3d& start, const Eigen::Vector3d& way,
+                      const Eigen::Vector3d& lower,
+                      const Eigen::Vector3d& upper, SegmentPart part) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (way[axis] != 0) {
+      const double a = (lower[axis] - start[axis]) / way[axis];
+      const double b = (upper[axis] - start[axis]) / way[axis];
+      part.first = std::max(part.first, std::min(a, b));
+      part.second = std::min(part.second, std::max(a, b));
+    } else if (start[axis] < lower[axis] || start[axis] > upper[axis]) {
+      return {1, 0};
+    }
+  }
+  return part;
+}
+
 SegmentPart PartInside(const Region& region, const Eigen::Vector3d& start,
                        const Eigen::Vector3d& end) {
   const Eigen::Vector3d from = region.FromCenter(start);
-  const Eigen::Vector3d way = region.FromCenter(end) - from;
-  SegmentPart part;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double half = region.half_sizes[axis];
-    if (way[axis] == 0) {
-      if (std::abs(from[axis]) > half) {
-        return {1, 0};
-      }
-      continue;
-    }
-    double enter = (-half - from[axis]) / way[axis];
-    double leave = (half - from[axis]) / way[axis];
-    if (enter > leave) {
-      std::swap(enter, leave);
-    }
-    part.first = std::max(part.first, enter);
-    part.second = std::min(part.second, leave);
-  }
-  return part;
+  return ClipToBox(from, region.FromCenter(end) - from, -region.half_sizes,
+                   region.half_sizes);
 }
 
 }  // namespace colmap_ext

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include <Eigen/Core>
+
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -43,7 +47,26 @@ struct SegmentPart {
 
   bool IsEmpty() const { return first > second; }
 };
+
+// \param way  from the start to the end
+// \param lower, upper  of a box along the axes
+// \param part  of the segment that is clipped
+SegmentPart ClipToBox(const Eigen::Vector3d& start, const Eigen::Vector3d& way,
+                      const Eigen::Vector3d& lower,
+                      const Eigen::Vector3d& upper, SegmentPart part = {});
+
 SegmentPart PartInside(const Region& region, const Eigen::Vector3d& start,
                        const Eigen::Vector3d& end);
+
+// The box of what most views look at. A view looks at the points in its image
+// that are at most twice as far as the median of them. Of the points that at
+// least half as many views look at as at the best seen ones, the principal axes
+// are the box's; it holds all of them but 1 % at each side, and a tenth of its
+// size more on each side. The method and its numbers are choices.
+//
+// \param points  of the scene, e.g. the sparse ones, world frame
+// \return nothing where too few points are seen to span a box.
+std::optional<Region> FocusRegion(const std::vector<View>& views,
+                                  const std::vector<Eigen::Vector3f>& points);
 
 }  // namespace colmap_ext

@@ -4,20 +4,121 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
-#include <utility>
 
 #include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
 
 #include "base/index_limit.h"
+#include "base/indices.h"
 #include "base/lru_cache.h"
 #include "base/mix_bits.h"
 #include "delaunay/growing_complex.h"
-#include "delaunay/insert_points.h"
 #include "spatial/box_tree.h"
-#include "tiles/conflict_zone.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 namespace {
+
+// The centre of the sphere through o, a, b, c relative to o (docs/method.md,
+// section 2.2).
+Eigen::Vector3d CenterOfSphere(const Eigen::Vector3f& o,
+                               const Eigen::Vector3f& pa,
+                               const Eigen::Vector3f& pb,
+                               const Eigen::Vector3f& pc) {
+  // The volume over the product of the edges' lengths. The centre of a flatter
+  // cell is far off in double precision.
+  constexpr double kMinFlatness = 1e-5;
+  const Eigen::Vector3d a = pa.cast<double>() - o.cast<double>();
+  const Eigen::Vector3d b = pb.cast<double>() - o.cast<double>();
+  const Eigen::Vector3d c = pc.cast<double>() - o.cast<double>();
+  const Eigen::Vector3d bc = b.cross(c);
+  const double volume = a.dot(bc);
+  if (!(std::abs(volume) > kMinFlatness * a.norm() * b.norm() * c.norm())) {
+    return CenterFrom(o, pa, pb, pc);
+  }
+  return (a.squaredNorm() * bc + b.squaredNorm() * c.cross(a) +
+          c.squaredNorm() * a.cross(b)) /
+         (2 * volume);
+}
+
+// Relative to distances from the centre, many times what rounding can do.
+constexpr double kRelativeSlack = 1e-8;
+
+// Where a point would be in conflict with a cell: the sphere around a finite
+// cell, the half-space beyond an infinite one. A little larger, so that no
+// rounding leaves out what is in conflict by exact predicates.
+class ConflictZone {
+ public:
+  ConflictZone(const GrowingComplex& complex, uint32_t index) {
+    const GrowingComplex::Cell& cell = complex.cells[index];
+    const uint32_t infinite = InfiniteCorner(cell);
+    const auto corner = [&](uint32_t i) -> const Eigen::Vector3f& {
+      return complex.points[cell.vertices[i % 4]];
+    };
+    is_sphere_ = infinite == 4;
+    if (is_sphere_) {
+      const Eigen::Vector3d offset =
+          CenterOfSphere(corner(0), corner(1), corner(2), corner(3));
+      center_ = corner(0).cast<double>() + offset;
+      radius_squared_ = offset.squaredNorm();
+      slack_ = kRelativeSlack *
+               (std::sqrt(radius_squared_) + corner(0).cast<double>().norm());
+      return;
+    }
+    // The infinite vertex lies on the positive side of the facet.
+    const auto at = [&](uint32_t i) -> Eigen::Vector3d {
+      return corner(infinite + i).cast<double>();
+    };
+    center_ = at(1);
+    const Eigen::Vector3d a = at(2) - at(1);
+    const Eigen::Vector3d b = at(3) - at(1);
+    normal_ = infinite % 2 == 0 ? b.cross(a) : a.cross(b);
+    // That of a facet with hardly an area is not known well.
+    constexpr double kMinSine = 1e-6;
+    has_normal_ = normal_.norm() > kMinSine * a.norm() * b.norm();
+    normal_.normalize();
+    slack_ = kRelativeSlack * center_.norm();
+  }
+
+  // Whether the zone may reach into a box.
+  bool MayTouch(const Eigen::AlignedBox3f& box) const {
+    const auto wide = box.cast<double>();
+    if (is_sphere_) {
+      const double reach = std::sqrt(radius_squared_) + slack_;
+      return wide.squaredExteriorDistance(center_) <= reach * reach;
+    }
+    if (!has_normal_) {
+      return true;
+    }
+    const Eigen::Vector3d farthest =
+        (normal_.array() > 0).select(wide.max(), wide.min());
+    return normal_.dot(farthest - center_) >=
+           -slack_ - kRelativeSlack * (farthest - center_).norm();
+  }
+
+  // How deep a point lies within, in the zone's own measure: the deepest one of
+  // several makes the smallest zones when it is inserted. Negative: outside.
+  double Depth(const Eigen::Vector3f& point) const {
+    const Eigen::Vector3d offset = point.cast<double>() - center_;
+    if (is_sphere_) {
+      const double reach = std::sqrt(radius_squared_) + slack_;
+      return reach - offset.norm();
+    }
+    if (!has_normal_) {
+      return 0;
+    }
+    return normal_.dot(offset) + slack_ + kRelativeSlack * offset.norm();
+  }
+
+ private:
+  bool is_sphere_ = false;
+  Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // of the sphere, or a
+                                                      // corner of the facet
+  Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();  // unit, of a half-space
+  bool has_normal_ = false;  // else nothing is known of where the zone is
+  double radius_squared_ = 0;
+  double slack_ = 0;  // of distances, scene units
+};
 
 // Vertices of a block whose box is known.
 constexpr uint32_t kGroupVertices = 32;
@@ -27,47 +128,6 @@ struct BlockVertices {
   std::vector<Eigen::Vector3f> positions;
   std::vector<Eigen::AlignedBox3f> boxes;  // of each kGroupVertices of them
 };
-
-BlockVertices WithBoxes(std::vector<Eigen::Vector3f> positions) {
-  BlockVertices block{std::move(positions), {}};
-  for (size_t i = 0; i < block.positions.size(); ++i) {
-    if (i % kGroupVertices == 0) {
-      block.boxes.emplace_back();
-    }
-    block.boxes.back().extend(block.positions[i]);
-  }
-  return block;
-}
-
-// Keeps the blocks of a plan that were read last. Safe from several threads.
-class BlockCache {
- public:
-  explicit BlockCache(const PlanVertices& plan)
-      : plan_(plan), cache_(kCacheBytes) {}
-
-  std::shared_ptr<BlockVertices> Read(uint32_t block);
-
- private:
-  static constexpr size_t kCacheBytes = size_t{256} << 20;
-
-  const PlanVertices& plan_;
-  LruCache<BlockVertices> cache_;
-};
-
-std::shared_ptr<BlockVertices> BlockCache::Read(uint32_t block) {
-  const uint32_t begin = plan_.Blocks().begins[block];
-  const uint32_t end = plan_.Blocks().begins[block + 1];
-  // With a box for each group.
-  constexpr size_t kVertexBytes = sizeof(Eigen::Vector3f) +
-                                  sizeof(Eigen::AlignedBox3f) / kGroupVertices +
-                                  1;
-  return cache_.Get(block, (end - begin) * kVertexBytes, [&] {
-    return std::make_shared<BlockVertices>(
-        WithBoxes(plan_.ReadPositions(begin, end)));
-  });
-}
-
-using Positions = std::vector<Eigen::Vector3f>;
 
 // A number in [0, 1) that is always the same one for a block.
 double ChanceOf(uint32_t block) {
@@ -96,9 +156,9 @@ uint32_t NumFirst(uint32_t num_vertices, uint32_t block,
 class Certifier {
  public:
   Certifier(const PlanVertices& plan, uint32_t tile)
-      : blocks_(plan.Blocks()),
+      : plan_(plan),
+        blocks_(plan.Blocks()),
         tree_(blocks_.boxes),
-        cache_(plan),
         is_loaded_(blocks_.NumBlocks()),
         num_loaded_(blocks_.NumBlocks(), 0) {
     const uint32_t first = blocks_.FirstVertex(tile);
@@ -135,6 +195,26 @@ class Certifier {
     return blocks_.begins[block + 1] - blocks_.begins[block];
   }
 
+  // Keeps the blocks that were read last. Safe from several threads.
+  std::shared_ptr<BlockVertices> ReadBlock(uint32_t block) {
+    // With a box for each group.
+    constexpr size_t kVertexBytes =
+        sizeof(Eigen::Vector3f) + sizeof(Eigen::AlignedBox3f) / kGroupVertices +
+        1;
+    return cache_.Get(block, SizeOf(block) * kVertexBytes, [&] {
+      auto read = std::make_shared<BlockVertices>();
+      read->positions =
+          plan_.ReadPositions(blocks_.begins[block], blocks_.begins[block + 1]);
+      for (size_t i = 0; i < read->positions.size(); ++i) {
+        if (i % kGroupVertices == 0) {
+          read->boxes.emplace_back();
+        }
+        read->boxes.back().extend(read->positions[i]);
+      }
+      return read;
+    });
+  }
+
   void AddFirstVertices() {
     for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
       if (!is_loaded_[block].empty()) {
@@ -143,9 +223,6 @@ class Certifier {
       const uint32_t size = SizeOf(block);
       const uint32_t count =
           NumFirst(size, block, blocks_.boxes[block], own_box_);
-      if (count == 0) {
-        continue;
-      }
       for (uint32_t i = 0; i < count; ++i) {
         AddVertex(block, static_cast<uint32_t>(uint64_t{i} * size / count));
       }
@@ -167,7 +244,7 @@ class Certifier {
   void AddVertex(uint32_t block, uint32_t place) {
     MarkLoaded(block, place);
     ids_.push_back(blocks_.begins[block] + place);
-    complex_.points.push_back(cache_.Read(block)->positions[place]);
+    complex_.points.push_back(ReadBlock(block)->positions[place]);
   }
 
   void MarkLoaded(uint32_t block, uint32_t place) {
@@ -209,8 +286,7 @@ class Certifier {
         cells.push_back(cell);
       }
     }
-    std::ranges::sort(cells);
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    SortUnique(&cells);
     return cells;
   }
 
@@ -227,8 +303,7 @@ class Certifier {
     std::vector<uint32_t> missing(cells.size());
     tbb::parallel_for(size_t{0}, cells.size(),
                       [&](size_t i) { missing[i] = FindInZone(cells[i]); });
-    std::ranges::sort(missing);
-    missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+    SortUnique(&missing);
     if (!missing.empty() && missing.back() == kNone) {
       missing.pop_back();
     }
@@ -255,8 +330,8 @@ class Certifier {
     if (num_loaded_[block] == SizeOf(block)) {
       return kNone;
     }
-    const auto vertices = cache_.Read(block);
-    const Positions& positions = vertices->positions;
+    const auto vertices = ReadBlock(block);
+    const std::vector<Eigen::Vector3f>& positions = vertices->positions;
     uint32_t deepest = kNone;
     double depth = 0;
     for (uint32_t i = 0; i < positions.size(); ++i) {
@@ -279,12 +354,12 @@ class Certifier {
 
   // \param missing  ascending
   void Insert(const std::vector<uint32_t>& missing) {
-    Positions positions;
+    std::vector<Eigen::Vector3f> positions;
     for (const uint32_t id : missing) {
       const uint32_t block = blocks_.BlockOf(id);
       MarkLoaded(block, id - blocks_.begins[block]);
       positions.push_back(
-          cache_.Read(block)->positions[id - blocks_.begins[block]]);
+          ReadBlock(block)->positions[id - blocks_.begins[block]]);
       ids_.push_back(id);
     }
     InsertMorePoints(positions, &complex_);
@@ -308,9 +383,12 @@ class Certifier {
     return result;
   }
 
+  static constexpr size_t kCacheBytes = size_t{256} << 20;
+
+  const PlanVertices& plan_;
   const PlanBlocks& blocks_;
   BoxTree tree_;
-  BlockCache cache_;
+  LruCache<BlockVertices> cache_{kCacheBytes};
   // [blocks][vertices of the block] 1: in the complex; empty: none is.
   std::vector<std::vector<uint8_t>> is_loaded_;
   std::vector<uint32_t> num_loaded_;  // [blocks]

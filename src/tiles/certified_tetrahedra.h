@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +11,19 @@
 #include "tiles/plan_vertices.h"
 
 namespace colmap_ext {
+
+// The plan's vertex of another numbering's; that at infinity is the same.
+inline uint32_t IdOf(uint32_t vertex, const std::vector<uint32_t>& ids) {
+  return vertex == kInfiniteVertex ? vertex : ids[vertex];
+}
+
+inline std::array<uint32_t, 4> IdsOf(std::array<uint32_t, 4> vertices,
+                                     const std::vector<uint32_t>& ids) {
+  for (uint32_t& vertex : vertices) {
+    vertex = IdOf(vertex, ids);
+  }
+  return vertices;
+}
 
 // The Delaunay tetrahedralization of a part of a plan's vertices. All cells at
 // the tile's own vertices, its *star cells*, and the cells beside those, are
@@ -23,26 +37,14 @@ struct TileTetrahedra {
   size_t num_rounds = 0;  // until no vertex was missing
 
   bool IsStarCell(uint32_t cell) const {
-    for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
-      if (vertex < num_own) {
-        return true;
-      }
-    }
-    return false;
-  }
-
-  // The plan's vertex of one of the tile's; that at infinity is the same.
-  uint32_t IdOf(uint32_t vertex) const {
-    return vertex == kInfiniteVertex ? vertex : ids[vertex];
+    return std::ranges::any_of(
+        tetrahedra.cells[cell].vertices,
+        [this](uint32_t vertex) { return vertex < num_own; });
   }
 
   // The plan's vertices at the corners of a cell.
   std::array<uint32_t, 4> CornersOf(uint32_t cell) const {
-    std::array<uint32_t, 4> corners = tetrahedra.cells[cell].vertices;
-    for (uint32_t& corner : corners) {
-      corner = IdOf(corner);
-    }
-    return corners;
+    return IdsOf(tetrahedra.cells[cell].vertices, ids);
   }
 };
 

@@ -1,17 +1,16 @@
-#include "tiles/cell_changes.h"
+#include "tiles/merged_plan.h"
 
 #include <algorithm>
 #include <functional>
 #include <set>
-#include <tuple>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include <tbb/parallel_sort.h>
 
+#include "base/indices.h"
+#include "meshing/cell_splitting.h"
 #include "meshing/singular_vertices.h"
-#include "tiles/merged_surface.h"
 #include "tiles/patch_cells.h"
 
 namespace colmap_ext {
@@ -26,30 +25,20 @@ struct OpenFacet {
   FacetKey key;
   uint32_t arc;
 
-  bool operator<(const OpenFacet& other) const {
-    return std::tie(key, arc) < std::tie(other.key, other.arc);
-  }
+  auto operator<=>(const OpenFacet&) const = default;
 };
-
-FacetKey FacetOf(const Tetrahedralization::Cell& cell, uint32_t k) {
-  const auto& corners = kFacetCorners[k];
-  return Sorted(FacetKey{cell.vertices[corners[0]], cell.vertices[corners[1]],
-                         cell.vertices[corners[2]]});
-}
 
 // Cells of a plan that become ever more while some of its singular vertices are
 // fixed.
 class GrowingPatch {
  public:
   // \param changes  before, and then after
-  GrowingPatch(const PlanVertices& plan, const TileParts& parts,
-               const SeamLabels& seam, CellChanges* changes)
-      : plan_(plan),
-        collector_(plan, parts, seam),
+  explicit GrowingPatch(CellChanges* changes)
+      : num_plan_vertices_(changes->seam().plan().Blocks().NumVertices()),
+        collector_(changes->seam()),
         changes_(*changes),
-        first_new_centroid_(
-            plan.Blocks().NumVertices() +
-            static_cast<uint32_t>(changes->centroids().size())) {
+        first_new_centroid_(num_plan_vertices_ +
+                            static_cast<uint32_t>(changes->NumCentroids())) {
     AppendCell(
         {kInfiniteVertex, kInfiniteVertex, kInfiniteVertex, kInfiniteVertex},
         {}, 1);
@@ -103,8 +92,7 @@ class GrowingPatch {
     NameCentroid();
     std::vector<uint32_t> ids;
     for (const uint32_t vertex : vertices) {
-      if (ids_[vertex] < plan_.Blocks().NumVertices() &&
-          is_complete_[vertex] == 0) {
+      if (ids_[vertex] < num_plan_vertices_ && is_complete_[vertex] == 0) {
         ids.push_back(ids_[vertex]);
       }
     }
@@ -137,15 +125,15 @@ class GrowingPatch {
 
   // Appends a cell, or what it has been split into.
   void AppendParts(const PatchCell& cell, std::vector<PatchCell>* cells) const {
-    const std::optional<uint32_t> centroid = changes_.CentroidOf(cell.corners);
-    if (!centroid) {
+    const auto [centroid, label] = changes_.Of(cell.corners);
+    if (centroid == kNone) {
       cells->push_back(cell);
-      cells->back().label = changes_.LabelOf(cell.corners).value_or(cell.label);
+      cells->back().label = label != kNotKnown ? label : cell.label;
       return;
     }
     for (int i = 0; i < 4; ++i) {
       PatchCell part = cell;
-      part.corners[i] = *centroid;
+      part.corners[i] = centroid;
       part.capacities = PartOf(cell.capacities, i);
       AppendParts(part, cells);
     }
@@ -173,15 +161,14 @@ class GrowingPatch {
       places_[id] = static_cast<uint32_t>(ids_.size());
       ids_.push_back(id);
     }
-    const std::vector<Eigen::Vector3f> positions =
-        PositionsOf(plan_, changes_.centroids(), added);
+    const std::vector<Eigen::Vector3f> positions = changes_.PositionsOf(added);
     tetrahedra_.points.insert(tetrahedra_.points.end(), positions.begin(),
                               positions.end());
     tetrahedra_.vertex_cells.resize(ids_.size(), kNone);
     is_complete_.resize(ids_.size(), 0);
   }
 
-  void AppendCell(const CellKey& vertices, const CellCapacities& capacities,
+  void AppendCell(const CellKey& vertices, const NodeCapacities& capacities,
                   uint8_t label) {
     const auto index = static_cast<uint32_t>(tetrahedra_.cells.size());
     tetrahedra_.cells.push_back(
@@ -192,9 +179,7 @@ class GrowingPatch {
         tetrahedra_.vertex_cells[vertex] = index;
       }
     }
-    graph_.capacities.push_back(capacities.facets);
-    graph_.source.push_back(capacities.source);
-    graph_.sink.push_back(capacities.sink);
+    graph_.push_back(capacities);
     labels_.push_back(label);
   }
 
@@ -204,7 +189,7 @@ class GrowingPatch {
     auto& cells = tetrahedra_.cells;
     for (uint32_t cell = first_new; cell < cells.size(); ++cell) {
       for (uint32_t k = 0; k < 4; ++k) {
-        facets.push_back({FacetOf(cells[cell], k), 4 * cell + k});
+        facets.push_back({Sorted(FacetVertices(cells[cell], k)), 4 * cell + k});
       }
     }
     tbb::parallel_sort(facets);
@@ -223,11 +208,10 @@ class GrowingPatch {
         if (cells[cell].neighbors[k] != kBorder) {
           continue;
         }
-        const FacetKey key = FacetOf(cells[cell], k);
-        const auto found =
-            std::ranges::lower_bound(facets, key, {}, &OpenFacet::key);
-        if (found != facets.end() && found->key == key) {
-          Join(4 * cell + k, found->arc);
+        const FacetKey key = Sorted(FacetVertices(cells[cell], k));
+        const uint32_t found = IndexOf(facets, key, &OpenFacet::key);
+        if (found != kNone) {
+          Join(4 * cell + k, facets[found].arc);
         }
       }
     }
@@ -239,11 +223,7 @@ class GrowingPatch {
   }
 
   CellKey CornersOf(uint32_t cell) const {
-    CellKey corners = tetrahedra_.cells[cell].vertices;
-    for (uint32_t& corner : corners) {
-      corner = corner == kInfiniteVertex ? corner : ids_[corner];
-    }
-    return corners;
+    return IdsOf(tetrahedra_.cells[cell].vertices, ids_);
   }
 
   // Tells the changes about cells that are not as they were added.
@@ -267,7 +247,7 @@ class GrowingPatch {
     return vertices;
   }
 
-  const PlanVertices& plan_;
+  const uint32_t num_plan_vertices_;
   PatchCollector collector_;
   CellChanges& changes_;
   uint32_t first_new_centroid_;
@@ -302,13 +282,11 @@ void AddTo(const FixingReport& report, FixingReport* sum) {
 
 }  // namespace
 
-FixingReport FixPlan(const PlanVertices& plan, const TileParts& parts,
-                     const SeamLabels& seam, FixingRule rule, bool at_once,
-                     CellChanges* changes, const Progress& progress) {
-  const PlanBlocks& blocks = plan.Blocks();
+FixingReport FixPlan(FixingRule rule, bool at_once, CellChanges* changes,
+                     const Progress& progress) {
+  const PlanBlocks& blocks = changes->seam().plan().Blocks();
   const auto num_tiles = static_cast<uint32_t>(blocks.NumTiles());
   const uint32_t step = at_once ? num_tiles : 1;
-  const LabeledParts cells(parts, seam, *changes);
   FixingReport sum;
   std::set<uint32_t> left;
   for (uint32_t first = 0; first < num_tiles; first += step) {
@@ -318,11 +296,11 @@ FixingReport FixPlan(const PlanVertices& plan, const TileParts& parts,
     const uint32_t end = blocks.FirstVertex(first + step);
     std::vector<uint32_t> singular;
     for (uint32_t tile = first; tile < first + step; ++tile) {
-      const std::vector<uint32_t> of_tile = SingularOf(cells.Read(tile));
+      const std::vector<uint32_t> of_tile = SingularOf(changes->ReadPart(tile));
       singular.insert(singular.end(), of_tile.begin(), of_tile.end());
     }
     if (!singular.empty()) {
-      GrowingPatch patch(plan, parts, seam, changes);
+      GrowingPatch patch(changes);
       AddTo(patch.Fix(
                 rule, singular,
                 [&](uint32_t id) { return id >= begin && id < end; }, &left),

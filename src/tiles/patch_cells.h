@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -10,30 +9,34 @@
 #include <vector>
 
 #include "delaunay/cell_places.h"
-#include "meshing/cell_splitting.h"
+#include "tiles/merged_plan.h"
 #include "tiles/plan_vertices.h"
-#include "tiles/seam_labels.h"
-#include "tiles/tile_part.h"
+#include "tiles/tile_cut.h"
 
 namespace colmap_ext {
 
 // The cells of one tile, read in blocks on demand.
 class TileWindow {
  public:
-  TileWindow(const TileParts& parts, const SeamLabels& seam, uint32_t tile);
+  TileWindow(const SeamLabels& seam, uint32_t tile);
 
   // The cells around one of the tile's own vertices.
   // \param vertex  of the tile
   void CellsAt(uint32_t vertex, std::vector<uint32_t>* cells);
 
   // The plan's vertices at the corners of a cell.
-  CellKey CornersOf(uint32_t cell);
+  CellKey CornersOf(uint32_t cell) {
+    return IdsOf(BlockOf(cell).cells[cell % kBlockCells].vertices,
+                 vertices_.ids);
+  }
 
   // With that of the seams.
   // \pre a star cell
   uint8_t LabelOf(uint32_t cell);
 
-  CellCapacities CapacitiesOf(uint32_t cell);
+  NodeCapacities CapacitiesOf(uint32_t cell) {
+    return BlockOf(cell).graph[cell % kBlockCells];
+  }
 
  private:
   // 29 kB. A choice: some stars.
@@ -41,13 +44,11 @@ class TileWindow {
 
   const PartCells& BlockOf(uint32_t cell);
 
-  const TileParts& parts_;
   const SeamLabels& seam_;
   const uint32_t tile_;
   const PartVertices vertices_;
   const uint32_t num_cells_;
   std::vector<std::unique_ptr<PartCells>> blocks_;  // or nothing
-  CellPlaces places_;
 };
 
 // A cell of a patch by the plan's vertices, oriented.
@@ -55,7 +56,7 @@ struct PatchCell {
   CellKey corners;
   uint8_t label = 0;
   bool has_capacities = false;  // which its own tile knows
-  CellCapacities capacities = {};
+  NodeCapacities capacities = {};
 };
 
 // Flips at a vertex concern its own cells, and are judged by the cells of their
@@ -65,9 +66,8 @@ inline constexpr uint8_t kNumRings = 2;
 // Collects cells around vertices from all tiles.
 class PatchCollector {
  public:
-  PatchCollector(const PlanVertices& plan, const TileParts& parts,
-                 const SeamLabels& seam)
-      : blocks_(plan.Blocks()), parts_(parts), seam_(seam) {}
+  explicit PatchCollector(const SeamLabels& seam)
+      : blocks_(seam.plan().Blocks()), seam_(seam) {}
 
   // All cells in kNumRings rings around the vertices that have not been taken
   // before, the first two corners the lowest, in the order of their corners.
@@ -81,19 +81,12 @@ class PatchCollector {
   void AddCell(uint32_t tile, uint32_t index, TileWindow* from);
   void AddMissingCapacities();
 
-  // The place of a cell in keys_, or of the slot where it belongs.
-  size_t SlotOf(const CellKey& key) const;
-  void GrowSlots();
-
   const PlanBlocks& blocks_;
-  const TileParts& parts_;
   const SeamLabels& seam_;
   std::vector<CellKey> keys_;  // of all cells so far
+  PlaceTable<CellKey, KeyHash> places_;
   size_t num_taken_ = 0;
   std::vector<PatchCell> cells_;  // of the others
-  // A table of open addresses: places in keys_, or kNone; a power of two of
-  // them, half of which at most are taken.
-  std::vector<uint32_t> slots_;
   // How many rings each vertex is off those that were asked for.
   std::unordered_map<uint32_t, uint8_t> rings_;
   std::map<uint32_t, std::vector<uint32_t>> waiting_;  // vertices by tile

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/index_limit.h"
+#include "base/indices.h"
 
 namespace colmap_ext {
 namespace {
@@ -25,10 +26,9 @@ uint32_t PlanBlocks::TileOf(uint32_t vertex) const {
 
 uint32_t PlanBlocks::OwnerOf(const std::array<uint32_t, 4>& corners) const {
   std::array<uint32_t, 4> tiles;
-  for (size_t i = 0; i < 4; ++i) {
-    tiles[i] =
-        corners[i] == kInfiniteVertex ? kInfiniteVertex : TileOf(corners[i]);
-  }
+  std::ranges::transform(corners, tiles.begin(), [this](uint32_t vertex) {
+    return vertex == kInfiniteVertex ? vertex : TileOf(vertex);
+  });
   uint32_t owner = kInfiniteVertex;
   int64_t most = 0;
   for (const uint32_t tile : tiles) {
@@ -50,22 +50,20 @@ void AddTile(const std::vector<Eigen::Vector3f>& positions,
   for (uint32_t begin = 0; begin < num_vertices; begin += kBlockVertices) {
     const uint32_t end = std::min(begin + kBlockVertices, num_vertices);
     Eigen::AlignedBox3f box;
+    std::vector<uint32_t> views;
+    bool has_ends = false;
     for (uint32_t i = begin; i < end; ++i) {
       box.extend(positions[i]);
       blocks->sum += positions[i].cast<double>();
+      for (const Observation& observation : observations[i]) {
+        views.push_back(observation.view);
+      }
+      has_ends = has_ends || observations.IsEnd(i);
     }
-    std::vector<uint32_t> views(
-        observations.views.begin() + observations.offsets[begin],
-        observations.views.begin() + observations.offsets[end]);
-    std::ranges::sort(views);
-    views.erase(std::unique(views.begin(), views.end()), views.end());
+    SortUnique(&views);
     blocks->begins.push_back(first + end);
     blocks->boxes.push_back(box);
     blocks->views.AddRow(views);
-    bool has_ends = false;
-    for (uint32_t i = begin; i < end; ++i) {
-      has_ends = has_ends || observations.IsEnd(i);
-    }
     blocks->have_ends.push_back(has_ends);
   }
   blocks->tile_begins.push_back(static_cast<uint32_t>(blocks->NumBlocks()));

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "scene/region.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -11,36 +13,19 @@ namespace {
 // the way of a ray leaves out none that counts.
 constexpr double kSlack = 1e-3;
 
-size_t SumIndex(int x, int y, int z) {
-  constexpr size_t kStride = RayMask::kSize + 1;
-  return (static_cast<size_t>(x) * kStride + static_cast<size_t>(y)) * kStride +
+// Of a voxel, in a grid of kSide voxels an axis.
+template <int kSide>
+size_t IndexIn(int x, int y, int z) {
+  return (static_cast<size_t>(x) * kSide + static_cast<size_t>(y)) * kSide +
          static_cast<size_t>(z);
+}
+
+size_t SumIndex(int x, int y, int z) {
+  return IndexIn<RayMask::kSize + 1>(x, y, z);
 }
 
 int ClampToVoxel(double at, int size = RayMask::kSize) {
   return static_cast<int>(std::clamp(std::floor(at), 0.0, size - 1.0));
-}
-
-// The part of a way within a box from 0 to `size`, as multiples of it; begins
-// after its end where there is none.
-std::array<double, 2> ClipToBox(const Eigen::Vector3d& from,
-                                const Eigen::Vector3d& way, double length,
-                                double size) {
-  double begin = 0;
-  double end = length;
-  for (int i = 0; i < 3; ++i) {
-    if (way[i] == 0) {
-      if (from[i] < -kSlack || from[i] > size + kSlack) {
-        return {1, 0};
-      }
-      continue;
-    }
-    const double a = (-kSlack - from[i]) / way[i];
-    const double b = (size + kSlack - from[i]) / way[i];
-    begin = std::max(begin, std::min(a, b));
-    end = std::min(end, std::max(a, b));
-  }
-  return {begin, end};
 }
 
 }  // namespace
@@ -119,7 +104,11 @@ void RayMask::MarkWithin(const std::vector<Plane>& planes,
     }
   }
   if (size == 1) {
-    MarkVoxel(first);
+    if (std::ranges::max(first) < kSize) {
+      const size_t index = IndexIn<kSize>(first[0], first[1], first[2]);
+      std::atomic_ref<uint8_t>(is_marked_[index])
+          .store(1, std::memory_order_relaxed);
+    }
     return;
   }
   const int child = size / 2;
@@ -131,22 +120,14 @@ void RayMask::MarkWithin(const std::vector<Plane>& planes,
   }
 }
 
-void RayMask::MarkVoxel(const Voxel& voxel) {
-  if (std::ranges::max(voxel) < kSize) {
-    std::atomic_ref<uint8_t>(is_marked_[IndexOf(voxel)])
-        .store(1, std::memory_order_relaxed);
-  }
-}
-
 void RayMask::Finish() {
   is_coarse_marked_.assign(size_t{kCoarseSize} * kCoarseSize * kCoarseSize, 0);
   for (int x = 0; x < kSize; ++x) {
     for (int y = 0; y < kSize; ++y) {
       for (int z = 0; z < kSize; ++z) {
-        const int coarse =
-            (x / kRatio * kCoarseSize + y / kRatio) * kCoarseSize + z / kRatio;
-        is_coarse_marked_[static_cast<size_t>(coarse)] |=
-            is_marked_[IndexOf({x, y, z})];
+        is_coarse_marked_[IndexIn<kCoarseSize>(x / kRatio, y / kRatio,
+                                               z / kRatio)] |=
+            is_marked_[IndexIn<kSize>(x, y, z)];
       }
     }
   }
@@ -156,7 +137,7 @@ void RayMask::Finish() {
     for (int y = 0; y < kSize; ++y) {
       uint32_t row = 0;
       for (int z = 0; z < kSize; ++z) {
-        row += is_marked_[IndexOf({x, y, z})];
+        row += is_marked_[IndexIn<kSize>(x, y, z)];
         sums_[SumIndex(x + 1, y + 1, z + 1)] =
             row + sums_[SumIndex(x, y + 1, z + 1)] +
             sums_[SumIndex(x + 1, y, z + 1)] - sums_[SumIndex(x, y, z + 1)];
@@ -194,28 +175,27 @@ bool RayMask::MayPass(const Eigen::Vector3d& from,
   }
   const Eigen::Vector3d start = ToVoxels(from);
   const Eigen::Vector3d way = direction.cwiseProduct(voxels_per_unit_);
-  const auto [begin, end] = ClipToBox(start, way, length, kSize);
-  return begin <= end && FirstMark(start, way, begin, end) <= end;
-}
-
-// \param way  voxels
-// \param begin, end  multiples of the way
-// \return where the first marked voxel begins, or infinity
-double RayMask::FirstMark(const Eigen::Vector3d& from,
-                          const Eigen::Vector3d& way, double begin,
-                          double end) const {
-  begin = FirstMarkOf<kCoarseSize>(is_coarse_marked_, from / kRatio,
-                                   way / kRatio, begin, end);
-  return begin <= end ? FirstMarkOf<kSize>(is_marked_, from, way, begin, end)
-                      : INFINITY;
+  const SegmentPart part =
+      ClipToBox(start, way, Eigen::Vector3d::Constant(-kSlack),
+                Eigen::Vector3d::Constant(kSize + kSlack), {0, length});
+  if (part.IsEmpty()) {
+    return false;
+  }
+  const double begin = FirstMark<kCoarseSize>(
+      is_coarse_marked_, start / kRatio, way / kRatio, part.first, part.second);
+  return begin <= part.second && FirstMark<kSize>(is_marked_, start, way, begin,
+                                                  part.second) <= part.second;
 }
 
 // Goes from voxel to voxel [Amanatides1987].
+// \param way  voxels
+// \param begin, end  multiples of the way
+// \return where the first marked voxel begins, or infinity
 template <int kGridSize>
-double RayMask::FirstMarkOf(const std::vector<uint8_t>& is_marked,
-                            const Eigen::Vector3d& from,
-                            const Eigen::Vector3d& way, double begin,
-                            double end) {
+double RayMask::FirstMark(const std::vector<uint8_t>& is_marked,
+                          const Eigen::Vector3d& from,
+                          const Eigen::Vector3d& way, double begin,
+                          double end) {
   constexpr std::array<int, 3> kStrides = {kGridSize * kGridSize, kGridSize, 1};
   Voxel left;  // how many voxels there are to go
   Voxel step;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -50,24 +49,14 @@ class RayMask {
   Eigen::Vector3d ToVoxels(const Eigen::Vector3d& place) const {
     return (place - origin_).cwiseProduct(voxels_per_unit_);
   }
-  size_t IndexOf(const Voxel& voxel) const {
-    return (static_cast<size_t>(voxel[0]) * kSize +
-            static_cast<size_t>(voxel[1])) *
-               kSize +
-           static_cast<size_t>(voxel[2]);
-  }
   static std::vector<Plane> PlanesAround(
       std::span<const Eigen::Vector3d> corners);
   void MarkWithin(const std::vector<Plane>& planes,
                   const Eigen::AlignedBox3d& box, const Voxel& first, int size);
-  void MarkVoxel(const Voxel& voxel);
-  double FirstMark(const Eigen::Vector3d& from, const Eigen::Vector3d& way,
-                   double begin, double end) const;
   template <int kGridSize>
-  static double FirstMarkOf(const std::vector<uint8_t>& is_marked,
-                            const Eigen::Vector3d& from,
-                            const Eigen::Vector3d& way, double begin,
-                            double end);
+  static double FirstMark(const std::vector<uint8_t>& is_marked,
+                          const Eigen::Vector3d& from,
+                          const Eigen::Vector3d& way, double begin, double end);
 
   Eigen::Vector3d origin_;
   Eigen::Vector3d voxels_per_unit_;

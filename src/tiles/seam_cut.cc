@@ -1,4 +1,4 @@
-#include "tiles/seam_labels.h"
+#include "tiles/merged_plan.h"
 
 #include <algorithm>
 #include <array>
@@ -39,12 +39,13 @@ class SeamWindow {
     for (int ring = 0; across_.size() < nodes_.size(); ++ring) {
       const size_t end = nodes_.size();
       for (size_t node = across_.size(); node < end; ++node) {
-        across_.push_back(AcrossOf(nodes_[node]));
-        if (ring < num_rings) {
-          for (const SeamCell& other : across_.back()) {
-            if (other.IsUnknown()) {
-              AddNode(other);
-            }
+        const auto [label, tile, place] = nodes_[node];
+        const auto seam = labels_.Seam(tile);
+        std::array<SeamCell, 4>& across = across_.emplace_back();
+        for (int i = 0; i < 4; ++i) {
+          across[i] = labels_.Across(tile, seam->unknown[place], i);
+          if (ring < num_rings && across[i].IsUnknown()) {
+            AddNode(across[i]);
           }
         }
       }
@@ -54,15 +55,13 @@ class SeamWindow {
   // \pre Connect() was called last
   // \return see CutSeams(), of the arcs from cells of the tiles that were added
   size_t Cut() {
-    graph_.neighbors.assign(nodes_.size(), {kNone, kNone, kNone, kNone});
-    graph_.capacities.assign(nodes_.size(), {0, 0, 0, 0});
-    graph_.source.resize(nodes_.size());
-    graph_.sink.resize(nodes_.size());
+    neighbors_.assign(nodes_.size(), {kNone, kNone, kNone, kNone});
+    graph_.assign(nodes_.size(), {});
     for (uint32_t node = 0; node < nodes_.size(); ++node) {
       AddArcs(node);
     }
-    const MinCut cut = ComputeMinCut(graph_);
-    if (CutValue(graph_, cut.on_source_side) != cut.flow) {
+    const MinCut cut = ComputeMinCut(neighbors_, graph_);
+    if (CutValue(neighbors_, graph_, cut.on_source_side) != cut.flow) {
       throw std::logic_error("the minimum cut differs from the maximum flow");
     }
     for (uint32_t node = 0; node < nodes_.size(); ++node) {
@@ -91,31 +90,22 @@ class SeamWindow {
                : kNone;
   }
 
-  std::array<SeamCell, 4> AcrossOf(const SeamCell& node) const {
-    const auto seam = labels_.Seam(node.tile);
-    std::array<SeamCell, 4> across;
-    for (int i = 0; i < 4; ++i) {
-      across[i] = labels_.Across(node.tile, seam->unknown[node.place], i);
-    }
-    return across;
-  }
-
   void AddArcs(uint32_t node) {
     const auto seam = labels_.Seam(nodes_[node].tile);
     const UnknownCell& cell = seam->unknown[nodes_[node].place];
-    graph_.source[node] = std::min(cell.source, kMaxCapacity);
-    graph_.sink[node] = std::min(cell.sink, kMaxCapacity);
+    graph_[node].source = std::min(cell.source, kMaxCapacity);
+    graph_[node].sink = std::min(cell.sink, kMaxCapacity);
     for (int i = 0; i < 4; ++i) {
       const SeamCell& other = across_[node][i];
       const uint32_t other_node = NodeOf(other);
       if (other_node != kNone) {
         num_contradictions_ += node < num_own_ && !IsToldAlike(cell, i, other);
-        graph_.neighbors[node][i] = other_node;
-        graph_.capacities[node][i] = cell.out[i];
+        neighbors_[node][i] = other_node;
+        graph_[node].arcs[i] = cell.out[i];
       } else if (other.label == kFreeSpace) {
-        AddCapacity(cell.back[i], &graph_.source[node]);
+        AddCapacity(cell.back[i], &graph_[node].source);
       } else {
-        AddCapacity(cell.out[i], &graph_.sink[node]);
+        AddCapacity(cell.out[i], &graph_[node].sink);
       }
     }
   }
@@ -138,7 +128,8 @@ class SeamWindow {
   std::vector<std::array<SeamCell, 4>> across_;  // [nodes]
   // Of tiles, by TileSeam::unknown.
   std::map<uint32_t, std::vector<uint32_t>> node_of_;
-  FlowGraph graph_;
+  std::vector<std::array<uint32_t, 4>> neighbors_;
+  FlowCapacities graph_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tiles/seam_labels.h"
+#include "tiles/merged_plan.h"
 
 #include <algorithm>
 #include <numeric>
@@ -6,23 +6,13 @@
 #include <string>
 #include <utility>
 
+#include "base/indices.h"
+
 namespace colmap_ext {
-namespace {
 
-// The place of a key among cells whose keys ascend.
-template <typename Cell>
-size_t PlaceOf(const std::vector<Cell>& cells, const CellKey& key) {
-  const auto found = std::ranges::lower_bound(cells, key, {}, &Cell::key);
-  return found != cells.end() && found->key == key
-             ? static_cast<size_t>(found - cells.begin())
-             : cells.size();
-}
-
-}  // namespace
-
-SeamLabels::SeamLabels(const PlanBlocks& blocks, const TileParts& parts)
-    : blocks_(blocks), parts_(parts) {
-  for (uint32_t tile = 0; tile < blocks.NumTiles(); ++tile) {
+SeamLabels::SeamLabels(const PlanVertices& plan, const TileParts& parts)
+    : plan_(plan), parts_(parts) {
+  for (uint32_t tile = 0; tile < plan.Blocks().NumTiles(); ++tile) {
     const TileSeam seam = parts.ReadSeam(tile);
     std::vector<uint8_t> labels;
     labels.reserve(seam.unknown.size());
@@ -57,15 +47,15 @@ std::shared_ptr<const TileSeam> SeamLabels::Seam(uint32_t tile) const {
 
 SeamCell SeamLabels::Find(const CellKey& corners) const {
   const CellKey key = Sorted(corners);
-  const uint32_t tile = blocks_.OwnerOf(key);
+  const uint32_t tile = plan_.Blocks().OwnerOf(key);
   const auto seam = Seam(tile);
-  if (const size_t place = PlaceOf(seam->unknown, key);
-      place < seam->unknown.size()) {
-    return {labels_[tile][place], tile, static_cast<uint32_t>(place)};
+  const uint32_t unknown = IndexOf(seam->unknown, key, &UnknownCell::key);
+  if (unknown != kNone) {
+    return {labels_[tile][unknown], tile, unknown};
   }
-  if (const size_t place = PlaceOf(seam->shared, key);
-      place < seam->shared.size()) {
-    return {static_cast<uint8_t>(seam->shared[place].label), tile, kNone};
+  const uint32_t shared = IndexOf(seam->shared, key, &SharedCell::key);
+  if (shared != kNone) {
+    return {static_cast<uint8_t>(seam->shared[shared].label), tile, kNone};
   }
   throw std::logic_error("tile " + std::to_string(tile) +
                          " lacks a cell that its neighbor has");
@@ -81,18 +71,16 @@ SeamCell SeamLabels::Across(uint32_t tile, const UnknownCell& cell,
   return Find(other);
 }
 
-void ApplySeamLabels(const SeamLabels& seam, const TileTetrahedra& tile,
-                     std::vector<uint8_t>* labels) {
-  for (uint32_t cell = 0; cell < labels->size(); ++cell) {
-    if ((*labels)[cell] != kNotKnown) {
-      continue;
+TilePart SeamLabels::ReadPart(uint32_t tile) const {
+  TilePart part = parts_.ReadPart(tile);
+  for (uint32_t cell = 0; cell < part.labels.size(); ++cell) {
+    uint8_t& label = part.labels[cell];
+    if (label == kNotKnown) {
+      label =
+          part.tile.IsStarCell(cell) ? At(part.tile.CornersOf(cell)) : kMatter;
     }
-    if (!tile.IsStarCell(cell)) {
-      (*labels)[cell] = kMatter;
-      continue;
-    }
-    (*labels)[cell] = seam.At(tile.CornersOf(cell));
   }
+  return part;
 }
 
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "tiles/split_tree.h"
+#include "tiles/tile_cells.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,54 +9,45 @@
 namespace colmap_ext {
 namespace {
 
-class Splitter {
- public:
-  Splitter(const std::vector<Eigen::Vector3f>& points,
-           const std::vector<float>& weights)
-      : points_(points), weights_(weights) {}
-
-  // The axis with the largest variance.
-  int WidestAxis(std::span<const uint32_t> part) const {
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    Eigen::Vector3d squares = Eigen::Vector3d::Zero();
-    for (const uint32_t point : part) {
-      mean += points_[point].cast<double>();
-    }
-    mean /= static_cast<double>(part.size());
-    for (const uint32_t point : part) {
-      squares += (points_[point].cast<double>() - mean).cwiseAbs2();
-    }
-    Eigen::Index axis = 0;
-    squares.maxCoeff(&axis);
-    return static_cast<int>(axis);
+// The axis with the largest variance.
+int WidestAxis(const std::vector<Eigen::Vector3f>& points,
+               std::span<const uint32_t> part) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (const uint32_t point : part) {
+    mean += points[point].cast<double>();
   }
-
-  // Sorts a part along an axis.
-  // \return where its first share of the weight ends: at least so many points
-  //         are on either side
-  size_t Split(int axis, double share, size_t min_first, size_t min_second,
-               std::span<uint32_t> part) const {
-    std::ranges::sort(part, [&](uint32_t a, uint32_t b) {
-      const float x = points_[a][axis];
-      const float y = points_[b][axis];
-      return x != y ? x < y : a < b;
-    });
-    double total = 0;
-    for (const uint32_t point : part) {
-      total += weights_[point];
-    }
-    double sum = 0;
-    size_t end = 0;
-    while (end < part.size() && sum < share * total) {
-      sum += weights_[part[end++]];
-    }
-    return std::clamp(end, min_first, part.size() - min_second);
+  mean /= static_cast<double>(part.size());
+  for (const uint32_t point : part) {
+    squares += (points[point].cast<double>() - mean).cwiseAbs2();
   }
+  Eigen::Index axis = 0;
+  squares.maxCoeff(&axis);
+  return static_cast<int>(axis);
+}
 
- private:
-  const std::vector<Eigen::Vector3f>& points_;
-  const std::vector<float>& weights_;
-};
+// Sorts a part along an axis.
+// \return where its first share of the weight ends: at least so many points
+//         are on either side
+size_t Split(const std::vector<Eigen::Vector3f>& points,
+             const std::vector<float>& weights, int axis, double share,
+             size_t min_first, size_t min_second, std::span<uint32_t> part) {
+  std::ranges::sort(part, [&](uint32_t a, uint32_t b) {
+    const float x = points[a][axis];
+    const float y = points[b][axis];
+    return x != y ? x < y : a < b;
+  });
+  double total = 0;
+  for (const uint32_t point : part) {
+    total += weights[point];
+  }
+  double sum = 0;
+  size_t end = 0;
+  while (end < part.size() && sum < share * total) {
+    sum += weights[part[end++]];
+  }
+  return std::clamp(end, min_first, part.size() - min_second);
+}
 
 // What is to be split yet.
 struct Work {
@@ -70,7 +61,6 @@ struct Work {
 
 SplitTree::SplitTree(const std::vector<Eigen::Vector3f>& points,
                      const std::vector<float>& weights, size_t num_parts) {
-  const Splitter splitter(points, weights);
   std::vector<uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0);
   nodes_.reserve(num_parts);
@@ -85,10 +75,10 @@ SplitTree::SplitTree(const std::vector<Eigen::Vector3f>& points,
     }
     const uint32_t num_first = work.num_parts / 2;
     const uint32_t num_second = work.num_parts - num_first;
-    const int axis = splitter.WidestAxis(work.points);
-    const size_t middle =
-        splitter.Split(axis, static_cast<double>(num_first) / work.num_parts,
-                       num_first, num_second, work.points);
+    const int axis = WidestAxis(points, work.points);
+    const size_t middle = Split(points, weights, axis,
+                                static_cast<double>(num_first) / work.num_parts,
+                                num_first, num_second, work.points);
     *work.place = static_cast<uint32_t>(nodes_.size());
     Node& node = nodes_.emplace_back();
     node.axis = axis;
@@ -109,9 +99,9 @@ uint32_t SplitTree::PartOf(const Eigen::Vector3f& point) const {
   return at - kLeaf;
 }
 
-std::vector<Eigen::AlignedBox3f> SplitTree::Cells() const {
+TileCells SplitTree::Cells() const {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  std::vector<Eigen::AlignedBox3f> cells(nodes_.size() + 1);
+  TileCells cells(nodes_.size() + 1);
   std::vector<std::pair<uint32_t, Eigen::AlignedBox3f>> stack = {
       {root_,
        {Eigen::Vector3f::Constant(-kInfinity),

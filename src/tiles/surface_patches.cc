@@ -1,7 +1,6 @@
 #include "tiles/surface_patches.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -14,12 +13,6 @@ namespace {
 // Puts parts together, each vertex once.
 class PartBuilder {
  public:
-  // \param vertex  of `from`
-  uint32_t Vertex(const SurfacePart& from, uint32_t vertex) {
-    return Vertex(from.ids[vertex], from.mesh.vertices[vertex], from.attributes,
-                  vertex);
-  }
-
   uint32_t Vertex(SurfaceId id, const Eigen::Vector3f& position,
                   const VertexAttributes& attributes, size_t vertex) {
     const auto [place, is_new] = places_.try_emplace(
@@ -32,7 +25,12 @@ class PartBuilder {
     return place->second;
   }
 
-  void AddFacet(const Facet& facet, SurfaceId id) {
+  // \param vertex_of  the part's vertex of one of the facet's
+  template <typename VertexOf>
+  void AddFacet(Facet facet, SurfaceId id, const VertexOf& vertex_of) {
+    for (uint32_t& vertex : facet) {
+      vertex = vertex_of(vertex);
+    }
     part_.mesh.facets.push_back(facet);
     part_.facet_ids.push_back(id);
   }
@@ -92,10 +90,10 @@ SurfacePart GatherSurface(const SurfaceStore& store,
       const Facet& facet = part.mesh.facets[i];
       if (!std::ranges::binary_search(removed, part.facet_ids[i]) &&
           accept(BoxOf(part.mesh, facet))) {
-        const uint32_t a = builder.Vertex(part, facet[0]);
-        const uint32_t b = builder.Vertex(part, facet[1]);
-        const uint32_t c = builder.Vertex(part, facet[2]);
-        builder.AddFacet({a, b, c}, part.facet_ids[i]);
+        builder.AddFacet(facet, part.facet_ids[i], [&](uint32_t vertex) {
+          return builder.Vertex(part.ids[vertex], part.mesh.vertices[vertex],
+                                part.attributes, vertex);
+        });
       }
     }
   };
@@ -144,10 +142,7 @@ TilePatch MakePatch(uint32_t tile, const SurfacePart& before,
         kept.erase(Turned(old)) > 0) {
       continue;
     }
-    const uint32_t a = vertex_of(facet[0]);
-    const uint32_t b = vertex_of(facet[1]);
-    const uint32_t c = vertex_of(facet[2]);
-    builder.AddFacet({a, b, c}, PatchId(tile, num_added++));
+    builder.AddFacet(facet, PatchId(tile, num_added++), vertex_of);
     patch.box.extend(BoxOf(after, facet));
   }
   if (!kept.empty()) {

@@ -1,14 +1,11 @@
 #include "tiles/thin_tile.h"
 
 #include <algorithm>
-#include <numeric>
 #include <span>
 #include <utility>
 
 #include "base/percentile.h"
-#include "delaunay/edge_lengths.h"
 #include "delaunay/growing_complex.h"
-#include "delaunay/insert_points.h"
 #include "meshing/finish_surface.h"
 #include "meshing/noise_smoothing.h"
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +14,34 @@ namespace colmap_ext {
 // belongs to the box, an upper one to the next. See SplitTree::Cells().
 using TileCells = std::vector<Eigen::AlignedBox3f>;
 
+// Space cut by planes across the axes into parts of about equal weight.
+class SplitTree {
+ public:
+  // Each part is cut where its weight is shared out, across the axis along
+  // which its points spread most.
+  // \param weights [points] positive
+  // \param num_parts 1 or more, at most the number of points
+  SplitTree(const std::vector<Eigen::Vector3f>& points,
+            const std::vector<float>& weights, size_t num_parts);
+
+  // Points at one place are in one part.
+  uint32_t PartOf(const Eigen::Vector3f& point) const;
+
+  // [parts] the boxes of the parts, infinite outwards.
+  TileCells Cells() const;
+
+ private:
+  struct Node {
+    int axis = 0;
+    float border = 0;      // coordinates below are in the first child
+    uint32_t children[2];  // nodes, or kLeaf + part
+  };
+  static constexpr uint32_t kLeaf = 1u << 31;
+
+  std::vector<Node> nodes_;
+  uint32_t root_ = kLeaf;
+};
+
 // The tile in whose cell a point lies.
 uint32_t CellOf(const TileCells& cells, const Eigen::Vector3f& point);
 
@@ -23,8 +52,9 @@ Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, const Facet& facet);
 
 // Gives tiles colours such that no facet's box comes near the cells of two
 // tiles of one colour: tiles of one colour can be worked on at once. Greedy, in
-// the tiles' order. \param reaches [tiles] what counts as near a cell, scene
-// units \return [tiles] from 0 on
+// the tiles' order.
+// \param reaches [tiles] what counts as near a cell, scene units
+// \return [tiles] from 0 on
 std::vector<uint32_t> ColorTiles(const TileCells& cells,
                                  const std::vector<float>& reaches,
                                  const TriangleMesh& mesh);

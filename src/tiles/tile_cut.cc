@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 
 #include "delaunay/cell_graph.h"
-#include "delaunay/quality_weights.h"
 #include "tiles/ray_mask.h"
-#include "tiles/tile_labels.h"
 
 namespace colmap_ext {
 namespace {
@@ -58,7 +55,7 @@ class RayFilter {
       std::vector<Eigen::Vector3d> corners;
       for (const uint32_t vertex : tetrahedra.cells[i].vertices) {
         if (vertex != kInfiniteVertex) {
-          corners.push_back(tetrahedra.points[vertex].cast<double>());
+          corners.push_back(tetrahedra.PositionOf(vertex));
         }
       }
       mask_.Mark(corners);
@@ -81,18 +78,17 @@ class RayFilter {
   void Append(const Observations& from, size_t row,
               const Eigen::Vector3f& position, Observations* to) const {
     const Eigen::Vector3d place = position.cast<double>();
-    for (uint64_t k = from.offsets[row]; k < from.offsets[row + 1]; ++k) {
-      const Eigen::Vector3d& center = centers_[from.views[k]];
+    for (const Observation& observation : from[row]) {
+      const Eigen::Vector3d& center = centers_[observation.view];
       const Eigen::Vector3d way = place - center;
       const double length = from.IsEnd(row)
                                 ? std::numeric_limits<double>::infinity()
                                 : way.norm() + behind_;
       if (mask_.MayPass(center, way.normalized(), length)) {
-        to->views.push_back(from.views[k]);
-        to->alphas.push_back(from.alphas[k]);
+        to->values.push_back(observation);
       }
     }
-    to->offsets.push_back(to->size());
+    to->EndRow();
     to->is_end.push_back(from.IsEnd(row));
   }
 
@@ -102,7 +98,7 @@ class RayFilter {
     for (const Eigen::AlignedBox3f& box : blocks.boxes) {
       bounds.extend(box);
     }
-    return {bounds.min().cast<double>(), bounds.max().cast<double>()};
+    return bounds.cast<double>();
   }
 
   Eigen::AlignedBox3d Grown(const Eigen::AlignedBox3f& box) const {
@@ -138,7 +134,7 @@ class TileVotes {
       if (filter_.MayPass(block)) {
         AddBlock(block);
       }
-      if (points_.size() >= kBatchVertices) {
+      if (observations_.size() >= kBatchVertices) {
         AddBatch();
       }
     }
@@ -163,8 +159,8 @@ class TileVotes {
       filter_.Append(of_block, id - blocks_.begins[block],
                      tile_.tetrahedra.points[i], &observations);
     }
-    Count(AddVisibilityWeights(tile_.tetrahedra, observations, centers_,
-                               options_, graph_, progress));
+    report_ += AddVisibilityWeights(tile_.tetrahedra, observations, centers_,
+                                    options_, graph_, progress);
   }
 
   // Collects the rays of vertices that are not the tile's.
@@ -182,11 +178,11 @@ class TileVotes {
       if (IsVertex(id)) {
         continue;
       }
-      const size_t num_before = observations_.size();
+      const size_t num_before = observations_.values.size();
       filter_.Append(of_block, id - begin, positions[id - begin],
                      &observations_);
-      if (observations_.size() > num_before) {
-        points_.push_back(positions[id - begin]);
+      if (observations_.values.size() > num_before) {
+        observations_.points.push_back(positions[id - begin]);
       } else {
         observations_.offsets.pop_back();
         observations_.is_end.pop_back();
@@ -195,9 +191,8 @@ class TileVotes {
   }
 
   void AddBatch() {
-    Count(AddOuterVisibilityWeights(tile_.tetrahedra, points_, observations_,
-                                    centers_, options_, graph_));
-    points_.clear();
+    report_ += AddVisibilityWeights(tile_.tetrahedra, observations_, centers_,
+                                    options_, graph_);
     observations_ = {};
   }
 
@@ -214,12 +209,6 @@ class TileVotes {
     return count(0, tile_.num_own) + count(tile_.num_own, tile_.ids.size());
   }
 
-  void Count(const RayReport& report) {
-    report_.num_rays += report.num_rays;
-    report_.num_lost_rays += report.num_lost_rays;
-    report_.num_steps += report.num_steps;
-  }
-
   const PlanVertices& plan_;
   const PlanBlocks& blocks_;
   const TileTetrahedra& tile_;
@@ -228,8 +217,7 @@ class TileVotes {
   RayFilter filter_;
   FlowCapacities* graph_;
   RayReport report_;
-  std::vector<Eigen::Vector3f> points_;  // of the batch
-  Observations observations_;            // of the batch, by points
+  Observations observations_;  // of the batch, by points
 };
 
 }  // namespace

@@ -1,19 +1,57 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "base/mix_bits.h"
+#include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "optim/min_cut.h"
 #include "scene/progress.h"
 #include "tiles/certified_tetrahedra.h"
 #include "tiles/plan_vertices.h"
-#include "tiles/tile_labels.h"
 
 namespace colmap_ext {
+
+// Label of a cell.
+inline constexpr uint8_t kMatter = 0;
+inline constexpr uint8_t kFreeSpace = 1;
+inline constexpr uint8_t kNotKnown = 2;
+
+// Where a cell lies.
+enum class CellPlace : uint8_t {
+  kInner,   // all its neighbors are of the part
+  kShared,  // of the part, and of others
+  kBeyond,  // not of the part
+};
+
+// Labels of the nodes of a part of a graph.
+struct PartLabels {
+  std::vector<uint8_t>
+      known;  // [N] one of the above; kNotKnown beyond the part
+  std::vector<uint8_t> guesses;  // [N] of the minimum cut of the graph as it is
+};
+
+// A node is certainly matter if it is matter even when all nodes beyond the
+// part are free space: then it is matter in the minimum cut of the whole graph,
+// too, as free space grows with free space around it [Gallo1989]. The opposite
+// test is of little use: the votes for free space come along the rays from the
+// cameras, which are beyond most parts.
+//
+// All other nodes of the part are not known within some rings of nodes around
+// those that are shared, and further inside have the label of the minimum cut
+// of the given graph, which continues beyond the part, but coarsely.
+//
+// \param graph   complete for the arcs from and to the nodes of the part
+// \param places  [N]
+// \param rings   -1: all nodes that are not certainly matter are unknown
+PartLabels LabelPart(NeighborView neighbors, const FlowCapacities& graph,
+                     const std::vector<CellPlace>& places, int rings);
 
 // In place of a number of rings.
 inline constexpr int kAllAtOnce = -1;
@@ -45,5 +83,94 @@ struct TileCut {
 TileCut CutTile(const PlanVertices& plan, uint32_t tile,
                 const std::vector<Eigen::Vector3d>& centers,
                 const TileCutOptions& options, const Progress& progress = {});
+
+// A cell by the plan's vertices at its corners, ascending; kInfiniteVertex is
+// the last. A facet likewise.
+using CellKey = std::array<uint32_t, 4>;
+using FacetKey = std::array<uint32_t, 3>;
+
+template <size_t kSize>
+std::array<uint32_t, kSize> Sorted(std::array<uint32_t, kSize> ids) {
+  std::ranges::sort(ids);
+  return ids;
+}
+
+// For tables by key.
+struct KeyHash {
+  template <size_t kSize>
+  size_t operator()(const std::array<uint32_t, kSize>& key) const {
+    uint64_t hash = 0;
+    for (const uint32_t id : key) {
+      hash = MixBits(hash + kSplitMixStep + id);
+    }
+    return hash;
+  }
+};
+
+// In place of the label of a cell that does not belong to the tile.
+inline constexpr uint8_t kOutside = 3;
+
+// A cell of the tile whose label it could not determine, with all that the cut
+// of the seams needs. Arrays of four are by the corners of the key: what lies
+// across the facet opposite to each.
+struct UnknownCell {
+  CellKey key;
+  std::array<uint32_t, 4> apexes;  // the vertex across that is not the facet's
+  std::array<uint8_t, 4> labels;   // kMatter ... kOutside, of the cell across
+  std::array<uint32_t, 4> out;     // capacity of the arc to it
+  std::array<uint32_t, 4> back;    // and of the one from it
+  uint32_t source;
+  uint32_t sink;
+  uint32_t guess;  // kMatter or kFreeSpace, by the tile's own cut
+
+  bool operator==(const UnknownCell&) const = default;
+};
+
+// A cell of the tile with vertices of others, too, whose label is known.
+struct SharedCell {
+  CellKey key;
+  uint32_t label;  // kMatter or kFreeSpace; as wide as the key, without gaps
+};
+
+// The result of a tile for the cut of the seams; keys ascend.
+struct TileSeam {
+  std::vector<UnknownCell> unknown;
+  std::vector<SharedCell> shared;
+};
+
+TileSeam SeamOf(const TileCut& cut);
+
+// The result of a tile for the surface.
+struct TilePart {
+  // All points are 0.
+  TileTetrahedra tile;
+  std::vector<uint8_t> labels;  // [cells]; kNotKnown where it is not the tile's
+};
+
+// The vertices of a part.
+struct PartVertices {
+  std::vector<uint32_t> ids;          // [V] as TileTetrahedra has them
+  std::vector<uint32_t> first_cells;  // [V] Tetrahedralization::vertex_cells
+};
+
+// Some consecutive cells of a part.
+struct PartCells {
+  std::vector<Tetrahedralization::Cell> cells;
+  std::vector<uint8_t> labels;
+  FlowCapacities graph;
+};
+
+// The results of the tiles of a plan, read one after the other.
+class TileParts {
+ public:
+  virtual ~TileParts() = default;
+  virtual TileSeam ReadSeam(uint32_t tile) const = 0;
+  virtual TilePart ReadPart(uint32_t tile) const = 0;
+  virtual PartVertices ReadVertices(uint32_t tile) const = 0;
+  virtual uint32_t NumCells(uint32_t tile) const = 0;
+  // \param begin, end  cells
+  virtual PartCells ReadCells(uint32_t tile, uint32_t begin,
+                              uint32_t end) const = 0;
+};
 
 }  // namespace colmap_ext

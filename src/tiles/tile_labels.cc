@@ -1,7 +1,6 @@
-#include "tiles/tile_labels.h"
+#include "tiles/tile_cut.h"
 
 #include <algorithm>
-#include <array>
 
 #include <tbb/parallel_for.h>
 
@@ -9,10 +8,6 @@ namespace colmap_ext {
 namespace {
 
 uint32_t Clamp(uint32_t capacity) { return std::min(capacity, kMaxCapacity); }
-
-uint32_t PlaceAmong(uint32_t node, const std::array<uint32_t, 4>& nodes) {
-  return static_cast<uint32_t>(std::ranges::find(nodes, node) - nodes.begin());
-}
 
 // The graph of the part with free space beyond: the arcs from there are those
 // of the source.
@@ -22,19 +17,17 @@ FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
   FlowCapacities part = graph;
   tbb::parallel_for(size_t{0}, graph.size(), [&](size_t node) {
     if (places[node] == CellPlace::kBeyond) {
-      part.source[node] = 0;
-      part.sink[node] = 0;
-      part.capacities[node].fill(0);
+      part[node] = {};
       return;
     }
     for (uint32_t k = 0; k < 4; ++k) {
       const uint32_t other = neighbors[node][k];
       if (places[other] == CellPlace::kBeyond) {
         const uint32_t back =
-            PlaceAmong(static_cast<uint32_t>(node), neighbors[other]);
-        part.source[node] =
-            Clamp(part.source[node]) + Clamp(graph.capacities[other][back]);
-        part.capacities[node][k] = 0;
+            PlaceOf(static_cast<uint32_t>(node), neighbors[other]);
+        part[node].source =
+            Clamp(part[node].source) + Clamp(graph[other].arcs[back]);
+        part[node].arcs[k] = 0;
       }
     }
   });

@@ -1,7 +1,6 @@
-#include "tiles/tile_part.h"
+#include "tiles/tile_cut.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <tbb/parallel_sort.h>
 
@@ -10,26 +9,24 @@ namespace {
 
 UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
   const Tetrahedralization& tetrahedra = cut.tile.tetrahedra;
-  const auto& [vertices, neighbors] = tetrahedra.cells[cell];
+  const CellKey corners = cut.tile.CornersOf(cell);
   std::array<uint32_t, 4> order = {0, 1, 2, 3};
-  std::ranges::sort(order, {}, [&, &corners = vertices](uint32_t k) {
-    return cut.tile.IdOf(corners[k]);
-  });
+  std::ranges::sort(order, {}, [&](uint32_t k) { return corners[k]; });
   UnknownCell unknown;
-  unknown.source = std::min(cut.graph.source[cell], kMaxCapacity);
-  unknown.sink = std::min(cut.graph.sink[cell], kMaxCapacity);
+  unknown.source = std::min(cut.graph[cell].source, kMaxCapacity);
+  unknown.sink = std::min(cut.graph[cell].sink, kMaxCapacity);
   unknown.guess = cut.labels.guesses[cell];
   for (int i = 0; i < 4; ++i) {
     const uint32_t k = order[i];
-    const uint32_t other = neighbors[k];
+    const uint32_t other = tetrahedra.cells[cell].neighbors[k];
     const uint32_t back = tetrahedra.FacetTo(other, cell);
-    unknown.key[i] = cut.tile.IdOf(vertices[k]);
-    unknown.apexes[i] = cut.tile.IdOf(tetrahedra.cells[other].vertices[back]);
+    unknown.key[i] = corners[k];
+    unknown.apexes[i] = cut.tile.CornersOf(other)[back];
     unknown.labels[i] = cut.places[other] != CellPlace::kBeyond
                             ? cut.labels.known[other]
                             : kOutside;
-    unknown.out[i] = std::min(cut.graph.capacities[cell][k], kMaxCapacity);
-    unknown.back[i] = std::min(cut.graph.capacities[other][back], kMaxCapacity);
+    unknown.out[i] = std::min(cut.graph[cell].arcs[k], kMaxCapacity);
+    unknown.back[i] = std::min(cut.graph[other].arcs[back], kMaxCapacity);
   }
   return unknown;
 }

@@ -11,57 +11,57 @@
 namespace colmap_ext {
 namespace lru_cache_test {
 
-using Cache = LruCache<const size_t>;
-
 constexpr size_t kSize = 10;  // of a value, bytes
 
-std::shared_ptr<const size_t> Get(Cache* cache, size_t key,
-                                  std::vector<int>* num_loads) {
-  return cache->Get(key, kSize, [&] {
-    ++(*num_loads)[key];
-    return std::make_shared<const size_t>(key);
-  });
-}
+// A cache of the keys themselves, which counts how often each is loaded.
+struct Cache : LruCache<const size_t> {
+  using LruCache::LruCache;
+
+  std::shared_ptr<const size_t> Load(size_t key) {
+    return Get(key, kSize, [&] {
+      ++num_loads[key];
+      return std::make_shared<const size_t>(key);
+    });
+  }
+
+  std::vector<int> num_loads = {0, 0, 0};
+};
 
 TEST(LruCache, LoadsOnceWhereThereIsRoom) {
   Cache cache(3 * kSize);
-  std::vector<int> num_loads(3, 0);
   for (const size_t key : {0, 1, 2, 1, 0, 2, 2}) {
-    EXPECT_EQ(*Get(&cache, key, &num_loads), key);
+    EXPECT_EQ(*cache.Load(key), key);
   }
-  EXPECT_EQ(num_loads, std::vector<int>({1, 1, 1}));
+  EXPECT_EQ(cache.num_loads, std::vector({1, 1, 1}));
   EXPECT_EQ(cache.NumBytes(), 3 * kSize);
 }
 
 TEST(LruCache, DropsWhatWasNotUsedForTheLongestTime) {
   Cache cache(2 * kSize);
-  std::vector<int> num_loads(3, 0);
   for (const size_t key : {0, 1, 0, 2, 0}) {
-    Get(&cache, key, &num_loads);
+    cache.Load(key);
   }
-  EXPECT_EQ(num_loads, std::vector<int>({1, 1, 1}));
-  Get(&cache, 1, &num_loads);
-  EXPECT_EQ(num_loads, std::vector<int>({1, 2, 1}));
-  Get(&cache, 0, &num_loads);
-  Get(&cache, 2, &num_loads);
-  EXPECT_EQ(num_loads, std::vector<int>({1, 2, 2}));
+  EXPECT_EQ(cache.num_loads, std::vector({1, 1, 1}));
+  cache.Load(1);
+  EXPECT_EQ(cache.num_loads, std::vector({1, 2, 1}));
+  cache.Load(0);
+  cache.Load(2);
+  EXPECT_EQ(cache.num_loads, std::vector({1, 2, 2}));
 }
 
 TEST(LruCache, KeepsTheLastWhateverItTakes) {
   Cache cache(0);
-  std::vector<int> num_loads(2, 0);
   for (const size_t key : {0, 0, 1, 1, 0}) {
-    Get(&cache, key, &num_loads);
+    cache.Load(key);
     EXPECT_EQ(cache.NumBytes(), kSize);
   }
-  EXPECT_EQ(num_loads, std::vector<int>({2, 1}));
+  EXPECT_EQ(cache.num_loads, std::vector({2, 1, 0}));
 }
 
 TEST(LruCache, WhatIsInUseLivesOn) {
   Cache cache(0);
-  std::vector<int> num_loads(2, 0);
-  const auto value = Get(&cache, 0, &num_loads);
-  const std::weak_ptr<const size_t> dropped = Get(&cache, 1, &num_loads);
+  const auto value = cache.Load(0);
+  const std::weak_ptr<const size_t> dropped = cache.Load(1);
   cache.Clear();
   EXPECT_EQ(*value, 0u);
   EXPECT_TRUE(dropped.expired());
@@ -69,8 +69,7 @@ TEST(LruCache, WhatIsInUseLivesOn) {
 
 TEST(LruCache, MakesRoomBeforeItLoads) {
   Cache cache(kSize);
-  std::vector<int> num_loads(1, 0);
-  const std::weak_ptr<const size_t> first = Get(&cache, 0, &num_loads);
+  const std::weak_ptr<const size_t> first = cache.Load(0);
   EXPECT_FALSE(first.expired());
   cache.Get(1, kSize, [&] {
     EXPECT_TRUE(first.expired());
@@ -80,39 +79,34 @@ TEST(LruCache, MakesRoomBeforeItLoads) {
 
 TEST(LruCache, ALowerBoundDropsAtOnce) {
   Cache cache(3 * kSize);
-  std::vector<int> num_loads(3, 0);
   for (const size_t key : {0, 1, 2}) {
-    Get(&cache, key, &num_loads);
+    cache.Load(key);
   }
   cache.SetMaxBytes(2 * kSize);
   EXPECT_EQ(cache.NumBytes(), 2 * kSize);
-  Get(&cache, 1, &num_loads);
-  Get(&cache, 2, &num_loads);
-  EXPECT_EQ(num_loads, std::vector<int>({1, 1, 1}));
+  cache.Load(1);
+  cache.Load(2);
+  EXPECT_EQ(cache.num_loads, std::vector({1, 1, 1}));
 }
 
 TEST(LruCache, LoadsAgainAfterClear) {
   Cache cache(kSize);
-  std::vector<int> num_loads(1, 0);
-  Get(&cache, 0, &num_loads);
+  cache.Load(0);
   cache.Clear();
   EXPECT_EQ(cache.NumBytes(), 0u);
-  Get(&cache, 0, &num_loads);
-  EXPECT_EQ(num_loads[0], 2);
+  cache.Load(0);
+  EXPECT_EQ(cache.num_loads[0], 2);
 }
 
 TEST(LruCache, FailuresLeaveNothingBehind) {
   Cache cache(kSize);
-  std::vector<int> num_loads(1, 0);
-  const auto fail = [&] {
-    cache.Get(0, kSize, []() -> std::shared_ptr<const size_t> {
-      throw std::runtime_error("no such file");
-    });
+  const auto fail = []() -> std::shared_ptr<const size_t> {
+    throw std::runtime_error("no such file");
   };
-  EXPECT_THROW(fail(), std::runtime_error);
+  EXPECT_THROW(cache.Get(0, kSize, fail), std::runtime_error);
   EXPECT_EQ(cache.NumBytes(), 0u);
-  EXPECT_EQ(*Get(&cache, 0, &num_loads), 0u);
-  EXPECT_EQ(num_loads[0], 1);
+  EXPECT_EQ(*cache.Load(0), 0u);
+  EXPECT_EQ(cache.num_loads[0], 1);
 }
 
 // A load that goes on until it is told to end.
@@ -156,11 +150,10 @@ class SlowLoad {
 // Would time out if loads held the lock.
 TEST(LruCache, OtherKeysAreLoadedMeanwhile) {
   Cache cache(2 * kSize);
-  std::vector<int> num_loads(2, 0);
   SlowLoad first(&cache, 0);
-  EXPECT_EQ(*Get(&cache, 1, &num_loads), 1u);
-  EXPECT_EQ(*Get(&cache, 1, &num_loads), 1u);
-  EXPECT_EQ(num_loads[1], 1);
+  EXPECT_EQ(*cache.Load(1), 1u);
+  EXPECT_EQ(*cache.Load(1), 1u);
+  EXPECT_EQ(cache.num_loads[1], 1);
   first.Finish();
 }
 
@@ -220,15 +213,14 @@ TEST(LruCache, FailuresReachAllWhoWait) {
 
 TEST(LruCache, WhatIsClearedWhileItIsLoadedIsNotKept) {
   Cache cache(kSize);
-  std::vector<int> num_loads(1, 0);
   SlowLoad first(&cache, 0);
   cache.Clear();
-  EXPECT_EQ(*Get(&cache, 0, &num_loads), 0u);
-  EXPECT_EQ(num_loads[0], 1);
+  EXPECT_EQ(*cache.Load(0), 0u);
+  EXPECT_EQ(cache.num_loads[0], 1);
   EXPECT_EQ(*first.Finish(), 0u);
   EXPECT_EQ(cache.NumBytes(), kSize);
-  Get(&cache, 0, &num_loads);
-  EXPECT_EQ(num_loads[0], 1);
+  cache.Load(0);
+  EXPECT_EQ(cache.num_loads[0], 1);
 }
 
 TEST(LruCache, ManyThreadsGetTheRightValues) {

@@ -5,8 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "delaunay/edge_lengths.h"
-#include "delaunay/quality_weights.h"
+#include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "meshing/manifold_meshing.h"

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <Eigen/Core>
+
+#include "delaunay/tetrahedralization.h"
 
 // Geometric predicates on small integer coordinates, in integers: what the
 // floating point ones are compared with.
@@ -15,6 +18,18 @@ using IntVector = Eigen::Matrix<int64_t, 3, 1>;
 // \pre coordinates are integers
 inline IntVector ToIntegers(const Eigen::Vector3f& point) {
   return point.cast<int64_t>();
+}
+
+// The positions of some vertices.
+template <size_t kSize>
+std::array<IntVector, kSize> IntegersOf(
+    const Tetrahedralization& tetrahedra,
+    const std::array<uint32_t, kSize>& vertices) {
+  std::array<IntVector, kSize> points;
+  for (size_t i = 0; i < kSize; ++i) {
+    points[i] = ToIntegers(tetrahedra.points[vertices[i]]);
+  }
+  return points;
 }
 
 inline Int128 Determinant(const IntVector& a, const IntVector& b,

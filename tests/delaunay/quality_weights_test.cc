@@ -1,12 +1,11 @@
-#include "delaunay/quality_weights.h"
+#include "delaunay/cell_graph.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "delaunay/cell_graph.h"
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext {
@@ -17,7 +16,7 @@ namespace quality_weights_test {
 double CosByCenter(const Tetrahedralization& tetrahedra, uint32_t cell,
                    int facet) {
   const auto corner = [&](int k) -> Eigen::Vector3d {
-    return tetrahedra.points[tetrahedra.cells[cell].vertices[k]].cast<double>();
+    return tetrahedra.PositionOf(tetrahedra.cells[cell].vertices[k]);
   };
   Eigen::Matrix3d rows;
   Eigen::Vector3d halves;
@@ -31,22 +30,6 @@ double CosByCenter(const Tetrahedralization& tetrahedra, uint32_t cell,
   const Eigen::Vector3d inward =
       (corner(b) - corner(a)).cross(corner(c) - corner(a)).normalized();
   return inward.dot(corner(0) + offset - corner(a)) / offset.norm();
-}
-
-uint32_t FiniteCell(const Tetrahedralization& tetrahedra) {
-  return tetrahedra.vertex_cells[0];
-}
-
-int FacetWithoutVertexAt(const Tetrahedralization& tetrahedra,
-                         const Eigen::Vector3f& position) {
-  int facet = 0;
-  while (
-      tetrahedra
-          .points[tetrahedra.cells[FiniteCell(tetrahedra)].vertices[facet]] !=
-      position) {
-    ++facet;
-  }
-  return facet;
 }
 
 TEST(CosFacetSphereAngle, IsTheCentersDistanceOverTheRadius) {
@@ -71,7 +54,7 @@ TEST(CosFacetSphereAngle, OfARegularTetrahedronIsAThird) {
   const Tetrahedralization tetrahedra =
       DelaunayOf({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}});
   for (int i = 0; i < 4; ++i) {
-    EXPECT_NEAR(CosFacetSphereAngle(tetrahedra, FiniteCell(tetrahedra), i),
+    EXPECT_NEAR(CosFacetSphereAngle(tetrahedra, tetrahedra.vertex_cells[0], i),
                 1.0 / 3, 1e-12);
   }
 }
@@ -85,10 +68,14 @@ TEST(CosFacetSphereAngle, OfAnApexAboveTheCircumcenter) {
         DelaunayOf({{5, 0, 0}, {-3, 4, 0}, {-4, -3, 0}, {0, 0, height}});
     const double expected = (height * height - kRadius * kRadius) /
                             (height * height + kRadius * kRadius);
-    EXPECT_NEAR(
-        CosFacetSphereAngle(tetrahedra, FiniteCell(tetrahedra),
-                            FacetWithoutVertexAt(tetrahedra, {0, 0, height})),
-        expected, 1e-6);
+    const uint32_t cell = tetrahedra.vertex_cells[0];
+    const auto& vertices = tetrahedra.cells[cell].vertices;
+    const auto apex = std::ranges::find_if(vertices, [&](uint32_t vertex) {
+      return tetrahedra.points[vertex].z() == height;
+    });
+    EXPECT_NEAR(CosFacetSphereAngle(tetrahedra, cell,
+                                    static_cast<int>(apex - vertices.begin())),
+                expected, 1e-6);
   }
 }
 
@@ -98,8 +85,8 @@ TEST(AddQualityWeights, AreThoseOfTheWorseCellInBothDirections) {
       DelaunayOf(RandomPoints(200, 1000, &random));
   for (const double weight : {0.0, 1.0, 2.5}) {
     FlowCapacities graph = ZeroCapacities(tetrahedra);
-    for (auto& capacities : graph.capacities) {
-      capacities.fill(100);  // it adds
+    for (NodeCapacities& node : graph) {
+      node.arcs.fill(100);  // it adds
     }
     AddQualityWeights(tetrahedra, weight, &graph);
     for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
@@ -111,11 +98,11 @@ TEST(AddQualityWeights, AreThoseOfTheWorseCellInBothDirections) {
                 ? -1
                 : std::min(CosFacetSphereAngle(tetrahedra, cell, i),
                            CosFacetSphereAngle(tetrahedra, other, back));
-        ASSERT_NEAR(graph.capacities[cell][i],
+        ASSERT_NEAR(graph[cell].arcs[i],
                     100 + kWeightUnit * weight * (1 - cosine), 0.51);
-        ASSERT_EQ(graph.capacities[cell][i], graph.capacities[other][back]);
+        ASSERT_EQ(graph[cell].arcs[i], graph[other].arcs[back]);
       }
-      ASSERT_EQ(graph.source[cell] + graph.sink[cell], 0u);
+      ASSERT_EQ(graph[cell].source + graph[cell].sink, 0u);
     }
   }
 }

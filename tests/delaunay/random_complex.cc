@@ -1,34 +1,27 @@
 #include "tests/delaunay/random_complex.h"
 
-#include "delaunay/cell_graph.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 
+#include "delaunay/cell_graph.h"
 #include "tests/delaunay/exact.h"
 
 namespace colmap_ext {
 namespace {
 
-// The corners of a cell's facet, sorted.
+// The vertices of a cell's facet, sorted.
 std::array<uint32_t, 3> FacetOf(const Tetrahedralization::Cell& cell, int i) {
-  std::array<uint32_t, 3> facet;
-  for (int k = 0; k < 3; ++k) {
-    facet[k] = cell.vertices[kFacetCorners[i][k]];
-  }
-  std::sort(facet.begin(), facet.end());
+  std::array<uint32_t, 3> facet = FacetVertices(cell, i);
+  std::ranges::sort(facet);
   return facet;
 }
 
 // Whether the corners of a facet, as kFacetCorners orders them, are an odd
 // permutation of the sorted ones.
 bool IsOdd(const Tetrahedralization::Cell& cell, int i) {
-  const auto& corners = kFacetCorners[i];
-  const uint32_t a = cell.vertices[corners[0]];
-  const uint32_t b = cell.vertices[corners[1]];
-  const uint32_t c = cell.vertices[corners[2]];
+  const auto [a, b, c] = FacetVertices(cell, i);
   return (a > b) ^ (b > c) ^ (a > c);
 }
 
@@ -101,6 +94,16 @@ std::vector<NamedPoints> DifficultPoints() {
   return sets;
 }
 
+std::vector<NamedPoints> EvenDifficultPoints() {
+  std::vector<NamedPoints> sets = DifficultPoints();
+  for (auto& [name, points] : sets) {
+    for (Eigen::Vector3f& point : points) {
+      point *= 2;
+    }
+  }
+  return sets;
+}
+
 PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points) {
   PointCloud cloud;
   cloud.positions = points;
@@ -114,17 +117,48 @@ Tetrahedralization DelaunayOf(const std::vector<Eigen::Vector3f>& points) {
   return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
 }
 
+Eigen::Vector3d AnyPoint(const Tetrahedralization& tetrahedra, Random* random) {
+  return tetrahedra.PositionOf(
+      random->Below(static_cast<uint32_t>(tetrahedra.points.size())));
+}
+
+SeenComplex::SeenComplex(uint32_t num_points, const std::vector<int>& ranges) {
+  Random random(num_points);
+  tetrahedra = DelaunayOf(RandomPoints(num_points, 300, &random));
+  for (size_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
+    for (uint32_t view = 0; view < ranges.size(); ++view) {
+      if (random.Chance(0.5)) {
+        observations.values.push_back(
+            {view, 3 * static_cast<float>(random.Unit())});
+      }
+    }
+    observations.EndRow();
+  }
+  for (const int range : ranges) {
+    centers.push_back(RandomPoints(1, range, &random).front().cast<double>() +
+                      Eigen::Vector3d(0.3, 0.2, 0.1));
+  }
+}
+
 FlowCapacities RandomGraphOf(const Tetrahedralization& tetrahedra,
                              uint32_t max_capacity, Random* random) {
   FlowCapacities graph = ZeroCapacities(tetrahedra);
-  for (size_t i = 0; i < graph.size(); ++i) {
-    for (uint32_t& capacity : graph.capacities[i]) {
-      capacity = random->Below(max_capacity + 1);
+  for (auto& [arcs, source, sink] : graph) {
+    for (uint32_t* capacity :
+         {&arcs[0], &arcs[1], &arcs[2], &arcs[3], &source, &sink}) {
+      *capacity = random->Below(max_capacity + 1);
     }
-    graph.source[i] = random->Below(max_capacity + 1);
-    graph.sink[i] = random->Below(max_capacity + 1);
   }
   return graph;
+}
+
+uint64_t SumOf(const FlowCapacities& graph,
+               uint32_t NodeCapacities::*terminal) {
+  uint64_t sum = 0;
+  for (const NodeCapacities& node : graph) {
+    sum += node.*terminal;
+  }
+  return sum;
 }
 
 std::vector<uint8_t> RandomLabels(const Tetrahedralization& tetrahedra,
@@ -144,9 +178,7 @@ std::vector<uint8_t> RandomLabels(const Tetrahedralization& tetrahedra,
                                static_cast<float>(random->Unit()));
     const double noise = kind == 6 ? 0 : 0.1;
     for (size_t i = 0; i < num_cells; ++i) {
-      const uint32_t vertex =
-          *std::min_element(tetrahedra.cells[i].vertices.begin(),
-                            tetrahedra.cells[i].vertices.end());
+      const uint32_t vertex = std::ranges::min(tetrahedra.cells[i].vertices);
       const float phase =
           4 * wave.dot(tetrahedra.points[vertex].stableNormalized());
       labels[i] = (std::sin(phase) > 0) ^ random->Chance(noise);
@@ -197,11 +229,8 @@ std::string DefectOf(const Tetrahedralization& tetrahedra, bool has_geometry) {
       if (IsOdd(cell, i) == IsOdd(other, back)) return "orientations differ";
     }
     if (has_geometry && !tetrahedra.IsInfinite(index)) {
-      std::array<IntVector, 4> p;
-      for (int i = 0; i < 4; ++i) {
-        p[i] = ToIntegers(tetrahedra.points[cell.vertices[i]]);
-      }
-      if (ExactOrientation(p[0], p[1], p[2], p[3]) <= 0) {
+      const auto [a, b, c, d] = IntegersOf(tetrahedra, cell.vertices);
+      if (ExactOrientation(a, b, c, d) <= 0) {
         return "a cell is not positively oriented";
       }
     }

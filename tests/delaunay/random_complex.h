@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "delaunay/tetrahedralization.h"
+#include "delaunay/visibility_weights.h"
 #include "optim/min_cut.h"
 #include "scene/point_cloud.h"
 #include "tests/random.h"
@@ -29,15 +30,35 @@ std::vector<Eigen::Vector3f> GridPoints(int size);
 // Sets of points with integer coordinates, most of them in no general position.
 std::vector<NamedPoints> DifficultPoints();
 
+// The same with even coordinates: midpoints are integers, too.
+std::vector<NamedPoints> EvenDifficultPoints();
+
 // Points that no view sees.
 PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points);
 
 // Of all points.
 Tetrahedralization DelaunayOf(const std::vector<Eigen::Vector3f>& points);
 
+// Any of its points.
+Eigen::Vector3d AnyPoint(const Tetrahedralization& tetrahedra, Random* random);
+
+// Random observations of all vertices, and cameras.
+struct SeenComplex {
+  // \param ranges  [views] of the cameras' coordinates
+  SeenComplex(uint32_t num_points, const std::vector<int>& ranges);
+
+  Tetrahedralization tetrahedra;
+  Observations observations;
+  std::vector<Eigen::Vector3d> centers;
+};
+
 // Capacities up to a maximum.
 FlowCapacities RandomGraphOf(const Tetrahedralization& tetrahedra,
                              uint32_t max_capacity, Random* random);
+
+// Of all nodes.
+// \param terminal  source or sink
+uint64_t SumOf(const FlowCapacities& graph, uint32_t NodeCapacities::*terminal);
 
 // Labels of cells, 1 for free: independent ones of several densities, smooth
 // ones, and every other cell. Infinite cells alike.

@@ -1,41 +1,27 @@
 #include "delaunay/tetrahedralization.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <set>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
+#include "delaunay/cell_places.h"
 #include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace tetrahedralization_test {
-
-bool SameCells(const Tetrahedralization& a, const Tetrahedralization& b) {
-  return a.points == b.points && a.vertex_cells == b.vertex_cells &&
-         std::equal(a.cells.begin(), a.cells.end(), b.cells.begin(),
-                    b.cells.end(), [](const auto& c, const auto& d) {
-                      return c.vertices == d.vertices &&
-                             c.neighbors == d.neighbors;
-                    });
-}
 
 ThinnedTetrahedralization KeepAll(const std::vector<Eigen::Vector3f>& points) {
   ThinningOptions options;
   options.max_proj_dist = 0;
   return Tetrahedralize(CloudOf(points), {}, options);
-}
-
-std::array<IntVector, 4> CornersOf(const Tetrahedralization& tetrahedra,
-                                   uint32_t cell) {
-  std::array<IntVector, 4> corners;
-  for (int i = 0; i < 4; ++i) {
-    corners[i] =
-        ToIntegers(tetrahedra.points[tetrahedra.cells[cell].vertices[i]]);
-  }
-  return corners;
 }
 
 TEST(Tetrahedralization, IsAClosedOrientedComplex) {
@@ -52,9 +38,10 @@ TEST(Tetrahedralization, IsDelaunay) {
       if (tetrahedra.IsInfinite(cell)) {
         continue;
       }
-      const auto p = CornersOf(tetrahedra, cell);
+      const auto [a, b, c, d] =
+          IntegersOf(tetrahedra, tetrahedra.cells[cell].vertices);
       for (const Eigen::Vector3f& point : tetrahedra.points) {
-        ASSERT_LE(ExactInSphere(p[0], p[1], p[2], p[3], ToIntegers(point)), 0);
+        ASSERT_LE(ExactInSphere(a, b, c, d, ToIntegers(point)), 0);
       }
     }
   }
@@ -70,13 +57,9 @@ TEST(Tetrahedralization, HasAConvexHull) {
           continue;
         }
         // The infinite cell's hull facet, seen from without.
-        std::array<IntVector, 3> p;
-        for (int k = 0; k < 3; ++k) {
-          p[k] =
-              ToIntegers(tetrahedra.points[cell.vertices[kFacetCorners[i][k]]]);
-        }
+        const auto [a, b, c] = IntegersOf(tetrahedra, FacetVertices(cell, i));
         for (const Eigen::Vector3f& point : tetrahedra.points) {
-          ASSERT_LE(ExactOrientation(p[0], p[1], p[2], ToIntegers(point)), 0);
+          ASSERT_LE(ExactOrientation(a, b, c, ToIntegers(point)), 0);
         }
       }
     }
@@ -111,21 +94,12 @@ TEST(Tetrahedralization, DependsOnThePositionsAlone) {
   sets.push_back({"large grid", GridPoints(16)});
   for (auto& [name, points] : sets) {
     SCOPED_TRACE(name);
-    const Tetrahedralization expected = [&, &all = points] {
-      const tbb::global_control one(
-          tbb::global_control::max_allowed_parallelism, 1);
-      return DelaunayOf(all);
-    }();
-    {
-      const tbb::global_control two(
-          tbb::global_control::max_allowed_parallelism, 2);
-      EXPECT_TRUE(SameCells(DelaunayOf(points), expected));
-    }
+    ExpectSameForAnyThreads([&, &all = points] { return DelaunayOf(all); });
     std::vector<Eigen::Vector3f> shuffled = points;
     shuffled.insert(shuffled.end(), points.begin(),
                     points.begin() + static_cast<int>(points.size() / 3));
     random.Shuffle(&shuffled);
-    EXPECT_TRUE(SameCells(DelaunayOf(shuffled), expected));
+    EXPECT_TRUE(DelaunayOf(shuffled) == DelaunayOf(points));
   }
 }
 
@@ -158,7 +132,7 @@ TEST(Tetrahedralization, TellsZerosOfEitherSignNotApart) {
   points.emplace_back(-0.0f, 0.0f, -0.0f);
   const ThinnedTetrahedralization result = KeepAll(points);
   EXPECT_EQ(result.num_duplicate_points, 1u);
-  EXPECT_TRUE(SameCells(result.tetrahedra, expected));
+  EXPECT_TRUE(result.tetrahedra == expected);
 }
 
 TEST(IncidentCells, AreAllThatHaveTheVertex) {
@@ -184,6 +158,66 @@ TEST(IncidentCells, AreAllThatHaveTheVertex) {
       std::sort(cells.begin(), cells.end());
       ASSERT_EQ(cells, expected[vertex]);
     }
+  }
+}
+
+TEST(CellPlaces, AreThoseOfAMap) {
+  Random random(1);
+  CellPlaces places;
+  size_t num_repeats = 0;
+  for (const uint32_t num_cells : {1, 5, 63, 64, 65, 3000, 20, 1}) {
+    places.Clear();
+    std::vector<uint32_t> cells;
+    std::map<uint32_t, uint32_t> expected;
+    for (uint32_t step = 0; step < 3 * num_cells; ++step) {
+      // Also those that differ in their upper bits alone.
+      const uint32_t cell = random.Below(num_cells) << random.Below(24);
+      const auto [entry, is_new] =
+          expected.try_emplace(cell, static_cast<uint32_t>(cells.size()));
+      ASSERT_EQ(places.PlaceIn(cell, &cells), entry->second);
+      ASSERT_EQ(cells.size(), expected.size());
+      ASSERT_EQ(cells[entry->second], cell);
+      num_repeats += !is_new;
+    }
+  }
+  EXPECT_GT(num_repeats, 100u);
+}
+
+TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnce) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    std::set<std::pair<uint32_t, uint32_t>> edges;
+    for (const auto& cell : tetrahedra.cells) {
+      for (const uint32_t u : cell.vertices) {
+        for (const uint32_t v : cell.vertices) {
+          if (u < v && v != kInfiniteVertex) {
+            edges.emplace(u, v);
+          }
+        }
+      }
+    }
+    std::vector<float> lengths;
+    for (const auto& [u, v] : edges) {
+      lengths.push_back((tetrahedra.points[u] - tetrahedra.points[v]).norm());
+    }
+    std::sort(lengths.begin(), lengths.end());
+    for (const double percent : {0.0, 10.0, 25.0, 50.0, 99.0, 100.0}) {
+      const auto nth = static_cast<size_t>(
+          std::round(percent / 100 * static_cast<double>(lengths.size() - 1)));
+      EXPECT_EQ(EdgeLengthPercentile(tetrahedra, percent), lengths[nth]);
+    }
+  }
+}
+
+TEST(EdgeLengthPercentile, IsZeroWithoutEdges) {
+  for (const auto& [name, points] : DifficultPoints()) {
+    SCOPED_TRACE(name);
+    const Tetrahedralization tetrahedra = DelaunayOf(points);
+    std::vector<uint8_t> is_left_out(tetrahedra.points.size(), 1);
+    EXPECT_EQ(EdgeLengthPercentile(tetrahedra, 25, is_left_out), 0);
+    is_left_out.front() = 0;  // A vertex alone has no edge.
+    EXPECT_EQ(EdgeLengthPercentile(tetrahedra, 25, is_left_out), 0);
   }
 }
 
@@ -266,21 +300,19 @@ TEST(Thinning, LargerDistancesKeepFewerPoints) {
 
 TEST(Thinning, IsTheSameEveryTime) {
   const SeenSheet sheet;
-  const auto first = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism,
-                                1);
-  const auto second = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
-  EXPECT_TRUE(SameCells(first.tetrahedra, second.tetrahedra));
-  EXPECT_EQ(first.vertex_points, second.vertex_points);
-  EXPECT_EQ(first.point_vertices, second.point_vertices);
+  ExpectSameForAnyThreads([&] {
+    auto thinned = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
+    return std::tuple(std::move(thinned.tetrahedra),
+                      std::move(thinned.vertex_points),
+                      std::move(thinned.point_vertices));
+  });
 }
 
 // What is kept is Delaunay of what is kept.
 TEST(Thinning, MakesWhatKeepingTheSamePointsWouldMake) {
   const SeenSheet sheet;
   const auto thinned = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
-  EXPECT_TRUE(
-      SameCells(thinned.tetrahedra, DelaunayOf(thinned.tetrahedra.points)));
+  EXPECT_TRUE(thinned.tetrahedra == DelaunayOf(thinned.tetrahedra.points));
 }
 
 }  // namespace tetrahedralization_test

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "delaunay/cell_graph.h"
-#include "delaunay/locate.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace visibility_weights_test {
@@ -52,21 +51,20 @@ class TwoCells : public testing::Test {
     Observations observations;
     observations.offsets.resize(vertex + 1, 0);
     observations.offsets.resize(tetrahedra_.points.size() + 1, 1);
-    observations.views = {0};
-    observations.alphas = {alpha};
+    observations.values = {{0, alpha}};
     return AddVisibilityWeights(tetrahedra_, observations, {center},
                                 {sigma, behind_sigma}, &graph_);
   }
 
   // What a ray votes by the formulas, for each facet and cell by itself.
   void ExpectSource(uint32_t cell, double weight) {
-    expected_.source[cell] += Units(weight);
+    expected_[cell].source += Units(weight);
   }
   void ExpectSink(uint32_t cell, double weight) {
-    expected_.sink[cell] += Units(weight);
+    expected_[cell].sink += Units(weight);
   }
   void ExpectArc(uint32_t from, uint32_t to, double weight) {
-    expected_.capacities[from][tetrahedra_.FacetTo(from, to)] += Units(weight);
+    expected_[from].arcs[tetrahedra_.FacetTo(from, to)] += Units(weight);
   }
 
   static uint32_t Units(double weight) {
@@ -76,11 +74,15 @@ class TwoCells : public testing::Test {
   // The cell where the ray behind a vertex ends.
   uint32_t EndBehind(uint32_t vertex, const Eigen::Vector3d& center,
                      double distance) const {
-    const Eigen::Vector3d position = tetrahedra_.points[vertex].cast<double>();
+    const Eigen::Vector3d position = tetrahedra_.PositionOf(vertex);
+    return EndOf(vertex,
+                 position + distance * (position - center).normalized());
+  }
+
+  // The cell where the ray from a vertex to a target ends.
+  uint32_t EndOf(uint32_t vertex, const Eigen::Vector3d& target) const {
     std::vector<Crossing> crossings;
-    return WalkRay(tetrahedra_, vertex,
-                   position + distance * (position - center).normalized(),
-                   kNone, 0, &crossings);
+    return WalkRay(tetrahedra_, vertex, target, kNone, 0, &crossings);
   }
 
   // What every labelling of the cells costs is all that a graph means.
@@ -171,9 +173,7 @@ TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
     graph_ = expected_ = ZeroCapacities(tetrahedra_);
     Observe(top_, center, expected.sigma, expected.behind_sigma);
     // The first cell before the top.
-    std::vector<Crossing> crossings;
-    ExpectSource(WalkRay(tetrahedra_, top_, center, kNone, 0, &crossings),
-                 kAlpha);
+    ExpectSource(EndOf(top_, center), kAlpha);
     if (expected.reaches_lower) {
       ExpectArc(upper_, lower_, Soft(3, expected.sigma));
     }
@@ -185,9 +185,7 @@ TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
 TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
   const Eigen::Vector3d center(0, 0, 50);
   Observe(top_, center, 3, 3);
-  std::vector<Crossing> crossings;
-  ExpectSource(WalkRay(tetrahedra_, top_, center, kNone, 0, &crossings),
-               kAlpha);
+  ExpectSource(EndOf(top_, center), kAlpha);
   const uint32_t beyond = EndBehind(top_, center, 9);
   ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
   ExpectArc(upper_, lower_, Soft(3, 3));
@@ -199,27 +197,22 @@ TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
 TEST_F(TwoCells, CameraAtThePoint) {
   const RayReport report = Observe(top_, {0, 0, 3}, 1, 1);
   EXPECT_EQ(report.num_rays, 1u);
-  const uint64_t sources =
-      std::accumulate(graph_.source.begin(), graph_.source.end(), uint64_t{0});
-  const uint64_t sinks =
-      std::accumulate(graph_.sink.begin(), graph_.sink.end(), uint64_t{0});
-  EXPECT_EQ(sources, sinks);
+  const uint64_t sources = SumOf(graph_, &NodeCapacities::source);
+  EXPECT_EQ(sources, SumOf(graph_, &NodeCapacities::sink));
   EXPECT_EQ(sources > 0, report.num_lost_rays == 0);
 }
 
 TEST_F(TwoCells, SumsDoNotWrapAround) {
-  for (size_t i = 0; i < graph_.size(); ++i) {
-    graph_.source[i] = graph_.sink[i] = kMaxCapacity;
-    graph_.capacities[i].fill(kMaxCapacity);
+  for (NodeCapacities& node : graph_) {
+    node.source = node.sink = kMaxCapacity;
+    node.arcs.fill(kMaxCapacity);
   }
   for (int i = 0; i < 3; ++i) {
     Observe(bottom_, {0, 0, 1}, 2.0, 3.0);
   }
-  for (size_t i = 0; i < graph_.size(); ++i) {
+  for (const auto& [arcs, source, sink] : graph_) {
     for (const uint32_t capacity :
-         {graph_.source[i], graph_.sink[i], graph_.capacities[i][0],
-          graph_.capacities[i][1], graph_.capacities[i][2],
-          graph_.capacities[i][3]}) {
+         {source, sink, arcs[0], arcs[1], arcs[2], arcs[3]}) {
       EXPECT_GE(capacity, kMaxCapacity);
       EXPECT_LE(capacity, kMaxCapacity + 4096);
     }
@@ -241,13 +234,11 @@ TEST_F(TwoCells, AVertexMayStandForMillionsOfPoints) {
 }
 
 // A ray's votes by the formulas, from the path that WalkRay() finds.
-void AddByFormula(const Tetrahedralization& tetrahedra,
-                  const Observations& observations, uint32_t vertex, uint64_t k,
-                  const Eigen::Vector3d& center,
+void AddByFormula(const Tetrahedralization& tetrahedra, uint32_t vertex,
+                  float alpha, const Eigen::Vector3d& center,
                   const VisibilityWeightOptions& options,
                   FlowCapacities* graph) {
-  const float alpha = observations.alphas[k];
-  const Eigen::Vector3d position = tetrahedra.points[vertex].cast<double>();
+  const Eigen::Vector3d position = tetrahedra.PositionOf(vertex);
   const auto soft = [&](double distance) {
     const double ratio = distance / options.distance_sigma;
     return ToCapacity(alpha * (1 - std::exp(-ratio * ratio / 2)));
@@ -256,91 +247,53 @@ void AddByFormula(const Tetrahedralization& tetrahedra,
   uint32_t cell = Locate(tetrahedra, center, 0);
   uint32_t end =
       WalkRay(tetrahedra, vertex, center,
-              tetrahedra.IsInfinite(cell) ? kNone - 1 : cell, 1e9, &crossings);
-  graph->source[end] += ToCapacity(alpha);
+              tetrahedra.IsInfinite(cell) ? kToHull : cell, 1e9, &crossings);
+  (*graph)[end].source += ToCapacity(alpha);
   for (const auto& [exit_arc, entry_arc, distance] : crossings) {
-    graph->capacities[entry_arc / 4][entry_arc % 4] += soft(distance);
+    (*graph)[entry_arc / 4].arcs[entry_arc % 4] += soft(distance);
   }
   end = WalkRay(tetrahedra, vertex,
                 position + options.behind_sigma * options.distance_sigma *
                                (position - center).normalized(),
                 kNone, 1e9, &crossings);
-  graph->sink[end] += ToCapacity(alpha);
+  (*graph)[end].sink += ToCapacity(alpha);
   for (const auto& [exit_arc, entry_arc, distance] : crossings) {
-    graph->capacities[exit_arc / 4][exit_arc % 4] += soft(distance);
+    (*graph)[exit_arc / 4].arcs[exit_arc % 4] += soft(distance);
   }
 }
 
-// Points, all of them vertices, and cameras around and within them.
-struct Scenery {
-  Scenery() {
-    Random random(1);
-    for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
-      for (uint32_t view = 0; view < 8; ++view) {
-        if (random.Chance(0.5)) {
-          observations.views.push_back(view);
-          observations.alphas.push_back(3 * static_cast<float>(random.Unit()));
-        }
-      }
-      observations.offsets.push_back(observations.size());
-    }
-    for (int view = 0; view < 8; ++view) {
-      const int range = view < 4 ? 200 : 2000;
-      centers.push_back(RandomPoints(1, range, &random).front().cast<double>());
-    }
-  }
+// Cameras around and within the points.
+struct Scenery : SeenComplex {
+  Scenery() : SeenComplex(1500, {200, 200, 200, 200, 2000, 2000, 2000, 2000}) {}
 
   // Votes of every stride-th vertex.
   RayReport Vote(size_t first, size_t stride, FlowCapacities* graph) const {
     Observations part;
     for (size_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
-      for (uint64_t k = observations.offsets[vertex];
-           vertex % stride == first && k < observations.offsets[vertex + 1];
-           ++k) {
-        part.views.push_back(observations.views[k]);
-        part.alphas.push_back(observations.alphas[k]);
-      }
-      part.offsets.push_back(part.size());
+      part.AddRow(vertex % stride == first ? observations[vertex]
+                                           : std::span<const Observation>());
     }
     return AddVisibilityWeights(tetrahedra, part, centers, kOptions, graph);
   }
 
   static constexpr VisibilityWeightOptions kOptions = {20, 3};
-
-  static Tetrahedralization MakeTetrahedra() {
-    Random random(2);
-    return DelaunayOf(RandomPoints(1500, 300, &random));
-  }
-
-  const Tetrahedralization tetrahedra = MakeTetrahedra();
-  Observations observations;
-  std::vector<Eigen::Vector3d> centers;
 };
-
-void ExpectSame(const FlowCapacities& a, const FlowCapacities& b) {
-  EXPECT_EQ(a.capacities, b.capacities);
-  EXPECT_EQ(a.source, b.source);
-  EXPECT_EQ(a.sink, b.sink);
-}
 
 TEST(VisibilityWeights, DependNeitherOnThreadsNorOnTheOrder) {
   const Scenery scenery;
-  std::vector<FlowCapacities> graphs(3, ZeroCapacities(scenery.tetrahedra));
-  for (const int num_threads : {1, 2}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism,
-        static_cast<size_t>(num_threads));
-    const RayReport report =
-        scenery.Vote(0, 1, &graphs[static_cast<size_t>(num_threads) - 1]);
-    EXPECT_EQ(report.num_rays, scenery.observations.size());
-    EXPECT_EQ(report.num_lost_rays, 0u);
-    EXPECT_GT(report.num_steps, report.num_rays);
-  }
-  for (size_t first : {2, 0, 1}) {
-    scenery.Vote(first, 3, &graphs[2]);
-  }
-  ExpectSame(graphs[0], graphs[1]);
-  ExpectSame(graphs[0], graphs[2]);
+  FlowCapacities expected = ZeroCapacities(scenery.tetrahedra);
+  const RayReport report = scenery.Vote(0, 1, &expected);
+  EXPECT_EQ(report.num_rays, scenery.observations.values.size());
+  EXPECT_EQ(report.num_lost_rays, 0u);
+  EXPECT_GT(report.num_steps, report.num_rays);
+  ExpectSameForAnyThreads([&] {
+    FlowCapacities graph = ZeroCapacities(scenery.tetrahedra);
+    for (size_t first : {2, 0, 1}) {
+      scenery.Vote(first, 3, &graph);
+    }
+    EXPECT_TRUE(graph == expected);
+    return graph;
+  });
 }
 
 TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
@@ -351,9 +304,9 @@ TEST(ObserveVertices, AddsTheWeightsOfAVertexAndAView) {
   const Observations observations =
       ObserveVertices(cloud, 3, {2, 2, 0, 1}, {0.5f, 0.25f, 1.0f, 0.75f});
   EXPECT_EQ(observations.offsets, (std::vector<uint64_t>{0, 0, 2, 4}));
-  EXPECT_EQ(observations.views, (std::vector<uint32_t>{0, 5, 1, 5}));
-  EXPECT_EQ(observations.alphas,
-            (std::vector<float>{0.75f, 0.75f, 0.5f, 0.75f}));
+  EXPECT_TRUE(observations.values ==
+              (std::vector<Observation>{
+                  {0, 0.75f}, {5, 0.75f}, {1, 0.5f}, {5, 0.75f}}));
 }
 
 // A cut costs what the formulas say, whatever the cells' labels are: all free
@@ -365,10 +318,8 @@ TEST(VisibilityWeights, CutsCostWhatTheFormulasSay) {
   scenery.Vote(0, 1, &graph);
   FlowCapacities expected = ZeroCapacities(tetrahedra);
   for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
-    for (uint64_t k = scenery.observations.offsets[vertex];
-         k < scenery.observations.offsets[vertex + 1]; ++k) {
-      AddByFormula(tetrahedra, scenery.observations, vertex, k,
-                   scenery.centers[scenery.observations.views[k]],
+    for (const auto& [view, alpha] : scenery.observations[vertex]) {
+      AddByFormula(tetrahedra, vertex, alpha, scenery.centers[view],
                    Scenery::kOptions, &expected);
     }
   }
@@ -394,14 +345,11 @@ TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
   FlowCapacities graph = ZeroCapacities(scenery.tetrahedra);
   scenery.Vote(0, 1, &graph);
   uint64_t expected = 0;
-  for (const float alpha : scenery.observations.alphas) {
+  for (const auto& [view, alpha] : scenery.observations.values) {
     expected += static_cast<uint64_t>(std::lround(kWeightUnit * alpha));
   }
-  EXPECT_EQ(
-      std::accumulate(graph.source.begin(), graph.source.end(), uint64_t{0}),
-      expected);
-  EXPECT_EQ(std::accumulate(graph.sink.begin(), graph.sink.end(), uint64_t{0}),
-            expected);
+  EXPECT_EQ(SumOf(graph, &NodeCapacities::source), expected);
+  EXPECT_EQ(SumOf(graph, &NodeCapacities::sink), expected);
 }
 
 }  // namespace visibility_weights_test

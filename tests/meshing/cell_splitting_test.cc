@@ -1,7 +1,6 @@
 #include "meshing/cell_splitting.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -11,18 +10,13 @@
 namespace colmap_ext {
 namespace cell_splitting_test {
 
-using Problem = FixingProblem;
-
-uint64_t Sum(const std::vector<uint32_t>& capacities) {
-  return std::accumulate(capacities.begin(), capacities.end(), uint64_t{0});
-}
-
 TEST(SplitCell, KeepsEverythingButTheCell) {
   Random random(1);
   for (int trial = 0; trial < 30; ++trial) {
-    Problem problem = RandomProblem(RandomPoints(20, 1000, &random), &random);
+    FixingProblem problem =
+        RandomProblem(RandomPoints(20, 1000, &random), &random);
     for (int split = 0; split < 30; ++split) {
-      const Problem before = problem;
+      const FixingProblem before = problem;
       const auto num_cells =
           static_cast<uint32_t>(before.tetrahedra.cells.size());
       const auto num_points =
@@ -33,14 +27,17 @@ TEST(SplitCell, KeepsEverythingButTheCell) {
         continue;
       }
       SplitCell(cell, &problem.tetrahedra, &problem.graph, &problem.labels);
-      ExpectConsistent(problem);
+      problem.ExpectConsistent();
       ASSERT_FALSE(HasFailure());
       ASSERT_EQ(problem.tetrahedra.cells.size(), num_cells + 3);
       ASSERT_EQ(problem.tetrahedra.points.size(), num_points + 1);
       // The energy of the inherited labels, and the terminals' capacities.
       ASSERT_EQ(problem.Energy(), before.Energy());
-      ASSERT_EQ(Sum(problem.graph.source), Sum(before.graph.source));
-      ASSERT_EQ(Sum(problem.graph.sink), Sum(before.graph.sink));
+      for (const auto terminal :
+           {&NodeCapacities::source, &NodeCapacities::sink}) {
+        ASSERT_EQ(SumOf(problem.graph, terminal),
+                  SumOf(before.graph, terminal));
+      }
       ASSERT_EQ(problem.Singular(), before.Singular());
       Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
       for (const uint32_t vertex : before.tetrahedra.cells[cell].vertices) {
@@ -50,8 +47,9 @@ TEST(SplitCell, KeepsEverythingButTheCell) {
       for (const uint32_t child :
            {cell, num_cells, num_cells + 1, num_cells + 2}) {
         ASSERT_EQ(problem.labels[child], before.labels[cell]);
-        const auto& vertices = problem.tetrahedra.cells[child].vertices;
-        ASSERT_EQ(std::count(vertices.begin(), vertices.end(), num_points), 1);
+        ASSERT_EQ(std::ranges::count(problem.tetrahedra.cells[child].vertices,
+                                     num_points),
+                  1);
       }
       // All other cells are as they were.
       for (uint32_t other = 0; other < num_cells; ++other) {
@@ -59,8 +57,7 @@ TEST(SplitCell, KeepsEverythingButTheCell) {
           ASSERT_EQ(problem.labels[other], before.labels[other]);
           ASSERT_EQ(problem.tetrahedra.cells[other].vertices,
                     before.tetrahedra.cells[other].vertices);
-          ASSERT_EQ(problem.graph.capacities[other],
-                    before.graph.capacities[other]);
+          ASSERT_EQ(problem.graph[other].arcs, before.graph[other].arcs);
         }
       }
     }
@@ -73,9 +70,10 @@ TEST(SplitCell, PartsArePositivelyOriented) {
   int num_split = 0;
   int num_refused = 0;
   for (int trial = 0; trial < 30; ++trial) {
-    const Problem problem = RandomProblem(FarPoints(20, &random), &random);
+    const FixingProblem problem =
+        RandomProblem(FarPoints(20, &random), &random);
     for (uint32_t cell = 0; cell < problem.tetrahedra.cells.size(); ++cell) {
-      Problem split = problem;
+      FixingProblem split = problem;
       if (CanSplit(problem.tetrahedra, cell)) {
         ++num_split;
         SplitCell(cell, &split.tetrahedra, &split.graph, &split.labels);

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "base/percentile.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
+#include "scene/point_tree.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/synthetic/dense_scene.h"
 
@@ -24,30 +26,21 @@ DenseScene MakeSmallScene(const std::string& shape) {
   return synthetic::MakeDenseScene(options);
 }
 
-// Distance from the plane of the nearest of the true surface's vertices.
-double DistanceFromTruth(const Scene& scene, const Eigen::Vector3f& point) {
-  float least = std::numeric_limits<float>::infinity();
-  double distance = 0;
-  for (size_t i = 0; i < scene.surface.vertices.size(); ++i) {
-    const Eigen::Vector3f offset = point - scene.surface.vertices[i];
-    if (offset.squaredNorm() < least) {
-      least = offset.squaredNorm();
-      distance = std::abs(offset.dot(scene.normals[i]));
-    }
-  }
-  return distance;
-}
-
-// In pixels' footprints.
+// The median distance of vertices from the plane of the nearest of the true
+// surface's, in pixels' footprints.
 double MedianError(const Scene& scene, const TriangleMesh& mesh) {
+  const PointTree tree(scene.surface.vertices);
   std::vector<double> errors;
   const size_t stride = std::max<size_t>(1, mesh.vertices.size() / 400);
   for (size_t i = 0; i < mesh.vertices.size(); i += stride) {
-    errors.push_back(DistanceFromTruth(scene, mesh.vertices[i]) /
+    const Eigen::Vector3f& point = mesh.vertices[i];
+    const uint32_t nearest =
+        tree.Nearest(point, 1, std::numeric_limits<float>::infinity()).front();
+    const Eigen::Vector3f offset = point - scene.surface.vertices[nearest];
+    errors.push_back(std::abs(offset.dot(scene.normals[nearest])) /
                      scene.footprint);
   }
-  std::sort(errors.begin(), errors.end());
-  return errors[errors.size() / 2];
+  return Percentile(50, &errors);
 }
 
 class EndToEnd : public testing::TestWithParam<const char*> {};

@@ -1,5 +1,7 @@
 #include "tests/meshing/fixing_problem.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "meshing/singular_vertices.h"
@@ -42,9 +44,8 @@ FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
   const Tetrahedralization& tetrahedra = problem.tetrahedra;
   problem.graph = RandomGraphOf(tetrahedra, 1000, random);
   for (const auto& cell : tetrahedra.cells) {
-    const uint32_t lowest =
-        *std::min_element(cell.vertices.begin(), cell.vertices.end());
-    problem.labels.push_back(tetrahedra.points[lowest].x() > 0);
+    problem.labels.push_back(
+        tetrahedra.points[std::ranges::min(cell.vertices)].x() > 0);
   }
   std::vector<uint32_t> cells;
   for (int pair = 0; pair < num_pairs; ++pair) {
@@ -78,18 +79,10 @@ bool ArePositive(const Tetrahedralization& tetrahedra) {
   return true;
 }
 
-void ExpectConsistent(const FixingProblem& problem) {
-  ASSERT_EQ(DefectOf(problem.tetrahedra, false), "");
-  ASSERT_EQ(problem.graph.size(), problem.tetrahedra.cells.size());
-  ASSERT_EQ(problem.labels.size(), problem.tetrahedra.cells.size());
-}
-
-void ExpectSameCells(const Tetrahedralization& a, const Tetrahedralization& b) {
-  ASSERT_EQ(a.cells.size(), b.cells.size());
-  for (size_t i = 0; i < a.cells.size(); ++i) {
-    ASSERT_EQ(a.cells[i].vertices, b.cells[i].vertices);
-    ASSERT_EQ(a.cells[i].neighbors, b.cells[i].neighbors);
-  }
+void FixingProblem::ExpectConsistent() const {
+  ASSERT_EQ(DefectOf(tetrahedra, false), "");
+  ASSERT_EQ(graph.size(), tetrahedra.cells.size());
+  ASSERT_EQ(labels.size(), tetrahedra.cells.size());
 }
 
 }  // namespace colmap_ext

@@ -28,6 +28,20 @@ struct FixingProblem {
 
   // Components beyond the second, summed over all vertices.
   size_t Excess() const;
+
+  FixingReport Fix(FixingRule rule, PartialComplex* partial = nullptr) {
+    return FixSingularVertices(rule, &tetrahedra, &graph, &labels, partial);
+  }
+
+  // What FixSingularVertices does, written down without regard for time: after
+  // every pass all vertices are examined again, labels are copied to be put
+  // back.
+  FixingReport FixAsReference(FixingRule rule);
+
+  // Fails where the arrays do not agree with each other.
+  void ExpectConsistent() const;
+
+  bool operator==(const FixingProblem&) const = default;
 };
 
 FixingProblem RandomProblem(const std::vector<Eigen::Vector3f>& points,
@@ -41,18 +55,7 @@ FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
 // Neighboring floats far from the origin, a unit apart.
 std::vector<Eigen::Vector3f> FarPoints(uint32_t num_points, Random* random);
 
-// What FixSingularVertices does, written down without regard for time: after
-// every pass all vertices are examined again, labels are copied to be put back.
-FixingReport ReferenceFixing(FixingRule rule, Tetrahedralization* tetrahedra,
-                             FlowCapacities* graph,
-                             std::vector<uint8_t>* is_free);
-
 // Whether all finite cells are positively oriented.
 bool ArePositive(const Tetrahedralization& tetrahedra);
-
-// Fails where the arrays do not agree with each other.
-void ExpectConsistent(const FixingProblem& problem);
-
-void ExpectSameCells(const Tetrahedralization& a, const Tetrahedralization& b);
 
 }  // namespace colmap_ext

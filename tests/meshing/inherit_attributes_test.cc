@@ -1,5 +1,7 @@
 #include "meshing/inherit_attributes.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace colmap_ext {
@@ -10,8 +12,7 @@ PointCloud MakeCloud() {
   PointCloud cloud;
   cloud.positions.resize(3, {0, 0, 0});
   cloud.colors = {{0, 10, 255}, {1, 20, 255}, {200, 30, 254}};
-  cloud.views.offsets = {0, 2, 4, 5};
-  cloud.views.values = {0, 1, 1, 2, 1};
+  cloud.views = Rows<uint32_t>({0, 2, 4, 5}, {0, 1, 1, 2, 1});
   return cloud;
 }
 
@@ -22,18 +23,18 @@ struct Row {
   std::vector<uint32_t> views;
 };
 
+// Those of the points.
+const Row kFirst = {{0, 10, 255}, {0, 1}};
+const Row kSecond = {{1, 20, 255}, {1, 2}};
+const Row kThird = {{200, 30, 254}, {1}};
+
 void ExpectRows(const VertexAttributes& attributes,
                 const std::vector<Row>& rows) {
   ASSERT_EQ(attributes.colors.size(), rows.size());
-  ASSERT_EQ(attributes.views.offsets.size(), rows.size() + 1);
+  ASSERT_EQ(attributes.views.size(), rows.size());
   for (size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(attributes.colors[i], rows[i].color) << i;
-    const std::vector<uint32_t> views(
-        attributes.views.values.begin() +
-            static_cast<int>(attributes.views.offsets[i]),
-        attributes.views.values.begin() +
-            static_cast<int>(attributes.views.offsets[i + 1]));
-    EXPECT_EQ(views, rows[i].views) << i;
+    EXPECT_TRUE(std::ranges::equal(attributes.views[i], rows[i].views)) << i;
   }
 }
 
@@ -46,9 +47,8 @@ TriangleMesh MakeMesh(uint32_t num_vertices, std::vector<Facet> facets) {
 
 TEST(InheritAttributes, OfThePointItself) {
   const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
-  ExpectRows(
-      InheritAttributes(mesh, MakeCloud(), {{2, 2}, {0, 0}, {1, 1}}),
-      {{{200, 30, 254}, {1}}, {{0, 10, 255}, {0, 1}}, {{1, 20, 255}, {1, 2}}});
+  ExpectRows(InheritAttributes(mesh, MakeCloud(), {{2, 2}, {0, 0}, {1, 1}}),
+             {kThird, kFirst, kSecond});
 }
 
 TEST(InheritAttributes, AMidpointHasTheMeanColourAndTheViewsOfBoth) {
@@ -62,20 +62,15 @@ TEST(InheritAttributes, ACentroidInheritsFromItsNeighbors) {
   const TriangleMesh mesh = MakeMesh(4, {{3, 0, 1}, {3, 1, 2}, {3, 2, 0}});
   const Points points = {{0, 0}, {1, 1}, {2, 2}, {kNone, kNone}};
   ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
-             {{{0, 10, 255}, {0, 1}},
-              {{1, 20, 255}, {1, 2}},
-              {{200, 30, 254}, {1}},
-              {{67, 20, 255}, {1}}});
+             {kFirst, kSecond, kThird, {{67, 20, 255}, {1}}});
 }
 
 TEST(InheritAttributes, HalfOfTheNeighborsAreEnough) {
   const TriangleMesh mesh =
       MakeMesh(5, {{4, 0, 1}, {4, 1, 2}, {4, 2, 3}, {4, 3, 0}});
   const Points points = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNone, kNone}};
-  const Row first = {{0, 10, 255}, {0, 1}};
-  const Row second = {{1, 20, 255}, {1, 2}};
   ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
-             {first, first, second, second, {{1, 15, 255}, {0, 1, 2}}});
+             {kFirst, kFirst, kSecond, kSecond, {{1, 15, 255}, {0, 1, 2}}});
 }
 
 // Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
@@ -83,15 +78,8 @@ TEST(InheritAttributes, FromNeighborToNeighbor) {
   const TriangleMesh mesh = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
   const Points points = {{0, 0},         {1, 1},     {2, 2},
                          {kNone, kNone}, {0, kNone}, {kNone, kNone}};
-  const VertexAttributes attributes =
-      InheritAttributes(mesh, MakeCloud(), points);
-  const Row first = {{0, 10, 255}, {0, 1}};
-  ExpectRows(attributes, {first,
-                          {{1, 20, 255}, {1, 2}},
-                          {{200, 30, 254}, {1}},
-                          first,
-                          first,
-                          first});
+  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+             {kFirst, kSecond, kThird, kFirst, kFirst, kFirst});
 }
 
 TEST(InheritAttributes, AnIslandOfUnknownVerticesStaysBlackAndUnseen) {
@@ -107,8 +95,7 @@ TEST(InheritAttributes, WithoutColours) {
   const VertexAttributes attributes =
       InheritAttributes(MakeMesh(2, {}), cloud, {{0, 0}, {2, 1}});
   EXPECT_TRUE(attributes.colors.empty());
-  EXPECT_EQ(attributes.views.offsets, (std::vector<uint64_t>{0, 2, 4}));
-  EXPECT_EQ(attributes.views.values, (std::vector<uint32_t>{0, 1, 1, 2}));
+  EXPECT_EQ(attributes.views, Rows<uint32_t>({0, 2, 4}, {0, 1, 1, 2}));
 }
 
 }  // namespace inherit_attributes_test

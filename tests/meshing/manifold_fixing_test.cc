@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
@@ -13,6 +12,7 @@
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/meshing/fixing_problem.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace manifold_fixing_test {
@@ -30,9 +30,8 @@ TEST_P(FixSingularVerticesTest, LeavesNothingThatTheSplitCannotRepair) {
     Problem problem = RandomProblem(
         RandomPoints(5 + random.Below(40), 1000, &random), &random);
     const Problem before = problem;
-    const FixingReport report = FixSingularVertices(
-        GetParam(), &problem.tetrahedra, &problem.graph, &problem.labels);
-    ExpectConsistent(problem);
+    const FixingReport report = problem.Fix(GetParam());
+    problem.ExpectConsistent();
     ASSERT_FALSE(HasFailure());
     ASSERT_EQ(report.num_singular_raw, before.Singular().size());
     ASSERT_EQ(report.num_singular_fixed, problem.Singular().size());
@@ -77,29 +76,12 @@ TEST_P(FixSingularVerticesTest, CellsStayPositivelyOriented) {
   size_t num_split_cells = 0;
   for (int trial = 0; trial < 40; ++trial) {
     Problem problem = RandomProblem(FarPoints(40, &random), &random);
-    num_split_cells += FixSingularVertices(GetParam(), &problem.tetrahedra,
-                                           &problem.graph, &problem.labels)
-                           .num_split_cells;
-    ExpectConsistent(problem);
+    num_split_cells += problem.Fix(GetParam()).num_split_cells;
+    problem.ExpectConsistent();
     ASSERT_TRUE(ArePositive(problem.tetrahedra)) << trial;
   }
   if (GetParam() == FixingRule::kPaper) {
     EXPECT_GT(num_split_cells, 0u);  // the energy rule hardly ever needs it
-  }
-}
-
-TEST_P(FixSingularVerticesTest, IsTheSameEveryTime) {
-  Random random(3);
-  for (int trial = 0; trial < 20; ++trial) {
-    Problem problem = RandomProblem(RandomPoints(60, 1000, &random), &random);
-    Problem copy = problem;
-    FixSingularVertices(GetParam(), &problem.tetrahedra, &problem.graph,
-                        &problem.labels);
-    FixSingularVertices(GetParam(), &copy.tetrahedra, &copy.graph,
-                        &copy.labels);
-    ASSERT_EQ(copy.labels, problem.labels);
-    ASSERT_EQ(copy.tetrahedra.points, problem.tetrahedra.points);
-    ExpectSameCells(copy.tetrahedra, problem.tetrahedra);
   }
 }
 
@@ -114,22 +96,13 @@ TEST_P(FixSingularVerticesTest, IsWhatExaminingAllVerticesAfterEachPassGives) {
                        : difficult[trial / 2 % difficult.size()].points,
         &random);
     Problem expected = problem;
-    const FixingReport report = FixSingularVertices(
-        GetParam(), &problem.tetrahedra, &problem.graph, &problem.labels);
-    const FixingReport reference = ReferenceFixing(
-        GetParam(), &expected.tetrahedra, &expected.graph, &expected.labels);
+    const FixingReport report = problem.Fix(GetParam());
+    const FixingReport reference = expected.FixAsReference(GetParam());
     ASSERT_EQ(report.num_singular_raw, reference.num_singular_raw);
     ASSERT_EQ(report.num_singular_fixed, reference.num_singular_fixed);
     ASSERT_EQ(report.num_relabeled_cells, reference.num_relabeled_cells);
     ASSERT_EQ(report.num_split_cells, reference.num_split_cells);
-    ASSERT_EQ(problem.labels, expected.labels);
-    ASSERT_EQ(problem.tetrahedra.points, expected.tetrahedra.points);
-    ASSERT_EQ(problem.tetrahedra.vertex_cells,
-              expected.tetrahedra.vertex_cells);
-    ExpectSameCells(problem.tetrahedra, expected.tetrahedra);
-    ASSERT_EQ(problem.graph.capacities, expected.graph.capacities);
-    ASSERT_EQ(problem.graph.source, expected.graph.source);
-    ASSERT_EQ(problem.graph.sink, expected.graph.sink);
+    ASSERT_TRUE(problem == expected);
     num_relabeled_cells += report.num_relabeled_cells;
     num_split_cells += report.num_split_cells;
   }
@@ -145,14 +118,12 @@ TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
     Problem problem = LargeProblemWithFewSingularVertices(num_pairs, &random);
     Problem copy = problem;
     const size_t num_vertices = problem.tetrahedra.points.size();
-    const FixingReport report = FixSingularVertices(
-        GetParam(), &problem.tetrahedra, &problem.graph, &problem.labels);
+    const FixingReport report = problem.Fix(GetParam());
     ASSERT_GE(report.num_singular_raw, num_pairs / 2);
     const size_t bound = num_vertices + 100 * report.num_singular_raw;
     EXPECT_GE(report.num_examined_vertices, num_vertices);
     EXPECT_LE(report.num_examined_vertices, bound);
-    const FixingReport reference = ReferenceFixing(GetParam(), &copy.tetrahedra,
-                                                   &copy.graph, &copy.labels);
+    const FixingReport reference = copy.FixAsReference(GetParam());
     EXPECT_GT(reference.num_examined_vertices, bound);
     EXPECT_EQ(problem.labels, copy.labels);
   }
@@ -161,17 +132,91 @@ TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
 TEST_P(FixSingularVerticesTest, IsTheSameAtEveryNumberOfThreads) {
   Random random(8);
   const Problem problem = LargeProblemWithFewSingularVertices(300, &random);
-  std::vector<Problem> results;
-  for (const size_t num_threads : {1, 2, 5}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
-    Problem& fixed = results.emplace_back(problem);
-    const FixingReport report = FixSingularVertices(
-        GetParam(), &fixed.tetrahedra, &fixed.graph, &fixed.labels);
-    EXPECT_GT(report.num_singular_raw, 200u);
-    EXPECT_EQ(fixed.labels, results[0].labels);
-    ExpectSameCells(fixed.tetrahedra, results[0].tetrahedra);
+  ExpectSameForAnyThreads([&] {
+    Problem fixed = problem;
+    EXPECT_GT(fixed.Fix(GetParam()).num_singular_raw, 200u);
+    return fixed;
+  });
+}
+
+// A problem whose labels are wrong but for the cells that were asked for.
+class HiddenProblem {
+ public:
+  explicit HiddenProblem(const FixingProblem& whole)
+      : whole_(whole), hidden_(whole), is_shown_(whole.labels.size(), 0) {
+    for (uint8_t& label : hidden_.labels) {
+      label = !label;
+    }
   }
+
+  FixingProblem& Hidden() { return hidden_; }
+
+  // Shows two rings of cells.
+  void ShowAround(const std::vector<uint32_t>& vertices) {
+    for (const uint32_t vertex : vertices) {
+      ForEachCell(vertex, [this](uint32_t cell) {
+        for (const uint32_t corner : hidden_.tetrahedra.cells[cell].vertices) {
+          if (corner != kInfiniteVertex) {
+            ForEachCell(corner, [this](uint32_t shown) { Show(shown); });
+          }
+        }
+      });
+    }
+  }
+
+  // \return how many cells were never asked for
+  size_t ShowAll() {
+    size_t num_hidden = 0;
+    for (uint32_t cell = 0; cell < is_shown_.size(); ++cell) {
+      num_hidden += is_shown_[cell] == 0;
+      Show(cell);
+    }
+    return num_hidden;
+  }
+
+ private:
+  template <typename Function>
+  void ForEachCell(uint32_t vertex, const Function& function) const {
+    std::vector<uint32_t> cells;
+    IncidentCells(hidden_.tetrahedra, vertex, &cells);
+    for (const uint32_t cell : cells) {
+      function(cell);
+    }
+  }
+
+  // Children of split cells have the right label.
+  void Show(uint32_t cell) {
+    if (cell < is_shown_.size() && is_shown_[cell] == 0) {
+      is_shown_[cell] = 1;
+      hidden_.labels[cell] = whole_.labels[cell];
+    }
+  }
+
+  const FixingProblem& whole_;
+  FixingProblem hidden_;
+  std::vector<uint8_t> is_shown_;  // [cells of the whole]
+};
+
+TEST_P(FixSingularVerticesTest, FixesAPartialComplexAsTheWhole) {
+  Random random(9);
+  const FixingProblem whole = LargeProblemWithFewSingularVertices(300, &random);
+  FixingProblem expected = whole;
+  expected.Fix(GetParam());
+  HiddenProblem problem(whole);
+  size_t num_splits = 0;
+  PartialComplex partial = {whole.Singular(), [](uint32_t) { return true; },
+                            [&problem](const std::vector<uint32_t>& vertices) {
+                              problem.ShowAround(vertices);
+                            },
+                            [&num_splits](uint32_t) { ++num_splits; }};
+  FixingProblem& fixed = problem.Hidden();
+  const FixingReport report = fixed.Fix(GetParam(), &partial);
+  EXPECT_GT(report.num_singular_raw, 200u);
+  EXPECT_LT(report.num_examined_vertices, whole.tetrahedra.points.size());
+  EXPECT_GT(problem.ShowAll(), whole.labels.size() / 10);
+  EXPECT_TRUE(fixed == expected);
+  EXPECT_EQ(num_splits, report.num_split_cells);
+  EXPECT_EQ(partial.singular, fixed.Singular());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -264,9 +309,7 @@ TEST(EnergyRule, TakesTheCheapestOfTheLeastExcessAndEnergys) {
   size_t num_tried = 0;
   ForEachSingleVertex(4, [&](Problem problem, uint32_t vertex) {
     const auto best = LeastExcessAndEnergy(problem, vertex);
-    const FixingReport report =
-        FixSingularVertices(FixingRule::kEnergy, &problem.tetrahedra,
-                            &problem.graph, &problem.labels);
+    const FixingReport report = problem.Fix(FixingRule::kEnergy);
     if (std::get<0>(best) > 0) {
       return;  // it has to split cells
     }
@@ -291,9 +334,7 @@ TEST(PaperRule, KeepsTheLargestComponents) {
       expected = KeepOne(expected, vertex, is_free,
                          static_cast<size_t>(largest - components.begin()));
     }
-    const FixingReport report =
-        FixSingularVertices(FixingRule::kPaper, &problem.tetrahedra,
-                            &problem.graph, &problem.labels);
+    const FixingReport report = problem.Fix(FixingRule::kPaper);
     if (expected.Singular().empty()) {
       ++num_tried;
       EXPECT_EQ(problem.labels, expected.labels);

@@ -4,15 +4,17 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
 #include "scene/look_at.h"
 #include "spatial/self_intersections.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
+#include "tests/random_vectors.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace manifold_meshing_test {
@@ -30,7 +32,7 @@ struct SphereScene {
   explicit SphereScene(uint32_t num_points = 4000, bool has_room = true) {
     Random random(1);
     for (int i = 0; i < 20; ++i) {
-      const Eigen::Vector3d center = 4 * OnSphere(&random);
+      const Eigen::Vector3d center = 4 * RandomNormal(&random);
       views.push_back(LookAt(center, Eigen::Vector3d::Zero()));
     }
     for (const Eigen::Vector3f& corner : GridPoints(has_room ? 2 : 0)) {
@@ -42,7 +44,7 @@ struct SphereScene {
       });
     }
     for (uint32_t i = 0; i < num_points; ++i) {
-      const Eigen::Vector3d normal = OnSphere(&random);
+      const Eigen::Vector3d normal = RandomNormal(&random);
       const Eigen::Vector3d point =
           normal * (1 + kNoise * (2 * random.Unit() - 1));
       Add(point, [&](const Eigen::Vector3d& center) {
@@ -63,15 +65,8 @@ struct SphereScene {
     cloud.views.EndRow();
   }
 
-  static Eigen::Vector3d OnSphere(Random* random) {
-    for (;;) {
-      const Eigen::Vector3d point(2 * random->Unit() - 1,
-                                  2 * random->Unit() - 1,
-                                  2 * random->Unit() - 1);
-      if (point.norm() > 0.1 && point.norm() < 1) {
-        return point.normalized();
-      }
-    }
+  ManifoldMesh Mesh(const ManifoldMeshingOptions& options) const {
+    return MeshManifold(options, cloud, views);
   }
 
   // All of it, cameras included, scaled by a power of two.
@@ -88,15 +83,19 @@ struct SphereScene {
   std::vector<View> views;
 };
 
-void ExpectSame(const ManifoldMesh& a, const ManifoldMesh& b) {
-  EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
-  EXPECT_EQ(a.mesh.facets, b.mesh.facets);
-  EXPECT_EQ(a.attributes.colors, b.attributes.colors);
-  EXPECT_EQ(a.attributes.views.offsets, b.attributes.views.offsets);
-  EXPECT_EQ(a.attributes.views.values, b.attributes.views.values);
-  EXPECT_EQ(a.attributes.confidences, b.attributes.confidences);
-  EXPECT_EQ(a.facet_confidences, b.facet_confidences);
-  EXPECT_EQ(a.report.flow, b.report.flow);
+// What has to be the same of two results.
+auto PartsOf(const ManifoldMesh& mesh) {
+  const VertexAttributes& attributes = mesh.attributes;
+  return std::tuple(mesh.mesh.vertices, mesh.mesh.facets, attributes.colors,
+                    attributes.views, attributes.confidences,
+                    mesh.facet_confidences, mesh.report.flow);
+}
+
+// Options that keep all points.
+ManifoldMeshingOptions KeepAll() {
+  ManifoldMeshingOptions options;
+  options.max_proj_dist = 0;
+  return options;
 }
 
 std::vector<ManifoldMeshingOptions> Variants() {
@@ -114,40 +113,49 @@ std::vector<ManifoldMeshingOptions> Variants() {
   return variants;
 }
 
+double Volume(const TriangleMesh& mesh) {
+  double volume = 0;
+  for (const auto& [a, b, c] : mesh.facets) {
+    volume +=
+        mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
+  }
+  return volume;
+}
+
+Eigen::Vector3f CentroidOf(const TriangleMesh& mesh, const Facet& facet) {
+  const auto& [a, b, c] = facet;
+  return (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3;
+}
+
 TEST(MeshManifold, OfASphereIsOneSphere) {
   const SphereScene scene;
   for (const double max_proj_dist : {0.0, 20.0}) {
     ManifoldMeshingOptions options;
     options.max_proj_dist = max_proj_dist;
-    const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+    const ManifoldMesh result = scene.Mesh(options);
     EXPECT_TRUE(HasManifoldLinks(result.mesh));
     const MeshReport& report = result.report.mesh;
     EXPECT_EQ(report.num_components, 1u);
     EXPECT_EQ(report.num_border_edges, 0u);
     EXPECT_EQ(report.genus, 0);
-    double volume = 0;
     double mean_error = 0;
-    for (const auto& [a, b, c] : result.mesh.facets) {
-      const Eigen::Vector3f& p = result.mesh.vertices[a];
-      volume += p.dot(result.mesh.vertices[b].cross(result.mesh.vertices[c]));
-      const Eigen::Vector3f centroid =
-          (p + result.mesh.vertices[b] + result.mesh.vertices[c]) / 3;
+    for (const Facet& facet : result.mesh.facets) {
+      const Eigen::Vector3f centroid = CentroidOf(result.mesh, facet);
       EXPECT_NEAR(centroid.norm(), 1, 0.1);
       mean_error += std::abs(centroid.norm() - 1) /
                     static_cast<double>(result.mesh.facets.size());
     }
     EXPECT_LT(mean_error, SphereScene::kNoise);
-    EXPECT_NEAR(volume / 6, 4.19, 0.1);  // positive: seen from outside
+    EXPECT_NEAR(Volume(result.mesh), 4.19, 0.1);  // positive: seen from outside
   }
 }
 
 // Within the region, away from its border, the surface is the same as without.
 TEST(MeshManifold, EndsAtTheRegion) {
   const SphereScene scene;
-  ManifoldMeshingOptions options;
-  options.max_proj_dist = 0;
+  ManifoldMeshingOptions options = KeepAll();
   options.region = RegionBetween({-2, -2, -2}, {2, 2, 0.3});
-  const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+  const ManifoldMesh result = scene.Mesh(options);
   EXPECT_TRUE(HasManifoldLinks(result.mesh));
   EXPECT_EQ(result.report.mesh.num_components, 1u);
   EXPECT_EQ(result.report.mesh.num_border_loops, 1u);
@@ -158,15 +166,13 @@ TEST(MeshManifold, EndsAtTheRegion) {
     EXPECT_NEAR(vertex.norm(), 1, 0.1);
   }
   options.region = RegionBetween({5, 5, 5}, {6, 6, 6});
-  EXPECT_THROW(MeshManifold(options, scene.cloud, scene.views),
-               std::invalid_argument);
+  EXPECT_THROW(scene.Mesh(options), std::invalid_argument);
 }
 
 // Few points lie in the region; the rays to others pass through it.
 TEST(MeshManifold, RefusesRegionsOfAFewPoints) {
   const SphereScene scene;
-  ManifoldMeshingOptions options;
-  options.max_proj_dist = 0;
+  ManifoldMeshingOptions options = KeepAll();
   size_t num_alone = 0;
   for (uint32_t point = 8; point < 30; ++point) {
     const Eigen::Vector3d center = scene.cloud.positions[point].cast<double>();
@@ -177,7 +183,7 @@ TEST(MeshManifold, RefusesRegionsOfAFewPoints) {
                             return options.region->Contains(position);
                           });
     try {
-      MeshManifold(options, scene.cloud, scene.views);
+      scene.Mesh(options);
       ADD_FAILURE() << "point " << point;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find("to mesh"), std::string::npos)
@@ -187,21 +193,11 @@ TEST(MeshManifold, RefusesRegionsOfAFewPoints) {
   EXPECT_GT(num_alone, 0u);
 }
 
-double Volume(const TriangleMesh& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.facets) {
-    volume +=
-        mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
-  }
-  return volume;
-}
-
 // Rays through the middle of the sphere, with more weight than all its points,
 // leave little matter within.
 TEST(MeshManifold, RaysBeyondCarve) {
   const SphereScene scene;
-  ManifoldMeshingOptions options;
-  options.max_proj_dist = 0;
+  ManifoldMeshingOptions options = KeepAll();
   RayEnds ends;
   for (const View& view : scene.views) {
     const Eigen::Vector3d center = view.Center();
@@ -218,7 +214,7 @@ TEST(MeshManifold, RaysBeyondCarve) {
       MeshManifold(options, scene.cloud, scene.views, {}, ends);
   EXPECT_TRUE(HasManifoldLinks(carved.mesh));
   EXPECT_EQ(carved.report.num_ray_ends, ends.size());
-  const ManifoldMesh whole = MeshManifold(options, scene.cloud, scene.views);
+  const ManifoldMesh whole = scene.Mesh(options);
   EXPECT_LT(Volume(carved.mesh), 0.5 * Volume(whole.mesh));
   // No facet is at an end.
   for (const Eigen::Vector3f& vertex : carved.mesh.vertices) {
@@ -230,11 +226,9 @@ TEST(MeshManifold, HasNoHolesWhereTheObjectIsTheHull) {
   for (const uint32_t num_points : {500, 4000}) {
     const SphereScene scene(num_points, false);
     for (const double behind_sigma : {1.0, 3.0}) {
-      ManifoldMeshingOptions options;
-      options.max_proj_dist = 0;
+      ManifoldMeshingOptions options = KeepAll();
       options.behind_sigma = behind_sigma;
-      const MeshReport report =
-          MeshManifold(options, scene.cloud, scene.views).report.mesh;
+      const MeshReport report = scene.Mesh(options).report.mesh;
       EXPECT_EQ(report.num_components, 1u);
       EXPECT_EQ(report.num_border_edges, 0u)
           << num_points << " " << behind_sigma;
@@ -260,8 +254,7 @@ PointCloud WithoutTop(const PointCloud& cloud) {
 TEST(MeshManifold, TrimsWhatNoPointBearsOutAndClosesIt) {
   const SphereScene scene;
   const PointCloud cloud = WithoutTop(scene.cloud);
-  ManifoldMeshingOptions options;
-  options.max_proj_dist = 0;
+  ManifoldMeshingOptions options = KeepAll();
   const ManifoldMesh whole = MeshManifold(options, cloud, scene.views);
   ASSERT_EQ(whole.report.mesh.num_border_loops, 0);
   options.borders.trim = 0.2;
@@ -271,12 +264,8 @@ TEST(MeshManifold, TrimsWhatNoPointBearsOutAndClosesIt) {
   EXPECT_GT(num_loops, 0);
   EXPECT_EQ(trimmed.report.borders.trim.num_regions, num_loops);
   EXPECT_GT(trimmed.mesh.facets.size(), 0.9 * whole.mesh.facets.size());
-  for (const auto& [a, b, c] : trimmed.mesh.facets) {
-    EXPECT_LT((trimmed.mesh.vertices[a] + trimmed.mesh.vertices[b] +
-               trimmed.mesh.vertices[c])
-                      .z() /
-                  3,
-              0.75);
+  for (const Facet& facet : trimmed.mesh.facets) {
+    EXPECT_LT(CentroidOf(trimmed.mesh, facet).z(), 0.75);
   }
   options.borders.close_holes = kAllLoops;
   const ManifoldMesh closed = MeshManifold(options, cloud, scene.views);
@@ -291,7 +280,7 @@ TEST(MeshManifold, TrimsWhatNoPointBearsOutAndClosesIt) {
 TEST(MeshManifold, ReportsWhatItDid) {
   const SphereScene scene;
   for (const ManifoldMeshingOptions& options : Variants()) {
-    const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+    const ManifoldMesh result = scene.Mesh(options);
     const ManifoldMeshingReport& report = result.report;
     EXPECT_TRUE(HasManifoldLinks(result.mesh));
     EXPECT_TRUE(report.mesh.IsManifold());
@@ -320,10 +309,7 @@ TEST(MeshManifold, ReportsWhatItDid) {
       EXPECT_GE(confidence, 0);
       EXPECT_LE(confidence, 1);
     }
-    EXPECT_EQ(result.attributes.views.offsets.size(),
-              result.mesh.vertices.size() + 1);
-    EXPECT_EQ(result.attributes.views.offsets.back(),
-              result.attributes.views.values.size());
+    EXPECT_EQ(result.attributes.views.size(), result.mesh.vertices.size());
     EXPECT_GT(report.num_long_facets, 0u);  // of the room
     EXPECT_EQ(report.self_intersections.num_after, 0u);
     EXPECT_TRUE(FindSelfIntersections(result.mesh).empty());
@@ -336,72 +322,57 @@ TEST(MeshManifold, VerticesHaveWhatTheirPointsHave) {
   ManifoldMeshingOptions options;
   options.smoothing = 0;
   options.preemptive_fixing = false;  // no centroids
-  const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
+  const ManifoldMesh result = scene.Mesh(options);
   ASSERT_EQ(result.report.num_midpoints, 0u);
   for (size_t i = 0; i < result.mesh.vertices.size(); ++i) {
     const auto found =
-        std::find(scene.cloud.positions.begin(), scene.cloud.positions.end(),
-                  result.mesh.vertices[i]);
+        std::ranges::find(scene.cloud.positions, result.mesh.vertices[i]);
     ASSERT_NE(found, scene.cloud.positions.end());
     const auto point =
         static_cast<size_t>(found - scene.cloud.positions.begin());
     ASSERT_EQ(result.attributes.colors[i], scene.cloud.colors[point]);
-    const auto views = scene.cloud.views[point];
-    const auto first = result.attributes.views.values.begin() +
-                       static_cast<int>(result.attributes.views.offsets[i]);
-    const auto last = result.attributes.views.values.begin() +
-                      static_cast<int>(result.attributes.views.offsets[i + 1]);
-    ASSERT_TRUE(std::equal(views.begin(), views.end(), first, last));
+    ASSERT_TRUE(std::ranges::equal(result.attributes.views[i],
+                                   scene.cloud.views[point]));
   }
 }
 
 TEST(MeshManifold, DoesNotDependOnThreads) {
   const SphereScene scene(2500);
-  const auto mesh = [&](const ManifoldMeshingOptions& options,
-                        size_t num_threads) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
-    return MeshManifold(options, scene.cloud, scene.views);
-  };
   for (const ManifoldMeshingOptions& options : Variants()) {
-    const ManifoldMesh expected = mesh(options, 1);
-    ExpectSame(mesh(options, 2), expected);
-    ExpectSame(mesh(options, 3), expected);
+    ExpectSameForAnyThreads([&] { return PartsOf(scene.Mesh(options)); });
   }
 }
 
 TEST(MeshManifold, ScalesWithTheScene) {
   const SphereScene scene(1500);
   for (const ManifoldMeshingOptions& options : Variants()) {
-    ManifoldMesh expected = MeshManifold(options, scene.cloud, scene.views);
+    ManifoldMesh expected = scene.Mesh(options);
     for (const float factor : {1024.0f, 1.0f / 1024}) {
       SphereScene scaled = scene;
       scaled.Scale(factor);
-      const ManifoldMesh result =
-          MeshManifold(options, scaled.cloud, scaled.views);
+      const ManifoldMesh result = scaled.Mesh(options);
       ManifoldMesh expected_scaled = expected;
       for (Eigen::Vector3f& vertex : expected_scaled.mesh.vertices) {
         vertex *= factor;
       }
-      ExpectSame(result, expected_scaled);
+      EXPECT_TRUE(PartsOf(result) == PartsOf(expected_scaled));
     }
   }
 }
 
 TEST(MeshManifold, DuplicatesChangeNothingButTheirVotes) {
   SphereScene scene(1000);
-  ManifoldMeshingOptions options;
+  ManifoldMeshingOptions options = KeepAll();
   options.smoothing = 0;
-  options.max_proj_dist = 0;
-  const ManifoldMesh expected = MeshManifold(options, scene.cloud, scene.views);
+  const ManifoldMesh expected = scene.Mesh(options);
   // Duplicates without views.
   for (int i = 0; i < 100; ++i) {
     scene.cloud.positions.push_back(scene.cloud.positions[7 * i]);
     scene.cloud.colors.push_back({1, 2, 3});
-    scene.cloud.views.offsets.push_back(scene.cloud.views.offsets.back());
+    scene.cloud.views.EndRow();
   }
-  const ManifoldMesh result = MeshManifold(options, scene.cloud, scene.views);
-  ExpectSame(result, expected);
+  const ManifoldMesh result = scene.Mesh(options);
+  EXPECT_TRUE(PartsOf(result) == PartsOf(expected));
   EXPECT_EQ(result.report.num_duplicate_points, 100u);
 }
 
@@ -443,11 +414,9 @@ bool IsRefused(const PointCloud& cloud, const std::vector<View>& views) {
 
 // Points that one camera sees.
 PointCloud SeenCloud(const std::vector<Eigen::Vector3f>& points) {
-  PointCloud cloud;
-  for (const Eigen::Vector3f& point : points) {
-    cloud.positions.push_back(point);
-    cloud.views.values.push_back(0);
-    cloud.views.EndRow();
+  PointCloud cloud{points, {}, {}};
+  for (size_t i = 0; i < points.size(); ++i) {
+    cloud.views.AddRow(std::vector<uint32_t>{0});
   }
   return cloud;
 }

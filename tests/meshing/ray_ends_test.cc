@@ -1,5 +1,8 @@
 #include "meshing/ray_ends.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "scene/look_at.h"
@@ -33,6 +36,7 @@ class CropCloudTest : public testing::Test {
   }
 
   const Region region_ = RegionBetween({-1, -1, -1}, {1, 1, 1});
+  const Region grown_ = Grow(region_, MarginOf(region_));
   const std::vector<View> views_ = {FrontView(-2), FrontView(2)};
   const PointCloud cloud_ = RandomCloud();
   WeightedCloud weighted_;
@@ -40,16 +44,14 @@ class CropCloudTest : public testing::Test {
 };
 
 TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMargin) {
-  const Region grown = Grow(region_, MarginOf(region_));
-  size_t num_inside = 0;
-  for (const Eigen::Vector3f& position : cloud_.positions) {
-    num_inside += grown.Contains(position);
-  }
+  const auto num_inside = static_cast<size_t>(std::ranges::count_if(
+      cloud_.positions,
+      [&](const auto& position) { return grown_.Contains(position); }));
   EXPECT_EQ(weighted_.cloud.size(), num_inside);
   EXPECT_EQ(weighted_.cloud.colors.size(), num_inside);
   EXPECT_EQ(weighted_.cloud.views.size(), num_inside);
   for (const Eigen::Vector3f& position : weighted_.cloud.positions) {
-    EXPECT_TRUE(grown.Contains(position));
+    EXPECT_TRUE(grown_.Contains(position));
   }
 }
 
@@ -57,14 +59,13 @@ TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMargin) {
 // it, and the ray to it passes through the region.
 TEST_F(CropCloudTest, RaysEndWhereTheyLeave) {
   ASSERT_GT(ends_.size(), 20u);
-  const Region grown = Grow(region_, MarginOf(region_));
   for (size_t i = 0; i < ends_.size(); ++i) {
     const Eigen::Vector3d end = ends_.positions[i].cast<double>();
     const Eigen::Vector3d center = views_[ends_.views[i]].Center();
     EXPECT_NEAR(
-        (grown.FromCenter(end).cwiseAbs() - grown.half_sizes).maxCoeff(), 0,
+        (grown_.FromCenter(end).cwiseAbs() - grown_.half_sizes).maxCoeff(), 0,
         1e-5);
-    EXPECT_NEAR(PartInside(grown, center, center + 2 * (end - center)).second,
+    EXPECT_NEAR(PartInside(grown_, center, center + 2 * (end - center)).second,
                 0.5, 1e-5);
     EXPECT_FALSE(PartInside(region_, center, end).IsEmpty());
   }
@@ -74,20 +75,16 @@ TEST_F(CropCloudTest, RaysEndWhereTheyLeave) {
 // region, once for each view.
 TEST_F(CropCloudTest, KeepsTheWeights) {
   double expected = 0;
-  const Region grown = Grow(region_, MarginOf(region_));
   for (const Eigen::Vector3f& position : cloud_.positions) {
     for (const View& view : views_) {
       const bool is_behind =
           !PartInside(region_, view.Center(), position.cast<double>())
                .IsEmpty();
-      expected += grown.Contains(position) || !is_behind ? 0 : 0.5;
+      expected += grown_.Contains(position) || !is_behind ? 0 : 0.5;
     }
   }
-  double sum = 0;
-  for (const float weight : ends_.weights) {
-    sum += weight;
-  }
-  EXPECT_NEAR(sum, expected, 1e-3);
+  EXPECT_NEAR(std::accumulate(ends_.weights.begin(), ends_.weights.end(), 0.0),
+              expected, 1e-3);
 }
 
 TEST_F(CropCloudTest, AppendsEndsBehindThePoints) {

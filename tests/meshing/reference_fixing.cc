@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "delaunay/cell_graph.h"
+#include "base/indices.h"
 #include "meshing/cell_splitting.h"
 #include "meshing/vertex_star.h"
 
@@ -15,9 +15,10 @@ using Cells = std::vector<uint32_t>;
 
 class Reference {
  public:
-  Reference(Tetrahedralization* tetrahedra, FlowCapacities* graph,
-            std::vector<uint8_t>* is_free)
-      : tetrahedra_(*tetrahedra), graph_(*graph), is_free_(*is_free) {}
+  explicit Reference(FixingProblem* problem)
+      : problem_(*problem),
+        tetrahedra_(problem->tetrahedra),
+        is_free_(problem->labels) {}
 
   FixingReport Run(FixingRule rule) {
     report_.num_singular_raw = Singular().size();
@@ -93,10 +94,11 @@ class Reference {
                                           std::numeric_limits<int64_t>::min()};
       Cells best_cells;
       for (const Cells& cells : Candidates(vertex)) {
-        std::pair<int64_t, int64_t> change = {-Excess(cells), -Energy()};
+        std::pair<int64_t, int64_t> change = {-Excess(cells),
+                                              -problem_.Energy()};
         Flip(cells);
         change.first += Excess(cells);
-        change.second += Energy();
+        change.second += problem_.Energy();
         Flip(cells);
         if (change < best) {
           best = change;
@@ -160,19 +162,13 @@ class Reference {
         }
       }
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()),
-                   vertices.end());
+    SortUnique(&vertices);
     int64_t excess = 0;
     for (const uint32_t vertex : vertices) {
       excess += std::max<int64_t>(
           0, static_cast<int64_t>(Star(vertex).NumComponents()) - 2);
     }
     return excess;
-  }
-
-  int64_t Energy() const {
-    return CutValue(NeighborsOf(tetrahedra_), graph_, is_free_);
   }
 
   static size_t Largest(const VertexStar& star, bool is_free) {
@@ -207,7 +203,7 @@ class Reference {
         }
         for (const uint32_t cell : star.Component(i)) {
           if (CanSplit(tetrahedra_, cell)) {
-            SplitCell(cell, &tetrahedra_, &graph_, &is_free_);
+            SplitCell(cell, &tetrahedra_, &problem_.graph, &is_free_);
             ++report_.num_split_cells;
           }
         }
@@ -215,18 +211,16 @@ class Reference {
     }
   }
 
+  FixingProblem& problem_;
   Tetrahedralization& tetrahedra_;
-  FlowCapacities& graph_;
   std::vector<uint8_t>& is_free_;
   FixingReport report_;
 };
 
 }  // namespace
 
-FixingReport ReferenceFixing(FixingRule rule, Tetrahedralization* tetrahedra,
-                             FlowCapacities* graph,
-                             std::vector<uint8_t>* is_free) {
-  return Reference(tetrahedra, graph, is_free).Run(rule);
+FixingReport FixingProblem::FixAsReference(FixingRule rule) {
+  return Reference(this).Run(rule);
 }
 
 }  // namespace colmap_ext

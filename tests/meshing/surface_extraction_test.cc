@@ -35,8 +35,7 @@ double SignedVolume(const TriangleMesh& mesh) {
   for (const auto& [a, b, c] : mesh.facets) {
     const Eigen::Vector3d p = mesh.vertices[a].cast<double>();
     const Eigen::Vector3d q = mesh.vertices[b].cast<double>();
-    const Eigen::Vector3d r = mesh.vertices[c].cast<double>();
-    volume += p.dot(q.cross(r)) / 6;
+    volume += p.cross(q).dot(mesh.vertices[c].cast<double>()) / 6;
   }
   return volume;
 }
@@ -49,8 +48,7 @@ double MatterVolume(const Tetrahedralization& tetrahedra,
       continue;
     }
     const auto corner = [&](int k) -> Eigen::Vector3d {
-      return tetrahedra.points[tetrahedra.cells[cell].vertices[k]]
-          .cast<double>();
+      return tetrahedra.PositionOf(tetrahedra.cells[cell].vertices[k]);
     };
     volume += (corner(1) - corner(0))
                   .cross(corner(2) - corner(0))
@@ -84,11 +82,8 @@ TEST(ExtractSurface, HasTheFacetsBetweenMatterAndFreeSeenFromFree) {
         if (!labels[index] || labels[cell.neighbors[i]]) {
           continue;
         }
-        const auto& corners = kFacetCorners[i];
-        const Facet facet = {cell.vertices[corners[0]],
-                             cell.vertices[corners[1]],
-                             cell.vertices[corners[2]]};
-        if (*std::max_element(facet.begin(), facet.end()) != kInfiniteVertex) {
+        const Facet facet = FacetVertices(cell, i);
+        if (std::ranges::max(facet) != kInfiniteVertex) {
           expected.push_back(facet);
         }
       }
@@ -113,20 +108,18 @@ TEST(ExtractSurface, PartnersBoundTheSameMatterAroundTheirEdge) {
     // The matter behind each facet.
     std::map<Facet, uint32_t> matter;
     for (uint32_t index = 0; index < tetrahedra.cells.size(); ++index) {
-      const auto& v = tetrahedra.cells[index].vertices;
       for (int i = 0; i < 4 && !labels[index]; ++i) {
-        const auto& corners = kFacetCorners[i];
-        matter[*Oriented({{v[corners[0]], v[corners[2]], v[corners[1]]}})
-                    .begin()] = index;
+        const auto [a, b, c] = FacetVertices(tetrahedra.cells[index], i);
+        matter[*Oriented({{a, c, b}}).begin()] = index;
       }
     }
     ForEachEdge(facets, [&](auto first, auto last) {
       const uint32_t u = FromVertex(facets, first->second);
       const uint32_t v = ToVertex(facets, first->second);
       const auto has_edge = [&](uint32_t cell) {
-        const auto& c = tetrahedra.cells[cell].vertices;
-        return std::count(c.begin(), c.end(), u) +
-                   std::count(c.begin(), c.end(), v) ==
+        const auto& vertices = tetrahedra.cells[cell].vertices;
+        return std::ranges::count(vertices, u) +
+                   std::ranges::count(vertices, v) ==
                2;
       };
       UnionFind components(tetrahedra.cells.size());

@@ -12,10 +12,22 @@
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 #include <boost/graph/push_relabel_max_flow.hpp>
 
+#include "base/index_limit.h"
 #include "tests/random.h"
 
 namespace colmap_ext {
 namespace min_cut_test {
+
+struct Graph {
+  std::vector<std::array<uint32_t, 4>> neighbors;
+  FlowCapacities nodes;
+
+  uint32_t size() const { return static_cast<uint32_t>(nodes.size()); }
+  MinCut Cut() const { return ComputeMinCut(neighbors, nodes); }
+  int64_t Value(const std::vector<uint8_t>& side) const {
+    return CutValue(neighbors, nodes, side);
+  }
+};
 
 // Which capacities a random graph has.
 enum class Capacities { kTiny, kWide, kHuge, kMostlyZero };
@@ -40,7 +52,7 @@ uint32_t RandomCapacity(Capacities kind, Random* random) {
   return 0;
 }
 
-int FreeSlot(const FlowGraph& graph, uint32_t node, Random* random) {
+int FreeSlot(const Graph& graph, uint32_t node, Random* random) {
   const int first = random->Integer(0, 3);
   for (int k = 0; k < 4; ++k) {
     const int slot = (first + k) % 4;
@@ -52,11 +64,11 @@ int FreeSlot(const FlowGraph& graph, uint32_t node, Random* random) {
 }
 
 // Nodes of degree 0 ... 4, neighbors in slots anywhere.
-FlowGraph RandomGraph(uint32_t num_nodes, uint32_t num_edges, Capacities kind,
-                      Random* random) {
-  FlowGraph graph;
+Graph RandomGraph(uint32_t num_nodes, uint32_t num_edges, Capacities kind,
+                  Random* random) {
+  Graph graph;
   graph.neighbors.assign(num_nodes, {kNone, kNone, kNone, kNone});
-  graph.capacities.assign(num_nodes, {7, 7, 7, 7});  // of no arc: no matter
+  graph.nodes.assign(num_nodes, {{7, 7, 7, 7}});  // arcs of none: ignored
   for (uint32_t i = 0; i < num_edges; ++i) {
     const uint32_t u = random->Below(num_nodes);
     const uint32_t v = random->Below(num_nodes);
@@ -69,14 +81,12 @@ FlowGraph RandomGraph(uint32_t num_nodes, uint32_t num_edges, Capacities kind,
     }
     graph.neighbors[u][slot_u] = v;
     graph.neighbors[v][slot_v] = u;
-    graph.capacities[u][slot_u] = RandomCapacity(kind, random);
-    graph.capacities[v][slot_v] = RandomCapacity(kind, random);
+    graph.nodes[u].arcs[slot_u] = RandomCapacity(kind, random);
+    graph.nodes[v].arcs[slot_v] = RandomCapacity(kind, random);
   }
-  for (uint32_t i = 0; i < num_nodes; ++i) {
-    graph.source.push_back(random->Chance(0.4) ? RandomCapacity(kind, random)
-                                               : 0);
-    graph.sink.push_back(random->Chance(0.4) ? RandomCapacity(kind, random)
-                                             : 0);
+  for (NodeCapacities& node : graph.nodes) {
+    node.source = random->Chance(0.4) ? RandomCapacity(kind, random) : 0;
+    node.sink = random->Chance(0.4) ? RandomCapacity(kind, random) : 0;
   }
   return graph;
 }
@@ -84,14 +94,15 @@ FlowGraph RandomGraph(uint32_t num_nodes, uint32_t num_edges, Capacities kind,
 int64_t Clamp(uint32_t capacity) { return std::min(capacity, kMaxCapacity); }
 
 // The value of a cut, from its definition.
-int64_t ValueOf(const FlowGraph& graph, const std::vector<uint8_t>& side) {
+int64_t ValueOf(const Graph& graph, const std::vector<uint8_t>& side) {
   int64_t value = 0;
   for (uint32_t i = 0; i < graph.size(); ++i) {
-    value += side[i] ? Clamp(graph.sink[i]) : Clamp(graph.source[i]);
+    value +=
+        side[i] ? Clamp(graph.nodes[i].sink) : Clamp(graph.nodes[i].source);
     for (int k = 0; k < 4; ++k) {
       const uint32_t other = graph.neighbors[i][k];
       if (other != kNone && side[i] && !side[other]) {
-        value += Clamp(graph.capacities[i][k]);
+        value += Clamp(graph.nodes[i].arcs[k]);
       }
     }
   }
@@ -100,7 +111,7 @@ int64_t ValueOf(const FlowGraph& graph, const std::vector<uint8_t>& side) {
 
 // The minimum over all labelings, and what all minimum cuts have in common on
 // the source's side.
-MinCut BruteForce(const FlowGraph& graph) {
+MinCut BruteForce(const Graph& graph) {
   MinCut best;
   best.flow = std::numeric_limits<int64_t>::max();
   std::vector<uint8_t> side(graph.size());
@@ -126,9 +137,9 @@ TEST(MinCut, IsTheSmallestOfAllMinimumCuts) {
   for (const Capacities kind : kAllCapacities) {
     for (int trial = 0; trial < 600; ++trial) {
       const uint32_t num_nodes = 1 + random.Below(9);
-      const FlowGraph graph =
+      const Graph graph =
           RandomGraph(num_nodes, random.Below(3 * num_nodes), kind, &random);
-      const MinCut cut = ComputeMinCut(graph);
+      const MinCut cut = graph.Cut();
       const MinCut expected = BruteForce(graph);
       ASSERT_EQ(cut.flow, expected.flow);
       ASSERT_EQ(cut.on_source_side, expected.on_source_side);
@@ -140,27 +151,22 @@ TEST(MinCut, CutValueIsTheSumOfTheCutArcs) {
   Random random(2);
   for (const Capacities kind : kAllCapacities) {
     for (int trial = 0; trial < 50; ++trial) {
-      const FlowGraph graph = RandomGraph(20, 60, kind, &random);
+      const Graph graph = RandomGraph(20, 60, kind, &random);
       std::vector<uint8_t> side(graph.size());
       for (uint8_t& label : side) {
         label = random.Chance(0.5);
       }
-      ASSERT_EQ(CutValue(graph, side), ValueOf(graph, side));
+      ASSERT_EQ(graph.Value(side), ValueOf(graph, side));
     }
   }
 }
 
-// The flow by another library's algorithms.
-struct BoostFlows {
-  int64_t boykov_kolmogorov;
-  int64_t push_relabel;
-};
-
-BoostFlows FlowsByBoost(const FlowGraph& graph) {
+// The flow by two of another library's algorithms.
+std::array<int64_t, 2> FlowsByBoost(const Graph& graph) {
   using Traits =
       boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
   using Edge = Traits::edge_descriptor;
-  using Graph = boost::adjacency_list<
+  using BoostGraph = boost::adjacency_list<
       boost::vecS, boost::vecS, boost::directedS,
       boost::property<
           boost::vertex_index_t, long,
@@ -173,8 +179,8 @@ BoostFlows FlowsByBoost(const FlowGraph& graph) {
           boost::edge_capacity_t, int64_t,
           boost::property<boost::edge_residual_capacity_t, int64_t,
                           boost::property<boost::edge_reverse_t, Edge>>>>;
-  const auto size = static_cast<uint32_t>(graph.size());
-  Graph flow_graph(size + 2);
+  const uint32_t size = graph.size();
+  BoostGraph flow_graph(size + 2);
   const auto capacities = get(boost::edge_capacity, flow_graph);
   const auto reverses = get(boost::edge_reverse, flow_graph);
   const auto connect = [&](uint32_t u, uint32_t v, uint32_t capacity) {
@@ -186,11 +192,11 @@ BoostFlows FlowsByBoost(const FlowGraph& graph) {
     reverses[back] = edge;
   };
   for (uint32_t i = 0; i < size; ++i) {
-    connect(size, i, graph.source[i]);
-    connect(i, size + 1, graph.sink[i]);
+    connect(size, i, graph.nodes[i].source);
+    connect(i, size + 1, graph.nodes[i].sink);
     for (int k = 0; k < 4; ++k) {
       if (graph.neighbors[i][k] != kNone) {
-        connect(i, graph.neighbors[i][k], graph.capacities[i][k]);
+        connect(i, graph.neighbors[i][k], graph.nodes[i].arcs[k]);
       }
     }
   }
@@ -202,54 +208,49 @@ TEST(MinCut, AgreesWithBoostOnLargerGraphs) {
   Random random(3);
   for (const Capacities kind : kAllCapacities) {
     for (int trial = 0; trial < 5; ++trial) {
-      const FlowGraph graph = RandomGraph(2000, 8000, kind, &random);
-      const MinCut cut = ComputeMinCut(graph);
-      const BoostFlows expected = FlowsByBoost(graph);
-      ASSERT_EQ(cut.flow, expected.boykov_kolmogorov);
-      ASSERT_EQ(cut.flow, expected.push_relabel);
+      const Graph graph = RandomGraph(2000, 8000, kind, &random);
+      const MinCut cut = graph.Cut();
+      for (const int64_t expected : FlowsByBoost(graph)) {
+        ASSERT_EQ(cut.flow, expected);
+      }
       ASSERT_EQ(cut.flow, ValueOf(graph, cut.on_source_side));
     }
   }
 }
 
 // Cuts a graph, and the same graph with other numbers of nodes and slots.
-void ExpectSameWithOtherNumbers(const FlowGraph& graph, Random* random) {
-  const MinCut cut = ComputeMinCut(graph);
-  EXPECT_EQ(CutValue(graph, cut.on_source_side), cut.flow);
+void ExpectSameWithOtherNumbers(const Graph& graph, Random* random) {
+  const MinCut cut = graph.Cut();
+  EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
   std::vector<uint32_t> number(graph.size());
   std::iota(number.begin(), number.end(), 0);
   random->Shuffle(&number);
-  FlowGraph renumbered = graph;
+  Graph renumbered = graph;
   for (uint32_t i = 0; i < graph.size(); ++i) {
+    renumbered.nodes[number[i]] = graph.nodes[i];
     const uint32_t rotation = random->Below(4);  // of the slots
     for (uint32_t k = 0; k < 4; ++k) {
       const uint32_t other = graph.neighbors[i][k];
       const uint32_t slot = (k + rotation) % 4;
       renumbered.neighbors[number[i]][slot] =
           other == kNone ? kNone : number[other];
-      renumbered.capacities[number[i]][slot] = graph.capacities[i][k];
+      renumbered.nodes[number[i]].arcs[slot] = graph.nodes[i].arcs[k];
     }
-    renumbered.source[number[i]] = graph.source[i];
-    renumbered.sink[number[i]] = graph.sink[i];
   }
-  const MinCut other_cut = ComputeMinCut(renumbered);
+  const MinCut other_cut = renumbered.Cut();
   EXPECT_EQ(other_cut.flow, cut.flow);
   for (uint32_t i = 0; i < graph.size(); ++i) {
     ASSERT_EQ(other_cut.on_source_side[number[i]], cut.on_source_side[i]);
   }
 }
 
+// The larger ones have regions that are cut side by side, four of them.
 TEST(MinCut, DoesNotDependOnTheNumbering) {
   Random random(4);
   for (const Capacities kind : kAllCapacities) {
     ExpectSameWithOtherNumbers(RandomGraph(3000, 12000, kind, &random),
                                &random);
   }
-}
-
-// Regions that are cut side by side, four of them.
-TEST(MinCut, LargeGraphsDoNotDependOnTheNumberingEither) {
-  Random random(6);
   for (const Capacities kind : {Capacities::kWide, Capacities::kMostlyZero}) {
     ExpectSameWithOtherNumbers(RandomGraph(270000, 700000, kind, &random),
                                &random);
@@ -261,45 +262,43 @@ TEST(MinCut, LargeGraphsDoNotDependOnTheNumberingEither) {
 TEST(MinCut, LongChain) {
   constexpr uint32_t kNumNodes = 50000;
   Random random(5);
-  FlowGraph graph;
-  graph.source.assign(kNumNodes, 0);
-  graph.sink.assign(kNumNodes, 0);
+  Graph graph;
   for (uint32_t i = 0; i < kNumNodes; ++i) {
     graph.neighbors.push_back({i == 0 ? kNone : i - 1, kNone,
                                i + 1 == kNumNodes ? kNone : i + 1, kNone});
-    graph.capacities.push_back({random.Below(1000), 0, random.Below(1000), 0});
+    NodeCapacities& node = graph.nodes.emplace_back();
+    node.arcs = {random.Below(1000), 0, random.Below(1000), 0};
     if (i % 1000 == 0) {
-      (random.Chance(0.5) ? graph.source : graph.sink)[i] = random.Below(2000);
+      (random.Chance(0.5) ? node.source : node.sink) = random.Below(2000);
     }
   }
   // The least value of the first nodes' cut, the last of them on the sink's
   // side and on the source's.
   std::array<int64_t, 2> least = {0, 0};
   for (uint32_t i = 0; i < kNumNodes; ++i) {
-    const int64_t falling = i == 0 ? 0 : graph.capacities[i - 1][2];
-    const int64_t rising = i == 0 ? 0 : graph.capacities[i][0];
-    least = {std::min(least[0], least[1] + falling) + graph.source[i],
-             std::min(least[1], least[0] + rising) + graph.sink[i]};
+    const int64_t falling = i == 0 ? 0 : graph.nodes[i - 1].arcs[2];
+    const int64_t rising = i == 0 ? 0 : graph.nodes[i].arcs[0];
+    least = {std::min(least[0], least[1] + falling) + graph.nodes[i].source,
+             std::min(least[1], least[0] + rising) + graph.nodes[i].sink};
   }
-  const MinCut cut = ComputeMinCut(graph);
+  const MinCut cut = graph.Cut();
   EXPECT_EQ(cut.flow, std::min(least[0], least[1]));
-  EXPECT_EQ(CutValue(graph, cut.on_source_side), cut.flow);
+  EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
 }
 
 TEST(MinCut, LargestCapacitiesDoNotOverflow) {
   constexpr uint32_t kLargest = std::numeric_limits<uint32_t>::max();
-  FlowGraph graph;
+  Graph graph;
   graph.neighbors = {{1, kNone, kNone, kNone}, {0, kNone, kNone, kNone}};
-  graph.capacities = {{kLargest, 0, 0, 0}, {kLargest, 0, 0, 0}};
-  graph.source = {kLargest, 0};
-  graph.sink = {0, kLargest};
-  const MinCut cut = ComputeMinCut(graph);
+  graph.nodes = {{{kLargest, 0, 0, 0}, kLargest, 0},
+                 {{kLargest, 0, 0, 0}, 0, kLargest}};
+  const MinCut cut = graph.Cut();
   EXPECT_EQ(cut.flow, int64_t{kMaxCapacity});
-  EXPECT_EQ(CutValue(graph, cut.on_source_side), cut.flow);
+  EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
 }
 
 TEST(MinCut, EmptyGraph) {
-  const MinCut cut = ComputeMinCut(FlowGraph());
+  const MinCut cut = Graph().Cut();
   EXPECT_EQ(cut.flow, 0);
   EXPECT_TRUE(cut.on_source_side.empty());
 }

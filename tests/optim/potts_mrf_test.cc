@@ -1,14 +1,17 @@
+#include "optim/potts_mrf.h"
+
 #include <algorithm>
-#include <cmath>
+#include <ranges>
+#include <set>
+#include <span>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
-#include "optim/potts_mrf.h"
-#include "optim/sweep_order.h"
-#include "tests/optim/graphs.h"
 #include "tests/optim/random_potts.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace potts_mrf_test {
@@ -101,15 +104,11 @@ TEST(SolvePotts, IsWithinTwoPercentOnALargeWall) {
 
 TEST(SolvePotts, DoesNotDependOnTheNumberOfThreads) {
   const PottsProblem problem = LargeWall(0.7);
-  std::vector<PottsSolution> solutions;
-  for (const int num_threads : {1, 2, 3}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
-    solutions.push_back(SolvePotts(problem));
-    EXPECT_EQ(solutions.back().choices, solutions[0].choices);
-    EXPECT_EQ(solutions.back().energy, solutions[0].energy);
-    EXPECT_EQ(solutions.back().lower_bound, solutions[0].lower_bound);
-  }
+  ExpectSameForAnyThreads([&] {
+    PottsSolution solution = SolvePotts(problem);
+    return std::tuple(std::move(solution.choices), solution.energy,
+                      solution.lower_bound);
+  });
 }
 
 TEST(SolvePotts, ReportsItsEnergies) {
@@ -152,6 +151,182 @@ TEST(SolvePotts, LeavesNodesWithoutLabelsOut) {
 }
 
 TEST(SolvePotts, SolvesNothing) { EXPECT_TRUE(SolvePotts({}).choices.empty()); }
+
+// The least energy of all choices in which some nodes, a bit each, have taken
+// the label.
+double LeastOfExpansions(const PottsProblem& problem, uint32_t label,
+                         const std::vector<uint32_t>& choices) {
+  double least = PottsEnergy(problem, choices);
+  for (uint32_t takers = 0; takers < 1U << problem.NumNodes(); ++takers) {
+    std::vector<uint32_t> expanded = choices;
+    for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+      const auto labels = problem.Labels(node);
+      const auto at = std::ranges::find(labels, label);
+      if ((takers >> node & 1) != 0 && at != labels.end()) {
+        expanded[node] = static_cast<uint32_t>(at - labels.begin());
+      }
+    }
+    least = std::min(least, PottsEnergy(problem, expanded));
+  }
+  return least;
+}
+
+TEST(ExpandLabels, IsExactForTwoLabels) {
+  for (uint32_t seed = 0; seed < 40; ++seed) {
+    const PottsProblem problem =
+        RandomProblem(10, Prism(5), 2, 1, 0.05 * seed, seed);
+    const std::vector<uint32_t> choices =
+        ExpandLabels(problem, FirstChoices(problem));
+    EXPECT_NEAR(PottsEnergy(problem, choices), BruteForce(problem), 1e-5);
+  }
+}
+
+TEST(ExpandLabels, EndsWhereNoExpansionHelps) {
+  for (uint32_t seed = 0; seed < 40; ++seed) {
+    constexpr uint32_t kNumLabels = 5;
+    const PottsProblem problem =
+        RandomProblem(8, Prism(4), kNumLabels, 0.7, 0.05 * seed, seed);
+    std::vector<uint32_t> choices = FirstChoices(problem);
+    for (std::vector<uint32_t> before; before != choices;) {
+      before = choices;
+      choices = ExpandLabels(problem, before);
+      EXPECT_LE(PottsEnergy(problem, choices),
+                PottsEnergy(problem, before) + 1e-5);
+    }
+    for (uint32_t label = 0; label < kNumLabels; ++label) {
+      EXPECT_NEAR(PottsEnergy(problem, choices),
+                  LeastOfExpansions(problem, label, choices), 1e-5);
+    }
+  }
+}
+
+// More nodes than a block has: 90,000.
+PottsProblem ManyBlocks() {
+  return RandomProblem(90000, Wall(300), 4, 0.8, 0.5, 7);
+}
+
+TEST(ExpandLabels, ComesCloseToTheBoundInBlocks) {
+  const PottsProblem problem = ManyBlocks();
+  const double bound = SolvePotts(problem).lower_bound;
+  std::vector<uint32_t> choices = FirstChoices(problem);
+  choices = ExpandLabels(problem, choices);
+  EXPECT_LT(PottsEnergy(problem, choices), 1.03 * bound);
+  const std::vector<uint32_t> again = ExpandLabels(problem, choices);
+  EXPECT_LE(PottsEnergy(problem, again), PottsEnergy(problem, choices) + 1e-3);
+}
+
+TEST(ExpandLabels, GivesTheSameWithAnyNumberOfThreads) {
+  const PottsProblem problem = ManyBlocks();
+  ExpectSameForAnyThreads(
+      [&] { return ExpandLabels(problem, FirstChoices(problem)); });
+}
+
+TEST(ExpandLabels, ExpandsNothing) {
+  EXPECT_TRUE(ExpandLabels({}, {}).empty());
+  PottsProblem problem;
+  problem.offsets = {0, 0};
+  problem.neighbors = MakeNeighbors(1, {});
+  EXPECT_EQ(ExpandLabels(problem, {kNone}), std::vector<uint32_t>{kNone});
+}
+
+// A wall of 2,500 nodes, most with more than 4 labels of 10.
+PottsProblem MakeProblem(double weight) {
+  return RandomProblem(2500, Wall(50), 10, 0.7, weight, 3);
+}
+
+LabelSets Choose(const PottsProblem& problem) {
+  return ChosenLabels(problem, SolvePotts(problem).choices);
+}
+
+bool Contains(std::span<const uint32_t> labels, uint32_t label) {
+  return std::ranges::find(labels, label) != labels.end();
+}
+
+std::set<uint32_t> SetOf(std::span<const uint32_t> labels) {
+  return {labels.begin(), labels.end()};
+}
+
+// What the sets' labels after the first cost, a third of the weight for each
+// neighbor without them counted.
+double Cost(const PottsProblem& problem, const LabelSets& sets) {
+  double sum = 0;
+  for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+    const auto own = problem.Labels(node);
+    for (const uint32_t label : sets[node] | std::views::drop(1)) {
+      sum += problem.Costs(node)[std::ranges::find(own, label) - own.begin()];
+      for (const uint32_t other : problem.neighbors[node]) {
+        if (other != kNone && !Contains(sets[other], label)) {
+          sum += problem.weight / 3;
+        }
+      }
+    }
+  }
+  return sum;
+}
+
+TEST(AddFurtherLabels, GivesEachNodeLabelsOfItsOwn) {
+  const PottsProblem problem = MakeProblem(0.5);
+  const LabelSets chosen = Choose(problem);
+  for (const uint32_t count : {1, 2, 4, 20}) {
+    const LabelSets sets = AddFurtherLabels(problem, chosen, count);
+    ASSERT_EQ(sets.offsets.size(), problem.NumNodes() + 1);
+    for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+      const std::set<uint32_t> own = SetOf(problem.Labels(node));
+      const std::set<uint32_t> labels = SetOf(sets[node]);
+      EXPECT_EQ(labels.size(), std::min<size_t>(own.size(), count));
+      EXPECT_EQ(labels.size(), sets[node].size());
+      EXPECT_TRUE(
+          std::includes(own.begin(), own.end(), labels.begin(), labels.end()));
+      if (!own.empty()) {
+        EXPECT_EQ(sets[node][0], chosen[node][0]);
+      }
+    }
+  }
+}
+
+TEST(AddFurtherLabels, KeepsTheGivenOnesFirst) {
+  const PottsProblem problem = MakeProblem(0.5);
+  const LabelSets few = AddFurtherLabels(problem, Choose(problem), 3);
+  const LabelSets many = AddFurtherLabels(problem, few, 6);
+  for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+    EXPECT_TRUE(
+        std::ranges::equal(few[node], many[node].first(few[node].size())));
+    EXPECT_EQ(many[node].size(), std::min(problem.NumLabels(node), 6U));
+    EXPECT_EQ(SetOf(many[node]).size(), many[node].size());
+  }
+  EXPECT_EQ(AddFurtherLabels(problem, few, 3), few);
+}
+
+TEST(AddFurtherLabels, TakesTheCheapestWhereNeighborsDoNotCount) {
+  const PottsProblem problem = MakeProblem(0);
+  const LabelSets chosen = Choose(problem);
+  const LabelSets sets = AddFurtherLabels(problem, chosen, 4);
+  for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+    std::vector<std::pair<float, uint32_t>> row;
+    for (uint32_t i = 0; i < problem.NumLabels(node); ++i) {
+      row.emplace_back(problem.Costs(node)[i], problem.Labels(node)[i]);
+    }
+    std::sort(row.begin(), row.end());
+    for (size_t i = 0; i < std::min<size_t>(row.size(), 4); ++i) {
+      EXPECT_EQ(sets[node][i], row[i].second);
+    }
+  }
+}
+
+TEST(AddFurtherLabels, PrefersWhatNeighborsHave) {
+  const PottsProblem problem = MakeProblem(6);
+  const LabelSets chosen = Choose(problem);
+  PottsProblem alone = problem;
+  alone.weight = 0;
+  const double cost = Cost(problem, AddFurtherLabels(problem, chosen, 4));
+  EXPECT_LT(cost, 0.9 * Cost(problem, AddFurtherLabels(alone, chosen, 4)));
+}
+
+TEST(AddFurtherLabels, DoesNotDependOnThreads) {
+  const PottsProblem problem = MakeProblem(0.5);
+  const LabelSets chosen = Choose(problem);
+  ExpectSameForAnyThreads([&] { return AddFurtherLabels(problem, chosen, 4); });
+}
 
 }  // namespace potts_mrf_test
 }  // namespace colmap_ext

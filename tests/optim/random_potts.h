@@ -1,15 +1,83 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
 
 #include "optim/potts_mrf.h"
-#include "tests/optim/graphs.h"
 
 namespace colmap_ext {
+
+// Graphs whose nodes have at most three neighbors.
+using Edges = std::vector<std::array<uint32_t, 2>>;
+using Neighbors = std::vector<std::array<uint32_t, 3>>;
+
+inline Neighbors MakeNeighbors(uint32_t num_nodes, const Edges& edges) {
+  Neighbors neighbors(num_nodes, {kNone, kNone, kNone});
+  for (const auto& [a, b] : edges) {
+    *std::find(neighbors[a].begin(), neighbors[a].end(), kNone) = b;
+    *std::find(neighbors[b].begin(), neighbors[b].end(), kNone) = a;
+  }
+  return neighbors;
+}
+
+// Two rings and what joins them; every node has three neighbors.
+inline Edges Prism(uint32_t size) {
+  Edges edges;
+  for (uint32_t i = 0; i < size; ++i) {
+    edges.push_back({i, (i + 1) % size});
+    edges.push_back({size + i, size + (i + 1) % size});
+    edges.push_back({i, size + i});
+  }
+  return edges;
+}
+
+inline Edges Chain(uint32_t size) {
+  Edges edges;
+  for (uint32_t i = 0; i + 1 < size; ++i) {
+    edges.push_back({i, i + 1});
+  }
+  return edges;
+}
+
+// A wall of bricks, `size` nodes wide and high.
+inline Edges Wall(uint32_t size) {
+  Edges edges;
+  for (uint32_t i = 0; i < size * size; ++i) {
+    if (i % size + 1 < size) {
+      edges.push_back({i, i + 1});
+    }
+    if (i + size < size * size && (i / size + i) % 2 == 0) {
+      edges.push_back({i, i + size});
+    }
+  }
+  return edges;
+}
+
+// Every node but the first hangs on node (i - 1) / 2.
+inline Edges BinaryTree(uint32_t size) {
+  Edges edges;
+  for (uint32_t i = 1; i < size; ++i) {
+    edges.push_back({(i - 1) / 2, i});
+  }
+  return edges;
+}
+
+// The edges when node order[i] is called i.
+inline Edges Renumber(const Edges& edges, const std::vector<uint32_t>& order) {
+  std::vector<uint32_t> names(order.size());
+  for (uint32_t i = 0; i < order.size(); ++i) {
+    names[order[i]] = i;
+  }
+  Edges renumbered;
+  for (const auto& [a, b] : edges) {
+    renumbered.push_back({names[a], names[b]});
+  }
+  return renumbered;
+}
 
 // Every node gets each of `num_labels` labels with the given probability.
 inline PottsProblem RandomProblem(uint32_t num_nodes, const Edges& edges,
@@ -32,22 +100,25 @@ inline PottsProblem RandomProblem(uint32_t num_nodes, const Edges& edges,
   return problem;
 }
 
+// The first label of each node that has any.
+inline std::vector<uint32_t> FirstChoices(const PottsProblem& problem) {
+  std::vector<uint32_t> choices(problem.NumNodes(), kNone);
+  for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
+    choices[node] = problem.NumLabels(node) > 0 ? 0 : kNone;
+  }
+  return choices;
+}
+
 // The least energy of all choices.
 inline double BruteForce(const PottsProblem& problem) {
-  std::vector<uint32_t> choices(problem.NumNodes(), 0);
-  const auto count = [&](size_t node) {
-    return static_cast<uint32_t>(problem.offsets[node + 1] -
-                                 problem.offsets[node]);
-  };
-  for (size_t i = 0; i < choices.size(); ++i) {
-    choices[i] = count(i) == 0 ? kNone : 0;
-  }
+  std::vector<uint32_t> choices = FirstChoices(problem);
   double least = INFINITY;
   while (true) {
     least = std::min(least, PottsEnergy(problem, choices));
-    size_t node = 0;
+    uint32_t node = 0;
     while (node < choices.size() &&
-           (choices[node] == kNone || ++choices[node] == count(node))) {
+           (choices[node] == kNone ||
+            ++choices[node] == problem.NumLabels(node))) {
       choices[node] = choices[node] == kNone ? kNone : 0;
       ++node;
     }

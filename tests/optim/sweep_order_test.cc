@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "optim/sweep_order.h"
-#include "tests/optim/graphs.h"
+#include "tests/optim/random_potts.h"
 
 namespace colmap_ext {
 namespace sweep_order_test {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext {
 namespace half_pixel_test {
@@ -25,18 +25,6 @@ void AddPoint(const Eigen::Vector3f& position,
               const std::vector<uint32_t>& views, PointCloud* cloud) {
   cloud->positions.push_back(position);
   cloud->views.AddRow(views);
-}
-
-TEST(View, CameraCenterIsTheOriginOfItsFrame) {
-  View view = MakeView(500, 600);
-  view.cam_from_world_rotation =
-      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized())
-          .toRotationMatrix();
-  view.cam_from_world_translation = {4, -5, 6};
-  EXPECT_LT(view.CamFromWorld(view.Center()).norm(), 1e-12);
-  const Eigen::Vector2d pixel = view.ImageFromCam({0.2, -0.1, 2});
-  EXPECT_DOUBLE_EQ(pixel.x(), 500 * 0.1 + 480);
-  EXPECT_DOUBLE_EQ(pixel.y(), 600 * -0.05 + 410);
 }
 
 TEST(HalfPixelOffsets, OfOneView) {
@@ -72,15 +60,11 @@ TEST(HalfPixelOffsets, MoveThePointByHalfAPixelInItsView) {
   for (int trial = 0; trial < 100; ++trial) {
     View view = MakeView(500 + 500 * random.Unit(), 700);
     view.cam_from_world_rotation =
-        Eigen::AngleAxisd(
-            6 * random.Unit(),
-            Eigen::Vector3d(random.Unit(), random.Unit(), 1).normalized())
+        Eigen::AngleAxisd(6 * random.Unit(), RandomNormal(&random))
             .toRotationMatrix();
     view.cam_from_world_translation = {0, 0, 5};
     PointCloud cloud;
-    AddPoint(Eigen::Vector3d(random.Unit(), random.Unit(), random.Unit())
-                 .cast<float>(),
-             {0}, &cloud);
+    AddPoint(RandomVector(&random).cast<float>(), {0}, &cloud);
     const Eigen::Vector3d point = cloud.positions[0].cast<double>();
     const Eigen::Vector3d moved =
         point + HalfPixelOffsets(cloud, {view})[0].cast<double>();
@@ -110,7 +94,7 @@ struct Sphere {
       views.push_back(view);
     }
     for (int i = 0; i < 40000; ++i) {
-      const Eigen::Vector3d normal = Normal(&random);
+      const Eigen::Vector3d normal = RandomNormal(&random);
       std::vector<uint32_t> seen_by;
       for (uint32_t view = 0; view < views.size(); ++view) {
         if ((views[view].Center() - normal).normalized().dot(normal) > 0.4) {
@@ -121,43 +105,35 @@ struct Sphere {
         AddPoint(normal.cast<float>(), seen_by, &cloud);
       }
     }
+    offsets = HalfPixelOffsets(cloud, views);
     for (int i = 0; i < 2000; ++i) {
       const double noise = 0.002 * (2 * random.Unit() - 1);
-      const Eigen::Vector3d normal = Normal(&random);
+      const Eigen::Vector3d normal = RandomNormal(&random);
       if (std::abs(normal.y()) < 0.8) {  // where the views see it
         sparse_points.push_back(((1 + noise) * normal).cast<float>());
       }
     }
   }
 
-  static Eigen::Vector3d Normal(Random* random) {
-    const double z = 2 * random->Unit() - 1;
-    const double angle = 2 * M_PI * random->Unit();
-    const double r = std::sqrt(1 - z * z);
-    return {r * std::cos(angle), r * std::sin(angle), z};
-  }
-
-  // The cloud with a share of the error.
-  PointCloud OffBy(float share) const {
-    const auto offsets = HalfPixelOffsets(cloud, views);
+  // Of the cloud with a share of the error.
+  HalfPixelSlope Regress(float share) const {
     PointCloud off = cloud;
     for (size_t i = 0; i < off.size(); ++i) {
       off.positions[i] -= share * offsets[i];
     }
-    return off;
+    return RegressHalfPixel(off, offsets, sparse_points);
   }
 
   PointCloud cloud;
   std::vector<View> views;
+  std::vector<Eigen::Vector3f> offsets;
   std::vector<Eigen::Vector3f> sparse_points;
 };
 
 TEST(RegressHalfPixel, SlopeIsTheShareOfTheOffsetThatIsThere) {
   const Sphere sphere;
-  const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
   for (const float share : {0.0f, 0.5f, 1.0f}) {
-    const HalfPixelSlope result =
-        RegressHalfPixel(sphere.OffBy(share), offsets, sphere.sparse_points);
+    const HalfPixelSlope result = sphere.Regress(share);
     EXPECT_GT(result.num_points, 1000u);
     EXPECT_NEAR(result.slope, share, 0.05);
     EXPECT_GT(result.standard_error, 0);
@@ -169,26 +145,19 @@ TEST(RegressHalfPixel, SlopeIsTheShareOfTheOffsetThatIsThere) {
 
 TEST(RegressHalfPixel, IsNotMovedByOutliers) {
   Sphere sphere;
-  const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
   Random random(3);
   for (size_t i = 0; i < sphere.sparse_points.size(); i += 10) {
     sphere.sparse_points[i] *= static_cast<float>(0.5 + random.Unit());
   }
-  const HalfPixelSlope result =
-      RegressHalfPixel(sphere.OffBy(1), offsets, sphere.sparse_points);
-  EXPECT_NEAR(result.slope, 1, 0.1);
+  EXPECT_NEAR(sphere.Regress(1).slope, 1, 0.1);
 }
 
 TEST(RegressHalfPixel, LeavesOutSparsePointsBeyondAllDistances) {
   Sphere sphere;
-  const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
-  const PointCloud cloud = sphere.OffBy(1);
-  const HalfPixelSlope expected =
-      RegressHalfPixel(cloud, offsets, sphere.sparse_points);
+  const HalfPixelSlope expected = sphere.Regress(1);
   sphere.sparse_points.emplace_back(1e30f, 0, 0);
   sphere.sparse_points.emplace_back(std::nanf(""), 0, 0);
-  const HalfPixelSlope result =
-      RegressHalfPixel(cloud, offsets, sphere.sparse_points);
+  const HalfPixelSlope result = sphere.Regress(1);
   EXPECT_EQ(result.num_points, expected.num_points);
   EXPECT_EQ(result.slope, expected.slope);
 }
@@ -196,27 +165,23 @@ TEST(RegressHalfPixel, LeavesOutSparsePointsBeyondAllDistances) {
 // Sparse points of what was masked out of the fusion.
 TEST(RegressHalfPixel, IsNotMovedByWhatWasNotFused) {
   Sphere sphere;
-  const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
   Random random(4);
   for (int i = 0; i < 6000; ++i) {
     sphere.sparse_points.emplace_back(4 * random.Unit() - 2, -1.2F,
                                       4 * random.Unit() - 2);
   }
-  const HalfPixelSlope result =
-      RegressHalfPixel(sphere.OffBy(1), offsets, sphere.sparse_points);
+  const HalfPixelSlope result = sphere.Regress(1);
   EXPECT_GT(result.num_points, 1000u);
   EXPECT_NEAR(result.slope, 1, 0.05);
 }
 
 TEST(RegressHalfPixel, SaysNothingOfTooFewPoints) {
   const Sphere sphere;
-  const auto offsets = HalfPixelOffsets(sphere.cloud, sphere.views);
   const std::vector<Eigen::Vector3f> few(sphere.sparse_points.begin(),
                                          sphere.sparse_points.begin() + 10);
-  EXPECT_EQ(RegressHalfPixel(sphere.cloud, offsets, few).num_points, 0u);
-  EXPECT_EQ(RegressHalfPixel(sphere.cloud, offsets, {}).num_points, 0u);
-  EXPECT_EQ(RegressHalfPixel(PointCloud(), {}, sphere.sparse_points).num_points,
-            0u);
+  EXPECT_EQ(RegressHalfPixel(sphere.cloud, sphere.offsets, few).num_points, 0u);
+  EXPECT_EQ(RegressHalfPixel(sphere.cloud, sphere.offsets, {}).num_points, 0u);
+  EXPECT_EQ(RegressHalfPixel({}, {}, sphere.sparse_points).num_points, 0u);
 }
 
 TEST(CalibratedScale, LiesBetweenTheSlopeAndTheNominalOne) {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext {
 namespace point_tree_test {
@@ -14,9 +14,7 @@ namespace point_tree_test {
 constexpr float kAnywhere = std::numeric_limits<float>::infinity();
 
 Eigen::Vector3f RandomPoint(Random* random) {
-  return {static_cast<float>(random->Unit()),
-          static_cast<float>(random->Unit()),
-          static_cast<float>(random->Unit())};
+  return RandomVector(random).cast<float>();
 }
 
 std::vector<uint32_t> NearestOfAll(const std::vector<Eigen::Vector3f>& points,
@@ -48,7 +46,7 @@ TEST(PointTreeTest, FindsWhatIsNearest) {
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector3f place = RandomPoint(&random);
       for (const size_t count : {0, 1, 4, 30}) {
-        for (const float max_distance : {0.02f, 0.3f, kAnywhere}) {
+        for (const float max_distance : {0.04f, 0.6f, kAnywhere}) {
           EXPECT_EQ(tree.Nearest(place, count, max_distance),
                     NearestOfAll(points, place, count, max_distance));
         }
@@ -75,8 +73,7 @@ TEST(PointTreeTest, DoesNotDependOnScaleOrAccumulation) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 2000; ++i) {  // ever denser towards the origin
     const float scale = std::exp2(static_cast<float>(random.Integer(-30, 10)));
-    points.emplace_back(scale *
-                        (RandomPoint(&random) * 2 - Eigen::Vector3f(1, 1, 0)));
+    points.emplace_back(scale * RandomPoint(&random));
     if (i % 3 == 0) {
       points.push_back(points[random.Below(points.size())]);  // twice
     }

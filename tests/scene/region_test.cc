@@ -3,17 +3,11 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "scene/focus_region.h"
 #include "scene/look_at.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext {
 namespace region_test {
-
-Eigen::Vector3d RandomVector(Random* random, double size) {
-  return {size * (2 * random->Unit() - 1), size * (2 * random->Unit() - 1),
-          size * (2 * random->Unit() - 1)};
-}
 
 Region RandomRegion(Random* random) {
   const Eigen::Quaterniond rotation =

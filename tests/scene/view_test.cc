@@ -6,18 +6,13 @@
 
 #include "scene/gray_image.h"
 #include "scene/look_at.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext {
 namespace view_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-Vector3d RandomVector(Random* random) {
-  return {2 * random->Unit() - 1, 2 * random->Unit() - 1,
-          2 * random->Unit() - 1};
-}
 
 View RandomView(Random* random) {
   View view;
@@ -28,7 +23,7 @@ View RandomView(Random* random) {
   view.cx = view.width * random->Unit();
   view.cy = view.height * random->Unit();
   view.cam_from_world_rotation =
-      Eigen::AngleAxisd(6 * random->Unit(), RandomVector(random).normalized())
+      Eigen::AngleAxisd(6 * random->Unit(), RandomNormal(random))
           .toRotationMatrix();
   view.cam_from_world_translation = 5 * RandomVector(random);
   return view;
@@ -59,6 +54,17 @@ TEST(View, ShowsThePrincipalPointStraightAhead) {
   const Vector3d ahead =
       view.Center() + 3 * view.cam_from_world_rotation.row(2).transpose();
   EXPECT_LT((Project(view, ahead) - Vector2d(view.cx, view.cy)).norm(), 1e-9);
+}
+
+TEST(View, ImagesScaleWithTheFocalLengths) {
+  View view;
+  view.fx = 500;
+  view.fy = 600;
+  view.cx = 480;
+  view.cy = 410;
+  const Vector2d pixel = view.ImageFromCam({0.2, -0.1, 2});
+  EXPECT_DOUBLE_EQ(pixel.x(), 500 * 0.1 + 480);
+  EXPECT_DOUBLE_EQ(pixel.y(), 600 * -0.05 + 410);
 }
 
 TEST(View, RaysGoFromTheCenterThroughWhatIsSeenThere) {

@@ -1,35 +1,29 @@
 #include "tiles/certified_tetrahedra.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/delaunay/random_complex.h"
+#include "tests/random_vectors.h"
+#include "tests/threads.h"
 #include "tests/tiles/memory_plan.h"
 
 namespace colmap_ext {
 namespace certified_tetrahedra_test {
 
-using Corners = std::array<uint32_t, 4>;
-
 // The cells at some vertices and those beside them, each by its sorted corners.
-std::set<Corners> StarCells(const Tetrahedralization& tetrahedra,
+std::set<CellKey> StarCells(const Tetrahedralization& tetrahedra,
                             const std::vector<uint32_t>& ids, uint32_t begin,
                             uint32_t end) {
   const auto corners_of = [&](uint32_t cell) {
-    Corners corners = tetrahedra.cells[cell].vertices;
-    for (uint32_t& corner : corners) {
-      corner = corner == kInfiniteVertex ? corner : ids[corner];
-    }
-    std::ranges::sort(corners);
-    return corners;
+    return Sorted(IdsOf(tetrahedra.cells[cell].vertices, ids));
   };
-  std::set<Corners> cells;
+  std::set<CellKey> cells;
   for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
-    const Corners corners = corners_of(cell);
+    const CellKey corners = corners_of(cell);
     if (std::ranges::any_of(
             corners, [&](uint32_t id) { return id >= begin && id < end; })) {
       cells.insert(corners);
@@ -41,20 +35,13 @@ std::set<Corners> StarCells(const Tetrahedralization& tetrahedra,
   return cells;
 }
 
-// By the plan's numbers.
-std::vector<uint32_t> IdsOf(const MemoryPlan& plan,
-                            const Tetrahedralization& tetrahedra) {
-  std::vector<uint32_t> ids;
-  for (const Eigen::Vector3f& point : tetrahedra.points) {
+void ExpectStarsOfAll(const MemoryPlan& plan) {
+  const Tetrahedralization all = DelaunayOf(plan.positions());
+  std::vector<uint32_t> ids;  // the plan's
+  for (const Eigen::Vector3f& point : all.points) {
     ids.push_back(static_cast<uint32_t>(
         std::ranges::find(plan.positions(), point) - plan.positions().begin()));
   }
-  return ids;
-}
-
-void ExpectStarsOfAll(const MemoryPlan& plan) {
-  const Tetrahedralization all = DelaunayOf(plan.positions());
-  const std::vector<uint32_t> ids = IdsOf(plan, all);
   for (uint32_t tile = 0; tile < plan.Blocks().NumTiles(); ++tile) {
     const TileTetrahedra part = CertifyTile(plan, tile);
     EXPECT_EQ(DefectOf(part.tetrahedra, false), "");
@@ -66,14 +53,11 @@ void ExpectStarsOfAll(const MemoryPlan& plan) {
   }
 }
 
-std::vector<Eigen::Vector3f> OnSphere(size_t num_points, Random* random) {
-  std::vector<Eigen::Vector3f> points;
-  while (points.size() < num_points) {
-    const Eigen::Vector3d p(2 * random->Unit() - 1, 2 * random->Unit() - 1,
-                            2 * random->Unit() - 1);
-    if (p.norm() < 1 && p.norm() > 0.1) {
-      points.push_back(p.normalized().cast<float>());
-    }
+std::vector<Eigen::Vector3f> OnSphere(uint64_t seed) {
+  Random random(seed);
+  std::vector<Eigen::Vector3f> points(8000);
+  for (Eigen::Vector3f& point : points) {
+    point = RandomNormal(&random).cast<float>();
   }
   return points;
 }
@@ -86,10 +70,7 @@ TEST(CertifyTile, StarsAreThoseOfAllPoints) {
 }
 
 // Every cell within spans from one side to the other.
-TEST(CertifyTile, StarsOnASphere) {
-  Random random(2);
-  ExpectStarsOfAll(PlanOf(OnSphere(8000, &random), 4));
-}
+TEST(CertifyTile, StarsOnASphere) { ExpectStarsOfAll(PlanOf(OnSphere(2), 4)); }
 
 TEST(CertifyTile, StarsOfDifficultPoints) {
   for (const NamedPoints& named : DifficultPoints()) {
@@ -119,18 +100,11 @@ TEST(CertifyTile, StarsOfAPlane) {
 }
 
 TEST(CertifyTile, DoesNotDependOnThreads) {
-  Random random(3);
-  const MemoryPlan plan = PlanOf(OnSphere(8000, &random), 3);
-  const TileTetrahedra many = CertifyTile(plan, 1);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism,
-                                1);
-  const TileTetrahedra alone = CertifyTile(plan, 1);
-  EXPECT_EQ(many.ids, alone.ids);
-  ASSERT_EQ(many.tetrahedra.cells.size(), alone.tetrahedra.cells.size());
-  for (size_t i = 0; i < many.tetrahedra.cells.size(); ++i) {
-    EXPECT_EQ(many.tetrahedra.cells[i].vertices,
-              alone.tetrahedra.cells[i].vertices);
-  }
+  const MemoryPlan plan = PlanOf(OnSphere(3), 3);
+  ExpectSameForAnyThreads([&] {
+    TileTetrahedra tile = CertifyTile(plan, 1);
+    return std::pair(std::move(tile.ids), std::move(tile.tetrahedra));
+  });
 }
 
 }  // namespace certified_tetrahedra_test

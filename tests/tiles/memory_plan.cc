@@ -1,48 +1,44 @@
 #include "tests/tiles/memory_plan.h"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
+#include <utility>
 
-#include "delaunay/insert_points.h"
+#include "delaunay/cell_graph.h"
+#include "delaunay/growing_complex.h"
 
 namespace colmap_ext {
+namespace {
+
+void AppendRow(const Observations& from, size_t row, Observations* to) {
+  to->AddRow(from[row]);
+  to->is_end.push_back(from.IsEnd(row));
+}
+
+}  // namespace
 
 void MemoryPlan::Add(const std::vector<Eigen::Vector3f>& positions,
                      const Observations& observations) {
   AddTile(positions, observations, &blocks_);
   positions_.insert(positions_.end(), positions.begin(), positions.end());
-  for (size_t row = 0; row + 1 < observations.offsets.size(); ++row) {
-    for (uint64_t k = observations.offsets[row];
-         k < observations.offsets[row + 1]; ++k) {
-      observations_.views.push_back(observations.views[k]);
-      observations_.alphas.push_back(observations.alphas[k]);
-    }
-    observations_.offsets.push_back(observations_.size());
-    observations_.is_end.push_back(observations.IsEnd(row));
+  for (size_t row = 0; row < observations.size(); ++row) {
+    AppendRow(observations, row, &observations_);
   }
-}
-
-std::vector<Eigen::Vector3f> MemoryPlan::ReadPositions(uint32_t begin,
-                                                       uint32_t end) const {
-  return {positions_.begin() + begin, positions_.begin() + end};
 }
 
 Observations MemoryPlan::ReadObservations(uint32_t begin, uint32_t end) const {
   Observations read;
   for (uint32_t row = begin; row < end; ++row) {
-    for (uint64_t k = observations_.offsets[row];
-         k < observations_.offsets[row + 1]; ++k) {
-      read.views.push_back(observations_.views[k]);
-      read.alphas.push_back(observations_.alphas[k]);
-    }
-    read.offsets.push_back(read.size());
-    read.is_end.push_back(observations_.IsEnd(row));
+    AppendRow(observations_, row, &read);
   }
   return read;
 }
 
 MemoryPlan PlanOf(const std::vector<Eigen::Vector3f>& points, size_t num_tiles,
                   const Observations& observations) {
+  Observations of_points = observations;
+  of_points.offsets.resize(points.size() + 1, of_points.values.size());
   std::vector<uint32_t> representatives;
   std::vector<uint32_t> sorted = DistinctPoints(points, &representatives);
   std::ranges::stable_sort(sorted, {},
@@ -60,20 +56,73 @@ MemoryPlan PlanOf(const std::vector<Eigen::Vector3f>& points, size_t num_tiles,
     Observations of_tile;
     for (const uint32_t i : DistinctPoints(positions, &representatives)) {
       along_curve.push_back(positions[i]);
-      const uint32_t point = share[i];
-      if (observations.size() > 0) {
-        for (uint64_t k = observations.offsets[point];
-             k < observations.offsets[point + 1]; ++k) {
-          of_tile.views.push_back(observations.views[k]);
-          of_tile.alphas.push_back(observations.alphas[k]);
-        }
-      }
-      of_tile.offsets.push_back(of_tile.size());
-      of_tile.is_end.push_back(observations.IsEnd(point));
+      AppendRow(of_points, share[i], &of_tile);
     }
     plan.Add(along_curve, of_tile);
   }
   return plan;
+}
+
+MemoryPlan PlanOf(const SeenScene& scene, size_t num_tiles) {
+  return PlanOf(scene.points, num_tiles, scene.observations);
+}
+
+MemoryParts::MemoryParts(const SeenScene& scene, const MemoryPlan& plan) {
+  for (uint32_t tile = 0; tile < plan.Blocks().NumTiles(); ++tile) {
+    TileCut cut = CutTile(plan, tile, scene.centers, scene.options);
+    seams_.push_back(SeamOf(cut));
+    parts_.push_back({std::move(cut.tile), std::move(cut.labels.known)});
+    parts_.back().tile.tetrahedra.points.assign(parts_.back().tile.ids.size(),
+                                                Eigen::Vector3f::Zero());
+    graphs_.push_back(std::move(cut.graph));
+  }
+}
+
+PartCells MemoryParts::ReadCells(uint32_t tile, uint32_t begin,
+                                 uint32_t end) const {
+  const auto range = [&](const auto& values) {
+    using Values = std::decay_t<decltype(values)>;
+    return Values(values.begin() + begin, values.begin() + end);
+  };
+  return {range(parts_[tile].tile.tetrahedra.cells), range(parts_[tile].labels),
+          range(graphs_[tile])};
+}
+
+MergedPlan::MergedPlan(const SeenScene& scene, size_t num_tiles,
+                       std::optional<FixingRule> rule)
+    : plan(PlanOf(scene, num_tiles)),
+      parts(scene, plan),
+      seam(plan, parts),
+      changes(seam) {
+  const int seam_rings = scene.options.seam_rings;
+  num_contradictions = CutSeams(seam_rings, &seam);
+  if (rule) {
+    report = FixPlan(*rule, seam_rings == kAllAtOnce, &changes);
+  }
+}
+
+WholeCut::WholeCut(const SeenScene& scene, const MemoryPlan& plan) {
+  std::vector<uint32_t> numbers(plan.positions().size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  GrowingComplex complex;
+  complex.points = plan.positions();
+  InsertPoints(InsertionOrder(numbers.size()), {}, &complex);
+  tetrahedra = TakeTetrahedra(numbers, &complex);
+  graph = ZeroCapacities(tetrahedra);
+  AddQualityWeights(tetrahedra, scene.options.quality_regularization, &graph);
+  VisibilityWeightOptions rays = scene.options.rays;
+  rays.inner_place = plan.Blocks().Center();
+  AddVisibilityWeights(tetrahedra, plan.observations(), scene.centers, rays,
+                       &graph);
+  labels = ComputeMinCut(NeighborsOf(tetrahedra), graph).on_source_side;
+}
+
+std::map<CellKey, uint32_t> WholeCut::CellsByKey() const {
+  std::map<CellKey, uint32_t> cells;
+  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+    cells[Sorted(tetrahedra.cells[cell].vertices)] = cell;
+  }
+  return cells;
 }
 
 }  // namespace colmap_ext

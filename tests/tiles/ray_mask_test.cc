@@ -5,16 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext {
 namespace ray_mask_test {
 
+// In a cube.
 Eigen::Vector3d Anywhere(double from, double to, Random* random) {
-  const auto at = [&] { return from + (to - from) * random->Unit(); };
-  const double x = at();
-  const double y = at();
-  return {x, y, at()};
+  return RandomVector(random, (to - from) / 2).array() + (from + to) / 2;
 }
 
 // Of a tetrahedron or a triangle.

@@ -1,26 +1,34 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "delaunay/tetrahedralization.h"
-#include "tests/tiles/memory_plan.h"
 #include "tiles/tile_cut.h"
-#include "tiles/tile_part.h"
 
 namespace colmap_ext {
 
 // Points with rays, and what is to be done with them: all that is not sure is
 // cut at the seams, so that the result is that of one machine.
 struct SeenScene {
+  // Adds a point, and the views whose centers see it.
+  template <typename IsSeen>
+  void Add(const Eigen::Vector3d& point, const IsSeen& is_seen) {
+    points.push_back(point.cast<float>());
+    for (uint32_t view = 0; view < centers.size(); ++view) {
+      if (is_seen(centers[view])) {
+        observations.values.push_back(
+            {view, 0.25f + 0.125f * static_cast<float>(view % 5)});
+      }
+    }
+    observations.EndRow();
+  }
+
   std::vector<Eigen::Vector3f> points;
   Observations observations;  // by points
   std::vector<Eigen::Vector3d> centers;
-  TileCutOptions options;
+  TileCutOptions options = {.rays = {}, .seam_rings = kAllAtOnce};
 };
 
 // A noisy sphere that cameras around it see, and some points far off.
@@ -47,19 +55,5 @@ SeenScene BoxScene(float unit = 1);
 // A cluster of a third of the points, and one of the others far off, whose
 // cameras are around it.
 SeenScene ClustersScene(uint64_t seed);
-
-// All vertices of a plan on one machine, in the plan's order.
-struct WholeCut {
-  Tetrahedralization tetrahedra;
-  std::vector<uint32_t> ids;  // [V] the plan's
-  FlowCapacities graph;
-  std::vector<uint8_t> labels;
-};
-WholeCut CutWhole(const SeenScene& scene, const MemoryPlan& plan);
-
-// A cell by its corners' ids, in order.
-CellKey KeyOf(const Tetrahedralization::Cell& cell,
-              const std::vector<uint32_t>& ids);
-std::map<CellKey, uint32_t> CellsByKey(const WholeCut& whole);
 
 }  // namespace colmap_ext

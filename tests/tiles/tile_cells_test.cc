@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/random.h"
-#include "tiles/split_tree.h"
+#include "tests/delaunay/random_complex.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext {
 namespace tile_cells_test {
@@ -15,7 +15,8 @@ float Between(float low, float high, Random* random) {
   return low + (high - low) * static_cast<float>(random->Unit());
 }
 
-std::vector<Eigen::Vector3f> RandomPoints(size_t count, Random* random) {
+// In a flat box.
+std::vector<Eigen::Vector3f> FlatPoints(size_t count, Random* random) {
   std::vector<Eigen::Vector3f> points;
   for (size_t i = 0; i < count; ++i) {
     points.emplace_back(Between(0, 10, random), Between(0, 10, random),
@@ -24,9 +25,39 @@ std::vector<Eigen::Vector3f> RandomPoints(size_t count, Random* random) {
   return points;
 }
 
+TEST(SplitTree, PartsAreOfAboutEqualWeight) {
+  Random random(1);
+  const std::vector<Eigen::Vector3f> points =
+      RandomPoints(20000, 100000, &random);
+  std::vector<float> weights;
+  for (const Eigen::Vector3f& point : points) {
+    weights.push_back(point.x() > 0 ? 3 : 1);
+  }
+  for (const size_t num_parts : {1, 2, 3, 7, 16}) {
+    const SplitTree tree(points, weights, num_parts);
+    std::vector<double> sums(num_parts, 0);
+    double total = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      ASSERT_LT(tree.PartOf(points[i]), num_parts);
+      sums[tree.PartOf(points[i])] += weights[i];
+      total += weights[i];
+    }
+    const double mean = total / static_cast<double>(num_parts);
+    EXPECT_GT(std::ranges::min(sums), 0.98 * mean);
+    EXPECT_LT(std::ranges::max(sums), 1.02 * mean);
+  }
+}
+
+TEST(SplitTree, KnowsPlacesThatNoPointIsAt) {
+  Random random(2);
+  const std::vector<Eigen::Vector3f> points = RandomPoints(100, 10, &random);
+  const SplitTree tree(points, std::vector<float>(points.size(), 1), 8);
+  EXPECT_LT(tree.PartOf({1e6f, -1e6f, 0}), 8u);
+}
+
 TEST(TileCells, AreThePartsOfTheTree) {
   Random random(1);
-  const auto points = RandomPoints(2000, &random);
+  const auto points = FlatPoints(2000, &random);
   const SplitTree tree(points, std::vector<float>(points.size(), 1), 13);
   const TileCells cells = tree.Cells();
   ASSERT_EQ(cells.size(), 13);
@@ -51,7 +82,7 @@ TriangleMesh MakeFacets(const std::vector<Eigen::Vector3f>& points) {
 
 TEST(ColorTiles, KeepsTilesOfOneColorApart) {
   Random random(2);
-  const auto points = RandomPoints(5000, &random);
+  const auto points = FlatPoints(5000, &random);
   const TriangleMesh mesh = MakeFacets(points);
   const SplitTree tree(points, std::vector<float>(points.size(), 1), 16);
   const TileCells cells = tree.Cells();
@@ -72,10 +103,8 @@ TEST(ColorTiles, KeepsTilesOfOneColorApart) {
 
 TEST(MayHide, IsTrueOfWhatLiesBetween) {
   Random random(3);
-  const auto corner = [&random](float size) {
-    return Eigen::Vector3f(Between(-size, size, &random),
-                           Between(-size, size, &random),
-                           Between(-size, size, &random));
+  const auto corner = [&random](double size) -> Eigen::Vector3f {
+    return RandomVector(&random, size).cast<float>();
   };
   size_t num_hiding = 0;
   for (int i = 0; i < 2000; ++i) {
