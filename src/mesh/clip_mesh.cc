@@ -109,20 +109,15 @@ class PlaneCut {
   std::unordered_map<uint64_t, uint32_t> cut_edges_;  // inner, outer end
 };
 
-// The largest absolute value over all vertices.
-float LargestCoordinate(const TriangleMesh& mesh) {
-  float largest = 0;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
-  }
-  return largest;
-}
-
 }  // namespace
 
 std::optional<Provenance> ClipMesh(const Region& region, TriangleMesh* mesh) {
+  float largest = 0;  // of the coordinates, by their absolute values
+  for (const Eigen::Vector3f& vertex : mesh->vertices) {
+    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
+  }
   // How far float coordinates may put a vertex off the border, scene units.
-  const double rounding = 4 * 0x1p-24 * LargestCoordinate(*mesh);
+  const double rounding = 4 * 0x1p-24 * largest;
   DerivedMesh clipped{std::move(*mesh), {}};
   clipped.from = IdentityOf(clipped.mesh);
   bool is_clipped = false;

@@ -135,14 +135,6 @@ bool EditableMesh::CanCollapse(uint32_t half) const {
   return num_common == (partner == kNone ? 1 : 2);
 }
 
-void EditableMesh::RemoveFacetAt(uint32_t half) {
-  const uint32_t facet = half / 3;
-  mesh_.facets[facet] = {0, 0, 0};
-  for (int k = 0; k < 3; ++k) {
-    partners_[3 * facet + k] = kNone;
-  }
-}
-
 void EditableMesh::Collapse(uint32_t half) {
   const uint32_t from = From(half);
   const uint32_t to = To(half);
@@ -152,14 +144,15 @@ void EditableMesh::Collapse(uint32_t half) {
   for (const uint32_t outgoing : moved) {
     mesh_.facets[outgoing / 3][outgoing % 3] = to;
   }
-  std::array<uint32_t, 4> rims{kNone, kNone, kNone,
-                               kNone};  // outside the removed facets
+  std::array<uint32_t, 4> rims;  // outside the removed facets
+  rims.fill(kNone);
   int num_rims = 0;
   for (const uint32_t side : {half, partner}) {
     if (side != kNone) {
       const uint32_t a = partners_[NextHalfEdge(side)];
       const uint32_t b = partners_[PreviousHalfEdge(side)];
-      RemoveFacetAt(side);
+      mesh_.facets[side / 3] = {0, 0, 0};
+      std::fill_n(partners_.begin() + side / 3 * 3, 3, kNone);
       Join(a, b);
       rims[num_rims++] = a;
       rims[num_rims++] = b;

@@ -1,7 +1,6 @@
 #include "mesh/facet_filters.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "base/percentile.h"
 #include "base/union_find.h"
@@ -9,21 +8,20 @@
 
 namespace colmap_ext {
 
-std::vector<float> LongestSides(const TriangleMesh& mesh) {
-  std::vector<float> sides;
-  sides.reserve(mesh.facets.size());
-  for (const auto& [i, j, k] : mesh.facets) {
-    const auto& a = mesh.vertices[i];
-    const auto& b = mesh.vertices[j];
-    const auto& c = mesh.vertices[k];
-    sides.push_back(std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()}));
+size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
+  if (factor <= 0 || mesh->facets.empty()) {
+    return 0;
   }
-  return sides;
-}
-
-double SideLimit(double factor, double percentile, std::vector<float> sides) {
-  return factor <= 0 || sides.empty() ? std::numeric_limits<double>::infinity()
-                                      : factor * Percentile(percentile, &sides);
+  const auto longest_side = [mesh](const Facet& facet) {
+    const auto [a, b, c] = CornersOf(*mesh, facet);
+    return std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()});
+  };
+  std::vector<float> sides(mesh->facets.size());
+  std::ranges::transform(mesh->facets, sides.begin(), longest_side);
+  const double limit = factor * Percentile(percentile, &sides);
+  return std::erase_if(mesh->facets, [&](const Facet& facet) {
+    return !(longest_side(facet) <= limit);
+  });
 }
 
 DroppedComponents DropSmallComponents(size_t min_facets,

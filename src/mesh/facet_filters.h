@@ -8,13 +8,11 @@
 
 namespace colmap_ext {
 
-// The length of the longest side of each facet: [F], scene units.
+// Drops the facets with a side longer than `factor` times the given percentile
+// (0 ... 100) of the facets' longest sides; none where the factor is 0.
+// \return how many
 // \pre facet indices are in range
-std::vector<float> LongestSides(const TriangleMesh& mesh);
-
-// How long sides may be: `factor` times the given percentile (0 ... 100) of the
-// longest sides; without end where the factor is 0 or there are none.
-double SideLimit(double factor, double percentile, std::vector<float> sides);
+size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh);
 
 struct DroppedComponents {
   size_t num_components = 0;

@@ -98,6 +98,9 @@ struct MeshPart {
   std::vector<uint32_t> facets;    // [F] the whole's, ascending
 };
 
+// \param facets  ascending
+MeshPart TakePart(const TriangleMesh& mesh, std::vector<uint32_t> facets);
+
 // A triangle mesh with what its vertices have.
 struct Surface {
   TriangleMesh mesh;

@@ -27,22 +27,6 @@ void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
   });
 }
 
-// \return how many
-size_t DropLongFacets(const ManifoldMeshingOptions& options,
-                      TriangleMesh* mesh) {
-  const std::vector<float> sides = LongestSides(*mesh);
-  const double limit = SideLimit(options.max_side_length_factor,
-                                 options.max_side_length_percentile, sides);
-  size_t num_kept = 0;
-  for (size_t i = 0; i < sides.size(); ++i) {
-    if (sides[i] <= limit) {
-      mesh->facets[num_kept++] = mesh->facets[i];
-    }
-  }
-  mesh->facets.resize(num_kept);
-  return sides.size() - num_kept;
-}
-
 // Makes it manifold again.
 void SplitAgain(FanSplit* surface) {
   FanSplit split = SplitFans(std::move(surface->mesh));
@@ -67,7 +51,9 @@ FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
       SplitFans(std::move(extracted.mesh), std::move(extracted.partners));
   surface.from.facets = {};  // not kept in time
   DropFacetsAtEnds(is_end, &surface);
-  report->num_long_facets = DropLongFacets(options, &surface.mesh);
+  report->num_long_facets =
+      DropLongFacets(options.max_side_length_factor,
+                     options.max_side_length_percentile, &surface.mesh);
   if (options.region) {
     if (auto clipped = ClipMesh(*options.region, &surface.mesh)) {
       surface.from = Compose(surface.from, std::move(*clipped));

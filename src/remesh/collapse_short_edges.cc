@@ -1,4 +1,4 @@
-#include "remesh/remeshing_steps.h"
+#include "remesh/anchored_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -23,22 +23,10 @@ struct CollapsePlan {
   Place place;
 };
 
-float DistanceToSegment(const Vector3f& p, const Vector3f& a,
-                        const Vector3f& b) {
-  const float length_squared = (b - a).squaredNorm();
-  const float t =
-      length_squared > 0
-          ? std::clamp((p - a).dot(b - a) / length_squared, 0.0F, 1.0F)
-          : 0;
-  return (a + t * (b - a) - p).norm();
-}
-
 class Collapser {
  public:
-  Collapser(const ReferenceSurface& reference, float max_ratio,
-            AnchoredMesh* mesh)
-      : reference_(reference),
-        max_ratio_(max_ratio),
+  Collapser(float max_ratio, AnchoredMesh* mesh)
+      : max_ratio_(max_ratio),
         mesh_(mesh),
         changed_(mesh->edit.NumVertices()) {}
 
@@ -110,18 +98,13 @@ class Collapser {
 
   // The point of the reference next to the edge's middle.
   std::optional<Place> MiddlePlace(uint32_t half) const {
-    const uint32_t from = mesh_->edit.From(half);
-    const uint32_t to = mesh_->edit.To(half);
-    const Anchor& anchor = mesh_->anchors[from];
-    const Vector3f middle =
-        (mesh_->edit.Position(from) + mesh_->edit.Position(to)) / 2;
     // Most are refused here, before anything is looked up.
-    if (!KeepsShape(half, {middle, anchor})) {
+    if (!KeepsShape(half, {mesh_->Middle(half),
+                           mesh_->anchors[mesh_->edit.From(half)]})) {
       return std::nullopt;
     }
-    const Anchor nearest = reference_.Nearest(
-        middle, anchor.normal + mesh_->anchors[to].normal, anchor.source.facet);
-    return Place{reference_.Position(nearest), nearest};
+    const Anchor nearest = mesh_->AnchorOfMiddle(half);
+    return Place{mesh_->reference.Position(nearest), nearest};
   }
 
   bool MayCollapse(uint32_t half, const Place& place) const {
@@ -155,8 +138,10 @@ class Collapser {
     if (other == neighbor) {
       other = edit.Apex(last);
     }
-    return DistanceToSegment(edit.Position(vertex), edit.Position(other),
-                             edit.Position(neighbor)) <
+    const Vector3f& p = edit.Position(vertex);
+    const Vector3f& a = edit.Position(other);
+    const Vector3f& b = edit.Position(neighbor);
+    return (a + NearestOnSegment(a, b, p) * (b - a) - p).norm() <
            mesh_->anchors[vertex].tolerance;
   }
 
@@ -189,7 +174,7 @@ class Collapser {
           return false;
         }
       }
-      std::array<AnchoredCorner, 3> after = facet;
+      AnchoredFacet after = facet;
       after[0] = {place.position, &place.anchor};
       return KeepsFacing(facet, after, kMinCosine);
     });
@@ -197,65 +182,49 @@ class Collapser {
 
   bool FollowsReference(uint32_t half, const Place& place) const {
     return AllChangedFacets(half, [&](uint32_t outgoing) {
-      std::array<AnchoredCorner, 3> facet = mesh_->Corners(outgoing);
+      AnchoredFacet facet = mesh_->Corners(outgoing);
       facet[0] = {place.position, &place.anchor};
-      return reference_.IsFollowedBy(facet);
+      return mesh_->reference.IsFollowedBy(facet);
     });
   }
 
-  const ReferenceSurface& reference_;
   float max_ratio_;
   AnchoredMesh* mesh_;
   ChangedVertices changed_;
 };
 
-// The edges that are too short, the shortest first.
-std::vector<uint32_t> ShortEdges(const AnchoredMesh& mesh, float min_ratio) {
-  return mesh.EdgesBy([&](uint32_t half) -> std::optional<float> {
-    const float ratio = mesh.RelativeLength(half);
-    return ratio < min_ratio ? std::optional(ratio) : std::nullopt;
-  });
-}
-
 }  // namespace
 
-size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
-                          float max_ratio, AnchoredMesh* mesh) {
-  Collapser collapser(reference, max_ratio, mesh);
+void CollapseShortEdges(float min_ratio, float max_ratio, AnchoredMesh* mesh) {
+  Collapser collapser(max_ratio, mesh);
+  const auto is_short = [&](uint32_t half) -> std::optional<float> {
+    const float ratio = mesh->RelativeLength(half);
+    return ratio < min_ratio ? std::optional(ratio) : std::nullopt;
+  };
   constexpr int kMaxRounds = 2;  // later ones find next to nothing
-  size_t num_collapses = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const std::vector<uint32_t> edges = ShortEdges(*mesh, min_ratio);
+    const std::vector<uint32_t> edges = mesh->EdgesBy(is_short);
     const auto choose = [&](size_t i) -> std::optional<uint32_t> {
-      const uint32_t half = edges[i];
-      return !mesh->edit.IsRemovedFacet(half / 3) &&
-                     mesh->RelativeLength(half) < min_ratio
-                 ? std::optional(half)
+      return !mesh->edit.IsRemovedFacet(edges[i] / 3) && is_short(edges[i])
+                 ? std::optional(edges[i])
                  : std::nullopt;
     };
-    const size_t num_in_round = collapser.Collapse(
-        edges.size(), choose,
-        [&](size_t i) { return mesh->CornersAround(edges[i]); });
-    num_collapses += num_in_round;
-    if (num_in_round == 0) {
-      break;
+    if (collapser.Collapse(edges.size(), choose, [&](size_t i) {
+          return mesh->CornersAround(edges[i]);
+        }) == 0) {
+      return;
     }
   }
-  return num_collapses;
 }
 
-size_t CollapseNeedles(const ReferenceSurface& reference, float max_ratio,
-                       AnchoredMesh* mesh) {
+void CollapseNeedles(float max_ratio, AnchoredMesh* mesh) {
   constexpr float kMaxCosine = 0.966F;  // 15 degrees
   const EditableMesh& edit = mesh->edit;
   const auto shortest_edge = [&](uint32_t facet) {
-    uint32_t shortest = 3 * facet;
-    for (uint32_t half = 3 * facet + 1; half < 3 * facet + 3; ++half) {
-      if (mesh->Length(half) < mesh->Length(shortest)) {
-        shortest = half;
-      }
-    }
-    return shortest;
+    return std::min({3 * facet, 3 * facet + 1, 3 * facet + 2},
+                    [&](uint32_t a, uint32_t b) {
+                      return mesh->Length(a) < mesh->Length(b);
+                    });
   };
   const auto choose = [&](size_t i) -> std::optional<uint32_t> {
     const auto facet = static_cast<uint32_t>(i);
@@ -264,7 +233,7 @@ size_t CollapseNeedles(const ReferenceSurface& reference, float max_ratio,
                ? std::optional(shortest_edge(facet))
                : std::nullopt;
   };
-  return Collapser(reference, max_ratio, mesh)
+  Collapser(max_ratio, mesh)
       .Collapse(edit.NumFacets(), choose, [&](size_t facet) {
         return mesh->CornersAround(shortest_edge(static_cast<uint32_t>(facet)));
       });

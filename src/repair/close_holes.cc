@@ -110,7 +110,7 @@ std::vector<uint8_t> FindIntersecting(const FilledMesh& filled) {
 // What one loop is filled with.
 struct Patch {
   BorderLoop loop;
-  std::optional<LoopFilling> filling;
+  LoopFilling filling;
 };
 
 // A mesh whose holes are closed, round by round.
@@ -142,9 +142,8 @@ class HoleCloser {
     std::vector<BorderLoop> left;
     std::vector<Patch> patches;
     for (BorderLoop& loop : loops) {
-      std::optional<LoopFilling> filling = FillLoop(kind, mesh, rings_, loop);
-      if (filling) {
-        patches.push_back({std::move(loop), std::move(filling)});
+      if (auto filling = FillLoop(kind, mesh, rings_, loop)) {
+        patches.push_back({std::move(loop), std::move(*filling)});
       } else {
         left.push_back(std::move(loop));
       }
@@ -153,8 +152,8 @@ class HoleCloser {
     const std::vector<uint8_t> is_intersecting =
         FindIntersecting(Fill(patches));
     if (kind == FillingKind::kFlat) {  // there is no other way
-      report_.num_intersecting = static_cast<size_t>(
-          std::count(is_intersecting.begin(), is_intersecting.end(), 1));
+      report_.num_intersecting =
+          static_cast<size_t>(std::ranges::count(is_intersecting, 1));
     } else {
       Remove(is_intersecting, &patches, &left);
     }
@@ -169,7 +168,7 @@ class HoleCloser {
   FilledMesh Fill(const std::vector<Patch>& patches) const {
     FilledMesh filled{surface_.mesh, surface_.mesh.facets.size(), {}, 0};
     for (const Patch& patch : patches) {
-      filled.Add(*patch.filling, num_vertices_);
+      filled.Add(patch.filling, num_vertices_);
     }
     return filled;
   }
@@ -190,7 +189,7 @@ class HoleCloser {
 
   void InheritFrom(const Patch& patch) {
     VertexAttributes& attributes = surface_.attributes;
-    for (const Eigen::Vector3f& vertex : patch.filling->vertices) {
+    for (const Eigen::Vector3f& vertex : patch.filling.vertices) {
       if (!surface_.origins.empty()) {
         surface_.origins.push_back(vertex);
       }
@@ -209,6 +208,8 @@ class HoleCloser {
 
   // By the inverse squared distances from the vertices of the loop.
   Color ColorAt(const Eigen::Vector3f& point, const BorderLoop& loop) const {
+    // Squared scene units; below it a vertex of the loop is met.
+    constexpr double kTiny = std::numeric_limits<float>::min();
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double sum_of_weights = 0;
     for (const uint32_t vertex : loop) {
@@ -226,9 +227,6 @@ class HoleCloser {
     }
     return color;
   }
-
-  // Squared scene units; below it a vertex of the loop is met.
-  static constexpr double kTiny = std::numeric_limits<float>::min();
 
   size_t num_vertices_;  // old ones, which the fillings' indices are based on
   VertexRings rings_;    // of the old mesh

@@ -74,6 +74,18 @@ GuardedFacets FindGuarded(const std::vector<BorderVertex>& border,
   return guarded;
 }
 
+// Puts the corners of a facet back.
+// \return whether any was elsewhere
+bool PutBackCorners(const std::vector<Vector3f>& positions, uint32_t facet,
+                    TriangleMesh* mesh) {
+  bool has_moved = false;
+  for (const uint32_t vertex : mesh->facets[facet]) {
+    has_moved |= mesh->vertices[vertex] != positions[vertex];
+    mesh->vertices[vertex] = positions[vertex];
+  }
+  return has_moved;
+}
+
 // Puts the corners of turned facets back.
 // \param positions [V] where no guarded facet is turned
 // \return whether any was put back
@@ -85,10 +97,7 @@ bool PutBack(const GuardedFacets& guarded,
     const Vector3f& normal = guarded.normals[i];
     if (NormalOf(*mesh, guarded.facets[i]).dot(normal) <
         kMinCosine * normal.squaredNorm()) {
-      for (const uint32_t vertex : mesh->facets[guarded.facets[i]]) {
-        has_turned |= mesh->vertices[vertex] != positions[vertex];
-        mesh->vertices[vertex] = positions[vertex];
-      }
+      has_turned |= PutBackCorners(positions, guarded.facets[i], mesh);
     }
   }
   return has_turned;
@@ -102,12 +111,8 @@ void PutBackIntersecting(const GuardedFacets& guarded,
   for (bool is_moved = true; is_moved;) {
     is_moved = false;
     for (const auto& pair : FindSelfIntersections(*mesh)) {
-      for (const uint32_t facet : pair) {
-        for (const uint32_t vertex : mesh->facets[facet]) {
-          is_moved |= mesh->vertices[vertex] != positions[vertex];
-          mesh->vertices[vertex] = positions[vertex];
-        }
-      }
+      is_moved |= PutBackCorners(positions, pair[0], mesh);
+      is_moved |= PutBackCorners(positions, pair[1], mesh);
     }
     while (PutBack(guarded, positions, mesh)) {
     }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <iterator>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
 #include "base/indices.h"
+#include "base/union_find.h"
 #include "mesh/normals.h"
 
 namespace colmap_ext {
@@ -55,6 +57,40 @@ std::vector<FacetPair> GuardedMesh::PairsOf(
   }
   SortUnique(&pairs);
   return pairs;
+}
+
+std::vector<std::vector<uint32_t>> GuardedMesh::Clusters() const {
+  const std::vector<FacetPair> pairs = Pairs();
+  std::vector<uint32_t> facets;
+  for (const FacetPair& pair : pairs) {
+    facets.insert(facets.end(), pair.begin(), pair.end());
+  }
+  SortUnique(&facets);
+  const auto place = [&](uint32_t facet) {
+    return static_cast<uint32_t>(std::ranges::lower_bound(facets, facet) -
+                                 facets.begin());
+  };
+  UnionFind groups(facets.size());
+  for (const auto& [a, b] : pairs) {
+    groups.Join(place(a), place(b));
+  }
+  std::unordered_map<uint32_t, uint32_t> facet_at;  // place, of a vertex
+  for (uint32_t i = 0; i < facets.size(); ++i) {
+    for (const uint32_t vertex : mesh_.facets[facets[i]]) {
+      groups.Join(i, facet_at.try_emplace(vertex, i).first->second);
+    }
+  }
+  std::vector<std::vector<uint32_t>> clusters;
+  std::unordered_map<uint32_t, size_t> cluster_of;  // by a group's root
+  for (uint32_t i = 0; i < facets.size(); ++i) {
+    const size_t cluster =
+        cluster_of.try_emplace(groups.Find(i), clusters.size()).first->second;
+    if (cluster == clusters.size()) {
+      clusters.emplace_back();
+    }
+    clusters[cluster].push_back(facets[i]);
+  }
+  return clusters;
 }
 
 void GuardedMesh::ReplacePairs(const std::vector<FacetPair>& old_pairs,

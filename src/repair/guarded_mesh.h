@@ -48,6 +48,11 @@ class GuardedMesh {
   // Those that have one of the facets.
   std::vector<FacetPair> PairsOf(const std::vector<uint32_t>& facets) const;
 
+  // The facets of the pairs in groups, ascending in each, the group of the
+  // lowest facet first: facets belong together if they intersect or share a
+  // vertex.
+  std::vector<std::vector<uint32_t>> Clusters() const;
+
   size_t NumPairs() const { return crossing_.size() / 2; }
 
   // The facets that were looked at so far for what they intersect, and the

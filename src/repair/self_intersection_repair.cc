@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "base/indices.h"
 #include "repair/guarded_mesh.h"
-#include "repair/mesh_patch.h"
 #include "spatial/box_tree.h"
 #include "spatial/facet_tree.h"
 
@@ -73,7 +73,7 @@ bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
 // \return the number of edges flipped
 size_t RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
   std::vector<uint32_t> hard;  // facets of the clusters that are left
-  for (const auto& facets : CrossingClusters(mesh->mesh(), mesh->Pairs())) {
+  for (const auto& facets : mesh->Clusters()) {
     if (mesh->Work() > max_work) {
       break;
     }
@@ -83,6 +83,50 @@ size_t RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
     }
   }
   return mesh->FlipEdges(hard);
+}
+
+// Marks all facets at the vertices within some rings of edges around facets.
+// Goes through all of the mesh once a ring, and needs no adjacency.
+// \return [F] 1: it is one of these
+std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
+                                const std::vector<uint32_t>& facets,
+                                int num_rings) {
+  std::vector<uint8_t> is_reached(mesh.vertices.size(), 0);
+  for (const uint32_t vertex : VerticesOf(mesh, facets)) {
+    is_reached[vertex] = 1;
+  }
+  const auto mark = [&] {
+    std::vector<uint8_t> is_marked(mesh.facets.size());
+    tbb::parallel_for(size_t{0}, is_marked.size(), [&](size_t i) {
+      const auto& [a, b, c] = mesh.facets[i];
+      is_marked[i] = is_reached[a] | is_reached[b] | is_reached[c];
+    });
+    return is_marked;
+  };
+  std::vector<uint8_t> is_marked = mark();
+  for (int ring = 0; ring < num_rings; ++ring) {
+    for (size_t i = 0; i < is_marked.size(); ++i) {
+      for (const uint32_t vertex : mesh.facets[i]) {
+        is_reached[vertex] |= is_marked[i];
+      }
+    }
+    is_marked = mark();
+  }
+  return is_marked;
+}
+
+// Marks all facets whose boxes meet any of the given ones, too.
+void MarkWithin(const TriangleMesh& mesh,
+                const std::vector<Eigen::AlignedBox3f>& boxes,
+                std::vector<uint8_t>* is_marked) {
+  const BoxTree tree(boxes);
+  tbb::parallel_for(
+      uint32_t{0}, static_cast<uint32_t>(mesh.facets.size()), [&](uint32_t i) {
+        const Eigen::AlignedBox3f box = BoxOf(mesh, i);
+        if (tree.AnyOf([&](const auto& b) { return b.intersects(box); })) {
+          (*is_marked)[i] = 1;
+        }
+      });
 }
 
 // Some of the rounds, after copies were moved apart.
@@ -163,7 +207,7 @@ class PatchRepair {
   bool TryWithin(const Steps& steps, std::vector<uint8_t> is_around,
                  std::vector<Box>* boxes) {
     MarkWithin(mesh_, *boxes, &is_around);
-    const MeshPart patch = TakePatch(mesh_, Marked(is_around));
+    const MeshPart patch = TakePart(mesh_, Marked(is_around));
     FixedVertices fixed;
     for (const uint32_t vertex : patch.vertices) {
       fixed.push_back(IsFixed(fixed_, vertex) ? 1 : 0);
@@ -186,8 +230,7 @@ class PatchRepair {
     const size_t num_boxes = boxes->size();
     for (const uint32_t i : changed) {
       const Box box = BoxOf(guarded.mesh(), i);
-      if (!tree.Search([&](const Box& b) { return b.contains(box); },
-                       [](uint32_t) { return true; })) {
+      if (!tree.AnyOf([&](const Box& b) { return b.contains(box); })) {
         boxes->push_back(Widened(box));
       }
     }

@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "spatial/surface_point.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -34,11 +36,8 @@ Float4 Max(Float4 a, Float4 b) { return a > b ? a : b; }
 // From a point v to the segment from the origin to `edge`, which may be one
 // point.
 double SegmentDistanceSquared(const Vector3d& v, const Vector3d& edge) {
-  const double length_squared = edge.squaredNorm();
-  const double t = length_squared > 0
-                       ? std::clamp(v.dot(edge) / length_squared, 0.0, 1.0)
-                       : 0;
-  return (v - t * edge).squaredNorm();
+  const Vector3d origin = Vector3d::Zero();
+  return (v - NearestOnSegment(origin, edge, v) * edge).squaredNorm();
 }
 
 }  // namespace
