@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
-#include "evaluation/surface_samples.h"
 #include "spatial/bvh.h"
 
 namespace colmap_ext {
@@ -46,37 +45,30 @@ void Append(const Points& points, Points* all) {
 // same tree works for both.
 TriangleMesh FinitePart(const TriangleMesh& surface, bool is_points) {
   TriangleMesh part;
+  const auto is_finite = [](const auto& point) { return point.allFinite(); };
   if (is_points) {
-    std::copy_if(
-        surface.vertices.begin(), surface.vertices.end(),
-        std::back_inserter(part.vertices),
-        [](const Eigen::Vector3f& point) { return point.allFinite(); });
+    std::ranges::copy_if(surface.vertices, std::back_inserter(part.vertices),
+                         is_finite);
     for (uint32_t i = 0; i < part.vertices.size(); ++i) {
       part.facets.push_back({i, i, i});
     }
     return part;
   }
   part.vertices = surface.vertices;
-  std::copy_if(surface.facets.begin(), surface.facets.end(),
-               std::back_inserter(part.facets), [&](const Facet& facet) {
-                 return std::all_of(
-                     facet.begin(), facet.end(), [&](uint32_t vertex) {
-                       return surface.vertices[vertex].allFinite();
-                     });
-               });
+  std::ranges::copy_if(
+      surface.facets, std::back_inserter(part.facets), [&](const Facet& facet) {
+        return std::ranges::all_of(CornersOf(surface, facet), is_finite);
+      });
   return part;
 }
 
-Points PointsInImages(const Points& points, const std::vector<View>& views) {
-  Points inside;
-  std::copy_if(
-      points.begin(), points.end(), std::back_inserter(inside),
-      [&](const Eigen::Vector3f& point) {
-        return std::any_of(views.begin(), views.end(), [&](const View& view) {
-          return PixelInImage(view, point.cast<double>()).has_value();
-        });
-      });
-  return inside;
+Points PointsInImages(Points points, const std::vector<View>& views) {
+  std::erase_if(points, [&](const Eigen::Vector3f& point) {
+    return std::ranges::none_of(views, [&](const View& view) {
+      return PixelInImage(view, point.cast<double>()).has_value();
+    });
+  });
+  return points;
 }
 
 std::vector<double> Distances(const Points& points, const Bvh& surface,
@@ -125,7 +117,6 @@ class Evaluator {
   void CastViews(Samples* samples) {
     DepthErrors errors;
     errors.thresholds = options_.depth_thresholds;
-    errors.num_within.resize(errors.thresholds.size(), 0);
     for (size_t i = 0; i < views_.size(); ++i) {
       Report(progress_, "Casting rays",
              static_cast<double>(i) / static_cast<double>(views_.size()));
@@ -170,12 +161,6 @@ class Evaluator {
     }
   }
 
-  void SampleWhole(double spacing, Samples* samples) const {
-    samples->mesh = SampleSurface(mesh_, spacing);
-    samples->truth = truth_.IsPoints() ? surface_.vertices
-                                       : SampleSurface(surface_, spacing);
-  }
-
   void MeasureDistances(Samples samples) {
     const double diagonal =
         Diagonal(views_.empty() ? surface_.vertices : samples.truth);
@@ -192,7 +177,10 @@ class Evaluator {
     }
     Report(progress_, "Measuring distances", 0);
     if (views_.empty()) {
-      SampleWhole(result.spacing, &samples);
+      samples.mesh = SampleSurface(mesh_, result.spacing);
+      samples.truth = truth_.IsPoints()
+                          ? surface_.vertices
+                          : SampleSurface(surface_, result.spacing);
     }
     observability_.RestrictMesh(&samples.mesh);
     observability_.RestrictTruth(&samples.truth);
@@ -243,6 +231,54 @@ DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
   statistics.median = Median(&distances);
   statistics.percentile90 = InterpolatedPercentile(90, &distances);
   return statistics;
+}
+
+bool ObservabilityMask::Contains(const Eigen::Vector3f& point) const {
+  const Eigen::Array3d voxel =
+      ((point.cast<double>() - origin) / resolution).array().round();
+  size_t index = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!(voxel[i] >= 0 && voxel[i] < static_cast<double>(size[i]))) {
+      return false;
+    }
+    index = index * size[i] + static_cast<size_t>(voxel[i]);
+  }
+  return voxels[index] != 0;
+}
+
+void Observability::RestrictMesh(std::vector<Eigen::Vector3f>* samples) const {
+  std::erase_if(*samples, [this](const Eigen::Vector3f& sample) {
+    return (region && !region->Contains(sample)) ||
+           (mask && !mask->Contains(sample));
+  });
+}
+
+void Observability::RestrictTruth(std::vector<Eigen::Vector3f>* samples) const {
+  std::erase_if(*samples, [this](const Eigen::Vector3f& sample) {
+    return (region && !region->Contains(sample)) ||
+           (ground_plane &&
+            !(ground_plane->head<3>().dot(sample.cast<double>()) +
+                  (*ground_plane)[3] >
+              0));
+  });
+}
+
+void Observability::RestrictDepths(const View& view, DepthMap* depths) const {
+  if (!region) {
+    return;
+  }
+  const Eigen::Vector3d center = view.Center();
+  for (int row = 0; row < depths->height; ++row) {
+    for (int col = 0; col < depths->width; ++col) {
+      float& depth = depths->depths[depths->Index(row, col)];
+      const Eigen::Vector3f ray = RayDirection(view, depths->Pixel(col) + 0.5,
+                                               depths->Pixel(row) + 0.5);
+      if (!region->Contains(
+              Eigen::Vector3d(center + depth * ray.cast<double>()))) {
+        depth = 0;
+      }
+    }
+  }
 }
 
 double SurfaceDistances::AverageScore() const {

@@ -57,11 +57,8 @@ VertexAttributes InterpolateAttributes(
   VertexAttributes interpolated;
   interpolated.views.offsets.reserve(sources.size() + 1);
   for (const auto& [a, b] : sources) {
-    const auto views_a = attributes.views[a];
-    const auto views_b = attributes.views[b];
-    std::set_union(views_a.begin(), views_a.end(), views_b.begin(),
-                   views_b.end(),
-                   std::back_inserter(interpolated.views.values));
+    std::ranges::set_union(attributes.views[a], attributes.views[b],
+                           std::back_inserter(interpolated.views.values));
     interpolated.views.EndRow();
     if (!attributes.colors.empty()) {
       Color color;

@@ -86,10 +86,7 @@ class RayCaster {
 
   Vector3f Shade(int32_t index, float depth, const Vector3f& direction,
                  const FrontColor& front_color) const {
-    const Facet& facet = mesh_.facets[index];
-    const Vector3f& a = mesh_.vertices[facet[0]];
-    const Vector3f& b = mesh_.vertices[facet[1]];
-    const Vector3f& c = mesh_.vertices[facet[2]];
+    const auto [a, b, c] = CornersOf(mesh_, mesh_.facets[index]);
     const Vector3f normal = (b - a).cross(c - a).normalized();
     if (normal.dot(direction) > 0) {
       return kBack * Light(-normal, direction);

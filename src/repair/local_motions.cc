@@ -20,10 +20,8 @@ using Eigen::Vector3f;
 // Whether an edge has one facet.
 bool IsBorderEdge(const TriangleMesh& mesh, const VertexRings& rings,
                   uint32_t from, uint32_t to) {
-  const auto corners = rings.corners[from];
-  return std::count_if(corners.begin(), corners.end(), [&](uint32_t corner) {
-           const Facet& facet = mesh.facets[corner / 3];
-           return std::find(facet.begin(), facet.end(), to) != facet.end();
+  return std::ranges::count_if(rings.corners[from], [&](uint32_t corner) {
+           return std::ranges::count(mesh.facets[corner / 3], to) > 0;
          }) == 1;
 }
 

@@ -91,11 +91,6 @@ std::vector<std::vector<uint32_t>> PartsOf(const TriangleMesh& mesh,
   return parts;
 }
 
-Triangle TriangleOf(const TriangleMesh& mesh, const Facet& facet) {
-  return {mesh.vertices[facet[0]], mesh.vertices[facet[1]],
-          mesh.vertices[facet[2]]};
-}
-
 // The corners of a facet that are no corners of another one.
 struct OwnCorners {
   OwnCorners(const Facet& facet, const Facet& other) {
@@ -129,12 +124,16 @@ bool HasArea(const Triangle& facet) {
   return !AreCollinear(facet[0], facet[1], facet[2]);
 }
 
-// Whether two facets meet in more than what they share by index, see
-// FindSelfIntersections().
-bool FacetsIntersect(const TriangleMesh& mesh, const Facet& first,
-                     const Facet& second) {
-  const Triangle a = TriangleOf(mesh, first);
-  const Triangle b = TriangleOf(mesh, second);
+}  // namespace
+
+bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
+  const Facet& first = mesh.facets[pair[0]];
+  const Facet& second = mesh.facets[pair[1]];
+  const Triangle a = CornersOf(mesh, first);
+  if (pair[0] == pair[1]) {
+    return !HasArea(a);
+  }
+  const Triangle b = CornersOf(mesh, second);
   const OwnCorners own_a(first, second);
   const OwnCorners own_b(second, first);
   // Most facets end here.
@@ -155,15 +154,6 @@ bool FacetsIntersect(const TriangleMesh& mesh, const Facet& first,
     default:
       return true;
   }
-}
-
-}  // namespace
-
-bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
-  if (pair[0] == pair[1]) {
-    return !HasArea(TriangleOf(mesh, mesh.facets[pair[0]]));
-  }
-  return FacetsIntersect(mesh, mesh.facets[pair[0]], mesh.facets[pair[1]]);
 }
 
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,

@@ -1,15 +1,15 @@
 #include "evaluation/mesh_evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
-#include "evaluation/observability.h"
 #include "scene/look_at.h"
-#include "tests/random.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace mesh_evaluation_test {
@@ -17,20 +17,15 @@ namespace mesh_evaluation_test {
 // The square [0, 1] x [0, 1] at a height, of 2 n^2 facets, without those of
 // x > end.
 TriangleMesh Square(float height, uint32_t n = 10, float end = 1) {
-  TriangleMesh mesh;
-  for (uint32_t i = 0; i <= n; ++i) {
-    for (uint32_t j = 0; j <= n; ++j) {
-      mesh.vertices.emplace_back(static_cast<float>(i) / static_cast<float>(n),
-                                 static_cast<float>(j) / static_cast<float>(n),
-                                 height);
-      const uint32_t at = i * (n + 1) + j;
-      if (i < n && j < n &&
-          static_cast<float>(i + 1) <= end * static_cast<float>(n)) {
-        mesh.facets.push_back({at, at + n + 1, at + 1});
-        mesh.facets.push_back({at + 1, at + n + 1, at + n + 2});
-      }
-    }
-  }
+  TriangleMesh mesh = Moved(MakeSheet(n, n), [&](const Eigen::Vector3f& p) {
+    return Eigen::Vector3f(p.x() / static_cast<float>(n),
+                           p.y() / static_cast<float>(n), height);
+  });
+  std::erase_if(mesh.facets, [&](const Facet& facet) {
+    return std::ranges::any_of(CornersOf(mesh, facet), [&](const auto& corner) {
+      return corner.x() > end + 1e-6f;
+    });
+  });
   return mesh;
 }
 
@@ -107,10 +102,9 @@ TEST(EvaluateMesh, CountsOnlyWhatIsObservable) {
   mask.size = {6, 11, 1};
   mask.voxels.resize(66, 1);
   mask.resolution = 0.1;
-  TriangleMesh mesh = Square(0);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.z() = vertex.x() > 0.55f ? 0.04f : 0;
-  }
+  const TriangleMesh mesh = Moved(Square(0), [](const Eigen::Vector3f& p) {
+    return Eigen::Vector3f(p.x(), p.y(), p.x() > 0.55f ? 0.04f : 0);
+  });
   MeshEvaluationOptions options;
   options.spacing = 0.004;
   const MeshEvaluation evaluation =
@@ -161,23 +155,16 @@ TEST(EvaluateMesh, TakesDepthMapsAsTheTruth) {
 
 TEST(EvaluateMesh, DoesNotDependOnThreadsOrTheOrderOfFacets) {
   Random random(3);
-  TriangleMesh mesh = Square(0, 30);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.z() += 0.01f * static_cast<float>(random.Unit());
-  }
-  const SurfaceDistances first =
-      *Evaluate(mesh, Square(0), Cameras()).distances;
-  for (const size_t num_threads : {1, 2, 5}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
+  TriangleMesh mesh = Moved(Square(0, 30), [&](const Eigen::Vector3f& p) {
+    return Eigen::Vector3f(p.x(), p.y(), 0.01f * RandomPoint(&random).z());
+  });
+  ExpectSameForAnyThreads([&] {
     random.Shuffle(&mesh.facets);
-    const SurfaceDistances again =
-        *Evaluate(mesh, Square(0), Cameras()).distances;
-    EXPECT_EQ(again.accuracy.mean, first.accuracy.mean);
-    EXPECT_EQ(again.accuracy.median, first.accuracy.median);
-    EXPECT_EQ(again.completeness.mean, first.completeness.mean);
-    EXPECT_EQ(again.completeness.num_samples, first.completeness.num_samples);
-  }
+    const auto distances = Evaluate(mesh, Square(0), Cameras()).distances;
+    return std::tuple(distances->accuracy.mean, distances->accuracy.median,
+                      distances->completeness.mean,
+                      distances->completeness.num_samples);
+  });
 }
 
 TEST(EvaluateMesh, RefusesWhatDoesNotFitTogether) {
@@ -212,9 +199,6 @@ TEST(Summarize, ClipsOrDropsWhatIsBeyond) {
   EXPECT_DOUBLE_EQ(dropped.mean, 2.5);
   EXPECT_DOUBLE_EQ(dropped.median, 2.5);
   EXPECT_DOUBLE_EQ(dropped.percentile90, 3.7);
-}
-
-TEST(Summarize, OfOddNumbersTheMedianIsTheMiddleOne) {
   EXPECT_EQ(Summarize({5, 1, 2}, 10, false).median, 2);
   EXPECT_EQ(Summarize({5}, 10, false).percentile90, 5);
 }

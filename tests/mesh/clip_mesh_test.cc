@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "mesh/adjacency.h"
 #include "mesh/manifold_repair.h"
+#include "mesh/normals.h"
 #include "mesh/topology.h"
 #include "tests/mesh/shapes.h"
 
@@ -96,25 +96,20 @@ TEST(ClipMeshTest, FacetsLieInThoseThatTheyComeFrom) {
   EXPECT_EQ(cut.attributes.views.size(), cut.mesh.vertices.size());
   ASSERT_EQ(sources.size(), cut.mesh.facets.size());
   for (size_t i = 0; i < sources.size(); ++i) {
-    const auto& [a, b, c] = sphere.facets[sources[i]];
-    const Eigen::Vector3f normal =
-        (sphere.vertices[b] - sphere.vertices[a])
-            .cross(sphere.vertices[c] - sphere.vertices[a])
-            .normalized();
-    for (const uint32_t vertex : cut.mesh.facets[i]) {
-      EXPECT_NEAR(normal.dot(cut.mesh.vertices[vertex] - sphere.vertices[a]), 0,
-                  1e-5f);
+    const Eigen::Vector3f normal = FacetNormal(sphere, sources[i]);
+    const Eigen::Vector3f& corner =
+        sphere.vertices[sphere.facets[sources[i]][0]];
+    for (const Eigen::Vector3f& point :
+         CornersOf(cut.mesh, cut.mesh.facets[i])) {
+      EXPECT_NEAR(normal.dot(point - corner), 0, 1e-5f);
     }
   }
 }
 
 TEST(ClipMeshTest, LeavesAClippedMeshAsItIs) {
   const Region region = Turned({10.1, 0.2, 0.3}, {0.6, 0.7, 0.8});
-  TriangleMesh mesh = MakeBumpySphere(0.1f);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.x() += 10;
-  }
-  const TriangleMesh once = Clip(region, mesh).mesh;
+  const TriangleMesh once =
+      Clip(region, Shifted(MakeBumpySphere(0.1f), {10, 0, 0})).mesh;
   const Clipped twice = Clip(region, once);
   EXPECT_FALSE(twice.is_clipped);
   EXPECT_EQ(twice.mesh, once);

@@ -1,7 +1,7 @@
 #include "mesh/facet_filters.h"
 
 #include <algorithm>
-#include <cmath>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -28,39 +28,32 @@ TriangleMesh MakeTriangles(uint32_t num_facets) {
   return mesh;
 }
 
-TEST(SideLimit, IsTheFactorTimesThePercentile) {
-  const TriangleMesh mesh = MakeTriangles(11);  // sides 55 ... 5
-  const std::vector<float> sides = LongestSides(mesh);
-  ASSERT_EQ(sides.size(), 11u);
-  for (size_t i = 0; i < 11; ++i) {
-    EXPECT_FLOAT_EQ(sides[i], 55.0f - 5.0f * static_cast<float>(i));
-  }
+TEST(DropLongFacets, DropsThoseAboveTheFactorTimesThePercentile) {
+  const TriangleMesh all = MakeTriangles(11);  // sides 55 ... 5
   struct Case {
     double factor;
     double percentile;
     size_t num_kept;
   };
-  for (const Case& expected : {Case{1, 50, 6},      // 30 and less
-                               Case{1.49, 50, 8},   // 44.7
-                               Case{1.5, 50, 9},    // 45, itself kept
-                               Case{1, 100, 11},    // 55
-                               Case{1, 0, 1},       // 5
-                               Case{0.99, 0, 0},    // less than any
-                               Case{1, 54, 6},      // 5.4 is rounded to 5
-                               Case{1, 56, 7},      // 5.6 to 6
-                               Case{25, 95, 11},    // the default
-                               Case{0, 50, 11}}) {  // off
-    SCOPED_TRACE(testing::Message()
-                 << expected.factor << " " << expected.percentile);
-    const double limit = SideLimit(expected.factor, expected.percentile, sides);
-    EXPECT_EQ(
-        std::ranges::count_if(sides, [&](float side) { return side <= limit; }),
-        expected.num_kept);
+  for (const auto& [factor, percentile, num_kept] :
+       {Case{1, 50, 6},      // 30 and less
+        Case{1.49, 50, 8},   // 44.7
+        Case{1.5, 50, 9},    // 45, itself kept
+        Case{1, 100, 11},    // 55
+        Case{1, 0, 1},       // 5
+        Case{0.99, 0, 0},    // less than any
+        Case{1, 54, 6},      // 5.4 is rounded to 5
+        Case{1, 56, 7},      // 5.6 to 6
+        Case{25, 95, 11},    // the default
+        Case{0, 50, 11}}) {  // off
+    SCOPED_TRACE(testing::Message() << factor << " " << percentile);
+    TriangleMesh mesh = all;
+    EXPECT_EQ(DropLongFacets(factor, percentile, &mesh), 11 - num_kept);
+    EXPECT_TRUE(std::ranges::equal(
+        mesh.facets, std::span(all.facets).last(num_kept)));  // the shortest
   }
-}
-
-TEST(SideLimit, OfNothingIsWithoutEnd) {
-  EXPECT_TRUE(std::isinf(SideLimit(1, 50, LongestSides({}))));
+  TriangleMesh nothing;
+  EXPECT_EQ(DropLongFacets(1, 50, &nothing), 0);
 }
 
 TEST(DropSmallComponents, DropsThoseOfFewerFacets) {

@@ -3,25 +3,20 @@
 #include <gtest/gtest.h>
 
 #include "mesh/subdivision.h"
-#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 
 namespace colmap_ext {
 namespace surface_test {
 
-TEST(Provenance, OfNoStepChangesNothing) {
-  const TriangleMesh mesh = MakeBumpySphere(0.4f);
-  const Provenance from =
-      Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 1)).from;
-  EXPECT_EQ(Compose(IdentityOf(mesh), from), from);
+DerivedMesh SubdivideAll(const TriangleMesh& mesh) {
+  return Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 1));
 }
 
 TEST(Provenance, OfTwoStepsIsThatOfTheFirstMesh) {
   const TriangleMesh mesh = MakeBumpySphere(0.4f);
-  const std::vector<uint8_t> some(mesh.facets.size(), 1);
-  const DerivedMesh once = Subdivide(mesh, some);
-  const std::vector<uint8_t> all(once.mesh.facets.size(), 1);
-  const DerivedMesh twice = Subdivide(once.mesh, all);
+  const DerivedMesh once = SubdivideAll(mesh);
+  EXPECT_EQ(Compose(IdentityOf(mesh), once.from), once.from);
+  const DerivedMesh twice = SubdivideAll(once.mesh);
   const Provenance from = Compose(once.from, twice.from);
   ASSERT_EQ(from.vertices.size(), twice.mesh.vertices.size());
   ASSERT_EQ(from.facets.size(), 16 * mesh.facets.size());
@@ -59,8 +54,7 @@ TEST(Surface, HandsDownWhatItsVerticesHave) {
     surface.fixed_sources.push_back(i % 2 == 0 ? 100 + i : kNone);
   }
   const Surface before = surface;
-  DerivedMesh derived = Subdivide(
-      surface.mesh, std::vector<uint8_t>(surface.mesh.facets.size(), 1));
+  DerivedMesh derived = SubdivideAll(surface.mesh);
   const Provenance from = derived.from;
   surface.Become(std::move(derived));
   EXPECT_EQ(surface.origins, surface.mesh.vertices);

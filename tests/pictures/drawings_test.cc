@@ -1,5 +1,7 @@
 #include "pictures/drawings.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "scene/look_at.h"
@@ -34,11 +36,7 @@ View ViewFrom(double z) {
 }
 
 size_t NumDrawn(const ColorImage& image) {
-  size_t count = 0;
-  for (const Color& color : image.pixels) {
-    count += color != kWhite ? 1 : 0;
-  }
-  return count;
+  return image.pixels.size() - std::ranges::count(image.pixels, kWhite);
 }
 
 TEST(DrawPoints, HasTheNearerOfTwoPointsOnTop) {
@@ -59,22 +57,16 @@ TEST(DrawPoints, CutsPointsAtTheBorderAndLeavesOutOthers) {
 }
 
 TEST(ResizePicture, TakesMeans) {
-  const ColorImage image{4,
-                         2,
-                         {{0, 0, 0},
-                          {100, 0, 0},
-                          {8, 8, 8},
-                          {8, 8, 8},
-                          {100, 0, 0},
-                          {200, 0, 0},
-                          {8, 8, 8},
-                          {8, 8, 8}}};
+  constexpr Color kGray = {8, 8, 8};
+  const std::vector<Color> pixels = {{0, 0, 0},   {100, 0, 0}, kGray, kGray,  //
+                                     {100, 0, 0}, {200, 0, 0}, kGray, kGray};
+  const ColorImage image{4, 2, pixels};
   const ColorImage half = ResizePicture(image, 2, 1);
   EXPECT_EQ(half.width, 2);
   EXPECT_EQ(half.height, 1);
-  EXPECT_EQ(half.pixels, (std::vector<Color>{{100, 0, 0}, {8, 8, 8}}));
+  EXPECT_EQ(half.pixels, (std::vector<Color>{{100, 0, 0}, kGray}));
   EXPECT_EQ(ResizePicture(image, 4, 2).pixels, image.pixels);
-  EXPECT_EQ(ResizePicture(image, 40, 20).At(19, 39), (Color{8, 8, 8}));
+  EXPECT_EQ(ResizePicture(image, 40, 20).At(19, 39), kGray);
 }
 
 }  // namespace drawings_test

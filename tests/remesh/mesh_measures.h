@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "mesh/triangle_mesh.h"
+#include "mesh/normals.h"
 #include "spatial/bvh.h"
 
 namespace colmap_ext {
@@ -15,15 +15,10 @@ namespace colmap_ext {
 inline std::vector<double> SmallestAngles(const TriangleMesh& mesh) {
   std::vector<double> angles;
   for (const Facet& facet : mesh.facets) {
-    double smallest = 180;
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3f& at = mesh.vertices[facet[k]];
-      const Eigen::Vector3f a = mesh.vertices[facet[(k + 1) % 3]] - at;
-      const Eigen::Vector3f b = mesh.vertices[facet[(k + 2) % 3]] - at;
-      smallest = std::min<double>(
-          smallest, std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / M_PI);
-    }
-    angles.push_back(smallest);
+    angles.push_back(std::min({AngleVector(mesh, facet, 0).norm(),
+                               AngleVector(mesh, facet, 1).norm(),
+                               AngleVector(mesh, facet, 2).norm()}) *
+                     180 / M_PI);
   }
   return angles;
 }
@@ -38,10 +33,8 @@ inline double Percentile(std::vector<double> values, double share) {
 inline double Distance(const TriangleMesh& mesh, const TriangleMesh& other) {
   const Bvh bvh(other);
   double distance = 0;
-  for (const auto& [i, j, k] : mesh.facets) {
-    const Eigen::Vector3f& a = mesh.vertices[i];
-    const Eigen::Vector3f& b = mesh.vertices[j];
-    const Eigen::Vector3f& c = mesh.vertices[k];
+  for (const Facet& facet : mesh.facets) {
+    const auto [a, b, c] = CornersOf(mesh, facet);
     for (const Eigen::Vector3f& point :
          {a, Eigen::Vector3f((a + b) / 2), Eigen::Vector3f((a + b + c) / 3)}) {
       distance = std::max(distance, bvh.Distance(point, 1e3));

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
+#include "tests/mesh/known_meshes.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext {
@@ -40,12 +41,10 @@ TriangleMesh Soup(uint32_t num_facets) {
 // it is missed.
 double Distance(const TriangleMesh& mesh, const Facet& facet,
                 const Vector3f& origin, const Vector3f& direction) {
-  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
   Eigen::Matrix3d matrix;
-  matrix.col(0) = -direction.cast<double>();
-  matrix.col(1) = mesh.vertices[facet[1]].cast<double>() - a;
-  matrix.col(2) = mesh.vertices[facet[2]].cast<double>() - a;
-  const Eigen::Vector3d x = matrix.inverse() * (origin.cast<double>() - a);
+  matrix << -direction.cast<double>(), b - a, c - a;
+  const Vector3d x = matrix.inverse() * (origin.cast<double>() - a);
   return x[1] >= 0 && x[2] >= 0 && x[1] + x[2] <= 1 ? x[0] : -1;
 }
 
@@ -124,6 +123,7 @@ TEST(Bvh, MissesNoFacetWhoseBoxHasAPlaneInWhichTheRayLies) {
 
 TEST(Bvh, SeesNothingInAnEmptyMesh) {
   const Bvh bvh{TriangleMesh()};
+  EXPECT_EQ(bvh.Distance({0, 0, 0}, 0.1), 0.1);
   RayPacket rays;
   rays.max_distance = 7;
   for (int i = 0; i < 4; ++i) {
@@ -137,10 +137,7 @@ TEST(Bvh, SeesNothingInAnEmptyMesh) {
 }
 
 TEST(Bvh, SeesNothingBeyondTheDistances) {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, -1, -1}, {0, 1, -1}, {0, 0, 1}};
-  mesh.facets = {{0, 1, 2}};
-  const Bvh bvh(mesh);
+  const Bvh bvh({{{0, -1, -1}, {0, 1, -1}, {0, 0, 1}}, {{0, 1, 2}}});
   const auto is_hit = [&](float x, float direction, float min, float max) {
     RayPacket rays;
     rays.origin = {x, 0, 0};
@@ -169,9 +166,7 @@ Vector3d NearestOnSegment(const Vector3d& p, const Vector3d& a,
 // coordinates where their solution lies in the facet.
 double Distance(const Vector3d& p, const TriangleMesh& mesh,
                 const Facet& facet) {
-  const Vector3d a = mesh.vertices[facet[0]].cast<double>();
-  const Vector3d b = mesh.vertices[facet[1]].cast<double>();
-  const Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
   double nearest = std::min({(p - NearestOnSegment(p, a, b)).norm(),
                              (p - NearestOnSegment(p, b, c)).norm(),
                              (p - NearestOnSegment(p, c, a)).norm()});
@@ -236,15 +231,7 @@ TEST(BvhDistance, IsThatOfASearchThroughAll) {
 }
 
 TEST(BvhDistance, ToAPlaneIsExact) {
-  TriangleMesh mesh;
-  for (uint32_t i = 0; i < 100; ++i) {
-    mesh.vertices.emplace_back(i / 10, i % 10, 0);
-    if (i < 90 && i % 10 < 9) {
-      mesh.facets.push_back({i, i + 10, i + 1});
-      mesh.facets.push_back({i + 1, i + 10, i + 11});
-    }
-  }
-  const Bvh bvh(mesh);
+  const Bvh bvh(MakeSheet(9, 9));
   for (int i = 0; i < 200; ++i) {
     Vector3f point = Vector3f::Constant(4.5f) + 4.5f * RandomVector(i, 21);
     for (const float distance : {0.0f, 0.1f, -3e-5f}) {
@@ -255,7 +242,6 @@ TEST(BvhDistance, ToAPlaneIsExact) {
 }
 
 TEST(BvhDistance, IsTheMaximumWhereThereIsNothingNearer) {
-  EXPECT_EQ(Bvh(TriangleMesh()).Distance({0, 0, 0}, 0.1), 0.1);
   const TriangleMesh point = {{{1, 0, 0}}, {{0, 0, 0}}};
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 0.1), 0.1);
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 2), 1);

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mesh/normals.h"
 #include "spatial/bvh.h"
 #include "tests/mesh/shapes.h"
 
@@ -14,19 +15,8 @@ namespace surface_point_test {
 
 using Eigen::Vector3f;
 
-Vector3f RandomPoint(Random* random) {
-  const auto unit = [&] {
-    return static_cast<float>(3 * random->Unit() - 1.5);
-  };
-  const float x = unit();
-  const float y = unit();
-  return {x, y, unit()};
-}
-
-Vector3f Normal(const TriangleMesh& mesh, uint32_t facet) {
-  const auto& [a, b, c] = mesh.facets[facet];
-  return (mesh.vertices[b] - mesh.vertices[a])
-      .cross(mesh.vertices[c] - mesh.vertices[a]);
+Vector3f PointAround(Random* random) {
+  return 3 * RandomPoint(random).array() - 1.5F;
 }
 
 double DistanceTo(const TriangleMesh& mesh, uint32_t facet,
@@ -41,7 +31,7 @@ TEST(NearestPointOfFacet, IsTheNearestOfMany) {
   const TriangleMesh mesh = MakeBumpySphere(0.5F);
   for (int i = 0; i < 300; ++i) {
     const auto facet = random.Below(static_cast<uint32_t>(mesh.facets.size()));
-    const Vector3f point = RandomPoint(&random);
+    const Vector3f point = PointAround(&random);
     const SurfacePoint nearest = NearestPointOfFacet(mesh, facet, point);
     EXPECT_EQ(nearest.facet, facet);
     EXPECT_NEAR(nearest.weights.sum(), 1, 1e-6);
@@ -62,9 +52,7 @@ TEST(NearestPointOfFacet, IsTheNearestOfMany) {
 }
 
 TEST(NearestPointOfFacet, OfAFacetWithoutAreaIsOnItsSegment) {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}};
-  mesh.facets = {{0, 1, 2}};
+  const TriangleMesh mesh = {{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}};
   EXPECT_NEAR(DistanceTo(mesh, 0, {0.5F, 3, 0}), 3, 1e-6);
   EXPECT_NEAR(DistanceTo(mesh, 0, {3, 0, 0}), 1, 1e-6);
 }
@@ -75,17 +63,17 @@ TEST(NearestFacet, IsThatOfASearchThroughAll) {
   const TriangleMesh mesh = MakeRoundTorus(0.2F);
   const Bvh bvh(mesh);
   for (int i = 0; i < 300; ++i) {
-    const Vector3f point = RandomPoint(&random);
-    const Vector3f normal = RandomPoint(&random);
+    const Vector3f point = PointAround(&random);
+    const Vector3f normal = PointAround(&random);
     double nearest = std::numeric_limits<double>::infinity();
     for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
-      if (Normal(mesh, facet).dot(normal) > 0) {
+      if (AreaVector(mesh, mesh.facets[facet]).dot(normal) > 0) {
         nearest = std::min(nearest, DistanceTo(mesh, facet, point));
       }
     }
     const uint32_t found = bvh.NearestFacet(point, normal, 1e3);
     ASSERT_NE(found, kNone);
-    EXPECT_GT(Normal(mesh, found).dot(normal), 0);
+    EXPECT_GT(AreaVector(mesh, mesh.facets[found]).dot(normal), 0);
     EXPECT_NEAR(DistanceTo(mesh, found, point), nearest, 1e-5);
     EXPECT_EQ(bvh.NearestFacet(point, normal, 0.9 * nearest), kNone);
     EXPECT_TRUE(bvh.IsNear(point, normal, 1.1 * nearest));
