@@ -82,48 +82,40 @@ std::vector<double> Distances(const Points& points, const Bvh& surface,
   return distances;
 }
 
-class Evaluator {
- public:
-  Evaluator(const MeshEvaluationOptions& options, const TriangleMesh& mesh,
-            const Truth& truth, const std::vector<View>& views,
-            const Observability& observability, const Progress& progress)
-      : options_(options),
-        truth_(truth),
-        views_(views),
-        observability_(observability),
-        progress_(progress),
-        mesh_(FinitePart(mesh, false)),
-        surface_(FinitePart(truth.surface, truth.IsPoints())) {
-    Report(progress_, "Building trees", 0);
-    mesh_tree_.emplace(mesh_);
-    truth_tree_.emplace(surface_);
-  }
+struct Evaluator {
+  const MeshEvaluationOptions& options;
+  const Truth& truth;
+  const std::vector<View>& views;
+  const Observability& observability;
+  const Progress& progress;
+  const TriangleMesh mesh;     // its finite part
+  const TriangleMesh surface;  // the finite part of the truth
+  MeshEvaluation evaluation{};
+  const Bvh mesh_tree{mesh};
+  const Bvh truth_tree{surface};
 
-  MeshEvaluation Evaluate(const TriangleMesh& mesh) {
-    evaluation_.topology = Analyze(mesh);
-    evaluation_.num_dropped_facets = mesh.facets.size() - mesh_.facets.size();
-    evaluation_.num_views = views_.size();
+  MeshEvaluation Run() {
+    evaluation.num_views = views.size();
     Samples samples;
-    if (!views_.empty()) {
+    if (!views.empty()) {
       CastViews(&samples);
     }
-    if (!truth_.depth_maps) {
+    if (!truth.depth_maps) {
       MeasureDistances(std::move(samples));
     }
-    return evaluation_;
+    return evaluation;
   }
 
- private:
   void CastViews(Samples* samples) {
     DepthErrors errors;
-    errors.thresholds = options_.depth_thresholds;
-    for (size_t i = 0; i < views_.size(); ++i) {
-      Report(progress_, "Casting rays",
-             static_cast<double>(i) / static_cast<double>(views_.size()));
+    errors.thresholds = options.depth_thresholds;
+    for (size_t i = 0; i < views.size(); ++i) {
+      Report(progress, "Casting rays",
+             static_cast<double>(i) / static_cast<double>(views.size()));
       CastView(i, samples, &errors);
     }
-    if (truth_.IsPoints()) {
-      samples->truth = PointsInImages(surface_.vertices, views_);
+    if (truth.IsPoints()) {
+      samples->truth = PointsInImages(surface.vertices, views);
       return;
     }
     if (errors.num_depths == 0) {
@@ -131,31 +123,31 @@ class Evaluator {
           "no image sees the truth: are mesh, truth and workspace in the same "
           "frame?");
     }
-    evaluation_.depths = errors;
+    evaluation.depths = errors;
   }
 
   void CastView(size_t index, Samples* samples, DepthErrors* errors) {
-    View view = views_[index];
+    View view = views[index];
     DepthMap true_depths;
-    if (truth_.depth_maps) {
-      const DepthMap map = truth_.depth_maps(index);
+    if (truth.depth_maps) {
+      const DepthMap map = truth.depth_maps(index);
       if (map.depths.empty()) {
-        ++evaluation_.num_views_without_depths;
+        ++evaluation.num_views_without_depths;
         return;
       }
       view = ResizeView(view, map.width, map.height);
-      true_depths = Subsample(map, options_.stride);
-    } else if (!truth_.IsPoints()) {
-      true_depths = RenderDepths(*truth_tree_, view, options_.stride);
+      true_depths = Subsample(map, options.stride);
+    } else if (!truth.IsPoints()) {
+      true_depths = RenderDepths(truth_tree, view, options.stride);
     }
-    observability_.RestrictDepths(view, &true_depths);
-    const DepthMap depths = RenderDepths(*mesh_tree_, view, options_.stride);
-    if (truth_.IsPoints()) {
+    observability.RestrictDepths(view, &true_depths);
+    const DepthMap depths = RenderDepths(mesh_tree, view, options.stride);
+    if (truth.IsPoints()) {
       Append(PointsWhere(depths, depths, view), &samples->mesh);
       return;
     }
     AddDepthErrors(true_depths, depths, errors);
-    if (!truth_.depth_maps) {
+    if (!truth.depth_maps) {
       Append(PointsWhere(depths, true_depths, view), &samples->mesh);
       Append(PointsWhere(true_depths, true_depths, view), &samples->truth);
     }
@@ -163,48 +155,36 @@ class Evaluator {
 
   void MeasureDistances(Samples samples) {
     const double diagonal =
-        Diagonal(views_.empty() ? surface_.vertices : samples.truth);
+        Diagonal(views.empty() ? surface.vertices : samples.truth);
     SurfaceDistances result;
     result.spacing =
-        options_.spacing > 0 ? options_.spacing : kSpacingShare * diagonal;
-    result.max_distance = options_.max_distance > 0
-                              ? options_.max_distance
+        options.spacing > 0 ? options.spacing : kSpacingShare * diagonal;
+    result.max_distance = options.max_distance > 0
+                              ? options.max_distance
                               : kMaxDistanceShare * diagonal;
     if (!(result.spacing > 0 && result.max_distance > 0)) {
       throw std::invalid_argument(
           "the truth has no extent to take the spacing of the samples and the "
           "maximum distance from");
     }
-    Report(progress_, "Measuring distances", 0);
-    if (views_.empty()) {
-      samples.mesh = SampleSurface(mesh_, result.spacing);
-      samples.truth = truth_.IsPoints()
-                          ? surface_.vertices
-                          : SampleSurface(surface_, result.spacing);
+    Report(progress, "Measuring distances", 0);
+    if (views.empty()) {
+      samples.mesh = SampleSurface(mesh, result.spacing);
+      samples.truth = truth.IsPoints() ? surface.vertices
+                                       : SampleSurface(surface, result.spacing);
     }
-    observability_.RestrictMesh(&samples.mesh);
-    observability_.RestrictTruth(&samples.truth);
+    observability.RestrictMesh(&samples.mesh);
+    observability.RestrictTruth(&samples.truth);
     DownsampleByVoxels(result.spacing, &samples.mesh);
     DownsampleByVoxels(result.spacing, &samples.truth);
-    const auto measure = [&](const Points& points, const Bvh& surface) {
-      return Summarize(Distances(points, surface, result.max_distance),
-                       result.max_distance, options_.drop_beyond);
+    const auto measure = [&](const Points& points, const Bvh& tree) {
+      return Summarize(Distances(points, tree, result.max_distance),
+                       result.max_distance, options.drop_beyond);
     };
-    result.accuracy = measure(samples.mesh, *truth_tree_);
-    result.completeness = measure(samples.truth, *mesh_tree_);
-    evaluation_.distances = result;
+    result.accuracy = measure(samples.mesh, truth_tree);
+    result.completeness = measure(samples.truth, mesh_tree);
+    evaluation.distances = result;
   }
-
-  const MeshEvaluationOptions& options_;
-  const Truth& truth_;
-  const std::vector<View>& views_;
-  const Observability& observability_;
-  const Progress& progress_;
-  const TriangleMesh mesh_;     // its finite part
-  const TriangleMesh surface_;  // the finite part of the truth
-  std::optional<Bvh> mesh_tree_;
-  std::optional<Bvh> truth_tree_;
-  MeshEvaluation evaluation_;
 };
 
 }  // namespace
@@ -295,8 +275,19 @@ MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,
   if (truth.depth_maps && views.empty()) {
     throw std::invalid_argument("depth maps need the views they belong to");
   }
-  return Evaluator(options, mesh, truth, views, observability, progress)
-      .Evaluate(mesh);
+  Report(progress, "Building trees", 0);
+  Evaluator evaluator{options,
+                      truth,
+                      views,
+                      observability,
+                      progress,
+                      FinitePart(mesh, false),
+                      FinitePart(truth.surface, truth.IsPoints())};
+  MeshEvaluation evaluation = evaluator.Run();
+  evaluation.topology = Analyze(mesh);
+  evaluation.num_dropped_facets =
+      mesh.facets.size() - evaluator.mesh.facets.size();
+  return evaluation;
 }
 
 std::vector<double> VertexErrors(const TriangleMesh& mesh, const Truth& truth,

@@ -38,17 +38,6 @@ std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
   return sums;
 }
 
-std::vector<uint32_t> UnionOfViews(const PointCloud& points,
-                                   const std::vector<uint32_t>& indices) {
-  std::vector<uint32_t> views;
-  for (const uint32_t index : indices) {
-    const auto row = points.views[index];
-    views.insert(views.end(), row.begin(), row.end());
-  }
-  SortUnique(&views);
-  return views;
-}
-
 }  // namespace
 
 VertexAttributes InterpolateAttributes(
@@ -86,8 +75,12 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
   attributes.colors.resize(points.colors.empty() ? 0 : num_vertices);
   tbb::parallel_for(size_t{0}, num_vertices, [&](size_t i) {
     const Eigen::Vector3f& vertex = mesh.vertices[i];
-    views[i] = UnionOfViews(
-        points, tree.Nearest(vertex, kNumNearest, kReach * lengths[i]));
+    for (const uint32_t point :
+         tree.Nearest(vertex, kNumNearest, kReach * lengths[i])) {
+      const auto row = points.views[point];
+      views[i].insert(views[i].end(), row.begin(), row.end());
+    }
+    SortUnique(&views[i]);
     if (!points.colors.empty()) {
       constexpr float kAnywhere = std::numeric_limits<float>::infinity();
       attributes.colors[i] =

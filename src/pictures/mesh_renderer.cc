@@ -43,14 +43,7 @@ Color ToColor(const Vector3f& value) {
 class RayCaster {
  public:
   RayCaster(const TriangleMesh& mesh, const Bvh& bvh, const View& view)
-      : mesh_(mesh),
-        bvh_(bvh),
-        view_(view),
-        eye_(view.Center().cast<float>()),
-        // From above and to the left of the camera.
-        sun_((view.cam_from_world_rotation.transpose() *
-              Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
-                 .cast<float>()) {}
+      : mesh_(mesh), bvh_(bvh), view_(view) {}
 
   // For each coloring, the mean of rays through the centers of the pixel's
   // quarters.
@@ -102,8 +95,11 @@ class RayCaster {
   const TriangleMesh& mesh_;
   const Bvh& bvh_;
   const View& view_;
-  const Vector3f eye_;
-  const Vector3f sun_;  // unit, towards the light
+  const Vector3f eye_ = view_.Center().cast<float>();
+  // Unit, towards the light, which is above and to the left of the camera.
+  const Vector3f sun_ = (view_.cam_from_world_rotation.transpose() *
+                         Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
+                            .cast<float>();
 };
 
 }  // namespace

@@ -25,12 +25,6 @@ Anchor ReferenceSurface::At(const SurfacePoint& source) const {
           ValueAt(source, mesh_, tolerances_)};
 }
 
-Anchor ReferenceSurface::AtCorner(uint32_t corner) const {
-  SurfacePoint source{corner / 3, Vector3f::Zero()};
-  source.weights[corner % 3] = 1;
-  return At(source);
-}
-
 // From facet to neighboring facet while these are nearer, so that little is
 // left to search.
 ReferenceSurface::NearPoint ReferenceSurface::Descend(const Vector3f& position,
@@ -115,8 +109,8 @@ AnchoredMesh::AnchoredMesh(const TriangleMesh& mesh, std::vector<float> lengths,
       anchors(mesh.vertices.size()),
       fixed(std::move(fixed_vertices)) {
   for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
-    for (uint32_t k = 0; k < 3; ++k) {
-      anchors[mesh.facets[facet][k]] = reference.AtCorner(3 * facet + k);
+    for (int k = 0; k < 3; ++k) {
+      anchors[mesh.facets[facet][k]] = reference.At({facet, Vector3f::Unit(k)});
     }
   }
 }

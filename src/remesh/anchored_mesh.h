@@ -48,9 +48,7 @@ class ReferenceSurface {
   ReferenceSurface(const TriangleMesh& mesh, std::vector<float> lengths,
                    std::vector<float> tolerances);
 
-  // Of a vertex of the reference itself.
-  // \param corner  3 * facet + k, a corner at the vertex
-  Anchor AtCorner(uint32_t corner) const;
+  Anchor At(const SurfacePoint& source) const;
 
   // Of the nearest point whose facet faces the way `normal` does.
   // \param hint  a facet that is near.
@@ -72,7 +70,6 @@ class ReferenceSurface {
     float distance;  // scene units
   };
 
-  Anchor At(const SurfacePoint& source) const;
   NearPoint NearestIn(uint32_t facet, const Eigen::Vector3f& position) const;
   NearPoint Descend(const Eigen::Vector3f& position,
                     const Eigen::Vector3f& normal, uint32_t facet) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "remesh/speculation.h"
 
@@ -23,13 +24,8 @@ Quad QuadOf(const AnchoredMesh& mesh, uint32_t half) {
            mesh.Corner(vertices[2]), mesh.Corner(vertices[3])}};
 }
 
-// Of the two facets before and after, the worst angle.
-struct Angles {
-  float before = 0;
-  float after = 0;
-};
-
-Angles WorstAngles(const Quad& quad) {
+// The worst angles, as their cosines, of the two facets before and after.
+std::pair<float, float> WorstAngles(const Quad& quad) {
   const auto& [a, b, c, d] = quad.corners;
   return {std::max(LargestCosine({a, b, c}), LargestCosine({b, a, d})),
           std::max(LargestCosine({a, d, c}), LargestCosine({b, c, d}))};
@@ -115,8 +111,8 @@ void FlipForValence(AnchoredMesh* mesh) {
     if (gain <= 0) {
       return false;
     }
-    const Angles angles = WorstAngles(quad);
-    return angles.after < std::max(kMaxCosine, angles.before);
+    const auto [before, after] = WorstAngles(quad);
+    return after < std::max(kMaxCosine, before);
   };
   const auto on_flip = [&](const Quad& quad) {
     for (int k = 0; k < 4; ++k) {
@@ -131,9 +127,8 @@ void FlipForAngles(float min_cosine, AnchoredMesh* mesh) {
   constexpr float kMinGain = 1e-3F;  // of the cosine, so that rounding does
                                      // not flip edges back and forth
   const auto is_better = [&](const Quad& quad) {
-    const Angles angles = WorstAngles(quad);
-    return angles.before >= min_cosine &&
-           angles.after < angles.before - kMinGain;
+    const auto [before, after] = WorstAngles(quad);
+    return before >= min_cosine && after < before - kMinGain;
   };
   const auto on_flip = [](const Quad& /*quad*/) {};
   for (int round = 0;

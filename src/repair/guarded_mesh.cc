@@ -11,11 +11,6 @@
 #include "mesh/normals.h"
 
 namespace colmap_ext {
-namespace {
-
-constexpr float kFoldedCosine = -0.5F;  // between normals: 120 degrees
-
-}  // namespace
 
 void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
                     std::vector<FacetPair>* pairs) {
@@ -127,6 +122,7 @@ std::optional<std::vector<FacetPair>> GuardedMesh::FewerPairs(
 
 GuardedMesh::Shape GuardedMesh::ShapeOf(
     const std::vector<uint32_t>& facets) const {
+  constexpr float kFoldedCosine = -0.5F;  // between normals: 120 degrees
   Shape shape;
   for (const uint32_t facet : facets) {
     const Eigen::Vector3f normal = FacetNormal(mesh_, facet);
