@@ -90,14 +90,10 @@ GridPoint Locate(const Eigen::Vector3f& point, double spacing) {
     throw std::invalid_argument(
         "the spacing of the samples is too small for the extent of the scene");
   }
-  GridPoint located;
-  for (int i = 0; i < 3; ++i) {
-    located.voxel[i] = static_cast<int32_t>(voxel[i]);
-  }
-  located.offset_squared =
-      static_cast<float>((position - voxel - 0.5).matrix().squaredNorm());
-  located.point = point;
-  return located;
+  return {{static_cast<int32_t>(voxel[0]), static_cast<int32_t>(voxel[1]),
+           static_cast<int32_t>(voxel[2])},
+          static_cast<float>((position - voxel - 0.5).matrix().squaredNorm()),
+          point};
 }
 
 // A total order: points that compare equal are equal.

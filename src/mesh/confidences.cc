@@ -70,25 +70,6 @@ double UsualDensity(std::vector<FacetDensity> densities) {
   return 0;
 }
 
-// [F]
-std::vector<FacetDensity> FacetDensities(const TriangleMesh& mesh,
-                                         const std::vector<float>& support,
-                                         const Rows<uint32_t>& vertex_views,
-                                         const std::vector<View>& views) {
-  std::vector<FacetDensity> densities(mesh.facets.size());
-  tbb::parallel_for(size_t{0}, densities.size(), [&](size_t i) {
-    const Facet& facet = mesh.facets[i];
-    const double sum =
-        double{support[facet[0]]} + support[facet[1]] + support[facet[2]];
-    const double area = PixelArea(mesh, facet, vertex_views, views);
-    if (sum > 0 && area >= 0) {
-      densities[i] = {
-          sum / std::max(area, std::numeric_limits<double>::epsilon()), sum};
-    }
-  });
-  return densities;
-}
-
 }  // namespace
 
 std::vector<float> FacetConfidences(const TriangleMesh& mesh,
@@ -98,8 +79,16 @@ std::vector<float> FacetConfidences(const TriangleMesh& mesh,
   // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
   // 0.26. A choice.
   constexpr double kUsual = 3;
-  const std::vector<FacetDensity> densities =
-      FacetDensities(mesh, support, vertex_views, views);
+  std::vector<FacetDensity> densities(mesh.facets.size());
+  tbb::parallel_for(size_t{0}, densities.size(), [&](size_t i) {
+    const auto& [a, b, c] = mesh.facets[i];
+    const double sum = double{support[a]} + support[b] + support[c];
+    const double area = PixelArea(mesh, mesh.facets[i], vertex_views, views);
+    if (sum > 0 && area >= 0) {
+      densities[i] = {
+          sum / std::max(area, std::numeric_limits<double>::epsilon()), sum};
+    }
+  });
   const double usual = UsualDensity(densities);
   std::vector<float> confidences(densities.size(), 0);
   for (size_t i = 0; i < densities.size() && usual > 0; ++i) {

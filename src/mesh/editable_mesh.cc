@@ -79,20 +79,15 @@ uint32_t EditableMesh::Split(uint32_t half) {
     const uint32_t apex = To(next);
     const uint32_t added = static_cast<uint32_t>(partners_.size());
     partners_.resize(added + 3, kNone);
-    Facet& facet = mesh_.facets[cut_half / 3];
-    if (keeps_from) {
-      const Facet part = {middle, facet[next % 3], apex};
-      facet[next % 3] = middle;
-      mesh_.facets.push_back(part);
-      Join(added + 1, partners_[next]);
-      Join(added + 2, next);
-    } else {
-      const Facet part = {facet[cut_half % 3], middle, apex};
-      facet[cut_half % 3] = middle;
-      mesh_.facets.push_back(part);
-      Join(added + 2, partners_[previous]);
-      Join(added + 1, previous);
-    }
+    // The half-edge that the part replaces, and the corner that it takes over.
+    const uint32_t outer = keeps_from ? next : previous;
+    const uint32_t moved = keeps_from ? next : cut_half;
+    const uint32_t end =
+        std::exchange(mesh_.facets[cut_half / 3][moved % 3], middle);
+    mesh_.facets.push_back(keeps_from ? Facet{middle, end, apex}
+                                      : Facet{end, middle, apex});
+    Join(added + (keeps_from ? 1 : 2), partners_[outer]);
+    Join(added + (keeps_from ? 2 : 1), outer);
     return added;
   };
 

@@ -7,7 +7,6 @@
 
 #include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
-#include "mesh/facet_filters.h"
 #include "mesh/manifold_repair.h"
 #include "meshing/inherit_attributes.h"
 #include "remesh/isotropic_remeshing.h"

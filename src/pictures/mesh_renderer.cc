@@ -52,10 +52,8 @@ class RayCaster {
     RayPacket rays;
     rays.origin = eye_;
     for (int i = 0; i < 4; ++i) {
-      const int sub_row = i / 2;
-      const int sub_col = i % 2;
-      rays.SetDirection(i, RayDirection(view_, col + 0.25 + 0.5 * sub_col,
-                                        row + 0.25 + 0.5 * sub_row));
+      rays.SetDirection(i, RayDirection(view_, col + 0.25 + 0.5 * (i % 2),
+                                        row + 0.25 + 0.5 * (i / 2)));
     }
     const HitPacket hits = bvh_.Intersect(rays);
     std::vector<Vector3f> means(colors.size(), Vector3f::Zero());
@@ -88,8 +86,8 @@ class RayCaster {
     const Vector3f areas((b - point).cross(c - point).dot(normal),
                          (c - point).cross(a - point).dot(normal),
                          (a - point).cross(b - point).dot(normal));
-    return front_color({static_cast<uint32_t>(index), depth, normal, areas,
-                        Light(normal, direction)});
+    return front_color(
+        {static_cast<uint32_t>(index), areas, Light(normal, direction)});
   }
 
   const TriangleMesh& mesh_;

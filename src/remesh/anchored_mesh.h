@@ -179,7 +179,7 @@ float LargestCosine(const AnchoredFacet& facet);
 bool KeepsFacing(const AnchoredFacet& before, const AnchoredFacet& after,
                  float min_cosine);
 
-// The steps of remeshing, each in a file of its own.
+// The steps of remeshing.
 
 // Splits edges at their middles, the longest first, as long as any is more than
 // `max_ratio` times as long as is wanted.

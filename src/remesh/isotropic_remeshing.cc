@@ -163,8 +163,10 @@ void BecomeRemeshed(RemeshedSurface remeshed, Surface* surface) {
         ValuesAt(remeshed.sources, surface->mesh, surface->origins);
   }
   surface->mesh = std::move(remeshed.mesh);
-  surface->fixed_sources =
-      CarrySources(surface->fixed_sources, remeshed.fixed_sources);
+  const FixedSources before = std::exchange(surface->fixed_sources, {});
+  for (const uint32_t vertex : remeshed.fixed_sources) {
+    surface->fixed_sources.push_back(vertex != kNone ? before[vertex] : kNone);
+  }
 }
 
 void RemeshEvenly(Surface* surface) {

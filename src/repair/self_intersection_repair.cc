@@ -1,7 +1,6 @@
 #include "repair/self_intersection_repair.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -70,8 +69,7 @@ bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
   return mesh->NumPairs() < num_pairs;
 }
 
-// \return the number of edges flipped
-size_t RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
+void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
   std::vector<uint32_t> hard;  // facets of the clusters that are left
   for (const auto& facets : mesh->Clusters()) {
     if (mesh->Work() > max_work) {
@@ -82,7 +80,7 @@ size_t RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
       hard.insert(hard.end(), facets.begin(), facets.end());
     }
   }
-  return mesh->FlipEdges(hard);
+  mesh->FlipEdges(hard);
 }
 
 // Marks all facets at the vertices within some rings of edges around facets.
@@ -145,7 +143,7 @@ class PatchRepair {
   PatchRepair(TriangleMesh* mesh, const FixedVertices& fixed)
       : mesh_(*mesh), fixed_(fixed), pairs_(FindSelfIntersections(*mesh)) {
     DropFixedPairs(*mesh, fixed, &pairs_);
-    repair_.num_before = pairs_.size();
+    num_before_ = pairs_.size();
   }
 
   SelfIntersectionRepair Run(int max_rounds) {
@@ -153,11 +151,7 @@ class PatchRepair {
     if (max_rounds > 1) {
       RunSteps({false, 1, max_rounds});
     }
-    repair_.num_after = pairs_.size();
-    for (const auto& [vertex, position] : before_) {
-      MeasureMotion(position, mesh_.vertices[vertex]);
-    }
-    return repair_;
+    return {num_before_, pairs_.size()};
   }
 
  private:
@@ -213,7 +207,6 @@ class PatchRepair {
       fixed.push_back(IsFixed(fixed_, vertex) ? 1 : 0);
     }
     GuardedMesh guarded(patch.mesh, std::move(fixed));
-    size_t num_flips = 0;
     const size_t max_work = MaxWork() - work_;
     if (steps.separates_copies) {
       SeparateCopies(&guarded, max_work);
@@ -222,7 +215,7 @@ class PatchRepair {
          round < steps.end_round && guarded.NumPairs() > 0 &&
          guarded.Work() <= max_work;
          ++round) {
-      num_flips += RunRound(round, max_work, &guarded);
+      RunRound(round, max_work, &guarded);
     }
     const std::vector<uint32_t> changed =
         ChangedFacets(patch.mesh, guarded.mesh());
@@ -243,7 +236,6 @@ class PatchRepair {
       pairs_.push_back({patch.facets[a], patch.facets[b]});
     }
     work_ += guarded.Work();
-    repair_.num_flipped_edges += num_flips;
     return true;
   }
 
@@ -253,9 +245,7 @@ class PatchRepair {
     for (uint32_t i = 0; i < after.facets.size(); ++i) {
       const Facet& facet = after.facets[i];
       if (facet != before.facets[i] ||
-          std::ranges::any_of(facet, [&](uint32_t vertex) {
-            return after.vertices[vertex] != before.vertices[vertex];
-          })) {
+          CornersOf(after, facet) != CornersOf(before, facet)) {
         changed.push_back(i);
       }
     }
@@ -269,23 +259,9 @@ class PatchRepair {
       for (uint32_t& vertex : facet) {
         const Eigen::Vector3f& position = after.vertices[vertex];
         vertex = patch.vertices[vertex];
-        before_.try_emplace(vertex, mesh_.vertices[vertex]);
         mesh_.vertices[vertex] = position;
       }
       mesh_.facets[patch.facets[i]] = facet;
-    }
-  }
-
-  void MeasureMotion(const Eigen::Vector3f& before,
-                     const Eigen::Vector3f& after) {
-    if (before != after) {
-      const double distance =
-          (before.cast<double>() - after.cast<double>()).norm();
-      // The mean so far.
-      ++repair_.num_moved_vertices;
-      repair_.mean_motion += (distance - repair_.mean_motion) /
-                             static_cast<double>(repair_.num_moved_vertices);
-      repair_.max_motion = std::max(repair_.max_motion, distance);
     }
   }
 
@@ -293,9 +269,7 @@ class PatchRepair {
   const FixedVertices& fixed_;
   std::vector<FacetPair> pairs_;  // that are left
   size_t work_ = 0;               // GuardedMesh::Work() so far
-  SelfIntersectionRepair repair_;
-  // Of the vertices of facets that have changed.
-  std::map<uint32_t, Eigen::Vector3f> before_;
+  size_t num_before_ = 0;
 };
 
 }  // namespace

@@ -63,11 +63,9 @@ TEST(EvaluateMesh, OfAShiftedPlaneIsTheShift) {
 }
 
 TEST(EvaluateMesh, OfAShiftedPlaneThatCamerasSeeIsTheShift) {
-  MeshEvaluationOptions options;
-  options.stride = 2;
-  options.depth_thresholds = {0.005, 0.02};
   const MeshEvaluation evaluation =
-      Evaluate(Square(-0.01f, 7), Square(0), Cameras(), options);
+      Evaluate(Square(-0.01f, 7), Square(0), Cameras(),
+               {.stride = 2, .depth_thresholds = {0.005, 0.02}});
   ASSERT_TRUE(evaluation.distances && evaluation.depths);
   EXPECT_EQ(evaluation.num_views, 2);
   EXPECT_NEAR(evaluation.distances->accuracy.median, 0.01, 1e-6);
@@ -77,9 +75,7 @@ TEST(EvaluateMesh, OfAShiftedPlaneThatCamerasSeeIsTheShift) {
 }
 
 TEST(EvaluateMesh, CountsHolesAsIncomplete) {
-  MeshEvaluationOptions options;
-  options.max_distance = 0.1;
-  options.spacing = 0.004;
+  MeshEvaluationOptions options{.spacing = 0.004, .max_distance = 0.1};
   const MeshEvaluation clipped =
       Evaluate(Square(0, 10, 0.5f), Square(0), {}, options);
   ASSERT_TRUE(clipped.distances);
@@ -105,8 +101,7 @@ TEST(EvaluateMesh, CountsOnlyWhatIsObservable) {
   const TriangleMesh mesh = Moved(Square(0), [](const Eigen::Vector3f& p) {
     return Eigen::Vector3f(p.x(), p.y(), p.x() > 0.55f ? 0.04f : 0);
   });
-  MeshEvaluationOptions options;
-  options.spacing = 0.004;
+  const MeshEvaluationOptions options{.spacing = 0.004};
   const MeshEvaluation evaluation =
       EvaluateMesh(options, mesh, {Square(0), nullptr}, {}, observability);
   EXPECT_LT(evaluation.distances->accuracy.mean, 2e-3);
@@ -119,9 +114,7 @@ TEST(EvaluateMesh, TakesPointsAsTheTruth) {
   TriangleMesh points = {Square(0, 200).vertices, {}};
   points.vertices.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
   points.vertices.emplace_back(0.5f, 0.5f, 100);  // behind the cameras
-  MeshEvaluationOptions options;
-  options.max_distance = 0.05;
-  options.spacing = 0.002;
+  const MeshEvaluationOptions options{.spacing = 0.002, .max_distance = 0.05};
   const MeshEvaluation evaluation =
       Evaluate(Square(0.01f), points, Cameras(), options);
   ASSERT_TRUE(evaluation.distances);
@@ -140,10 +133,9 @@ TEST(EvaluateMesh, TakesDepthMapsAsTheTruth) {
     return view == 0 ? DepthMap()
                      : RenderDepths(truth, ResizeView(views[1], 45, 55), 1);
   };
-  MeshEvaluationOptions options;
-  options.depth_thresholds = {0.009, 0.011};
-  const MeshEvaluation evaluation = EvaluateMesh(
-      options, Square(-0.01f, 10, 0.8f), {{}, depth_maps}, views, {});
+  const MeshEvaluation evaluation =
+      EvaluateMesh({.depth_thresholds = {0.009, 0.011}},
+                   Square(-0.01f, 10, 0.8f), {{}, depth_maps}, views, {});
   EXPECT_FALSE(evaluation.distances);
   ASSERT_TRUE(evaluation.depths);
   EXPECT_EQ(evaluation.num_views_without_depths, 1);

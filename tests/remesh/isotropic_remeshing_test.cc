@@ -44,16 +44,9 @@ TEST(CarryAttributes, BetweenCornersAreOfThoseThatHaveAPart) {
       std::ranges::equal(carried.views[0], std::vector<uint32_t>{1, 2, 9}));
   EXPECT_TRUE(
       std::ranges::equal(carried.views[1], std::vector<uint32_t>{1, 2, 4}));
-}
-
-TEST(CarryAttributes, WithoutColorsAreWithout) {
-  OneFacet one;
-  one.attributes.colors.clear();
-  one.attributes.confidences.clear();
-  const VertexAttributes carried =
-      CarryAttributes(one.mesh, one.attributes, {{0, {1, 0, 0}}});
-  EXPECT_TRUE(carried.colors.empty());
-  EXPECT_TRUE(carried.confidences.empty());
+  const VertexAttributes without =
+      CarryAttributes(one.mesh, {{}, one.attributes.views}, {{0, {1, 0, 0}}});
+  EXPECT_TRUE(without.colors.empty() && without.confidences.empty());
 }
 
 TEST(RemeshEvenly, KeepsTheNumberOfFacetsAndCarriesAttributes) {
@@ -78,18 +71,14 @@ TEST(RemeshEvenly, KeepsTheNumberOfFacetsAndCarriesAttributes) {
   }
 }
 
+// The topology stays in every case.
 RemeshedSurface Remesh(const TriangleMesh& mesh, float length,
                        float tolerance) {
-  return RemeshIsotropically(
+  RemeshedSurface result = RemeshIsotropically(
       mesh, std::vector<float>(mesh.vertices.size(), length),
       std::vector<float>(mesh.vertices.size(), tolerance * length));
-}
-
-// A sheet of needles: rows close together, columns far apart.
-TriangleMesh MakeNeedles() {
-  return Moved(MakeSheet(40, 4), [](const auto& p) {
-    return Eigen::Vector3f(0.02F * p.y(), 0.25F * p.x(), 0);
-  });
+  ExpectSameTopology(mesh, result.mesh);
+  return result;
 }
 
 TEST(RemeshIsotropically, ShapesFacetsAndKeepsTheSurface) {
@@ -97,7 +86,6 @@ TEST(RemeshIsotropically, ShapesFacetsAndKeepsTheSurface) {
        {MakeBumpySphere(0.1F), MakeBumpyCap(0.1F), MakeRoundTorus(0.1F)}) {
     for (const float length : {0.05F, 0.1F, 0.16F}) {
       const RemeshedSurface result = Remesh(mesh, length, 0.1F);
-      ExpectSameTopology(mesh, result.mesh);
       const std::vector<double> angles = SmallestAngles(result.mesh);
       EXPECT_GT(Percentile(angles, 0.5), 42) << length;
       EXPECT_GT(Percentile(angles, 0.02), 20) << length;
@@ -130,7 +118,6 @@ TEST(RemeshIsotropically, CreasesSurvive) {
   const TriangleMesh cube = MakeFineCube(0.15F);
   const float length = 0.2F;
   const RemeshedSurface result = Remesh(cube, length, 0.1F);
-  ExpectSameTopology(cube, result.mesh);
   EXPECT_LT(Distance(result.mesh, cube), 0.1 * length + 1e-4);
   EXPECT_LT(Distance(cube, result.mesh), 0.2 * length);
   EXPECT_NEAR(Area(result.mesh), Area(cube), 0.02 * Area(cube));
@@ -140,16 +127,17 @@ TEST(RemeshIsotropically, BordersStay) {
   Random random(3);
   const TriangleMesh square = MakeJitteredSquare(20, &random);
   const RemeshedSurface result = Remesh(square, 0.08F, 0.1F);
-  ExpectSameTopology(square, result.mesh);
   EXPECT_NEAR(Area(result.mesh), 1, 1e-4);
   EXPECT_LT(Distance(square, result.mesh), 1e-4);
 }
 
 // What a mesh should not be: needles, and facets without an area.
 TEST(RemeshIsotropically, NeedlesAndCapsBecomeFacets) {
-  TriangleMesh needles = MakeNeedles();
+  // Rows close together, columns far apart.
+  const TriangleMesh needles = Moved(MakeSheet(40, 4), [](const auto& p) {
+    return Eigen::Vector3f(0.02F * p.y(), 0.25F * p.x(), 0);
+  });
   const RemeshedSurface result = Remesh(needles, 0.06F, 0.1F);
-  ExpectSameTopology(needles, result.mesh);
   EXPECT_GT(Percentile(SmallestAngles(result.mesh), 0.02), 20);
   EXPECT_NEAR(Area(result.mesh), Area(needles), 1e-4);
 
@@ -162,7 +150,6 @@ TEST(RemeshIsotropically, NeedlesAndCapsBecomeFacets) {
     }
   }
   const RemeshedSurface repaired = Remesh(caps, 0.07F, 0.1F);
-  ExpectSameTopology(caps, repaired.mesh);
   EXPECT_GT(Percentile(SmallestAngles(repaired.mesh), 0.05), 10);
 }
 
@@ -191,8 +178,7 @@ TEST(RemeshIsotropically, FollowsTheLengths) {
 TEST(RemeshIsotropically, AnyManifoldMeshStaysOne) {
   Random random(6);
   for (int i = 0; i < 20; ++i) {
-    const TriangleMesh mesh = MakeRandomManifold(&random);
-    ExpectSameTopology(mesh, Remesh(mesh, 0.3F, 0.1F).mesh);
+    Remesh(MakeRandomManifold(&random), 0.3F, 0.1F);
   }
 }
 

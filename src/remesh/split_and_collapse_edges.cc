@@ -3,11 +3,37 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
+
+#include <tbb/parallel_for.h>
 
 #include "remesh/speculation.h"
 
 namespace colmap_ext {
 namespace {
+
+// \param edges  half-edges; those that are short enough by then stay
+void Split(float max_ratio, const std::vector<uint32_t>& edges,
+           AnchoredMesh* mesh) {
+  const auto ends_of = [mesh](uint32_t half) {
+    return std::pair(mesh->edit.From(half), mesh->edit.To(half));
+  };
+  // Found in parallel from the ends, which do not move.
+  std::vector<std::pair<uint32_t, uint32_t>> ends(edges.size());
+  std::vector<Anchor> anchors(edges.size());
+  tbb::parallel_for(size_t{0}, edges.size(), [&](size_t i) {
+    ends[i] = ends_of(edges[i]);
+    anchors[i] = mesh->AnchorOfMiddle(edges[i]);
+  });
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const uint32_t half = edges[i];
+    if (mesh->RelativeLength(half) > max_ratio) {  // else it was split before
+      mesh->anchors.push_back(
+          ends[i] == ends_of(half) ? anchors[i] : mesh->AnchorOfMiddle(half));
+      mesh->edit.Split(half);
+    }
+  }
+}
 
 using Eigen::Vector3f;
 
@@ -31,18 +57,19 @@ class Collapser {
         changed_(mesh->edit.NumVertices()) {}
 
   // Collapses one edge after the other, where that may be done.
-  // \param choose  size_t -> std::optional<uint32_t>, the half-edge
-  // \param corners  size_t -> what choose() looks at, see ApplyInOrder()
+  // \param edge_of  size_t -> uint32_t, a half-edge
+  // \param is_chosen  size_t -> bool, by the facets at the edge
   // \return how many
-  template <typename Choose, typename Corners>
-  size_t Collapse(size_t count, const Choose& choose, const Corners& corners) {
-    const auto propose = [&](size_t i) -> std::optional<CollapsePlan> {
-      const std::optional<uint32_t> half = choose(i);
-      return half ? Plan(*half) : std::nullopt;
-    };
+  template <typename EdgeOf, typename IsChosen>
+  size_t Collapse(size_t count, const EdgeOf& edge_of,
+                  const IsChosen& is_chosen) {
     return ApplyInOrder(
-        count, propose, corners, [&](const CollapsePlan& plan) { Apply(plan); },
-        &changed_);
+        count,
+        [&](size_t i) {
+          return is_chosen(i) ? Plan(edge_of(i)) : std::nullopt;
+        },
+        [&](size_t i) { return mesh_->CornersAround(edge_of(i)); },
+        [&](const CollapsePlan& plan) { Apply(plan); }, &changed_);
   }
 
  private:
@@ -195,6 +222,23 @@ class Collapser {
 
 }  // namespace
 
+void SplitLongEdges(float max_ratio, AnchoredMesh* mesh) {
+  // Each round halves the longest edges: enough for one of 65536 lengths.
+  constexpr int kMaxRounds = 16;
+  const auto is_long = [&](uint32_t half) -> std::optional<float> {
+    const float ratio = mesh->RelativeLength(half);
+    return ratio > max_ratio && !mesh->IsFixedEdge(half) ? std::optional(-ratio)
+                                                         : std::nullopt;
+  };
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const std::vector<uint32_t> edges = mesh->EdgesBy(is_long);
+    if (edges.empty()) {
+      return;
+    }
+    Split(max_ratio, edges, mesh);
+  }
+}
+
 void CollapseShortEdges(float min_ratio, float max_ratio, AnchoredMesh* mesh) {
   Collapser collapser(max_ratio, mesh);
   const auto is_short = [&](uint32_t half) -> std::optional<float> {
@@ -204,13 +248,9 @@ void CollapseShortEdges(float min_ratio, float max_ratio, AnchoredMesh* mesh) {
   constexpr int kMaxRounds = 2;  // later ones find next to nothing
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::vector<uint32_t> edges = mesh->EdgesBy(is_short);
-    const auto choose = [&](size_t i) -> std::optional<uint32_t> {
-      return !mesh->edit.IsRemovedFacet(edges[i] / 3) && is_short(edges[i])
-                 ? std::optional(edges[i])
-                 : std::nullopt;
-    };
-    if (collapser.Collapse(edges.size(), choose, [&](size_t i) {
-          return mesh->CornersAround(edges[i]);
+    const auto edge_of = [&](size_t i) { return edges[i]; };
+    if (collapser.Collapse(edges.size(), edge_of, [&](size_t i) {
+          return !mesh->edit.IsRemovedFacet(edges[i] / 3) && is_short(edges[i]);
         }) == 0) {
       return;
     }
@@ -220,22 +260,17 @@ void CollapseShortEdges(float min_ratio, float max_ratio, AnchoredMesh* mesh) {
 void CollapseNeedles(float max_ratio, AnchoredMesh* mesh) {
   constexpr float kMaxCosine = 0.966F;  // 15 degrees
   const EditableMesh& edit = mesh->edit;
-  const auto shortest_edge = [&](uint32_t facet) {
-    return std::min({3 * facet, 3 * facet + 1, 3 * facet + 2},
-                    [&](uint32_t a, uint32_t b) {
-                      return mesh->Length(a) < mesh->Length(b);
-                    });
-  };
-  const auto choose = [&](size_t i) -> std::optional<uint32_t> {
-    const auto facet = static_cast<uint32_t>(i);
-    return !edit.IsRemovedFacet(facet) &&
-                   LargestCosine(mesh->Corners(3 * facet)) > kMaxCosine
-               ? std::optional(shortest_edge(facet))
-               : std::nullopt;
+  const auto shortest_edge = [&](size_t i) {
+    const auto first = static_cast<uint32_t>(3 * i);
+    return std::min({first, first + 1, first + 2}, [&](uint32_t a, uint32_t b) {
+      return mesh->Length(a) < mesh->Length(b);
+    });
   };
   Collapser(max_ratio, mesh)
-      .Collapse(edit.NumFacets(), choose, [&](size_t facet) {
-        return mesh->CornersAround(shortest_edge(static_cast<uint32_t>(facet)));
+      .Collapse(edit.NumFacets(), shortest_edge, [&](size_t i) {
+        const auto facet = static_cast<uint32_t>(i);
+        return !edit.IsRemovedFacet(facet) &&
+               LargestCosine(mesh->Corners(3 * facet)) > kMaxCosine;
       });
 }
 
