@@ -1,6 +1,5 @@
 #include "evaluation/surface_samples.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include "base/percentile.h"
 #include "mesh/normals.h"

@@ -1,7 +1,6 @@
 #include "remesh/anchored_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <bitset>
 
 #include <tbb/parallel_for.h>

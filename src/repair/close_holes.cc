@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include <Eigen/Core>
@@ -117,9 +116,7 @@ struct Patch {
 class HoleCloser {
  public:
   explicit HoleCloser(Surface* surface)
-      : num_vertices_(surface->mesh.vertices.size()),
-        rings_(MakeVertexRings(surface->mesh)),
-        surface_(*surface) {}
+      : rings_(MakeVertexRings(surface->mesh)), surface_(*surface) {}
 
   HoleReport Close(std::vector<BorderLoop> loops) {
     const TriangleMesh mesh = surface_.mesh;
@@ -130,7 +127,7 @@ class HoleCloser {
         loops = CloseBy(kind, mesh, std::move(loops));
       }
     }
-    report_.num_vertices = surface_.mesh.vertices.size() - num_vertices_;
+    report_.num_vertices = surface_.mesh.vertices.size() - rings_.NumVertices();
     report_.num_facets = surface_.mesh.facets.size() - mesh.facets.size();
     return report_;
   }
@@ -168,7 +165,8 @@ class HoleCloser {
   FilledMesh Fill(const std::vector<Patch>& patches) const {
     FilledMesh filled{surface_.mesh, surface_.mesh.facets.size(), {}, 0};
     for (const Patch& patch : patches) {
-      filled.Add(patch.filling, num_vertices_);
+      // The fillings' indices are based on the old vertices.
+      filled.Add(patch.filling, rings_.NumVertices());
     }
     return filled;
   }
@@ -228,8 +226,7 @@ class HoleCloser {
     return color;
   }
 
-  size_t num_vertices_;  // old ones, which the fillings' indices are based on
-  VertexRings rings_;    // of the old mesh
+  VertexRings rings_;  // of the old mesh
   Surface& surface_;
   HoleReport report_;
 };

@@ -1,11 +1,9 @@
 #include "repair/edit_borders.h"
 
-#include <array>
 #include <stdexcept>
 #include <utility>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"

@@ -178,19 +178,18 @@ TEST(EvaluateMesh, LeavesOutFacetsThatAreNotFinite) {
 }
 
 TEST(Summarize, ClipsOrDropsWhatIsBeyond) {
-  const std::vector<double> distances = {10, 1, 4, 10, 3, 2};
-  const DistanceStatistics clipped = Summarize(distances, 10, false);
-  EXPECT_EQ(clipped.num_samples, 6);
-  EXPECT_EQ(clipped.num_beyond, 2);
-  EXPECT_DOUBLE_EQ(clipped.mean, 5);
-  EXPECT_DOUBLE_EQ(clipped.median, 3.5);
-  EXPECT_DOUBLE_EQ(clipped.percentile90, 10);
-  const DistanceStatistics dropped = Summarize(distances, 10, true);
-  EXPECT_EQ(dropped.num_samples, 6);
-  EXPECT_EQ(dropped.num_beyond, 2);
-  EXPECT_DOUBLE_EQ(dropped.mean, 2.5);
-  EXPECT_DOUBLE_EQ(dropped.median, 2.5);
-  EXPECT_DOUBLE_EQ(dropped.percentile90, 3.7);
+  const auto expect = [](bool drop_beyond, double mean, double median,
+                         double percentile90) {
+    const DistanceStatistics statistics =
+        Summarize({10, 1, 4, 10, 3, 2}, 10, drop_beyond);
+    EXPECT_EQ(statistics.num_samples, 6);
+    EXPECT_EQ(statistics.num_beyond, 2);
+    EXPECT_DOUBLE_EQ(statistics.mean, mean);
+    EXPECT_DOUBLE_EQ(statistics.median, median);
+    EXPECT_DOUBLE_EQ(statistics.percentile90, percentile90);
+  };
+  expect(false, 5, 3.5, 10);
+  expect(true, 2.5, 2.5, 3.7);
   EXPECT_EQ(Summarize({5, 1, 2}, 10, false).median, 2);
   EXPECT_EQ(Summarize({5}, 10, false).percentile90, 5);
 }

@@ -1,7 +1,6 @@
 #include "mesh/clip_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 

@@ -1,7 +1,6 @@
 #include "mesh/confidences.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 #include "tests/mesh/known_meshes.h"
 
 #include <set>
-#include <vector>
 
 namespace colmap_ext {
 

@@ -7,7 +7,6 @@
 #include <set>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "mesh/adjacency.h"
 #include "tests/mesh/manifold_links.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"

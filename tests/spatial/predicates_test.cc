@@ -1,5 +1,6 @@
 #include "spatial/predicates.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -24,6 +25,13 @@ Vector3d RandomPoint(int range, Random* random) {
   return point;
 }
 
+template <size_t N>
+std::array<Vector3d, N> RandomPoints(int range, Random* random) {
+  std::array<Vector3d, N> points;
+  std::ranges::generate(points, [&] { return RandomPoint(range, random); });
+  return points;
+}
+
 // Of any magnitude.
 Vector3f AnyPoint(Random* random) {
   Vector3f point;
@@ -40,10 +48,7 @@ TEST(Orientation, IsExact) {
   Random random(1);
   for (const int range : {1, 3, 1 << 20}) {
     for (int trial = 0; trial < 2000; ++trial) {
-      std::array<Vector3d, 4> p;
-      for (auto& point : p) {
-        point = RandomPoint(range, &random);
-      }
+      auto p = RandomPoints<4>(range, &random);
       if (random.Chance(0.5)) {
         p[3] = p[1] + p[2] - p[0];  // coplanar
         p[3].z() += random.Integer(-1, 1);
@@ -119,11 +124,7 @@ TEST(CrossingOfPlane, IsExactButForTheLastBit) {
   Random random(3);
   for (const int range : {3, 1 << 18}) {
     for (int trial = 0; trial < 500; ++trial) {
-      std::array<Vector3d, 5> p;
-      for (auto& point : p) {
-        point = RandomPoint(range, &random);
-      }
-      auto& [a, b, c, origin, target] = p;
+      auto [a, b, c, origin, target] = RandomPoints<5>(range, &random);
       target += random.Integer(0, 1 << 20) * (b + c - 2 * a);
       const auto side = [&](const Vector3d& place) {
         return Determinant(ToInt(b - a), ToInt(c - a), ToInt(place - a));
@@ -142,10 +143,7 @@ TEST(RaySideExact, IsThatOfALineMovedALittle) {
   Random random(2);
   size_t num_degenerate = 0;
   for (int trial = 0; trial < 20000; ++trial) {
-    const Vector3d origin = RandomPoint(2, &random);
-    const Vector3d target = RandomPoint(2, &random);
-    const Vector3d u = RandomPoint(2, &random);
-    const Vector3d v = RandomPoint(2, &random);
+    const auto [origin, target, u, v] = RandomPoints<4>(2, &random);
     const int side = RaySideExact(origin, target, u, v);
     ASSERT_EQ(side, SideWithSmallStep(origin, target, u, v));
     ASSERT_EQ(side, -RaySideExact(origin, target, v, u));

@@ -164,6 +164,13 @@ TriangleMesh Scattered(uint32_t num_facets, float size, Random* random) {
   return mesh;
 }
 
+// \return the number of pairs
+size_t ExpectAllPairs(const TriangleMesh& mesh) {
+  const Pairs pairs = FindSelfIntersections(mesh);
+  EXPECT_EQ(pairs, AllPairs(mesh));
+  return pairs.size();
+}
+
 // On a coarse grid most of what meets touches, lies in one plane, or has no
 // area.
 TEST(FindSelfIntersections, FindsWhatASearchThroughAllPairsDoes) {
@@ -171,11 +178,8 @@ TEST(FindSelfIntersections, FindsWhatASearchThroughAllPairsDoes) {
   size_t num_pairs = 0;
   for (const uint32_t num_facets : {1u, 2u, 5u, 33u, 300u}) {
     for (const float size : {4.f, 20.f, 1000.f}) {
-      const TriangleMesh mesh =
-          OnGrid(Scattered(num_facets, 0.2f, &random), size);
-      const Pairs pairs = FindSelfIntersections(mesh);
-      EXPECT_EQ(pairs, AllPairs(mesh));
-      num_pairs += pairs.size();
+      num_pairs +=
+          ExpectAllPairs(OnGrid(Scattered(num_facets, 0.2f, &random), size));
     }
   }
   EXPECT_GT(num_pairs, 100u);
@@ -185,13 +189,10 @@ TEST(FindSelfIntersections, OfFacetsThatShareVertices) {
   Random random(2);
   size_t num_pairs = 0;
   for (int trial = 0; trial < 500; ++trial) {
-    const TriangleMesh mesh =
-        OnGrid(RandomSoup(4 + random.Below(8), random.Below(20),
-                          /*allow_duplicates=*/true, &random),
-               std::array{1.f, 3.f, 100.f}[random.Below(3)]);
-    const Pairs pairs = FindSelfIntersections(mesh);
-    EXPECT_EQ(pairs, AllPairs(mesh));
-    num_pairs += pairs.size();
+    num_pairs +=
+        ExpectAllPairs(OnGrid(RandomSoup(4 + random.Below(8), random.Below(20),
+                                         /*allow_duplicates=*/true, &random),
+                              std::array{1.f, 3.f, 100.f}[random.Below(3)]));
   }
   EXPECT_GT(num_pairs, 1000u);
 }
