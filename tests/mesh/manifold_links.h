@@ -67,7 +67,7 @@ inline bool HasManifoldLinks(const TriangleMesh& mesh) {
 }
 
 // That a mesh is manifold, by Analyze() and by its links.
-inline MeshReport ExpectManifold(const TriangleMesh& mesh) {
+inline MeshReport ExpectManifoldMesh(const TriangleMesh& mesh) {
   const MeshReport report = Analyze(mesh);
   EXPECT_TRUE(report.IsManifold());
   EXPECT_EQ(report.Defects(), "");
@@ -79,7 +79,7 @@ inline MeshReport ExpectManifold(const TriangleMesh& mesh) {
 inline void ExpectSameTopology(const TriangleMesh& mesh,
                                const TriangleMesh& result) {
   const MeshReport before = Analyze(mesh);
-  const MeshReport after = ExpectManifold(result);
+  const MeshReport after = ExpectManifoldMesh(result);
   EXPECT_EQ(after.euler, before.euler);
   EXPECT_EQ(after.genus, before.genus);
   EXPECT_EQ(after.num_components, before.num_components);

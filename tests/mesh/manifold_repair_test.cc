@@ -79,7 +79,7 @@ void ExpectUnchanged(const TriangleMesh& mesh) {
   EXPECT_EQ(split.num_midpoints, 0u);
   EXPECT_EQ(RepairManifold(mesh).mesh, split.mesh);
   ExpectSameSurface(mesh, split);
-  ExpectManifold(split.mesh);
+  ExpectManifoldMesh(split.mesh);
   // Vertices in the order of their use.
   uint32_t next = 0;
   for (const Facet& facet : split.mesh.facets) {
@@ -99,7 +99,7 @@ TEST(SplitFans, LeavesManifoldMeshesAsTheyAre) {
 }
 
 void ExpectSplit(const TriangleMesh& mesh, const FanSplit& split) {
-  ExpectManifold(split.mesh);
+  ExpectManifoldMesh(split.mesh);
   ExpectSameSurface(mesh, split);
   ExpectUnchanged(split.mesh);
 }
@@ -126,7 +126,7 @@ void ExpectCubes(const FanSplit& split, size_t num_split_vertices,
                  size_t num_midpoints, size_t num_components) {
   EXPECT_EQ(split.num_split_vertices, num_split_vertices);
   EXPECT_EQ(split.num_midpoints, num_midpoints);
-  const MeshReport report = ExpectManifold(split.mesh);
+  const MeshReport report = ExpectManifoldMesh(split.mesh);
   EXPECT_EQ(report.num_components, num_components);
   EXPECT_EQ(report.num_border_edges, 0u);
 }
@@ -229,7 +229,7 @@ TEST(ManifoldRepairTest, MakesAnythingManifold) {
       }
     }
     const ManifoldRepair repair = RepairManifold(mesh);
-    ExpectManifold(repair.mesh);
+    ExpectManifoldMesh(repair.mesh);
     ASSERT_EQ(repair.from.vertices.size(), repair.mesh.vertices.size());
     ASSERT_EQ(repair.from.facets.size(), repair.mesh.facets.size());
     for (size_t f = 0; f < repair.from.facets.size(); ++f) {
