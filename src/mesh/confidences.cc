@@ -22,6 +22,7 @@ struct FacetDensity {
   double density = 0;
   double support = 0;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr)
   auto operator<=>(const FacetDensity&) const = default;
 };
 
