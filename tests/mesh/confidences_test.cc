@@ -54,6 +54,7 @@ class FacetConfidencesTest : public testing::Test {
 // As far as `a` goes.
 void ExpectNear(const std::vector<float>& a, const std::vector<float>& b,
                 double tolerance = 1e-5) {
+  ASSERT_LE(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) {
     EXPECT_NEAR(a[i], b[i], tolerance) << i;
   }
