@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
-#include "evaluation/surface_samples.h"
 #include "spatial/bvh.h"
 
 namespace colmap_ext {
@@ -46,37 +45,30 @@ void Append(const Points& points, Points* all) {
 // same tree works for both.
 TriangleMesh FinitePart(const TriangleMesh& surface, bool is_points) {
   TriangleMesh part;
+  const auto is_finite = [](const auto& point) { return point.allFinite(); };
   if (is_points) {
-    std::copy_if(
-        surface.vertices.begin(), surface.vertices.end(),
-        std::back_inserter(part.vertices),
-        [](const Eigen::Vector3f& point) { return point.allFinite(); });
+    std::ranges::copy_if(surface.vertices, std::back_inserter(part.vertices),
+                         is_finite);
     for (uint32_t i = 0; i < part.vertices.size(); ++i) {
       part.facets.push_back({i, i, i});
     }
     return part;
   }
   part.vertices = surface.vertices;
-  std::copy_if(surface.facets.begin(), surface.facets.end(),
-               std::back_inserter(part.facets), [&](const Facet& facet) {
-                 return std::all_of(
-                     facet.begin(), facet.end(), [&](uint32_t vertex) {
-                       return surface.vertices[vertex].allFinite();
-                     });
-               });
+  std::ranges::copy_if(
+      surface.facets, std::back_inserter(part.facets), [&](const Facet& facet) {
+        return std::ranges::all_of(CornersOf(surface, facet), is_finite);
+      });
   return part;
 }
 
-Points PointsInImages(const Points& points, const std::vector<View>& views) {
-  Points inside;
-  std::copy_if(
-      points.begin(), points.end(), std::back_inserter(inside),
-      [&](const Eigen::Vector3f& point) {
-        return std::any_of(views.begin(), views.end(), [&](const View& view) {
-          return PixelInImage(view, point.cast<double>()).has_value();
-        });
-      });
-  return inside;
+Points PointsInImages(Points points, const std::vector<View>& views) {
+  std::erase_if(points, [&](const Eigen::Vector3f& point) {
+    return std::ranges::none_of(views, [&](const View& view) {
+      return PixelInImage(view, point.cast<double>()).has_value();
+    });
+  });
+  return points;
 }
 
 std::vector<double> Distances(const Points& points, const Bvh& surface,
@@ -90,49 +82,40 @@ std::vector<double> Distances(const Points& points, const Bvh& surface,
   return distances;
 }
 
-class Evaluator {
- public:
-  Evaluator(const MeshEvaluationOptions& options, const TriangleMesh& mesh,
-            const Truth& truth, const std::vector<View>& views,
-            const Observability& observability, const Progress& progress)
-      : options_(options),
-        truth_(truth),
-        views_(views),
-        observability_(observability),
-        progress_(progress),
-        mesh_(FinitePart(mesh, false)),
-        surface_(FinitePart(truth.surface, truth.IsPoints())) {
-    Report(progress_, "Building trees", 0);
-    mesh_tree_.emplace(mesh_);
-    truth_tree_.emplace(surface_);
-  }
+struct Evaluator {
+  const MeshEvaluationOptions& options;
+  const Truth& truth;
+  const std::vector<View>& views;
+  const Observability& observability;
+  const Progress& progress;
+  const TriangleMesh mesh;     // its finite part
+  const TriangleMesh surface;  // the finite part of the truth
+  MeshEvaluation evaluation{};
+  const Bvh mesh_tree{mesh};
+  const Bvh truth_tree{surface};
 
-  MeshEvaluation Evaluate(const TriangleMesh& mesh) {
-    evaluation_.topology = Analyze(mesh);
-    evaluation_.num_dropped_facets = mesh.facets.size() - mesh_.facets.size();
-    evaluation_.num_views = views_.size();
+  MeshEvaluation Run() {
+    evaluation.num_views = views.size();
     Samples samples;
-    if (!views_.empty()) {
+    if (!views.empty()) {
       CastViews(&samples);
     }
-    if (!truth_.depth_maps) {
+    if (!truth.depth_maps) {
       MeasureDistances(std::move(samples));
     }
-    return evaluation_;
+    return evaluation;
   }
 
- private:
   void CastViews(Samples* samples) {
     DepthErrors errors;
-    errors.thresholds = options_.depth_thresholds;
-    errors.num_within.resize(errors.thresholds.size(), 0);
-    for (size_t i = 0; i < views_.size(); ++i) {
-      Report(progress_, "Casting rays",
-             static_cast<double>(i) / static_cast<double>(views_.size()));
+    errors.thresholds = options.depth_thresholds;
+    for (size_t i = 0; i < views.size(); ++i) {
+      Report(progress, "Casting rays",
+             static_cast<double>(i) / static_cast<double>(views.size()));
       CastView(i, samples, &errors);
     }
-    if (truth_.IsPoints()) {
-      samples->truth = PointsInImages(surface_.vertices, views_);
+    if (truth.IsPoints()) {
+      samples->truth = PointsInImages(surface.vertices, views);
       return;
     }
     if (errors.num_depths == 0) {
@@ -140,83 +123,68 @@ class Evaluator {
           "no image sees the truth: are mesh, truth and workspace in the same "
           "frame?");
     }
-    evaluation_.depths = errors;
+    evaluation.depths = errors;
   }
 
   void CastView(size_t index, Samples* samples, DepthErrors* errors) {
-    View view = views_[index];
+    View view = views[index];
     DepthMap true_depths;
-    if (truth_.depth_maps) {
-      const DepthMap map = truth_.depth_maps(index);
+    if (truth.depth_maps) {
+      const DepthMap map = truth.depth_maps(index);
       if (map.depths.empty()) {
-        ++evaluation_.num_views_without_depths;
+        ++evaluation.num_views_without_depths;
         return;
       }
       view = ResizeView(view, map.width, map.height);
-      true_depths = Subsample(map, options_.stride);
-    } else if (!truth_.IsPoints()) {
-      true_depths = RenderDepths(*truth_tree_, view, options_.stride);
+      true_depths = Subsample(map, options.stride);
+    } else if (!truth.IsPoints()) {
+      true_depths = RenderDepths(truth_tree, view, options.stride);
     }
-    observability_.RestrictDepths(view, &true_depths);
-    const DepthMap depths = RenderDepths(*mesh_tree_, view, options_.stride);
-    if (truth_.IsPoints()) {
+    observability.RestrictDepths(view, &true_depths);
+    const DepthMap depths = RenderDepths(mesh_tree, view, options.stride);
+    if (truth.IsPoints()) {
       Append(PointsWhere(depths, depths, view), &samples->mesh);
       return;
     }
     AddDepthErrors(true_depths, depths, errors);
-    if (!truth_.depth_maps) {
+    if (!truth.depth_maps) {
       Append(PointsWhere(depths, true_depths, view), &samples->mesh);
       Append(PointsWhere(true_depths, true_depths, view), &samples->truth);
     }
   }
 
-  void SampleWhole(double spacing, Samples* samples) const {
-    samples->mesh = SampleSurface(mesh_, spacing);
-    samples->truth = truth_.IsPoints() ? surface_.vertices
-                                       : SampleSurface(surface_, spacing);
-  }
-
   void MeasureDistances(Samples samples) {
     const double diagonal =
-        Diagonal(views_.empty() ? surface_.vertices : samples.truth);
+        Diagonal(views.empty() ? surface.vertices : samples.truth);
     SurfaceDistances result;
     result.spacing =
-        options_.spacing > 0 ? options_.spacing : kSpacingShare * diagonal;
-    result.max_distance = options_.max_distance > 0
-                              ? options_.max_distance
+        options.spacing > 0 ? options.spacing : kSpacingShare * diagonal;
+    result.max_distance = options.max_distance > 0
+                              ? options.max_distance
                               : kMaxDistanceShare * diagonal;
     if (!(result.spacing > 0 && result.max_distance > 0)) {
       throw std::invalid_argument(
           "the truth has no extent to take the spacing of the samples and the "
           "maximum distance from");
     }
-    Report(progress_, "Measuring distances", 0);
-    if (views_.empty()) {
-      SampleWhole(result.spacing, &samples);
+    Report(progress, "Measuring distances", 0);
+    if (views.empty()) {
+      samples.mesh = SampleSurface(mesh, result.spacing);
+      samples.truth = truth.IsPoints() ? surface.vertices
+                                       : SampleSurface(surface, result.spacing);
     }
-    observability_.RestrictMesh(&samples.mesh);
-    observability_.RestrictTruth(&samples.truth);
+    observability.RestrictMesh(&samples.mesh);
+    observability.RestrictTruth(&samples.truth);
     DownsampleByVoxels(result.spacing, &samples.mesh);
     DownsampleByVoxels(result.spacing, &samples.truth);
-    const auto measure = [&](const Points& points, const Bvh& surface) {
-      return Summarize(Distances(points, surface, result.max_distance),
-                       result.max_distance, options_.drop_beyond);
+    const auto measure = [&](const Points& points, const Bvh& tree) {
+      return Summarize(Distances(points, tree, result.max_distance),
+                       result.max_distance, options.drop_beyond);
     };
-    result.accuracy = measure(samples.mesh, *truth_tree_);
-    result.completeness = measure(samples.truth, *mesh_tree_);
-    evaluation_.distances = result;
+    result.accuracy = measure(samples.mesh, truth_tree);
+    result.completeness = measure(samples.truth, mesh_tree);
+    evaluation.distances = result;
   }
-
-  const MeshEvaluationOptions& options_;
-  const Truth& truth_;
-  const std::vector<View>& views_;
-  const Observability& observability_;
-  const Progress& progress_;
-  const TriangleMesh mesh_;     // its finite part
-  const TriangleMesh surface_;  // the finite part of the truth
-  std::optional<Bvh> mesh_tree_;
-  std::optional<Bvh> truth_tree_;
-  MeshEvaluation evaluation_;
 };
 
 }  // namespace
@@ -245,6 +213,54 @@ DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
   return statistics;
 }
 
+bool ObservabilityMask::Contains(const Eigen::Vector3f& point) const {
+  const Eigen::Array3d voxel =
+      ((point.cast<double>() - origin) / resolution).array().round();
+  size_t index = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!(voxel[i] >= 0 && voxel[i] < static_cast<double>(size[i]))) {
+      return false;
+    }
+    index = index * size[i] + static_cast<size_t>(voxel[i]);
+  }
+  return voxels[index] != 0;
+}
+
+void Observability::RestrictMesh(std::vector<Eigen::Vector3f>* samples) const {
+  std::erase_if(*samples, [this](const Eigen::Vector3f& sample) {
+    return (region && !region->Contains(sample)) ||
+           (mask && !mask->Contains(sample));
+  });
+}
+
+void Observability::RestrictTruth(std::vector<Eigen::Vector3f>* samples) const {
+  std::erase_if(*samples, [this](const Eigen::Vector3f& sample) {
+    return (region && !region->Contains(sample)) ||
+           (ground_plane &&
+            !(ground_plane->head<3>().dot(sample.cast<double>()) +
+                  (*ground_plane)[3] >
+              0));
+  });
+}
+
+void Observability::RestrictDepths(const View& view, DepthMap* depths) const {
+  if (!region) {
+    return;
+  }
+  const Eigen::Vector3d center = view.Center();
+  for (int row = 0; row < depths->height; ++row) {
+    for (int col = 0; col < depths->width; ++col) {
+      float& depth = depths->depths[depths->Index(row, col)];
+      const Eigen::Vector3f ray = RayDirection(view, depths->Pixel(col) + 0.5,
+                                               depths->Pixel(row) + 0.5);
+      if (!region->Contains(
+              Eigen::Vector3d(center + depth * ray.cast<double>()))) {
+        depth = 0;
+      }
+    }
+  }
+}
+
 double SurfaceDistances::AverageScore() const {
   return (accuracy.mean + accuracy.median + completeness.mean +
           completeness.median) /
@@ -259,8 +275,19 @@ MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,
   if (truth.depth_maps && views.empty()) {
     throw std::invalid_argument("depth maps need the views they belong to");
   }
-  return Evaluator(options, mesh, truth, views, observability, progress)
-      .Evaluate(mesh);
+  Report(progress, "Building trees", 0);
+  Evaluator evaluator{options,
+                      truth,
+                      views,
+                      observability,
+                      progress,
+                      FinitePart(mesh, false),
+                      FinitePart(truth.surface, truth.IsPoints())};
+  MeshEvaluation evaluation = evaluator.Run();
+  evaluation.topology = Analyze(mesh);
+  evaluation.num_dropped_facets =
+      mesh.facets.size() - evaluator.mesh.facets.size();
+  return evaluation;
 }
 
 std::vector<double> VertexErrors(const TriangleMesh& mesh, const Truth& truth,

@@ -1,17 +1,19 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "evaluation/depth_samples.h"
-#include "evaluation/observability.h"
+#include "evaluation/surface_samples.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
 #include "scene/progress.h"
+#include "scene/region.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -28,8 +30,8 @@ struct DistanceStatistics {
 // \param distances     scene units, clipped at max_distance already
 // \param max_distance  scene units
 // \param drop_beyond   ignore distances of max_distance, as DTU's own
-// evaluation
-//        does. Surface that is far off or missing then costs nothing.
+//        evaluation does. Surface that is far off or missing then costs
+//        nothing.
 DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
                              bool drop_beyond);
 
@@ -52,6 +54,38 @@ struct MeshEvaluationOptions {
   // Depths with smaller errors are correct, scene units, > 0. Defaults of
   // [HuMordohai2012], if the scene's unit is a meter.
   std::vector<double> depth_thresholds = {0.02, 0.1};
+};
+
+// The part of space that DTU's scanner observed [Jensen2014]: a voxel grid, as
+// in ObsMask*.mat.
+struct ObservabilityMask {
+  std::array<size_t, 3> size{};     // X, Y, Z
+  std::vector<uint8_t> voxels;      // [X, Y, Z], z fastest; not 0: observable
+  Eigen::Vector3d origin{0, 0, 0};  // center of the first voxel
+  double resolution = 1;            // side of a voxel, scene units
+
+  // Whether the nearest voxel is observable; false outside of the grid.
+  bool Contains(const Eigen::Vector3f& point) const;
+};
+
+// The part of space in which a mesh and the truth are compared.
+struct Observability {
+  // Samples of the mesh outside do not count.
+  std::optional<ObservabilityMask> mask;
+
+  // Samples of both outside do not count.
+  std::optional<Region> region;
+
+  // Samples of the truth with a x + b y + c z + d <= 0 do not count: the ground
+  // below the object. (a, b, c, d), as in DTU's Plane*.mat.
+  std::optional<Eigen::Vector4d> ground_plane;
+
+  // Erase the samples, world frame, that do not count.
+  void RestrictMesh(std::vector<Eigen::Vector3f>* samples) const;
+  void RestrictTruth(std::vector<Eigen::Vector3f>* samples) const;
+
+  // Drops the true depths of a view outside of the region.
+  void RestrictDepths(const View& view, DepthMap* depths) const;
 };
 
 // Ground truth: a surface, points of it (no facets), or depth maps.

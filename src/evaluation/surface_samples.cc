@@ -1,18 +1,29 @@
 #include "evaluation/surface_samples.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <tuple>
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <Eigen/Geometry>
 
 namespace colmap_ext {
 
 namespace {
+
+DepthMap EmptyMap(int width, int height, int stride) {
+  DepthMap map;
+  map.stride = stride;
+  map.width = (width - stride / 2 + stride - 1) / stride;
+  map.height = (height - stride / 2 + stride - 1) / stride;
+  map.depths.resize(static_cast<size_t>(map.width) * map.height, 0);
+  return map;
+}
+
+bool IsDepth(float depth) { return std::isfinite(depth) && depth > 0; }
 
 using Eigen::Vector3d;
 
@@ -78,14 +89,10 @@ GridPoint Locate(const Eigen::Vector3f& point, double spacing) {
     throw std::invalid_argument(
         "the spacing of the samples is too small for the extent of the scene");
   }
-  GridPoint located;
-  for (int i = 0; i < 3; ++i) {
-    located.voxel[i] = static_cast<int32_t>(voxel[i]);
-  }
-  located.offset_squared =
-      static_cast<float>((position - voxel - 0.5).matrix().squaredNorm());
-  located.point = point;
-  return located;
+  return {{static_cast<int32_t>(voxel[0]), static_cast<int32_t>(voxel[1]),
+           static_cast<int32_t>(voxel[2])},
+          static_cast<float>((position - voxel - 0.5).matrix().squaredNorm()),
+          point};
 }
 
 // A total order: points that compare equal are equal.
@@ -99,6 +106,92 @@ bool IsBefore(const GridPoint& a, const GridPoint& b) {
 
 }  // namespace
 
+DepthMap RenderDepths(const Bvh& surface, const View& view, int stride,
+                      std::vector<int32_t>* facets) {
+  DepthMap map = EmptyMap(view.width, view.height, stride);
+  if (facets != nullptr) {
+    facets->assign(map.depths.size(), -1);
+  }
+  const Eigen::Vector3f eye = view.Center().cast<float>();
+  tbb::parallel_for(0, (map.height + 1) / 2, [&](int row_pair) {
+    for (int col = 0; col < map.width; col += 2) {
+      const int row = 2 * row_pair;
+      RayPacket rays;
+      rays.origin = eye;
+      for (int i = 0; i < 4; ++i) {
+        rays.SetDirection(i, RayDirection(view, map.Pixel(col + i % 2) + 0.5,
+                                          map.Pixel(row + i / 2) + 0.5));
+      }
+      const HitPacket hits = surface.Intersect(rays);
+      for (int i = 0; i < 4; ++i) {
+        if (hits.facet[i] >= 0 && row + i / 2 < map.height &&
+            col + i % 2 < map.width) {
+          const size_t index = map.Index(row + i / 2, col + i % 2);
+          map.depths[index] = hits.distance[i];
+          if (facets != nullptr) {
+            (*facets)[index] = hits.facet[i];
+          }
+        }
+      }
+    }
+  });
+  return map;
+}
+
+DepthMap Subsample(const DepthMap& map, int stride) {
+  DepthMap samples = EmptyMap(map.width, map.height, stride);
+  for (int row = 0; row < samples.height; ++row) {
+    for (int col = 0; col < samples.width; ++col) {
+      samples.depths[samples.Index(row, col)] =
+          map.depths[map.Index(samples.Pixel(row), samples.Pixel(col))];
+    }
+  }
+  return samples;
+}
+
+std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
+                                         const DepthMap& mask,
+                                         const View& view) {
+  const Eigen::Vector3f eye = view.Center().cast<float>();
+  std::vector<Eigen::Vector3f> points;
+  for (int row = 0; row < depths.height; ++row) {
+    for (int col = 0; col < depths.width; ++col) {
+      const size_t index = depths.Index(row, col);
+      if (depths.depths[index] > 0 && mask.depths[index] > 0) {
+        points.emplace_back(eye + depths.depths[index] *
+                                      RayDirection(view,
+                                                   depths.Pixel(col) + 0.5,
+                                                   depths.Pixel(row) + 0.5));
+      }
+    }
+  }
+  return points;
+}
+
+double DepthErrors::Share(size_t threshold) const {
+  return static_cast<double>(num_within[threshold]) /
+         static_cast<double>(num_depths);
+}
+
+void AddDepthErrors(const DepthMap& truth, const DepthMap& mesh,
+                    DepthErrors* errors) {
+  errors->num_within.resize(errors->thresholds.size(), 0);
+  for (size_t i = 0; i < truth.depths.size(); ++i) {
+    if (!IsDepth(truth.depths[i])) {
+      continue;
+    }
+    ++errors->num_depths;
+    if (!IsDepth(mesh.depths[i])) {
+      ++errors->num_missing;
+      continue;
+    }
+    const double error = std::abs(double{mesh.depths[i]} - truth.depths[i]);
+    for (size_t t = 0; t < errors->thresholds.size(); ++t) {
+      errors->num_within[t] += error < errors->thresholds[t];
+    }
+  }
+}
+
 std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
                                            double spacing) {
   constexpr double kMaxSamples = 1e9;  // 12 GB
@@ -106,9 +199,7 @@ std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
   std::vector<Triangle> triangles;
   triangles.reserve(mesh.facets.size());
   for (const Facet& facet : mesh.facets) {
-    triangles.push_back({mesh.vertices[facet[0]].cast<double>(),
-                         mesh.vertices[facet[1]].cast<double>(),
-                         mesh.vertices[facet[2]].cast<double>()});
+    triangles.push_back(CornersOf<double>(mesh, facet));
     num_samples += EstimateCount(triangles.back(), spacing);
   }
   if (num_samples > kMaxSamples) {

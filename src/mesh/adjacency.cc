@@ -49,20 +49,8 @@ std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets) {
 
 namespace {
 
-// The other vertices of the facets at a vertex, ascending, once for each facet.
-void CollectNeighbors(const std::vector<Facet>& facets,
-                      std::span<const uint32_t> corners,
-                      std::vector<uint32_t>* others) {
-  others->clear();
-  for (const uint32_t corner : corners) {
-    const Facet& facet = facets[corner / 3];
-    others->push_back(facet[(corner + 1) % 3]);
-    others->push_back(facet[(corner + 2) % 3]);
-  }
-  std::sort(others->begin(), others->end());
-}
-
-// Calls function(vertex, others) for each vertex, in parallel.
+// Calls function(vertex, others) for each vertex, in parallel: the other
+// vertices of the facets at it, ascending, once for each facet.
 template <typename Function>
 void ForEachVertex(const std::vector<Facet>& facets, const VertexRings& rings,
                    const Function& function) {
@@ -72,7 +60,12 @@ void ForEachVertex(const std::vector<Facet>& facets, const VertexRings& rings,
       [&](const tbb::blocked_range<size_t>& range) {
         std::vector<uint32_t> others;
         for (size_t vertex = range.begin(); vertex < range.end(); ++vertex) {
-          CollectNeighbors(facets, rings.corners[vertex], &others);
+          others.clear();
+          for (const uint32_t corner : rings.corners[vertex]) {
+            others.push_back(ToVertex(facets, corner));
+            others.push_back(FromVertex(facets, PreviousHalfEdge(corner)));
+          }
+          std::ranges::sort(others);
           function(vertex, others);
         }
       });

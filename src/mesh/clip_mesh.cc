@@ -5,6 +5,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/percentile.h"
+#include "base/union_find.h"
+#include "mesh/adjacency.h"
 #include "mesh/manifold_repair.h"
 
 namespace colmap_ext {
@@ -109,20 +112,15 @@ class PlaneCut {
   std::unordered_map<uint64_t, uint32_t> cut_edges_;  // inner, outer end
 };
 
-// The largest absolute value over all vertices.
-float LargestCoordinate(const TriangleMesh& mesh) {
-  float largest = 0;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
-  }
-  return largest;
-}
-
 }  // namespace
 
 std::optional<Provenance> ClipMesh(const Region& region, TriangleMesh* mesh) {
+  float largest = 0;  // of the coordinates, by their absolute values
+  for (const Eigen::Vector3f& vertex : mesh->vertices) {
+    largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
+  }
   // How far float coordinates may put a vertex off the border, scene units.
-  const double rounding = 4 * 0x1p-24 * LargestCoordinate(*mesh);
+  const double rounding = 4 * 0x1p-24 * largest;
   DerivedMesh clipped{std::move(*mesh), {}};
   clipped.from = IdentityOf(clipped.mesh);
   bool is_clipped = false;
@@ -149,6 +147,52 @@ std::optional<Provenance> CutOff(const Region& region, Surface* surface) {
   Provenance from = split.from;
   surface->Become(std::move(split));
   return from;
+}
+
+size_t DropLongFacets(double factor, double percentile, TriangleMesh* mesh) {
+  if (factor <= 0 || mesh->facets.empty()) {
+    return 0;
+  }
+  const auto longest_side = [mesh](const Facet& facet) {
+    const auto [a, b, c] = CornersOf(*mesh, facet);
+    return std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()});
+  };
+  std::vector<float> sides(mesh->facets.size());
+  std::ranges::transform(mesh->facets, sides.begin(), longest_side);
+  const double limit = factor * Percentile(percentile, &sides);
+  return std::erase_if(mesh->facets, [&](const Facet& facet) {
+    return !(longest_side(facet) <= limit);
+  });
+}
+
+DroppedComponents DropSmallComponents(size_t min_facets,
+                                      std::vector<Facet>* facets) {
+  DroppedComponents dropped;
+  if (min_facets <= 1) {
+    return dropped;
+  }
+  UnionFind components(facets->size());
+  ForEachEdge(*facets, [&](auto first, auto last) {
+    for (auto half = first; half != last; ++half) {
+      components.Join(first->second / 3, half->second / 3);
+    }
+  });
+  std::vector<uint32_t> sizes(facets->size(), 0);
+  for (uint32_t i = 0; i < facets->size(); ++i) {
+    ++sizes[components.Find(i)];
+  }
+  size_t num_kept = 0;
+  for (uint32_t i = 0; i < sizes.size(); ++i) {
+    const uint32_t component = components.Find(i);
+    if (sizes[component] >= min_facets) {
+      (*facets)[num_kept++] = (*facets)[i];
+    } else {
+      ++dropped.num_facets;
+      dropped.num_components += component == i;
+    }
+  }
+  facets->resize(num_kept);
+  return dropped;
 }
 
 }  // namespace colmap_ext

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <tuple>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -22,6 +21,9 @@ namespace {
 struct FacetDensity {
   double density = 0;
   double support = 0;
+
+  // NOLINTNEXTLINE(modernize-use-nullptr)
+  auto operator<=>(const FacetDensity&) const = default;
 };
 
 // The pixels that the facet covers in the view that has most of them; -1
@@ -32,9 +34,7 @@ double PixelArea(const TriangleMesh& mesh, const Facet& facet,
   // As PhotometricOptions::min_cosine: a facet that is seen edge-on by all
   // views is one that none of them sees.
   constexpr double kMinCosine = 0.1;
-  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
-  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
-  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
   const Eigen::Vector3d center = (a + b + c) / 3;
   const Eigen::Vector3d area_normal = (b - a).cross(c - a) / 2;
   double largest = -1;
@@ -56,11 +56,7 @@ double PixelArea(const TriangleMesh& mesh, const Facet& facet,
 
 // The density where half of the support is denser; 0 without support.
 double UsualDensity(std::vector<FacetDensity> densities) {
-  tbb::parallel_sort(densities.begin(), densities.end(),
-                     [](const FacetDensity& a, const FacetDensity& b) {
-                       return std::tie(a.density, a.support) <
-                              std::tie(b.density, b.support);
-                     });
+  tbb::parallel_sort(densities.begin(), densities.end());
   double total = 0;
   for (const FacetDensity& density : densities) {
     total += density.support;
@@ -75,48 +71,32 @@ double UsualDensity(std::vector<FacetDensity> densities) {
   return 0;
 }
 
-// [F]
-std::vector<FacetDensity> FacetDensities(const TriangleMesh& mesh,
-                                         const std::vector<float>& support,
-                                         const Rows<uint32_t>& vertex_views,
-                                         const std::vector<View>& views) {
-  std::vector<FacetDensity> densities(mesh.facets.size());
-  tbb::parallel_for(size_t{0}, densities.size(), [&](size_t i) {
-    const Facet& facet = mesh.facets[i];
-    const double sum =
-        double{support[facet[0]]} + support[facet[1]] + support[facet[2]];
-    const double area = PixelArea(mesh, facet, vertex_views, views);
-    if (sum > 0 && area >= 0) {
-      densities[i] = {
-          sum / std::max(area, std::numeric_limits<double>::epsilon()), sum};
-    }
-  });
-  return densities;
-}
-
-// [F]
-std::vector<float> ConfidencesOf(const std::vector<FacetDensity>& densities,
-                                 double usual) {
-  // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
-  // 0.26. A choice.
-  constexpr double kUsual = 3;
-  std::vector<float> confidences(densities.size(), 0);
-  for (size_t i = 0; i < densities.size() && usual > 0; ++i) {
-    confidences[i] =
-        static_cast<float>(-std::expm1(-kUsual * densities[i].density / usual));
-  }
-  return confidences;
-}
-
 }  // namespace
 
 std::vector<float> FacetConfidences(const TriangleMesh& mesh,
                                     const std::vector<float>& support,
                                     const Rows<uint32_t>& vertex_views,
                                     const std::vector<View>& views) {
-  const std::vector<FacetDensity> densities =
-      FacetDensities(mesh, support, vertex_views, views);
-  return ConfidencesOf(densities, UsualDensity(densities));
+  // The usual density has the confidence 1 - exp(-3) = 0.95, a tenth of it has
+  // 0.26. A choice.
+  constexpr double kUsual = 3;
+  std::vector<FacetDensity> densities(mesh.facets.size());
+  tbb::parallel_for(size_t{0}, densities.size(), [&](size_t i) {
+    const auto& [a, b, c] = mesh.facets[i];
+    const double sum = double{support[a]} + support[b] + support[c];
+    const double area = PixelArea(mesh, mesh.facets[i], vertex_views, views);
+    if (sum > 0 && area >= 0) {
+      densities[i] = {
+          sum / std::max(area, std::numeric_limits<double>::epsilon()), sum};
+    }
+  });
+  const double usual = UsualDensity(densities);
+  std::vector<float> confidences(densities.size(), 0);
+  for (size_t i = 0; i < densities.size() && usual > 0; ++i) {
+    confidences[i] =
+        static_cast<float>(-std::expm1(-kUsual * densities[i].density / usual));
+  }
+  return confidences;
 }
 
 std::vector<float> VertexConfidences(

@@ -79,20 +79,15 @@ uint32_t EditableMesh::Split(uint32_t half) {
     const uint32_t apex = To(next);
     const uint32_t added = static_cast<uint32_t>(partners_.size());
     partners_.resize(added + 3, kNone);
-    Facet& facet = mesh_.facets[cut_half / 3];
-    if (keeps_from) {
-      const Facet part = {middle, facet[next % 3], apex};
-      facet[next % 3] = middle;
-      mesh_.facets.push_back(part);
-      Join(added + 1, partners_[next]);
-      Join(added + 2, next);
-    } else {
-      const Facet part = {facet[cut_half % 3], middle, apex};
-      facet[cut_half % 3] = middle;
-      mesh_.facets.push_back(part);
-      Join(added + 2, partners_[previous]);
-      Join(added + 1, previous);
-    }
+    // The half-edge that the part replaces, and the corner that it takes over.
+    const uint32_t outer = keeps_from ? next : previous;
+    const uint32_t moved = keeps_from ? next : cut_half;
+    const uint32_t end =
+        std::exchange(mesh_.facets[cut_half / 3][moved % 3], middle);
+    mesh_.facets.push_back(keeps_from ? Facet{middle, end, apex}
+                                      : Facet{end, middle, apex});
+    Join(added + (keeps_from ? 1 : 2), partners_[outer]);
+    Join(added + (keeps_from ? 2 : 1), outer);
     return added;
   };
 
@@ -135,14 +130,6 @@ bool EditableMesh::CanCollapse(uint32_t half) const {
   return num_common == (partner == kNone ? 1 : 2);
 }
 
-void EditableMesh::RemoveFacetAt(uint32_t half) {
-  const uint32_t facet = half / 3;
-  mesh_.facets[facet] = {0, 0, 0};
-  for (int k = 0; k < 3; ++k) {
-    partners_[3 * facet + k] = kNone;
-  }
-}
-
 void EditableMesh::Collapse(uint32_t half) {
   const uint32_t from = From(half);
   const uint32_t to = To(half);
@@ -152,14 +139,15 @@ void EditableMesh::Collapse(uint32_t half) {
   for (const uint32_t outgoing : moved) {
     mesh_.facets[outgoing / 3][outgoing % 3] = to;
   }
-  std::array<uint32_t, 4> rims{kNone, kNone, kNone,
-                               kNone};  // outside the removed facets
+  std::array<uint32_t, 4> rims;  // outside the removed facets
+  rims.fill(kNone);
   int num_rims = 0;
   for (const uint32_t side : {half, partner}) {
     if (side != kNone) {
       const uint32_t a = partners_[NextHalfEdge(side)];
       const uint32_t b = partners_[PreviousHalfEdge(side)];
-      RemoveFacetAt(side);
+      mesh_.facets[side / 3] = {0, 0, 0};
+      std::fill_n(partners_.begin() + side / 3 * 3, 3, kNone);
       Join(a, b);
       rims[num_rims++] = a;
       rims[num_rims++] = b;

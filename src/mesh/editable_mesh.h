@@ -130,7 +130,6 @@ class EditableMesh {
   void Join(uint32_t half, uint32_t other);
   void SetOutgoing(uint32_t half);
   bool AreNeighbors(uint32_t vertex, uint32_t other) const;
-  void RemoveFacetAt(uint32_t half);
 
   TriangleMesh mesh_;
   std::vector<uint32_t> partners_;  // [3 F]

@@ -101,6 +101,27 @@ void OrderByUse(FanSplit* split) {
   split->num_midpoints = old.num_midpoints;
 }
 
+bool IsValid(const TriangleMesh& mesh, const Facet& facet) {
+  return std::all_of(facet.begin(), facet.end(), [&mesh](uint32_t vertex) {
+    return vertex < mesh.vertices.size() && mesh.vertices[vertex].allFinite();
+  });
+}
+
+// [F] whether a facet before has the same three vertices.
+std::vector<uint8_t> FindRepeated(const std::vector<Facet>& facets) {
+  std::vector<std::pair<Facet, uint32_t>> sorted(facets.size());
+  for (uint32_t i = 0; i < facets.size(); ++i) {
+    sorted[i] = {facets[i], i};
+    std::sort(sorted[i].first.begin(), sorted[i].first.end());
+  }
+  tbb::parallel_sort(sorted.begin(), sorted.end());
+  std::vector<uint8_t> is_repeated(facets.size(), 0);
+  for (size_t i = 1; i < sorted.size(); ++i) {
+    is_repeated[sorted[i].second] = sorted[i].first == sorted[i - 1].first;
+  }
+  return is_repeated;
+}
+
 }  // namespace
 
 FanSplit SplitFans(TriangleMesh mesh, std::vector<uint32_t> partners) {
@@ -146,31 +167,6 @@ FanSplit SplitFans(TriangleMesh mesh) {
   std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
   return SplitFans(std::move(mesh), std::move(partners));
 }
-
-namespace {
-
-bool IsValid(const TriangleMesh& mesh, const Facet& facet) {
-  return std::all_of(facet.begin(), facet.end(), [&mesh](uint32_t vertex) {
-    return vertex < mesh.vertices.size() && mesh.vertices[vertex].allFinite();
-  });
-}
-
-// [F] whether a facet before has the same three vertices.
-std::vector<uint8_t> FindRepeated(const std::vector<Facet>& facets) {
-  std::vector<std::pair<Facet, uint32_t>> sorted(facets.size());
-  for (uint32_t i = 0; i < facets.size(); ++i) {
-    sorted[i] = {facets[i], i};
-    std::sort(sorted[i].first.begin(), sorted[i].first.end());
-  }
-  tbb::parallel_sort(sorted.begin(), sorted.end());
-  std::vector<uint8_t> is_repeated(facets.size(), 0);
-  for (size_t i = 1; i < sorted.size(); ++i) {
-    is_repeated[sorted[i].second] = sorted[i].first == sorted[i - 1].first;
-  }
-  return is_repeated;
-}
-
-}  // namespace
 
 ManifoldRepair RepairManifold(const TriangleMesh& mesh) {
   ManifoldRepair repair;

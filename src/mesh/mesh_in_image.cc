@@ -34,6 +34,15 @@ Polygon CutOff(const Polygon& polygon, const Eigen::Vector3d& normal) {
   return part;
 }
 
+// Twice the signed area of a triangle in the image, px^2.
+double TwiceArea(const View& view, const Eigen::Vector3d& a,
+                 const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector2d corner = view.ImageFromCam(a);
+  const Eigen::Vector2d ab = view.ImageFromCam(b) - corner;
+  const Eigen::Vector2d ac = view.ImageFromCam(c) - corner;
+  return ab.x() * ac.y() - ab.y() * ac.x();
+}
+
 }  // namespace
 
 Polygon ClipToImage(const View& view, const TriangleMesh& mesh,
@@ -58,19 +67,6 @@ Eigen::AlignedBox2d ImageBox(const View& view, double border) {
   return {Eigen::Vector2d(border, border),
           Eigen::Vector2d(view.width - border, view.height - border)};
 }
-
-namespace {
-
-// Twice the signed area of a triangle in the image, px^2.
-double TwiceArea(const View& view, const Eigen::Vector3d& a,
-                 const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  const Eigen::Vector2d corner = view.ImageFromCam(a);
-  const Eigen::Vector2d ab = view.ImageFromCam(b) - corner;
-  const Eigen::Vector2d ac = view.ImageFromCam(c) - corner;
-  return ab.x() * ac.y() - ab.y() * ac.x();
-}
-
-}  // namespace
 
 double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
                    const View& view) {

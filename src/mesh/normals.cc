@@ -43,11 +43,9 @@ Vector3f FacetNormal(const TriangleMesh& mesh, size_t facet) {
 
 Vector3d AngleVector(const TriangleMesh& mesh, const Facet& facet,
                      uint32_t corner) {
-  const Vector3d origin = mesh.vertices[facet[corner]].cast<double>();
-  const Vector3d u =
-      mesh.vertices[facet[(corner + 1) % 3]].cast<double>() - origin;
-  const Vector3d v =
-      mesh.vertices[facet[(corner + 2) % 3]].cast<double>() - origin;
+  const auto corners = CornersOf<double>(mesh, facet);
+  const Vector3d u = corners[(corner + 1) % 3] - corners[corner];
+  const Vector3d v = corners[(corner + 2) % 3] - corners[corner];
   const Vector3d normal = u.cross(v);
   const double norm = normal.norm();
   return norm > 0 ? Vector3d(std::atan2(norm, u.dot(v)) / norm * normal)
@@ -70,9 +68,6 @@ size_t CountFlippedFacets(const std::vector<Facet>& facets,
       std::plus<>());
 }
 
-using Eigen::Vector3d;
-using Eigen::Vector3f;
-
 std::vector<Vector3f> VertexNormals(const TriangleMesh& mesh,
                                     const VertexRings& rings) {
   std::vector<Vector3f> normals(mesh.vertices.size());
@@ -81,9 +76,7 @@ std::vector<Vector3f> VertexNormals(const TriangleMesh& mesh,
     for (const uint32_t corner : rings.corners[vertex]) {
       sum += AngleVector(mesh, mesh.facets[corner / 3], corner % 3);
     }
-    const double norm = sum.norm();
-    normals[vertex] =
-        norm > 0 ? Vector3f((sum / norm).cast<float>()) : Vector3f::Zero();
+    normals[vertex] = Unit(sum).cast<float>();
   });
   return normals;
 }

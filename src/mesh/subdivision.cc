@@ -87,12 +87,6 @@ std::vector<uint32_t> AppendMidpoints(const std::vector<Facet>& facets,
   return midpoints;
 }
 
-// The parts of a facet abc that is cut at ab.
-void CutInTwo(uint32_t a, uint32_t b, uint32_t c, uint32_t ab, Facet* parts) {
-  parts[0] = {a, ab, c};
-  parts[1] = {ab, b, c};
-}
-
 // The parts of a facet abc that is cut at ab and bc.
 void CutInThree(const TriangleMesh& mesh, uint32_t a, uint32_t b, uint32_t c,
                 uint32_t ab, uint32_t bc, Facet* parts) {
@@ -112,10 +106,7 @@ void CutInThree(const TriangleMesh& mesh, uint32_t a, uint32_t b, uint32_t c,
 // \param middles  of the facet's half-edges, or kNone
 void CutFacet(const TriangleMesh& mesh, const Facet& facet,
               const std::array<uint32_t, 3>& middles, Facet* parts) {
-  int num_cut = 0;
-  for (const uint32_t middle : middles) {
-    num_cut += middle != kNone;
-  }
+  const auto num_cut = 3 - std::ranges::count(middles, kNone);
   if (num_cut == 0) {
     parts[0] = facet;
     return;
@@ -136,7 +127,8 @@ void CutFacet(const TriangleMesh& mesh, const Facet& facet,
   const uint32_t b = facet[(k + 1) % 3];
   const uint32_t c = facet[(k + 2) % 3];
   if (num_cut == 1) {
-    CutInTwo(a, b, c, middles[k], parts);
+    parts[0] = {a, middles[k], c};
+    parts[1] = {middles[k], b, c};
   } else {
     CutInThree(mesh, a, b, c, middles[k], middles[(k + 1) % 3], parts);
   }

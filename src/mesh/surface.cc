@@ -1,7 +1,10 @@
 #include "mesh/surface.h"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
+
+#include "mesh/adjacency.h"
 
 namespace colmap_ext {
 
@@ -49,6 +52,21 @@ std::vector<uint32_t> DropUnusedVertices(TriangleMesh* mesh) {
     facet = {numbers[facet[0]], numbers[facet[1]], numbers[facet[2]]};
   }
   return used;
+}
+
+MeshPart TakePart(const TriangleMesh& mesh, std::vector<uint32_t> facets) {
+  MeshPart part{{}, VerticesOf(mesh, facets), std::move(facets)};
+  for (const uint32_t vertex : part.vertices) {
+    part.mesh.vertices.push_back(mesh.vertices[vertex]);
+  }
+  for (const uint32_t i : part.facets) {
+    for (uint32_t& vertex : part.mesh.facets.emplace_back(mesh.facets[i])) {
+      vertex = static_cast<uint32_t>(
+          std::ranges::lower_bound(part.vertices, vertex) -
+          part.vertices.begin());
+    }
+  }
+  return part;
 }
 
 void Surface::Become(DerivedMesh derived) {

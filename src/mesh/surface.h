@@ -48,17 +48,6 @@ inline FixedVertices FixedOf(const FixedSources& sources) {
   return fixed;
 }
 
-// Those of a mesh that a step made.
-// \param step [V] index before the step of each fixed vertex, or kNone
-inline FixedSources CarrySources(const FixedSources& before,
-                                 const FixedSources& step) {
-  FixedSources sources;
-  for (const uint32_t vertex : step) {
-    sources.push_back(vertex != kNone ? before[vertex] : kNone);
-  }
-  return sources;
-}
-
 // Where the vertices and facets of a mesh come from that was made from another.
 struct Provenance {
   // [V] two old vertices: the ends of the edge that a new one lies on, or twice
@@ -97,6 +86,9 @@ struct MeshPart {
   std::vector<uint32_t> vertices;  // [V] the whole's, ascending
   std::vector<uint32_t> facets;    // [F] the whole's, ascending
 };
+
+// \param facets  ascending
+MeshPart TakePart(const TriangleMesh& mesh, std::vector<uint32_t> facets);
 
 // A triangle mesh with what its vertices have.
 struct Surface {

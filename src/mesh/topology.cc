@@ -116,8 +116,6 @@ class Analyzer {
 
 }  // namespace
 
-bool MeshReport::IsManifold() const { return Defects().empty(); }
-
 std::string MeshReport::Defects() const {
   const std::pair<size_t, const char*> defects[] = {
       {num_non_finite_vertices, "vertices that are not finite"},
@@ -135,14 +133,6 @@ std::string MeshReport::Defects() const {
     }
   }
   return text;
-}
-
-void MeshReport::DeriveGenus() {
-  euler = static_cast<int64_t>(num_vertices) - static_cast<int64_t>(num_edges) +
-          static_cast<int64_t>(num_facets);
-  genus = (2 * static_cast<int64_t>(num_components) - euler -
-           static_cast<int64_t>(num_border_loops)) /
-          2;
 }
 
 MeshReport Analyze(const TriangleMesh& mesh) {
@@ -168,7 +158,13 @@ MeshReport Analyze(const TriangleMesh& mesh) {
   }
   Analyzer(are_valid ? mesh.facets : valid, mesh.vertices.size(), &report)
       .Run();
-  report.DeriveGenus();
+  // Differences of counts may be negative.
+  report.euler = static_cast<int64_t>(report.num_vertices + report.num_facets -
+                                      report.num_edges);
+  report.genus = (static_cast<int64_t>(2 * report.num_components -
+                                       report.num_border_loops) -
+                  report.euler) /
+                 2;
   return report;
 }
 

@@ -34,14 +34,11 @@ struct MeshReport {
   // Every edge has one or two facets that run it in opposite directions, every
   // vertex one fan, closed or open; nothing is degenerate, repeated,
   // unreferenced or not finite.
-  bool IsManifold() const;
+  bool IsManifold() const { return Defects().empty(); }
 
   // The defects that there are, in words: "3 singular vertices, 1 ..."; empty
   // for a manifold mesh.
   std::string Defects() const;
-
-  // Sets `euler` and `genus` by the other counts.
-  void DeriveGenus();
 };
 
 // Accepts any mesh: what is wrong with it is reported.

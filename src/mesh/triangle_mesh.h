@@ -26,4 +26,14 @@ struct TriangleMesh {
   bool operator==(const TriangleMesh&) const = default;
 };
 
+// The positions of a facet's corners.
+// \pre its indices are in range
+template <typename Scalar = float>
+std::array<Eigen::Matrix<Scalar, 3, 1>, 3> CornersOf(const TriangleMesh& mesh,
+                                                     const Facet& facet) {
+  return {mesh.vertices[facet[0]].cast<Scalar>(),
+          mesh.vertices[facet[1]].cast<Scalar>(),
+          mesh.vertices[facet[2]].cast<Scalar>()};
+}
+
 }  // namespace colmap_ext

@@ -10,35 +10,6 @@
 #include "scene/point_tree.h"
 
 namespace colmap_ext {
-
-VertexAttributes InterpolateAttributes(
-    const VertexAttributes& attributes,
-    const std::vector<std::array<uint32_t, 2>>& sources) {
-  VertexAttributes interpolated;
-  interpolated.views.offsets.reserve(sources.size() + 1);
-  for (const auto& [a, b] : sources) {
-    const auto views_a = attributes.views[a];
-    const auto views_b = attributes.views[b];
-    std::set_union(views_a.begin(), views_a.end(), views_b.begin(),
-                   views_b.end(),
-                   std::back_inserter(interpolated.views.values));
-    interpolated.views.EndRow();
-    if (!attributes.colors.empty()) {
-      Color color;
-      for (int k = 0; k < 3; ++k) {
-        color[k] = static_cast<uint8_t>(
-            (attributes.colors[a][k] + attributes.colors[b][k] + 1) / 2);
-      }
-      interpolated.colors.push_back(color);
-    }
-    if (!attributes.confidences.empty()) {
-      interpolated.confidences.push_back(
-          (attributes.confidences[a] + attributes.confidences[b]) / 2);
-    }
-  }
-  return interpolated;
-}
-
 namespace {
 
 // Both are choices: around a vertex there are several points, and not all of
@@ -67,18 +38,32 @@ std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
   return sums;
 }
 
-std::vector<uint32_t> UnionOfViews(const PointCloud& points,
-                                   const std::vector<uint32_t>& indices) {
-  std::vector<uint32_t> views;
-  for (const uint32_t index : indices) {
-    const auto row = points.views[index];
-    views.insert(views.end(), row.begin(), row.end());
-  }
-  SortUnique(&views);
-  return views;
-}
-
 }  // namespace
+
+VertexAttributes InterpolateAttributes(
+    const VertexAttributes& attributes,
+    const std::vector<std::array<uint32_t, 2>>& sources) {
+  VertexAttributes interpolated;
+  interpolated.views.offsets.reserve(sources.size() + 1);
+  for (const auto& [a, b] : sources) {
+    std::ranges::set_union(attributes.views[a], attributes.views[b],
+                           std::back_inserter(interpolated.views.values));
+    interpolated.views.EndRow();
+    if (!attributes.colors.empty()) {
+      Color color;
+      for (int k = 0; k < 3; ++k) {
+        color[k] = static_cast<uint8_t>(
+            (attributes.colors[a][k] + attributes.colors[b][k] + 1) / 2);
+      }
+      interpolated.colors.push_back(color);
+    }
+    if (!attributes.confidences.empty()) {
+      interpolated.confidences.push_back(
+          (attributes.confidences[a] + attributes.confidences[b]) / 2);
+    }
+  }
+  return interpolated;
+}
 
 VertexAttributes NearestAttributes(const TriangleMesh& mesh,
                                    const PointCloud& points) {
@@ -90,8 +75,12 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
   attributes.colors.resize(points.colors.empty() ? 0 : num_vertices);
   tbb::parallel_for(size_t{0}, num_vertices, [&](size_t i) {
     const Eigen::Vector3f& vertex = mesh.vertices[i];
-    views[i] = UnionOfViews(
-        points, tree.Nearest(vertex, kNumNearest, kReach * lengths[i]));
+    for (const uint32_t point :
+         tree.Nearest(vertex, kNumNearest, kReach * lengths[i])) {
+      const auto row = points.views[point];
+      views[i].insert(views[i].end(), row.begin(), row.end());
+    }
+    SortUnique(&views[i]);
     if (!points.colors.empty()) {
       constexpr float kAnywhere = std::numeric_limits<float>::infinity();
       attributes.colors[i] =

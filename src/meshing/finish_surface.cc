@@ -8,7 +8,6 @@
 
 #include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
-#include "mesh/facet_filters.h"
 #include "mesh/manifold_repair.h"
 #include "meshing/inherit_attributes.h"
 #include "meshing/noise_smoothing.h"
@@ -27,22 +26,6 @@ void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
   std::erase_if(surface->mesh.facets, [&](const Facet& facet) {
     return std::ranges::any_of(facet, is_at_end);
   });
-}
-
-// \return how many
-size_t DropLongFacets(const ManifoldMeshingOptions& options,
-                      TriangleMesh* mesh) {
-  const std::vector<float> sides = LongestSides(*mesh);
-  const double limit = SideLimit(options.max_side_length_factor,
-                                 options.max_side_length_percentile, sides);
-  size_t num_kept = 0;
-  for (size_t i = 0; i < sides.size(); ++i) {
-    if (sides[i] <= limit) {
-      mesh->facets[num_kept++] = mesh->facets[i];
-    }
-  }
-  mesh->facets.resize(num_kept);
-  return sides.size() - num_kept;
 }
 
 // Makes it manifold again.
@@ -67,7 +50,9 @@ FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
       SplitFans(std::move(extracted.mesh), std::move(extracted.partners));
   surface.from.facets = {};  // not kept in time
   DropFacetsAtEnds(points.is_end, &surface);
-  report->num_long_facets = DropLongFacets(options, &surface.mesh);
+  report->num_long_facets =
+      DropLongFacets(options.max_side_length_factor,
+                     options.max_side_length_percentile, &surface.mesh);
   if (!points.noises.empty()) {
     // Centroids of split cells are not measured.
     constexpr float kUnknown = std::numeric_limits<float>::infinity();

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "delaunay/visibility_weights.h"
-#include "mesh/facet_filters.h"
+#include "mesh/clip_mesh.h"
 #include "mesh/topology.h"
 #include "mesh/triangle_mesh.h"
 #include "meshing/inherit_attributes.h"

@@ -23,11 +23,6 @@ constexpr int kMargin = 40;       // px
 constexpr int kBarTop = 12;       // px
 constexpr int kBarHeight = 16;    // px
 
-// Shares the image's pixels; OpenCV's colors are blue, green, red.
-cv::Mat AsMat(ColorImage* image) {
-  return {image->height, image->width, CV_8UC3, image->pixels.data()};
-}
-
 void DrawCentered(const std::string& text, int x, int y, cv::Mat* picture) {
   constexpr double kSize = 0.45;
   const int font = cv::FONT_HERSHEY_SIMPLEX;
@@ -98,7 +93,8 @@ ColorImage DrawErrors(const TriangleMesh& mesh,
   image.height += kStripHeight;
   image.pixels.resize(static_cast<size_t>(image.width) * image.height,
                       Color{255, 255, 255});
-  cv::Mat picture = AsMat(&image);
+  // Shares the image's pixels; OpenCV's colors are blue, green, red.
+  cv::Mat picture(image.height, image.width, CV_8UC3, image.pixels.data());
   DrawScale(scale, top, &picture);
   return image;
 }

@@ -43,14 +43,7 @@ Color ToColor(const Vector3f& value) {
 class RayCaster {
  public:
   RayCaster(const TriangleMesh& mesh, const Bvh& bvh, const View& view)
-      : mesh_(mesh),
-        bvh_(bvh),
-        view_(view),
-        eye_(view.Center().cast<float>()),
-        // From above and to the left of the camera.
-        sun_((view.cam_from_world_rotation.transpose() *
-              Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
-                 .cast<float>()) {}
+      : mesh_(mesh), bvh_(bvh), view_(view) {}
 
   // For each coloring, the mean of rays through the centers of the pixel's
   // quarters.
@@ -59,10 +52,8 @@ class RayCaster {
     RayPacket rays;
     rays.origin = eye_;
     for (int i = 0; i < 4; ++i) {
-      const int sub_row = i / 2;
-      const int sub_col = i % 2;
-      rays.SetDirection(i, RayDirection(view_, col + 0.25 + 0.5 * sub_col,
-                                        row + 0.25 + 0.5 * sub_row));
+      rays.SetDirection(i, RayDirection(view_, col + 0.25 + 0.5 * (i % 2),
+                                        row + 0.25 + 0.5 * (i / 2)));
     }
     const HitPacket hits = bvh_.Intersect(rays);
     std::vector<Vector3f> means(colors.size(), Vector3f::Zero());
@@ -86,10 +77,7 @@ class RayCaster {
 
   Vector3f Shade(int32_t index, float depth, const Vector3f& direction,
                  const FrontColor& front_color) const {
-    const Facet& facet = mesh_.facets[index];
-    const Vector3f& a = mesh_.vertices[facet[0]];
-    const Vector3f& b = mesh_.vertices[facet[1]];
-    const Vector3f& c = mesh_.vertices[facet[2]];
+    const auto [a, b, c] = CornersOf(mesh_, mesh_.facets[index]);
     const Vector3f normal = (b - a).cross(c - a).normalized();
     if (normal.dot(direction) > 0) {
       return kBack * Light(-normal, direction);
@@ -98,15 +86,18 @@ class RayCaster {
     const Vector3f areas((b - point).cross(c - point).dot(normal),
                          (c - point).cross(a - point).dot(normal),
                          (a - point).cross(b - point).dot(normal));
-    return front_color({static_cast<uint32_t>(index), depth, normal, areas,
-                        Light(normal, direction)});
+    return front_color(
+        {static_cast<uint32_t>(index), areas, Light(normal, direction)});
   }
 
   const TriangleMesh& mesh_;
   const Bvh& bvh_;
   const View& view_;
-  const Vector3f eye_;
-  const Vector3f sun_;  // unit, towards the light
+  const Vector3f eye_ = view_.Center().cast<float>();
+  // Unit, towards the light, which is above and to the left of the camera.
+  const Vector3f sun_ = (view_.cam_from_world_rotation.transpose() *
+                         Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
+                            .cast<float>();
 };
 
 }  // namespace

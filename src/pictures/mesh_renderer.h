@@ -17,8 +17,6 @@ namespace colmap_ext {
 // The point where a ray of a picture meets the front of a facet.
 struct FrontHit {
   uint32_t facet;
-  float depth;             // scene units
-  Eigen::Vector3f normal;  // unit, of the facet
   Eigen::Vector3f areas;  // [3] twice the area of the triangle of the point and
                           // the side opposite to each corner, scene units^2
   float light;            // reflected by a white surface, 0 ... 1

@@ -4,9 +4,9 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include "base/percentile.h"
+#include "mesh/normals.h"
 #include "scene/look_at.h"
 
 namespace colmap_ext {
@@ -18,8 +18,7 @@ using Eigen::Vector3f;
 // Chosen by eye.
 constexpr double kFocalLength = 1.5;  // widths of the picture
 constexpr double kKeptPercent = 98;   // of the points are in the picture
-constexpr double kDistance =
-    1.1;  // times the smallest distance that shows them all
+constexpr double kDistance = 1.1;     // times the smallest that shows them all
 
 // A ball around most of the points.
 struct Ball {
@@ -29,20 +28,16 @@ struct Ball {
 
 Ball BallAround(const std::vector<Vector3f>& points) {
   Ball ball;
+  std::vector<double> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> coordinates;
-    coordinates.reserve(points.size());
-    for (const Vector3f& point : points) {
-      coordinates.push_back(point[axis]);
-    }
-    ball.center[axis] = Median(&coordinates);
+    std::ranges::transform(points, values.begin(),
+                           [axis](const auto& point) { return point[axis]; });
+    ball.center[axis] = Median(&values);
   }
-  std::vector<double> distances;
-  distances.reserve(points.size());
-  for (const Vector3f& point : points) {
-    distances.push_back((point.cast<double>() - ball.center).norm());
-  }
-  ball.radius = Percentile(kKeptPercent, &distances);
+  std::ranges::transform(points, values.begin(), [&](const auto& point) {
+    return (point.template cast<double>() - ball.center).norm();
+  });
+  ball.radius = Percentile(kKeptPercent, &values);
   return ball;
 }
 
@@ -86,10 +81,7 @@ View AutomaticView(const std::vector<Vector3f>& points, const Vector3d& front,
 View AutomaticView(const TriangleMesh& mesh, int width, int height) {
   Vector3d sum_of_normals = Vector3d::Zero();  // weighted by area
   for (const Facet& facet : mesh.facets) {
-    const Vector3f& a = mesh.vertices[facet[0]];
-    sum_of_normals += (mesh.vertices[facet[1]] - a)
-                          .cross(mesh.vertices[facet[2]] - a)
-                          .cast<double>();
+    sum_of_normals += AreaVector(mesh, facet).cast<double>();
   }
   return AutomaticView(mesh.vertices, sum_of_normals, width, height);
 }

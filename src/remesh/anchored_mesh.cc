@@ -1,7 +1,5 @@
 #include "remesh/anchored_mesh.h"
 
-#include <cmath>
-
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"
 
@@ -23,12 +21,6 @@ Anchor ReferenceSurface::At(const SurfacePoint& source) const {
   return {source, ValueAt(source, mesh_, normals_).normalized(),
           ValueAt(source, mesh_, lengths_),
           ValueAt(source, mesh_, tolerances_)};
-}
-
-Anchor ReferenceSurface::AtCorner(uint32_t corner) const {
-  SurfacePoint source{corner / 3, Vector3f::Zero()};
-  source.weights[corner % 3] = 1;
-  return At(source);
 }
 
 // From facet to neighboring facet while these are nearer, so that little is
@@ -60,15 +52,14 @@ Anchor ReferenceSurface::Nearest(const Vector3f& position,
   return At(facet != kNone ? NearestIn(facet, position).point : near.point);
 }
 
-bool ReferenceSurface::IsFollowedBy(
-    const std::array<AnchoredCorner, 3>& facet) const {
+bool ReferenceSurface::IsFollowedBy(const AnchoredFacet& facet) const {
   // With normals that agree to 20 degrees a facet strays by less than a tenth
   // of its edges.
   constexpr float kMinCosine = 0.94F;
   const Vector3f& a = facet[0].position;
   const Vector3f& b = facet[1].position;
   const Vector3f& c = facet[2].position;
-  const Vector3f normal = (b - a).cross(c - a).normalized();
+  const Vector3f normal = AreaVector(facet).normalized();
   float cosine = 1;
   float tolerance = facet[0].anchor->tolerance;
   for (const AnchoredCorner& corner : facet) {
@@ -108,24 +99,24 @@ bool ReferenceSurface::IsNearFacet(uint32_t facet, const Vector3f& position,
          NearestIn(facet, position).distance < tolerance;
 }
 
-AnchoredMesh::AnchoredMesh(const TriangleMesh& mesh,
-                           const ReferenceSurface& reference,
+AnchoredMesh::AnchoredMesh(const TriangleMesh& mesh, std::vector<float> lengths,
+                           std::vector<float> tolerances,
                            FixedVertices fixed_vertices)
-    : edit(mesh),
+    : reference(mesh, std::move(lengths), std::move(tolerances)),
+      edit(mesh),
       anchors(mesh.vertices.size()),
       fixed(std::move(fixed_vertices)) {
   for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
-    for (uint32_t k = 0; k < 3; ++k) {
-      anchors[mesh.facets[facet][k]] = reference.AtCorner(3 * facet + k);
+    for (int k = 0; k < 3; ++k) {
+      anchors[mesh.facets[facet][k]] = reference.At({facet, Vector3f::Unit(k)});
     }
   }
 }
 
-float LargestCosine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                    const Eigen::Vector3f& c) {
-  const Eigen::Vector3f ab = b - a;
-  const Eigen::Vector3f bc = c - b;
-  const Eigen::Vector3f ca = a - c;
+float LargestCosine(const AnchoredFacet& facet) {
+  const Vector3f ab = facet[1].position - facet[0].position;
+  const Vector3f bc = facet[2].position - facet[1].position;
+  const Vector3f ca = facet[0].position - facet[2].position;
   const float lengths[] = {ab.norm(), bc.norm(), ca.norm()};
   if (!(ab.cross(ca).norm() > 0)) {
     return 2;
@@ -135,21 +126,12 @@ float LargestCosine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                    -ca.dot(bc) / (lengths[2] * lengths[1])});
 }
 
-float LargestCosine(const std::array<AnchoredCorner, 3>& facet) {
-  return LargestCosine(facet[0].position, facet[1].position, facet[2].position);
-}
-
-bool KeepsFacing(const std::array<AnchoredCorner, 3>& before,
-                 const std::array<AnchoredCorner, 3>& after, float min_cosine) {
+bool KeepsFacing(const AnchoredFacet& before, const AnchoredFacet& after,
+                 float min_cosine) {
   constexpr float kMaxCosine = 0.9998F;  // 1 degree
-  const auto area_vector =
-      [](const std::array<AnchoredCorner, 3>& facet) -> Eigen::Vector3f {
-    return (facet[1].position - facet[0].position)
-        .cross(facet[2].position - facet[0].position);
-  };
-  const Eigen::Vector3f normal = area_vector(after);
+  const Vector3f normal = AreaVector(after);
   if (LargestCosine(before) < kMaxCosine) {
-    const Eigen::Vector3f old_normal = area_vector(before);
+    const Vector3f old_normal = AreaVector(before);
     return normal.dot(old_normal) >
            min_cosine * normal.norm() * old_normal.norm();
   }

@@ -10,8 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "mesh/editable_mesh.h"
-#include "mesh/surface.h"
-#include "mesh/triangle_mesh.h"
 #include "spatial/bvh.h"
 #include "spatial/surface_point.h"
 
@@ -32,6 +30,14 @@ struct AnchoredCorner {
   const Anchor* anchor;
 };
 
+using AnchoredFacet = std::array<AnchoredCorner, 3>;
+
+// The normal, as long as twice the area, scene units squared.
+inline Eigen::Vector3f AreaVector(const AnchoredFacet& facet) {
+  return (facet[1].position - facet[0].position)
+      .cross(facet[2].position - facet[0].position);
+}
+
 // The surface that a remeshed one approximates, with the target edge lengths.
 class ReferenceSurface {
  public:
@@ -41,9 +47,7 @@ class ReferenceSurface {
   ReferenceSurface(const TriangleMesh& mesh, std::vector<float> lengths,
                    std::vector<float> tolerances);
 
-  // Of a vertex of the reference itself.
-  // \param corner  3 * facet + k, a corner at the vertex
-  Anchor AtCorner(uint32_t corner) const;
+  Anchor At(const SurfacePoint& source) const;
 
   // Of the nearest point whose facet faces the way `normal` does.
   // \param hint  a facet that is near.
@@ -57,7 +61,7 @@ class ReferenceSurface {
   // Whether a facet follows the reference: its normal agrees with those at its
   // corners, or else its centre and the middles of its edges are nowhere
   // farther from a reference that faces its way than is allowed.
-  bool IsFollowedBy(const std::array<AnchoredCorner, 3>& facet) const;
+  bool IsFollowedBy(const AnchoredFacet& facet) const;
 
  private:
   struct NearPoint {
@@ -65,7 +69,6 @@ class ReferenceSurface {
     float distance;  // scene units
   };
 
-  Anchor At(const SurfacePoint& source) const;
   NearPoint NearestIn(uint32_t facet, const Eigen::Vector3f& position) const;
   NearPoint Descend(const Eigen::Vector3f& position,
                     const Eigen::Vector3f& normal, uint32_t facet) const;
@@ -83,9 +86,10 @@ class ReferenceSurface {
 // A mesh under work, and where each of its vertices lies on the surface that it
 // started as.
 struct AnchoredMesh {
-  // \pre the mesh is that of the reference, and manifold
-  AnchoredMesh(const TriangleMesh& mesh, const ReferenceSurface& reference,
-               FixedVertices fixed_vertices = {});
+  // \param lengths, tolerances [V] see ReferenceSurface
+  // \pre the mesh is manifold, and outlives this
+  AnchoredMesh(const TriangleMesh& mesh, std::vector<float> lengths,
+               std::vector<float> tolerances, FixedVertices fixed_vertices);
 
   // Whether an edge is fixed.
   bool IsFixedEdge(uint32_t half) const {
@@ -101,6 +105,18 @@ struct AnchoredMesh {
   float RelativeLength(uint32_t half) const {
     return 2 * Length(half) /
            (anchors[edit.From(half)].length + anchors[edit.To(half)].length);
+  }
+
+  Eigen::Vector3f Middle(uint32_t half) const {
+    return (edit.Position(edit.From(half)) + edit.Position(edit.To(half))) / 2;
+  }
+
+  // The point of the reference next to the edge's middle.
+  Anchor AnchorOfMiddle(uint32_t half) const {
+    const Anchor& from = anchors[edit.From(half)];
+    return reference.Nearest(Middle(half),
+                             from.normal + anchors[edit.To(half)].normal,
+                             from.source.facet);
   }
 
   // One half-edge of each edge that key(half) has a value for, in the order of
@@ -130,7 +146,7 @@ struct AnchoredMesh {
   }
 
   // The facet of a half-edge, its corners from that which the half-edge leaves.
-  std::array<AnchoredCorner, 3> Corners(uint32_t half) const {
+  AnchoredFacet Corners(uint32_t half) const {
     return {Corner(edit.From(half)), Corner(edit.To(half)),
             Corner(edit.Apex(half))};
   }
@@ -145,6 +161,7 @@ struct AnchoredMesh {
             partner == kNone ? apex : edit.Apex(partner)};
   }
 
+  ReferenceSurface reference;
   EditableMesh edit;
   std::vector<Anchor> anchors;  // [V] of `edit`
   FixedVertices fixed;          // of `edit`
@@ -152,15 +169,46 @@ struct AnchoredMesh {
 
 // The smallest of a facet's angles, as its cosine: from 1/2 to 1, the worse the
 // larger; 2 where the facet has no area.
-float LargestCosine(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                    const Eigen::Vector3f& c);
-float LargestCosine(const std::array<AnchoredCorner, 3>& facet);
+float LargestCosine(const AnchoredFacet& facet);
 
 // Whether a facet that changes still faces the way it did, turned by no more
 // than the angle of a cosine. The normal of a facet without a shape, of an
 // angle below 1 degree, means nothing: then whether the facet faces the way
 // that the reference does at its corners.
-bool KeepsFacing(const std::array<AnchoredCorner, 3>& before,
-                 const std::array<AnchoredCorner, 3>& after, float min_cosine);
+bool KeepsFacing(const AnchoredFacet& before, const AnchoredFacet& after,
+                 float min_cosine);
+
+// The steps of remeshing.
+
+// Splits edges at their middles, the longest first, as long as any is more than
+// `max_ratio` times as long as is wanted.
+void SplitLongEdges(float max_ratio, AnchoredMesh* mesh);
+
+// Collapses edges, the shortest first, that are less than `min_ratio` times as
+// long as is wanted, where this makes no edge longer than `max_ratio` times
+// what is wanted, turns no facet over and keeps to the reference. The vertices
+// of a border stay on it.
+void CollapseShortEdges(float min_ratio, float max_ratio, AnchoredMesh* mesh);
+
+// Collapses the shortest edges of needles, facets with an angle of less than 15
+// degrees, whatever their length, under the same conditions.
+void CollapseNeedles(float max_ratio, AnchoredMesh* mesh);
+
+// Flips edges where this brings the numbers of edges at their four vertices
+// closer to 6 (4 at a border), and keeps to the reference [Botsch2004].
+void FlipForValence(AnchoredMesh* mesh);
+
+// Flips edges where this makes the smallest angle of their two facets larger,
+// and keeps to the reference.
+// \param min_cosine  of that angle, in [0, 1]: edges of facets with better ones
+//        stay.
+void FlipForAngles(float min_cosine, AnchoredMesh* mesh);
+
+// Moves each vertex within the reference towards the centroid of the facets
+// around it, so that their sizes become those that are wanted [Botsch2004];
+// half as far, and then not at all, where a facet would turn over, become worse
+// than thin, or leave the reference. Vertices of a border stay.
+// \param is_chosen [V] which ones move; empty: all.
+void RelaxVertices(const std::vector<uint8_t>& is_chosen, AnchoredMesh* mesh);
 
 }  // namespace colmap_ext

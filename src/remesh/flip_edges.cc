@@ -1,15 +1,14 @@
-#include "remesh/remeshing_steps.h"
+#include "remesh/anchored_mesh.h"
 
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 #include "remesh/speculation.h"
 
 namespace colmap_ext {
 namespace {
-
-using Eigen::Vector3f;
 
 // The corners of the two facets at an edge: from, to, the apex of the
 // half-edge, that of its partner.
@@ -19,57 +18,44 @@ struct Quad {
 };
 
 Quad QuadOf(const AnchoredMesh& mesh, uint32_t half) {
-  const EditableMesh& edit = mesh.edit;
-  const std::array<uint32_t, 4> vertices = {edit.From(half), edit.To(half),
-                                            edit.Apex(half),
-                                            edit.Apex(edit.Partner(half))};
+  const std::array<uint32_t, 4> vertices = mesh.CornersAround(half);
   return {vertices,
           {mesh.Corner(vertices[0]), mesh.Corner(vertices[1]),
            mesh.Corner(vertices[2]), mesh.Corner(vertices[3])}};
 }
 
-// Of the two facets before and after, the worst angle.
-struct Angles {
-  float before = 0;
-  float after = 0;
-};
-
-Angles WorstAngles(const Quad& quad) {
-  const auto& [from, to, apex, other] = quad.corners;
-  const Vector3f& a = from.position;
-  const Vector3f& b = to.position;
-  const Vector3f& c = apex.position;
-  const Vector3f& d = other.position;
-  return {std::max(LargestCosine(a, b, c), LargestCosine(b, a, d)),
-          std::max(LargestCosine(a, d, c), LargestCosine(b, c, d))};
+// The worst angles, as their cosines, of the two facets before and after.
+std::pair<float, float> WorstAngles(const Quad& quad) {
+  const auto& [a, b, c, d] = quad.corners;
+  return {std::max(LargestCosine({a, b, c}), LargestCosine({b, a, d})),
+          std::max(LargestCosine({a, d, c}), LargestCosine({b, c, d}))};
 }
 
 // Whether the facets after the flip face like those before, and keep to the
 // reference.
 bool MayFlip(const ReferenceSurface& reference, const Quad& quad) {
   const auto& [from, to, apex, other] = quad.corners;
-  using Corners = std::array<AnchoredCorner, 3>;
-  const Corners before[] = {{from, to, apex}, {to, from, other}};
-  const Corners after[] = {{from, other, apex}, {to, apex, other}};
+  const AnchoredFacet before[] = {{from, to, apex}, {to, from, other}};
+  const AnchoredFacet after[] = {{from, other, apex}, {to, apex, other}};
   constexpr float kMinCosine = 0.5F;  // none turns by more than 60 degrees
-  for (const Corners& old_facet : before) {
-    for (const Corners& new_facet : after) {
+  for (const AnchoredFacet& old_facet : before) {
+    for (const AnchoredFacet& new_facet : after) {
       if (!KeepsFacing(old_facet, new_facet, kMinCosine)) {
         return false;
       }
     }
   }
-  return reference.IsFollowedBy({from, other, apex}) &&
-         reference.IsFollowedBy({to, apex, other});
+  return reference.IsFollowedBy(after[0]) && reference.IsFollowedBy(after[1]);
 }
 
 // Flips the edges for which is_better(quad) holds, one after the other, where
 // they may.
 // \param is_better  Quad -> bool
 // \param on_flip    Quad -> void, before each flip
+// \return how many
 template <typename IsBetter, typename OnFlip>
-size_t FlipEdges(const ReferenceSurface& reference, const IsBetter& is_better,
-                 const OnFlip& on_flip, AnchoredMesh* mesh) {
+size_t FlipEdges(const IsBetter& is_better, const OnFlip& on_flip,
+                 AnchoredMesh* mesh) {
   EditableMesh& edit = mesh->edit;
   const auto propose = [&](size_t i) -> std::optional<uint32_t> {
     const auto half = static_cast<uint32_t>(i);
@@ -78,7 +64,8 @@ size_t FlipEdges(const ReferenceSurface& reference, const IsBetter& is_better,
       return std::nullopt;
     }
     const Quad quad = QuadOf(*mesh, half);
-    return is_better(quad) && edit.CanFlip(half) && MayFlip(reference, quad)
+    return is_better(quad) && edit.CanFlip(half) &&
+                   MayFlip(mesh->reference, quad)
                ? std::optional(half)
                : std::nullopt;
   };
@@ -101,7 +88,7 @@ size_t FlipEdges(const ReferenceSurface& reference, const IsBetter& is_better,
 
 }  // namespace
 
-size_t FlipForValence(const ReferenceSurface& reference, AnchoredMesh* mesh) {
+void FlipForValence(AnchoredMesh* mesh) {
   const EditableMesh& edit = mesh->edit;
   // How many edges more than wanted each vertex has.
   std::vector<int> excess(edit.NumVertices(), 0);
@@ -124,37 +111,29 @@ size_t FlipForValence(const ReferenceSurface& reference, AnchoredMesh* mesh) {
     if (gain <= 0) {
       return false;
     }
-    const Angles angles = WorstAngles(quad);
-    return angles.after < std::max(kMaxCosine, angles.before);
+    const auto [before, after] = WorstAngles(quad);
+    return after < std::max(kMaxCosine, before);
   };
   const auto on_flip = [&](const Quad& quad) {
     for (int k = 0; k < 4; ++k) {
       excess[quad.vertices[k]] += kChange[k];
     }
   };
-  return FlipEdges(reference, is_better, on_flip, mesh);
+  FlipEdges(is_better, on_flip, mesh);
 }
 
-size_t FlipForAngles(const ReferenceSurface& reference, float min_cosine,
-                     AnchoredMesh* mesh) {
+void FlipForAngles(float min_cosine, AnchoredMesh* mesh) {
   constexpr int kMaxRounds = 4;      // later ones find next to nothing
   constexpr float kMinGain = 1e-3F;  // of the cosine, so that rounding does
                                      // not flip edges back and forth
   const auto is_better = [&](const Quad& quad) {
-    const Angles angles = WorstAngles(quad);
-    return angles.before >= min_cosine &&
-           angles.after < angles.before - kMinGain;
+    const auto [before, after] = WorstAngles(quad);
+    return before >= min_cosine && after < before - kMinGain;
   };
   const auto on_flip = [](const Quad& /*quad*/) {};
-  size_t num_flips = 0;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    const size_t num_in_round = FlipEdges(reference, is_better, on_flip, mesh);
-    num_flips += num_in_round;
-    if (num_in_round == 0) {
-      break;
-    }
+  for (int round = 0;
+       round < kMaxRounds && FlipEdges(is_better, on_flip, mesh) > 0; ++round) {
   }
-  return num_flips;
 }
 
 }  // namespace colmap_ext

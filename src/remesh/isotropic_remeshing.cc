@@ -8,7 +8,6 @@
 #include "mesh/space_filling_curve.h"
 #include "remesh/anchored_mesh.h"
 #include "remesh/edge_length_field.h"
-#include "remesh/remeshing_steps.h"
 
 namespace colmap_ext {
 
@@ -112,21 +111,20 @@ RemeshedSurface RemeshIsotropically(const TriangleMesh& mesh,
   constexpr float kNeedleRatio = 2;  // edges may get so long to end a needle
   constexpr float kAllFacets = 0;    // have an angle of less than 90 degrees
   constexpr int kIterations = 5;     // as [Botsch2004] has them
-  const ReferenceSurface reference(mesh, WithFixedEdges(mesh, fixed, lengths),
-                                   tolerances);
-  AnchoredMesh work(mesh, reference, fixed);
+  AnchoredMesh work(mesh, WithFixedEdges(mesh, fixed, lengths), tolerances,
+                    fixed);
   for (int i = 0; i < kIterations; ++i) {
-    SplitLongEdges(reference, kMaxRatio, &work);
-    CollapseShortEdges(reference, kMinRatio, kMaxRatio, &work);
-    FlipForValence(reference, &work);
-    RelaxVertices(reference, {}, &work);
+    SplitLongEdges(kMaxRatio, &work);
+    CollapseShortEdges(kMinRatio, kMaxRatio, &work);
+    FlipForValence(&work);
+    RelaxVertices({}, &work);
   }
-  FlipForAngles(reference, kAllFacets, &work);
-  RelaxVertices(reference, {}, &work);
-  // What the reference's creases and noise still hold.
-  CollapseNeedles(reference, kNeedleRatio, &work);
-  FlipForAngles(reference, kAllFacets, &work);
-  CollapseNeedles(reference, kNeedleRatio, &work);
+  FlipForAngles(kAllFacets, &work);
+  RelaxVertices({}, &work);
+  // Needles that the reference's creases and noise cause.
+  CollapseNeedles(kNeedleRatio, &work);
+  FlipForAngles(kAllFacets, &work);
+  CollapseNeedles(kNeedleRatio, &work);
 
   MeshPart compact = work.edit.Compact();
   std::vector<uint32_t> vertices = SortAlongCurve(&compact.mesh);
@@ -143,14 +141,13 @@ RemeshedSurface ImproveAngles(const TriangleMesh& mesh,
   constexpr int kIterations = 3;        // later ones find next to nothing
   std::vector<float> lengths = MeanEdgeLengths(mesh);
   const std::vector<float> tolerances = TolerancesOf(lengths);
-  const ReferenceSurface reference(mesh, std::move(lengths), tolerances);
-  AnchoredMesh work(mesh, reference, fixed);
+  AnchoredMesh work(mesh, std::move(lengths), tolerances, fixed);
   for (int i = 0; i < kIterations; ++i) {
-    FlipForAngles(reference, kMinCosine, &work);
-    RelaxVertices(reference, CornersOfThinFacets(work, kMinCosine), &work);
-    CollapseNeedles(reference, kMaxRatio, &work);
+    FlipForAngles(kMinCosine, &work);
+    RelaxVertices(CornersOfThinFacets(work, kMinCosine), &work);
+    CollapseNeedles(kMaxRatio, &work);
   }
-  FlipForAngles(reference, kMinCosine, &work);
+  FlipForAngles(kMinCosine, &work);
   MeshPart compact = work.edit.Compact();
   RemeshedSurface improved =
       ResultOf(work, std::move(compact.mesh), compact.vertices);
@@ -166,8 +163,10 @@ void BecomeRemeshed(RemeshedSurface remeshed, Surface* surface) {
         ValuesAt(remeshed.sources, surface->mesh, surface->origins);
   }
   surface->mesh = std::move(remeshed.mesh);
-  surface->fixed_sources =
-      CarrySources(surface->fixed_sources, remeshed.fixed_sources);
+  const FixedSources before = std::exchange(surface->fixed_sources, {});
+  for (const uint32_t vertex : remeshed.fixed_sources) {
+    surface->fixed_sources.push_back(vertex != kNone ? before[vertex] : kNone);
+  }
 }
 
 void RemeshEvenly(Surface* surface) {

@@ -1,7 +1,6 @@
-#include "remesh/remeshing_steps.h"
+#include "remesh/anchored_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <bitset>
 
 #include <tbb/parallel_for.h>
@@ -23,7 +22,7 @@ Vector3f CenterAround(const AnchoredMesh& mesh, uint32_t vertex) {
     const Vector3f& c = facet[2].position;
     const float length = facet[0].anchor->length + facet[1].anchor->length +
                          facet[2].anchor->length;
-    const float weight = (b - a).cross(c - a).norm() / (length * length);
+    const float weight = AreaVector(facet).norm() / (length * length);
     sum += weight * (a + b + c) / 3;
     total += weight;
   });
@@ -31,19 +30,18 @@ Vector3f CenterAround(const AnchoredMesh& mesh, uint32_t vertex) {
 }
 
 // Where a vertex would go: that far towards the centre, along the surface.
-Anchor Target(const ReferenceSurface& reference, const AnchoredMesh& mesh,
-              uint32_t vertex, float share) {
+Anchor Target(const AnchoredMesh& mesh, uint32_t vertex, float share) {
   const Vector3f& position = mesh.edit.Position(vertex);
   const Anchor& anchor = mesh.anchors[vertex];
   Vector3f motion = share * (CenterAround(mesh, vertex) - position);
   motion -= motion.dot(anchor.normal) * anchor.normal;
-  return reference.Nearest(position + motion, anchor.normal,
-                           anchor.source.facet);
+  return mesh.reference.Nearest(position + motion, anchor.normal,
+                                anchor.source.facet);
 }
 
 // Whether the facets around a vertex keep their quality if it moves.
-bool MayMove(const ReferenceSurface& reference, const AnchoredMesh& mesh,
-             uint32_t vertex, const AnchoredCorner& target) {
+bool MayMove(const AnchoredMesh& mesh, uint32_t vertex,
+             const AnchoredCorner& target) {
   constexpr float kMinTurn = 0.5F;      // 60 degrees
   constexpr float kMaxCosine = 0.966F;  // 15 degrees
   bool may_move = true;
@@ -51,12 +49,12 @@ bool MayMove(const ReferenceSurface& reference, const AnchoredMesh& mesh,
     if (!may_move) {
       return;
     }
-    const std::array<AnchoredCorner, 3> before = mesh.Corners(half);
-    const std::array<AnchoredCorner, 3> after = {target, before[1], before[2]};
+    const AnchoredFacet before = mesh.Corners(half);
+    const AnchoredFacet after = {target, before[1], before[2]};
     const float before_cosine = LargestCosine(before);
     may_move = KeepsFacing(before, after, kMinTurn) &&
                LargestCosine(after) < std::max(before_cosine, kMaxCosine) &&
-               reference.IsFollowedBy(after);
+               mesh.reference.IsFollowedBy(after);
   });
   return may_move;
 }
@@ -88,8 +86,7 @@ std::vector<std::vector<uint32_t>> IndependentGroups(
 
 }  // namespace
 
-void RelaxVertices(const ReferenceSurface& reference,
-                   const std::vector<uint8_t>& is_chosen, AnchoredMesh* mesh) {
+void RelaxVertices(const std::vector<uint8_t>& is_chosen, AnchoredMesh* mesh) {
   EditableMesh& edit = mesh->edit;
   std::vector<uint32_t> vertices;  // that may move
   for (uint32_t vertex = 0; vertex < edit.NumVertices(); ++vertex) {
@@ -105,13 +102,13 @@ void RelaxVertices(const ReferenceSurface& reference,
     // All targets are found from the same mesh; whether the facets allow them
     // is then asked group by group.
     tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
-      targets[vertices[i]] = Target(reference, *mesh, vertices[i], share);
+      targets[vertices[i]] = Target(*mesh, vertices[i], share);
     });
     for (const std::vector<uint32_t>& group : groups) {
       tbb::parallel_for(size_t{0}, group.size(), [&](size_t i) {
         const uint32_t vertex = group[i];
-        const Vector3f position = reference.Position(targets[vertex]);
-        if (MayMove(reference, *mesh, vertex, {position, &targets[vertex]})) {
+        const Vector3f position = mesh->reference.Position(targets[vertex]);
+        if (MayMove(*mesh, vertex, {position, &targets[vertex]})) {
           edit.Move(vertex, position);
           mesh->anchors[vertex] = targets[vertex];
         }

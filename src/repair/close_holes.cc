@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include <Eigen/Core>
@@ -110,16 +109,14 @@ std::vector<uint8_t> FindIntersecting(const FilledMesh& filled) {
 // What one loop is filled with.
 struct Patch {
   BorderLoop loop;
-  std::optional<LoopFilling> filling;
+  LoopFilling filling;
 };
 
 // A mesh whose holes are closed, round by round.
 class HoleCloser {
  public:
   explicit HoleCloser(Surface* surface)
-      : num_vertices_(surface->mesh.vertices.size()),
-        rings_(MakeVertexRings(surface->mesh)),
-        surface_(*surface) {}
+      : rings_(MakeVertexRings(surface->mesh)), surface_(*surface) {}
 
   HoleReport Close(std::vector<BorderLoop> loops) {
     const TriangleMesh mesh = surface_.mesh;
@@ -130,7 +127,7 @@ class HoleCloser {
         loops = CloseBy(kind, mesh, std::move(loops));
       }
     }
-    report_.num_vertices = surface_.mesh.vertices.size() - num_vertices_;
+    report_.num_vertices = surface_.mesh.vertices.size() - rings_.NumVertices();
     report_.num_facets = surface_.mesh.facets.size() - mesh.facets.size();
     return report_;
   }
@@ -142,9 +139,8 @@ class HoleCloser {
     std::vector<BorderLoop> left;
     std::vector<Patch> patches;
     for (BorderLoop& loop : loops) {
-      std::optional<LoopFilling> filling = FillLoop(kind, mesh, rings_, loop);
-      if (filling) {
-        patches.push_back({std::move(loop), std::move(filling)});
+      if (auto filling = FillLoop(kind, mesh, rings_, loop)) {
+        patches.push_back({std::move(loop), std::move(*filling)});
       } else {
         left.push_back(std::move(loop));
       }
@@ -153,8 +149,8 @@ class HoleCloser {
     const std::vector<uint8_t> is_intersecting =
         FindIntersecting(Fill(patches));
     if (kind == FillingKind::kFlat) {  // there is no other way
-      report_.num_intersecting = static_cast<size_t>(
-          std::count(is_intersecting.begin(), is_intersecting.end(), 1));
+      report_.num_intersecting =
+          static_cast<size_t>(std::ranges::count(is_intersecting, 1));
     } else {
       Remove(is_intersecting, &patches, &left);
     }
@@ -169,7 +165,8 @@ class HoleCloser {
   FilledMesh Fill(const std::vector<Patch>& patches) const {
     FilledMesh filled{surface_.mesh, surface_.mesh.facets.size(), {}, 0};
     for (const Patch& patch : patches) {
-      filled.Add(*patch.filling, num_vertices_);
+      // The fillings' indices are based on the old vertices.
+      filled.Add(patch.filling, rings_.NumVertices());
     }
     return filled;
   }
@@ -190,7 +187,7 @@ class HoleCloser {
 
   void InheritFrom(const Patch& patch) {
     VertexAttributes& attributes = surface_.attributes;
-    for (const Eigen::Vector3f& vertex : patch.filling->vertices) {
+    for (const Eigen::Vector3f& vertex : patch.filling.vertices) {
       if (!surface_.origins.empty()) {
         surface_.origins.push_back(vertex);
       }
@@ -209,6 +206,8 @@ class HoleCloser {
 
   // By the inverse squared distances from the vertices of the loop.
   Color ColorAt(const Eigen::Vector3f& point, const BorderLoop& loop) const {
+    // Squared scene units; below it a vertex of the loop is met.
+    constexpr double kTiny = std::numeric_limits<float>::min();
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double sum_of_weights = 0;
     for (const uint32_t vertex : loop) {
@@ -227,11 +226,7 @@ class HoleCloser {
     return color;
   }
 
-  // Squared scene units; below it a vertex of the loop is met.
-  static constexpr double kTiny = std::numeric_limits<float>::min();
-
-  size_t num_vertices_;  // old ones, which the fillings' indices are based on
-  VertexRings rings_;    // of the old mesh
+  VertexRings rings_;  // of the old mesh
   Surface& surface_;
   HoleReport report_;
 };

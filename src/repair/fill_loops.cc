@@ -12,7 +12,6 @@
 #include <CGAL/Surface_mesh.h>
 
 #include "mesh/manifold_repair.h"
-#include "repair/mesh_patch.h"
 
 namespace colmap_ext {
 namespace {
@@ -34,8 +33,8 @@ Surroundings FindSurroundings(const TriangleMesh& mesh,
                               const VertexRings& rings,
                               const BorderLoop& loop) {
   constexpr int kNumRings = 3;
-  const MeshPart part = TakePatch(
-      mesh, rings.FacetsAt(rings.VerticesAround(loop, kNumRings - 1)));
+  const MeshPart part =
+      TakePart(mesh, rings.FacetsAt(rings.VerticesAround(loop, kNumRings - 1)));
   // Its outer border may touch itself, the loop does not.
   FanSplit split = SplitFans(part.mesh);
   Surroundings surroundings{std::move(split.mesh), {}};
@@ -121,11 +120,6 @@ LoopFilling ToFilling(const CgalMesh& cgal,
   return filling;
 }
 
-bool IsFinite(const LoopFilling& filling) {
-  return std::all_of(filling.vertices.begin(), filling.vertices.end(),
-                     [](const Eigen::Vector3f& p) { return p.allFinite(); });
-}
-
 }  // namespace
 
 std::optional<LoopFilling> FillLoop(FillingKind kind, const TriangleMesh& mesh,
@@ -134,8 +128,7 @@ std::optional<LoopFilling> FillLoop(FillingKind kind, const TriangleMesh& mesh,
   const Surroundings surroundings = FindSurroundings(mesh, rings, loop);
   const auto find = [&](uint32_t vertex) {
     return CgalMesh::Vertex_index(
-        static_cast<uint32_t>(std::find(surroundings.sources.begin(),
-                                        surroundings.sources.end(), vertex) -
+        static_cast<uint32_t>(std::ranges::find(surroundings.sources, vertex) -
                               surroundings.sources.begin()));
   };
   try {
@@ -149,7 +142,9 @@ std::optional<LoopFilling> FillLoop(FillingKind kind, const TriangleMesh& mesh,
         Fill(kind, border, loop.size(), &cgal);
     LoopFilling filling =
         ToFilling(cgal, faces, surroundings, mesh.vertices.size());
-    if (filling.facets.empty() || !IsFinite(filling)) {
+    const bool is_finite = std::ranges::all_of(
+        filling.vertices, [](const auto& p) { return p.allFinite(); });
+    if (filling.facets.empty() || !is_finite) {
       return std::nullopt;
     }
     return filling;

@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <iterator>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
 #include "base/indices.h"
+#include "base/union_find.h"
 #include "mesh/normals.h"
 
 namespace colmap_ext {
-namespace {
-
-constexpr float kFoldedCosine = -0.5F;  // between normals: 120 degrees
-
-}  // namespace
 
 void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
                     std::vector<FacetPair>* pairs) {
@@ -57,6 +54,40 @@ std::vector<FacetPair> GuardedMesh::PairsOf(
   return pairs;
 }
 
+std::vector<std::vector<uint32_t>> GuardedMesh::Clusters() const {
+  const std::vector<FacetPair> pairs = Pairs();
+  std::vector<uint32_t> facets;
+  for (const FacetPair& pair : pairs) {
+    facets.insert(facets.end(), pair.begin(), pair.end());
+  }
+  SortUnique(&facets);
+  const auto place = [&](uint32_t facet) {
+    return static_cast<uint32_t>(std::ranges::lower_bound(facets, facet) -
+                                 facets.begin());
+  };
+  UnionFind groups(facets.size());
+  for (const auto& [a, b] : pairs) {
+    groups.Join(place(a), place(b));
+  }
+  std::unordered_map<uint32_t, uint32_t> facet_at;  // place, of a vertex
+  for (uint32_t i = 0; i < facets.size(); ++i) {
+    for (const uint32_t vertex : mesh_.facets[facets[i]]) {
+      groups.Join(i, facet_at.try_emplace(vertex, i).first->second);
+    }
+  }
+  std::vector<std::vector<uint32_t>> clusters;
+  std::unordered_map<uint32_t, size_t> cluster_of;  // by a group's root
+  for (uint32_t i = 0; i < facets.size(); ++i) {
+    const size_t cluster =
+        cluster_of.try_emplace(groups.Find(i), clusters.size()).first->second;
+    if (cluster == clusters.size()) {
+      clusters.emplace_back();
+    }
+    clusters[cluster].push_back(facets[i]);
+  }
+  return clusters;
+}
+
 void GuardedMesh::ReplacePairs(const std::vector<FacetPair>& old_pairs,
                                const std::vector<FacetPair>& new_pairs) {
   for (const auto& [a, b] : old_pairs) {
@@ -91,6 +122,7 @@ std::optional<std::vector<FacetPair>> GuardedMesh::FewerPairs(
 
 GuardedMesh::Shape GuardedMesh::ShapeOf(
     const std::vector<uint32_t>& facets) const {
+  constexpr float kFoldedCosine = -0.5F;  // between normals: 120 degrees
   Shape shape;
   for (const uint32_t facet : facets) {
     const Eigen::Vector3f normal = FacetNormal(mesh_, facet);
@@ -118,63 +150,56 @@ bool GuardedMesh::TurnsOver(const Shape& before, const Shape& after) {
   return after.num_folded_edges > before.num_folded_edges;
 }
 
-std::optional<GuardedMesh::Change> GuardedMesh::Try(VertexTargets targets) {
+std::optional<GuardedMesh::Change> GuardedMesh::Try(VertexTargets* targets) {
   Change change;
-  const std::vector<uint32_t> facets = rings_.FacetsAt(targets.vertices);
+  const std::vector<uint32_t> facets = rings_.FacetsAt(targets->vertices);
   change.old_pairs = PairsOf(facets);
   const Shape shape = ShapeOf(facets);
-  Swap(&targets);
+  Swap(targets);
   if (!TurnsOver(shape, ShapeOf(facets))) {
     if (auto pairs = FewerPairs(facets, change.old_pairs)) {
       change.new_pairs = std::move(*pairs);
       return change;
     }
   }
-  Swap(&targets);
+  Swap(targets);
   return std::nullopt;
 }
 
-std::optional<size_t> GuardedMesh::PairsAfter(const VertexTargets& targets) {
-  VertexTargets old = targets;
-  for (size_t i = 0; i < old.vertices.size(); ++i) {
-    old.positions[i] = mesh_.vertices[old.vertices[i]];
-  }
-  const std::optional<Change> change = Try(targets);
+std::optional<size_t> GuardedMesh::PairsAfter(VertexTargets targets) {
+  const std::optional<Change> change = Try(&targets);
   if (!change) {
     return std::nullopt;
   }
-  Swap(&old);
+  Swap(&targets);
   return NumPairs() - change->old_pairs.size() + change->new_pairs.size();
 }
 
-bool GuardedMesh::Move(const VertexTargets& targets) {
-  const std::optional<Change> change = Try(targets);
+bool GuardedMesh::Move(VertexTargets targets) {
+  const std::optional<Change> change = Try(&targets);
   if (change) {
     ReplacePairs(change->old_pairs, change->new_pairs);
   }
   return change.has_value();
 }
 
-size_t GuardedMesh::FlipEdges(const std::vector<uint32_t>& facets) {
-  size_t num_flips = 0;
+void GuardedMesh::FlipEdges(const std::vector<uint32_t>& facets) {
   std::unordered_set<uint32_t> touched;  // vertices of facets that changed
   for (const uint32_t facet : facets) {
     for (uint32_t half = 3 * facet; half < 3 * facet + 3; ++half) {
       const uint32_t partner = partners_[half];
       const auto is_touched = [&](uint32_t v) { return touched.contains(v); };
       if (std::ranges::none_of(mesh_.facets[facet], is_touched) && Flip(half)) {
-        ++num_flips;
         touched.insert(mesh_.facets[facet].begin(), mesh_.facets[facet].end());
         touched.insert(mesh_.facets[partner / 3].begin(),
                        mesh_.facets[partner / 3].end());
       }
     }
   }
-  if (num_flips > 0) {
+  if (!touched.empty()) {
     rings_ = MakeVertexRings(mesh_);
     partners_ = PairHalfEdges(mesh_.facets);
   }
-  return num_flips;
 }
 
 bool GuardedMesh::Flip(uint32_t half) {

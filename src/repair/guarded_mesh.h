@@ -48,6 +48,11 @@ class GuardedMesh {
   // Those that have one of the facets.
   std::vector<FacetPair> PairsOf(const std::vector<uint32_t>& facets) const;
 
+  // The facets of the pairs in groups, ascending in each, the group of the
+  // lowest facet first: facets belong together if they intersect or share a
+  // vertex.
+  std::vector<std::vector<uint32_t>> Clusters() const;
+
   size_t NumPairs() const { return crossing_.size() / 2; }
 
   // The facets that were looked at so far for what they intersect, and the
@@ -55,16 +60,15 @@ class GuardedMesh {
   size_t Work() const { return work_; }
 
   // The number of pairs that a move would leave; nothing if it is not allowed.
-  std::optional<size_t> PairsAfter(const VertexTargets& targets);
+  std::optional<size_t> PairsAfter(VertexTargets targets);
 
   // \pre none of the vertices is fixed
   // \return whether it is allowed, and done
-  bool Move(const VertexTargets& targets);
+  bool Move(VertexTargets targets);
 
   // Flips the edges of some facets where that is allowed, but none at a vertex
   // of facets that a flip before it has changed.
-  // \return how many
-  size_t FlipEdges(const std::vector<uint32_t>& facets);
+  void FlipEdges(const std::vector<uint32_t>& facets);
 
  private:
   // Lets the edge of a half-edge connect the two corners opposite of it, if it
@@ -86,8 +90,9 @@ class GuardedMesh {
     std::vector<FacetPair> old_pairs, new_pairs;
   };
 
-  // Moves the vertices, if it is allowed; the pairs are to be replaced then.
-  std::optional<Change> Try(VertexTargets targets);
+  // Moves the vertices, if it is allowed; the pairs are to be replaced then,
+  // and the targets are where the vertices were.
+  std::optional<Change> Try(VertexTargets* targets);
 
   // Of the facets and their neighbors, at the present positions.
   struct Shape {

@@ -20,10 +20,8 @@ using Eigen::Vector3f;
 // Whether an edge has one facet.
 bool IsBorderEdge(const TriangleMesh& mesh, const VertexRings& rings,
                   uint32_t from, uint32_t to) {
-  const auto corners = rings.corners[from];
-  return std::count_if(corners.begin(), corners.end(), [&](uint32_t corner) {
-           const Facet& facet = mesh.facets[corner / 3];
-           return std::find(facet.begin(), facet.end(), to) != facet.end();
+  return std::ranges::count_if(rings.corners[from], [&](uint32_t corner) {
+           return std::ranges::count(mesh.facets[corner / 3], to) > 0;
          }) == 1;
 }
 
@@ -51,73 +49,6 @@ Vector3f NormalAt(const GuardedMesh& mesh, uint32_t vertex) {
   }
   return normal.normalized();
 }
-
-}  // namespace
-
-VertexTargets Smoothed(const GuardedMesh& guarded,
-                       const std::vector<uint32_t>& vertices, int num_rounds) {
-  const TriangleMesh& mesh = guarded.mesh();
-  // The vertices first, then their neighbors that do not move.
-  std::vector<Vector3d> positions;
-  std::unordered_map<uint32_t, uint32_t> places;
-  const auto place_of = [&](uint32_t vertex) {
-    const auto [place, is_new] = places.try_emplace(vertex, positions.size());
-    if (is_new) {
-      positions.push_back(mesh.vertices[vertex].cast<double>());
-    }
-    return place->second;
-  };
-  for (const uint32_t vertex : vertices) {
-    place_of(vertex);
-  }
-  Rows<uint32_t> drawing;
-  for (const uint32_t vertex : vertices) {
-    for (const uint32_t neighbor : Drawing(mesh, guarded.rings(), vertex)) {
-      drawing.values.push_back(place_of(neighbor));
-    }
-    drawing.EndRow();
-  }
-  std::vector<Vector3d> next = positions;
-  for (int round = 0; round < num_rounds; ++round) {
-    for (size_t i = 0; i < vertices.size(); ++i) {
-      const auto row = drawing[i];
-      Vector3d sum = Vector3d::Zero();
-      for (const uint32_t neighbor : row) {
-        sum += positions[neighbor];
-      }
-      if (!row.empty()) {
-        next[i] = 0.5 * (positions[i] + sum / static_cast<double>(row.size()));
-      }
-    }
-    std::swap(positions, next);
-  }
-  VertexTargets targets{vertices, {}};
-  for (size_t i = 0; i < vertices.size(); ++i) {
-    targets.positions.emplace_back(positions[i].cast<float>());
-  }
-  return targets;
-}
-
-VertexTargets Pushed(const GuardedMesh& mesh,
-                     const std::vector<uint32_t>& vertices, double share) {
-  VertexTargets targets{vertices, {}};
-  for (const uint32_t vertex : vertices) {
-    const Vector3f& position = mesh.mesh().vertices[vertex];
-    float length = 0;
-    const auto ring = mesh.rings().neighbors[vertex];
-    for (const uint32_t neighbor : ring) {
-      length += (mesh.mesh().vertices[neighbor] - position).norm();
-    }
-    length /= std::max<float>(1, static_cast<float>(ring.size()));
-    targets.positions.emplace_back(
-        position + static_cast<float>(share) * length * NormalAt(mesh, vertex));
-  }
-  return targets;
-}
-
-namespace {
-
-using Eigen::Vector3f;
 
 // A choice: what one copy leaves another may solve, once it has moved.
 constexpr int kMaxPasses = 3;
@@ -196,6 +127,67 @@ void MoveApart(uint32_t vertex, GuardedMesh* mesh) {
 }
 
 }  // namespace
+
+VertexTargets Smoothed(const GuardedMesh& guarded,
+                       const std::vector<uint32_t>& vertices, int num_rounds) {
+  const TriangleMesh& mesh = guarded.mesh();
+  // The vertices first, then their neighbors that do not move.
+  std::vector<Vector3d> positions;
+  std::unordered_map<uint32_t, uint32_t> places;
+  const auto place_of = [&](uint32_t vertex) {
+    const auto [place, is_new] = places.try_emplace(vertex, positions.size());
+    if (is_new) {
+      positions.push_back(mesh.vertices[vertex].cast<double>());
+    }
+    return place->second;
+  };
+  for (const uint32_t vertex : vertices) {
+    place_of(vertex);
+  }
+  Rows<uint32_t> drawing;
+  for (const uint32_t vertex : vertices) {
+    for (const uint32_t neighbor : Drawing(mesh, guarded.rings(), vertex)) {
+      drawing.values.push_back(place_of(neighbor));
+    }
+    drawing.EndRow();
+  }
+  std::vector<Vector3d> next = positions;
+  for (int round = 0; round < num_rounds; ++round) {
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      const auto row = drawing[i];
+      Vector3d sum = Vector3d::Zero();
+      for (const uint32_t neighbor : row) {
+        sum += positions[neighbor];
+      }
+      if (!row.empty()) {
+        next[i] = 0.5 * (positions[i] + sum / static_cast<double>(row.size()));
+      }
+    }
+    std::swap(positions, next);
+  }
+  VertexTargets targets{vertices, {}};
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    targets.positions.emplace_back(positions[i].cast<float>());
+  }
+  return targets;
+}
+
+VertexTargets Pushed(const GuardedMesh& mesh,
+                     const std::vector<uint32_t>& vertices, double share) {
+  VertexTargets targets{vertices, {}};
+  for (const uint32_t vertex : vertices) {
+    const Vector3f& position = mesh.mesh().vertices[vertex];
+    float length = 0;
+    const auto ring = mesh.rings().neighbors[vertex];
+    for (const uint32_t neighbor : ring) {
+      length += (mesh.mesh().vertices[neighbor] - position).norm();
+    }
+    length /= std::max<float>(1, static_cast<float>(ring.size()));
+    targets.positions.emplace_back(
+        position + static_cast<float>(share) * length * NormalAt(mesh, vertex));
+  }
+  return targets;
+}
 
 void SeparateCopies(GuardedMesh* mesh, size_t max_work) {
   for (int pass = 0; pass < kMaxPasses; ++pass) {

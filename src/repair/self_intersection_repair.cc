@@ -1,16 +1,15 @@
 #include "repair/self_intersection_repair.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 #include <vector>
 
+#include <tbb/parallel_for.h>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "base/indices.h"
 #include "repair/guarded_mesh.h"
-#include "repair/mesh_patch.h"
 #include "spatial/box_tree.h"
 #include "spatial/facet_tree.h"
 
@@ -70,10 +69,9 @@ bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
   return mesh->NumPairs() < num_pairs;
 }
 
-// \return the number of edges flipped
-size_t RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
+void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
   std::vector<uint32_t> hard;  // facets of the clusters that are left
-  for (const auto& facets : CrossingClusters(mesh->mesh(), mesh->Pairs())) {
+  for (const auto& facets : mesh->Clusters()) {
     if (mesh->Work() > max_work) {
       break;
     }
@@ -82,7 +80,51 @@ size_t RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
       hard.insert(hard.end(), facets.begin(), facets.end());
     }
   }
-  return mesh->FlipEdges(hard);
+  mesh->FlipEdges(hard);
+}
+
+// Marks all facets at the vertices within some rings of edges around facets.
+// Goes through all of the mesh once a ring, and needs no adjacency.
+// \return [F] 1: it is one of these
+std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
+                                const std::vector<uint32_t>& facets,
+                                int num_rings) {
+  std::vector<uint8_t> is_reached(mesh.vertices.size(), 0);
+  for (const uint32_t vertex : VerticesOf(mesh, facets)) {
+    is_reached[vertex] = 1;
+  }
+  const auto mark = [&] {
+    std::vector<uint8_t> is_marked(mesh.facets.size());
+    tbb::parallel_for(size_t{0}, is_marked.size(), [&](size_t i) {
+      const auto& [a, b, c] = mesh.facets[i];
+      is_marked[i] = is_reached[a] | is_reached[b] | is_reached[c];
+    });
+    return is_marked;
+  };
+  std::vector<uint8_t> is_marked = mark();
+  for (int ring = 0; ring < num_rings; ++ring) {
+    for (size_t i = 0; i < is_marked.size(); ++i) {
+      for (const uint32_t vertex : mesh.facets[i]) {
+        is_reached[vertex] |= is_marked[i];
+      }
+    }
+    is_marked = mark();
+  }
+  return is_marked;
+}
+
+// Marks all facets whose boxes meet any of the given ones, too.
+void MarkWithin(const TriangleMesh& mesh,
+                const std::vector<Eigen::AlignedBox3f>& boxes,
+                std::vector<uint8_t>* is_marked) {
+  const BoxTree tree(boxes);
+  tbb::parallel_for(
+      uint32_t{0}, static_cast<uint32_t>(mesh.facets.size()), [&](uint32_t i) {
+        const Eigen::AlignedBox3f box = BoxOf(mesh, i);
+        if (tree.AnyOf([&](const auto& b) { return b.intersects(box); })) {
+          (*is_marked)[i] = 1;
+        }
+      });
 }
 
 // Some of the rounds, after copies were moved apart.
@@ -101,7 +143,7 @@ class PatchRepair {
   PatchRepair(TriangleMesh* mesh, const FixedVertices& fixed)
       : mesh_(*mesh), fixed_(fixed), pairs_(FindSelfIntersections(*mesh)) {
     DropFixedPairs(*mesh, fixed, &pairs_);
-    repair_.num_before = pairs_.size();
+    num_before_ = pairs_.size();
   }
 
   SelfIntersectionRepair Run(int max_rounds) {
@@ -109,11 +151,7 @@ class PatchRepair {
     if (max_rounds > 1) {
       RunSteps({false, 1, max_rounds});
     }
-    repair_.num_after = pairs_.size();
-    for (const auto& [vertex, position] : before_) {
-      MeasureMotion(position, mesh_.vertices[vertex]);
-    }
-    return repair_;
+    return {num_before_, pairs_.size()};
   }
 
  private:
@@ -163,13 +201,12 @@ class PatchRepair {
   bool TryWithin(const Steps& steps, std::vector<uint8_t> is_around,
                  std::vector<Box>* boxes) {
     MarkWithin(mesh_, *boxes, &is_around);
-    const MeshPart patch = TakePatch(mesh_, Marked(is_around));
+    const MeshPart patch = TakePart(mesh_, Marked(is_around));
     FixedVertices fixed;
     for (const uint32_t vertex : patch.vertices) {
       fixed.push_back(IsFixed(fixed_, vertex) ? 1 : 0);
     }
     GuardedMesh guarded(patch.mesh, std::move(fixed));
-    size_t num_flips = 0;
     const size_t max_work = MaxWork() - work_;
     if (steps.separates_copies) {
       SeparateCopies(&guarded, max_work);
@@ -178,7 +215,7 @@ class PatchRepair {
          round < steps.end_round && guarded.NumPairs() > 0 &&
          guarded.Work() <= max_work;
          ++round) {
-      num_flips += RunRound(round, max_work, &guarded);
+      RunRound(round, max_work, &guarded);
     }
     const std::vector<uint32_t> changed =
         ChangedFacets(patch.mesh, guarded.mesh());
@@ -186,8 +223,7 @@ class PatchRepair {
     const size_t num_boxes = boxes->size();
     for (const uint32_t i : changed) {
       const Box box = BoxOf(guarded.mesh(), i);
-      if (!tree.Search([&](const Box& b) { return b.contains(box); },
-                       [](uint32_t) { return true; })) {
+      if (!tree.AnyOf([&](const Box& b) { return b.contains(box); })) {
         boxes->push_back(Widened(box));
       }
     }
@@ -200,7 +236,6 @@ class PatchRepair {
       pairs_.push_back({patch.facets[a], patch.facets[b]});
     }
     work_ += guarded.Work();
-    repair_.num_flipped_edges += num_flips;
     return true;
   }
 
@@ -210,9 +245,7 @@ class PatchRepair {
     for (uint32_t i = 0; i < after.facets.size(); ++i) {
       const Facet& facet = after.facets[i];
       if (facet != before.facets[i] ||
-          std::ranges::any_of(facet, [&](uint32_t vertex) {
-            return after.vertices[vertex] != before.vertices[vertex];
-          })) {
+          CornersOf(after, facet) != CornersOf(before, facet)) {
         changed.push_back(i);
       }
     }
@@ -226,23 +259,9 @@ class PatchRepair {
       for (uint32_t& vertex : facet) {
         const Eigen::Vector3f& position = after.vertices[vertex];
         vertex = patch.vertices[vertex];
-        before_.try_emplace(vertex, mesh_.vertices[vertex]);
         mesh_.vertices[vertex] = position;
       }
       mesh_.facets[patch.facets[i]] = facet;
-    }
-  }
-
-  void MeasureMotion(const Eigen::Vector3f& before,
-                     const Eigen::Vector3f& after) {
-    if (before != after) {
-      const double distance =
-          (before.cast<double>() - after.cast<double>()).norm();
-      // The mean so far.
-      ++repair_.num_moved_vertices;
-      repair_.mean_motion += (distance - repair_.mean_motion) /
-                             static_cast<double>(repair_.num_moved_vertices);
-      repair_.max_motion = std::max(repair_.max_motion, distance);
     }
   }
 
@@ -250,9 +269,7 @@ class PatchRepair {
   const FixedVertices& fixed_;
   std::vector<FacetPair> pairs_;  // that are left
   size_t work_ = 0;               // GuardedMesh::Work() so far
-  SelfIntersectionRepair repair_;
-  // Of the vertices of facets that have changed.
-  std::map<uint32_t, Eigen::Vector3f> before_;
+  size_t num_before_ = 0;
 };
 
 }  // namespace

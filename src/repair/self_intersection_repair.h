@@ -8,12 +8,10 @@
 namespace colmap_ext {
 
 struct SelfIntersectionRepair {
-  size_t num_before = 0;          // pairs of facets, FindSelfIntersections()
-  size_t num_after = 0;           // at most as many
-  size_t num_moved_vertices = 0;  // whose positions differ
-  size_t num_flipped_edges = 0;
-  double max_motion = 0;   // of a vertex, scene units
-  double mean_motion = 0;  // of those that moved, scene units
+  size_t num_before = 0;  // pairs of facets, FindSelfIntersections()
+  size_t num_after = 0;   // at most as many
+
+  bool operator==(const SelfIntersectionRepair&) const = default;
 };
 
 // Of the repair, each in wider surroundings than the one before. A choice.

@@ -191,7 +191,7 @@ bool TrimOnce(double min_confidence, int num_rings,
   }
   std::vector<uint8_t> is_dropped =
       FindRegions(surface, is_low, num_rings, &trimmed->report);
-  if (std::find(is_dropped.begin(), is_dropped.end(), 1) == is_dropped.end()) {
+  if (std::ranges::find(is_dropped, 1) == is_dropped.end()) {
     return false;
   }
   AddLeftovers(surface, &is_dropped, &trimmed->report);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -12,7 +14,15 @@ namespace colmap_ext {
 // other: each node has the box around a range of the list.
 class BoxTree {
  public:
-  explicit BoxTree(const std::vector<Eigen::AlignedBox3f>& boxes);
+  explicit BoxTree(const std::vector<Eigen::AlignedBox3f>& boxes)
+      : num_leaves_(std::bit_ceil(std::max<size_t>(boxes.size(), 1))),
+        nodes_(2 * num_leaves_) {
+    std::ranges::copy(boxes,
+                      nodes_.begin() + static_cast<ptrdiff_t>(num_leaves_));
+    for (size_t node = num_leaves_ - 1; node > 0; --node) {
+      nodes_[node] = nodes_[2 * node].merged(nodes_[2 * node + 1]);
+    }
+  }
 
   // Calls visit(i) for the boxes that may_touch(box) holds for, ascending,
   // until it returns true. may_touch has to hold for what is around such a box.
@@ -35,6 +45,13 @@ class BoxTree {
       }
     }
     return false;
+  }
+
+  // Whether predicate(box) holds for any box; it has to hold for what is around
+  // such a box.
+  template <typename Predicate>
+  bool AnyOf(const Predicate& predicate) const {
+    return Search(predicate, [](uint32_t /*i*/) { return true; });
   }
 
  private:

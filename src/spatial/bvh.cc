@@ -8,6 +8,9 @@
 
 #include <Eigen/Geometry>
 
+#include "spatial/facet_tree.h"
+#include "spatial/surface_point.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -34,11 +37,8 @@ Float4 Max(Float4 a, Float4 b) { return a > b ? a : b; }
 // From a point v to the segment from the origin to `edge`, which may be one
 // point.
 double SegmentDistanceSquared(const Vector3d& v, const Vector3d& edge) {
-  const double length_squared = edge.squaredNorm();
-  const double t = length_squared > 0
-                       ? std::clamp(v.dot(edge) / length_squared, 0.0, 1.0)
-                       : 0;
-  return (v - t * edge).squaredNorm();
+  const Vector3d origin = Vector3d::Zero();
+  return (v - NearestOnSegment(origin, edge, v) * edge).squaredNorm();
 }
 
 }  // namespace
@@ -122,13 +122,9 @@ struct Bvh::Builder {
 
 Bvh::Bvh(const TriangleMesh& mesh) {
   Builder builder;
-  for (const Facet& facet : mesh.facets) {
-    Box box;
-    for (const uint32_t vertex : facet) {
-      box.extend(mesh.vertices[vertex]);
-    }
-    builder.boxes.push_back(box);
-    builder.centers.push_back(box.center());
+  for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
+    builder.boxes.push_back(BoxOf(mesh, facet));
+    builder.centers.push_back(builder.boxes.back().center());
   }
   builder.order.resize(mesh.facets.size());
   std::iota(builder.order.begin(), builder.order.end(), 0);
@@ -139,9 +135,8 @@ Bvh::Bvh(const TriangleMesh& mesh) {
   facets_ = std::move(builder.order);
   corners_.reserve(facets_.size());
   for (const uint32_t f : facets_) {
-    const Vector3f& a = mesh.vertices[mesh.facets[f][0]];
-    corners_.push_back({a, mesh.vertices[mesh.facets[f][1]] - a,
-                        mesh.vertices[mesh.facets[f][2]] - a});
+    const auto [a, b, c] = CornersOf(mesh, mesh.facets[f]);
+    corners_.push_back({a, b - a, c - a});
   }
 }
 

@@ -1,6 +1,7 @@
 #include "spatial/facet_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 #include <tbb/parallel_for.h>
@@ -40,10 +41,8 @@ FacetTree::FacetTree(const TriangleMesh& mesh)
 FacetTree::FacetTree(const TriangleMesh& mesh,
                      const std::vector<uint32_t>& facets)
     : facets_(facets.size()), boxes_(facets.size()) {
-  size_t num_leaves = 1;
-  while (num_leaves * kFacetsPerLeaf < facets.size()) {
-    num_leaves *= 2;
-  }
+  const size_t num_leaves =
+      std::bit_ceil((facets.size() + kFacetsPerLeaf - 1) / kFacetsPerLeaf);
   nodes_.resize(2 * num_leaves - 1);
   std::vector<Box> boxes(facets.size());
   tbb::parallel_for(size_t{0}, boxes.size(),
@@ -70,11 +69,8 @@ void FacetTree::Extend(const TriangleMesh& mesh,
     const Box box = BoxOf(mesh, facet);
     const size_t place = places_[facet];
     boxes_[place].extend(box);
-    size_t node = NumLeaves() - 1 + LeafOf(place);
-    nodes_[node].extend(box);
-    while (node > 0) {
-      node = (node - 1) / 2;
-      nodes_[node].extend(box);
+    for (size_t i = NumLeaves() + LeafOf(place); i > 0; i /= 2) {
+      nodes_[i - 1].extend(box);
     }
   }
 }

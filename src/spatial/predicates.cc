@@ -7,6 +7,10 @@
 #include <CGAL/intersections.h>
 
 namespace colmap_ext {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -42,8 +46,7 @@ Kernel::Triangle_3 ToCgal(const Triangle& triangle) {
 }
 
 // The sign of the component `axis` of (b - a) x (c - a).
-int Turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-         const Eigen::Vector3d& c, int axis) {
+int Turn(const Vector3d& a, const Vector3d& b, const Vector3d& c, int axis) {
   const int i = (axis + 1) % 3;
   const int j = (axis + 2) % 3;
   return CGAL::orientation(Kernel::Point_2(a[i], a[j]),
@@ -53,23 +56,22 @@ int Turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 
 }  // namespace
 
-int Orientation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                const Eigen::Vector3d& c, const Eigen::Vector3d& d) {
+int Orientation(const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                const Vector3d& d) {
   return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
 }
 
-int Orientation(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                const Eigen::Vector3f& c, const Eigen::Vector3f& d) {
+int Orientation(const Vector3f& a, const Vector3f& b, const Vector3f& c,
+                const Vector3f& d) {
   return CGAL::orientation(ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d));
 }
 
-bool AreCollinear(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                  const Eigen::Vector3f& c) {
+bool AreCollinear(const Vector3f& a, const Vector3f& b, const Vector3f& c) {
   return CGAL::collinear(ToCgal(a), ToCgal(b), ToCgal(c));
 }
 
-bool AreOnOneSide(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                  const Eigen::Vector3f& p, const Eigen::Vector3f& q) {
+bool AreOnOneSide(const Vector3f& a, const Vector3f& b, const Vector3f& p,
+                  const Vector3f& q) {
   return Orientation(a, b, p, q) == 0 &&
          CGAL::coplanar_orientation(ToCgal(a), ToCgal(b), ToCgal(p),
                                     ToCgal(q)) == CGAL::POSITIVE;
@@ -79,14 +81,14 @@ bool TrianglesMeet(const Triangle& a, const Triangle& b) {
   return CGAL::do_intersect(ToCgal(a), ToCgal(b));
 }
 
-bool SegmentMeetsTriangle(const Eigen::Vector3f& p, const Eigen::Vector3f& q,
+bool SegmentMeetsTriangle(const Vector3f& p, const Vector3f& q,
                           const Triangle& triangle) {
   return CGAL::do_intersect(Kernel::Segment_3(ToCgal(p), ToCgal(q)),
                             ToCgal(triangle));
 }
 
-int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
-                 const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+int RaySideExact(const Vector3d& origin, const Vector3d& target,
+                 const Vector3d& u, const Vector3d& v) {
   int sign = Orientation(origin, target, u, v);
   for (int axis = 0; sign == 0 && axis < 3; ++axis) {
     sign = Turn(origin, u, v, axis);
@@ -94,10 +96,10 @@ int RaySideExact(const Eigen::Vector3d& origin, const Eigen::Vector3d& target,
   return sign;
 }
 
-double CrossingOfPlane(const Eigen::Vector3d& origin,
-                       const Eigen::Vector3d& target, const Eigen::Vector3d& a,
-                       const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  const auto volume_to = [&](const Eigen::Vector3d& p) -> Number {
+double CrossingOfPlane(const Vector3d& origin, const Vector3d& target,
+                       const Vector3d& a, const Vector3d& b,
+                       const Vector3d& c) {
+  const auto volume_to = [&](const Vector3d& p) -> Number {
     return CGAL::volume(ToExact(a), ToExact(b), ToExact(c), ToExact(p));
   };
   const Number before = volume_to(origin);
@@ -105,8 +107,8 @@ double CrossingOfPlane(const Eigen::Vector3d& origin,
   return way != 0 ? CGAL::to_double(Number(before / way)) : 0;
 }
 
-Eigen::Vector3d CenterFrom(const Eigen::Vector3f& o, const Eigen::Vector3f& a,
-                           const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
+Vector3d CenterFrom(const Vector3f& o, const Vector3f& a, const Vector3f& b,
+                    const Vector3f& c) {
   const auto center =
       CGAL::circumcenter(ToExact(o), ToExact(a), ToExact(b), ToExact(c)) -
       ToExact(o);
@@ -114,16 +116,15 @@ Eigen::Vector3d CenterFrom(const Eigen::Vector3f& o, const Eigen::Vector3f& a,
           CGAL::to_double(center.z())};
 }
 
-bool IsInSphere(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                const Eigen::Vector3f& c, const Eigen::Vector3f& d,
-                const Eigen::Vector3f& p) {
+bool IsInSphere(const Vector3f& a, const Vector3f& b, const Vector3f& c,
+                const Vector3f& d, const Vector3f& p) {
   return Perturbed::Instance().side_of_oriented_sphere(
              ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(d), ToCgal(p),
              /*perturb=*/true) == CGAL::ON_POSITIVE_SIDE;
 }
 
-bool IsInCircle(const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                const Eigen::Vector3f& c, const Eigen::Vector3f& p) {
+bool IsInCircle(const Vector3f& a, const Vector3f& b, const Vector3f& c,
+                const Vector3f& p) {
   return Perturbed::Instance().coplanar_side_of_bounded_circle(
              ToCgal(a), ToCgal(b), ToCgal(c), ToCgal(p), /*perturb=*/true) ==
          CGAL::ON_BOUNDED_SIDE;

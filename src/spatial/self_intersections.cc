@@ -15,54 +15,54 @@
 namespace colmap_ext {
 namespace {
 
-using Pairs = std::vector<FacetPair>;
-using PairsOfThreads = tbb::enumerable_thread_specific<Pairs>;
+// Collects pairs that intersect, from all threads.
+class PairFinder {
+ public:
+  explicit PairFinder(const TriangleMesh& mesh) : mesh_(mesh) {}
 
-// Sorted, each once.
-Pairs Collect(const PairsOfThreads& parts) {
-  Pairs pairs;
-  for (const Pairs& part : parts) {
-    pairs.insert(pairs.end(), part.begin(), part.end());
-  }
-  SortUnique(&pairs);
-  return pairs;
-}
-
-void AddIfIntersecting(const TriangleMesh& mesh, uint32_t a, uint32_t b,
-                       Pairs* pairs) {
-  const FacetPair pair{std::min(a, b), std::max(a, b)};
-  if (DoesPairIntersect(mesh, pair)) {
-    pairs->push_back(pair);
-  }
-}
-
-// Pairs of two facets of a tree.
-void AddPairsWithin(const TriangleMesh& mesh, const FacetTree& tree,
-                    PairsOfThreads* found) {
-  tbb::parallel_for(size_t{0}, tree.NumLeaves(), [&](size_t leaf) {
-    tree.ForEachPair(leaf, [&](uint32_t a, uint32_t b) {
-      AddIfIntersecting(mesh, a, b, &found->local());
+  // Pairs of two facets of a tree.
+  void AddWithin(const FacetTree& tree) {
+    tbb::parallel_for(size_t{0}, tree.NumLeaves(), [&](size_t leaf) {
+      tree.ForEachPair(leaf, [&](uint32_t a, uint32_t b) { Add(a, b); });
     });
-  });
-}
+  }
 
-// Pairs of a facet of a tree and another.
-void AddPairsWith(const TriangleMesh& mesh, const FacetTree& tree,
-                  const std::vector<uint32_t>& facets, PairsOfThreads* found) {
-  tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
-    tree.ForEachNear(BoxOf(mesh, facets[i]), [&](uint32_t other) {
-      AddIfIntersecting(mesh, facets[i], other, &found->local());
+  // Pairs of a facet of a tree and another.
+  void AddWith(const FacetTree& tree, const std::vector<uint32_t>& facets) {
+    tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
+      tree.ForEachNear(BoxOf(mesh_, facets[i]),
+                       [&](uint32_t other) { Add(facets[i], other); });
     });
-  });
-}
+  }
 
-// Facets that have no area.
-void AddFlat(const TriangleMesh& mesh, PairsOfThreads* found) {
-  const auto num_facets = static_cast<uint32_t>(mesh.facets.size());
-  tbb::parallel_for(uint32_t{0}, num_facets, [&](uint32_t facet) {
-    AddIfIntersecting(mesh, facet, facet, &found->local());
-  });
-}
+  // Facets that have no area.
+  void AddFlat() {
+    const auto num_facets = static_cast<uint32_t>(mesh_.facets.size());
+    tbb::parallel_for(uint32_t{0}, num_facets,
+                      [&](uint32_t facet) { Add(facet, facet); });
+  }
+
+  // Sorted, each once.
+  std::vector<FacetPair> Collect() const {
+    std::vector<FacetPair> pairs;
+    for (const std::vector<FacetPair>& part : found_) {
+      pairs.insert(pairs.end(), part.begin(), part.end());
+    }
+    SortUnique(&pairs);
+    return pairs;
+  }
+
+ private:
+  void Add(uint32_t a, uint32_t b) {
+    const FacetPair pair{std::min(a, b), std::max(a, b)};
+    if (DoesPairIntersect(mesh_, pair)) {
+      found_.local().push_back(pair);
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  tbb::enumerable_thread_specific<std::vector<FacetPair>> found_;
+};
 
 // All facets in parts, those of each near each other.
 std::vector<std::vector<uint32_t>> PartsOf(const TriangleMesh& mesh,
@@ -89,11 +89,6 @@ std::vector<std::vector<uint32_t>> PartsOf(const TriangleMesh& mesh,
     parts.back().push_back(facet);
   }
   return parts;
-}
-
-Triangle TriangleOf(const TriangleMesh& mesh, const Facet& facet) {
-  return {mesh.vertices[facet[0]], mesh.vertices[facet[1]],
-          mesh.vertices[facet[2]]};
 }
 
 // The corners of a facet that are no corners of another one.
@@ -129,12 +124,16 @@ bool HasArea(const Triangle& facet) {
   return !AreCollinear(facet[0], facet[1], facet[2]);
 }
 
-// Whether two facets meet in more than what they share by index, see
-// FindSelfIntersections().
-bool FacetsIntersect(const TriangleMesh& mesh, const Facet& first,
-                     const Facet& second) {
-  const Triangle a = TriangleOf(mesh, first);
-  const Triangle b = TriangleOf(mesh, second);
+}  // namespace
+
+bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
+  const Facet& first = mesh.facets[pair[0]];
+  const Facet& second = mesh.facets[pair[1]];
+  const Triangle a = CornersOf(mesh, first);
+  if (pair[0] == pair[1]) {
+    return !HasArea(a);
+  }
+  const Triangle b = CornersOf(mesh, second);
   const OwnCorners own_a(first, second);
   const OwnCorners own_b(second, first);
   // Most facets end here.
@@ -157,15 +156,6 @@ bool FacetsIntersect(const TriangleMesh& mesh, const Facet& first,
   }
 }
 
-}  // namespace
-
-bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
-  if (pair[0] == pair[1]) {
-    return !HasArea(TriangleOf(mesh, mesh.facets[pair[0]]));
-  }
-  return FacetsIntersect(mesh, mesh.facets[pair[0]], mesh.facets[pair[1]]);
-}
-
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
                                              size_t max_part_facets) {
   const auto parts = PartsOf(mesh, max_part_facets);
@@ -175,35 +165,35 @@ std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
       boxes[i].extend(BoxOf(mesh, facet));
     }
   });
-  PairsOfThreads found;
-  AddFlat(mesh, &found);
+  PairFinder finder(mesh);
+  finder.AddFlat();
   // Trees of all parts at once would be most of the memory.
   for (size_t i = 0; i < parts.size(); ++i) {
     const FacetTree tree(mesh, parts[i]);
-    AddPairsWithin(mesh, tree, &found);
+    finder.AddWithin(tree);
     for (size_t j = i + 1; j < parts.size(); ++j) {
       if (boxes[i].intersects(boxes[j])) {
-        AddPairsWith(mesh, tree, parts[j], &found);
+        finder.AddWith(tree, parts[j]);
       }
     }
   }
-  return Collect(found);
+  return finder.Collect();
 }
 
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
                                              const FacetTree& tree) {
-  PairsOfThreads found;
-  AddFlat(mesh, &found);
-  AddPairsWithin(mesh, tree, &found);
-  return Collect(found);
+  PairFinder finder(mesh);
+  finder.AddFlat();
+  finder.AddWithin(tree);
+  return finder.Collect();
 }
 
 std::vector<FacetPair> FindSelfIntersections(
     const TriangleMesh& mesh, const FacetTree& tree,
     const std::vector<uint32_t>& facets) {
-  PairsOfThreads found;
-  AddPairsWith(mesh, tree, facets, &found);
-  return Collect(found);
+  PairFinder finder(mesh);
+  finder.AddWith(tree, facets);
+  return finder.Collect();
 }
 
 size_t PutBackIntersecting(const std::vector<Eigen::Vector3f>& positions,

@@ -1,29 +1,12 @@
 #include "spatial/surface_point.h"
 
-#include <algorithm>
-
 namespace colmap_ext {
-namespace {
 
 using Eigen::Vector3d;
 
-// Of the point of a segment that is nearest to p, from 0 at a to 1 at b.
-double NearestOnSegment(const Vector3d& a, const Vector3d& b,
-                        const Vector3d& p) {
-  const double length_squared = (b - a).squaredNorm();
-  return length_squared > 0
-             ? std::clamp((p - a).dot(b - a) / length_squared, 0.0, 1.0)
-             : 0;
-}
-
-}  // namespace
-
 SurfacePoint NearestPointOfFacet(const TriangleMesh& mesh, uint32_t facet,
                                  const Eigen::Vector3f& position) {
-  Vector3d corners[3];
-  for (int k = 0; k < 3; ++k) {
-    corners[k] = mesh.vertices[mesh.facets[facet][k]].cast<double>();
-  }
+  const auto corners = CornersOf<double>(mesh, mesh.facets[facet]);
   const Vector3d p = position.cast<double>();
   const Vector3d edge1 = corners[1] - corners[0];
   const Vector3d edge2 = corners[2] - corners[0];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -8,6 +9,18 @@
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {
+
+// The point of a segment that is nearest to p, from 0 at a to 1 at b; 0 where
+// they are one point.
+template <typename Vector>
+typename Vector::Scalar NearestOnSegment(const Vector& a, const Vector& b,
+                                         const Vector& p) {
+  using Scalar = typename Vector::Scalar;
+  const Scalar length_squared = (b - a).squaredNorm();
+  return length_squared > 0
+             ? std::clamp<Scalar>((p - a).dot(b - a) / length_squared, 0, 1)
+             : 0;
+}
 
 // A point of a mesh's surface.
 struct SurfacePoint {

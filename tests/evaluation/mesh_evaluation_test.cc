@@ -1,15 +1,15 @@
 #include "evaluation/mesh_evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
-#include "evaluation/observability.h"
 #include "scene/look_at.h"
-#include "tests/random.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace mesh_evaluation_test {
@@ -17,20 +17,15 @@ namespace mesh_evaluation_test {
 // The square [0, 1] x [0, 1] at a height, of 2 n^2 facets, without those of
 // x > end.
 TriangleMesh Square(float height, uint32_t n = 10, float end = 1) {
-  TriangleMesh mesh;
-  for (uint32_t i = 0; i <= n; ++i) {
-    for (uint32_t j = 0; j <= n; ++j) {
-      mesh.vertices.emplace_back(static_cast<float>(i) / static_cast<float>(n),
-                                 static_cast<float>(j) / static_cast<float>(n),
-                                 height);
-      const uint32_t at = i * (n + 1) + j;
-      if (i < n && j < n &&
-          static_cast<float>(i + 1) <= end * static_cast<float>(n)) {
-        mesh.facets.push_back({at, at + n + 1, at + 1});
-        mesh.facets.push_back({at + 1, at + n + 1, at + n + 2});
-      }
-    }
-  }
+  TriangleMesh mesh = Moved(MakeSheet(n, n), [&](const Eigen::Vector3f& p) {
+    return Eigen::Vector3f(p.x() / static_cast<float>(n),
+                           p.y() / static_cast<float>(n), height);
+  });
+  std::erase_if(mesh.facets, [&](const Facet& facet) {
+    return std::ranges::any_of(CornersOf(mesh, facet), [&](const auto& corner) {
+      return corner.x() > end + 1e-6f;
+    });
+  });
   return mesh;
 }
 
@@ -68,11 +63,9 @@ TEST(EvaluateMesh, OfAShiftedPlaneIsTheShift) {
 }
 
 TEST(EvaluateMesh, OfAShiftedPlaneThatCamerasSeeIsTheShift) {
-  MeshEvaluationOptions options;
-  options.stride = 2;
-  options.depth_thresholds = {0.005, 0.02};
   const MeshEvaluation evaluation =
-      Evaluate(Square(-0.01f, 7), Square(0), Cameras(), options);
+      Evaluate(Square(-0.01f, 7), Square(0), Cameras(),
+               {.stride = 2, .depth_thresholds = {0.005, 0.02}});
   ASSERT_TRUE(evaluation.distances && evaluation.depths);
   EXPECT_EQ(evaluation.num_views, 2);
   EXPECT_NEAR(evaluation.distances->accuracy.median, 0.01, 1e-6);
@@ -82,9 +75,7 @@ TEST(EvaluateMesh, OfAShiftedPlaneThatCamerasSeeIsTheShift) {
 }
 
 TEST(EvaluateMesh, CountsHolesAsIncomplete) {
-  MeshEvaluationOptions options;
-  options.max_distance = 0.1;
-  options.spacing = 0.004;
+  MeshEvaluationOptions options{.spacing = 0.004, .max_distance = 0.1};
   const MeshEvaluation clipped =
       Evaluate(Square(0, 10, 0.5f), Square(0), {}, options);
   ASSERT_TRUE(clipped.distances);
@@ -107,12 +98,10 @@ TEST(EvaluateMesh, CountsOnlyWhatIsObservable) {
   mask.size = {6, 11, 1};
   mask.voxels.resize(66, 1);
   mask.resolution = 0.1;
-  TriangleMesh mesh = Square(0);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.z() = vertex.x() > 0.55f ? 0.04f : 0;
-  }
-  MeshEvaluationOptions options;
-  options.spacing = 0.004;
+  const TriangleMesh mesh = Moved(Square(0), [](const Eigen::Vector3f& p) {
+    return Eigen::Vector3f(p.x(), p.y(), p.x() > 0.55f ? 0.04f : 0);
+  });
+  const MeshEvaluationOptions options{.spacing = 0.004};
   const MeshEvaluation evaluation =
       EvaluateMesh(options, mesh, {Square(0), nullptr}, {}, observability);
   EXPECT_LT(evaluation.distances->accuracy.mean, 2e-3);
@@ -125,9 +114,7 @@ TEST(EvaluateMesh, TakesPointsAsTheTruth) {
   TriangleMesh points = {Square(0, 200).vertices, {}};
   points.vertices.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0, 0);
   points.vertices.emplace_back(0.5f, 0.5f, 100);  // behind the cameras
-  MeshEvaluationOptions options;
-  options.max_distance = 0.05;
-  options.spacing = 0.002;
+  const MeshEvaluationOptions options{.spacing = 0.002, .max_distance = 0.05};
   const MeshEvaluation evaluation =
       Evaluate(Square(0.01f), points, Cameras(), options);
   ASSERT_TRUE(evaluation.distances);
@@ -146,10 +133,9 @@ TEST(EvaluateMesh, TakesDepthMapsAsTheTruth) {
     return view == 0 ? DepthMap()
                      : RenderDepths(truth, ResizeView(views[1], 45, 55), 1);
   };
-  MeshEvaluationOptions options;
-  options.depth_thresholds = {0.009, 0.011};
-  const MeshEvaluation evaluation = EvaluateMesh(
-      options, Square(-0.01f, 10, 0.8f), {{}, depth_maps}, views, {});
+  const MeshEvaluation evaluation =
+      EvaluateMesh({.depth_thresholds = {0.009, 0.011}},
+                   Square(-0.01f, 10, 0.8f), {{}, depth_maps}, views, {});
   EXPECT_FALSE(evaluation.distances);
   ASSERT_TRUE(evaluation.depths);
   EXPECT_EQ(evaluation.num_views_without_depths, 1);
@@ -161,23 +147,16 @@ TEST(EvaluateMesh, TakesDepthMapsAsTheTruth) {
 
 TEST(EvaluateMesh, DoesNotDependOnThreadsOrTheOrderOfFacets) {
   Random random(3);
-  TriangleMesh mesh = Square(0, 30);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.z() += 0.01f * static_cast<float>(random.Unit());
-  }
-  const SurfaceDistances first =
-      *Evaluate(mesh, Square(0), Cameras()).distances;
-  for (const size_t num_threads : {1, 2, 5}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
+  TriangleMesh mesh = Moved(Square(0, 30), [&](const Eigen::Vector3f& p) {
+    return Eigen::Vector3f(p.x(), p.y(), 0.01f * RandomPoint(&random).z());
+  });
+  ExpectSameForAnyThreads([&] {
     random.Shuffle(&mesh.facets);
-    const SurfaceDistances again =
-        *Evaluate(mesh, Square(0), Cameras()).distances;
-    EXPECT_EQ(again.accuracy.mean, first.accuracy.mean);
-    EXPECT_EQ(again.accuracy.median, first.accuracy.median);
-    EXPECT_EQ(again.completeness.mean, first.completeness.mean);
-    EXPECT_EQ(again.completeness.num_samples, first.completeness.num_samples);
-  }
+    const auto distances = Evaluate(mesh, Square(0), Cameras()).distances;
+    return std::tuple(distances->accuracy.mean, distances->accuracy.median,
+                      distances->completeness.mean,
+                      distances->completeness.num_samples);
+  });
 }
 
 TEST(EvaluateMesh, RefusesWhatDoesNotFitTogether) {
@@ -199,22 +178,18 @@ TEST(EvaluateMesh, LeavesOutFacetsThatAreNotFinite) {
 }
 
 TEST(Summarize, ClipsOrDropsWhatIsBeyond) {
-  const std::vector<double> distances = {10, 1, 4, 10, 3, 2};
-  const DistanceStatistics clipped = Summarize(distances, 10, false);
-  EXPECT_EQ(clipped.num_samples, 6);
-  EXPECT_EQ(clipped.num_beyond, 2);
-  EXPECT_DOUBLE_EQ(clipped.mean, 5);
-  EXPECT_DOUBLE_EQ(clipped.median, 3.5);
-  EXPECT_DOUBLE_EQ(clipped.percentile90, 10);
-  const DistanceStatistics dropped = Summarize(distances, 10, true);
-  EXPECT_EQ(dropped.num_samples, 6);
-  EXPECT_EQ(dropped.num_beyond, 2);
-  EXPECT_DOUBLE_EQ(dropped.mean, 2.5);
-  EXPECT_DOUBLE_EQ(dropped.median, 2.5);
-  EXPECT_DOUBLE_EQ(dropped.percentile90, 3.7);
-}
-
-TEST(Summarize, OfOddNumbersTheMedianIsTheMiddleOne) {
+  const auto expect = [](bool drop_beyond, double mean, double median,
+                         double percentile90) {
+    const DistanceStatistics statistics =
+        Summarize({10, 1, 4, 10, 3, 2}, 10, drop_beyond);
+    EXPECT_EQ(statistics.num_samples, 6);
+    EXPECT_EQ(statistics.num_beyond, 2);
+    EXPECT_DOUBLE_EQ(statistics.mean, mean);
+    EXPECT_DOUBLE_EQ(statistics.median, median);
+    EXPECT_DOUBLE_EQ(statistics.percentile90, percentile90);
+  };
+  expect(false, 5, 3.5, 10);
+  expect(true, 2.5, 2.5, 3.7);
   EXPECT_EQ(Summarize({5, 1, 2}, 10, false).median, 2);
   EXPECT_EQ(Summarize({5}, 10, false).percentile90, 5);
 }

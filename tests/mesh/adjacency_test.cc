@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
@@ -56,8 +55,9 @@ TEST(ForEachEdge, GathersTheHalfEdgesOfEachEdge) {
 
 TEST(PairHalfEdges, PairsWhatTwoFacetsRunInOppositeDirections) {
   Random random(1);
+  size_t num_paired = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const TriangleMesh mesh = RandomSoup(8, 14, true, &random);
+    const TriangleMesh mesh = RandomSoup(8, 14, trial % 2 == 0, &random);
     const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
     ASSERT_EQ(partners.size(), 3 * mesh.facets.size());
     for (uint32_t half = 0; half < partners.size(); ++half) {
@@ -74,28 +74,10 @@ TEST(PairHalfEdges, PairsWhatTwoFacetsRunInOppositeDirections) {
       const bool is_paired =
           others.size() == 1 && FromVertex(mesh.facets, others.front()) == to;
       ASSERT_EQ(partners[half], is_paired ? others.front() : kNone);
+      num_paired += is_paired ? 1 : 0;
     }
   }
-}
-
-TEST(PairHalfEdges, IsItsOwnInverse) {
-  Random random(2);
-  size_t num_pairs = 0;
-  for (int trial = 0; trial < 300; ++trial) {
-    const TriangleMesh mesh = RandomSoup(9, 20, false, &random);
-    const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
-    for (uint32_t half = 0; half < partners.size(); ++half) {
-      if (partners[half] != kNone) {
-        EXPECT_EQ(partners[partners[half]], half);
-        EXPECT_EQ(FromVertex(mesh.facets, partners[half]),
-                  ToVertex(mesh.facets, half));
-        EXPECT_EQ(ToVertex(mesh.facets, partners[half]),
-                  FromVertex(mesh.facets, half));
-        ++num_pairs;
-      }
-    }
-  }
-  EXPECT_GT(num_pairs, 1000u);  // or it was not tested
+  EXPECT_GT(num_paired, 1000u);  // or it was not tested
 }
 
 TEST(PairHalfEdges, LeavesNoneOfAClosedMeshAlone) {
@@ -124,17 +106,14 @@ void ExpectRings(const TriangleMesh& mesh) {
     ++edges[facet[corner % 3]][facet[(corner + 2) % 3]];
   }
   for (size_t v = 0; v < num_vertices; ++v) {
-    const auto row = rings.corners[v];
-    EXPECT_EQ(std::vector<uint32_t>(row.begin(), row.end()), corners[v]);
+    EXPECT_TRUE(std::ranges::equal(rings.corners[v], corners[v]));
     std::vector<uint32_t> expected;
     bool is_border = false;
     for (const auto& [neighbor, num_facets] : edges[v]) {
       expected.push_back(neighbor);
       is_border |= num_facets == 1;
     }
-    const auto neighbors = rings.neighbors[v];
-    EXPECT_EQ(std::vector<uint32_t>(neighbors.begin(), neighbors.end()),
-              expected);
+    EXPECT_TRUE(std::ranges::equal(rings.neighbors[v], expected));
     EXPECT_EQ(rings.is_border[v] != 0, is_border);
   }
 }

@@ -1,13 +1,14 @@
 #include "mesh/clip_mesh.h"
 
-#include <cmath>
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "mesh/adjacency.h"
 #include "mesh/manifold_repair.h"
+#include "mesh/normals.h"
 #include "mesh/topology.h"
 #include "tests/mesh/shapes.h"
 
@@ -96,25 +97,20 @@ TEST(ClipMeshTest, FacetsLieInThoseThatTheyComeFrom) {
   EXPECT_EQ(cut.attributes.views.size(), cut.mesh.vertices.size());
   ASSERT_EQ(sources.size(), cut.mesh.facets.size());
   for (size_t i = 0; i < sources.size(); ++i) {
-    const auto& [a, b, c] = sphere.facets[sources[i]];
-    const Eigen::Vector3f normal =
-        (sphere.vertices[b] - sphere.vertices[a])
-            .cross(sphere.vertices[c] - sphere.vertices[a])
-            .normalized();
-    for (const uint32_t vertex : cut.mesh.facets[i]) {
-      EXPECT_NEAR(normal.dot(cut.mesh.vertices[vertex] - sphere.vertices[a]), 0,
-                  1e-5f);
+    const Eigen::Vector3f normal = FacetNormal(sphere, sources[i]);
+    const Eigen::Vector3f& corner =
+        sphere.vertices[sphere.facets[sources[i]][0]];
+    for (const Eigen::Vector3f& point :
+         CornersOf(cut.mesh, cut.mesh.facets[i])) {
+      EXPECT_NEAR(normal.dot(point - corner), 0, 1e-5f);
     }
   }
 }
 
 TEST(ClipMeshTest, LeavesAClippedMeshAsItIs) {
   const Region region = Turned({10.1, 0.2, 0.3}, {0.6, 0.7, 0.8});
-  TriangleMesh mesh = MakeBumpySphere(0.1f);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.x() += 10;
-  }
-  const TriangleMesh once = Clip(region, mesh).mesh;
+  const TriangleMesh once =
+      Clip(region, Shifted(MakeBumpySphere(0.1f), {10, 0, 0})).mesh;
   const Clipped twice = Clip(region, once);
   EXPECT_FALSE(twice.is_clipped);
   EXPECT_EQ(twice.mesh, once);
@@ -136,6 +132,86 @@ TEST(ClipMeshTest, KeepsFacetsInTheBorder) {
   EXPECT_FALSE(Clip(RegionBetween({-3, -3, -3}, {3, 3, 0}), square).is_clipped);
   EXPECT_TRUE(Clip(RegionBetween({-3, -3, 0.1}, {3, 3, 1}), square)
                   .mesh.facets.empty());
+}
+
+// Right triangles apart from each other, with a longest side of 5, 10, 15 ...,
+// the longest ones first.
+TriangleMesh MakeTriangles(uint32_t num_facets) {
+  TriangleMesh mesh;
+  for (uint32_t i = 0; i < num_facets; ++i) {
+    const auto scale = static_cast<float>(num_facets - i);
+    const auto z = static_cast<float>(i);
+    mesh.vertices.emplace_back(0.0f, 0.0f, z);
+    mesh.vertices.emplace_back(3 * scale, 0.0f, z);
+    mesh.vertices.emplace_back(0.0f, 4 * scale, z);
+    // The longest side is any of the three.
+    const Facet facet = {3 * i, 3 * i + 1, 3 * i + 2};
+    mesh.facets.push_back(
+        {facet[i % 3], facet[(i + 1) % 3], facet[(i + 2) % 3]});
+  }
+  return mesh;
+}
+
+TEST(DropLongFacets, DropsThoseAboveTheFactorTimesThePercentile) {
+  const TriangleMesh all = MakeTriangles(11);  // sides 55 ... 5
+  struct Case {
+    double factor;
+    double percentile;
+    size_t num_kept;
+  };
+  for (const auto& [factor, percentile, num_kept] :
+       {Case{1, 50, 6},      // 30 and less
+        Case{1.49, 50, 8},   // 44.7
+        Case{1.5, 50, 9},    // 45, itself kept
+        Case{1, 100, 11},    // 55
+        Case{1, 0, 1},       // 5
+        Case{0.99, 0, 0},    // less than any
+        Case{1, 54, 6},      // 5.4 is rounded to 5
+        Case{1, 56, 7},      // 5.6 to 6
+        Case{25, 95, 11},    // the default
+        Case{0, 50, 11}}) {  // off
+    SCOPED_TRACE(testing::Message() << factor << " " << percentile);
+    TriangleMesh mesh = all;
+    EXPECT_EQ(DropLongFacets(factor, percentile, &mesh), 11 - num_kept);
+    EXPECT_TRUE(std::ranges::equal(
+        mesh.facets, std::span(all.facets).last(num_kept)));  // the shortest
+  }
+  TriangleMesh nothing;
+  EXPECT_EQ(DropLongFacets(1, 50, &nothing), 0);
+}
+
+TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
+  const TriangleMesh all =
+      Union(MakeTetrahedron(),
+            Union(MakeTorus(), Union(MakeTetrahedron(), MakeCube())));
+  struct Case {
+    size_t min_facets;
+    DroppedComponents dropped;
+  };
+  for (const auto& [min_facets, expected] :
+       {Case{0, {0, 0}}, Case{1, {0, 0}}, Case{4, {0, 0}}, Case{5, {2, 8}},
+        Case{12, {2, 8}}, Case{13, {3, 20}}, Case{70, {3, 20}},
+        Case{71, {4, 90}}}) {
+    SCOPED_TRACE(min_facets);
+    TriangleMesh mesh = all;
+    const DroppedComponents dropped =
+        DropSmallComponents(min_facets, &mesh.facets);
+    EXPECT_EQ(dropped.num_components, expected.num_components);
+    EXPECT_EQ(dropped.num_facets, expected.num_facets);
+    EXPECT_EQ(mesh.facets.size() + dropped.num_facets, all.facets.size());
+  }
+  TriangleMesh mesh = all;
+  DropSmallComponents(20, &mesh.facets);
+  EXPECT_EQ(mesh.facets, std::vector<Facet>(all.facets.begin() + 4,
+                                            all.facets.begin() + 74));
+}
+
+TEST(DropSmallComponents, VerticesDoNotConnect) {
+  TriangleMesh mesh = Union(MakeCube(), MakeTetrahedron());
+  MergeVertices(8, 7, &mesh);
+  const DroppedComponents dropped = DropSmallComponents(5, &mesh.facets);
+  EXPECT_EQ(dropped.num_components, 1u);
+  EXPECT_EQ(mesh.facets.size(), 12u);
 }
 
 }  // namespace clip_mesh_test

@@ -7,7 +7,7 @@
 #include <Eigen/LU>
 
 #include "tests/look_at.h"
-#include "tests/random.h"
+#include "tests/mesh/known_meshes.h"
 
 namespace colmap_ext {
 namespace clip_to_image_test {
@@ -22,22 +22,16 @@ View MakeView() { return LookAt({0, 0, 0}, {1, 2, 3}, 64, 48, 50); }
 TriangleMesh RandomTriangle(Random* random) {
   TriangleMesh mesh{{}, {{0, 1, 2}}};
   for (int k = 0; k < 3; ++k) {
-    mesh.vertices.push_back(
-        (4 * Eigen::Vector3d(random->Unit(), random->Unit(), random->Unit()) -
-         Vector3d::Constant(2))
-            .cast<float>());
+    mesh.vertices.emplace_back(4 * RandomPoint(random).array() - 2);
   }
   return mesh;
 }
 
 bool IsMet(const View& view, const TriangleMesh& mesh, const Vector2d& pixel) {
-  const auto corner = [&](int k) {
-    return Vector3d(mesh.vertices[k].cast<double>());
-  };
+  const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[0]);
   Eigen::Matrix3d matrix;
-  matrix << corner(1) - corner(0), corner(2) - corner(0),
-      -(view.RayFromPixel() * pixel.homogeneous());
-  const Vector3d x = matrix.inverse() * (view.Center() - corner(0));
+  matrix << b - a, c - a, -(view.RayFromPixel() * pixel.homogeneous());
+  const Vector3d x = matrix.inverse() * (view.Center() - a);
   return x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0;
 }
 
@@ -85,15 +79,12 @@ TEST(ClipToImage, LeavesWhatRaysOfTheImageMeet) {
 
 // Also of one that is seen from its edge, or through the camera's centre.
 TEST(ClipToImage, LeavesNothingOfWhatLiesBehindOrAtTheCamera) {
-  View view;
-  view.width = 64;
-  view.height = 48;
-  view.cx = 32;
-  view.cy = 24;
-  for (const TriangleMesh& mesh :
-       {TriangleMesh{{{-1, -1, -1}, {1, -1, -1}, {0, 1, -2}}, {{0, 1, 2}}},
-        TriangleMesh{{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, {{0, 1, 2}}},
-        TriangleMesh{{{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}}}}) {
+  const View view{"", 64, 48, 1, 1, 32, 24};
+  for (const std::vector<Eigen::Vector3f>& corners :
+       {std::vector<Eigen::Vector3f>{{-1, -1, -1}, {1, -1, -1}, {0, 1, -2}},
+        {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}},
+        {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}}) {
+    const TriangleMesh mesh{corners, {{0, 1, 2}}};
     EXPECT_TRUE(
         ClipToImage(view, mesh, mesh.facets[0], ImageBox(view)).empty());
     EXPECT_EQ(AreaInImage(mesh, mesh.facets[0], view), 0);

@@ -1,7 +1,6 @@
 #include "tests/mesh/known_meshes.h"
 
 #include <set>
-#include <vector>
 
 namespace colmap_ext {
 
@@ -69,6 +68,12 @@ TriangleMesh MakeMoebiusStrip() {
   return mesh;
 }
 
+TriangleMesh MakeTipToTip() {
+  const TriangleMesh tip = MakeTetrahedron();
+  return Union(
+      tip, Moved(tip, [&](const auto& p) { return 2 * tip.vertices[0] - p; }));
+}
+
 TriangleMesh Union(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh both = a;
   const auto offset = static_cast<uint32_t>(a.vertices.size());
@@ -88,6 +93,14 @@ void MergeVertices(uint32_t from, uint32_t to, TriangleMesh* mesh) {
     }
   }
   mesh->vertices.erase(mesh->vertices.begin() + from);
+}
+
+Eigen::Vector3f RandomPoint(Random* random) {
+  Eigen::Vector3f point;
+  for (float& coordinate : point) {
+    coordinate = static_cast<float>(random->Unit());
+  }
+  return point;
 }
 
 TriangleMesh RandomSoup(uint32_t num_vertices, uint32_t num_facets,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -60,26 +61,25 @@ inline bool HasManifoldLinks(const TriangleMesh& mesh) {
       }
     }
   }
-  for (const Link& link : links) {
-    if (!link.IsOneCycleOrPath()) {
-      return false;
-    }
-  }
-  for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    if (!vertex.allFinite()) {
-      return false;
-    }
-  }
-  return true;
+  return std::ranges::all_of(links, &Link::IsOneCycleOrPath) &&
+         std::ranges::all_of(mesh.vertices,
+                             [](const auto& p) { return p.allFinite(); });
+}
+
+// That a mesh is manifold, by Analyze() and by its links.
+inline MeshReport ExpectManifoldMesh(const TriangleMesh& mesh) {
+  const MeshReport report = Analyze(mesh);
+  EXPECT_TRUE(report.IsManifold());
+  EXPECT_EQ(report.Defects(), "");
+  EXPECT_TRUE(HasManifoldLinks(mesh));
+  return report;
 }
 
 // That the result is manifold, and has the topology of the mesh.
 inline void ExpectSameTopology(const TriangleMesh& mesh,
                                const TriangleMesh& result) {
   const MeshReport before = Analyze(mesh);
-  const MeshReport after = Analyze(result);
-  EXPECT_TRUE(after.IsManifold()) << after.Defects();
-  EXPECT_TRUE(HasManifoldLinks(result));
+  const MeshReport after = ExpectManifoldMesh(result);
   EXPECT_EQ(after.euler, before.euler);
   EXPECT_EQ(after.genus, before.genus);
   EXPECT_EQ(after.num_components, before.num_components);

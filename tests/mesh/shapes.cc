@@ -6,7 +6,6 @@
 
 #include "mesh/adjacency.h"
 #include "mesh/manifold_repair.h"
-#include "tests/mesh/known_meshes.h"
 #include "tests/synthetic/isosurface.h"
 #include "tests/synthetic/noise.h"
 
@@ -75,12 +74,9 @@ TriangleMesh MakeRandomManifold(Random* random) {
 
 double Area(const TriangleMesh& mesh) {
   double area = 0;
-  for (const auto& [a, b, c] : mesh.facets) {
-    const Eigen::Vector3d u =
-        (mesh.vertices[b] - mesh.vertices[a]).cast<double>();
-    const Eigen::Vector3d v =
-        (mesh.vertices[c] - mesh.vertices[a]).cast<double>();
-    area += 0.5 * u.cross(v).norm();
+  for (const Facet& facet : mesh.facets) {
+    const auto [a, b, c] = CornersOf<double>(mesh, facet);
+    area += 0.5 * (b - a).cross(c - a).norm();
   }
   return area;
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "mesh/triangle_mesh.h"
-#include "tests/random.h"
+#include "tests/mesh/known_meshes.h"
 
 // Meshes with a shape, of irregular facets whose sides are a cell long or less.
 namespace colmap_ext {

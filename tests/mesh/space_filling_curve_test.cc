@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/shapes.h"
-#include "tests/random.h"
 
 namespace colmap_ext {
 namespace space_filling_curve_test {

@@ -7,8 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "mesh/normals.h"
-#include "mesh/topology.h"
-#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
@@ -19,9 +17,7 @@ namespace subdivision_test {
 using Eigen::Vector3d;
 
 Vector3d AreaOf(const TriangleMesh& mesh, const Facet& facet) {
-  const Vector3d a = mesh.vertices[facet[0]].cast<double>();
-  const Vector3d b = mesh.vertices[facet[1]].cast<double>();
-  const Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
   return (b - a).cross(c - a) / 2;
 }
 
@@ -38,8 +34,7 @@ void ExpectPartsOfFacets(const TriangleMesh& mesh,
                          const std::vector<uint8_t>& is_to_split,
                          const DerivedMesh& result) {
   ASSERT_EQ(result.from.facets.size(), result.mesh.facets.size());
-  EXPECT_TRUE(
-      std::is_sorted(result.from.facets.begin(), result.from.facets.end()));
+  EXPECT_TRUE(std::ranges::is_sorted(result.from.facets));
   std::vector<double> areas(mesh.facets.size(), 0);
   std::vector<int> num_parts(mesh.facets.size(), 0);
   for (size_t i = 0; i < result.from.facets.size(); ++i) {
@@ -106,26 +101,18 @@ TEST(Subdivide, KeepsTheTopologyOfRandomMeshes) {
   }
 }
 
-TEST(Subdivide, OfAllFacetsMakesFourOfEach) {
-  for (const TriangleMesh& mesh : Shapes()) {
-    const MeshReport before = Analyze(mesh);
-    const DerivedMesh result =
-        Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 1));
-    EXPECT_EQ(result.mesh.facets.size(), 4 * mesh.facets.size());
-    EXPECT_EQ(result.mesh.vertices.size(),
-              before.num_vertices + before.num_edges);
-    EXPECT_EQ(Analyze(result.mesh).num_border_edges,
-              2 * before.num_border_edges);
-  }
-}
-
-TEST(Subdivide, OfNoFacetChangesNothing) {
+TEST(Subdivide, OfAllFacetsMakesFourOfEachAndOfNoneChangesNothing) {
   std::vector<TriangleMesh> meshes = Shapes();
   meshes.emplace_back();
   for (const TriangleMesh& mesh : meshes) {
-    const DerivedMesh result =
-        Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 0));
-    EXPECT_EQ(result.mesh, mesh);
+    const MeshReport before = Analyze(mesh);
+    std::vector<uint8_t> flags(mesh.facets.size(), 1);
+    const MeshReport after = Analyze(Subdivide(mesh, flags).mesh);
+    EXPECT_EQ(after.num_facets, 4 * before.num_facets);
+    EXPECT_EQ(after.num_vertices, before.num_vertices + before.num_edges);
+    EXPECT_EQ(after.num_border_edges, 2 * before.num_border_edges);
+    flags.assign(mesh.facets.size(), 0);
+    EXPECT_EQ(Subdivide(mesh, flags).mesh, mesh);
   }
 }
 
@@ -154,9 +141,7 @@ TEST(Subdivide, TakesTheShorterDiagonal) {
   // (2, 0) to 2.
   EXPECT_EQ(result.from.vertices.size(), mesh.vertices.size() + 6);
   const auto middle = [&](uint32_t a, uint32_t b) {
-    const auto at =
-        std::find(result.from.vertices.begin(), result.from.vertices.end(),
-                  std::array<uint32_t, 2>{a, b});
+    const auto at = std::ranges::find(result.from.vertices, std::array{a, b});
     return static_cast<uint32_t>(at - result.from.vertices.begin());
   };
   const std::vector<Facet> parts(result.mesh.facets.begin(),
@@ -197,6 +182,67 @@ TEST(Subdivide, IsTheSameForAnyNumberOfThreads) {
   const std::vector<uint8_t> flags =
       RandomFlags(mesh.facets.size(), 0.3, &random);
   ExpectSameForAnyThreads([&] { return Subdivide(mesh, flags); });
+}
+
+DerivedMesh SubdivideAll(const TriangleMesh& mesh) {
+  return Subdivide(mesh, std::vector<uint8_t>(mesh.facets.size(), 1));
+}
+
+TEST(Provenance, OfTwoStepsIsThatOfTheFirstMesh) {
+  const TriangleMesh mesh = MakeBumpySphere(0.4f);
+  const DerivedMesh once = SubdivideAll(mesh);
+  EXPECT_EQ(Compose(IdentityOf(mesh), once.from), once.from);
+  const DerivedMesh twice = SubdivideAll(once.mesh);
+  const Provenance from = Compose(once.from, twice.from);
+  ASSERT_EQ(from.vertices.size(), twice.mesh.vertices.size());
+  ASSERT_EQ(from.facets.size(), 16 * mesh.facets.size());
+  for (size_t i = 0; i < from.facets.size(); ++i) {
+    EXPECT_EQ(from.facets[i], i / 16);
+    for (const uint32_t vertex : twice.mesh.facets[i]) {
+      for (const uint32_t source : from.vertices[vertex]) {
+        EXPECT_LT(source, mesh.vertices.size());
+      }
+    }
+  }
+}
+
+TEST(DropUnusedVertices, LeavesTheFacetsWhereTheyAre) {
+  const TriangleMesh all = Union(MakeCube(), MakeTetrahedron());
+  TriangleMesh mesh{all.vertices, MakeCube().facets};
+  mesh.facets.erase(mesh.facets.begin(), mesh.facets.begin() + 8);
+  const std::vector<Facet> before = mesh.facets;
+  const std::vector<uint32_t> used = DropUnusedVertices(&mesh);
+  ASSERT_EQ(used.size(), mesh.vertices.size());
+  EXPECT_LT(used.size(), all.vertices.size());
+  for (size_t i = 0; i < before.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(used[mesh.facets[i][k]], before[i][k]);
+      EXPECT_EQ(mesh.vertices[mesh.facets[i][k]], all.vertices[before[i][k]]);
+    }
+  }
+}
+
+TEST(Surface, HandsDownWhatItsVerticesHave) {
+  Surface surface{MakeDisc(), {}, MakeDisc().vertices};
+  for (uint32_t i = 0; i < surface.mesh.vertices.size(); ++i) {
+    surface.attributes.confidences.push_back(static_cast<float>(i % 2));
+    surface.attributes.views.AddRow(std::vector<uint32_t>{i % 3});
+    surface.fixed_sources.push_back(i % 2 == 0 ? 100 + i : kNone);
+  }
+  const Surface before = surface;
+  DerivedMesh derived = SubdivideAll(surface.mesh);
+  const Provenance from = derived.from;
+  surface.Become(std::move(derived));
+  EXPECT_EQ(surface.origins, surface.mesh.vertices);
+  for (size_t i = 0; i < from.vertices.size(); ++i) {
+    const auto& [a, b] = from.vertices[i];
+    EXPECT_EQ(surface.fixed_sources[i],
+              a == b ? before.fixed_sources[a] : kNone);
+    EXPECT_EQ(
+        surface.attributes.confidences[i],
+        (before.attributes.confidences[a] + before.attributes.confidences[b]) /
+            2);
+  }
 }
 
 }  // namespace subdivision_test

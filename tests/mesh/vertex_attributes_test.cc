@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/known_meshes.h"
-#include "tests/random.h"
 
 namespace colmap_ext {
 namespace vertex_attributes_test {
@@ -54,9 +53,7 @@ TEST(InterpolateAttributes, TakesMeanColorsAndTheViewsOfEither) {
       const auto views = attributes.views[source];
       expected.insert(views.begin(), views.end());
     }
-    const auto views = result.views[i];
-    EXPECT_EQ(std::vector<uint32_t>(views.begin(), views.end()),
-              std::vector<uint32_t>(expected.begin(), expected.end()));
+    EXPECT_TRUE(std::ranges::equal(result.views[i], expected));
   }
 }
 
@@ -73,23 +70,17 @@ TEST(InterpolateAttributes, LeavesOldVerticesAsTheyAre) {
   EXPECT_EQ(result.views.values, attributes.views.values);
 }
 
-TEST(InterpolateAttributes, TakesMeanConfidences) {
+TEST(InterpolateAttributes, TakesMeanConfidencesAndMayGoWithoutColors) {
   VertexAttributes attributes;
   attributes.views = Rows<uint32_t>(3);
-  EXPECT_TRUE(InterpolateAttributes(attributes, {{0, 1}}).confidences.empty());
+  const VertexAttributes result =
+      InterpolateAttributes(attributes, {{0, 1}, {2, 2}});
+  EXPECT_TRUE(result.colors.empty());
+  EXPECT_TRUE(result.confidences.empty());
+  EXPECT_EQ(result.views.size(), 2);
   attributes.confidences = {0.25f, 0.75f, 1.0f};
   EXPECT_EQ(InterpolateAttributes(attributes, {{0, 1}, {2, 2}}).confidences,
             (std::vector<float>{0.5f, 1.0f}));
-}
-
-TEST(InterpolateAttributes, MayGoWithoutColors) {
-  Random random(3);
-  VertexAttributes attributes = RandomAttributes(4, &random);
-  attributes.colors.clear();
-  const VertexAttributes result =
-      InterpolateAttributes(attributes, {{0, 1}, {3, 3}});
-  EXPECT_TRUE(result.colors.empty());
-  EXPECT_EQ(result.views.offsets.size(), 3);
 }
 
 // One a vertex of the cube, a little off, seen by views i and i + 1.
@@ -105,23 +96,16 @@ PointCloud PointsNearCube() {
   return points;
 }
 
-TEST(NearestAttributesTest, TakesTheColorOfTheNearestPoint) {
+TEST(NearestAttributesTest, TakesTheNearestColorAndTheViewsOfAFew) {
   const PointCloud points = PointsNearCube();
   const VertexAttributes attributes = NearestAttributes(MakeCube(), points);
   EXPECT_EQ(attributes.colors, points.colors);
-}
-
-TEST(NearestAttributesTest, TakesTheViewsOfAFew) {
-  TriangleMesh mesh = MakeCube();
-  PointCloud points = PointsNearCube();
-  const VertexAttributes attributes = NearestAttributes(mesh, points);
-  ASSERT_EQ(attributes.views.offsets.size(), 9);
+  ASSERT_EQ(attributes.views.size(), 8);
   for (uint32_t i = 0; i < 8; ++i) {
     const auto views = attributes.views[i];
-    EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
-    EXPECT_EQ(std::adjacent_find(views.begin(), views.end()), views.end());
-    EXPECT_TRUE(std::binary_search(views.begin(), views.end(), i));
-    EXPECT_TRUE(std::binary_search(views.begin(), views.end(), i + 1));
+    EXPECT_TRUE(std::ranges::is_sorted(views, std::less_equal()));
+    EXPECT_TRUE(std::ranges::binary_search(views, i));
+    EXPECT_TRUE(std::ranges::binary_search(views, i + 1));
     EXPECT_LE(views.size(), 8);
   }
 }
@@ -132,12 +116,10 @@ double Reach(const TriangleMesh& mesh, uint32_t vertex) {
   double sum = 0;
   double count = 0;
   for (const Facet& facet : mesh.facets) {
-    if (std::find(facet.begin(), facet.end(), vertex) == facet.end()) {
-      continue;
-    }
+    const bool is_at = std::ranges::count(facet, vertex) > 0;
     for (const uint32_t other : facet) {
-      sum += (mesh.vertices[other] - mesh.vertices[vertex]).norm();
-      count += other != vertex;
+      sum += is_at * (mesh.vertices[other] - mesh.vertices[vertex]).norm();
+      count += is_at && other != vertex;
     }
   }
   return count > 0 ? 3 * sum / count : 0;
@@ -176,23 +158,18 @@ TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {
       }
     }
     std::sort(expected.begin(), expected.end());
-    const auto views = attributes.views[vertex];
-    EXPECT_EQ(std::vector<uint32_t>(views.begin(), views.end()), expected);
+    EXPECT_TRUE(std::ranges::equal(attributes.views[vertex], expected));
   }
   EXPECT_GT(num_out_of_reach, 10);
   EXPECT_LT(num_out_of_reach, 4 * mesh.vertices.size() - 10);
 }
 
 TEST(NearestAttributesTest, LeavesWhatIsFarFromAllPointsWithoutViews) {
-  TriangleMesh mesh = MakeCube();
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.x() += 100;
-  }
   PointCloud points = PointsNearCube();
   points.colors.clear();
-  const VertexAttributes attributes = NearestAttributes(mesh, points);
-  EXPECT_TRUE(attributes.views.values.empty());
-  EXPECT_EQ(attributes.views.offsets.size(), 9);
+  const VertexAttributes attributes =
+      NearestAttributes(Shifted(MakeCube(), {100, 0, 0}), points);
+  EXPECT_EQ(attributes.views, Rows<uint32_t>(8));
   EXPECT_TRUE(attributes.colors.empty());
 }
 

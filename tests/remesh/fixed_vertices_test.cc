@@ -7,11 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "mesh/subdivision.h"
-#include "mesh/surface.h"
 #include "remesh/isotropic_remeshing.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
-#include "tests/random.h"
 
 namespace colmap_ext {
 namespace fixed_vertices_test {
@@ -87,11 +85,10 @@ TEST(FixedVertices, StayWhenASurfaceIsRemeshed) {
 
 TEST(FixedVertices, StayWhenAnglesImprove) {
   Random random(3);
-  TriangleMesh mesh = MakeBumpyCap(0.1F);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex.x() += static_cast<float>(0.06 * random.Unit() - 0.03);
-    vertex.y() += static_cast<float>(0.06 * random.Unit() - 0.03);
-  }
+  const TriangleMesh mesh =
+      Moved(MakeBumpyCap(0.1F), [&](const auto& point) -> Eigen::Vector3f {
+        return point.array() + 0.06F * RandomPoint(&random).array() - 0.03F;
+      });
   const FixedVertices fixed = Half(mesh);
   const RemeshedSurface improved = ImproveAngles(mesh, fixed);
   ExpectSameTopology(mesh, improved.mesh);

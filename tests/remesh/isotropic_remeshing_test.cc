@@ -6,14 +6,12 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "mesh/normals.h"
 #include "remesh/edge_length_field.h"
-#include "tests/mesh/known_meshes.h"
+#include "spatial/bvh.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
-#include "tests/remesh/mesh_measures.h"
 #include "tests/threads.h"
 
 namespace colmap_ext {
@@ -21,29 +19,17 @@ namespace isotropic_remeshing_test {
 
 // One facet whose corners differ in everything.
 struct OneFacet {
-  OneFacet() {
-    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    mesh.facets = {{0, 1, 2}};
-    attributes.colors = {{0, 0, 0}, {100, 0, 0}, {0, 200, 7}};
-    attributes.confidences = {0, 0.5F, 1};
-    for (const std::vector<uint32_t>& views :
-         {std::vector<uint32_t>{1, 4}, {2}, {1, 9}}) {
-      attributes.views.AddRow(views);
-    }
-  }
-
-  TriangleMesh mesh;
-  VertexAttributes attributes;
+  TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  VertexAttributes attributes{{{0, 0, 0}, {100, 0, 0}, {0, 200, 7}},
+                              Rows<uint32_t>({0, 2, 3, 5}, {1, 4, 2, 1, 9}),
+                              {0, 0.5F, 1}};
 };
 
 TEST(CarryAttributes, AtCornersAreTheirs) {
   const OneFacet one;
-  std::vector<SurfacePoint> corners;
-  for (int k = 0; k < 3; ++k) {
-    corners.push_back({0, Eigen::Vector3f::Unit(k)});
-  }
   const VertexAttributes carried =
-      CarryAttributes(one.mesh, one.attributes, corners);
+      CarryAttributes(one.mesh, one.attributes,
+                      {{0, {1, 0, 0}}, {0, {0, 1, 0}}, {0, {0, 0, 1}}});
   EXPECT_EQ(carried.colors, one.attributes.colors);
   EXPECT_EQ(carried.confidences, one.attributes.confidences);
   EXPECT_EQ(carried.views, one.attributes.views);
@@ -59,16 +45,9 @@ TEST(CarryAttributes, BetweenCornersAreOfThoseThatHaveAPart) {
       std::ranges::equal(carried.views[0], std::vector<uint32_t>{1, 2, 9}));
   EXPECT_TRUE(
       std::ranges::equal(carried.views[1], std::vector<uint32_t>{1, 2, 4}));
-}
-
-TEST(CarryAttributes, WithoutColorsAreWithout) {
-  OneFacet one;
-  one.attributes.colors.clear();
-  one.attributes.confidences.clear();
-  const VertexAttributes carried =
-      CarryAttributes(one.mesh, one.attributes, {{0, {1, 0, 0}}});
-  EXPECT_TRUE(carried.colors.empty());
-  EXPECT_TRUE(carried.confidences.empty());
+  const VertexAttributes without =
+      CarryAttributes(one.mesh, {{}, one.attributes.views}, {{0, {1, 0, 0}}});
+  EXPECT_TRUE(without.colors.empty() && without.confidences.empty());
 }
 
 TEST(RemeshEvenly, KeepsTheNumberOfFacetsAndCarriesAttributes) {
@@ -93,23 +72,49 @@ TEST(RemeshEvenly, KeepsTheNumberOfFacetsAndCarriesAttributes) {
   }
 }
 
-using Eigen::Vector3f;
-
-RemeshedSurface Remesh(const TriangleMesh& mesh, float length,
-                       float tolerance) {
-  return RemeshIsotropically(
-      mesh, std::vector<float>(mesh.vertices.size(), length),
-      std::vector<float>(mesh.vertices.size(), tolerance * length));
+// [F] degrees
+std::vector<double> SmallestAngles(const TriangleMesh& mesh) {
+  std::vector<double> angles;
+  for (const Facet& facet : mesh.facets) {
+    angles.push_back(std::min({AngleVector(mesh, facet, 0).norm(),
+                               AngleVector(mesh, facet, 1).norm(),
+                               AngleVector(mesh, facet, 2).norm()}) *
+                     180 / M_PI);
+  }
+  return angles;
 }
 
-// A sheet of needles: rows close together, columns far apart.
-TriangleMesh MakeNeedles() {
-  TriangleMesh mesh = MakeSheet(40, 4);
-  for (uint32_t i = 0; i < mesh.vertices.size(); ++i) {
-    mesh.vertices[i] = {static_cast<float>(i / 5) * 0.02F,
-                        static_cast<float>(i % 5) * 0.25F, 0};
+double Percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<size_t>(share * (values.size() - 1))];
+}
+
+// The largest distance of the corners, middles of edges and centres of one
+// mesh's facets from another.
+double Distance(const TriangleMesh& mesh, const TriangleMesh& other) {
+  const Bvh bvh(other);
+  double distance = 0;
+  for (const Facet& facet : mesh.facets) {
+    const auto [a, b, c] = CornersOf(mesh, facet);
+    for (const Eigen::Vector3f& point :
+         {a, Eigen::Vector3f((a + b) / 2), Eigen::Vector3f((a + b + c) / 3)}) {
+      distance = std::max(distance, bvh.Distance(point, 1e3));
+    }
   }
-  return mesh;
+  return distance;
+}
+
+std::vector<float> Everywhere(const TriangleMesh& mesh, float value) {
+  return std::vector<float>(mesh.vertices.size(), value);
+}
+
+// The topology stays in every case.
+RemeshedSurface Remesh(const TriangleMesh& mesh, float length,
+                       float tolerance) {
+  RemeshedSurface result = RemeshIsotropically(
+      mesh, Everywhere(mesh, length), Everywhere(mesh, tolerance * length));
+  ExpectSameTopology(mesh, result.mesh);
+  return result;
 }
 
 TEST(RemeshIsotropically, ShapesFacetsAndKeepsTheSurface) {
@@ -117,7 +122,6 @@ TEST(RemeshIsotropically, ShapesFacetsAndKeepsTheSurface) {
        {MakeBumpySphere(0.1F), MakeBumpyCap(0.1F), MakeRoundTorus(0.1F)}) {
     for (const float length : {0.05F, 0.1F, 0.16F}) {
       const RemeshedSurface result = Remesh(mesh, length, 0.1F);
-      ExpectSameTopology(mesh, result.mesh);
       const std::vector<double> angles = SmallestAngles(result.mesh);
       EXPECT_GT(Percentile(angles, 0.5), 42) << length;
       EXPECT_GT(Percentile(angles, 0.02), 20) << length;
@@ -150,7 +154,6 @@ TEST(RemeshIsotropically, CreasesSurvive) {
   const TriangleMesh cube = MakeFineCube(0.15F);
   const float length = 0.2F;
   const RemeshedSurface result = Remesh(cube, length, 0.1F);
-  ExpectSameTopology(cube, result.mesh);
   EXPECT_LT(Distance(result.mesh, cube), 0.1 * length + 1e-4);
   EXPECT_LT(Distance(cube, result.mesh), 0.2 * length);
   EXPECT_NEAR(Area(result.mesh), Area(cube), 0.02 * Area(cube));
@@ -160,16 +163,17 @@ TEST(RemeshIsotropically, BordersStay) {
   Random random(3);
   const TriangleMesh square = MakeJitteredSquare(20, &random);
   const RemeshedSurface result = Remesh(square, 0.08F, 0.1F);
-  ExpectSameTopology(square, result.mesh);
   EXPECT_NEAR(Area(result.mesh), 1, 1e-4);
   EXPECT_LT(Distance(square, result.mesh), 1e-4);
 }
 
 // What a mesh should not be: needles, and facets without an area.
 TEST(RemeshIsotropically, NeedlesAndCapsBecomeFacets) {
-  TriangleMesh needles = MakeNeedles();
+  // Rows close together, columns far apart.
+  const TriangleMesh needles = Moved(MakeSheet(40, 4), [](const auto& p) {
+    return Eigen::Vector3f(0.02F * p.y(), 0.25F * p.x(), 0);
+  });
   const RemeshedSurface result = Remesh(needles, 0.06F, 0.1F);
-  ExpectSameTopology(needles, result.mesh);
   EXPECT_GT(Percentile(SmallestAngles(result.mesh), 0.02), 20);
   EXPECT_NEAR(Area(result.mesh), Area(needles), 1e-4);
 
@@ -182,7 +186,6 @@ TEST(RemeshIsotropically, NeedlesAndCapsBecomeFacets) {
     }
   }
   const RemeshedSurface repaired = Remesh(caps, 0.07F, 0.1F);
-  ExpectSameTopology(caps, repaired.mesh);
   EXPECT_GT(Percentile(SmallestAngles(repaired.mesh), 0.05), 10);
 }
 
@@ -199,8 +202,8 @@ TEST(RemeshIsotropically, FollowsTheLengths) {
   ExpectSameTopology(square, result.mesh);
   std::vector<double> ratios;
   for (const auto& [a, b, c] : result.mesh.facets) {
-    const Vector3f& from = result.mesh.vertices[a];
-    const Vector3f& to = result.mesh.vertices[b];
+    const Eigen::Vector3f& from = result.mesh.vertices[a];
+    const Eigen::Vector3f& to = result.mesh.vertices[b];
     ratios.push_back((to - from).norm() / (0.02 + 0.05 * (from + to).x()));
   }
   EXPECT_NEAR(Percentile(ratios, 0.5), 1, 0.15);
@@ -211,8 +214,7 @@ TEST(RemeshIsotropically, FollowsTheLengths) {
 TEST(RemeshIsotropically, AnyManifoldMeshStaysOne) {
   Random random(6);
   for (int i = 0; i < 20; ++i) {
-    const TriangleMesh mesh = MakeRandomManifold(&random);
-    ExpectSameTopology(mesh, Remesh(mesh, 0.3F, 0.1F).mesh);
+    Remesh(MakeRandomManifold(&random), 0.3F, 0.1F);
   }
 }
 
@@ -225,10 +227,7 @@ constexpr float kLength = 0.1F;
 
 // Of well-shaped facets.
 TriangleMesh MakeEven(const TriangleMesh& mesh) {
-  return RemeshIsotropically(
-             mesh, std::vector<float>(mesh.vertices.size(), kLength),
-             std::vector<float>(mesh.vertices.size(), 0.1F * kLength))
-      .mesh;
+  return Remesh(mesh, kLength, 0.1F).mesh;
 }
 
 // Moves some vertices along an edge, nearly up to its other end: needles and
@@ -244,91 +243,135 @@ TriangleMesh MakeThinFacets(TriangleMesh mesh, Random* random) {
   return mesh;
 }
 
-std::vector<TriangleMesh> EvenMeshes() {
-  return {MakeEven(MakeBumpySphere(0.1F)), MakeEven(MakeBumpyCap(0.1F)),
-          MakeEven(MakeRoundTorus(0.1F))};
+std::vector<TriangleMesh> ThinMeshes() {
+  Random random(2);
+  return {MakeThinFacets(MakeEven(MakeBumpySphere(0.1F)), &random),
+          MakeThinFacets(MakeEven(MakeBumpyCap(0.1F)), &random),
+          MakeThinFacets(MakeEven(MakeRoundTorus(0.1F)), &random)};
 }
 
 double ShareBelow(double angle, const TriangleMesh& mesh) {
   const std::vector<double> angles = SmallestAngles(mesh);
-  return static_cast<double>(
-             std::count_if(angles.begin(), angles.end(),
-                           [&](double smallest) { return smallest < angle; })) /
-         static_cast<double>(angles.size());
-}
-
-TEST(ImproveAngles, ThinFacetsGoAndTheSurfaceStays) {
-  Random random(2);
-  for (const TriangleMesh& even : EvenMeshes()) {
-    const TriangleMesh thin = MakeThinFacets(even, &random);
-    ASSERT_GT(ShareBelow(10, thin), 0.01);
-    const RemeshedSurface improved = ImproveAngles(thin);
-    ExpectSameTopology(thin, improved.mesh);
-    EXPECT_LT(ShareBelow(10, improved.mesh), 0.1 * ShareBelow(10, thin));
-    EXPECT_LT(Distance(improved.mesh, thin), 0.25 * kLength);
-    EXPECT_LT(Distance(thin, improved.mesh), 0.25 * kLength);
-  }
+  const auto count = std::ranges::count_if(
+      angles, [&](double smallest) { return smallest < angle; });
+  return static_cast<double>(count) / static_cast<double>(angles.size());
 }
 
 // Facets that are well shaped keep their corners, unless a neighbor is not.
-TEST(ImproveAngles, LeavesTheRestAsItIs) {
-  Random random(3);
-  for (const TriangleMesh& even : EvenMeshes()) {
-    const TriangleMesh thin = MakeThinFacets(even, &random);
-    const RemeshedSurface improved = ImproveAngles(thin);
-    ASSERT_EQ(improved.facet_sources.size(), improved.mesh.facets.size());
+TEST(ImproveAngles, ThinFacetsGoAndTheRestStaysAsItIs) {
+  for (const TriangleMesh& thin : ThinMeshes()) {
+    ASSERT_GT(ShareBelow(10, thin), 0.01);
+    const auto [mesh, sources, fixed, facet_sources] = ImproveAngles(thin);
+    ExpectSameTopology(thin, mesh);
+    EXPECT_LT(ShareBelow(10, mesh), 0.1 * ShareBelow(10, thin));
+    EXPECT_LT(Distance(mesh, thin), 0.25 * kLength);
+    EXPECT_LT(Distance(thin, mesh), 0.25 * kLength);
+    ASSERT_EQ(facet_sources.size(), mesh.facets.size());
     size_t num_kept = 0;
-    for (size_t i = 0; i < improved.mesh.facets.size(); ++i) {
-      bool is_kept = true;
-      for (int k = 0; k < 3; ++k) {
-        is_kept = is_kept &&
-                  improved.mesh.vertices[improved.mesh.facets[i][k]] ==
-                      thin.vertices[thin.facets[improved.facet_sources[i]][k]];
-      }
-      num_kept += is_kept ? 1 : 0;
+    for (size_t i = 0; i < mesh.facets.size(); ++i) {
+      num_kept += CornersOf(mesh, mesh.facets[i]) ==
+                  CornersOf(thin, thin.facets[facet_sources[i]]);
     }
-    EXPECT_GT(num_kept, improved.mesh.facets.size() * 2 / 3);
+    EXPECT_GT(num_kept, mesh.facets.size() * 2 / 3);
+    ASSERT_EQ(sources.size(), mesh.vertices.size());
+    const std::vector<Eigen::Vector3f> positions =
+        ValuesAt(sources, thin, thin.vertices);
+    for (size_t i = 0; i < positions.size(); ++i) {
+      EXPECT_LT((positions[i] - mesh.vertices[i]).norm(), 1e-5F);
+    }
   }
 }
 
 TEST(ImproveAngles, AMeshWithoutThinFacetsIsLeftAlone) {
-  TriangleMesh mesh;
-  const int n = 10;
-  for (int i = 0; i <= n; ++i) {
-    for (int j = 0; j <= n; ++j) {
-      mesh.vertices.emplace_back(i + 0.5F * j, 0.866F * j, 0.1F * i * j);
-    }
-  }
-  for (uint32_t i = 0; i < n; ++i) {
-    for (uint32_t j = 0; j < n; ++j) {
-      const uint32_t at = i * (n + 1) + j;
-      mesh.facets.push_back({at, at + n + 1, at + 1});
-      mesh.facets.push_back({at + 1, at + n + 1, at + n + 2});
-    }
-  }
-  const RemeshedSurface improved = ImproveAngles(mesh);
-  EXPECT_EQ(improved.mesh, mesh);
-}
-
-TEST(ImproveAngles, SourcesAreWhereTheVerticesAre) {
-  Random random(4);
-  const TriangleMesh thin = MakeThinFacets(EvenMeshes()[1], &random);
-  const RemeshedSurface improved = ImproveAngles(thin);
-  ASSERT_EQ(improved.sources.size(), improved.mesh.vertices.size());
-  const std::vector<Eigen::Vector3f> positions =
-      ValuesAt(improved.sources, thin, thin.vertices);
-  for (size_t i = 0; i < positions.size(); ++i) {
-    EXPECT_LT((positions[i] - improved.mesh.vertices[i]).norm(), 1e-5F);
-  }
+  const TriangleMesh mesh = Moved(MakeSheet(10, 10), [](const auto& p) {
+    return Eigen::Vector3f(p.x() - 0.5F * p.y(), 0.866F * p.y(),
+                           0.1F * (10 - p.x()) * p.y());
+  });
+  EXPECT_EQ(ImproveAngles(mesh).mesh, mesh);
 }
 
 TEST(ImproveAngles, DoesNotDependOnTheNumberOfThreads) {
-  Random random(5);
-  const TriangleMesh thin = MakeThinFacets(EvenMeshes()[0], &random);
+  const TriangleMesh thin = ThinMeshes()[0];
   ExpectSameForAnyThreads([&] {
     const RemeshedSurface improved = ImproveAngles(thin);
     return std::pair(improved.mesh, improved.facet_sources);
   });
+}
+
+// On a sphere the facets' middles stray by the tolerance.
+TEST(LengthsForCurvature, KeepToTheToleranceOnASphere) {
+  const TriangleMesh sphere = MakeBumpySphere(0.04F, 0);
+  for (const float tolerance : {0.002F, 0.008F}) {
+    std::vector<float> lengths =
+        LengthsForCurvature(sphere, Everywhere(sphere, tolerance));
+    const float exact = std::sqrt(6 * tolerance - 3 * tolerance * tolerance);
+    for (const float length : lengths) {
+      EXPECT_NEAR(length / exact, 1, 0.25);
+    }
+    LimitGradation(sphere, kGradation, &lengths);
+    const TriangleMesh remeshed =
+        RemeshIsotropically(sphere, lengths, TolerancesOf(lengths)).mesh;
+    EXPECT_LT(remeshed.facets.size(), sphere.facets.size());
+    EXPECT_LT(Distance(remeshed, sphere), 1.8 * tolerance);
+    EXPECT_GT(Distance(remeshed, sphere), 0.8 * tolerance);
+  }
+}
+
+TEST(LengthsForCurvature, AreInfiniteWhereNothingBoundsThem) {
+  const TriangleMesh sheet = MakeSheet(5, 5);
+  EXPECT_EQ(LengthsForCurvature(sheet, Everywhere(sheet, 0.01F)),
+            Everywhere(sheet, INFINITY));
+  const TriangleMesh sphere = MakeBumpySphere(0.2F);
+  EXPECT_EQ(LengthsForCurvature(sphere, Everywhere(sphere, INFINITY)),
+            Everywhere(sphere, INFINITY));
+}
+
+TEST(LengthsForCurvature, GrowWithTheScene) {
+  const TriangleMesh mesh = MakeBumpySphere(0.1F);
+  const std::vector<float> lengths =
+      LengthsForCurvature(mesh, Everywhere(mesh, 0.01F));
+  const std::vector<float> larger =
+      LengthsForCurvature(Moved(mesh, [](const auto& p) { return 4 * p; }),
+                          Everywhere(mesh, 0.04F));
+  for (size_t i = 0; i < lengths.size(); ++i) {
+    EXPECT_NEAR(larger[i], 4 * lengths[i], 1e-4F * larger[i]);
+  }
+}
+
+TEST(LimitGradation, GrowsNoFasterThanAllowed) {
+  Random random(7);
+  const TriangleMesh mesh = MakeBumpySphere(0.1F);
+  std::vector<float> lengths(mesh.vertices.size());
+  for (float& length : lengths) {
+    length = static_cast<float>(random.Unit());
+  }
+  const std::vector<float> before = lengths;
+  LimitGradation(mesh, 0.3F, &lengths);
+  for (const Facet& facet : mesh.facets) {
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t a = facet[k];
+      const uint32_t b = facet[(k + 1) % 3];
+      EXPECT_LE(lengths[a],
+                lengths[b] +
+                    0.3F * (mesh.vertices[a] - mesh.vertices[b]).norm() +
+                    1e-5F);
+    }
+  }
+  for (size_t i = 0; i < lengths.size(); ++i) {
+    EXPECT_LE(lengths[i], before[i]);
+  }
+  // As large as that allows: a second time changes nothing.
+  std::vector<float> again = lengths;
+  LimitGradation(mesh, 0.3F, &again);
+  EXPECT_EQ(again, lengths);
+}
+
+TEST(MeanEdgeLengths, AreThoseOfARegularMesh) {
+  TriangleMesh mesh = MakeTetrahedron();
+  const float edge = (mesh.vertices[0] - mesh.vertices[1]).norm();
+  for (const float length : MeanEdgeLengths(mesh)) {
+    EXPECT_NEAR(length, edge, 0.5F * edge);
+  }
 }
 
 }  // namespace isotropic_remeshing_test

@@ -12,6 +12,8 @@
 #include <sanitizer/lsan_interface.h>
 #endif
 
+#include "tests/mesh/known_meshes.h"
+
 namespace {
 
 constexpr int64_t kEndless = std::numeric_limits<int64_t>::max();
@@ -42,19 +44,12 @@ namespace {
 
 // Facets between two hexagons, around a hole.
 TriangleMesh MakeRing() {
-  TriangleMesh mesh;
-  for (int i = 0; i < 12; ++i) {
-    const auto angle = static_cast<float>(i % 6 * std::numbers::pi / 3);
-    const auto radius = static_cast<float>(i / 6 + 1);
-    mesh.vertices.emplace_back(radius * std::cos(angle),
-                               radius * std::sin(angle), 0);
-  }
-  for (uint32_t i = 0; i < 6; ++i) {
-    const uint32_t next = (i + 1) % 6;
-    mesh.facets.push_back({i, i + 6, next + 6});
-    mesh.facets.push_back({i, next + 6, next});
-  }
-  return mesh;
+  return Moved(MakeSheet(1, 6, false, true), [](const Eigen::Vector3f& p) {
+    const float angle = p.x() * std::numbers::pi_v<float> / 3;
+    const float radius = p.y() + 1;
+    return Eigen::Vector3f(radius * std::cos(angle), radius * std::sin(angle),
+                           0);
+  });
 }
 
 // A loop that memory does not suffice for is not one that can not be closed,
@@ -66,7 +61,7 @@ TEST(FillLoop, ThrowsWhereTheMemoryDoesNotSuffice) {
 #endif
   const TriangleMesh mesh = MakeRing();
   const VertexRings rings = MakeVertexRings(mesh);
-  const BorderLoop loop = {5, 4, 3, 2, 1, 0};
+  const BorderLoop loop = {0, 1, 2, 3, 4, 5};
   for (const FillingKind kind :
        {FillingKind::kFair, FillingKind::kRefined, FillingKind::kFlat}) {
     allocations_left = kEndless;

@@ -3,42 +3,47 @@
 #include <algorithm>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"
 #include "mesh/topology.h"
 #include "spatial/self_intersections.h"
-#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
-#include "tests/random.h"
 #include "tests/threads.h"
 
 namespace colmap_ext {
 namespace trim_mesh_test {
 
 float Height(const TriangleMesh& mesh, const Facet& facet) {
-  return (mesh.vertices[facet[0]].z() + mesh.vertices[facet[1]].z() +
-          mesh.vertices[facet[2]].z()) /
-         3;
+  const auto [a, b, c] = CornersOf(mesh, facet);
+  return (a.z() + b.z() + c.z()) / 3;
 }
 
-// 1 below a height and 0 above it.
-std::vector<float> SureBelow(const TriangleMesh& mesh, float height) {
+// [F] 1 where is_sure(facet) holds, else 0.
+template <typename IsSure>
+std::vector<float> SureWhere(const TriangleMesh& mesh, const IsSure& is_sure) {
   std::vector<float> confidences;
   for (const Facet& facet : mesh.facets) {
-    confidences.push_back(Height(mesh, facet) < height ? 1.0f : 0.0f);
+    confidences.push_back(is_sure(facet) ? 1.0f : 0.0f);
   }
   return confidences;
 }
 
-std::vector<float> RandomConfidences(size_t count, double share_low,
+std::vector<float> SureBelow(const TriangleMesh& mesh, float height) {
+  return SureWhere(
+      mesh, [&](const Facet& facet) { return Height(mesh, facet) < height; });
+}
+
+// Whether a facet is near the upper end of the z axis.
+bool IsOnTop(const TriangleMesh& mesh, const Facet& facet, float radius) {
+  const Eigen::Vector3f& corner = mesh.vertices[facet[0]];
+  return corner.z() > 0 && corner.head<2>().norm() < radius;
+}
+
+std::vector<float> RandomConfidences(const TriangleMesh& mesh, double share_low,
                                      Random* random) {
-  std::vector<float> confidences;
-  for (size_t i = 0; i < count; ++i) {
-    confidences.push_back(random->Unit() < share_low ? 0.0f : 1.0f);
-  }
-  return confidences;
+  return SureWhere(mesh,
+                   [&](const Facet&) { return !random->Chance(share_low); });
 }
 
 std::vector<float> Of(const TrimmedMesh& trimmed,
@@ -50,12 +55,16 @@ std::vector<float> Of(const TrimmedMesh& trimmed,
   return left;
 }
 
-void ExpectSound(const TriangleMesh& mesh, const TrimmedMesh& trimmed) {
+// Trims a mesh and checks what holds for every mesh.
+TrimmedMesh Trim(const TriangleMesh& mesh,
+                 const std::vector<float>& confidences, int num_rings = 1,
+                 double min_confidence = 0.5) {
+  const TrimmedMesh trimmed =
+      TrimMesh(min_confidence, mesh, confidences, num_rings);
   EXPECT_EQ(Analyze(trimmed.mesh).Defects(), "");
-  ASSERT_EQ(trimmed.from.vertices.size(), trimmed.mesh.vertices.size());
-  ASSERT_EQ(trimmed.from.facets.size(), trimmed.mesh.facets.size());
-  EXPECT_TRUE(
-      std::is_sorted(trimmed.from.facets.begin(), trimmed.from.facets.end()));
+  EXPECT_EQ(trimmed.from.vertices.size(), trimmed.mesh.vertices.size());
+  EXPECT_EQ(trimmed.from.facets.size(), trimmed.mesh.facets.size());
+  EXPECT_TRUE(std::ranges::is_sorted(trimmed.from.facets));
   for (size_t i = 0; i < trimmed.mesh.facets.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const auto& [a, b] = trimmed.from.vertices[trimmed.mesh.facets[i][k]];
@@ -66,22 +75,21 @@ void ExpectSound(const TriangleMesh& mesh, const TrimmedMesh& trimmed) {
   const TrimReport& report = trimmed.report;
   EXPECT_EQ(mesh.facets.size() - trimmed.mesh.facets.size(),
             report.num_facets + report.num_leftover_facets);
+  return trimmed;
 }
 
 TEST(TrimMesh, LeavesWhatIsConfidentAsItIs) {
   const TriangleMesh mesh = MakeBumpySphere(0.2f);
   const std::vector<float> confidences(mesh.facets.size(), 0.3f);
   for (const double min_confidence : {0.0, 0.2, 0.3}) {
-    const TrimmedMesh trimmed = TrimMesh(min_confidence, mesh, confidences);
+    const TrimmedMesh trimmed = Trim(mesh, confidences, 1, min_confidence);
     EXPECT_EQ(trimmed.mesh, mesh);
-    ExpectSound(mesh, trimmed);
   }
 }
 
 TEST(TrimMesh, DropsAMembrane) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f);
-  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, SureBelow(mesh, 0.5f));
-  ExpectSound(mesh, trimmed);
+  const TrimmedMesh trimmed = Trim(mesh, SureBelow(mesh, 0.5f));
   EXPECT_EQ(trimmed.report.num_regions, 1);
   EXPECT_EQ(trimmed.report.num_kept_facets, 0);
   EXPECT_EQ(Analyze(trimmed.mesh).num_border_loops, 1);
@@ -92,8 +100,7 @@ TEST(TrimMesh, DropsAMembrane) {
 
 TEST(TrimMesh, MovesNothingButTheBorderThatItOpens) {
   const TriangleMesh mesh = MakeBumpyCap(0.1f);
-  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, SureBelow(mesh, 0.6f));
-  ExpectSound(mesh, trimmed);
+  const TrimmedMesh trimmed = Trim(mesh, SureBelow(mesh, 0.6f));
   EXPECT_EQ(Analyze(trimmed.mesh).num_border_loops, 2);
   size_t num_moved = 0;
   for (size_t i = 0; i < trimmed.mesh.vertices.size(); ++i) {
@@ -112,7 +119,7 @@ TEST(TrimMesh, KeepsSpecksWithinGoodSurface) {
   for (size_t i = 0; i < confidences.size(); i += 97) {
     confidences[i] = 0;
   }
-  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
+  const TrimmedMesh trimmed = Trim(mesh, confidences);
   EXPECT_EQ(trimmed.mesh.facets, mesh.facets);
   EXPECT_EQ(trimmed.report.num_kept_facets, (confidences.size() + 96) / 97);
 }
@@ -121,17 +128,12 @@ TEST(TrimMesh, KeepsSpecksWithinGoodSurface) {
 TEST(TrimMesh, KeepsWhatIsSmallerThanItsRings) {
   const TriangleMesh mesh = MakeBumpySphere(0.05f);
   for (const float radius : {0.15f, 0.3f}) {
-    std::vector<float> confidences(mesh.facets.size(), 1);
-    for (size_t i = 0; i < confidences.size(); ++i) {
-      const Eigen::Vector3f& corner = mesh.vertices[mesh.facets[i][0]];
-      if (corner.z() > 0 && corner.head<2>().norm() < radius) {
-        confidences[i] = 0;
-      }
-    }
+    const std::vector<float> confidences = SureWhere(
+        mesh,
+        [&](const Facet& facet) { return !IsOnTop(mesh, facet, radius); });
     size_t num_facets = 0;
     for (const int num_rings : {1, 2, 4, 16}) {
-      const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences, num_rings);
-      ExpectSound(mesh, trimmed);
+      const TrimmedMesh trimmed = Trim(mesh, confidences, num_rings);
       EXPECT_GE(trimmed.mesh.facets.size(), num_facets);
       num_facets = trimmed.mesh.facets.size();
       if (num_rings == 1) {
@@ -144,15 +146,10 @@ TEST(TrimMesh, KeepsWhatIsSmallerThanItsRings) {
 
 TEST(TrimMesh, DropsIslandsWithinAMembrane) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f);
-  std::vector<float> confidences = SureBelow(mesh, 0);
-  for (size_t i = 0; i < confidences.size(); ++i) {
-    const Eigen::Vector3f& corner = mesh.vertices[mesh.facets[i][0]];
-    if (corner.z() > 0 && corner.head<2>().norm() < 0.15f) {
-      confidences[i] = 1;
-    }
-  }
-  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
-  ExpectSound(mesh, trimmed);
+  const TrimmedMesh trimmed =
+      Trim(mesh, SureWhere(mesh, [&](const Facet& facet) {
+             return Height(mesh, facet) < 0 || IsOnTop(mesh, facet, 0.15f);
+           }));
   EXPECT_GT(trimmed.report.num_leftovers, 0);
   for (const Facet& facet : trimmed.mesh.facets) {
     EXPECT_LT(Height(trimmed.mesh, facet), 0.1);
@@ -161,21 +158,18 @@ TEST(TrimMesh, DropsIslandsWithinAMembrane) {
 
 TEST(TrimMesh, KeepsPiecesThatAreMoreThanBorder) {
   const TriangleMesh mesh = MakeBumpySphere(0.05f);
-  std::vector<float> confidences = SureBelow(mesh, 0);
-  for (size_t i = 0; i < confidences.size(); ++i) {
-    if (Height(mesh, mesh.facets[i]) > 0.5f) {
-      confidences[i] = 1;
-    }
-  }
-  const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
-  ExpectSound(mesh, trimmed);
+  const TrimmedMesh trimmed =
+      Trim(mesh, SureWhere(mesh, [&](const Facet& facet) {
+             const float height = Height(mesh, facet);
+             return height < 0 || height > 0.5f;
+           }));
   EXPECT_EQ(Analyze(trimmed.mesh).num_components, 2);
 }
 
 TEST(TrimMesh, DropsEverythingWhereNothingIsConfident) {
   for (const TriangleMesh& mesh : {MakeBumpyCap(0.2f), MakeBumpySphere(0.2f)}) {
     const TrimmedMesh trimmed =
-        TrimMesh(0.5, mesh, std::vector<float>(mesh.facets.size(), 0));
+        Trim(mesh, std::vector<float>(mesh.facets.size(), 0));
     EXPECT_TRUE(trimmed.mesh.facets.empty());
     EXPECT_TRUE(trimmed.mesh.vertices.empty());
   }
@@ -187,9 +181,8 @@ TEST(TrimMesh, IsIdempotentAndManifoldWhateverItGets) {
     const TriangleMesh mesh =
         trial % 3 == 0 ? MakeBumpySphere(0.15f) : MakeRandomManifold(&random);
     const std::vector<float> confidences =
-        RandomConfidences(mesh.facets.size(), 0.7 * random.Unit(), &random);
-    const TrimmedMesh trimmed = TrimMesh(0.5, mesh, confidences);
-    ExpectSound(mesh, trimmed);
+        RandomConfidences(mesh, 0.7 * random.Unit(), &random);
+    const TrimmedMesh trimmed = Trim(mesh, confidences);
     const TrimmedMesh again =
         TrimMesh(0.5, trimmed.mesh, Of(trimmed, confidences));
     EXPECT_EQ(again.mesh, trimmed.mesh);
@@ -199,10 +192,8 @@ TEST(TrimMesh, IsIdempotentAndManifoldWhateverItGets) {
 TEST(TrimMesh, IsTheSameAtAnyNumberOfThreads) {
   Random random(2);
   const TriangleMesh mesh = MakeBumpySphere(0.05f);
-  const std::vector<float> confidences =
-      RandomConfidences(mesh.facets.size(), 0.45, &random);
-  ExpectSameForAnyThreads(
-      [&] { return TrimMesh(0.5, mesh, confidences).mesh; });
+  const std::vector<float> confidences = RandomConfidences(mesh, 0.45, &random);
+  ExpectSameForAnyThreads([&] { return Trim(mesh, confidences).mesh; });
 }
 
 double BorderLength(const TriangleMesh& mesh) {
@@ -229,19 +220,15 @@ std::vector<uint8_t> BorderHalfEdges(const TriangleMesh& mesh) {
 TEST(SmoothBorders, EvensOutZigzagsAndTurnsNoFacetOver) {
   Random random(3);
   for (int trial = 0; trial < 10; ++trial) {
-    const TriangleMesh sphere = MakeBumpySphere(0.1f);
-    TriangleMesh mesh{sphere.vertices, {}};
-    for (const Facet& facet : sphere.facets) {
-      if (Height(sphere, facet) < 0.5 + 0.05 * random.Unit()) {
-        mesh.facets.push_back(facet);
-      }
-    }
-    TriangleMesh smooth = TrimMesh(0.5, mesh, SureBelow(mesh, 0.4f)).mesh;
-    for (Eigen::Vector3f& vertex : smooth.vertices) {
-      vertex += 0.01f * Eigen::Vector3f(static_cast<float>(random.Unit()),
-                                        static_cast<float>(random.Unit()), 0);
-    }
-    const TriangleMesh before = smooth;
+    TriangleMesh mesh = MakeBumpySphere(0.1f);
+    std::erase_if(mesh.facets, [&](const Facet& facet) {
+      return Height(mesh, facet) >= 0.5 + 0.05 * random.Unit();
+    });
+    const TriangleMesh before = Moved(Trim(mesh, SureBelow(mesh, 0.4f)).mesh,
+                                      [&](const auto& p) -> Eigen::Vector3f {
+                                        return p + 0.01f * RandomPoint(&random);
+                                      });
+    TriangleMesh smooth = before;
     SmoothBorders(BorderHalfEdges(smooth), &smooth);
     EXPECT_LT(BorderLength(smooth), BorderLength(before));
     EXPECT_LE(FindSelfIntersections(smooth).size(),

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
+#include "mesh/normals.h"
+#include "spatial/surface_point.h"
+#include "tests/mesh/shapes.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext {
@@ -40,13 +44,22 @@ TriangleMesh Soup(uint32_t num_facets) {
 // it is missed.
 double Distance(const TriangleMesh& mesh, const Facet& facet,
                 const Vector3f& origin, const Vector3f& direction) {
-  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
   Eigen::Matrix3d matrix;
-  matrix.col(0) = -direction.cast<double>();
-  matrix.col(1) = mesh.vertices[facet[1]].cast<double>() - a;
-  matrix.col(2) = mesh.vertices[facet[2]].cast<double>() - a;
-  const Eigen::Vector3d x = matrix.inverse() * (origin.cast<double>() - a);
+  matrix << -direction.cast<double>(), b - a, c - a;
+  const Vector3d x = matrix.inverse() * (origin.cast<double>() - a);
   return x[1] >= 0 && x[2] >= 0 && x[1] + x[2] <= 1 ? x[0] : -1;
+}
+
+// \param direction  of ray 0 ... 3
+template <typename Direction>
+RayPacket Rays(const Vector3f& origin, const Direction& direction) {
+  RayPacket rays;
+  rays.origin = origin;
+  for (int i = 0; i < 4; ++i) {
+    rays.SetDirection(i, direction(i));
+  }
+  return rays;
 }
 
 TEST(Bvh, FindsTheNearestFacetAsASearchThroughAllDoes) {
@@ -54,11 +67,9 @@ TEST(Bvh, FindsTheNearestFacetAsASearchThroughAllDoes) {
   const Bvh bvh(mesh);
   int num_hits = 0;
   for (int packet = 0; packet < 500; ++packet) {
-    RayPacket rays;
-    rays.origin = 1.5f * RandomVector(packet, 10);
-    for (int i = 0; i < 4; ++i) {
-      rays.SetDirection(i, RandomVector(packet, 11 + i));
-    }
+    const RayPacket rays = Rays(1.5f * RandomVector(packet, 10), [&](int i) {
+      return RandomVector(packet, 11 + i);
+    });
     const HitPacket hits = bvh.Intersect(rays);
     for (int i = 0; i < 4; ++i) {
       double nearest = 1e30;
@@ -95,15 +106,12 @@ TEST(Bvh, MissesNoFacetWhoseBoxHasAPlaneInWhichTheRayLies) {
   }
   int num_hits = 0;
   for (int packet = 0; packet < 2000; ++packet) {
-    RayPacket rays;
-    rays.origin = lattice(packet, 40);
-    for (int i = 0; i < 4; ++i) {
+    const RayPacket rays = Rays(lattice(packet, 40), [&](int i) {
       // Some of the zeros are negative.
-      Vector3f direction = 1.2f * RandomVector(packet, 41 + i);
-      direction = direction.array().round();
-      rays.SetDirection(i,
-                        direction.isZero() ? Vector3f(0, -0.f, 1) : direction);
-    }
+      const Vector3f direction =
+          (1.2f * RandomVector(packet, 41 + i)).array().round();
+      return direction.isZero() ? Vector3f(0, -0.f, 1) : direction;
+    });
     const HitPacket hits =
         Bvh({mesh.vertices, {mesh.facets[packet % 60]}}).Intersect(rays);
     const HitPacket hits_of_all = Bvh(mesh).Intersect(rays);
@@ -124,11 +132,9 @@ TEST(Bvh, MissesNoFacetWhoseBoxHasAPlaneInWhichTheRayLies) {
 
 TEST(Bvh, SeesNothingInAnEmptyMesh) {
   const Bvh bvh{TriangleMesh()};
-  RayPacket rays;
+  EXPECT_EQ(bvh.Distance({0, 0, 0}, 0.1), 0.1);
+  RayPacket rays = Rays({0, 0, 0}, [](int i) { return RandomVector(0, i); });
   rays.max_distance = 7;
-  for (int i = 0; i < 4; ++i) {
-    rays.SetDirection(i, RandomVector(0, i));
-  }
   const HitPacket hits = bvh.Intersect(rays);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(hits.facet[i], -1);
@@ -137,16 +143,10 @@ TEST(Bvh, SeesNothingInAnEmptyMesh) {
 }
 
 TEST(Bvh, SeesNothingBeyondTheDistances) {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, -1, -1}, {0, 1, -1}, {0, 0, 1}};
-  mesh.facets = {{0, 1, 2}};
-  const Bvh bvh(mesh);
+  const Bvh bvh({{{0, -1, -1}, {0, 1, -1}, {0, 0, 1}}, {{0, 1, 2}}});
   const auto is_hit = [&](float x, float direction, float min, float max) {
-    RayPacket rays;
-    rays.origin = {x, 0, 0};
-    for (int i = 0; i < 4; ++i) {
-      rays.SetDirection(i, {direction, 0, 0});
-    }
+    RayPacket rays =
+        Rays({x, 0, 0}, [&](int) { return Vector3f(direction, 0, 0); });
     rays.min_distance = min;
     rays.max_distance = max;
     return bvh.Intersect(rays).facet[0] == 0;
@@ -169,9 +169,7 @@ Vector3d NearestOnSegment(const Vector3d& p, const Vector3d& a,
 // coordinates where their solution lies in the facet.
 double Distance(const Vector3d& p, const TriangleMesh& mesh,
                 const Facet& facet) {
-  const Vector3d a = mesh.vertices[facet[0]].cast<double>();
-  const Vector3d b = mesh.vertices[facet[1]].cast<double>();
-  const Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
   double nearest = std::min({(p - NearestOnSegment(p, a, b)).norm(),
                              (p - NearestOnSegment(p, b, c)).norm(),
                              (p - NearestOnSegment(p, c, a)).norm()});
@@ -236,15 +234,7 @@ TEST(BvhDistance, IsThatOfASearchThroughAll) {
 }
 
 TEST(BvhDistance, ToAPlaneIsExact) {
-  TriangleMesh mesh;
-  for (uint32_t i = 0; i < 100; ++i) {
-    mesh.vertices.emplace_back(i / 10, i % 10, 0);
-    if (i < 90 && i % 10 < 9) {
-      mesh.facets.push_back({i, i + 10, i + 1});
-      mesh.facets.push_back({i + 1, i + 10, i + 11});
-    }
-  }
-  const Bvh bvh(mesh);
+  const Bvh bvh(MakeSheet(9, 9));
   for (int i = 0; i < 200; ++i) {
     Vector3f point = Vector3f::Constant(4.5f) + 4.5f * RandomVector(i, 21);
     for (const float distance : {0.0f, 0.1f, -3e-5f}) {
@@ -255,10 +245,75 @@ TEST(BvhDistance, ToAPlaneIsExact) {
 }
 
 TEST(BvhDistance, IsTheMaximumWhereThereIsNothingNearer) {
-  EXPECT_EQ(Bvh(TriangleMesh()).Distance({0, 0, 0}, 0.1), 0.1);
   const TriangleMesh point = {{{1, 0, 0}}, {{0, 0, 0}}};
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 0.1), 0.1);
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 2), 1);
+}
+
+Vector3f PointAround(Random* random) {
+  return 3 * RandomPoint(random).array() - 1.5F;
+}
+
+double DistanceTo(const TriangleMesh& mesh, uint32_t facet,
+                  const Vector3f& point) {
+  const SurfacePoint nearest = NearestPointOfFacet(mesh, facet, point);
+  return (ValueAt(nearest, mesh, mesh.vertices) - point).norm();
+}
+
+// No point of the facet, on a grid over it, is nearer.
+TEST(NearestPointOfFacet, IsTheNearestOfMany) {
+  Random random(1);
+  const TriangleMesh mesh = MakeBumpySphere(0.5F);
+  for (int i = 0; i < 300; ++i) {
+    const auto facet = random.Below(static_cast<uint32_t>(mesh.facets.size()));
+    const Vector3f point = PointAround(&random);
+    const SurfacePoint nearest = NearestPointOfFacet(mesh, facet, point);
+    EXPECT_EQ(nearest.facet, facet);
+    EXPECT_NEAR(nearest.weights.sum(), 1, 1e-6);
+    EXPECT_GE(nearest.weights.minCoeff(), 0);
+    const double distance = DistanceTo(mesh, facet, point);
+    constexpr int kSteps = 20;
+    for (int a = 0; a <= kSteps; ++a) {
+      for (int b = 0; a + b <= kSteps; ++b) {
+        const SurfacePoint other{
+            facet, Vector3f(static_cast<float>(a), static_cast<float>(b),
+                            static_cast<float>(kSteps - a - b)) /
+                       kSteps};
+        EXPECT_LE(distance,
+                  (ValueAt(other, mesh, mesh.vertices) - point).norm() + 1e-6);
+      }
+    }
+  }
+}
+
+TEST(NearestPointOfFacet, OfAFacetWithoutAreaIsOnItsSegment) {
+  const TriangleMesh mesh = {{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}};
+  EXPECT_NEAR(DistanceTo(mesh, 0, {0.5F, 3, 0}), 3, 1e-6);
+  EXPECT_NEAR(DistanceTo(mesh, 0, {3, 0, 0}), 1, 1e-6);
+}
+
+// Among the facets that face the way of the normal, as a search through all.
+TEST(NearestFacet, IsThatOfASearchThroughAll) {
+  Random random(2);
+  const TriangleMesh mesh = MakeRoundTorus(0.2F);
+  const Bvh bvh(mesh);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3f point = PointAround(&random);
+    const Vector3f normal = PointAround(&random);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
+      if (AreaVector(mesh, mesh.facets[facet]).dot(normal) > 0) {
+        nearest = std::min(nearest, DistanceTo(mesh, facet, point));
+      }
+    }
+    const uint32_t found = bvh.NearestFacet(point, normal, 1e3);
+    ASSERT_NE(found, kNone);
+    EXPECT_GT(AreaVector(mesh, mesh.facets[found]).dot(normal), 0);
+    EXPECT_NEAR(DistanceTo(mesh, found, point), nearest, 1e-5);
+    EXPECT_EQ(bvh.NearestFacet(point, normal, 0.9 * nearest), kNone);
+    EXPECT_TRUE(bvh.IsNear(point, normal, 1.1 * nearest));
+    EXPECT_FALSE(bvh.IsNear(point, normal, 0.9 * nearest));
+  }
 }
 
 }  // namespace bvh_test

@@ -1,13 +1,39 @@
-#include "remesh/remeshing_steps.h"
+#include "remesh/anchored_mesh.h"
 
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
+
+#include <tbb/parallel_for.h>
 
 #include "remesh/speculation.h"
 
 namespace colmap_ext {
 namespace {
+
+// \param edges  half-edges; those that are short enough by then stay
+void Split(float max_ratio, const std::vector<uint32_t>& edges,
+           AnchoredMesh* mesh) {
+  const auto ends_of = [mesh](uint32_t half) {
+    return std::pair(mesh->edit.From(half), mesh->edit.To(half));
+  };
+  // Found in parallel from the ends, which do not move.
+  std::vector<std::pair<uint32_t, uint32_t>> ends(edges.size());
+  std::vector<Anchor> anchors(edges.size());
+  tbb::parallel_for(size_t{0}, edges.size(), [&](size_t i) {
+    ends[i] = ends_of(edges[i]);
+    anchors[i] = mesh->AnchorOfMiddle(edges[i]);
+  });
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const uint32_t half = edges[i];
+    if (mesh->RelativeLength(half) > max_ratio) {  // else it was split before
+      mesh->anchors.push_back(
+          ends[i] == ends_of(half) ? anchors[i] : mesh->AnchorOfMiddle(half));
+      mesh->edit.Split(half);
+    }
+  }
+}
 
 using Eigen::Vector3f;
 
@@ -23,38 +49,27 @@ struct CollapsePlan {
   Place place;
 };
 
-float DistanceToSegment(const Vector3f& p, const Vector3f& a,
-                        const Vector3f& b) {
-  const float length_squared = (b - a).squaredNorm();
-  const float t =
-      length_squared > 0
-          ? std::clamp((p - a).dot(b - a) / length_squared, 0.0F, 1.0F)
-          : 0;
-  return (a + t * (b - a) - p).norm();
-}
-
 class Collapser {
  public:
-  Collapser(const ReferenceSurface& reference, float max_ratio,
-            AnchoredMesh* mesh)
-      : reference_(reference),
-        max_ratio_(max_ratio),
+  Collapser(float max_ratio, AnchoredMesh* mesh)
+      : max_ratio_(max_ratio),
         mesh_(mesh),
         changed_(mesh->edit.NumVertices()) {}
 
   // Collapses one edge after the other, where that may be done.
-  // \param choose  size_t -> std::optional<uint32_t>, the half-edge
-  // \param corners  size_t -> what choose() looks at, see ApplyInOrder()
+  // \param edge_of  size_t -> uint32_t, a half-edge
+  // \param is_chosen  size_t -> bool, by the facets at the edge
   // \return how many
-  template <typename Choose, typename Corners>
-  size_t Collapse(size_t count, const Choose& choose, const Corners& corners) {
-    const auto propose = [&](size_t i) -> std::optional<CollapsePlan> {
-      const std::optional<uint32_t> half = choose(i);
-      return half ? Plan(*half) : std::nullopt;
-    };
+  template <typename EdgeOf, typename IsChosen>
+  size_t Collapse(size_t count, const EdgeOf& edge_of,
+                  const IsChosen& is_chosen) {
     return ApplyInOrder(
-        count, propose, corners, [&](const CollapsePlan& plan) { Apply(plan); },
-        &changed_);
+        count,
+        [&](size_t i) {
+          return is_chosen(i) ? Plan(edge_of(i)) : std::nullopt;
+        },
+        [&](size_t i) { return mesh_->CornersAround(edge_of(i)); },
+        [&](const CollapsePlan& plan) { Apply(plan); }, &changed_);
   }
 
  private:
@@ -110,18 +125,13 @@ class Collapser {
 
   // The point of the reference next to the edge's middle.
   std::optional<Place> MiddlePlace(uint32_t half) const {
-    const uint32_t from = mesh_->edit.From(half);
-    const uint32_t to = mesh_->edit.To(half);
-    const Anchor& anchor = mesh_->anchors[from];
-    const Vector3f middle =
-        (mesh_->edit.Position(from) + mesh_->edit.Position(to)) / 2;
     // Most are refused here, before anything is looked up.
-    if (!KeepsShape(half, {middle, anchor})) {
+    if (!KeepsShape(half, {mesh_->Middle(half),
+                           mesh_->anchors[mesh_->edit.From(half)]})) {
       return std::nullopt;
     }
-    const Anchor nearest = reference_.Nearest(
-        middle, anchor.normal + mesh_->anchors[to].normal, anchor.source.facet);
-    return Place{reference_.Position(nearest), nearest};
+    const Anchor nearest = mesh_->AnchorOfMiddle(half);
+    return Place{mesh_->reference.Position(nearest), nearest};
   }
 
   bool MayCollapse(uint32_t half, const Place& place) const {
@@ -155,8 +165,10 @@ class Collapser {
     if (other == neighbor) {
       other = edit.Apex(last);
     }
-    return DistanceToSegment(edit.Position(vertex), edit.Position(other),
-                             edit.Position(neighbor)) <
+    const Vector3f& p = edit.Position(vertex);
+    const Vector3f& a = edit.Position(other);
+    const Vector3f& b = edit.Position(neighbor);
+    return (a + NearestOnSegment(a, b, p) * (b - a) - p).norm() <
            mesh_->anchors[vertex].tolerance;
   }
 
@@ -189,7 +201,7 @@ class Collapser {
           return false;
         }
       }
-      std::array<AnchoredCorner, 3> after = facet;
+      AnchoredFacet after = facet;
       after[0] = {place.position, &place.anchor};
       return KeepsFacing(facet, after, kMinCosine);
     });
@@ -197,76 +209,68 @@ class Collapser {
 
   bool FollowsReference(uint32_t half, const Place& place) const {
     return AllChangedFacets(half, [&](uint32_t outgoing) {
-      std::array<AnchoredCorner, 3> facet = mesh_->Corners(outgoing);
+      AnchoredFacet facet = mesh_->Corners(outgoing);
       facet[0] = {place.position, &place.anchor};
-      return reference_.IsFollowedBy(facet);
+      return mesh_->reference.IsFollowedBy(facet);
     });
   }
 
-  const ReferenceSurface& reference_;
   float max_ratio_;
   AnchoredMesh* mesh_;
   ChangedVertices changed_;
 };
 
-// The edges that are too short, the shortest first.
-std::vector<uint32_t> ShortEdges(const AnchoredMesh& mesh, float min_ratio) {
-  return mesh.EdgesBy([&](uint32_t half) -> std::optional<float> {
-    const float ratio = mesh.RelativeLength(half);
-    return ratio < min_ratio ? std::optional(ratio) : std::nullopt;
-  });
-}
-
 }  // namespace
 
-size_t CollapseShortEdges(const ReferenceSurface& reference, float min_ratio,
-                          float max_ratio, AnchoredMesh* mesh) {
-  Collapser collapser(reference, max_ratio, mesh);
-  constexpr int kMaxRounds = 2;  // later ones find next to nothing
-  size_t num_collapses = 0;
+void SplitLongEdges(float max_ratio, AnchoredMesh* mesh) {
+  // Each round halves the longest edges: enough for one of 65536 lengths.
+  constexpr int kMaxRounds = 16;
+  const auto is_long = [&](uint32_t half) -> std::optional<float> {
+    const float ratio = mesh->RelativeLength(half);
+    return ratio > max_ratio && !mesh->IsFixedEdge(half) ? std::optional(-ratio)
+                                                         : std::nullopt;
+  };
   for (int round = 0; round < kMaxRounds; ++round) {
-    const std::vector<uint32_t> edges = ShortEdges(*mesh, min_ratio);
-    const auto choose = [&](size_t i) -> std::optional<uint32_t> {
-      const uint32_t half = edges[i];
-      return !mesh->edit.IsRemovedFacet(half / 3) &&
-                     mesh->RelativeLength(half) < min_ratio
-                 ? std::optional(half)
-                 : std::nullopt;
-    };
-    const size_t num_in_round = collapser.Collapse(
-        edges.size(), choose,
-        [&](size_t i) { return mesh->CornersAround(edges[i]); });
-    num_collapses += num_in_round;
-    if (num_in_round == 0) {
-      break;
+    const std::vector<uint32_t> edges = mesh->EdgesBy(is_long);
+    if (edges.empty()) {
+      return;
     }
+    Split(max_ratio, edges, mesh);
   }
-  return num_collapses;
 }
 
-size_t CollapseNeedles(const ReferenceSurface& reference, float max_ratio,
-                       AnchoredMesh* mesh) {
+void CollapseShortEdges(float min_ratio, float max_ratio, AnchoredMesh* mesh) {
+  Collapser collapser(max_ratio, mesh);
+  const auto is_short = [&](uint32_t half) -> std::optional<float> {
+    const float ratio = mesh->RelativeLength(half);
+    return ratio < min_ratio ? std::optional(ratio) : std::nullopt;
+  };
+  constexpr int kMaxRounds = 2;  // later ones find next to nothing
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const std::vector<uint32_t> edges = mesh->EdgesBy(is_short);
+    const auto edge_of = [&](size_t i) { return edges[i]; };
+    if (collapser.Collapse(edges.size(), edge_of, [&](size_t i) {
+          return !mesh->edit.IsRemovedFacet(edges[i] / 3) && is_short(edges[i]);
+        }) == 0) {
+      return;
+    }
+  }
+}
+
+void CollapseNeedles(float max_ratio, AnchoredMesh* mesh) {
   constexpr float kMaxCosine = 0.966F;  // 15 degrees
   const EditableMesh& edit = mesh->edit;
-  const auto shortest_edge = [&](uint32_t facet) {
-    uint32_t shortest = 3 * facet;
-    for (uint32_t half = 3 * facet + 1; half < 3 * facet + 3; ++half) {
-      if (mesh->Length(half) < mesh->Length(shortest)) {
-        shortest = half;
-      }
-    }
-    return shortest;
+  const auto shortest_edge = [&](size_t i) {
+    const auto first = static_cast<uint32_t>(3 * i);
+    return std::min({first, first + 1, first + 2}, [&](uint32_t a, uint32_t b) {
+      return mesh->Length(a) < mesh->Length(b);
+    });
   };
-  const auto choose = [&](size_t i) -> std::optional<uint32_t> {
-    const auto facet = static_cast<uint32_t>(i);
-    return !edit.IsRemovedFacet(facet) &&
-                   LargestCosine(mesh->Corners(3 * facet)) > kMaxCosine
-               ? std::optional(shortest_edge(facet))
-               : std::nullopt;
-  };
-  return Collapser(reference, max_ratio, mesh)
-      .Collapse(edit.NumFacets(), choose, [&](size_t facet) {
-        return mesh->CornersAround(shortest_edge(static_cast<uint32_t>(facet)));
+  Collapser(max_ratio, mesh)
+      .Collapse(edit.NumFacets(), shortest_edge, [&](size_t i) {
+        const auto facet = static_cast<uint32_t>(i);
+        return !edit.IsRemovedFacet(facet) &&
+               LargestCosine(mesh->Corners(3 * facet)) > kMaxCosine;
       });
 }
 
