@@ -132,7 +132,7 @@ std::vector<double> SolveForMotion(const Stage& stage, State* state) {
                                   stage.domain.rings, surface.terms,
                                   state->smoothness.plate, stage.domain.fixed);
   if (stage.options.solver == RefinementSolver::kGaussNewton) {
-    LinearSolution solution = equations.Solve({});
+    LinearSolution solution = equations.Solve();
     state->num_unconverged_solutions += solution.is_converged ? 0 : 1;
     return std::move(solution.values);
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -25,10 +24,6 @@ int CurvatureIndex(int k, int l) {
 // 1 or -1.
 double RandomSign(uint64_t index) {
   return (MixBits(index + kSplitMixStep) >> 63) != 0 ? 1 : -1;
-}
-
-double Dot(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 }  // namespace
@@ -190,45 +185,15 @@ LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
 
 LinearSolution NormalEquations::Solve(std::vector<double> right_hand_side,
                                       const SolverOptions& options) const {
-  const size_t size = gradient_.size();
-  LinearSolution solution{std::vector<double>(size, 0), true};
-  std::vector<double> residual = std::move(right_hand_side);
-  std::vector<double> preconditioned(size);
-  std::vector<double> image(size);
-  const auto precondition = [&] {
-    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      preconditioned[i] = diagonal_[i] > 0 ? residual[i] / diagonal_[i] : 0.0;
-    });
-  };
-  precondition();
-  std::vector<double> direction = preconditioned;
-  double product = Dot(residual, preconditioned);
-  const double enough = options.tolerance * options.tolerance * product;
-  for (int iteration = 0; product > enough; ++iteration) {
-    if (iteration == options.max_iterations) {
-      solution.is_converged = false;
-      break;
-    }
-    Multiply(direction, false, &image);
-    const double curvature = Dot(direction, image);
-    if (!(curvature > 0)) {
-      solution.is_converged = false;
-      break;
-    }
-    const double step = product / curvature;
-    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      solution.values[i] += step * direction[i];
-      residual[i] -= step * image[i];
-    });
-    precondition();
-    const double next = Dot(residual, preconditioned);
-    const double ratio = next / product;
-    product = next;
-    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      direction[i] = preconditioned[i] + ratio * direction[i];
-    });
-  }
-  return solution;
+  using Vector = std::vector<double>;
+  return SolveByConjugateGradients(
+      options, std::move(right_hand_side),
+      [&](const Vector& in, Vector* out) { Multiply(in, false, out); },
+      [&](const Vector& residual, Vector* out) {
+        tbb::parallel_for(size_t{0}, residual.size(), [&](size_t i) {
+          (*out)[i] = diagonal_[i] > 0 ? residual[i] / diagonal_[i] : 0.0;
+        });
+      });
 }
 
 }  // namespace colmap_ext

@@ -108,7 +108,7 @@ SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
   constexpr double kMaxChange = 4;
   const NormalEquations equations(surface.mesh, surface.normals, domain.rings,
                                   surface.terms, model.plate, domain.fixed);
-  LinearSolution determined = equations.Determined({});
+  LinearSolution determined = equations.Determined();
   *num_unconverged += determined.is_converged ? 0 : 1;
   SmoothnessEvidence evidence{std::move(determined.values),
                               Roughness(domain, model)};

@@ -34,7 +34,7 @@ CONSTANTS = [
     ("refine/thin_plate.cc", "kMaxCurvature", ["0.125", "0.5"]),
     ("refine/thin_plate.cc", "kPrior", ["0.05", "0.2"]),
     ("refine/thin_plate.cc", "kMinEdge", ["0.25", "1"]),
-    ("refine/normal_equations.h", "tolerance", ["0.015", "0.06"]),
+    ("refine/normal_equations.h", "kSolverTolerance", ["0.015", "0.06"]),
     ("photometry/window_correlation.cc", "kMaxSlope", ["2", "8"]),
     ("refine/facet_sizes.cc", "kUnseenFactor", ["2", "8"]),
     ("refine/facet_sizes.cc", "kMaxError", ["0.05F", "0.2F"]),

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+namespace colmap_ext {
+
+// When an iterative linear solver ends.
+struct SolverOptions {
+  // Of the residual, in the norm of the preconditioner, relative to the first.
+  double tolerance = 1e-6;
+
+  int max_iterations = 1000;
+};
+
+struct LinearSolution {
+  std::vector<double> values;
+  bool is_converged = false;  // else max_iterations ended it, or rounding
+};
+
+// Solves matrix * values = right_hand_side by preconditioned conjugate
+// gradients [Hestenes1952], from 0. Sums have one order, so that the result
+// does not depend on threads if that of the callables does not.
+// \param multiply  multiply(in, &out) sets out = matrix * in.
+// \param precondition  precondition(residual, &out) sets out = the
+//        preconditioner's inverse * residual.
+// \pre the matrix is symmetric and positive semidefinite, the preconditioner's
+//      inverse too; `out` has the size of the right-hand side
+template <typename Multiply, typename Precondition>
+LinearSolution SolveByConjugateGradients(const SolverOptions& options,
+                                         std::vector<double> right_hand_side,
+                                         const Multiply& multiply,
+                                         const Precondition& precondition) {
+  using Vector = std::vector<double>;
+  const auto dot = [](const Vector& a, const Vector& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  };
+  const size_t size = right_hand_side.size();
+  LinearSolution solution{Vector(size, 0), true};
+  Vector residual = std::move(right_hand_side);
+  Vector preconditioned(size);
+  Vector image(size);
+  precondition(residual, &preconditioned);
+  Vector direction = preconditioned;
+  double product = dot(residual, preconditioned);
+  const double enough = options.tolerance * options.tolerance * product;
+  for (int iteration = 0; product > enough; ++iteration) {
+    if (iteration == options.max_iterations) {
+      solution.is_converged = false;
+      break;
+    }
+    multiply(direction, &image);
+    const double curvature = dot(direction, image);
+    if (!(curvature > 0)) {
+      solution.is_converged = false;
+      break;
+    }
+    const double step = product / curvature;
+    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+      solution.values[i] += step * direction[i];
+      residual[i] -= step * image[i];
+    });
+    precondition(residual, &preconditioned);
+    const double next = dot(residual, preconditioned);
+    const double ratio = next / product;
+    product = next;
+    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+      direction[i] = preconditioned[i] + ratio * direction[i];
+    });
+  }
+  return solution;
+}
+
+}  // namespace colmap_ext
