@@ -12,6 +12,18 @@
 namespace colmap_ext {
 namespace smoothness_model_test {
 
+// By a view at the origin, along z, and one that is two units farther back.
+TEST(VertexFootprints, AreOfTheViewsThatAVertexLiesBefore) {
+  View view;
+  view.fx = view.fy = 100;
+  View behind = view;
+  behind.cam_from_world_translation.z() = 2;
+  const TriangleMesh mesh = {{{0, 0, 4}, {1, 0, 2}, {0, 1, -1}}, {{0, 1, 2}}};
+  EXPECT_EQ(VertexFootprints(mesh, MakeVertexRings(mesh),
+                             {{{0, 1}}, {{0, 1}, {0}}, {}}, {view, behind}),
+            (std::vector<float>{0.05F, 0.03F, 0.01F}));
+}
+
 constexpr float kFootprint = 0.02f;  // scene units
 
 // A bumpy cap of which one half is seen, with curvatures that determine it.
