@@ -28,10 +28,10 @@ double Cosine(const FacetFrame& frame, const ViewPair& pair,
 }  // namespace
 
 std::shared_ptr<ImagePyramid> RefinementScene::Pyramid(
-    size_t max_memory, ReadGrayImage read_mask, size_t max_borrowed) const {
+    size_t max_memory, ReadGrayImage read_mask) const {
   return std::make_shared<ImagePyramid>(
       Views(), [this](size_t view) { return images[view]; }, max_memory,
-      std::move(read_mask), max_borrowed);
+      std::move(read_mask));
 }
 
 std::shared_ptr<ImagePyramid> RefinementScene::PyramidOf(

@@ -19,10 +19,9 @@ struct RefinementScene {
   const std::vector<View>& Views() const { return dense.scene.views; }
 
   // Of the scene's images, which it has to outlive.
-  // \param read_mask, max_borrowed  see ImagePyramid
+  // \param read_mask  see ImagePyramid
   std::shared_ptr<ImagePyramid> Pyramid(size_t max_memory = SIZE_MAX,
-                                        ReadGrayImage read_mask = {},
-                                        size_t max_borrowed = 0) const;
+                                        ReadGrayImage read_mask = {}) const;
   // The same by other cameras.
   std::shared_ptr<ImagePyramid> PyramidOf(std::vector<View> views) const;
 
