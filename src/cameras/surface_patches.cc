@@ -6,10 +6,7 @@
 #include <span>
 #include <utility>
 
-#include <Eigen/Geometry>
-
-#include "cameras/shift_jacobian.h"
-#include "cameras/window_shift.h"
+#include "cameras/camera_set.h"
 #include "photometry/pair_work.h"
 
 namespace colmap_ext {

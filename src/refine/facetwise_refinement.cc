@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/rows.h"
-#include "labeling/view_pairs.h"
 #include "mesh/normals.h"
 #include "photometry/image_pyramid.h"
 #include "raster/visibility_buffers.h"

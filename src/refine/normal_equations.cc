@@ -1,7 +1,6 @@
 #include "refine/normal_equations.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -60,7 +59,7 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   tbb::parallel_for(size_t{0}, size, [&](size_t vertex) {
     const auto ring = rings_.neighbors[vertex];
-    const size_t row = ring.data() - rings_.neighbors.values.data();
+    const size_t row = rings_.neighbors.offsets[vertex];
     const Eigen::Vector3d normal = normals_[vertex].cast<double>();
     for (const uint32_t corner : rings_.corners[vertex]) {
       const uint32_t facet = corner / 3;
@@ -77,8 +76,7 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
           continue;
         }
         const size_t place =
-            row +
-            (std::lower_bound(ring.begin(), ring.end(), other) - ring.begin());
+            row + (std::ranges::lower_bound(ring, other) - ring.begin());
         photometric_[place] += static_cast<float>(
             terms.facets[facet].curvatures[CurvatureIndex(k, l)] * along *
             facet_normal.dot(normals_[other].cast<double>()));
@@ -94,13 +92,12 @@ void NormalEquations::FindSmoothnessChanges() {
   incoming_.resize(rings_.neighbors.values.size());
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
     const auto ring = rings_.neighbors[vertex];
-    const size_t row = ring.data() - rings_.neighbors.values.data();
+    const size_t row = rings_.neighbors.offsets[vertex];
     for (size_t i = 0; i < ring.size(); ++i) {
       const auto other_ring = rings_.neighbors[ring[i]];
       const size_t back =
-          std::lower_bound(other_ring.begin(), other_ring.end(), vertex) -
-          other_ring.begin() +
-          (other_ring.data() - rings_.neighbors.values.data());
+          rings_.neighbors.offsets[ring[i]] +
+          (std::ranges::lower_bound(other_ring, vertex) - other_ring.begin());
       const float cosine = normals_[vertex].dot(normals_[ring[i]]);
       outgoing_[row + i] = plate_.shares[row + i] * cosine;
       incoming_[row + i] = plate_.shares[back] * cosine;
@@ -114,7 +111,7 @@ void NormalEquations::AddSmoothness() {
     double gradient = -plate_.coefficients[vertex] * plate_.residuals[vertex];
     double diagonal = plate_.coefficients[vertex];
     const auto ring = rings_.neighbors[vertex];
-    const size_t row = ring.data() - rings_.neighbors.values.data();
+    const size_t row = rings_.neighbors.offsets[vertex];
     for (size_t i = 0; i < ring.size(); ++i) {
       const uint32_t other = ring[i];
       const double share = incoming_[row + i];
@@ -135,7 +132,7 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = rings_.neighbors[i];
-      const size_t row = ring.data() - rings_.neighbors.values.data();
+      const size_t row = rings_.neighbors.offsets[i];
       double photometric = photometric_diagonal_[i] * in[i];
       double mean = 0;
       for (size_t k = 0; k < ring.size(); ++k) {
@@ -149,7 +146,7 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = rings_.neighbors[i];
-      const size_t row = ring.data() - rings_.neighbors.values.data();
+      const size_t row = rings_.neighbors.offsets[i];
       double sum = -weighted_changes[i];
       for (size_t k = 0; k < ring.size(); ++k) {
         sum += incoming_[row + k] * weighted_changes[ring[k]];

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "labeling/view_pairs.h"
 #include "tests/random.h"
 
 namespace colmap_ext {

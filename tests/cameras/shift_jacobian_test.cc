@@ -1,4 +1,4 @@
-#include "cameras/shift_jacobian.h"
+#include "cameras/camera_set.h"
 
 #include <functional>
 

@@ -6,7 +6,6 @@
 #include <tbb/global_control.h>
 
 #include "labeling/facet_labeling.h"
-#include "labeling/view_pairs.h"
 #include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"

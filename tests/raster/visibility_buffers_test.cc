@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
-#include <Eigen/Geometry>
 
 #include "raster/facet_frames.h"
 #include "spatial/bvh.h"

@@ -1,7 +1,6 @@
 #include "refine/smoothness_model.h"
 
 #include <cmath>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
