@@ -50,6 +50,10 @@ struct Scene {
     }
   }
 
+  SmoothnessModel First() const {
+    return Model(FirstTarget(domain, surface.mesh, 20));
+  }
+
   SmoothnessModel Model(SmoothnessTarget target) const {
     return MakeSmoothnessModel(std::move(target), domain, surface);
   }
@@ -81,8 +85,7 @@ void ExpectInAgreement(const Scene& scene, const SmoothnessModel& model) {
 
 TEST(SmoothnessModel, AgreesWithTheSurfaceAfterEachStep) {
   const Scene scene(/*is_finest=*/true);
-  SmoothnessModel model =
-      scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+  SmoothnessModel model = scene.First();
   ExpectInAgreement(scene, model);
   model = scene.Model(ConfirmRelief(scene.domain, model));
   ExpectInAgreement(scene, model);
@@ -95,8 +98,7 @@ TEST(SmoothnessModel, AgreesWithTheSurfaceAfterEachStep) {
 TEST(SmoothnessModel, KeepsTheReliefOfCoarseLevelsAndOfWhatIsNotSeen) {
   for (const bool is_finest : {false, true}) {
     const Scene scene(is_finest);
-    const SmoothnessModel model =
-        scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+    const SmoothnessModel model = scene.First();
     for (size_t i = 0; i < scene.domain.is_seen.size(); ++i) {
       if (scene.domain.rings.is_border[i] != 0) {
         continue;
@@ -113,8 +115,7 @@ TEST(SmoothnessModel, KeepsTheReliefOfCoarseLevelsAndOfWhatIsNotSeen) {
 // The surface is the one that the trusted relief is of.
 TEST(ConfirmRelief, FindsTheReliefThatTheSurfaceHas) {
   const Scene scene(/*is_finest=*/true);
-  const SmoothnessModel model =
-      scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+  const SmoothnessModel model = scene.First();
   const SmoothnessTarget target = ConfirmRelief(scene.domain, model);
   double confirmed = 0;
   double trusted = 0;
@@ -131,8 +132,7 @@ TEST(ConfirmRelief, FindsTheReliefThatTheSurfaceHas) {
 
 TEST(ConfirmRelief, DoesNotDependOnWhatWasConfirmedBefore) {
   const Scene scene(/*is_finest=*/true);
-  const SmoothnessModel first =
-      scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+  const SmoothnessModel first = scene.First();
   const SmoothnessTarget once = ConfirmRelief(scene.domain, first);
   const SmoothnessTarget twice = ConfirmRelief(scene.domain, scene.Model(once));
   for (size_t i = 0; i < once.relief.size(); ++i) {
