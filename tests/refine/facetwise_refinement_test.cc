@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "spatial/bvh.h"
 #include "spatial/self_intersections.h"
 #include "tests/cameras/camera_scene.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/random.h"
 #include "tests/raster/visible_facets.h"
@@ -406,6 +408,15 @@ TEST_F(RefineFacetwiseTest, TrimsWhatNoViewSeesAndClosesIt) {
     EXPECT_EQ(refined.attributes.views.size(), num_vertices);
     EXPECT_EQ(refined.attributes.confidences.size(), num_vertices);
   }
+}
+
+TEST(FinishRefinement, RefusesRegionsThatLeaveNothing) {
+  FacetwiseRefinementOptions options;
+  options.region = RegionBetween({9, 9, 9}, {10, 10, 10});
+  RefinedMesh refined;
+  static_cast<Surface&>(refined) = StartOf(MakeCube());
+  refined.report.is_skipped = true;
+  EXPECT_THROW(FinishRefinement(options, {}, &refined), std::invalid_argument);
 }
 
 }  // namespace facetwise_refinement_test
