@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 #include <ceres/rotation.h>
 
 namespace colmap_ext {
@@ -117,32 +118,6 @@ class ReprojectionCost {
   double sigma_;
 };
 
-// (offset + x) / sigma, each row by its own.
-template <int kSize>
-class PriorCost : public ceres::SizedCostFunction<kSize, kSize> {
- public:
-  using Vector = Eigen::Matrix<double, kSize, 1>;
-
-  PriorCost(Vector offset, const Vector& sigmas)
-      : offset_(std::move(offset)), scales_(sigmas.cwiseInverse()) {}
-
-  bool Evaluate(double const* const* blocks, double* residuals,
-                double** jacobians) const override {
-    Eigen::Map<Vector>(residuals, kSize) =
-        scales_.cwiseProduct(offset_ + Eigen::Map<const Vector>(blocks[0]));
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      Eigen::Map<Eigen::Matrix<double, kSize, kSize,
-                               kSize == 1 ? Eigen::ColMajor : Eigen::RowMajor>>(
-          jacobians[0], kSize, kSize) = scales_.asDiagonal();
-    }
-    return true;
-  }
-
- private:
-  Vector offset_;
-  Vector scales_;
-};
-
 // A problem and its variables. The views, which costs refer to, have to stay.
 class Problem {
  public:
@@ -219,9 +194,18 @@ class Problem {
 
   void AddEliminated(double* block) { ordering_->AddElementToGroup(block, 0); }
 
+  // (offset + block) / sigma, each row by its own.
+  void AddPrior(const Eigen::VectorXd& offset, const Eigen::VectorXd& sigmas,
+                double* block) {
+    problem_.AddResidualBlock(
+        new ceres::NormalPrior(sigmas.cwiseInverse().asDiagonal(), -offset),
+        nullptr, block);
+  }
+
   void AddShifts() {
     std::vector<uint8_t> is_added(estimate_->displacements.size(), 0);
-    const Eigen::Matrix<double, 1, 1> sigma(evidence_.priors.displacement);
+    const Eigen::VectorXd sigma =
+        Eigen::VectorXd::Constant(1, evidence_.priors.displacement);
     for (const ShiftMeasurement& shift : evidence_.shifts) {
       double* displacement = Displacement(shift.patch);
       std::vector<double*> blocks = {Pose(shift.i), Pose(shift.j),
@@ -239,9 +223,7 @@ class Problem {
       if (is_added[shift.patch] == 0) {
         is_added[shift.patch] = 1;
         AddEliminated(displacement);
-        problem_.AddResidualBlock(
-            new PriorCost<1>(Eigen::Matrix<double, 1, 1>::Zero(), sigma),
-            nullptr, displacement);
+        AddPrior(Eigen::VectorXd::Zero(1), sigma, displacement);
       }
     }
   }
@@ -265,11 +247,9 @@ class Problem {
       }
       if (footprint > 0) {
         AddEliminated(Point(i));
-        problem_.AddResidualBlock(
-            new PriorCost<3>(
-                -tracks.positions[i],
-                Eigen::Vector3d::Constant(evidence_.priors.point * footprint)),
-            nullptr, Point(i));
+        AddPrior(-tracks.positions[i],
+                 Eigen::Vector3d::Constant(evidence_.priors.point * footprint),
+                 Point(i));
       }
     }
   }
@@ -283,9 +263,7 @@ class Problem {
           Eigen::Vector3d::Constant(priors.pose * evidence_.depths[i] /
                                     view.fx);
       double* pose = Pose(i);
-      problem_.AddResidualBlock(
-          new PriorCost<6>(StepBetween(original_.views[i], view), sigmas),
-          nullptr, pose);
+      AddPrior(StepBetween(original_.views[i], view), sigmas, pose);
       ordering_->AddElementToGroup(pose, 1);
       if (evidence_.is_skipped[i] != 0) {
         problem_.SetParameterBlockConstant(pose);
@@ -306,13 +284,12 @@ class Problem {
       const View& before = original_.views[i];
       const View& now = estimate_->cameras.views[i];
       double* block = Intrinsics(i);
-      problem_.AddResidualBlock(
-          new PriorCost<3>(
-              {std::log(now.fx / before.fx), (now.cx - before.cx) / before.fx,
-               (now.cy - before.cy) / before.fy},
-              {priors.focal_length, priors.principal_point,
-               priors.principal_point}),
-          nullptr, block);
+      AddPrior(Eigen::Vector3d(std::log(now.fx / before.fx),
+                               (now.cx - before.cx) / before.fx,
+                               (now.cy - before.cy) / before.fy),
+               Eigen::Vector3d(priors.focal_length, priors.principal_point,
+                               priors.principal_point),
+               block);
       ordering_->AddElementToGroup(block, 1);
       if (!evidence_.refine_intrinsics) {
         problem_.SetParameterBlockConstant(block);

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 
 #include "cameras/camera_set.h"
-#include "cameras/shift_jacobian.h"
 
 namespace colmap_ext {
 

@@ -9,9 +9,8 @@
 
 #include "base/percentile.h"
 #include "cameras/camera_set.h"
-#include "cameras/shift_jacobian.h"
 #include "cameras/sparse_tracks.h"
-#include "cameras/window_shift.h"
+#include "cameras/surface_patches.h"
 
 namespace colmap_ext {
 

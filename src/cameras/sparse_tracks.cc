@@ -8,7 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "cameras/camera_problem.h"
-#include "cameras/shift_jacobian.h"
+#include "cameras/camera_set.h"
 
 namespace colmap_ext {
 

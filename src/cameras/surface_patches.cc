@@ -6,10 +6,7 @@
 #include <span>
 #include <utility>
 
-#include <Eigen/Geometry>
-
-#include "cameras/shift_jacobian.h"
-#include "cameras/window_shift.h"
+#include "cameras/camera_set.h"
 #include "photometry/pair_work.h"
 
 namespace colmap_ext {
@@ -208,15 +205,12 @@ SurfacePatches SelectPatches(const PatchOptions& options,
                              const DrawnScene& scene,
                              const std::vector<ViewPair>& pairs) {
   const std::vector<View>& views = scene.buffers.Views();
-  std::vector<std::vector<uint32_t>> partners_of(views.size());
-  for (const ViewPair& pair : pairs) {
-    partners_of[pair.first].push_back(pair.second);
-    partners_of[pair.second].push_back(pair.first);
-  }
-  Rows<uint32_t> paired;
-  for (const std::vector<uint32_t>& row : partners_of) {
-    paired.AddRow(row);
-  }
+  const auto paired = GroupInRows<uint32_t>(views.size(), [&](const auto& add) {
+    for (const auto& [first, second] : pairs) {
+      add(first, second);
+      add(second, first);
+    }
+  });
   std::vector<std::vector<SurfacePatch>> patches(views.size());
   std::vector<std::vector<std::vector<uint32_t>>> partners(views.size());
   ForEachInOrder(OrderByPartners(paired), [&](uint32_t view) {

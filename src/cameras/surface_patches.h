@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,9 +8,11 @@
 #include "base/rows.h"
 #include "labeling/facet_labels.h"
 #include "photometry/image_pyramid.h"
+#include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
 #include "raster/visibility_buffers.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -59,5 +60,47 @@ SurfacePatches SelectPatches(const PatchOptions& options,
                              const PhotometricOptions& photometric,
                              const DrawnScene& scene,
                              const std::vector<ViewPair>& pairs);
+
+// How well a window of image i matches image j by way of the surface, and how
+// that changes as the window shifts in j. With n the window's values without
+// their mean, of unit length, the residuals are n_j - n_i, so that half of
+// their squared norm is 1 - ZNCC; G their derivative by the shift, [N][2].
+struct WindowShift {
+  bool is_valid = false;
+  int num_pixels = 0;  // N, not masked
+  double zncc = 0;
+  Eigen::Vector2d slope;      // G^T r: the derivative of 1 - ZNCC, 1 / px
+  Eigen::Matrix2d curvature;  // G^T G, Gauss-Newton's second one, 1 / px^2
+};
+
+// The largest relative difference of inverse depths within one surface, as
+// MaxRelativeDepth() has it, for a window of another radius.
+float MaxWindowDepth(const PhotometricOptions& options, const View& view_i,
+                     int radius);
+
+// The point on the displaced patch that its pixel shows.
+// \param frame  of its facet
+Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
+                           const SurfacePatch& patch);
+
+// Compares the window of a patch. Pixels of i are masked as the energy masks
+// them (photometry/pair_warp.h): they have to show the centre's surface, must
+// not be saturated, and j has to see their points. The window is valid if more
+// than half of it is left, with more variance than nothing in both.
+// \param i, j  the cameras as they are now, and the surface as it was drawn.
+// \param frames  [F] of the mesh that was drawn
+WindowShift CompareWindow(const PhotometricOptions& options, int radius,
+                          const DrawnView& i, const DrawnView& j,
+                          const std::vector<FacetFrame>& frames,
+                          const SurfacePatch& patch);
+
+// Compares each patch with each of its partners (CompareWindow()).
+// \param radius  of the windows, px
+// \param views  the cameras as they are now
+// \return [values of patches.partners]
+std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
+                                        int radius, const DrawnScene& scene,
+                                        const std::vector<View>& views,
+                                        const SurfacePatches& patches);
 
 }  // namespace colmap_ext

@@ -1,10 +1,8 @@
-#include "cameras/window_shift.h"
+#include "cameras/surface_patches.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
-
-#include <Eigen/Geometry>
 
 #include "photometry/pair_work.h"
 #include "photometry/window_correlation.h"

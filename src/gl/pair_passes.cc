@@ -176,30 +176,30 @@ void PairPasses::Warp(const PairDirection& direction) {
   DispatchIndirect(warp_, tiles_);
 }
 
+// What the passes over windows share.
+void PairPasses::SetWindows(const PairDirection& direction,
+                            Program* program) const {
+  program->Set("stamp", stamp_);
+  program->Set("num_tile_columns", NumTileColumns(direction.view_i));
+  program->Set("size_i", Size(direction.view_i));
+  program->Set("max_relative_depth",
+               MaxRelativeDepth(options_, direction.view_i));
+  direction.textures_i.drawn.facets.BindToSampler(0);
+  planes_->warped.BindToSampler(1);
+}
+
 void PairPasses::Correlate(const PairDirection& direction) {
-  correlate_.Set("stamp", stamp_);
-  correlate_.Set("num_tile_columns", NumTileColumns(direction.view_i));
-  correlate_.Set("size_i", Size(direction.view_i));
-  correlate_.Set("max_relative_depth",
-                 MaxRelativeDepth(options_, direction.view_i));
+  SetWindows(direction, &correlate_);
   correlate_.Set("noise_variance", static_cast<float>(options_.noise_variance));
   correlate_.Set("saturation", static_cast<float>(1 + options_.residual_floor));
   correlate_.Set("min_variance", kMinVariance);
-  direction.textures_i.drawn.facets.BindToSampler(0);
-  planes_->warped.BindToSampler(1);
   planes_->windows.BindToImage(0, GL_WRITE_ONLY);
   planes_->energies.BindToImage(1, GL_WRITE_ONLY);
   DispatchIndirect(correlate_, tiles_);
 }
 
 void PairPasses::Differentiate(const PairDirection& direction) {
-  differentiate_.Set("stamp", stamp_);
-  differentiate_.Set("num_tile_columns", NumTileColumns(direction.view_i));
-  differentiate_.Set("size_i", Size(direction.view_i));
-  differentiate_.Set("max_relative_depth",
-                     MaxRelativeDepth(options_, direction.view_i));
-  direction.textures_i.drawn.facets.BindToSampler(0);
-  planes_->warped.BindToSampler(1);
+  SetWindows(direction, &differentiate_);
   planes_->windows.BindToSampler(2);
   planes_->derivatives.BindToImage(0, GL_WRITE_ONLY);
   DispatchIndirect(differentiate_, tiles_);

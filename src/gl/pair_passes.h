@@ -66,6 +66,7 @@ class PairPasses {
   void Differentiate(const PairDirection& direction);
   void Gather(const PairDirection& direction, const PairBuffers& buffers);
   void SetFacetBox(const PairDirection& direction, Program* program) const;
+  void SetWindows(const PairDirection& direction, Program* program) const;
 
   PhotometricOptions options_;
   GlLimits limits_;

@@ -95,15 +95,13 @@ FacetDrawer::FacetDrawer(double min_cosine)
       clipped_({"clipped_facets.vert", "clipped_facets.frag"}),
       facing_({"facing.comp"}) {
   constexpr GLuint kPosition = 0;
-  glEnableVertexArrayAttrib(vertex_array_.Name(), kPosition);
-  glVertexArrayAttribFormat(vertex_array_.Name(), kPosition, 3, GL_FLOAT,
-                            GL_FALSE, 0);
-  glVertexArrayAttribBinding(vertex_array_.Name(), kPosition, 0);
   constexpr GLuint kFacet = 1;
+  for (const GLuint array : {vertex_array_.Name(), clipped_array_.Name()}) {
+    glEnableVertexArrayAttrib(array, kPosition);
+    glVertexArrayAttribFormat(array, kPosition, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(array, kPosition, 0);
+  }
   const GLuint array = clipped_array_.Name();
-  glEnableVertexArrayAttrib(array, kPosition);
-  glVertexArrayAttribFormat(array, kPosition, 3, GL_FLOAT, GL_FALSE, 0);
-  glVertexArrayAttribBinding(array, kPosition, 0);
   glEnableVertexArrayAttrib(array, kFacet);
   glVertexArrayAttribIFormat(array, kFacet, 1, GL_UNSIGNED_INT,
                              offsetof(ClippedCorner, facet));

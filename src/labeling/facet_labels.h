@@ -4,10 +4,12 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/rows.h"
 #include "mesh/triangle_mesh.h"
+#include "scene/point_cloud.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
@@ -20,6 +22,16 @@ struct ViewPair {
   // NOLINTNEXTLINE(modernize-use-nullptr)
   auto operator<=>(const ViewPair&) const = default;
 };
+
+// For each view the pairs with the views that it shares the most points with
+// (docs/method.md, section 4.1; L^simpl of [Romanoni2020, section V]): each
+// pair once, ascending. Ties go to the lower view; views that share no point
+// are never a pair.
+// \param points  whose views are indices below num_views.
+// \param partners_per_view  at most as many for each view; it can be in more
+//        pairs. [Romanoni2020] has 2.
+std::vector<ViewPair> SelectViewPairs(const PointCloud& points,
+                                      size_t num_views, int partners_per_view);
 
 // The directions of a pair: in which of its views it is compared, the other
 // one's image being warped there. A direction's index among those of all pairs
@@ -75,11 +87,8 @@ struct FacetLabels {
   FacetLabels Remapped(const std::vector<uint32_t>& sources) const {
     FacetLabels from{pairs, {}, {}};
     for (const uint32_t source : sources) {
-      if (source < NumFacets()) {
-        from.labels.AddRow(labels[source]);
-      } else {
-        from.labels.EndRow();
-      }
+      from.labels.AddRow(source < NumFacets() ? labels[source]
+                                              : std::span<const uint32_t>());
     }
     return from;
   }

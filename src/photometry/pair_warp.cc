@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <cstring>
 
-#include <Eigen/Geometry>
-
 #include "base/index_limit.h"
 #include "raster/facet_frames.h"
 

@@ -74,24 +74,12 @@ std::vector<uint32_t> OrderViews(
 }  // namespace
 
 Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
-  Rows<uint32_t> facets(2 * labels.pairs.size());
-  const auto for_each = [&labels](const auto& function) {
+  return GroupInRows<uint32_t>(2 * labels.pairs.size(), [&](const auto& add) {
     for (uint32_t facet = 0; facet < labels.NumFacets(); ++facet) {
       labels.ForEachDirection(
-          facet, [&](uint32_t direction) { function(facet, direction); });
+          facet, [&](uint32_t direction) { add(direction, facet); });
     }
-  };
-  for_each(
-      [&](uint32_t, uint32_t direction) { ++facets.offsets[direction + 1]; });
-  for (size_t i = 1; i < facets.offsets.size(); ++i) {
-    facets.offsets[i] += facets.offsets[i - 1];
-  }
-  facets.values.resize(facets.offsets.back());
-  std::vector<uint64_t> next(facets.offsets.begin(), facets.offsets.end() - 1);
-  for_each([&](uint32_t facet, uint32_t direction) {
-    facets.values[next[direction]++] = facet;
   });
-  return facets;
 }
 
 void FacetPlaces::Set(std::span<const uint32_t> facets) {

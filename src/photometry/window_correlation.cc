@@ -152,8 +152,7 @@ void WindowCorrelation::ForEachPixel(float max_relative_depth,
 void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
                                               int col, CorrelationTile* tile) {
   RowSums& sums = masked_sums_;
-  for (auto* sum : {&sums.count, &sums.image, &sums.warped, &sums.image_squared,
-                    &sums.warped_squared, &sums.product}) {
+  for (auto* sum : sums.All()) {
     sum->assign(1, 0);
   }
   ForEachPixel(max_relative_depth, *tile, row, col, [&](size_t i) {

@@ -20,32 +20,31 @@ namespace colmap_ext {
 
 namespace {
 
-// term(0) + ... + term(kCount - 1), in this order.
-template <int kCount, typename Term>
-INLINE float SumOf(const Term& term) {
+// term(0), ..., term(kCount - 1), combined in this order.
+template <int kCount, typename Term, typename Combine>
+INLINE float Fold(const Term& term, const Combine& combine) {
   if constexpr (kCount == 1) {
     return term(0);
   } else {
-    return SumOf<kCount - 1>(term) + term(kCount - 1);
+    return combine(Fold<kCount - 1>(term, combine), term(kCount - 1));
   }
+}
+
+template <int kCount, typename Term>
+INLINE float SumOf(const Term& term) {
+  return Fold<kCount>(term, [](float a, float b) INLINE_BODY { return a + b; });
 }
 
 template <int kCount, typename Term>
 INLINE float LowestOf(const Term& term) {
-  if constexpr (kCount == 1) {
-    return term(0);
-  } else {
-    return std::min(LowestOf<kCount - 1>(term), term(kCount - 1));
-  }
+  return Fold<kCount>(
+      term, [](float a, float b) INLINE_BODY { return std::min(a, b); });
 }
 
 template <int kCount, typename Term>
 INLINE float HighestOf(const Term& term) {
-  if constexpr (kCount == 1) {
-    return term(0);
-  } else {
-    return std::max(HighestOf<kCount - 1>(term), term(kCount - 1));
-  }
+  return Fold<kCount>(
+      term, [](float a, float b) INLINE_BODY { return std::max(a, b); });
 }
 
 // Sums of the windows' columns, [6][stride].
@@ -187,15 +186,15 @@ float* WindowRows::Columns(int num_rows, int width, float margin) {
 
 void WindowRows::Sum(int width, const float* image, const float* warped,
                      const float* is_valid, RowSums* sums) {
-  sums->Resize(width);
+  for (auto* of_windows : sums->All()) {
+    of_windows->resize(width);
+  }
   const int stride = width + 2 * radius_;
   float* columns = Columns(6, width, 0);
   const auto sum = [&]<int kSide>() INLINE_BODY {
     SumColumns<kSide>(width, image, warped, is_valid, stride, columns);
     const float* row = columns - kSide / 2;
-    for (auto* of_windows :
-         {&sums->count, &sums->image, &sums->warped, &sums->image_squared,
-          &sums->warped_squared, &sums->product}) {
+    for (auto* of_windows : sums->All()) {
       SumAlongRow<kSide>(width, row, of_windows->data());
       row += stride;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "base/simd_level.h"
@@ -8,11 +9,8 @@ namespace colmap_ext {
 
 // Sums over the pixels of the windows around those of a row, [width] each.
 struct RowSums {
-  void Resize(int width) {
-    for (auto* sums :
-         {&count, &image, &warped, &image_squared, &warped_squared, &product}) {
-      sums->resize(width);
-    }
+  std::array<std::vector<float>*, 6> All() {
+    return {&count, &image, &warped, &image_squared, &warped_squared, &product};
   }
 
   std::vector<float> count, image, warped, image_squared, warped_squared,

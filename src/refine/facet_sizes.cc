@@ -1,12 +1,10 @@
 #include "refine/facet_sizes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 

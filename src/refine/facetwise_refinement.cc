@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/rows.h"
-#include "labeling/view_pairs.h"
 #include "mesh/normals.h"
 #include "photometry/image_pyramid.h"
 #include "raster/visibility_buffers.h"
@@ -18,28 +17,15 @@ namespace colmap_ext {
 
 namespace {
 
-// Fixed facets are not refined; they are hidden from all views.
-void HideFixed(const RefinedMesh& state, FacetVisibility* visibility) {
-  const FixedVertices fixed = FixedOf(state.fixed_sources);
-  EditRows(
-      [&](size_t facet, auto row) {
-        return std::optional(
-            IsFixed(fixed, state.mesh.facets[facet]) ? 0 : row.size());
-      },
-      visibility);
-}
-
 class Refinement {
  public:
-  Refinement(const FacetwiseRefinementOptions& options,
+  Refinement(const FacetwiseRefinementOptions& options, RefinementStart start,
              const std::vector<View>& views, const PointCloud& points,
-             bool has_fused_points, PhotometricEnergy* energy,
-             const RefinementHooks& hooks,
-             std::shared_ptr<const RefinableCameras> cameras)
+             PhotometricEnergy* energy, const RefinementHooks& hooks)
       : options_(options),
         points_(points),
-        has_fused_points_(has_fused_points),
-        cameras_(std::move(cameras)),
+        has_fused_points_(start.has_fused_points),
+        cameras_(std::move(start.cameras)),
         camera_pairs_(
             cameras_ ? SelectViewPairs(points, views.size(), kCameraPartners)
                      : std::vector<ViewPair>()),
@@ -47,86 +33,115 @@ class Refinement {
                              options.cameras.parts != RefinedParts::kNothing),
         pairs_(SelectViewPairs(points, views.size(), options.pairs_per_image)),
         energy_(energy),
-        hooks_(hooks) {}
+        hooks_(hooks) {
+    if (start.origins.empty()) {
+      start.origins = start.mesh.vertices;
+    }
+    static_cast<Surface&>(state_) = std::move(static_cast<Surface&>(start));
+    state_.views = views;
+    state_.report.misalignment = std::move(start.misalignment);
+  }
 
-  // Whether the level is complete; else `state` is of no use.
-  bool RefineAtLevel(int level, RefinedMesh* state) {
+  RefinedMesh Run(int first_level, bool is_part) {
+    if (!DecideByAlignment()) {
+      state_.report.is_skipped = true;
+      state_.labels.labels = Rows<uint32_t>(state_.mesh.facets.size());
+      first_level = -1;
+    }
+    for (int level = first_level; level >= 0; --level) {
+      RefinedMesh complete = state_;
+      if (!RefineAtLevel(level)) {
+        complete.report = std::move(state_.report);
+        complete.report.is_stopped = true;
+        CountSelfIntersections(hooks_.progress, &complete);
+        return complete;
+      }
+      if (hooks_.on_level) {
+        hooks_.on_level(level, state_);
+      }
+    }
+    if (!is_part) {
+      FinishRefinement(options_, hooks_.progress, &state_);
+    }
+    return std::move(state_);
+  }
+
+ private:
+  // Of each view that may be compared with it to refine the cameras: more than
+  // to refine the surface, as many images together fix a pose. A choice.
+  static constexpr int kCameraPartners = 12;
+
+  // Whether the level is complete; else the surface is of no use.
+  bool RefineAtLevel(int level) {
     energy_->SetLevel(level);
-    energy_->SetViews(state->views);
-    RemoveSelfIntersections(hooks_.progress, state);
-    RefineViews(state->mesh, state);
+    energy_->SetViews(state_.views);
+    RemoveSelfIntersections(hooks_.progress, &state_);
+    RefineViews(state_.mesh);
     std::vector<View> views;
-    for (const View& view : state->views) {
+    for (const View& view : state_.views) {
       views.push_back(ViewAtLevel(view, level));
     }
-    Prepare(level, views, state);
+    Prepare(level, views);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
-    const std::vector<Eigen::Vector3f> before = state->mesh.vertices;
-    const auto on_step = [&](RefinementStep step, const TriangleMesh& mesh) {
-      state->mesh.vertices = mesh.vertices;
+    const std::vector<Eigen::Vector3f> before = state_.mesh.vertices;
+    const auto on_step = [&](const RefinementStep& step,
+                             const TriangleMesh& mesh) {
+      state_.mesh.vertices = mesh.vertices;
       Report(hooks_.progress, stage,
              std::min(1.0, static_cast<double>(step.iteration) /
                                options_.iterations));
-      return AddStep(step, state);
+      return AddStep(step);
     };
     const auto move_cameras = [&](const TriangleMesh& mesh) {
-      return level == 0 && RefineViews(mesh, state);
+      return level == 0 && RefineViews(mesh);
     };
     RefinedLevel refined =
         RefineLevel(options_,
-                    {level, state->labels, views, state->origins, move_cameras,
-                     FixedOf(state->fixed_sources)},
-                    state->mesh, energy_, on_step);
-    state->mesh = std::move(refined.mesh);
+                    {level, state_.labels, views, state_.origins, move_cameras,
+                     FixedOf(state_.fixed_sources)},
+                    state_.mesh, energy_, on_step);
+    state_.mesh = std::move(refined.mesh);
     if (level == 0) {
-      state->attributes.confidences =
-          RefinedConfidences(state->mesh, refined.terms, options_.photometric,
-                             ConfidencesByPoints(*state));
+      state_.attributes.confidences =
+          RefinedConfidences(state_.mesh, refined.terms, options_.photometric,
+                             ConfidencesByPoints());
     }
-    Count(refined, before, state);
+    RefinementReport& report = state_.report;
+    report.num_shortened_steps += refined.num_shortened_steps;
+    report.num_unconverged_solutions += refined.num_unconverged_solutions;
+    report.num_flipped_facets +=
+        CountFlippedFacets(state_.mesh.facets, before, state_.mesh.vertices);
     if (level == 0 && options_.remeshing && !refined.is_stopped) {
-      RemoveSelfIntersections(hooks_.progress, state);
-      ImproveFacets(state);
+      RemoveSelfIntersections(hooks_.progress, &state_);
+      ImproveFacets(&state_);
     }
     return !refined.is_stopped;
   }
 
   // Adds a step to the report, and calls the hooks.
   // \return whether to continue.
-  bool AddStep(RefinementStep step, RefinedMesh* state) const {
+  bool AddStep(RefinementStep step) {
     step.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start_)
             .count();
-    state->report.steps.push_back(step);
+    state_.report.steps.push_back(step);
     if (hooks_.on_step) {
-      hooks_.on_step(step, *state);
+      hooks_.on_step(step, state_);
     }
     return !(hooks_.should_stop && hooks_.should_stop());
   }
 
-  // Adds what became of a level to the report.
-  // \param before [V] where the vertices were
-  static void Count(const RefinedLevel& level,
-                    const std::vector<Eigen::Vector3f>& before,
-                    RefinedMesh* state) {
-    RefinementReport& report = state->report;
-    report.num_shortened_steps += level.num_shortened_steps;
-    report.num_unconverged_solutions += level.num_unconverged_solutions;
-    report.num_flipped_facets +=
-        CountFlippedFacets(state->mesh.facets, before, state->mesh.vertices);
-  }
-
   // [V] of the surface without the images: by the points, if they can tell, and
   // no more than the input's.
-  std::vector<float> ConfidencesByPoints(const RefinedMesh& state) const {
-    std::vector<float> before = state.attributes.confidences;
+  std::vector<float> ConfidencesByPoints() const {
+    std::vector<float> before = state_.attributes.confidences;
     if (!has_fused_points_) {
-      before.resize(state.mesh.vertices.size(), 0);
+      before.resize(state_.mesh.vertices.size(), 0);
       return before;
     }
     std::vector<float> confidences = PointConfidences(
-        state.mesh, state.attributes.views, points_, state.views);
+        state_.mesh, state_.attributes.views, points_, state_.views);
     for (size_t i = 0; i < before.size(); ++i) {
       confidences[i] = std::min(confidences[i], before[i]);
     }
@@ -135,22 +150,22 @@ class Refinement {
 
   // Decides whether the cameras are refined, if that depends on their
   // alignment, and which views refine the surface if the cameras are fixed.
-  // \param state  its report may have the measurement of an earlier run.
+  // The report may have the measurement of an earlier run.
   // \return whether there are such views.
-  bool DecideByAlignment(RefinedMesh* state) {
+  bool DecideByAlignment() {
     const CameraRefinementOptions& cameras = options_.cameras;
     const bool are_fixed = cameras.parts == RefinedParts::kNothing;
     if (!cameras_ || !(are_fixed || cameras.only_if_misaligned)) {
       return true;
     }
-    if (!state->report.misalignment) {
-      state->report.misalignment = FindMisalignment(*state);
+    if (!state_.report.misalignment) {
+      state_.report.misalignment = FindMisalignment();
     }
     // Share of the surface's error above which the cameras are refined;
     // multiple of the usual error above which a view does harm: choices.
     constexpr double kMinShare = 0.5;
     constexpr double kOutlier = 3;
-    const Misalignment& misalignment = *state->report.misalignment;
+    const Misalignment& misalignment = *state_.report.misalignment;
     if (!are_fixed) {
       are_cameras_refined_ =
           !MisalignedViews(misalignment).empty() ||
@@ -170,11 +185,6 @@ class Refinement {
            !pairs_.empty();
   }
 
- private:
-  // Of each view that may be compared with it to refine the cameras: more than
-  // to refine the surface, as many images together fix a pose. A choice.
-  static constexpr int kCameraPartners = 12;
-
   // Has more pairs refine each facet, so that the errors of poses average out.
   // Tuned on the disturbed scenes of docs/experiments.md.
   void AverageOverPairs() {
@@ -188,22 +198,26 @@ class Refinement {
     }
   }
 
-  Misalignment FindMisalignment(const RefinedMesh& state) const {
+  // What the cameras are refined by.
+  CameraInput InputOfCameras(const VisibilityBuffers& buffers) const {
+    return {options_.photometric, cameras_->tracks, buffers, camera_pairs_,
+            cameras_->images.get()};
+  }
+
+  Misalignment FindMisalignment() const {
     // Half the size: fine enough, and a quarter of the work.
     constexpr int kLevel = 1;
     Report(hooks_.progress, "Measuring the images' alignment", 0);
     energy_->SetLevel(kLevel);
-    energy_->SetViews(state.views);
-    return MeasureMisalignment(options_.cameras,
-                               {options_.photometric, cameras_->tracks,
-                                *energy_->Visibility(state.mesh), camera_pairs_,
-                                cameras_->images.get()},
-                               {state.views, cameras_->view_cameras});
+    energy_->SetViews(state_.views);
+    return MeasureMisalignment(
+        options_.cameras, InputOfCameras(*energy_->Visibility(state_.mesh)),
+        {state_.views, cameras_->view_cameras});
   }
 
   // Refines the cameras, if that is to be, and passes them on.
   // \return whether any image moved by so much that the surface has to follow
-  bool RefineViews(const TriangleMesh& mesh, RefinedMesh* state) {
+  bool RefineViews(const TriangleMesh& mesh) {
     if (!are_cameras_refined_) {
       return false;
     }
@@ -211,25 +225,23 @@ class Refinement {
     constexpr double kMinMotion = 0.01;
     Report(hooks_.progress, "Refining the cameras", 0);
     RefinedCameras refined = RefineCameras(
-        options_.cameras,
-        {options_.photometric, cameras_->tracks, *energy_->Visibility(mesh),
-         camera_pairs_, cameras_->images.get()},
+        options_.cameras, InputOfCameras(*energy_->Visibility(mesh)),
         {cameras_->views, cameras_->view_cameras},
-        {state->views, cameras_->view_cameras});
-    state->views = std::move(refined.cameras.views);
-    state->track_positions = std::move(refined.positions);
-    energy_->SetViews(state->views);
+        {state_.views, cameras_->view_cameras});
+    state_.views = std::move(refined.cameras.views);
+    state_.track_positions = std::move(refined.positions);
+    energy_->SetViews(state_.views);
     if (hooks_.on_cameras) {
       hooks_.on_cameras(refined.report);
     }
-    state->report.cameras.push_back(std::move(refined.report));
-    return state->report.cameras.back().total_motion > kMinMotion;
+    state_.report.cameras.push_back(std::move(refined.report));
+    return state_.report.cameras.back().total_motion > kMinMotion;
   }
 
   // Gives the mesh facets of the size that the images call for, and labels
   // them. The last buffers serve the labelling, and the energy's first
   // Render().
-  void Prepare(int level, const std::vector<View>& views, RefinedMesh* state) {
+  void Prepare(int level, const std::vector<View>& views) {
     // Not at the coarse levels: their images show less than the mesh holds, and
     // remeshing would lose it.
     const bool is_remeshed = options_.remeshing && level == 0;
@@ -239,23 +251,30 @@ class Refinement {
       return energy_->Visibility(mesh);
     };
     FacetVisibility visibility =
-        is_remeshed ? RemeshForImages(options_.max_face_area, draw, state)
-                    : SubdivideLargeFacets(options_.max_face_area, draw, state);
-    if (RemoveSelfIntersections(hooks_.progress, state)) {
-      visibility = FindVisibleFacets(*draw(state->mesh));
+        (is_remeshed ? RemeshForImages : SubdivideLargeFacets)(
+            options_.max_face_area, draw, &state_);
+    if (RemoveSelfIntersections(hooks_.progress, &state_)) {
+      visibility = FindVisibleFacets(*draw(state_.mesh));
     }
-    HideFixed(*state, &visibility);
+    // Fixed facets are not refined; they are hidden from all views.
+    const FixedVertices fixed = FixedOf(state_.fixed_sources);
+    EditRows(
+        [&](size_t facet, auto row) {
+          return std::optional(
+              IsFixed(fixed, state_.mesh.facets[facet]) ? 0 : row.size());
+        },
+        &visibility);
     Report(hooks_.progress, "Labelling facets", 0);
     FacetLabelingOptions options = options_.labeling;
     if (level > 0) {
       options.final_pairs_per_facet = 0;  // the finest level alone has them
     }
     FacetLabeling labeling = LabelFacets(
-        options, state->mesh, state->attributes, pairs_, visibility, views);
-    state->report.labelings.push_back(
+        options, state_.mesh, state_.attributes, pairs_, visibility, views);
+    state_.report.labelings.push_back(
         {level, pairs_.size(), labeling.num_unlabeled_facets,
          labeling.initial_energy, labeling.final_energy, labeling.lower_bound});
-    state->labels = std::move(labeling.labels);
+    state_.labels = std::move(labeling.labels);
   }
 
   FacetwiseRefinementOptions options_;
@@ -269,6 +288,7 @@ class Refinement {
   const RefinementHooks& hooks_;
   std::chrono::steady_clock::time_point start_ =
       std::chrono::steady_clock::now();
+  RefinedMesh state_;  // of the last step
 };
 
 }  // namespace
@@ -279,38 +299,10 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const PointCloud& points, PhotometricEnergy* energy,
                             const RefinementHooks& hooks) {
   Report(hooks.progress, "Selecting pairs of views", 0);
-  Refinement refinement(options, views, points, start.has_fused_points, energy,
-                        hooks, start.cameras);
-  if (start.origins.empty()) {
-    start.origins = start.mesh.vertices;
-  }
-  RefinedMesh complete;
-  static_cast<Surface&>(complete) = std::move(static_cast<Surface&>(start));
-  complete.views = views;
-  complete.report.misalignment = std::move(start.misalignment);
-  if (!refinement.DecideByAlignment(&complete)) {
-    complete.report.is_skipped = true;
-    complete.labels.labels = Rows<uint32_t>(complete.mesh.facets.size());
-    start.first_level = -1;
-  }
-  for (int level = start.first_level; level >= 0; --level) {
-    RefinedMesh state = complete;
-    if (!refinement.RefineAtLevel(level, &state)) {
-      complete.report = std::move(state.report);
-      complete.report.is_stopped = true;
-      break;
-    }
-    complete = std::move(state);
-    if (hooks.on_level) {
-      hooks.on_level(level, complete);
-    }
-  }
-  if (complete.report.is_stopped) {
-    CountSelfIntersections(hooks.progress, &complete);
-  } else if (!start.is_part) {
-    FinishRefinement(options, hooks.progress, &complete);
-  }
-  return complete;
+  const int first_level = start.first_level;
+  const bool is_part = start.is_part;
+  return Refinement(options, std::move(start), views, points, energy, hooks)
+      .Run(first_level, is_part);
 }
 
 }  // namespace colmap_ext

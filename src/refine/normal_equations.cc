@@ -1,9 +1,7 @@
 #include "refine/normal_equations.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
-#include <numeric>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -25,10 +23,6 @@ int CurvatureIndex(int k, int l) {
 // 1 or -1.
 double RandomSign(uint64_t index) {
   return (MixBits(index + kSplitMixStep) >> 63) != 0 ? 1 : -1;
-}
-
-double Dot(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
 }  // namespace
@@ -65,7 +59,7 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   tbb::parallel_for(size_t{0}, size, [&](size_t vertex) {
     const auto ring = rings_.neighbors[vertex];
-    const size_t row = ring.data() - rings_.neighbors.values.data();
+    const size_t row = rings_.neighbors.offsets[vertex];
     const Eigen::Vector3d normal = normals_[vertex].cast<double>();
     for (const uint32_t corner : rings_.corners[vertex]) {
       const uint32_t facet = corner / 3;
@@ -82,8 +76,7 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
           continue;
         }
         const size_t place =
-            row +
-            (std::lower_bound(ring.begin(), ring.end(), other) - ring.begin());
+            row + (std::ranges::lower_bound(ring, other) - ring.begin());
         photometric_[place] += static_cast<float>(
             terms.facets[facet].curvatures[CurvatureIndex(k, l)] * along *
             facet_normal.dot(normals_[other].cast<double>()));
@@ -99,13 +92,12 @@ void NormalEquations::FindSmoothnessChanges() {
   incoming_.resize(rings_.neighbors.values.size());
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
     const auto ring = rings_.neighbors[vertex];
-    const size_t row = ring.data() - rings_.neighbors.values.data();
+    const size_t row = rings_.neighbors.offsets[vertex];
     for (size_t i = 0; i < ring.size(); ++i) {
       const auto other_ring = rings_.neighbors[ring[i]];
       const size_t back =
-          std::lower_bound(other_ring.begin(), other_ring.end(), vertex) -
-          other_ring.begin() +
-          (other_ring.data() - rings_.neighbors.values.data());
+          rings_.neighbors.offsets[ring[i]] +
+          (std::ranges::lower_bound(other_ring, vertex) - other_ring.begin());
       const float cosine = normals_[vertex].dot(normals_[ring[i]]);
       outgoing_[row + i] = plate_.shares[row + i] * cosine;
       incoming_[row + i] = plate_.shares[back] * cosine;
@@ -119,7 +111,7 @@ void NormalEquations::AddSmoothness() {
     double gradient = -plate_.coefficients[vertex] * plate_.residuals[vertex];
     double diagonal = plate_.coefficients[vertex];
     const auto ring = rings_.neighbors[vertex];
-    const size_t row = ring.data() - rings_.neighbors.values.data();
+    const size_t row = rings_.neighbors.offsets[vertex];
     for (size_t i = 0; i < ring.size(); ++i) {
       const uint32_t other = ring[i];
       const double share = incoming_[row + i];
@@ -140,7 +132,7 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = rings_.neighbors[i];
-      const size_t row = ring.data() - rings_.neighbors.values.data();
+      const size_t row = rings_.neighbors.offsets[i];
       double photometric = photometric_diagonal_[i] * in[i];
       double mean = 0;
       for (size_t k = 0; k < ring.size(); ++k) {
@@ -154,7 +146,7 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
       const auto ring = rings_.neighbors[i];
-      const size_t row = ring.data() - rings_.neighbors.values.data();
+      const size_t row = rings_.neighbors.offsets[i];
       double sum = -weighted_changes[i];
       for (size_t k = 0; k < ring.size(); ++k) {
         sum += incoming_[row + k] * weighted_changes[ring[k]];
@@ -190,45 +182,15 @@ LinearSolution NormalEquations::Determined(const SolverOptions& options) const {
 
 LinearSolution NormalEquations::Solve(std::vector<double> right_hand_side,
                                       const SolverOptions& options) const {
-  const size_t size = gradient_.size();
-  LinearSolution solution{std::vector<double>(size, 0), true};
-  std::vector<double> residual = std::move(right_hand_side);
-  std::vector<double> preconditioned(size);
-  std::vector<double> image(size);
-  const auto precondition = [&] {
-    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      preconditioned[i] = diagonal_[i] > 0 ? residual[i] / diagonal_[i] : 0.0;
-    });
-  };
-  precondition();
-  std::vector<double> direction = preconditioned;
-  double product = Dot(residual, preconditioned);
-  const double enough = options.tolerance * options.tolerance * product;
-  for (int iteration = 0; product > enough; ++iteration) {
-    if (iteration == options.max_iterations) {
-      solution.is_converged = false;
-      break;
-    }
-    Multiply(direction, false, &image);
-    const double curvature = Dot(direction, image);
-    if (!(curvature > 0)) {
-      solution.is_converged = false;
-      break;
-    }
-    const double step = product / curvature;
-    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      solution.values[i] += step * direction[i];
-      residual[i] -= step * image[i];
-    });
-    precondition();
-    const double next = Dot(residual, preconditioned);
-    const double ratio = next / product;
-    product = next;
-    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      direction[i] = preconditioned[i] + ratio * direction[i];
-    });
-  }
-  return solution;
+  using Vector = std::vector<double>;
+  return SolveByConjugateGradients(
+      options, std::move(right_hand_side),
+      [&](const Vector& in, Vector* out) { Multiply(in, false, out); },
+      [&](const Vector& residual, Vector* out) {
+        tbb::parallel_for(size_t{0}, residual.size(), [&](size_t i) {
+          (*out)[i] = diagonal_[i] > 0 ? residual[i] / diagonal_[i] : 0.0;
+        });
+      });
 }
 
 }  // namespace colmap_ext

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
@@ -8,6 +7,7 @@
 #include "mesh/adjacency.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
+#include "optim/conjugate_gradients.h"
 #include "photometry/photometric_energy.h"
 #include "refine/thin_plate.h"
 
@@ -16,17 +16,8 @@ namespace colmap_ext {
 // When the conjugate gradients end. Early: the steps are limited anyway, and a
 // later iteration makes up for what an earlier one leaves. Found by trial;
 // tests/benchmarks/vary_constants.py tables what other values do.
-struct SolverOptions {
-  // Of the residual, in the norm of the preconditioner, relative to the first.
-  double tolerance = 0.03;
-
-  int max_iterations = 100;
-};
-
-struct LinearSolution {
-  std::vector<double> values;  // [V]
-  bool is_converged = false;   // else max_iterations ended it, or rounding
-};
+inline constexpr double kSolverTolerance = 0.03;
+inline constexpr SolverOptions kEarlyEnd{kSolverTolerance, 100};
 
 // Gauss-Newton's quadratic model of the photometric energy and the smoothness,
 // in how far each vertex moves along its normal (docs/method.md, section 6.3).
@@ -48,7 +39,7 @@ class NormalEquations {
 
   // The minimum of the model, [V] scene units, by conjugate gradients,
   // preconditioned by the diagonal. 0 where nothing says anything.
-  LinearSolution Solve(const SolverOptions& options) const;
+  LinearSolution Solve(const SolverOptions& options = kEarlyEnd) const;
 
   // The effective degrees of freedom: how far the images, rather than the
   // smoothness, determine where each vertex is: [V]. Their sum estimates how
@@ -57,7 +48,7 @@ class NormalEquations {
   // vector of random signs [Hutchinson1990]. Each by itself estimates its
   // element of the diagonal, with much noise. 0 where a vertex has no
   // smoothness.
-  LinearSolution Determined(const SolverOptions& options) const;
+  LinearSolution Determined(const SolverOptions& options = kEarlyEnd) const;
 
  private:
   void AddPhotometric(const TriangleMesh& mesh, const PhotometricTerms& terms);

@@ -56,6 +56,15 @@ def run(command, seconds=None):
     }
 
 
+def checked(command):
+    """What run() returns; exits with the output of a command that fails."""
+    command = [str(word) for word in command]
+    result = run(command)
+    if not result["ok"]:
+        sys.exit(f"{' '.join(command)} failed:\n{result['output']}")
+    return result
+
+
 def mesh(args, command, workspace, output, options=(), seconds=None):
     prefix = ("DelaunayManifoldMeshing" if command == OURS
               else "DelaunayMeshing")
@@ -102,18 +111,14 @@ def topology(args, path):
             counted(output, "nonmanifold_edges:"))
 
 
-def accuracy(args, workspace, path):
-    """Mean and median accuracy and completeness, 1e-3 units, or None."""
-    truth = workspace / "truth" / "mesh.ply"
-    if not truth.exists():
-        return None
+def evaluate(args, workspace, path):
+    """Mean and median accuracy and completeness, 1e-3 units."""
     report = path.with_suffix(".json")
-    subprocess.run(
-        [args.colmap, "mesh_evaluator", "--mesh_path", str(path),
-         "--truth_path", str(truth), "--workspace_path", str(workspace),
-         "--json_path", str(report)], check=True, capture_output=True)
+    checked([args.colmap, "mesh_evaluator", "--mesh_path", path,
+             "--truth_path", workspace / "truth" / "mesh.ply",
+             "--workspace_path", workspace, "--json_path", report])
     figures = json.loads(report.read_text())
-    return [f"{1000 * figures[side][kind]:.2f}"
+    return [1000 * figures[side][kind]
             for side in ("accuracy", "completeness")
             for kind in ("mean", "median")]
 
@@ -198,9 +203,9 @@ def compare(args, workspace, folder, seconds_unthinned):
             f"{baseline['wall'] / result['wall']:.1f}x, "
             f"{baseline['peak'] / result['peak']:.1f}x",
             vertices, ply_counts(output)["face"], *topology(args, output)])
-        score = accuracy(args, workspace, output)
-        if score:
-            scores.append([title, *score])
+        if (workspace / "truth" / "mesh.ply").exists():
+            scores.append([title] + [
+                f"{score:.2f}" for score in evaluate(args, workspace, output)])
     print_table(f"{name}: {args.threads} threads",
                 ["", "wall s", "CPU s", "peak MB", "faster, smaller",
                  "vertices in", "faces", "singular vertices",

@@ -9,7 +9,6 @@ of one pixel. `--timed WORKSPACE` tables only what a workspace takes.
 
 import argparse
 import csv
-import json
 import math
 import pathlib
 import shutil
@@ -17,7 +16,7 @@ import struct
 import sys
 import tempfile
 
-from compare_meshers import print_table, run
+from compare_meshers import checked, evaluate, print_table
 
 DEFAULT = "default"
 PAPER = "1 pair (the paper's)"
@@ -56,33 +55,16 @@ def refiner_options(setting):
             for i, word in enumerate(setting)]
 
 
-def evaluate(args, workspace, mesh):
-    """Mean and median accuracy and completeness, 1e-3 units."""
-    report = mesh.with_suffix(".json")
-    result = run([args.colmap, "mesh_evaluator", "--mesh_path", str(mesh),
-                  "--truth_path", str(workspace / "truth" / "mesh.ply"),
-                  "--workspace_path", str(workspace),
-                  "--json_path", str(report)])
-    if not result["ok"]:
-        sys.exit(result["output"])
-    figures = json.loads(report.read_text())
-    return [1e3 * figures[kind][name]
-            for kind in ("accuracy", "completeness")
-            for name in ("mean", "median")]
-
-
 def refine(args, workspace, mesh, output, setting):
     """One run: CPU s, peak MB, s an iteration of the full size (the shortest
     and the mean), vertices."""
     steps_path = output.with_suffix(".csv")
-    result = run([args.colmap, "facetwise_refiner",
-                  "--workspace_path", str(workspace),
-                  "--input_path", str(mesh), "--output_path", str(output),
-                  "--report_path", str(steps_path),
-                  "--FacetwiseRefinement.backend", args.backend]
-                 + refiner_options(setting))
-    if not result["ok"]:
-        sys.exit(result["output"])
+    result = checked([args.colmap, "facetwise_refiner",
+                      "--workspace_path", workspace,
+                      "--input_path", mesh, "--output_path", output,
+                      "--report_path", steps_path,
+                      "--FacetwiseRefinement.backend", args.backend]
+                     + refiner_options(setting))
     with open(steps_path, newline="") as file:
         steps = [row for row in csv.DictReader(file) if row["level"] == "0"]
     seconds = [float(row["seconds"]) for row in steps]
@@ -123,11 +105,8 @@ def copy_workspace(workspace, folder):
 
 def mesh_workspace(args, workspace, options=()):
     mesh = workspace / "meshed-delaunay-manifold.ply"
-    result = run([args.colmap, "delaunay_manifold_mesher",
-                  "--workspace_path", str(workspace),
-                  "--output_path", str(mesh)] + list(options))
-    if not result["ok"]:
-        sys.exit(result["output"])
+    checked([args.colmap, "delaunay_manifold_mesher", "--workspace_path",
+             workspace, "--output_path", mesh, *options])
     return mesh
 
 

@@ -2,8 +2,7 @@
 // around it: time, peak memory, and how far the energy is above its lower
 // bound.
 
-#include <sys/resource.h>
-
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "labeling/facet_labeling.h"
+#include "tests/peak_memory.h"
 
 namespace colmap_ext {
 namespace {
@@ -85,16 +85,12 @@ struct LabeledSphere {
         all.push_back({(views[a].Center() - views[b].Center()).norm(), {a, b}});
       }
     }
-    std::sort(all.begin(), all.end(),
-              [](const auto& x, const auto& y) { return x.first < y.first; });
+    std::ranges::sort(all);
     all.resize(kNumPairs);
     for (const auto& [distance, pair] : all) {
       pairs.push_back(pair);
     }
-    std::sort(
-        pairs.begin(), pairs.end(), [](const ViewPair& x, const ViewPair& y) {
-          return std::pair(x.first, x.second) < std::pair(y.first, y.second);
-        });
+    std::ranges::sort(pairs);
   }
 
   void AddViews(const Eigen::Vector3d& point, std::vector<uint32_t>* to) const {
@@ -112,24 +108,18 @@ struct LabeledSphere {
   FacetVisibility visibility;
 };
 
-// Peak of this process, MB.
-double PeakMemory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
 void LabelSphere(benchmark::State& state) {
   const LabeledSphere sphere;
   FacetLabelingOptions options;
   options.final_pairs_per_facet = static_cast<int>(state.range(0));
-  const double memory_before = PeakMemory();
+  const size_t memory_before = PeakMemory();
   FacetLabeling labeling;
   for (auto _ : state) {
     labeling = LabelFacets(options, sphere.mesh, sphere.attributes,
                            sphere.pairs, sphere.visibility, sphere.views);
   }
-  state.counters["memory_MB"] = PeakMemory() - memory_before;
+  state.counters["memory_MB"] =
+      static_cast<double>(PeakMemory() - memory_before) / (1 << 20);
   state.counters["gap_percent"] =
       100 * (labeling.final_energy / labeling.lower_bound - 1);
   state.counters["initial_over_final"] =

@@ -23,10 +23,9 @@ import math
 import pathlib
 import re
 import struct
-import sys
 import tempfile
 
-from compare_meshers import print_table, run
+from compare_meshers import checked, print_table
 
 MIN_TIME = 0.05  # s, of a run that counts for an exponent
 
@@ -192,13 +191,6 @@ def table(title, heads, factors, results, count):
              for result in results]
     rows.append(["peak MB", *(f"{peak:.0f}" for peak in peaks), ""])
     print_table(title, ["", *map(str, heads), "exponent"], rows)
-
-
-def checked(command):
-    result = run([str(word) for word in command])
-    if not result["ok"]:
-        sys.exit(f"{command} failed:\n{result['output']}")
-    return result
 
 
 def mesh(args, workspace):

@@ -15,15 +15,15 @@
 
 #include "gl/gl_photometric_energy.h"
 #include "photometry/photometric_energy.h"
-#include "tests/gl/energy_scene.h"
+#include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
 namespace {
 
 struct Problem {
   explicit Problem(int width)
-      : scene("statue", 12, width),
-        mesh(scene.Perturbed(0.3, 1)),
+      : scene(MakeRefinementScene("statue", 12, width)),
+        mesh(scene.Perturbed(0.3)),
         labels(scene.Labels(2)) {}
 
   static const Problem& OfWidth(int64_t width) {
@@ -36,7 +36,7 @@ struct Problem {
     return *problem;
   }
 
-  EnergyScene scene;
+  RefinementScene scene;
   TriangleMesh mesh;
   FacetLabels labels;
 };

@@ -59,48 +59,44 @@ struct Stages {
   FlowCapacities graph;
 };
 
-void CountPoints(const Stages& stages, benchmark::State* state) {
-  state->SetItemsProcessed(
-      state->iterations() *
+// Times a function of the stages at a width.
+template <typename Function>
+void Run(benchmark::State& state, const Function& function) {
+  const Stages& stages = Stages::OfWidth(state.range(0));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(function(stages));
+  }
+  state.SetItemsProcessed(
+      state.iterations() *
       static_cast<int64_t>(stages.scene.fused.cloud.size()));
 }
 
 void BM_Tetrahedralize(benchmark::State& state) {
-  const Stages& stages = Stages::OfWidth(state.range(0));
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        Tetrahedralize(stages.scene.fused.cloud, stages.scene.scene.views, {}));
-  }
-  CountPoints(stages, &state);
+  Run(state, [](const Stages& stages) {
+    return Tetrahedralize(stages.scene.fused.cloud, stages.scene.scene.views,
+                          {});
+  });
 }
 
 void BM_WalkRays(benchmark::State& state) {
-  const Stages& stages = Stages::OfWidth(state.range(0));
-  for (auto _ : state) {
+  Run(state, [](const Stages& stages) {
     FlowCapacities graph = stages.empty_graph;
     AddVisibilityWeights(stages.thinned.tetrahedra, stages.observations,
                          stages.centers, {stages.sigma, 1}, &graph);
-    benchmark::DoNotOptimize(graph);
-  }
-  CountPoints(stages, &state);
+    return graph;
+  });
 }
 
 void BM_MinCut(benchmark::State& state) {
-  const Stages& stages = Stages::OfWidth(state.range(0));
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        ComputeMinCut(NeighborsOf(stages.thinned.tetrahedra), stages.graph));
-  }
-  CountPoints(stages, &state);
+  Run(state, [](const Stages& stages) {
+    return ComputeMinCut(NeighborsOf(stages.thinned.tetrahedra), stages.graph);
+  });
 }
 
 void BM_MeshManifold(benchmark::State& state) {
-  const Stages& stages = Stages::OfWidth(state.range(0));
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        MeshManifold({}, stages.scene.fused.cloud, stages.scene.scene.views));
-  }
-  CountPoints(stages, &state);
+  Run(state, [](const Stages& stages) {
+    return MeshManifold({}, stages.scene.fused.cloud, stages.scene.scene.views);
+  });
 }
 
 void Widths(benchmark::internal::Benchmark* benchmark) {

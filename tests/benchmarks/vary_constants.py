@@ -13,8 +13,8 @@ import shutil
 import sys
 import tempfile
 
-from compare_meshers import print_table, run
-from compare_refiners import copy_workspace, evaluate, mesh_workspace, refine
+from compare_meshers import checked, evaluate, print_table
+from compare_refiners import copy_workspace, mesh_workspace, refine
 
 # File below src/, constant, values beside the one that it has.
 CONSTANTS = [
@@ -22,8 +22,7 @@ CONSTANTS = [
     ("refine/level_refinement.cc", "kMaxDrift", ["0.05", "0.2"]),
     ("refine/level_refinement.cc", "kFirstWeight", ["10", "40"]),
     ("refine/level_refinement.cc", "kRelaxation", ["1", "2"]),
-    ("refine/level_refinement.cc", "kFinalIterations", ["1", "4"]),
-    ("refine/level_refinement.cc", "kLastIterations", ["2", "8"]),
+    ("refine/level_refinement.cc", "kFinalIterations", ["2", "8"]),
     ("refine/level_refinement.cc", "kBlindIterations", ["1", "4"]),
     ("refine/smoothness_model.cc", "kRedundancy", ["4", "16"]),
     ("refine/smoothness_model.cc", "kMaxChange", ["2", "8"]),
@@ -34,7 +33,7 @@ CONSTANTS = [
     ("refine/thin_plate.cc", "kMaxCurvature", ["0.125", "0.5"]),
     ("refine/thin_plate.cc", "kPrior", ["0.05", "0.2"]),
     ("refine/thin_plate.cc", "kMinEdge", ["0.25", "1"]),
-    ("refine/normal_equations.h", "tolerance", ["0.015", "0.06"]),
+    ("refine/normal_equations.h", "kSolverTolerance", ["0.015", "0.06"]),
     ("photometry/window_correlation.cc", "kMaxSlope", ["2", "8"]),
     ("refine/facet_sizes.cc", "kUnseenFactor", ["2", "8"]),
     ("refine/facet_sizes.cc", "kMaxError", ["0.05F", "0.2F"]),
@@ -44,11 +43,8 @@ CONSTANTS = [
 ]
 
 
-def build(args, folder):
-    result = run(["cmake", "--build", str(folder / "build"), "--target",
-                  "colmap_ext"])
-    if not result["ok"]:
-        sys.exit(result["output"])
+def build(folder):
+    checked(["cmake", "--build", folder / "build", "--target", "colmap_ext"])
 
 
 def prepare(args, folder):
@@ -59,13 +55,10 @@ def prepare(args, folder):
     options = [f"-DCOLMAP_SOURCE_DIR={args.colmap_source}"]
     if not args.colmap_source:
         options = []
-    result = run(["cmake", "-S", str(folder / "source"), "-B",
-                  str(folder / "build"), "-G", "Ninja",
-                  "-DCMAKE_BUILD_TYPE=Release", "-DCOLMAP_EXT_TESTS=OFF",
-                  "-DCOLMAP_EXT_PATCH_COLMAP=OFF"] + options)
-    if not result["ok"]:
-        sys.exit(result["output"])
-    build(args, folder)
+    checked(["cmake", "-S", folder / "source", "-B", folder / "build", "-G",
+             "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DCOLMAP_EXT_TESTS=OFF",
+             "-DCOLMAP_EXT_PATCH_COLMAP=OFF"] + options)
+    build(folder)
 
 
 def figures(args, meshes, folder):
@@ -106,7 +99,7 @@ def main():
                 sys.exit(f"{file}: not one {constant}")
             for value in values:
                 path.write_text(pattern.sub(rf"\g<1>{value}\g<3>", text))
-                build(args, folder)
+                build(folder)
                 was = pattern.search(text).group(2)
                 rows.append([f"`{constant}` ({file})", f"{was} -> {value}"]
                             + figures(args, meshes, folder))

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "labeling/view_pairs.h"
 #include "tests/random.h"
 
 namespace colmap_ext {
@@ -19,11 +18,7 @@ RefinedCameras CameraScene::Refine(const CameraRefinementOptions& options,
 }
 
 CameraScene MakeCameraScene(bool with_own_cameras, int width) {
-  synthetic::DenseSceneOptions options;
-  options.scene.num_images = 8;
-  options.scene.width = width;
-  options.scene.height = 3 * width / 4;
-  CameraScene result{MakeRefinementScene(options), {}, {}, {}};
+  CameraScene result{MakeRefinementScene("statue", 8, width), {}, {}, {}};
   const synthetic::DenseScene& dense = result.scene.dense;
   result.truth.views = result.scene.Views();
   for (size_t i = 0; i < result.truth.views.size(); ++i) {

@@ -1,4 +1,4 @@
-#include "cameras/shift_jacobian.h"
+#include "cameras/camera_set.h"
 
 #include <functional>
 
@@ -53,42 +53,38 @@ class ShiftJacobianTest : public testing::Test {
     constexpr double kStep = 1e-6;
     return (warp(kStep) - warp(-kStep)) / (2 * kStep);
   }
+
+  // \param move  a view by a size along a parameter k.
+  template <typename Jacobian, typename Move>
+  void ExpectByEither(const Jacobian& by_i, const Jacobian& by_j,
+                      const Move& move) const {
+    for (int k = 0; k < by_i.cols(); ++k) {
+      const Eigen::Vector2d of_i = Differentiate([&](double size) {
+        return Warp(move(i_, size, k), j_, pixel_, point_, normal_);
+      });
+      const Eigen::Vector2d of_j = Differentiate([&](double size) {
+        return Warp(i_, move(j_, size, k), pixel_, point_, normal_);
+      });
+      EXPECT_LT((of_i - by_i.col(k)).norm(), 1e-4) << k;
+      EXPECT_LT((of_j - by_j.col(k)).norm(), 1e-4) << k;
+    }
+  }
 };
 
 TEST_F(ShiftJacobianTest, IsTheDerivativeByEitherPose) {
-  for (int k = 0; k < 6; ++k) {
-    const auto step = [k](double size) -> PoseStep {
-      return size * PoseStep::Unit(k);
-    };
-    const Eigen::Vector2d by_i = Differentiate([&](double size) {
-      return Warp(MoveView(i_, step(size), IntrinsicsStep::Zero()), j_, pixel_,
-                  point_, normal_);
-    });
-    const Eigen::Vector2d by_j = Differentiate([&](double size) {
-      return Warp(i_, MoveView(j_, step(size), IntrinsicsStep::Zero()), pixel_,
-                  point_, normal_);
-    });
-    EXPECT_LT((by_i - jacobian_.by_pose_i.col(k)).norm(), 1e-4) << k;
-    EXPECT_LT((by_j - jacobian_.by_pose_j.col(k)).norm(), 1e-4) << k;
-  }
+  ExpectByEither(jacobian_.by_pose_i, jacobian_.by_pose_j,
+                 [](const View& view, double size, int k) {
+                   return MoveView(view, size * PoseStep::Unit(k),
+                                   IntrinsicsStep::Zero());
+                 });
 }
 
 TEST_F(ShiftJacobianTest, IsTheDerivativeByEitherCamera) {
-  for (int k = 0; k < 3; ++k) {
-    const auto step = [k](double size) -> IntrinsicsStep {
-      return size * IntrinsicsStep::Unit(k);
-    };
-    const Eigen::Vector2d by_i = Differentiate([&](double size) {
-      return Warp(MoveView(i_, PoseStep::Zero(), step(size)), j_, pixel_,
-                  point_, normal_);
-    });
-    const Eigen::Vector2d by_j = Differentiate([&](double size) {
-      return Warp(i_, MoveView(j_, PoseStep::Zero(), step(size)), pixel_,
-                  point_, normal_);
-    });
-    EXPECT_LT((by_i - jacobian_.by_intrinsics_i.col(k)).norm(), 1e-4) << k;
-    EXPECT_LT((by_j - jacobian_.by_intrinsics_j.col(k)).norm(), 1e-4) << k;
-  }
+  ExpectByEither(jacobian_.by_intrinsics_i, jacobian_.by_intrinsics_j,
+                 [](const View& view, double size, int k) {
+                   return MoveView(view, PoseStep::Zero(),
+                                   size * IntrinsicsStep::Unit(k));
+                 });
 }
 
 TEST_F(ShiftJacobianTest, IsTheDerivativeByTheDisplacementAndThePixel) {

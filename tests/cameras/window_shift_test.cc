@@ -1,11 +1,10 @@
-#include "cameras/window_shift.h"
+#include "cameras/surface_patches.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "cameras/shift_jacobian.h"
-#include "cameras/surface_patches.h"
+#include "cameras/camera_set.h"
 #include "raster/facet_frames.h"
 #include "tests/cameras/camera_scene.h"
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/percentile.h"
 #include "cameras/refine_cameras.h"
 #include "gl/gl_photometric_energy.h"
 #include "photometry/photometric_energy.h"
@@ -88,13 +89,11 @@ RefinedMesh Refine(PhotometricEnergy* energy,
   options.remeshing = false;
   options.labeling.final_pairs_per_facet = 0;
   options.cameras.parts = RefinedParts::kPoses;
-  auto cameras = std::make_shared<RefinableCameras>();
-  cameras->views = DisturbedCameras().views;
-  cameras->view_cameras = DisturbedCameras().view_cameras;
-  cameras->tracks = scene.tracks;
-  cameras->images = images;
+  const auto cameras = std::make_shared<RefinableCameras>(
+      RefinableCameras{DisturbedCameras().views,
+                       DisturbedCameras().view_cameras, scene.tracks, images});
   VertexAttributes attributes;
-  attributes.views.offsets.assign(scene.scene.Truth().vertices.size() + 1, 0);
+  attributes.views = Rows<uint32_t>(scene.scene.Truth().vertices.size());
   return RefineFacetwise(
       options,
       {{scene.scene.Truth(), attributes}, options.levels - 1, true, cameras},
@@ -107,9 +106,7 @@ double MedianDistance(const TriangleMesh& a, const TriangleMesh& b) {
   for (size_t i = 0; i < a.vertices.size(); ++i) {
     distances.push_back((a.vertices[i] - b.vertices[i]).norm());
   }
-  const auto median = distances.begin() + distances.size() / 2;
-  std::nth_element(distances.begin(), median, distances.end());
-  return *median / Scene().scene.dense.scene.footprint;
+  return Median(&distances) / Scene().scene.dense.scene.footprint;
 }
 
 void ExpectAgreement(const RefinedMesh& refined, const RefinedMesh& reference) {

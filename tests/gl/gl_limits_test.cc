@@ -1,6 +1,5 @@
 #include "gl/egl_context.h"
 
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,19 +11,20 @@
 
 #include "gl/gl_photometric_energy.h"
 #include "photometry/photometric_energy.h"
-#include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
+#include "tests/gl/terms_difference.h"
+#include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
 namespace gl_limits_test {
 
-const EnergyScene& Scene() {
-  static const EnergyScene scene("statue", 3, 120);
+const RefinementScene& Scene() {
+  static const RefinementScene scene = MakeRefinementScene("statue", 3, 120);
   return scene;
 }
 
 const TriangleMesh& Mesh() {
-  static const TriangleMesh mesh = Scene().Perturbed(0.3, 1);
+  static const TriangleMesh mesh = Scene().Perturbed(0.3);
   return mesh;
 }
 

@@ -10,19 +10,19 @@
 #include "labeling/facet_labels.h"
 #include "photometry/photometric_energy.h"
 #include "raster/facet_id_buffer.h"
-#include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
-#include "tests/raster/room.h"
+#include "tests/gl/terms_difference.h"
+#include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
 namespace gl_photometric_energy_test {
 
-const EnergyScene& Statue() {
-  static const EnergyScene scene("statue", 4, 160);
+const RefinementScene& Statue() {
+  static const RefinementScene scene = MakeRefinementScene("statue", 4);
   return scene;
 }
 
-std::unique_ptr<PhotometricEnergy> MakeGl(const EnergyScene& scene,
+std::unique_ptr<PhotometricEnergy> MakeGl(const RefinementScene& scene,
                                           size_t max_memory = SIZE_MAX) {
   return MakeGlPhotometricEnergy({}, scene.Pyramid(),
                                  {.max_memory = max_memory});
@@ -44,6 +44,7 @@ struct BothEnergies {
     cpu->Render(mesh);
   }
 
+  // Of a mesh that was drawn, or of another one.
   // \return the processor's terms
   PhotometricTerms ExpectAgreement(const TriangleMesh& mesh,
                                    const FacetLabels& labels) const {
@@ -64,7 +65,12 @@ struct BothEnergies {
   std::unique_ptr<PhotometricEnergy> cpu;
 };
 
-class GlPhotometricEnergyTest : public GlTest {};
+class GlPhotometricEnergyTest : public GlTest {
+ protected:
+  const RefinementScene& scene_ = Statue();
+  const TriangleMesh mesh_ = scene_.Perturbed(0.3);
+  const FacetLabels labels_ = scene_.Labels(2);
+};
 
 TEST(GlPhotometricEnergy, GraphicsCardThatIsNotThereThrows) {
   EXPECT_THROW(
@@ -74,16 +80,14 @@ TEST(GlPhotometricEnergy, GraphicsCardThatIsNotThereThrows) {
 
 // Drawn at one place, evaluated at others.
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorAtAllLevels) {
-  const EnergyScene& scene = Statue();
-  const BothEnergies both(scene.Pyramid());
-  const FacetLabels labels = scene.Labels(2);
+  const BothEnergies both(scene_.Pyramid());
   for (const int level : {2, 1, 0}) {
     SCOPED_TRACE(level);
     both.gl->SetLevel(level);
     both.cpu->SetLevel(level);
-    both.Render(scene.Perturbed(0.3, 1));
+    both.Render(mesh_);
     for (const uint32_t seed : {2, 3}) {
-      both.ExpectAgreement(scene.Perturbed(0.3, seed), labels);
+      both.ExpectAgreement(scene_.Perturbed(0.3, seed), labels_);
     }
   }
 }
@@ -101,29 +105,26 @@ GrayImage StripedMask(const View& view, size_t index) {
 }
 
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorUnderMasks) {
-  const EnergyScene& scene = Statue();
   const auto read_mask = [&](size_t view) {
-    return StripedMask(scene.Views()[view], view);
+    return StripedMask(scene_.Views()[view], view);
   };
-  const BothEnergies both(scene.Pyramid(1, read_mask));
-  const auto whole = MakeCpuPhotometricEnergy({}, scene.Pyramid(), SIZE_MAX);
-  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
-  const FacetLabels labels = scene.Labels(2);
+  const BothEnergies both(scene_.Pyramid(SIZE_MAX, read_mask));
+  const auto whole = MakeCpuPhotometricEnergy({}, scene_.Pyramid(), SIZE_MAX);
   for (const int level : {1, 0}) {
     SCOPED_TRACE(level);
     for (PhotometricEnergy* energy :
          {both.gl.get(), both.cpu.get(), whole.get()}) {
       energy->SetLevel(level);
-      energy->Render(mesh);
+      energy->Render(mesh_);
     }
-    EXPECT_GT(both.ExpectAgreement(mesh, labels).energy,
-              whole->Evaluate(mesh, labels).energy);
+    EXPECT_GT(both.ExpectAgreement(mesh_, labels_).energy,
+              whole->Evaluate(mesh_, labels_).energy);
   }
 }
 
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorWhateverTheOptions) {
-  const EnergyScene scene("grid", 3, 160);
-  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  const RefinementScene scene = MakeRefinementScene("grid", 3);
+  const TriangleMesh mesh = scene.Perturbed(0.3);
   const FacetLabels labels = scene.Labels(1);
   for (const int radius : {1, 2, 4}) {
     for (const bool masking : {false, true}) {
@@ -140,33 +141,25 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorWhateverTheOptions) {
 }
 
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInOneDirection) {
-  const EnergyScene& scene = Statue();
-  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
-  const FacetLabels labels =
-      InSmallerView(scene.Labels(2), mesh, scene.Views());
-  const BothEnergies both(scene.Pyramid());
-  both.Render(mesh);
-  EXPECT_GT(both.ExpectAgreement(mesh, labels).energy,
-            both.cpu->Evaluate(mesh, scene.Labels(2)).energy);
+  const FacetLabels labels = InSmallerView(labels_, mesh_, scene_.Views());
+  const BothEnergies both(scene_.Pyramid());
+  both.Render(mesh_);
+  EXPECT_GT(both.ExpectAgreement(mesh_, labels).energy,
+            both.cpu->Evaluate(mesh_, labels_).energy);
 }
 
 TEST_F(GlPhotometricEnergyTest, FacetsOfOtherLabelsGetNothing) {
-  const EnergyScene& scene = Statue();
-  const auto energy = MakeGl(scene);
-  energy->Render(scene.Truth());
-  FacetLabels labels = scene.Labels(1);
-  const PhotometricTerms all = energy->Evaluate(scene.Truth(), labels);
+  const auto energy = MakeGl(scene_);
+  energy->Render(scene_.Truth());
+  const FacetLabels labels = scene_.Labels(1);
+  const PhotometricTerms all = energy->Evaluate(scene_.Truth(), labels);
   // Every second facet of the others loses its label.
-  FacetLabels half{labels.pairs, {}, {}};
-  for (size_t facet = 0; facet < labels.NumFacets(); ++facet) {
-    const auto row = labels.labels[facet];
-    if (facet % 2 == 0) {
-      half.labels.values.insert(half.labels.values.end(), row.begin(),
-                                row.end());
-    }
-    half.labels.EndRow();
+  std::vector<uint8_t> is_kept(labels.NumFacets(), 1);
+  for (size_t facet = 1; facet < is_kept.size(); facet += 2) {
+    is_kept[facet] = 0;
   }
-  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), half);
+  const FacetLabels half = labels.Masked(is_kept);
+  const PhotometricTerms terms = energy->Evaluate(scene_.Truth(), half);
   size_t num_lost = 0;
   for (size_t facet = 0; facet < half.NumFacets(); ++facet) {
     if (half.labels[facet].empty()) {
@@ -207,17 +200,12 @@ bool IsHidden(const View& view, const FacetIdBuffer& drawn,
 }
 
 TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
-  const EnergyScene scene("grid", 2, 160);
+  const RefinementScene scene = MakeRefinementScene("grid", 2);
   const TriangleMesh& mesh = scene.Truth();
   const auto energy = MakeGl(scene);
   energy->Render(mesh);
-  FacetLabels labels;
-  labels.pairs = {{0, 1}};
-  labels.labels.values.assign(mesh.facets.size(), 0);
-  for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
-    labels.labels.offsets.push_back(facet + 1);
-  }
-  const PhotometricTerms terms = energy->Evaluate(mesh, labels);
+  const PhotometricTerms terms =
+      energy->Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size()));
   std::array<FacetIdBuffer, 2> drawn;
   std::array<std::vector<bool>, 2> is_seen;
   for (int i = 0; i < 2; ++i) {
@@ -249,95 +237,84 @@ TEST_F(GlPhotometricEnergyTest, OccludedFacetsGetNothing) {
 // Walls that reach behind both cameras. They are large: Mesa's software would
 // not run over all their pixels at once, see FindGlLimits().
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInARoom) {
-  std::vector<View> views;
-  for (const View& view : RoomViews()) {
-    views.push_back(ResizeView(view, 6 * view.width, 6 * view.height));
-  }
-  const auto images = std::make_shared<ImagePyramid>(
-      views, [&](size_t view) { return RoomImage(views[view]); }, SIZE_MAX);
-  const BothEnergies both(images);
-  TriangleMesh room = MakeRoom();
+  const RefinementScene scene = MakeRoomScene(6);
+  const BothEnergies both(scene.Pyramid());
+  TriangleMesh room = scene.Truth();
   both.Render(room);
   for (Eigen::Vector3f& vertex : room.vertices) {
     vertex *= 1.002F;
   }
-  both.ExpectAgreement(room, {{{0, 1}}, RoomLabels(), {}});
+  both.ExpectAgreement(room, LabelAll({{0, 1}}, room.facets.size()));
 }
 
 // Every second image is half the size.
 TEST_F(GlPhotometricEnergyTest, ImagesMayBeOfSeveralSizes) {
-  const EnergyScene& scene = Statue();
   const std::array<std::shared_ptr<ImagePyramid>, 2> pyramids = {
-      scene.Pyramid(), scene.Pyramid()};
+      scene_.Pyramid(), scene_.Pyramid()};
   pyramids[1]->SetLevel(1);
   std::vector<View> views;
-  for (size_t i = 0; i < scene.Views().size(); ++i) {
+  for (size_t i = 0; i < scene_.Views().size(); ++i) {
     views.push_back(pyramids[(i + 1) % 2]->Views()[i]);
   }
   const auto images = std::make_shared<ImagePyramid>(
       views,
       [&](size_t view) { return *pyramids[(view + 1) % 2]->Image(view); },
       SIZE_MAX);
-  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
   const BothEnergies both(images);
-  both.Render(mesh);
-  both.ExpectAgreement(mesh, scene.Labels(2));
+  both.Render(mesh_);
+  both.ExpectAgreement(mesh_, labels_);
 }
 
 TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorFarFromTheOrigin) {
-  const EnergyScene& scene = Statue();
   const Eigen::Vector3d shift(1000, -2000, 500);
-  std::vector<View> views = scene.Views();
+  std::vector<View> views = scene_.Views();
   for (View& view : views) {
     view.cam_from_world_translation -= view.cam_from_world_rotation * shift;
   }
-  TriangleMesh mesh = scene.Perturbed(0.3, 1);
+  TriangleMesh mesh = mesh_;
   for (Eigen::Vector3f& vertex : mesh.vertices) {
     vertex += shift.cast<float>();
   }
-  const std::shared_ptr<ImagePyramid> pyramid = scene.Pyramid();
-  const auto images = std::make_shared<ImagePyramid>(
-      views, [&](size_t view) { return *pyramid->Image(view); }, SIZE_MAX);
-  const BothEnergies both(images);
+  const BothEnergies both(scene_.PyramidOf(views));
   both.Render(mesh);
-  both.ExpectAgreement(mesh, scene.Labels(2));
+  both.ExpectAgreement(mesh, labels_);
 }
 
 TEST_F(GlPhotometricEnergyTest, SameBytesFromRunToRunAndInLittleMemory) {
-  const EnergyScene& scene = Statue();
-  const TriangleMesh mesh = scene.Perturbed(0.3, 1);
-  const FacetLabels labels = scene.Labels(2);
-  const auto first = MakeGl(scene);
-  const auto second = MakeGl(scene, 0);
-  first->Render(mesh);
-  second->Render(mesh);
-  const PhotometricTerms terms = first->Evaluate(mesh, labels);
-  EXPECT_TRUE(first->Evaluate(mesh, labels) == terms);
-  EXPECT_TRUE(second->Evaluate(mesh, labels) == terms);
-  first->Render(scene.Truth());
-  first->Evaluate(scene.Truth(), labels);
+  const auto first = MakeGl(scene_);
+  const auto second = MakeGl(scene_, 0);
+  first->Render(mesh_);
+  second->Render(mesh_);
+  const PhotometricTerms terms = first->Evaluate(mesh_, labels_);
+  EXPECT_TRUE(first->Evaluate(mesh_, labels_) == terms);
+  EXPECT_TRUE(second->Evaluate(mesh_, labels_) == terms);
+  first->Render(scene_.Truth());
+  first->Evaluate(scene_.Truth(), labels_);
   first->SetLevel(1);
-  first->Render(mesh);
-  first->Evaluate(mesh, labels);
+  first->Render(mesh_);
+  first->Evaluate(mesh_, labels_);
   first->SetLevel(0);
-  first->Render(mesh);
-  EXPECT_TRUE(first->Evaluate(mesh, labels) == terms);
+  first->Render(mesh_);
+  EXPECT_TRUE(first->Evaluate(mesh_, labels_) == terms);
 }
 
 TEST_F(GlPhotometricEnergyTest, ScaledSceneHasTheSameEnergy) {
-  const EnergyScene& scene = Statue();
-  const FacetLabels labels = scene.Labels(1);
-  const auto energy = MakeGl(scene);
-  energy->Render(scene.Truth());
-  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
+  const FacetLabels labels = scene_.Labels(1);
+  const auto energy = MakeGl(scene_);
+  energy->Render(scene_.Truth());
+  const PhotometricTerms terms = energy->Evaluate(scene_.Truth(), labels);
   for (const int exponent : {-10, 10}) {
     const float scale = std::ldexp(1.0F, exponent);
-    TriangleMesh mesh = scene.Truth();
+    TriangleMesh mesh = scene_.Truth();
     for (Eigen::Vector3f& vertex : mesh.vertices) {
       vertex *= scale;
     }
+    std::vector<View> views = scene_.Views();
+    for (View& view : views) {
+      view.cam_from_world_translation *= scale;
+    }
     const auto scaled =
-        MakeGlPhotometricEnergy({}, scene.Pyramid(scale), {.max_memory = 0});
+        MakeGlPhotometricEnergy({}, scene_.PyramidOf(views), {.max_memory = 0});
     scaled->Render(mesh);
     PhotometricTerms scaled_terms = scaled->Evaluate(mesh, labels);
     for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
@@ -353,29 +330,26 @@ TEST_F(GlPhotometricEnergyTest, ScaledSceneHasTheSameEnergy) {
 }
 
 TEST_F(GlPhotometricEnergyTest, AnyThreadMayUseIt) {
-  const EnergyScene& scene = Statue();
-  const FacetLabels labels = scene.Labels(1);
-  auto energy = MakeGl(scene);
-  energy->Render(scene.Truth());
-  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
+  const FacetLabels labels = scene_.Labels(1);
+  auto energy = MakeGl(scene_);
+  energy->Render(scene_.Truth());
+  const PhotometricTerms terms = energy->Evaluate(scene_.Truth(), labels);
   std::thread([&] {
-    EXPECT_TRUE(energy->Evaluate(scene.Truth(), labels) == terms);
+    EXPECT_TRUE(energy->Evaluate(scene_.Truth(), labels) == terms);
     energy.reset();
   }).join();
 }
 
 TEST_F(GlPhotometricEnergyTest, NothingToCompareIsZero) {
-  const EnergyScene& scene = Statue();
-  const auto energy = MakeGl(scene);
-  FacetLabels labels;
-  labels.pairs = {{0, 1}};
+  const auto energy = MakeGl(scene_);
+  FacetLabels labels{{{0, 1}}, {}, {}};
   energy->Render({});
   EXPECT_EQ(energy->Evaluate({}, labels).energy, 0);
-  energy->Render(scene.Truth());
-  labels.labels.offsets.assign(scene.Truth().facets.size() + 1, 0);
-  const PhotometricTerms terms = energy->Evaluate(scene.Truth(), labels);
+  energy->Render(scene_.Truth());
+  labels.labels = Rows<uint32_t>(scene_.Truth().facets.size());
+  const PhotometricTerms terms = energy->Evaluate(scene_.Truth(), labels);
   EXPECT_EQ(terms.energy, 0);
-  EXPECT_EQ(terms.facets.size(), scene.Truth().facets.size());
+  EXPECT_EQ(terms.facets.size(), scene_.Truth().facets.size());
 }
 
 TEST_F(GlPhotometricEnergyTest, SaysWhatComputes) {

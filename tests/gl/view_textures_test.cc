@@ -7,9 +7,8 @@
 
 #include "gl/gl_error.h"
 #include "raster/facet_id_buffer.h"
-#include "tests/gl/energy_scene.h"
 #include "tests/gl/gl_test.h"
-#include "tests/raster/room.h"
+#include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
 namespace view_textures_test {
@@ -67,8 +66,8 @@ TEST_F(FacetDrawerTest, DrawsWhatTheProcessorDraws) {
   size_t num_pixels = 0;
   size_t num_different = 0;
   for (const char* shape : {"statue", "grid"}) {
-    const EnergyScene scene(shape, 3, 200);
-    const TriangleMesh mesh = scene.Perturbed(0.3, 1);
+    const RefinementScene scene = MakeRefinementScene(shape, 3, 200);
+    const TriangleMesh mesh = scene.Perturbed(0.3);
     for (const View& view : scene.Views()) {
       const Drawn drawn = Draw(view, mesh);
       const FacetIdBuffer reference = DrawFacets(view, mesh, 0.1);
@@ -142,9 +141,9 @@ TEST_F(FacetDrawerTest, FacetsThatReachBehindTheCameraAreDrawnByAPart) {
 }
 
 TEST_F(FacetDrawerTest, DrawsARoomFromInsideAsTheProcessorDoes) {
-  for (const View& small : RoomViews()) {
-    const View view = ResizeView(small, 6 * small.width, 6 * small.height);
-    const TriangleMesh room = MakeRoom();
+  const RefinementScene scene = MakeRoomScene(6);
+  const TriangleMesh& room = scene.Truth();
+  for (const View& view : scene.Views()) {
     const Drawn drawn = Draw(view, room);
     const FacetIdBuffer reference = DrawFacets(view, room, 0.1);
     size_t num_different = 0;

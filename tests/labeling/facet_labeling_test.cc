@@ -3,16 +3,26 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
+#include "base/indices.h"
 #include "labeling/facet_labeling.h"
-#include "labeling/view_pairs.h"
 #include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"
+#include "tests/threads.h"
 
 namespace colmap_ext {
 namespace facet_labeling_test {
+
+std::vector<ViewPair> AllPairs(size_t num_views) {
+  std::vector<ViewPair> pairs;
+  for (uint32_t a = 0; a < num_views; ++a) {
+    for (uint32_t b = a + 1; b < num_views; ++b) {
+      pairs.push_back({a, b});
+    }
+  }
+  return pairs;
+}
 
 class LabelFacetsTest : public testing::Test {
  protected:
@@ -28,16 +38,8 @@ class LabelFacetsTest : public testing::Test {
       }
     }
     for (std::vector<uint32_t>& row : views) {
-      std::sort(row.begin(), row.end());
-      row.erase(std::unique(row.begin(), row.end()), row.end());
-      attributes_.views.values.insert(attributes_.views.values.end(),
-                                      row.begin(), row.end());
-      attributes_.views.EndRow();
-    }
-    for (uint32_t a = 0; a < Scene().Views().size(); ++a) {
-      for (uint32_t b = a + 1; b < Scene().Views().size(); ++b) {
-        pairs_.push_back({a, b});
-      }
+      SortUnique(&row);
+      attributes_.views.AddRow(row);
     }
   }
 
@@ -81,7 +83,7 @@ class LabelFacetsTest : public testing::Test {
   TriangleMesh mesh_;
   FacetVisibility visibility_;
   VertexAttributes attributes_;
-  std::vector<ViewPair> pairs_;
+  const std::vector<ViewPair> pairs_ = AllPairs(Scene().Views().size());
 };
 
 TEST_F(LabelFacetsTest, GivesOnlyPairsThatSeeTheFacet) {
@@ -138,13 +140,7 @@ TEST_F(LabelFacetsTest, LowersTheEnergyAndEvensTheLabelsOut) {
 }
 
 TEST_F(LabelFacetsTest, DoesNotDependOnTheNumberOfThreads) {
-  const FacetLabels expected = Label({}).labels;
-  for (const int num_threads : {1, 3}) {
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, num_threads);
-    const FacetLabels labels = Label({}).labels;
-    EXPECT_EQ(labels.labels, expected.labels);
-  }
+  ExpectSameForAnyThreads([&] { return Label({}).labels.labels; });
 }
 
 TEST_F(LabelFacetsTest, GivesAllPairsThatSeeTheFacetInTheClassicalWay) {
@@ -157,8 +153,7 @@ TEST_F(LabelFacetsTest, GivesAllPairsThatSeeTheFacetInTheClassicalWay) {
 }
 
 TEST_F(LabelFacetsTest, TakesWhatIsDrawnWhereNothingElseIsKnown) {
-  attributes_ = {};
-  attributes_.views.offsets.assign(mesh_.vertices.size() + 1, 0);
+  attributes_.views = Rows<uint32_t>(mesh_.vertices.size());
   FacetLabelingOptions options;
   options.final_pairs_per_facet = 0;
   const FacetLabeling labeling = Label(options);
@@ -170,10 +165,9 @@ TEST_F(LabelFacetsTest, TakesWhatIsDrawnWhereNothingElseIsKnown) {
 
 TEST_F(LabelFacetsTest, PrefersViewsThatTheVerticesAreKnownToBeSeenBy) {
   // Nothing but views 0 and 1 is known anywhere.
-  attributes_ = {};
+  attributes_.views = {};
   for (size_t i = 0; i < mesh_.vertices.size(); ++i) {
-    attributes_.views.values.insert(attributes_.views.values.end(), {0, 1});
-    attributes_.views.EndRow();
+    attributes_.views.AddRow(std::vector<uint32_t>{0, 1});
   }
   FacetLabelingOptions options;
   options.pairs_per_facet = 4;
@@ -196,17 +190,11 @@ TEST(LabelFacets, GivesPairsToWallsThatReachBehindTheCameras) {
   std::vector<View> views = RoomViews();
   views.push_back(LookAt({-4, 0.2, 0.1}, {4, 0.2, 0.1}, 64, 48, 40));
   views.push_back(LookAt({-4, -0.3, 0.4}, {4, -0.3, 0.4}, 64, 48, 40));
-  std::vector<ViewPair> pairs;
-  for (uint32_t i = 0; i < views.size(); ++i) {
-    for (uint32_t j = i + 1; j < views.size(); ++j) {
-      pairs.push_back({i, j});
-    }
-  }
   VertexAttributes attributes;
   attributes.views = Rows<uint32_t>(room.vertices.size());
   const FacetVisibility visibility = VisibleFacets(room, views);
-  const FacetLabeling labeling =
-      LabelFacets({}, room, attributes, pairs, visibility, views);
+  const FacetLabeling labeling = LabelFacets(
+      {}, room, attributes, AllPairs(views.size()), visibility, views);
   EXPECT_TRUE(std::isfinite(labeling.initial_energy));
   EXPECT_TRUE(std::isfinite(labeling.final_energy));
   int num_labeled = 0;

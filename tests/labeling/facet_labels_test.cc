@@ -11,8 +11,7 @@ namespace facet_labels_test {
 TEST(InSmallerView, ComparesEachLabelWhereTheFacetIsSmaller) {
   const RefinementScene scene = MakeRefinementScene();
   const TriangleMesh mesh = scene.Truth();
-  FacetLabels labels;
-  labels.pairs = {{0, 1}, {0, 4}, {2, 3}};
+  FacetLabels labels{{{0, 1}, {0, 4}, {2, 3}}, {}, {}};
   for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
     for (uint32_t k = 0; k < facet % 4; ++k) {
       labels.labels.values.push_back(k);

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "labeling/view_pairs.h"
+#include "labeling/facet_labels.h"
 
 namespace colmap_ext {
 namespace view_pairs_test {

@@ -38,6 +38,18 @@ GrayImage SmoothImage(const View& view) {
   return image;
 }
 
+GrayImage RandomImage(const View& view, Random* random) {
+  GrayImage image{view.width, view.height, {}};
+  for (int i = 0; i < view.width * view.height; ++i) {
+    image.pixels.push_back(static_cast<uint8_t>(random->Below(256)));
+  }
+  return image;
+}
+
+GrayImage ConstantImage(int width, int height, uint8_t gray) {
+  return {width, height, std::vector<uint8_t>(width * height, gray)};
+}
+
 GrayImage AtLevel(const View& view, const GrayImage& image, int level) {
   ImagePyramid pyramid(
       {view}, [&](size_t) { return image; }, SIZE_MAX);
@@ -74,14 +86,14 @@ TEST(ImagePyramid, LeavesConstantImagesConstant) {
        {std::pair(64, 48), {61, 47}, {1, 1}, {3, 200}}) {
     for (const uint8_t gray : {0, 1, 128, 255}) {
       const View view = ViewOfSize(width, height);
-      const std::vector<uint8_t> pixels(view.width * view.height, gray);
       for (const int level : {1, 2, 3}) {
         const View at_level = ViewAtLevel(view, level);
-        const GrayImage image = AtLevel(view, {width, height, pixels}, level);
+        const GrayImage image =
+            AtLevel(view, ConstantImage(width, height, gray), level);
         EXPECT_EQ(image.width, at_level.width);
         EXPECT_EQ(image.height, at_level.height);
         EXPECT_EQ(image.pixels,
-                  std::vector<uint8_t>(at_level.width * at_level.height, gray));
+                  ConstantImage(image.width, image.height, gray).pixels);
       }
     }
   }
@@ -90,10 +102,7 @@ TEST(ImagePyramid, LeavesConstantImagesConstant) {
 TEST(ImagePyramid, TakesMeansOfWhatAPixelCovers) {
   Random random(2);
   const View view = ViewOfSize(32, 24);
-  GrayImage image{view.width, view.height, {}};
-  for (int i = 0; i < view.width * view.height; ++i) {
-    image.pixels.push_back(static_cast<uint8_t>(random.Below(256)));
-  }
+  const GrayImage image = RandomImage(view, &random);
   for (const int level : {1, 2, 3}) {
     const int size = 1 << level;
     const GrayImage small = AtLevel(view, image, level);
@@ -153,14 +162,26 @@ class ImagePyramidMemoryTest : public testing::Test {
     return {std::vector<View>(3, ViewOfSize(8, 8)),
             [this](size_t view) {
               ++num_reads_[view];
-              return GrayImage{
-                  8, 8,
-                  std::vector<uint8_t>(kSize, static_cast<uint8_t>(view))};
+              return ConstantImage(8, 8, static_cast<uint8_t>(view));
             },
             max_memory, read_mask, max_borrowed};
   }
 
-  std::vector<int> num_reads_ = {0, 0, 0};
+  // Each view in turn, five times.
+  static void UseAll(ImagePyramid* pyramid) {
+    for (int i = 0; i < 5 * 3; ++i) {
+      EXPECT_EQ(pyramid->Image(i % 3)->pixels[0], i % 3);
+      pyramid->Mask(i % 3);
+    }
+  }
+
+  void ExpectReads(int first, int second, int third) const {
+    EXPECT_EQ(num_reads_[0], first);
+    EXPECT_EQ(num_reads_[1], second);
+    EXPECT_EQ(num_reads_[2], third);
+  }
+
+  std::array<std::atomic<int>, 3> num_reads_ = {};
 };
 
 TEST_F(ImagePyramidMemoryTest, ReadsEachImageOnceWhereThereIsRoom) {
@@ -168,7 +189,7 @@ TEST_F(ImagePyramidMemoryTest, ReadsEachImageOnceWhereThereIsRoom) {
   for (const size_t view : {0, 1, 2, 1, 0, 2, 2}) {
     EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
   }
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  ExpectReads(1, 1, 1);
 }
 
 TEST_F(ImagePyramidMemoryTest, DropsWhatWasNotUsedForTheLongestTime) {
@@ -176,12 +197,12 @@ TEST_F(ImagePyramidMemoryTest, DropsWhatWasNotUsedForTheLongestTime) {
   for (const size_t view : {0, 1, 0, 2, 0}) {
     pyramid.Image(view);
   }
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  ExpectReads(1, 1, 1);
   pyramid.Image(1);
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 2, 1}));
+  ExpectReads(1, 2, 1);
   pyramid.Image(0);
   pyramid.Image(2);
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 2, 2}));
+  ExpectReads(1, 2, 2);
 }
 
 TEST_F(ImagePyramidMemoryTest, KeepsWhatIsInUse) {
@@ -203,7 +224,7 @@ TEST_F(ImagePyramidMemoryTest, ReadsOnceForAllLevelsWhereThereIsRoom) {
       EXPECT_EQ(pyramid.Views()[view].width, 8 >> level);
     }
   }
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  ExpectReads(1, 1, 1);
   pyramid.SetLevel(0);
   EXPECT_EQ(pyramid.Views()[0].PixelFromRay(), ViewOfSize(8, 8).PixelFromRay());
 }
@@ -212,12 +233,8 @@ TEST_F(ImagePyramidMemoryTest, ReadsOnceForAllLevelsWhereThereIsRoom) {
 TEST_F(ImagePyramidMemoryTest, TheLevelComesBeforeTheFullSize) {
   ImagePyramid pyramid = MakePyramid(3 * kSize / 4);
   pyramid.SetLevel(1);
-  for (int pass = 0; pass < 5; ++pass) {
-    for (const size_t view : {0, 1, 2}) {
-      EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
-    }
-  }
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  UseAll(&pyramid);
+  ExpectReads(1, 1, 1);
 }
 
 // All of a level or nothing: the few that would be kept more do not pay.
@@ -226,12 +243,8 @@ TEST_F(ImagePyramidMemoryTest, BorrowsWhatKeepsAllImagesOfALevel) {
   EXPECT_EQ(pyramid.BorrowedMemory(), 0);
   pyramid.SetLevel(1);
   EXPECT_EQ(pyramid.BorrowedMemory(), kSize / 4);
-  for (int pass = 0; pass < 5; ++pass) {
-    for (const size_t view : {0, 1, 2}) {
-      EXPECT_EQ(pyramid.Image(view)->pixels[0], view);
-    }
-  }
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  UseAll(&pyramid);
+  ExpectReads(1, 1, 1);
   pyramid.SetLevel(0);
   EXPECT_EQ(pyramid.BorrowedMemory(), 0);
   pyramid.SetLevel(2);
@@ -242,16 +255,11 @@ TEST_F(ImagePyramidMemoryTest, MasksShareTheMemory) {
   int num_mask_reads = 0;
   ImagePyramid pyramid = MakePyramid(kSize, 5 * kSize, [&](size_t) {
     ++num_mask_reads;
-    return GrayImage{8, 8, std::vector<uint8_t>(kSize, 255)};
+    return ConstantImage(8, 8, 255);
   });
   EXPECT_EQ(pyramid.BorrowedMemory(), 5 * kSize);
-  for (int pass = 0; pass < 5; ++pass) {
-    for (const size_t view : {0, 1, 2}) {
-      pyramid.Image(view);
-      pyramid.Mask(view);
-    }
-  }
-  EXPECT_EQ(num_reads_, (std::vector<int>{1, 1, 1}));
+  UseAll(&pyramid);
+  ExpectReads(1, 1, 1);
   EXPECT_EQ(num_mask_reads, 3);
 }
 
@@ -259,10 +267,7 @@ TEST_F(ImagePyramidMemoryTest, MasksShareTheMemory) {
 TEST(ImagePyramid, LevelsComeFromTheFullSize) {
   Random random(3);
   const View view = ViewOfSize(61, 47);
-  GrayImage image{view.width, view.height, {}};
-  for (int i = 0; i < view.width * view.height; ++i) {
-    image.pixels.push_back(static_cast<uint8_t>(random.Below(256)));
-  }
+  const GrayImage image = RandomImage(view, &random);
   for (const size_t max_memory : {size_t{0}, size_t{3000}, SIZE_MAX}) {
     ImagePyramid pyramid(
         {view}, [&](size_t) { return image; }, max_memory);
@@ -276,15 +281,10 @@ TEST(ImagePyramid, LevelsComeFromTheFullSize) {
 TEST_F(ImagePyramidMemoryTest, IsSafeFromSeveralThreads) {
   for (const size_t max_memory : {size_t{1}, SIZE_MAX}) {
     for (const int level : {0, 1}) {
-      std::array<std::atomic<int>, 3> num_reads = {};
-      ImagePyramid pyramid(
-          std::vector<View>(3, ViewOfSize(8, 8)),
-          [&](size_t view) {
-            ++num_reads[view];
-            return GrayImage{
-                8, 8, std::vector<uint8_t>(kSize, static_cast<uint8_t>(view))};
-          },
-          max_memory);
+      for (std::atomic<int>& count : num_reads_) {
+        count = 0;
+      }
+      ImagePyramid pyramid = MakePyramid(max_memory);
       pyramid.SetLevel(level);
       std::atomic<int> num_wrong = 0;
       tbb::parallel_for(0, 300, [&](int i) {
@@ -292,7 +292,7 @@ TEST_F(ImagePyramidMemoryTest, IsSafeFromSeveralThreads) {
         num_wrong += pyramid.Image(view)->pixels[0] != view;
       });
       EXPECT_EQ(num_wrong, 0);
-      for (const std::atomic<int>& count : num_reads) {
+      for (const std::atomic<int>& count : num_reads_) {
         EXPECT_TRUE(max_memory == 1 || count == 1) << count;
       }
     }
@@ -306,8 +306,7 @@ TEST(ImagePyramid, RefusesImagesOfAnotherSize) {
     ImagePyramid pyramid(
         {view},
         [width = width, height = height](size_t) {
-          return GrayImage{width, height,
-                           std::vector<uint8_t>(width * height, 0)};
+          return ConstantImage(width, height, 0);
         },
         SIZE_MAX);
     try {
@@ -323,7 +322,7 @@ TEST(ImagePyramid, RefusesImagesOfAnotherSize) {
 // A pixel of a level is masked where any that it covers is.
 TEST(ImagePyramid, HalvesMasks) {
   const View view = ViewOfSize(37, 21);
-  GrayImage mask{37, 21, std::vector<uint8_t>(37 * 21, 255)};
+  GrayImage mask = ConstantImage(37, 21, 255);
   Random random(3);
   for (int i = 0; i < 20; ++i) {
     mask.pixels[random.Below(37 * 21)] = 0;

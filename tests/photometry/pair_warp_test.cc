@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "spatial/bvh.h"
 #include "tests/look_at.h"

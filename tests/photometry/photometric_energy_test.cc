@@ -1,8 +1,7 @@
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <cmath>
 #include <numeric>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,7 +11,6 @@
 #include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
 #include "raster/visibility_buffers.h"
-#include "tests/raster/room.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {
@@ -23,46 +21,39 @@ const RefinementScene& Scene() {
   return scene;
 }
 
-// The truth with every vertex moved along its normal by noise of some pixels.
-TriangleMesh PerturbedTruth(float pixels) {
-  const synthetic::Scene& scene = Scene().dense.scene;
-  TriangleMesh mesh = scene.surface;
-  std::mt19937 random(1);
-  std::normal_distribution<float> noise;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    mesh.vertices[i] +=
-        pixels * scene.footprint * noise(random) * scene.normals[i];
+// As most tests compare it: the truth moved by noise, each facet by all of some
+// pairs.
+class CpuPhotometricEnergyTest : public testing::Test {
+ protected:
+  FacetLabels Label(const std::vector<ViewPair>& pairs) const {
+    return LabelAll(pairs, mesh_.facets.size());
   }
-  return mesh;
-}
 
-// Facets [0, num_labeled) get every pair, the others none.
-FacetLabels LabelFirst(const std::vector<ViewPair>& pairs, size_t num_facets,
-                       size_t num_labeled) {
-  FacetLabels labels;
-  labels.pairs = pairs;
-  for (size_t i = 0; i < num_facets; ++i) {
-    for (uint32_t k = 0; k < pairs.size() && i < num_labeled; ++k) {
-      labels.labels.values.push_back(k);
-    }
-    labels.labels.EndRow();
+  FacetLabels LabelHalf(const std::vector<ViewPair>& pairs) const {
+    return LabelWhere(pairs, mesh_.facets.size(), [this](size_t facet) {
+      return facet < mesh_.facets.size() / 2;
+    });
   }
-  return labels;
-}
 
-FacetLabels LabelAll(const std::vector<ViewPair>& pairs, size_t num_facets) {
-  return LabelFirst(pairs, num_facets, num_facets);
-}
+  // Of drawn meshes.
+  static PhotometricTerms Evaluate(
+      const TriangleMesh& mesh, const FacetLabels& labels,
+      const std::shared_ptr<ImagePyramid>& images = Scene().Pyramid(),
+      size_t max_memory = SIZE_MAX) {
+    const auto energy = MakeCpuPhotometricEnergy({}, images, max_memory);
+    energy->Render(mesh);
+    return energy->Evaluate(mesh, labels);
+  }
 
-// Drawn and evaluated.
-PhotometricTerms Evaluate(
-    const TriangleMesh& mesh, const FacetLabels& labels,
-    const std::shared_ptr<ImagePyramid>& images = Scene().Pyramid(),
-    size_t max_memory = SIZE_MAX) {
-  const auto energy = MakeCpuPhotometricEnergy({}, images, max_memory);
-  energy->Render(mesh);
-  return energy->Evaluate(mesh, labels);
-}
+  void ExpectGradient(const PhotometricOptions& options,
+                      const std::vector<ViewPair>& pairs) const;
+
+  const TriangleMesh mesh_ = Scene().Perturbed(0.3);
+  const size_t num_pixels_ =  // of an image
+      size_t{1} * Scene().Views()[0].width * Scene().Views()[0].height;
+  const std::unique_ptr<PhotometricEnergy> energy_ =
+      MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
+};
 
 // dE / dV, [V].
 std::vector<Eigen::Vector3d> Gradient(const TriangleMesh& mesh,
@@ -98,17 +89,17 @@ Eigen::Vector3d NumericGradient(const TriangleMesh& mesh, uint32_t vertex,
 }
 
 // At vertices from the steepest one down to those with a tenth of its slope.
-void ExpectGradient(const PhotometricOptions& options,
-                    const std::vector<ViewPair>& pairs) {
+void CpuPhotometricEnergyTest::ExpectGradient(
+    const PhotometricOptions& options,
+    const std::vector<ViewPair>& pairs) const {
   constexpr int kNumVertices = 12;
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
   const auto energy =
       MakeCpuPhotometricEnergy(options, Scene().Pyramid(), SIZE_MAX);
-  energy->Render(mesh);
-  const FacetLabels labels = LabelAll(pairs, mesh.facets.size());
+  energy->Render(mesh_);
+  const FacetLabels labels = Label(pairs);
   const std::vector<Eigen::Vector3d> gradient =
-      Gradient(mesh, energy->Evaluate(mesh, labels));
-  std::vector<uint32_t> order(mesh.vertices.size());
+      Gradient(mesh_, energy->Evaluate(mesh_, labels));
+  std::vector<uint32_t> order(mesh_.vertices.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return gradient[a].norm() > gradient[b].norm();
@@ -122,7 +113,7 @@ void ExpectGradient(const PhotometricOptions& options,
   for (int i = 0; i < kNumVertices; ++i) {
     const uint32_t vertex = order[i * num_steep / kNumVertices];
     const Eigen::Vector3d numeric =
-        NumericGradient(mesh, vertex, labels, energy.get());
+        NumericGradient(mesh_, vertex, labels, energy.get());
     EXPECT_GT(numeric.dot(gradient[vertex]),
               0.99 * numeric.norm() * gradient[vertex].norm())
         << "vertex " << vertex;
@@ -137,21 +128,12 @@ void ExpectGradient(const PhotometricOptions& options,
   EXPECT_NEAR(ratios[kNumVertices - 2], 1, 0.02);
 }
 
-TEST(CpuPhotometricEnergy, GradientIsThatOfFiniteDifferences) {
+TEST_F(CpuPhotometricEnergyTest, GradientIsThatOfFiniteDifferences) {
   ExpectGradient({}, {{0, 1}});
-}
-
-TEST(CpuPhotometricEnergy, GradientOfSeveralPairsIsThatOfFiniteDifferences) {
   ExpectGradient({}, {{0, 1}, {0, 7}, {1, 2}});
-}
-
-TEST(CpuPhotometricEnergy, GradientOfThePapersEnergyIsThatOfFiniteDifferences) {
-  PhotometricOptions options;
-  options.residual_floor = 1000;
-  ExpectGradient(options, {{0, 1}});
-}
-
-TEST(CpuPhotometricEnergy, GradientIsRightForOtherWindowsAndWithoutMasks) {
+  PhotometricOptions papers;
+  papers.residual_floor = 1000;
+  ExpectGradient(papers, {{0, 1}});
   for (const int radius : {1, 3}) {
     PhotometricOptions options;
     options.window_radius = radius;
@@ -160,10 +142,10 @@ TEST(CpuPhotometricEnergy, GradientIsRightForOtherWindowsAndWithoutMasks) {
   }
 }
 
-TEST(CpuPhotometricEnergy, IsLowestNearTheTruth) {
+TEST_F(CpuPhotometricEnergyTest, IsLowestNearTheTruth) {
   double last = -INFINITY;
   for (const float pixels : {0.0F, 0.25F, 0.5F, 1.0F}) {
-    const TriangleMesh mesh = PerturbedTruth(pixels);
+    const TriangleMesh mesh = Scene().Perturbed(pixels);
     const double value =
         Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size())).energy;
     EXPECT_GT(value, last) << pixels;
@@ -172,19 +154,17 @@ TEST(CpuPhotometricEnergy, IsLowestNearTheTruth) {
 }
 
 // Pairs that are compared in both directions add what each of them says.
-TEST(CpuPhotometricEnergy, DirectionsAddUp) {
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-  energy->Render(mesh);
-  FacetLabels labels = LabelAll({{0, 1}, {0, 7}}, mesh.facets.size());
-  const PhotometricTerms both = energy->Evaluate(mesh, labels);
+TEST_F(CpuPhotometricEnergyTest, DirectionsAddUp) {
+  energy_->Render(mesh_);
+  FacetLabels labels = Label({{0, 1}, {0, 7}});
+  const PhotometricTerms both = energy_->Evaluate(mesh_, labels);
   labels.directions.assign(labels.labels.values.size(), kInFirst);
-  const PhotometricTerms first = energy->Evaluate(mesh, labels);
+  const PhotometricTerms first = energy_->Evaluate(mesh_, labels);
   labels.directions.assign(labels.labels.values.size(), kInSecond);
-  const PhotometricTerms second = energy->Evaluate(mesh, labels);
+  const PhotometricTerms second = energy_->Evaluate(mesh_, labels);
   EXPECT_LT(first.energy, 0);
   EXPECT_LT(second.energy, 0);
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     EXPECT_EQ(first.facets[i].num_pixels + second.facets[i].num_pixels,
               both.facets[i].num_pixels);
     EXPECT_NEAR(first.facets[i].energy + second.facets[i].energy,
@@ -195,13 +175,11 @@ TEST(CpuPhotometricEnergy, DirectionsAddUp) {
   }
 }
 
-TEST(CpuPhotometricEnergy, SaysNothingOfFacetsWithoutLabel) {
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const size_t num_labeled = mesh.facets.size() / 2;
-  const PhotometricTerms terms =
-      Evaluate(mesh, LabelFirst({{0, 1}}, mesh.facets.size(), num_labeled));
+TEST_F(CpuPhotometricEnergyTest, SaysNothingOfFacetsWithoutLabel) {
+  const size_t num_labeled = mesh_.facets.size() / 2;
+  const PhotometricTerms terms = Evaluate(mesh_, LabelHalf({{0, 1}}));
   size_t num_seen = 0;
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     if (i < num_labeled) {
       num_seen += terms.facets[i].num_pixels > 0 ? 1 : 0;
       continue;
@@ -212,7 +190,7 @@ TEST(CpuPhotometricEnergy, SaysNothingOfFacetsWithoutLabel) {
 }
 
 // A triangle close before the second camera hides everything from it.
-TEST(CpuPhotometricEnergy, SaysNothingOfHiddenFacets) {
+TEST_F(CpuPhotometricEnergyTest, SaysNothingOfHiddenFacets) {
   TriangleMesh mesh = Scene().Truth();
   const size_t num_facets = mesh.facets.size();
   const View& view = Scene().Views()[1];
@@ -232,10 +210,8 @@ TEST(CpuPhotometricEnergy, SaysNothingOfHiddenFacets) {
   }
 }
 
-TEST(CpuPhotometricEnergy, SecondDerivativesAreNotNegative) {
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const PhotometricTerms terms =
-      Evaluate(mesh, LabelAll({{0, 1}}, mesh.facets.size()));
+TEST_F(CpuPhotometricEnergyTest, SecondDerivativesAreNotNegative) {
+  const PhotometricTerms terms = Evaluate(mesh_, Label({{0, 1}}));
   for (const FacetTerms& facet : terms.facets) {
     const auto& [aa, ab, ac, bb, bc, cc] = facet.curvatures;
     Eigen::Matrix3d matrix;
@@ -245,14 +221,12 @@ TEST(CpuPhotometricEnergy, SecondDerivativesAreNotNegative) {
   }
 }
 
-TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const FacetLabels labels =
-      LabelAll({{0, 1}, {2, 3}, {2, 4}}, mesh.facets.size());
+TEST_F(CpuPhotometricEnergyTest, DependsNeitherOnThreadsNorOnMemory) {
+  const FacetLabels labels = Label({{0, 1}, {2, 3}, {2, 4}});
   const auto evaluate = [&](int num_threads, size_t max_memory) {
     const tbb::global_control control(
         tbb::global_control::max_allowed_parallelism, num_threads);
-    return Evaluate(mesh, labels, Scene().Pyramid(max_memory), max_memory);
+    return Evaluate(mesh_, labels, Scene().Pyramid(max_memory), max_memory);
   };
   const PhotometricTerms terms = evaluate(1, SIZE_MAX);
   EXPECT_TRUE(evaluate(2, SIZE_MAX) == terms);
@@ -260,61 +234,52 @@ TEST(CpuPhotometricEnergy, DependsNeitherOnThreadsNorOnMemory) {
   EXPECT_TRUE(evaluate(2, 1) == terms);
 }
 
+// \param num_reads  goes up by one with each image that is read.
+std::shared_ptr<ImagePyramid> CountingPyramid(size_t max_memory,
+                                              size_t max_borrowed,
+                                              size_t* num_reads) {
+  return std::make_shared<ImagePyramid>(
+      Scene().Views(),
+      [num_reads](size_t view) {
+        ++*num_reads;
+        return Scene().images[view];
+      },
+      max_memory, ReadGrayImage(), max_borrowed);
+}
+
 // Views are compared with their neighbours, in turn: room for three of them
 // does, in images and in buffers.
-TEST(CpuPhotometricEnergy, ReadsImagesOnceAnEvaluationWhereNeighborsFit) {
-  const std::vector<View>& views = Scene().dense.scene.views;
-  const size_t num_pixels = size_t{1} * views[0].width * views[0].height;
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  std::vector<ViewPair> pairs;
-  for (uint32_t i = 0; i + 1 < views.size(); ++i) {
-    pairs.push_back({i, i + 1});
-  }
-  const FacetLabels labels = LabelAll(pairs, mesh.facets.size());
-  const auto all_images = Scene().Pyramid();
-  std::atomic<size_t> num_reads = 0;
-  const auto images = std::make_shared<ImagePyramid>(
-      views,
-      [&](size_t view) {
-        ++num_reads;
-        return *all_images->Image(view);
-      },
-      3 * num_pixels);
+TEST_F(CpuPhotometricEnergyTest, ReadsImagesOnceAnEvaluationWhereNeighborsFit) {
+  const FacetLabels labels = Label(Scene().Labels(1).pairs);
+  size_t num_reads = 0;
   const tbb::global_control control(
       tbb::global_control::max_allowed_parallelism, 1);
   const auto energy = MakeCpuPhotometricEnergy(
-      {}, images, 3 * (8 * num_pixels + mesh.facets.size() / 8));
-  energy->Render(mesh);
+      {}, CountingPyramid(3 * num_pixels_, 0, &num_reads),
+      3 * (8 * num_pixels_ + mesh_.facets.size() / 8));
+  energy->Render(mesh_);
   for (size_t i = 1; i <= 3; ++i) {
-    energy->Evaluate(mesh, labels);
-    EXPECT_LE(num_reads, i * views.size());
+    energy->Evaluate(mesh_, labels);
+    EXPECT_LE(num_reads, i * Scene().Views().size());
   }
 }
 
 // Memory that the images borrow is not the visibility buffers'.
-TEST(CpuPhotometricEnergy, LendsMemoryToImages) {
-  const std::vector<View>& views = Scene().dense.scene.views;
-  const size_t num_pixels = size_t{1} * views[0].width * views[0].height;
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const FacetLabels labels = LabelAll({{0, 1}, {2, 3}}, mesh.facets.size());
-  const auto all_images = Scene().Pyramid();
-  std::vector<size_t> num_reads;
+TEST_F(CpuPhotometricEnergyTest, LendsMemoryToImages) {
+  const FacetLabels labels = Label({{0, 1}, {2, 3}});
+  std::array<size_t, 2> num_reads = {0, 0};
   std::vector<PhotometricTerms> terms;
-  for (const size_t max_borrowed : {size_t{0}, views.size() * num_pixels}) {
-    num_reads.push_back(0);
-    const auto images = std::make_shared<ImagePyramid>(
-        views,
-        [&](size_t view) {
-          ++num_reads.back();
-          return *all_images->Image(view);
-        },
-        num_pixels, ReadGrayImage(), max_borrowed);
-    const tbb::global_control control(
-        tbb::global_control::max_allowed_parallelism, 1);
-    const auto energy = MakeCpuPhotometricEnergy({}, images, num_pixels);
-    energy->Render(mesh);
-    terms.push_back(energy->Evaluate(mesh, labels));
-    energy->Evaluate(mesh, labels);
+  const tbb::global_control control(
+      tbb::global_control::max_allowed_parallelism, 1);
+  for (const size_t i : {0, 1}) {
+    const auto energy = MakeCpuPhotometricEnergy(
+        {},
+        CountingPyramid(num_pixels_, i * Scene().Views().size() * num_pixels_,
+                        &num_reads[i]),
+        num_pixels_);
+    energy->Render(mesh_);
+    terms.push_back(energy->Evaluate(mesh_, labels));
+    energy->Evaluate(mesh_, labels);
   }
   EXPECT_TRUE(terms[1] == terms[0]);
   EXPECT_EQ(num_reads[1], 4);
@@ -322,52 +287,45 @@ TEST(CpuPhotometricEnergy, LendsMemoryToImages) {
 }
 
 // Subdivision and labelling have drawn the mesh before Render() is called.
-TEST(CpuPhotometricEnergy, TakesOverDrawingsOfTheSameMeshOnly) {
-  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const auto buffers = energy->Visibility(mesh);
-  energy->Render(mesh);
-  EXPECT_EQ(energy->Visibility(mesh), buffers);
-  TriangleMesh moved = mesh;
+TEST_F(CpuPhotometricEnergyTest, TakesOverDrawingsOfTheSameMeshOnly) {
+  const auto buffers = energy_->Visibility(mesh_);
+  energy_->Render(mesh_);
+  EXPECT_EQ(energy_->Visibility(mesh_), buffers);
+  TriangleMesh moved = mesh_;
   moved.vertices.back().x() += Scene().dense.scene.footprint;
-  EXPECT_NE(energy->Visibility(moved), buffers);
-  energy->SetLevel(0);
-  const auto full_size = energy->Visibility(mesh);
-  energy->SetLevel(1);
-  EXPECT_NE(energy->Visibility(mesh), full_size);
-  EXPECT_EQ(energy->Visibility(mesh)->Views()[0].width,
+  EXPECT_NE(energy_->Visibility(moved), buffers);
+  energy_->SetLevel(0);
+  const auto full_size = energy_->Visibility(mesh_);
+  energy_->SetLevel(1);
+  EXPECT_NE(energy_->Visibility(mesh_), full_size);
+  EXPECT_EQ(energy_->Visibility(mesh_)->Views()[0].width,
             (Scene().Views()[0].width + 1) / 2);
 }
 
 // What is found out about labels is not taken for other ones.
-TEST(CpuPhotometricEnergy, LabelsMayChangeFromOneEvaluationToTheNext) {
-  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const size_t num_facets = mesh.facets.size();
-  const std::vector<FacetLabels> all_labels = {
-      LabelAll({{0, 1}}, num_facets), LabelAll({{2, 3}}, num_facets),
-      LabelFirst({{0, 1}}, num_facets, num_facets / 2),
-      LabelAll({{0, 1}, {2, 3}}, num_facets)};
+TEST_F(CpuPhotometricEnergyTest, LabelsMayChangeFromOneEvaluationToTheNext) {
+  const std::vector<FacetLabels> all_labels = {Label({{0, 1}}), Label({{2, 3}}),
+                                               LabelHalf({{0, 1}}),
+                                               Label({{0, 1}, {2, 3}})};
   std::vector<PhotometricTerms> expected;
   for (const FacetLabels& labels : all_labels) {
-    expected.push_back(Evaluate(mesh, labels));
+    expected.push_back(Evaluate(mesh_, labels));
   }
-  energy->Render(mesh);
+  energy_->Render(mesh_);
   for (const size_t i : {0, 0, 1, 2, 3, 2, 0}) {
-    EXPECT_TRUE(energy->Evaluate(mesh, all_labels[i]) == expected[i]);
+    EXPECT_TRUE(energy_->Evaluate(mesh_, all_labels[i]) == expected[i]);
   }
   EXPECT_NE(expected[0].energy, expected[1].energy);
 }
 
-TEST(CpuPhotometricEnergy, IsTheSameWhateverTheLevelsOrder) {
+TEST_F(CpuPhotometricEnergyTest, IsTheSameWhateverTheLevelsOrder) {
   const TriangleMesh& mesh = Scene().Truth();
   const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
-  const auto energy = MakeCpuPhotometricEnergy({}, Scene().Pyramid(), SIZE_MAX);
-  energy->Render(mesh);
-  const PhotometricTerms full = energy->Evaluate(mesh, labels);
-  energy->SetLevel(1);
-  energy->Render(mesh);
-  const PhotometricTerms half = energy->Evaluate(mesh, labels);
+  energy_->Render(mesh);
+  const PhotometricTerms full = energy_->Evaluate(mesh, labels);
+  energy_->SetLevel(1);
+  energy_->Render(mesh);
+  const PhotometricTerms half = energy_->Evaluate(mesh, labels);
   const auto num_pixels = [](const PhotometricTerms& terms) {
     return std::accumulate(terms.facets.begin(), terms.facets.end(), 0.0,
                            [](double sum, const FacetTerms& facet) {
@@ -375,9 +333,9 @@ TEST(CpuPhotometricEnergy, IsTheSameWhateverTheLevelsOrder) {
                            });
   };
   EXPECT_NEAR(num_pixels(half), num_pixels(full) / 4, 0.1 * num_pixels(half));
-  energy->SetLevel(0);
-  energy->Render(mesh);
-  EXPECT_TRUE(energy->Evaluate(mesh, labels) == full);
+  energy_->SetLevel(0);
+  energy_->Render(mesh);
+  EXPECT_TRUE(energy_->Evaluate(mesh, labels) == full);
 }
 
 // The upper half of the first image.
@@ -385,13 +343,9 @@ GrayImage UpperHalfMask(size_t view) {
   if (view != 0) {
     return {};
   }
-  const View& size = Scene().dense.scene.views[0];
-  GrayImage mask{size.width, size.height, {}};
-  mask.pixels.assign(static_cast<size_t>(size.width) * size.height, 255);
-  std::fill(mask.pixels.begin(),
-            mask.pixels.begin() +
-                static_cast<ptrdiff_t>(size.height / 2) * size.width,
-            0);
+  GrayImage mask = Scene().images[0];
+  std::ranges::fill(mask.pixels, 255);
+  std::fill_n(mask.pixels.begin(), mask.height / 2 * mask.width, 0);
   return mask;
 }
 
@@ -399,7 +353,7 @@ GrayImage UpperHalfMask(size_t view) {
 // which sampling between pixels reaches.
 std::shared_ptr<ImagePyramid> MaskedPyramid(bool is_painted_over) {
   const auto read = [is_painted_over](size_t view) {
-    GrayImage image = *Scene().Pyramid()->Image(view);
+    GrayImage image = Scene().images[view];
     if (is_painted_over && view == 0) {
       const auto end =
           static_cast<ptrdiff_t>(image.height / 2 - 3) * image.width;
@@ -407,20 +361,19 @@ std::shared_ptr<ImagePyramid> MaskedPyramid(bool is_painted_over) {
     }
     return image;
   };
-  return std::make_shared<ImagePyramid>(Scene().dense.scene.views, read,
-                                        SIZE_MAX, &UpperHalfMask);
+  return std::make_shared<ImagePyramid>(Scene().Views(), read, SIZE_MAX,
+                                        &UpperHalfMask);
 }
 
-TEST(CpuPhotometricEnergy, MaskedPixelsAreNotCompared) {
-  const TriangleMesh mesh = PerturbedTruth(0.3F);
-  const FacetLabels labels = LabelAll({{0, 1}}, mesh.facets.size());
-  const PhotometricTerms whole = Evaluate(mesh, labels);
-  const PhotometricTerms masked = Evaluate(mesh, labels, MaskedPyramid(false));
-  const PhotometricTerms painted = Evaluate(mesh, labels, MaskedPyramid(true));
+TEST_F(CpuPhotometricEnergyTest, MaskedPixelsAreNotCompared) {
+  const FacetLabels labels = Label({{0, 1}});
+  const PhotometricTerms whole = Evaluate(mesh_, labels);
+  const PhotometricTerms masked = Evaluate(mesh_, labels, MaskedPyramid(false));
+  const PhotometricTerms painted = Evaluate(mesh_, labels, MaskedPyramid(true));
   EXPECT_TRUE(masked == painted);
   double num_whole = 0;
   double num_masked = 0;
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+  for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     EXPECT_LE(masked.facets[i].num_pixels, whole.facets[i].num_pixels);
     num_whole += whole.facets[i].num_pixels;
     num_masked += masked.facets[i].num_pixels;
@@ -429,11 +382,11 @@ TEST(CpuPhotometricEnergy, MaskedPixelsAreNotCompared) {
   EXPECT_GT(num_masked, 0.1 * num_whole);
 }
 
-TEST(CpuPhotometricEnergy, FacetsAreNotSeenInMaskedPixels) {
+TEST_F(CpuPhotometricEnergyTest, FacetsAreNotSeenInMaskedPixels) {
   const auto energy =
       MakeCpuPhotometricEnergy({}, MaskedPyramid(false), SIZE_MAX);
-  const TriangleMesh mesh = Scene().dense.scene.surface;
-  const View& view = Scene().dense.scene.views[0];
+  const TriangleMesh mesh = Scene().Truth();
+  const View& view = Scene().Views()[0];
   const FacetVisibility visibility =
       FindVisibleFacets(*energy->Visibility(mesh));
   size_t num_seen = 0;
@@ -451,17 +404,12 @@ TEST(CpuPhotometricEnergy, FacetsAreNotSeenInMaskedPixels) {
   EXPECT_GT(num_seen, 10u);
 }
 
-TEST(CpuPhotometricEnergy, ComparesWallsThatReachBehindTheCameras) {
-  std::vector<View> views;
-  for (const View& view : RoomViews()) {
-    views.push_back(ResizeView(view, 3 * view.width, 3 * view.height));
-  }
-  const auto images = std::make_shared<ImagePyramid>(
-      views, [&](size_t view) { return RoomImage(views[view]); }, SIZE_MAX);
-  const TriangleMesh room = MakeRoom();
+TEST_F(CpuPhotometricEnergyTest, ComparesWallsThatReachBehindTheCameras) {
+  const RefinementScene scene = MakeRoomScene(3);
+  const TriangleMesh& room = scene.Truth();
   const PhotometricTerms terms =
-      Evaluate(room, {{{0, 1}}, RoomLabels(), {}}, images);
-  const auto clipped = FindClippedFacets(views[0], room);
+      Evaluate(room, LabelAll({{0, 1}}, room.facets.size()), scene.Pyramid());
+  const auto clipped = FindClippedFacets(scene.Views()[0], room);
   float num_pixels = 0;
   for (const uint32_t facet : clipped) {
     num_pixels += terms.facets[facet].num_pixels;

@@ -127,9 +127,6 @@ TEST(DrawFacets, ShowsWhatRaysMeetFirst) {
   for (int trial = 0; trial < 5; ++trial) {
     ExpectAsCast(StraightView(), RandomTriangles(20, &random));
   }
-}
-
-TEST(DrawFacets, ShowsWhatRaysMeetFirstOfASurface) {
   ExpectAsCast(LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 90),
                MakeRoundTorus(0.3f));
 }

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/rows.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_id_buffer.h"
 #include "scene/gray_image.h"
@@ -58,15 +57,6 @@ inline GrayImage RoomImage(const View& view) {
     }
   }
   return image;
-}
-
-// Every facet by the pair of the first two views.
-inline Rows<uint32_t> RoomLabels() {
-  Rows<uint32_t> labels;
-  for (size_t i = 0; i < MakeRoom().facets.size(); ++i) {
-    labels.AddRow(std::vector<uint32_t>{0});
-  }
-  return labels;
 }
 
 }  // namespace colmap_ext

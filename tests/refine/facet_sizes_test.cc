@@ -1,7 +1,6 @@
 #include "refine/facet_sizes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -9,9 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "raster/facet_frames.h"
 #include "tests/look_at.h"
-#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
 #include "tests/raster/room.h"

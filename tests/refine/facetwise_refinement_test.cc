@@ -1,6 +1,5 @@
 #include <algorithm>
-#include <cmath>
-#include <string>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,23 +10,24 @@
 #include "refine/facetwise_refinement.h"
 #include "spatial/bvh.h"
 #include "spatial/self_intersections.h"
+#include "tests/cameras/camera_scene.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/random.h"
 #include "tests/raster/visible_facets.h"
-#include "tests/refine/refinement_scene.h"
 #include "tests/threads.h"
 
 namespace colmap_ext {
 namespace facetwise_refinement_test {
 
-const RefinementScene& Scene() {
-  static const RefinementScene scene = MakeRefinementScene();
+const CameraScene& Scene() {
+  static const CameraScene scene = MakeCameraScene();
   return scene;
 }
 
 // The truth moved along its normals by smooth waves of a pixel.
 TriangleMesh PerturbedTruth() {
-  const synthetic::Scene& scene = Scene().dense.scene;
+  const synthetic::Scene& scene = Scene().scene.dense.scene;
   TriangleMesh mesh = scene.surface;
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3f wave =
@@ -37,45 +37,51 @@ TriangleMesh PerturbedTruth() {
   return mesh;
 }
 
-VertexAttributes NoAttributes(const TriangleMesh& mesh) {
-  VertexAttributes attributes;
-  attributes.views.offsets.assign(mesh.vertices.size() + 1, 0);
-  return attributes;
+// Without views of the vertices.
+RefinementStart StartOf(const TriangleMesh& mesh, int first_level = 1) {
+  RefinementStart start{{mesh, {}}, first_level};
+  start.attributes.views = Rows<uint32_t>(mesh.vertices.size());
+  return start;
 }
 
-FacetwiseRefinementOptions SmallOptions() {
-  FacetwiseRefinementOptions options;
-  options.levels = 2;
-  options.iterations = 6;
-  return options;
-}
-
-// By the pictures of `scene`, whatever the views' scale.
-RefinedMesh Refine(const FacetwiseRefinementOptions& options,
-                   RefinementStart start, const RefinementHooks& hooks = {},
-                   double scale = 1) {
-  std::vector<View> views = Scene().Views();
-  for (View& view : views) {
-    view.cam_from_world_translation *= scale;
+// Of the perturbed truth, at two levels.
+class RefineFacetwiseTest : public testing::Test {
+ protected:
+  RefineFacetwiseTest() {
+    options_.levels = 2;
+    options_.iterations = 6;
   }
-  for (std::vector<Eigen::Vector3f>* points :
-       {&start.mesh.vertices, &start.origins}) {
-    for (Eigen::Vector3f& point : *points) {
-      point *= static_cast<float>(scale);
+
+  // By the pictures of the scene, whatever the views' scale.
+  RefinedMesh Refine(RefinementStart start, const RefinementHooks& hooks = {},
+                     double scale = 1) const {
+    std::vector<View> views = Scene().scene.Views();
+    for (View& view : views) {
+      view.cam_from_world_translation *= scale;
     }
+    for (std::vector<Eigen::Vector3f>* points :
+         {&start.mesh.vertices, &start.origins}) {
+      for (Eigen::Vector3f& point : *points) {
+        point *= static_cast<float>(scale);
+      }
+    }
+    const auto energy = MakeCpuPhotometricEnergy(
+        options_.photometric, Scene().scene.PyramidOf(views), SIZE_MAX);
+    return RefineFacetwise(options_, start, views,
+                           Scene().scene.dense.fused.cloud, energy.get(),
+                           hooks);
   }
-  const auto images = std::make_shared<ImagePyramid>(
-      views, [](size_t view) { return Scene().images[view]; }, SIZE_MAX);
-  const auto energy =
-      MakeCpuPhotometricEnergy(options.photometric, images, SIZE_MAX);
-  return RefineFacetwise(options, start, views, Scene().dense.fused.cloud,
-                         energy.get(), hooks);
-}
+
+  RefinedMesh Refine() const { return Refine(StartOf(mesh_)); }
+
+  TriangleMesh mesh_ = PerturbedTruth();
+  FacetwiseRefinementOptions options_;
+};
 
 // From the vertices that some view sees to the truth, px, median.
 double MedianError(const TriangleMesh& mesh) {
-  const Bvh truth(Scene().Truth());
-  const FacetVisibility visibility = VisibleFacets(mesh, Scene().Views());
+  const Bvh truth(Scene().scene.Truth());
+  const FacetVisibility visibility = VisibleFacets(mesh, Scene().scene.Views());
   std::vector<double> errors;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     if (visibility[i].size() >= 2) {
@@ -84,41 +90,35 @@ double MedianError(const TriangleMesh& mesh) {
           (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3, 1));
     }
   }
-  std::nth_element(errors.begin(), errors.begin() + errors.size() / 2,
-                   errors.end());
-  return errors[errors.size() / 2] / Scene().dense.scene.footprint;
+  return Median(&errors) / Scene().scene.dense.scene.footprint;
 }
 
-TEST(RefineFacetwise, FindsTheTruthAgain) {
-  const TriangleMesh mesh = PerturbedTruth();
-  const RefinedMesh refined =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1});
-  EXPECT_LT(MedianError(refined.mesh), 0.35 * MedianError(mesh));
+TEST_F(RefineFacetwiseTest, FindsTheTruthAgain) {
+  const RefinedMesh refined = Refine();
+  EXPECT_LT(MedianError(refined.mesh), 0.35 * MedianError(mesh_));
 }
 
-TEST(RefineFacetwise, StaysNearTheTruth) {
-  const TriangleMesh& mesh = Scene().Truth();
-  const RefinedMesh refined =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1});
+TEST_F(RefineFacetwiseTest, StaysNearTheTruth) {
+  const TriangleMesh& mesh = Scene().scene.Truth();
+  const RefinedMesh refined = Refine(StartOf(mesh));
   EXPECT_LT(MedianError(refined.mesh), 0.2);
 }
 
-TEST(RefineFacetwise, LeavesFixedVerticesAndFacetsAsTheyAre) {
-  const TriangleMesh mesh = PerturbedTruth();
-  RefinementStart start{{mesh, NoAttributes(mesh)}, 1};
+TEST_F(RefineFacetwiseTest, LeavesFixedVerticesAndFacetsAsTheyAre) {
+  RefinementStart start = StartOf(mesh_);
   FixedVertices fixed;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+  for (const Eigen::Vector3f& vertex : mesh_.vertices) {
     fixed.push_back(vertex.x() > 0 ? 1 : 0);
   }
-  start.fixed_sources = SourcesOf(fixed, mesh.vertices.size());
+  start.fixed_sources = SourcesOf(fixed, mesh_.vertices.size());
   start.is_part = true;
-  const RefinedMesh refined = Refine(SmallOptions(), start);
+  const RefinedMesh refined = Refine(start);
   const FixedSources& sources = refined.fixed_sources;
   ASSERT_EQ(sources.size(), refined.mesh.vertices.size());
   size_t num_found = 0;
   for (size_t i = 0; i < sources.size(); ++i) {
     if (sources[i] != kNone) {
-      EXPECT_EQ(mesh.vertices[sources[i]], refined.mesh.vertices[i]);
+      EXPECT_EQ(mesh_.vertices[sources[i]], refined.mesh.vertices[i]);
       ++num_found;
     }
   }
@@ -127,7 +127,7 @@ TEST(RefineFacetwise, LeavesFixedVerticesAndFacetsAsTheyAre) {
     return std::ranges::count_if(
         of.facets, [&](const Facet& facet) { return IsFixed(by, facet); });
   };
-  EXPECT_GE(count(refined.mesh, FixedOf(sources)), count(mesh, fixed));
+  EXPECT_GE(count(refined.mesh, FixedOf(sources)), count(mesh_, fixed));
   EXPECT_TRUE(Analyze(refined.mesh).IsManifold());
   const FixedVertices fixed_after = FixedOf(sources);
   for (size_t i = 0; i < refined.mesh.facets.size(); ++i) {
@@ -141,7 +141,7 @@ TEST(RefineFacetwise, LeavesFixedVerticesAndFacetsAsTheyAre) {
 struct DisturbedCameras {
   // \param num_views  the first ones are off, the others are the true ones
   explicit DisturbedCameras(double pixels, size_t num_views = SIZE_MAX) {
-    views = Scene().Views();
+    views = Scene().scene.Views();
     auto known = std::make_shared<RefinableCameras>();
     for (size_t i = 0; i < std::min(num_views, views.size()); ++i) {
       PoseStep step = PoseStep::Zero();
@@ -149,18 +149,10 @@ struct DisturbedCameras {
       step[1] = (i % 4 < 2 ? pixels : -pixels) / views[i].fx;
       views[i] = MoveView(views[i], step, IntrinsicsStep::Zero());
     }
-    for (const synthetic::SparsePoint& point : Scene().dense.sparse_points) {
-      known->tracks.positions.push_back(point.position);
-      for (const synthetic::Feature& feature : point.track) {
-        known->tracks.observations.values.push_back(
-            {feature.view, feature.position});
-      }
-      known->tracks.observations.EndRow();
-    }
+    known->tracks = Scene().tracks;
     known->views = views;
     known->view_cameras.assign(views.size(), 0);
-    known->images = std::make_shared<ImagePyramid>(
-        views, [](size_t view) { return Scene().images[view]; }, SIZE_MAX);
+    known->images = Scene().scene.PyramidOf(views);
     cameras = std::move(known);
   }
 
@@ -168,35 +160,32 @@ struct DisturbedCameras {
                      const TriangleMesh& mesh) const {
     const auto energy = MakeCpuPhotometricEnergy(options.photometric,
                                                  cameras->images, SIZE_MAX);
-    return RefineFacetwise(
-        options,
-        {{mesh, NoAttributes(mesh)}, options.levels - 1, true, cameras}, views,
-        Scene().dense.fused.cloud, energy.get(), {});
+    RefinementStart start = StartOf(mesh);
+    start.cameras = cameras;
+    return RefineFacetwise(options, std::move(start), views,
+                           Scene().scene.dense.fused.cloud, energy.get(), {});
   }
 
   std::vector<View> views;
   std::shared_ptr<const RefinableCameras> cameras;
 };
 
-TEST(RefineFacetwise, FindsTheTruthByCamerasThatAreOff) {
+TEST_F(RefineFacetwiseTest, FindsTheTruthByCamerasThatAreOff) {
   const DisturbedCameras disturbed(0.5);
-  FacetwiseRefinementOptions options = SmallOptions();
-  options.cameras.parts = RefinedParts::kPoses;
-  const TriangleMesh mesh = PerturbedTruth();
-  const RefinedMesh refined = disturbed.Refine(options, mesh);
-  EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh));
+  options_.cameras.parts = RefinedParts::kPoses;
+  const RefinedMesh refined = disturbed.Refine(options_, mesh_);
+  EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh_));
   EXPECT_EQ(refined.track_positions.size(),
             disturbed.cameras->tracks.positions.size());
 }
 
 // Those that are off are refined, others left as they are.
-TEST(RefineFacetwise, RefinesCamerasWhereTheyAreMisaligned) {
-  FacetwiseRefinementOptions options = SmallOptions();
-  options.cameras.parts = RefinedParts::kPoses;
-  options.cameras.only_if_misaligned = true;
+TEST_F(RefineFacetwiseTest, RefinesCamerasWhereTheyAreMisaligned) {
+  options_.cameras.parts = RefinedParts::kPoses;
+  options_.cameras.only_if_misaligned = true;
   for (const double pixels : {0.0, 0.5}) {
     const DisturbedCameras disturbed(pixels);
-    const RefinedMesh refined = disturbed.Refine(options, PerturbedTruth());
+    const RefinedMesh refined = disturbed.Refine(options_, mesh_);
     EXPECT_FALSE(refined.report.is_skipped);
     ASSERT_TRUE(refined.report.misalignment.has_value());
     EXPECT_EQ(refined.report.cameras.empty(), pixels == 0);
@@ -209,13 +198,12 @@ TEST(RefineFacetwise, RefinesCamerasWhereTheyAreMisaligned) {
   }
 }
 
-TEST(RefineFacetwise, KeepsAGoodMeshFromCamerasThatAreOff) {
+TEST_F(RefineFacetwiseTest, KeepsAGoodMeshFromCamerasThatAreOff) {
   const DisturbedCameras disturbed(0.5);
-  const TriangleMesh& mesh = Scene().Truth();
-  FacetwiseRefinementOptions options = SmallOptions();
-  options.borders.trim = 0.9;
-  options.borders.close_holes = kAllLoops;
-  const RefinedMesh refined = disturbed.Refine(options, mesh);
+  const TriangleMesh& mesh = Scene().scene.Truth();
+  options_.borders.trim = 0.9;
+  options_.borders.close_holes = kAllLoops;
+  const RefinedMesh refined = disturbed.Refine(options_, mesh);
   EXPECT_TRUE(refined.report.is_skipped);
   EXPECT_EQ(refined.mesh, mesh);
   for (size_t i = 0; i < refined.views.size(); ++i) {
@@ -225,41 +213,34 @@ TEST(RefineFacetwise, KeepsAGoodMeshFromCamerasThatAreOff) {
 }
 
 // One image that is off is refined, or the surface is refined without it.
-TEST(RefineFacetwise, OneImageThatIsOffDoesNoHarm) {
+TEST_F(RefineFacetwiseTest, OneImageThatIsOffDoesNoHarm) {
   const DisturbedCameras disturbed(2, 1);
-  const TriangleMesh mesh = PerturbedTruth();
-  FacetwiseRefinementOptions options = SmallOptions();
-  const RefinedMesh fixed = disturbed.Refine(options, mesh);
+  const RefinedMesh fixed = disturbed.Refine(options_, mesh_);
   EXPECT_FALSE(fixed.report.is_skipped);
   EXPECT_EQ(MisalignedViews(fixed.report.misalignment.value()),
             std::vector<uint32_t>{0});
-  EXPECT_LT(MedianError(fixed.mesh), 0.2 * MedianError(mesh));
-  options.cameras.parts = RefinedParts::kPoses;
-  options.cameras.only_if_misaligned = true;
-  const RefinedMesh refined = disturbed.Refine(options, mesh);
+  EXPECT_LT(MedianError(fixed.mesh), 0.2 * MedianError(mesh_));
+  options_.cameras.parts = RefinedParts::kPoses;
+  options_.cameras.only_if_misaligned = true;
+  const RefinedMesh refined = disturbed.Refine(options_, mesh_);
   EXPECT_FALSE(refined.report.cameras.empty());
-  EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh));
+  EXPECT_LT(MedianError(refined.mesh), 0.4 * MedianError(mesh_));
 }
 
-TEST(RefineFacetwise, FindsTheTruthByDescentToo) {
-  FacetwiseRefinementOptions options = SmallOptions();
-  options.solver = RefinementSolver::kDescent;
-  options.iterations = 12;
-  const TriangleMesh mesh = PerturbedTruth();
-  const RefinedMesh refined = Refine(options, {{mesh, NoAttributes(mesh)}, 1});
-  EXPECT_LT(MedianError(refined.mesh), 0.6 * MedianError(mesh));
+TEST_F(RefineFacetwiseTest, FindsTheTruthByDescentToo) {
+  options_.solver = RefinementSolver::kDescent;
+  options_.iterations = 12;
+  const RefinedMesh refined = Refine();
+  EXPECT_LT(MedianError(refined.mesh), 0.6 * MedianError(mesh_));
 }
 
-TEST(RefineFacetwise, KeepsTheTopology) {
-  const TriangleMesh mesh = PerturbedTruth();
-  FacetwiseRefinementOptions options = SmallOptions();
-  options.max_face_area = 3;
+TEST_F(RefineFacetwiseTest, KeepsTheTopology) {
+  options_.max_face_area = 3;
   size_t num_facets = 0;
   for (const bool remeshing : {true, false}) {
-    options.remeshing = remeshing;
-    const RefinedMesh refined =
-        Refine(options, {{mesh, NoAttributes(mesh)}, 1});
-    ExpectSameTopology(mesh, refined.mesh);
+    options_.remeshing = remeshing;
+    const RefinedMesh refined = Refine();
+    ExpectSameTopology(mesh_, refined.mesh);
     EXPECT_EQ(refined.attributes.views.offsets.size(),
               refined.mesh.vertices.size() + 1);
     EXPECT_EQ(refined.labels.NumFacets(), refined.mesh.facets.size());
@@ -267,22 +248,20 @@ TEST(RefineFacetwise, KeepsTheTopology) {
     EXPECT_GT(refined.mesh.facets.size(), num_facets);
     num_facets = refined.mesh.facets.size();  // more without remeshing
   }
-  EXPECT_GT(num_facets, mesh.facets.size());
+  EXPECT_GT(num_facets, mesh_.facets.size());
 }
 
 // Those of the input are repaired where they can be, and no new ones made.
-TEST(RefineFacetwise, MakesNoSelfIntersections) {
-  TriangleMesh mesh = PerturbedTruth();
+TEST_F(RefineFacetwiseTest, MakesNoSelfIntersections) {
   Random random(1);
   for (int i = 0; i < 20; ++i) {  // spikes
     const uint32_t vertex =
-        random.Below(static_cast<uint32_t>(mesh.vertices.size()));
-    mesh.vertices[vertex] *= 0.7f;
+        random.Below(static_cast<uint32_t>(mesh_.vertices.size()));
+    mesh_.vertices[vertex] *= 0.7f;
   }
-  const size_t num_before = FindSelfIntersections(mesh).size();
+  const size_t num_before = FindSelfIntersections(mesh_).size();
   EXPECT_GT(num_before, 0u);
-  const RefinedMesh refined =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1});
+  const RefinedMesh refined = Refine();
   const RefinementReport& report = refined.report;
   EXPECT_EQ(FindSelfIntersections(refined.mesh).size(),
             report.num_self_intersections);
@@ -290,11 +269,9 @@ TEST(RefineFacetwise, MakesNoSelfIntersections) {
   EXPECT_LT(10 * report.num_self_intersections, num_before);
 }
 
-TEST(RefineFacetwise, LowersTheEnergyFromStepToStep) {
-  const TriangleMesh mesh = PerturbedTruth();
-  FacetwiseRefinementOptions options = SmallOptions();
-  options.levels = 1;
-  const RefinedMesh refined = Refine(options, {{mesh, NoAttributes(mesh)}, 0});
+TEST_F(RefineFacetwiseTest, LowersTheEnergyFromStepToStep) {
+  options_.levels = 1;
+  const RefinedMesh refined = Refine(StartOf(mesh_, 0));
   const std::vector<RefinementStep>& steps = refined.report.steps;
   // Few pairs, some in the first of the final iterations, all in the last ones.
   std::vector<std::vector<RefinementStep>> stages;
@@ -324,10 +301,8 @@ TEST(RefineFacetwise, LowersTheEnergyFromStepToStep) {
   }
 }
 
-TEST(RefineFacetwise, HasFinalIterationsAtTheFinestLevelAlone) {
-  const TriangleMesh mesh = PerturbedTruth();
-  const RefinedMesh refined =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1});
+TEST_F(RefineFacetwiseTest, HasFinalIterationsAtTheFinestLevelAlone) {
+  const RefinedMesh refined = Refine();
   size_t num_coarse = 0;
   for (const RefinementStep& step : refined.report.steps) {
     num_coarse += step.level > 0 ? 1 : 0;
@@ -337,23 +312,20 @@ TEST(RefineFacetwise, HasFinalIterationsAtTheFinestLevelAlone) {
   EXPECT_TRUE(refined.report.steps.back().is_final);
 }
 
-TEST(RefineFacetwise, DoesNotDependOnThreads) {
-  const TriangleMesh mesh = PerturbedTruth();
+TEST_F(RefineFacetwiseTest, DoesNotDependOnThreads) {
   ExpectSameForAnyThreads([&] {
-    const RefinedMesh refined =
-        Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1});
+    const RefinedMesh refined = Refine();
     return std::pair(refined.mesh, refined.attributes.confidences);
   });
 }
 
-TEST(RefineFacetwise, IsSureOfWhatTheViewsSeeAlike) {
-  const TriangleMesh& mesh = Scene().Truth();
-  const RefinedMesh refined =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1});
+TEST_F(RefineFacetwiseTest, IsSureOfWhatTheViewsSeeAlike) {
+  const TriangleMesh& mesh = Scene().scene.Truth();
+  const RefinedMesh refined = Refine(StartOf(mesh));
   const std::vector<float>& confidences = refined.attributes.confidences;
   ASSERT_EQ(confidences.size(), refined.mesh.vertices.size());
   const FacetVisibility visibility =
-      VisibleFacets(refined.mesh, Scene().Views());
+      VisibleFacets(refined.mesh, Scene().scene.Views());
   std::vector<uint8_t> is_seen(confidences.size(), 0);
   std::vector<double> seen;
   for (size_t i = 0; i < refined.mesh.facets.size(); ++i) {
@@ -373,13 +345,10 @@ TEST(RefineFacetwise, IsSureOfWhatTheViewsSeeAlike) {
   EXPECT_GT(Median(&seen), 0.8);
 }
 
-TEST(RefineFacetwise, ScalesWithTheScene) {
-  const TriangleMesh mesh = PerturbedTruth();
-  const RefinedMesh refined =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1});
+TEST_F(RefineFacetwiseTest, ScalesWithTheScene) {
+  const RefinedMesh refined = Refine();
   for (const double scale : {1024.0, 1 / 1024.0}) {
-    TriangleMesh scaled =
-        Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1}, {}, scale).mesh;
+    TriangleMesh scaled = Refine(StartOf(mesh_), {}, scale).mesh;
     for (Eigen::Vector3f& vertex : scaled.vertices) {
       vertex /= static_cast<float>(scale);
     }
@@ -387,8 +356,7 @@ TEST(RefineFacetwise, ScalesWithTheScene) {
   }
 }
 
-TEST(RefineFacetwise, GoesOnFromACompleteLevel) {
-  const TriangleMesh mesh = PerturbedTruth();
+TEST_F(RefineFacetwiseTest, GoesOnFromACompleteLevel) {
   RefinedMesh first;
   RefinementHooks hooks;
   hooks.on_level = [&](int level, const RefinedMesh& state) {
@@ -396,15 +364,13 @@ TEST(RefineFacetwise, GoesOnFromACompleteLevel) {
       first = state;
     }
   };
-  const RefinedMesh refined =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1}, hooks);
-  const RefinedMesh resumed = Refine(
-      SmallOptions(), {{first.mesh, first.attributes, first.origins}, 0});
+  const RefinedMesh refined = Refine(StartOf(mesh_), hooks);
+  const RefinedMesh resumed =
+      Refine({{first.mesh, first.attributes, first.origins}, 0});
   EXPECT_EQ(resumed.mesh, refined.mesh);
 }
 
-TEST(RefineFacetwise, StopsWithTheLastCompleteLevel) {
-  const TriangleMesh mesh = PerturbedTruth();
+TEST_F(RefineFacetwiseTest, StopsWithTheLastCompleteLevel) {
   TriangleMesh complete;
   bool is_last = false;
   RefinementHooks hooks;
@@ -414,24 +380,21 @@ TEST(RefineFacetwise, StopsWithTheLastCompleteLevel) {
     is_last = true;
   };
   hooks.should_stop = [&] { return is_last; };
-  const RefinedMesh stopped =
-      Refine(SmallOptions(), {{mesh, NoAttributes(mesh)}, 1}, hooks);
+  const RefinedMesh stopped = Refine(StartOf(mesh_), hooks);
   EXPECT_TRUE(stopped.report.is_stopped);
   ASSERT_FALSE(complete.vertices.empty());
   EXPECT_EQ(stopped.mesh, complete);
 }
 
-TEST(RefineFacetwise, TrimsWhatNoViewSeesAndClosesIt) {
-  const TriangleMesh& mesh = Scene().Truth();
-  FacetwiseRefinementOptions options = SmallOptions();
-  options.remeshing = false;  // Facets that no view sees stay small.
-  const RefinedMesh whole = Refine(options, {{mesh, NoAttributes(mesh)}, 1});
-  options.borders.trim = 0.2;
-  options.borders.trim_rings = 1;  // The scene is a few windows wide.
+TEST_F(RefineFacetwiseTest, TrimsWhatNoViewSeesAndClosesIt) {
+  const TriangleMesh& mesh = Scene().scene.Truth();
+  options_.remeshing = false;  // Facets that no view sees stay small.
+  const RefinedMesh whole = Refine(StartOf(mesh));
+  options_.borders.trim = 0.2;
+  options_.borders.trim_rings = 1;  // The scene is a few windows wide.
   for (const int close_holes : {0, kAllLoops}) {
-    options.borders.close_holes = close_holes;
-    const RefinedMesh refined =
-        Refine(options, {{mesh, NoAttributes(mesh)}, 1});
+    options_.borders.close_holes = close_holes;
+    const RefinedMesh refined = Refine(StartOf(mesh));
     EXPECT_TRUE(Analyze(refined.mesh).IsManifold());
     EXPECT_GT(refined.report.borders.trim.num_facets, 0);
     EXPECT_EQ(refined.report.borders.holes.num_closed > 0, close_holes != 0);
@@ -445,6 +408,15 @@ TEST(RefineFacetwise, TrimsWhatNoViewSeesAndClosesIt) {
     EXPECT_EQ(refined.attributes.views.size(), num_vertices);
     EXPECT_EQ(refined.attributes.confidences.size(), num_vertices);
   }
+}
+
+TEST(FinishRefinement, RefusesRegionsThatLeaveNothing) {
+  FacetwiseRefinementOptions options;
+  options.region = RegionBetween({9, 9, 9}, {10, 10, 10});
+  RefinedMesh refined;
+  static_cast<Surface&>(refined) = StartOf(MakeCube());
+  refined.report.is_skipped = true;
+  EXPECT_THROW(FinishRefinement(options, {}, &refined), std::invalid_argument);
 }
 
 }  // namespace facetwise_refinement_test

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <numeric>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"
@@ -33,8 +31,19 @@ struct SignedDistance {
 };
 using Surface = std::function<SignedDistance(const Vector3d& point)>;
 
-SignedDistance UnitSphere(const Vector3d& point) {
-  return {point.norm() - 1, point.normalized()};
+// The unit sphere, its radius longer by so many pixels.
+Surface Sphere(double pixels = 0) {
+  return [pixels](const Vector3d& point) -> SignedDistance {
+    return {point.norm() - 1 - pixels * kFootprint, point.normalized()};
+  };
+}
+
+// \param height  above z = 0, of a point.
+template <typename Height>
+Surface HeightField(const Height& height) {
+  return [height](const Vector3d& point) -> SignedDistance {
+    return {point.z() - height(point), Vector3d::UnitZ()};
+  };
 }
 
 // Pulls a mesh to a known surface: half the squared distances, px^2, at three
@@ -111,8 +120,7 @@ class PullingEnergy : public PhotometricEnergy {
 // Seen by both views wherever `is_seen` says so of the facet's first corner.
 FacetLabels LabelWhere(const TriangleMesh& mesh,
                        const std::function<bool(const Vector3f&)>& is_seen) {
-  FacetLabels labels;
-  labels.pairs = {{0, 1}};
+  FacetLabels labels{{{0, 1}}, {}, {}};
   for (const Facet& facet : mesh.facets) {
     if (is_seen(mesh.vertices[facet[0]])) {
       labels.labels.values.push_back(0);
@@ -124,6 +132,11 @@ FacetLabels LabelWhere(const TriangleMesh& mesh,
 
 FacetLabels LabelAll(const TriangleMesh& mesh) {
   return LabelWhere(mesh, [](const Vector3f&) { return true; });
+}
+
+FacetLabels LabelUpperHalf(const TriangleMesh& mesh) {
+  return LabelWhere(mesh,
+                    [](const Vector3f& corner) { return corner.z() > 0; });
 }
 
 // From afar, so that pixels have the same footprint everywhere.
@@ -191,14 +204,16 @@ TriangleMesh WavySphere(double pixels, bool is_whole = true) {
   return mesh;
 }
 
-// From the vertices to the unit sphere, px, root mean square.
-double SphereError(const TriangleMesh& mesh) {
+// From the vertices to a surface, px, root mean square.
+double Error(const TriangleMesh& mesh, const Surface& surface) {
   double sum = 0;
   for (const Vector3f& vertex : mesh.vertices) {
-    sum += std::pow((vertex.norm() - 1) / kFootprint, 2);
+    sum += std::pow(surface(vertex.cast<double>()).value / kFootprint, 2);
   }
   return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
 }
+
+double SphereError(const TriangleMesh& mesh) { return Error(mesh, Sphere()); }
 
 // Half the sum of the squared curvatures, 1 / px^2, where x is below a limit.
 double Roughness(const TriangleMesh& mesh, float max_x = 1e9f) {
@@ -233,6 +248,10 @@ TriangleMesh SheetOf(const Height& height) {
   return mesh;
 }
 
+TriangleMesh FlatSheet() {
+  return SheetOf([](const Vector3d&) { return 0.0; });
+}
+
 TriangleMesh RubbleSheet(int seed = 0) {
   return SheetOf([&](const Vector3d& point) { return Rubble(point, seed); });
 }
@@ -244,18 +263,18 @@ TEST(RefineLevel, FindsTheSurfaceThatItIsPulledTo) {
   FacetwiseRefinementOptions options = WithoutSmoothness();
   options.iterations = 30;
   for (const int level : {0, 1}) {
-    PullingEnergy energy(UnitSphere);
+    PullingEnergy energy(Sphere());
     EXPECT_LT(SphereError(Refine(options, level, mesh, &energy).Result()), 0.1);
   }
   options.solver = RefinementSolver::kDescent;
-  PullingEnergy energy(UnitSphere);
+  PullingEnergy energy(Sphere());
   EXPECT_LT(SphereError(Refine(options, 0, mesh, &energy).Result()), 0.1);
 }
 
 TEST(RefineLevel, FindsTheSurfaceSmoothlyToo) {
   const TriangleMesh mesh = WavySphere(2);
   for (const int level : {0, 1}) {
-    PullingEnergy energy(UnitSphere);
+    PullingEnergy energy(Sphere());
     const Refined refined = Refine({}, level, mesh, &energy);
     EXPECT_LT(SphereError(refined.Result()), 0.15) << level;
     EXPECT_EQ(refined.num_shortened, 0);
@@ -270,7 +289,7 @@ TEST(RefineLevel, LowersTheEnergyWithEachStep) {
     for (const double curvature_factor : {1.0, 0.1, 10.0}) {
       FacetwiseRefinementOptions options;
       options.solver = solver;
-      PullingEnergy energy(UnitSphere);
+      PullingEnergy energy(Sphere());
       energy.curvature_factor = curvature_factor;
       const std::vector<RefinementStep> steps =
           Refine(options, 1, mesh, &energy).steps;
@@ -287,16 +306,14 @@ TEST(RefineLevel, LowersTheEnergyWithEachStep) {
 
 TEST(RefineLevel, TakesAllLabelsInTheLastIterations) {
   const TriangleMesh mesh = WavySphere(2);
-  FacetLabels labels;
-  labels.pairs = {{0, 1}, {0, 1}, {0, 1}};
+  FacetLabels labels{{{0, 1}, {0, 1}, {0, 1}}, {}, {}};
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    labels.labels.values.insert(labels.labels.values.end(), {2, 0, 1});
-    labels.labels.EndRow();
+    labels.labels.AddRow(std::vector<uint32_t>{2, 0, 1});
   }
   for (const int pairs_per_facet : {1, 2, 3}) {
     FacetwiseRefinementOptions options;
     options.labeling.pairs_per_facet = pairs_per_facet;
-    PullingEnergy energy(UnitSphere);
+    PullingEnergy energy(Sphere());
     const Refined refined = Refine(options, 0, mesh, labels, &energy);
     const std::vector<size_t>& nums = energy.nums_labels;
     EXPECT_TRUE(std::is_sorted(nums.begin(), nums.end()));
@@ -314,7 +331,7 @@ TEST(RefineLevel, TakesAllLabelsInTheLastIterations) {
 TEST(RefineLevel, StaysWhereNoStepLowersTheEnergy) {
   const TriangleMesh mesh = WavySphere(1);
   for (const int level : {0, 1}) {
-    PullingEnergy energy(UnitSphere);
+    PullingEnergy energy(Sphere());
     energy.slope_factor = -1;
     const Refined refined = Refine(WithoutSmoothness(), level, mesh, &energy);
     EXPECT_EQ(refined.steps.size(), 1);
@@ -325,7 +342,7 @@ TEST(RefineLevel, StaysWhereNoStepLowersTheEnergy) {
 TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
   const TriangleMesh mesh = MakeBumpyCap(0.1f);
   for (const int level : {0, 1}) {
-    PullingEnergy energy(UnitSphere);
+    PullingEnergy energy(Sphere());
     energy.stiffness = 0;
     energy.num_pixels = 0;
     EXPECT_EQ(Refine({}, level, mesh, &energy).Result().vertices,
@@ -341,7 +358,7 @@ TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
 // finest level, and relief that is not known yet before.
 TEST(RefineLevel, SmoothsWhatIsSeenAtTheFinestLevelAlone) {
   const TriangleMesh mesh = RubbleSheet();
-  PullingEnergy energy(UnitSphere);
+  PullingEnergy energy(Sphere());
   energy.stiffness = 0;
   EXPECT_EQ(Refine({}, 1, mesh, &energy).Result().vertices, mesh.vertices);
   EXPECT_LT(Roughness(Refine({}, 0, mesh, &energy).Result()),
@@ -353,7 +370,7 @@ TEST(RefineLevel, KeepsNoReliefThatTheImagesDoNotConfirm) {
   const TriangleMesh mesh = SheetOf([](const Vector3d& point) {
     return kFootprint * std::sin(point.x() / (5 * kFootprint));
   });
-  PullingEnergy energy(UnitSphere);
+  PullingEnergy energy(Sphere());
   energy.stiffness = 0;
   FacetwiseRefinementOptions options;
   options.iterations = 15;  // relief fades step by step
@@ -364,16 +381,13 @@ TEST(RefineLevel, KeepsNoReliefThatTheImagesDoNotConfirm) {
 // In one step: those around what is pulled, or all.
 TEST(RefineLevel, MovesEachVertexByItselfInDescent) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
-  const FacetLabels labels =
-      LabelWhere(mesh, [](const Vector3f& corner) { return corner.z() > 0; });
+  const FacetLabels labels = LabelUpperHalf(mesh);
   for (const RefinementSolver solver :
        {RefinementSolver::kGaussNewton, RefinementSolver::kDescent}) {
     FacetwiseRefinementOptions options;
     options.solver = solver;
     options.iterations = 1;
-    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-      return {point.norm() - 1 - kFootprint, point.normalized()};
-    });
+    PullingEnergy energy(Sphere(1));
     const TriangleMesh refined =
         Refine(options, 1, mesh, labels, &energy).Result();
     int num_moved = 0;
@@ -392,12 +406,9 @@ TEST(RefineLevel, MovesEachVertexByItselfInDescent) {
 // The upper half is pulled outwards, the lower one goes with it at the seam.
 TEST(RefineLevel, LetsWhatIsNotSeenFollow) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
-  const FacetLabels labels =
-      LabelWhere(mesh, [](const Vector3f& corner) { return corner.z() > 0; });
+  const FacetLabels labels = LabelUpperHalf(mesh);
   for (const int level : {0, 1}) {
-    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-      return {point.norm() - 1 - kFootprint, point.normalized()};
-    });
+    PullingEnergy energy(Sphere(1));
     const TriangleMesh refined =
         Refine({}, level, mesh, labels, &energy).Result();
     int num_near = 0;
@@ -418,7 +429,7 @@ TEST(RefineLevel, DoesNotPullTheBorderInwards) {
   const TriangleMesh mesh = WavySphere(1, /*is_whole=*/false);
   const VertexRings rings = MakeVertexRings(mesh);
   for (const int level : {0, 1}) {
-    PullingEnergy energy(UnitSphere);
+    PullingEnergy energy(Sphere());
     const TriangleMesh refined = Refine({}, level, mesh, &energy).Result();
     int num_border = 0;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -442,10 +453,9 @@ TEST(RefineLevel, ShortensStepsThatWouldTurnFacetsOver) {
     vertex.x() *= 2 * kFootprint;
     vertex.y() *= kSpacing;
   }
-  PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-    const double wave = std::cos(point.y() / kSpacing * std::numbers::pi);
-    return {point.z() - 5 * kFootprint * wave, Vector3d::UnitZ()};
-  });
+  PullingEnergy energy(HeightField([](const Vector3d& point) {
+    return 5 * kFootprint * std::cos(point.y() / kSpacing * std::numbers::pi);
+  }));
   const Refined refined = Refine(WithoutSmoothness(), 0, mesh, &energy);
   EXPECT_GT(refined.num_shortened, 0);
   ASSERT_GT(refined.meshes.size(), 1);
@@ -460,9 +470,7 @@ TEST(RefineLevel, ShortensStepsThatWouldTurnFacetsOver) {
 
 TEST(RefineLevel, MovesByAPixelAndAPartOfTheEdgesAtMost) {
   for (const double pixels : {5.0, 40.0}) {
-    PullingEnergy energy([&](const Vector3d& point) -> SignedDistance {
-      return {point.norm() - 1 - pixels * kFootprint, point.normalized()};
-    });
+    PullingEnergy energy(Sphere(pixels));
     // Edges of more than a pixel, and of less.
     const float cell_size = pixels < 10 ? 0.2f : 0.05f;
     const TriangleMesh mesh = MakeBumpySphere(cell_size, 0);
@@ -499,9 +507,7 @@ TEST(RefineLevel, MovesByAPixelAndAPartOfTheEdgesAtMost) {
 TEST(RefineLevel, DrawsTheMeshAgainWhenItHasMoved) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
   for (const double pixels : {0.001, 3.0}) {
-    PullingEnergy energy([&](const Vector3d& point) -> SignedDistance {
-      return {point.norm() - 1 - pixels * kFootprint, point.normalized()};
-    });
+    PullingEnergy energy(Sphere(pixels));
     const Refined refined = Refine(WithoutSmoothness(), 0, mesh, &energy);
     EXPECT_GT(refined.steps.size(), 1);
     EXPECT_EQ(energy.num_renders > 1, pixels > 1);
@@ -511,7 +517,7 @@ TEST(RefineLevel, DrawsTheMeshAgainWhenItHasMoved) {
 TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
   const TriangleMesh mesh = WavySphere(2);
   for (const int last : {0, 2}) {
-    PullingEnergy energy(UnitSphere);
+    PullingEnergy energy(Sphere());
     std::vector<RefinementStep> steps;
     FacetwiseRefinementOptions options;
     options.min_zncc = -1;
@@ -539,7 +545,7 @@ TEST(RefineLevel, TellsTheMeanCorrelation) {
   class AlikeEnergy : public PullingEnergy {
    public:
     AlikeEnergy(double zncc, double saturation)
-        : PullingEnergy(UnitSphere), zncc_(zncc), saturation_(saturation) {}
+        : PullingEnergy(Sphere()), zncc_(zncc), saturation_(saturation) {}
 
     PhotometricTerms Evaluate(const TriangleMesh& mesh,
                               const FacetLabels& labels) override {
@@ -568,14 +574,13 @@ TEST(RefineLevel, TellsTheMeanCorrelation) {
 // A mesh that was given as flat: the images can confirm no relief of it.
 TEST(RefineLevel, IsTheSmootherTheMoreItIsToBe) {
   const TriangleMesh mesh = RubbleSheet();
-  const TriangleMesh flat = SheetOf([](const Vector3d&) { return 0.0; });
+  const TriangleMesh flat = FlatSheet();
   std::vector<double> roughness;
   for (const double weight : {0.001, 0.01, 0.1, 0.2, 1.0}) {
     FacetwiseRefinementOptions options;
     options.smoothness_weight = weight;
-    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-      return {point.z() - Rubble(point), Vector3d::UnitZ()};
-    });
+    PullingEnergy energy(
+        HeightField([](const Vector3d& point) { return Rubble(point); }));
     energy.stiffness = 100;
     roughness.push_back(Roughness(
         Refine(options, 0, mesh, LabelAll(mesh), flat.vertices, &energy)
@@ -592,20 +597,13 @@ double Relief(const Vector3d& point) {
 }
 
 double ReliefError(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const Vector3f& vertex : mesh.vertices) {
-    const Vector3d point = vertex.cast<double>();
-    sum += std::pow((point.z() - Relief(point)) / kFootprint, 2);
-  }
-  return std::sqrt(sum / static_cast<double>(mesh.vertices.size()));
+  return Error(mesh, HeightField(Relief));
 }
 
 // Relief that the images are sure of is no noise.
 TEST(RefineLevel, KeepsReliefThatTheImagesShow) {
-  const TriangleMesh flat = SheetOf([](const Vector3d&) { return 0.0; });
-  PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-    return {point.z() - Relief(point), Vector3d::UnitZ()};
-  });
+  const TriangleMesh flat = FlatSheet();
+  PullingEnergy energy(HeightField(Relief));
   energy.stiffness = 100;
   EXPECT_LT(ReliefError(Refine({}, 0, RubbleSheet(), &energy).Result()),
             0.3 * ReliefError(flat));
@@ -615,14 +613,14 @@ TEST(RefineLevel, KeepsReliefThatTheImagesShow) {
 TEST(RefineLevel, KeepsReliefOfTheMeshThatTheImagesConfirm) {
   const TriangleMesh mesh = SheetOf(Relief);
   const auto error = [&](const TriangleMesh& given) {
-    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-      return {point.z() - Relief(point) - 2 * Rubble(point), Vector3d::UnitZ()};
-    });
+    PullingEnergy energy(HeightField([](const Vector3d& point) {
+      return Relief(point) + 2 * Rubble(point);
+    }));
     energy.stiffness = 1;
     return ReliefError(
         Refine({}, 0, mesh, LabelAll(mesh), given.vertices, &energy).Result());
   };
-  const double of_none = error(SheetOf([](const Vector3d&) { return 0.0; }));
+  const double of_none = error(FlatSheet());
   EXPECT_LT(error(mesh), 0.75 * of_none);
   EXPECT_LT(error(RubbleSheet(1)), 1.1 * of_none);
   // Bumps where there are hollows.
@@ -633,15 +631,14 @@ TEST(RefineLevel, KeepsReliefOfTheMeshThatTheImagesConfirm) {
 
 // Edges of 40 pixels, and each vertex pulled to another height.
 TEST(RefineLevel, RaisesNoTentsWhereLittleIsSeen) {
-  TriangleMesh mesh = SheetOf([](const Vector3d&) { return 0.0; });
+  TriangleMesh mesh = FlatSheet();
   for (Vector3f& vertex : mesh.vertices) {
     vertex *= 20;
   }
   const VertexRings rings = MakeVertexRings(mesh);
   for (const int level : {0, 1}) {
-    PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-      return {point.z() - 12 * Rubble(point / 20), Vector3d::UnitZ()};
-    });
+    PullingEnergy energy(HeightField(
+        [](const Vector3d& point) { return 12 * Rubble(point / 20); }));
     energy.num_pixels = 1;
     energy.stiffness = 0.001;
     const TriangleMesh refined = Refine({}, level, mesh, &energy).Result();
@@ -661,10 +658,9 @@ TEST(RefineLevel, RaisesNoTentsWhereLittleIsSeen) {
 // A plastered wall beside a carved one.
 TEST(RefineLevel, KeepsNoNoiseForTheSakeOfReliefElsewhere) {
   const TriangleMesh mesh = RubbleSheet(1);
-  PullingEnergy energy([](const Vector3d& point) -> SignedDistance {
-    return {point.z() - (point.x() < 0 ? Rubble(point) : Relief(point)),
-            Vector3d::UnitZ()};
-  });
+  PullingEnergy energy(HeightField([](const Vector3d& point) {
+    return (point.x() < 0 ? Rubble(point) : Relief(point));
+  }));
   const TriangleMesh refined = Refine({}, 0, mesh, &energy).Result();
   constexpr float kMaxX = -10 * kFootprint;
   EXPECT_LT(Roughness(refined, kMaxX), 0.05 * Roughness(mesh, kMaxX));

@@ -216,35 +216,6 @@ TEST_F(NormalEquationsTest, AreSolvedAsWithoutSparseness) {
   }
 }
 
-TEST_F(NormalEquationsTest, StopAtTheToleranceOrTheIterations) {
-  const MatrixXd matrix = Photometric() + Smoothness();
-  const VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
-  const VectorXd gradient = Gradient();
-  for (const double tolerance : {0.3, 0.03, 0.001}) {
-    const VectorXd residual =
-        matrix * AsVector(Equations().Solve({tolerance, 10000}).values) +
-        gradient;
-    const double ratio = residual.cwiseProduct(scale).norm() /
-                         gradient.cwiseProduct(scale).norm();
-    EXPECT_LT(ratio, 1.01 * tolerance);
-    EXPECT_GT(ratio, 0.01 * tolerance);
-  }
-  EXPECT_TRUE(AsVector(Equations().Solve({0.1, 0}).values).isZero(0));
-}
-
-// Every step of the conjugate gradients lowers the model.
-TEST_F(NormalEquationsTest, AreTheBetterSolvedTheLonger) {
-  const MatrixXd matrix = Photometric() + Smoothness();
-  const VectorXd gradient = Gradient();
-  double last = 0;
-  for (int iterations = 1; iterations <= 16; iterations *= 2) {
-    const VectorXd x = AsVector(Equations().Solve({0, iterations}).values);
-    const double model = 0.5 * x.dot(matrix * x) + gradient.dot(x);
-    EXPECT_LT(model, last);
-    last = model;
-  }
-}
-
 TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
   mesh_.vertices.emplace_back(5, 5, 5);
   rings_ = MakeVertexRings(mesh_);

@@ -1,7 +1,6 @@
 #include "refine/smoothness_model.h"
 
 #include <cmath>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -11,6 +10,18 @@
 
 namespace colmap_ext {
 namespace smoothness_model_test {
+
+// By a view at the origin, along z, and one that is two units farther back.
+TEST(VertexFootprints, AreOfTheViewsThatAVertexLiesBefore) {
+  View view;
+  view.fx = view.fy = 100;
+  View behind = view;
+  behind.cam_from_world_translation.z() = 2;
+  const TriangleMesh mesh = {{{0, 0, 4}, {1, 0, 2}, {0, 1, -1}}, {{0, 1, 2}}};
+  EXPECT_EQ(VertexFootprints(mesh, MakeVertexRings(mesh),
+                             {{{0, 1}}, {{0, 1}, {0}}, {}}, {view, behind}),
+            (std::vector<float>{0.05F, 0.03F, 0.01F}));
+}
 
 constexpr float kFootprint = 0.02f;  // scene units
 
@@ -37,6 +48,10 @@ struct Scene {
         domain.trusted_relief[i] *= domain.is_seen[i];
       }
     }
+  }
+
+  SmoothnessModel First() const {
+    return Model(FirstTarget(domain, surface.mesh, 20));
   }
 
   SmoothnessModel Model(SmoothnessTarget target) const {
@@ -70,8 +85,7 @@ void ExpectInAgreement(const Scene& scene, const SmoothnessModel& model) {
 
 TEST(SmoothnessModel, AgreesWithTheSurfaceAfterEachStep) {
   const Scene scene(/*is_finest=*/true);
-  SmoothnessModel model =
-      scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+  SmoothnessModel model = scene.First();
   ExpectInAgreement(scene, model);
   model = scene.Model(ConfirmRelief(scene.domain, model));
   ExpectInAgreement(scene, model);
@@ -84,8 +98,7 @@ TEST(SmoothnessModel, AgreesWithTheSurfaceAfterEachStep) {
 TEST(SmoothnessModel, KeepsTheReliefOfCoarseLevelsAndOfWhatIsNotSeen) {
   for (const bool is_finest : {false, true}) {
     const Scene scene(is_finest);
-    const SmoothnessModel model =
-        scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+    const SmoothnessModel model = scene.First();
     for (size_t i = 0; i < scene.domain.is_seen.size(); ++i) {
       if (scene.domain.rings.is_border[i] != 0) {
         continue;
@@ -102,8 +115,7 @@ TEST(SmoothnessModel, KeepsTheReliefOfCoarseLevelsAndOfWhatIsNotSeen) {
 // The surface is the one that the trusted relief is of.
 TEST(ConfirmRelief, FindsTheReliefThatTheSurfaceHas) {
   const Scene scene(/*is_finest=*/true);
-  const SmoothnessModel model =
-      scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+  const SmoothnessModel model = scene.First();
   const SmoothnessTarget target = ConfirmRelief(scene.domain, model);
   double confirmed = 0;
   double trusted = 0;
@@ -120,8 +132,7 @@ TEST(ConfirmRelief, FindsTheReliefThatTheSurfaceHas) {
 
 TEST(ConfirmRelief, DoesNotDependOnWhatWasConfirmedBefore) {
   const Scene scene(/*is_finest=*/true);
-  const SmoothnessModel first =
-      scene.Model(FirstTarget(scene.domain, scene.surface.mesh, 20));
+  const SmoothnessModel first = scene.First();
   const SmoothnessTarget once = ConfirmRelief(scene.domain, first);
   const SmoothnessTarget twice = ConfirmRelief(scene.domain, scene.Model(once));
   for (size_t i = 0; i < once.relief.size(); ++i) {

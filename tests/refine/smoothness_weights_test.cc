@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext {

@@ -3,6 +3,8 @@
 import os
 import pathlib
 import struct
+import tempfile
+import unittest
 import zlib
 
 import numpy as np
@@ -10,6 +12,15 @@ import numpy as np
 from cameras import Camera
 
 SIZE = (320, 240)  # width, height, px
+
+
+class InFolder(unittest.TestCase):
+    """Tests with a folder of their own."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
 
 
 def colmap_program():

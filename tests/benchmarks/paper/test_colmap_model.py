@@ -14,12 +14,7 @@ import image_size
 import small_scenes
 
 
-class Workspace(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
-
+class Workspace(small_scenes.InFolder):
     def views(self):
         self.cameras = small_scenes.write_dtu(self.folder / "dtu", 4)
         return dtu.read_views(self.folder / "dtu", 4)

@@ -1,10 +1,8 @@
 """What is written, read back by COLMAP itself."""
 
-import pathlib
 import re
 import struct
 import subprocess
-import tempfile
 import unittest
 
 import numpy as np
@@ -33,11 +31,9 @@ def read_binary_poses(path):
 
 
 @unittest.skipUnless(PROGRAM, "colmap is not built")
-class ReadByColmap(unittest.TestCase):
+class ReadByColmap(small_scenes.InFolder):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        super().setUp()
         self.workspace = self.folder / "work"
         self.colmap = Colmap(PROGRAM)
         small_scenes.write_dtu(self.folder / "dtu", 4)

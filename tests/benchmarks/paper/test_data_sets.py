@@ -2,7 +2,6 @@
 
 import importlib.util
 import pathlib
-import tempfile
 import unittest
 
 import numpy as np
@@ -15,14 +14,7 @@ import small_scenes
 HAS_SCIPY = importlib.util.find_spec("scipy") is not None
 
 
-class InFolder(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
-
-
-class Dtu(InFolder):
+class Dtu(small_scenes.InFolder):
     def test_views_have_their_cameras(self):
         cameras = small_scenes.write_dtu(self.folder, 24)
         views = dtu.read_views(self.folder, 24)
@@ -52,7 +44,7 @@ class Dtu(InFolder):
 
 
 @unittest.skipUnless(HAS_SCIPY, "scipy.io, which reads .mat, is missing")
-class DtuMasks(InFolder):
+class DtuMasks(small_scenes.InFolder):
     def save(self, name, **variables):
         import scipy.io
         path = self.folder / name
@@ -93,7 +85,7 @@ class DtuMasks(InFolder):
             self.assertEqual(dtu.read_plane(path), [0.1, 0, 2, -8])
 
 
-class Epfl(InFolder):
+class Epfl(small_scenes.InFolder):
     def scene(self):
         return self.folder / "fountain-P11"
 

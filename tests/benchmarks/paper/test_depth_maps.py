@@ -1,7 +1,5 @@
 """Depth maps in and out."""
 
-import pathlib
-import tempfile
 import unittest
 
 import numpy as np
@@ -11,11 +9,9 @@ import small_scenes
 from cameras import Camera
 
 
-class DepthMaps(unittest.TestCase):
+class DepthMaps(small_scenes.InFolder):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        super().setUp()
         self.depths = np.random.default_rng(1).uniform(
             1, 9, (5, 7)).astype(np.float32)
 

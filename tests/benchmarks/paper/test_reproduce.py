@@ -5,9 +5,7 @@ import contextlib
 import importlib.util
 import io
 import json
-import pathlib
 import sys
-import tempfile
 import unittest
 
 import numpy as np
@@ -47,11 +45,9 @@ FIGURES = {
 }
 
 
-class Reproduce(unittest.TestCase):
+class Reproduce(small_scenes.InFolder):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        super().setUp()
         self.program = self.folder / "colmap"
 
     def make_stand_in(self, *commands):

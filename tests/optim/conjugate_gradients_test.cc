@@ -1,0 +1,122 @@
+#include "optim/conjugate_gradients.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/random.h"
+#include "tests/threads.h"
+
+namespace colmap_ext {
+namespace conjugate_gradients_test {
+
+using Vector = std::vector<double>;
+
+constexpr size_t kSize = 500;
+
+double Dot(const Vector& a, const Vector& b) {
+  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+}
+
+// The matrix has the diagonal d_i + 2 and -1 beside it.
+class ConjugateGradientsTest : public testing::Test {
+ protected:
+  ConjugateGradientsTest() {
+    Random random(1);
+    for (size_t i = 0; i < kSize; ++i) {
+      diagonal_.push_back(2 + (i % 5 == 0 ? 100 * random.Unit() : 1e-3));
+      right_hand_side_.push_back(2 * random.Unit() - 1);
+    }
+  }
+
+  Vector Product(const Vector& in) const {
+    Vector out(in.size());
+    for (size_t i = 0; i < in.size(); ++i) {
+      out[i] = diagonal_[i] * in[i] - (i > 0 ? in[i - 1] : 0) -
+               (i + 1 < in.size() ? in[i + 1] : 0);
+    }
+    return out;
+  }
+
+  LinearSolution Solve(const SolverOptions& options) const {
+    return SolveByConjugateGradients(
+        options, right_hand_side_,
+        [&](const Vector& in, Vector* out) { *out = Product(in); },
+        [&](const Vector& in, Vector* out) { *out = Precondition(in); });
+  }
+
+  Vector Precondition(const Vector& residual) const {
+    Vector out = residual;
+    for (size_t i = 0; i < out.size(); ++i) {
+      out[i] /= diagonal_[i];
+    }
+    return out;
+  }
+
+  // In the norm of the preconditioner, relative to that of 0.
+  double RelativeResidual(const Vector& values) const {
+    Vector residual = Product(values);
+    for (size_t i = 0; i < residual.size(); ++i) {
+      residual[i] -= right_hand_side_[i];
+    }
+    return std::sqrt(Dot(residual, Precondition(residual)) /
+                     Dot(right_hand_side_, Precondition(right_hand_side_)));
+  }
+
+  Vector diagonal_;
+  Vector right_hand_side_;
+};
+
+TEST_F(ConjugateGradientsTest, StopsAtTheTolerance) {
+  for (const double tolerance : {0.3, 0.03, 1e-3, 1e-9}) {
+    const LinearSolution solution = Solve({tolerance, 10000});
+    EXPECT_TRUE(solution.is_converged);
+    const double residual = RelativeResidual(solution.values);
+    EXPECT_LT(residual, 1.01 * tolerance);
+    EXPECT_GT(residual, 0.01 * tolerance);
+  }
+}
+
+TEST_F(ConjugateGradientsTest, StopsAfterTheIterations) {
+  EXPECT_EQ(Solve({0.1, 0}).values, Vector(kSize, 0));
+  EXPECT_FALSE(Solve({0.1, 0}).is_converged);
+  EXPECT_FALSE(Solve({1e-9, 3}).is_converged);
+}
+
+// Each iteration lowers 1/2 x A x - b x.
+TEST_F(ConjugateGradientsTest, EveryIterationLowersTheModel) {
+  double last = 0;
+  for (int iterations = 1; iterations <= 16; ++iterations) {
+    const Vector x = Solve({0, iterations}).values;
+    const double model = 0.5 * Dot(x, Product(x)) - Dot(right_hand_side_, x);
+    EXPECT_LT(model, last);
+    last = model;
+  }
+}
+
+TEST_F(ConjugateGradientsTest, NothingToSolveIsSolved) {
+  right_hand_side_.assign(kSize, 0);
+  const LinearSolution solution = Solve({});
+  EXPECT_TRUE(solution.is_converged);
+  EXPECT_EQ(solution.values, right_hand_side_);
+}
+
+// Directions without curvature end the iterations.
+TEST_F(ConjugateGradientsTest, DoesNotConvergeWhereTheMatrixIsSingular) {
+  const auto identity = [](const Vector& in, Vector* out) { *out = in; };
+  const LinearSolution solution = SolveByConjugateGradients(
+      {}, {1, 1},
+      [](const Vector& in, Vector* out) {
+        *out = {in[0] - in[1], in[1] - in[0]};
+      },
+      identity);
+  EXPECT_FALSE(solution.is_converged);
+  EXPECT_EQ(solution.values, Vector(2, 0));
+}
+
+TEST_F(ConjugateGradientsTest, DoesNotDependOnThreads) {
+  ExpectSameForAnyThreads([&] { return Solve({0, 8}).values; });
+}
+
+}  // namespace conjugate_gradients_test
+}  // namespace colmap_ext
