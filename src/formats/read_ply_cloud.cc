@@ -5,60 +5,21 @@
 #include <utility>
 
 #include "base/index_limit.h"
-#include "formats/byte_reader.h"
-#include "formats/errors.h"
 #include "formats/ply_reader.h"
 
 namespace colmap_ext {
 namespace {
 
-// Where in a vertex, as an index of its properties, are its coordinates?
-struct VertexLayout {
-  std::array<int, 3> position;
-  std::array<int, 3> normal;
-  std::array<int, 3> color;
-  int confidence = -1;  // -1: none
-  int label = -1;       // -1: none
-  bool has_normals = false;
-  bool has_colors = false;
-};
-
-VertexLayout FindLayout(const PlyElement& vertex,
-                        const std::filesystem::path& path) {
-  VertexLayout layout;
-  const auto find = [&vertex](std::array<const char*, 3> names,
-                              std::array<int, 3>* indices) {
-    bool found = true;
-    for (int i = 0; i < 3; ++i) {
-      (*indices)[i] = vertex.Find(names[i]);
-      found = found && (*indices)[i] >= 0;
-    }
-    return found;
-  };
-  if (!find({"x", "y", "z"}, &layout.position)) {
-    throw FileError(path, "its vertices have no x, y, z");
-  }
-  layout.has_normals = find({"nx", "ny", "nz"}, &layout.normal);
-  layout.has_colors =
-      find({"red", "green", "blue"}, &layout.color) ||
-      find({"diffuse_red", "diffuse_green", "diffuse_blue"}, &layout.color);
-  for (int i = 0; layout.has_colors && i < 3; ++i) {
-    layout.has_colors =
-        vertex.properties[layout.color[i]].type == PlyType::kUint8;
-  }
-  layout.confidence = vertex.Find("confidence");
-  if (layout.confidence >= 0) {
-    const PlyType type = vertex.properties[layout.confidence].type;
-    if (type != PlyType::kFloat32 && type != PlyType::kFloat64) {
-      layout.confidence = -1;
-    }
-  }
-  layout.label = vertex.Find("label");
-  if (layout.label >= 0 &&
-      vertex.properties[layout.label].type != PlyType::kInt32) {
-    layout.label = -1;
-  }
-  return layout;
+// Where in a vertex, as indices of its properties, are three of one type?
+// \return -1 three times if one is missing.
+std::array<int, 3> FindThree(const PlyElement& vertex,
+                             const std::array<const char*, 3>& names,
+                             std::initializer_list<PlyType> types = {}) {
+  std::array<int, 3> found;
+  std::ranges::transform(names, found.begin(), [&](const char* name) {
+    return vertex.Find(name, types);
+  });
+  return std::ranges::min(found) >= 0 ? found : std::array{-1, -1, -1};
 }
 
 // In [0, 1]; what is not a number is no confidence.
@@ -80,90 +41,91 @@ uint8_t ToByte(double value) {
 }
 
 // Reads up to the vertices.
-PlyElement SkipToVertices(const PlyHeader& header,
-                          const std::filesystem::path& path,
-                          PlyNumberReader* numbers,
-                          uint64_t max_count = UINT64_MAX) {
-  for (const PlyElement& element : header.elements) {
-    numbers->ExpectRoomFor(element, max_count);
+PlyElement SkipToVertices(PlyReader* reader, uint64_t max_count = UINT64_MAX) {
+  for (const PlyElement& element : reader->Elements()) {
+    reader->ExpectRoomFor(element, max_count);
     if (element.name == "vertex") {
       return element;
     }
-    numbers->Skip(element);
+    reader->Skip(element);
   }
-  throw FileError(path, "not a point cloud: it has no vertices");
+  reader->Throw("not a point cloud: it has no vertices");
 }
 
 }  // namespace
 
-PlyCloud ReadPlyVertices(const PlyElement& vertex,
-                         const std::filesystem::path& path,
-                         PlyNumberReader* numbers) {
-  const VertexLayout layout = FindLayout(vertex, path);
+PlyCloud ReadPlyVertices(const PlyElement& vertex, PlyReader* reader) {
+  const std::array<int, 3> position = FindThree(vertex, {"x", "y", "z"});
+  const std::array<int, 3> normal = FindThree(vertex, {"nx", "ny", "nz"});
+  std::array<int, 3> color =
+      FindThree(vertex, {"red", "green", "blue"}, {PlyType::kUint8});
+  if (color[0] < 0) {
+    color = FindThree(vertex, {"diffuse_red", "diffuse_green", "diffuse_blue"},
+                      {PlyType::kUint8});
+  }
+  const int confidence =
+      vertex.Find("confidence", {PlyType::kFloat32, PlyType::kFloat64});
+  const int label = vertex.Find("label", {PlyType::kInt32});
+  if (position[0] < 0) {
+    reader->Throw("its vertices have no x, y, z");
+  }
   PlyCloud cloud;
   cloud.positions.resize(vertex.count);
-  cloud.normals.resize(layout.has_normals ? vertex.count : 0);
-  cloud.colors.resize(layout.has_colors ? vertex.count : 0);
-  cloud.confidences.resize(layout.confidence >= 0 ? vertex.count : 0);
-  cloud.labels.resize(layout.label >= 0 ? vertex.count : 0);
+  cloud.normals.resize(normal[0] >= 0 ? vertex.count : 0);
+  cloud.colors.resize(color[0] >= 0 ? vertex.count : 0);
+  cloud.confidences.resize(confidence >= 0 ? vertex.count : 0);
+  cloud.labels.resize(label >= 0 ? vertex.count : 0);
   std::vector<double> values(vertex.properties.size());
   for (uint64_t i = 0; i < vertex.count; ++i) {
     for (size_t j = 0; j < values.size(); ++j) {
       const PlyProperty& property = vertex.properties[j];
       if (property.is_list) {
-        numbers->Skip(property);
+        reader->Skip(property);
       } else {
-        values[j] = numbers->Read(property.type);
+        values[j] = reader->Read(property.type);
       }
     }
     for (int k = 0; k < 3; ++k) {
-      cloud.positions[i][k] = static_cast<float>(values[layout.position[k]]);
-      if (layout.has_normals) {
-        cloud.normals[i][k] = static_cast<float>(values[layout.normal[k]]);
+      cloud.positions[i][k] = static_cast<float>(values[position[k]]);
+      if (normal[0] >= 0) {
+        cloud.normals[i][k] = static_cast<float>(values[normal[k]]);
       }
-      if (layout.has_colors) {
-        cloud.colors[i][k] = ToByte(values[layout.color[k]]);
+      if (color[0] >= 0) {
+        cloud.colors[i][k] = ToByte(values[color[k]]);
       }
     }
-    if (layout.confidence >= 0) {
-      cloud.confidences[i] = ClampConfidence(values[layout.confidence]);
+    if (confidence >= 0) {
+      cloud.confidences[i] = ClampConfidence(values[confidence]);
     }
-    if (layout.label >= 0) {
-      cloud.labels[i] = ToLabel(values[layout.label]);
+    if (label >= 0) {
+      cloud.labels[i] = ToLabel(values[label]);
     }
   }
   return cloud;
 }
 
 PlyCloud ReadPlyCloud(const std::filesystem::path& path) {
-  ByteReader reader(path);
-  const PlyHeader header = ReadPlyHeader(&reader);
-  PlyNumberReader numbers(&reader, header.format, "the vertices");
-  return ReadPlyVertices(SkipToVertices(header, path, &numbers, kMaxIndexed),
-                         path, &numbers);
+  PlyReader reader(path, "the vertices");
+  return ReadPlyVertices(SkipToVertices(&reader, kMaxIndexed), &reader);
 }
 
 uint64_t CountPlyVertices(const std::filesystem::path& path) {
-  ByteReader reader(path);
-  const PlyHeader header = ReadPlyHeader(&reader);
-  PlyNumberReader numbers(&reader, header.format, "the vertices");
-  return SkipToVertices(header, path, &numbers).count;
+  PlyReader reader(path, "the vertices");
+  return SkipToVertices(&reader).count;
 }
 
 void StreamCloud(const std::filesystem::path& path,
                  const std::filesystem::path& visibility_path,
                  size_t max_points,
                  const std::function<void(CloudPiece piece)>& visit) {
-  ByteReader reader(path);
-  const PlyHeader header = ReadPlyHeader(&reader);
-  PlyNumberReader numbers(&reader, header.format, "the vertices");
-  PlyElement rest = SkipToVertices(header, path, &numbers);
+  PlyReader reader(path, "the vertices");
+  PlyElement rest = SkipToVertices(&reader);
   VisibilityReader visibility(visibility_path, rest.count);
   while (rest.count > 0) {
     PlyElement piece = rest;
     piece.count = std::min<uint64_t>(rest.count, max_points);
     CloudPiece read;
-    read.cloud = ReadPlyVertices(piece, path, &numbers);
+    read.cloud = ReadPlyVertices(piece, &reader);
     visibility.Read(piece.count, &read.visibility);
     rest.count -= piece.count;
     visit(std::move(read));

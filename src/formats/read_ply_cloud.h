@@ -38,9 +38,7 @@ PlyCloud ReadPlyCloud(const std::filesystem::path& path);
 
 // Reads the vertices where the reader has come to them.
 // \throw FileError if they have no x, y, z, or are truncated or damaged.
-PlyCloud ReadPlyVertices(const PlyElement& vertex,
-                         const std::filesystem::path& path,
-                         PlyNumberReader* numbers);
+PlyCloud ReadPlyVertices(const PlyElement& vertex, PlyReader* reader);
 
 // Points that follow each other in a cloud, and the images that see them.
 struct CloudPiece {

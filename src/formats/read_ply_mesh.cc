@@ -6,9 +6,6 @@
 #include <fmt/format.h>
 
 #include "base/index_limit.h"
-#include "formats/byte_reader.h"
-#include "formats/errors.h"
-#include "formats/ply_reader.h"
 #include "formats/read_ply_cloud.h"
 
 namespace colmap_ext {
@@ -20,58 +17,50 @@ bool IsCornerList(const PlyProperty& property) {
          (property.name == "vertex_index" || property.name == "vertex_indices");
 }
 
-Facet ReadFacet(const PlyProperty& list, uint64_t face,
-                const std::filesystem::path& path, PlyNumberReader* numbers) {
-  const uint64_t num_corners = numbers->ReadLength(list);
+Facet ReadFacet(const PlyProperty& list, uint64_t face, PlyReader* reader) {
+  const uint64_t num_corners = reader->ReadLength(list);
   if (num_corners != 3) {
-    throw FileError(
-        path,
+    reader->Throw(
         fmt::format("face {} has {} corners, but only triangles are read; "
                     "triangulate the mesh first",
                     face, num_corners));
   }
   Facet facet;
   for (uint32_t& corner : facet) {
-    const double vertex = numbers->Read(list.type);
+    const double vertex = reader->Read(list.type);
     if (!(vertex >= 0 && vertex <= 4294967295.0) ||
         vertex != static_cast<double>(static_cast<uint32_t>(vertex))) {
-      throw FileError(
-          path,
-          fmt::format("damaged: face {} has a corner that is no vertex's index",
-                      face));
+      reader->Throw(fmt::format(
+          "damaged: face {} has a corner that is no vertex's index", face));
     }
     corner = static_cast<uint32_t>(vertex);
   }
   return facet;
 }
 
-std::vector<Facet> ReadFacets(const PlyElement& element,
-                              const std::filesystem::path& path,
-                              PlyNumberReader* numbers) {
+std::vector<Facet> ReadFacets(const PlyElement& element, PlyReader* reader) {
   std::vector<Facet> facets;
   for (uint64_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {
       if (IsCornerList(property)) {
-        facets.push_back(ReadFacet(property, i, path, numbers));
+        facets.push_back(ReadFacet(property, i, reader));
       } else {
-        numbers->Skip(property);
+        reader->Skip(property);
       }
     }
     if (facets.size() != i + 1) {
-      throw FileError(path,
-                      "its faces do not have one list vertex_index or "
-                      "vertex_indices");
+      reader->Throw(
+          "its faces do not have one list vertex_index or vertex_indices");
     }
   }
   return facets;
 }
 
-void CheckFacets(const TriangleMesh& mesh, const std::filesystem::path& path) {
+void CheckFacets(const TriangleMesh& mesh, const PlyReader& reader) {
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     for (const uint32_t vertex : mesh.facets[i]) {
       if (vertex >= mesh.vertices.size()) {
-        throw FileError(
-            path,
+        reader.Throw(
             fmt::format("damaged: face {} has vertex {}, but there are {}", i,
                         vertex, mesh.vertices.size()));
       }
@@ -104,33 +93,31 @@ std::vector<int32_t> FacetLabelsOf(const std::vector<Facet>& facets,
 }  // namespace
 
 ColoredMesh ReadColoredPlyMesh(const std::filesystem::path& path) {
-  ByteReader reader(path);
-  const PlyHeader header = ReadPlyHeader(&reader);
-  PlyNumberReader numbers(&reader, header.format, "the mesh");
+  PlyReader reader(path, "the mesh");
   ColoredMesh read;
-  read.label_names = LabelNames(header.comments);
+  read.label_names = LabelNames(reader.Comments());
   std::vector<int32_t> vertex_labels;
   TriangleMesh& mesh = read.mesh;
-  for (const PlyElement& element : header.elements) {
-    numbers.ExpectRoomFor(
+  for (const PlyElement& element : reader.Elements()) {
+    reader.ExpectRoomFor(
         element, element.name == "face" ? kMaxIndexed / 3 : kMaxIndexed);
     if (element.name == "vertex") {
-      PlyCloud vertices = ReadPlyVertices(element, path, &numbers);
+      PlyCloud vertices = ReadPlyVertices(element, &reader);
       mesh.vertices = std::move(vertices.positions);
       read.colors = std::move(vertices.colors);
       read.confidences = std::move(vertices.confidences);
       read.normals = std::move(vertices.normals);
       vertex_labels = std::move(vertices.labels);
     } else if (element.name == "face") {
-      mesh.facets = ReadFacets(element, path, &numbers);
+      mesh.facets = ReadFacets(element, &reader);
     } else {
-      numbers.Skip(element);
+      reader.Skip(element);
     }
   }
   if (mesh.vertices.empty()) {
-    throw FileError(path, "it has no vertices");
+    reader.Throw("it has no vertices");
   }
-  CheckFacets(mesh, path);
+  CheckFacets(mesh, reader);
   read.labels = FacetLabelsOf(mesh.facets, vertex_labels);
   return read;
 }
