@@ -24,7 +24,7 @@
 #include "mesh/mesh_in_image.h"
 #include "mesh/topology.h"
 #include "workspace/expect_outputs.h"
-#include "workspace/write_sparse_model.h"
+#include "workspace/sparse_model.h"
 
 namespace colmap_ext {
 

@@ -22,7 +22,6 @@
 #include "mesh/vertex_attributes.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
-#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
 
@@ -158,8 +157,8 @@ Workspace ReadCameras(const RefinerOptions& options,
                         "the mesh; run `colmap stereo_fusion` first");
   }
   return ReadMeshWorkspace(paths.folder, rules, decoder,
-                           {VertexCloud(file), file.attributes.views,
-                            paths.mesh, VisibilityPath(paths.mesh)});
+                           {{VertexCloud(file), file.attributes.views},
+                            {paths.mesh, VisibilityPath(paths.mesh)}});
 }
 
 // Views and colours that the mesh's files do not have.

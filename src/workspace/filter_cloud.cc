@@ -1,12 +1,7 @@
 #include "workspace/filter_cloud.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <optional>
-#include <span>
 #include <utility>
-
-#include "base/rows.h"
 
 namespace colmap_ext {
 
@@ -41,11 +36,12 @@ PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
                        FilterReport* report) {
   report->num_points = cloud.positions.size();
   report->num_out_of_range = CountOutOfRange(visibility, num_images);
-  size_t num_kept = 0;
+  PointCloud filtered{std::move(cloud.positions), std::move(cloud.colors),
+                      std::move(visibility)};
   const auto edit = [&](size_t point,
                         std::span<uint32_t> row) -> std::optional<size_t> {
     const size_t num_views = SortViews(row, num_images, report);
-    if (!cloud.positions[point].allFinite()) {
+    if (!filtered.positions[point].allFinite()) {
       ++report->num_not_finite;
       return std::nullopt;
     }
@@ -53,18 +49,10 @@ PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
       ++report->num_without_views;
       return std::nullopt;
     }
-    cloud.positions[num_kept] = cloud.positions[point];
-    if (!cloud.colors.empty()) {
-      cloud.colors[num_kept] = cloud.colors[point];
-    }
-    ++num_kept;
     return num_views;
   };
-  EditRows(edit, &visibility);
-  cloud.positions.resize(num_kept);
-  cloud.colors.resize(cloud.colors.empty() ? 0 : num_kept);
-  return {std::move(cloud.positions), std::move(cloud.colors),
-          std::move(visibility)};
+  EditPoints(edit, &filtered);
+  return filtered;
 }
 
 }  // namespace colmap_ext

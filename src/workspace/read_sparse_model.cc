@@ -59,8 +59,8 @@ class BinarySource {
     const int model_id = Number<int>();
     const CameraModelInfo* info = FindCameraModel(model_id);
     if (info == nullptr) {
-      throw FileError(reader_.Path(), fmt::format("unknown camera model {}; {}",
-                                                  model_id, kUndistort));
+      reader_.Throw(
+          fmt::format("unknown camera model {}; {}", model_id, kUndistort));
     }
     return info;
   }
@@ -283,11 +283,10 @@ void ReadFrames(Source source, SparseModel* model) {
     const auto num_data = source.template Number<uint32_t>();
     std::vector<std::tuple<uint32_t, uint64_t>> images;  // with their sensors
     for (uint32_t i = 0; i < num_data; ++i) {
-      SparseData data;
+      SparseData& data = frame.data.emplace_back();
       data.sensor_type = source.SensorType();
       data.sensor_id = source.template Number<uint32_t>();
       data.data_id = source.template Number<uint64_t>();
-      frame.data.push_back(data);
       if (data.sensor_type == kCameraSensorType) {
         images.emplace_back(data.sensor_id, data.data_id);
       }
@@ -337,14 +336,10 @@ SparseModel ReadModel(const std::filesystem::path& folder,
 
 }  // namespace
 
-SparseModel ReadBinarySparseModel(const std::filesystem::path& folder,
-                                  SparseDetail detail) {
-  return ReadModel<BinarySource>(folder, detail);
-}
-
-SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
-                                SparseDetail detail) {
-  return ReadModel<TextSource>(folder, detail);
+SparseModel ReadSparseModelFiles(const std::filesystem::path& folder,
+                                 bool is_binary, SparseDetail detail) {
+  return is_binary ? ReadModel<BinarySource>(folder, detail)
+                   : ReadModel<TextSource>(folder, detail);
 }
 
 }  // namespace colmap_ext

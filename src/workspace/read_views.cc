@@ -37,11 +37,6 @@ bool HasAspectOf(const View& view, const PictureSize& size) {
          std::abs(view.width * scale_y - size.width) <= 1;
 }
 
-std::string OtherSizeError(const View& view, const PictureSize& size) {
-  return fmt::format("is {} x {} pixels, but its camera is {} x {}", size.width,
-                     size.height, view.width, view.height);
-}
-
 // From the header of a PNG or JPEG file, else by decoding the whole picture.
 std::optional<PictureSize> FindPictureSize(const std::filesystem::path& path,
                                            const PictureDecoder& decoder) {
@@ -71,7 +66,9 @@ std::string FitToPicture(const std::filesystem::path& path,
     return "";
   }
   if (!HasAspectOf(*view, *size)) {
-    const std::string error = OtherSizeError(*view, *size);
+    const std::string error =
+        fmt::format("is {} x {} pixels, but its camera is {} x {}", size->width,
+                    size->height, view->width, view->height);
     if (!rules.allow_other_sizes) {
       throw FileError(path, error +
                                 ", which is not the same picture scaled; run "

@@ -1,7 +1,7 @@
 // COLMAP's binary model format: https://colmap.github.io/format.html, and
 // src/colmap/scene/reconstruction_io_binary.cc for frames.bin and rigs.bin.
 
-#include "workspace/write_sparse_model.h"
+#include "workspace/sparse_model.h"
 
 #include <algorithm>
 #include <array>
@@ -15,8 +15,6 @@
 namespace colmap_ext {
 
 namespace {
-
-using ImagesById = std::map<uint32_t, const SparseImage*>;
 
 void WriteCameras(const SparseModel& model, AtomicFile* file) {
   constexpr int kPinhole = 1;  // COLMAP's model id
@@ -64,18 +62,21 @@ void WriteImages(const SparseModel& model, AtomicFile* file) {
 
 // The mean distance of a point's observations from its projections, px of the
 // cameras.
-double MeanError(const SparseModel& model, const ImagesById& images,
-                 size_t point) {
+// \param images  see ImageIndices()
+double MeanError(const SparseModel& model,
+                 const std::map<uint32_t, size_t>& images, size_t point) {
   double sum = 0;
   size_t count = 0;
   for (uint64_t k = model.track_image_ids.offsets[point];
        k < model.track_image_ids.offsets[point + 1]; ++k) {
     const auto it = images.find(model.track_image_ids.values[k]);
-    if (it == images.end() ||
-        model.track_observations[k] >= it->second->observations.size()) {
+    if (it == images.end()) {
       continue;
     }
-    const SparseImage& image = *it->second;
+    const SparseImage& image = model.images[it->second];
+    if (model.track_observations[k] >= image.observations.size()) {
+      continue;
+    }
     const SparseCamera& camera = model.cameras.at(image.camera_id);
     const Eigen::Vector3d p =
         image.cam_from_world_rotation * model.exact_positions[point] +
@@ -90,10 +91,7 @@ double MeanError(const SparseModel& model, const ImagesById& images,
 }
 
 void WritePoints(const SparseModel& model, AtomicFile* file) {
-  ImagesById images;
-  for (const SparseImage& image : model.images) {
-    images[image.image_id] = &image;
-  }
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
   file->Write(uint64_t{model.point_ids.size()});
   for (size_t i = 0; i < model.point_ids.size(); ++i) {
     const std::span<const uint32_t> image_ids = model.track_image_ids[i];
@@ -122,15 +120,12 @@ void WriteRigs(const SparseModel& model, AtomicFile* file) {
 
 // A rig of one camera has the camera's pose.
 void WriteFrames(const SparseModel& model, AtomicFile* file) {
-  ImagesById images;
-  for (const SparseImage& image : model.images) {
-    images[image.image_id] = &image;
-  }
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
   file->Write(uint64_t{model.frames.size()});
   for (const SparseFrame& frame : model.frames) {
     file->Write(frame.frame_id);
     file->Write(frame.rig_id);
-    WritePose(*images.at(frame.image_ids[0]), file);
+    WritePose(model.images[images.at(frame.image_ids[0])], file);
     file->Write(static_cast<uint32_t>(frame.data.size()));
     for (const SparseData& data : frame.data) {
       file->Write(data.sensor_type);
@@ -163,20 +158,15 @@ void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
 }  // namespace
 
 bool HasOneImageFrames(const SparseModel& model) {
-  const auto is_single = [&model](const SparseFrame& frame) {
-    return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
-           std::any_of(model.images.begin(), model.images.end(),
-                       [&frame](const SparseImage& image) {
-                         return image.image_id == frame.image_ids[0];
-                       });
-  };
-  if (!model.frames.empty() && model.rigs.empty()) {
-    return false;
-  }
-  return std::all_of(
-             model.rigs.begin(), model.rigs.end(),
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
+  return (model.frames.empty() || !model.rigs.empty()) &&
+         std::ranges::all_of(
+             model.rigs,
              [](const SparseRig& rig) { return rig.num_sensors == 1; }) &&
-         std::all_of(model.frames.begin(), model.frames.end(), is_single);
+         std::ranges::all_of(model.frames, [&](const SparseFrame& frame) {
+           return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
+                  images.contains(frame.image_ids[0]);
+         });
 }
 
 void WriteSparseModel(const std::filesystem::path& folder,
