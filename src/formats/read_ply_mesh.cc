@@ -9,7 +9,6 @@
 #include "formats/read_ply_cloud.h"
 
 namespace colmap_ext {
-
 namespace {
 
 bool IsCornerList(const PlyProperty& property) {

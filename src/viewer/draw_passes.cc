@@ -8,7 +8,6 @@
 #include "viewer/shown_mesh.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Sets the uniforms of viewer_projection.glsl.

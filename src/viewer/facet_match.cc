@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "base/indices.h"
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
@@ -14,7 +15,6 @@
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Side lengths [px] of the patch shown and of the area searched. Chosen by
@@ -170,8 +170,7 @@ std::vector<uint32_t> ViewsOfFacet(const ShownMesh& mesh, uint32_t facet) {
       views.insert(views.end(), row.begin(), row.end());
     }
   }
-  std::ranges::sort(views);
-  views.erase(std::unique(views.begin(), views.end()), views.end());
+  SortUnique(&views);
   return views;
 }
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -38,17 +39,17 @@ class WindowInput {
   WindowInput(const GlfwWindow& window, ViewerSession* session);
 
   // Position of a double click since the last call, px.
-  std::optional<Eigen::Vector2i> TakeDoubleClick();
+  std::optional<Eigen::Vector2i> TakeDoubleClick() {
+    return std::exchange(double_click_, std::nullopt);
+  }
 
   // Whether there was any input since the last call.
-  bool TakeChange();
+  bool TakeChange() { return std::exchange(has_changed_, false); }
 
  private:
-  void OnKey(int key, int action);
   void OnButton(int button, int action, int modifiers);
+  // \param position  units of the mouse
   void OnMotion(const Eigen::Vector2d& position);
-  void OnScroll(double steps);
-  void InstallCallbacks();
 
   const GlfwWindow& window_;
   ViewerSession* session_;

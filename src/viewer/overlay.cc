@@ -11,7 +11,6 @@
 #include "viewer/draw_passes.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr float kMargin = 10;      // px
@@ -115,8 +114,8 @@ void Overlay::DrawHelp() {
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(help);
     };
-    for (const MouseHelp& mouse : MouseActions()) {
-      row(mouse.name, mouse.help);
+    for (const auto& [name, help] : kMouseActions) {
+      row(name, help);
     }
     for (const KeyAction& action : KeyActions()) {
       row(action.name, action.help);

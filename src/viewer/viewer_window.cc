@@ -11,7 +11,6 @@
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr double kWait = 0.05;  // seconds between looks into the inbox

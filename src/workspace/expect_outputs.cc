@@ -7,7 +7,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;

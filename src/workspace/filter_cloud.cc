@@ -4,7 +4,6 @@
 #include <utility>
 
 namespace colmap_ext {
-
 namespace {
 
 // Drops indices that are out of range or repeated, and sorts the others.

@@ -10,7 +10,6 @@
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;

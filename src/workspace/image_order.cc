@@ -13,7 +13,6 @@
 #include "workspace/order_by_colors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Points that are projected. A choice.

@@ -17,7 +17,6 @@
 #include "workspace/filter_cloud.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;

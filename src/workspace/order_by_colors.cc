@@ -7,7 +7,6 @@
 #include <map>
 
 namespace colmap_ext {
-
 namespace {
 
 // The sample: .vis indices, and points of each. Choices; the figures below hold

@@ -14,7 +14,6 @@
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr int kCameraSensorType = 0;

@@ -12,7 +12,6 @@
 #include "formats/read_depth_map.h"
 
 namespace colmap_ext {
-
 namespace {
 
 View MakeView(const SparseImage& image, const SparseCamera& camera) {

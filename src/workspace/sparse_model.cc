@@ -9,7 +9,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Indexed by COLMAP's model ids.

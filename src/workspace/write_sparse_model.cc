@@ -13,7 +13,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 void WriteCameras(const SparseModel& model, AtomicFile* file) {
