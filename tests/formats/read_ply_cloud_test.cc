@@ -5,8 +5,7 @@
 
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace read_ply_cloud_test {
+namespace colmap_ext::read_ply_cloud_test {
 
 // Two points (1, 2, 3) and (-4, 5.5, 6e2) with normals and colours.
 constexpr double kValues[2][9] = {{1, 2, 3, 0, 0, 1, 10, 20, 30},
@@ -62,19 +61,25 @@ std::string MakePly(const Variant& variant) {
   return bytes;
 }
 
-class ReadPlyCloudTest : public testing::Test {
+// Three coordinates of that many vertices.
+std::string AsciiHeader(int num_vertices) {
+  return "ply\nformat ascii 1.0\nelement vertex " +
+         std::to_string(num_vertices) +
+         "\nproperty float x\nproperty float y\nproperty float z\n";
+}
+
+class ReadPlyCloudTest : public FolderTest {
  protected:
+  ReadPlyCloudTest() : FolderTest("fused.ply") {}
+
   PlyCloud Read(const std::string& bytes) {
     WriteFile(path_, bytes);
     return ReadPlyCloud(path_);
   }
 
-  std::string ErrorOf(const std::string& bytes) {
-    return FileErrorOf([&] { Read(bytes); });
+  void ExpectRefused(const std::string& bytes, const std::string& message) {
+    ExpectFileError(message, [&] { Read(bytes); });
   }
-
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "fused.ply";
 };
 
 void ExpectTheTwoPoints(const PlyCloud& cloud) {
@@ -126,29 +131,25 @@ TEST_F(ReadPlyCloudTest, SkipsListsOtherPropertiesAndElements) {
 }
 
 TEST_F(ReadPlyCloudTest, KeepsNotFinitePointsForTheCallerToDrop) {
-  const PlyCloud cloud = Read(
-      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
-      "property float y\nproperty float z\nend_header\n"
-      "nan inf -inf\n1e300 1 1");
+  const PlyCloud cloud =
+      Read(AsciiHeader(2) + "end_header\nnan inf -inf\n1e300 1 1");
   EXPECT_FALSE(cloud.positions[0].allFinite());
   EXPECT_FALSE(cloud.positions[1].allFinite());
 }
 
 TEST_F(ReadPlyCloudTest, IgnoresColorsThatAreNotBytes) {
-  EXPECT_TRUE(Read("ply\nformat ascii 1.0\nelement vertex 1\n"
-                   "property float x\nproperty float y\nproperty float z\n"
+  EXPECT_TRUE(Read(AsciiHeader(1) +
                    "property float red\nproperty float green\n"
                    "property float blue\nend_header\n1 2 3 0.5 0.5 0.5\n")
                   .colors.empty());
 }
 
 TEST_F(ReadPlyCloudTest, CutsColorsOffToBytes) {
-  const PlyCloud cloud = Read(
-      "ply\nformat ascii 1.0\nelement vertex 2\n"
-      "property float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\n"
-      "property uchar blue\nend_header\n"
-      "1 2 3 nan -1 1e300\n1 2 3 254.9 inf -inf\n");
+  const PlyCloud cloud =
+      Read(AsciiHeader(2) +
+           "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+           "end_header\n"
+           "1 2 3 nan -1 1e300\n1 2 3 254.9 inf -inf\n");
   ASSERT_EQ(cloud.colors.size(), 2);
   EXPECT_EQ(cloud.colors[0], (Color{0, 0, 255}));
   EXPECT_EQ(cloud.colors[1], (Color{254, 255, 0}));
@@ -169,7 +170,7 @@ TEST_F(ReadPlyCloudTest, RefusesCountsLargerThanTheFile) {
     for (const char* count : {"4000000000", "18446744073709551615"}) {
       std::string bytes = MakePly({.format = format});
       bytes.replace(bytes.find("vertex 2"), 8, std::string("vertex ") + count);
-      EXPECT_NE(ErrorOf(bytes).find("room for"), std::string::npos);
+      ExpectRefused(bytes, "room for");
     }
   }
   std::string list =
@@ -178,27 +179,26 @@ TEST_F(ReadPlyCloudTest, RefusesCountsLargerThanTheFile) {
       "property float z\nend_header\n";
   Append(uint32_t{4000000000}, &list);
   list.append(100, '\0');
-  EXPECT_NE(ErrorOf(list).find("impossible length"), std::string::npos);
+  ExpectRefused(list, "impossible length");
 }
 
 TEST_F(ReadPlyCloudTest, RefusesWhatIsNoPointCloud) {
-  for (const char* bytes :
-       {"", "\n", "obj\n", "ply\nend_header\n", "ply\nformat ebcdic 1.0\n",
-        "ply\nformat ascii 1.0\nproperty float x\nend_header\n",
-        "ply\nformat ascii 1.0\nend_header\n",
-        "ply\nformat ascii 1.0\nelement vertex -1\nend_header\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int x\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-        "end_header\n1\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-        "property float y\nproperty float z\nend_header\n1 2 three\n"}) {
+  const std::string ascii = "ply\nformat ascii 1.0\n";
+  for (const std::string& bytes :
+       {std::string(), std::string("\n"), std::string("obj\n"),
+        std::string("ply\nend_header\n"),
+        std::string("ply\nformat ebcdic 1.0\n"),
+        ascii + "property float x\nend_header\n", ascii + "end_header\n",
+        ascii + "element vertex -1\nend_header\n",
+        ascii + "element vertex 1\nproperty half x\n",
+        ascii + "element vertex 1\nproperty list float int x\n",
+        ascii + "element vertex 1\nproperty float x\nend_header\n1\n",
+        AsciiHeader(1) + "end_header\n1 2 three\n"}) {
     SCOPED_TRACE(bytes);
-    EXPECT_NE(ErrorOf(bytes), "");
+    ExpectRefused(bytes, "fused.ply: ");
   }
-  EXPECT_NE(FileErrorOf([&] { ReadPlyCloud(folder_.Path()); }), "");
-  EXPECT_NE(FileErrorOf([&] { ReadPlyCloud(folder_.Path() / "no.ply"); }), "");
+  ExpectFileError("", [&] { ReadPlyCloud(folder_.Path()); });
+  ExpectFileError("", [&] { ReadPlyCloud(folder_.Path() / "no.ply"); });
 }
 
-}  // namespace read_ply_cloud_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::read_ply_cloud_test

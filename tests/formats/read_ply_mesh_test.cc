@@ -1,15 +1,12 @@
 #include "formats/read_ply_mesh.h"
 
 #include <cstdint>
-#include <filesystem>
-#include <functional>
 
 #include "formats/read_ply_cloud.h"
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace read_ply_mesh_test {
+namespace colmap_ext::read_ply_mesh_test {
 
 constexpr const char* kHeader =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
@@ -18,21 +15,19 @@ constexpr const char* kVertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 constexpr const char* kFaces =
     "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
 
-class ReadPlyMeshTest : public testing::Test {
+class ReadPlyMeshTest : public FolderTest {
  protected:
+  ReadPlyMeshTest() : FolderTest("mesh.ply") {}
+
   TriangleMesh Read(const std::string& bytes) {
     WriteFile(path_, bytes);
     return ReadPlyMesh(path_);
   }
 
   void ExpectRefused(const std::string& bytes, const std::string& message) {
-    const std::string error = FileErrorOf([&] { Read(bytes); });
-    EXPECT_NE(error.find(message), std::string::npos)
-        << "expected: " << message << "\nfound: " << error;
+    ExpectFileError(message, [&] { Read(bytes); });
   }
 
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "mesh.ply";
   const TriangleMesh mesh_ = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                               {{0, 2, 1}, {0, 1, 3}}};
 };
@@ -112,22 +107,16 @@ TEST_F(ReadPlyMeshTest, RefusesMoreThanCanBeNumbered) {
       "property uchar x\nproperty uchar y\nproperty uchar z\n";
   const uint64_t num_vertices = uint64_t{1} << 32;
   make("element vertex 4294967296\n" + vertex, 3 * num_vertices);
-  for (const auto& read :
-       {std::function<void()>([&] { ReadPlyMesh(path_); }),
-        std::function<void()>([&] { ReadPlyCloud(path_); })}) {
-    EXPECT_NE(FileErrorOf(read).find("has 4294967296 vertex elements, but at "
-                                     "most 4294967295"),
-              std::string::npos);
-  }
+  const std::string message =
+      "has 4294967296 vertex elements, but at most 4294967295";
+  ExpectFileError(message, [&] { ReadPlyMesh(path_); });
+  ExpectFileError(message, [&] { ReadPlyCloud(path_); });
   const uint64_t num_facets = num_vertices / 3 + 1;
   make("element vertex 1\n" + vertex + "element face 1431655766\n" +
            "property list uchar uchar vertex_index\n",
        3 + num_facets);
-  EXPECT_NE(FileErrorOf([&] {
-              ReadPlyMesh(path_);
-            }).find("has 1431655766 face elements, but at most 1431655765"),
-            std::string::npos);
+  ExpectFileError("has 1431655766 face elements, but at most 1431655765",
+                  [&] { ReadPlyMesh(path_); });
 }
 
-}  // namespace read_ply_mesh_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::read_ply_mesh_test

@@ -11,8 +11,7 @@
 #include "scene/half_pixel.h"
 #include "spatial/bvh.h"
 
-namespace colmap_ext::synthetic {
-namespace dense_scene_test {
+namespace colmap_ext::synthetic::dense_scene_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -332,5 +331,4 @@ TEST(MakeDenseScene, RefusesBadOptions) {
   EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
 }
 
-}  // namespace dense_scene_test
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext::synthetic::dense_scene_test

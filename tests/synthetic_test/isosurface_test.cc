@@ -8,8 +8,7 @@
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/scene.h"
 
-namespace colmap_ext::synthetic {
-namespace isosurface_test {
+namespace colmap_ext::synthetic::isosurface_test {
 
 using Eigen::Vector3f;
 
@@ -114,5 +113,4 @@ TEST(MakeScene, RefusesBadOptions) {
   EXPECT_THROW(MakeScene(options), std::invalid_argument);
 }
 
-}  // namespace isosurface_test
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext::synthetic::isosurface_test

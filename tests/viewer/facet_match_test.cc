@@ -9,8 +9,7 @@
 #include "viewer/shown_mesh.h"
 #include "viewer/shown_scene.h"
 
-namespace colmap_ext {
-namespace facet_match_test {
+namespace colmap_ext::facet_match_test {
 
 // A textured plane z = 0, and images of it.
 class FacetMatchTest : public testing::Test {
@@ -144,5 +143,4 @@ TEST(CoarseMesh, IsOfAboutAsManyFacetsOnTheSameSurface) {
   }
 }
 
-}  // namespace facet_match_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::facet_match_test

@@ -12,8 +12,7 @@
 #include "tests/gl/gl_test.h"
 #include "viewer/shown_mesh.h"
 
-namespace colmap_ext {
-namespace scene_renderer_test {
+namespace colmap_ext::scene_renderer_test {
 
 using SceneRendererTest = CurrentGlTest;
 
@@ -225,5 +224,4 @@ TEST_F(SceneRendererTest, DrawsTheNearerOfTwoPoints) {
   EXPECT_EQ(renderer.Read().At(24, 32), (Color{10, 20, 30}));
 }
 
-}  // namespace scene_renderer_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::scene_renderer_test

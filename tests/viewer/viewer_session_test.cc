@@ -6,8 +6,7 @@
 
 #include "scene/look_at.h"
 
-namespace colmap_ext {
-namespace viewer_session_test {
+namespace colmap_ext::viewer_session_test {
 
 // A square in the plane z = 0 that two cameras see.
 class ViewerSessionTest : public testing::Test {
@@ -144,5 +143,4 @@ TEST_F(ViewerSessionTest, EveryKeyHasOneActionAndDoesNoHarmWithoutAScene) {
   EXPECT_TRUE(session.IsClosed());
 }
 
-}  // namespace viewer_session_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::viewer_session_test

@@ -2,8 +2,7 @@
 
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace expect_outputs_test {
+namespace colmap_ext::expect_outputs_test {
 
 namespace fs = std::filesystem;
 
@@ -55,5 +54,4 @@ TEST_F(ExpectOutputsTest, AllowsNewFilesAndEarlierOutputs) {
                                 WorkspaceInputs(path_, path_ / "old.ply", {})));
 }
 
-}  // namespace expect_outputs_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::expect_outputs_test

@@ -7,8 +7,7 @@
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/read_views.h"
 
-namespace colmap_ext {
-namespace image_order_test {
+namespace colmap_ext::image_order_test {
 
 using Indices = std::vector<size_t>;
 
@@ -109,5 +108,4 @@ TEST_F(ImageOrderTest, AsksNothingWhereAllOrdersAreTheSame) {
   EXPECT_EQ(Find(file_order_).reason, OrderReason::kOnlyOne);
 }
 
-}  // namespace image_order_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::image_order_test

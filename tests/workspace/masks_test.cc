@@ -4,8 +4,7 @@
 #include "tests/formats/test_files.h"
 #include "tests/workspace/netpbm_decoder.h"
 
-namespace colmap_ext {
-namespace masks_test {
+namespace colmap_ext::masks_test {
 
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
@@ -138,5 +137,4 @@ TEST_F(MasksTest, OneUnmaskedViewKeepsAPoint) {
             std::vector<uint32_t>{2});
 }
 
-}  // namespace masks_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::masks_test

@@ -6,8 +6,7 @@
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
-namespace colmap_ext {
-namespace sparse_model_test {
+namespace colmap_ext::sparse_model_test {
 
 class SparseModelTest : public testing::Test {
  protected:
@@ -182,5 +181,4 @@ TEST_F(SparseModelTest, NamesUnknownCameraModelsAndWhatToDo) {
   EXPECT_NE(error.find("image_undistorter"), std::string::npos) << error;
 }
 
-}  // namespace sparse_model_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::sparse_model_test

@@ -4,15 +4,13 @@
 #include <optional>
 #include <random>
 
-#include "formats/picture_size.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/netpbm_decoder.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
 
-namespace colmap_ext {
-namespace workspace_test {
+namespace colmap_ext::workspace_test {
 
 namespace fs = std::filesystem;
 
@@ -271,25 +269,4 @@ TEST(FilterCloudTest, SortsRows) {
   EXPECT_TRUE(cloud.colors.empty());
 }
 
-TEST_F(WorkspaceTest, ReadsTheSizeOfPicturesFromTheirHeaders) {
-  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\1\2\0\0\0\7", 24);
-  WriteFile(path_ / "a.png", png);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.png")->width, 258);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.png")->height, 7);
-  const std::string jpeg(
-      "\xff\xd8\xff\xe0\0\4ab\xff\xff\xc4\0\3x\xff\xc2\0\x11\x08\0\5\1\1", 23);
-  WriteFile(path_ / "a.jpg", jpeg);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.jpg")->width, 257);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.jpg")->height, 5);
-  for (const std::string& bytes : {png, jpeg}) {
-    for (size_t size = 0; size < bytes.size(); ++size) {
-      WriteFile(path_ / "cut", bytes.substr(0, size));
-      EXPECT_FALSE(ReadPictureSize(path_ / "cut")) << size;
-    }
-  }
-  EXPECT_FALSE(ReadPictureSize(path_ / "none"));
-  EXPECT_FALSE(ReadPictureSize(path_));
-}
-
-}  // namespace workspace_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::workspace_test

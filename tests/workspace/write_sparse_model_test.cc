@@ -7,8 +7,7 @@
 #include "formats/errors.h"
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace write_sparse_model_test {
+namespace colmap_ext::write_sparse_model_test {
 
 // Two images of one camera that see two points.
 SparseModel MakeModel() {
@@ -143,5 +142,4 @@ TEST(WriteSparseModel, KeepsTheOldModelWhenTheDiskIsFull) {
   EXPECT_EQ(ReadFile(folder.Path() / "a" / "points3D.bin"), points);
 }
 
-}  // namespace write_sparse_model_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::write_sparse_model_test
