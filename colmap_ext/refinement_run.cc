@@ -23,7 +23,7 @@
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/topology.h"
-#include "workspace/expect_outputs.h"
+#include "workspace/find_workspace.h"
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {

@@ -14,7 +14,7 @@
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/tile_points.h"
 #include "formats/errors.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/gray_image.h"
 #include "scene/half_pixel.h"

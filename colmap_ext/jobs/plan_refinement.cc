@@ -13,7 +13,7 @@
 #include "colmap_ext/jobs/surface_files.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "formats/errors.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"

@@ -14,7 +14,7 @@
 #include "colmap_ext/options/refinement_options.h"
 #include "formats/errors.h"
 #include "formats/read_numbers.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "formats/errors.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"

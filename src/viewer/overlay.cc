@@ -1,5 +1,3 @@
-#include "viewer/overlay.h"
-
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "viewer/draw_passes.h"
+#include "viewer/glfw_window.h"
 
 namespace colmap_ext {
 namespace {

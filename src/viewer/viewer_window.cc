@@ -6,7 +6,6 @@
 
 #include "gl/gl_error.h"
 #include "viewer/glfw_window.h"
-#include "viewer/overlay.h"
 #include "viewer/scene_renderer.h"
 #include "viewer/viewer_session.h"
 

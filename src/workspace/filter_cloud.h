@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "scene/point_cloud.h"
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "formats/errors.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"

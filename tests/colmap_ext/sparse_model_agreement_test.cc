@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "tests/formats/test_files.h"
-#include "tests/synthetic/colmap_workspace.h"
+#include "tests/synthetic/write_workspace.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/image_order.h"
 #include "workspace/sparse_model.h"

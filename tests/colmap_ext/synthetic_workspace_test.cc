@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "colmap_ext/colmap_compat.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
 #include "workspace/workspace.h"

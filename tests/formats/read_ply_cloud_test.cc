@@ -1,4 +1,4 @@
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,7 @@
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 
 #include <cstdint>
 
-#include "formats/read_ply_cloud.h"
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
 

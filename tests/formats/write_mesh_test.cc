@@ -2,8 +2,7 @@
 
 #include <cstring>
 
-#include "formats/read_ply_cloud.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "tests/formats/test_files.h"
 

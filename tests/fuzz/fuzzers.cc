@@ -17,7 +17,7 @@
 #include "formats/read_depth_map.h"
 #include "formats/read_npy_mask.h"
 #include "formats/read_numbers.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/filter_cloud.h"

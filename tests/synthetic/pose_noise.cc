@@ -1,4 +1,4 @@
-#include "tests/synthetic/pose_noise.h"
+#include "tests/synthetic/dense_scene.h"
 
 #include <cmath>
 #include <cstddef>
@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/scene.h"
 
 namespace colmap_ext::synthetic {
 
@@ -49,11 +48,6 @@ std::vector<Vector6d> MakeNoise(bool is_smooth, size_t num_views,
 }
 
 }  // namespace
-
-std::string PoseNoiseOptions::Check() const {
-  return RangeError(
-      {{"pose_noise", pixels, 0, 100}, {"focal_factor", focal_factor, 0.5, 2}});
-}
 
 // A turn about x or y, or a motion along them, moves what lies ahead by the
 // angle, or the length over the depth, times the focal length; turns about z

@@ -1,4 +1,4 @@
-#include "tests/synthetic/sparse.h"
+#include "tests/synthetic/dense_scene.h"
 
 #include <cmath>
 

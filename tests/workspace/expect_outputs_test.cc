@@ -1,4 +1,4 @@
-#include "workspace/expect_outputs.h"
+#include "workspace/find_workspace.h"
 
 #include "tests/formats/test_files.h"
 
