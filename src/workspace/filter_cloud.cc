@@ -4,23 +4,6 @@
 #include <utility>
 
 namespace colmap_ext {
-namespace {
-
-// Drops indices that are out of range or repeated, and sorts the others.
-// \return how many stay, the first of the row.
-size_t SortViews(std::span<uint32_t> row, size_t num_images,
-                 FilterReport* report) {
-  const auto end = std::remove_if(
-      row.begin(), row.end(),
-      [num_images](uint32_t index) { return index >= num_images; });
-  std::sort(row.begin(), end);
-  const auto unique_end = std::unique(row.begin(), end);
-  report->num_with_repeats += unique_end != end;
-  return static_cast<size_t>(unique_end - row.begin());
-}
-
-}  // namespace
-
 size_t CountOutOfRange(const Visibility& visibility, size_t num_images) {
   size_t count = 0;
   for (size_t i = 0; i < visibility.size(); ++i) {
@@ -39,16 +22,21 @@ PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
                       std::move(visibility)};
   const auto edit = [&](size_t point,
                         std::span<uint32_t> row) -> std::optional<size_t> {
-    const size_t num_views = SortViews(row, num_images, report);
+    const auto end = std::remove_if(
+        row.begin(), row.end(),
+        [num_images](uint32_t index) { return index >= num_images; });
+    std::sort(row.begin(), end);
+    const auto unique_end = std::unique(row.begin(), end);
+    report->num_with_repeats += unique_end != end;
     if (!filtered.positions[point].allFinite()) {
       ++report->num_not_finite;
       return std::nullopt;
     }
-    if (num_views == 0) {
+    if (unique_end == row.begin()) {
       ++report->num_without_views;
       return std::nullopt;
     }
-    return num_views;
+    return static_cast<size_t>(unique_end - row.begin());
   };
   EditPoints(edit, &filtered);
   return filtered;

@@ -15,32 +15,30 @@
 namespace colmap_ext {
 namespace {
 
+template <typename... Values>
+void Write(AtomicFile* file, const Values&... values) {
+  (file->Write(values), ...);
+}
+
 void WriteCameras(const SparseModel& model, AtomicFile* file) {
   constexpr int kPinhole = 1;  // COLMAP's model id
   constexpr int kSimplePinhole = 0;
   file->Write(uint64_t{model.cameras.size()});
   for (const auto& [camera_id, camera] : model.cameras) {
     const bool is_simple = camera.model_name == "SIMPLE_PINHOLE";
-    file->Write(camera_id);
-    file->Write(is_simple ? kSimplePinhole : kPinhole);
-    file->Write(camera.width);
-    file->Write(camera.height);
-    file->Write(camera.fx);
+    Write(file, camera_id, is_simple ? kSimplePinhole : kPinhole, camera.width,
+          camera.height, camera.fx);
     if (!is_simple) {
       file->Write(camera.fy);
     }
-    file->Write(camera.cx);
-    file->Write(camera.cy);
+    Write(file, camera.cx, camera.cy);
   }
 }
 
 void WritePose(const SparseImage& image, AtomicFile* file) {
   const Eigen::Quaterniond& q = image.cam_from_world_rotation;
   const Eigen::Vector3d& t = image.cam_from_world_translation;
-  for (const double number :
-       {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) {
-    file->Write(number);
-  }
+  Write(file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
 }
 
 void WriteImages(const SparseModel& model, AtomicFile* file) {
@@ -51,10 +49,8 @@ void WriteImages(const SparseModel& model, AtomicFile* file) {
     file->Write(image.camera_id);
     file->Write(image.name.c_str(), image.name.size() + 1);
     file->Write(uint64_t{image.observations.size()});
-    for (const SparseObservation& observation : image.observations) {
-      file->Write(observation.pixel.x());
-      file->Write(observation.pixel.y());
-      file->Write(observation.point_id);
+    for (const auto& [pixel, point_id] : image.observations) {
+      Write(file, pixel.x(), pixel.y(), point_id);
     }
   }
 }
@@ -64,11 +60,11 @@ void WriteImages(const SparseModel& model, AtomicFile* file) {
 // \param images  see ImageIndices()
 double MeanError(const SparseModel& model,
                  const std::map<uint32_t, size_t>& images, size_t point) {
+  const Rows<uint32_t>& tracks = model.track_image_ids;
   double sum = 0;
   size_t count = 0;
-  for (uint64_t k = model.track_image_ids.offsets[point];
-       k < model.track_image_ids.offsets[point + 1]; ++k) {
-    const auto it = images.find(model.track_image_ids.values[k]);
+  for (uint64_t k = tracks.offsets[point]; k < tracks.offsets[point + 1]; ++k) {
+    const auto it = images.find(tracks.values[k]);
     if (it == images.end()) {
       continue;
     }
@@ -93,16 +89,13 @@ void WritePoints(const SparseModel& model, AtomicFile* file) {
   const std::map<uint32_t, size_t> images = ImageIndices(model);
   file->Write(uint64_t{model.point_ids.size()});
   for (size_t i = 0; i < model.point_ids.size(); ++i) {
-    const std::span<const uint32_t> image_ids = model.track_image_ids[i];
-    file->Write(model.point_ids[i]);
-    file->Write(model.exact_positions[i].data(), 3 * sizeof(double));
-    file->Write(model.point_colors[i]);
-    file->Write(MeanError(model, images, i));
-    file->Write(uint64_t{image_ids.size()});
-    for (size_t k = 0; k < image_ids.size(); ++k) {
-      file->Write(image_ids[k]);
-      file->Write(
-          model.track_observations[model.track_image_ids.offsets[i] + k]);
+    const Rows<uint32_t>& tracks = model.track_image_ids;
+    const Eigen::Vector3d& position = model.exact_positions[i];
+    Write(file, model.point_ids[i], position.x(), position.y(), position.z(),
+          model.point_colors[i], MeanError(model, images, i),
+          uint64_t{tracks[i].size()});
+    for (uint64_t k = tracks.offsets[i]; k < tracks.offsets[i + 1]; ++k) {
+      Write(file, tracks.values[k], model.track_observations[k]);
     }
   }
 }
@@ -110,10 +103,7 @@ void WritePoints(const SparseModel& model, AtomicFile* file) {
 void WriteRigs(const SparseModel& model, AtomicFile* file) {
   file->Write(uint64_t{model.rigs.size()});
   for (const SparseRig& rig : model.rigs) {
-    file->Write(rig.rig_id);
-    file->Write(rig.num_sensors);
-    file->Write(rig.sensor_type);
-    file->Write(rig.sensor_id);
+    Write(file, rig.rig_id, rig.num_sensors, rig.sensor_type, rig.sensor_id);
   }
 }
 
@@ -122,14 +112,11 @@ void WriteFrames(const SparseModel& model, AtomicFile* file) {
   const std::map<uint32_t, size_t> images = ImageIndices(model);
   file->Write(uint64_t{model.frames.size()});
   for (const SparseFrame& frame : model.frames) {
-    file->Write(frame.frame_id);
-    file->Write(frame.rig_id);
+    Write(file, frame.frame_id, frame.rig_id);
     WritePose(model.images[images.at(frame.image_ids[0])], file);
     file->Write(static_cast<uint32_t>(frame.data.size()));
     for (const SparseData& data : frame.data) {
-      file->Write(data.sensor_type);
-      file->Write(data.sensor_id);
-      file->Write(data.data_id);
+      Write(file, data.sensor_type, data.sensor_id, data.data_id);
     }
   }
 }
