@@ -1,4 +1,4 @@
-#include "viewer/draw_passes.h"
+#include "viewer/scene_renderer.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "viewer/facet_match.h"
+#include "viewer/shown_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
 #include "raster/facet_id_buffer.h"
-#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 namespace {

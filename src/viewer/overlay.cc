@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "viewer/draw_passes.h"
 #include "viewer/glfw_window.h"
+#include "viewer/scene_renderer.h"
 
 namespace colmap_ext {
 namespace {

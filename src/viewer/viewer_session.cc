@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "raster/facet_id_buffer.h"
-#include "viewer/facet_match.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/shown_mesh.h"
 

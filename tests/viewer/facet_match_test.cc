@@ -1,4 +1,4 @@
-#include "viewer/facet_match.h"
+#include "viewer/shown_mesh.h"
 
 #include <cmath>
 
@@ -8,7 +8,6 @@
 #include "pictures/drawings.h"
 #include "scene/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "viewer/shown_mesh.h"
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext::facet_match_test {

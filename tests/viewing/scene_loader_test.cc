@@ -12,7 +12,7 @@
 
 #include "base/mix_bits.h"
 #include "scene/look_at.h"
-#include "viewer/facet_match.h"
+#include "viewer/shown_mesh.h"
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {
