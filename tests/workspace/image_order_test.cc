@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/read_views.h"
 

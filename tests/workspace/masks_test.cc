@@ -2,7 +2,7 @@
 
 #include "scene/look_at.h"
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
+#include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext::masks_test {
 

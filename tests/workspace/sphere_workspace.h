@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 
@@ -60,6 +61,9 @@ struct SphereWorkspace {
   uint32_t Observation(size_t image, size_t point) const;
   Eigen::Vector2d Pixel(size_t image, size_t point) const;
 };
+
+// Decodes the binary pictures of 8 bits of Netpbm, PPM and PGM.
+PictureDecoder NetpbmDecoder();
 
 // Colour of the sphere at a point of it.
 Color SphereColor(const Eigen::Vector3d& point);

@@ -5,7 +5,6 @@
 #include <random>
 
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
