@@ -20,7 +20,6 @@
 #include "mesh/mesh_in_image.h"
 #include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
-#include "workspace/expect_outputs.h"
 #include "workspace/find_workspace.h"
 #include "workspace/masks.h"
 #include "workspace/workspace.h"

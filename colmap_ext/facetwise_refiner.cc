@@ -26,8 +26,8 @@
 #include "pictures/mesh_renderer.h"
 #include "pictures/picture_views.h"
 #include "viewer/viewer_session.h"
-#include "workspace/expect_outputs.h"
-#include "workspace/write_sparse_model.h"
+#include "workspace/find_workspace.h"
+#include "workspace/sparse_model.h"
 
 namespace colmap_ext {
 namespace {

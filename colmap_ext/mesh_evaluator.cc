@@ -15,11 +15,10 @@
 #include "formats/encode_png.h"
 #include "formats/errors.h"
 #include "formats/read_depth_map.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "pictures/drawings.h"
 #include "pictures/picture_views.h"
-#include "workspace/expect_outputs.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
 

@@ -25,7 +25,7 @@
 #include "viewer/shown_mesh.h"
 #include "viewer/shown_scene.h"
 #include "viewer/viewer_session.h"
-#include "workspace/expect_outputs.h"
+#include "workspace/find_workspace.h"
 
 namespace colmap_ext {
 namespace {

@@ -11,7 +11,7 @@
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/tile_points.h"
 #include "formats/errors.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "scene/gray_image.h"
 #include "scene/half_pixel.h"
 #include "tiles/thin_tile.h"

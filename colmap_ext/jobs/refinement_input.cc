@@ -12,13 +12,12 @@
 #include "colmap_ext/errors.h"
 #include "formats/errors.h"
 #include "formats/read_numbers.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "mesh/topology.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
-#include "workspace/write_sparse_model.h"
 
 namespace colmap_ext {
 
@@ -128,8 +127,8 @@ Workspace ReadCameras(const RefinerOptions& options,
                         "the mesh; run `colmap stereo_fusion` first");
   }
   return ReadMeshWorkspace(paths.folder, rules, decoder,
-                           {VertexCloud(file), file.attributes.views,
-                            paths.mesh, VisibilityPath(paths.mesh)});
+                           {{VertexCloud(file), file.attributes.views},
+                            {paths.mesh, VisibilityPath(paths.mesh)}});
 }
 
 // Views and colours that the mesh's files do not have.

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "viewer/facet_match.h"
 #include "viewer/shown_mesh.h"
 
 namespace colmap_ext {

@@ -6,7 +6,7 @@
 
 #include "colmap_ext/errors.h"
 #include "formats/errors.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"

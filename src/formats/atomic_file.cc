@@ -13,7 +13,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr size_t kWriteBufferSize = 1 << 20;  // bytes

@@ -5,10 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "formats/errors.h"
-
 namespace colmap_ext {
-
 namespace {
 
 constexpr size_t kReadBufferSize = 1 << 18;  // bytes
@@ -55,19 +52,18 @@ void ByteReader::Skip(uint64_t num_bytes, const char* what) {
 uint64_t ByteReader::ReadCount(uint64_t min_bytes_each, const char* what) {
   const uint64_t count = Read<uint64_t>(what);
   if (count > Remaining() / min_bytes_each) {
-    throw FileError(path_,
-                    fmt::format("truncated or damaged: it promises {} {}, "
-                                "but has room for {}",
-                                count, what, Remaining() / min_bytes_each));
+    Throw(fmt::format(
+        "truncated or damaged: it promises {} {}, but has room for {}", count,
+        what, Remaining() / min_bytes_each));
   }
   return count;
 }
 
 void ByteReader::ExpectEnd() const {
   if (Remaining() > 0) {
-    throw FileError(path_, fmt::format("damaged: it has {} bytes more than its "
-                                       "counts account for",
-                                       Remaining()));
+    Throw(
+        fmt::format("damaged: it has {} bytes more than its counts account for",
+                    Remaining()));
   }
 }
 
@@ -104,9 +100,8 @@ void ByteReader::FillBuffer(const char* what) {
 }
 
 void ByteReader::ThrowTruncated(const char* what) const {
-  throw FileError(path_, fmt::format("truncated: it ends in the middle of {} "
-                                     "(at byte {} of {})",
-                                     what, position_, size_));
+  Throw(fmt::format("truncated: it ends in the middle of {} (at byte {} of {})",
+                    what, position_, size_));
 }
 
 }  // namespace colmap_ext

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/errors.h"
+
 namespace colmap_ext {
 
 static_assert(std::endian::native == std::endian::little,
@@ -54,6 +56,11 @@ class ByteReader {
 
   // \throw FileError if anything is left.
   void ExpectEnd() const;
+
+  // \throw FileError about this file.
+  [[noreturn]] void Throw(const std::string& message) const {
+    throw FileError(path_, message);
+  }
 
  private:
   void Take(char* bytes, size_t num_bytes);

@@ -7,7 +7,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 using Signature = std::array<uint8_t, 8>;

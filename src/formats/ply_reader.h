@@ -2,6 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -22,8 +25,6 @@ enum class PlyType {
   kFloat64,
 };
 
-size_t PlyTypeSize(PlyType type);  // bytes
-
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kFloat32;  // of a list: of its items
@@ -36,28 +37,25 @@ struct PlyElement {
   uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  // The least that one of them takes in a file.
-  uint64_t MinBytes(PlyFormat format) const;
-
+  // \param types  of the property; none for any.
   // \return -1 if there is no such scalar property.
-  int Find(const std::string& property_name) const;
+  int Find(const std::string& property_name,
+           std::initializer_list<PlyType> types = {}) const;
 };
 
-struct PlyHeader {
-  PlyFormat format = PlyFormat::kAscii;
-  std::vector<PlyElement> elements;   // in the order of the file
-  std::vector<std::string> comments;  // what follows the word
-};
-
-// \throw FileError if it is not a PLY header.
-PlyHeader ReadPlyHeader(ByteReader* reader);
-
-// Reads the numbers of a PLY file's body, one after the other.
-class PlyNumberReader {
+// Reads a PLY file: its header, then the numbers of its body, one after the
+// other.
+class PlyReader {
  public:
   // \param what  is being read, for the messages: "the vertices".
-  PlyNumberReader(ByteReader* reader, PlyFormat format, const char* what)
-      : reader_(reader), format_(format), what_(what) {}
+  // \throw FileError if the file is missing, or has no PLY header.
+  PlyReader(const std::filesystem::path& path, const char* what);
+
+  // In the order of the file.
+  const std::vector<PlyElement>& Elements() const { return elements_; }
+
+  // What follows the word `comment` in each of these lines.
+  const std::vector<std::string>& Comments() const { return comments_; }
 
   // \throw FileError if the file ends before, or has no number there.
   double Read(PlyType type) {
@@ -77,14 +75,26 @@ class PlyNumberReader {
   void ExpectRoomFor(const PlyElement& element,
                      uint64_t max_count = UINT64_MAX) const;
 
+  // \throw FileError
+  [[noreturn]] void Throw(const std::string& message) const {
+    file_.Throw(message);
+  }
+
  private:
+  std::string ReadLine();
+  void ParseFormat(const std::string& name);
+  PlyElement ParseElement(std::istream& items) const;
+  PlyProperty ParseProperty(std::istream& items) const;
+  PlyType ParseType(const std::string& name) const;
+  uint64_t MinBytes(const PlyElement& element) const;
   double ReadBinary(PlyType type);
   double ReadAscii();
-  double ParseNumber(const char* item, size_t length) const;
 
-  ByteReader* reader_;
-  PlyFormat format_;
+  ByteReader file_;
   const char* what_;
+  PlyFormat format_ = PlyFormat::kAscii;
+  std::vector<PlyElement> elements_;
+  std::vector<std::string> comments_;
 };
 
 }  // namespace colmap_ext

@@ -4,15 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "formats/errors.h"
-
 namespace colmap_ext {
-
 namespace {
 
-[[noreturn]] void ThrowNotADepthMap(const ByteReader& reader) {
-  throw FileError(reader.Path(), "not a depth map of COLMAP");
-}
+constexpr const char* kNotADepthMap = "not a depth map of COLMAP";
 
 // Digits and the & behind them.
 int ReadHeaderNumber(ByteReader* reader) {
@@ -28,33 +23,29 @@ int ReadHeaderNumber(ByteReader* reader) {
     }
     number = 10 * number + (c - '0');
   }
-  ThrowNotADepthMap(*reader);
+  reader->Throw(kNotADepthMap);
 }
 
 }  // namespace
 
-DepthMapSize ReadDepthMapHeader(ByteReader* reader) {
-  DepthMapSize size;
-  size.width = ReadHeaderNumber(reader);
-  size.height = ReadHeaderNumber(reader);
+DepthMap ReadDepthMapHeader(ByteReader* reader) {
+  DepthMap map;
+  map.width = ReadHeaderNumber(reader);
+  map.height = ReadHeaderNumber(reader);
   if (ReadHeaderNumber(reader) != 1) {
-    ThrowNotADepthMap(*reader);
+    reader->Throw(kNotADepthMap);
   }
-  return size;
+  return map;
 }
 
 DepthMap ReadDepthMap(const std::filesystem::path& path) {
   ByteReader reader(path);
-  const DepthMapSize size = ReadDepthMapHeader(&reader);
-  const uint64_t num_depths = uint64_t{1} * size.width * size.height;
+  DepthMap map = ReadDepthMapHeader(&reader);
+  const uint64_t num_depths = uint64_t{1} * map.width * map.height;
   if (num_depths > reader.Remaining() / sizeof(float)) {
-    throw FileError(path,
-                    fmt::format("truncated: it has no room for {} x {} depths",
-                                size.width, size.height));
+    reader.Throw(fmt::format("truncated: it has no room for {} x {} depths",
+                             map.width, map.height));
   }
-  DepthMap map;
-  map.width = size.width;
-  map.height = size.height;
   map.depths.resize(num_depths);
   reader.Read(map.depths.data(), num_depths * sizeof(float), "the depths");
   reader.ExpectEnd();

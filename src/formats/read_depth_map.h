@@ -8,15 +8,11 @@
 
 namespace colmap_ext {
 
-struct DepthMapSize {
-  int width = 0;   // px
-  int height = 0;  // px
-};
-
 // The header of a depth map of patch_match_stereo, the text
 // "WIDTH&HEIGHT&CHANNELS&".
+// \return a map of this size, without depths.
 // \throw FileError if it is not that, or not of one channel.
-DepthMapSize ReadDepthMapHeader(ByteReader* reader);
+DepthMap ReadDepthMapHeader(ByteReader* reader);
 
 // A depth map in COLMAP's format, of the whole image.
 // \throw FileError if the file is missing, truncated, or not such a map.

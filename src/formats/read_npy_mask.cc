@@ -12,10 +12,8 @@
 #include <string_view>
 
 #include "formats/byte_reader.h"
-#include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr const char* kHeader = "the header";
@@ -27,7 +25,7 @@ std::string ReadHeader(ByteReader* reader) {
   char magic[kMagicSize];
   reader->Read(magic, kMagicSize, kHeader);
   if (std::memcmp(magic, kMagic, kMagicSize) != 0) {
-    throw FileError(reader->Path(), "not a NumPy file");
+    reader->Throw("not a NumPy file");
   }
   const auto major = reader->Read<uint8_t>(kHeader);
   reader->Skip(1, kHeader);  // minor version
@@ -35,7 +33,7 @@ std::string ReadHeader(ByteReader* reader) {
                                    : reader->Read<uint32_t>(kHeader);
   constexpr size_t kMaxLength = 1 << 16;
   if (length > kMaxLength) {
-    throw FileError(reader->Path(), "not a NumPy file: endless header");
+    reader->Throw("not a NumPy file: endless header");
   }
   std::string header(length, ' ');
   reader->Read(header.data(), length, kHeader);
@@ -90,17 +88,6 @@ std::optional<std::array<size_t, 3>> ParseSize(std::string_view shape) {
   return begin != end && *begin == ')' ? std::optional(size) : std::nullopt;
 }
 
-std::array<size_t, 3> ParseShape(const std::string& header,
-                                 const std::filesystem::path& path) {
-  const auto size = ParseSize(FindValue(header, "'shape'"));
-  if (!IsByteType(FindValue(header, "'descr'")) || !size) {
-    throw FileError(path,
-                    "not a mask: an array of uint8 or bool with three "
-                    "dimensions is expected");
-  }
-  return *size;
-}
-
 // From x fastest to z fastest.
 std::vector<uint8_t> FromFortranOrder(const std::vector<uint8_t>& voxels,
                                       const std::array<size_t, 3>& size) {
@@ -120,14 +107,18 @@ std::vector<uint8_t> FromFortranOrder(const std::vector<uint8_t>& voxels,
 VoxelGrid ReadNpyMask(const std::filesystem::path& path) {
   ByteReader reader(path);
   const std::string header = ReadHeader(&reader);
-  VoxelGrid mask;
-  mask.size = ParseShape(header, path);
-  const auto [size_x, size_y, size_z] = mask.size;
+  const auto size = ParseSize(FindValue(header, "'shape'"));
+  if (!IsByteType(FindValue(header, "'descr'")) || !size) {
+    reader.Throw(
+        "not a mask: an array of uint8 or bool with three dimensions is "
+        "expected");
+  }
+  const auto [size_x, size_y, size_z] = *size;
   const size_t num_voxels = size_x * size_y * size_z;
   if (num_voxels > reader.Remaining()) {
-    throw FileError(path, "truncated: it has no room for its array");
+    reader.Throw("truncated: it has no room for its array");
   }
-  mask.voxels.resize(num_voxels);
+  VoxelGrid mask{*size, std::vector<uint8_t>(num_voxels)};
   reader.Read(mask.voxels.data(), num_voxels, "the array");
   reader.ExpectEnd();
   if (FindValue(header, "'fortran_order'").starts_with("True")) {

@@ -14,7 +14,6 @@
 #include <Eigen/SVD>
 
 #include "formats/byte_reader.h"
-#include "formats/errors.h"
 
 namespace colmap_ext {
 namespace {
@@ -114,13 +113,13 @@ std::vector<double> ReadNumbers(const std::filesystem::path& path) {
   constexpr uint64_t kMaxSize = 1 << 16;  // bytes
   ByteReader reader(path);
   if (reader.Remaining() > kMaxSize) {
-    throw FileError(path, "too long for a text of a few numbers");
+    reader.Throw("too long for a text of a few numbers");
   }
   std::string text(reader.Remaining(), ' ');
   reader.Read(text.data(), text.size(), "the text");
   std::optional<std::vector<double>> numbers = ParseNumbers(text);
   if (!numbers) {
-    throw FileError(path, "not a text of numbers");
+    reader.Throw("not a text of numbers");
   }
   return *std::move(numbers);
 }

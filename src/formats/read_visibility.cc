@@ -4,10 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "formats/errors.h"
-
 namespace colmap_ext {
-
 namespace {
 
 // \throw FileError if there is none, as ByteReader does not say what it is for
@@ -39,8 +36,7 @@ VisibilityReader::VisibilityReader(const std::filesystem::path& path,
         owner.alternative);
   }
   if (count > reader_.Remaining() / sizeof(uint32_t)) {
-    throw FileError(
-        path,
+    reader_.Throw(
         fmt::format("truncated or damaged: no room for {} points", count));
   }
 }
@@ -49,8 +45,7 @@ void VisibilityReader::Read(size_t num_points, Visibility* visibility) {
   for (size_t i = 0; i < num_points; ++i, ++point_) {
     const uint32_t num_images = reader_.Read<uint32_t>("a point's images");
     if (num_images > reader_.Remaining() / sizeof(uint32_t)) {
-      throw FileError(
-          reader_.Path(),
+      reader_.Throw(
           fmt::format("truncated or damaged: point {} promises {} images",
                       point_, num_images));
     }

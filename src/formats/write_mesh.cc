@@ -42,7 +42,9 @@ std::string Header(const PlyMesh& mesh) {
 }
 
 void WritePly(const std::filesystem::path& path, const PlyMesh& mesh,
-              AtomicFile* file) {
+              AtomicFiles* together) {
+  AtomicFiles alone;
+  AtomicFile* file = (together != nullptr ? together : &alone)->Add(path);
   if (mesh.positions.size() > std::numeric_limits<int32_t>::max()) {
     throw FileError(path, "the mesh has more vertices than a PLY can index");
   }
@@ -71,6 +73,7 @@ void WritePly(const std::filesystem::path& path, const PlyMesh& mesh,
     file->Write(uint8_t{3});
     file->Write(facet);
   }
+  alone.Commit();
 }
 
 // A vertex as the facets of one label have it.
@@ -116,7 +119,7 @@ void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
             .confidences = attributes.confidences,
             .facets = mesh.facets,
             .transform = transform},
-           files.Add(path));
+           &files);
   visibility_file->Write(uint64_t{mesh.vertices.size()});
   for (size_t i = 0; i < attributes.views.size(); ++i) {
     const auto views = attributes.views[i];
@@ -129,12 +132,10 @@ void WriteMesh(const std::filesystem::path& path, const TriangleMesh& mesh,
 void WriteColoredMesh(const std::filesystem::path& path,
                       const TriangleMesh& mesh,
                       const std::vector<Color>& colors, AtomicFiles* together) {
-  AtomicFiles alone;
   WritePly(
       path,
       {.positions = mesh.vertices, .colors = colors, .facets = mesh.facets},
-      (together != nullptr ? together : &alone)->Add(path));
-  alone.Commit();
+      together);
 }
 
 void WriteLabeledMesh(const std::filesystem::path& path,
@@ -161,15 +162,13 @@ void WriteLabeledMesh(const std::filesystem::path& path,
   for (size_t i = 0; i < labels.names.size(); ++i) {
     comments += fmt::format("comment label {}: {}\n", i, labels.names[i]);
   }
-  AtomicFiles alone;
   WritePly(path,
            {.positions = positions,
             .colors = colors,
             .labels = vertex_labels,
             .facets = facets,
             .comments = comments},
-           (together != nullptr ? together : &alone)->Add(path));
-  alone.Commit();
+           together);
 }
 
 }  // namespace colmap_ext

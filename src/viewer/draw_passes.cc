@@ -1,4 +1,4 @@
-#include "viewer/draw_passes.h"
+#include "viewer/scene_renderer.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,6 @@
 #include "viewer/shown_mesh.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Sets the uniforms of viewer_projection.glsl.

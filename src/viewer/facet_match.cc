@@ -1,4 +1,4 @@
-#include "viewer/facet_match.h"
+#include "viewer/shown_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,13 @@
 
 #include <Eigen/Geometry>
 
+#include "base/indices.h"
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
 #include "raster/facet_id_buffer.h"
-#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Side lengths [px] of the patch shown and of the area searched. Chosen by
@@ -54,54 +53,6 @@ Crop CropAround(const View& view, const GrayImage& image,
     }
   }
   return crop;
-}
-
-// Whether a facet may be visible in a view.
-bool MayShow(const TriangleMesh& mesh, const Facet& facet, const View& view) {
-  Eigen::Array2d low = Eigen::Array2d::Constant(1e300);
-  Eigen::Array2d high = -low;
-  int num_behind = 0;
-  for (const uint32_t vertex : facet) {
-    const Eigen::Vector3d point =
-        view.CamFromWorld(mesh.vertices[vertex].cast<double>());
-    if (!(point.z() > 0)) {
-      ++num_behind;
-      continue;
-    }
-    const Eigen::Array2d pixel = view.ImageFromCam(point).array();
-    low = low.min(pixel);
-    high = high.max(pixel);
-  }
-  if (num_behind > 0) {
-    return num_behind < 3;
-  }
-  return high.minCoeff() >= 0 && low.x() <= view.width &&
-         low.y() <= view.height;
-}
-
-// The facets that may be visible in either view.
-// \param facet  becomes its index among them
-TriangleMesh PartOf(const TriangleMesh& mesh, const View& first,
-                    const View& second, uint32_t* facet) {
-  TriangleMesh part;
-  uint32_t new_facet = 0;
-  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
-    const Facet& corners = mesh.facets[i];
-    if (i != *facet && !MayShow(mesh, corners, first) &&
-        !MayShow(mesh, corners, second)) {
-      continue;
-    }
-    if (i == *facet) {
-      new_facet = static_cast<uint32_t>(part.facets.size());
-    }
-    const auto next = static_cast<uint32_t>(part.vertices.size());
-    part.facets.push_back({next, next + 1, next + 2});
-    for (const uint32_t vertex : corners) {
-      part.vertices.push_back(mesh.vertices[vertex]);
-    }
-  }
-  *facet = new_facet;
-  return part;
 }
 
 // Sets the pixels that show the facet as centers; for a facet that is too
@@ -170,8 +121,7 @@ std::vector<uint32_t> ViewsOfFacet(const ShownMesh& mesh, uint32_t facet) {
       views.insert(views.end(), row.begin(), row.end());
     }
   }
-  std::ranges::sort(views);
-  views.erase(std::unique(views.begin(), views.end()), views.end());
+  SortUnique(&views);
   return views;
 }
 
@@ -205,16 +155,15 @@ FacetMatch MatchFacet(const TriangleMesh& mesh, uint32_t facet,
   }
   const Crop i = CropAround(first, first_image, center, kPatchSize);
   const Crop j = CropAround(second, second_image, center, kSearchSize);
-  const TriangleMesh part = PartOf(mesh, i.view, j.view, &facet);
-  const FacetIdBuffer drawn_i = DrawFacets(i.view, part, options.min_cosine);
-  const FacetIdBuffer drawn_j = DrawFacets(j.view, part, options.min_cosine);
+  const FacetIdBuffer drawn_i = DrawFacets(i.view, mesh, options.min_cosine);
+  const FacetIdBuffer drawn_j = DrawFacets(j.view, mesh, options.min_cosine);
   CorrelationTile tile;
   TileGeometry geometry;
   tile.Resize(kPatchSize, kPatchSize);
   SetCenters(drawn_i, facet, first.CamFromWorld(center).z(),
              options.window_radius, &tile);
   std::ranges::fill(tile.is_reached, 1);  // All of it is shown.
-  PairWarp({i.view, i.image, drawn_i}, {j.view, j.image, drawn_j}, part)
+  PairWarp({i.view, i.image, drawn_i}, {j.view, j.image, drawn_j}, mesh)
       .Compute(&tile, &geometry);
   FacetMatch match{i.image, {kPatchSize, kPatchSize, {}}, std::nullopt};
   for (size_t k = 0; k < tile.warped.size(); ++k) {

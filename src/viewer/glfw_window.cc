@@ -2,11 +2,7 @@
 
 #include <imgui.h>
 
-#include <algorithm>
-#include <utility>
-
 namespace colmap_ext {
-
 namespace {
 
 std::string LastGlfwError() {
@@ -81,38 +77,33 @@ Eigen::Vector2d GlfwWindow::Scale() const {
 WindowInput::WindowInput(const GlfwWindow& window, ViewerSession* session)
     : window_(window), session_(session) {
   glfwSetWindowUserPointer(window.Get(), this);
-  InstallCallbacks();
-  glfwGetCursorPos(window.Get(), &last_.x(), &last_.y());
-  last_ = last_.cwiseProduct(window.Scale());
-}
-
-void WindowInput::InstallCallbacks() {
-  GLFWwindow* const window = window_.Get();
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
-    InputOf(w)->OnKey(key, action);
-  });
+  glfwSetKeyCallback(window.Get(),
+                     [](GLFWwindow* w, int key, int, int action, int) {
+                       if (action != GLFW_RELEASE) {
+                         InputOf(w)->session_->Press(SessionKey(key));
+                         InputOf(w)->has_changed_ = true;
+                       }
+                     });
   glfwSetMouseButtonCallback(
-      window, [](GLFWwindow* w, int button, int action, int modifiers) {
+      window.Get(), [](GLFWwindow* w, int button, int action, int modifiers) {
         InputOf(w)->OnButton(button, action, modifiers);
       });
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    InputOf(w)->OnMotion(
-        Eigen::Vector2d(x, y).cwiseProduct(InputOf(w)->window_.Scale()));
+  glfwSetCursorPosCallback(window.Get(), [](GLFWwindow* w, double x, double y) {
+    InputOf(w)->OnMotion({x, y});
   });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double steps) {
-    InputOf(w)->OnScroll(steps);
+  glfwSetScrollCallback(window.Get(), [](GLFWwindow* w, double, double steps) {
+    if (!ImGui::GetIO().WantCaptureMouse) {
+      InputOf(w)->session_->Scroll(steps);
+      InputOf(w)->has_changed_ = true;
+    }
   });
-  const auto redraw = [](GLFWwindow* w) { InputOf(w)->has_changed_ = true; };
-  glfwSetWindowRefreshCallback(window, redraw);
-  glfwSetFramebufferSizeCallback(
-      window, [](GLFWwindow* w, int, int) { InputOf(w)->has_changed_ = true; });
-}
-
-void WindowInput::OnKey(int key, int action) {
-  if (action != GLFW_RELEASE) {
-    session_->Press(SessionKey(key));
-    has_changed_ = true;
-  }
+  glfwSetWindowRefreshCallback(
+      window.Get(), [](GLFWwindow* w) { InputOf(w)->has_changed_ = true; });
+  glfwSetFramebufferSizeCallback(window.Get(), [](GLFWwindow* w, int, int) {
+    InputOf(w)->has_changed_ = true;
+  });
+  glfwGetCursorPos(window.Get(), &last_.x(), &last_.y());
+  last_ = last_.cwiseProduct(window.Scale());
 }
 
 void WindowInput::OnButton(int button, int action, int modifiers) {
@@ -144,24 +135,12 @@ void WindowInput::OnButton(int button, int action, int modifiers) {
 }
 
 void WindowInput::OnMotion(const Eigen::Vector2d& position) {
+  const Eigen::Vector2d pixel = position.cwiseProduct(window_.Scale());
   if (drag_) {
-    session_->Drag(*drag_, last_, position);
+    session_->Drag(*drag_, last_, pixel);
     has_changed_ = true;
   }
-  last_ = position;
+  last_ = pixel;
 }
-
-void WindowInput::OnScroll(double steps) {
-  if (!ImGui::GetIO().WantCaptureMouse) {
-    session_->Scroll(steps);
-    has_changed_ = true;
-  }
-}
-
-std::optional<Eigen::Vector2i> WindowInput::TakeDoubleClick() {
-  return std::exchange(double_click_, std::nullopt);
-}
-
-bool WindowInput::TakeChange() { return std::exchange(has_changed_, false); }
 
 }  // namespace colmap_ext

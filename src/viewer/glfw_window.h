@@ -1,12 +1,15 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <Eigen/Core>
 
+#include "gl/gl_objects.h"
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {
@@ -38,17 +41,17 @@ class WindowInput {
   WindowInput(const GlfwWindow& window, ViewerSession* session);
 
   // Position of a double click since the last call, px.
-  std::optional<Eigen::Vector2i> TakeDoubleClick();
+  std::optional<Eigen::Vector2i> TakeDoubleClick() {
+    return std::exchange(double_click_, std::nullopt);
+  }
 
   // Whether there was any input since the last call.
-  bool TakeChange();
+  bool TakeChange() { return std::exchange(has_changed_, false); }
 
  private:
-  void OnKey(int key, int action);
   void OnButton(int button, int action, int modifiers);
+  // \param position  units of the mouse
   void OnMotion(const Eigen::Vector2d& position);
-  void OnScroll(double steps);
-  void InstallCallbacks();
 
   const GlfwWindow& window_;
   ViewerSession* session_;
@@ -59,6 +62,34 @@ class WindowInput {
   double last_click_time_ = -1;          // seconds
   std::optional<Eigen::Vector2i> double_click_;
   bool has_changed_ = true;
+};
+
+// Text and pictures over the scene, by Dear ImGui.
+class Overlay {
+ public:
+  // \pre the window's callbacks are set; the overlay passes events on to them.
+  explicit Overlay(const GlfwWindow& window);
+  ~Overlay();
+  Overlay(const Overlay&) = delete;
+  Overlay& operator=(const Overlay&) = delete;
+
+  // Draws into the window's framebuffer.
+  void Draw(const ViewerSession& session);
+
+ private:
+  // The pictures of a match.
+  struct MatchTextures {
+    std::shared_ptr<const FacetMatch> match;
+    GlTexture first;
+    GlTexture warped;
+  };
+
+  void DrawLines(const ViewerSession& session);
+  void DrawHelp();
+  void DrawPicked(const ViewerSession& session);
+  void DrawMatch(const std::shared_ptr<const FacetMatch>& match);
+
+  std::optional<MatchTextures> textures_;
 };
 
 }  // namespace colmap_ext

@@ -11,16 +11,12 @@ namespace colmap_ext {
 struct ViewerActions {
   using Session = ViewerSession;
 
-  static void Image(ViewerSession* session) {
-    session->SetImage(!session->settings_.image);
-  }
-
-  static void Opacity(ViewerSession* session, double change) {
+  static void Opacity(Session* session, double change) {
     double& opacity = session->settings_.image_opacity;
     opacity = std::clamp(opacity + change, 0.0, 1.0);
   }
 
-  static void NextMesh(ViewerSession* session) {
+  static void NextMesh(Session* session) {
     const size_t count = session->scene_.meshes.size();
     if (count > 0) {
       session->settings_.mesh = (session->settings_.mesh + 1) % count;
@@ -29,14 +25,14 @@ struct ViewerActions {
     }
   }
 
-  static void Reset(ViewerSession* session) {
+  static void Reset(Session* session) {
     session->LeaveView();
     if (session->first_camera_) {
       session->FlyTo(*session->first_camera_);
     }
   }
 
-  static void Pause(ViewerSession* session) {
+  static void Pause(Session* session) {
     if (!session->host_.pause) {
       session->message_ = "there is no refinement to pause";
       return;
@@ -78,7 +74,8 @@ struct ViewerActions {
         [](Session* session) { session->StepView(1); });
     add({kKeyLeft, '['}, "Left [", "previous camera",
         [](Session* session) { session->StepView(-1); });
-    add({'G'}, "G", "the camera's image over the mesh", &Image);
+    add({'G'}, "G", "the camera's image over the mesh",
+        [](Session* session) { session->SetImage(!session->settings_.image); });
     add({'+', '='}, "+", "increase its opacity",
         [](Session* session) { Opacity(session, kStep); });
     add({'-'}, "-", "decrease its opacity",
@@ -99,16 +96,6 @@ struct ViewerActions {
 
 const std::vector<KeyAction>& KeyActions() {
   static const std::vector<KeyAction> actions = ViewerActions::All();
-  return actions;
-}
-
-const std::vector<MouseHelp>& MouseActions() {
-  static const std::vector<MouseHelp> actions = {
-      {"left drag", "rotate"},
-      {"right or Ctrl drag", "pan"},
-      {"wheel", "zoom"},
-      {"double click", "select a face: its views and their agreement"},
-  };
   return actions;
 }
 

@@ -10,7 +10,6 @@
 #include "pictures/picture_views.h"
 
 namespace colmap_ext {
-
 namespace {
 
 using Eigen::Vector2d;

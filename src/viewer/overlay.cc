@@ -1,5 +1,3 @@
-#include "viewer/overlay.h"
-
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
@@ -8,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "viewer/draw_passes.h"
+#include "viewer/glfw_window.h"
+#include "viewer/scene_renderer.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr float kMargin = 10;      // px
@@ -115,8 +113,8 @@ void Overlay::DrawHelp() {
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(help);
     };
-    for (const MouseHelp& mouse : MouseActions()) {
-      row(mouse.name, mouse.help);
+    for (const auto& [name, help] : kMouseActions) {
+      row(name, help);
     }
     for (const KeyAction& action : KeyActions()) {
       row(action.name, action.help);

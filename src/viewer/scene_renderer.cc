@@ -9,7 +9,6 @@
 #include "viewer/orbit_camera.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Distance from the camera to the first mesh or points, the scale of depths,

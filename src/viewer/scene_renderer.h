@@ -1,15 +1,131 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "gl/gl_objects.h"
+#include "gl/program.h"
 #include "scene/color_image.h"
+#include "scene/point_cloud.h"
 #include "scene/view.h"
-#include "viewer/draw_passes.h"
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext {
+
+// The camera of a picture, and its near plane.
+struct PictureProjection {
+  View view;
+  double near = 1e-3;  // scene units
+};
+
+// A picture as a texture with linear interpolation.
+GlTexture ImageTexture(const ColorImage& image);
+
+// Draws images on planes in front of their cameras. From its own camera, an
+// image covers exactly the scene that it shows.
+class ImagePass {
+ public:
+  ImagePass();
+
+  // \param view  the camera of the image, which may have another size.
+  // \param depth  of the plane, scene units
+  // \param opacity  0 ... 1
+  void Draw(const std::shared_ptr<const ColorImage>& image, const View& view,
+            double depth, double opacity, const PictureProjection& projection);
+
+ private:
+  struct Uploaded {
+    std::weak_ptr<const ColorImage> image;
+    GlTexture texture;
+  };
+
+  const GlTexture& Upload(const std::shared_ptr<const ColorImage>& image);
+
+  Program program_;
+  GlVertexArray vertex_array_;
+  GlBuffer corners_;  // [4][3] float, from the eye on, world frame
+  std::map<const ColorImage*, Uploaded> uploaded_;
+};
+
+// Draws points as discs; uploads them at first use.
+class PointPass {
+ public:
+  PointPass();
+
+  // \param owner  of the points; the same owner has the same points.
+  // \param colors  [P] or empty: gray
+  // \param diameter  of the discs, px
+  void Draw(const std::shared_ptr<const void>& owner,
+            std::span<const Eigen::Vector3f> positions,
+            std::span<const Color> colors, const PictureProjection& projection,
+            float diameter);
+
+ private:
+  Program program_;
+  GlVertexArray vertex_array_;
+  std::shared_ptr<const void> owner_;  // of the uploaded points
+  GlBuffer positions_;                 // [P][3] float
+  GlBuffer colors_;                    // [P][4] uchar
+};
+
+// Draws lines of a width in pixels.
+class LinePass {
+ public:
+  LinePass();
+
+  // \param ends  [2 L] world frame, scene units
+  // \param color  red, green, blue, 0 ... 1
+  // \param width  px
+  void Draw(const std::vector<Eigen::Vector3f>& ends,
+            const Eigen::Vector3f& color, const PictureProjection& projection,
+            float width);
+
+ private:
+  Program program_;
+  GlVertexArray vertex_array_;
+  GlBuffer ends_;  // [2 L][3] float
+};
+
+// Draws meshes, and the index of the facet at each pixel. Uploads the data of a
+// mode at its first use.
+class MeshPass {
+ public:
+  MeshPass();
+
+  // \param line_width  of the wireframe, px
+  void Draw(const std::shared_ptr<const ShownMesh>& mesh,
+            const DrawSettings& settings, const PictureProjection& projection,
+            float line_width);
+
+  // Drops the uploaded meshes that the scene no longer has.
+  void Forget(const ShownScene& scene);
+
+ private:
+  struct Uploaded {
+    std::weak_ptr<const ShownMesh> mesh;
+    GlBuffer vertices;  // [V][3] float
+    GlBuffer facets;    // [F][3] uint
+    struct Colors {
+      int of = 0;  // see ColorsOf
+      float shading = 1;
+      GlBuffer colors;  // uint
+    };
+    std::map<MeshMode, Colors> colors;
+  };
+
+  Uploaded& Upload(const std::shared_ptr<const ShownMesh>& mesh);
+
+  Program program_;
+  GlVertexArray vertex_array_;
+  std::map<const ShownMesh*, Uploaded> uploaded_;
+};
 
 // Draws scenes by OpenGL into its own pictures. Its context has to be current
 // whenever it is used.

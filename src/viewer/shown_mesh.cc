@@ -7,11 +7,11 @@
 
 #include "base/index_limit.h"
 #include "base/mix_bits.h"
+#include "mesh/normals.h"
 #include "pictures/drawings.h"
 #include "pictures/mesh_renderer.h"
 
 namespace colmap_ext {
-
 namespace {
 
 uint32_t Pack(const Color& color) {
@@ -34,10 +34,7 @@ const Color& Itself(const Color& color) { return color; }
 double AreaOf(const TriangleMesh& mesh) {
   double area = 0;
   for (const Facet& facet : mesh.facets) {
-    const Eigen::Vector3f& a = mesh.vertices[facet[0]];
-    area +=
-        0.5 *
-        (mesh.vertices[facet[1]] - a).cross(mesh.vertices[facet[2]] - a).norm();
+    area += 0.5 * AreaVector(mesh, facet).norm();
   }
   return area;
 }

@@ -7,12 +7,10 @@
 #include <fmt/format.h>
 
 #include "raster/facet_id_buffer.h"
-#include "viewer/facet_match.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/shown_mesh.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr double kFlightTime = 0.4;  // seconds; chosen by hand
@@ -135,10 +133,8 @@ std::shared_ptr<const FacetMatch> ViewerSession::PickedMatch() const {
 }
 
 std::optional<View> ViewerSession::Picture() const {
-  if (!camera_) {
-    return std::nullopt;
-  }
-  return camera_->Picture(width_, height_);
+  return camera_ ? std::optional(camera_->Picture(width_, height_))
+                 : std::nullopt;
 }
 
 void ViewerSession::FlyTo(const OrbitCamera& camera) {
@@ -191,10 +187,6 @@ void ViewerSession::LeaveView() {
   at_view_.reset();
   flight_.reset();
   settings_.image.reset();
-}
-
-bool ViewerSession::TakeScreenshotWish() {
-  return std::exchange(wants_screenshot_, false);
 }
 
 void ViewerSession::SavePicture(const ColorImage& picture) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -82,7 +83,7 @@ class ViewerSession {
   bool IsClosed() const { return is_closed_ || scene_.is_over; }
 
   // Whether the user asked to save a picture since the last call.
-  bool TakeScreenshotWish();
+  bool TakeScreenshotWish() { return std::exchange(wants_screenshot_, false); }
   void SavePicture(const ColorImage& picture);
 
  private:
@@ -133,11 +134,12 @@ struct KeyAction {
 const std::vector<KeyAction>& KeyActions();
 
 // Names and effects of the mouse's buttons, for the help.
-struct MouseHelp {
-  const char* name;
-  const char* help;
+inline constexpr std::pair<const char*, const char*> kMouseActions[] = {
+    {"left drag", "rotate"},
+    {"right or Ctrl drag", "pan"},
+    {"wheel", "zoom"},
+    {"double click", "select a face: its views and their agreement"},
 };
-const std::vector<MouseHelp>& MouseActions();
 
 // No window can be opened: no display, no OpenGL 4.5 on it, or a program
 // without GLFW.

@@ -6,12 +6,10 @@
 
 #include "gl/gl_error.h"
 #include "viewer/glfw_window.h"
-#include "viewer/overlay.h"
 #include "viewer/scene_renderer.h"
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr double kWait = 0.05;  // seconds between looks into the inbox

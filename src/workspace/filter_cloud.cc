@@ -1,32 +1,9 @@
 #include "workspace/filter_cloud.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <optional>
-#include <span>
 #include <utility>
 
-#include "base/rows.h"
-
 namespace colmap_ext {
-
-namespace {
-
-// Drops indices that are out of range or repeated, and sorts the others.
-// \return how many stay, the first of the row.
-size_t SortViews(std::span<uint32_t> row, size_t num_images,
-                 FilterReport* report) {
-  const auto end = std::remove_if(
-      row.begin(), row.end(),
-      [num_images](uint32_t index) { return index >= num_images; });
-  std::sort(row.begin(), end);
-  const auto unique_end = std::unique(row.begin(), end);
-  report->num_with_repeats += unique_end != end;
-  return static_cast<size_t>(unique_end - row.begin());
-}
-
-}  // namespace
-
 size_t CountOutOfRange(const Visibility& visibility, size_t num_images) {
   size_t count = 0;
   for (size_t i = 0; i < visibility.size(); ++i) {
@@ -41,30 +18,28 @@ PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
                        FilterReport* report) {
   report->num_points = cloud.positions.size();
   report->num_out_of_range = CountOutOfRange(visibility, num_images);
-  size_t num_kept = 0;
+  PointCloud filtered{std::move(cloud.positions), std::move(cloud.colors),
+                      std::move(visibility)};
   const auto edit = [&](size_t point,
                         std::span<uint32_t> row) -> std::optional<size_t> {
-    const size_t num_views = SortViews(row, num_images, report);
-    if (!cloud.positions[point].allFinite()) {
+    const auto end = std::remove_if(
+        row.begin(), row.end(),
+        [num_images](uint32_t index) { return index >= num_images; });
+    std::sort(row.begin(), end);
+    const auto unique_end = std::unique(row.begin(), end);
+    report->num_with_repeats += unique_end != end;
+    if (!filtered.positions[point].allFinite()) {
       ++report->num_not_finite;
       return std::nullopt;
     }
-    if (num_views == 0) {
+    if (unique_end == row.begin()) {
       ++report->num_without_views;
       return std::nullopt;
     }
-    cloud.positions[num_kept] = cloud.positions[point];
-    if (!cloud.colors.empty()) {
-      cloud.colors[num_kept] = cloud.colors[point];
-    }
-    ++num_kept;
-    return num_views;
+    return static_cast<size_t>(unique_end - row.begin());
   };
-  EditRows(edit, &visibility);
-  cloud.positions.resize(num_kept);
-  cloud.colors.resize(cloud.colors.empty() ? 0 : num_kept);
-  return {std::move(cloud.positions), std::move(cloud.colors),
-          std::move(visibility)};
+  EditPoints(edit, &filtered);
+  return filtered;
 }
 
 }  // namespace colmap_ext

@@ -13,7 +13,6 @@
 #include "workspace/order_by_colors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Points that are projected. A choice.
@@ -44,10 +43,6 @@ std::vector<size_t> FrameOrder(const std::vector<SparseFrame>& frames,
   return images;
 }
 
-size_t SampleStride(size_t num_points) {
-  return num_points / kMaxSamplePoints + 1;
-}
-
 bool IsInside(const View& view, const Eigen::Vector3d& point) {
   const Eigen::Vector3d in_camera = view.CamFromWorld(point);
   if (!(in_camera.z() > 0)) {
@@ -67,7 +62,8 @@ OrderEvidence Examine(const OrderQuestion& question, const ImageOrder& order) {
   const PlyCloud& cloud = question.cloud;
   const Visibility& visibility = question.visibility;
   const size_t num_points = cloud.positions.size();
-  for (size_t i = 0; i < num_points; i += SampleStride(num_points)) {
+  const size_t stride = num_points / kMaxSamplePoints + 1;
+  for (size_t i = 0; i < num_points; i += stride) {
     const Eigen::Vector3d point = cloud.positions[i].cast<double>();
     if (!point.allFinite()) {
       continue;
@@ -107,17 +103,6 @@ std::string Describe(const std::vector<VerifiedOrder>& orders) {
   return text;
 }
 
-[[noreturn]] void ThrowNoneFits(const OrderQuestion& question,
-                                const std::vector<VerifiedOrder>& orders) {
-  throw FileError(
-      question.visibility_path,
-      "the points do not lie inside the images that should see them, in "
-      "whatever order the images are counted (" +
-          Describe(orders) + "; at least " + Percent(kMinInside) +
-          " expected), so that it belongs to another model than sparse/; run "
-          "`colmap stereo_fusion` again");
-}
-
 std::optional<size_t> FindOrderByPositions(
     const std::vector<VerifiedOrder>& orders) {
   const auto num_against = [&orders](size_t i) {
@@ -125,29 +110,9 @@ std::optional<size_t> FindOrderByPositions(
     return (1 - evidence.facing) *
            static_cast<double>(evidence.num_observations);
   };
-  for (size_t i = 0; i < orders.size(); ++i) {
-    bool is_best = true;
-    for (size_t j = 0; j < orders.size(); ++j) {
-      is_best = is_best &&
-                (i == j ||
-                 num_against(j) >= kClearRatio * num_against(i) + kClearCount);
-    }
-    if (is_best) {
-      return i;
-    }
-  }
-  return std::nullopt;
-}
-
-std::optional<size_t> FindOrderByColors(
-    const OrderQuestion& question, const std::vector<VerifiedOrder>& orders) {
-  std::vector<std::vector<size_t>> images_of_orders;
-  for (const VerifiedOrder& verified : orders) {
-    images_of_orders.push_back(verified.order.images);
-  }
-  return FindOrderByColors(question.cloud, question.visibility, question.views,
-                           question.images_path, question.decoder,
-                           images_of_orders);
+  return FindBest(orders.size(), [&](size_t i, size_t j) {
+    return num_against(j) >= kClearRatio * num_against(i) + kClearCount;
+  });
 }
 
 // Orders that differ only in images which see no point are the same to us.
@@ -176,11 +141,6 @@ void KeepOnePerUse(const Visibility& visibility,
   }
 }
 
-VerifiedOrder WithReason(VerifiedOrder verified, OrderReason reason) {
-  verified.reason = reason;
-  return verified;
-}
-
 // The orders that are to be tried.
 std::vector<ImageOrder> OrdersToTry(const OrderQuestion& question,
                                     std::optional<ImageOrderKind> wanted) {
@@ -203,53 +163,42 @@ std::vector<ImageOrder> OrdersToTry(const OrderQuestion& question,
 }
 
 VerifiedOrder TakeBest(const OrderQuestion& question,
-                       const std::vector<VerifiedOrder>& passing) {
-  if (const auto best = FindOrderByPositions(passing)) {
-    return WithReason(passing[*best], OrderReason::kPositions);
+                       std::vector<VerifiedOrder> passing) {
+  std::optional<size_t> best = FindOrderByPositions(passing);
+  const OrderReason reason =
+      best ? OrderReason::kPositions : OrderReason::kColors;
+  if (!best) {
+    best = FindOrderByColors(question, passing);
   }
-  if (const auto best = FindOrderByColors(question, passing)) {
-    return WithReason(passing[*best], OrderReason::kColors);
+  if (!best) {
+    throw FileError(question.visibility_path,
+                    fmt::format("it can not be told in which order it counts "
+                                "the images ({} of the points lie inside their "
+                                "images)",
+                                Describe(passing)),
+                    Alternative::kSayImageOrder);
   }
-  throw FileError(
-      question.visibility_path,
-      fmt::format("it can not be told in which order it counts the images ({} "
-                  "of the points lie inside their images)",
-                  Describe(passing)),
-      Alternative::kSayImageOrder);
+  passing[*best].reason = reason;
+  return std::move(passing[*best]);
 }
 
 }  // namespace
 
 const char* NameOf(ImageOrderKind kind) {
-  switch (kind) {
-    case ImageOrderKind::kFile:
-      return "file";
-    case ImageOrderKind::kImageId:
-      return "image_id";
-    case ImageOrderKind::kFrame:
-      return "frame";
-    case ImageOrderKind::kFrameId:
-      return "frame_id";
-  }
-  return "";
+  constexpr const char* kNames[] = {"file", "image_id", "frame", "frame_id"};
+  return kNames[static_cast<int>(kind)];
 }
 
 std::vector<ImageOrder> CandidateImageOrders(const SparseModel& model) {
   std::vector<size_t> in_file(model.images.size());
   std::iota(in_file.begin(), in_file.end(), size_t{0});
-  std::map<uint32_t, size_t> index_of_id;
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    index_of_id[model.images[i].image_id] = i;
-  }
+  const std::map<uint32_t, size_t> index_of_id = ImageIndices(model);
   std::vector<size_t> by_id;
   for (const auto& [image_id, index] : index_of_id) {
     by_id.push_back(index);
   }
   std::vector<SparseFrame> sorted_frames = model.frames;
-  std::stable_sort(sorted_frames.begin(), sorted_frames.end(),
-                   [](const SparseFrame& a, const SparseFrame& b) {
-                     return a.frame_id < b.frame_id;
-                   });
+  std::ranges::stable_sort(sorted_frames, {}, &SparseFrame::frame_id);
   std::vector<ImageOrder> orders = {{ImageOrderKind::kFile, in_file},
                                     {ImageOrderKind::kImageId, by_id}};
   if (!model.frames.empty()) {
@@ -266,21 +215,29 @@ VerifiedOrder FindImageOrder(const OrderQuestion& question,
   std::vector<VerifiedOrder> all;
   for (ImageOrder& order : OrdersToTry(question, wanted)) {
     const OrderEvidence evidence = Examine(question, order);
-    all.push_back({std::move(order), evidence, OrderReason::kOnlyOne});
+    all.push_back({std::move(order), evidence,
+                   wanted ? OrderReason::kWanted : OrderReason::kOnlyOne});
   }
   std::vector<VerifiedOrder> passing = all;
   std::erase_if(passing, [](const VerifiedOrder& verified) {
     return verified.evidence.inside < kMinInside;
   });
   if (passing.empty()) {
-    ThrowNoneFits(question, all);
+    throw FileError(
+        question.visibility_path,
+        "the points do not lie inside the images that should see them, in "
+        "whatever order the images are counted (" +
+            Describe(all) + "; at least " + Percent(kMinInside) +
+            " expected), so that it belongs to another model than sparse/; run "
+            "`colmap stereo_fusion` again");
   }
   if (passing.size() > 1) {
-    return TakeBest(question, passing);
+    return TakeBest(question, std::move(passing));
   }
-  return WithReason(passing[0], wanted            ? OrderReason::kWanted
-                                : all.size() == 1 ? OrderReason::kOnlyOne
-                                                  : OrderReason::kOnlyFit);
+  if (all.size() > 1) {
+    passing[0].reason = OrderReason::kOnlyFit;
+  }
+  return passing[0];
 }
 
 }  // namespace colmap_ext

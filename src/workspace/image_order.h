@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "scene/picture_decoder.h"
 #include "scene/view.h"

@@ -14,9 +14,9 @@
 #include "base/lru_cache.h"
 #include "base/rows.h"
 #include "formats/errors.h"
+#include "workspace/filter_cloud.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -57,31 +57,21 @@ struct Observation {
 // [views]
 Rows<Observation> ObservationsByView(const PointCloud& cloud,
                                      size_t num_views) {
-  Rows<Observation> by_view(num_views);
-  for (const uint32_t view : cloud.views.values) {
-    ++by_view.offsets[view + 1];
-  }
-  for (size_t i = 0; i < num_views; ++i) {
-    by_view.offsets[i + 1] += by_view.offsets[i];
-  }
-  by_view.values.resize(cloud.views.values.size());
-  std::vector<uint64_t> next(by_view.offsets.begin(),
-                             by_view.offsets.end() - 1);
-  for (uint32_t point = 0; point < cloud.size(); ++point) {
-    for (uint64_t place = cloud.views.offsets[point];
-         place < cloud.views.offsets[point + 1]; ++place) {
-      by_view.values[next[cloud.views.values[place]]++] = {place, point};
+  return GroupInRows<Observation>(num_views, [&cloud](const auto& add) {
+    for (uint32_t point = 0; point < cloud.size(); ++point) {
+      for (uint64_t place = cloud.views.offsets[point];
+           place < cloud.views.offsets[point + 1]; ++place) {
+        add(cloud.views.values[place], {place, point});
+      }
     }
-  }
-  return by_view;
+  });
 }
 
 // Drops the observations that are marked, and then points without any.
 void DropMasked(const std::vector<uint8_t>& is_masked, MaskReport* report,
                 PointCloud* cloud) {
   const std::vector<uint64_t> offsets = cloud->views.offsets;
-  std::vector<uint8_t> is_kept(cloud->size());
-  EditRows(
+  EditPoints(
       [&](size_t point, std::span<uint32_t> row) -> std::optional<size_t> {
         size_t size = 0;
         for (size_t k = 0; k < row.size(); ++k) {
@@ -90,23 +80,10 @@ void DropMasked(const std::vector<uint8_t>& is_masked, MaskReport* report,
           }
         }
         report->num_masked_observations += row.size() - size;
-        is_kept[point] = size > 0;
+        report->num_masked_points += size == 0 ? 1 : 0;
         return size > 0 ? std::optional(size) : std::nullopt;
       },
-      &cloud->views);
-  size_t size = 0;
-  for (size_t i = 0; i < is_kept.size(); ++i) {
-    if (is_kept[i] != 0) {
-      cloud->positions[size] = cloud->positions[i];
-      if (!cloud->colors.empty()) {
-        cloud->colors[size] = cloud->colors[i];
-      }
-      ++size;
-    }
-  }
-  report->num_masked_points = is_kept.size() - size;
-  cloud->positions.resize(size);
-  cloud->colors.resize(cloud->colors.empty() ? 0 : size);
+      cloud);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <map>
 
 namespace colmap_ext {
-
 namespace {
 
 // The sample: .vis indices, and points of each. Choices; the figures below hold
@@ -27,22 +26,20 @@ constexpr double kMaxError = 60;
 constexpr double kMinStandardErrors = 10;
 constexpr double kMinErrorGain = 0.05;
 
-using Orders = std::vector<std::vector<size_t>>;
-
 // .vis indices for which the orders name different images.
-std::vector<uint32_t> IndicesThatDiffer(const Orders& orders) {
-  size_t num_common = orders[0].size();
-  for (const std::vector<size_t>& order : orders) {
-    num_common = std::min(num_common, order.size());
+std::vector<uint32_t> IndicesThatDiffer(
+    const std::vector<VerifiedOrder>& orders) {
+  const std::vector<size_t>& first = orders[0].order.images;
+  size_t num_common = first.size();
+  for (const VerifiedOrder& other : orders) {
+    num_common = std::min(num_common, other.order.images.size());
   }
   std::vector<uint32_t> indices;
-  for (size_t i = 0; i < num_common; ++i) {
-    const bool differ = std::any_of(orders.begin(), orders.end(),
-                                    [&](const std::vector<size_t>& order) {
-                                      return order[i] != orders[0][i];
-                                    });
-    if (differ) {
-      indices.push_back(static_cast<uint32_t>(i));
+  for (uint32_t i = 0; i < num_common; ++i) {
+    if (std::ranges::any_of(orders, [&](const VerifiedOrder& other) {
+          return other.order.images[i] != first[i];
+        })) {
+      indices.push_back(i);
     }
   }
   return indices;
@@ -82,20 +79,13 @@ std::map<uint32_t, std::vector<uint32_t>> PointsOf(
 // Mean absolute difference of the channels; NaN for a point outside the image.
 double ColorError(const PlyCloud& cloud, size_t point, const View& view,
                   const ColorImage& image) {
-  constexpr double kOutside = std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Vector3d in_camera =
-      view.CamFromWorld(cloud.positions[point].cast<double>());
-  if (!(in_camera.z() > 0)) {
-    return kOutside;
-  }
-  const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
-  if (!(pixel.x() >= 0 && pixel.x() < image.width && pixel.y() >= 0 &&
-        pixel.y() < image.height)) {
-    return kOutside;
+  const std::optional<Eigen::Vector2d> pixel =
+      PixelInImage(view, cloud.positions[point].cast<double>());
+  if (!pixel) {
+    return std::numeric_limits<double>::quiet_NaN();
   }
   const Color& seen =
-      image.pixels[static_cast<size_t>(pixel.y()) * image.width +
-                   static_cast<size_t>(pixel.x())];
+      image.At(static_cast<int>(pixel->y()), static_cast<int>(pixel->x()));
   double error = 0;
   for (int i = 0; i < 3; ++i) {
     error += std::abs(int{cloud.colors[point][i]} - int{seen[i]}) / 3.0;
@@ -127,41 +117,33 @@ bool IsClearlyBetter(const std::vector<double>& errors,
 }  // namespace
 
 std::optional<size_t> FindOrderByColors(
-    const PlyCloud& cloud, const Visibility& visibility,
-    const std::vector<View>& views, const std::filesystem::path& images_path,
-    const PictureDecoder& decoder, const Orders& orders) {
-  if (cloud.colors.empty()) {
+    const OrderQuestion& question, const std::vector<VerifiedOrder>& orders) {
+  if (question.cloud.colors.empty()) {
     return std::nullopt;
   }
   std::vector<std::vector<double>> errors(orders.size());  // of equal lengths
   const std::vector<uint32_t> indices =
       SampleEvenly(IndicesThatDiffer(orders), kMaxIndices);
-  for (const auto& [index, all_points] : PointsOf(indices, visibility)) {
+  for (const auto& [index, all_points] :
+       PointsOf(indices, question.visibility)) {
     const std::vector<uint32_t> points =
         SampleEvenly(all_points, kMaxPointsPerIndex);
     for (size_t i = 0; i < orders.size(); ++i) {
-      const View& view = views[orders[i][index]];
+      const View& view = question.views[orders[i].order.images[index]];
       const std::optional<ColorImage> image =
-          decoder.read_color(images_path / view.name);
+          question.decoder.read_color(question.images_path / view.name);
       if (!image || image->width != view.width ||
           image->height != view.height) {
         return std::nullopt;
       }
       for (const uint32_t point : points) {
-        errors[i].push_back(ColorError(cloud, point, view, *image));
+        errors[i].push_back(ColorError(question.cloud, point, view, *image));
       }
     }
   }
-  for (size_t i = 0; i < orders.size(); ++i) {
-    bool is_best = true;
-    for (size_t j = 0; j < orders.size(); ++j) {
-      is_best = is_best && (i == j || IsClearlyBetter(errors[i], errors[j]));
-    }
-    if (is_best) {
-      return i;
-    }
-  }
-  return std::nullopt;
+  return FindBest(orders.size(), [&errors](size_t i, size_t j) {
+    return IsClearlyBetter(errors[i], errors[j]);
+  });
 }
 
 }  // namespace colmap_ext

@@ -1,14 +1,10 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <vector>
 
-#include "formats/read_ply_cloud.h"
-#include "formats/read_visibility.h"
-#include "scene/picture_decoder.h"
-#include "scene/view.h"
+#include "workspace/image_order.h"
 
 namespace colmap_ext {
 
@@ -17,13 +13,25 @@ namespace colmap_ext {
 // right images. Reads a handful of the images in which the orders differ, and
 // compares some points of each.
 //
-// \param orders  index into the views by .vis index, for each order.
-// \return the order that is clearly better than every other; nothing if there
-//         is none, or no colours or pictures to compare.
+// \return the index of the order that is clearly better than every other;
+//         nothing if there is none, or no colours or pictures to compare.
 std::optional<size_t> FindOrderByColors(
-    const PlyCloud& cloud, const Visibility& visibility,
-    const std::vector<View>& views, const std::filesystem::path& images_path,
-    const PictureDecoder& decoder,
-    const std::vector<std::vector<size_t>>& orders);
+    const OrderQuestion& question, const std::vector<VerifiedOrder>& orders);
+
+// \param is_better  takes two indices.
+// \return the index that is better than all others; nothing if there is none.
+template <typename IsBetter>
+std::optional<size_t> FindBest(size_t count, const IsBetter& is_better) {
+  for (size_t i = 0; i < count; ++i) {
+    size_t j = 0;
+    while (j < count && (i == j || is_better(i, j))) {
+      ++j;
+    }
+    if (j == count) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
 
 }  // namespace colmap_ext

@@ -2,7 +2,6 @@
 // and src/colmap/scene/reconstruction_io_*.cc for frames and rigs.
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <fstream>
 #include <tuple>
@@ -14,7 +13,6 @@
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr int kCameraSensorType = 0;
@@ -59,8 +57,8 @@ class BinarySource {
     const int model_id = Number<int>();
     const CameraModelInfo* info = FindCameraModel(model_id);
     if (info == nullptr) {
-      throw FileError(reader_.Path(), fmt::format("unknown camera model {}; {}",
-                                                  model_id, kUndistort));
+      reader_.Throw(
+          fmt::format("unknown camera model {}; {}", model_id, kUndistort));
     }
     return info;
   }
@@ -189,29 +187,34 @@ class TextSource {
   size_t position_ = 0;  // in the line
 };
 
+template <typename Source, typename... Numbers>
+void Read(Source* source, Numbers*... numbers) {
+  ((*numbers = source->template Number<Numbers>()), ...);
+}
+
 template <typename Source>
 void ReadCameras(Source source, SparseModel* model) {
   while (source.Next()) {
-    const auto camera_id = source.template Number<uint32_t>();
+    uint32_t camera_id = 0;
+    Read(&source, &camera_id);
     const CameraModelInfo* info = source.Model();
-    const auto width = source.template Number<uint64_t>();
-    const auto height = source.template Number<uint64_t>();
+    uint64_t width = 0;
+    uint64_t height = 0;
+    Read(&source, &width, &height);
     std::vector<double> params(info->num_params);
     for (double& param : params) {
-      param = source.template Number<double>();
+      Read(&source, &param);
     }
     model->cameras[camera_id] = MakeSparseCamera(*info, width, height, params);
   }
 }
 
-// qw, qx, qy, qz, tx, ty, tz
 template <typename Source>
-std::array<double, 7> ReadPose(Source* source) {
-  std::array<double, 7> pose;
-  for (double& number : pose) {
-    number = source->template Number<double>();
-  }
-  return pose;
+void ReadPose(Source* source, SparseImage* image) {
+  Eigen::Quaterniond& q = image->cam_from_world_rotation;
+  Eigen::Vector3d& t = image->cam_from_world_translation;
+  Read(source, &q.w(), &q.x(), &q.y(), &q.z(), &t.x(), &t.y(), &t.z());
+  q.normalize();
 }
 
 template <typename Source>
@@ -219,12 +222,9 @@ void ReadImages(Source source, SparseDetail detail, SparseModel* model) {
   constexpr uint64_t kObservationBytes = 8 + 8 + 8;
   while (source.Next()) {
     SparseImage& image = model->images.emplace_back();
-    image.image_id = source.template Number<uint32_t>();
-    const std::array<double, 7> pose = ReadPose(&source);
-    image.cam_from_world_rotation =
-        Eigen::Quaterniond(pose[0], pose[1], pose[2], pose[3]).normalized();
-    image.cam_from_world_translation = {pose[4], pose[5], pose[6]};
-    image.camera_id = source.template Number<uint32_t>();
+    Read(&source, &image.image_id);
+    ReadPose(&source, &image);
+    Read(&source, &image.camera_id);
     image.name = source.Name();
     source.BeginList(kObservationBytes, /*has_line=*/true);
     if (detail != SparseDetail::kAll) {
@@ -233,11 +233,9 @@ void ReadImages(Source source, SparseDetail detail, SparseModel* model) {
     }
     while (source.InList()) {
       SparseObservation& observation = image.observations.emplace_back();
-      observation.pixel.x() = source.template Number<double>();
-      observation.pixel.y() = source.template Number<double>();
-      // -1 where it shows none
-      observation.point_id =
-          static_cast<uint64_t>(source.template Number<int64_t>());
+      int64_t point_id = -1;  // where it shows none
+      Read(&source, &observation.pixel.x(), &observation.pixel.y(), &point_id);
+      observation.point_id = static_cast<uint64_t>(point_id);
     }
   }
 }
@@ -246,21 +244,18 @@ template <typename Source>
 void ReadPoints3D(Source source, SparseDetail detail, SparseModel* model) {
   const bool is_all = detail == SparseDetail::kAll;
   while (source.Next()) {
-    const auto point_id = source.template Number<uint64_t>();
+    uint64_t point_id = 0;
     Eigen::Vector3d position;
-    for (double& coordinate : position) {
-      coordinate = source.template Number<double>();
-    }
+    Color& color = model->point_colors.emplace_back();
+    double error = 0;
+    Read(&source, &point_id, &position.x(), &position.y(), &position.z(),
+         &color[0], &color[1], &color[2], &error);
     model->point_positions.push_back(position.cast<float>());
-    for (uint8_t& channel : model->point_colors.emplace_back()) {
-      channel = source.template Number<uint8_t>();
-    }
-    source.template Number<double>();  // its error
     source.BeginList(4 + 4);
     while (source.InList()) {
-      model->track_image_ids.values.push_back(
-          source.template Number<uint32_t>());
-      const auto observation = source.template Number<uint32_t>();
+      uint32_t observation = 0;
+      Read(&source, &model->track_image_ids.values.emplace_back(),
+           &observation);
       if (is_all) {
         model->track_observations.push_back(observation);
       }
@@ -277,17 +272,16 @@ template <typename Source>
 void ReadFrames(Source source, SparseModel* model) {
   while (source.Next()) {
     SparseFrame& frame = model->frames.emplace_back();
-    frame.frame_id = source.template Number<uint32_t>();
-    frame.rig_id = source.template Number<uint32_t>();
-    ReadPose(&source);  // of its rig
-    const auto num_data = source.template Number<uint32_t>();
+    Read(&source, &frame.frame_id, &frame.rig_id);
+    SparseImage rig;  // whose pose is not needed
+    ReadPose(&source, &rig);
+    uint32_t num_data = 0;
+    Read(&source, &num_data);
     std::vector<std::tuple<uint32_t, uint64_t>> images;  // with their sensors
     for (uint32_t i = 0; i < num_data; ++i) {
-      SparseData data;
+      SparseData& data = frame.data.emplace_back();
       data.sensor_type = source.SensorType();
-      data.sensor_id = source.template Number<uint32_t>();
-      data.data_id = source.template Number<uint64_t>();
-      frame.data.push_back(data);
+      Read(&source, &data.sensor_id, &data.data_id);
       if (data.sensor_type == kCameraSensorType) {
         images.emplace_back(data.sensor_id, data.data_id);
       }
@@ -303,11 +297,10 @@ template <typename Source>
 void ReadRigs(Source source, SparseModel* model) {
   while (source.Next()) {
     SparseRig& rig = model->rigs.emplace_back();
-    rig.rig_id = source.template Number<uint32_t>();
-    rig.num_sensors = source.template Number<uint32_t>();
+    Read(&source, &rig.rig_id, &rig.num_sensors);
     if (rig.num_sensors > 0) {
       rig.sensor_type = source.SensorType();
-      rig.sensor_id = source.template Number<uint32_t>();
+      Read(&source, &rig.sensor_id);
       source.SkipSensors(rig.num_sensors - 1);
     }
   }
@@ -337,14 +330,10 @@ SparseModel ReadModel(const std::filesystem::path& folder,
 
 }  // namespace
 
-SparseModel ReadBinarySparseModel(const std::filesystem::path& folder,
-                                  SparseDetail detail) {
-  return ReadModel<BinarySource>(folder, detail);
-}
-
-SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
-                                SparseDetail detail) {
-  return ReadModel<TextSource>(folder, detail);
+SparseModel ReadSparseModelFiles(const std::filesystem::path& folder,
+                                 bool is_binary, SparseDetail detail) {
+  return is_binary ? ReadModel<BinarySource>(folder, detail)
+                   : ReadModel<TextSource>(folder, detail);
 }
 
 }  // namespace colmap_ext

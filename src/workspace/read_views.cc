@@ -12,7 +12,6 @@
 #include "formats/read_depth_map.h"
 
 namespace colmap_ext {
-
 namespace {
 
 View MakeView(const SparseImage& image, const SparseCamera& camera) {
@@ -35,11 +34,6 @@ bool HasAspectOf(const View& view, const PictureSize& size) {
   const double scale_y = 1.0 * size.height / view.height;
   return std::abs(view.height * scale_x - size.height) <= 1 ||
          std::abs(view.width * scale_y - size.width) <= 1;
-}
-
-std::string OtherSizeError(const View& view, const PictureSize& size) {
-  return fmt::format("is {} x {} pixels, but its camera is {} x {}", size.width,
-                     size.height, view.width, view.height);
 }
 
 // From the header of a PNG or JPEG file, else by decoding the whole picture.
@@ -71,7 +65,9 @@ std::string FitToPicture(const std::filesystem::path& path,
     return "";
   }
   if (!HasAspectOf(*view, *size)) {
-    const std::string error = OtherSizeError(*view, *size);
+    const std::string error =
+        fmt::format("is {} x {} pixels, but its camera is {} x {}", size->width,
+                    size->height, view->width, view->height);
     if (!rules.allow_other_sizes) {
       throw FileError(path, error +
                                 ", which is not the same picture scaled; run "

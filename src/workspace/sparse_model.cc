@@ -9,7 +9,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Indexed by COLMAP's model ids.
@@ -116,6 +115,14 @@ SparseCamera MakeSparseCamera(const CameraModelInfo& info, uint64_t width,
   return camera;
 }
 
+std::map<uint32_t, size_t> ImageIndices(const SparseModel& model) {
+  std::map<uint32_t, size_t> index_of_id;
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    index_of_id[model.images[i].image_id] = i;
+  }
+  return index_of_id;
+}
+
 bool HasSparseModel(const std::filesystem::path& folder) {
   return HasFiles(folder, ".bin") || HasFiles(folder, ".txt");
 }
@@ -136,9 +143,8 @@ std::vector<std::filesystem::path> SparseModelFiles(
 
 SparseModel ReadSparseModel(const std::filesystem::path& folder,
                             SparseDetail detail) {
-  SparseModel model = HasFiles(folder, ".bin")
-                          ? ReadBinarySparseModel(folder, detail)
-                          : ReadTextSparseModel(folder, detail);
+  SparseModel model =
+      ReadSparseModelFiles(folder, HasFiles(folder, ".bin"), detail);
   CheckCameras(model, folder);
   CheckImages(model, folder);
   return model;

@@ -95,6 +95,9 @@ enum class SparseDetail {
   kAll,      // all that is needed to write the model again
 };
 
+// The indices of the images by image_id.
+std::map<uint32_t, size_t> ImageIndices(const SparseModel& model);
+
 // Whether the folder has the files of a model, binary or text.
 bool HasSparseModel(const std::filesystem::path& folder);
 
@@ -109,11 +112,25 @@ std::vector<std::filesystem::path> SparseModelFiles(
 SparseModel ReadSparseModel(const std::filesystem::path& folder,
                             SparseDetail detail = SparseDetail::kCameras);
 
-// The two formats.
-SparseModel ReadBinarySparseModel(const std::filesystem::path& folder,
-                                  SparseDetail detail = SparseDetail::kCameras);
-SparseModel ReadTextSparseModel(const std::filesystem::path& folder,
-                                SparseDetail detail = SparseDetail::kCameras);
+// The same of one of the formats, unchecked.
+SparseModel ReadSparseModelFiles(const std::filesystem::path& folder,
+                                 bool is_binary, SparseDetail detail);
+
+// Whether every frame of the model is one image, by a rig of one camera, as in
+// all models before COLMAP 3.12: then images can move one by one.
+// \pre the model was read in full
+bool HasOneImageFrames(const SparseModel& model);
+
+// Writes a model in COLMAP's binary format: cameras, images with their
+// observations, points with their tracks and errors, and, where there are any,
+// rigs and frames. The folder is made if it is not there; all files get their
+// names together, after they have reached the disk. What belongs to a model of
+// another COLMAP version is removed.
+// \pre the model was read in full, has pinhole cameras alone, and
+//      HasOneImageFrames()
+// \throw FileError if it can not be written: no file is changed then.
+void WriteSparseModel(const std::filesystem::path& folder,
+                      const SparseModel& model);
 
 // What COLMAP's camera models have in common: the numbers of parameters, and
 // how many of the first are focal lengths.

@@ -13,7 +13,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr size_t kMaxNames = 10;  // in a message

@@ -10,14 +10,13 @@
 #include <fmt/format.h>
 
 #include "formats/errors.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,13 +26,12 @@ namespace fs = std::filesystem;
 constexpr double kMaxOutOfRange = 0.01;
 
 template <typename T>
-std::vector<T> Reorder(const std::vector<T>& values,
-                       const std::vector<size_t>& order) {
+void Reorder(const std::vector<size_t>& order, std::vector<T>* values) {
   std::vector<T> reordered;
   for (const size_t index : order) {
-    reordered.push_back(values[index]);
+    reordered.push_back((*values)[index]);
   }
-  return reordered;
+  *values = std::move(reordered);
 }
 
 void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
@@ -61,13 +59,17 @@ void ExpectFinitePoints(const std::vector<Eigen::Vector3f>& points,
   }
 }
 
-SeenCloud ReadFusedCloud(const fs::path& path) {
-  SeenCloud seen{ReadPlyCloud(path), {}, path, path.string() + ".vis"};
-  seen.visibility =
-      ReadVisibility(seen.visibility_path, seen.cloud.positions.size());
+void ExpectSeen(const SeenCloud& seen) {
   if (seen.visibility.values.empty()) {
     throw FileError(seen.path, "no points that any image sees");
   }
+}
+
+SeenCloud ReadFusedCloud(const FusedFiles& files) {
+  SeenCloud seen{{ReadPlyCloud(files.path), {}}, files};
+  seen.visibility =
+      ReadVisibility(files.visibility_path, seen.cloud.positions.size());
+  ExpectSeen(seen);
   return seen;
 }
 
@@ -87,7 +89,7 @@ SeenCloud SampleFusedCloud(const FusedFiles& files, size_t max_points) {
   const size_t num_points = CountPlyVertices(files.path);
   const size_t stride =
       std::max<size_t>(1, (num_points + max_points - 1) / max_points);
-  SeenCloud seen{{}, {}, files.path, files.visibility_path};
+  SeenCloud seen{{}, files};
   size_t first = 0;  // of the piece
   StreamCloud(files.path, files.visibility_path, kPiecePoints,
               [&](const CloudPiece& piece) {
@@ -99,56 +101,47 @@ SeenCloud SampleFusedCloud(const FusedFiles& files, size_t max_points) {
                 }
                 first += size;
               });
-  if (seen.visibility.values.empty()) {
-    throw FileError(seen.path, "no points that any image sees");
-  }
+  ExpectSeen(seen);
   return seen;
 }
 
-void OrderImages(const SparseModel& model, const Views& views,
-                 const WorkspaceOptions& options, const PictureDecoder& decoder,
-                 SeenCloud seen, Workspace* workspace) {
+// \pre the workspace's views are in the order of the model's images.
+void OrderImages(const SparseModel& model, const WorkspaceOptions& options,
+                 const PictureDecoder& decoder, SeenCloud seen,
+                 Workspace* workspace) {
   const fs::path images_path = workspace->report.path / "images";
   ExpectFinitePoints(seen.cloud.positions, seen.path);
   ExpectIndicesInRange(seen.visibility, model.images.size(),
                        seen.visibility_path);
   workspace->report.order =
-      FindImageOrder({seen.cloud, seen.visibility, model, views.views,
+      FindImageOrder({seen.cloud, seen.visibility, model, workspace->views,
                       images_path, decoder, seen.visibility_path},
                      options.image_order);
   workspace->report.is_order_verified = true;
   const std::vector<size_t>& order = workspace->report.order.order.images;
-  workspace->views = Reorder(views.views, order);
-  workspace->camera_scales = Reorder(views.camera_scales, order);
-  workspace->depth_map_scales = Reorder(views.depth_map_scales, order);
-  workspace->picture_errors = Reorder(views.picture_errors, order);
+  Reorder(order, &workspace->views);
+  Reorder(order, &workspace->camera_scales);
+  Reorder(order, &workspace->depth_map_scales);
+  Reorder(order, &workspace->picture_errors);
   seen.cloud.normals = {};
   workspace->cloud =
       FilterCloud(std::move(seen.cloud), std::move(seen.visibility),
                   order.size(), &workspace->report.points);
 }
 
-void MakeSparseCloud(const SparseModel& model, const Views& views,
-                     Workspace* workspace) {
+void MakeSparseCloud(const SparseModel& model, Workspace* workspace) {
   if (!model.point_positions.empty()) {
     ExpectFinitePoints(model.point_positions, workspace->report.sparse_path);
   }
-  std::map<uint32_t, uint32_t> index_of_id;
-  for (size_t i = 0; i < model.images.size(); ++i) {
-    index_of_id[model.images[i].image_id] = static_cast<uint32_t>(i);
-  }
+  const std::map<uint32_t, size_t> index_of_id = ImageIndices(model);
   Visibility visibility;
   visibility.offsets = model.track_image_ids.offsets;
   for (const uint32_t image_id : model.track_image_ids.values) {
     const auto it = index_of_id.find(image_id);
     visibility.values.push_back(it != index_of_id.end()
-                                    ? it->second
+                                    ? static_cast<uint32_t>(it->second)
                                     : std::numeric_limits<uint32_t>::max());
   }
-  workspace->views = views.views;
-  workspace->camera_scales = views.camera_scales;
-  workspace->depth_map_scales = views.depth_map_scales;
-  workspace->picture_errors = views.picture_errors;
   workspace->cloud = FilterCloud(
       {model.point_positions, {}, model.point_colors}, std::move(visibility),
       model.images.size(), &workspace->report.points);
@@ -168,15 +161,15 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
   if (model.images.empty()) {
     throw FileError(report.sparse_path, "the model has no images");
   }
-  const Views views = ReadViews(
+  static_cast<Views&>(workspace) = ReadViews(
       report.path, model, {!is_dense, options.allow_other_sizes}, decoder);
-  report.num_missing_images = views.num_missing_images;
-  report.num_rescaled_images = views.num_rescaled_images;
+  report.num_missing_images = workspace.num_missing_images;
+  report.num_rescaled_images = workspace.num_rescaled_images;
   report.num_sparse_points = model.point_positions.size();
   if (is_dense) {
-    OrderImages(model, views, options, decoder, read_cloud(), &workspace);
+    OrderImages(model, options, decoder, read_cloud(), &workspace);
   } else {
-    MakeSparseCloud(model, views, &workspace);
+    MakeSparseCloud(model, &workspace);
   }
   if (workspace.cloud.size() == 0) {
     throw FileError(report.path, "no points that can be meshed");
@@ -200,11 +193,9 @@ fs::path FindDenseFolder(const fs::path& path,
 Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
                         const PictureDecoder& decoder) {
   if (options.input_type == InputType::kDense) {
-    const fs::path folder = FindDenseFolder(path, options);
-    const fs::path fused_path =
-        options.fused_path.empty() ? folder / "fused.ply" : options.fused_path;
-    return Assemble(folder, options, decoder,
-                    [&fused_path] { return ReadFusedCloud(fused_path); });
+    return Assemble(FindDenseFolder(path, options), options, decoder, [&] {
+      return ReadFusedCloud(FindFusedFiles(path, options));
+    });
   }
   return Assemble(path, options, decoder, nullptr);
 }

@@ -10,9 +10,9 @@
 
 #include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
-#include "scene/view.h"
 #include "workspace/filter_cloud.h"
 #include "workspace/image_order.h"
+#include "workspace/read_views.h"
 
 namespace colmap_ext {
 
@@ -50,12 +50,9 @@ struct WorkspaceReport {
   VerifiedOrder order;
 };
 
-// A COLMAP workspace in our types.
-struct Workspace {
-  std::vector<View> views;            // by the image indices of fused.ply.vis
-  std::vector<double> camera_scales;  // [views] as Views has them
-  std::vector<double> depth_map_scales;        // [views] likewise
-  std::vector<std::string> picture_errors;     // [views] as Views has them
+// A COLMAP workspace in our types. Its views are in the order of the image
+// indices of fused.ply.vis.
+struct Workspace : Views {
   PointCloud cloud;                            // view indices < views.size()
   std::vector<Eigen::Vector3f> sparse_points;  // finite
   WorkspaceReport report;
@@ -93,12 +90,7 @@ Workspace ReadSampledWorkspace(const std::filesystem::path& path,
                                size_t max_points);
 
 // A cloud, which images see each point, and the files that both are of.
-struct SeenCloud {
-  PlyCloud cloud;
-  Visibility visibility;  // [P]
-  std::filesystem::path path;
-  std::filesystem::path visibility_path;
-};
+struct SeenCloud : CloudPiece, FusedFiles {};
 
 // The same with the vertices of a mesh in place of the fused points.
 // \param folder  the workspace itself.

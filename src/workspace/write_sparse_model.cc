@@ -1,7 +1,7 @@
 // COLMAP's binary model format: https://colmap.github.io/format.html, and
 // src/colmap/scene/reconstruction_io_binary.cc for frames.bin and rigs.bin.
 
-#include "workspace/write_sparse_model.h"
+#include "workspace/sparse_model.h"
 
 #include <algorithm>
 #include <array>
@@ -13,10 +13,12 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
-using ImagesById = std::map<uint32_t, const SparseImage*>;
+template <typename... Values>
+void Write(AtomicFile* file, const Values&... values) {
+  (file->Write(values), ...);
+}
 
 void WriteCameras(const SparseModel& model, AtomicFile* file) {
   constexpr int kPinhole = 1;  // COLMAP's model id
@@ -24,26 +26,19 @@ void WriteCameras(const SparseModel& model, AtomicFile* file) {
   file->Write(uint64_t{model.cameras.size()});
   for (const auto& [camera_id, camera] : model.cameras) {
     const bool is_simple = camera.model_name == "SIMPLE_PINHOLE";
-    file->Write(camera_id);
-    file->Write(is_simple ? kSimplePinhole : kPinhole);
-    file->Write(camera.width);
-    file->Write(camera.height);
-    file->Write(camera.fx);
+    Write(file, camera_id, is_simple ? kSimplePinhole : kPinhole, camera.width,
+          camera.height, camera.fx);
     if (!is_simple) {
       file->Write(camera.fy);
     }
-    file->Write(camera.cx);
-    file->Write(camera.cy);
+    Write(file, camera.cx, camera.cy);
   }
 }
 
 void WritePose(const SparseImage& image, AtomicFile* file) {
   const Eigen::Quaterniond& q = image.cam_from_world_rotation;
   const Eigen::Vector3d& t = image.cam_from_world_translation;
-  for (const double number :
-       {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) {
-    file->Write(number);
-  }
+  Write(file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
 }
 
 void WriteImages(const SparseModel& model, AtomicFile* file) {
@@ -54,28 +49,29 @@ void WriteImages(const SparseModel& model, AtomicFile* file) {
     file->Write(image.camera_id);
     file->Write(image.name.c_str(), image.name.size() + 1);
     file->Write(uint64_t{image.observations.size()});
-    for (const SparseObservation& observation : image.observations) {
-      file->Write(observation.pixel.x());
-      file->Write(observation.pixel.y());
-      file->Write(observation.point_id);
+    for (const auto& [pixel, point_id] : image.observations) {
+      Write(file, pixel.x(), pixel.y(), point_id);
     }
   }
 }
 
 // The mean distance of a point's observations from its projections, px of the
 // cameras.
-double MeanError(const SparseModel& model, const ImagesById& images,
-                 size_t point) {
+// \param images  see ImageIndices()
+double MeanError(const SparseModel& model,
+                 const std::map<uint32_t, size_t>& images, size_t point) {
+  const Rows<uint32_t>& tracks = model.track_image_ids;
   double sum = 0;
   size_t count = 0;
-  for (uint64_t k = model.track_image_ids.offsets[point];
-       k < model.track_image_ids.offsets[point + 1]; ++k) {
-    const auto it = images.find(model.track_image_ids.values[k]);
-    if (it == images.end() ||
-        model.track_observations[k] >= it->second->observations.size()) {
+  for (uint64_t k = tracks.offsets[point]; k < tracks.offsets[point + 1]; ++k) {
+    const auto it = images.find(tracks.values[k]);
+    if (it == images.end()) {
       continue;
     }
-    const SparseImage& image = *it->second;
+    const SparseImage& image = model.images[it->second];
+    if (model.track_observations[k] >= image.observations.size()) {
+      continue;
+    }
     const SparseCamera& camera = model.cameras.at(image.camera_id);
     const Eigen::Vector3d p =
         image.cam_from_world_rotation * model.exact_positions[point] +
@@ -90,22 +86,16 @@ double MeanError(const SparseModel& model, const ImagesById& images,
 }
 
 void WritePoints(const SparseModel& model, AtomicFile* file) {
-  ImagesById images;
-  for (const SparseImage& image : model.images) {
-    images[image.image_id] = &image;
-  }
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
   file->Write(uint64_t{model.point_ids.size()});
   for (size_t i = 0; i < model.point_ids.size(); ++i) {
-    const std::span<const uint32_t> image_ids = model.track_image_ids[i];
-    file->Write(model.point_ids[i]);
-    file->Write(model.exact_positions[i].data(), 3 * sizeof(double));
-    file->Write(model.point_colors[i]);
-    file->Write(MeanError(model, images, i));
-    file->Write(uint64_t{image_ids.size()});
-    for (size_t k = 0; k < image_ids.size(); ++k) {
-      file->Write(image_ids[k]);
-      file->Write(
-          model.track_observations[model.track_image_ids.offsets[i] + k]);
+    const Rows<uint32_t>& tracks = model.track_image_ids;
+    const Eigen::Vector3d& position = model.exact_positions[i];
+    Write(file, model.point_ids[i], position.x(), position.y(), position.z(),
+          model.point_colors[i], MeanError(model, images, i),
+          uint64_t{tracks[i].size()});
+    for (uint64_t k = tracks.offsets[i]; k < tracks.offsets[i + 1]; ++k) {
+      Write(file, tracks.values[k], model.track_observations[k]);
     }
   }
 }
@@ -113,29 +103,20 @@ void WritePoints(const SparseModel& model, AtomicFile* file) {
 void WriteRigs(const SparseModel& model, AtomicFile* file) {
   file->Write(uint64_t{model.rigs.size()});
   for (const SparseRig& rig : model.rigs) {
-    file->Write(rig.rig_id);
-    file->Write(rig.num_sensors);
-    file->Write(rig.sensor_type);
-    file->Write(rig.sensor_id);
+    Write(file, rig.rig_id, rig.num_sensors, rig.sensor_type, rig.sensor_id);
   }
 }
 
 // A rig of one camera has the camera's pose.
 void WriteFrames(const SparseModel& model, AtomicFile* file) {
-  ImagesById images;
-  for (const SparseImage& image : model.images) {
-    images[image.image_id] = &image;
-  }
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
   file->Write(uint64_t{model.frames.size()});
   for (const SparseFrame& frame : model.frames) {
-    file->Write(frame.frame_id);
-    file->Write(frame.rig_id);
-    WritePose(*images.at(frame.image_ids[0]), file);
+    Write(file, frame.frame_id, frame.rig_id);
+    WritePose(model.images[images.at(frame.image_ids[0])], file);
     file->Write(static_cast<uint32_t>(frame.data.size()));
     for (const SparseData& data : frame.data) {
-      file->Write(data.sensor_type);
-      file->Write(data.sensor_id);
-      file->Write(data.data_id);
+      Write(file, data.sensor_type, data.sensor_id, data.data_id);
     }
   }
 }
@@ -163,20 +144,15 @@ void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
 }  // namespace
 
 bool HasOneImageFrames(const SparseModel& model) {
-  const auto is_single = [&model](const SparseFrame& frame) {
-    return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
-           std::any_of(model.images.begin(), model.images.end(),
-                       [&frame](const SparseImage& image) {
-                         return image.image_id == frame.image_ids[0];
-                       });
-  };
-  if (!model.frames.empty() && model.rigs.empty()) {
-    return false;
-  }
-  return std::all_of(
-             model.rigs.begin(), model.rigs.end(),
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
+  return (model.frames.empty() || !model.rigs.empty()) &&
+         std::ranges::all_of(
+             model.rigs,
              [](const SparseRig& rig) { return rig.num_sensors == 1; }) &&
-         std::all_of(model.frames.begin(), model.frames.end(), is_single);
+         std::ranges::all_of(model.frames, [&](const SparseFrame& frame) {
+           return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
+                  images.contains(frame.image_ids[0]);
+         });
 }
 
 void WriteSparseModel(const std::filesystem::path& folder,

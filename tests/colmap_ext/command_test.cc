@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "formats/encode_png.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"

@@ -393,7 +393,7 @@ TEST_F(FacetwiseRefinerTest, RefusesDistortedCameras) {
   SphereWorkspace sphere;
   const fs::path folder = folder_.Path() / "sphere";
   sphere.Write(folder);
-  std::string cameras = sphere.CamerasBinary();
+  std::string cameras = sphere.ModelFile("cameras.bin");
   cameras[12] = 2;  // SIMPLE_RADIAL, of four parameters too
   WriteFile(folder / "sparse" / "cameras.bin", cameras);
   fs::copy(path_ / kInput, folder / kInput);

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/picture_size.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"

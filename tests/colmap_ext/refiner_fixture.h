@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "tests/formats/test_files.h"
-#include "tests/synthetic/colmap_workspace.h"
+#include "tests/synthetic/write_workspace.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/image_order.h"
 #include "workspace/sparse_model.h"
@@ -17,9 +17,7 @@ class SparseModelAgreementTest : public testing::Test {
     sphere_.points.resize(20);
     sphere_.point_images.assign(20, {0, 2});
     const std::filesystem::path old = folder_.Path() / "old";
-    WriteFile(old / "cameras.bin", sphere_.CamerasBinary());
-    WriteFile(old / "images.bin", sphere_.ImagesBinary());
-    WriteFile(old / "points3D.bin", sphere_.Points3DBinary());
+    sphere_.WriteModel(old, ".bin");
     std::filesystem::create_directory(binary_);
     synthetic::ConvertModel(old.string(), binary_.string());
   }

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "colmap_ext/colmap_compat.h"
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"

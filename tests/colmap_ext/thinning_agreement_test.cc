@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "formats/read_ply_cloud.h"
+#include "formats/read_ply.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"

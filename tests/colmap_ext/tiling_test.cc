@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "mesh/topology.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"

@@ -9,29 +9,20 @@
 
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace atomic_file_test {
+namespace colmap_ext::atomic_file_test {
 
 namespace fs = std::filesystem;
 
 constexpr uid_t kNobody = 65534;
 
-class AtomicFileTest : public testing::Test {
- protected:
-  static void WriteText(std::string_view text, AtomicFile* file) {
-    file->Write(text.data(), text.size());
-  }
-
-  TemporaryFolder folder_;
-  fs::path path_ = folder_.Path();
-};
+using AtomicFileTest = FolderTest;
 
 TEST_F(AtomicFileTest, AppearsWhenCommitted) {
   WriteFile(path_ / "b", "old");
   {
     AtomicFiles files;
-    WriteText("new a", files.Add(path_ / "a"));
-    colmap_ext::WriteText(path_ / "b", "new b", &files);
+    WriteText(path_ / "a", "new a", &files);
+    WriteText(path_ / "b", "new b", &files);
     files.Sync();
     EXPECT_FALSE(fs::exists(path_ / "a"));
     EXPECT_EQ(ReadFile(path_ / "b"), "old");
@@ -46,7 +37,8 @@ TEST_F(AtomicFileTest, LeavesNothingBehindUncommitted) {
   WriteFile(path_ / "a", "old");
   {
     AtomicFile a(path_ / "a");
-    WriteText(std::string(3 << 20, 'x'), &a);
+    const std::string text(3 << 20, 'x');
+    a.Write(text.data(), text.size());
     EXPECT_NE(List(path_), "a");
   }
   EXPECT_EQ(List(path_), "a");
@@ -55,9 +47,8 @@ TEST_F(AtomicFileTest, LeavesNothingBehindUncommitted) {
 
 TEST_F(AtomicFileTest, KeepsTheOldFileWhenTheDiskIsFull) {
   WriteFile(path_ / "a", "old");
-  EXPECT_TRUE(FailsOnAFullDisk(1 << 20, [this] {
-    colmap_ext::WriteText(path_ / "a", std::string(3 << 20, 'x'));
-  }));
+  EXPECT_TRUE(FailsOnAFullDisk(
+      1 << 20, [this] { WriteText(path_ / "a", std::string(3 << 20, 'x')); }));
   EXPECT_EQ(ReadFile(path_ / "a"), "old");
   EXPECT_EQ(List(path_), "a");
 }
@@ -67,8 +58,8 @@ TEST_F(AtomicFileTest, OfFilesThatBelongTogetherNoneAppearsOnAFullDisk) {
   for (const size_t size : {20, 3 << 20}) {  // as it is written, and synced
     EXPECT_TRUE(FailsOnAFullDisk(10, [&] {
       AtomicFiles files;
-      colmap_ext::WriteText(path_ / "a", "new", &files);
-      colmap_ext::WriteText(path_ / "b", std::string(size, 'x'), &files);
+      WriteText(path_ / "a", "new", &files);
+      WriteText(path_ / "b", std::string(size, 'x'), &files);
       files.Commit();
     }));
     EXPECT_EQ(ReadFile(path_ / "a"), "old");
@@ -82,10 +73,8 @@ TEST_F(AtomicFileTest, RefusesPlacesThatCanNotBeWritten) {
   for (const fs::path& path :
        {path_ / "none" / "a", path_ / "file" / "a", path_ / "folder",
         fs::path("/proc/a"), path_ / std::string(300, 'a')}) {
-    EXPECT_NE(
-        FileErrorOf([&] { AtomicFile file(path); }).find("can not be written"),
-        std::string::npos)
-        << path;
+    SCOPED_TRACE(path);
+    ExpectFileError("can not be written", [&] { AtomicFile file(path); });
   }
   EXPECT_NE(FileErrorOf([&] { ExpectWritable(path_ / "folder"); }), "");
   EXPECT_NO_THROW(ExpectWritable(path_ / "file"));
@@ -95,20 +84,12 @@ TEST_F(AtomicFileTest, RefusesPlacesThatCanNotBeWritten) {
 TEST_F(AtomicFileTest, RefusesFoldersWithoutPermission) {
   fs::permissions(path_, fs::perms::owner_read | fs::perms::owner_exec |
                              fs::perms::others_read | fs::perms::others_exec);
-  const pid_t child = fork();
-  if (child == 0) {
+  const int status = RunInChild([&] {
     if (geteuid() == 0 && setuid(kNobody) != 0) {  // root may write everywhere
       _exit(1);
     }
-    try {
-      AtomicFile file(path_ / "a");
-    } catch (const FileError&) {
-      _exit(7);
-    }
-    _exit(0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
+    AtomicFile file(path_ / "a");
+  });
   fs::permissions(path_, fs::perms::owner_all);
   EXPECT_EQ(WEXITSTATUS(status), 7);
 }
@@ -116,22 +97,18 @@ TEST_F(AtomicFileTest, RefusesFoldersWithoutPermission) {
 TEST_F(AtomicFileTest, WritesThroughSymbolicLinks) {
   WriteFile(path_ / "there" / "file", "old");
   fs::create_symlink(path_ / "there" / "file", path_ / "link");
-  colmap_ext::WriteText(path_ / "link", "new");
+  WriteText(path_ / "link", "new");
   EXPECT_TRUE(fs::is_symlink(path_ / "link"));
   EXPECT_EQ(ReadFile(path_ / "there" / "file"), "new");
 }
 
 TEST_F(AtomicFileTest, LeavesNothingBehindWhenInterrupted) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    const pid_t child = fork();
-    if (child == 0) {
+    const int status = RunInChild([&] {
       AtomicFile a(path_ / "a");
       AtomicFile b(path_ / "b");
       raise(signal);
-      _exit(0);
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
+    });
     EXPECT_TRUE(WIFSIGNALED(status));
     EXPECT_EQ(WTERMSIG(status), signal);
     EXPECT_EQ(List(path_), "");
@@ -146,7 +123,7 @@ TEST_F(AtomicFileTest, SeveralThreadsMayMakeFiles) {
     threads.emplace_back([this, text = std::string(9, '0' + thread)] {
       for (int i = 0; i < 20; ++i) {
         const AtomicFile dropped(path_ / "a");
-        colmap_ext::WriteText(path_ / "b", text);
+        WriteText(path_ / "b", text);
       }
     });
   }
@@ -158,5 +135,4 @@ TEST_F(AtomicFileTest, SeveralThreadsMayMakeFiles) {
   EXPECT_EQ(text, std::string(9, text.front()));
 }
 
-}  // namespace atomic_file_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::atomic_file_test

@@ -8,8 +8,7 @@
 
 #include "tests/random.h"
 
-namespace colmap_ext {
-namespace encode_png_test {
+namespace colmap_ext::encode_png_test {
 
 ColorImage Decode(const std::string& bytes) {
   png_image header = {};
@@ -55,5 +54,4 @@ TEST(EncodePngTest, IsSmallWhereThePictureIsSmooth) {
   EXPECT_LT(EncodePng(image).size(), 2000);
 }
 
-}  // namespace encode_png_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::encode_png_test

@@ -1,11 +1,11 @@
 #include "formats/picture_size.h"
 
 #include <string>
+#include <tuple>
 
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace picture_size_test {
+namespace colmap_ext::picture_size_test {
 
 std::string PngChunk(const std::string& type, const std::string& data) {
   std::string bytes(3, '\0');
@@ -35,18 +35,35 @@ std::string Jpeg() {
          std::string(1, '\0') + "\xd9 data\xff\xd9";
 }
 
-class IsPictureCutOffTest : public testing::Test {
+class PictureSizeTest : public FolderTest {
  protected:
+  PictureSizeTest() : FolderTest("picture") {}
+
   bool IsCutOff(const std::string& bytes) {
     WriteFile(path_, bytes);
     return IsPictureCutOff(path_);
   }
-
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "picture";
 };
 
-TEST_F(IsPictureCutOffTest, FindsEveryCut) {
+TEST_F(PictureSizeTest, IsReadFromTheHeader) {
+  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\1\2\0\0\0\7", 24);
+  const std::string jpeg(
+      "\xff\xd8\xff\xe0\0\4ab\xff\xff\xc4\0\3x\xff\xc2\0\x11\x08\0\5\1\1", 23);
+  for (const auto& [bytes, width, height] :
+       {std::tuple(png, 258, 7), std::tuple(jpeg, 257, 5)}) {
+    WriteFile(path_, bytes);
+    EXPECT_EQ(ReadPictureSize(path_)->width, width);
+    EXPECT_EQ(ReadPictureSize(path_)->height, height);
+    for (size_t size = 0; size < bytes.size(); ++size) {
+      WriteFile(path_, bytes.substr(0, size));
+      EXPECT_FALSE(ReadPictureSize(path_)) << size;
+    }
+  }
+  EXPECT_FALSE(ReadPictureSize(folder_.Path() / "none"));
+  EXPECT_FALSE(ReadPictureSize(folder_.Path()));
+}
+
+TEST_F(PictureSizeTest, EveryCutIsFound) {
   for (const std::string& bytes : {Png(), Jpeg()}) {
     EXPECT_FALSE(IsCutOff(bytes));
     EXPECT_FALSE(IsCutOff(bytes + "whatever follows"));
@@ -56,12 +73,11 @@ TEST_F(IsPictureCutOffTest, FindsEveryCut) {
   }
 }
 
-TEST_F(IsPictureCutOffTest, KnowsNothingOfOtherFiles) {
+TEST_F(PictureSizeTest, OtherFilesAreNotCut) {
   EXPECT_FALSE(IsCutOff("P6\n3 1\n255\n123"));
   EXPECT_FALSE(IsCutOff(""));
   EXPECT_FALSE(IsPictureCutOff(folder_.Path() / "none"));
   EXPECT_FALSE(IsPictureCutOff(folder_.Path()));
 }
 
-}  // namespace picture_size_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::picture_size_test

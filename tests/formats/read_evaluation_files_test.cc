@@ -4,13 +4,11 @@
 #include "formats/read_npy_mask.h"
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace read_evaluation_files_test {
+namespace colmap_ext::read_evaluation_files_test {
 
-class ReadEvaluationFilesTest : public testing::Test {
+class ReadEvaluationFilesTest : public FolderTest {
  protected:
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "a file";
+  ReadEvaluationFilesTest() : FolderTest("a file") {}
 };
 
 TEST_F(ReadEvaluationFilesTest, ReadsADepthMap) {
@@ -44,11 +42,7 @@ TEST_F(ReadEvaluationFilesTest, FindsDepthMapsByTheNameOfTheImage) {
 }
 
 // A mask of 2 x 3 x 4 voxels, numbered from 0 in its order in the file.
-std::string Npy(const std::string& type, const std::string& fortran_order,
-                const std::string& shape) {
-  std::string header = "{'descr': '" + type +
-                       "', 'fortran_order': " + fortran_order +
-                       ", 'shape': " + shape + ", }          \n";
+std::string Npy(const std::string& header) {
   std::string bytes("\x93NUMPY\x01\x00", 8);
   Append(static_cast<uint16_t>(header.size()), &bytes);
   bytes += header;
@@ -56,6 +50,12 @@ std::string Npy(const std::string& type, const std::string& fortran_order,
     Append(i, &bytes);
   }
   return bytes;
+}
+
+std::string Npy(const std::string& type, const std::string& fortran_order,
+                const std::string& shape) {
+  return Npy("{'descr': '" + type + "', 'fortran_order': " + fortran_order +
+             ", 'shape': " + shape + ", }          \n");
 }
 
 TEST_F(ReadEvaluationFilesTest, ReadsAMaskInEitherOrder) {
@@ -101,14 +101,8 @@ TEST_F(ReadEvaluationFilesTest, RefusesOtherArrays) {
 TEST_F(ReadEvaluationFilesTest, ReadsLongHeaders) {
   const auto write = [this](const std::string& begin, const std::string& end) {
     constexpr size_t kLength = (1 << 16) - 1;
-    std::string bytes("\x93NUMPY\x01\x00", 8);
-    Append(static_cast<uint16_t>(kLength), &bytes);
-    bytes +=
-        begin + std::string(kLength - begin.size() - end.size(), ' ') + end;
-    for (uint8_t i = 0; i < 24; ++i) {
-      Append(i, &bytes);
-    }
-    WriteFile(path_, bytes);
+    const std::string blanks(kLength - begin.size() - end.size(), ' ');
+    WriteFile(path_, Npy(begin + blanks + end));
   };
   write("{'descr':", "'|u1', 'fortran_order': False, 'shape': (2, 3, 4), }");
   EXPECT_EQ(ReadNpyMask(path_).size, (std::array<size_t, 3>{2, 3, 4}));
@@ -120,5 +114,4 @@ TEST_F(ReadEvaluationFilesTest, ReadsLongHeaders) {
   EXPECT_THROW(ReadNpyMask(path_), FileError);
 }
 
-}  // namespace read_evaluation_files_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::read_evaluation_files_test

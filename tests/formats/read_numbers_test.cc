@@ -4,18 +4,16 @@
 #include "formats/read_numbers.h"
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace read_numbers_test {
+namespace colmap_ext::read_numbers_test {
 
-class ReadRegionTest : public testing::Test {
+class ReadRegionTest : public FolderTest {
  protected:
+  ReadRegionTest() : FolderTest("region.txt") {}
+
   Region ReadText(const std::string& text) {
     WriteFile(path_, text);
     return ReadRegion(path_);
   }
-
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "region.txt";
 };
 
 TEST(ParseNumbersTest, TakesBlanksCommasAndComments) {
@@ -73,5 +71,4 @@ TEST(ParseCornersTest, TakesSixNumbersOnly) {
   }
 }
 
-}  // namespace read_numbers_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::read_numbers_test

@@ -61,24 +61,30 @@ std::map<std::filesystem::path, std::string> FilesOf(
   return files;
 }
 
-bool FailsOnAFullDisk(size_t max_file_size,
-                      const std::function<void()>& function) {
-  constexpr int kFailed = 7;
+int RunInChild(const std::function<void()>& function) {
   const pid_t child = fork();
   if (child == 0) {
-    signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit = {max_file_size, max_file_size};
-    setrlimit(RLIMIT_FSIZE, &limit);
     try {
       function();
     } catch (const FileError&) {
-      _exit(kFailed);
+      _exit(7);
     }
     _exit(0);
   }
   int status = 0;
   waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == kFailed;
+  return status;
+}
+
+bool FailsOnAFullDisk(size_t max_file_size,
+                      const std::function<void()>& function) {
+  const int status = RunInChild([&] {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit = {max_file_size, max_file_size};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    function();
+  });
+  return WIFEXITED(status) && WEXITSTATUS(status) == 7;
 }
 
 }  // namespace colmap_ext

@@ -28,6 +28,17 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+// A test with a folder of its own.
+class FolderTest : public testing::Test {
+ protected:
+  // \param name  of the file of the test; empty: the folder itself.
+  explicit FolderTest(const std::string& name = "")
+      : path_(name.empty() ? folder_.Path() : folder_.Path() / name) {}
+
+  const TemporaryFolder folder_;
+  const std::filesystem::path path_;
+};
+
 void WriteFile(const std::filesystem::path& path, std::string_view bytes);
 
 std::string ReadFile(const std::filesystem::path& path);
@@ -61,6 +72,19 @@ std::string FileErrorOf(Function function) {
   }
   return "";
 }
+
+// Expects that the function throws a FileError whose message has the text.
+template <typename Function>
+void ExpectFileError(const std::string& text, Function function) {
+  const std::string error = FileErrorOf(function);
+  EXPECT_NE(error.find(text), std::string::npos)
+      << "expected: " << text << "\nfound: " << error;
+}
+
+// Runs the function in a process of its own, which exits with 7 if that throws
+// a FileError.
+// \return as waitpid() has it: how the process ended.
+int RunInChild(const std::function<void()>& function);
 
 // Whether the function throws a FileError where no file may be larger: a limit
 // on the size of files stands for a full disk. Runs it in a process of its own.

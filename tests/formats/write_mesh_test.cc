@@ -2,18 +2,16 @@
 
 #include <cstring>
 
-#include "formats/read_ply_cloud.h"
-#include "formats/read_ply_mesh.h"
+#include "formats/read_ply.h"
 #include "formats/read_visibility.h"
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace write_mesh_test {
+namespace colmap_ext::write_mesh_test {
 
-class WriteMeshTest : public testing::Test {
+class WriteMeshTest : public FolderTest {
  protected:
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "mesh.ply";
+  WriteMeshTest() : FolderTest("mesh.ply") {}
+
   TriangleMesh mesh_ = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                         {{0, 2, 1}, {0, 1, 3}}};
   VertexAttributes attributes_ = {
@@ -44,24 +42,20 @@ TEST_F(WriteMeshTest, IsReadBackAsItWas) {
   const PlyCloud cloud = ReadPlyCloud(path_);
   EXPECT_EQ(cloud.positions, mesh_.vertices);
   EXPECT_EQ(cloud.colors, attributes_.colors);
-  const Visibility visibility = ReadVisibility(VisibilityPath(path_), 4);
-  EXPECT_EQ(visibility.offsets, attributes_.views.offsets);
-  EXPECT_EQ(visibility.values, attributes_.views.values);
+  EXPECT_EQ(ReadVisibility(VisibilityPath(path_), 4), attributes_.views);
   EXPECT_EQ(List(folder_.Path()), "mesh.ply mesh.ply.vis");
 }
 
-TEST_F(WriteMeshTest, LeavesOutColorsThatAreNotThere) {
-  attributes_.colors.clear();
-  WriteMesh(path_, mesh_, attributes_);
-  EXPECT_TRUE(ReadPlyCloud(path_).colors.empty());
-  EXPECT_EQ(ReadPlyCloud(path_).positions, mesh_.vertices);
-}
-
-TEST_F(WriteMeshTest, ConfidencesAreReadBackAsTheyWere) {
-  attributes_.confidences = {0, 0.25f, 1, 0.1f};
-  for (const bool has_colors : {true, false}) {
-    if (!has_colors) {
+TEST_F(WriteMeshTest, LeavesOutColorsAndConfidencesThatAreNotThere) {
+  const VertexAttributes all = {
+      attributes_.colors, attributes_.views, {0, 0.25f, 1, 0.1f}};
+  for (const int given : {0, 1, 2, 3}) {
+    attributes_ = all;
+    if ((given & 1) == 0) {
       attributes_.colors.clear();
+    }
+    if ((given & 2) == 0) {
+      attributes_.confidences.clear();
     }
     WriteMesh(path_, mesh_, attributes_);
     const ColoredMesh read = ReadColoredPlyMesh(path_);
@@ -70,25 +64,21 @@ TEST_F(WriteMeshTest, ConfidencesAreReadBackAsTheyWere) {
     EXPECT_EQ(read.mesh.vertices, mesh_.vertices);
     EXPECT_EQ(read.mesh.facets, mesh_.facets);
   }
-  attributes_.confidences.clear();
-  WriteMesh(path_, mesh_, attributes_);
-  EXPECT_TRUE(ReadColoredPlyMesh(path_).confidences.empty());
 }
 
 TEST_F(WriteMeshTest, LeavesTheOldMeshWhereItFails) {
   WriteFile(path_, "old mesh");
   std::filesystem::create_directory(VisibilityPath(path_));
-  EXPECT_NE(FileErrorOf([&] { WriteMesh(path_, mesh_, attributes_); }), "");
+  ExpectFileError("", [&] { WriteMesh(path_, mesh_, attributes_); });
   EXPECT_EQ(ReadFile(path_), "old mesh");
   EXPECT_EQ(List(folder_.Path()), "mesh.ply mesh.ply.vis");
 }
 
-class WriteLabeledMeshTest : public testing::Test {
+class WriteLabeledMeshTest : public FolderTest {
  protected:
+  WriteLabeledMeshTest() : FolderTest("labels.ply") {}
   void SetUp() override { WriteLabeledMesh(path_, mesh_, labels_); }
 
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "labels.ply";
   // A strip of three triangles; no facet has the last vertex.
   TriangleMesh mesh_ = {
       {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0, 2, 0}, {9, 9, 9}},
@@ -136,5 +126,4 @@ TEST_F(WriteLabeledMeshTest, HasNothingButAListInAFace) {
   EXPECT_EQ(bytes.size(), data + 7 * (3 * 4 + 3 + 4) + 3 * (1 + 3 * 4));
 }
 
-}  // namespace write_mesh_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::write_mesh_test

@@ -11,16 +11,15 @@
 
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
-#include "tests/fuzz/small_sphere.h"
+#include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;
 
 void WriteClouds(const fs::path& folder) {
-  SphereWorkspace sphere = SmallSphere();
+  SphereWorkspace sphere = SphereWorkspace::Small();
   WriteFile(folder / "ply_cloud" / "normals", sphere.Ply());
   sphere.write_normals = false;
   WriteFile(folder / "ply_cloud" / "plain", sphere.Ply());
@@ -56,18 +55,16 @@ void WriteMeshes(const fs::path& folder) {
             "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 2 0.5 0.5\n");
 }
 
-// The first byte names the file of the model (FuzzedSparseModel).
+// The first byte names the file of the model (FuzzSparseModel()).
 void WriteSparseModels(const fs::path& folder) {
-  const SphereWorkspace sphere = SmallSphere();
-  const std::string binary[] = {sphere.CamerasBinary(), sphere.ImagesBinary(),
-                                sphere.Points3DBinary(), sphere.FramesBinary()};
-  const std::string text[] = {sphere.CamerasText(), sphere.ImagesText(),
-                              sphere.Points3DText(), sphere.FramesText()};
-  for (int i = 0; i < 4; ++i) {
-    const std::string name(1, static_cast<char>('0' + i));
-    const std::string selector(1, static_cast<char>(i));
-    WriteFile(folder / "sparse_model_binary" / name, selector + binary[i]);
-    WriteFile(folder / "sparse_model_text" / name, selector + text[i]);
+  const SphereWorkspace sphere = SphereWorkspace::Small();
+  char selector = 0;
+  for (const std::string name : {"cameras", "images", "points3D", "frames"}) {
+    WriteFile(folder / "sparse_model_binary" / name,
+              selector + sphere.ModelFile(name + ".bin"));
+    WriteFile(folder / "sparse_model_text" / name,
+              selector + sphere.ModelFile(name + ".txt"));
+    ++selector;
   }
 }
 
@@ -98,7 +95,6 @@ void WritePictures(const fs::path& folder) {
 }
 
 }  // namespace
-
 }  // namespace colmap_ext
 
 int main(int argc, char** argv) {

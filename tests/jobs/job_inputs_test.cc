@@ -2,7 +2,6 @@
 
 #include "colmap_ext/jobs/refinement_input.h"
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {

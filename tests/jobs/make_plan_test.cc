@@ -4,7 +4,6 @@
 #include <mutex>
 
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {

@@ -1,32 +1,73 @@
 #include "tests/synthetic/dense_scene.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <iterator>
+#include <cmath>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include <tbb/task_arena.h>
+#include <Eigen/Geometry>
 
-#include "spatial/bvh.h"
+#include "tests/synthetic/noise.h"
 
 namespace colmap_ext::synthetic {
 
 std::string DenseSceneOptions::Check() const {
-  const std::string errors[] = {
-      scene.Check(), stereo.Check(), pose_noise.Check(),
-      RangeError({{"sensor_noise", render.sensor_noise, 0, 100},
-                  {"photon_noise", render.photon_noise, 0, 100},
-                  {"outliers", fusion.outliers, 0, 1},
-                  {"min_num_pixels", 1.0 * fusion.min_num_pixels, 1, 1e9},
-                  {"num_sparse_points", 1.0 * sparse.num_points, 0, 1e9},
-                  {"feature_noise", sparse.noise, 0, 10}})};
-  const auto error = std::ranges::find_if_not(errors, &std::string::empty);
-  return error == std::end(errors) ? "" : *error;
+  const std::string error = scene.Check();
+  return !error.empty()
+             ? error
+             : RangeError(
+                   {{"noise", stereo.noise, 0, 10},
+                    {"correlated_share", stereo.correlated_share, 0, 1},
+                    {"normal_noise", stereo.normal_noise, 0, 45},
+                    {"dropout", stereo.dropout, 0, 1},
+                    {"fattening", stereo.fattening, 0, 20},
+                    {"pose_noise", pose_noise.pixels, 0, 100},
+                    {"focal_factor", pose_noise.focal_factor, 0.5, 2},
+                    {"sensor_noise", render.sensor_noise, 0, 100},
+                    {"photon_noise", render.photon_noise, 0, 100},
+                    {"outliers", fusion.outliers, 0, 1},
+                    {"min_num_pixels", 1.0 * fusion.min_num_pixels, 1, 1e9},
+                    {"num_sparse_points", 1.0 * sparse.num_points, 0, 1e9},
+                    {"feature_noise", sparse.noise, 0, 10}});
 }
 
 namespace {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+constexpr uint64_t kPoseNoise = 0x706f7365;  // of this use of Hash()
+
+// [views] of zero mean, and with a mean square of 1 for each number.
+std::vector<Vector6d> MakeNoise(bool is_smooth, size_t num_views,
+                                uint64_t seed) {
+  std::vector<Vector6d> noise(num_views, Vector6d::Zero());
+  for (int k = 0; k < 6; ++k) {
+    const auto number = [&](size_t i) {
+      return Gaussian(Hash(seed, kPoseNoise, i, k));
+    };
+    for (size_t i = 0; i < num_views; ++i) {
+      const double angle =
+          2 * M_PI * static_cast<double>(i) / static_cast<double>(num_views);
+      noise[i][k] = is_smooth ? number(0) * std::sin(angle) +
+                                    number(1) * std::cos(angle) +
+                                    number(2) * std::sin(2 * angle)
+                              : number(i);
+    }
+  }
+  Vector6d mean = Vector6d::Zero();
+  for (const Vector6d& of_view : noise) {
+    mean += of_view / static_cast<double>(num_views);
+  }
+  double sum = 0;
+  for (Vector6d& of_view : noise) {
+    of_view -= mean;
+    sum += of_view.squaredNorm();
+  }
+  for (Vector6d& of_view : noise) {
+    of_view *= std::sqrt(6 * static_cast<double>(num_views) / sum);
+  }
+  return noise;
+}
 
 std::vector<View> Moved(std::vector<View> views, const std::string& prefix,
                         const Eigen::Vector3d& offset) {
@@ -114,6 +155,34 @@ DenseScene MakeValid(const DenseSceneOptions& options) {
 }
 
 }  // namespace
+
+// A turn about x or y, or a motion along them, moves what lies ahead by the
+// angle, or the length over the depth, times the focal length; turns about z
+// and motions along it move it less. So four of six numbers share the squares.
+std::vector<View> DisturbViews(const PoseNoiseOptions& options,
+                               const std::vector<View>& views, double depth,
+                               uint64_t seed) {
+  std::vector<View> disturbed = views;
+  if (options.pixels > 0 && views.size() > 1) {
+    const std::vector<Vector6d> noise =
+        MakeNoise(options.is_smooth, views.size(), seed);
+    for (size_t i = 0; i < views.size(); ++i) {
+      View& view = disturbed[i];
+      const Vector6d step = noise[i] * options.pixels / (2 * view.fx);
+      const Eigen::Vector3d turn = step.head<3>();
+      const Eigen::Matrix3d rotation =
+          Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
+      view.cam_from_world_rotation = rotation * view.cam_from_world_rotation;
+      view.cam_from_world_translation =
+          rotation * view.cam_from_world_translation + depth * step.tail<3>();
+    }
+  }
+  for (View& view : disturbed) {
+    view.fx *= options.focal_factor;
+    view.fy *= options.focal_factor;
+  }
+  return disturbed;
+}
 
 DenseScene MakeDenseScene(const DenseSceneOptions& options) {
   if (const std::string error = options.Check(); !error.empty()) {

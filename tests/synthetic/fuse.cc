@@ -1,4 +1,4 @@
-#include "tests/synthetic/fuse.h"
+#include "tests/synthetic/dense_scene.h"
 
 #include <algorithm>
 #include <array>
@@ -9,6 +9,7 @@
 
 #include <Eigen/LU>
 
+#include "base/indices.h"
 #include "base/percentile.h"
 #include "tests/synthetic/noise.h"
 
@@ -198,12 +199,8 @@ class Fusion {
                               static_cast<uint8_t>(std::lround(color[1])),
                               static_cast<uint8_t>(std::lround(color[2]))});
     }
-    std::vector<uint32_t>& views = samples_.views;
-    std::sort(views.begin(), views.end());
-    views.erase(std::unique(views.begin(), views.end()), views.end());
-    cloud.views.values.insert(cloud.views.values.end(), views.begin(),
-                              views.end());
-    cloud.views.EndRow();
+    SortUnique(&samples_.views);
+    cloud.views.AddRow(samples_.views);
   }
 
   static constexpr int kMaxTraversalDepth = 100;
@@ -272,9 +269,7 @@ void AddOutliers(const std::vector<View>& views, double share, uint64_t seed,
       }
       points->normals.push_back(Vector3f(points->normals[source]));
       points->is_outlier.push_back(true);
-      cloud.views.values.insert(cloud.views.values.end(), seen_by.begin(),
-                                seen_by.end());
-      cloud.views.EndRow();
+      cloud.views.AddRow(seen_by);
     }
   }
 }

@@ -9,6 +9,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/indices.h"
+#include "mesh/normals.h"
+
 namespace colmap_ext::synthetic {
 namespace {
 
@@ -191,9 +194,7 @@ TriangleMesh March(const Lattice& lattice) {
     }
   }
   std::vector<EdgeKey> vertices = keys;
-  std::ranges::sort(vertices);
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-
+  SortUnique(&vertices);
   TriangleMesh mesh;
   mesh.vertices.resize(vertices.size());
   mesh.facets.resize(keys.size() / 3);
@@ -290,11 +291,8 @@ std::vector<Eigen::Vector3f> VertexNormals(const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3f> normals(mesh.vertices.size(),
                                        Eigen::Vector3f::Zero());
   for (const Facet& facet : mesh.facets) {
-    const Eigen::Vector3f& a = mesh.vertices[facet[0]];
-    const Eigen::Vector3f normal =
-        (mesh.vertices[facet[1]] - a).cross(mesh.vertices[facet[2]] - a);
     for (const uint32_t vertex : facet) {
-      normals[vertex] += normal;
+      normals[vertex] += AreaVector(mesh, facet);
     }
   }
   for (Eigen::Vector3f& normal : normals) {

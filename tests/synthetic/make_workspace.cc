@@ -3,146 +3,92 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <functional>
 #include <iomanip>
 #include <iostream>
-#include <map>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "colmap_ext/options/parse_options.h"
 #include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
 
 namespace {
 
+using colmap_ext::CommandOptions;
 using colmap_ext::synthetic::DenseScene;
 using colmap_ext::synthetic::DenseSceneOptions;
 using colmap_ext::synthetic::SceneOptions;
 
-// The options of the program, `--name value`, each bound to a variable with its
-// default.
-class Arguments {
- public:
-  template <typename T>
-  void Add(const std::string& name, T* value, const std::string& help) {
-    const std::string usual = Format(*value);
-    std::string column = "  --" + name + " ";
-    column.resize(std::max<size_t>(column.size(), 27), ' ');
-    help_ += column + help + (usual.empty() ? "" : " [" + usual + "]") + "\n";
-    setters_["--" + name] = [value](const std::string& text) {
-      return Parse(text, value);
-    };
-  }
-
-  // \throw std::invalid_argument for unknown options and unreadable values.
-  void Read(int argc, char** argv) const {
-    for (int i = 1; i < argc; i += 2) {
-      const auto setter = setters_.find(argv[i]);
-      if (setter == setters_.end()) {
-        throw std::invalid_argument(std::string("unknown option ") + argv[i]);
-      }
-      if (i + 1 == argc || !setter->second(argv[i + 1])) {
-        throw std::invalid_argument(std::string(argv[i]) +
-                                    " lacks a proper value");
-      }
-    }
-  }
-
-  const std::string& Help() const { return help_; }
-
-  static bool AsksForHelp(int argc, char** argv) {
-    const std::string first = argc > 1 ? argv[1] : "-h";
-    return first == "-h" || first == "--help" || first == "help";
-  }
-
- private:
-  template <typename T>
-  static std::string Format(const T& value) {
-    std::ostringstream stream;
-    stream << value;
-    return stream.str();
-  }
-
-  template <typename T>
-  static bool Parse(const std::string& text, T* value) {
-    std::istringstream stream(text);
-    return stream >> *value && (stream >> std::ws).eof();
-  }
-  static bool Parse(const std::string& text, std::string* value) {
-    *value = text;
-    return true;
-  }
-  std::map<std::string, std::function<bool(const std::string&)>> setters_;
-  std::string help_;
-};
-
-void AddSceneArguments(SceneOptions* options, Arguments* arguments) {
-  arguments->Add("scene", &options->shape,
-                 "statue, wall or grid (thin rods before a backdrop)");
-  arguments->Add("num_images", &options->num_images, "1 - 10000");
-  arguments->Add("width", &options->width, "of the images, px, 16 - 20000");
-  arguments->Add("height", &options->height, "of the images, px, 16 - 20000");
-  arguments->Add("relief", &options->relief,
-                 "height of the fine relief, as a factor, 0 - 2");
-  arguments->Add("thickness", &options->thickness,
-                 "of the grid's rods and blades, as a factor, 0.2 - 3");
-  arguments->Add("untextured", &options->untextured,
-                 "how blank a patch of the surface is, 0 - 1");
-  arguments->Add("gloss", &options->gloss,
-                 "intensity of highlights on another patch, 0 - 2");
-  arguments->Add("exposure_change", &options->exposure_change,
-                 "at most, between images, as a share, 0 - 0.9");
-  arguments->Add("cell_size", &options->cell_size,
-                 "of the true surface's lattice, px, 0.5 - 100");
-  arguments->Add("seed", &options->seed, "of everything random");
-  arguments->Add("num_threads", &options->num_threads, "-1: all");
+void AddSceneOptions(SceneOptions* scene, CommandOptions* options) {
+  options->Add("scene", &scene->shape,
+               "statue, wall or grid (thin rods before a backdrop)");
+  options->AddNumber("num_images", &scene->num_images, {1, 10000});
+  options->AddNumber("width", &scene->width, {16, 20000}, "[px] Of the images");
+  options->AddNumber("height", &scene->height, {16, 20000},
+                     "[px] Of the images");
+  options->AddNumber("relief", &scene->relief, {0, 2},
+                     "Height of the fine relief, as a factor");
+  options->AddNumber("thickness", &scene->thickness, {0.2, 3},
+                     "Of the grid's rods and blades, as a factor");
+  options->AddNumber("untextured", &scene->untextured, {0, 1},
+                     "How blank a patch of the surface is");
+  options->AddNumber("gloss", &scene->gloss, {0, 2},
+                     "Intensity of highlights on another patch");
+  options->AddNumber("exposure_change", &scene->exposure_change, {0, 0.9},
+                     "Maximum between images, as a share");
+  options->AddNumber("cell_size", &scene->cell_size, {0.5, 100},
+                     "[px] Of the true surface's lattice");
+  AddThreadsOption("", &scene->num_threads, options);
 }
 
-void AddPointArguments(DenseSceneOptions* options, Arguments* arguments) {
-  arguments->Add("noise", &options->stereo.noise,
-                 "of stereo matches, px, 0 - 10");
-  arguments->Add("correlated_share", &options->stereo.correlated_share,
-                 "of its variance, between neighbors, 0 - 1");
-  arguments->Add("normal_noise", &options->stereo.normal_noise,
-                 "degrees, 0 - 45");
-  arguments->Add("dropout", &options->stereo.dropout,
-                 "share of pixels without depth, 0 - 1");
-  arguments->Add("fattening", &options->stereo.fattening,
-                 "of the foreground at silhouettes, px, 0 - 20");
-  arguments->Add("outliers", &options->fusion.outliers,
-                 "as a share of the fused points, 0 - 1");
-  arguments->Add("min_num_pixels", &options->fusion.min_num_pixels,
-                 "of a fused point, 1 or more");
-  arguments->Add("pose_noise", &options->pose_noise.pixels,
-                 "of the cameras of sparse/, px RMS in the images, 0 - 100");
-  arguments->Add("smooth_pose_noise", &options->pose_noise.is_smooth,
-                 "alike in neighboring images, 0 or 1");
-  arguments->Add("pose_noise_before_fusion",
-                 &options->pose_noise.is_before_fusion,
-                 "fuse by these cameras, as in life, 0 or 1");
-  arguments->Add("focal_factor", &options->pose_noise.focal_factor,
-                 "on the focal lengths of sparse/, 0.5 - 2");
-  arguments->Add("num_sparse_points", &options->sparse.num_points,
-                 "at most, 0 or more");
-  arguments->Add("feature_noise", &options->sparse.noise,
-                 "of sparse points, px, 0 - 10");
+void AddPointOptions(DenseSceneOptions* scene, CommandOptions* options) {
+  options->AddNumber("noise", &scene->stereo.noise, {0, 10},
+                     "[px] Of stereo matches");
+  options->AddNumber("correlated_share", &scene->stereo.correlated_share,
+                     {0, 1}, "Of its variance, between neighbors");
+  options->AddNumber("normal_noise", &scene->stereo.normal_noise, {0, 45},
+                     "[degrees]");
+  options->AddNumber("dropout", &scene->stereo.dropout, {0, 1},
+                     "Share of pixels without depth");
+  options->AddNumber("fattening", &scene->stereo.fattening, {0, 20},
+                     "[px] Of the foreground at silhouettes");
+  options->AddNumber("outliers", &scene->fusion.outliers, {0, 1},
+                     "As a share of the fused points");
+  options->AddNumber("min_num_pixels", &scene->fusion.min_num_pixels, {1, 1e9},
+                     "Of a fused point");
+  options->AddNumber("pose_noise", &scene->pose_noise.pixels, {0, 100},
+                     "[px] Of the cameras of sparse/, RMS in the images");
+  options->Add("smooth_pose_noise", &scene->pose_noise.is_smooth,
+               "Alike in neighboring images");
+  options->Add("pose_noise_before_fusion", &scene->pose_noise.is_before_fusion,
+               "Fuse by these cameras, as in life");
+  options->AddNumber("focal_factor", &scene->pose_noise.focal_factor, {0.5, 2},
+                     "On the focal lengths of sparse/");
+  options->AddNumber("num_sparse_points", &scene->sparse.num_points, {0, 1e9},
+                     "Maximum");
+  options->AddNumber("feature_noise", &scene->sparse.noise, {0, 10},
+                     "[px] Of sparse points");
 }
 
-Arguments Bind(DenseSceneOptions* options, std::string* output_path) {
-  Arguments arguments;
-  arguments.Add("output_path", output_path, "folder of the workspace");
-  AddSceneArguments(&options->scene, &arguments);
-  arguments.Add("sensor_noise", &options->render.sensor_noise,
-                "of the images in the dark, steps of 1/255, 0 - 100");
-  arguments.Add("photon_noise", &options->render.photon_noise,
-                "added in full light, steps of 1/255, 0 - 100");
-  AddPointArguments(options, &arguments);
-  arguments.Add("write_depth_maps", &options->keep_depth_maps,
-                "the stereo's, with normals, to stereo/, 0 or 1");
-  arguments.Add("write_true_depth_maps", &options->keep_true_depths,
-                "of the pixels' centers, to truth/depth_maps/, 0 or 1");
-  return arguments;
+// \param seed  of everything random.
+CommandOptions Bind(DenseSceneOptions* scene, int* seed,
+                    std::string* output_path) {
+  CommandOptions options(
+      "Writes a synthetic COLMAP dense workspace with known truth.\n"
+      "Usage: make_workspace --output_path DIR [options]");
+  options.Add("output_path", output_path, "Folder of the workspace");
+  AddSceneOptions(&scene->scene, &options);
+  options.AddNumber("seed", seed, {0, 2147483647}, "Of everything random");
+  options.AddNumber("sensor_noise", &scene->render.sensor_noise, {0, 100},
+                    "[1/255] Of the images in the dark");
+  options.AddNumber("photon_noise", &scene->render.photon_noise, {0, 100},
+                    "[1/255] Added in full light");
+  AddPointOptions(scene, &options);
+  options.Add("write_depth_maps", &scene->keep_depth_maps,
+              "The stereo's, with normals, to stereo/");
+  options.Add("write_true_depth_maps", &scene->keep_true_depths,
+              "Of the pixels' centers, to truth/depth_maps/");
+  return options;
 }
 
 void PrintSummary(const DenseScene& scene, double seconds) {
@@ -161,19 +107,18 @@ void PrintSummary(const DenseScene& scene, double seconds) {
 
 int main(int argc, char** argv) {
   DenseSceneOptions options;
+  int seed = 1;
   std::string output_path;
-  const Arguments arguments = Bind(&options, &output_path);
-  if (Arguments::AsksForHelp(argc, argv)) {
-    std::cout << "Writes a synthetic COLMAP dense workspace with known truth.\n"
-              << "Usage: make_workspace --output_path DIR [options]\n"
-              << arguments.Help();
-    return 0;
-  }
+  const CommandOptions command = Bind(&options, &seed, &output_path);
   try {
-    arguments.Read(argc, argv);
+    if (argc == 1 || colmap_ext::ParseOptions(argc, argv, command).wants_help) {
+      colmap_ext::PrintHelp(command, "", std::cout);
+      return 0;
+    }
     if (output_path.empty()) {
       throw std::invalid_argument("output_path is missing");
     }
+    options.scene.seed = seed;
     const auto start = std::chrono::steady_clock::now();
     const DenseScene scene = MakeDenseScene(options);
     WriteWorkspace(scene, options.scene.seed, output_path);

@@ -1,4 +1,4 @@
-#include "tests/synthetic/render.h"
+#include "tests/synthetic/dense_scene.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,6 @@
 
 #include "spatial/bvh.h"
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/scene_shapes.h"
 
 namespace colmap_ext::synthetic {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "mesh/triangle_mesh.h"
 #include "scene/view.h"
+#include "tests/synthetic/isosurface.h"
 
 namespace colmap_ext::synthetic {
 
@@ -94,6 +95,19 @@ struct Scene {
   float footprint = 0;  // of a pixel on the surface, scene units
   uint32_t texture_seed = 0;
 };
+
+// The properties of a kind of scene.
+struct SceneShape {
+  std::string name;
+  Solid (*make_solid)(const SceneOptions& options);
+  std::vector<View> (*make_views)(const SceneOptions& options);
+  Eigen::Vector3f to_sun;  // any length
+  Patch blank;             // of SceneOptions::untextured
+  Patch shiny;             // of SceneOptions::gloss
+};
+
+// Returns nullptr for an unknown name.
+const SceneShape* FindSceneShape(const std::string& name);
 
 // \throw std::invalid_argument for options that do not check.
 Scene MakeScene(const SceneOptions& options);

@@ -1,4 +1,4 @@
-#include "tests/synthetic/scene_shapes.h"
+#include "tests/synthetic/scene.h"
 
 #include <algorithm>
 #include <array>

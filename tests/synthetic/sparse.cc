@@ -1,6 +1,7 @@
-#include "tests/synthetic/sparse.h"
+#include "tests/synthetic/dense_scene.h"
 
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Dense>
 
@@ -18,18 +19,14 @@ constexpr double kDepthTolerance = 0.004;
 constexpr size_t kMinTrackLength = 3;
 
 bool Sees(const View& view, const Visible& visible, const Vector3d& point) {
-  const Vector3d in_camera = view.CamFromWorld(point);
-  if (in_camera.z() <= 0) {
+  const std::optional<Vector2d> pixel = PixelInImage(view, point);
+  if (!pixel) {
     return false;
   }
-  const Vector2d pixel = view.ImageFromCam(in_camera);
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.width &&
-        pixel.y() < view.height)) {
-    return false;
-  }
+  const double expected = view.CamFromWorld(point).z();
   const double depth = visible.depths[visible.Index(
-      static_cast<int>(pixel.y()), static_cast<int>(pixel.x()))];
-  return std::abs(depth - in_camera.z()) < kDepthTolerance * in_camera.z();
+      static_cast<int>(pixel->y()), static_cast<int>(pixel->x()))];
+  return std::abs(depth - expected) < kDepthTolerance * expected;
 }
 
 // Least squares of the reprojection errors, by Gauss and Newton from `start`,

@@ -1,4 +1,4 @@
-#include "tests/synthetic/stereo.h"
+#include "tests/synthetic/dense_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -251,14 +251,6 @@ void Matcher::MatchPixel(int row, int col, DepthMap* map) const {
 }
 
 }  // namespace
-
-std::string StereoOptions::Check() const {
-  return RangeError({{"noise", noise, 0, 10},
-                     {"correlated_share", correlated_share, 0, 1},
-                     {"normal_noise", normal_noise, 0, 45},
-                     {"dropout", dropout, 0, 1},
-                     {"fattening", fattening, 0, 20}});
-}
 
 DepthMap SimulateStereo(const Scene& scene, const std::vector<Visible>& visible,
                         size_t view, const StereoOptions& options,

@@ -2,17 +2,32 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <map>
 #include <numeric>
+#include <sstream>
 #include <stdexcept>
-#include <vector>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
+#if __has_include(<colmap/scene/reconstruction.h>)
+#include <colmap/mvs/depth_map.h>
+#include <colmap/mvs/fusion.h>
+#include <colmap/mvs/normal_map.h>
+#include <colmap/scene/reconstruction.h>
+#include <colmap/sensor/bitmap.h>
+#include <colmap/util/ply.h>
+#else
+#include "base/pose.h"
+#include "base/reconstruction.h"
+#include "mvs/depth_map.h"
+#include "mvs/fusion.h"
+#include "mvs/normal_map.h"
+#include "util/bitmap.h"
+#include "util/ply.h"
+#endif
+
+#include "colmap_ext/colmap_compat.h"
 #include "formats/write_mesh.h"
-#include "tests/synthetic/colmap_workspace.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext::synthetic {
@@ -20,20 +35,88 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::ofstream Open(const fs::path& path) {
-  std::ofstream file(path, std::ios::trunc);
-  if (!file) {
-    throw std::runtime_error(path.string() + ": cannot be written");
+template <typename Image>
+void SetPose(const Image& image, View* view) {
+  if constexpr (requires { image.CamFromWorld(); }) {
+    const Eigen::Matrix3x4d cam_from_world = image.CamFromWorld().ToMatrix();
+    view->cam_from_world_rotation = cam_from_world.leftCols<3>();
+    view->cam_from_world_translation = cam_from_world.col(3);
+  } else {
+    view->cam_from_world_rotation = image.RotationMatrix();
+    view->cam_from_world_translation = image.Tvec();
   }
-  file.precision(17);
-  return file;
 }
 
-void Close(const fs::path& path, std::ofstream* file) {
-  file->close();
-  if (!*file) {
-    throw std::runtime_error(path.string() + ": cannot be written");
+template <typename Camera>
+void SetSize(const Camera& camera, View* view) {
+  if constexpr (requires { camera.Width(); }) {
+    view->width = camera.Width();
+    view->height = camera.Height();
+  } else {
+    view->width = camera.width;
+    view->height = camera.height;
   }
+}
+
+// fused.ply and fused.ply.vis.
+// \param positions [views] of the images in COLMAP's order
+void WriteFusedPoints(const std::string& ply_path, const FusedPoints& points,
+                      const std::vector<int>& positions) {
+  const PointCloud& cloud = points.cloud;
+  std::vector<colmap::PlyPoint> ply(cloud.size());
+  std::vector<std::vector<int>> visibility(cloud.size());
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    ply[i].x = cloud.positions[i].x();
+    ply[i].y = cloud.positions[i].y();
+    ply[i].z = cloud.positions[i].z();
+    ply[i].nx = points.normals[i].x();
+    ply[i].ny = points.normals[i].y();
+    ply[i].nz = points.normals[i].z();
+    if (!cloud.colors.empty()) {
+      ply[i].r = cloud.colors[i][0];
+      ply[i].g = cloud.colors[i][1];
+      ply[i].b = cloud.colors[i][2];
+    }
+    for (const uint32_t view : cloud.views[i]) {
+      visibility[i].push_back(positions[view]);
+    }
+  }
+  colmap::WriteBinaryPlyPoints(ply_path, ply, true, true);
+  colmap::mvs::WritePointsVisibility(ply_path + ".vis", visibility);
+}
+
+// COLMAP's file of a depth map.
+void WriteDepths(const fs::path& path, const colmap_ext::DepthMap& depths) {
+  float nearest = 0, farthest = 0;
+  for (const float depth : depths.depths) {
+    if (depth > 0) {
+      nearest = nearest > 0 ? std::min(nearest, depth) : depth;
+      farthest = std::max(farthest, depth);
+    }
+  }
+  colmap::mvs::DepthMap map(depths.width, depths.height, nearest, farthest);
+  for (int row = 0; row < depths.height; ++row) {
+    for (int col = 0; col < depths.width; ++col) {
+      map.Set(row, col, depths.depths[depths.Index(row, col)]);
+    }
+  }
+  map.Write(path.string());
+}
+
+// COLMAP's file of a depth map's normals.
+void WriteNormals(const fs::path& path, const DepthMap& map, const View& view) {
+  colmap::mvs::NormalMap normals(map.width, map.height);
+  for (int row = 0; row < map.height; ++row) {
+    for (int col = 0; col < map.width; ++col) {
+      const Eigen::Vector3f normal =
+          view.cam_from_world_rotation.cast<float>() *
+          map.normals[map.Index(row, col)];
+      for (int i = 0; i < 3; ++i) {
+        normals.Set(row, col, i, normal[i]);
+      }
+    }
+  }
+  normals.Write(path.string());
 }
 
 // 1 ... n in an order of the seed's.
@@ -46,27 +129,33 @@ std::vector<uint32_t> ImageIds(size_t num_images, uint64_t seed) {
   return ids;
 }
 
+std::ostringstream Text() {
+  std::ostringstream text;
+  text.precision(17);
+  return text;
+}
+
 void WriteCamerasText(const fs::path& path, const View& view) {
-  std::ofstream file = Open(path);
-  file << "1 PINHOLE " << view.width << ' ' << view.height << ' ' << view.fx
+  std::ostringstream text = Text();
+  text << "1 PINHOLE " << view.width << ' ' << view.height << ' ' << view.fx
        << ' ' << view.fy << ' ' << view.cx << ' ' << view.cy << '\n';
-  Close(path, &file);
+  WriteText(path, text.str());
 }
 
 // \param feature_lines [views] the lines of the images' features
 void WriteImagesText(const fs::path& path, const std::vector<View>& views,
                      const std::vector<uint32_t>& ids,
                      const std::vector<std::string>& feature_lines) {
-  std::ofstream file = Open(path);
+  std::ostringstream text = Text();
   for (size_t i = 0; i < views.size(); ++i) {
     const Eigen::Quaterniond q(views[i].cam_from_world_rotation);
     const Eigen::Vector3d& t = views[i].cam_from_world_translation;
-    file << ids[i] << ' ' << q.w() << ' ' << q.x() << ' ' << q.y() << ' '
+    text << ids[i] << ' ' << q.w() << ' ' << q.x() << ' ' << q.y() << ' '
          << q.z() << ' ' << t.x() << ' ' << t.y() << ' ' << t.z() << " 1 "
          << views[i].name << '\n'
          << feature_lines[i] << '\n';
   }
-  Close(path, &file);
+  WriteText(path, text.str());
 }
 
 // points3D.txt.
@@ -74,24 +163,24 @@ void WriteImagesText(const fs::path& path, const std::vector<View>& views,
 std::vector<std::string> WritePointsText(const fs::path& path,
                                          const std::vector<SparsePoint>& points,
                                          const std::vector<uint32_t>& ids) {
-  std::ofstream file = Open(path);
+  std::ostringstream text = Text();
   std::vector<std::string> lines(ids.size());
   std::vector<int> counts(ids.size(), 0);
   for (size_t i = 0; i < points.size(); ++i) {
     const SparsePoint& point = points[i];
-    file << i + 1 << ' ' << point.position.x() << ' ' << point.position.y()
+    text << i + 1 << ' ' << point.position.x() << ' ' << point.position.y()
          << ' ' << point.position.z() << ' ' << int{point.color[0]} << ' '
          << int{point.color[1]} << ' ' << int{point.color[2]} << ' '
          << point.error;
     for (const Feature& feature : point.track) {
-      file << ' ' << ids[feature.view] << ' ' << counts[feature.view]++;
+      text << ' ' << ids[feature.view] << ' ' << counts[feature.view]++;
       lines[feature.view] += std::to_string(feature.position.x()) + ' ' +
                              std::to_string(feature.position.y()) + ' ' +
                              std::to_string(i + 1) + ' ';
     }
-    file << '\n';
+    text << '\n';
   }
-  Close(path, &file);
+  WriteText(path, text.str());
   return lines;
 }
 
@@ -117,7 +206,10 @@ std::vector<int> WriteSparseModel(const fs::path& path, const DenseScene& scene,
 
 void WriteImages(const fs::path& path, const DenseScene& scene) {
   tbb::parallel_for(size_t{0}, scene.images.size(), [&](size_t i) {
-    WriteImage((path / scene.scene.views[i].name).string(), scene.images[i]);
+    const std::string file = (path / scene.scene.views[i].name).string();
+    if (!WriteColorImage(file, scene.images[i])) {
+      throw std::runtime_error(file + ": cannot be written");
+    }
   });
 }
 
@@ -125,17 +217,15 @@ void WriteStereo(const fs::path& path, const DenseScene& scene) {
   fs::create_directories(path / "depth_maps");
   fs::create_directories(path / "normal_maps");
   fs::create_directories(path / "consistency_graphs");
-  std::ofstream fusion = Open(path / "fusion.cfg");
+  std::string fusion;
   for (size_t i = 0; i < scene.depth_maps.size(); ++i) {
     const View& view = scene.scene.views[i];
-    const DepthMap& map = scene.depth_maps[i];
     const std::string name = view.name + ".geometric.bin";
-    fusion << view.name << '\n';
-    WriteDepths((path / "depth_maps" / name).string(), map.width, map.height,
-                map.depths);
-    WriteNormals((path / "normal_maps" / name).string(), map, view);
+    fusion += view.name + '\n';
+    WriteDepths(path / "depth_maps" / name, scene.depth_maps[i]);
+    WriteNormals(path / "normal_maps" / name, scene.depth_maps[i], view);
   }
-  Close(path / "fusion.cfg", &fusion);
+  WriteText(path / "fusion.cfg", fusion);
 }
 
 void WriteTruth(const fs::path& path, const DenseScene& scene,
@@ -147,14 +237,48 @@ void WriteTruth(const fs::path& path, const DenseScene& scene,
   WriteImagesText(path / "images.txt", views, ids,
                   std::vector<std::string>(views.size()));
   for (size_t i = 0; i < scene.visible.size(); ++i) {
-    const Visible& visible = scene.visible[i];
-    WriteDepths(
-        (path / "depth_maps" / (views[i].name + ".geometric.bin")).string(),
-        visible.width, visible.height, visible.depths);
+    WriteDepths(path / "depth_maps" / (views[i].name + ".geometric.bin"),
+                scene.visible[i]);
   }
 }
 
 }  // namespace
+
+std::map<std::string, int> ConvertModel(const std::string& path,
+                                        const std::string& binary_path) {
+  colmap::Reconstruction model;
+  model.Read(path);
+  model.WriteBinary(binary_path);
+  colmap::Reconstruction written;
+  written.ReadBinary(binary_path);
+  std::map<std::string, int> positions;
+  for (const auto image_id : written.RegImageIds()) {
+    const int position = positions.size();
+    positions[written.Image(image_id).Name()] = position;
+  }
+  return positions;
+}
+
+std::vector<View> ReadViews(const std::string& sparse_path) {
+  colmap::Reconstruction model;
+  model.Read(sparse_path);
+  std::vector<View> views;
+  for (const auto image_id : model.RegImageIds()) {
+    const auto& image = model.Image(image_id);
+    const auto& camera = model.Camera(image.CameraId());
+    const Eigen::Matrix3d calibration = camera.CalibrationMatrix();
+    View view;
+    view.name = image.Name();
+    view.fx = calibration(0, 0);
+    view.fy = calibration(1, 1);
+    view.cx = calibration(0, 2);
+    view.cy = calibration(1, 2);
+    SetSize(camera, &view);
+    SetPose(image, &view);
+    views.push_back(view);
+  }
+  return views;
+}
 
 void WriteWorkspace(const DenseScene& scene, uint64_t seed,
                     const std::string& path_name) {

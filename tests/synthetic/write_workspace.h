@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <vector>
 
+#include "scene/view.h"
 #include "tests/synthetic/dense_scene.h"
 
+// Reading and writing by COLMAP itself, in any version from 3.8 on.
 namespace colmap_ext::synthetic {
 
 // Writes the scene as a COLMAP dense workspace, through COLMAP's own writers:
@@ -18,5 +22,16 @@ namespace colmap_ext::synthetic {
 // written.
 void WriteWorkspace(const DenseScene& scene, uint64_t seed,
                     const std::string& path);
+
+// Reads a sparse model, binary or else text, with COLMAP, and writes it as this
+// version does in binary form.
+// \return the positions of the images in the order that COLMAP reads them from
+//         the latter, by name: what fused.ply.vis refers to.
+std::map<std::string, int> ConvertModel(const std::string& path,
+                                        const std::string& binary_path);
+
+// The cameras of a sparse model in any form that COLMAP reads, in its order.
+// \throw std::runtime_error for cameras other than pinhole ones.
+std::vector<View> ReadViews(const std::string& sparse_path);
 
 }  // namespace colmap_ext::synthetic

@@ -11,14 +11,14 @@
 #include "scene/half_pixel.h"
 #include "spatial/bvh.h"
 
-namespace colmap_ext::synthetic {
-namespace dense_scene_test {
+namespace colmap_ext::synthetic::dense_scene_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-DenseSceneOptions Small(const std::string& shape) {
+DenseSceneOptions Small(const std::string& shape, bool render_images = true) {
   DenseSceneOptions options;
+  options.render_images = render_images;
   options.scene.shape = shape;
   options.scene.num_images = 8;
   options.scene.width = 100;
@@ -110,8 +110,7 @@ TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
     EXPECT_GT(a.fused.cloud.size(), 50);
     EXPECT_EQ(a.fused.cloud.positions, b.fused.cloud.positions);
     EXPECT_EQ(a.fused.cloud.colors, b.fused.cloud.colors);
-    EXPECT_EQ(a.fused.cloud.views.offsets, b.fused.cloud.views.offsets);
-    EXPECT_EQ(a.fused.cloud.views.values, b.fused.cloud.views.values);
+    EXPECT_EQ(a.fused.cloud.views, b.fused.cloud.views);
     EXPECT_TRUE(AreEqual(a.sparse_points, b.sparse_points));
     options.scene.seed = 2;
     const DenseScene c = MakeDenseScene(options);
@@ -140,10 +139,9 @@ TEST(MakeDenseScene, RowsOfViewsAreAscendingAndInRange) {
 
 TEST(MakeDenseScene, PointsLieOnTheSurfaceUpToNoiseAndHalfPixel) {
   for (const char* shape : {"statue", "wall"}) {
-    DenseSceneOptions options = Small(shape);
+    DenseSceneOptions options = Small(shape, /*render_images=*/false);
     options.scene.width = 160;
     options.scene.height = 120;
-    options.render_images = false;
     options.fusion.outliers = 0;
     const DenseScene noisy = MakeDenseScene(options);
     EXPECT_LT(MedianSize(Distances(noisy, noisy.fused.cloud.positions)), 0.7);
@@ -186,8 +184,7 @@ bool IsOccluded(const Bvh& bvh, const Vector3f& a, const Vector3f& b,
 
 TEST(MakeDenseScene, PointsAreSeenByTheirViews) {
   for (const char* shape : {"statue", "wall"}) {
-    DenseSceneOptions options = Small(shape);
-    options.render_images = false;
+    DenseSceneOptions options = Small(shape, /*render_images=*/false);
     options.fusion.outliers = 0;
     const DenseScene scene = MakeDenseScene(options);
     const PointCloud& cloud = scene.fused.cloud;
@@ -213,8 +210,7 @@ TEST(MakeDenseScene, PointsAreSeenByTheirViews) {
 }
 
 TEST(MakeDenseScene, OutliersAreOffTheSurface) {
-  DenseSceneOptions options = Small("statue");
-  options.render_images = false;
+  DenseSceneOptions options = Small("statue", /*render_images=*/false);
   options.fusion.outliers = 0.1;
   const DenseScene scene = MakeDenseScene(options);
   const std::vector<char>& is_outlier = scene.fused.is_outlier;
@@ -246,8 +242,7 @@ TEST(MakeDenseScene, SparsePointsFitTheirFeatures) {
 }
 
 TEST(MakeDenseScene, ForegroundGrowsOverWhatIsBehindIt) {
-  DenseSceneOptions options = Small("grid");
-  options.render_images = false;
+  DenseSceneOptions options = Small("grid", /*render_images=*/false);
   options.keep_depth_maps = true;
   options.stereo.noise = 0;
   for (const double fattening : {0.0, 5.0}) {
@@ -296,8 +291,7 @@ double ShareOfDepths(const DenseScene& scene, Patch patch) {
 
 TEST(MakeDenseScene, StereoFailsWhereItIsBlankOrShines) {
   for (const char* shape : {"wall", "grid"}) {
-    DenseSceneOptions options = Small(shape);
-    options.render_images = false;
+    DenseSceneOptions options = Small(shape, /*render_images=*/false);
     options.keep_depth_maps = true;
     const DenseScene plain = MakeDenseScene(options);
     options.scene.untextured = 1;
@@ -321,16 +315,15 @@ TEST(MakeDenseScene, HighlightsMoveWithTheEye) {
 }
 
 TEST(MakeDenseScene, RefusesBadOptions) {
-  DenseSceneOptions options = Small("statue");
-  options.fusion.outliers = 2;
-  EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
-  options = Small("statue");
-  options.stereo.noise = std::nan("");
-  EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
-  options = Small("statue");
-  options.render.sensor_noise = -1;
-  EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
+  DenseSceneOptions many_outliers = Small("statue");
+  many_outliers.fusion.outliers = 2;
+  DenseSceneOptions no_noise = Small("statue");
+  no_noise.stereo.noise = std::nan("");
+  DenseSceneOptions negative_noise = Small("statue");
+  negative_noise.render.sensor_noise = -1;
+  for (const auto& options : {many_outliers, no_noise, negative_noise}) {
+    EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
+  }
 }
 
-}  // namespace dense_scene_test
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext::synthetic::dense_scene_test

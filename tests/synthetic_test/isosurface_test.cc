@@ -8,8 +8,7 @@
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/scene.h"
 
-namespace colmap_ext::synthetic {
-namespace isosurface_test {
+namespace colmap_ext::synthetic::isosurface_test {
 
 using Eigen::Vector3f;
 
@@ -68,51 +67,41 @@ SceneOptions Small(const std::string& shape) {
   return options;
 }
 
-TEST(MakeScene, StatueHasOneHandleAndStandsOnGroundWithABorder) {
-  const MeshReport report = Analyze(MakeScene(Small("statue")).surface);
+// The surface is manifold, and in one piece with one border.
+MeshReport ExpectOnePiece(const SceneOptions& options) {
+  const MeshReport report = Analyze(MakeScene(options).surface);
   EXPECT_TRUE(report.IsManifold()) << report.Defects();
   EXPECT_EQ(report.num_components, 1);
   EXPECT_EQ(report.num_border_loops, 1);
-  EXPECT_EQ(report.genus, 1);
+  return report;
 }
 
-TEST(MakeScene, WallIsOnePieceWithABorder) {
-  const MeshReport report = Analyze(MakeScene(Small("wall")).surface);
-  EXPECT_TRUE(report.IsManifold()) << report.Defects();
-  EXPECT_EQ(report.num_components, 1);
-  EXPECT_EQ(report.num_border_loops, 1);
+TEST(MakeScene, StatueHasOneHandleAndStandsOnGroundWithABorder) {
+  EXPECT_EQ(ExpectOnePiece(Small("statue")).genus, 1);
 }
+
+TEST(MakeScene, WallIsOnePieceWithABorder) { ExpectOnePiece(Small("wall")); }
 
 TEST(MakeScene, GridIsOnePieceWithAHandleForEachLoopOfItsRods) {
   SceneOptions options = Small("grid");
   options.thickness = 3;  // as the cells are large
   options.cell_size = 2;
-  const MeshReport report = Analyze(MakeScene(options).surface);
-  EXPECT_TRUE(report.IsManifold()) << report.Defects();
-  EXPECT_EQ(report.num_components, 1);
-  EXPECT_EQ(report.num_border_loops, 1);
   // Six meshes of the lattice; four posts, the first of which closes none; the
   // gable.
-  EXPECT_EQ(report.genus, 6 + 3 + 1);
+  EXPECT_EQ(ExpectOnePiece(options).genus, 6 + 3 + 1);
 }
 
 TEST(MakeScene, RefusesBadOptions) {
-  SceneOptions options;
-  options.shape = "teapot";
-  EXPECT_THROW(MakeScene(options), std::invalid_argument);
-  options = SceneOptions();
-  options.num_images = 0;
-  EXPECT_THROW(MakeScene(options), std::invalid_argument);
-  options = SceneOptions();
-  options.cell_size = 0;
-  EXPECT_THROW(MakeScene(options), std::invalid_argument);
-  options = SceneOptions();
-  options.gloss = -1;
-  EXPECT_THROW(MakeScene(options), std::invalid_argument);
-  options = SceneOptions();
-  options.exposure_change = 1;
-  EXPECT_THROW(MakeScene(options), std::invalid_argument);
+  for (void (*spoil)(SceneOptions*) :
+       {+[](SceneOptions* options) { options->shape = "teapot"; },
+        +[](SceneOptions* options) { options->num_images = 0; },
+        +[](SceneOptions* options) { options->cell_size = 0; },
+        +[](SceneOptions* options) { options->gloss = -1; },
+        +[](SceneOptions* options) { options->exposure_change = 1; }}) {
+    SceneOptions options;
+    spoil(&options);
+    EXPECT_THROW(MakeScene(options), std::invalid_argument);
+  }
 }
 
-}  // namespace isosurface_test
-}  // namespace colmap_ext::synthetic
+}  // namespace colmap_ext::synthetic::isosurface_test

@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace colmap_ext {
-namespace background_worker_test {
+namespace colmap_ext::background_worker_test {
 
 class BackgroundWorkerTest : public testing::Test {
  protected:
@@ -61,5 +60,4 @@ TEST_F(BackgroundWorkerTest, OfUrgentJobsOfAKindThatWaitTheLastIsDone) {
   EXPECT_EQ(log_, " b a3 last");
 }
 
-}  // namespace background_worker_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::background_worker_test

@@ -1,16 +1,16 @@
-#include "viewer/facet_match.h"
+#include "viewer/shown_mesh.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "mesh/normals.h"
 #include "pictures/drawings.h"
 #include "scene/look_at.h"
-#include "viewer/shown_mesh.h"
+#include "tests/mesh/known_meshes.h"
 #include "viewer/shown_scene.h"
 
-namespace colmap_ext {
-namespace facet_match_test {
+namespace colmap_ext::facet_match_test {
 
 // A textured plane z = 0, and images of it.
 class FacetMatchTest : public testing::Test {
@@ -22,7 +22,7 @@ class FacetMatchTest : public testing::Test {
   }
 
   // What a camera sees of the plane, moved in z and seen where it is not.
-  static GrayImage ImageOf(const View& view, double height) {
+  static GrayImage ImageOf(const View& view, double height = 0) {
     GrayImage image{view.width, view.height, {}};
     for (int row = 0; row < view.height; ++row) {
       for (int col = 0; col < view.width; ++col) {
@@ -45,8 +45,8 @@ class FacetMatchTest : public testing::Test {
 };
 
 TEST_F(FacetMatchTest, ImagesOfTheSurfaceAgree) {
-  const FacetMatch match = MatchFacet(mesh_, 0, first_, ImageOf(first_, 0),
-                                      second_, ImageOf(second_, 0));
+  const FacetMatch match =
+      MatchFacet(mesh_, 0, first_, ImageOf(first_), second_, ImageOf(second_));
   ASSERT_TRUE(match.zncc);
   EXPECT_GT(*match.zncc, 0.97);
   ASSERT_EQ(match.first.pixels.size(), match.warped.pixels.size());
@@ -71,13 +71,13 @@ TEST_F(FacetMatchTest, WhatIsHiddenOrBehindIsNotCompared) {
   }
   hidden.facets.push_back({4, 5, 6});
   hidden.facets.push_back({4, 6, 7});
-  EXPECT_FALSE(MatchFacet(hidden, 0, first_, ImageOf(first_, 0), second_,
-                          ImageOf(second_, 0))
-                   .zncc);
+  EXPECT_FALSE(
+      MatchFacet(hidden, 0, first_, ImageOf(first_), second_, ImageOf(second_))
+          .zncc);
   const View behind = ViewFrom({0, 0, -3}, "behind");
-  EXPECT_FALSE(MatchFacet(mesh_, 0, first_, ImageOf(first_, 0), behind,
-                          ImageOf(behind, 0))
-                   .zncc);
+  EXPECT_FALSE(
+      MatchFacet(mesh_, 0, first_, ImageOf(first_), behind, ImageOf(behind))
+          .zncc);
 }
 
 TEST_F(FacetMatchTest, PairsComeFromLabelsWithSpacesInNames) {
@@ -107,20 +107,13 @@ TEST(ShrinkPicture, KeepsMeansAndAspect) {
 TEST(CoarseMesh, IsOfAboutAsManyFacetsOnTheSameSurface) {
   constexpr int kSize = 200;
   ShownMesh fine;
-  for (int y = 0; y <= kSize; ++y) {
-    for (int x = 0; x <= kSize; ++x) {
-      fine.mesh.vertices.emplace_back(0.01F * x, 0.01F * y, 1.0F);
-      fine.confidences.push_back(0.01F * x / 2);
-    }
+  fine.mesh = MakeSheet(kSize, kSize);
+  for (Eigen::Vector3f& vertex : fine.mesh.vertices) {
+    vertex = {0.01F * vertex.x(), 0.01F * vertex.y(), 1};
+    fine.confidences.push_back(vertex.x() / 2);
   }
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 0; x < kSize; ++x) {
-      const uint32_t a = y * (kSize + 1) + x;
-      const uint32_t b = a + kSize + 1;
-      fine.mesh.facets.push_back({a, a + 1, b + 1});
-      fine.mesh.facets.push_back({a, b + 1, b});
-      fine.labels.insert(fine.labels.end(), 2, x < kSize / 2 ? 0 : 1);
-    }
+  for (size_t i = 0; i < fine.mesh.facets.size(); ++i) {
+    fine.labels.push_back(i / 2 % kSize < kSize / 2 ? 0 : 1);
   }
   const ShownMesh coarse = CoarseMesh(fine, 2000);
   EXPECT_GT(coarse.mesh.facets.size(), 500);
@@ -128,13 +121,8 @@ TEST(CoarseMesh, IsOfAboutAsManyFacetsOnTheSameSurface) {
   ASSERT_EQ(coarse.confidences.size(), coarse.mesh.vertices.size());
   ASSERT_EQ(coarse.labels.size(), coarse.mesh.facets.size());
   double area = 0;
-  for (size_t i = 0; i < coarse.mesh.facets.size(); ++i) {
-    const auto corner = [&](int k) {
-      return coarse.mesh.vertices[coarse.mesh.facets[i][k]];
-    };
-    const Eigen::Vector3f a = corner(1) - corner(0);
-    const Eigen::Vector3f b = corner(2) - corner(0);
-    const float doubled = a.x() * b.y() - a.y() * b.x();
+  for (const Facet& facet : coarse.mesh.facets) {
+    const float doubled = AreaVector(coarse.mesh, facet).z();
     EXPECT_GE(doubled, -1e-6);  // upwards, as they were
     area += 0.5 * doubled;
   }
@@ -144,5 +132,4 @@ TEST(CoarseMesh, IsOfAboutAsManyFacetsOnTheSameSurface) {
   }
 }
 
-}  // namespace facet_match_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::facet_match_test

@@ -7,8 +7,7 @@
 
 #include "scene/look_at.h"
 
-namespace colmap_ext {
-namespace orbit_camera_test {
+namespace colmap_ext::orbit_camera_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -134,5 +133,4 @@ TEST(PivotBefore, LiesOnTheAxis) {
   }
 }
 
-}  // namespace orbit_camera_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::orbit_camera_test

@@ -6,8 +6,7 @@
 
 #include "scene/look_at.h"
 
-namespace colmap_ext {
-namespace viewer_session_test {
+namespace colmap_ext::viewer_session_test {
 
 // A square in the plane z = 0 that two cameras see.
 class ViewerSessionTest : public testing::Test {
@@ -26,100 +25,95 @@ class ViewerSessionTest : public testing::Test {
       scene->meshes = {mesh, std::make_shared<const ShownMesh>(*mesh)};
     });
     inbox_.Put("views", [a, b](ShownScene* scene) { scene->views = {b, a}; });
-    host_.load_image = [this](size_t index, const View& /*view*/) {
-      loaded_.push_back(index);
-    };
-    host_.pause = [this](bool is_paused) { is_paused_ = is_paused; };
+    session_.SetSize(640, 480);
+    EXPECT_FALSE(session_.Picture());
+    EXPECT_TRUE(session_.Update(0));
+    EXPECT_FALSE(session_.Update(0.1));
   }
 
-  void Open() {
-    session_.emplace(&inbox_, host_, DrawSettings());
-    session_->SetSize(640, 480);
-    EXPECT_FALSE(session_->Picture());
-    EXPECT_TRUE(session_->Update(0));
-    EXPECT_FALSE(session_->Update(0.1));
+  ViewerHost Host() {
+    ViewerHost host;
+    host.load_image = [this](size_t index, const View& /*view*/) {
+      loaded_.push_back(index);
+    };
+    host.pause = [this](bool is_paused) { is_paused_ = is_paused; };
+    return host;
   }
+
+  Eigen::Vector3d Eye() const { return session_.Picture()->Center(); }
 
   // Presses a key and waits until a flight has ended.
   void Press(int key) {
-    session_->Press(key);
-    session_->Update(now_ += 1);
-    session_->Update(now_ += 1);
-    EXPECT_FALSE(session_->IsFlying());
+    session_.Press(key);
+    session_.Update(now_ += 1);
+    session_.Update(now_ += 1);
+    EXPECT_FALSE(session_.IsFlying());
   }
 
   SceneInbox inbox_;
-  ViewerHost host_;
   std::vector<size_t> loaded_;
   bool is_paused_ = false;
-  std::optional<ViewerSession> session_;
+  ViewerSession session_{&inbox_, Host(), {}};
   double now_ = 0;
 };
 
 TEST_F(ViewerSessionTest, CamerasComeByNameWithTheirIntrinsics) {
-  Open();
   Press(kKeyRight);
-  EXPECT_NEAR(session_->Picture()->Center().x(), 1, 1e-9);  // "a"
-  EXPECT_DOUBLE_EQ(session_->Picture()->fx, 700);
+  EXPECT_NEAR(Eye().x(), 1, 1e-9);  // "a"
+  EXPECT_DOUBLE_EQ(session_.Picture()->fx, 700);
   Press(']');
-  EXPECT_NEAR(session_->Picture()->Center().z(), 3, 1e-9);  // "b"
+  EXPECT_NEAR(Eye().z(), 3, 1e-9);  // "b"
   Press('[');
-  EXPECT_NEAR(session_->Picture()->Center().x(), 1, 1e-9);
+  EXPECT_NEAR(Eye().x(), 1, 1e-9);
   Press(kKeyLeft);
-  EXPECT_NEAR(session_->Picture()->Center().z(), 3, 1e-9);
+  EXPECT_NEAR(Eye().z(), 3, 1e-9);
 }
 
 TEST_F(ViewerSessionTest, ImagesBelongToTheirCameras) {
-  Open();
   Press('G');
-  EXPECT_FALSE(session_->Settings().image);
+  EXPECT_FALSE(session_.Settings().image);
   Press(kKeyRight);
   Press('G');
-  EXPECT_EQ(session_->Settings().image, 1);
+  EXPECT_EQ(session_.Settings().image, 1);
   EXPECT_EQ(loaded_, std::vector<size_t>{1});
-  const double opacity = session_->Settings().image_opacity;
+  const double opacity = session_.Settings().image_opacity;
   Press('+');
-  EXPECT_GT(session_->Settings().image_opacity, opacity);
+  EXPECT_GT(session_.Settings().image_opacity, opacity);
   Press(kKeyRight);
-  EXPECT_EQ(session_->Settings().image, 0);
-  session_->Drag(DragKind::kRotate, {300, 200}, {310, 200});
-  EXPECT_FALSE(session_->Settings().image);
+  EXPECT_EQ(session_.Settings().image, 0);
+  session_.Drag(DragKind::kRotate, {300, 200}, {310, 200});
+  EXPECT_FALSE(session_.Settings().image);
 }
 
 TEST_F(ViewerSessionTest, ResetBringsTheFirstViewBack) {
-  Open();
-  const View first = *session_->Picture();
-  session_->Drag(DragKind::kRotate, {300, 200}, {390, 220});
-  session_->Drag(DragKind::kPan, {300, 200}, {390, 220});
-  session_->Scroll(2);
-  EXPECT_GT((session_->Picture()->Center() - first.Center()).norm(), 0.1);
+  const View first = *session_.Picture();
+  session_.Drag(DragKind::kRotate, {300, 200}, {390, 220});
+  session_.Drag(DragKind::kPan, {300, 200}, {390, 220});
+  session_.Scroll(2);
+  EXPECT_GT((Eye() - first.Center()).norm(), 0.1);
   Press('R');
-  EXPECT_NEAR((session_->Picture()->Center() - first.Center()).norm(), 0, 1e-9);
+  EXPECT_NEAR((Eye() - first.Center()).norm(), 0, 1e-9);
 }
 
 TEST_F(ViewerSessionTest, PickedFacesTellTheirViews) {
-  Open();
-  session_->Pick(0);
-  ASSERT_TRUE(session_->GetPicked());
-  EXPECT_EQ(session_->GetPicked()->views, (std::vector<uint32_t>{0, 1}));
-  ASSERT_TRUE(session_->GetPicked()->pair);
-  EXPECT_EQ(*session_->GetPicked()->pair,
-            (ViewPair{0, 1}));  // the nearer first
+  session_.Pick(0);
+  ASSERT_TRUE(session_.GetPicked());
+  EXPECT_EQ(session_.GetPicked()->views, (std::vector<uint32_t>{0, 1}));
+  ASSERT_TRUE(session_.GetPicked()->pair);
+  EXPECT_EQ(*session_.GetPicked()->pair, (ViewPair{0, 1}));  // the nearer first
   Press(kKeyTab);
-  EXPECT_FALSE(session_->GetPicked());
-  EXPECT_EQ(session_->Settings().mesh, 1);
-  session_->Pick(2);
-  EXPECT_FALSE(session_->GetPicked());
+  EXPECT_FALSE(session_.GetPicked());
+  EXPECT_EQ(session_.Settings().mesh, 1);
+  session_.Pick(2);
+  EXPECT_FALSE(session_.GetPicked());
 }
 
 TEST_F(ViewerSessionTest, PausesOnlyWhatCanBePaused) {
-  Open();
   Press('T');
   EXPECT_TRUE(is_paused_);
   Press('T');
   EXPECT_FALSE(is_paused_);
-  host_.pause = nullptr;
-  ViewerSession other(&inbox_, host_, {});
+  ViewerSession other(&inbox_, {}, {});
   other.Press('T');
   EXPECT_FALSE(is_paused_);
 }
@@ -144,5 +138,4 @@ TEST_F(ViewerSessionTest, EveryKeyHasOneActionAndDoesNoHarmWithoutAScene) {
   EXPECT_TRUE(session.IsClosed());
 }
 
-}  // namespace viewer_session_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::viewer_session_test

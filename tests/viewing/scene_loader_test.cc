@@ -13,7 +13,7 @@
 #include "base/mix_bits.h"
 #include "scene/look_at.h"
 #include "tests/texts.h"
-#include "viewer/facet_match.h"
+#include "viewer/shown_mesh.h"
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {

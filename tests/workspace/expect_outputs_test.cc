@@ -1,13 +1,12 @@
-#include "workspace/expect_outputs.h"
+#include "workspace/find_workspace.h"
 
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace expect_outputs_test {
+namespace colmap_ext::expect_outputs_test {
 
 namespace fs = std::filesystem;
 
-class ExpectOutputsTest : public testing::Test {
+class ExpectOutputsTest : public FolderTest {
  protected:
   void SetUp() override {
     for (const char* name :
@@ -17,13 +16,12 @@ class ExpectOutputsTest : public testing::Test {
     }
   }
 
-  std::string ErrorOf(const std::vector<fs::path>& outputs) const {
-    return FileErrorOf(
-        [&] { ExpectOutputs(outputs, WorkspaceInputs(path_, {}, {})); });
+  void ExpectRefused(const std::vector<fs::path>& outputs,
+                     const std::string& message) const {
+    ExpectFileError(message, [&] {
+      ExpectOutputs(outputs, WorkspaceInputs(path_, {}, {}));
+    });
   }
-
-  TemporaryFolder folder_;
-  const fs::path& path_ = folder_.Path();
 };
 
 TEST_F(ExpectOutputsTest, RefusesToReplaceInputs) {
@@ -31,17 +29,15 @@ TEST_F(ExpectOutputsTest, RefusesToReplaceInputs) {
   for (const char* name :
        {"fused.ply", "fused.ply.vis", "images/../fused.ply", "link.ply",
         "images/a/0.png", "stereo/fusion.cfg", "sparse/0/cameras.bin"}) {
-    const std::string error = ErrorOf({{}, path_ / "new.ply", path_ / name});
-    EXPECT_NE(error.find("it is read, and would be replaced"),
-              std::string::npos)
-        << name << ": " << error;
+    SCOPED_TRACE(name);
+    ExpectRefused({{}, path_ / "new.ply", path_ / name},
+                  "it is read, and would be replaced");
   }
 }
 
 TEST_F(ExpectOutputsTest, RefusesTwoOutputsOfOneName) {
   for (const char* name : {"new.ply", "images/../new.ply"}) {
-    EXPECT_NE(ErrorOf({path_ / name, path_ / "new.ply"}).find("two outputs"),
-              std::string::npos);
+    ExpectRefused({path_ / name, path_ / "new.ply"}, "two outputs");
   }
 }
 
@@ -55,5 +51,4 @@ TEST_F(ExpectOutputsTest, AllowsNewFilesAndEarlierOutputs) {
                                 WorkspaceInputs(path_, path_ / "old.ply", {})));
 }
 
-}  // namespace expect_outputs_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::expect_outputs_test

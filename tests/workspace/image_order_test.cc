@@ -3,16 +3,14 @@
 #include <algorithm>
 
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/read_views.h"
 
-namespace colmap_ext {
-namespace image_order_test {
+namespace colmap_ext::image_order_test {
 
 using Indices = std::vector<size_t>;
 
-class ImageOrderTest : public testing::Test {
+class ImageOrderTest : public FolderTest {
  protected:
   // The order that is found in a workspace whose .vis counts as vis_order.
   VerifiedOrder Find(const Indices& vis_order,
@@ -43,8 +41,6 @@ class ImageOrderTest : public testing::Test {
   // The images have the ids 4, 9, 2, 7, 5, 1, 8, in the order of the file.
   const Indices file_order_ = {0, 1, 2, 3, 4, 5, 6};
   const Indices id_order_ = {5, 2, 0, 4, 3, 6, 1};
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path();
   PictureDecoder decoder_ = NetpbmDecoder();
   SphereWorkspace sphere_;
 };
@@ -91,23 +87,17 @@ TEST_F(ImageOrderTest, RefusesTheVisibilityOfAnotherModel) {
   for (Eigen::Vector3f& point : sphere_.points) {
     point += Eigen::Vector3f(0, 0, 2);
   }
-  EXPECT_NE(FileErrorOf([&] { Find(file_order_); }).find("another model"),
-            std::string::npos);
-  EXPECT_NE(FileErrorOf([&] {
-              Find(file_order_, ImageOrderKind::kFile);
-            }).find("another model"),
-            std::string::npos);
+  ExpectFileError("another model", [&] { Find(file_order_); });
+  ExpectFileError("another model",
+                  [&] { Find(file_order_, ImageOrderKind::kFile); });
 }
 
 TEST_F(ImageOrderTest, AsksNothingWhereAllOrdersAreTheSame) {
-  std::sort(
-      sphere_.images.begin(), sphere_.images.end(),
-      [](const auto& a, const auto& b) { return a.image_id < b.image_id; });
+  std::ranges::sort(sphere_.images, {}, &SphereWorkspace::Image::image_id);
   // The points were fused to other images, but all of them see the centre.
   sphere_.write_normals = false;
   sphere_.write_images = false;
   EXPECT_EQ(Find(file_order_).reason, OrderReason::kOnlyOne);
 }
 
-}  // namespace image_order_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::image_order_test

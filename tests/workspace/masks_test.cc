@@ -2,10 +2,9 @@
 
 #include "scene/look_at.h"
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
+#include "tests/workspace/sphere_workspace.h"
 
-namespace colmap_ext {
-namespace masks_test {
+namespace colmap_ext::masks_test {
 
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
@@ -24,7 +23,7 @@ std::string HalfMask() {
   return Pgm(kWidth, kHeight, pixels);
 }
 
-class MasksTest : public testing::Test {
+class MasksTest : public FolderTest {
  protected:
   MasksTest() {
     for (const char* name : {"a/1.jpg", "2.png", "3.jpg"}) {
@@ -55,8 +54,7 @@ class MasksTest : public testing::Test {
     return cloud;
   }
 
-  TemporaryFolder folder_;
-  std::filesystem::path masks_ = folder_.Path() / "masks";
+  std::filesystem::path masks_ = path_ / "masks";
   std::vector<View> views_;
 };
 
@@ -79,17 +77,17 @@ TEST_F(MasksTest, AreReadAtTheSizeOfTheirImages) {
   EXPECT_EQ(mask.Row(3)[kWidth / 2 - 1], 0);
   EXPECT_EQ(mask.Row(3)[kWidth / 2], 255);
   EXPECT_TRUE(read(1).pixels.empty());
-  WriteFile(masks_ / "a" / "1.jpg.png", Pgm(2, 1, "ab"));
-  EXPECT_NE(FileErrorOf([&] { read(0); }).find("1.jpg.png"), std::string::npos);
-  WriteFile(masks_ / "a" / "1.jpg.png", "no picture");
-  EXPECT_NE(FileErrorOf([&] { read(0); }).find("1.jpg.png"), std::string::npos);
+  for (const std::string& damaged :
+       {Pgm(2, 1, "ab"), std::string("no picture")}) {
+    WriteFile(masks_ / "a" / "1.jpg.png", damaged);
+    ExpectFileError("1.jpg.png", [&] { read(0); });
+  }
 }
 
 TEST_F(MasksTest, AFolderWithoutMasksIsRefused) {
-  EXPECT_NE(FileErrorOf([&] { Reader(); }).find("a/1.jpg.png"),
-            std::string::npos);
-  masks_ = folder_.Path() / "nothing";
-  EXPECT_NE(FileErrorOf([&] { Reader(); }).find("nothing"), std::string::npos);
+  ExpectFileError("a/1.jpg.png", [&] { Reader(); });
+  masks_ = path_ / "nothing";
+  ExpectFileError("nothing", [&] { Reader(); });
 }
 
 TEST_F(MasksTest, PointsLoseMaskedViewsAndThoseWithoutViewsAreDropped) {
@@ -138,5 +136,4 @@ TEST_F(MasksTest, OneUnmaskedViewKeepsAPoint) {
             std::vector<uint32_t>{2});
 }
 
-}  // namespace masks_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::masks_test

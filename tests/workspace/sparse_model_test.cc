@@ -6,33 +6,16 @@
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
-namespace colmap_ext {
-namespace sparse_model_test {
+namespace colmap_ext::sparse_model_test {
 
-class SparseModelTest : public testing::Test {
+class SparseModelTest : public FolderTest {
  protected:
-  SparseModelTest() {
-    sphere_.images.resize(3);
-    sphere_.points.resize(20);
-    sphere_.point_images.assign(20, {0, 2});
-    sphere_.frames = {{2, 4}, {9}};
+  void ExpectRefused(const std::string& message) {
+    ExpectFileError(message, [this] { ReadSparseModel(path_); });
   }
 
-  void WriteBinary() {
-    WriteFile(path_ / "cameras.bin", sphere_.CamerasBinary());
-    WriteFile(path_ / "images.bin", sphere_.ImagesBinary());
-    WriteFile(path_ / "points3D.bin", sphere_.Points3DBinary());
-    WriteFile(path_ / "frames.bin", sphere_.FramesBinary());
-  }
-
-  void WriteText() {
-    WriteFile(path_ / "cameras.txt", sphere_.CamerasText());
-    WriteFile(path_ / "images.txt", sphere_.ImagesText());
-    WriteFile(path_ / "points3D.txt", sphere_.Points3DText());
-    WriteFile(path_ / "frames.txt", sphere_.FramesText());
-  }
-
-  void ExpectTheModel(const SparseModel& model) {
+  void ExpectTheModel() {
+    const SparseModel model = ReadSparseModel(path_);
     ASSERT_EQ(model.cameras.size(), 1);
     EXPECT_EQ(model.cameras.at(7).width, 80);
     EXPECT_EQ(model.cameras.at(7).fx, 90);
@@ -61,30 +44,19 @@ class SparseModelTest : public testing::Test {
     EXPECT_EQ(model.frames[1].image_ids, (std::vector<uint32_t>{9}));
   }
 
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path();
-  SphereWorkspace sphere_;
+  const SphereWorkspace sphere_ = SphereWorkspace::Small();
 };
 
-TEST_F(SparseModelTest, ReadsBinary) {
-  WriteBinary();
-  ExpectTheModel(ReadSparseModel(path_));
-}
-
-TEST_F(SparseModelTest, ReadsText) {
-  WriteText();
-  ExpectTheModel(ReadSparseModel(path_));
-}
-
-TEST_F(SparseModelTest, PrefersBinaryAsColmapDoes) {
-  WriteText();
+TEST_F(SparseModelTest, ReadsTextOrPrefersBinaryAsColmapDoes) {
+  sphere_.WriteModel(path_, ".txt");
+  ExpectTheModel();
   WriteFile(path_ / "cameras.txt", "nonsense");
-  WriteBinary();
-  ExpectTheModel(ReadSparseModel(path_));
+  sphere_.WriteModel(path_, ".bin");
+  ExpectTheModel();
 }
 
 TEST_F(SparseModelTest, RefusesEveryTruncationOfBinary) {
-  WriteBinary();
+  sphere_.WriteModel(path_, ".bin");
   for (const char* name :
        {"cameras.bin", "images.bin", "points3D.bin", "frames.bin"}) {
     ExpectEveryTruncationRefused(path_ / name, 0,
@@ -94,7 +66,7 @@ TEST_F(SparseModelTest, RefusesEveryTruncationOfBinary) {
 
 // Whatever is left of a text file, it is read or refused.
 TEST_F(SparseModelTest, SurvivesEveryTruncationOfText) {
-  WriteText();
+  sphere_.WriteModel(path_, ".txt");
   for (const char* name :
        {"cameras.txt", "images.txt", "points3D.txt", "frames.txt"}) {
     const std::string bytes = ReadFile(path_ / name);
@@ -113,28 +85,25 @@ TEST_F(SparseModelTest, SurvivesEveryTruncationOfText) {
 }
 
 TEST_F(SparseModelTest, RefusesTrailingBytes) {
-  WriteBinary();
-  WriteFile(path_ / "images.bin", sphere_.ImagesBinary() + "x");
-  EXPECT_NE(FileErrorOf([&] { ReadSparseModel(path_); }).find("1 bytes more"),
-            std::string::npos);
+  sphere_.WriteModel(path_, ".bin");
+  WriteFile(path_ / "images.bin", sphere_.ModelFile("images.bin") + "x");
+  ExpectRefused("1 bytes more");
 }
 
 TEST_F(SparseModelTest, RefusesImagesWithoutCameraAndTwins) {
-  WriteText();
+  sphere_.WriteModel(path_, ".txt");
   WriteFile(path_ / "images.txt", "1 1 0 0 0 0 0 0 3 a.png\n\n");
-  EXPECT_NE(FileErrorOf([&] { ReadSparseModel(path_); }).find("camera 3"),
-            std::string::npos);
+  ExpectRefused("camera 3");
   const std::string twin = "1 1 0 0 0 0 0 0 7 a.png\n\n";
   WriteFile(path_ / "images.txt", twin + twin);
-  EXPECT_NE(FileErrorOf([&] { ReadSparseModel(path_); }).find("twice"),
-            std::string::npos);
+  ExpectRefused("twice");
 }
 
 TEST_F(SparseModelTest, KnowsColmapsCameraModels) {
   EXPECT_EQ(FindCameraModel(0), FindCameraModel("SIMPLE_PINHOLE"));
   EXPECT_EQ(FindCameraModel(-1), nullptr);
   EXPECT_EQ(FindCameraModel(1000), nullptr);
-  WriteText();
+  sphere_.WriteModel(path_, ".txt");
   WriteFile(path_ / "cameras.txt", "7 SIMPLE_RADIAL 80 60 90 40 30 0.1\n");
   const SparseCamera camera = ReadSparseModel(path_).cameras.at(7);
   EXPECT_FALSE(camera.is_pinhole);
@@ -145,7 +114,7 @@ TEST_F(SparseModelTest, KnowsColmapsCameraModels) {
 
 // The ids and parameters of COLMAP 4.1's sensor/models.h.
 TEST_F(SparseModelTest, ReadsTheCameraModelsOfColmap4) {
-  const std::string binary = sphere_.CamerasBinary();
+  const std::string binary = sphere_.ModelFile("cameras.bin");
   int model_id = 12;
   for (const auto& [name, params] :
        {std::pair("SIMPLE_DIVISION", "90 40 30 0.1"),
@@ -154,11 +123,11 @@ TEST_F(SparseModelTest, ReadsTheCameraModelsOfColmap4) {
         std::pair("FISHEYE", "90 91 40 30"),
         std::pair("EUCM", "90 91 40 30 0.5 1.1"),
         std::pair("EQUIRECTANGULAR", "80 60")}) {
-    WriteText();
-    WriteBinary();
-    WriteFile(path_ / "cameras.txt",
+    sphere_.WriteModel(path_ / "text", ".txt");
+    sphere_.WriteModel(path_, ".bin");
+    WriteFile(path_ / "text" / "cameras.txt",
               std::string("7 ") + name + " 80 60 " + params + "\n");
-    const SparseCamera camera = ReadTextSparseModel(path_).cameras.at(7);
+    const SparseCamera camera = ReadSparseModel(path_ / "text").cameras.at(7);
     EXPECT_EQ(camera.model_name, name);
     EXPECT_FALSE(camera.is_pinhole);
     EXPECT_EQ(camera.cx, camera.has_focal_length ? 40 : 0);
@@ -175,12 +144,10 @@ TEST_F(SparseModelTest, ReadsTheCameraModelsOfColmap4) {
 }
 
 TEST_F(SparseModelTest, NamesUnknownCameraModelsAndWhatToDo) {
-  WriteText();
+  sphere_.WriteModel(path_, ".txt");
   WriteFile(path_ / "cameras.txt", "7 NEW_ONE 80 60 90 40 30 0.1\n");
-  const std::string error = FileErrorOf([&] { ReadSparseModel(path_); });
-  EXPECT_NE(error.find("NEW_ONE"), std::string::npos) << error;
-  EXPECT_NE(error.find("image_undistorter"), std::string::npos) << error;
+  ExpectRefused("NEW_ONE");
+  ExpectRefused("image_undistorter");
 }
 
-}  // namespace sparse_model_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::sparse_model_test

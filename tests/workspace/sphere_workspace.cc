@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "scene/look_at.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {
@@ -22,20 +24,9 @@ constexpr double kFocal = 90;  // px
 constexpr uint32_t kCameraId = 7;
 
 View MakeView(const std::string& name, double angle) {
-  View view;
+  View view = LookAtView({4 * std::cos(angle), 4 * std::sin(angle), 1},
+                         {0, 0, 0}, {0, 0, 1}, kWidth, kHeight, kFocal);
   view.name = name;
-  view.width = kWidth;
-  view.height = kHeight;
-  view.fx = view.fy = kFocal;
-  view.cx = kWidth / 2.0;
-  view.cy = kHeight / 2.0;
-  const Eigen::Vector3d center(4 * std::cos(angle), 4 * std::sin(angle), 1);
-  const Eigen::Vector3d forward = -center.normalized();
-  const Eigen::Vector3d right =
-      forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-  view.cam_from_world_rotation << right.transpose(),
-      forward.cross(right).transpose(), forward.transpose();
-  view.cam_from_world_translation = -view.cam_from_world_rotation * center;
   return view;
 }
 
@@ -49,26 +40,103 @@ std::optional<Eigen::Vector3d> IntersectSphere(const Eigen::Vector3d& origin,
   return origin + (-b - std::sqrt(discriminant)) * ray;
 }
 
-void AppendPose(const View& view, std::string* bytes) {
-  const Eigen::Quaterniond q(view.cam_from_world_rotation);
-  const Eigen::Vector3d& t = view.cam_from_world_translation;
-  for (const double number :
-       {q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()}) {
-    Append(number, bytes);
+std::optional<ColorImage> ReadColor(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string magic;
+  ColorImage image;
+  int max_value = 0;
+  file >> magic >> image.width >> image.height >> max_value;
+  if (!file || max_value != 255 || (magic != "P5" && magic != "P6")) {
+    return std::nullopt;
   }
+  file.get();
+  for (int i = 0; i < image.width * image.height; ++i) {
+    Color color;
+    for (uint8_t& channel : color) {
+      channel = magic == "P5" && &channel != color.data()
+                    ? color[0]
+                    : static_cast<uint8_t>(file.get());
+    }
+    image.pixels.push_back(color);
+  }
+  return file ? std::optional(image) : std::nullopt;
 }
 
-std::string PoseText(const View& view) {
-  const Eigen::Quaterniond q(view.cam_from_world_rotation);
-  const Eigen::Vector3d& t = view.cam_from_world_translation;
-  std::ostringstream text;
-  text.precision(17);
-  text << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << " " << t.x()
-       << " " << t.y() << " " << t.z();
-  return text.str();
+std::optional<GrayImage> ReadGray(const std::filesystem::path& path) {
+  const std::optional<ColorImage> color = ReadColor(path);
+  if (!color) {
+    return std::nullopt;
+  }
+  GrayImage gray{color->width, color->height, {}};
+  for (const Color& pixel : color->pixels) {
+    gray.pixels.push_back(
+        static_cast<uint8_t>((pixel[0] + pixel[1] + pixel[2]) / 3));
+  }
+  return gray;
 }
 
 }  // namespace
+
+PictureDecoder NetpbmDecoder() { return {&ReadColor, &ReadGray}; }
+
+// The values of a file of the sparse model: little-endian numbers, or lines of
+// text.
+class ModelWriter {
+ public:
+  explicit ModelWriter(bool is_binary)
+      : is_binary_(is_binary), bytes_(is_binary ? "" : "# a comment\n") {}
+
+  template <typename... Numbers>
+  void Add(Numbers... numbers) {
+    (AddNumber(numbers), ...);
+  }
+
+  // What is a number in binary files and a word in text.
+  void Add(int32_t number, const char* word) {
+    if (is_binary_) {
+      Add(number);
+    } else {
+      bytes_ += word + std::string(" ");
+    }
+  }
+
+  void AddName(const std::string& name) {
+    bytes_ += name + (is_binary_ ? '\0' : ' ');
+  }
+
+  void AddPose(const View& view) {
+    const Eigen::Quaterniond q(view.cam_from_world_rotation);
+    const Eigen::Vector3d& t = view.cam_from_world_translation;
+    Add(q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
+  }
+
+  // In text, lists end with their lines.
+  void BeginList(uint64_t size) {
+    if (is_binary_) {
+      Add(size);
+    }
+  }
+
+  void EndLine() { bytes_ += is_binary_ ? "" : "\n"; }
+
+  const std::string& Bytes() const { return bytes_; }
+
+ private:
+  template <typename T>
+  void AddNumber(T number) {
+    if (is_binary_) {
+      Append(number, &bytes_);
+      return;
+    }
+    std::ostringstream text;
+    text.precision(17);
+    text << +number << ' ';
+    bytes_ += text.str();
+  }
+
+  bool is_binary_;
+  std::string bytes_;
+};
 
 Color SphereColor(const Eigen::Vector3d& point) {
   const auto channel = [](double value) {
@@ -107,13 +175,18 @@ SphereWorkspace::SphereWorkspace() {
   }
 }
 
+SphereWorkspace SphereWorkspace::Small() {
+  SphereWorkspace sphere;
+  sphere.images.resize(3);
+  sphere.vis_order.resize(3);
+  sphere.points.resize(20);
+  sphere.point_images.assign(20, {0, 2});
+  sphere.frames = {{2, 4}, {9}};
+  return sphere;
+}
+
 void SphereWorkspace::Write(const std::filesystem::path& folder) const {
-  WriteFile(folder / "sparse" / "cameras.bin", CamerasBinary());
-  WriteFile(folder / "sparse" / "images.bin", ImagesBinary());
-  WriteFile(folder / "sparse" / "points3D.bin", Points3DBinary());
-  if (!frames.empty()) {
-    WriteFile(folder / "sparse" / "frames.bin", FramesBinary());
-  }
+  WriteModel(folder / "sparse", ".bin");
   WriteFile(folder / "fused.ply", Ply());
   WriteFile(folder / "fused.ply.vis", Vis());
   for (size_t i = 0; write_images && i < images.size(); ++i) {
@@ -121,25 +194,31 @@ void SphereWorkspace::Write(const std::filesystem::path& folder) const {
   }
 }
 
-std::string SphereWorkspace::CamerasBinary() const {
-  std::string bytes;
-  Append(uint64_t{1}, &bytes);
-  Append(kCameraId, &bytes);
-  Append(int32_t{1}, &bytes);  // PINHOLE
-  Append(uint64_t{kWidth}, &bytes);
-  Append(uint64_t{kHeight}, &bytes);
-  for (const double param : {kFocal, kFocal, kWidth / 2.0, kHeight / 2.0}) {
-    Append(param, &bytes);
+void SphereWorkspace::WriteModel(const std::filesystem::path& folder,
+                                 const std::string& extension) const {
+  for (const std::string name : {"cameras", "images", "points3D", "frames"}) {
+    if (name != "frames" || !frames.empty()) {
+      WriteFile(folder / (name + extension), ModelFile(name + extension));
+    }
   }
-  return bytes;
 }
 
-std::string SphereWorkspace::CamerasText() const {
-  std::ostringstream text;
-  text << "# a comment\n"
-       << kCameraId << " PINHOLE " << kWidth << " " << kHeight << " " << kFocal
-       << " " << kFocal << " " << kWidth / 2.0 << " " << kHeight / 2.0 << "\n";
-  return text.str();
+std::string SphereWorkspace::ModelFile(const std::string& name) const {
+  ModelWriter file(name.ends_with(".bin"));
+  if (name.starts_with("cameras")) {
+    file.BeginList(1);
+    file.Add(kCameraId);
+    file.Add(1, "PINHOLE");
+    file.Add(uint64_t{kWidth}, uint64_t{kHeight}, kFocal, kFocal, kWidth / 2.0,
+             kHeight / 2.0);
+  } else if (name.starts_with("images")) {
+    AddImages(&file);
+  } else if (name.starts_with("points3D")) {
+    AddPoints3D(&file);
+  } else {
+    AddFrames(&file);
+  }
+  return file.Bytes();
 }
 
 // Every tenth fused point is one of the sparse model.
@@ -169,109 +248,53 @@ Eigen::Vector2d SphereWorkspace::Pixel(size_t image, size_t point) const {
       view.CamFromWorld(points[10 * point].cast<double>()));
 }
 
-std::string SphereWorkspace::ImagesBinary() const {
-  std::string bytes;
-  Append(uint64_t{images.size()}, &bytes);
+void SphereWorkspace::AddImages(ModelWriter* file) const {
+  file->BeginList(images.size());
   for (size_t i = 0; i < images.size(); ++i) {
     const std::vector<size_t> seen = SparsePointsOf(i);
-    Append(images[i].image_id, &bytes);
-    AppendPose(images[i].view, &bytes);
-    Append(kCameraId, &bytes);
-    bytes += images[i].view.name + '\0';
-    Append(uint64_t{seen.size() + 1}, &bytes);
-    Append(12.5, &bytes);
-    Append(7.5, &bytes);
-    Append(~uint64_t{0}, &bytes);
+    file->Add(images[i].image_id);
+    file->AddPose(images[i].view);
+    file->Add(kCameraId);
+    file->AddName(images[i].view.name);
+    file->EndLine();
+    file->BeginList(seen.size() + 1);
+    file->Add(12.5, 7.5, int64_t{-1});
     for (const size_t point : seen) {
       const Eigen::Vector2d pixel = Pixel(i, point);
-      Append(pixel.x(), &bytes);
-      Append(pixel.y(), &bytes);
-      Append(uint64_t{point + 1}, &bytes);
+      file->Add(pixel.x(), pixel.y(), uint64_t{point + 1});
     }
+    file->EndLine();
   }
-  return bytes;
 }
 
-std::string SphereWorkspace::ImagesText() const {
-  std::ostringstream text;
-  text.precision(17);
-  text << "# a comment\n";
-  for (size_t i = 0; i < images.size(); ++i) {
-    text << images[i].image_id << " " << PoseText(images[i].view) << " "
-         << kCameraId << " " << images[i].view.name << "\n12.5 7.5 -1";
-    for (const size_t point : SparsePointsOf(i)) {
-      text << " " << Pixel(i, point).transpose() << " " << point + 1;
-    }
-    text << "\n";
-  }
-  return text.str();
-}
-
-std::string SphereWorkspace::Points3DBinary() const {
-  std::string bytes;
-  Append(uint64_t{NumSparsePoints()}, &bytes);
+void SphereWorkspace::AddPoints3D(ModelWriter* file) const {
+  file->BeginList(NumSparsePoints());
   for (uint64_t i = 0; i < NumSparsePoints(); ++i) {
-    Append(i + 1, &bytes);
-    for (const float coordinate : points[10 * i]) {
-      Append(double{coordinate}, &bytes);
-    }
-    Append(SphereColor(points[10 * i].cast<double>()), &bytes);
-    Append(0.5, &bytes);
-    Append(uint64_t{point_images[10 * i].size()}, &bytes);
+    const Eigen::Vector3d point = points[10 * i].cast<double>();
+    const auto [red, green, blue] = SphereColor(point);
+    file->Add(i + 1, point.x(), point.y(), point.z(), red, green, blue, 0.5);
+    file->BeginList(point_images[10 * i].size());
     for (const size_t image : point_images[10 * i]) {
-      Append(images[image].image_id, &bytes);
-      Append(Observation(image, i), &bytes);
+      file->Add(images[image].image_id, Observation(image, i));
     }
+    file->EndLine();
   }
-  return bytes;
 }
 
-std::string SphereWorkspace::Points3DText() const {
-  std::ostringstream text;
-  text.precision(17);
-  for (size_t i = 0; i < NumSparsePoints(); ++i) {
-    const Color color = SphereColor(points[10 * i].cast<double>());
-    text << i + 1 << " " << points[10 * i].transpose() << " " << int{color[0]}
-         << " " << int{color[1]} << " " << int{color[2]} << " 0.5";
-    for (const size_t image : point_images[10 * i]) {
-      text << " " << images[image].image_id << " " << Observation(image, i);
+void SphereWorkspace::AddFrames(ModelWriter* file) const {
+  file->BeginList(frames.size());
+  for (uint32_t i = 0; i < frames.size(); ++i) {
+    file->Add(i + 1, uint32_t{1});  // and the rig id
+    file->AddPose(images[0].view);
+    file->Add(static_cast<uint32_t>(frames[i].size() + 1));
+    for (uint32_t j = 0; j < frames[i].size(); ++j) {
+      file->Add(0, "CAMERA");
+      file->Add(j, uint64_t{frames[i][j]});
     }
-    text << "\n";
+    file->Add(1, "IMU");  // whose data is no image
+    file->Add(uint32_t{0}, uint64_t{3});
+    file->EndLine();
   }
-  return text.str();
-}
-
-std::string SphereWorkspace::FramesBinary() const {
-  std::string bytes;
-  Append(uint64_t{frames.size()}, &bytes);
-  for (size_t i = 0; i < frames.size(); ++i) {
-    Append(static_cast<uint32_t>(i + 1), &bytes);
-    Append(uint32_t{1}, &bytes);  // rig id
-    AppendPose(images[0].view, &bytes);
-    Append(static_cast<uint32_t>(frames[i].size() + 1), &bytes);
-    for (size_t j = 0; j < frames[i].size(); ++j) {
-      Append(int32_t{0}, &bytes);  // a camera
-      Append(static_cast<uint32_t>(j), &bytes);
-      Append(uint64_t{frames[i][j]}, &bytes);
-    }
-    Append(int32_t{1}, &bytes);  // an IMU, whose data is no image
-    Append(uint32_t{0}, &bytes);
-    Append(uint64_t{3}, &bytes);
-  }
-  return bytes;
-}
-
-std::string SphereWorkspace::FramesText() const {
-  std::ostringstream text;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    text << i + 1 << " 1 " << PoseText(images[0].view) << " "
-         << frames[i].size() + 1;
-    for (size_t j = 0; j < frames[i].size(); ++j) {
-      text << " CAMERA " << j << " " << frames[i][j];
-    }
-    text << " IMU 0 3\n";
-  }
-  return text.str();
 }
 
 std::string SphereWorkspace::Ply() const {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "scene/picture_decoder.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 
@@ -31,21 +32,25 @@ struct SphereWorkspace {
   bool write_normals = true;
   bool write_images = true;
 
+  // Three images, two sparse points and two frames, so that files are small.
+  static SphereWorkspace Small();
+
   void Write(const std::filesystem::path& folder) const;
 
-  std::string CamerasBinary() const;
-  std::string ImagesBinary() const;
-  std::string Points3DBinary() const;
-  std::string FramesBinary() const;
-  std::string CamerasText() const;
-  std::string ImagesText() const;
-  std::string Points3DText() const;
-  std::string FramesText() const;
+  // \param extension  ".bin" or ".txt".
+  void WriteModel(const std::filesystem::path& folder,
+                  const std::string& extension) const;
+
+  // \param name  cameras, images, points3D or frames, with an extension.
+  std::string ModelFile(const std::string& name) const;
   std::string Ply() const;
   std::string Vis() const;
   std::string Ppm(size_t image) const;
 
  private:
+  void AddImages(class ModelWriter* file) const;
+  void AddPoints3D(class ModelWriter* file) const;
+  void AddFrames(class ModelWriter* file) const;
   size_t NumSparsePoints() const;
 
   // The sparse points that an image sees.
@@ -56,6 +61,9 @@ struct SphereWorkspace {
   uint32_t Observation(size_t image, size_t point) const;
   Eigen::Vector2d Pixel(size_t image, size_t point) const;
 };
+
+// Decodes the binary pictures of 8 bits of Netpbm, PPM and PGM.
+PictureDecoder NetpbmDecoder();
 
 // Colour of the sphere at a point of it.
 Color SphereColor(const Eigen::Vector3d& point);

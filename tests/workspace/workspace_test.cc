@@ -4,33 +4,36 @@
 #include <optional>
 #include <random>
 
-#include "formats/picture_size.h"
 #include "tests/formats/test_files.h"
-#include "tests/workspace/netpbm_decoder.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
 
-namespace colmap_ext {
-namespace workspace_test {
+namespace colmap_ext::workspace_test {
 
 namespace fs = std::filesystem;
 
-class WorkspaceTest : public testing::Test {
+class WorkspaceTest : public FolderTest {
  protected:
-  std::string Error() {
-    return FileErrorOf([&] { ReadWorkspace(path_, {}, decoder_); });
+  // Of what has been written.
+  Workspace Read(const WorkspaceOptions& options = {}) const {
+    return ReadWorkspace(path_, options, NetpbmDecoder());
   }
 
-  TemporaryFolder folder_;
-  fs::path path_ = folder_.Path();
-  PictureDecoder decoder_ = NetpbmDecoder();
+  Workspace WriteAndRead() const {
+    sphere_.Write(path_);
+    return Read();
+  }
+
+  void ExpectRefused(const std::string& message) const {
+    ExpectFileError(message, [this] { Read(); });
+  }
+
   SphereWorkspace sphere_;
 };
 
 TEST_F(WorkspaceTest, ReadsTheSphere) {
-  sphere_.Write(path_);
-  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  const Workspace workspace = WriteAndRead();
   EXPECT_EQ(workspace.report.path, path_);
   EXPECT_EQ(workspace.report.sparse_path, path_ / "sparse");
   EXPECT_EQ(workspace.report.num_missing_images, 0);
@@ -51,8 +54,7 @@ TEST_F(WorkspaceTest, ReadsTheSphere) {
 // The views follow the .vis, so that its indices can be used as they are.
 TEST_F(WorkspaceTest, OrdersViewsAsTheVisCountsThem) {
   sphere_.vis_order = {5, 2, 0, 4, 3, 6, 1};
-  sphere_.Write(path_);
-  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  const Workspace workspace = WriteAndRead();
   for (size_t i = 0; i < 7; ++i) {
     EXPECT_EQ(workspace.views[i].name,
               sphere_.images[sphere_.vis_order[i]].view.name);
@@ -63,8 +65,8 @@ TEST_F(WorkspaceTest, ReadsSparsePointsAndTheirTracks) {
   sphere_.Write(path_);
   fs::remove(path_ / "fused.ply");
   for (const fs::path& path : {path_, path_ / "sparse"}) {
-    const Workspace workspace =
-        ReadWorkspace(path, {.input_type = InputType::kSparse}, decoder_);
+    const Workspace workspace = ReadWorkspace(
+        path, {.input_type = InputType::kSparse}, NetpbmDecoder());
     ASSERT_EQ(workspace.cloud.size(), sphere_.points.size() / 10);
     EXPECT_EQ(workspace.cloud.positions[1], sphere_.points[10]);
     EXPECT_EQ(workspace.cloud.views[1].size(), sphere_.point_images[10].size());
@@ -78,21 +80,20 @@ TEST_F(WorkspaceTest, FindsTheOnlyDenseFolderBelow) {
   EXPECT_EQ(FindDenseFolder(path_ / "dense"), path_ / "dense" / "0");
   EXPECT_EQ(FindDenseFolder(path_ / "dense" / "0"), path_ / "dense" / "0");
   sphere_.Write(path_ / "dense" / "1");
-  const std::string error = FileErrorOf([&] { FindDenseFolder(path_); });
-  EXPECT_NE(error.find("dense/0"), std::string::npos);
-  EXPECT_NE(error.find("dense/1"), std::string::npos);
-  EXPECT_NE(FileErrorOf([&] { FindDenseFolder(path_ / "no"); }), "");
-  EXPECT_NE(FileErrorOf([&] { FindDenseFolder("/dev/null"); }), "");
+  for (const char* text : {"dense/0", "dense/1"}) {
+    ExpectFileError(text, [&] { FindDenseFolder(path_); });
+  }
+  ExpectFileError("no such folder", [&] { FindDenseFolder(path_ / "no"); });
+  ExpectFileError("not a folder", [] { FindDenseFolder("/dev/null"); });
 }
 
 TEST_F(WorkspaceTest, FindsTheSparseModelOneFolderDeeper) {
   sphere_.Write(path_);
   fs::rename(path_ / "sparse", path_ / "0");
-  EXPECT_NE(Error().find("no sparse model"), std::string::npos);
+  ExpectRefused("no sparse model");
   fs::create_directory(path_ / "sparse");
   fs::rename(path_ / "0", path_ / "sparse" / "0");
-  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).report.sparse_path,
-            path_ / "sparse" / "0");
+  EXPECT_EQ(Read().report.sparse_path, path_ / "sparse" / "0");
 }
 
 TEST_F(WorkspaceTest, ScalesIntrinsicsToThePictures) {
@@ -100,8 +101,7 @@ TEST_F(WorkspaceTest, ScalesIntrinsicsToThePictures) {
     image.view.width = 40;  // of the picture; the camera stays 80 x 60
     image.view.height = 30;
   }
-  sphere_.Write(path_);
-  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  const Workspace workspace = WriteAndRead();
   EXPECT_EQ(workspace.report.num_rescaled_images, 7);
   EXPECT_EQ(workspace.views[0].width, 40);
   EXPECT_EQ(workspace.views[0].fx, 45);
@@ -110,14 +110,12 @@ TEST_F(WorkspaceTest, ScalesIntrinsicsToThePictures) {
   EXPECT_EQ(workspace.views[0].cy, 15);
   sphere_.images[3].view.height = 40;
   sphere_.Write(path_);
-  EXPECT_NE(Error().find("is 40 x 40 pixels, but its camera is 80 x 60"),
-            std::string::npos);
+  ExpectRefused("is 40 x 40 pixels, but its camera is 80 x 60");
 }
 
 TEST_F(WorkspaceTest, DoesWithoutPictures) {
   sphere_.write_images = false;
-  sphere_.Write(path_);
-  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).report.num_missing_images, 7);
+  EXPECT_EQ(WriteAndRead().report.num_missing_images, 7);
 }
 
 TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
@@ -127,9 +125,7 @@ TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
   WriteFile(path_ / "images" / sphere_.images[1].view.name, "no picture");
   WriteFile(path_ / "images" / sphere_.images[2].view.name,
             "P6\n9 2\n255\n" + std::string(54, 'x'));
-  WorkspaceOptions options;
-  options.allow_other_sizes = true;
-  const Workspace workspace = ReadWorkspace(path_, options, decoder_);
+  const Workspace workspace = Read({.allow_other_sizes = true});
   ASSERT_EQ(workspace.picture_errors.size(), 7);
   EXPECT_EQ(workspace.picture_errors[2], "no such file");
   EXPECT_EQ(workspace.picture_errors[6], "can not be read");
@@ -139,7 +135,7 @@ TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
   for (const size_t i : {0, 3, 4, 5}) {
     EXPECT_EQ(workspace.picture_errors[i], "");
   }
-  EXPECT_NE(Error().find("is 9 x 2 pixels"), std::string::npos);
+  ExpectRefused("is 9 x 2 pixels");
 }
 
 TEST_F(WorkspaceTest, ReadsTheSizeOfDepthMaps) {
@@ -148,26 +144,23 @@ TEST_F(WorkspaceTest, ReadsTheSizeOfDepthMaps) {
   WriteFile(folder / "image9.ppm.geometric.bin", "40&30&1&....");
   WriteFile(folder / "image9.ppm.photometric.bin", "80&60&1&....");
   WriteFile(folder / "image2.ppm.photometric.bin", "20&15&1&....");
-  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).depth_map_scales,
+  EXPECT_EQ(Read().depth_map_scales,
             (std::vector<double>{1, 0.5, 0.25, 1, 1, 1, 1}));
   for (const char* header : {"", "&", "12", "-4&3&1&", "99999999999&1&1&"}) {
     WriteFile(folder / "image9.ppm.geometric.bin", header);
-    EXPECT_NE(Error().find("not a depth map"), std::string::npos) << header;
+    SCOPED_TRACE(header);
+    ExpectRefused("not a depth map");
   }
 }
 
 TEST_F(WorkspaceTest, RefusesDistortedCamerasOfDenseWorkspaces) {
   sphere_.Write(path_);
-  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
-    fs::remove(path_ / "sparse" / name);
-  }
-  WriteFile(path_ / "sparse" / "images.txt", sphere_.ImagesText());
-  WriteFile(path_ / "sparse" / "points3D.txt", sphere_.Points3DText());
+  fs::remove_all(path_ / "sparse");
+  sphere_.WriteModel(path_ / "sparse", ".txt");
   WriteFile(path_ / "sparse" / "cameras.txt",
             "7 SIMPLE_RADIAL 80 60 90 40 30 0.1\n");
-  EXPECT_NE(Error().find("image_undistorter"), std::string::npos);
-  EXPECT_NO_THROW(
-      ReadWorkspace(path_, {.input_type = InputType::kSparse}, decoder_));
+  ExpectRefused("image_undistorter");
+  EXPECT_NO_THROW(Read({.input_type = InputType::kSparse}));
 }
 
 TEST_F(WorkspaceTest, DropsAndCountsPointsThatCanNotBeMeshed) {
@@ -175,8 +168,7 @@ TEST_F(WorkspaceTest, DropsAndCountsPointsThatCanNotBeMeshed) {
   sphere_.points[4].z() = std::numeric_limits<float>::infinity();
   sphere_.point_images[5] = {};
   sphere_.point_images[6].push_back(sphere_.point_images[6][0]);
-  sphere_.Write(path_);
-  const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+  const Workspace workspace = WriteAndRead();
   const FilterReport& report = workspace.report.points;
   EXPECT_EQ(report.num_points, sphere_.points.size());
   EXPECT_EQ(report.num_not_finite, 2);
@@ -194,18 +186,17 @@ TEST_F(WorkspaceTest, DropsFewIndicesOutOfRangeAndRefusesMany) {
   const uint32_t bad = 1000;
   std::memcpy(vis.data() + 12, &bad, 4);  // the first of the first point
   WriteFile(path_ / "fused.ply.vis", vis);
-  EXPECT_EQ(ReadWorkspace(path_, {}, decoder_).report.points.num_out_of_range,
-            1);
+  EXPECT_EQ(Read().report.points.num_out_of_range, 1);
   sphere_.images.pop_back();
-  WriteFile(path_ / "sparse" / "images.bin", sphere_.ImagesBinary());
-  EXPECT_NE(Error().find("beyond the 6 of sparse/"), std::string::npos);
+  WriteFile(path_ / "sparse" / "images.bin", sphere_.ModelFile("images.bin"));
+  ExpectRefused("beyond the 6 of sparse/");
 }
 
 TEST_F(WorkspaceTest, RefusesCloudsOfNothing) {
   sphere_.points.clear();
   sphere_.point_images.clear();
   sphere_.Write(path_);
-  EXPECT_NE(Error().find("no points"), std::string::npos);
+  ExpectRefused("no points");
 }
 
 TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePoints) {
@@ -213,9 +204,8 @@ TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePoints) {
     point.x() = std::numeric_limits<float>::quiet_NaN();
   }
   sphere_.Write(path_);
-  EXPECT_EQ(Error(), (path_ / "fused.ply").string() + ": none of its " +
-                         std::to_string(sphere_.points.size()) +
-                         " points is finite");
+  ExpectRefused((path_ / "fused.ply").string() + ": none of its " +
+                std::to_string(sphere_.points.size()) + " points is finite");
 }
 
 TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
@@ -224,7 +214,7 @@ TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
   sphere_.point_images.clear();
   sphere_.vis_order.clear();
   sphere_.Write(path_);
-  EXPECT_NE(Error().find("no images"), std::string::npos);
+  ExpectRefused("no images");
 }
 
 // Whatever is in the files, they are read or refused.
@@ -246,7 +236,7 @@ TEST_F(WorkspaceTest, SurvivesRandomDamage) {
       }
       WriteFile(path_ / name, damaged);
       try {
-        const Workspace workspace = ReadWorkspace(path_, {}, decoder_);
+        const Workspace workspace = Read();
         for (const uint32_t index : workspace.cloud.views.values) {
           ASSERT_LT(index, workspace.views.size());
         }
@@ -271,25 +261,4 @@ TEST(FilterCloudTest, SortsRows) {
   EXPECT_TRUE(cloud.colors.empty());
 }
 
-TEST_F(WorkspaceTest, ReadsTheSizeOfPicturesFromTheirHeaders) {
-  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\1\2\0\0\0\7", 24);
-  WriteFile(path_ / "a.png", png);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.png")->width, 258);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.png")->height, 7);
-  const std::string jpeg(
-      "\xff\xd8\xff\xe0\0\4ab\xff\xff\xc4\0\3x\xff\xc2\0\x11\x08\0\5\1\1", 23);
-  WriteFile(path_ / "a.jpg", jpeg);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.jpg")->width, 257);
-  EXPECT_EQ(ReadPictureSize(path_ / "a.jpg")->height, 5);
-  for (const std::string& bytes : {png, jpeg}) {
-    for (size_t size = 0; size < bytes.size(); ++size) {
-      WriteFile(path_ / "cut", bytes.substr(0, size));
-      EXPECT_FALSE(ReadPictureSize(path_ / "cut")) << size;
-    }
-  }
-  EXPECT_FALSE(ReadPictureSize(path_ / "none"));
-  EXPECT_FALSE(ReadPictureSize(path_));
-}
-
-}  // namespace workspace_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::workspace_test

@@ -1,14 +1,10 @@
-#include "workspace/write_sparse_model.h"
+#include "workspace/sparse_model.h"
 
-#include <filesystem>
-
-#include <gtest/gtest.h>
-
-#include "formats/errors.h"
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace write_sparse_model_test {
+namespace colmap_ext::write_sparse_model_test {
+
+using WriteSparseModelTest = FolderTest;
 
 // Two images of one camera that see two points.
 SparseModel MakeModel() {
@@ -74,9 +70,8 @@ void ExpectSame(const SparseModel& a, const SparseModel& b) {
   EXPECT_EQ(a.rigs.size(), b.rigs.size());
 }
 
-TEST(WriteSparseModel, IsReadBackAsItWas) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder.Path() / "sparse-refined";
+TEST_F(WriteSparseModelTest, IsReadBackAsItWas) {
+  const std::filesystem::path path = path_ / "sparse-refined";
   SparseModel model = MakeModel();
   WriteSparseModel(path, model);
   ExpectSame(ReadSparseModel(path, SparseDetail::kAll), model);
@@ -85,17 +80,15 @@ TEST(WriteSparseModel, IsReadBackAsItWas) {
   ExpectSame(ReadSparseModel(path, SparseDetail::kAll), model);
 }
 
-TEST(WriteSparseModel, LeavesNoFramesOfAnotherModel) {
-  const TemporaryFolder folder;
+TEST_F(WriteSparseModelTest, LeavesNoFramesOfAnotherModel) {
   SparseModel model = MakeModel();
   AddFrames(&model);
-  WriteSparseModel(folder.Path(), model);
-  WriteSparseModel(folder.Path(), MakeModel());
-  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "frames.bin"));
-  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "rigs.bin"));
+  WriteSparseModel(path_, model);
+  WriteSparseModel(path_, MakeModel());
+  EXPECT_EQ(List(path_), "cameras.bin images.bin points3D.bin");
 }
 
-TEST(WriteSparseModel, TellsRigsOfSeveralCameras) {
+TEST_F(WriteSparseModelTest, TellsRigsOfSeveralCameras) {
   SparseModel model = MakeModel();
   EXPECT_TRUE(HasOneImageFrames(model));
   AddFrames(&model);
@@ -105,26 +98,23 @@ TEST(WriteSparseModel, TellsRigsOfSeveralCameras) {
 }
 
 // Where a file can not be made, those that are there stay.
-TEST(WriteSparseModel, WritesAllOrNothing) {
-  const TemporaryFolder folder;
+TEST_F(WriteSparseModelTest, WritesAllOrNothing) {
   const SparseModel model = MakeModel();
-  WriteSparseModel(folder.Path(), model);
-  const std::string before = ReadFile(folder.Path() / "images.bin");
-  std::filesystem::remove(folder.Path() / "points3D.bin");
-  std::filesystem::create_directory(folder.Path() / "points3D.bin");
+  WriteSparseModel(path_, model);
+  std::filesystem::remove(path_ / "points3D.bin");
+  std::filesystem::create_directory(path_ / "points3D.bin");
+  const auto before = FilesOf(path_);
   SparseModel other = model;
   other.images[0].cam_from_world_translation.x() = 5;
-  EXPECT_THROW(WriteSparseModel(folder.Path(), other), FileError);
-  EXPECT_EQ(ReadFile(folder.Path() / "images.bin"), before);
+  EXPECT_THROW(WriteSparseModel(path_, other), FileError);
+  EXPECT_EQ(FilesOf(path_), before);
 }
 
 // The points' file is the one that does not fit.
-TEST(WriteSparseModel, KeepsTheOldModelWhenTheDiskIsFull) {
-  const TemporaryFolder folder;
+TEST_F(WriteSparseModelTest, KeepsTheOldModelWhenTheDiskIsFull) {
   SparseModel model = MakeModel();
-  WriteSparseModel(folder.Path() / "a", model);
-  const std::string images = ReadFile(folder.Path() / "a" / "images.bin");
-  const std::string points = ReadFile(folder.Path() / "a" / "points3D.bin");
+  WriteSparseModel(path_ / "a", model);
+  const auto before = FilesOf(path_);
   for (uint64_t id = 14; id < 40000; ++id) {
     model.point_ids.push_back(id);
     model.exact_positions.emplace_back(0, 0, 1);
@@ -135,13 +125,9 @@ TEST(WriteSparseModel, KeepsTheOldModelWhenTheDiskIsFull) {
   model.images[0].cam_from_world_translation.x() = 5;
   for (const char* name : {"a", "new"}) {
     EXPECT_TRUE(FailsOnAFullDisk(
-        1 << 20, [&] { WriteSparseModel(folder.Path() / name, model); }));
+        1 << 20, [&] { WriteSparseModel(path_ / name, model); }));
   }
-  EXPECT_EQ(List(folder.Path()), "a");
-  EXPECT_EQ(List(folder.Path() / "a"), "cameras.bin images.bin points3D.bin");
-  EXPECT_EQ(ReadFile(folder.Path() / "a" / "images.bin"), images);
-  EXPECT_EQ(ReadFile(folder.Path() / "a" / "points3D.bin"), points);
+  EXPECT_EQ(FilesOf(path_), before);
 }
 
-}  // namespace write_sparse_model_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::write_sparse_model_test

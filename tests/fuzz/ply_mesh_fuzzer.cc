@@ -1,9 +1,0 @@
-#include "formats/read_ply_mesh.h"
-#include "tests/fuzz/fuzz_file.h"
-
-extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t num_bytes) {
-  return colmap_ext::FuzzFile(bytes, num_bytes,
-                              [](const std::filesystem::path& path) {
-                                colmap_ext::ReadColoredPlyMesh(path);
-                              });
-}
