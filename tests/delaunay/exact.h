@@ -1,11 +1,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
-
-#include "delaunay/tetrahedralization.h"
 
 // Geometric predicates on small integer coordinates, in integers: what the
 // floating point ones are compared with.
@@ -23,11 +23,11 @@ inline IntVector ToIntegers(const Eigen::Vector3f& point) {
 // The positions of some vertices.
 template <size_t kSize>
 std::array<IntVector, kSize> IntegersOf(
-    const Tetrahedralization& tetrahedra,
+    const std::vector<Eigen::Vector3f>& positions,
     const std::array<uint32_t, kSize>& vertices) {
   std::array<IntVector, kSize> points;
   for (size_t i = 0; i < kSize; ++i) {
-    points[i] = ToIntegers(tetrahedra.points[vertices[i]]);
+    points[i] = ToIntegers(positions[vertices[i]]);
   }
   return points;
 }

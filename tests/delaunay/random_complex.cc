@@ -229,7 +229,7 @@ std::string DefectOf(const Tetrahedralization& tetrahedra, bool has_geometry) {
       if (IsOdd(cell, i) == IsOdd(other, back)) return "orientations differ";
     }
     if (has_geometry && !tetrahedra.IsInfinite(index)) {
-      const auto [a, b, c, d] = IntegersOf(tetrahedra, cell.vertices);
+      const auto [a, b, c, d] = IntegersOf(tetrahedra.points, cell.vertices);
       if (ExactOrientation(a, b, c, d) <= 0) {
         return "a cell is not positively oriented";
       }

@@ -76,7 +76,7 @@ std::optional<std::set<Corners>> CrossedFacets(
     if (corners.back() == kInfiniteVertex || crossed.contains(corners)) {
       continue;
     }
-    const auto facet = IntegersOf(tetrahedra, corners);
+    const auto facet = IntegersOf(tetrahedra.points, corners);
     const auto& [a, b, c] = facet;
     const int side = ExactOrientation(a, b, c, origin);
     const int other_side = ExactOrientation(a, b, c, target);
@@ -116,7 +116,7 @@ bool Holds(const Tetrahedralization& tetrahedra, uint32_t cell_index,
     if (std::ranges::find(vertices, kInfiniteVertex) != vertices.end()) {
       continue;
     }
-    const auto [a, b, c] = IntegersOf(tetrahedra, vertices);
+    const auto [a, b, c] = IntegersOf(tetrahedra.points, vertices);
     if (ExactOrientation(a, b, c, point) < 0) {
       return false;
     }
@@ -189,8 +189,8 @@ TEST_F(GenericRayWalk, DistancesAreThoseOfTheFacetsPlanes) {
     const Eigen::Vector3d target = RandomTarget(2 * kRange);
     Walk(origin, target);
     for (const Crossing& crossing : crossings_) {
-      const auto [a, b, c] =
-          IntegersOf(tetrahedra_, CornersOf(tetrahedra_, crossing.exit_arc));
+      const auto [a, b, c] = IntegersOf(
+          tetrahedra_.points, CornersOf(tetrahedra_, crossing.exit_arc));
       const IntVector o = tetrahedra_.PositionOf(origin).cast<int64_t>();
       const IntVector t = target.cast<int64_t>();
       const auto before = static_cast<double>(Determinant(b - a, c - a, o - a));
@@ -304,9 +304,10 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
         ASSERT_TRUE(Holds(tetrahedra, cell, t));
       }
       for (const Crossing& crossing : crossings) {
-        ASSERT_TRUE(Touches(
-            IntegersOf(tetrahedra, CornersOf(tetrahedra, crossing.exit_arc)), o,
-            t));
+        ASSERT_TRUE(
+            Touches(IntegersOf(tetrahedra.points,
+                               CornersOf(tetrahedra, crossing.exit_arc)),
+                    o, t));
       }
     }
   }
@@ -405,7 +406,7 @@ bool LeavesAtOnce(const Tetrahedralization& tetrahedra, uint32_t cell,
                   const IntVector& origin, const IntVector& target) {
   for (uint32_t i = 0; i < 4; ++i) {
     const auto [a, b, c] =
-        IntegersOf(tetrahedra, FacetVertices(tetrahedra.cells[cell], i));
+        IntegersOf(tetrahedra.points, FacetVertices(tetrahedra.cells[cell], i));
     if (ExactOrientation(a, b, c, origin) == 0 &&
         ExactOrientation(a, b, c, target) < 0) {
       return true;

@@ -39,7 +39,7 @@ TEST(Tetrahedralization, IsDelaunay) {
         continue;
       }
       const auto [a, b, c, d] =
-          IntegersOf(tetrahedra, tetrahedra.cells[cell].vertices);
+          IntegersOf(tetrahedra.points, tetrahedra.cells[cell].vertices);
       for (const Eigen::Vector3f& point : tetrahedra.points) {
         ASSERT_LE(ExactInSphere(a, b, c, d, ToIntegers(point)), 0);
       }
@@ -57,7 +57,8 @@ TEST(Tetrahedralization, HasAConvexHull) {
           continue;
         }
         // The infinite cell's hull facet, seen from without.
-        const auto [a, b, c] = IntegersOf(tetrahedra, FacetVertices(cell, i));
+        const auto [a, b, c] =
+            IntegersOf(tetrahedra.points, FacetVertices(cell, i));
         for (const Eigen::Vector3f& point : tetrahedra.points) {
           ASSERT_LE(ExactOrientation(a, b, c, ToIntegers(point)), 0);
         }

@@ -38,7 +38,7 @@ void AddSceneOptions(SceneOptions* scene, CommandOptions* options) {
                      "Maximum between images, as a share");
   options->AddNumber("cell_size", &scene->cell_size, {0.5, 100},
                      "[px] Of the true surface's lattice");
-  AddThreadsOption("", &scene->num_threads, options);
+  options->AddThreads("", &scene->num_threads);
 }
 
 void AddPointOptions(DenseSceneOptions* scene, CommandOptions* options) {
