@@ -114,7 +114,7 @@ MergeReport MergePlan(const fs::path& folder, const fs::path& output_path,
   ManifoldMesh mesh;
   mesh.report = report.meshing;
   Finish(plan, vertices, options, std::move(merged), progress, &mesh);
-  FinishSurface(options, progress, &mesh);
+  FinishSurface(options, plan.views, progress, &mesh);
   report.meshing = mesh.report;
   Report(progress, "Writing the mesh", 0);
   AtomicFiles files;

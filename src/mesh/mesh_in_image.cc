@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "base/percentile.h"
 
@@ -87,20 +88,51 @@ double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
   return std::abs(area) / 2;
 }
 
+namespace {
+
+// Calls function(vertex, footprint) for each view that sees a vertex.
+template <typename Function>
+void ForEachFootprint(const TriangleMesh& mesh,
+                      const Rows<uint32_t>& vertex_views,
+                      const std::vector<View>& views,
+                      const Function& function) {
+  const size_t size = std::min(mesh.vertices.size(), vertex_views.size());
+  for (size_t i = 0; i < size; ++i) {
+    for (const uint32_t index : vertex_views[i]) {
+      const View& view = views[index];
+      const double depth =
+          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
+      if (depth > 0) {
+        function(i, depth / std::sqrt(view.fx * view.fy));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<float> Footprints(const TriangleMesh& mesh,
+                              const Rows<uint32_t>& vertex_views,
+                              const std::vector<View>& views) {
+  constexpr float kUnseen = std::numeric_limits<float>::infinity();
+  std::vector<float> footprints(mesh.vertices.size(), kUnseen);
+  ForEachFootprint(mesh, vertex_views, views, [&](size_t vertex, double value) {
+    footprints[vertex] =
+        std::min(footprints[vertex], static_cast<float>(value));
+  });
+  const auto median =
+      static_cast<float>(MedianFootprint(mesh, vertex_views, views));
+  std::ranges::replace(footprints, kUnseen, median);
+  return footprints;
+}
+
 double MedianFootprint(const TriangleMesh& mesh,
                        const Rows<uint32_t>& vertex_views,
                        const std::vector<View>& views) {
   std::vector<double> footprints;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    for (const uint32_t view_index : vertex_views[i]) {
-      const View& view = views[view_index];
-      const double depth =
-          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
-      if (depth > 0) {
-        footprints.push_back(depth / std::sqrt(view.fx * view.fy));
-      }
-    }
-  }
+  ForEachFootprint(mesh, vertex_views, views, [&](size_t, double footprint) {
+    footprints.push_back(footprint);
+  });
   return footprints.empty() ? 0 : Median(&footprints);
 }
 

@@ -35,6 +35,14 @@ Eigen::AlignedBox2d ImageBox(const View& view, double border = 0);
 double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
                    const View& view);
 
+// What a pixel covers at each vertex in the view, of those that see it, that
+// has it nearest: [V] depth over focal length, scene units. The median where no
+// view sees the vertex, 0 where none sees any.
+// \param vertex_views [V] see VertexAttributes
+std::vector<float> Footprints(const TriangleMesh& mesh,
+                              const Rows<uint32_t>& vertex_views,
+                              const std::vector<View>& views);
+
 // What a pixel covers on a mesh, the median over its vertices and the views
 // that see them: depth over focal length, scene units. 0 where no view sees a
 // vertex.

@@ -92,12 +92,12 @@ std::vector<std::array<uint32_t, 2>> PointsOf(
 // Trims the mesh, closes its holes, and gives confidences to the vertices of
 // what comes out.
 // \param result  with facet_confidences
-void FinishBorders(const BorderOptions& options, const Progress& progress,
-                   ManifoldMesh* result) {
+void FinishBorders(const BorderOptions& options, const std::vector<View>& views,
+                   const Progress& progress, ManifoldMesh* result) {
   Report(progress, "Finishing the borders", 0);
   if (options.trim > 0 || options.close_holes != 0) {
     const Provenance from = EditBorders(options, result->facet_confidences,
-                                        result, &result->report.borders);
+                                        views, result, &result->report.borders);
     std::vector<float> facet_confidences;
     facet_confidences.reserve(from.facets.size());
     for (const uint32_t source : from.facets) {
@@ -159,9 +159,10 @@ void SplitSurface(const ManifoldMeshingOptions& options,
 }
 
 void FinishSurface(const ManifoldMeshingOptions& options,
-                   const Progress& progress, ManifoldMesh* result) {
+                   const std::vector<View>& views, const Progress& progress,
+                   ManifoldMesh* result) {
   ManifoldMeshingReport& report = result->report;
-  FinishBorders(options.borders, progress, result);
+  FinishBorders(options.borders, views, progress, result);
   if (options.remeshing) {
     Report(progress, "Remeshing", 0);
     RemeshEvenly(result);

@@ -52,6 +52,7 @@ void SplitSurface(const ManifoldMeshingOptions& options,
 // \throw std::invalid_argument if the trimming leaves no facet
 // \throw std::logic_error where the mesh is not manifold
 void FinishSurface(const ManifoldMeshingOptions& options,
-                   const Progress& progress, ManifoldMesh* result);
+                   const std::vector<View>& views, const Progress& progress,
+                   ManifoldMesh* result);
 
 }  // namespace colmap_ext

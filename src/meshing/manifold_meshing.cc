@@ -206,7 +206,7 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   }
   ManifoldMesh result =
       MakeSurface(options, std::move(cloud), views, progress, ends);
-  FinishSurface(options, progress, &result);
+  FinishSurface(options, views, progress, &result);
   return result;
 }
 

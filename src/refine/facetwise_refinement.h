@@ -72,7 +72,7 @@ struct FacetwiseRefinementOptions {
 
   // Trimming of the result, and closing of its holes. A facet is about a window
   // wide; four rings decide about gaps of a dozen windows' width.
-  BorderOptions borders{.trim_rings = 4};
+  BorderOptions borders;
 
   // Parts that leave the region are clipped in the final step. nullopt: no
   // clipping.

@@ -52,7 +52,7 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
     const Provenance from = EditBorders(
         options.borders,
         MeanOfCorners(refined->mesh.facets, refined->attributes.confidences),
-        refined, &report.borders);
+        refined->views, refined, &report.borders);
     refined->labels = refined->labels.Remapped(from.facets);
     RemoveSelfIntersections(progress, refined);
   }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "mesh/adjacency.h"
+#include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
 #include "spatial/self_intersections.h"
 
@@ -127,11 +128,17 @@ void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
 
 Provenance EditBorders(const BorderOptions& options,
                        const std::vector<float>& facet_confidences,
-                       Surface* surface, BorderReport* report) {
+                       const std::vector<View>& views, Surface* surface,
+                       BorderReport* report) {
   Provenance from = IdentityOf(surface->mesh);
   if (options.trim > 0) {
-    TrimmedMesh trimmed = TrimMesh(options.trim, surface->mesh,
-                                   facet_confidences, options.trim_rings);
+    std::vector<float> gap_widths =
+        Footprints(surface->mesh, surface->attributes.views, views);
+    for (float& width : gap_widths) {
+      width *= static_cast<float>(options.gap_pixels);
+    }
+    TrimmedMesh trimmed =
+        TrimMesh(options.trim, surface->mesh, facet_confidences, gap_widths);
     if (!trimmed.mesh.facets.empty()) {
       report->trim = trimmed.report;
       from = trimmed.from;

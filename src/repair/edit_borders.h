@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mesh/surface.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
@@ -24,23 +25,23 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // Drops the parts of low confidence from a surface (docs/method.md, section
 // 3.7).
 //
-// Facets below min_confidence that are connected through edges are a region.
-// A region is kept if it is only a gap in good surface: if it reaches no border
-// of the mesh and is not larger than `num_rings` rings of confident facets
-// around it. The other regions are dropped, and so are the pieces that they cut
-// off and that consist of little but border: with no more vertices inside than
-// at their border. This is repeated until nothing is dropped. The borders that
-// this opens are smoothed along themselves; no other vertex moves. Where
-// nothing is dropped the mesh is not changed, and trimming the
-// result again with the same confidences drops nothing.
+// What is left is the closing of the confident surface, a morphological one
+// along the surface: facets within the gap width of it are added, then those
+// within the gap width of what is still left out, or of the mesh's border, are
+// taken away again. So a gap between two confident sides is kept if it is
+// narrower than two gap widths, a membrane is not, and nothing is added along
+// the outer border. Pieces that this cuts off and that lie within the gap width
+// of their own border are dropped, too. The borders that this opens are
+// smoothed along themselves; no other vertex moves. Where nothing is dropped
+// the mesh is not changed.
 //
 // \param min_confidence  0: drops nothing
 // \param facet_confidences [F] in [0, 1]
-// \param num_rings  positive; a mesh of small facets needs more rings.
+// \param gap_widths [V] scene units, not negative
 // \pre the mesh is manifold
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
-                     int num_rings = 1);
+                     const std::vector<float>& gap_widths);
 
 inline constexpr int kAllLoops = -1;
 
@@ -83,8 +84,9 @@ struct BorderOptions {
   // kAllLoops all.
   int close_holes = 0;
 
-  // Of facets around what is not confident, see TrimMesh(). Positive.
-  int trim_rings = 1;
+  // The gap width of TrimMesh(), in pixels of the view that sees a vertex best.
+  // Not negative.
+  double gap_pixels = 16;
 
   // If no facet is confident, the mesh is not trimmed.
   bool is_trim_optional = false;
@@ -97,12 +99,14 @@ struct BorderReport {
 
 // Trims a surface, then closes its holes.
 // \param facet_confidences [F] in [0, 1]
+// \param views  that the surface's attributes name
 // \return what it comes from
 // \pre the mesh is manifold, options in their ranges
 // \throw std::invalid_argument if the trimming leaves nothing, unless it is
 //        optional.
 Provenance EditBorders(const BorderOptions& options,
                        const std::vector<float>& facet_confidences,
-                       Surface* surface, BorderReport* report);
+                       const std::vector<View>& views, Surface* surface,
+                       BorderReport* report);
 
 }  // namespace colmap_ext

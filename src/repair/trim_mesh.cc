@@ -1,13 +1,17 @@
 #include "repair/edit_borders.h"
 
 #include <algorithm>
+#include <functional>
+#include <limits>
+#include <queue>
 #include <utility>
+
+#include <Eigen/Core>
 
 #include "base/index_limit.h"
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
 #include "mesh/manifold_repair.h"
-#include "mesh/normals.h"
 
 namespace colmap_ext {
 namespace {
@@ -15,17 +19,10 @@ namespace {
 // A mesh with what finds its facets' neighbors.
 struct LinkedMesh {
   const TriangleMesh& mesh;
+  const std::vector<float>& gap_widths;  // [V]
   VertexRings rings;
   std::vector<uint32_t> partners;  // [3 F]
 };
-
-double Area(const TriangleMesh& mesh, const std::vector<uint32_t>& facets) {
-  double sum = 0;
-  for (const uint32_t facet : facets) {
-    sum += AreaVector(mesh, mesh.facets[facet]).norm() / 2;
-  }
-  return sum;
-}
 
 // Joins facets of the same mark that share an edge.
 // \param marks [F]
@@ -42,109 +39,122 @@ UnionFind JoinFacets(const LinkedMesh& surface,
   return pieces;
 }
 
-// The area of the confident facets within so many rings of a region.
-// \param facets  of the region
-double AreaAround(const LinkedMesh& surface, const std::vector<uint8_t>& is_low,
-                  const std::vector<uint32_t>& facets, int num_rings) {
-  std::vector<uint32_t> vertices = VerticesOf(surface.mesh, facets);
-  std::vector<uint32_t> around;
-  for (int ring = 0; ring < num_rings; ++ring) {
-    around = surface.rings.FacetsAt(vertices);
-    std::erase_if(around, [&](uint32_t i) { return is_low[i] != 0; });
-    const std::vector<uint32_t> next = VerticesOf(surface.mesh, around);
-    vertices.insert(vertices.end(), next.begin(), next.end());
+// The distances of vertices to the nearest source along edges: [V], each edge
+// in mean gap widths of its ends, infinity beyond 1 [Dijkstra1959].
+// \param is_source [V]
+std::vector<float> Distances(const LinkedMesh& surface,
+                             const std::vector<uint8_t>& is_source) {
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  std::vector<float> distances(is_source.size(), kFar);
+  using Reached = std::pair<float, uint32_t>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
+  const auto reach = [&](uint32_t vertex, float distance) {
+    if (distance <= 1 && distance < distances[vertex]) {
+      distances[vertex] = distance;
+      queue.emplace(distance, vertex);
+    }
+  };
+  for (uint32_t i = 0; i < is_source.size(); ++i) {
+    if (is_source[i] != 0) {
+      reach(i, 0);
+    }
   }
-  return Area(surface.mesh, around);
+  const std::vector<Eigen::Vector3f>& vertices = surface.mesh.vertices;
+  while (!queue.empty()) {
+    const auto [distance, vertex] = queue.top();
+    queue.pop();
+    if (distance > distances[vertex]) {
+      continue;
+    }
+    for (const uint32_t neighbor : surface.rings.neighbors[vertex]) {
+      const float length = (vertices[neighbor] - vertices[vertex]).norm();
+      const float width =
+          (surface.gap_widths[vertex] + surface.gap_widths[neighbor]) / 2;
+      reach(neighbor, distance + length / width);
+    }
+  }
+  return distances;
 }
 
-// Which facets are dropped: [F] those of regions that are more than a gap.
-std::vector<uint8_t> FindRegions(const LinkedMesh& surface,
-                                 const std::vector<uint8_t>& is_low,
-                                 int num_rings, TrimReport* report) {
-  UnionFind pieces = JoinFacets(surface, is_low);
-  std::vector<std::vector<uint32_t>> facets(is_low.size());  // of each region
-  std::vector<uint8_t> has_border(is_low.size(), 0);
-  for (uint32_t i = 0; i < is_low.size(); ++i) {
-    if (is_low[i] != 0) {
-      const uint32_t region = pieces.Find(i);
-      facets[region].push_back(i);
-      for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
-        has_border[region] |= surface.partners[half] == kNone;
+// Whether all corners of a facet are within the reach of Distances().
+bool IsReached(const std::vector<float>& distances, const Facet& facet) {
+  return distances[facet[0]] <= 1 && distances[facet[1]] <= 1 &&
+         distances[facet[2]] <= 1;
+}
+
+// [V] 1: a corner of one of the marked facets
+std::vector<uint8_t> MarkCorners(const TriangleMesh& mesh,
+                                 const std::vector<uint8_t>& is_marked) {
+  std::vector<uint8_t> is_corner(mesh.vertices.size(), 0);
+  for (size_t i = 0; i < is_marked.size(); ++i) {
+    if (is_marked[i] != 0) {
+      for (const uint32_t vertex : mesh.facets[i]) {
+        is_corner[vertex] = 1;
       }
     }
   }
-  std::vector<uint8_t> is_dropped(is_low.size(), 0);
-  report->num_kept_facets = 0;
-  for (uint32_t region = 0; region < facets.size(); ++region) {
-    if (facets[region].empty()) {
-      continue;
+  return is_corner;
+}
+
+// Which facets are dropped: [F] the low ones that are not in the closing of the
+// others.
+std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
+                                 const std::vector<uint8_t>& is_low) {
+  const std::vector<Facet>& facets = surface.mesh.facets;
+  std::vector<uint8_t> is_confident(is_low.size());
+  for (size_t i = 0; i < is_low.size(); ++i) {
+    is_confident[i] = is_low[i] == 0;
+  }
+  std::vector<float> distances =
+      Distances(surface, MarkCorners(surface.mesh, is_confident));
+  std::vector<uint8_t> is_outside(is_low.size());
+  for (size_t i = 0; i < is_low.size(); ++i) {
+    is_outside[i] = is_low[i] != 0 && !IsReached(distances, facets[i]);
+  }
+  std::vector<uint8_t> is_source = MarkCorners(surface.mesh, is_outside);
+  // Beyond a border nothing is known to be surface.
+  for (uint32_t half = 0; half < surface.partners.size(); ++half) {
+    if (surface.partners[half] == kNone && is_low[half / 3] != 0) {
+      is_source[FromVertex(facets, half)] = 1;
+      is_source[ToVertex(facets, half)] = 1;
     }
-    if (has_border[region] == 0 &&
-        Area(surface.mesh, facets[region]) <=
-            AreaAround(surface, is_low, facets[region], num_rings)) {
-      report->num_kept_facets += facets[region].size();
-      continue;
-    }
-    ++report->num_regions;
-    report->num_facets += facets[region].size();
-    for (const uint32_t facet : facets[region]) {
-      is_dropped[facet] = 1;
-    }
+  }
+  distances = Distances(surface, is_source);
+  std::vector<uint8_t> is_dropped(is_low.size());
+  for (size_t i = 0; i < is_low.size(); ++i) {
+    is_dropped[i] =
+        is_low[i] != 0 && std::ranges::any_of(facets[i], [&](uint32_t vertex) {
+          return distances[vertex] <= 1;
+        });
   }
   return is_dropped;
 }
 
-// The vertices of a piece, by where they lie.
-struct PieceVertices {
-  size_t num_inside = 0;
-  size_t num_border = 0;
-  bool is_cut = false;  // from a dropped facet
-};
-
-// [F] by the pieces' representatives.
-std::vector<PieceVertices> CountVertices(const LinkedMesh& surface,
-                                         const std::vector<uint8_t>& is_dropped,
-                                         UnionFind* pieces) {
-  std::vector<PieceVertices> counts(is_dropped.size());
-  std::vector<uint8_t> is_border(is_dropped.size() * 3, 0);  // of half-edges
-  for (uint32_t half = 0; half < is_border.size(); ++half) {
-    const uint32_t partner = surface.partners[half];
-    const bool is_cut = partner != kNone && is_dropped[partner / 3] != 0;
-    is_border[half] = partner == kNone || is_cut;
-    counts[pieces->Find(half / 3)].is_cut |= is_cut;
-  }
-  std::vector<std::pair<uint32_t, uint8_t>> at_vertex;  // piece, whether border
-  for (size_t vertex = 0; vertex < surface.rings.NumVertices(); ++vertex) {
-    at_vertex.clear();
-    for (const uint32_t corner : surface.rings.corners[vertex]) {
-      const uint32_t previous = NextHalfEdge(NextHalfEdge(corner));
-      at_vertex.emplace_back(pieces->Find(corner / 3),
-                             is_border[corner] | is_border[previous]);
-    }
-    std::sort(at_vertex.begin(), at_vertex.end());
-    for (size_t i = 0; i < at_vertex.size(); ++i) {
-      // The last one of a piece says whether any of its facets is at a border.
-      if (i + 1 == at_vertex.size() ||
-          at_vertex[i].first != at_vertex[i + 1].first) {
-        PieceVertices& count = counts[at_vertex[i].first];
-        ++(at_vertex[i].second != 0 ? count.num_border : count.num_inside);
-      }
-    }
-  }
-  return counts;
-}
-
-// Drops the pieces of what is left that are next to nothing but border.
+// Drops the pieces of what is left that were cut off and lie within a gap's
+// width of their border.
 void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
                   TrimReport* report) {
+  const std::vector<Facet>& facets = surface.mesh.facets;
   UnionFind pieces = JoinFacets(surface, *is_dropped);
-  const std::vector<PieceVertices> counts =
-      CountVertices(surface, *is_dropped, &pieces);
-  for (uint32_t i = 0; i < is_dropped->size(); ++i) {
+  std::vector<uint8_t> is_border = MarkCorners(surface.mesh, *is_dropped);
+  std::vector<uint8_t> is_cut(facets.size(), 0);  // [F] by representatives
+  for (uint32_t half = 0; half < surface.partners.size(); ++half) {
+    const uint32_t partner = surface.partners[half];
+    if (partner == kNone) {
+      is_border[FromVertex(facets, half)] = 1;
+      is_border[ToVertex(facets, half)] = 1;
+    } else if ((*is_dropped)[partner / 3] != 0) {
+      is_cut[pieces.Find(half / 3)] = 1;
+    }
+  }
+  const std::vector<float> distances = Distances(surface, is_border);
+  std::vector<uint8_t> is_wide(facets.size(), 0);  // [F] by representatives
+  for (uint32_t i = 0; i < facets.size(); ++i) {
+    is_wide[pieces.Find(i)] |= !IsReached(distances, facets[i]);
+  }
+  for (uint32_t i = 0; i < facets.size(); ++i) {
     const uint32_t piece = pieces.Find(i);
-    const PieceVertices& count = counts[piece];
-    if ((*is_dropped)[i] == 0 && count.is_cut &&
-        count.num_inside <= count.num_border) {
+    if ((*is_dropped)[i] == 0 && is_cut[piece] != 0 && is_wide[piece] == 0) {
       report->num_leftovers += piece == i;
       ++report->num_leftover_facets;
       (*is_dropped)[i] = 1;
@@ -178,38 +188,34 @@ void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
   trimmed->from = Compose(trimmed->from, std::move(split.from));
 }
 
-// \return whether anything was dropped
-bool TrimOnce(double min_confidence, int num_rings,
-              const std::vector<float>& facet_confidences,
-              TrimmedMesh* trimmed) {
-  const TriangleMesh& mesh = trimmed->mesh;
-  const LinkedMesh surface{mesh, MakeVertexRings(mesh),
-                           PairHalfEdges(mesh.facets)};
-  std::vector<uint8_t> is_low(mesh.facets.size());
-  for (size_t i = 0; i < is_low.size(); ++i) {
-    is_low[i] = facet_confidences[trimmed->from.facets[i]] < min_confidence;
-  }
-  std::vector<uint8_t> is_dropped =
-      FindRegions(surface, is_low, num_rings, &trimmed->report);
-  if (std::ranges::find(is_dropped, 1) == is_dropped.end()) {
-    return false;
-  }
-  AddLeftovers(surface, &is_dropped, &trimmed->report);
-  Drop(surface, is_dropped, trimmed);
-  return true;
-}
-
 }  // namespace
 
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
-                     int num_rings) {
+                     const std::vector<float>& gap_widths) {
   TrimmedMesh trimmed;
   trimmed.from = IdentityOf(mesh);
-  trimmed.mesh = std::move(mesh);
-  while (min_confidence > 0 &&
-         TrimOnce(min_confidence, num_rings, facet_confidences, &trimmed)) {
+  std::vector<uint8_t> is_low;
+  for (const float confidence : facet_confidences) {
+    is_low.push_back(confidence < min_confidence);
   }
+  const auto num_low = std::ranges::count(is_low, 1);
+  if (num_low == 0) {
+    trimmed.mesh = std::move(mesh);
+    return trimmed;
+  }
+  const LinkedMesh surface{mesh, gap_widths, MakeVertexRings(mesh),
+                           PairHalfEdges(mesh.facets)};
+  std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
+  TrimReport& report = trimmed.report;
+  report.num_facets = static_cast<size_t>(std::ranges::count(is_dropped, 1));
+  report.num_kept_facets = static_cast<size_t>(num_low) - report.num_facets;
+  UnionFind regions = JoinFacets(surface, is_dropped);
+  for (uint32_t i = 0; i < is_dropped.size(); ++i) {
+    report.num_regions += is_dropped[i] != 0 && regions.Find(i) == i;
+  }
+  AddLeftovers(surface, &is_dropped, &report);
+  Drop(surface, is_dropped, &trimmed);
   return trimmed;
 }
 
