@@ -11,7 +11,7 @@
 namespace colmap_ext {
 
 // How well points confirm each facet of a surface: [F] in [0, 1]
-// (docs/method.md, section 3.6). The support of the facet's corners, relative
+// (docs/method.md, section 3.7). The support of the facet's corners, relative
 // to the pixels that it covers where it is seen best, is compared with what is
 // usual on this surface: 0.95 is the usual, 0 no support. A facet that is
 // spanned far between well-supported vertices has little for its size.

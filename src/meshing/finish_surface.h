@@ -41,7 +41,7 @@ struct SurfacePoints {
 
 // Makes a surface manifold, drops the facets that the options exclude, smooths
 // it, and adds the attributes and confidences of its points (docs/method.md,
-// sections 3.3 and 3.6).
+// sections 3.3, 3.6 and 3.7).
 // \param result  gets the mesh and what belongs to it, the report its counts
 // \throw std::invalid_argument if no facet is left
 void SplitSurface(const ManifoldMeshingOptions& options,

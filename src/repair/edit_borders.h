@@ -23,7 +23,7 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 };
 
 // Drops the parts of low confidence from a surface (docs/method.md, section
-// 3.7).
+// 3.8).
 //
 // What is left is the closing of the confident surface, a morphological one
 // along the surface: facets within the gap width of it are added, then those
@@ -57,7 +57,7 @@ struct HoleReport {
   size_t NumLeft() const { return num_loops - num_closed; }
 };
 
-// Closes the holes of a mesh (docs/method.md, section 3.8): border loops of up
+// Closes the holes of a mesh (docs/method.md, section 3.9): border loops of up
 // to max_edges edges. A loop is filled by small facets bent as the surface
 // around it, or else, where these would intersect others or not be manifold, by
 // flatter ones. New vertices have the confidence 0 if the old ones have any, no
