@@ -44,6 +44,25 @@ double TwiceArea(const View& view, const Eigen::Vector3d& a,
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
+// Calls function(vertex, footprint) for each view that sees a vertex.
+template <typename Function>
+void ForEachFootprint(const TriangleMesh& mesh,
+                      const Rows<uint32_t>& vertex_views,
+                      const std::vector<View>& views,
+                      const Function& function) {
+  const size_t size = std::min(mesh.vertices.size(), vertex_views.size());
+  for (size_t i = 0; i < size; ++i) {
+    for (const uint32_t index : vertex_views[i]) {
+      const View& view = views[index];
+      const double depth =
+          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
+      if (depth > 0) {
+        function(i, depth / std::sqrt(view.fx * view.fy));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Polygon ClipToImage(const View& view, const TriangleMesh& mesh,
@@ -87,29 +106,6 @@ double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
   }
   return std::abs(area) / 2;
 }
-
-namespace {
-
-// Calls function(vertex, footprint) for each view that sees a vertex.
-template <typename Function>
-void ForEachFootprint(const TriangleMesh& mesh,
-                      const Rows<uint32_t>& vertex_views,
-                      const std::vector<View>& views,
-                      const Function& function) {
-  const size_t size = std::min(mesh.vertices.size(), vertex_views.size());
-  for (size_t i = 0; i < size; ++i) {
-    for (const uint32_t index : vertex_views[i]) {
-      const View& view = views[index];
-      const double depth =
-          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
-      if (depth > 0) {
-        function(i, depth / std::sqrt(view.fx * view.fy));
-      }
-    }
-  }
-}
-
-}  // namespace
 
 std::vector<float> Footprints(const TriangleMesh& mesh,
                               const Rows<uint32_t>& vertex_views,

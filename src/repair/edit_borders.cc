@@ -73,18 +73,6 @@ GuardedFacets FindGuarded(const std::vector<BorderVertex>& border,
   return guarded;
 }
 
-// Puts the corners of a facet back.
-// \return whether any was elsewhere
-bool PutBackCorners(const std::vector<Vector3f>& positions, uint32_t facet,
-                    TriangleMesh* mesh) {
-  bool has_moved = false;
-  for (const uint32_t vertex : mesh->facets[facet]) {
-    has_moved |= mesh->vertices[vertex] != positions[vertex];
-    mesh->vertices[vertex] = positions[vertex];
-  }
-  return has_moved;
-}
-
 // Puts the corners of turned facets back.
 // \param positions [V] where no guarded facet is turned
 // \return whether any was put back
@@ -96,7 +84,10 @@ bool PutBack(const GuardedFacets& guarded,
     const Vector3f& normal = guarded.normals[i];
     if (NormalOf(*mesh, guarded.facets[i]).dot(normal) <
         kMinCosine * normal.squaredNorm()) {
-      has_turned |= PutBackCorners(positions, guarded.facets[i], mesh);
+      for (const uint32_t vertex : mesh->facets[guarded.facets[i]]) {
+        has_turned |= mesh->vertices[vertex] != positions[vertex];
+        mesh->vertices[vertex] = positions[vertex];
+      }
     }
   }
   return has_turned;

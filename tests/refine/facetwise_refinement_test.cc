@@ -391,7 +391,7 @@ TEST_F(RefineFacetwiseTest, TrimsWhatNoViewSeesAndClosesIt) {
   options_.remeshing = false;  // Facets that no view sees stay small.
   const RefinedMesh whole = Refine(StartOf(mesh));
   options_.borders.trim = 0.2;
-  options_.borders.trim_rings = 1;  // The scene is a few windows wide.
+  options_.borders.gap_pixels = 2;  // The scene is a few windows wide.
   for (const int close_holes : {0, kAllLoops}) {
     options_.borders.close_holes = close_holes;
     const RefinedMesh refined = Refine(StartOf(mesh));

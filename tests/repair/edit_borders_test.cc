@@ -34,8 +34,8 @@ class EditBordersTest : public testing::Test {
 
   Edited Edit(double trim, int close_holes) {
     Edited edited{{mesh_, attributes_}, {}, {}};
-    edited.from =
-        EditBorders({trim, close_holes}, confidences_, &edited, &edited.report);
+    edited.from = EditBorders({trim, close_holes}, confidences_, {}, &edited,
+                              &edited.report);
     return edited;
   }
 
