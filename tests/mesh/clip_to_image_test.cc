@@ -110,5 +110,23 @@ TEST(AreaInImage, OfAFacetThatReachesBehindIsThatOfWhatTheImageShows) {
   EXPECT_GT(num_seen, 5);
 }
 
+TEST(Footprints, AreThoseOfTheNearestViews) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 4}, {0, 0, 8}, {1, 0, 6}};
+  View view;  // at the origin, along z
+  view.fx = view.fy = 2;
+  View near = view;
+  near.cam_from_world_translation = {0, 0, -2};
+  Rows<uint32_t> vertex_views;
+  vertex_views.AddRow(std::vector<uint32_t>{0, 1});
+  vertex_views.AddRow(std::vector<uint32_t>{0});
+  vertex_views.EndRow();
+  EXPECT_EQ(Footprints(mesh, vertex_views, {view, near}),
+            (std::vector<float>{1, 4, 2}));
+  EXPECT_EQ(MedianFootprint(mesh, vertex_views, {view, near}), 2);
+  EXPECT_EQ(Footprints(mesh, Rows<uint32_t>(3), {view}),
+            (std::vector<float>{0, 0, 0}));
+}
+
 }  // namespace clip_to_image_test
 }  // namespace colmap_ext
