@@ -15,6 +15,7 @@
 #include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
+#include "mesh/normals.h"
 #include "mesh/topology.h"
 #include "workspace/find_workspace.h"
 #include "workspace/usable_pictures.h"
@@ -179,6 +180,16 @@ Surface ReadSurface(const fs::path& path, bool has_visibility,
   ColoredMesh read = ReadColoredPlyMesh(path);
   if (read.mesh.facets.empty()) {
     throw FileError(path, "it has no faces: not a mesh");
+  }
+  const auto num_flat =
+      std::ranges::count_if(read.mesh.facets, [&](const Facet& facet) {
+        return AreaVector(read.mesh, facet) == Eigen::Vector3f::Zero();
+      });
+  if (2 * static_cast<size_t>(num_flat) > read.mesh.facets.size()) {
+    throw FileError(path,
+                    "most of its faces have no area; if it lies far from the "
+                    "origin, its coordinates are too large for 32-bit floats: "
+                    "move it nearer");
   }
   const size_t num_vertices = read.mesh.vertices.size();
   return {std::move(read.mesh),

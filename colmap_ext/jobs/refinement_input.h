@@ -29,7 +29,8 @@ namespace colmap_ext {
 
 // Reads a mesh and its .vis. If it has none, no vertex has views.
 // \param owner  of the .vis, see ReadVisibility()
-// \throw FileError if it has no faces, or the .vis does not fit
+// \throw FileError if it has no faces, or most have no area, or the .vis does
+//        not fit
 Surface ReadSurface(const std::filesystem::path& path, bool has_visibility,
                     const VisibilityOwner& owner);
 

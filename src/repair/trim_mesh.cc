@@ -24,6 +24,10 @@ struct LinkedMesh {
   std::vector<uint32_t> partners;  // [3 F]
 };
 
+size_t CountMarked(const std::vector<uint8_t>& marks) {
+  return static_cast<size_t>(std::ranges::count(marks, 1));
+}
+
 // Joins facets of the same mark that share an edge.
 // \param marks [F]
 UnionFind JoinFacets(const LinkedMesh& surface,
@@ -193,29 +197,30 @@ void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
                      const std::vector<float>& gap_widths) {
-  TrimmedMesh trimmed;
-  trimmed.from = IdentityOf(mesh);
+  TrimmedMesh trimmed{{{}, IdentityOf(mesh)}, {}};
   std::vector<uint8_t> is_low;
   for (const float confidence : facet_confidences) {
     is_low.push_back(confidence < min_confidence);
   }
-  const auto num_low = std::ranges::count(is_low, 1);
-  if (num_low == 0) {
-    trimmed.mesh = std::move(mesh);
-    return trimmed;
+  const size_t num_low = CountMarked(is_low);
+  if (num_low > 0) {
+    const LinkedMesh surface{mesh, gap_widths, MakeVertexRings(mesh),
+                             PairHalfEdges(mesh.facets)};
+    std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
+    TrimReport& report = trimmed.report;
+    report.num_facets = CountMarked(is_dropped);
+    report.num_kept_facets = num_low - report.num_facets;
+    if (report.num_facets > 0) {
+      UnionFind regions = JoinFacets(surface, is_dropped);
+      for (uint32_t i = 0; i < is_dropped.size(); ++i) {
+        report.num_regions += is_dropped[i] != 0 && regions.Find(i) == i;
+      }
+      AddLeftovers(surface, &is_dropped, &report);
+      Drop(surface, is_dropped, &trimmed);
+      return trimmed;
+    }
   }
-  const LinkedMesh surface{mesh, gap_widths, MakeVertexRings(mesh),
-                           PairHalfEdges(mesh.facets)};
-  std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
-  TrimReport& report = trimmed.report;
-  report.num_facets = static_cast<size_t>(std::ranges::count(is_dropped, 1));
-  report.num_kept_facets = static_cast<size_t>(num_low) - report.num_facets;
-  UnionFind regions = JoinFacets(surface, is_dropped);
-  for (uint32_t i = 0; i < is_dropped.size(); ++i) {
-    report.num_regions += is_dropped[i] != 0 && regions.Find(i) == i;
-  }
-  AddLeftovers(surface, &is_dropped, &report);
-  Drop(surface, is_dropped, &trimmed);
+  trimmed.mesh = std::move(mesh);
   return trimmed;
 }
 

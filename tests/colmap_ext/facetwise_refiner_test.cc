@@ -383,6 +383,14 @@ TEST_F(FacetwiseRefinerTest, RefusesFilesThatAreMissingOrDoNotFit) {
   ExpectRefused(
       Option("input_path", "points.ply") + Option("output_path", "out.ply"),
       "no faces");
+  TriangleMesh far_away = ReadPlyMesh(path_ / kInput);
+  for (Eigen::Vector3f& vertex : far_away.vertices) {
+    vertex += Eigen::Vector3f::Constant(1e9f);
+  }
+  WriteColoredMesh(path_ / "far.ply", far_away, {});
+  ExpectRefused(
+      Option("input_path", "far.ply") + Option("output_path", "out.ply"),
+      "too large for 32-bit floats");
   fs::remove(path_ / kInput);
   ExpectRefused("", "run `colmap delaunay_manifold_mesher`");
   fs::remove(path_ / "fused.ply");
