@@ -86,7 +86,7 @@ struct BorderOptions {
 
   // The gap width of TrimMesh(), in pixels of the view that sees a vertex best.
   // Not negative.
-  double gap_pixels = 24;
+  double gap_pixels = 32;
 
   // If no facet is confident, the mesh is not trimmed.
   bool is_trim_optional = false;
