@@ -10,6 +10,7 @@
 
 #include "formats/read_ply.h"
 #include "mesh/topology.h"
+#include "scene/point_tree.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
@@ -134,6 +135,28 @@ class TilingTest : public testing::Test {
 TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachine) {
   MakeAll(1);
   ExpectMeshersFaces();
+}
+
+// Near their borders tiles measure the noise by fewer points.
+TEST_F(TilingTest, TilesAreSmoothedAsOneIs) {
+  const std::string keep_all = " @max_proj_dist 0";
+  MakeAll(1, keep_all + " @smoothing 0");
+  const TriangleMesh raw = ReadPlyMesh(mesh_);
+  MakeAll(1, keep_all);
+  const TriangleMesh whole = ReadPlyMesh(mesh_);
+  MakeAll(4, keep_all);
+  const TriangleMesh tiled = ReadPlyMesh(mesh_);
+  const PointTree tree(whole.vertices);
+  const auto mean_distance = [&](const TriangleMesh& mesh) {
+    double sum = 0;
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+      sum +=
+          (whole.vertices[tree.Nearest(vertex, 1, 10).at(0)] - vertex).norm();
+    }
+    return sum / static_cast<double>(mesh.vertices.size());
+  };
+  EXPECT_GT(mean_distance(raw), 0);
+  EXPECT_LT(mean_distance(tiled), 0.2 * mean_distance(raw));
 }
 
 TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
