@@ -49,7 +49,7 @@ RefinementBackend Describe(std::unique_ptr<PhotometricEnergy> energy,
 
 RefinementBackend MakeBackend(const RefinerOptions& options,
                               std::shared_ptr<ImagePyramid> images,
-                              size_t expected_facets, Warn warn) {
+                              size_t expected_facets, const Warn& warn) {
   const auto make_cpu = [&] {
     return MakeCpuPhotometricEnergy(options.refinement.photometric, images,
                                     options.MaxDrawingMemory());

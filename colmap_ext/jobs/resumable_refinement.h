@@ -71,7 +71,7 @@ struct RefinementBackend {
 // \throw OptionError if OpenGL is asked for, and is not to be had.
 RefinementBackend MakeBackend(const RefinerOptions& options,
                               std::shared_ptr<ImagePyramid> images,
-                              size_t expected_facets, Warn warn);
+                              size_t expected_facets, const Warn& warn);
 
 // A refinement that can be interrupted: of a whole mesh or, if vertices around
 // it are fixed, of the tile of a plan. Prints its iterations, stops at a

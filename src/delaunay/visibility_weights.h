@@ -32,6 +32,7 @@ struct Observation {
   uint32_t view = 0;
   float alpha = 0;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer here.
   auto operator<=>(const Observation&) const = default;
 };
 

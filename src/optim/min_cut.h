@@ -35,6 +35,7 @@ class NeighborView {
       : first_(reinterpret_cast<const std::byte*>(first)), stride_(stride) {}
 
   // \param rows  [N] or kNone
+  // NOLINTNEXTLINE(google-explicit-constructor): a view, like std::span.
   NeighborView(const std::vector<std::array<uint32_t, 4>>& rows)
       : NeighborView(rows.data(), sizeof(rows[0])) {}
 

@@ -53,7 +53,7 @@ class RayCaster {
     rays.origin = eye_;
     for (int i = 0; i < 4; ++i) {
       rays.SetDirection(i, RayDirection(view_, col + 0.25 + 0.5 * (i % 2),
-                                        row + 0.25 + 0.5 * (i / 2)));
+                                        row + 0.25 + 0.5 * (i >> 1)));
     }
     const HitPacket hits = bvh_.Intersect(rays);
     std::vector<Vector3f> means(colors.size(), Vector3f::Zero());

@@ -25,6 +25,7 @@ struct OpenFacet {
   FacetKey key;
   uint32_t arc;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no pointer here.
   auto operator<=>(const OpenFacet&) const = default;
 };
 
