@@ -11,6 +11,7 @@
 #include "mesh/mesh_in_image.h"
 #include "mesh/space_filling_curve.h"
 #include "mesh/topology.h"
+#include "spatial/facet_tree.h"
 #include "workspace/find_workspace.h"
 #include "workspace/masks.h"
 
@@ -67,22 +68,6 @@ Surface ReadMerged(const fs::path& path, const Plan& plan) {
   return surface;
 }
 
-// What a pixel covers at a vertex in the view that is nearest, scene units;
-// infinite where none sees it.
-double FootprintAt(const Surface& surface, uint32_t vertex,
-                   const std::vector<View>& views) {
-  double footprint = std::numeric_limits<double>::infinity();
-  for (const uint32_t index : surface.attributes.views[vertex]) {
-    const View& view = views[index];
-    const double depth =
-        view.CamFromWorld(surface.mesh.vertices[vertex].cast<double>()).z();
-    if (depth > 0) {
-      footprint = std::min(footprint, depth / std::max(view.fx, view.fy));
-    }
-  }
-  return footprint;
-}
-
 // [tiles] scene units
 std::vector<double> Margins(const Surface& surface, const TileCells& cells,
                             const std::vector<View>& views) {
@@ -110,7 +95,8 @@ void EstimateJobs(const Surface& surface, const TileCells& cells,
       cells.size(), std::vector<uint8_t>(views.size(), 0));
   std::vector<double> footprints;
   for (uint32_t i = 0; i < surface.mesh.vertices.size(); ++i) {
-    footprints.push_back(FootprintAt(surface, i, views));
+    footprints.push_back(NearestFootprint(surface.mesh.vertices[i],
+                                          surface.attributes.views[i], views));
   }
   for (const Facet& facet : surface.mesh.facets) {
     const auto& [a, b, c] = facet;

@@ -13,6 +13,7 @@
 #include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
+#include "spatial/facet_tree.h"
 #include "workspace/masks.h"
 
 namespace colmap_ext {

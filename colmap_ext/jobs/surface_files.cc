@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "spatial/facet_tree.h"
 #include "tiles/tile_cells.h"
 
 namespace colmap_ext {

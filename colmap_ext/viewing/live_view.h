@@ -49,8 +49,9 @@ class LiveView {
 };
 
 // Runs work on a separate thread and shows it in a window, until both have
-// ended. When the window is closed, the work continues. \param folder  of the
-// workspace, for its images. \param save  saves a picture, see ViewerHost.
+// ended. When the window is closed, the work continues.
+// \param folder  of the workspace, for its images.
+// \param save  saves a picture, see ViewerHost.
 // \throw NoWindowError if no window can be opened, before the work starts;
 //        exceptions of the work.
 void RunWithViewer(const std::string& title, const std::string& folder,

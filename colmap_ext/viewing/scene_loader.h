@@ -31,8 +31,9 @@ struct ShownMeshPaths {
 
 // Reads a mesh or cloud, and its .vis if there is one. Skips facets with a
 // vertex that is not finite. Uses labels and errors of a mesh with the same
-// number of facets or vertices. \param notes  gets a line for each file that
-// does not fit the mesh. \throw FileError if a file cannot be read.
+// number of facets or vertices.
+// \param notes  gets a line for each file that does not fit the mesh.
+// \throw FileError if a file cannot be read.
 ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
                         std::vector<std::string>* notes);
 

@@ -138,8 +138,8 @@ MeshEvaluation EvaluateMesh(const MeshEvaluationOptions& options,
                             const Progress& progress = {});
 
 // Returns [V] the distance of each vertex to the truth's surface or points,
-// scene units; max_distance if it is farther or not finite. \pre truth has no
-// depth_maps
+// scene units; max_distance if it is farther or not finite.
+// \pre truth has no depth_maps
 std::vector<double> VertexErrors(const TriangleMesh& mesh, const Truth& truth,
                                  double max_distance);
 

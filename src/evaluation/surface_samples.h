@@ -27,7 +27,8 @@ DepthMap RenderDepths(const Bvh& surface, const View& view, int stride,
 DepthMap Subsample(const DepthMap& map, int stride);
 
 // Returns the points of `depths` where `mask` has a depth too, world frame, row
-// by row. \pre both are of the same size
+// by row.
+// \pre both are of the same size
 std::vector<Eigen::Vector3f> PointsWhere(const DepthMap& depths,
                                          const DepthMap& mask,
                                          const View& view);

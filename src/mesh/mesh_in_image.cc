@@ -44,25 +44,6 @@ double TwiceArea(const View& view, const Eigen::Vector3d& a,
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
-// Calls function(vertex, footprint) for each view that sees a vertex.
-template <typename Function>
-void ForEachFootprint(const TriangleMesh& mesh,
-                      const Rows<uint32_t>& vertex_views,
-                      const std::vector<View>& views,
-                      const Function& function) {
-  const size_t size = std::min(mesh.vertices.size(), vertex_views.size());
-  for (size_t i = 0; i < size; ++i) {
-    for (const uint32_t index : vertex_views[i]) {
-      const View& view = views[index];
-      const double depth =
-          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
-      if (depth > 0) {
-        function(i, depth / std::sqrt(view.fx * view.fy));
-      }
-    }
-  }
-}
-
 }  // namespace
 
 Polygon ClipToImage(const View& view, const TriangleMesh& mesh,
@@ -107,18 +88,32 @@ double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
   return std::abs(area) / 2;
 }
 
+double NearestFootprint(const Eigen::Vector3f& point,
+                        std::span<const uint32_t> view_indices,
+                        const std::vector<View>& views) {
+  double footprint = std::numeric_limits<double>::infinity();
+  for (const uint32_t index : view_indices) {
+    const View& view = views[index];
+    const double depth = view.CamFromWorld(point.cast<double>()).z();
+    if (depth > 0) {
+      footprint = std::min(footprint, depth / std::max(view.fx, view.fy));
+    }
+  }
+  return footprint;
+}
+
 std::vector<float> Footprints(const TriangleMesh& mesh,
                               const Rows<uint32_t>& vertex_views,
                               const std::vector<View>& views) {
-  constexpr float kUnseen = std::numeric_limits<float>::infinity();
-  std::vector<float> footprints(mesh.vertices.size(), kUnseen);
-  ForEachFootprint(mesh, vertex_views, views, [&](size_t vertex, double value) {
-    footprints[vertex] =
-        std::min(footprints[vertex], static_cast<float>(value));
-  });
-  const auto median =
-      static_cast<float>(MedianFootprint(mesh, vertex_views, views));
-  std::ranges::replace(footprints, kUnseen, median);
+  const double median = MedianFootprint(mesh, vertex_views, views);
+  std::vector<float> footprints;
+  footprints.reserve(mesh.vertices.size());
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const double nearest =
+        NearestFootprint(mesh.vertices[i], vertex_views[i], views);
+    footprints.push_back(
+        static_cast<float>(std::isinf(nearest) ? median : nearest));
+  }
   return footprints;
 }
 
@@ -126,9 +121,16 @@ double MedianFootprint(const TriangleMesh& mesh,
                        const Rows<uint32_t>& vertex_views,
                        const std::vector<View>& views) {
   std::vector<double> footprints;
-  ForEachFootprint(mesh, vertex_views, views, [&](size_t, double footprint) {
-    footprints.push_back(footprint);
-  });
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    for (const uint32_t view_index : vertex_views[i]) {
+      const View& view = views[view_index];
+      const double depth =
+          view.CamFromWorld(mesh.vertices[i].cast<double>()).z();
+      if (depth > 0) {
+        footprints.push_back(depth / std::sqrt(view.fx * view.fy));
+      }
+    }
+  }
   return footprints.empty() ? 0 : Median(&footprints);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -35,9 +37,15 @@ Eigen::AlignedBox2d ImageBox(const View& view, double border = 0);
 double AreaInImage(const TriangleMesh& mesh, const Facet& facet,
                    const View& view);
 
-// What a pixel covers at each vertex in the view, of those that see it, that
-// has it nearest: [V] depth over focal length, scene units. The median where no
-// view sees the vertex, 0 where none sees any.
+// What a pixel covers at a point in the nearest of the views that see it: depth
+// over the larger focal length, scene units. Infinite where none sees it.
+// \param view_indices  < views.size()
+double NearestFootprint(const Eigen::Vector3f& point,
+                        std::span<const uint32_t> view_indices,
+                        const std::vector<View>& views);
+
+// NearestFootprint() of each vertex: [V] scene units; MedianFootprint() where
+// no view sees the vertex.
 // \param vertex_views [V] see VertexAttributes
 std::vector<float> Footprints(const TriangleMesh& mesh,
                               const Rows<uint32_t>& vertex_views,

@@ -41,8 +41,9 @@ void SplitAgain(FanSplit* surface) {
 // (there is no evidence of a surface) and those that the options exclude,
 // smooths it, and makes the remaining surface manifold again. Facets keep the
 // order of the input facets that they are parts of; vertices are in the order
-// of their use. \param report  gets the counts of what is dropped, copied and
-// split \return its sources are vertices of the tetrahedralization
+// of their use.
+// \param report  gets the counts of what is dropped, copied and split
+// \return its sources are vertices of the tetrahedralization
 FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
                         ExtractedSurface extracted, const SurfacePoints& points,
                         ManifoldMeshingReport* report) {

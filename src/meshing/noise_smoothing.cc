@@ -35,7 +35,8 @@ using Coefficients = Eigen::Matrix<double, kNumCoefficients, 1>;
 // and less exact, .05 the opposite.
 constexpr double kRelief = 0.04;
 
-// The noise lies within these bounds, in mean lengths of edges.
+// The noise lies within these bounds, in mean lengths of edges, which bounds
+// the condition of the equations. A choice.
 constexpr double kMinNoise = 1e-3;
 constexpr double kMaxNoise = 1;
 
@@ -43,8 +44,10 @@ constexpr double kMaxNoise = 1;
 // round has the lengths that the first one leaves.
 constexpr int kRounds = 2;
 
+// Of putting back; what still intersects is left to the repair. A choice.
 constexpr int kPutBackRounds = 4;
 
+// Far below the noise. A choice.
 constexpr SolverOptions kSolver{.tolerance = 1e-3, .max_iterations = 200};
 
 // The noise by the quadric z = q(x, y) over the plane that fits the points.
@@ -164,7 +167,6 @@ class Smoother {
         smoothness_(std::move(smoothness)) {}
 
   // The displacements that minimize the sum of both terms.
-  // \param motions  where to start from
   Values Minimize(const std::vector<Vector3f>& positions) const {
     Values values;
     values.reserve(3 * positions.size());
@@ -303,14 +305,9 @@ SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
       break;
     }
   }
-  double sum = 0;
   for (size_t i = 0; i < positions.size(); ++i) {
-    if (mesh->vertices[i] != positions[i]) {
-      ++report.num_moved;
-      sum += (mesh->vertices[i] - positions[i]).norm();
-    }
+    report.num_moved += mesh->vertices[i] != positions[i] ? 1 : 0;
   }
-  report.mean_motion = sum / std::max<double>(1, report.num_moved);
   return report;
 }
 

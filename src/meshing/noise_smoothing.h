@@ -20,8 +20,7 @@ std::vector<float> LocalNoise(std::span<const Eigen::Vector3f> points,
 // What SmoothByNoise() did.
 struct SmoothingReport {
   size_t num_moved = 0;  // vertices
-  size_t num_kept = 0;   // vertices that stay, as their facets would intersect
-  double mean_motion = 0;  // of the moved vertices, scene units
+  size_t num_kept = 0;   // vertices put back, as their facets would intersect
 };
 
 // Moves the vertices p of a mesh to the x that minimize

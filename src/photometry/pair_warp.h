@@ -23,7 +23,8 @@ struct Interpolated {
 };
 
 // Bicubic [Catmull1974], as bilinear interpolation blurs. Beyond the border,
-// the border pixels are repeated. \param u, v  pixel coordinates, px, see View.
+// the border pixels are repeated.
+// \param u, v  pixel coordinates, px, see View.
 // \pre (u, v) is not outside of the border pixels' centres
 Interpolated Interpolate(const GrayImage& image, double u, double v);
 

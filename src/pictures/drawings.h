@@ -20,7 +20,8 @@ Color ErrorColor(double error, double scale);
 double ErrorScale(std::vector<double> errors);
 
 // Draws a mesh in the colors of its vertices' errors, ErrorColor(), above a
-// color scale of 70 px height. Back sides of facets are red. \param colors  [V]
+// color scale of 70 px height. Back sides of facets are red.
+// \param colors  [V]
 // \param scale  error at the end of the scale, scene units
 ColorImage DrawErrors(const TriangleMesh& mesh,
                       const std::vector<Color>& colors, const View& view,

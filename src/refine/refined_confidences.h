@@ -17,8 +17,9 @@ namespace colmap_ext {
 // between two roofs, correlation is low all around, and refinement would only
 // add false relief. The correlation is taken from the surroundings of each
 // vertex (AverageOverSurroundings), so that edges and highlights have no
-// effect. \param terms [F] of the surface \param min_zncc  that the
-// surroundings need; -1 or less: none.
+// effect.
+// \param terms [F] of the surface
+// \param min_zncc  that the surroundings need; -1 or less: none.
 std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
                                      const VertexRings& rings,
                                      const PhotometricTerms& terms,

@@ -116,7 +116,9 @@ class GuardedMesh {
 // go half of the way to the mean of their neighbors, of which those that are
 // not among the vertices do not move. A vertex at a border goes to the mean of
 // its neighbors along the border; one with other than two such neighbors does
-// not move. \param vertices  ascending \pre indices are in range
+// not move.
+// \param vertices  ascending
+// \pre indices are in range
 VertexTargets Smoothed(const GuardedMesh& mesh,
                        const std::vector<uint32_t>& vertices, int num_rounds);
 

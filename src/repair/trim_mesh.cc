@@ -134,20 +134,23 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
   return is_dropped;
 }
 
-// Drops the pieces of what is left that were cut off and lie within a gap's
-// width of their border.
+// Counts the dropped regions. Drops the pieces of what is left that were cut
+// off and lie within a gap's width of their border, too.
 void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
                   TrimReport* report) {
   const std::vector<Facet>& facets = surface.mesh.facets;
   UnionFind pieces = JoinFacets(surface, *is_dropped);
+  for (uint32_t i = 0; i < facets.size(); ++i) {
+    report->num_regions += (*is_dropped)[i] != 0 && pieces.Find(i) == i;
+  }
   std::vector<uint8_t> is_border = MarkCorners(surface.mesh, *is_dropped);
+  for (size_t i = 0; i < is_border.size(); ++i) {
+    is_border[i] |= surface.rings.is_border[i];
+  }
   std::vector<uint8_t> is_cut(facets.size(), 0);  // [F] by representatives
   for (uint32_t half = 0; half < surface.partners.size(); ++half) {
     const uint32_t partner = surface.partners[half];
-    if (partner == kNone) {
-      is_border[FromVertex(facets, half)] = 1;
-      is_border[ToVertex(facets, half)] = 1;
-    } else if ((*is_dropped)[partner / 3] != 0) {
+    if (partner != kNone && (*is_dropped)[partner / 3] != 0) {
       is_cut[pieces.Find(half / 3)] = 1;
     }
   }
@@ -192,6 +195,22 @@ void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
   trimmed->from = Compose(trimmed->from, std::move(split.from));
 }
 
+// \param is_low [F]
+// \return whether anything was dropped
+bool Trim(const LinkedMesh& surface, const std::vector<uint8_t>& is_low,
+          TrimmedMesh* trimmed) {
+  std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
+  TrimReport& report = trimmed->report;
+  report.num_facets = CountMarked(is_dropped);
+  report.num_kept_facets = CountMarked(is_low) - report.num_facets;
+  if (report.num_facets == 0) {
+    return false;
+  }
+  AddLeftovers(surface, &is_dropped, &report);
+  Drop(surface, is_dropped, trimmed);
+  return true;
+}
+
 }  // namespace
 
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
@@ -202,25 +221,12 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   for (const float confidence : facet_confidences) {
     is_low.push_back(confidence < min_confidence);
   }
-  const size_t num_low = CountMarked(is_low);
-  if (num_low > 0) {
-    const LinkedMesh surface{mesh, gap_widths, MakeVertexRings(mesh),
-                             PairHalfEdges(mesh.facets)};
-    std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
-    TrimReport& report = trimmed.report;
-    report.num_facets = CountMarked(is_dropped);
-    report.num_kept_facets = num_low - report.num_facets;
-    if (report.num_facets > 0) {
-      UnionFind regions = JoinFacets(surface, is_dropped);
-      for (uint32_t i = 0; i < is_dropped.size(); ++i) {
-        report.num_regions += is_dropped[i] != 0 && regions.Find(i) == i;
-      }
-      AddLeftovers(surface, &is_dropped, &report);
-      Drop(surface, is_dropped, &trimmed);
-      return trimmed;
-    }
+  if (CountMarked(is_low) == 0 ||
+      !Trim(
+          {mesh, gap_widths, MakeVertexRings(mesh), PairHalfEdges(mesh.facets)},
+          is_low, &trimmed)) {
+    trimmed.mesh = std::move(mesh);
   }
-  trimmed.mesh = std::move(mesh);
   return trimmed;
 }
 

@@ -22,12 +22,16 @@ std::vector<uint32_t> AllFacets(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet) {
+Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, const Facet& facet) {
   Eigen::AlignedBox3f box;
-  for (const uint32_t vertex : mesh.facets[facet]) {
+  for (const uint32_t vertex : facet) {
     box.extend(mesh.vertices[vertex]);
   }
   return box;
+}
+
+Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet) {
+  return BoxOf(mesh, mesh.facets[facet]);
 }
 
 FacetTree::FacetTree(const TriangleMesh& mesh)

@@ -12,6 +12,7 @@ namespace colmap_ext {
 
 // The bounding box of a facet.
 // \pre its indices are in range
+Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, const Facet& facet);
 Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet);
 
 // A balanced tree of bounding boxes over the facets of a mesh, to find facets

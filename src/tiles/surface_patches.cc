@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "spatial/facet_tree.h"
 #include "tiles/tile_cells.h"
 
 namespace colmap_ext {

@@ -72,7 +72,8 @@ SurfacePart GatherSurface(const SurfaceStore& store,
                           const AcceptBox& accept);
 
 // What a job's work makes of a part, as the patch of a tile. Facets all of
-// whose corners are fixed are not removed. \param fixed  of the part before
+// whose corners are fixed are not removed.
+// \param fixed  of the part before
 // \param after  the part's mesh after the work
 // \param attributes  of its vertices
 // \param sources [V after] the vertex before, where it is fixed, or kNone;

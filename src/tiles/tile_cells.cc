@@ -1,4 +1,5 @@
 #include "tiles/tile_cells.h"
+#include "spatial/facet_tree.h"
 
 #include <algorithm>
 #include <set>
@@ -16,14 +17,6 @@ uint32_t CellOf(const TileCells& cells, const Eigen::Vector3f& point) {
 
 Eigen::AlignedBox3f GrowBox(const Eigen::AlignedBox3f& box, float margin) {
   return {box.min().array() - margin, box.max().array() + margin};
-}
-
-Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, const Facet& facet) {
-  Eigen::AlignedBox3f box;
-  for (const uint32_t vertex : facet) {
-    box.extend(mesh.vertices[vertex]);
-  }
-  return box;
 }
 
 std::vector<uint32_t> ColorTiles(const TileCells& cells,

@@ -47,9 +47,6 @@ uint32_t CellOf(const TileCells& cells, const Eigen::Vector3f& point);
 
 Eigen::AlignedBox3f GrowBox(const Eigen::AlignedBox3f& box, float margin);
 
-// The box of a facet's corners.
-Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, const Facet& facet);
-
 // Gives tiles colours such that no facet's box comes near the cells of two
 // tiles of one colour: tiles of one colour can be worked on at once. Greedy, in
 // the tiles' order.

@@ -56,8 +56,8 @@ Crop CropAround(const View& view, const GrayImage& image,
 }
 
 // Sets the pixels that show the facet as centers; for a facet that is too
-// small, the middle pixel, unless it is occluded. \param depth  of the facet,
-// scene units
+// small, the middle pixel, unless it is occluded.
+// \param depth  of the facet, scene units
 void SetCenters(const FacetIdBuffer& drawn, uint32_t facet, double depth,
                 int radius, CorrelationTile* tile) {
   constexpr double kHidden = 1.01;  // of its inverse depth; chosen by hand

@@ -65,8 +65,8 @@ OrbitCamera FirstCamera(const ShownMesh& mesh, int width, int height);
 Eigen::Vector3d Upwards(const std::vector<View>& cameras, const View& view);
 
 // Corners of an image on a plane in front of its camera: upper left, upper
-// right, lower left, lower right; world frame, scene units. \param depth  of
-// the plane, scene units
+// right, lower left, lower right; world frame, scene units.
+// \param depth  of the plane, scene units
 std::array<Eigen::Vector3d, 4> ImageCorners(const View& view, double depth);
 
 // Ends of the lines that show cameras, [2 L], world frame.

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh/topology.h"
+#include "spatial/facet_tree.h"
 #include "tests/mesh/shapes.h"
 #include "tiles/tile_cells.h"
 
