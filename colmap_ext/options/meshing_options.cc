@@ -55,9 +55,9 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                      "Remove faces with a lower confidence; 0.2 removes "
                      "membranes that span sky or openings. 0: keep all");
   options->AddNumber(ours + "close_holes", &meshing->borders.close_holes,
-                     kCountOrMinusOne,
-                     "[edges] Close holes with up to this many edges; -1: all, "
-                     "0: none");
+                     {0, kNoLimit, kAllLoops},
+                     "[px] Close holes up to this wide in the view that sees "
+                     "them best; 0: none, -1: all, even the outer border");
   options->AddNumber(ours + "min_component_faces",
                      &meshing->min_component_faces, {0},
                      "[faces] Remove components with fewer faces");

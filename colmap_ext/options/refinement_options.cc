@@ -124,9 +124,9 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
                      "much");
   options->AddAlias(ours + "trim", ours + "min_confidence");
   options->AddNumber(ours + "close_holes", &refinement->borders.close_holes,
-                     kCountOrMinusOne,
-                     "[edges] Close holes with up to this many edges; -1: all, "
-                     "0: none");
+                     {0, kNoLimit, kAllLoops},
+                     "[px] Close holes up to this wide in the view that sees "
+                     "them best; 0: none, -1: all, even the outer border");
   options->Add(ours + "skip_missing_images", &refiner->skip_missing_images,
                "Continue without images that are missing, unreadable, or not "
                "of their camera's size");

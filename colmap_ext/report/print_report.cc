@@ -190,7 +190,7 @@ void PrintReport(const BorderReport& report, ReportLog* log) {
   PrintIfAny("faces trimmed", report.trim.num_facets, log);
   PrintIfAny("  not confident, in small gaps, kept",
              report.trim.num_kept_facets, log);
-  PrintIfAny("  cut off, dropped with them", report.trim.num_leftover_facets,
+  PrintIfAny("  small or cut off, dropped", report.trim.num_leftover_facets,
              log);
   PrintIfAny("holes closed", report.holes.num_closed, log);
   PrintIfAny("  by faces", report.holes.num_facets, log);

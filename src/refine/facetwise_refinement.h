@@ -70,9 +70,9 @@ struct FacetwiseRefinementOptions {
   // (docs/method.md, section 7.7).
   CameraRefinementOptions cameras;
 
-  // Trimming of the result, and closing of its holes. A facet is about a window
-  // wide; four rings decide about gaps of a dozen windows' width.
-  BorderOptions borders;
+  // Trimming of the result, and closing of its holes. What a trimming leaves
+  // open is wider than twice its gap width.
+  BorderOptions borders{.close_holes = 64};
 
   // Parts that leave the region are clipped in the final step. nullopt: no
   // clipping.

@@ -42,8 +42,10 @@ std::vector<float> PointConfidences(const TriangleMesh& mesh,
 // (docs/method.md, section 7.6). With t the share of texture in the pixels that
 // are compared on the facets at the vertex, sum of w / number of pixels, and Z
 // their mean correlation, it is
-//   (1 - t) before + t max(0, Z):
-// what the images can not tell leaves the confidence as it was.
+//   before + t max(0, Z - before):
+// images confirm what points do not, such as glossy paint. Where points confirm
+// what images do not, such as leaves, which look different from everywhere, the
+// confidence stays.
 // \param before [V] without the images, in [0, 1]; empty: 0 everywhere
 // \param terms  of the mesh
 std::vector<float> RefinedConfidences(const TriangleMesh& mesh,

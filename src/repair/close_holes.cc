@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numbers>
+#include <queue>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Core>
 
 #include "mesh/adjacency.h"
+#include "mesh/normals.h"
 #include "repair/fill_loops.h"
 #include "spatial/self_intersections.h"
 
@@ -38,6 +44,72 @@ std::vector<BorderLoop> FindLoops(const TriangleMesh& mesh) {
     }
   }
   return loops;
+}
+
+// [V] By how much a border turns at each of its vertices, seen along the
+// surface: pi less the angles of the facets there, radians.
+std::vector<double> Turns(const TriangleMesh& mesh) {
+  std::vector<double> turns(mesh.vertices.size(), std::numbers::pi);
+  for (const Facet& facet : mesh.facets) {
+    for (uint32_t k = 0; k < 3; ++k) {
+      turns[facet[k]] -= AngleVector(mesh, facet, k).norm();
+    }
+  }
+  return turns;
+}
+
+// Whether the surface lies around a loop and not within: the turns add up to -2
+// pi around a hole in a plane, to 2 pi around a disk.
+bool IsHole(const std::vector<double>& turns, const BorderLoop& loop) {
+  double sum = 0;
+  for (const uint32_t vertex : loop) {
+    sum += turns[vertex];
+  }
+  return sum < 0;
+}
+
+// Whether a loop is no wider than so many pixels. Its width is the longest
+// chord if one vertex after the other is cut off, that with the shortest chord
+// first, until three are left: about the width of a slit, and the diameter of a
+// round hole.
+// \param footprints [V] scene units a pixel
+bool IsNarrow(const TriangleMesh& mesh, std::span<const float> footprints,
+              double max_width, const BorderLoop& loop) {
+  const auto size = static_cast<uint32_t>(loop.size());
+  std::vector<uint32_t> before(size);
+  std::vector<uint32_t> after(size);
+  // Pixels, and what the chord cuts off, begins and ends at.
+  using Chord = std::tuple<double, uint32_t, uint32_t, uint32_t>;
+  std::priority_queue<Chord, std::vector<Chord>, std::greater<>> chords;
+  const auto add = [&](uint32_t i) {
+    const uint32_t a = loop[before[i]];
+    const uint32_t b = loop[after[i]];
+    chords.emplace((mesh.vertices[a] - mesh.vertices[b]).norm() * 2 /
+                       (footprints[a] + footprints[b]),
+                   i, before[i], after[i]);
+  };
+  for (uint32_t i = 0; i < size; ++i) {
+    before[i] = (i + size - 1) % size;
+    after[i] = (i + 1) % size;
+    add(i);
+  }
+  for (uint32_t num_left = size; num_left > 3;) {
+    const auto [length, i, a, b] = chords.top();
+    chords.pop();
+    if (before[i] != a || after[i] != b) {
+      continue;  // It has been cut off, or a neighbor has.
+    }
+    if (length > max_width) {
+      return false;
+    }
+    before[i] = kNone;
+    after[a] = b;
+    before[b] = a;
+    add(a);
+    add(b);
+    --num_left;
+  }
+  return true;
 }
 
 // A mesh with fillings behind its own facets.
@@ -233,13 +305,17 @@ class HoleCloser {
 
 }  // namespace
 
-HoleReport CloseHoles(int max_edges, Surface* surface) {
-  std::vector<BorderLoop> loops;
-  if (max_edges != 0) {
-    loops = FindLoops(surface->mesh);
-    std::erase_if(loops, [max_edges](const BorderLoop& loop) {
-      return max_edges != kAllLoops &&
-             loop.size() > static_cast<size_t>(max_edges);
+HoleReport CloseHoles(double max_width, std::span<const float> footprints,
+                      Surface* surface) {
+  if (max_width == 0) {
+    return {};
+  }
+  std::vector<BorderLoop> loops = FindLoops(surface->mesh);
+  if (max_width != kAllLoops) {
+    const std::vector<double> turns = Turns(surface->mesh);
+    std::erase_if(loops, [&](const BorderLoop& loop) {
+      return !IsHole(turns, loop) ||
+             !IsNarrow(surface->mesh, footprints, max_width, loop);
     });
   }
   return loops.empty() ? HoleReport()

@@ -139,7 +139,11 @@ Provenance EditBorders(const BorderOptions& options,
           "no face is confident enough: a lower trim drops less");
     }
   }
-  report->holes = CloseHoles(options.close_holes, surface);
+  if (options.close_holes != 0) {
+    report->holes = CloseHoles(
+        options.close_holes,
+        Footprints(surface->mesh, surface->attributes.views, views), surface);
+  }
   from.vertices.resize(surface->mesh.vertices.size(), {kNone, kNone});
   from.facets.resize(surface->mesh.facets.size(), kNone);
   return from;

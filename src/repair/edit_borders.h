@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mesh/surface.h"
@@ -31,7 +32,8 @@ struct TrimmedMesh : DerivedMesh {  // manifold, its facets in their order
 // taken away again. So a gap between two confident sides is kept if it is
 // narrower than two gap widths, a membrane is not, and nothing is added along
 // the outer border. Pieces that this cuts off and that lie within the gap width
-// of their own border are dropped, too. The borders that this opens are
+// of their own border are dropped, too, and so are pieces smaller than a disk
+// of the gap width, but for the largest. The borders that this opens are
 // smoothed along themselves; no other vertex moves. Where nothing is dropped
 // the mesh is not changed.
 //
@@ -43,7 +45,7 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
                      const std::vector<float>& gap_widths);
 
-inline constexpr int kAllLoops = -1;
+inline constexpr double kAllLoops = -1;
 
 // What the closing of holes did.
 struct HoleReport {
@@ -57,15 +59,18 @@ struct HoleReport {
   size_t NumLeft() const { return num_loops - num_closed; }
 };
 
-// Closes the holes of a mesh (docs/method.md, section 3.9): border loops of up
-// to max_edges edges. A loop is filled by small facets bent as the surface
-// around it, or else, where these would intersect others or not be manifold, by
-// flatter ones. New vertices have the confidence 0 if the old ones have any, no
-// views, and colours by the inverse squared distances from the vertices of the
-// loop. Old vertices and facets stay as they are, before the new ones.
-// \param max_edges  0: none, kAllLoops: all
+// Closes the holes of a mesh (docs/method.md, section 3.9): border loops that
+// the surface lies around and that are no wider than max_width. A loop is
+// filled by small facets bent as the surface around it, or else, where these
+// would intersect others or not be manifold, by flatter ones. New vertices have
+// the confidence 0 if the old ones have any, no views, and colours by the
+// inverse squared distances from the vertices of the loop. Old vertices and
+// facets stay as they are, before the new ones.
+// \param max_width  px; 0: none are closed, kAllLoops: all border loops
+// \param footprints [V] scene units a pixel, positive; of no use for kAllLoops
 // \pre the mesh is manifold
-HoleReport CloseHoles(int max_edges, Surface* surface);
+HoleReport CloseHoles(double max_width, std::span<const float> footprints,
+                      Surface* surface);
 
 // Smooths borders along themselves: a vertex where two of the given half-edges
 // meet, and no other border, moves halfway to the middle of its two neighbors
@@ -81,9 +86,9 @@ struct BorderOptions {
   // none.
   double trim = 0;
 
-  // Border loops of up to as many edges are closed, see CloseHoles(); 0 none,
-  // kAllLoops all.
-  int close_holes = 0;
+  // Holes of up to this width are closed, px, see CloseHoles(); 0: none,
+  // kAllLoops: all.
+  double close_holes = 0;
 
   // The gap width of TrimMesh(), in pixels of the view that sees a vertex best.
   // Not negative.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <queue>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
 #include "mesh/manifold_repair.h"
+#include "mesh/normals.h"
 
 namespace colmap_ext {
 namespace {
@@ -134,8 +136,17 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
   return is_dropped;
 }
 
-// Counts the dropped regions. Drops the pieces of what is left that were cut
-// off and lie within a gap's width of their border, too.
+// The area of a facet, in squares of the gap width.
+double SizeInGaps(const LinkedMesh& surface, const Facet& facet) {
+  double width = 0;
+  for (const uint32_t vertex : facet) {
+    width += surface.gap_widths[vertex] / 3.0;
+  }
+  return AreaVector(surface.mesh, facet).norm() / 2 / (width * width);
+}
+
+// Counts the dropped regions. Of what is left, drops the small pieces and those
+// that were cut off and lie within a gap's width of their border, too.
 void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
                   TrimReport* report) {
   const std::vector<Facet>& facets = surface.mesh.facets;
@@ -147,21 +158,31 @@ void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
   for (size_t i = 0; i < is_border.size(); ++i) {
     is_border[i] |= surface.rings.is_border[i];
   }
-  std::vector<uint8_t> is_cut(facets.size(), 0);  // [F] by representatives
-  for (uint32_t half = 0; half < surface.partners.size(); ++half) {
-    const uint32_t partner = surface.partners[half];
-    if (partner != kNone && (*is_dropped)[partner / 3] != 0) {
-      is_cut[pieces.Find(half / 3)] = 1;
-    }
-  }
   const std::vector<float> distances = Distances(surface, is_border);
-  std::vector<uint8_t> is_wide(facets.size(), 0);  // [F] by representatives
+  // [F] by representatives
+  std::vector<uint8_t> is_cut(facets.size(), 0);
+  std::vector<uint8_t> is_wide(facets.size(), 0);
+  std::vector<double> sizes(facets.size(), 0);  // squares of the gap width
+  double largest = 0;
   for (uint32_t i = 0; i < facets.size(); ++i) {
-    is_wide[pieces.Find(i)] |= !IsReached(distances, facets[i]);
+    if ((*is_dropped)[i] != 0) {
+      continue;
+    }
+    const uint32_t piece = pieces.Find(i);
+    for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
+      const uint32_t partner = surface.partners[half];
+      is_cut[piece] |= partner != kNone && (*is_dropped)[partner / 3] != 0;
+    }
+    is_wide[piece] |= !IsReached(distances, facets[i]);
+    sizes[piece] += SizeInGaps(surface, facets[i]);
+    largest = std::max(largest, sizes[piece]);
   }
+  const double min_size = std::min(std::numbers::pi, largest);  // of a disk
   for (uint32_t i = 0; i < facets.size(); ++i) {
     const uint32_t piece = pieces.Find(i);
-    if ((*is_dropped)[i] == 0 && is_cut[piece] != 0 && is_wide[piece] == 0) {
+    if ((*is_dropped)[i] == 0 &&
+        (sizes[piece] < min_size ||
+         (is_cut[piece] != 0 && is_wide[piece] == 0))) {
       report->num_leftovers += piece == i;
       ++report->num_leftover_facets;
       (*is_dropped)[i] = 1;
@@ -203,10 +224,10 @@ bool Trim(const LinkedMesh& surface, const std::vector<uint8_t>& is_low,
   TrimReport& report = trimmed->report;
   report.num_facets = CountMarked(is_dropped);
   report.num_kept_facets = CountMarked(is_low) - report.num_facets;
-  if (report.num_facets == 0) {
+  AddLeftovers(surface, &is_dropped, &report);
+  if (CountMarked(is_dropped) == 0) {
     return false;
   }
-  AddLeftovers(surface, &is_dropped, &report);
   Drop(surface, is_dropped, trimmed);
   return true;
 }
@@ -221,10 +242,9 @@ TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
   for (const float confidence : facet_confidences) {
     is_low.push_back(confidence < min_confidence);
   }
-  if (CountMarked(is_low) == 0 ||
-      !Trim(
-          {mesh, gap_widths, MakeVertexRings(mesh), PairHalfEdges(mesh.facets)},
-          is_low, &trimmed)) {
+  if (!(min_confidence > 0) || !Trim({mesh, gap_widths, MakeVertexRings(mesh),
+                                      PairHalfEdges(mesh.facets)},
+                                     is_low, &trimmed)) {
     trimmed.mesh = std::move(mesh);
   }
   return trimmed;

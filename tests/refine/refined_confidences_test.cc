@@ -185,11 +185,16 @@ std::vector<float> Confidences(const PhotometricTerms& terms,
 }
 
 TEST(RefinedConfidences, IsTheCorrelationWhereThereIsTexture) {
-  for (const double correlation : {0.3, 0.8, 0.99}) {
+  for (const double correlation : {0.6, 0.8, 0.99}) {
     ExpectAll(Confidences(MakeTerms(kMesh, correlation, 1), kHalf),
               correlation);
   }
-  ExpectAll(Confidences(MakeTerms(kMesh, -0.5, 1), kHalf), 0);
+}
+
+TEST(RefinedConfidences, StaysWhereOnlyPointsConfirm) {
+  ExpectAll(Confidences(MakeTerms(kMesh, 0.3, 1), kHalf), 0.5);
+  ExpectAll(Confidences(MakeTerms(kMesh, -0.5, 1), kHalf), 0.5);
+  ExpectAll(Confidences(MakeTerms(kMesh, -0.5, 1), {}), 0);
 }
 
 TEST(RefinedConfidences, IsTheInputsWhereThereIsNoTexture) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
@@ -32,7 +33,7 @@ class EditBordersTest : public testing::Test {
     BorderReport report;
   };
 
-  Edited Edit(double trim, int close_holes) {
+  Edited Edit(double trim, double close_holes) {
     Edited edited{{mesh_, attributes_}, {}, {}};
     edited.from = EditBorders({trim, close_holes}, confidences_, {}, &edited,
                               &edited.report);
@@ -115,9 +116,11 @@ struct Closed : Surface {
 };
 
 // What was there stays; what is new is known to be.
-Closed Close(int max_edges, const TriangleMesh& mesh) {
+Closed Close(double max_width, const TriangleMesh& mesh,
+             float footprint = 0.01f) {
   Closed closed{{mesh, MakeAttributes(mesh), mesh.vertices}, {}};
-  closed.report = CloseHoles(max_edges, &closed);
+  closed.report = CloseHoles(
+      max_width, std::vector<float>(mesh.vertices.size(), footprint), &closed);
   EXPECT_EQ(closed.origins, closed.mesh.vertices);
   EXPECT_EQ(Analyze(closed.mesh).Defects(), "");
   const size_t num_vertices = mesh.vertices.size();
@@ -164,15 +167,48 @@ TEST(CloseHoles, ASphereWithHolesIsASphereAgain) {
   }
 }
 
-TEST(CloseHoles, ClosesNoneThatAreLonger) {
+TEST(CloseHoles, ClosesThoseUpToAWidthInPixels) {
+  // About 0.6 to 0.9 wide: 0.3 around a point, and the facets there.
   const TriangleMesh mesh = HoledSphere({kSixSides[0]}, 0.3f);
-  const size_t num_edges = Analyze(mesh).num_border_edges;
-  for (const int max_edges : {0, 2, static_cast<int>(num_edges) - 1}) {
-    const Closed closed = Close(max_edges, mesh);
+  for (const double max_width : {0.0, 1.0, 50.0}) {
+    const Closed closed = Close(max_width, mesh);
     EXPECT_EQ(closed.mesh.facets, mesh.facets);
     EXPECT_EQ(closed.report.num_loops, 0);
   }
-  EXPECT_EQ(Close(static_cast<int>(num_edges), mesh).report.num_closed, 1);
+  EXPECT_EQ(Close(100, mesh).report.num_closed, 1);
+  EXPECT_EQ(Close(50, mesh, 0.02f).report.num_closed, 1);
+}
+
+// A square of 1 x 1 in small facets, without those whose middle is in a box.
+TriangleMesh SquareWithout(const Eigen::AlignedBox2f& box) {
+  Random random(1);
+  TriangleMesh mesh = MakeJitteredSquare(40, &random);
+  std::erase_if(mesh.facets, [&](const Facet& facet) {
+    const auto [a, b, c] = CornersOf(mesh, facet);
+    return box.contains(((a + b + c) / 3).head<2>());
+  });
+  return SplitFans(mesh).mesh;
+}
+
+TEST(CloseHoles, LongSlitsAreAsWideAsTheyAreAcross) {
+  const TriangleMesh slit = SquareWithout(
+      {Eigen::Vector2f(0.1f, 0.5f), Eigen::Vector2f(0.9f, 0.56f)});
+  ASSERT_EQ(Analyze(slit).num_border_loops, 2);
+  const Closed closed = Close(25, slit);
+  EXPECT_EQ(closed.report.num_closed, 1);
+  EXPECT_EQ(Analyze(closed.mesh).num_border_loops, 1);
+  const TriangleMesh hole =
+      SquareWithout({Eigen::Vector2f(0.3f, 0.3f), Eigen::Vector2f(0.7f, 0.7f)});
+  EXPECT_EQ(Close(25, hole).report.num_loops, 0);
+  EXPECT_EQ(Close(80, hole).report.num_closed, 1);
+}
+
+TEST(CloseHoles, LeavesTheOuterBorder) {
+  const TriangleMesh strip =
+      SquareWithout({Eigen::Vector2f(0, 0.2f), Eigen::Vector2f(1, 1)});
+  for (const double max_width : {40.0, 1000.0}) {
+    EXPECT_EQ(Close(max_width, strip).report.num_loops, 0);
+  }
 }
 
 TEST(CloseHoles, LeavesClosedMeshesAsTheyAre) {
@@ -183,7 +219,7 @@ TEST(CloseHoles, LeavesClosedMeshesAsTheyAre) {
 TEST(CloseHoles, GoesWithoutColoursAndConfidences) {
   const TriangleMesh mesh = HoledSphere(kSixSides, 0.4f);
   Surface closed{mesh, {{}, Rows<uint32_t>(mesh.vertices.size())}};
-  CloseHoles(kAllLoops, &closed);
+  CloseHoles(kAllLoops, {}, &closed);
   EXPECT_TRUE(closed.attributes.colors.empty());
   EXPECT_TRUE(closed.attributes.confidences.empty());
   EXPECT_EQ(closed.attributes.views.size(), closed.mesh.vertices.size());

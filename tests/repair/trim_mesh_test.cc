@@ -178,6 +178,27 @@ TEST(TrimMesh, KeepsPiecesThatAreMoreThanBorder) {
   EXPECT_EQ(Analyze(trimmed.mesh).num_components, 2);
 }
 
+TEST(TrimMesh, DropsSmallPiecesButTheLargest) {
+  TriangleMesh mesh = MakeBumpySphere(0.2f);
+  const size_t num_facets = mesh.facets.size();
+  const auto shift = static_cast<uint32_t>(mesh.vertices.size());
+  for (uint32_t i = 0; i < shift; ++i) {
+    mesh.vertices.push_back(mesh.vertices[i] / 5 + Eigen::Vector3f(3, 0, 0));
+  }
+  for (size_t i = 0; i < num_facets; ++i) {
+    Facet facet = mesh.facets[i];
+    for (uint32_t& vertex : facet) {
+      vertex += shift;
+    }
+    mesh.facets.push_back(facet);
+  }
+  const std::vector<float> confidences(mesh.facets.size(), 1);
+  // The smaller sphere has the area of a disk of the radius 0.4.
+  EXPECT_EQ(Trim(mesh, confidences, 0.3f).mesh, mesh);
+  EXPECT_EQ(Trim(mesh, confidences, 0.6f).mesh.facets.size(), num_facets);
+  EXPECT_EQ(Trim(mesh, confidences, 10).mesh.facets.size(), num_facets);
+}
+
 TEST(TrimMesh, DropsEverythingWhereNothingIsConfident) {
   for (const TriangleMesh& mesh : {MakeBumpyCap(0.2f), MakeBumpySphere(0.2f)}) {
     const TrimmedMesh trimmed =
