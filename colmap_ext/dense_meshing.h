@@ -37,6 +37,7 @@ struct DenseMeshingRequest {
   int mesher = 0;  // COLMAP's: 0 Poisson, 1 Delaunay, 2 advancing front
   bool is_manifold = false;  // the mesher is ours
   bool is_refined = false;
+  int quality = 2;  // COLMAP's: 0 low, 1 medium, 2 high, 3 extreme
   int num_threads = -1;
 };
 
@@ -63,6 +64,8 @@ inline void FinishDenseWorkspaces(const DenseMeshingRequest& request) {
   };
   const std::string threads = std::to_string(request.num_threads);
   const char* const names[] = {"poisson", "delaunay", "advancing-front"};
+  const char* const qualities[] = {"low", "medium", "high", "extreme"};
+  const std::string quality = qualities[request.quality];
   for (size_t i = 0; i < request.num_workspaces; ++i) {
     const std::string path =
         request.workspace_path + "/dense/" + std::to_string(i);
@@ -75,12 +78,12 @@ inline void FinishDenseWorkspaces(const DenseMeshingRequest& request) {
       continue;
     }
     if (request.is_manifold && !exists(mesh_path)) {
-      run({"delaunay_manifold_mesher", "--workspace_path", path,
-           "--DelaunayManifoldMeshing.num_threads", threads});
+      run({"delaunay_manifold_mesher", "--workspace_path", path, "--quality",
+           quality, "--DelaunayManifoldMeshing.num_threads", threads});
     }
     if (request.is_refined && exists(mesh_path) && !exists(refined_path)) {
       run({"facetwise_refiner", "--workspace_path", path, "--input_path",
-           mesh_path, "--output_path", refined_path,
+           mesh_path, "--output_path", refined_path, "--quality", quality,
            "--FacetwiseRefinement.num_threads", threads});
     }
   }

@@ -98,6 +98,7 @@ function(colmap_ext_patch_controller source)
       request.mesher = static_cast<int>(options_.mesher);
       request.is_manifold = options_.mesher == Mesher::DELAUNAY_MANIFOLD;
       request.is_refined = options_.refine_mesh;
+      request.quality = static_cast<int>(options_.quality);
       request.num_threads = options_.num_threads;
       colmap_ext::FinishDenseWorkspaces(request);
     }\n")

@@ -247,12 +247,19 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
 void ReadPictures(const RefinerOptions& options, const fs::path& images_path,
                   const ReadGrayImage& read_mask, const PictureDecoder& decoder,
                   RefinementInput* input) {
-  if (read_mask) {
-    input->masks = MaskCloud(read_mask, input->views, &input->points);
+  const std::vector<View> views = input->views;
+  for (View& view : input->views) {
+    view = ViewAtScale(view, options.image_scale);
+  }
+  const ReadGrayImage masks = ResizedMasks(read_mask, input->views);
+  if (masks) {
+    input->masks = MaskCloud(masks, input->views, &input->points);
   }
   input->images = std::make_shared<ImagePyramid>(
-      input->views, PictureReader(images_path, input->views, decoder),
-      options.MaxImageMemory(), read_mask, options.MaxMemoryLentToImages());
+      input->views,
+      ResizedImages(PictureReader(images_path, views, decoder), views,
+                    input->views),
+      options.MaxImageMemory(), masks, options.MaxMemoryLentToImages());
   FindUnreadable([input](size_t view) { input->images->Image(view); },
                  &input->picture_errors);
   if (!options.skip_missing_images) {

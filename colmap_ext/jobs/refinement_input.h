@@ -79,9 +79,10 @@ struct RefinementInput {
   std::optional<ManifoldRepair> repair;  // of the mesh, without its arrays
 };
 
-// Opens the pictures of the input's views, and reads each once to see that it
-// can be read; takes masked observations and unusable pictures from the points.
-// \param read_mask  of the views; empty: no masks
+// Scales the input's views by image_scale, opens their pictures, and reads each
+// once to see that it can be read; takes masked observations and unusable
+// pictures from the points.
+// \param read_mask  of the views before, in full; empty: no masks
 // \throw FileError if a picture can not be used, unless such are skipped
 void ReadPictures(const RefinerOptions& options,
                   const std::filesystem::path& images_path,

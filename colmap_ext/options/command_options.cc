@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <sstream>
 #include <type_traits>
 
@@ -162,6 +163,24 @@ void CommandOptions::AddChoice(const std::string& name,
              }
              return it != words.end();
            }});
+}
+
+void CommandOptions::AddPreset(
+    const std::string& name,
+    const std::vector<std::pair<const char*, std::function<void()>>>& words,
+    size_t chosen, const std::string& help) {
+  std::vector<Word> names;
+  for (const auto& [word, set_values] : words) {
+    names.push_back({word, true});
+  }
+  const auto index = std::make_shared<size_t>(chosen);
+  AddChoice(
+      name, names, [index] { return *index; },
+      [index, words](size_t i) {
+        *index = i;
+        words[i].second();
+      },
+      help);
 }
 
 std::vector<double> ParseNumberList(const std::string& option,

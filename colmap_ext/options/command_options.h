@@ -119,6 +119,15 @@ class CommandOptions {
         [=](size_t i) { *value = words[i].second; }, help);
   }
 
+  // Adds a choice of words that set the values of options added later, unless
+  // these are given, too.
+  // \param words  each with what sets the values
+  // \param chosen  index of the word whose values the options have already
+  void AddPreset(
+      const std::string& name,
+      const std::vector<std::pair<const char*, std::function<void()>>>& words,
+      size_t chosen, const std::string& help);
+
   // Adds another name of an option. What is unknown in a section that has only
   // aliases is ignored, not refused.
   // \param is_used  has to outlive the parsing, or is nullptr.

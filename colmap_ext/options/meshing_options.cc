@@ -40,6 +40,14 @@ void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
 void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
   const std::string ours = kMeshingSection;
   ManifoldMeshingOptions* const meshing = &mesher->meshing;
+  options->AddPreset("quality",
+                     {{"low", [=] { meshing->max_proj_dist = 40; }},
+                      {"medium", [=] { meshing->max_proj_dist = 28; }},
+                      {"high", [] {}},
+                      {"extreme", [=] { meshing->max_proj_dist = 10; }}},
+                     2,
+                     "Preset of max_proj_dist, which has priority where it is "
+                     "given: 40, 28, 20, 10 px");
   options->AddNumber(ours + "max_proj_dist", &meshing->max_proj_dist,
                      kNotNegative,
                      "[px] Merge points closer than this in an image; higher "

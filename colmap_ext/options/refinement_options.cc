@@ -98,6 +98,24 @@ constexpr const char* kRefinementSection = "FacetwiseRefinement.";
 void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
   const std::string ours = kRefinementSection;
   FacetwiseRefinementOptions* const refinement = &refiner->refinement;
+  options->AddPreset(
+      "quality",
+      {{"low", [=] { refiner->image_scale = 0.5; }},
+       {"medium", [=] { refiner->image_scale = 0.7; }},
+       {"high", [] {}},
+       {"extreme",
+        [=] {
+          refinement->pairs_per_image = 8;
+          refinement->iterations = 20;
+          refinement->labeling.final_pairs_per_facet = 54;
+        }}},
+      2,
+      "Preset of image_scale, pairs_per_image, iterations and "
+      "final_pairs_per_face; what is given besides has priority. low takes a "
+      "quarter of the time of high");
+  options->AddNumber(ours + "image_scale", &refiner->image_scale, {0.05, 1},
+                     "Scale of the images that are compared: 0.5 is half the "
+                     "width and height, and a quarter of the time");
   options->AddNumber(ours + "levels", &refinement->levels, {1, 8},
                      "[levels] Image sizes, coarse to fine; 3: a quarter, half "
                      "and full size");

@@ -38,6 +38,7 @@ struct RefinerOptions {
 
   FacetwiseRefinementOptions refinement;
   double min_confidence = kAutoTrim;  // BorderOptions::trim
+  double image_scale = 1;             // of the images that are compared
   int window = 5;                     // px
   Backend backend = Backend::kAuto;
   std::optional<ImageOrderKind> image_order;   // see WorkspaceOptions

@@ -196,7 +196,7 @@ void PrintReport(const BorderReport& report, ReportLog* log) {
   PrintIfAny("  by faces", report.holes.num_facets, log);
   PrintIfAny("  by faces that intersect others", report.holes.num_intersecting,
              log);
-  PrintIfAny("holes left, would not be manifold", report.holes.NumLeft(), log);
+  PrintIfAny("holes left open", report.holes.NumLeft(), log);
 }
 
 void PrintReport(const MaskReport& report, ReportLog* log) {

@@ -1,6 +1,7 @@
 #include "photometry/image_pyramid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -36,12 +37,51 @@ GrayImage ResizeMask(const GrayImage& mask, int width, int height) {
   return resized;
 }
 
+// \throw std::runtime_error if the image is not of its view's size
+void ExpectSize(const GrayImage& image, const View& view) {
+  if (image.width != view.width || image.height != view.height) {
+    throw std::runtime_error("the image " + view.name +
+                             " is not of the size that it had");
+  }
+}
+
 }  // namespace
 
 View ViewAtLevel(const View& view, int level) {
   const int divisor = 1 << level;
   return ResizeView(view, (view.width + divisor - 1) / divisor,
                     (view.height + divisor - 1) / divisor);
+}
+
+View ViewAtScale(const View& view, double scale) {
+  const auto scaled = [scale](int size) {
+    return std::max(1, static_cast<int>(std::lround(scale * size)));
+  };
+  return ResizeView(view, scaled(view.width), scaled(view.height));
+}
+
+ReadGrayImage ResizedImages(ReadGrayImage read, std::vector<View> from,
+                            std::vector<View> to) {
+  return [read = std::move(read), from = std::move(from),
+          to = std::move(to)](size_t view) {
+    GrayImage image = read(view);
+    ExpectSize(image, from[view]);
+    return image.width == to[view].width && image.height == to[view].height
+               ? image
+               : Resize(image, to[view].width, to[view].height);
+  };
+}
+
+ReadGrayImage ResizedMasks(ReadGrayImage read, std::vector<View> to) {
+  if (!read) {
+    return read;
+  }
+  return [read = std::move(read), to = std::move(to)](size_t view) {
+    const GrayImage mask = read(view);
+    return mask.pixels.empty()
+               ? mask
+               : ResizeMask(mask, to[view].width, to[view].height);
+  };
 }
 
 ImagePyramid::ImagePyramid(std::vector<View> views, ReadGrayImage read_image,
@@ -100,11 +140,7 @@ void ImagePyramid::SetViews(std::vector<View> views) {
 std::shared_ptr<const GrayImage> ImagePyramid::FullImage(size_t view) {
   return full_images_.Get(view, NumPixels(views_[view]), [&] {
     auto image = std::make_shared<const GrayImage>(read_image_(view));
-    if (image->width != views_[view].width ||
-        image->height != views_[view].height) {
-      throw std::runtime_error("the image " + views_[view].name +
-                               " is not of the size that it had");
-    }
+    ExpectSize(*image, views_[view]);
     return image;
   });
 }

@@ -13,6 +13,20 @@ namespace colmap_ext {
 // The view of an image halved `level` times; sizes are rounded up.
 View ViewAtLevel(const View& view, int level);
 
+// The view of an image at a scale: 0.5 is half the width and height, rounded.
+View ViewAtScale(const View& view, double scale);
+
+// Reads images in the sizes of other views of the same pictures: a pixel is the
+// mean of those that it covers. A reader that gives nothing is kept so.
+// \param from  the views that `read` reads
+// \throw what `read` throws; std::runtime_error if an image is not of the size
+//        of its view
+ReadGrayImage ResizedImages(ReadGrayImage read, std::vector<View> from,
+                            std::vector<View> to);
+
+// The same of masks: a pixel is 0 if any of those that it covers is, else 255.
+ReadGrayImage ResizedMasks(ReadGrayImage read, std::vector<View> to);
+
 // Images at one level of their pyramids: a pixel is the mean of the full-size
 // pixels that it covers. Images are read on demand. If memory allows, the full
 // size is kept too, so that each file is read once for all levels; the least

@@ -187,8 +187,12 @@ struct Patch {
 // A mesh whose holes are closed, round by round.
 class HoleCloser {
  public:
-  explicit HoleCloser(Surface* surface)
-      : rings_(MakeVertexRings(surface->mesh)), surface_(*surface) {}
+  // \param may_intersect  whether a loop is closed by facets that intersect
+  //        others where there is no other way
+  HoleCloser(bool may_intersect, Surface* surface)
+      : may_intersect_(may_intersect),
+        rings_(MakeVertexRings(surface->mesh)),
+        surface_(*surface) {}
 
   HoleReport Close(std::vector<BorderLoop> loops) {
     const TriangleMesh mesh = surface_.mesh;
@@ -220,7 +224,7 @@ class HoleCloser {
     Remove(FindNonManifold(Fill(patches)), &patches, &left);
     const std::vector<uint8_t> is_intersecting =
         FindIntersecting(Fill(patches));
-    if (kind == FillingKind::kFlat) {  // there is no other way
+    if (kind == FillingKind::kFlat && may_intersect_) {
       report_.num_intersecting =
           static_cast<size_t>(std::ranges::count(is_intersecting, 1));
     } else {
@@ -298,6 +302,7 @@ class HoleCloser {
     return color;
   }
 
+  bool may_intersect_;
   VertexRings rings_;  // of the old mesh
   Surface& surface_;
   HoleReport report_;
@@ -319,7 +324,8 @@ HoleReport CloseHoles(double max_width, std::span<const float> footprints,
     });
   }
   return loops.empty() ? HoleReport()
-                       : HoleCloser(surface).Close(std::move(loops));
+                       : HoleCloser(max_width == kAllLoops, surface)
+                             .Close(std::move(loops));
 }
 
 }  // namespace colmap_ext

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kSteps = 5;  // a choice: evens out zigzags of a facet or two
+constexpr int kSteps = 30;  // a choice: evens out zigzags of a few facets
 
 // A vertex that is moved, and its neighbors on the border.
 struct BorderVertex {

@@ -55,14 +55,15 @@ struct HoleReport {
   size_t num_vertices = 0;      // new
   size_t num_intersecting = 0;  // closed by facets that intersect others
 
-  // Loops left open, since their facets would make the mesh non-manifold.
+  // Loops left open, since their facets would not be manifold or intersect.
   size_t NumLeft() const { return num_loops - num_closed; }
 };
 
 // Closes the holes of a mesh (docs/method.md, section 3.9): border loops that
 // the surface lies around and that are no wider than max_width. A loop is
 // filled by small facets bent as the surface around it, or else, where these
-// would intersect others or not be manifold, by flatter ones. New vertices have
+// would intersect others or not be manifold, by flatter ones; with kAllLoops at
+// last by facets that intersect others. New vertices have
 // the confidence 0 if the old ones have any, no views, and colours by the
 // inverse squared distances from the vertices of the loop. Old vertices and
 // facets stay as they are, before the new ones.
@@ -74,7 +75,7 @@ HoleReport CloseHoles(double max_width, std::span<const float> footprints,
 
 // Smooths borders along themselves: a vertex where two of the given half-edges
 // meet, and no other border, moves halfway to the middle of its two neighbors
-// on the border, five times in turn. A vertex does not move if a facet would
+// on the border, thirty times in turn. A vertex does not move if a facet would
 // turn by more than 60 degrees, and is back where it was where facets would
 // intersect that did not.
 // \param is_moved [3 F] the half-edges at the border that is smoothed

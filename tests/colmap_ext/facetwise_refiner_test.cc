@@ -160,7 +160,8 @@ TEST_F(FacetwiseRefinerTest, RefinesInOtherWays) {
   std::set<std::string> results = {by_default};
   for (const std::string option :
        {"solver descent", "pair_selection classical", "pairs_per_facet 3",
-        "final_pairs_per_facet 1", "occlusion_masking 0", "window 7"}) {
+        "final_pairs_per_facet 1", "occlusion_masking 0", "window 7",
+        "image_scale 0.5"}) {
     EXPECT_TRUE(results.insert(refine(" @" + option)).second) << option;
   }
   EXPECT_TRUE(refine(" @solver gauss_newton") == by_default);
@@ -342,9 +343,11 @@ TEST_F(FacetwiseRefinerTest, LeavesOutWhatIsMasked) {
   }
   const std::string arguments =
       Option("mask_path", "masks") + " @levels 1 @iterations 2";
-  EXPECT_TRUE(
-      Has(Succeed(Refine(arguments)).out, "points masked in all views"));
-  EXPECT_TRUE(Analyze(ReadPlyMesh(path_ / kOutput)).IsManifold());
+  for (const char* scale : {"1", "0.5"}) {
+    EXPECT_TRUE(Has(Succeed(Refine(arguments + " @image_scale " + scale)).out,
+                    "points masked in all views"));
+    EXPECT_TRUE(Analyze(ReadPlyMesh(path_ / kOutput)).IsManifold());
+  }
   fs::remove(path_ / kOutput);
   fs::remove_all(masks);
   ExpectRefused(arguments, "no such folder of masks");
