@@ -100,19 +100,22 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
   FacetwiseRefinementOptions* const refinement = &refiner->refinement;
   options->AddPreset(
       "quality",
-      {{"low", [=] { refiner->image_scale = 0.5; }},
+      {{"low",
+        [=] {
+          refiner->image_scale = 0.5;
+          refinement->labeling.final_pairs_per_facet = 6;
+        }},
        {"medium", [=] { refiner->image_scale = 0.7; }},
        {"high", [] {}},
        {"extreme",
         [=] {
-          refinement->pairs_per_image = 8;
-          refinement->iterations = 20;
+          refinement->max_face_area = 4;
           refinement->labeling.final_pairs_per_facet = 54;
         }}},
       2,
-      "Preset of image_scale, pairs_per_image, iterations and "
-      "final_pairs_per_face; what is given besides has priority. low takes a "
-      "quarter of the time of high");
+      "Preset of image_scale, max_face_area and final_pairs_per_face; what is "
+      "given besides has priority. low takes less than half of the time of "
+      "high");
   options->AddNumber(ours + "image_scale", &refiner->image_scale, {0.05, 1},
                      "Scale of the images that are compared: 0.5 is half the "
                      "width and height, and a quarter of the time");

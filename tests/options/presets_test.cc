@@ -25,7 +25,7 @@ TEST(Presets, HighIsTheDefault) {
   const RefinerOptions by_default = ParseRefiner({});
   const RefinerOptions high = ParseRefiner({"--quality", "HIGH"});
   EXPECT_EQ(high.image_scale, by_default.image_scale);
-  EXPECT_EQ(high.refinement.iterations, by_default.refinement.iterations);
+  EXPECT_EQ(high.refinement.max_face_area, by_default.refinement.max_face_area);
 }
 
 TEST(Presets, CostMoreFromLowToExtreme) {
