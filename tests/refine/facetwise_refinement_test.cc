@@ -392,7 +392,7 @@ TEST_F(RefineFacetwiseTest, TrimsWhatNoViewSeesAndClosesIt) {
   const RefinedMesh whole = Refine(StartOf(mesh));
   options_.borders.trim = 0.2;
   options_.borders.gap_pixels = 2;  // The scene is a few windows wide.
-  for (const int close_holes : {0, kAllLoops}) {
+  for (const double close_holes : {0.0, kAllLoops}) {
     options_.borders.close_holes = close_holes;
     const RefinedMesh refined = Refine(StartOf(mesh));
     EXPECT_TRUE(Analyze(refined.mesh).IsManifold());
