@@ -17,7 +17,6 @@
 #include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 void PrintCommands(const RefinementPlan& plan, const std::string& folder) {

@@ -12,12 +12,12 @@
 #include "colmap_ext/jobs/tile_points.h"
 #include "formats/errors.h"
 #include "formats/read_ply.h"
-#include "scene/gray_image.h"
 #include "scene/half_pixel.h"
+#include "scene/images.h"
 #include "tiles/thin_tile.h"
 #include "tiles/tile_cells.h"
 #include "workspace/find_workspace.h"
-#include "workspace/masks.h"
+#include "workspace/pictures.h"
 
 namespace colmap_ext {
 namespace {

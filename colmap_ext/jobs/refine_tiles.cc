@@ -14,7 +14,7 @@
 #include "mesh/topology.h"
 #include "refine/facetwise_refinement.h"
 #include "spatial/facet_tree.h"
-#include "workspace/masks.h"
+#include "workspace/pictures.h"
 
 namespace colmap_ext {
 namespace {

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <sstream>
-#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -13,7 +12,6 @@
 #include "formats/read_numbers.h"
 
 namespace colmap_ext {
-
 namespace {
 
 std::string ToLower(std::string text) {

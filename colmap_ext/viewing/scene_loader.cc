@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "viewer/shown_mesh.h"
+#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 

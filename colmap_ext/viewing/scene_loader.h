@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "colmap_ext/options/viewer_options.h"
-#include "scene/color_image.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/region.h"
 #include "scene/view.h"

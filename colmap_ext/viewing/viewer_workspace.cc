@@ -7,7 +7,6 @@
 #include "colmap_ext/errors.h"
 #include "formats/errors.h"
 #include "formats/read_ply.h"
-#include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "pictures/drawings.h"
@@ -60,8 +59,7 @@ bool Read(const ViewerOptions& options, InputType type, const fs::path& folder,
 // degenerate. Indices do not change.
 void DropInfinite(const std::filesystem::path& path, TriangleMesh* mesh) {
   const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
-  const auto first =
-      std::find_if(mesh->vertices.begin(), mesh->vertices.end(), is_finite);
+  const auto first = std::ranges::find_if(mesh->vertices, is_finite);
   if (first == mesh->vertices.end()) {
     throw FileError(path, "none of its vertices is finite");
   }

@@ -8,7 +8,6 @@
 #include "photometry/window_correlation.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // The planes of the facets that a window shows, displaced with its patch, and

@@ -71,7 +71,7 @@ class MessagePassing {
       bound += SumOverRun(run, [&](uint32_t node, Scratch* scratch) {
         std::vector<float>& belief = scratch->belief;
         Collect(node, &belief);
-        const float least = *std::min_element(belief.begin(), belief.end());
+        const float least = *std::ranges::min_element(belief);
         for (float& value : belief) {
           value -= least;
         }
@@ -120,8 +120,7 @@ class MessagePassing {
           continue;
         }
         const auto& back = problem_.neighbors[neighbor];
-        const auto place =
-            std::find(back.begin(), back.end(), node) - back.begin();
+        const auto place = std::ranges::find(back, node) - back.begin();
         messages_of_[node][k] = size;
         messages_of_[neighbor][place] = size;
         size +=
@@ -173,7 +172,7 @@ class MessagePassing {
       }
       chosen[num_chosen++] = label;
     }
-    const auto best = std::min_element(belief->begin(), belief->end());
+    const auto best = std::ranges::min_element(*belief);
     const auto choice = static_cast<uint32_t>(best - belief->begin());
     (*choices)[node] = choice;
     const auto num_equal =

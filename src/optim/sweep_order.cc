@@ -46,7 +46,7 @@ std::vector<uint32_t> Classes(const Neighbors& neighbors,
     const auto is_taken = [&](uint32_t other) {
       return other != kNone && classes[other] == color;
     };
-    while (std::any_of(row.begin(), row.end(), is_taken)) {
+    while (std::ranges::any_of(row, is_taken)) {
       ++color;
     }
     classes[node] = color;

@@ -8,7 +8,6 @@
 #include <opencv2/imgproc.hpp>
 
 namespace colmap_ext {
-
 namespace {
 
 size_t NumPixels(const View& view) {

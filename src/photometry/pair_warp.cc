@@ -8,7 +8,6 @@
 #include "raster/facet_frames.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Four values side by side (GCC and Clang).

@@ -1,6 +1,5 @@
-#include "tiles/certified_tetrahedra.h"
+#include "tiles/tile_cut.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numeric>

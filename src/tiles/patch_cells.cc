@@ -1,7 +1,6 @@
 #include "tiles/patch_cells.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include <tbb/parallel_sort.h>
