@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "base/indices.h"
-#include "formats/errors.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {

@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_files.h"
-#include "formats/errors.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
 #include "mesh/space_filling_curve.h"
-#include "mesh/topology.h"
 #include "spatial/facet_tree.h"
 #include "workspace/find_workspace.h"
-#include "workspace/pictures.h"
 
 namespace colmap_ext {
 namespace {

@@ -9,11 +9,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "base/rows.h"
 #include "colmap_ext/errors.h"
-#include "formats/errors.h"
 #include "formats/read_numbers.h"
-#include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "mesh/normals.h"

@@ -10,13 +10,9 @@
 #include <fmt/format.h>
 
 #include "colmap_ext/errors.h"
-#include "colmap_ext/jobs/job_file.h"
-#include "colmap_ext/terminal/terminal.h"
-#include "formats/errors.h"
 #include "formats/write_mesh.h"
 #include "gl/egl_context.h"
 #include "gl/gl_photometric_energy.h"
-#include "mesh/topology.h"
 #include "refine/facet_sizes.h"
 
 namespace colmap_ext {

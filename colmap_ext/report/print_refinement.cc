@@ -9,8 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "workspace/pictures.h"
-
 namespace colmap_ext {
 namespace {
 

@@ -49,8 +49,7 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options);
 struct ViewerWorkspace {
   std::vector<View> views;                   // may be empty
   std::shared_ptr<const PointCloud> points;  // fused, or else sparse; or none
-  bool has_order = false;          // the views are in the order of .vis files
-  std::vector<std::string> notes;  // unusable files, and why
+  std::vector<std::string> notes;            // unusable files, and why
 };
 
 // Reads the fused points and the cameras in their order; if that fails, the

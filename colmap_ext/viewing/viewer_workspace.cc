@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "colmap_ext/errors.h"
-#include "formats/errors.h"
-#include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "pictures/drawings.h"
@@ -39,8 +37,8 @@ WorkspaceOptions RulesOf(const ViewerOptions& options, InputType type) {
   return rules;
 }
 
-// \return whether it could be read
-bool Read(const ViewerOptions& options, InputType type, const fs::path& folder,
+// What can not be read is noted.
+void Read(const ViewerOptions& options, InputType type, const fs::path& folder,
           const PictureDecoder& decoder, ViewerWorkspace* result) {
   try {
     Workspace workspace =
@@ -48,10 +46,8 @@ bool Read(const ViewerOptions& options, InputType type, const fs::path& folder,
     result->views = std::move(workspace.views);
     result->points =
         std::make_shared<const PointCloud>(std::move(workspace.cloud));
-    return true;
   } catch (const FileError& error) {
     result->notes.push_back(error.what());
-    return false;
   }
 }
 
@@ -211,8 +207,7 @@ ViewerWorkspace ReadViewerWorkspace(const ViewerOptions& options,
     return result;
   }
   if (fs::exists(paths.folder / "fused.ply")) {
-    result.has_order =
-        Read(options, InputType::kDense, paths.folder, decoder, &result);
+    Read(options, InputType::kDense, paths.folder, decoder, &result);
   }
   if (result.views.empty()) {
     Read(options, InputType::kSparse, paths.folder, decoder, &result);

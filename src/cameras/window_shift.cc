@@ -5,7 +5,6 @@
 #include <set>
 
 #include "photometry/pair_work.h"
-#include "photometry/window_correlation.h"
 
 namespace colmap_ext {
 namespace {

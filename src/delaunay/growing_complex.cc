@@ -8,7 +8,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "base/index_limit.h"
 #include "spatial/predicates.h"
 
 namespace colmap_ext {

@@ -10,7 +10,6 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
-#include "spatial/bvh.h"
 
 namespace colmap_ext {
 namespace {

@@ -9,8 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "formats/byte_reader.h"
-
 namespace colmap_ext {
 namespace {
 

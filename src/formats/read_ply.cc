@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "base/index_limit.h"
 #include "formats/ply_reader.h"
 
 namespace colmap_ext {

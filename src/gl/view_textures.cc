@@ -8,9 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include "gl/egl_context.h"
 #include "mesh/mesh_in_image.h"
-#include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {
 namespace {

@@ -7,10 +7,8 @@
 
 #include <tbb/parallel_for.h>
 
-#include "base/rows.h"
 #include "mesh/adjacency.h"
 #include "optim/potts_mrf.h"
-#include "raster/facet_frames.h"
 
 namespace colmap_ext {
 namespace {

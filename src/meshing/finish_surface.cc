@@ -7,12 +7,9 @@
 #include <unordered_map>
 #include <utility>
 
-#include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
 #include "mesh/manifold_repair.h"
-#include "meshing/noise_smoothing.h"
 #include "remesh/isotropic_remeshing.h"
-#include "repair/self_intersection_repair.h"
 
 namespace colmap_ext {
 namespace {

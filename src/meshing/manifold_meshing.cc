@@ -6,11 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "delaunay/cell_graph.h"
-#include "delaunay/tetrahedralization.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"
-#include "optim/min_cut.h"
 
 namespace colmap_ext {
 namespace {

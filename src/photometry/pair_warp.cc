@@ -4,9 +4,6 @@
 #include <cstddef>
 #include <cstring>
 
-#include "base/index_limit.h"
-#include "raster/facet_frames.h"
-
 namespace colmap_ext {
 namespace {
 

@@ -7,8 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include "base/index_limit.h"
-
 namespace colmap_ext {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/mesh_in_image.h"
-#include "raster/facet_frames.h"
 
 namespace colmap_ext {
 namespace {

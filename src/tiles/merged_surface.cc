@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "base/index_limit.h"
 #include "base/indices.h"
 #include "mesh/adjacency.h"
-#include "meshing/manifold_fixing.h"
 
 namespace colmap_ext {
 namespace {

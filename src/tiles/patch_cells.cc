@@ -5,8 +5,6 @@
 
 #include <tbb/parallel_sort.h>
 
-#include "base/index_limit.h"
-
 namespace colmap_ext {
 
 std::vector<PatchCell> PatchCollector::Take(

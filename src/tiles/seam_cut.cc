@@ -10,10 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/index_limit.h"
 #include "base/indices.h"
-#include "delaunay/cell_graph.h"
-#include "optim/min_cut.h"
 
 namespace colmap_ext {
 namespace {

@@ -5,7 +5,6 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
-#include "delaunay/cell_graph.h"
 #include "tiles/ray_mask.h"
 
 namespace colmap_ext {

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "viewer/orbit_camera.h"
-#include "viewer/shown_scene.h"
 
 namespace colmap_ext {
 namespace {

@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include "base/index_limit.h"
 #include "base/indices.h"
 #include "base/mix_bits.h"
 #include "mesh/normals.h"

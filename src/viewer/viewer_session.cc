@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "viewer/shown_scene.h"
-
 namespace colmap_ext {
 namespace {
 

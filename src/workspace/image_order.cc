@@ -11,8 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "formats/errors.h"
-
 namespace colmap_ext {
 namespace {
 

@@ -12,7 +12,6 @@
 #include <tbb/parallel_for.h>
 
 #include "base/lru_cache.h"
-#include "base/rows.h"
 #include "formats/errors.h"
 #include "workspace/workspace.h"
 

@@ -10,8 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "formats/byte_reader.h"
-#include "formats/errors.h"
 #include "formats/picture_files.h"
 #include "formats/read_arrays.h"
 #include "workspace/find_workspace.h"
