@@ -1,5 +1,5 @@
 # embed_shaders(<target>): makes the files of shaders/ part of a target, as what
-# src/gl/program.h declares. Run as a script, writes OUTPUT from SHADERS.
+# src/gl/gl_objects.h declares. Run as a script, writes OUTPUT from SHADERS.
 #
 # A line `#include "file"` stands for that file, of the same folder.
 
@@ -43,7 +43,7 @@ foreach(shader IN LISTS SHADERS)
          "    return R\"glsl(${source})glsl\";\n"
          "  }\n")
 endforeach()
-file(WRITE ${OUTPUT} "#include \"gl/program.h\"
+file(WRITE ${OUTPUT} "#include \"gl/gl_objects.h\"
 
 #include <stdexcept>
 #include <string>

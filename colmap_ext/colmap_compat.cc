@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "formats/picture_size.h"
+#include "formats/picture_files.h"
 
 #if __has_include(<colmap/sensor/bitmap.h>)
 #include <colmap/sensor/bitmap.h>
@@ -15,7 +15,6 @@
 #endif
 
 namespace colmap_ext {
-
 namespace {
 
 // Bitmap::GetPixel fills in a colour up to 4.0, and returns one from 4.1.

@@ -7,8 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "scene/color_image.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 
 namespace colmap_ext {
 

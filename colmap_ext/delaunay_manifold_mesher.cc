@@ -21,11 +21,10 @@
 #include "meshing/manifold_meshing.h"
 #include "scene/half_pixel.h"
 #include "workspace/find_workspace.h"
-#include "workspace/masks.h"
+#include "workspace/pictures.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Moves the points.
@@ -83,9 +82,8 @@ std::vector<View> MeshingViews(const MesherOptions& options,
 // Says where the pixels of max_proj_dist are other ones than our own option's.
 void PrintPixels(const MesherOptions& options, const Workspace& workspace,
                  ReportLog* log) {
-  const auto it = std::find_if(workspace.camera_scales.begin(),
-                               workspace.camera_scales.end(),
-                               [](double scale) { return scale != 1; });
+  const auto it = std::ranges::find_if(workspace.camera_scales,
+                                       [](double scale) { return scale != 1; });
   if (options.has_camera_pixels && it != workspace.camera_scales.end()) {
     const double distance = options.meshing.max_proj_dist;
     PrintText(

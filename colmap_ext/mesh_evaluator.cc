@@ -12,18 +12,17 @@
 #include "colmap_ext/viewing/scene_loader.h"
 #include "evaluation/mesh_evaluation.h"
 #include "formats/atomic_file.h"
-#include "formats/encode_png.h"
 #include "formats/errors.h"
-#include "formats/read_depth_map.h"
+#include "formats/picture_files.h"
+#include "formats/read_arrays.h"
 #include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "pictures/drawings.h"
-#include "pictures/picture_views.h"
+#include "pictures/mesh_renderer.h"
 #include "workspace/find_workspace.h"
-#include "workspace/read_views.h"
+#include "workspace/workspace.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -73,7 +72,7 @@ Truth ReadDepthMaps(const fs::path& folder, const std::vector<View>& views) {
       views.empty(),
       "a --truth_path of depth maps needs --workspace_path, which has their "
       "cameras");
-  if (std::all_of(views.begin(), views.end(), [&](const View& view) {
+  if (std::ranges::all_of(views, [&](const View& view) {
         return FindDepthMap(folder, view.name).empty();
       })) {
     throw FileError(folder, "it has no depth map of any image, such as " +

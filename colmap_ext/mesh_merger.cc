@@ -12,7 +12,6 @@
 #include "mesh/topology.h"
 
 namespace colmap_ext {
-
 namespace {
 
 void MergeRefinedTiles(const MergerOptions& options, Console* console) {

@@ -12,7 +12,6 @@
 #include "colmap_ext/run_command.h"
 
 namespace colmap_ext {
-
 namespace {
 
 void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {

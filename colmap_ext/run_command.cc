@@ -25,7 +25,6 @@
 #include "colmap_ext/report/html_page.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // COLMAP's logging takes SIGTERM for a crash and prints a stack trace.

@@ -10,14 +10,11 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/errors.h"
-#include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/refine_tiles.h"
 #include "colmap_ext/jobs/resumable_refinement.h"
-#include "formats/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 void PrintCommands(const RefinementPlan& plan, const std::string& folder) {

@@ -100,7 +100,7 @@ dvec3 Corner(uint facet) {  // relative to camera i
          center_i;
 }
 
-// IsSaturated() of scene/gray_image.h.
+// IsSaturated() of scene/images.h.
 bool IsSaturated(uint gray) { return gray == 0u || gray == 255u; }
 
 // I_ij, inverse depth drawn in i, motion. In double precision up to the pixel in

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 

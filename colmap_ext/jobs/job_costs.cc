@@ -6,7 +6,6 @@
 #include "tiles/tile_cut.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Of a tile within others, its own vertices and those of others that its job

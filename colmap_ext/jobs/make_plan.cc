@@ -7,17 +7,10 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/tile_points.h"
-#include "formats/errors.h"
-#include "formats/read_ply.h"
-#include "scene/gray_image.h"
-#include "scene/half_pixel.h"
 #include "tiles/thin_tile.h"
-#include "tiles/tile_cells.h"
 #include "workspace/find_workspace.h"
-#include "workspace/masks.h"
 
 namespace colmap_ext {
 namespace {

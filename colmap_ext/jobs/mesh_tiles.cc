@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "colmap_ext/jobs/plan_files.h"
-#include "colmap_ext/options/scene_options.h"
 #include "formats/write_mesh.h"
 #include "meshing/finish_surface.h"
 #include "tiles/merged_plan.h"

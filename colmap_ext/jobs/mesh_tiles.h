@@ -10,7 +10,7 @@
 #include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/report/print_report.h"
 #include "meshing/manifold_meshing.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/progress.h"
 
 // The jobs that mesh a scene tile by tile.

@@ -10,9 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "formats/atomic_file.h"
-#include "formats/errors.h"
-
 namespace nlohmann {
 
 // By rows. Infinite numbers are "inf" and "-inf".

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "colmap_ext/jobs/job_inputs.h"
+#include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "scene/region.h"

@@ -1,19 +1,15 @@
 #include "colmap_ext/jobs/refine_tiles.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
-#include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan_files.h"
-#include "formats/errors.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
+#include "mesh/normals.h"
 #include "mesh/space_filling_curve.h"
-#include "mesh/topology.h"
 #include "spatial/facet_tree.h"
 #include "workspace/find_workspace.h"
-#include "workspace/masks.h"
 
 namespace colmap_ext {
 namespace {
@@ -100,9 +96,7 @@ void EstimateJobs(const Surface& surface, const TileCells& cells,
   }
   for (const Facet& facet : surface.mesh.facets) {
     const auto& [a, b, c] = facet;
-    const std::vector<Eigen::Vector3f>& vertices = surface.mesh.vertices;
-    const double area =
-        (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]).norm() / 2;
+    const double area = AreaVector(surface.mesh, facet).norm() / 2;
     const double footprint =
         std::max({footprints[a], footprints[b], footprints[c]});
     const Eigen::AlignedBox3f box = BoxOf(surface.mesh, facet);

@@ -9,12 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "colmap_ext/jobs/plan_files.h"
-#include "formats/errors.h"
-#include "mesh/manifold_repair.h"
-#include "mesh/topology.h"
-#include "refine/facetwise_refinement.h"
 #include "spatial/facet_tree.h"
-#include "workspace/masks.h"
 
 namespace colmap_ext {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/jobs/refinement_input.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/progress.h"
 #include "tiles/surface_patches.h"
 #include "tiles/tile_cells.h"

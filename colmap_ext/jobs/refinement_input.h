@@ -7,21 +7,20 @@
 #include <string>
 #include <vector>
 
-#include "colmap_ext/jobs/job_inputs.h"
+#include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/options/refinement_options.h"
-#include "formats/read_visibility.h"
+#include "formats/read_ply.h"
 #include "mesh/manifold_repair.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
 #include "photometry/image_pyramid.h"
 #include "refine/facetwise_refinement.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/region.h"
 #include "scene/view.h"
-#include "workspace/masks.h"
+#include "workspace/pictures.h"
 #include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
 

@@ -9,13 +9,12 @@
 
 #include <Eigen/Core>
 
-#include "colmap_ext/jobs/job_inputs.h"
+#include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/viewing/live_view.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
 #include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
 #include "scene/view.h"

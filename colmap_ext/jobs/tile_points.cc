@@ -6,10 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "formats/byte_reader.h"
-#include "formats/errors.h"
-#include "meshing/manifold_meshing.h"
-
 namespace colmap_ext {
 namespace {
 

@@ -9,12 +9,12 @@
 
 #include "colmap_ext/options/meshing_options.h"
 #include "meshing/ray_ends.h"
-#include "scene/gray_image.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/region.h"
 #include "scene/view.h"
 #include "tiles/tile_cells.h"
-#include "workspace/masks.h"
+#include "workspace/pictures.h"
 
 namespace colmap_ext {
 

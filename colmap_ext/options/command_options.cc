@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <sstream>
-#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -14,7 +13,6 @@
 #include "formats/read_numbers.h"
 
 namespace colmap_ext {
-
 namespace {
 
 std::string ToLower(std::string text) {

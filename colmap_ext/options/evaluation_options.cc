@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "colmap_ext/errors.h"
-#include "formats/read_npy_mask.h"
+#include "formats/read_arrays.h"
 
 namespace colmap_ext {
 

@@ -14,7 +14,6 @@
 #include "colmap_ext/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr const char* kProjectPath = "project_path";

@@ -3,7 +3,6 @@
 #include "colmap_ext/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 namespace fs = std::filesystem;

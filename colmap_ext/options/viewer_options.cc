@@ -5,7 +5,6 @@
 #include "colmap_ext/errors.h"
 
 namespace colmap_ext {
-
 namespace {
 
 void CheckScreenshot(const ViewerOptions& options) {

@@ -8,7 +8,6 @@
 #include "colmap_ext/report/print_report.h"
 
 namespace colmap_ext {
-
 namespace {
 
 std::string Number(double number) {

@@ -7,7 +7,7 @@
 #include "colmap_ext/options/command_options.h"
 #include "colmap_ext/report/print_report.h"
 #include "refine/facetwise_refinement.h"
-#include "scene/color_image.h"
+#include "scene/images.h"
 
 namespace colmap_ext {
 

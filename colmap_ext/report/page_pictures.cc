@@ -9,10 +9,8 @@
 
 #include "pictures/drawings.h"
 #include "pictures/mesh_renderer.h"
-#include "pictures/picture_views.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr size_t kNumCameras = 3;

@@ -8,8 +8,7 @@
 #include "mesh/triangle_mesh.h"
 #include "meshing/manifold_meshing.h"
 #include "refine/facetwise_refinement.h"
-#include "scene/color_image.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 

@@ -12,33 +12,17 @@ namespace {
 constexpr int kLabelWidth = 38;  // characters
 
 const char* MeaningOf(ImageOrderKind kind) {
-  switch (kind) {
-    case ImageOrderKind::kFile:
-      return "as in images.bin (COLMAP 3.8 - 3.10)";
-    case ImageOrderKind::kImageId:
-      return "by image_id (COLMAP 3.11)";
-    case ImageOrderKind::kFrame:
-      return "as in frames.bin (COLMAP 3.12+)";
-    case ImageOrderKind::kFrameId:
-      return "by frame_id (COLMAP 3.12+)";
-  }
-  return "";
+  constexpr const char* kMeanings[] = {
+      "as in images.bin (COLMAP 3.8 - 3.10)", "by image_id (COLMAP 3.11)",
+      "as in frames.bin (COLMAP 3.12+)", "by frame_id (COLMAP 3.12+)"};
+  return kMeanings[static_cast<int>(kind)];
 }
 
 const char* Describe(OrderReason reason) {
-  switch (reason) {
-    case OrderReason::kWanted:
-      return "--image_order";
-    case OrderReason::kOnlyOne:
-      return "the only one possible";
-    case OrderReason::kOnlyFit:
-      return "the only one that fits";
-    case OrderReason::kPositions:
-      return "the best fit of the points";
-    case OrderReason::kColors:
-      return "the best fit of the colors";
-  }
-  return "";
+  constexpr const char* kReasons[] = {
+      "--image_order", "the only one possible", "the only one that fits",
+      "the best fit of the points", "the best fit of the colors"};
+  return kReasons[static_cast<int>(reason)];
 }
 
 void PrintOrder(const VerifiedOrder& verified, ReportLog* log) {

@@ -20,7 +20,7 @@
 #include "repair/edit_borders.h"
 #include "scene/half_pixel.h"
 #include "scene/region.h"
-#include "workspace/masks.h"
+#include "workspace/pictures.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {

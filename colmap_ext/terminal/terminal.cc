@@ -104,8 +104,8 @@ void ProgressReporter::Finish() {
   line.resize(std::max(line.size(), shown_length_), ' ');
   stream_ << (is_terminal_ ? "\r" : "") << line << std::endl;
   shown_length_ = 0;
-  const auto same = std::find_if(
-      stage_times_.begin(), stage_times_.end(),
+  const auto same = std::ranges::find_if(
+      stage_times_,
       [this](const StageTime& time) { return time.stage == stage_; });
   if (same != stage_times_.end()) {
     same->seconds += seconds;

@@ -9,7 +9,6 @@
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {
-
 namespace {
 
 std::shared_ptr<const ShownMesh> ToShown(const std::string& name,

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 #include "viewer/shown_scene.h"

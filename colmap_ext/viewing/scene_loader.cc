@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "viewer/shown_mesh.h"
-
 namespace colmap_ext {
 
 void SceneLoader::LoadAll(const ViewerOptions& options) {

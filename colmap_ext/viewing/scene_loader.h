@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "colmap_ext/options/viewer_options.h"
-#include "scene/color_image.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/region.h"
 #include "scene/view.h"
@@ -50,8 +49,7 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options);
 struct ViewerWorkspace {
   std::vector<View> views;                   // may be empty
   std::shared_ptr<const PointCloud> points;  // fused, or else sparse; or none
-  bool has_order = false;          // the views are in the order of .vis files
-  std::vector<std::string> notes;  // unusable files, and why
+  std::vector<std::string> notes;            // unusable files, and why
 };
 
 // Reads the fused points and the cameras in their order; if that fails, the

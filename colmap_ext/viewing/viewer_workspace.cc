@@ -5,9 +5,6 @@
 #include <utility>
 
 #include "colmap_ext/errors.h"
-#include "formats/errors.h"
-#include "formats/read_ply.h"
-#include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "pictures/drawings.h"
@@ -40,8 +37,8 @@ WorkspaceOptions RulesOf(const ViewerOptions& options, InputType type) {
   return rules;
 }
 
-// \return whether it could be read
-bool Read(const ViewerOptions& options, InputType type, const fs::path& folder,
+// What can not be read is noted.
+void Read(const ViewerOptions& options, InputType type, const fs::path& folder,
           const PictureDecoder& decoder, ViewerWorkspace* result) {
   try {
     Workspace workspace =
@@ -49,10 +46,8 @@ bool Read(const ViewerOptions& options, InputType type, const fs::path& folder,
     result->views = std::move(workspace.views);
     result->points =
         std::make_shared<const PointCloud>(std::move(workspace.cloud));
-    return true;
   } catch (const FileError& error) {
     result->notes.push_back(error.what());
-    return false;
   }
 }
 
@@ -60,8 +55,7 @@ bool Read(const ViewerOptions& options, InputType type, const fs::path& folder,
 // degenerate. Indices do not change.
 void DropInfinite(const std::filesystem::path& path, TriangleMesh* mesh) {
   const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
-  const auto first =
-      std::find_if(mesh->vertices.begin(), mesh->vertices.end(), is_finite);
+  const auto first = std::ranges::find_if(mesh->vertices, is_finite);
   if (first == mesh->vertices.end()) {
     throw FileError(path, "none of its vertices is finite");
   }
@@ -213,8 +207,7 @@ ViewerWorkspace ReadViewerWorkspace(const ViewerOptions& options,
     return result;
   }
   if (fs::exists(paths.folder / "fused.ply")) {
-    result.has_order =
-        Read(options, InputType::kDense, paths.folder, decoder, &result);
+    Read(options, InputType::kDense, paths.folder, decoder, &result);
   }
   if (result.views.empty()) {
     Read(options, InputType::kSparse, paths.folder, decoder, &result);

@@ -12,7 +12,6 @@
 #include <ceres/rotation.h>
 
 namespace colmap_ext {
-
 namespace {
 
 using RowMajor2x6 = Eigen::Matrix<double, 2, 6, Eigen::RowMajor>;
@@ -135,8 +134,7 @@ class Problem {
     first_pose_ = first_point_ + 3 * estimate->positions.size();
     first_intrinsics_ = first_pose_ + 6 * num_views_;
     variables_.assign(first_intrinsics_ + 3 * num_cameras_, 0);
-    std::copy(estimate->displacements.begin(), estimate->displacements.end(),
-              variables_.begin());
+    std::ranges::copy(estimate->displacements, variables_.begin());
     for (size_t i = 0; i < estimate->positions.size(); ++i) {
       Eigen::Map<Eigen::Vector3d>{Point(i)} = estimate->positions[i];
     }

@@ -9,10 +9,6 @@
 
 namespace colmap_ext {
 
-// Standard deviations from which on a residual counts as an outlier: the scale
-// of Cauchy's loss (docs/method.md, section 7.7). A choice.
-inline constexpr double kRobustScale = 2;
-
 // How far a window of view i has to shift in view j to match, and how the
 // cameras and its patch shift it. In px of j's image.
 struct ShiftMeasurement {

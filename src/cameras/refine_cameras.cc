@@ -8,12 +8,8 @@
 #include <Eigen/LU>
 
 #include "base/percentile.h"
-#include "cameras/camera_set.h"
-#include "cameras/sparse_tracks.h"
-#include "cameras/surface_patches.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // The covariance of a shift, px^2: the noise of the window, the sampling of the
@@ -325,7 +321,7 @@ class CameraRefinement {
       report_.views[i].motion = motions[i];
     }
     const std::vector<double> total = Motions(start);
-    report_.total_motion = *std::max_element(total.begin(), total.end()) /
+    report_.total_motion = *std::ranges::max_element(total) /
                            static_cast<double>(1 << report_.level);
   }
 

@@ -10,7 +10,6 @@
 #include "photometry/pair_work.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Between rays, degrees: beyond it windows of one surface look too different.
@@ -188,13 +187,13 @@ std::vector<std::vector<Seeing>> FindSeeing(
 // one of them.
 std::vector<uint32_t> ChoosePartners(std::vector<Seeing> seeing,
                                      size_t max_partners) {
-  std::sort(seeing.begin(), seeing.end());
+  std::ranges::sort(seeing);
   const size_t count = std::min(seeing.size(), max_partners);
   std::vector<uint32_t> partners;
   for (size_t k = 0; k < count; ++k) {
     partners.push_back(seeing[k * seeing.size() / count].second);
   }
-  std::sort(partners.begin(), partners.end());
+  std::ranges::sort(partners);
   return partners;
 }
 

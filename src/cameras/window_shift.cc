@@ -5,10 +5,8 @@
 #include <set>
 
 #include "photometry/pair_work.h"
-#include "photometry/window_correlation.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // The planes of the facets that a window shows, displaced with its patch, and

@@ -5,7 +5,6 @@
 #include <tbb/parallel_for.h>
 
 #include "base/percentile.h"
-#include "delaunay/cell_graph.h"
 #include "delaunay/ray_walk.h"
 
 namespace colmap_ext {

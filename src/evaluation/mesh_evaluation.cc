@@ -1,7 +1,6 @@
 #include "evaluation/mesh_evaluation.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -11,10 +10,8 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
-#include "spatial/bvh.h"
 
 namespace colmap_ext {
-
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -193,9 +190,8 @@ DistanceStatistics Summarize(std::vector<double> distances, double max_distance,
                              bool drop_beyond) {
   DistanceStatistics statistics;
   statistics.num_samples = distances.size();
-  std::sort(distances.begin(), distances.end());
-  const auto beyond =
-      std::lower_bound(distances.begin(), distances.end(), max_distance);
+  std::ranges::sort(distances);
+  const auto beyond = std::ranges::lower_bound(distances, max_distance);
   statistics.num_beyond = static_cast<size_t>(distances.end() - beyond);
   if (drop_beyond) {
     distances.erase(beyond, distances.end());

@@ -1,8 +1,7 @@
-#include "evaluation/surface_samples.h"
+#include "evaluation/mesh_evaluation.h"
 
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <stdexcept>
 #include <tuple>
 
@@ -11,7 +10,6 @@
 #include <Eigen/Geometry>
 
 namespace colmap_ext {
-
 namespace {
 
 DepthMap EmptyMap(int width, int height, int stride) {

@@ -3,11 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstddef>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>

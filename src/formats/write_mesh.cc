@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <compare>
-#include <cstdint>
 #include <limits>
 #include <span>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>

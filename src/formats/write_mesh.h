@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 
 #include "formats/atomic_file.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
 #include "scene/point_cloud.h"
 
 namespace colmap_ext {

@@ -3,19 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "gl/egl_context.h"
-#include "gl/gl_error.h"
 #include "gl/pair_passes.h"
-#include "gl/view_textures.h"
 #include "photometry/pair_work.h"
-#include "photometry/photometric_energy.h"
 
 namespace colmap_ext {
-
 namespace {
 
 static_assert(sizeof(FacetTerms) == 12 * sizeof(float));  // as gather.comp

@@ -4,11 +4,9 @@
 #include <array>
 #include <string>
 
-#include "gl/gl_error.h"
 #include "photometry/window_correlation.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // px; a tile's pixels are the threads of a workgroup. A choice: OpenGL 4.5 is

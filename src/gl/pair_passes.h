@@ -2,18 +2,111 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/lru_cache.h"
 #include "gl/egl_context.h"
 #include "gl/gl_objects.h"
-#include "gl/program.h"
-#include "gl/view_textures.h"
+#include "mesh/triangle_mesh.h"
+#include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
+#include "scene/images.h"
 #include "scene/view.h"
 
 namespace colmap_ext {
+
+// Which facet each pixel of a view shows, and how near.
+struct FacetTextures {
+  FacetTextures(int width, int height);
+
+  GlTexture facets;       // R32UI, or kNone
+  GlTexture depths;       // 32 bit depth; inverse ones times depth_scale, below
+                          // 1; 1 where the pixel is masked
+  float depth_scale = 1;  // scene units, a power of two
+  GlBuffer facing;        // [F] bits, see facing.comp
+};
+
+// Draws a mesh into views, as DrawFacets() of raster/facet_id_buffer.h does.
+class FacetDrawer {
+ public:
+  // \param min_cosine  see DrawFacets().
+  explicit FacetDrawer(double min_cosine);
+
+  // \param vertices, facets  the arrays of `mesh`.
+  // \param mask  whose pixels of 0 show nothing, see EraseMasked(); or null.
+  void Draw(const View& view, const TriangleMesh& mesh,
+            const GlBuffer& vertices, const GlBuffer& facets,
+            FacetTextures* textures, const GrayImage* mask = nullptr);
+
+ private:
+  void BeginImages(const View& view, FacetTextures* textures);
+  void DrawMask(const GrayImage& mask);
+  void DrawImages(const View& view, size_t num_facets, const GlBuffer& vertices,
+                  const GlBuffer& facets, FacetTextures* textures);
+  // Triangles, each of three of `corners`.
+  void DrawClipped(const View& view, size_t num_corners,
+                   const GlBuffer& corners, const FacetTextures& textures);
+  void FindFacing(const View& view, size_t num_facets, const GlBuffer& vertices,
+                  const GlBuffer& facets, FacetTextures* textures);
+
+  double min_cosine_;
+  Program mask_;
+  Program ids_;
+  Program clipped_;
+  Program facing_;
+  GlFramebuffer framebuffer_;
+  GlVertexArray vertex_array_;
+  GlVertexArray clipped_array_;
+  GlVertexArray no_vertices_;
+};
+
+// What OpenGL needs of a view: its image, and the mesh drawn into it.
+struct ViewTextures {
+  ViewTextures(const GrayImage& gray_image, int width, int height);
+
+  // On the card, bytes.
+  static size_t Memory(const View& view, size_t num_facets);
+
+  GlTexture image;  // R8UI
+  FacetTextures drawn;
+  uint64_t drawn_mesh = 0;  // number of the mesh, see ViewTextureCache; 0: none
+};
+
+// Views on the graphics card, as many as memory allows; the least recently used
+// ones are dropped. To be used by one thread at a time.
+class ViewTextureCache {
+ public:
+  // \param min_cosine  see DrawFacets().
+  // \param max_memory  bytes; views in use are always kept.
+  ViewTextureCache(std::shared_ptr<ImagePyramid> images, double min_cosine,
+                   size_t max_memory);
+
+  // Drops all views; their size has changed.
+  void Clear() { views_.Clear(); }
+
+  // \param max_memory  as of the constructor.
+  void SetMaxMemory(size_t max_memory) { views_.SetMaxBytes(max_memory); }
+
+  // What is to be drawn.
+  void SetMesh(std::shared_ptr<const TriangleMesh> mesh);
+  const GlBuffer& Vertices() const { return vertices_; }  // [V][3] float
+  const GlBuffer& Facets() const { return facets_; }      // [F][3] uint
+
+  // With the mesh drawn into it.
+  std::shared_ptr<const ViewTextures> Get(size_t view);
+
+ private:
+  std::shared_ptr<ImagePyramid> images_;
+  FacetDrawer drawer_;
+  std::shared_ptr<const TriangleMesh> mesh_;
+  uint64_t num_meshes_ = 0;  // the number of the mesh at hand
+  GlBuffer vertices_;
+  GlBuffer facets_;
+  LruCache<ViewTextures> views_;
+};
 
 // What the passes read and write of the mesh. Kept by reference.
 struct PairBuffers {

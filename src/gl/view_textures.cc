@@ -1,20 +1,16 @@
-#include "gl/view_textures.h"
+#include "gl/pair_passes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <utility>
 #include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include "gl/gl_error.h"
 #include "mesh/mesh_in_image.h"
-#include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // The largest inverse depth of the vertices before the camera, 1 / scene unit;

@@ -1,6 +1,5 @@
 #include "labeling/facet_labeling.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -8,13 +7,10 @@
 
 #include <tbb/parallel_for.h>
 
-#include "base/rows.h"
 #include "mesh/adjacency.h"
 #include "optim/potts_mrf.h"
-#include "raster/facet_frames.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // A pair of views that a facet can be refined by.
@@ -127,7 +123,7 @@ class CandidatePairs {
       const auto views = attributes_.views[vertex];
       occurrences.num_views += views.size();
       for (const uint32_t view : views) {
-        const auto at = std::lower_bound(seen.begin(), seen.end(), view);
+        const auto at = std::ranges::lower_bound(seen, view);
         if (at != seen.end() && *at == view) {
           ++occurrences.counts[at - seen.begin()];
         }

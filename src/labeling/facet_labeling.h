@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "labeling/facet_labels.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
 #include "raster/visibility_buffers.h"
 #include "scene/view.h"
 

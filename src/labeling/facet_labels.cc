@@ -1,16 +1,11 @@
 #include "labeling/facet_labels.h"
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-
 #include <tbb/parallel_for.h>
 
 #include "base/indices.h"
 #include "mesh/mesh_in_image.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // The views that share the most points with a view, at most `count`.
@@ -30,9 +25,9 @@ std::vector<uint32_t> FindPartners(const PointCloud& points,
       partners.push_back(other);
     }
   }
-  std::stable_sort(
-      partners.begin(), partners.end(),
-      [&](uint32_t a, uint32_t b) { return num_shared[a] > num_shared[b]; });
+  std::ranges::stable_sort(partners, [&](uint32_t a, uint32_t b) {
+    return num_shared[a] > num_shared[b];
+  });
   partners.resize(std::min(partners.size(), count));
   return partners;
 }

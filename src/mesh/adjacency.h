@@ -63,7 +63,7 @@ void ForEachVertex(const std::vector<Facet>& facets, const Function& function) {
       halves.emplace_back(ToVertex(facets, corner), corner);
       halves.emplace_back(FromVertex(facets, before), before);
     }
-    std::sort(halves.begin(), halves.end());
+    std::ranges::sort(halves);
     function(vertex, halves);
   }
 }

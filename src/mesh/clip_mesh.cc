@@ -11,7 +11,6 @@
 #include "mesh/manifold_repair.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // A plane; inside is where normal . x <= offset.

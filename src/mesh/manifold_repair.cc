@@ -102,7 +102,7 @@ void OrderByUse(FanSplit* split) {
 }
 
 bool IsValid(const TriangleMesh& mesh, const Facet& facet) {
-  return std::all_of(facet.begin(), facet.end(), [&mesh](uint32_t vertex) {
+  return std::ranges::all_of(facet, [&mesh](uint32_t vertex) {
     return vertex < mesh.vertices.size() && mesh.vertices[vertex].allFinite();
   });
 }
@@ -112,7 +112,7 @@ std::vector<uint8_t> FindRepeated(const std::vector<Facet>& facets) {
   std::vector<std::pair<Facet, uint32_t>> sorted(facets.size());
   for (uint32_t i = 0; i < facets.size(); ++i) {
     sorted[i] = {facets[i], i};
-    std::sort(sorted[i].first.begin(), sorted[i].first.end());
+    std::ranges::sort(sorted[i].first);
   }
   tbb::parallel_sort(sorted.begin(), sorted.end());
   std::vector<uint8_t> is_repeated(facets.size(), 0);

@@ -1,12 +1,47 @@
 #include "mesh/surface.h"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <numeric>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
+#include "base/indices.h"
 #include "mesh/adjacency.h"
+#include "scene/point_tree.h"
 
 namespace colmap_ext {
+namespace {
+
+// Both are choices: around a vertex there are several points, and not all of
+// them have all views.
+constexpr size_t kNumNearest = 4;  // points
+constexpr float kReach = 3;        // mean lengths of the vertex's edges
+
+// [V] scene units; edges inside of the mesh count twice.
+std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
+  std::vector<float> sums(mesh.vertices.size(), 0);
+  std::vector<float> counts(mesh.vertices.size(), 0);
+  for (const Facet& facet : mesh.facets) {
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t from = facet[k];
+      const uint32_t to = facet[(k + 1) % 3];
+      const float length = (mesh.vertices[to] - mesh.vertices[from]).norm();
+      for (const uint32_t vertex : {from, to}) {
+        sums[vertex] += length;
+        counts[vertex] += 1;
+      }
+    }
+  }
+  for (size_t i = 0; i < sums.size(); ++i) {
+    sums[i] /= std::max(counts[i], 1.0f);
+  }
+  return sums;
+}
+
+}  // namespace
 
 Provenance IdentityOf(const TriangleMesh& mesh) {
   Provenance identity;
@@ -83,6 +118,59 @@ void Surface::Become(DerivedMesh derived) {
     }
   }
   mesh = std::move(derived.mesh);
+}
+
+VertexAttributes InterpolateAttributes(
+    const VertexAttributes& attributes,
+    const std::vector<std::array<uint32_t, 2>>& sources) {
+  VertexAttributes interpolated;
+  interpolated.views.offsets.reserve(sources.size() + 1);
+  for (const auto& [a, b] : sources) {
+    std::ranges::set_union(attributes.views[a], attributes.views[b],
+                           std::back_inserter(interpolated.views.values));
+    interpolated.views.EndRow();
+    if (!attributes.colors.empty()) {
+      Color color;
+      for (int k = 0; k < 3; ++k) {
+        color[k] = static_cast<uint8_t>(
+            (attributes.colors[a][k] + attributes.colors[b][k] + 1) / 2);
+      }
+      interpolated.colors.push_back(color);
+    }
+    if (!attributes.confidences.empty()) {
+      interpolated.confidences.push_back(
+          (attributes.confidences[a] + attributes.confidences[b]) / 2);
+    }
+  }
+  return interpolated;
+}
+
+VertexAttributes NearestAttributes(const TriangleMesh& mesh,
+                                   const PointCloud& points) {
+  const PointTree tree(points.positions);
+  const std::vector<float> lengths = MeanEdgeLengths(mesh);
+  const size_t num_vertices = mesh.vertices.size();
+  std::vector<std::vector<uint32_t>> views(num_vertices);
+  VertexAttributes attributes;
+  attributes.colors.resize(points.colors.empty() ? 0 : num_vertices);
+  tbb::parallel_for(size_t{0}, num_vertices, [&](size_t i) {
+    const Eigen::Vector3f& vertex = mesh.vertices[i];
+    for (const uint32_t point :
+         tree.Nearest(vertex, kNumNearest, kReach * lengths[i])) {
+      const auto row = points.views[point];
+      views[i].insert(views[i].end(), row.begin(), row.end());
+    }
+    SortUnique(&views[i]);
+    if (!points.colors.empty()) {
+      constexpr float kAnywhere = std::numeric_limits<float>::infinity();
+      attributes.colors[i] =
+          points.colors[tree.Nearest(vertex, 1, kAnywhere)[0]];
+    }
+  });
+  for (const std::vector<uint32_t>& row : views) {
+    attributes.views.AddRow(row);
+  }
+  return attributes;
 }
 
 }  // namespace colmap_ext

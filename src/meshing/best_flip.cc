@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/indices.h"
-#include "meshing/vertex_star.h"
+#include "meshing/singular_vertices.h"
 
 namespace colmap_ext {
 namespace {
@@ -29,7 +29,7 @@ Cells CellsOfOthers(const VertexStar& star, size_t kept) {
 // Sorts cells to flip and removes those that are there twice: they are as they
 // were.
 void RemovePairs(Cells* cells) {
-  std::sort(cells->begin(), cells->end());
+  std::ranges::sort(*cells);
   size_t size = 0;
   for (const uint32_t cell : *cells) {
     if (size > 0 && (*cells)[size - 1] == cell) {
@@ -55,8 +55,7 @@ std::vector<Cells> Candidates(const Tetrahedralization& tetrahedra,
   }
   const auto add = [&](Cells cells) {
     RemovePairs(&cells);
-    if (std::find(candidates.begin(), candidates.end(), cells) ==
-        candidates.end()) {
+    if (std::ranges::find(candidates, cells) == candidates.end()) {
       candidates.push_back(std::move(cells));
     }
   };

@@ -6,13 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "delaunay/cell_graph.h"
-#include "delaunay/tetrahedralization.h"
-#include "delaunay/visibility_weights.h"
-#include "meshing/finish_surface.h"
 #include "meshing/singular_vertices.h"
 #include "meshing/surface_extraction.h"
-#include "optim/min_cut.h"
 
 namespace colmap_ext {
 namespace {
@@ -90,8 +85,8 @@ std::vector<uint8_t> CutGraph(const Tetrahedralization& tetrahedra,
   MinCut cut = ComputeMinCut(NeighborsOf(tetrahedra), graph);
   report->flow = cut.flow;
   report->cut = CutValue(NeighborsOf(tetrahedra), graph, cut.on_source_side);
-  report->num_free_cells = static_cast<size_t>(
-      std::count(cut.on_source_side.begin(), cut.on_source_side.end(), 1));
+  report->num_free_cells =
+      static_cast<size_t>(std::ranges::count(cut.on_source_side, 1));
   if (report->flow != report->cut) {
     throw std::logic_error("the minimum cut differs from the maximum flow");
   }

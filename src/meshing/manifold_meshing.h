@@ -7,9 +7,8 @@
 
 #include "delaunay/visibility_weights.h"
 #include "mesh/clip_mesh.h"
+#include "mesh/surface.h"
 #include "mesh/topology.h"
-#include "mesh/triangle_mesh.h"
-#include "meshing/inherit_attributes.h"
 #include "meshing/manifold_fixing.h"
 #include "meshing/noise_smoothing.h"
 #include "meshing/ray_ends.h"

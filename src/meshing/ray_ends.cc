@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace colmap_ext {
-
 namespace {
 
 // Whether the pixels around are masked, as far as they are in the image.

@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "delaunay/tetrahedralization.h"
-#include "scene/gray_image.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/region.h"
 #include "scene/view.h"

@@ -75,7 +75,7 @@ ExtractedSurface ExtractSurface(const Tetrahedralization& tetrahedra,
       const uint32_t away = facets[facet][(k + 2) % 3];
       const uint32_t arc =
           TurnThroughMatter(tetrahedra, is_free, arcs[facet], away);
-      const auto found = std::lower_bound(arcs.begin(), arcs.end(), arc);
+      const auto found = std::ranges::lower_bound(arcs, arc);
       if (found == arcs.end() || *found != arc) {
         continue;  // the facet goes to infinity
       }

@@ -13,6 +13,55 @@
 namespace colmap_ext {
 namespace {
 
+using Neighbors = std::vector<std::array<uint32_t, 3>>;
+
+struct Search {
+  std::vector<uint32_t> order;   // [N] nodes, one connected part after another
+  std::vector<uint32_t> levels;  // [N] edges from the part's first node
+};
+
+Search BreadthFirst(const Neighbors& neighbors) {
+  Search search;
+  search.order.reserve(neighbors.size());
+  search.levels.assign(neighbors.size(), kNone);
+  const auto reach = [&](uint32_t node, uint32_t level) {
+    if (node != kNone && search.levels[node] == kNone) {
+      search.levels[node] = level;
+      search.order.push_back(node);
+    }
+  };
+  size_t next = 0;
+  for (uint32_t seed = 0; seed < neighbors.size(); ++seed) {
+    reach(seed, 0);
+    for (; next < search.order.size(); ++next) {
+      const uint32_t node = search.order[next];
+      for (const uint32_t other : neighbors[node]) {
+        reach(other, search.levels[node] + 1);
+      }
+    }
+  }
+  return search;
+}
+
+// Nodes of the same class are not neighbors: 4 * level + color, the least that
+// no neighbor in the same level has got before; three neighbors take three.
+std::vector<uint32_t> Classes(const Neighbors& neighbors,
+                              const Search& search) {
+  std::vector<uint32_t> classes(neighbors.size(), kNone);
+  for (const uint32_t node : search.order) {
+    uint32_t color = 4 * search.levels[node];
+    const auto& row = neighbors[node];
+    const auto is_taken = [&](uint32_t other) {
+      return other != kNone && classes[other] == color;
+    };
+    while (std::ranges::any_of(row, is_taken)) {
+      ++color;
+    }
+    classes[node] = color;
+  }
+  return classes;
+}
+
 // Runs of consecutive nodes of which none is another's neighbor: [R + 1] into
 // the nodes.
 std::vector<uint32_t> IndependentRuns(const PottsProblem& problem) {
@@ -71,7 +120,7 @@ class MessagePassing {
       bound += SumOverRun(run, [&](uint32_t node, Scratch* scratch) {
         std::vector<float>& belief = scratch->belief;
         Collect(node, &belief);
-        const float least = *std::min_element(belief.begin(), belief.end());
+        const float least = *std::ranges::min_element(belief);
         for (float& value : belief) {
           value -= least;
         }
@@ -120,8 +169,7 @@ class MessagePassing {
           continue;
         }
         const auto& back = problem_.neighbors[neighbor];
-        const auto place =
-            std::find(back.begin(), back.end(), node) - back.begin();
+        const auto place = std::ranges::find(back, node) - back.begin();
         messages_of_[node][k] = size;
         messages_of_[neighbor][place] = size;
         size +=
@@ -173,7 +221,7 @@ class MessagePassing {
       }
       chosen[num_chosen++] = label;
     }
-    const auto best = std::min_element(belief->begin(), belief->end());
+    const auto best = std::ranges::min_element(*belief);
     const auto choice = static_cast<uint32_t>(best - belief->begin());
     (*choices)[node] = choice;
     const auto num_equal =
@@ -295,6 +343,21 @@ std::vector<uint32_t> CheapestLabels(const PottsProblem& problem) {
 }
 
 }  // namespace
+
+std::vector<uint32_t> SweepOrder(const Neighbors& neighbors) {
+  const Search search = BreadthFirst(neighbors);
+  const std::vector<uint32_t> classes = Classes(neighbors, search);
+  const uint32_t num_classes =
+      classes.empty() ? 0 : *std::ranges::max_element(classes) + 1;
+  // Nodes of a class stay in the search's order.
+  return GroupInRows<uint32_t>(num_classes,
+                               [&](const auto& add) {
+                                 for (const uint32_t node : search.order) {
+                                   add(classes[node], node);
+                                 }
+                               })
+      .values;
+}
 
 double PottsEnergy(const PottsProblem& problem,
                    const std::vector<uint32_t>& choices) {

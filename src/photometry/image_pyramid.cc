@@ -9,7 +9,6 @@
 #include <opencv2/imgproc.hpp>
 
 namespace colmap_ext {
-
 namespace {
 
 size_t NumPixels(const View& view) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/lru_cache.h"
-#include "scene/gray_image.h"
+#include "scene/images.h"
 #include "scene/view.h"
 
 namespace colmap_ext {

@@ -4,11 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "base/index_limit.h"
-#include "raster/facet_frames.h"
-
 namespace colmap_ext {
-
 namespace {
 
 // Four values side by side (GCC and Clang).

@@ -10,7 +10,7 @@
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
 #include "raster/facet_id_buffer.h"
-#include "scene/gray_image.h"
+#include "scene/images.h"
 #include "scene/view.h"
 
 namespace colmap_ext {

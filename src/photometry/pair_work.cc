@@ -7,12 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
-#include "base/index_limit.h"
-
 namespace colmap_ext {
-
 namespace {
 
 // \pre rows come in ascending order

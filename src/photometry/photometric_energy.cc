@@ -17,7 +17,6 @@
 #include "photometry/window_correlation.h"
 
 namespace colmap_ext {
-
 namespace {
 
 void Add(const FacetTerms& added, FacetTerms* terms) {

@@ -31,11 +31,11 @@ void CorrelationTile::Resize(int new_width, int new_height) {
 }
 
 void CorrelationTile::FindReached(int radius) {
-  std::fill(is_reached.begin(), is_reached.end(), 0);
+  std::ranges::fill(is_reached, 0);
   std::vector<uint8_t> reached(width);
   for (int row = radius; row < height - radius; ++row) {
     const uint8_t* centers = is_center.data() + Index(row, 0);
-    std::fill(reached.begin(), reached.end(), 0);
+    std::ranges::fill(reached, 0);
     for (int k = -radius; k <= radius; ++k) {
       for (int col = radius; col < width - radius; ++col) {
         reached[col + k] |= centers[col];

@@ -1,4 +1,4 @@
-#include "photometry/window_rows.h"
+#include "photometry/window_correlation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,6 @@
 #endif
 
 namespace colmap_ext {
-
 namespace {
 
 // term(0), ..., term(kCount - 1), combined in this order.

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -15,7 +14,6 @@
 #include "pictures/mesh_renderer.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr int kStripHeight = 70;  // px, of the scale below the picture

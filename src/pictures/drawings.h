@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mesh/triangle_mesh.h"
-#include "scene/color_image.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 

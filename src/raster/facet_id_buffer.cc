@@ -1,6 +1,5 @@
 #include "raster/facet_id_buffer.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -16,7 +15,6 @@
 #include "mesh/mesh_in_image.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // As many as graphics cards have (8 bits), 1 / px.

@@ -8,7 +8,7 @@
 #include "base/index_limit.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_frames.h"
-#include "scene/gray_image.h"
+#include "scene/images.h"
 #include "scene/view.h"
 
 namespace colmap_ext {

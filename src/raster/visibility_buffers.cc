@@ -6,10 +6,8 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/mesh_in_image.h"
-#include "raster/facet_frames.h"
 
 namespace colmap_ext {
-
 namespace {
 
 Eigen::Vector3d Centroid(const TriangleMesh& mesh, const Facet& facet) {
@@ -116,7 +114,7 @@ FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers,
   });
   size_t num_visible = 0;
   for (const std::vector<bool>& row : is_visible) {
-    num_visible += std::count(row.begin(), row.end(), true);
+    num_visible += std::ranges::count(row, true);
   }
   FacetVisibility visibility;
   visibility.Reserve(mesh.facets.size(), num_visible);

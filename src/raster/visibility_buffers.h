@@ -10,7 +10,7 @@
 #include "base/rows.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_id_buffer.h"
-#include "scene/gray_image.h"
+#include "scene/images.h"
 #include "scene/view.h"
 
 namespace colmap_ext {

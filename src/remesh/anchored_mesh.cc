@@ -1,6 +1,5 @@
 #include "remesh/anchored_mesh.h"
 
-#include "mesh/adjacency.h"
 #include "mesh/normals.h"
 
 namespace colmap_ext {

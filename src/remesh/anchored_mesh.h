@@ -11,7 +11,6 @@
 
 #include "mesh/editable_mesh.h"
 #include "spatial/bvh.h"
-#include "spatial/surface_point.h"
 
 namespace colmap_ext {
 
@@ -132,7 +131,7 @@ struct AnchoredMesh {
         }
       }
     }
-    std::sort(edges.begin(), edges.end());
+    std::ranges::sort(edges);
     std::vector<uint32_t> halves;
     halves.reserve(edges.size());
     for (const auto& edge : edges) {

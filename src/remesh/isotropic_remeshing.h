@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mesh/surface.h"
-#include "spatial/surface_point.h"
+#include "spatial/bvh.h"
 
 namespace colmap_ext {
 

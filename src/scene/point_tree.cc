@@ -67,8 +67,7 @@ class NearestPoints {
     if (!(distance_squared <= max_distance_squared_)) {
       return true;
     }
-    found_.insert(std::upper_bound(found_.begin(), found_.end(), candidate),
-                  candidate);
+    found_.insert(std::ranges::upper_bound(found_, candidate), candidate);
     if (found_.size() > count_) {
       found_.pop_back();
     }

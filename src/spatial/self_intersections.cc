@@ -1,7 +1,6 @@
 #include "spatial/self_intersections.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include <tbb/enumerable_thread_specific.h>

@@ -1,6 +1,5 @@
-#include "tiles/certified_tetrahedra.h"
+#include "tiles/tile_cut.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -8,10 +7,8 @@
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
-#include "base/index_limit.h"
 #include "base/indices.h"
 #include "base/lru_cache.h"
-#include "base/mix_bits.h"
 #include "delaunay/growing_complex.h"
 #include "spatial/box_tree.h"
 #include "spatial/predicates.h"

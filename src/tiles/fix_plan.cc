@@ -9,7 +9,6 @@
 #include <tbb/parallel_sort.h>
 
 #include "base/indices.h"
-#include "meshing/cell_splitting.h"
 #include "meshing/singular_vertices.h"
 #include "tiles/patch_cells.h"
 

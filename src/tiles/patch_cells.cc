@@ -1,12 +1,9 @@
 #include "tiles/patch_cells.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include <tbb/parallel_sort.h>
-
-#include "base/index_limit.h"
 
 namespace colmap_ext {
 

@@ -5,10 +5,9 @@
 #include <map>
 #include <memory>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
-#include "delaunay/cell_places.h"
+#include "delaunay/tetrahedralization.h"
 #include "tiles/merged_plan.h"
 #include "tiles/plan_vertices.h"
 #include "tiles/tile_cut.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "base/index_limit.h"
 #include "base/indices.h"
 
 namespace colmap_ext {

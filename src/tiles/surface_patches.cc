@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "spatial/facet_tree.h"
-#include "tiles/tile_cells.h"
 
 namespace colmap_ext {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "mesh/vertex_attributes.h"
 
 namespace colmap_ext {
 

@@ -1,10 +1,131 @@
 #include "tiles/tile_cells.h"
-#include "spatial/facet_tree.h"
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 #include <set>
+#include <span>
+#include <utility>
+
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
+namespace {
+
+// The axis with the largest variance.
+int WidestAxis(const std::vector<Eigen::Vector3f>& points,
+               std::span<const uint32_t> part) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (const uint32_t point : part) {
+    mean += points[point].cast<double>();
+  }
+  mean /= static_cast<double>(part.size());
+  for (const uint32_t point : part) {
+    squares += (points[point].cast<double>() - mean).cwiseAbs2();
+  }
+  Eigen::Index axis = 0;
+  squares.maxCoeff(&axis);
+  return static_cast<int>(axis);
+}
+
+// Sorts a part along an axis.
+// \return where its first share of the weight ends: at least so many points
+//         are on either side
+size_t Split(const std::vector<Eigen::Vector3f>& points,
+             const std::vector<float>& weights, int axis, double share,
+             size_t min_first, size_t min_second, std::span<uint32_t> part) {
+  std::ranges::sort(part, [&](uint32_t a, uint32_t b) {
+    const float x = points[a][axis];
+    const float y = points[b][axis];
+    return x != y ? x < y : a < b;
+  });
+  double total = 0;
+  for (const uint32_t point : part) {
+    total += weights[point];
+  }
+  double sum = 0;
+  size_t end = 0;
+  while (end < part.size() && sum < share * total) {
+    sum += weights[part[end++]];
+  }
+  return std::clamp(end, min_first, part.size() - min_second);
+}
+
+// What is to be split yet.
+struct Work {
+  std::span<uint32_t> points;
+  uint32_t first_part;
+  uint32_t num_parts;
+  uint32_t* place;  // of its node; nodes are reserved
+};
+
+}  // namespace
+
+SplitTree::SplitTree(const std::vector<Eigen::Vector3f>& points,
+                     const std::vector<float>& weights, size_t num_parts) {
+  std::vector<uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  nodes_.reserve(num_parts);
+  std::vector<Work> stack = {
+      {order, 0, static_cast<uint32_t>(num_parts), &root_}};
+  while (!stack.empty()) {
+    const Work work = stack.back();
+    stack.pop_back();
+    if (work.num_parts == 1) {
+      *work.place = kLeaf + work.first_part;
+      continue;
+    }
+    const uint32_t num_first = work.num_parts / 2;
+    const uint32_t num_second = work.num_parts - num_first;
+    const int axis = WidestAxis(points, work.points);
+    const size_t middle = Split(points, weights, axis,
+                                static_cast<double>(num_first) / work.num_parts,
+                                num_first, num_second, work.points);
+    *work.place = static_cast<uint32_t>(nodes_.size());
+    Node& node = nodes_.emplace_back();
+    node.axis = axis;
+    node.border = points[work.points[middle]][axis];
+    stack.push_back({work.points.first(middle), work.first_part, num_first,
+                     &node.children[0]});
+    stack.push_back({work.points.subspan(middle), work.first_part + num_first,
+                     num_second, &node.children[1]});
+  }
+}
+
+uint32_t SplitTree::PartOf(const Eigen::Vector3f& point) const {
+  uint32_t at = root_;
+  while (at < kLeaf) {
+    const Node& node = nodes_[at];
+    at = node.children[point[node.axis] < node.border ? 0 : 1];
+  }
+  return at - kLeaf;
+}
+
+TileCells SplitTree::Cells() const {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  TileCells cells(nodes_.size() + 1);
+  std::vector<std::pair<uint32_t, Eigen::AlignedBox3f>> stack = {
+      {root_,
+       {Eigen::Vector3f::Constant(-kInfinity),
+        Eigen::Vector3f::Constant(kInfinity)}}};
+  while (!stack.empty()) {
+    const auto [index, box] = stack.back();
+    stack.pop_back();
+    if ((index & kLeaf) != 0) {
+      cells[index - kLeaf] = box;
+      continue;
+    }
+    const Node& node = nodes_[index];
+    Eigen::AlignedBox3f first = box;
+    Eigen::AlignedBox3f second = box;
+    first.max()[node.axis] = node.border;
+    second.min()[node.axis] = node.border;
+    stack.emplace_back(node.children[0], first);
+    stack.emplace_back(node.children[1], second);
+  }
+  return cells;
+}
 
 uint32_t CellOf(const TileCells& cells, const Eigen::Vector3f& point) {
   const auto contains = [&point](const Eigen::AlignedBox3f& cell) {

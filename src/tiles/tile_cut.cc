@@ -1,15 +1,68 @@
 #include "tiles/tile_cut.h"
 
-#include <algorithm>
 #include <limits>
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
-#include "delaunay/cell_graph.h"
 #include "tiles/ray_mask.h"
 
 namespace colmap_ext {
 namespace {
+
+uint32_t Clamp(uint32_t capacity) { return std::min(capacity, kMaxCapacity); }
+
+// The graph of the part with free space beyond: the arcs from there are those
+// of the source.
+FlowCapacities WithFreeSpaceBeyond(NeighborView neighbors,
+                                   const FlowCapacities& graph,
+                                   const std::vector<CellPlace>& places) {
+  FlowCapacities part = graph;
+  tbb::parallel_for(size_t{0}, graph.size(), [&](size_t node) {
+    if (places[node] == CellPlace::kBeyond) {
+      part[node] = {};
+      return;
+    }
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t other = neighbors[node][k];
+      if (places[other] == CellPlace::kBeyond) {
+        const uint32_t back =
+            PlaceOf(static_cast<uint32_t>(node), neighbors[other]);
+        part[node].source =
+            Clamp(part[node].source) + Clamp(graph[other].arcs[back]);
+        part[node].arcs[k] = 0;
+      }
+    }
+  });
+  return part;
+}
+
+// Nodes of the part within some rings of the shared ones; -1: all.
+std::vector<uint8_t> Band(NeighborView neighbors,
+                          const std::vector<CellPlace>& places, int rings) {
+  std::vector<uint8_t> is_band(places.size(), 0);
+  std::vector<uint32_t> front;
+  for (uint32_t node = 0; node < places.size(); ++node) {
+    if (places[node] == CellPlace::kShared ||
+        (rings < 0 && places[node] == CellPlace::kInner)) {
+      is_band[node] = 1;
+      front.push_back(node);
+    }
+  }
+  for (int ring = 0; ring < rings; ++ring) {
+    std::vector<uint32_t> next;
+    for (const uint32_t node : front) {
+      for (const uint32_t other : neighbors[node]) {
+        if (places[other] == CellPlace::kInner && is_band[other] == 0) {
+          is_band[other] = 1;
+          next.push_back(other);
+        }
+      }
+    }
+    front.swap(next);
+  }
+  return is_band;
+}
 
 // Vertices of other tiles whose rays are walked at a time.
 constexpr size_t kBatchVertices = 1 << 16;
@@ -220,7 +273,55 @@ class TileVotes {
   Observations observations_;  // of the batch, by points
 };
 
+UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
+  const Tetrahedralization& tetrahedra = cut.tile.tetrahedra;
+  const CellKey corners = cut.tile.CornersOf(cell);
+  std::array<uint32_t, 4> order = {0, 1, 2, 3};
+  std::ranges::sort(order, {}, [&](uint32_t k) { return corners[k]; });
+  UnknownCell unknown;
+  unknown.source = std::min(cut.graph[cell].source, kMaxCapacity);
+  unknown.sink = std::min(cut.graph[cell].sink, kMaxCapacity);
+  unknown.guess = cut.labels.guesses[cell];
+  for (int i = 0; i < 4; ++i) {
+    const uint32_t k = order[i];
+    const uint32_t other = tetrahedra.cells[cell].neighbors[k];
+    const uint32_t back = tetrahedra.FacetTo(other, cell);
+    unknown.key[i] = corners[k];
+    unknown.apexes[i] = cut.tile.CornersOf(other)[back];
+    unknown.labels[i] = cut.places[other] != CellPlace::kBeyond
+                            ? cut.labels.known[other]
+                            : kOutside;
+    unknown.out[i] = std::min(cut.graph[cell].arcs[k], kMaxCapacity);
+    unknown.back[i] = std::min(cut.graph[other].arcs[back], kMaxCapacity);
+  }
+  return unknown;
+}
+
 }  // namespace
+
+PartLabels LabelPart(NeighborView neighbors, const FlowCapacities& graph,
+                     const std::vector<CellPlace>& places, int rings) {
+  PartLabels labels;
+  labels.guesses = ComputeMinCut(neighbors, graph).on_source_side;
+  labels.known = labels.guesses;
+  if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
+    return labels;
+  }
+  const std::vector<uint8_t> most =
+      ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
+          .on_source_side;
+  const std::vector<uint8_t> is_band = Band(neighbors, places, rings);
+  for (size_t node = 0; node < places.size(); ++node) {
+    const bool is_sure = most[node] == 0;
+    if (places[node] == CellPlace::kBeyond ||
+        (!is_sure && is_band[node] != 0)) {
+      labels.known[node] = kNotKnown;
+    } else if (is_sure) {
+      labels.known[node] = kMatter;
+    }
+  }
+  return labels;
+}
 
 TileCut CutTile(const PlanVertices& plan, uint32_t tile,
                 const std::vector<Eigen::Vector3d>& centers,
@@ -241,6 +342,26 @@ TileCut CutTile(const PlanVertices& plan, uint32_t tile,
   result.labels = LabelPart(NeighborsOf(tetrahedra), result.graph,
                             result.places, options.seam_rings);
   return result;
+}
+
+TileSeam SeamOf(const TileCut& cut) {
+  TileSeam seam;
+  for (uint32_t cell = 0; cell < cut.places.size(); ++cell) {
+    if (cut.places[cell] == CellPlace::kBeyond) {
+      continue;
+    }
+    if (cut.labels.known[cell] == kNotKnown) {
+      seam.unknown.push_back(UnknownOf(cut, cell));
+    } else if (cut.places[cell] == CellPlace::kShared) {
+      seam.shared.push_back(
+          {Sorted(cut.tile.CornersOf(cell)), cut.labels.known[cell]});
+    }
+  }
+  tbb::parallel_sort(
+      seam.unknown.begin(), seam.unknown.end(),
+      [](const UnknownCell& a, const UnknownCell& b) { return a.key < b.key; });
+  std::ranges::sort(seam.shared, {}, &SharedCell::key);
+  return seam;
 }
 
 }  // namespace colmap_ext

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "viewer/orbit_camera.h"
-#include "viewer/shown_mesh.h"
 
 namespace colmap_ext {
 namespace {

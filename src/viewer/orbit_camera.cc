@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
-#include "pictures/picture_views.h"
+#include "pictures/mesh_renderer.h"
 
 namespace colmap_ext {
 namespace {
@@ -105,25 +105,12 @@ View BetweenViews(const View& first, const View& second, double share) {
   return view;
 }
 
-Eigen::Vector3d Middle(const ShownMesh& mesh) {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  for (int axis = 0; axis < 3 && !mesh.mesh.vertices.empty(); ++axis) {
-    std::vector<double> coordinates;
-    coordinates.reserve(mesh.mesh.vertices.size());
-    for (const Eigen::Vector3f& vertex : mesh.mesh.vertices) {
-      coordinates.push_back(vertex[axis]);
-    }
-    middle[axis] = Median(&coordinates);
-  }
-  return middle;
-}
-
 OrbitCamera FirstCamera(const ShownMesh& mesh, int width, int height) {
   const View view =
       mesh.mesh.facets.empty()
           ? AutomaticView(mesh.mesh.vertices, mesh.front, width, height)
           : AutomaticView(mesh.mesh, width, height);
-  return {view, Middle(mesh)};
+  return {view, MedianPoint(mesh.mesh.vertices)};
 }
 
 Eigen::Vector3d Upwards(const std::vector<View>& cameras, const View& view) {

@@ -1,11 +1,8 @@
 #include "viewer/scene_renderer.h"
 
-#include <algorithm>
 #include <array>
-#include <memory>
 
-#include "gl/gl_error.h"
-#include "raster/facet_id_buffer.h"
+#include "gl/egl_context.h"
 #include "viewer/orbit_camera.h"
 
 namespace colmap_ext {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -11,8 +10,7 @@
 #include <Eigen/Core>
 
 #include "gl/gl_objects.h"
-#include "gl/program.h"
-#include "scene/color_image.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 #include "viewer/shown_scene.h"

@@ -13,7 +13,7 @@
 #include <Eigen/Core>
 
 #include "labeling/facet_labels.h"
-#include "scene/color_image.h"
+#include "scene/images.h"
 #include "scene/view.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/shown_scene.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "gl/gl_error.h"
+#include "gl/egl_context.h"
 #include "viewer/glfw_window.h"
 #include "viewer/scene_renderer.h"
 #include "viewer/viewer_session.h"

@@ -1,9 +1,7 @@
 #include "workspace/find_workspace.h"
 
 #include <algorithm>
-#include <string>
 #include <system_error>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,7 +24,7 @@ void ExpectFolder(const fs::path& path) {
 }
 
 bool HasAny(const std::vector<std::string>& files, const fs::path& folder) {
-  return std::any_of(files.begin(), files.end(), [&](const std::string& file) {
+  return std::ranges::any_of(files, [&](const std::string& file) {
     return fs::exists(folder / file);
   });
 }
@@ -41,7 +39,7 @@ std::vector<fs::path> SubfoldersWith(const std::vector<std::string>& files,
       }
     }
   }
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   return found;
 }
 

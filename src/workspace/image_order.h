@@ -1,14 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "formats/read_ply.h"
-#include "formats/read_visibility.h"
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/view.h"
 #include "workspace/sparse_model.h"
 

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "formats/byte_reader.h"
-#include "formats/errors.h"
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext {

@@ -1,11 +1,14 @@
 #include "workspace/sparse_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <system_error>
 
 #include <fmt/format.h>
 
+#include "formats/atomic_file.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -80,6 +83,135 @@ void CheckImages(const SparseModel& model,
   }
 }
 
+// COLMAP's binary model format: https://colmap.github.io/format.html, and
+// src/colmap/scene/reconstruction_io_binary.cc for frames.bin and rigs.bin.
+
+template <typename... Values>
+void Write(AtomicFile* file, const Values&... values) {
+  (file->Write(values), ...);
+}
+
+void WriteCameras(const SparseModel& model, AtomicFile* file) {
+  constexpr int kPinhole = 1;  // COLMAP's model id
+  constexpr int kSimplePinhole = 0;
+  file->Write(uint64_t{model.cameras.size()});
+  for (const auto& [camera_id, camera] : model.cameras) {
+    const bool is_simple = camera.model_name == "SIMPLE_PINHOLE";
+    Write(file, camera_id, is_simple ? kSimplePinhole : kPinhole, camera.width,
+          camera.height, camera.fx);
+    if (!is_simple) {
+      file->Write(camera.fy);
+    }
+    Write(file, camera.cx, camera.cy);
+  }
+}
+
+void WritePose(const SparseImage& image, AtomicFile* file) {
+  const Eigen::Quaterniond& q = image.cam_from_world_rotation;
+  const Eigen::Vector3d& t = image.cam_from_world_translation;
+  Write(file, q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
+}
+
+void WriteImages(const SparseModel& model, AtomicFile* file) {
+  file->Write(uint64_t{model.images.size()});
+  for (const SparseImage& image : model.images) {
+    file->Write(image.image_id);
+    WritePose(image, file);
+    file->Write(image.camera_id);
+    file->Write(image.name.c_str(), image.name.size() + 1);
+    file->Write(uint64_t{image.observations.size()});
+    for (const auto& [pixel, point_id] : image.observations) {
+      Write(file, pixel.x(), pixel.y(), point_id);
+    }
+  }
+}
+
+// The mean distance of a point's observations from its projections, px of the
+// cameras.
+// \param images  see ImageIndices()
+double MeanError(const SparseModel& model,
+                 const std::map<uint32_t, size_t>& images, size_t point) {
+  const Rows<uint32_t>& tracks = model.track_image_ids;
+  double sum = 0;
+  size_t count = 0;
+  for (uint64_t k = tracks.offsets[point]; k < tracks.offsets[point + 1]; ++k) {
+    const auto it = images.find(tracks.values[k]);
+    if (it == images.end()) {
+      continue;
+    }
+    const SparseImage& image = model.images[it->second];
+    if (model.track_observations[k] >= image.observations.size()) {
+      continue;
+    }
+    const SparseCamera& camera = model.cameras.at(image.camera_id);
+    const Eigen::Vector3d p =
+        image.cam_from_world_rotation * model.exact_positions[point] +
+        image.cam_from_world_translation;
+    const Eigen::Vector2d pixel(camera.fx * p.x() / p.z() + camera.cx,
+                                camera.fy * p.y() / p.z() + camera.cy);
+    sum +=
+        (pixel - image.observations[model.track_observations[k]].pixel).norm();
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+void WritePoints(const SparseModel& model, AtomicFile* file) {
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
+  file->Write(uint64_t{model.point_ids.size()});
+  for (size_t i = 0; i < model.point_ids.size(); ++i) {
+    const Rows<uint32_t>& tracks = model.track_image_ids;
+    const Eigen::Vector3d& position = model.exact_positions[i];
+    Write(file, model.point_ids[i], position.x(), position.y(), position.z(),
+          model.point_colors[i], MeanError(model, images, i),
+          uint64_t{tracks[i].size()});
+    for (uint64_t k = tracks.offsets[i]; k < tracks.offsets[i + 1]; ++k) {
+      Write(file, tracks.values[k], model.track_observations[k]);
+    }
+  }
+}
+
+void WriteRigs(const SparseModel& model, AtomicFile* file) {
+  file->Write(uint64_t{model.rigs.size()});
+  for (const SparseRig& rig : model.rigs) {
+    Write(file, rig.rig_id, rig.num_sensors, rig.sensor_type, rig.sensor_id);
+  }
+}
+
+// A rig of one camera has the camera's pose.
+void WriteFrames(const SparseModel& model, AtomicFile* file) {
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
+  file->Write(uint64_t{model.frames.size()});
+  for (const SparseFrame& frame : model.frames) {
+    Write(file, frame.frame_id, frame.rig_id);
+    WritePose(model.images[images.at(frame.image_ids[0])], file);
+    file->Write(static_cast<uint32_t>(frame.data.size()));
+    for (const SparseData& data : frame.data) {
+      Write(file, data.sensor_type, data.sensor_id, data.data_id);
+    }
+  }
+}
+
+void MakeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder, error)) {
+    throw FileError(folder, "the folder can not be made");
+  }
+}
+
+void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
+  AtomicFiles files;
+  WriteCameras(model, files.Add(folder / "cameras.bin"));
+  WriteImages(model, files.Add(folder / "images.bin"));
+  WritePoints(model, files.Add(folder / "points3D.bin"));
+  if (!model.frames.empty()) {
+    WriteRigs(model, files.Add(folder / "rigs.bin"));
+    WriteFrames(model, files.Add(folder / "frames.bin"));
+  }
+  files.Commit();
+}
+
 }  // namespace
 
 const CameraModelInfo* FindCameraModel(int model_id) {
@@ -148,6 +280,37 @@ SparseModel ReadSparseModel(const std::filesystem::path& folder,
   CheckCameras(model, folder);
   CheckImages(model, folder);
   return model;
+}
+
+bool HasOneImageFrames(const SparseModel& model) {
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
+  return (model.frames.empty() || !model.rigs.empty()) &&
+         std::ranges::all_of(
+             model.rigs,
+             [](const SparseRig& rig) { return rig.num_sensors == 1; }) &&
+         std::ranges::all_of(model.frames, [&](const SparseFrame& frame) {
+           return frame.data.size() == 1 && frame.image_ids.size() == 1 &&
+                  images.contains(frame.image_ids[0]);
+         });
+}
+
+void WriteSparseModel(const std::filesystem::path& folder,
+                      const SparseModel& model) {
+  std::error_code ignored;
+  const bool is_new = !std::filesystem::exists(folder, ignored);
+  MakeFolder(folder);
+  try {
+    WriteFiles(folder, model);
+  } catch (...) {
+    if (is_new) {
+      std::filesystem::remove(folder, ignored);
+    }
+    throw;
+  }
+  if (model.frames.empty()) {
+    std::filesystem::remove(folder / "rigs.bin", ignored);
+    std::filesystem::remove(folder / "frames.bin", ignored);
+  }
 }
 
 }  // namespace colmap_ext

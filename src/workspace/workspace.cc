@@ -1,23 +1,98 @@
 #include "workspace/workspace.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "formats/errors.h"
-#include "formats/read_ply.h"
-#include "formats/read_visibility.h"
+#include "formats/picture_files.h"
+#include "formats/read_arrays.h"
 #include "workspace/find_workspace.h"
-#include "workspace/read_views.h"
-#include "workspace/sparse_model.h"
 
 namespace colmap_ext {
 namespace {
+
+View MakeView(const SparseImage& image, const SparseCamera& camera) {
+  View view;
+  view.name = image.name;
+  view.width = static_cast<int>(camera.width);
+  view.height = static_cast<int>(camera.height);
+  view.fx = camera.fx;
+  view.fy = camera.fy;
+  view.cx = camera.cx;
+  view.cy = camera.cy;
+  view.cam_from_world_rotation =
+      image.cam_from_world_rotation.toRotationMatrix();
+  view.cam_from_world_translation = image.cam_from_world_translation;
+  return view;
+}
+
+bool HasAspectOf(const View& view, const PictureSize& size) {
+  const double scale_x = 1.0 * size.width / view.width;
+  const double scale_y = 1.0 * size.height / view.height;
+  return std::abs(view.height * scale_x - size.height) <= 1 ||
+         std::abs(view.width * scale_y - size.width) <= 1;
+}
+
+// From the header of a PNG or JPEG file, else by decoding the whole picture.
+std::optional<PictureSize> FindPictureSize(const std::filesystem::path& path,
+                                           const PictureDecoder& decoder) {
+  std::optional<PictureSize> size = ReadPictureSize(path);
+  if (!size) {
+    if (const std::optional<ColorImage> image = decoder.read_color(path)) {
+      size = PictureSize{image->width, image->height};
+    }
+  }
+  if (size && (size->width <= 0 || size->height <= 0)) {
+    size.reset();
+  }
+  return size;
+}
+
+// Scales the view to its picture.
+// \return what is wrong with the picture
+std::string FitToPicture(const std::filesystem::path& path,
+                         const ViewRules& rules, const PictureDecoder& decoder,
+                         View* view, Views* result) {
+  const std::optional<PictureSize> size = FindPictureSize(path, decoder);
+  if (!size) {
+    ++result->num_missing_images;
+    return std::filesystem::exists(path) ? "can not be read" : "no such file";
+  }
+  if (size->width == view->width && size->height == view->height) {
+    return "";
+  }
+  if (!HasAspectOf(*view, *size)) {
+    const std::string error =
+        fmt::format("is {} x {} pixels, but its camera is {} x {}", size->width,
+                    size->height, view->width, view->height);
+    if (!rules.allow_other_sizes) {
+      throw FileError(path, error +
+                                ", which is not the same picture scaled; run "
+                                "`colmap image_undistorter` again");
+    }
+    return error;
+  }
+  *view = ResizeView(*view, size->width, size->height);
+  ++result->num_rescaled_images;
+  return "";
+}
+
+double ReadDepthMapScale(const std::filesystem::path& dense_path,
+                         const View& view) {
+  const std::filesystem::path path =
+      FindDepthMap(dense_path / "stereo" / "depth_maps", view.name);
+  if (path.empty()) {
+    return 1;
+  }
+  ByteReader reader(path);
+  return 1.0 * ReadDepthMapHeader(&reader).width / view.width;
+}
 
 namespace fs = std::filesystem;
 
@@ -50,9 +125,8 @@ void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
 
 void ExpectFinitePoints(const std::vector<Eigen::Vector3f>& points,
                         const fs::path& path) {
-  const bool has_any = std::any_of(
-      points.begin(), points.end(),
-      [](const Eigen::Vector3f& point) { return point.allFinite(); });
+  const bool has_any = std::ranges::any_of(
+      points, [](const Eigen::Vector3f& point) { return point.allFinite(); });
   if (!has_any) {
     throw FileError(
         path, fmt::format("none of its {} points is finite", points.size()));
@@ -183,6 +257,75 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
 }
 
 }  // namespace
+
+Views ReadViews(const std::filesystem::path& dense_path,
+                const SparseModel& model, const ViewRules& rules,
+                const PictureDecoder& decoder) {
+  Views result;
+  for (const SparseImage& image : model.images) {
+    const SparseCamera& camera = model.cameras.at(image.camera_id);
+    if (!camera.is_pinhole && !rules.allow_distortion) {
+      throw FileError(
+          dense_path,
+          fmt::format("camera {} is distorted ({}), which no dense workspace's "
+                      "is; run `colmap image_undistorter` first",
+                      image.camera_id, camera.model_name));
+    }
+    if (!camera.has_focal_length) {
+      throw FileError(
+          dense_path,
+          fmt::format("camera {} is a panorama ({}), which can not be meshed; "
+                      "cut it into pinhole images first",
+                      image.camera_id, camera.model_name));
+    }
+    View view = MakeView(image, camera);
+    result.picture_errors.push_back(FitToPicture(
+        dense_path / "images" / image.name, rules, decoder, &view, &result));
+    result.camera_scales.push_back(1.0 * static_cast<double>(camera.width) /
+                                   view.width);
+    result.depth_map_scales.push_back(ReadDepthMapScale(dense_path, view));
+    result.views.push_back(std::move(view));
+  }
+  return result;
+}
+
+size_t CountOutOfRange(const Visibility& visibility, size_t num_images) {
+  size_t count = 0;
+  for (size_t i = 0; i < visibility.size(); ++i) {
+    count += std::ranges::any_of(visibility[i], [num_images](uint32_t index) {
+      return index >= num_images;
+    });
+  }
+  return count;
+}
+
+PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
+                       FilterReport* report) {
+  report->num_points = cloud.positions.size();
+  report->num_out_of_range = CountOutOfRange(visibility, num_images);
+  PointCloud filtered{std::move(cloud.positions), std::move(cloud.colors),
+                      std::move(visibility)};
+  const auto edit = [&](size_t point,
+                        std::span<uint32_t> row) -> std::optional<size_t> {
+    const auto end = std::remove_if(
+        row.begin(), row.end(),
+        [num_images](uint32_t index) { return index >= num_images; });
+    std::sort(row.begin(), end);
+    const auto unique_end = std::unique(row.begin(), end);
+    report->num_with_repeats += unique_end != end;
+    if (!filtered.positions[point].allFinite()) {
+      ++report->num_not_finite;
+      return std::nullopt;
+    }
+    if (unique_end == row.begin()) {
+      ++report->num_without_views;
+      return std::nullopt;
+    }
+    return static_cast<size_t>(unique_end - row.begin());
+  };
+  EditPoints(edit, &filtered);
+  return filtered;
+}
 
 fs::path FindDenseFolder(const fs::path& path,
                          const WorkspaceOptions& options) {

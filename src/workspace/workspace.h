@@ -1,20 +1,94 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "scene/picture_decoder.h"
+#include "formats/read_ply.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
-#include "workspace/filter_cloud.h"
+#include "scene/view.h"
 #include "workspace/image_order.h"
-#include "workspace/read_views.h"
+#include "workspace/sparse_model.h"
 
 namespace colmap_ext {
+
+struct FilterReport {
+  size_t num_points = 0;         // that came in
+  size_t num_not_finite = 0;     // dropped
+  size_t num_without_views = 0;  // dropped
+  size_t num_with_repeats = 0;   // that listed an image more than once
+  size_t num_out_of_range = 0;   // that listed an image which is not there
+};
+
+// Shortens the views of points, or drops the points.
+// \param edit  of a point and its views, as EditRows() has it
+template <typename Edit>
+void EditPoints(const Edit& edit, PointCloud* cloud) {
+  size_t num_kept = 0;
+  EditRows(
+      [&](size_t point, std::span<uint32_t> views) {
+        const std::optional<size_t> num_views = edit(point, views);
+        if (num_views) {
+          cloud->positions[num_kept] = cloud->positions[point];
+          if (!cloud->colors.empty()) {
+            cloud->colors[num_kept] = cloud->colors[point];
+          }
+          ++num_kept;
+        }
+        return num_views;
+      },
+      &cloud->views);
+  cloud->positions.resize(num_kept);
+  cloud->colors.resize(cloud->colors.empty() ? 0 : num_kept);
+}
+
+// How many points list an image index that is not below num_images.
+size_t CountOutOfRange(const Visibility& visibility, size_t num_images);
+
+// The points that can be meshed: finite, and seen by some image. Image indices
+// that are out of range or repeated are dropped, the rest sorted.
+PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
+                       FilterReport* report);
+
+struct Views {
+  std::vector<View> views;  // as the model's images
+  // [views] size of each camera over the size of its picture; 1 where there is
+  // no picture.
+  std::vector<double> camera_scales;
+  // [views] size of each depth map over the size of its picture; 1 where there
+  // is no depth map.
+  std::vector<double> depth_map_scales;
+  // [views] why the picture can not be used: it is missing, can not be read,
+  // or has not its camera's aspect, and the view has its camera's size then;
+  // empty where nothing is wrong.
+  std::vector<std::string> picture_errors;
+  size_t num_missing_images = 0;   // their camera's size was taken instead
+  size_t num_rescaled_images = 0;  // of another size than their camera's
+};
+
+struct ViewRules {
+  // Use the pinhole part of distorted cameras.
+  bool allow_distortion = false;
+  // List pictures of another aspect than their camera's in picture_errors.
+  bool allow_other_sizes = false;
+};
+
+// The cameras and poses of the model's images, with the intrinsics scaled to
+// the pictures in DENSE_PATH/images: COLMAP's image_undistorter scales the
+// pictures of a pinhole camera and leaves the camera as it was.
+//
+// \throw FileError if a camera is distorted, or the aspect of a picture is not
+//        its camera's, unless the rules allow that, or a camera is a panorama.
+Views ReadViews(const std::filesystem::path& dense_path,
+                const SparseModel& model, const ViewRules& rules,
+                const PictureDecoder& decoder);
 
 enum class InputType {
   kDense,   // the fused points

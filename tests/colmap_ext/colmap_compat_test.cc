@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/encode_png.h"
+#include "formats/picture_files.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {

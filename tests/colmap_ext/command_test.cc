@@ -2,9 +2,8 @@
 
 #include <unistd.h>
 
-#include "formats/encode_png.h"
+#include "formats/picture_files.h"
 #include "formats/read_ply.h"
-#include "formats/read_visibility.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "formats/picture_size.h"
+#include "formats/picture_files.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/sparse_model.h"

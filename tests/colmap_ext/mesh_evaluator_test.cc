@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/picture_size.h"
+#include "formats/picture_files.h"
 #include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "tests/colmap_ext/run_shell.h"

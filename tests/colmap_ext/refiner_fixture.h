@@ -6,7 +6,6 @@
 #include <string>
 
 #include "formats/read_ply.h"
-#include "formats/read_visibility.h"
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "tests/colmap_ext/run_shell.h"

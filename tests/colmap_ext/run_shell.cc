@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "colmap_ext/report/html_page.h"
-#include "formats/encode_png.h"
+#include "formats/picture_files.h"
 #include "tests/formats/test_files.h"
 #include "tests/report/well_formed.h"
 

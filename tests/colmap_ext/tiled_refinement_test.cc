@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/encode_png.h"
+#include "formats/picture_files.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/synthetic/dense_scene.h"
 

@@ -10,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include "delaunay/cell_places.h"
 #include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/threads.h"

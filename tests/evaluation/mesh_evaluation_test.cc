@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 

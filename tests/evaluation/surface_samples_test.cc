@@ -1,4 +1,4 @@
-#include "evaluation/surface_samples.h"
+#include "evaluation/mesh_evaluation.h"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/look_at.h"
-#include "spatial/surface_point.h"
+#include "scene/view.h"
+#include "spatial/bvh.h"
 #include "tests/mesh/known_meshes.h"
 
 namespace colmap_ext {

@@ -1,4 +1,4 @@
-#include "formats/encode_png.h"
+#include "formats/picture_files.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "formats/picture_size.h"
+#include "formats/picture_files.h"
 
 #include <string>
 #include <tuple>

@@ -1,7 +1,6 @@
 // What only mesh_evaluator reads: depth maps and masks.
 
-#include "formats/read_depth_map.h"
-#include "formats/read_npy_mask.h"
+#include "formats/read_arrays.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext::read_evaluation_files_test {

@@ -1,4 +1,4 @@
-#include "formats/read_visibility.h"
+#include "formats/read_ply.h"
 
 #include "tests/formats/test_files.h"
 

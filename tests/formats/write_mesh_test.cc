@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "formats/read_ply.h"
-#include "formats/read_visibility.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext::write_mesh_test {

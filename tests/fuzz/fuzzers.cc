@@ -13,15 +13,14 @@
 #include <stdexcept>
 #include <string>
 
-#include "formats/picture_size.h"
-#include "formats/read_depth_map.h"
-#include "formats/read_npy_mask.h"
+#include "formats/picture_files.h"
+#include "formats/read_arrays.h"
 #include "formats/read_numbers.h"
 #include "formats/read_ply.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
-#include "workspace/filter_cloud.h"
 #include "workspace/image_order.h"
+#include "workspace/workspace.h"
 
 namespace colmap_ext {
 namespace {

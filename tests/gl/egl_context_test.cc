@@ -5,7 +5,6 @@
 
 #include <epoxy/gl.h>
 
-#include "gl/gl_error.h"
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {

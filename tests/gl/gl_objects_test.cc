@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "gl/gl_error.h"
+#include "gl/egl_context.h"
 #include "tests/gl/gl_test.h"
 
 namespace colmap_ext {

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "gl/gl_error.h"
+#include "gl/egl_context.h"
 #include "labeling/facet_labels.h"
 #include "photometry/photometric_energy.h"
 #include "raster/facet_id_buffer.h"

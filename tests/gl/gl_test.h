@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "gl/egl_context.h"
-#include "gl/gl_error.h"
 
 namespace colmap_ext {
 

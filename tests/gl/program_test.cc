@@ -1,4 +1,4 @@
-#include "gl/program.h"
+#include "gl/gl_objects.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "gl/gl_error.h"
+#include "gl/egl_context.h"
 #include "mesh/triangle_mesh.h"
 #include "tests/gl/gl_test.h"
 

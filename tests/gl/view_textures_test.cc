@@ -1,11 +1,11 @@
-#include "gl/view_textures.h"
+#include "gl/pair_passes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-#include "gl/gl_error.h"
+#include "gl/egl_context.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/gl_test.h"
 #include "tests/refine/refinement_scene.h"

@@ -1,4 +1,4 @@
-#include "colmap_ext/jobs/job_inputs.h"
+#include "colmap_ext/jobs/job_file.h"
 
 #include "colmap_ext/jobs/refinement_input.h"
 #include "tests/formats/test_files.h"

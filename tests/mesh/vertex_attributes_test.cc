@@ -1,4 +1,4 @@
-#include "mesh/vertex_attributes.h"
+#include "mesh/surface.h"
 
 #include <algorithm>
 #include <set>

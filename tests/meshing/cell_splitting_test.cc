@@ -1,4 +1,4 @@
-#include "meshing/cell_splitting.h"
+#include "meshing/manifold_fixing.h"
 
 #include <algorithm>
 

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "meshing/singular_vertices.h"
-#include "meshing/vertex_star.h"
 #include "spatial/predicates.h"
 #include "tests/delaunay/random_complex.h"
 

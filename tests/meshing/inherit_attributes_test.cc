@@ -1,4 +1,4 @@
-#include "meshing/inherit_attributes.h"
+#include "meshing/finish_surface.h"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "spatial/self_intersections.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/random.h"
 
 namespace colmap_ext {

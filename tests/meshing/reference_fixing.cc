@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "base/indices.h"
-#include "meshing/cell_splitting.h"
-#include "meshing/vertex_star.h"
+#include "meshing/manifold_fixing.h"
+#include "meshing/singular_vertices.h"
 
 namespace colmap_ext {
 namespace {

@@ -6,9 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "mesh/topology.h"
-#include "meshing/cell_splitting.h"
+#include "meshing/manifold_fixing.h"
 #include "meshing/surface_extraction.h"
-#include "meshing/vertex_star.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/meshing/fixing_problem.h"
 #include "tests/threads.h"

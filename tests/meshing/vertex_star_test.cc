@@ -1,4 +1,4 @@
-#include "meshing/vertex_star.h"
+#include "meshing/singular_vertices.h"
 
 #include <algorithm>
 #include <map>

@@ -1,12 +1,11 @@
 #include "pictures/drawings.h"
 #include "pictures/mesh_renderer.h"
-#include "pictures/picture_views.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/random.h"
 
 namespace colmap_ext {

@@ -6,7 +6,7 @@
 
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_id_buffer.h"
-#include "scene/gray_image.h"
+#include "scene/images.h"
 #include "tests/look_at.h"
 
 namespace colmap_ext {

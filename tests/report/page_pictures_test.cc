@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 namespace page_pictures_test {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/random_vectors.h"
 
 namespace colmap_ext {

@@ -4,8 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "scene/gray_image.h"
-#include "scene/look_at.h"
+#include "scene/images.h"
 #include "tests/random_vectors.h"
 
 namespace colmap_ext {

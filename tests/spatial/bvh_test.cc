@@ -9,7 +9,6 @@
 #include <Eigen/QR>
 
 #include "mesh/normals.h"
-#include "spatial/surface_point.h"
 #include "tests/mesh/shapes.h"
 #include "tests/synthetic/noise.h"
 

@@ -6,8 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/color_image.h"
-#include "scene/depth_map.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 #include "spatial/bvh.h"

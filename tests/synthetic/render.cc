@@ -6,7 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
-#include "evaluation/surface_samples.h"
+#include "evaluation/mesh_evaluation.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext::synthetic {

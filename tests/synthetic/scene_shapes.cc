@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext::synthetic {

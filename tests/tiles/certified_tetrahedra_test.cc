@@ -1,4 +1,4 @@
-#include "tiles/certified_tetrahedra.h"
+#include "tiles/tile_cut.h"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "viewer/shown_mesh.h"
+#include "viewer/shown_scene.h"
 
 #include <cmath>
 
@@ -6,9 +6,8 @@
 
 #include "mesh/normals.h"
 #include "pictures/drawings.h"
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/mesh/known_meshes.h"
-#include "viewer/shown_scene.h"
 
 namespace colmap_ext::facet_match_test {
 

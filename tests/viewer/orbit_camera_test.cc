@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 
 namespace colmap_ext::orbit_camera_test {
 

@@ -6,12 +6,11 @@
 
 #include "pictures/drawings.h"
 #include "pictures/mesh_renderer.h"
-#include "pictures/picture_views.h"
 #include "raster/facet_id_buffer.h"
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/gl/gl_test.h"
 #include "tests/mesh/known_meshes.h"
-#include "viewer/shown_mesh.h"
+#include "viewer/shown_scene.h"
 
 namespace colmap_ext::scene_renderer_test {
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 
 namespace colmap_ext::viewer_session_test {
 

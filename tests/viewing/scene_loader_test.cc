@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 
 #include "base/mix_bits.h"
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/texts.h"
-#include "viewer/shown_mesh.h"
+#include "viewer/shown_scene.h"
 #include "viewer/viewer_session.h"
 
 namespace colmap_ext {

@@ -4,7 +4,7 @@
 
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
-#include "workspace/read_views.h"
+#include "workspace/workspace.h"
 
 namespace colmap_ext::image_order_test {
 

@@ -1,6 +1,6 @@
-#include "workspace/masks.h"
+#include "workspace/pictures.h"
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 

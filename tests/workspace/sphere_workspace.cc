@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "scene/look_at.h"
+#include "scene/view.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/picture_decoder.h"
+#include "scene/images.h"
 #include "scene/point_cloud.h"
 #include "scene/view.h"
 

@@ -7,7 +7,6 @@
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/find_workspace.h"
-#include "workspace/read_views.h"
 
 namespace colmap_ext::workspace_test {
 

@@ -1,4 +1,4 @@
-#include "scene/look_at.h"
+#include "scene/view.h"
 
 #include <Eigen/Geometry>
 

@@ -2,6 +2,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+
+#include "scene/images.h"
 
 namespace colmap_ext {
 
@@ -18,5 +21,12 @@ std::optional<PictureSize> ReadPictureSize(const std::filesystem::path& path);
 // that were interrupted; some decoders take them, and make up the rest.
 // \return false for whatever is no such file.
 bool IsPictureCutOff(const std::filesystem::path& path);
+
+// Returns the bytes of a PNG file: red, green and blue of 8 bits.
+// \pre image.width > 0, image.height > 0
+std::string EncodePng(const ColorImage& image);
+
+// \throw FileError if the file can not be written.
+void WritePng(const std::filesystem::path& path, const ColorImage& image);
 
 }  // namespace colmap_ext
