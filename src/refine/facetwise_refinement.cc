@@ -7,14 +7,12 @@
 
 #include "base/rows.h"
 #include "mesh/normals.h"
-#include "photometry/image_pyramid.h"
 #include "raster/visibility_buffers.h"
 #include "refine/facet_sizes.h"
 #include "refine/level_refinement.h"
 #include "refine/refined_confidences.h"
 
 namespace colmap_ext {
-
 namespace {
 
 class Refinement {

@@ -15,7 +15,6 @@
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // A level at work. The members after the tree change from step to step.

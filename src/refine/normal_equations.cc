@@ -11,7 +11,6 @@
 #include "raster/facet_frames.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Where corners k <= l of a facet stand in its curvatures.

@@ -11,7 +11,6 @@
 #include "refine/smoothness_weights.h"
 
 namespace colmap_ext {
-
 namespace {
 
 // Over the views of the best pairs around a vertex that it lies before; 0 if

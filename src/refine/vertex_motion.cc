@@ -11,7 +11,6 @@
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
-
 namespace {
 
 constexpr double kMaxEdgeShare = 0.4;  // of the edges' mean length

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 #include <queue>
-#include <span>
 #include <tuple>
 #include <utility>
 
