@@ -15,8 +15,7 @@
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
-namespace colmap_ext {
-namespace tiling_test {
+namespace colmap_ext::tiling_test {
 
 namespace fs = std::filesystem;
 
@@ -46,8 +45,7 @@ std::vector<std::array<float, 3>> VerticesOf(const fs::path& path) {
   return vertices;
 }
 
-class TilingTest : public testing::Test {
- protected:
+struct TilingTest : testing::Test {
   TilingTest() { SphereWorkspace().Write(workspace_); }
 
   Outcome MakePlan(int num_tiles, const std::string& more = "") const {
@@ -236,16 +234,6 @@ TEST_F(TilingTest, KilledJobsLeaveNoHarm) {
   EXPECT_EQ(MakeMesh({1, 0}), undisturbed);
 }
 
-TEST_F(TilingTest, AKilledMergerLeavesTheOldMesh) {
-  const std::string undisturbed = MakeAll(3);
-  for (const char* seconds : {"0.02", "0.05", "0.08", "0.12", "0.2"}) {
-    RunShell(std::string("timeout -s TERM ") + seconds + " " + MergeCommand());
-    EXPECT_EQ(BytesOf(mesh_), undisturbed);
-    EXPECT_EQ(List(folder_.Path()),
-              "a plan a workspace merged.ply merged.ply.vis");
-  }
-}
-
 TEST_F(TilingTest, AMergerOnAFullDiskLeavesTheOldMesh) {
   const std::string undisturbed = MakeAll(3);
   const auto size = fs::file_size(mesh_);
@@ -267,14 +255,6 @@ TEST_F(TilingTest, TheMergerFinishesTheSurfaceAsTheMesherDoes) {
   }
   MakeAll(2, " @remeshing 1");
   EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
-}
-
-TEST_F(TilingTest, TwoMergersAtOnceDoNotDisturbEachOther) {
-  const std::string alone = MakeAll(2);
-  const std::string command = MergeCommand();
-  Succeed(
-      RunShell(command + " > /dev/null & " + command + " > /dev/null; wait"));
-  EXPECT_EQ(BytesOf(mesh_), alone);
 }
 
 TEST_F(TilingTest, RefusesWhatDoesNotFitTogether) {
@@ -362,5 +342,4 @@ TEST_F(TilingTest, RefusesInputsThatChanged) {
   ExpectRefusal(MakeTile(0), "has changed since it was planned");
 }
 
-}  // namespace tiling_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::tiling_test

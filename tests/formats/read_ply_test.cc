@@ -26,7 +26,7 @@ void AppendAs(const Variant& variant, double value, std::string* bytes) {
   std::string raw;
   Append(static_cast<T>(value), &raw);
   if (variant.format == "binary_big_endian") {
-    std::reverse(raw.begin(), raw.end());
+    std::ranges::reverse(raw);
   }
   *bytes += raw;
 }
@@ -69,8 +69,7 @@ std::string AsciiHeader(int num_vertices) {
          "\nproperty float x\nproperty float y\nproperty float z\n";
 }
 
-class ReadPlyCloudTest : public FolderTest {
- protected:
+struct ReadPlyCloudTest : FolderTest {
   ReadPlyCloudTest() : FolderTest("fused.ply") {}
 
   PlyCloud Read(const std::string& bytes) {
@@ -108,8 +107,7 @@ TEST_F(ReadPlyCloudTest, ReadsEveryFormatTypeAndOrder) {
       for (const std::vector<int>& order : orders) {
         for (const char* line_end : {"\n", "\r\n"}) {
           SCOPED_TRACE(std::string(format) + " " + type);
-          const std::string name = type;
-          const PlyCloud cloud = Read(MakePly({format, name, order, line_end}));
+          const PlyCloud cloud = Read(MakePly({format, type, order, line_end}));
           ExpectTheTwoPoints(cloud);
           EXPECT_EQ(cloud.colors.size(), order.size() >= 6 ? 2 : 0);
           EXPECT_EQ(cloud.normals.size(), order.size() == 9 ? 2 : 0);
@@ -206,8 +204,7 @@ constexpr const char* kVertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 constexpr const char* kFaces =
     "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
 
-class ReadPlyMeshTest : public FolderTest {
- protected:
+struct ReadPlyMeshTest : FolderTest {
   ReadPlyMeshTest() : FolderTest("mesh.ply") {}
 
   TriangleMesh Read(const std::string& bytes) {

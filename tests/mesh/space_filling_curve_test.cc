@@ -1,14 +1,13 @@
 #include "mesh/space_filling_curve.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "tests/mesh/shapes.h"
+#include "tests/random.h"
 
-namespace colmap_ext {
-namespace space_filling_curve_test {
+namespace colmap_ext::space_filling_curve_test {
 
 constexpr int kNumBits = 21;
 
@@ -47,8 +46,7 @@ TEST(OrderAlongCurve, IsThatOfTheInterleavedBits) {
   points.emplace_back(0, 0, 0);
   points.emplace_back(kLast, kLast, kLast);
   points.insert(points.end(), points.begin(), points.begin() + 100);
-  std::vector<uint32_t> expected(points.size());
-  std::iota(expected.begin(), expected.end(), 0);
+  std::vector<uint32_t> expected = Iota(points.size());
   std::ranges::stable_sort(expected, {},
                            [&](uint32_t i) { return Interleave(points[i]); });
   EXPECT_EQ(OrderAlongCurve(points), expected);
@@ -98,9 +96,7 @@ TEST(SortAlongCurve, KeepsTheMeshAndBringsNeighborsTogether) {
   const TriangleMesh sphere = MakeBumpySphere(0.1F);
   TriangleMesh mesh = sphere;
   Random random(1);
-  std::vector<uint32_t> places(mesh.vertices.size());
-  std::iota(places.begin(), places.end(), 0);
-  random.Shuffle(&places);
+  const std::vector<uint32_t> places = random.Permutation(mesh.vertices.size());
   for (uint32_t i = 0; i < places.size(); ++i) {
     mesh.vertices[places[i]] = sphere.vertices[i];
   }
@@ -133,5 +129,4 @@ TEST(SortAlongCurve, KeepsTheMeshAndBringsNeighborsTogether) {
   EXPECT_EQ(SortAlongCurve(&mesh)[7], 7);
 }
 
-}  // namespace space_filling_curve_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::space_filling_curve_test

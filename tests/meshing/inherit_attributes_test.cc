@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-namespace colmap_ext {
-namespace inherit_attributes_test {
+#include "meshing/finish_surface.h"
+
+namespace colmap_ext::inherit_attributes_test {
 
 // Three points, seen by views {0, 1}, {1, 2} and {1}.
 PointCloud MakeCloud() {
@@ -45,15 +46,11 @@ TriangleMesh MakeMesh(uint32_t num_vertices, std::vector<Facet> facets) {
   return mesh;
 }
 
-TEST(InheritAttributes, OfThePointItself) {
-  const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), {{2, 2}, {0, 0}, {1, 1}}),
+TEST(InheritAttributes, OfThePointItselfOrTheMeanOfTwoAndTheViewsOfBoth) {
+  ExpectRows(InheritAttributes(MakeMesh(3, {{0, 1, 2}}), MakeCloud(),
+                               {{2, 2}, {0, 0}, {1, 1}}),
              {kThird, kFirst, kSecond});
-}
-
-TEST(InheritAttributes, AMidpointHasTheMeanColourAndTheViewsOfBoth) {
-  const TriangleMesh mesh = MakeMesh(1, {});
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), {{0, 1}}),
+  ExpectRows(InheritAttributes(MakeMesh(1, {}), MakeCloud(), {{0, 1}}),
              {{{1, 15, 255}, {0, 1, 2}}});
 }
 
@@ -98,5 +95,14 @@ TEST(InheritAttributes, WithoutColours) {
   EXPECT_EQ(attributes.views, Rows<uint32_t>({0, 2, 4}, {0, 1, 1, 2}));
 }
 
-}  // namespace inherit_attributes_test
-}  // namespace colmap_ext
+TEST(SupportOfVertices, AddsUpThePointsOfEach) {
+  EXPECT_EQ(SupportOfVertices(3, {0, 2, 0, 2}, {1, 2, 4, 8}),
+            (std::vector<float>{5, 0, 10}));
+}
+
+TEST(MeansOfSources, IsTheMeanOfBoth) {
+  EXPECT_EQ(MeansOfSources({1, 3}, {{0, 0}, {0, 1}, {2, 2}, {1, 2}}, 7),
+            (std::vector<float>{1, 2, 7, 5}));
+}
+
+}  // namespace colmap_ext::inherit_attributes_test

@@ -14,8 +14,7 @@
 #include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace noise_smoothing_test {
+namespace colmap_ext::noise_smoothing_test {
 
 using Eigen::Vector3f;
 
@@ -246,5 +245,4 @@ TEST(SmoothByNoise, DoesNotDependOnThreads) {
   ExpectSameForAnyThreads(smooth);
 }
 
-}  // namespace noise_smoothing_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::noise_smoothing_test

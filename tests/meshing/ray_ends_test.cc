@@ -8,8 +8,7 @@
 #include "scene/look_at.h"
 #include "tests/random.h"
 
-namespace colmap_ext {
-namespace ray_ends_test {
+namespace colmap_ext::ray_ends_test {
 
 View FrontView(double x) {
   return LookAtView({x, 0, -10}, {0, 0, 0}, {0, 1, 0}, 640, 480, 600);
@@ -28,8 +27,7 @@ PointCloud RandomCloud() {
   return cloud;
 }
 
-class CropCloudTest : public testing::Test {
- protected:
+struct CropCloudTest : testing::Test {
   CropCloudTest() {
     weighted_ = {cloud_, std::vector<float>(2000, 0.5f), 2000};
     ends_ = CropCloud(region_, views_, &weighted_);
@@ -154,5 +152,4 @@ TEST(RegionOfCloudTest, HoldsAllPoints) {
   EXPECT_NEAR(region.half_sizes.x(), 4.8, 0.02);
 }
 
-}  // namespace ray_ends_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::ray_ends_test

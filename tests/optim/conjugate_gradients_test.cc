@@ -7,8 +7,7 @@
 #include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace conjugate_gradients_test {
+namespace colmap_ext::conjugate_gradients_test {
 
 using Vector = std::vector<double>;
 
@@ -19,8 +18,7 @@ double Dot(const Vector& a, const Vector& b) {
 }
 
 // The matrix has the diagonal d_i + 2 and -1 beside it.
-class ConjugateGradientsTest : public testing::Test {
- protected:
+struct ConjugateGradientsTest : testing::Test {
   ConjugateGradientsTest() {
     Random random(1);
     for (size_t i = 0; i < kSize; ++i) {
@@ -118,5 +116,4 @@ TEST_F(ConjugateGradientsTest, DoesNotDependOnThreads) {
   ExpectSameForAnyThreads([&] { return Solve({0, 8}).values; });
 }
 
-}  // namespace conjugate_gradients_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::conjugate_gradients_test

@@ -1,6 +1,7 @@
 #include "optim/potts_mrf.h"
 
 #include <algorithm>
+#include <random>
 #include <ranges>
 #include <set>
 #include <span>
@@ -11,10 +12,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/optim/random_potts.h"
+#include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace potts_mrf_test {
+namespace colmap_ext::potts_mrf_test {
 
 // The least energy of a BinaryTree, from the leaves to the root.
 double LeastOfTree(const PottsProblem& problem) {
@@ -73,14 +74,6 @@ TEST(SolvePotts, ComesCloseToTheLeastEnergy) {
   EXPECT_GE(num_exact, 30);
 }
 
-TEST(SolvePotts, IsExactOnChains) {
-  for (uint32_t seed = 0; seed < 20; ++seed) {
-    const PottsProblem problem = RandomProblem(8, Chain(8), 4, 0.8, 0.6, seed);
-    const PottsSolution solution = SolvePotts(problem, 0, 50);
-    EXPECT_NEAR(solution.energy, BruteForce(problem), 1e-4) << seed;
-  }
-}
-
 TEST(SolvePotts, IsExactOnLargeTrees) {
   for (const double weight : {0.2, 1.0, 3.0}) {
     const PottsProblem problem =
@@ -95,8 +88,7 @@ TEST(SolvePotts, IsExactOnLargeTrees) {
 
 TEST(SolvePotts, IsWithinTwoPercentOnALargeWall) {
   for (const double weight : {0.1, 0.7, 3.0}) {
-    const PottsProblem problem = LargeWall(weight);
-    const PottsSolution solution = SolvePotts(problem);
+    const PottsSolution solution = SolvePotts(LargeWall(weight));
     EXPECT_LE(solution.energy, 1.02 * solution.lower_bound) << weight;
     EXPECT_LE(solution.energy, solution.initial_energy) << weight;
   }
@@ -133,9 +125,7 @@ TEST(SolvePotts, TakesTheCheapestLabelsWhereNeighborsDoNotMatter) {
 TEST(SolvePotts, TakesOneLabelWhereNeighborsAreAll) {
   const PottsProblem problem = RandomProblem(200, Prism(100), 9, 1, 1e3, 3);
   const PottsSolution solution = SolvePotts(problem);
-  EXPECT_EQ(std::count(solution.choices.begin(), solution.choices.end(),
-                       solution.choices[0]),
-            200);
+  EXPECT_EQ(std::ranges::count(solution.choices, solution.choices[0]), 200);
 }
 
 TEST(SolvePotts, LeavesNodesWithoutLabelsOut) {
@@ -275,8 +265,7 @@ TEST(AddFurtherLabels, GivesEachNodeLabelsOfItsOwn) {
       const std::set<uint32_t> labels = SetOf(sets[node]);
       EXPECT_EQ(labels.size(), std::min<size_t>(own.size(), count));
       EXPECT_EQ(labels.size(), sets[node].size());
-      EXPECT_TRUE(
-          std::includes(own.begin(), own.end(), labels.begin(), labels.end()));
+      EXPECT_TRUE(std::ranges::includes(own, labels));
       if (!own.empty()) {
         EXPECT_EQ(sets[node][0], chosen[node][0]);
       }
@@ -299,14 +288,13 @@ TEST(AddFurtherLabels, KeepsTheGivenOnesFirst) {
 
 TEST(AddFurtherLabels, TakesTheCheapestWhereNeighborsDoNotCount) {
   const PottsProblem problem = MakeProblem(0);
-  const LabelSets chosen = Choose(problem);
-  const LabelSets sets = AddFurtherLabels(problem, chosen, 4);
+  const LabelSets sets = AddFurtherLabels(problem, Choose(problem), 4);
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
     std::vector<std::pair<float, uint32_t>> row;
     for (uint32_t i = 0; i < problem.NumLabels(node); ++i) {
       row.emplace_back(problem.Costs(node)[i], problem.Labels(node)[i]);
     }
-    std::sort(row.begin(), row.end());
+    std::ranges::sort(row);
     for (size_t i = 0; i < std::min<size_t>(row.size(), 4); ++i) {
       EXPECT_EQ(sets[node][i], row[i].second);
     }
@@ -328,5 +316,77 @@ TEST(AddFurtherLabels, DoesNotDependOnThreads) {
   ExpectSameForAnyThreads([&] { return AddFurtherLabels(problem, chosen, 4); });
 }
 
-}  // namespace potts_mrf_test
-}  // namespace colmap_ext
+// The graph, its nodes in the order of the sweep.
+Neighbors Sorted(uint32_t num_nodes, const Edges& edges) {
+  const std::vector<uint32_t> order =
+      SweepOrder(MakeNeighbors(num_nodes, edges));
+  std::vector<uint32_t> sorted = order;
+  std::ranges::sort(sorted);
+  std::vector<uint32_t> all = Iota(num_nodes);
+  EXPECT_EQ(sorted, all);
+  return MakeNeighbors(num_nodes, Renumber(edges, order));
+}
+
+// Nodes without a neighbor before them.
+uint32_t NumStarts(const Neighbors& neighbors) {
+  uint32_t num_starts = 0;
+  for (uint32_t i = 0; i < neighbors.size(); ++i) {
+    const auto& row = neighbors[i];
+    num_starts += std::ranges::min(row) > i ? 1 : 0;
+  }
+  return num_starts;
+}
+
+// Runs of nodes that are not neighbors, as few as there can be.
+uint32_t NumRuns(const Neighbors& neighbors) {
+  uint32_t num_runs = 1;
+  uint32_t first = 0;  // of the run
+  for (uint32_t i = 0; i < neighbors.size(); ++i) {
+    for (const uint32_t other : neighbors[i]) {
+      if (other >= first && other < i) {
+        first = i;
+        ++num_runs;
+      }
+    }
+  }
+  return num_runs;
+}
+
+// The edges of several such graphs of `size` nodes.
+Edges Copies(const Edges& edges, uint32_t size, uint32_t count) {
+  Edges copies;
+  for (uint32_t i = 0; i < count; ++i) {
+    for (const auto& [a, b] : edges) {
+      copies.push_back({i * size + a, i * size + b});
+    }
+  }
+  return copies;
+}
+
+// A wall in diagonals, to the far corner; neighbors of the same level apart;
+// and parts side by side.
+TEST(SweepOrder, StartsOnceAPartAndTakesFewRuns) {
+  for (const auto& [sorted, num_starts, max_runs] :
+       {std::tuple(Sorted(10000, Wall(100)), 1u, 299u),
+        {Sorted(202, Prism(101)), 1u, 2 * 52u},
+        {Sorted(800, Copies(Prism(4), 8, 100)), 100u, 8u}}) {
+    EXPECT_EQ(NumStarts(sorted), num_starts);
+    EXPECT_LE(NumRuns(sorted), max_runs);
+  }
+}
+
+TEST(SweepOrder, ReachesAllWhateverTheNumbering) {
+  std::mt19937 random(5);
+  std::vector<uint32_t> order = Iota(2500);
+  std::shuffle(order.begin(), order.end(), random);
+  const Neighbors sorted = Sorted(2500, Renumber(Wall(50), order));
+  EXPECT_EQ(NumStarts(sorted), 1);
+  EXPECT_LE(NumRuns(sorted), 4 * 150);
+}
+
+TEST(SweepOrder, OrdersNothing) {
+  EXPECT_TRUE(SweepOrder({}).empty());
+  EXPECT_EQ(NumRuns(Sorted(3, {})), 1);
+}
+
+}  // namespace colmap_ext::potts_mrf_test

@@ -12,8 +12,7 @@
 #include "colmap_ext/options/viewer_options.h"
 #include "tests/texts.h"
 
-namespace colmap_ext {
-namespace options_test {
+namespace colmap_ext::options_test {
 
 // Fails unless the options are refused with a message that has the text.
 template <typename Options>
@@ -198,5 +197,4 @@ TEST(ViewerOptionsTest, ACenterIsTwoFiniteNumbers) {
   }
 }
 
-}  // namespace options_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::options_test

@@ -9,8 +9,7 @@
 #include "scene/look_at.h"
 #include "tests/random.h"
 
-namespace colmap_ext {
-namespace pictures_test {
+namespace colmap_ext::pictures_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -102,14 +101,6 @@ TEST(RenderMesh, TellsWhereTheRayHits) {
     EXPECT_LE(hit.light, 1);
     return {0, 0, 0};
   });
-}
-
-TEST(VertexColors, InterpolateWithoutShades) {
-  const TriangleMesh mesh = Square();
-  const std::vector<Color> colors(4, {10, 20, 30});
-  const FrontColor front = VertexColors(mesh, colors, 0);
-  EXPECT_EQ(Middle(RenderMesh(mesh, ViewFrom(3), front)), (Color{10, 20, 30}));
-  EXPECT_TRUE(IsRed(Middle(RenderMesh(mesh, ViewFrom(-3), front))));
 }
 
 TEST(LabelColors, AreShaded) {
@@ -213,5 +204,4 @@ TEST(SpreadViews, DoWithFewViews) {
       << "all at one place";
 }
 
-}  // namespace pictures_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::pictures_test

@@ -14,8 +14,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace isotropic_remeshing_test {
+namespace colmap_ext::isotropic_remeshing_test {
 
 // One facet whose corners differ in everything.
 struct OneFacet {
@@ -85,7 +84,7 @@ std::vector<double> SmallestAngles(const TriangleMesh& mesh) {
 }
 
 double Percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   return values[static_cast<size_t>(share * (values.size() - 1))];
 }
 
@@ -374,5 +373,4 @@ TEST(MeanEdgeLengths, AreThoseOfARegularMesh) {
   }
 }
 
-}  // namespace isotropic_remeshing_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::isotropic_remeshing_test

@@ -13,8 +13,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/synthetic/noise.h"
 
-namespace colmap_ext {
-namespace bvh_test {
+namespace colmap_ext::bvh_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -29,15 +28,9 @@ Vector3f RandomVector(uint64_t i, uint64_t k) {
 
 // Small triangles anywhere in a cube.
 TriangleMesh Soup(uint32_t num_facets) {
-  TriangleMesh mesh;
-  for (uint32_t f = 0; f < num_facets; ++f) {
-    const Vector3f center = RandomVector(f, 0);
-    for (int i = 0; i < 3; ++i) {
-      mesh.vertices.push_back(center + 0.2f * RandomVector(f, 1 + i));
-    }
-    mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
-  }
-  return mesh;
+  return MakeTriangles(num_facets, [](uint32_t f, int k) -> Vector3f {
+    return RandomVector(f, 0) + 0.2f * RandomVector(f, 1 + k);
+  });
 }
 
 // Distance to a facet along a ray, in lengths of its direction; negative where
@@ -97,13 +90,8 @@ TEST(Bvh, MissesNoFacetWhoseBoxHasAPlaneInWhichTheRayLies) {
   const auto lattice = [](uint64_t i, uint64_t k) -> Vector3f {
     return (3 * RandomVector(i, k)).array().round();
   };
-  TriangleMesh mesh;
-  for (uint32_t f = 0; f < 60; ++f) {
-    for (int i = 0; i < 3; ++i) {
-      mesh.vertices.push_back(lattice(f, 30 + i));
-    }
-    mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
-  }
+  const TriangleMesh mesh =
+      MakeTriangles(60, [&](uint32_t f, int k) { return lattice(f, 30 + k); });
   int num_hits = 0;
   for (int packet = 0; packet < 2000; ++packet) {
     const RayPacket rays = Rays(lattice(packet, 40), [&](int i) {
@@ -316,5 +304,4 @@ TEST(NearestFacet, IsThatOfASearchThroughAll) {
   }
 }
 
-}  // namespace bvh_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::bvh_test

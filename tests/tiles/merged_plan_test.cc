@@ -15,8 +15,7 @@
 #include "tests/tiles/memory_plan.h"
 #include "tiles/patch_cells.h"
 
-namespace colmap_ext {
-namespace merged_plan_test {
+namespace colmap_ext::merged_plan_test {
 
 // A facet by its corners' positions, turned so that the lowest comes first.
 using Corner = std::array<float, 3>;
@@ -310,5 +309,4 @@ TEST(AddTile, RefusesMoreVerticesThanCanBeNumbered) {
   EXPECT_EQ(blocks.NumTiles(), 1u);
 }
 
-}  // namespace merged_plan_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::merged_plan_test

@@ -8,13 +8,13 @@
 #include "pictures/drawings.h"
 #include "scene/look_at.h"
 #include "tests/mesh/known_meshes.h"
+#include "tests/raster/pixels.h"
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext::facet_match_test {
 
 // A textured plane z = 0, and images of it.
-class FacetMatchTest : public testing::Test {
- protected:
+struct FacetMatchTest : testing::Test {
   static View ViewFrom(const Eigen::Vector3d& eye, const std::string& name) {
     View view = LookAtView(eye, {0, 0, 0}, {0, 1, 0}, 200, 160, 260);
     view.name = name;
@@ -24,17 +24,15 @@ class FacetMatchTest : public testing::Test {
   // What a camera sees of the plane, moved in z and seen where it is not.
   static GrayImage ImageOf(const View& view, double height = 0) {
     GrayImage image{view.width, view.height, {}};
-    for (int row = 0; row < view.height; ++row) {
-      for (int col = 0; col < view.width; ++col) {
-        const Eigen::Vector3d ray =
-            RayDirection(view, col + 0.5, row + 0.5).cast<double>();
-        const Eigen::Vector3d eye = view.Center();
-        const Eigen::Vector3d point = eye + (height - eye.z()) / ray.z() * ray;
-        image.pixels.push_back(static_cast<uint8_t>(
-            128 + 50 * std::sin(43 * point.x() + 5 * std::sin(31 * point.y())) +
-            40 * std::cos(37 * point.y())));
-      }
-    }
+    ForEachPixel(view, [&](int row, int col) {
+      const Eigen::Vector3d ray =
+          RayDirection(view, col + 0.5, row + 0.5).cast<double>();
+      const Eigen::Vector3d eye = view.Center();
+      const Eigen::Vector3d point = eye + (height - eye.z()) / ray.z() * ray;
+      image.pixels.push_back(static_cast<uint8_t>(
+          128 + 50 * std::sin(43 * point.x() + 5 * std::sin(31 * point.y())) +
+          40 * std::cos(37 * point.y())));
+    });
     return image;
   }
 
@@ -65,12 +63,7 @@ TEST_F(FacetMatchTest, ImagesOfAnotherSurfaceDoNot) {
 }
 
 TEST_F(FacetMatchTest, WhatIsHiddenOrBehindIsNotCompared) {
-  TriangleMesh hidden = mesh_;
-  for (const Eigen::Vector3f& vertex : mesh_.vertices) {
-    hidden.vertices.push_back(vertex + Eigen::Vector3f(0, 0, 0.5F));
-  }
-  hidden.facets.push_back({4, 5, 6});
-  hidden.facets.push_back({4, 6, 7});
+  const TriangleMesh hidden = Union(mesh_, Shifted(mesh_, {0, 0, 0.5F}));
   EXPECT_FALSE(
       MatchFacet(hidden, 0, first_, ImageOf(first_), second_, ImageOf(second_))
           .zncc);

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/formats/test_files.h"
+#include "tests/texts.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/find_workspace.h"
 #include "workspace/read_views.h"
@@ -13,8 +14,7 @@ namespace colmap_ext::workspace_test {
 
 namespace fs = std::filesystem;
 
-class WorkspaceTest : public FolderTest {
- protected:
+struct WorkspaceTest : FolderTest {
   // Of what has been written.
   Workspace Read(const WorkspaceOptions& options = {}) const {
     return ReadWorkspace(path_, options, NetpbmDecoder());
@@ -129,8 +129,7 @@ TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
   ASSERT_EQ(workspace.picture_errors.size(), 7);
   EXPECT_EQ(workspace.picture_errors[2], "no such file");
   EXPECT_EQ(workspace.picture_errors[6], "can not be read");
-  EXPECT_NE(workspace.picture_errors[1].find("is 9 x 2 pixels"),
-            std::string::npos);
+  EXPECT_TRUE(Has(workspace.picture_errors[1], "is 9 x 2 pixels"));
   EXPECT_EQ(workspace.views[1].width, 80) << "its camera's";
   for (const size_t i : {0, 3, 4, 5}) {
     EXPECT_EQ(workspace.picture_errors[i], "");
@@ -259,6 +258,50 @@ TEST(FilterCloudTest, SortsRows) {
   EXPECT_EQ(report.num_out_of_range, 2);
   EXPECT_EQ(report.num_without_views, 1);
   EXPECT_TRUE(cloud.colors.empty());
+}
+
+struct ExpectOutputsTest : FolderTest {
+  void SetUp() override {
+    for (const char* name :
+         {"fused.ply", "fused.ply.vis", "images/a/0.png", "stereo/fusion.cfg",
+          "sparse/0/cameras.bin", "sparse/0/mesh.ply"}) {
+      WriteFile(path_ / name, "");
+    }
+  }
+
+  void ExpectRefused(const std::vector<fs::path>& outputs,
+                     const std::string& message) const {
+    ExpectFileError(message, [&] {
+      ExpectOutputs(outputs, WorkspaceInputs(path_, {}, {}));
+    });
+  }
+};
+
+TEST_F(ExpectOutputsTest, RefusesToReplaceInputs) {
+  fs::create_symlink(path_ / "fused.ply", path_ / "link.ply");
+  for (const char* name :
+       {"fused.ply", "fused.ply.vis", "images/../fused.ply", "link.ply",
+        "images/a/0.png", "stereo/fusion.cfg", "sparse/0/cameras.bin"}) {
+    SCOPED_TRACE(name);
+    ExpectRefused({{}, path_ / "new.ply", path_ / name},
+                  "it is read, and would be replaced");
+  }
+}
+
+TEST_F(ExpectOutputsTest, RefusesTwoOutputsOfOneName) {
+  for (const char* name : {"new.ply", "images/../new.ply"}) {
+    ExpectRefused({path_ / name, path_ / "new.ply"}, "two outputs");
+  }
+}
+
+TEST_F(ExpectOutputsTest, AllowsNewFilesAndEarlierOutputs) {
+  WriteFile(path_ / "old.ply", "");
+  EXPECT_NO_THROW(
+      ExpectOutputs({path_ / "old.ply", path_ / "new.ply",
+                     path_ / "images/new.png", path_ / "sparse/0/mesh.ply"},
+                    WorkspaceInputs(path_, {}, {})));
+  EXPECT_NO_THROW(ExpectOutputs({path_ / "fused.ply"},
+                                WorkspaceInputs(path_, path_ / "old.ply", {})));
 }
 
 }  // namespace colmap_ext::workspace_test
