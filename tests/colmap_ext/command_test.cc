@@ -214,6 +214,7 @@ TEST_P(CommandTest, RefusesBadOptions) {
   ExpectRefused(" @behind_sigma inf",
                 "--DelaunayManifoldMeshing.behind_sigma is 'inf'; it has to be "
                 "a number, 1e-06 ... 1000000");
+  ExpectRefused(" '--no\n\033such' 1", "--no??such");
 }
 
 TEST_P(CommandTest, RefusesMissingFiles) {
@@ -238,10 +239,6 @@ TEST_P(CommandTest, RefusesLoopsOfLinks) {
     ExpectRefused(
         "", std::string("ERROR: ") + (path_ / name).string() + ": Too many");
   }
-}
-
-TEST_P(CommandTest, SaysInOneLineWhatCanNotBePrinted) {
-  ExpectRefused(" '--no\n\033such' 1", "--no??such");
 }
 
 TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {

@@ -130,11 +130,6 @@ struct TilingTest : testing::Test {
   fs::path mesh_ = folder_.Path() / "merged.ply";
 };
 
-TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachine) {
-  MakeAll(1);
-  ExpectMeshersFaces();
-}
-
 // Near their borders tiles measure the noise by fewer points.
 TEST_F(TilingTest, TilesAreSmoothedAsOneIs) {
   const std::string keep_all = " @max_proj_dist 0";
@@ -182,11 +177,12 @@ TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
   ExpectRefusal(MakePlan(2, option), "no such folder of masks");
 }
 
-TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
+TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachineAlsoTransformed) {
   const fs::path transform = folder_.Path() / "transform.txt";
   WriteFile(transform, "0 -2 0 100\n2 0 0 200\n0 0 2 300\n0 0 0 1\n");
   const std::string option = PathOption("transform_path", transform);
   MakeAll(1);
+  ExpectMeshersFaces();
   Succeed(Merge(option));
   ExpectMeshersFaces(option);
   EXPECT_TRUE(Has(ReadFile(mesh_), "property double x"));
@@ -194,8 +190,12 @@ TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
   ExpectRefusal(Merge(option), "no similarity transform");
 }
 
-TEST_F(TilingTest, TilesMakeAMeshWithoutSeams) {
+TEST_F(TilingTest, TilesMakeAMeshWithoutSeamsAlsoOfARegion) {
   ExpectNoSeams("", [](float) { return true; });
+  // At the border of a region the two halves of a facet that is cut may have
+  // the other diagonal.
+  ExpectNoSeams("--region=-0.8,-2,-2,0.7,2,1.5 ",
+                [](float x) { return x > -0.799f && x < 0.699f; });
 }
 
 TEST_F(TilingTest, OneTileMeshesARegion) {
@@ -205,13 +205,6 @@ TEST_F(TilingTest, OneTileMeshesARegion) {
     ExpectMeshersFaces(option);
   }
   EXPECT_TRUE(fs::exists(folder_.Path() / "merged.region.txt"));
-}
-
-// At the border of a region the two halves of a facet that is cut may have the
-// other diagonal.
-TEST_F(TilingTest, TilesMeshARegionWithoutSeams) {
-  ExpectNoSeams("--region=-0.8,-2,-2,0.7,2,1.5 ",
-                [](float x) { return x > -0.799f && x < 0.699f; });
 }
 
 TEST_F(TilingTest, OrderAndRepetitionChangeNothing) {

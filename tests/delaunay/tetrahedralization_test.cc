@@ -168,7 +168,7 @@ TEST(CellPlaces, AreThoseOfAMap) {
   EXPECT_GT(num_repeats, 100u);
 }
 
-TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnce) {
+TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnceAndIsZeroWithoutAny) {
   for (const auto& [name, points] : DifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
@@ -193,9 +193,6 @@ TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnce) {
       EXPECT_EQ(EdgeLengthPercentile(tetrahedra, percent), lengths[nth]);
     }
   }
-}
-
-TEST(EdgeLengthPercentile, IsZeroWithoutEdges) {
   for (const auto& [name, points] : DifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);

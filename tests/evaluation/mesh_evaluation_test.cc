@@ -182,7 +182,7 @@ TEST(EvaluateMesh, LeavesOutFacetsThatAreNotFinite) {
   EXPECT_EQ(VertexErrors(mesh, {Square(0), nullptr}, 0.5)[5], 0.5);
 }
 
-TEST(Summarize, ClipsOrDropsWhatIsBeyond) {
+TEST(Summarize, ClipsOrDropsWhatIsBeyondAndIsNotANumberOfNothing) {
   const auto expect = [](bool drop_beyond, double mean, double median,
                          double percentile90) {
     const DistanceStatistics statistics =
@@ -197,9 +197,6 @@ TEST(Summarize, ClipsOrDropsWhatIsBeyond) {
   expect(true, 2.5, 2.5, 3.7);
   EXPECT_EQ(Summarize({5, 1, 2}, 10, false).median, 2);
   EXPECT_EQ(Summarize({5}, 10, false).percentile90, 5);
-}
-
-TEST(Summarize, IsNotANumberWhereThereIsNothing) {
   for (const DistanceStatistics& statistics :
        {Summarize({}, 1, false), Summarize({1, 1}, 1, true)}) {
     EXPECT_TRUE(std::isnan(statistics.mean));
@@ -270,7 +267,7 @@ TEST(SampleSurface, IsNowhereFartherThanTheSpacing) {
   }
 }
 
-TEST(SampleSurface, OfADegenerateFacetIsOnIt) {
+TEST(SampleSurface, OfADegenerateFacetIsOnItAndOfATinySpacingRefused) {
   const TriangleMesh mesh = {{{1, 2, 3}, {2, 2, 3}}, {{0, 0, 0}, {0, 1, 0}}};
   const std::vector<Vector3f> samples = SampleSurface(mesh, 0.5);
   ASSERT_GE(samples.size(), 2);
@@ -278,11 +275,8 @@ TEST(SampleSurface, OfADegenerateFacetIsOnIt) {
   for (const Vector3f& sample : samples) {
     EXPECT_TRUE(sample.allFinite());
   }
-}
-
-TEST(SampleSurface, RefusesASpacingThatIsTooSmall) {
-  const TriangleMesh mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  EXPECT_THROW(SampleSurface(mesh, 1e-8), std::invalid_argument);
+  const TriangleMesh facet = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  EXPECT_THROW(SampleSurface(facet, 1e-8), std::invalid_argument);
 }
 
 std::array<float, 3> VoxelOf(const Vector3f& point, float spacing) {

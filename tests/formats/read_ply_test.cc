@@ -136,14 +136,7 @@ TEST_F(ReadPlyCloudTest, KeepsNotFinitePointsForTheCallerToDrop) {
   EXPECT_FALSE(cloud.positions[1].allFinite());
 }
 
-TEST_F(ReadPlyCloudTest, IgnoresColorsThatAreNotBytes) {
-  EXPECT_TRUE(Read(AsciiHeader(1) +
-                   "property float red\nproperty float green\n"
-                   "property float blue\nend_header\n1 2 3 0.5 0.5 0.5\n")
-                  .colors.empty());
-}
-
-TEST_F(ReadPlyCloudTest, CutsColorsOffToBytes) {
+TEST_F(ReadPlyCloudTest, CutsColorsOffToBytesAndIgnoresOtherTypes) {
   const PlyCloud cloud =
       Read(AsciiHeader(2) +
            "property uchar red\nproperty uchar green\nproperty uchar blue\n"
@@ -152,6 +145,10 @@ TEST_F(ReadPlyCloudTest, CutsColorsOffToBytes) {
   ASSERT_EQ(cloud.colors.size(), 2);
   EXPECT_EQ(cloud.colors[0], (Color{0, 0, 255}));
   EXPECT_EQ(cloud.colors[1], (Color{254, 255, 0}));
+  EXPECT_TRUE(Read(AsciiHeader(1) +
+                   "property float red\nproperty float green\n"
+                   "property float blue\nend_header\n1 2 3 0.5 0.5 0.5\n")
+                  .colors.empty());
 }
 
 TEST_F(ReadPlyCloudTest, RefusesEveryTruncation) {

@@ -28,7 +28,7 @@ struct WriteMeshTest : FolderTest {
       {{0, 1, 3, 3, 4}, {2, 0, 5, 7}}};
 };
 
-TEST_F(WriteMeshTest, WritesWhatOtherToolsRead) {
+TEST_F(WriteMeshTest, WritesWhatOtherToolsReadAndIsReadBackAsItWas) {
   WriteMesh(path_, mesh_, attributes_);
   const std::string bytes = ReadFile(path_);
   const std::string header =
@@ -44,10 +44,6 @@ TEST_F(WriteMeshTest, WritesWhatOtherToolsRead) {
     Append(facet, &faces);
   }
   EXPECT_EQ(bytes.substr(header.size() + 4 * 15), faces);
-}
-
-TEST_F(WriteMeshTest, IsReadBackAsItWas) {
-  WriteMesh(path_, mesh_, attributes_);
   const PlyCloud cloud = ReadPlyCloud(path_);
   EXPECT_EQ(cloud.positions, mesh_.vertices);
   EXPECT_EQ(cloud.colors, attributes_.colors);
@@ -95,7 +91,7 @@ struct WriteLabeledMeshTest : FolderTest {
       {1, -1, -1}, {{1, 2, 3}, {4, 5, 6}, {4, 5, 6}}, {"a b", "c d"}};
 };
 
-TEST_F(WriteLabeledMeshTest, KeepsTheFacetsAndTheirColors) {
+TEST_F(WriteLabeledMeshTest, IsReadWithLabelsAndSplitsVerticesOnlyBetweenThem) {
   const TriangleMesh mesh = ReadPlyMesh(path_);
   const PlyCloud vertices = ReadPlyCloud(path_);
   ASSERT_EQ(mesh.facets.size(), mesh_.facets.size());
@@ -106,16 +102,9 @@ TEST_F(WriteLabeledMeshTest, KeepsTheFacetsAndTheirColors) {
       EXPECT_EQ(vertices.colors[mesh.facets[i][k]], labels_.colors[i]);
     }
   }
-}
-
-TEST_F(WriteLabeledMeshTest, IsReadWithLabelsAndTheirNames) {
   const ColoredMesh read = ReadColoredPlyMesh(path_);
   EXPECT_EQ(read.labels, labels_.labels);
   EXPECT_EQ(read.label_names, labels_.names);
-}
-
-TEST_F(WriteLabeledMeshTest, SplitsVerticesOnlyBetweenLabels) {
-  const TriangleMesh mesh = ReadPlyMesh(path_);
   EXPECT_EQ(mesh.vertices.size(), 3 + 4);
   EXPECT_EQ(mesh.facets[1][2], mesh.facets[2][1]);
   EXPECT_NE(mesh.facets[0][1], mesh.facets[1][1]);

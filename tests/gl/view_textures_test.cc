@@ -171,7 +171,7 @@ TEST_F(GlObjectsTest, BufferKeepsWhatIsWritten) {
   EXPECT_NO_THROW(ThrowOnGlError("buffer"));
 }
 
-TEST_F(GlObjectsTest, TextureKeepsWhatIsWritten) {
+TEST_F(GlObjectsTest, TextureKeepsWhatIsWrittenAndThrowsIfTooLarge) {
   GlTexture texture(GL_R8UI, 5, 3);
   std::vector<uint8_t> pixels(15);
   for (uint8_t i = 0; i < 15; ++i) {
@@ -180,9 +180,6 @@ TEST_F(GlObjectsTest, TextureKeepsWhatIsWritten) {
   texture.Write(GL_RED_INTEGER, GL_UNSIGNED_BYTE, pixels.data());
   EXPECT_EQ(texture.Read<uint8_t>(GL_RED_INTEGER, GL_UNSIGNED_BYTE), pixels);
   EXPECT_NO_THROW(ThrowOnGlError("texture"));
-}
-
-TEST_F(GlObjectsTest, TooLargeTextureThrows) {
   EXPECT_THROW(GlTexture(GL_R8UI, 1 << 20, 1), GlError);
 }
 
@@ -268,28 +265,21 @@ TEST_F(EglContextTest, ErrorsThrowOnce) {
 
 class ProgramTest : public CurrentGlTest {};
 
-TEST_F(ProgramTest, UnknownUniformThrows) {
+TEST_F(ProgramTest, UnknownUniformOrOneOfAnotherTypeThrows) {
   Program program({"facet_normals.comp"});
   program.Set("num_facets", 1U);
   EXPECT_EQ(MessageOf<GlError>([&] { program.Set("num_faces", 1U); }),
             "The shader facet_normals.comp has no uniform num_faces");
-}
-
-TEST_F(ProgramTest, UniformOfAnotherTypeThrows) {
-  Program program({"facet_normals.comp"});
   program.Set("num_facets", 1.0F);
   EXPECT_THROW(ThrowOnGlError("uniform"), GlError);
 }
 
-TEST_F(ProgramTest, WhatDoesNotCompileThrows) {
+TEST_F(ProgramTest, WhatDoesNotCompileOrLinkThrows) {
   EXPECT_TRUE(MessageOf<GlError>([] {
                 const Program program({"facet_normals.comp"}, {{"1st", 1}});
               })
                   .starts_with("The shader facet_normals.comp does not "
                                "compile:\n"));
-}
-
-TEST_F(ProgramTest, WhatDoesNotLinkThrows) {
   EXPECT_THROW(Program({"facet_ids.vert", "facet_normals.comp"}), GlError);
 }
 
@@ -337,9 +327,6 @@ TEST(ShaderSources, HoldTheirVersionAndWhatTheyInclude) {
       source, {"ivec4 FacetBox(uint facet)", "float sum[12] = float[12]("}));
   EXPECT_TRUE(
       Has(ShaderSource("facet_ids.frag"), "facet = uint(gl_PrimitiveID);"));
-}
-
-TEST(ShaderSources, UnknownOneThrows) {
   EXPECT_THROW(ShaderSource("no.comp"), std::out_of_range);
 }
 

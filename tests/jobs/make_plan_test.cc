@@ -242,7 +242,7 @@ RefinementTile Estimate(size_t num_views, double max_memory_gb, double pixels) {
   return tile;
 }
 
-TEST(EstimateRefinement, CountsWhatEachThreadHolds) {
+TEST(EstimateRefinement, CountsWhatEachThreadHoldsAndWhichViewsSeeEachFacet) {
   constexpr double kImageGb = 4000 * 3000 * 9e-9;  // and what is drawn into it
   for (const size_t num_views : {2, 20, 200}) {
     for (const double pixels : {1e6, 1e8}) {
@@ -258,10 +258,7 @@ TEST(EstimateRefinement, CountsWhatEachThreadHolds) {
       EXPECT_GT(Estimate(num_views, 1e3, 2 * pixels).thread_gb, kept.thread_gb);
     }
   }
-}
-
-// A bit for each facet and view.
-TEST(EstimateRefinement, CountsWhichViewsSeeEachFacet) {
+  // A bit for each facet and view.
   const double many = Estimate(800, 1e-9, 1e8).memory_gb;
   const double few = Estimate(8, 1e-9, 1e8).memory_gb;
   constexpr double kFacets = 1e8 / 7;  // at least

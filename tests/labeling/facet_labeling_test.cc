@@ -249,16 +249,13 @@ PointCloud CloudSeenBy(const std::vector<std::vector<uint32_t>>& views) {
   return cloud;
 }
 
-TEST(SelectViewPairs, TakesThePartnersWithTheMostPoints) {
+TEST(SelectViewPairs, TakesThePartnersWithTheMostPointsOrTheLowerOnes) {
   const PointCloud cloud =
       CloudSeenBy({{0, 1}, {0, 1}, {0, 2}, {1, 2}, {2, 3}, {0, 1, 2}});
   EXPECT_EQ(SelectViewPairs(cloud, 4, 1),
             (std::vector<ViewPair>{{0, 1}, {0, 2}, {2, 3}}));
   EXPECT_EQ(SelectViewPairs(cloud, 4, 3),
             (std::vector<ViewPair>{{0, 1}, {0, 2}, {1, 2}, {2, 3}}));
-}
-
-TEST(SelectViewPairs, ResolvesTiesToTheLowerViewAndLeavesOthersAlone) {
   EXPECT_EQ(SelectViewPairs(CloudSeenBy({{0, 1, 2, 3}}), 4, 1),
             (std::vector<ViewPair>{{0, 1}, {0, 2}, {0, 3}}));
   EXPECT_TRUE(SelectViewPairs(CloudSeenBy({{0}, {1}, {}}), 3, 2).empty());

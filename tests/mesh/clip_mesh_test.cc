@@ -175,7 +175,7 @@ TEST(DropLongFacets, DropsThoseAboveTheFactorTimesThePercentile) {
   EXPECT_EQ(DropLongFacets(1, 50, &nothing), 0);
 }
 
-TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
+TEST(DropSmallComponents, DropsThoseOfFewerFacetsThatEdgesConnect) {
   const TriangleMesh all =
       Union(MakeTetrahedron(),
             Union(MakeTorus(), Union(MakeTetrahedron(), MakeCube())));
@@ -200,13 +200,10 @@ TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
   DropSmallComponents(20, &mesh.facets);
   EXPECT_EQ(mesh.facets, std::vector<Facet>(all.facets.begin() + 4,
                                             all.facets.begin() + 74));
-}
-
-TEST(DropSmallComponents, VerticesDoNotConnect) {
-  TriangleMesh mesh = Union(MakeCube(), MakeTetrahedron());
-  MergeVertices(8, 7, &mesh);
-  EXPECT_EQ(DropSmallComponents(5, &mesh.facets).num_components, 1u);
-  EXPECT_EQ(mesh.facets.size(), 12u);
+  TriangleMesh touching = Union(MakeCube(), MakeTetrahedron());
+  MergeVertices(8, 7, &touching);
+  EXPECT_EQ(DropSmallComponents(5, &touching.facets).num_components, 1u);
+  EXPECT_EQ(touching.facets.size(), 12u);
 }
 
 // At the origin.

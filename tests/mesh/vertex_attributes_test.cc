@@ -275,7 +275,7 @@ TEST_F(FacetConfidencesTest, IsTheSameAtAnyNumberOfThreads) {
   ExpectSameForAnyThreads([&] { return Confidences(); });
 }
 
-TEST(VertexConfidences, WeighsFacetsByTheirAngles) {
+TEST(VertexConfidences, WeighsFacetsByTheirAnglesAndHasNoneWithoutAny) {
   // A right angle and half of one at vertex 0.
   const TriangleMesh mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 1, 0}},
                              {{0, 1, 2}, {0, 2, 3}}};
@@ -283,6 +283,7 @@ TEST(VertexConfidences, WeighsFacetsByTheirAngles) {
   EXPECT_NEAR(confidences[0], (2 * 0.9 + 0.3) / 3, 1e-6);
   EXPECT_NEAR(confidences[1], 0.9, 1e-6);
   EXPECT_NEAR(confidences[3], 0.3, 1e-6);
+  EXPECT_EQ(VertexConfidences({{{0, 0, 0}}, {}}, {}), std::vector<float>{0});
 }
 
 TEST(VertexConfidences, StayWithinThoseOfTheFacets) {
@@ -299,10 +300,6 @@ TEST(VertexConfidences, StayWithinThoseOfTheFacets) {
   const std::vector<float> ones(facets.size(), 1);
   EXPECT_EQ(VertexConfidences(mesh, ones),
             std::vector<float>(mesh.vertices.size(), 1));
-}
-
-TEST(VertexConfidences, AVertexWithoutFacetsHasNone) {
-  EXPECT_EQ(VertexConfidences({{{0, 0, 0}}, {}}, {}), std::vector<float>{0});
 }
 
 TEST(MeanOfCorners, IsThat) {

@@ -282,7 +282,7 @@ TEST(MinCut, LongChain) {
   EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
 }
 
-TEST(MinCut, LargestCapacitiesDoNotOverflow) {
+TEST(MinCut, LargestCapacitiesDoNotOverflowAndNoNodesHaveNoFlow) {
   constexpr uint32_t kLargest = std::numeric_limits<uint32_t>::max();
   Graph graph;
   graph.neighbors = {{1, kNone, kNone, kNone}, {0, kNone, kNone, kNone}};
@@ -291,12 +291,9 @@ TEST(MinCut, LargestCapacitiesDoNotOverflow) {
   const MinCut cut = graph.Cut();
   EXPECT_EQ(cut.flow, int64_t{kMaxCapacity});
   EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
-}
-
-TEST(MinCut, EmptyGraph) {
-  const MinCut cut = Graph().Cut();
-  EXPECT_EQ(cut.flow, 0);
-  EXPECT_TRUE(cut.on_source_side.empty());
+  const MinCut none = Graph().Cut();
+  EXPECT_EQ(none.flow, 0);
+  EXPECT_TRUE(none.on_source_side.empty());
 }
 
 }  // namespace colmap_ext::min_cut_test

@@ -106,12 +106,13 @@ TEST(RefinerOptionsTest, ChoosesTheTrimming) {
   }
 }
 
-TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
+TEST(RefinerOptionsTest, RefusesImpossiblePathsAndEvenWindows) {
   R none;
   ExpectRefused(&none, "--workspace_path is required");
   ExpectChangeRefused([](R* o) { o->input_path = "a"; }, "--output_path");
   ExpectChangeRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
   ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
+  ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
 }
 
 TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
@@ -125,10 +126,6 @@ TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
   R options;
   options.report_path = "steps.txt";
   EXPECT_EQ(options.StepsPath(), "steps.txt");
-}
-
-TEST(RefinerOptionsTest, WindowsAreOdd) {
-  ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
 }
 
 TEST(MesherOptionsTest, ChecksItsOptions) {

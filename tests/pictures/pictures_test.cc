@@ -187,15 +187,12 @@ std::vector<View> ViewsAt(const std::vector<double>& places) {
   return views;
 }
 
-TEST(SpreadViews, AreFarApartOfThoseThatSeeMuch) {
+TEST(SpreadViews, AreFarApartOfThoseThatSeeMuchOrFew) {
   const std::vector<View> views = ViewsAt({0, 1, 2, 3, 4, 50});
   const std::vector<size_t> num_seen = {5, 5, 9, 5, 6, 4};
   EXPECT_EQ(SpreadViews(views, num_seen, 1), (std::vector<size_t>{2}));
   EXPECT_EQ(SpreadViews(views, num_seen, 3), (std::vector<size_t>{2, 0, 4}));
   EXPECT_EQ(SpreadViews(views, num_seen, 9).size(), 5);
-}
-
-TEST(SpreadViews, DoWithFewViews) {
   EXPECT_TRUE(SpreadViews({}, {}, 3).empty());
   EXPECT_TRUE(SpreadViews(ViewsAt({0, 1}), {0, 0}, 3).empty());
   EXPECT_EQ(SpreadViews(ViewsAt({0, 1}), {0, 7}, 3), (std::vector<size_t>{1}));

@@ -179,7 +179,7 @@ void ExpectSameAsOneByOne(const std::vector<uint32_t>& order, uint32_t size) {
   EXPECT_EQ(ring.values(), expected.values());
 }
 
-TEST(ApplyInOrder, DoesWhatOneByOneDoes) {
+TEST(ApplyInOrder, DoesWhatOneByOneDoesAndNothingForNoItems) {
   constexpr uint32_t kSize = 3000;  // some batches
   std::vector<uint32_t> order(3 * kSize);
   for (uint32_t i = 0; i < order.size(); ++i) {
@@ -189,14 +189,11 @@ TEST(ApplyInOrder, DoesWhatOneByOneDoes) {
   Random random(1);
   random.Shuffle(&order);
   ExpectSameAsOneByOne(order, kSize);
-}
-
-TEST(ApplyInOrder, DoesNothingForNoItems) {
-  ChangedVertices changed(0);
+  ChangedVertices none(0);
   EXPECT_EQ(ApplyInOrder(
                 0, [](size_t i) { return std::optional<size_t>(i); },
                 [](size_t) { return std::array<uint32_t, 1>{0}; },
-                [](size_t) {}, &changed),
+                [](size_t) {}, &none),
             0u);
 }
 

@@ -270,7 +270,7 @@ TEST(RefinementReportTest, WritesARowAnIteration) {
             "0,1,1,0,0,0,0,0.000,0,0,18\n");
 }
 
-TEST(RefinementReportTest, SplitsIterationsIntoStages) {
+TEST(RefinementReportTest, SplitsIterationsIntoStagesAndDescribesThem) {
   const auto stages = SplitIntoStages(Steps());
   ASSERT_EQ(stages.size(), 3);
   EXPECT_EQ(stages[0].size(), 2);
@@ -279,29 +279,23 @@ TEST(RefinementReportTest, SplitsIterationsIntoStages) {
   EXPECT_EQ(Describe(Steps()[1]),
             "1/2 size, iteration 1: energy -0.333333, ZNCC 0.5000, step 0.250 "
             "px");
+  const std::vector<StageText> texts = DescribeStages(Steps());
+  ASSERT_EQ(texts.size(), 3);
+  EXPECT_EQ(texts[0].name, "1/2 size");
+  EXPECT_EQ(texts[0].iterations, "1");
+  EXPECT_EQ(texts[0].faces, "16");
+  EXPECT_EQ(texts[0].energy[0], "0");
+  EXPECT_EQ(texts[0].energy[1], "-0.333333");
+  EXPECT_EQ(texts[0].mean_zncc[0], "0.0000");
+  EXPECT_EQ(texts[0].mean_zncc[1], "0.5000");
 }
 
-TEST(RefinementReportTest, DescribesStagesFromTheirFirstToTheirLastStep) {
-  const std::vector<StageText> stages = DescribeStages(Steps());
-  ASSERT_EQ(stages.size(), 3);
-  EXPECT_EQ(stages[0].name, "1/2 size");
-  EXPECT_EQ(stages[0].iterations, "1");
-  EXPECT_EQ(stages[0].faces, "16");
-  EXPECT_EQ(stages[0].energy[0], "0");
-  EXPECT_EQ(stages[0].energy[1], "-0.333333");
-  EXPECT_EQ(stages[0].mean_zncc[0], "0.0000");
-  EXPECT_EQ(stages[0].mean_zncc[1], "0.5000");
-}
-
-TEST(RefinementReportTest, PlotsAPanelAStage) {
+TEST(RefinementReportTest, PlotsAPanelAStageAndOtherValuesForPages) {
   const std::string plot = StepsPlot(Steps());
   EXPECT_TRUE(plot.starts_with("<svg "));
   EXPECT_TRUE(plot.ends_with("</svg>\n"));
   EXPECT_EQ(Count(plot, "<polyline"), 3);
   EXPECT_TRUE(StepsPlot({}).ends_with("</svg>\n"));
-}
-
-TEST(RefinementReportTest, PlotsOtherValuesForPages) {
   const std::string figure = StepsFigure(Steps(), StepValue::kMeanZncc);
   EXPECT_TRUE(figure.starts_with("<svg role="));
   EXPECT_TRUE(HasAll(figure, {"Mean ZNCC", ">0.5000<"}));
@@ -330,7 +324,7 @@ TEST(PrintLinesTest, AlignsNumbersAndKeepsWhatIsPrinted) {
   EXPECT_EQ(log.warnings, std::vector<std::string>{"what"});
 }
 
-TEST(EvaluationJsonTest, HasNineDigitsAndNullForWhatIsNotFinite) {
+TEST(EvaluationJsonTest, HasNineDigitsNullForWhatIsNotFiniteAndOrderedKeys) {
   EvaluatorOptions options;
   options.mesh_path = "a \"mesh\"\n\xff.ply";
   MeshEvaluation evaluation;
@@ -349,11 +343,6 @@ TEST(EvaluationJsonTest, HasNineDigitsAndNullForWhatIsNotFinite) {
   EXPECT_TRUE(json["accuracy"]["mean"].is_null());
   EXPECT_EQ(json["accuracy"]["num_samples"], size_t{1} << 60);
   EXPECT_TRUE(json["depths"].is_null());
-}
-
-TEST(EvaluationJsonTest, KeepsTheOrderOfItsKeys) {
-  const EvaluatorOptions options;
-  const MeshEvaluation evaluation;
   const std::string text = EvaluationJson(options, evaluation);
   size_t position = 0;
   for (const char* key :

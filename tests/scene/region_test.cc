@@ -22,16 +22,13 @@ Region RandomRegion(Random* random) {
           Eigen::Vector3d(0.2, 0.2, 0.2) + RandomVector(random, 1).cwiseAbs()};
 }
 
-TEST(RegionTest, HoldsWhatLiesBetweenItsCorners) {
+TEST(RegionTest, HoldsWhatLiesBetweenItsCornersOrEverything) {
   const Region region = RegionBetween({-1, 2, 3}, {1, 4, 9});
   EXPECT_TRUE(region.Contains(Eigen::Vector3d(-1, 2, 3)));
   EXPECT_TRUE(region.Contains(Eigen::Vector3d(0.5, 3.9, 8.9)));
   EXPECT_FALSE(region.Contains(Eigen::Vector3d(1.01, 3, 5)));
   EXPECT_FALSE(region.Contains(Eigen::Vector3d(0, 1.99, 5)));
   EXPECT_TRUE(Grow(region, 0.1).Contains(Eigen::Vector3d(1.01, 3, 5)));
-}
-
-TEST(RegionTest, EverythingIsInTheDefault) {
   EXPECT_TRUE(Region().Contains(Eigen::Vector3d(1e30, -1e30, 0)));
 }
 
@@ -200,15 +197,12 @@ TEST(PointTreeTest, DoesNotDependOnScaleOrAccumulation) {
   }
 }
 
-TEST(PointTreeTest, FindsNothingFromAPlaceThatIsNotFinite) {
+TEST(PointTreeTest, FindsNothingFromAPlaceThatIsNotFiniteOrInNoPoints) {
   const std::vector<Eigen::Vector3f> points(20, Eigen::Vector3f::Zero());
   const PointTree tree(points);
   for (const float x : {kAnywhere, std::nanf("")}) {
     EXPECT_TRUE(tree.Nearest({x, 0, 0}, 3, kAnywhere).empty());
   }
-}
-
-TEST(PointTreeTest, MayBeEmpty) {
   EXPECT_TRUE(
       PointTree({}).Nearest(Eigen::Vector3f::Zero(), 3, kAnywhere).empty());
 }

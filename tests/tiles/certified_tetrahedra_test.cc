@@ -71,10 +71,9 @@ TEST(CertifyTile, StarsAreThoseOfAllPoints) {
   for (const size_t num_tiles : {1, 2, 5}) {
     ExpectStarsOfAll(PlanOf(RandomPoints(4000, 10000, &random), num_tiles));
   }
+  // Every cell within spans from one side to the other.
+  ExpectStarsOfAll(PlanOf(OnSphere(2), 4));
 }
-
-// Every cell within spans from one side to the other.
-TEST(CertifyTile, StarsOnASphere) { ExpectStarsOfAll(PlanOf(OnSphere(2), 4)); }
 
 TEST(CertifyTile, StarsOfDifficultPoints) {
   for (const NamedPoints& named : DifficultPoints()) {

@@ -115,8 +115,9 @@ TEST(MayHide, IsTrueOfWhatLiesBetween) {
     // Points of the hull within the box.
     for (int k = 0; k < 50; ++k) {
       const Vector3f target = seen.sample();
-      EXPECT_TRUE(may_hide || !box.contains(center + Between(0, 1, &random) *
-                                                         (target - center)));
+      const Vector3f point =
+          center + Between(0, 1, &random) * (target - center);
+      EXPECT_TRUE(may_hide || !box.contains(point));
     }
   }
   EXPECT_GT(num_hiding, 50);

@@ -91,13 +91,17 @@ TEST_F(SparseModelTest, RefusesTrailingBytes) {
   ExpectRefused("1 bytes more");
 }
 
-TEST_F(SparseModelTest, RefusesImagesWithoutCameraAndTwins) {
+TEST_F(SparseModelTest, RefusesImagesWithoutCameraTwinsAndUnknownCameraModels) {
   sphere_.WriteModel(path_, ".txt");
   WriteFile(path_ / "images.txt", "1 1 0 0 0 0 0 0 3 a.png\n\n");
   ExpectRefused("camera 3");
   const std::string twin = "1 1 0 0 0 0 0 0 7 a.png\n\n";
   WriteFile(path_ / "images.txt", twin + twin);
   ExpectRefused("twice");
+  sphere_.WriteModel(path_, ".txt");
+  WriteFile(path_ / "cameras.txt", "7 NEW_ONE 80 60 90 40 30 0.1\n");
+  ExpectRefused("NEW_ONE");
+  ExpectRefused("image_undistorter");
 }
 
 TEST_F(SparseModelTest, KnowsColmapsCameraModels) {
@@ -142,13 +146,6 @@ TEST_F(SparseModelTest, ReadsTheCameraModelsOfColmap4) {
     WriteFile(path_ / "cameras.bin", bytes);
     EXPECT_EQ(ReadSparseModel(path_).cameras.at(7).model_name, name);
   }
-}
-
-TEST_F(SparseModelTest, NamesUnknownCameraModelsAndWhatToDo) {
-  sphere_.WriteModel(path_, ".txt");
-  WriteFile(path_ / "cameras.txt", "7 NEW_ONE 80 60 90 40 30 0.1\n");
-  ExpectRefused("NEW_ONE");
-  ExpectRefused("image_undistorter");
 }
 
 using WriteSparseModelTest = FolderTest;

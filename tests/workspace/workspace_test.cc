@@ -191,20 +191,17 @@ TEST_F(WorkspaceTest, DropsFewIndicesOutOfRangeAndRefusesMany) {
   ExpectRefused("beyond the 6 of sparse/");
 }
 
-TEST_F(WorkspaceTest, RefusesCloudsOfNothing) {
-  sphere_.points.clear();
-  sphere_.point_images.clear();
-  sphere_.Write(path_);
-  ExpectRefused("no points");
-}
-
-TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePoints) {
+TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePointsOrAny) {
   for (Eigen::Vector3f& point : sphere_.points) {
     point.x() = std::numeric_limits<float>::quiet_NaN();
   }
   sphere_.Write(path_);
   ExpectRefused((path_ / "fused.ply").string() + ": none of its " +
                 std::to_string(sphere_.points.size()) + " points is finite");
+  sphere_.points.clear();
+  sphere_.point_images.clear();
+  sphere_.Write(path_);
+  ExpectRefused("no points");
 }
 
 TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
