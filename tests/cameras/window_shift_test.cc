@@ -177,15 +177,12 @@ struct ShiftJacobianTest : testing::Test {
   }
 };
 
-TEST_F(ShiftJacobianTest, IsTheDerivativeByEitherPose) {
+TEST_F(ShiftJacobianTest, IsTheDerivativeByEitherPoseAndCamera) {
   ExpectByEither(jacobian_.by_pose_i, jacobian_.by_pose_j,
                  [](const View& view, double size, int k) {
                    return MoveView(view, size * PoseStep::Unit(k),
                                    IntrinsicsStep::Zero());
                  });
-}
-
-TEST_F(ShiftJacobianTest, IsTheDerivativeByEitherCamera) {
   ExpectByEither(jacobian_.by_intrinsics_i, jacobian_.by_intrinsics_j,
                  [](const View& view, double size, int k) {
                    return MoveView(view, PoseStep::Zero(),

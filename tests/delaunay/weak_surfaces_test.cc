@@ -124,7 +124,7 @@ TEST(FreeSupport, IsTheSumOfTheRaysThroughACell) {
   }
 }
 
-TEST(MeasureJump, IsThatOfClippedCells) {
+TEST(MeasureJump, IsThatOfClippedCellsAndLosesRaysWithoutDirection) {
   const Scenery scenery(400);
   std::vector<uint32_t> support;
   scenery.Vote(&support);
@@ -156,12 +156,8 @@ TEST(MeasureJump, IsThatOfClippedCells) {
     ++num_compared;
   }
   EXPECT_GT(num_compared, 100u);
-}
-
-TEST(MeasureJump, LosesRaysWithoutDirection) {
-  const Scenery scenery(60);
-  const std::vector<uint32_t> support(scenery.tetrahedra.cells.size(), 1);
-  EXPECT_EQ(MeasureJump(scenery.tetrahedra, support, 0,
+  const std::vector<uint32_t> ones(scenery.tetrahedra.cells.size(), 1);
+  EXPECT_EQ(MeasureJump(scenery.tetrahedra, ones, 0,
                         scenery.tetrahedra.PositionOf(0), kOptions)
                 .end_cell,
             kNone);

@@ -1,7 +1,6 @@
 #include "formats/read_ply.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
@@ -243,7 +242,7 @@ TEST_F(ReadPlyMeshTest, SkipsOtherPropertiesAndElements) {
   EXPECT_EQ(mesh.facets, mesh_.facets);
 }
 
-TEST_F(ReadPlyMeshTest, ClampsConfidences) {
+TEST_F(ReadPlyMeshTest, ClampsConfidencesAndReadsPointsAsAMeshWithoutFacets) {
   const auto confidences = [this](const std::string& type) {
     Read(AsciiHeader(4) + ("property " + type + " confidence\n") + kFaces +
          "0 0 0 0.5\n1 0 0 -1\n0 1 0 nan\n0 0 1 7\n3 0 2 1\n3 0 1 3\n");
@@ -251,9 +250,6 @@ TEST_F(ReadPlyMeshTest, ClampsConfidences) {
   };
   EXPECT_EQ(confidences("double"), (std::vector<float>{0.5f, 0, 0, 1}));
   EXPECT_EQ(confidences("float"), (std::vector<float>{0.5f, 0, 0, 1}));
-}
-
-TEST_F(ReadPlyMeshTest, ReadsPointsAsAMeshWithoutFacets) {
   const TriangleMesh mesh =
       Read(AsciiHeader(4) + std::string("end_header\n") + kVertices);
   EXPECT_EQ(mesh.vertices.size(), 4);

@@ -197,16 +197,12 @@ TEST_F(AtomicFileTest, LeavesNothingBehindUncommitted) {
   EXPECT_EQ(ReadFile(path_ / "a"), "old");
 }
 
-TEST_F(AtomicFileTest, KeepsTheOldFileWhenTheDiskIsFull) {
+TEST_F(AtomicFileTest, KeepsOldFilesTogetherWhenTheDiskIsFull) {
   WriteFile(path_ / "a", "old");
   EXPECT_TRUE(FailsOnAFullDisk(
       1 << 20, [this] { WriteText(path_ / "a", std::string(3 << 20, 'x')); }));
   EXPECT_EQ(ReadFile(path_ / "a"), "old");
   EXPECT_EQ(List(path_), "a");
-}
-
-TEST_F(AtomicFileTest, OfFilesThatBelongTogetherNoneAppearsOnAFullDisk) {
-  WriteFile(path_ / "a", "old");
   for (const size_t size : {20, 3 << 20}) {  // as it is written, and synced
     EXPECT_TRUE(FailsOnAFullDisk(10, [&] {
       AtomicFiles files;

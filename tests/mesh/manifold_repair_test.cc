@@ -128,11 +128,14 @@ void ExpectCubes(const FanSplit& split, size_t num_split_vertices,
   EXPECT_EQ(report.num_border_edges, 0u);
 }
 
-TEST(SplitFans, SeparatesCubesThatShareAVertex) {
+TEST(SplitFans, SeparatesCubesThatShareAVertexAndLeavesNothing) {
   TriangleMesh mesh = Union(MakeCube(), MakeCube());
   MergeVertices(8, 7, &mesh);
   ExpectCubes(SplitFans(mesh), 1, 0, 2);
   ExpectCubes(RepairManifold(mesh), 1, 0, 2);
+  const FanSplit split = SplitFans({{{1, 2, 3}}, {}}, {});
+  EXPECT_TRUE(split.mesh.vertices.empty());
+  EXPECT_TRUE(split.mesh.facets.empty());
 }
 
 // Of two cubes along one edge the partners say which facets are one surface.
@@ -162,12 +165,6 @@ TEST(SplitFans, CubesThatShareAnEdgeAreSplitAsThePartnersSay) {
   }
   // A midpoint where the fans touch themselves.
   ExpectCubes(SplitFans(mesh, partners), 0, 1, 1);
-}
-
-TEST(SplitFans, EmptyMesh) {
-  const FanSplit split = SplitFans({{{1, 2, 3}}, {}}, {});
-  EXPECT_TRUE(split.mesh.vertices.empty());
-  EXPECT_TRUE(split.mesh.facets.empty());
 }
 
 TEST(ManifoldRepairTest, CountsWhatItDrops) {

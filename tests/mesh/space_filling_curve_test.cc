@@ -52,7 +52,7 @@ TEST(OrderAlongCurve, IsThatOfTheInterleavedBits) {
   EXPECT_EQ(OrderAlongCurve(points), expected);
 }
 
-TEST(OrderAlongCurve, DoesNotDependOnPlaceAndScale) {
+TEST(OrderAlongCurve, DoesNotDependOnPlaceAndScaleAndKeepsEqualPoints) {
   Random random(2);
   const std::vector<Eigen::Vector3f> points = RandomPoints(500, 1000, &random);
   std::vector<Eigen::Vector3f> moved = points;
@@ -60,9 +60,6 @@ TEST(OrderAlongCurve, DoesNotDependOnPlaceAndScale) {
     point = 8 * point + Eigen::Vector3f(1000, -5000, 16000);
   }
   EXPECT_EQ(OrderAlongCurve(moved), OrderAlongCurve(points));
-}
-
-TEST(OrderAlongCurve, OfPointsAtOnePlaceIsThatOfTheirIndices) {
   EXPECT_EQ(OrderAlongCurve(std::vector<Eigen::Vector3f>(3, {1, 2, 3})),
             (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_TRUE(OrderAlongCurve({}).empty());

@@ -55,35 +55,27 @@ TEST(InheritAttributes, OfThePointItselfOrTheMeanOfTwoAndTheViewsOfBoth) {
 }
 
 // A centroid between all three: views that at least half of them have.
-TEST(InheritAttributes, ACentroidInheritsFromItsNeighbors) {
+TEST(InheritAttributes, FromNeighborsOfANeighborOrNoneOnAnIsland) {
   const TriangleMesh mesh = MakeMesh(4, {{3, 0, 1}, {3, 1, 2}, {3, 2, 0}});
   const Points points = {{0, 0}, {1, 1}, {2, 2}, {kNone, kNone}};
   ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
              {kFirst, kSecond, kThird, {{67, 20, 255}, {1}}});
-}
-
-TEST(InheritAttributes, HalfOfTheNeighborsAreEnough) {
-  const TriangleMesh mesh =
+  const TriangleMesh fan =
       MakeMesh(5, {{4, 0, 1}, {4, 1, 2}, {4, 2, 3}, {4, 3, 0}});
-  const Points points = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNone, kNone}};
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+  const Points twins = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNone, kNone}};
+  ExpectRows(InheritAttributes(fan, MakeCloud(), twins),
              {kFirst, kFirst, kSecond, kSecond, {{1, 15, 255}, {0, 1, 2}}});
-}
-
-// Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
-TEST(InheritAttributes, FromNeighborToNeighbor) {
-  const TriangleMesh mesh = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
-  const Points points = {{0, 0},         {1, 1},     {2, 2},
-                         {kNone, kNone}, {0, kNone}, {kNone, kNone}};
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+  // Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
+  const TriangleMesh chain = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
+  const Points known = {{0, 0},         {1, 1},     {2, 2},
+                        {kNone, kNone}, {0, kNone}, {kNone, kNone}};
+  ExpectRows(InheritAttributes(chain, MakeCloud(), known),
              {kFirst, kSecond, kThird, kFirst, kFirst, kFirst});
-}
-
-TEST(InheritAttributes, AnIslandOfUnknownVerticesStaysBlackAndUnseen) {
-  const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
-  const Points points(3, {kNone, kNone});
+  const TriangleMesh island = MakeMesh(3, {{0, 1, 2}});
+  const Points unknown(3, {kNone, kNone});
   const Row none = {{0, 0, 0}, {}};
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), points), {none, none, none});
+  ExpectRows(InheritAttributes(island, MakeCloud(), unknown),
+             {none, none, none});
 }
 
 TEST(InheritAttributes, WithoutColours) {

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/topology.h"
 #include "meshing/cell_splitting.h"
 #include "meshing/surface_extraction.h"
 #include "meshing/vertex_star.h"

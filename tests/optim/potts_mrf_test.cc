@@ -157,7 +157,7 @@ double LeastOfExpansions(const PottsProblem& problem, uint32_t label,
   return least;
 }
 
-TEST(ExpandLabels, IsExactForTwoLabels) {
+TEST(ExpandLabels, IsExactForTwoLabelsAndExpandsNothing) {
   for (uint32_t seed = 0; seed < 40; ++seed) {
     const PottsProblem problem =
         RandomProblem(10, Prism(5), 2, 1, 0.05 * seed, seed);
@@ -165,6 +165,11 @@ TEST(ExpandLabels, IsExactForTwoLabels) {
         ExpandLabels(problem, FirstChoices(problem));
     EXPECT_NEAR(PottsEnergy(problem, choices), BruteForce(problem), 1e-5);
   }
+  EXPECT_TRUE(ExpandLabels({}, {}).empty());
+  PottsProblem problem;
+  problem.offsets = {0, 0};
+  problem.neighbors = MakeNeighbors(1, {});
+  EXPECT_EQ(ExpandLabels(problem, {kNone}), std::vector<uint32_t>{kNone});
 }
 
 TEST(ExpandLabels, EndsWhereNoExpansionHelps) {
@@ -191,7 +196,7 @@ PottsProblem ManyBlocks() {
   return RandomProblem(90000, Wall(300), 4, 0.8, 0.5, 7);
 }
 
-TEST(ExpandLabels, ComesCloseToTheBoundInBlocks) {
+TEST(ExpandLabels, ComesCloseToTheBoundInBlocksWithAnyThreads) {
   const PottsProblem problem = ManyBlocks();
   const double bound = SolvePotts(problem).lower_bound;
   std::vector<uint32_t> choices = FirstChoices(problem);
@@ -199,20 +204,8 @@ TEST(ExpandLabels, ComesCloseToTheBoundInBlocks) {
   EXPECT_LT(PottsEnergy(problem, choices), 1.03 * bound);
   const std::vector<uint32_t> again = ExpandLabels(problem, choices);
   EXPECT_LE(PottsEnergy(problem, again), PottsEnergy(problem, choices) + 1e-3);
-}
-
-TEST(ExpandLabels, GivesTheSameWithAnyNumberOfThreads) {
-  const PottsProblem problem = ManyBlocks();
   ExpectSameForAnyThreads(
       [&] { return ExpandLabels(problem, FirstChoices(problem)); });
-}
-
-TEST(ExpandLabels, ExpandsNothing) {
-  EXPECT_TRUE(ExpandLabels({}, {}).empty());
-  PottsProblem problem;
-  problem.offsets = {0, 0};
-  problem.neighbors = MakeNeighbors(1, {});
-  EXPECT_EQ(ExpandLabels(problem, {kNone}), std::vector<uint32_t>{kNone});
 }
 
 // A wall of 2,500 nodes, most with more than 4 labels of 10.
@@ -371,16 +364,13 @@ TEST(SweepOrder, StartsOnceAPartAndTakesFewRuns) {
   }
 }
 
-TEST(SweepOrder, ReachesAllWhateverTheNumbering) {
+TEST(SweepOrder, ReachesAllWhateverTheNumberingAndOrdersNothing) {
   std::mt19937 random(5);
   std::vector<uint32_t> order = Iota(2500);
   std::shuffle(order.begin(), order.end(), random);
   const Neighbors sorted = Sorted(2500, Renumber(Wall(50), order));
   EXPECT_EQ(NumStarts(sorted), 1);
   EXPECT_LE(NumRuns(sorted), 4 * 150);
-}
-
-TEST(SweepOrder, OrdersNothing) {
   EXPECT_TRUE(SweepOrder({}).empty());
   EXPECT_EQ(NumRuns(Sorted(3, {})), 1);
 }

@@ -128,7 +128,7 @@ TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
   EXPECT_EQ(options.StepsPath(), "steps.txt");
 }
 
-TEST(MesherOptionsTest, ChecksItsOptions) {
+TEST(MesherOptionsTest, ChecksItsOptionsAndConvertsOldOnes) {
   MesherOptions options;
   ExpectRefused(&options, "--workspace_path or --input_path");
   options.input_path = "in";
@@ -139,22 +139,19 @@ TEST(MesherOptionsTest, ChecksItsOptions) {
   options.workspace.input_type = InputType::kSparse;
   options.workspace.fused_path = "fused.ply";
   ExpectRefused(&options, "--fused_path is for dense input");
-}
-
-TEST(MesherOptionsTest, ConvertsOldOptions) {
-  MesherOptions options;
-  options.workspace_path = "workspace";
-  options.old_alpha_kind = ObservationWeight::kConstant;
-  options.old_half_pixel_calibration = false;
-  options.Finish();
-  EXPECT_EQ(options.meshing.alpha_kind, ObservationWeight::kConstant);
-  EXPECT_EQ(options.meshing.alpha_vis, 1);
-  EXPECT_EQ(options.half_pixel, HalfPixelCorrection::kFull);
-  options.alpha_vis = 0.5;
-  options.half_pixel = HalfPixelCorrection::kOff;
-  options.Finish();
-  EXPECT_EQ(options.meshing.alpha_vis, 0.5);
-  EXPECT_EQ(options.half_pixel, HalfPixelCorrection::kOff);
+  MesherOptions old;
+  old.workspace_path = "workspace";
+  old.old_alpha_kind = ObservationWeight::kConstant;
+  old.old_half_pixel_calibration = false;
+  old.Finish();
+  EXPECT_EQ(old.meshing.alpha_kind, ObservationWeight::kConstant);
+  EXPECT_EQ(old.meshing.alpha_vis, 1);
+  EXPECT_EQ(old.half_pixel, HalfPixelCorrection::kFull);
+  old.alpha_vis = 0.5;
+  old.half_pixel = HalfPixelCorrection::kOff;
+  old.Finish();
+  EXPECT_EQ(old.meshing.alpha_vis, 0.5);
+  EXPECT_EQ(old.half_pixel, HalfPixelCorrection::kOff);
 }
 
 TEST(EvaluatorOptionsTest, ChecksItsOptions) {

@@ -73,7 +73,7 @@ FacetIdBuffer RandomBuffer(int width, int height, uint32_t num_facets,
   return buffer;
 }
 
-TEST(GroupByDirection, TurnsTheLabelsRound) {
+TEST(GroupByDirection, TurnsTheLabelsRoundInBothUnlessToldOtherwise) {
   Random random(1);
   for (const uint32_t num_facets : {0u, 1u, 5u, 300u}) {
     const FacetLabels labels = RandomLabels(num_facets, &random);
@@ -90,10 +90,6 @@ TEST(GroupByDirection, TurnsTheLabelsRound) {
       EXPECT_EQ(std::vector<uint32_t>(facets.begin(), facets.end()), expected);
     }
   }
-}
-
-TEST(GroupByDirection, TakesBothUnlessToldOtherwise) {
-  Random random(2);
   FacetLabels labels = RandomLabels(40, &random);
   std::ranges::fill(labels.directions, kBothDirections);
   const Rows<uint32_t> told = GroupByDirection(labels);

@@ -44,7 +44,7 @@ size_t NumDrawn(const ColorImage& image) {
   return image.pixels.size() - std::ranges::count(image.pixels, kWhite);
 }
 
-TEST(DrawPoints, HasTheNearerOfTwoPointsOnTop) {
+TEST(DrawPoints, HasTheNearerPointOnTopAndCutsOthersAtTheBorder) {
   const PointCloud cloud = {
       {{0, 0, 0}, {0, 0, -1}}, {{10, 20, 30}, {200, 0, 0}}, {}};
   const ColorImage front = DrawPoints(cloud, ViewFrom(3), 2);
@@ -52,11 +52,8 @@ TEST(DrawPoints, HasTheNearerOfTwoPointsOnTop) {
   EXPECT_EQ(NumDrawn(front), 4);
   EXPECT_EQ(front.At(24, 32), (Color{10, 20, 30}));
   EXPECT_EQ(back.At(24, 32), (Color{200, 0, 0}));
-}
-
-TEST(DrawPoints, CutsPointsAtTheBorderAndLeavesOutOthers) {
-  const PointCloud cloud = {{{1, 0, 0}, {0, 0, 9}, {1e30f, 0, 0}}, {}, {}};
-  EXPECT_EQ(NumDrawn(DrawPoints(cloud, ViewFrom(3), 4)), 8)
+  const PointCloud others = {{{1, 0, 0}, {0, 0, 9}, {1e30f, 0, 0}}, {}, {}};
+  EXPECT_EQ(NumDrawn(DrawPoints(others, ViewFrom(3), 4)), 8)
       << "half of the square of the first";
   EXPECT_EQ(NumDrawn(DrawPoints({}, ViewFrom(3), 4)), 0);
 }

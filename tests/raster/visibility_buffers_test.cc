@@ -21,7 +21,6 @@ namespace colmap_ext::visibility_buffers_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Eigen::Vector3f;
 
 // All around the origin.
 std::vector<View> ViewsAround(double distance) {

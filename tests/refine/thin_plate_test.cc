@@ -267,15 +267,12 @@ std::vector<double> ReliefOf(const TriangleMesh& mesh) {
 
 constexpr uint32_t kMiddle = kSize / 2 * kSize + kSize / 2;
 
-TEST(Relief, OfAPlaneIsNone) {
+TEST(Relief, PointsToTheSideOfTheNeighborsAndIsNoneOnAPlane) {
   const TriangleMesh mesh =
       Sheet([](float x, float y) { return 0.5F * x - 0.25F * y; });
   for (const double relief : ReliefOf(mesh)) {
     EXPECT_NEAR(relief, 0, 1e-6);
   }
-}
-
-TEST(Relief, PointsToTheSideOfTheNeighbors) {
   const TriangleMesh bowl = Sheet(
       [](float x, float y) { return 0.01F * (std::pow(x - 10, 2) + y * y); });
   const TriangleMesh hill = Sheet(

@@ -94,17 +94,14 @@ TEST_F(RunPageTest, HasAllThatIsPrinted) {
   EXPECT_EQ(page, RefinementPage(run_, log_, steps_, pictures_));
 }
 
-TEST_F(RunPageTest, HasEachPictureWhereItIs) {
+TEST_F(RunPageTest, HasEachPictureWhereItIsOrNone) {
   const std::string page = MeshingPage(run_, log_, pictures_);
   EXPECT_EQ(Count(page, "src=\"data:image/png;base64,iVBORw0KGgo"), 3);
   EXPECT_TRUE(Has(page, std::string("alt=\"Photograph, ") + kEscaped + "\""));
-}
-
-TEST_F(RunPageTest, DoesWithoutWhatThereIsNot) {
   const ReportLog empty(&printed_);
-  const std::string page = RefinementPage({}, empty, {}, {});
-  EXPECT_EQ(XmlDefect(page), "");
-  EXPECT_TRUE(HasNone(page, {"<svg", "<img", "class=\"warnings\"", "<li>"}));
+  const std::string bare = RefinementPage({}, empty, {}, {});
+  EXPECT_EQ(XmlDefect(bare), "");
+  EXPECT_TRUE(HasNone(bare, {"<svg", "<img", "class=\"warnings\"", "<li>"}));
 }
 
 TEST_F(RunPageTest, PutsLongTablesIntoFrames) {

@@ -33,7 +33,7 @@ TEST(RegionTest, HoldsWhatLiesBetweenItsCornersOrEverything) {
 }
 
 // Against points along the segment.
-TEST(RegionTest, FindsThePartOfASegmentInside) {
+TEST(RegionTest, FindsThePartOfASegmentInsideOrAlongASide) {
   Random random(1);
   for (int i = 0; i < 200; ++i) {
     const Region region = RandomRegion(&random);
@@ -48,9 +48,6 @@ TEST(RegionTest, FindsThePartOfASegmentInside) {
       EXPECT_EQ(is_inside, is_in_part) << i << " " << share;
     }
   }
-}
-
-TEST(RegionTest, ASegmentAlongASideIsInsideOrNot) {
   const Region region = RegionBetween({0, 0, 0}, {1, 1, 1});
   EXPECT_FALSE(PartInside(region, {-1, 0.5, 0.5}, {2, 0.5, 0.5}).IsEmpty());
   EXPECT_TRUE(PartInside(region, {-1, 1.5, 0.5}, {2, 1.5, 0.5}).IsEmpty());
@@ -81,7 +78,7 @@ std::vector<Eigen::Vector3f> ObjectAndWalls(Random* random) {
   return points;
 }
 
-TEST(FocusRegionTest, IsTheBoxOfWhatMostViewsLookAt) {
+TEST(FocusRegionTest, IsTheBoxOfWhatMostViewsLookAtOrNothing) {
   Random random(2);
   const std::optional<Region> region =
       FocusRegion(ViewsAround(), ObjectAndWalls(&random));
@@ -91,6 +88,9 @@ TEST(FocusRegionTest, IsTheBoxOfWhatMostViewsLookAt) {
   EXPECT_NEAR(region->half_sizes.z(), 0.3, 0.05);
   EXPECT_LT(region->center.norm(), 0.1);
   EXPECT_NEAR(region->region_from_world.determinant(), 1, 1e-12);
+  EXPECT_FALSE(FocusRegion(ViewsAround(), {}));
+  EXPECT_FALSE(FocusRegion({}, {100, Eigen::Vector3f::Ones()}));
+  EXPECT_FALSE(FocusRegion(ViewsAround(), {100, Eigen::Vector3f::Zero()}));
 }
 
 TEST(FocusRegionTest, TurnsWithTheScene) {
@@ -110,12 +110,6 @@ TEST(FocusRegionTest, TurnsWithTheScene) {
   const Region turned = *FocusRegion(views, points);
   EXPECT_TRUE(turned.half_sizes.isApprox(region.half_sizes, 1e-3));
   EXPECT_TRUE((turned.center - turn * region.center).norm() < 1e-3);
-}
-
-TEST(FocusRegionTest, IsNothingWhereNothingIsSeen) {
-  EXPECT_FALSE(FocusRegion(ViewsAround(), {}));
-  EXPECT_FALSE(FocusRegion({}, {100, Eigen::Vector3f::Ones()}));
-  EXPECT_FALSE(FocusRegion(ViewsAround(), {100, Eigen::Vector3f::Zero()}));
 }
 
 constexpr float kAnywhere = std::numeric_limits<float>::infinity();

@@ -121,7 +121,7 @@ void ExpectLooksAt(const View& view, const Vector3d& eye,
       Vector2d(0.5 * view.width, 0.5 * view.height), 1e-9));
 }
 
-TEST(LookAtView, HasTheTargetInItsMiddleAndUpUpwards) {
+TEST(LookAtView, HasTheTargetInItsMiddleAndUpUpwardsIfNotAhead) {
   Random random(1);
   for (int trial = 0; trial < 100; ++trial) {
     const Vector3d eye = RandomVector(&random);
@@ -133,9 +133,6 @@ TEST(LookAtView, HasTheTargetInItsMiddleAndUpUpwards) {
     EXPECT_NEAR(up_in_camera.x(), 0, 1e-9);
     EXPECT_LT(up_in_camera.y(), 0);  // rows go down
   }
-}
-
-TEST(LookAtView, MayLookAlongUp) {
   for (const double length : {0.0, 1.0, -5.0}) {
     ExpectLooksAt(
         LookAtView({1, 2, 3}, {1, 2, 7}, {0, 0, length}, 320, 240, 500),

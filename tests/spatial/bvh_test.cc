@@ -5,7 +5,6 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 #include <Eigen/QR>
 
 #include "mesh/normals.h"
@@ -221,7 +220,7 @@ TEST(BvhDistance, IsThatOfASearchThroughAll) {
   }
 }
 
-TEST(BvhDistance, ToAPlaneIsExact) {
+TEST(BvhDistance, ToAPlaneIsExactAndNoMoreThanTheMaximum) {
   const Bvh bvh(MakeSheet(9, 9));
   for (int i = 0; i < 200; ++i) {
     Vector3f point = Vector3f::Constant(4.5f) + 4.5f * RandomVector(i, 21);
@@ -230,9 +229,6 @@ TEST(BvhDistance, ToAPlaneIsExact) {
       EXPECT_EQ(bvh.Distance(point, 1), std::abs(double{distance}));
     }
   }
-}
-
-TEST(BvhDistance, IsTheMaximumWhereThereIsNothingNearer) {
   const TriangleMesh point = {{{1, 0, 0}}, {{0, 0, 0}}};
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 0.1), 0.1);
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 2), 1);
@@ -249,7 +245,7 @@ double DistanceTo(const TriangleMesh& mesh, uint32_t facet,
 }
 
 // No point of the facet, on a grid over it, is nearer.
-TEST(NearestPointOfFacet, IsTheNearestOfMany) {
+TEST(NearestPointOfFacet, IsTheNearestOfManyAndOfASegmentOnIt) {
   Random random(1);
   const TriangleMesh mesh = MakeBumpySphere(0.5F);
   for (int i = 0; i < 300; ++i) {
@@ -272,12 +268,9 @@ TEST(NearestPointOfFacet, IsTheNearestOfMany) {
       }
     }
   }
-}
-
-TEST(NearestPointOfFacet, OfAFacetWithoutAreaIsOnItsSegment) {
-  const TriangleMesh mesh = {{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}};
-  EXPECT_NEAR(DistanceTo(mesh, 0, {0.5F, 3, 0}), 3, 1e-6);
-  EXPECT_NEAR(DistanceTo(mesh, 0, {3, 0, 0}), 1, 1e-6);
+  const TriangleMesh line = {{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}};
+  EXPECT_NEAR(DistanceTo(line, 0, {0.5F, 3, 0}), 3, 1e-6);
+  EXPECT_NEAR(DistanceTo(line, 0, {3, 0, 0}), 1, 1e-6);
 }
 
 // Among the facets that face the way of the normal, as a search through all.
