@@ -1,11 +1,19 @@
 #pragma once
 
 #include <cstdint>
+#include <numeric>
 #include <random>
 #include <utility>
 #include <vector>
 
 namespace colmap_ext {
+
+// 0 ... size - 1.
+inline std::vector<uint32_t> Iota(size_t size) {
+  std::vector<uint32_t> numbers(size);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
 
 // Seeded random numbers that are the same with every standard library.
 class Random {
@@ -33,6 +41,13 @@ class Random {
     for (size_t i = values->size(); i > 1; --i) {
       std::swap((*values)[i - 1], (*values)[Below(static_cast<uint32_t>(i))]);
     }
+  }
+
+  // Of 0 ... size - 1.
+  std::vector<uint32_t> Permutation(size_t size) {
+    std::vector<uint32_t> numbers = Iota(size);
+    Shuffle(&numbers);
+    return numbers;
   }
 
  private:

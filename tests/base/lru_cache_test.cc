@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace colmap_ext {
-namespace lru_cache_test {
+namespace colmap_ext::lru_cache_test {
 
 constexpr size_t kSize = 10;  // of a value, bytes
 
@@ -246,5 +245,4 @@ TEST(LruCache, ManyThreadsGetTheRightValues) {
   }
 }
 
-}  // namespace lru_cache_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::lru_cache_test

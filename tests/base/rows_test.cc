@@ -1,12 +1,19 @@
 #include "base/rows.h"
 
+#include <algorithm>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace colmap_ext {
-namespace rows_test {
+#include "base/index_limit.h"
+#include "base/indices.h"
+#include "base/percentile.h"
+#include "base/union_find.h"
+#include "tests/random.h"
+
+namespace colmap_ext::rows_test {
 
 TEST(GroupInRows, KeepsTheOrderWithinEachRow) {
   const std::vector<size_t> rows_of = {2, 0, 2, 4, 0, 2};
@@ -53,5 +60,113 @@ TEST(EditRowsTest, KeepsWhatTheEditReturns) {
   }
 }
 
-}  // namespace rows_test
-}  // namespace colmap_ext
+TEST(ExpectIndexable, TakesWhatThirtyTwoBitsCanNumber) {
+  for (const uint64_t count : {uint64_t{0}, uint64_t{1}, kMaxIndexed}) {
+    EXPECT_EQ(ExpectIndexable(count, "points"), count);
+  }
+  for (const uint64_t count : {kMaxIndexed + 1, 3 * kMaxIndexed, UINT64_MAX}) {
+    EXPECT_THROW(ExpectIndexable(count, "points"), std::invalid_argument);
+  }
+}
+
+TEST(IndexOf, FindsWhatIsThere) {
+  const std::vector<int> values = {2, 3, 7};
+  EXPECT_EQ(IndexOf(values, 2), 0u);
+  EXPECT_EQ(IndexOf(values, 7), 2u);
+  for (const int value : {1, 5, 8}) {
+    EXPECT_EQ(IndexOf(values, value), kNone);
+  }
+}
+
+// Against labels that are all rewritten at each join.
+TEST(UnionFind, NamesEachSetByItsLowest) {
+  constexpr uint32_t kSize = 200;
+  Random random(1);
+  UnionFind sets(kSize);
+  std::vector<uint32_t> labels = Iota(kSize);
+  for (uint32_t i = 0; i < kSize; ++i) {
+    EXPECT_EQ(sets.Find(i), i);
+  }
+  for (int join = 0; join < 180; ++join) {
+    const uint32_t a = random.Below(kSize);
+    const uint32_t b = random.Below(kSize);
+    sets.Join(a, b);
+    const auto [low, high] = std::minmax(labels[a], labels[b]);
+    std::replace(labels.begin(), labels.end(), uint32_t{high}, uint32_t{low});
+    for (uint32_t i = 0; i < kSize; ++i) {
+      ASSERT_EQ(sets.Find(i), labels[i]);
+    }
+  }
+}
+
+template <typename T>
+struct PercentileTest : testing::Test {
+  // Calls check(percent, unsorted, sorted) for many percentages and values,
+  // equal ones among them.
+  template <typename Check>
+  static void ForMany(const Check& check) {
+    Random random(1);
+    for (const size_t size : {1, 2, 3, 7, 100, 1001}) {
+      std::vector<T> values;
+      for (size_t i = 0; i < size; ++i) {
+        values.push_back(static_cast<T>(random.Below(50)) / 3);
+      }
+      std::vector<T> sorted = values;
+      std::ranges::sort(sorted);
+      for (const double percent : {0.0, 12.5, 50.0, 90.0, 95.0, 100.0}) {
+        check(percent, values, sorted);
+      }
+    }
+  }
+
+  static void ExpectSameValues(std::vector<T> reordered,
+                               const std::vector<T>& sorted) {
+    std::ranges::sort(reordered);
+    EXPECT_EQ(reordered, sorted);
+  }
+};
+
+using Types = testing::Types<float, double>;
+TYPED_TEST_SUITE(PercentileTest, Types, );
+
+TYPED_TEST(PercentileTest, IsAnElementOfThatRank) {
+  this->ForMany([this](double percent, std::vector<TypeParam> values,
+                       const std::vector<TypeParam>& sorted) {
+    const double rank = percent / 100 * static_cast<double>(sorted.size() - 1);
+    EXPECT_EQ(Percentile(percent, &values),
+              sorted[static_cast<size_t>(std::lround(rank))]);
+    this->ExpectSameValues(values, sorted);
+  });
+}
+
+TYPED_TEST(PercentileTest, InterpolatesBetweenElements) {
+  this->ForMany([this](double percent, std::vector<TypeParam> values,
+                       const std::vector<TypeParam>& sorted) {
+    const double rank = percent / 100 * static_cast<double>(sorted.size() - 1);
+    const auto index = static_cast<size_t>(rank);
+    const double share = rank - static_cast<double>(index);
+    const double next = sorted[std::min(index + 1, sorted.size() - 1)];
+    EXPECT_NEAR(InterpolatedPercentile(percent, &values),
+                (1 - share) * sorted[index] + share * next, 1e-5);
+    this->ExpectSameValues(values, sorted);
+  });
+}
+
+TYPED_TEST(PercentileTest, OfZeroAndHundredAreTheExtremes) {
+  std::vector<TypeParam> values = {3, -1, 7, 2};
+  EXPECT_EQ(Percentile(0, &values), -1);
+  EXPECT_EQ(Percentile(100, &values), 7);
+  EXPECT_EQ(InterpolatedPercentile(0, &values), -1);
+  EXPECT_EQ(InterpolatedPercentile(100, &values), 7);
+}
+
+TYPED_TEST(PercentileTest, MedianIsTheMiddleOrBetweenTheMiddleTwo) {
+  std::vector<TypeParam> odd = {3, -1, 7};
+  EXPECT_EQ(Median(&odd), 3);
+  std::vector<TypeParam> even = {3, -1, 7, 2};
+  EXPECT_EQ(Median(&even), 2.5);
+  // The upper one of the two.
+  EXPECT_EQ(Percentile(50, &even), 3);
+}
+
+}  // namespace colmap_ext::rows_test

@@ -1,5 +1,6 @@
 #include "cameras/refine_cameras.h"
 
+#include <dlfcn.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,12 +11,13 @@
 #include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
+#include "cameras/camera_problem.h"
 #include "cameras/camera_set.h"
 #include "tests/cameras/camera_scene.h"
+#include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace refine_cameras_test {
+namespace colmap_ext::refine_cameras_test {
 
 const CameraScene& Scene() {
   static const CameraScene scene = MakeCameraScene();
@@ -44,20 +46,21 @@ double DistanceToTruth(const RefinedCameras& refined, int view = -1) {
 }
 
 TEST(RefineCameras, BringsDisturbedPosesBack) {
-  const CameraSet start = Start(3);
-  const RefinedCameras refined = Refine(start);
+  const RefinedCameras refined = Refine(Start(3));
   EXPECT_LT(DistanceToTruth(refined), 0.05);
   EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before);
+  for (size_t i = 0; i < refined.cameras.views.size(); ++i) {
+    EXPECT_EQ(refined.cameras.views[i].fx, Scene().truth.views[i].fx);
+    EXPECT_EQ(refined.cameras.views[i].cx, Scene().truth.views[i].cx);
+  }
 }
 
 TEST(RefineCameras, LeavesExactPosesWhereTheyAre) {
-  const RefinedCameras refined = Refine(Scene().truth);
-  EXPECT_LT(DistanceToTruth(refined), 0.03);
+  EXPECT_LT(DistanceToTruth(Refine(Scene().truth)), 0.03);
 }
 
 TEST(RefineCameras, NeedsNoFeatures) {
-  const CameraSet start = Start(3);
-  const RefinedCameras refined = Scene().Refine(Poses(), start, {});
+  const RefinedCameras refined = Scene().Refine(Poses(), Start(3), {});
   // The gauge is that of the disturbed cameras then.
   EXPECT_LT(DistanceToTruth(refined), 0.3);
   EXPECT_GT(refined.report.mean_zncc, refined.report.mean_zncc_before + 0.01);
@@ -90,15 +93,6 @@ TEST(RefineCameras, ImagesOfTheirOwnCamerasHaveTheirOwnIntrinsics) {
   EXPECT_NE(refined.cameras.views[2].fx, refined.cameras.views[1].fx);
 }
 
-TEST(RefineCameras, PosesAloneKeepTheIntrinsics) {
-  const CameraSet start = Start(5);
-  const RefinedCameras refined = Refine(start);
-  for (size_t i = 0; i < start.views.size(); ++i) {
-    EXPECT_EQ(refined.cameras.views[i].fx, start.views[i].fx);
-    EXPECT_EQ(refined.cameras.views[i].cx, start.views[i].cx);
-  }
-}
-
 // Far beyond what windows can follow: its features bring it back.
 TEST(RefineCameras, OneBadImageIsBroughtBackAndDoesNoHarm) {
   CameraSet start = Scene().truth;
@@ -117,9 +111,7 @@ TEST(RefineCameras, OneBadImageIsBroughtBackAndDoesNoHarm) {
 
 TEST(RefineCameras, ImagesWithoutTextureAndFeaturesRest) {
   CameraScene scene = Scene();
-  for (uint8_t& pixel : scene.scene.images[1].pixels) {
-    pixel = 100;
-  }
+  std::ranges::fill(scene.scene.images[1].pixels, 100);
   SparseTracks tracks;
   for (size_t i = 0; i < scene.tracks.positions.size(); ++i) {
     for (const TrackObservation& seen : scene.tracks.observations[i]) {
@@ -187,8 +179,7 @@ TEST(RefineCameras, FollowsTheWorldsFrame) {
 
 // The sparse model's points lie, on the whole, where they lay.
 TEST(RefineCameras, KeepsTheGauge) {
-  const CameraSet start = Start(9);
-  const RefinedCameras refined = Refine(start);
+  const RefinedCameras refined = Refine(Start(9));
   const std::vector<double> footprints(refined.positions.size(),
                                        Scene().scene.dense.scene.footprint);
   const Similarity left =
@@ -259,5 +250,97 @@ TEST(RefineCameras, DrawsViewsAboutOnceAPassWhereFewFit) {
   EXPECT_LE(num_drawn, 1.5 * 8 * static_cast<double>(num_passes));
 }
 
-}  // namespace refine_cameras_test
-}  // namespace colmap_ext
+// Cameras in a row before a wall, each of whose points the next ones see, too:
+// so many that the sparse solver is chosen.
+struct LongRow {
+  explicit LongRow(size_t num_views) {
+    Random random(1);
+    for (size_t i = 0; i < num_views; ++i) {
+      View view{"", 0, 0, 500, 500, 250, 250};
+      view.cam_from_world_translation.x() = -static_cast<double>(i);
+      truth.views.push_back(view);
+      truth.view_cameras.push_back(0);
+    }
+    for (uint32_t i = 0; i + 4 <= num_views; ++i) {
+      for (int k = 0; k < 12; ++k) {
+        const Eigen::Vector3d point(i + 3 * random.Unit(),
+                                    4 * random.Unit() - 2, 5 + random.Unit());
+        tracks.positions.push_back(point);
+        for (uint32_t view = i; view < i + 4; ++view) {
+          const View& seen_by = truth.views[view];
+          tracks.observations.values.push_back(
+              {view, seen_by.ImageFromCam(seen_by.CamFromWorld(point))});
+        }
+        tracks.observations.EndRow();
+      }
+    }
+    start = truth;
+    for (View& view : start.views) {
+      PoseStep step;
+      for (int k = 0; k < 6; ++k) {
+        step[k] = 2e-3 * (random.Unit() - 0.5);
+      }
+      view = MoveView(view, step, IntrinsicsStep::Zero());
+    }
+  }
+
+  CameraEstimate Solve() const {
+    const CameraEvidence evidence = {
+        .shifts = {},
+        .tracks = tracks,
+        .depths = std::vector<double>(truth.views.size(), 5.5),
+        .track_sigmas = std::vector<double>(truth.views.size(), 0.5),
+        .is_skipped = std::vector<uint8_t>(truth.views.size(), 0),
+        .priors = {}};
+    CameraEstimate estimate = {start, {}, tracks.positions};
+    EXPECT_TRUE(SolveCameras(evidence, start, &estimate));
+    return estimate;
+  }
+
+  // Root mean square of the reprojection errors, px.
+  double Error(const CameraSet& cameras,
+               const std::vector<Eigen::Vector3d>& positions) const {
+    double sum = 0;
+    for (size_t i = 0; i < positions.size(); ++i) {
+      for (const TrackObservation& seen : tracks.observations[i]) {
+        const View& view = cameras.views[seen.view];
+        sum += (view.ImageFromCam(view.CamFromWorld(positions[i])) - seen.pixel)
+                   .squaredNorm();
+      }
+    }
+    return std::sqrt(sum /
+                     static_cast<double>(tracks.observations.values.size()));
+  }
+
+  CameraSet truth;
+  CameraSet start;
+  SparseTracks tracks;
+};
+
+// Sets the threads of what libraries of linear algebra are loaded.
+void SetLibraryThreads(int num_threads) {
+  for (const char* name : {"omp_set_num_threads", "openblas_set_num_threads"}) {
+    if (void* set = dlsym(RTLD_DEFAULT, name)) {
+      reinterpret_cast<void (*)(int)>(set)(num_threads);
+    }
+  }
+}
+
+TEST(SolveCameras, ManyViewsAreBroughtBackWithTheSameBytesByAnyThreads) {
+  const LongRow row(320);
+  SetLibraryThreads(1);
+  const CameraEstimate one = row.Solve();
+  SetLibraryThreads(4);
+  const CameraEstimate four = row.Solve();
+  EXPECT_GT(row.Error(row.start, row.tracks.positions), 0.3);
+  EXPECT_LT(row.Error(one.cameras, one.positions), 0.01);
+  EXPECT_EQ(one.positions, four.positions);
+  for (size_t i = 0; i < row.truth.views.size(); ++i) {
+    EXPECT_EQ(one.cameras.views[i].cam_from_world_rotation,
+              four.cameras.views[i].cam_from_world_rotation);
+    EXPECT_EQ(one.cameras.views[i].cam_from_world_translation,
+              four.cameras.views[i].cam_from_world_translation);
+  }
+}
+
+}  // namespace colmap_ext::refine_cameras_test

@@ -7,15 +7,13 @@
 
 #ifdef COLMAP_EXT_COLMAP_PROGRAM
 
-namespace colmap_ext {
-namespace automatic_reconstructor_test {
+namespace colmap_ext::automatic_reconstructor_test {
 
 namespace fs = std::filesystem;
 
 // A workspace whose sparse model and fused points are there already, so that
 // only the meshing is left to do, which needs no CUDA.
-class AutomaticReconstructorTest : public testing::Test {
- protected:
+struct AutomaticReconstructorTest : testing::Test {
   AutomaticReconstructorTest() {
     sphere_.Write(dense_);
     fs::create_directories(path_ / "sparse");
@@ -93,7 +91,6 @@ TEST_F(AutomaticReconstructorTest, UndistorterWritesOurCommands) {
   }
 }
 
-}  // namespace automatic_reconstructor_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::automatic_reconstructor_test
 
 #endif

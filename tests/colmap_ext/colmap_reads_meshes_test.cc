@@ -8,11 +8,9 @@
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
 
-namespace colmap_ext {
-namespace colmap_reads_meshes_test {
+namespace colmap_ext::colmap_reads_meshes_test {
 
-class ColmapReadsMeshesTest : public testing::Test {
- protected:
+struct ColmapReadsMeshesTest : testing::Test {
   colmap::PlyMesh Read() const {
     return colmap::ReadPlyMesh(path_.string()).mesh;
   }
@@ -44,7 +42,6 @@ TEST_F(ColmapReadsMeshesTest, WithLabels) {
   EXPECT_EQ(read.vertices[read.faces[1].vertex_idx3].z, 0.5F);
 }
 
-}  // namespace colmap_reads_meshes_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::colmap_reads_meshes_test
 
 #endif

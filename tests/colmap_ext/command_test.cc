@@ -9,13 +9,11 @@
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/find_workspace.h"
 
-namespace colmap_ext {
-namespace command_test {
+namespace colmap_ext::command_test {
 
 namespace fs = std::filesystem;
 
-class CommandTest : public testing::TestWithParam<std::string> {
- protected:
+struct CommandTest : testing::TestWithParam<std::string> {
   CommandTest() { sphere_.Write(path_); }
 
   Outcome RunProgram(const std::string& arguments) const {
@@ -192,15 +190,6 @@ TEST_P(CommandTest, FindsTheWorkspaceOfAutomaticReconstructor) {
   ExpectRefused("", "which workspace?");
 }
 
-TEST_P(CommandTest, TakesAProjectFile) {
-  const fs::path project = folder_.Path() / "project.ini";
-  WriteFile(project, "workspace_path=" + path_.string() +
-                         "\n[DelaunayManifoldMeshing]\nmax_proj_dist=5\n");
-  Succeed(Run(PathOption("project_path", project)));
-  EXPECT_TRUE(fs::exists(path_ / kMesherOutput));
-  EXPECT_EQ(Run("--project_path /none").exit_code, 1);
-}
-
 TEST_P(CommandTest, GivesTheSameBytesOnAnyNumberOfThreads) {
   std::string first;
   for (const char* num_threads : {"1", "2", "3", "-1"}) {
@@ -221,11 +210,10 @@ TEST_P(CommandTest, RefusesBadOptions) {
   ExpectRefused(" --image_order random", "image_order");
   ExpectRefused(" --image_order frame", "image_order");
   ExpectRefused(" --report_path page.csv", "ends in .html");
-  ExpectRefused(" @max_depth_dist 2", "max_depth_dist");
-  ExpectRefused(" @max_proj_dist nan", "max_proj_dist");
   ExpectRefused(" @behind_sigma inf",
                 "--DelaunayManifoldMeshing.behind_sigma is 'inf'; it has to be "
                 "a number, 1e-06 ... 1000000");
+  ExpectRefused(" '--no\n\033such' 1", "--no??such");
 }
 
 TEST_P(CommandTest, RefusesMissingFiles) {
@@ -241,21 +229,6 @@ TEST_P(CommandTest, RefusesMissingFiles) {
   }
 }
 
-TEST_P(CommandTest, RefusesTruncatedFiles) {
-  sphere_.frames = {{4, 9, 2, 7, 5, 1, 8}};
-  for (const char* name :
-       {"fused.ply", "fused.ply.vis", "sparse/images.bin", "sparse/cameras.bin",
-        "sparse/points3D.bin", "sparse/frames.bin"}) {
-    sphere_.Write(path_);
-    const std::string bytes = ReadFile(path_ / name);
-    for (const size_t size : {size_t{0}, size_t{4}, size_t{8}, size_t{20},
-                              bytes.size() / 2, bytes.size() - 1}) {
-      WriteFile(path_ / name, bytes.substr(0, size));
-      ExpectRefused("", fs::path(name).filename().string());
-    }
-  }
-}
-
 TEST_P(CommandTest, RefusesLoopsOfLinks) {
   for (const char* name : {"fused.ply", "fused.ply.vis", "sparse/images.bin"}) {
     fs::remove_all(path_);
@@ -265,10 +238,6 @@ TEST_P(CommandTest, RefusesLoopsOfLinks) {
     ExpectRefused(
         "", std::string("ERROR: ") + (path_ / name).string() + ": Too many");
   }
-}
-
-TEST_P(CommandTest, SaysInOneLineWhatCanNotBePrinted) {
-  ExpectRefused(" '--no\n\033such' 1", "--no??such");
 }
 
 TEST_P(CommandTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
@@ -320,16 +289,6 @@ TEST_P(CommandTest, RefusesReadOnlyWorkspaces) {
   fs::permissions(path_, fs::perms::owner_all);
 }
 
-TEST_P(CommandTest, RefusesPointsWithoutVolume) {
-  for (Eigen::Vector3f& point : sphere_.points) {
-    point.z() = 0;
-  }
-  sphere_.write_normals = false;
-  sphere_.Write(path_);
-  ExpectRefused(" --image_order file @half_pixel_correction 0", "volume");
-}
-
 INSTANTIATE_TEST_SUITE_P(Programs, CommandTest, testing::ValuesIn(Programs()));
 
-}  // namespace command_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::command_test

@@ -11,8 +11,7 @@
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/sparse_model.h"
 
-namespace colmap_ext {
-namespace facetwise_refiner_test {
+namespace colmap_ext::facetwise_refiner_test {
 
 namespace fs = std::filesystem;
 
@@ -456,5 +455,4 @@ TEST_F(FacetwiseRefinerTest, RefusesPlacesThatCanNotBeWrittenBeforeTheWork) {
   }
 }
 
-}  // namespace facetwise_refiner_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::facetwise_refiner_test

@@ -10,22 +10,16 @@
 #include "tests/mesh/shapes.h"
 #include "tests/workspace/sphere_workspace.h"
 
-namespace colmap_ext {
-namespace mesh_evaluator_test {
+namespace colmap_ext::mesh_evaluator_test {
 
 namespace fs = std::filesystem;
 
 // A sphere around the origin.
 TriangleMesh Sphere(float radius) {
-  TriangleMesh mesh = MakeBumpySphere(0.1F, 0);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
-    vertex *= radius;
-  }
-  return mesh;
+  return Scaled(MakeBumpySphere(0.1F, 0), radius);
 }
 
-class MeshEvaluatorTest : public testing::Test {
- protected:
+struct MeshEvaluatorTest : testing::Test {
   MeshEvaluatorTest() {
     WriteColoredMesh(Path("mesh.ply"), Sphere(1.01f), {});
     WriteColoredMesh(Path("truth.ply"), Sphere(1), {});
@@ -164,14 +158,9 @@ TEST_F(MeshEvaluatorTest, RefusesWhatItCanNotUse) {
   ExpectRefusal(Run(Meshes("points.ply", "mesh.ply")), "no faces");
   ExpectRefusal(Run(Meshes("mesh.ply", "truth.ply") + " @spacing 1e-9"),
                 "too small");
-  TriangleMesh away = Sphere(1);
-  for (Eigen::Vector3f& vertex : away.vertices) {
-    vertex.z() += 1000;
-  }
-  WriteColoredMesh(Path("truth.ply"), away, {});
+  WriteColoredMesh(Path("truth.ply"), Shifted(Sphere(1), {0, 0, 1000}), {});
   ExpectRefusal(Run(Basics() + Option("workspace_path", "workspace")),
                 "same frame");
 }
 
-}  // namespace mesh_evaluator_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::mesh_evaluator_test

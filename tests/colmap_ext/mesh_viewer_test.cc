@@ -9,8 +9,7 @@
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/gl/gl_test.h"
 
-namespace colmap_ext {
-namespace mesh_viewer_test {
+namespace colmap_ext::mesh_viewer_test {
 
 namespace fs = std::filesystem;
 
@@ -37,8 +36,7 @@ ColorImage OnMesh(const ColorImage& mesh, ColorImage image) {
   return image;
 }
 
-class MeshViewerTest : public RefinerFixture {
- protected:
+struct MeshViewerTest : RefinerFixture {
   void SetUp() override {
     RefinerFixture::SetUp();
     std::string missing;
@@ -106,10 +104,9 @@ TEST_F(MeshViewerTest, ShowsARegion) {
   EXPECT_GT(num_half, num_whole / 10);
   EXPECT_LT(num_half, num_whole * 9 / 10);
   for (const char* name : {kInput, "fused.ply"}) {
-    const std::string mesh = PathOption("mesh_path", (path_ / name));
-    ExpectRefusal(
-        View(mesh + " --screenshot_path a.png --region 70,70,70,80,80,80"),
-        "it has no part in the region");
+    ExpectRefusal(View(PathOption("mesh_path", (path_ / name)) +
+                       " --screenshot_path a.png --region 70,70,70,80,80,80"),
+                  "it has no part in the region");
   }
   ExpectRefusal(View(Workspace() + " --screenshot_path a.png --region auto"),
                 ".region.txt");
@@ -179,8 +176,7 @@ TEST_F(MeshViewerTest, WithoutADisplayItNamesTheWayWithoutOne) {
                 "--screenshot_path FILE.png draws without one");
 }
 
-class MeshViewerWindowTest : public MeshViewerTest {
- protected:
+struct MeshViewerWindowTest : MeshViewerTest {
   void SetUp() override {
     MeshViewerTest::SetUp();
     if (IsSkipped()) {
@@ -299,5 +295,4 @@ TEST_F(MeshViewerWindowTest, ARefinementIsTheSameWhenItIsWatched) {
   EXPECT_EQ(ReadFile(path_ / kOutput), alone);
 }
 
-}  // namespace mesh_viewer_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::mesh_viewer_test

@@ -44,8 +44,7 @@ struct MeshedWorkspace {
 };
 
 // Runs facetwise_refiner in a workspace that is made anew for each test.
-class RefinerFixture : public testing::Test {
- protected:
+struct RefinerFixture : testing::Test {
   static void SetUpTestSuite() {
     meshed_ = std::make_unique<MeshedWorkspace>();
   }
@@ -96,9 +95,7 @@ class RefinerFixture : public testing::Test {
     const Visibility visibility = ReadVisibility(
         VisibilityPath(path), refined.mesh.vertices.size(), kFusedCloud);
     EXPECT_GT(visibility.values.size(), refined.mesh.vertices.size());
-    EXPECT_LT(
-        *std::max_element(visibility.values.begin(), visibility.values.end()),
-        num_views);
+    EXPECT_LT(std::ranges::max(visibility.values), num_views);
   }
 
   // The average score of what the images see of a mesh, scene units.

@@ -7,13 +7,11 @@
 
 #include "tests/colmap_ext/refiner_fixture.h"
 
-namespace colmap_ext {
-namespace resume_test {
+namespace colmap_ext::resume_test {
 
 namespace fs = std::filesystem;
 
-class ResumeTest : public RefinerFixture {
- protected:
+struct ResumeTest : RefinerFixture {
   // Runs the program in a workspace where there is an output already, and sends
   // it signals, one after the other, when it has printed the text.
   // \return as waitpid() has it.
@@ -154,5 +152,4 @@ TEST_F(ResumeTest, EndsAtOnceAtTheSecondSignal) {
   EXPECT_EQ(List(path_), before);
 }
 
-}  // namespace resume_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::resume_test

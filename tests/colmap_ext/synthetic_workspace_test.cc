@@ -1,18 +1,24 @@
 // The synthetic workspaces, read back and meshed as a user's are.
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "colmap_ext/colmap_compat.h"
+#include "formats/picture_files.h"
 #include "formats/read_ply.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
+#include "tests/workspace/sphere_workspace.h"
+#include "workspace/image_order.h"
+#include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
 
-namespace colmap_ext {
-namespace synthetic_workspace_test {
+namespace colmap_ext::synthetic_workspace_test {
 
 namespace fs = std::filesystem;
 
@@ -25,8 +31,7 @@ synthetic::DenseScene MakeSmallScene(const std::string& shape) {
   return MakeDenseScene(options);
 }
 
-class SyntheticWorkspaceTest : public testing::TestWithParam<const char*> {
- protected:
+struct SyntheticWorkspaceTest : testing::TestWithParam<const char*> {
   SyntheticWorkspaceTest() : scene_(MakeSmallScene(GetParam())) {
     WriteWorkspace(scene_, 1, path_.string());
   }
@@ -63,10 +68,8 @@ TEST_P(SyntheticWorkspaceTest, IsReadAsItWasMade) {
     for (const uint32_t view : workspace.cloud.views[i]) {
       seen_by.push_back(index_of_name.at(workspace.views[view].name));
     }
-    std::sort(seen_by.begin(), seen_by.end());
-    const auto row = cloud.views[i];
-    EXPECT_TRUE(
-        std::equal(seen_by.begin(), seen_by.end(), row.begin(), row.end()));
+    std::ranges::sort(seen_by);
+    EXPECT_TRUE(std::ranges::equal(seen_by, cloud.views[i]));
   }
 }
 
@@ -97,5 +100,105 @@ TEST_P(SyntheticWorkspaceTest, IsMeshed) {
 INSTANTIATE_TEST_SUITE_P(Scenes, SyntheticWorkspaceTest,
                          testing::Values("statue", "wall", "grid"));
 
-}  // namespace synthetic_workspace_test
-}  // namespace colmap_ext
+struct SparseModelAgreementTest : testing::Test {
+  SparseModelAgreementTest() {
+    sphere_.points.resize(20);
+    sphere_.point_images.assign(20, {0, 2});
+    const std::filesystem::path old = folder_.Path() / "old";
+    sphere_.WriteModel(old, ".bin");
+    std::filesystem::create_directory(binary_);
+    synthetic::ConvertModel(old.string(), binary_.string());
+  }
+
+  SphereWorkspace sphere_;
+  TemporaryFolder folder_;
+  // As this COLMAP writes it: with rigs and frames from 3.12 on.
+  std::filesystem::path binary_ = folder_.Path() / "binary";
+};
+
+// What COLMAP itself writes and reads is what we read.
+TEST_F(SparseModelAgreementTest, ReadsWhatThisColmapWrites) {
+  const SparseModel model = ReadSparseModel(binary_);
+  const std::vector<View> views = synthetic::ReadViews(binary_.string());
+  ASSERT_EQ(model.images.size(), views.size());
+  for (const View& view : views) {
+    const auto image = std::ranges::find_if(
+        model.images,
+        [&](const SparseImage& other) { return other.name == view.name; });
+    ASSERT_NE(image, model.images.end()) << view.name;
+    EXPECT_TRUE(image->cam_from_world_rotation.toRotationMatrix().isApprox(
+        view.cam_from_world_rotation));
+    EXPECT_TRUE(image->cam_from_world_translation.isApprox(
+        view.cam_from_world_translation));
+    const SparseCamera& camera = model.cameras.at(image->camera_id);
+    EXPECT_EQ(camera.fx, view.fx);
+    EXPECT_EQ(camera.cy, view.cy);
+    EXPECT_EQ(camera.width, view.width);
+  }
+  EXPECT_EQ(model.point_positions.size(), 2);  // of 20, in the sphere's model
+  const bool has_frames = std::filesystem::exists(binary_ / "frames.bin");
+  EXPECT_EQ(model.frames.size(), has_frames ? views.size() : 0);
+#if COLMAP_EXT_COLMAP_VERSION >= 31200
+  EXPECT_TRUE(has_frames);
+#endif
+}
+
+// The order that this COLMAP counts images by in a .vis is one of those that
+// are tried, under the name that its version has in our reports.
+TEST_F(SparseModelAgreementTest, KnowsTheImageOrderOfThisColmap) {
+#if COLMAP_EXT_COLMAP_VERSION >= 31200
+  constexpr ImageOrderKind kKind = ImageOrderKind::kFrame;
+#elif COLMAP_EXT_COLMAP_VERSION >= 31100
+  constexpr ImageOrderKind kKind = ImageOrderKind::kImageId;
+#else
+  constexpr ImageOrderKind kKind = ImageOrderKind::kFile;
+#endif
+  const SparseModel model = ReadSparseModel(binary_);
+  const std::vector<View> views = synthetic::ReadViews(binary_.string());
+  const std::vector<ImageOrder> orders = CandidateImageOrders(model);
+  const auto order = std::ranges::find_if(
+      orders, [](const ImageOrder& other) { return other.kind == kKind; });
+  ASSERT_NE(order, orders.end());
+  ASSERT_EQ(order->images.size(), views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(model.images[order->images[i]].name, views[i].name);
+  }
+}
+
+TEST(ColmapPictureDecoder, ReadsPicturesInGrey) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.Path();
+  const PictureDecoder decoder = ColmapPictureDecoder();
+  WriteFile(path / "gray.pgm", std::string("P5\n3 2\n255\n\x01\x02\x03"
+                                           "\x04\x05\x06"));
+  const std::optional<GrayImage> image = decoder.read_gray(path / "gray.pgm");
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->width, 3);
+  EXPECT_EQ(image->height, 2);
+  EXPECT_EQ(image->pixels, (std::vector<uint8_t>{1, 2, 3, 4, 5, 6}));
+  // 10 20 30, 1 2 6 and 255 255 255.
+  WriteFile(path / "color.ppm",
+            "P6\n3 1\n255\n\x0a\x14\x1e\x01\x02\x06\xff\xff\xff");
+  const std::optional<GrayImage> color = decoder.read_gray(path / "color.ppm");
+  ASSERT_TRUE(color);
+  EXPECT_EQ(color->pixels, (std::vector<uint8_t>{20, 3, 255}));
+  EXPECT_FALSE(decoder.read_gray(path / "none.png"));
+}
+
+TEST(ColmapPictureDecoder, ReadsOurPng) {
+  const TemporaryFolder folder;
+  ColorImage image{13, 7, {}};
+  for (int i = 0; i < 13 * 7; ++i) {
+    image.pixels.push_back({static_cast<uint8_t>(5 * i),
+                            static_cast<uint8_t>(i % 13),
+                            static_cast<uint8_t>(i * i)});
+  }
+  WritePng(folder.Path() / "a.png", image);
+  const std::optional<ColorImage> read =
+      ColmapPictureDecoder().read_color(folder.Path() / "a.png");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->width, 13);
+  EXPECT_EQ(read->pixels, image.pixels);
+}
+
+}  // namespace colmap_ext::synthetic_workspace_test

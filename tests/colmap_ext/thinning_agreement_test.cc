@@ -10,8 +10,7 @@
 
 #ifdef COLMAP_EXT_COLMAP_PROGRAM
 
-namespace colmap_ext {
-namespace thinning_agreement_test {
+namespace colmap_ext::thinning_agreement_test {
 
 namespace fs = std::filesystem;
 
@@ -64,7 +63,6 @@ TEST(Thinning, KeepsAsManyPointsAsColmapOnAStatue) {
   ExpectSameThinning(folder.Path(), 20, 0.5);
 }
 
-}  // namespace thinning_agreement_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::thinning_agreement_test
 
 #endif

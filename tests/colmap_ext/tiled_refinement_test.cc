@@ -12,13 +12,11 @@
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/synthetic/dense_scene.h"
 
-namespace colmap_ext {
-namespace tiled_refinement_test {
+namespace colmap_ext::tiled_refinement_test {
 
 namespace fs = std::filesystem;
 
-class TiledRefinementTest : public RefinerFixture {
- protected:
+struct TiledRefinementTest : RefinerFixture {
   std::string PlanCommand(int num_tiles) const {
     return CommandLine("mesh_planner" + Workspace() +
                        PathOption("output_path", plan_) + " --num_tiles " +
@@ -278,8 +276,7 @@ TEST_F(TiledRefinementTest, JobsTakeNoMoreMemoryThanIsPlanned) {
 // Three statues in a row, of which the outer ones share a colour.
 TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   fs::remove_all(path_);
-  const synthetic::DenseScene statue = MakeStatue();
-  WriteWorkspace(synthetic::MakeSceneRow(statue, 3, {20, 0, 0}), 1,
+  WriteWorkspace(synthetic::MakeSceneRow(MakeStatue(), 3, {20, 0, 0}), 1,
                  path_.string());
   MakePlan(3);
   const std::string undisturbed = RefineAndMerge(3);
@@ -356,5 +353,4 @@ TEST_F(TiledRefinementTest, RefusesTheMeshOfAnotherPlan) {
   ExpectRefusal(PlanRefinement(), "it belongs to another one");
 }
 
-}  // namespace tiled_refinement_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::tiled_refinement_test

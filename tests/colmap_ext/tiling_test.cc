@@ -15,8 +15,7 @@
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
-namespace colmap_ext {
-namespace tiling_test {
+namespace colmap_ext::tiling_test {
 
 namespace fs = std::filesystem;
 
@@ -46,8 +45,7 @@ std::vector<std::array<float, 3>> VerticesOf(const fs::path& path) {
   return vertices;
 }
 
-class TilingTest : public testing::Test {
- protected:
+struct TilingTest : testing::Test {
   TilingTest() { SphereWorkspace().Write(workspace_); }
 
   Outcome MakePlan(int num_tiles, const std::string& more = "") const {
@@ -132,11 +130,6 @@ class TilingTest : public testing::Test {
   fs::path mesh_ = folder_.Path() / "merged.ply";
 };
 
-TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachine) {
-  MakeAll(1);
-  ExpectMeshersFaces();
-}
-
 // Near their borders tiles measure the noise by fewer points.
 TEST_F(TilingTest, TilesAreSmoothedAsOneIs) {
   const std::string keep_all = " @max_proj_dist 0";
@@ -184,11 +177,12 @@ TEST_F(TilingTest, OneTileLeavesOutWhatIsMasked) {
   ExpectRefusal(MakePlan(2, option), "no such folder of masks");
 }
 
-TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
+TEST_F(TilingTest, OneTileMakesTheMeshOfOneMachineAlsoTransformed) {
   const fs::path transform = folder_.Path() / "transform.txt";
   WriteFile(transform, "0 -2 0 100\n2 0 0 200\n0 0 2 300\n0 0 0 1\n");
   const std::string option = PathOption("transform_path", transform);
   MakeAll(1);
+  ExpectMeshersFaces();
   Succeed(Merge(option));
   ExpectMeshersFaces(option);
   EXPECT_TRUE(Has(ReadFile(mesh_), "property double x"));
@@ -196,8 +190,12 @@ TEST_F(TilingTest, TheMergerTransformsAsTheMesherDoes) {
   ExpectRefusal(Merge(option), "no similarity transform");
 }
 
-TEST_F(TilingTest, TilesMakeAMeshWithoutSeams) {
+TEST_F(TilingTest, TilesMakeAMeshWithoutSeamsAlsoOfARegion) {
   ExpectNoSeams("", [](float) { return true; });
+  // At the border of a region the two halves of a facet that is cut may have
+  // the other diagonal.
+  ExpectNoSeams("--region=-0.8,-2,-2,0.7,2,1.5 ",
+                [](float x) { return x > -0.799f && x < 0.699f; });
 }
 
 TEST_F(TilingTest, OneTileMeshesARegion) {
@@ -207,13 +205,6 @@ TEST_F(TilingTest, OneTileMeshesARegion) {
     ExpectMeshersFaces(option);
   }
   EXPECT_TRUE(fs::exists(folder_.Path() / "merged.region.txt"));
-}
-
-// At the border of a region the two halves of a facet that is cut may have the
-// other diagonal.
-TEST_F(TilingTest, TilesMeshARegionWithoutSeams) {
-  ExpectNoSeams("--region=-0.8,-2,-2,0.7,2,1.5 ",
-                [](float x) { return x > -0.799f && x < 0.699f; });
 }
 
 TEST_F(TilingTest, OrderAndRepetitionChangeNothing) {
@@ -234,16 +225,6 @@ TEST_F(TilingTest, KilledJobsLeaveNoHarm) {
              CommandLine(TileCommand(1)));
   }
   EXPECT_EQ(MakeMesh({1, 0}), undisturbed);
-}
-
-TEST_F(TilingTest, AKilledMergerLeavesTheOldMesh) {
-  const std::string undisturbed = MakeAll(3);
-  for (const char* seconds : {"0.02", "0.05", "0.08", "0.12", "0.2"}) {
-    RunShell(std::string("timeout -s TERM ") + seconds + " " + MergeCommand());
-    EXPECT_EQ(BytesOf(mesh_), undisturbed);
-    EXPECT_EQ(List(folder_.Path()),
-              "a plan a workspace merged.ply merged.ply.vis");
-  }
 }
 
 TEST_F(TilingTest, AMergerOnAFullDiskLeavesTheOldMesh) {
@@ -267,14 +248,6 @@ TEST_F(TilingTest, TheMergerFinishesTheSurfaceAsTheMesherDoes) {
   }
   MakeAll(2, " @remeshing 1");
   EXPECT_TRUE(Analyze(ReadPlyMesh(mesh_)).IsManifold());
-}
-
-TEST_F(TilingTest, TwoMergersAtOnceDoNotDisturbEachOther) {
-  const std::string alone = MakeAll(2);
-  const std::string command = MergeCommand();
-  Succeed(
-      RunShell(command + " > /dev/null & " + command + " > /dev/null; wait"));
-  EXPECT_EQ(BytesOf(mesh_), alone);
 }
 
 TEST_F(TilingTest, RefusesWhatDoesNotFitTogether) {
@@ -362,5 +335,4 @@ TEST_F(TilingTest, RefusesInputsThatChanged) {
   ExpectRefusal(MakeTile(0), "has changed since it was planned");
 }
 
-}  // namespace tiling_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::tiling_test

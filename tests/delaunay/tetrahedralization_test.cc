@@ -10,12 +10,13 @@
 
 #include <gtest/gtest.h>
 
+#include "delaunay/growing_complex.h"
 #include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace tetrahedralization_test {
+namespace colmap_ext::tetrahedralization_test {
 
 ThinnedTetrahedralization KeepAll(const std::vector<Eigen::Vector3f>& points) {
   ThinningOptions options;
@@ -23,44 +24,27 @@ ThinnedTetrahedralization KeepAll(const std::vector<Eigen::Vector3f>& points) {
   return Tetrahedralize(CloudOf(points), {}, options);
 }
 
-TEST(Tetrahedralization, IsAClosedOrientedComplex) {
-  for (const auto& [name, points] : DifficultPoints()) {
-    EXPECT_EQ(DefectOf(DelaunayOf(points), true), "") << name;
-  }
-}
-
-TEST(Tetrahedralization, IsDelaunay) {
+TEST(Tetrahedralization, IsAClosedDelaunayComplexWithAConvexHull) {
   for (const auto& [name, points] : DifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
-    for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
-      if (tetrahedra.IsInfinite(cell)) {
+    EXPECT_EQ(DefectOf(tetrahedra, true), "");
+    for (const auto& cell : tetrahedra.cells) {
+      const auto& vertices = cell.vertices;
+      const auto infinite = std::ranges::find(vertices, kInfiniteVertex);
+      if (infinite == vertices.end()) {
+        const auto [a, b, c, d] = IntegersOf(tetrahedra.points, vertices);
+        for (const Eigen::Vector3f& point : tetrahedra.points) {
+          ASSERT_LE(ExactInSphere(a, b, c, d, ToIntegers(point)), 0);
+        }
         continue;
       }
-      const auto [a, b, c, d] =
-          IntegersOf(tetrahedra.points, tetrahedra.cells[cell].vertices);
+      // The infinite cell's hull facet, seen from without.
+      const auto facet =
+          FacetVertices(cell, static_cast<int>(infinite - vertices.begin()));
+      const auto [a, b, c] = IntegersOf(tetrahedra.points, facet);
       for (const Eigen::Vector3f& point : tetrahedra.points) {
-        ASSERT_LE(ExactInSphere(a, b, c, d, ToIntegers(point)), 0);
-      }
-    }
-  }
-}
-
-TEST(Tetrahedralization, HasAConvexHull) {
-  for (const auto& [name, points] : DifficultPoints()) {
-    SCOPED_TRACE(name);
-    const Tetrahedralization tetrahedra = DelaunayOf(points);
-    for (const auto& cell : tetrahedra.cells) {
-      for (int i = 0; i < 4; ++i) {
-        if (cell.vertices[i] != kInfiniteVertex) {
-          continue;
-        }
-        // The infinite cell's hull facet, seen from without.
-        const auto [a, b, c] =
-            IntegersOf(tetrahedra.points, FacetVertices(cell, i));
-        for (const Eigen::Vector3f& point : tetrahedra.points) {
-          ASSERT_LE(ExactOrientation(a, b, c, ToIntegers(point)), 0);
-        }
+        ASSERT_LE(ExactOrientation(a, b, c, ToIntegers(point)), 0);
       }
     }
   }
@@ -81,7 +65,7 @@ TEST(Tetrahedralization, EveryPointHasItsVertex) {
       const uint32_t point = result.vertex_points[vertex];
       EXPECT_EQ(result.point_vertices[point], vertex);
       // Of duplicates the first.
-      EXPECT_EQ(std::find(points.begin(), points.end(), points[point]),
+      EXPECT_EQ(std::ranges::find(points, points[point]),
                 points.begin() + point);
     }
   }
@@ -155,7 +139,7 @@ TEST(IncidentCells, AreAllThatHaveTheVertex) {
     std::vector<uint32_t> cells = {1, 2, 3};  // of the last call
     for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
       IncidentCells(tetrahedra, vertex, &cells);
-      std::sort(cells.begin(), cells.end());
+      std::ranges::sort(cells);
       ASSERT_EQ(cells, expected[vertex]);
     }
   }
@@ -183,7 +167,7 @@ TEST(CellPlaces, AreThoseOfAMap) {
   EXPECT_GT(num_repeats, 100u);
 }
 
-TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnce) {
+TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnceAndIsZeroWithoutAny) {
   for (const auto& [name, points] : DifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
@@ -201,16 +185,13 @@ TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnce) {
     for (const auto& [u, v] : edges) {
       lengths.push_back((tetrahedra.points[u] - tetrahedra.points[v]).norm());
     }
-    std::sort(lengths.begin(), lengths.end());
+    std::ranges::sort(lengths);
     for (const double percent : {0.0, 10.0, 25.0, 50.0, 99.0, 100.0}) {
       const auto nth = static_cast<size_t>(
           std::round(percent / 100 * static_cast<double>(lengths.size() - 1)));
       EXPECT_EQ(EdgeLengthPercentile(tetrahedra, percent), lengths[nth]);
     }
   }
-}
-
-TEST(EdgeLengthPercentile, IsZeroWithoutEdges) {
   for (const auto& [name, points] : DifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
@@ -225,14 +206,10 @@ TEST(EdgeLengthPercentile, IsZeroWithoutEdges) {
 // one, or none.
 struct SeenSheet {
   SeenSheet() {
-    views.resize(2);
-    for (View& view : views) {
-      view.width = view.height = 1000;
-      view.fx = view.fy = 1000;
-      view.cx = view.cy = 500;
-      view.cam_from_world_translation.z() = 10;
+    for (const double x : {0, 1}) {
+      views.push_back({"", 1000, 1000, 1000, 1000, 500, 500});
+      views.back().cam_from_world_translation = {x, 0, 10};
     }
-    views[1].cam_from_world_translation.x() = 1;
     Random random(3);
     for (int i = 0; i < 4000; ++i) {
       const double x = 6 * random.Unit() - 3;
@@ -298,6 +275,7 @@ TEST(Thinning, LargerDistancesKeepFewerPoints) {
   EXPECT_LT(num_kept(40, 0.05), num_kept(40, 0.005));
 }
 
+// And Delaunay of what is kept.
 TEST(Thinning, IsTheSameEveryTime) {
   const SeenSheet sheet;
   ExpectSameForAnyThreads([&] {
@@ -306,14 +284,102 @@ TEST(Thinning, IsTheSameEveryTime) {
                       std::move(thinned.vertex_points),
                       std::move(thinned.point_vertices));
   });
-}
-
-// What is kept is Delaunay of what is kept.
-TEST(Thinning, MakesWhatKeepingTheSamePointsWouldMake) {
-  const SeenSheet sheet;
   const auto thinned = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
   EXPECT_TRUE(thinned.tetrahedra == DelaunayOf(thinned.tetrahedra.points));
 }
 
-}  // namespace tetrahedralization_test
-}  // namespace colmap_ext
+// Points along the curve, the first hundred of their order inserted.
+struct Begun {
+  explicit Begun(std::vector<Eigen::Vector3f> positions) {
+    std::vector<uint32_t> representatives;
+    for (const uint32_t point : DistinctPoints(positions, &representatives)) {
+      complex.points.push_back(positions[point]);
+    }
+    order = InsertionOrder(complex.points.size());
+    StartComplex(order, &complex);
+    InsertFirst(100);
+  }
+
+  uint32_t Size() const { return static_cast<uint32_t>(complex.points.size()); }
+
+  // Inserts what is missing of the first points.
+  void InsertFirst(size_t count) {
+    PointInserter inserter(0, Size(), &complex);
+    for (size_t i = 0; i < std::min(count, order.size()); ++i) {
+      if (complex.vertex_cells[order[i]] == kNone) {
+        const uint32_t hint = complex.vertex_cells[order.front()];
+        InsertPoint(order[i], inserter.Locate(order[i], hint), &inserter,
+                    &complex);
+      }
+    }
+    GiveBack(inserter);
+  }
+
+  void GiveBack(PointInserter& inserter) {
+    complex.free_cells.insert(complex.free_cells.end(),
+                              inserter.free_cells().begin(),
+                              inserter.free_cells().end());
+    inserter.free_cells().clear();
+  }
+
+  GrowingComplex complex;
+  std::vector<uint32_t> order;
+};
+
+TEST(PointInserter, ThoseOfTwoRangesMakeWhatOneMakes) {
+  Random random(7);
+  std::vector<NamedPoints> sets = DifficultPoints();
+  sets.push_back({"many", RandomPoints(3000, 1 << 16, &random)});
+  for (const auto& [name, points] : sets) {
+    SCOPED_TRACE(name);
+    Begun expected(points);
+    expected.InsertFirst(expected.Size());
+
+    Begun begun(points);
+    const uint32_t middle = begun.Size() / 2;
+    PointInserter lower(0, middle, &begun.complex);
+    PointInserter upper(middle, begun.Size(), &begun.complex);
+    for (PointInserter* inserter : {&lower, &upper}) {
+      AddFreeCells(40000, &begun.complex);
+      std::swap(inserter->free_cells(), begun.complex.free_cells);
+    }
+    size_t num_inserted = 0;
+    for (const uint32_t point : begun.order) {
+      if (begun.complex.vertex_cells[point] == kNone) {
+        PointInserter& inserter = point < middle ? lower : upper;
+        const uint32_t hint = inserter.FindOwnCell();
+        const uint32_t cell =
+            hint != kNone ? inserter.Locate(point, hint) : kNone;
+        num_inserted += cell != kNone && inserter.Insert(point, cell) != kNone;
+      }
+    }
+    if (name == "many") {
+      EXPECT_GT(num_inserted, begun.Size() / 4);
+    }
+    begun.GiveBack(lower);
+    begun.GiveBack(upper);
+    begun.InsertFirst(begun.Size());
+
+    std::vector<uint32_t> numbers = Iota(begun.Size());
+    EXPECT_TRUE(TakeTetrahedra(numbers, &begun.complex) ==
+                TakeTetrahedra(numbers, &expected.complex));
+  }
+}
+
+TEST(PointInserter, LeavesAllAsItIsWhereItHasTooFewCells) {
+  Random random(8);
+  Begun begun(RandomPoints(200, 1 << 16, &random));
+  PointInserter inserter(0, begun.Size(), &begun.complex);
+  for (const uint32_t point : begun.order) {
+    if (begun.complex.vertex_cells[point] == kNone) {
+      const uint32_t cell = inserter.Locate(
+          point, begun.complex.vertex_cells[begun.order.front()]);
+      EXPECT_EQ(inserter.Insert(point, cell), kNone);
+      EXPECT_EQ(begun.complex.vertex_cells[point], kNone);
+    }
+  }
+  EXPECT_EQ(std::ranges::count(begun.complex.is_marked, 0),
+            static_cast<ptrdiff_t>(begun.complex.is_marked.size()));
+}
+
+}  // namespace colmap_ext::tetrahedralization_test

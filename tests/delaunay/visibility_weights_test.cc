@@ -12,13 +12,11 @@
 #include "tests/delaunay/random_complex.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace visibility_weights_test {
+namespace colmap_ext::visibility_weights_test {
 
 // Two cells, one above the other, that share the triangle z = 0. The apexes are
 // at z = 3 and z = -3.
-class TwoCells : public testing::Test {
- protected:
+struct TwoCells : testing::Test {
   static constexpr float kAlpha = 0.75f;
 
   TwoCells()
@@ -29,14 +27,13 @@ class TwoCells : public testing::Test {
     for (uint32_t cell = 0; cell < tetrahedra_.cells.size(); ++cell) {
       if (!tetrahedra_.IsInfinite(cell)) {
         const auto& v = tetrahedra_.cells[cell].vertices;
-        (std::count(v.begin(), v.end(), top_) > 0 ? upper_ : lower_) = cell;
+        (std::ranges::count(v, top_) > 0 ? upper_ : lower_) = cell;
       }
     }
   }
 
   uint32_t VertexAt(const Eigen::Vector3f& position) const {
-    const auto found = std::find(tetrahedra_.points.begin(),
-                                 tetrahedra_.points.end(), position);
+    const auto found = std::ranges::find(tetrahedra_.points, position);
     return static_cast<uint32_t>(found - tetrahedra_.points.begin());
   }
 
@@ -114,11 +111,16 @@ class TwoCells : public testing::Test {
   uint32_t lower_ = kNone;
 };
 
-TEST_F(TwoCells, AreTwo) {
+TEST_F(TwoCells, AreTwoAndMayHaveACameraAtAPoint) {
   EXPECT_EQ(tetrahedra_.cells.size(), 8u);
   ASSERT_NE(upper_, kNone);
   ASSERT_NE(lower_, kNone);
   EXPECT_EQ(Beyond(upper_, top_), lower_);
+  const RayReport report = Observe(top_, {0, 0, 3}, 1, 1);
+  EXPECT_EQ(report.num_rays, 1u);
+  const uint64_t sources = SumOf(graph_, &NodeCapacities::source);
+  EXPECT_EQ(sources, SumOf(graph_, &NodeCapacities::sink));
+  EXPECT_EQ(sources > 0, report.num_lost_rays == 0);
 }
 
 TEST_F(TwoCells, CameraWithinACell) {
@@ -135,71 +137,30 @@ TEST_F(TwoCells, CameraWithinACell) {
   ExpectSameCuts();
 }
 
-TEST_F(TwoCells, CameraBeyondTheHull) {
-  // From the bottom through the triangle and out of the upper cell, opposite to
-  // the corner that x and y are furthest from.
-  const Eigen::Vector3d direction(0.3, 0.03, 1);
-  const Eigen::Vector3d center = Eigen::Vector3d(0, 0, -3) + 100 * direction;
-  const RayReport report = Observe(bottom_, center, 2.0, 1e-3);
-  EXPECT_EQ(report.num_steps, 2u);
-  const uint32_t beyond = Beyond(upper_, VertexAt({-1, -1.75, 0}));
-  ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
-  ExpectSource(beyond, kAlpha);
-  ExpectArc(upper_, lower_, Soft(3 * direction.norm(), 2));
-  // The facet's plane goes through (2, 0, 0), (-1, 1.75, 0) and (0, 0, 3):
-  // x / 2 + (12 / 14) y + z / 3 = 1.
-  const double t = 2 / (0.3 / 2 + 0.03 * 12 / 14 + 1.0 / 3);
-  ExpectArc(beyond, upper_, Soft(t * direction.norm(), 2));
-  ExpectSink(EndBehind(bottom_, center, 2e-3), kAlpha);
-  ExpectSameCuts();
-}
-
 TEST_F(TwoCells, TheSinkIsBehindThePointAtTheExtensionsEnd) {
   // The camera above the top: nothing before the point. Behind it the ray
   // crosses the triangle at a distance of 3 where it is long enough.
-  struct Case {
-    double sigma;
-    double behind_sigma;
-    bool reaches_lower;
-  };
   const Eigen::Vector3d center(0, 0, 50);
-  for (const Case& expected :
-       {Case{1, 2.99, false}, Case{1, 3.01, true}, Case{2, 2, true},
+  for (const auto& [sigma, behind_sigma, reaches_lower] :
+       {std::tuple(1.0, 2.99, false),
+        {1.0, 3.01, true},
+        {2.0, 2.0, true},
         // Beyond where soft weights are one.
-        Case{0.5, 5.9, false}, Case{0.5, 6.1, true}, Case{0.1, 31, true},
-        Case{0.1, 29, false}}) {
-    SCOPED_TRACE(testing::Message()
-                 << expected.sigma << " " << expected.behind_sigma);
+        {0.5, 5.9, false},
+        {0.5, 6.1, true},
+        {0.1, 31.0, true},
+        {0.1, 29.0, false}}) {
+    SCOPED_TRACE(testing::Message() << sigma << " " << behind_sigma);
     graph_ = expected_ = ZeroCapacities(tetrahedra_);
-    Observe(top_, center, expected.sigma, expected.behind_sigma);
+    Observe(top_, center, sigma, behind_sigma);
     // The first cell before the top.
     ExpectSource(EndOf(top_, center), kAlpha);
-    if (expected.reaches_lower) {
-      ExpectArc(upper_, lower_, Soft(3, expected.sigma));
+    if (reaches_lower) {
+      ExpectArc(upper_, lower_, Soft(3, sigma));
     }
-    ExpectSink(expected.reaches_lower ? lower_ : upper_, kAlpha);
+    ExpectSink(reaches_lower ? lower_ : upper_, kAlpha);
     ExpectSameCuts();
   }
-}
-
-TEST_F(TwoCells, TheSinkCanBeBeyondTheHull) {
-  const Eigen::Vector3d center(0, 0, 50);
-  Observe(top_, center, 3, 3);
-  ExpectSource(EndOf(top_, center), kAlpha);
-  const uint32_t beyond = EndBehind(top_, center, 9);
-  ASSERT_TRUE(tetrahedra_.IsInfinite(beyond));
-  ExpectArc(upper_, lower_, Soft(3, 3));
-  ExpectArc(lower_, beyond, Soft(6, 3));  // at the bottom
-  ExpectSink(beyond, kAlpha);
-  ExpectSameCuts();
-}
-
-TEST_F(TwoCells, CameraAtThePoint) {
-  const RayReport report = Observe(top_, {0, 0, 3}, 1, 1);
-  EXPECT_EQ(report.num_rays, 1u);
-  const uint64_t sources = SumOf(graph_, &NodeCapacities::source);
-  EXPECT_EQ(sources, SumOf(graph_, &NodeCapacities::sink));
-  EXPECT_EQ(sources > 0, report.num_lost_rays == 0);
 }
 
 TEST_F(TwoCells, SumsDoNotWrapAround) {
@@ -352,5 +313,4 @@ TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
   EXPECT_EQ(SumOf(graph, &NodeCapacities::sink), expected);
 }
 
-}  // namespace visibility_weights_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::visibility_weights_test

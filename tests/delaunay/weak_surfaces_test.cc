@@ -7,14 +7,14 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "delaunay/cell_graph.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace weak_surfaces_test {
+namespace colmap_ext::weak_surfaces_test {
 
 constexpr VisibilityWeightOptions kOptions{20, 1};
 
@@ -124,7 +124,7 @@ TEST(FreeSupport, IsTheSumOfTheRaysThroughACell) {
   }
 }
 
-TEST(MeasureJump, IsThatOfClippedCells) {
+TEST(MeasureJump, IsThatOfClippedCellsAndLosesRaysWithoutDirection) {
   const Scenery scenery(400);
   std::vector<uint32_t> support;
   scenery.Vote(&support);
@@ -156,62 +156,11 @@ TEST(MeasureJump, IsThatOfClippedCells) {
     ++num_compared;
   }
   EXPECT_GT(num_compared, 100u);
-}
-
-TEST(MeasureJump, LosesRaysWithoutDirection) {
-  const Scenery scenery(60);
-  const std::vector<uint32_t> support(scenery.tetrahedra.cells.size(), 1);
-  EXPECT_EQ(MeasureJump(scenery.tetrahedra, support, 0,
+  const std::vector<uint32_t> ones(scenery.tetrahedra.cells.size(), 1);
+  EXPECT_EQ(MeasureJump(scenery.tetrahedra, ones, 0,
                         scenery.tetrahedra.PositionOf(0), kOptions)
                 .end_cell,
             kNone);
-}
-
-// [cells] the weights of the rays that end in each finite cell, in units of
-// capacity.
-std::vector<uint32_t> VotesForMatter(const Scenery& scenery,
-                                     const std::vector<uint32_t>& support) {
-  std::vector<uint32_t> votes(scenery.tetrahedra.cells.size(), 0);
-  scenery.ForEachRay(
-      [&](uint32_t vertex, const Eigen::Vector3d& center, float alpha) {
-        const uint32_t end =
-            MeasureJump(scenery.tetrahedra, support, vertex, center, kOptions)
-                .end_cell;
-        if (end != kNone) {
-          votes[end] += ToCapacity(alpha);
-        }
-      });
-  return votes;
-}
-
-// Only sinks of finite cells grow, by no more than twice the votes.
-TEST(WeakSurfaceWeights, OnlyStrengthenVotesForMatter) {
-  const Scenery scenery(1500);
-  std::vector<uint32_t> support;
-  const FlowCapacities before = scenery.VoteHalfBlind(&support);
-  FlowCapacities after = before;
-  const size_t num_sharp =
-      AddWeakSurfaceWeights(scenery.tetrahedra, scenery.observations,
-                            scenery.centers, support, kOptions, &after);
-  EXPECT_GT(num_sharp, 0u);
-  EXPECT_LT(num_sharp, scenery.observations.values.size());
-  const std::vector<uint32_t> votes = VotesForMatter(scenery, support);
-  size_t num_grown = 0;
-  for (uint32_t cell = 0; cell < after.size(); ++cell) {
-    EXPECT_EQ(after[cell].arcs, before[cell].arcs);
-    EXPECT_EQ(after[cell].source, before[cell].source);
-    EXPECT_GE(after[cell].sink, before[cell].sink);
-    if (scenery.tetrahedra.IsInfinite(cell)) {
-      EXPECT_EQ(after[cell].sink, before[cell].sink);
-    }
-    // Votes and what is added to them are rounded, less than kRounding in all.
-    constexpr uint32_t kRounding = 4096;
-    EXPECT_LE(after[cell].sink - before[cell].sink,
-              2 * votes[cell] + kRounding);
-    num_grown += after[cell].sink > before[cell].sink ? 1 : 0;
-  }
-  EXPECT_GT(num_grown, 0u);
-  EXPECT_LE(num_grown, num_sharp);
 }
 
 TEST(WeakSurfaceWeights, AreWhatEachRaysJumpSays) {
@@ -229,19 +178,24 @@ TEST(WeakSurfaceWeights, AreWhatEachRaysJumpSays) {
           fronts.push_back(jumps.back().front);
         }
       });
-  std::sort(fronts.begin(), fronts.end());
+  std::ranges::sort(fronts);
   const double median = fronts[fronts.size() / 2];
+  size_t num_sharp = 0;
   for (size_t k = 0; k < jumps.size(); ++k) {
     if (jumps[k].end_cell != kNone &&
         static_cast<double>(jumps[k].front) - jumps[k].behind > median / 2 &&
         jumps[k].behind < median / 100) {
+      ++num_sharp;
       expected[jumps[k].end_cell].sink +=
           ToCapacity(2 * scenery.observations.values[k].alpha);
     }
   }
-  AddWeakSurfaceWeights(scenery.tetrahedra, scenery.observations,
-                        scenery.centers, support, kOptions, &graph);
+  EXPECT_EQ(AddWeakSurfaceWeights(scenery.tetrahedra, scenery.observations,
+                                  scenery.centers, support, kOptions, &graph),
+            num_sharp);
   EXPECT_TRUE(graph == expected);
+  EXPECT_GT(num_sharp, 0u);
+  EXPECT_LT(num_sharp, jumps.size());
 }
 
 TEST(WeakSurfaceWeights, DoNotDependOnThreads) {
@@ -273,5 +227,91 @@ TEST(WeakSurfaceWeights, NeedNoRays) {
             0u);
 }
 
-}  // namespace weak_surfaces_test
-}  // namespace colmap_ext
+// From the circumscribing sphere's centre, which is equally far from all four
+// corners.
+double CosByCenter(const Tetrahedralization& tetrahedra, uint32_t cell,
+                   int facet) {
+  const auto corner = [&](int k) -> Eigen::Vector3d {
+    return tetrahedra.PositionOf(tetrahedra.cells[cell].vertices[k]);
+  };
+  Eigen::Matrix3d rows;
+  Eigen::Vector3d halves;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d edge = corner(k + 1) - corner(0);
+    rows.row(k) = edge.transpose();
+    halves[k] = edge.squaredNorm() / 2;
+  }
+  const Eigen::Vector3d offset = rows.fullPivLu().solve(halves);
+  const auto& [a, b, c] = kFacetCorners[facet];
+  const Eigen::Vector3d inward =
+      (corner(b) - corner(a)).cross(corner(c) - corner(a)).normalized();
+  return inward.dot(corner(0) + offset - corner(a)) / offset.norm();
+}
+
+TEST(CosFacetSphereAngle, IsTheCentersDistanceOverTheRadius) {
+  Random random(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Tetrahedralization tetrahedra =
+        DelaunayOf(RandomPoints(50, 1000, &random));
+    for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+      for (int i = 0; i < 4; ++i) {
+        const double cosine = CosFacetSphereAngle(tetrahedra, cell, i);
+        if (tetrahedra.IsInfinite(cell)) {
+          ASSERT_EQ(cosine, 1);
+        } else {
+          ASSERT_NEAR(cosine, CosByCenter(tetrahedra, cell, i), 1e-6);
+        }
+      }
+    }
+  }
+}
+
+// An apex at a height h above the centre of a facet whose circumcircle has the
+// radius r: (h^2 - r^2) / (h^2 + r^2). Negative for flat cells.
+TEST(CosFacetSphereAngle, OfAnApexAboveTheCircumcenter) {
+  constexpr double kRadius = 5;
+  for (const float height : {0.01f, 1.0f, 4.9f, 5.0f, 6.0f, 100.0f}) {
+    const Tetrahedralization tetrahedra =
+        DelaunayOf({{5, 0, 0}, {-3, 4, 0}, {-4, -3, 0}, {0, 0, height}});
+    const double expected = (height * height - kRadius * kRadius) /
+                            (height * height + kRadius * kRadius);
+    const uint32_t cell = tetrahedra.vertex_cells[0];
+    const auto& vertices = tetrahedra.cells[cell].vertices;
+    const auto apex = std::ranges::find_if(vertices, [&](uint32_t vertex) {
+      return tetrahedra.points[vertex].z() == height;
+    });
+    EXPECT_NEAR(CosFacetSphereAngle(tetrahedra, cell,
+                                    static_cast<int>(apex - vertices.begin())),
+                expected, 1e-6);
+  }
+}
+
+TEST(AddQualityWeights, AreThoseOfTheWorseCellInBothDirections) {
+  Random random(2);
+  const Tetrahedralization tetrahedra =
+      DelaunayOf(RandomPoints(200, 1000, &random));
+  for (const double weight : {0.0, 1.0, 2.5}) {
+    FlowCapacities graph = ZeroCapacities(tetrahedra);
+    for (NodeCapacities& node : graph) {
+      node.arcs.fill(100);  // it adds
+    }
+    AddQualityWeights(tetrahedra, weight, &graph);
+    for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+      for (int i = 0; i < 4; ++i) {
+        const uint32_t other = tetrahedra.cells[cell].neighbors[i];
+        const int back = tetrahedra.FacetTo(other, cell);
+        const double cosine =
+            tetrahedra.IsInfinite(cell) && tetrahedra.IsInfinite(other)
+                ? -1
+                : std::min(CosFacetSphereAngle(tetrahedra, cell, i),
+                           CosFacetSphereAngle(tetrahedra, other, back));
+        ASSERT_NEAR(graph[cell].arcs[i],
+                    100 + kWeightUnit * weight * (1 - cosine), 0.51);
+        ASSERT_EQ(graph[cell].arcs[i], graph[other].arcs[back]);
+      }
+      ASSERT_EQ(graph[cell].source + graph[cell].sink, 0u);
+    }
+  }
+}
+
+}  // namespace colmap_ext::weak_surfaces_test

@@ -1,12 +1,15 @@
 // What only mesh_evaluator reads: depth maps and masks.
 
 #include "formats/read_arrays.h"
+
+#include <Eigen/Geometry>
+
+#include "formats/read_numbers.h"
 #include "tests/formats/test_files.h"
 
 namespace colmap_ext::read_evaluation_files_test {
 
-class ReadEvaluationFilesTest : public FolderTest {
- protected:
+struct ReadEvaluationFilesTest : FolderTest {
   ReadEvaluationFilesTest() : FolderTest("a file") {}
 };
 
@@ -79,13 +82,7 @@ TEST_F(ReadEvaluationFilesTest, ReadsAMaskInEitherOrder) {
   ExpectEveryTruncationRefused(path_, 0, [this] { ReadNpyMask(path_); });
 }
 
-TEST_F(ReadEvaluationFilesTest, ReadsEmptyMasks) {
-  const std::string bytes = Npy("|u1", "False", "(2, 0, 4)");
-  WriteFile(path_, bytes.substr(0, bytes.size() - 24));
-  EXPECT_TRUE(ReadNpyMask(path_).voxels.empty());
-}
-
-TEST_F(ReadEvaluationFilesTest, RefusesOtherArrays) {
+TEST_F(ReadEvaluationFilesTest, RefusesOtherArraysButReadsEmptyMasks) {
   for (const std::string& bytes :
        {Npy("<f8", "False", "(2, 3, 4)"), Npy("|u1", "False", "(24,)"),
         Npy("|u1", "False", "(2, 3, 5)"), Npy("|u1", "False", "(2, 3, 3)"),
@@ -94,6 +91,9 @@ TEST_F(ReadEvaluationFilesTest, RefusesOtherArrays) {
     WriteFile(path_, bytes);
     EXPECT_THROW(ReadNpyMask(path_), FileError);
   }
+  const std::string empty = Npy("|u1", "False", "(2, 0, 4)");
+  WriteFile(path_, empty.substr(0, empty.size() - 24));
+  EXPECT_TRUE(ReadNpyMask(path_).voxels.empty());
 }
 
 // No header, however long, needs more of the stack.
@@ -111,6 +111,67 @@ TEST_F(ReadEvaluationFilesTest, ReadsLongHeaders) {
   EXPECT_EQ(ReadNpyMask(path_).voxels[12], 12);
   write("{'descr': '|u1', 'shape':", "");
   EXPECT_THROW(ReadNpyMask(path_), FileError);
+}
+
+struct ReadRegionTest : FolderTest {
+  ReadRegionTest() : FolderTest("region.txt") {}
+
+  Region ReadText(const std::string& text) {
+    WriteFile(path_, text);
+    return ReadRegion(path_);
+  }
+};
+
+TEST(ParseNumbersTest, TakesBlanksCommasAndComments) {
+  EXPECT_EQ(ParseNumbers("1, -2.5e1\n# 3\n+4\t5 # 6"),
+            (std::vector<double>{1, -25, 4, 5}));
+  EXPECT_EQ(ParseNumbers(""), std::vector<double>());
+  for (const char* text : {"1 a", "1x", "nan", "inf", "1 2 0x3", "1..2"}) {
+    EXPECT_FALSE(ParseNumbers(text)) << text;
+  }
+}
+
+TEST_F(ReadRegionTest, ReadsTwoCornersOrAxes) {
+  const Region region = ReadText("1 2 3\n-1, 6, 4\n");
+  EXPECT_EQ(region.center, Eigen::Vector3d(0, 4, 3.5));
+  EXPECT_EQ(region.half_sizes, Eigen::Vector3d(1, 2, 0.5));
+  EXPECT_TRUE(region.region_from_world.isIdentity());
+  // The rows of a rotation are the box's axes, as OpenMVS has them.
+  const Region turned = ReadText("0 1 0 0 0 1 1 0 0  0 0 0  1 2 3");
+  EXPECT_TRUE(turned.Contains(Eigen::Vector3d(2.9, 0.9, 1.9)));
+  EXPECT_FALSE(turned.Contains(Eigen::Vector3d(0, 1.1, 0)));
+}
+
+TEST_F(ReadRegionTest, ReadsWhatItWrites) {
+  const Region region{
+      Eigen::Quaterniond(0.3, 0.1, -0.5, 0.8).normalized().toRotationMatrix(),
+      {1e-3, 2e5, -3.3},
+      {1, 2, 3}};
+  const Region read = ReadText(RegionText(region));
+  EXPECT_TRUE(read.region_from_world.isApprox(region.region_from_world, 1e-15));
+  EXPECT_EQ(read.center, region.center);
+  EXPECT_EQ(read.half_sizes, region.half_sizes);
+}
+
+TEST_F(ReadRegionTest, RefusesWhatIsNoBox) {
+  for (const char* text :
+       {"", "1 2 3", "1 2 3 4 5 6 7", "1 2 3 1 5 6", "hello",
+        "1 0 0 0 1 0 0 0 2  0 0 0  1 1 1", "1 0 0 0 1 0 0 0 1  0 0 0  1 1 0",
+        "1 0 0 0 1 0 0 0 1  0 0 0  1 1 -1"}) {
+    WriteFile(path_, text);
+    EXPECT_THROW(ReadRegion(path_), FileError) << text;
+  }
+  WriteFile(path_, std::string(1 << 17, ' ') + "0 0 0 1 1 1");
+  EXPECT_THROW(ReadRegion(path_), FileError);
+  EXPECT_THROW(ReadRegion(folder_.Path() / "missing"), FileError);
+  EXPECT_THROW(ReadRegion(folder_.Path()), FileError);
+}
+
+TEST(ParseCornersTest, TakesSixNumbersOnly) {
+  EXPECT_TRUE(ParseCorners("0,0,0,1,1,1"));
+  for (const char* text : {"", "auto", "0,0,0,1,1", "0,0,0,1,1,0", "a.txt"}) {
+    EXPECT_FALSE(ParseCorners(text)) << text;
+  }
 }
 
 }  // namespace colmap_ext::read_evaluation_files_test

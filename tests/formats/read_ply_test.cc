@@ -1,7 +1,6 @@
 #include "formats/read_ply.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "formats/write_mesh.h"
 #include "tests/formats/test_files.h"
@@ -26,7 +25,7 @@ void AppendAs(const Variant& variant, double value, std::string* bytes) {
   std::string raw;
   Append(static_cast<T>(value), &raw);
   if (variant.format == "binary_big_endian") {
-    std::reverse(raw.begin(), raw.end());
+    std::ranges::reverse(raw);
   }
   *bytes += raw;
 }
@@ -69,8 +68,7 @@ std::string AsciiHeader(int num_vertices) {
          "\nproperty float x\nproperty float y\nproperty float z\n";
 }
 
-class ReadPlyCloudTest : public FolderTest {
- protected:
+struct ReadPlyCloudTest : FolderTest {
   ReadPlyCloudTest() : FolderTest("fused.ply") {}
 
   PlyCloud Read(const std::string& bytes) {
@@ -108,8 +106,7 @@ TEST_F(ReadPlyCloudTest, ReadsEveryFormatTypeAndOrder) {
       for (const std::vector<int>& order : orders) {
         for (const char* line_end : {"\n", "\r\n"}) {
           SCOPED_TRACE(std::string(format) + " " + type);
-          const std::string name = type;
-          const PlyCloud cloud = Read(MakePly({format, name, order, line_end}));
+          const PlyCloud cloud = Read(MakePly({format, type, order, line_end}));
           ExpectTheTwoPoints(cloud);
           EXPECT_EQ(cloud.colors.size(), order.size() >= 6 ? 2 : 0);
           EXPECT_EQ(cloud.normals.size(), order.size() == 9 ? 2 : 0);
@@ -138,14 +135,7 @@ TEST_F(ReadPlyCloudTest, KeepsNotFinitePointsForTheCallerToDrop) {
   EXPECT_FALSE(cloud.positions[1].allFinite());
 }
 
-TEST_F(ReadPlyCloudTest, IgnoresColorsThatAreNotBytes) {
-  EXPECT_TRUE(Read(AsciiHeader(1) +
-                   "property float red\nproperty float green\n"
-                   "property float blue\nend_header\n1 2 3 0.5 0.5 0.5\n")
-                  .colors.empty());
-}
-
-TEST_F(ReadPlyCloudTest, CutsColorsOffToBytes) {
+TEST_F(ReadPlyCloudTest, CutsColorsOffToBytesAndIgnoresOtherTypes) {
   const PlyCloud cloud =
       Read(AsciiHeader(2) +
            "property uchar red\nproperty uchar green\nproperty uchar blue\n"
@@ -154,6 +144,10 @@ TEST_F(ReadPlyCloudTest, CutsColorsOffToBytes) {
   ASSERT_EQ(cloud.colors.size(), 2);
   EXPECT_EQ(cloud.colors[0], (Color{0, 0, 255}));
   EXPECT_EQ(cloud.colors[1], (Color{254, 255, 0}));
+  EXPECT_TRUE(Read(AsciiHeader(1) +
+                   "property float red\nproperty float green\n"
+                   "property float blue\nend_header\n1 2 3 0.5 0.5 0.5\n")
+                  .colors.empty());
 }
 
 TEST_F(ReadPlyCloudTest, RefusesEveryTruncation) {
@@ -206,8 +200,7 @@ constexpr const char* kVertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 constexpr const char* kFaces =
     "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
 
-class ReadPlyMeshTest : public FolderTest {
- protected:
+struct ReadPlyMeshTest : FolderTest {
   ReadPlyMeshTest() : FolderTest("mesh.ply") {}
 
   TriangleMesh Read(const std::string& bytes) {
@@ -249,7 +242,7 @@ TEST_F(ReadPlyMeshTest, SkipsOtherPropertiesAndElements) {
   EXPECT_EQ(mesh.facets, mesh_.facets);
 }
 
-TEST_F(ReadPlyMeshTest, ClampsConfidences) {
+TEST_F(ReadPlyMeshTest, ClampsConfidencesAndReadsPointsAsAMeshWithoutFacets) {
   const auto confidences = [this](const std::string& type) {
     Read(AsciiHeader(4) + ("property " + type + " confidence\n") + kFaces +
          "0 0 0 0.5\n1 0 0 -1\n0 1 0 nan\n0 0 1 7\n3 0 2 1\n3 0 1 3\n");
@@ -257,9 +250,6 @@ TEST_F(ReadPlyMeshTest, ClampsConfidences) {
   };
   EXPECT_EQ(confidences("double"), (std::vector<float>{0.5f, 0, 0, 1}));
   EXPECT_EQ(confidences("float"), (std::vector<float>{0.5f, 0, 0, 1}));
-}
-
-TEST_F(ReadPlyMeshTest, ReadsPointsAsAMeshWithoutFacets) {
   const TriangleMesh mesh =
       Read(AsciiHeader(4) + std::string("end_header\n") + kVertices);
   EXPECT_EQ(mesh.vertices.size(), 4);

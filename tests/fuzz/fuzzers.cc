@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstring>
-#include <deque>
 #include <functional>
 #include <map>
 #include <stdexcept>

@@ -12,9 +12,9 @@
 #include "refine/facetwise_refinement.h"
 #include "tests/cameras/camera_scene.h"
 #include "tests/gl/gl_test.h"
+#include "tests/texts.h"
 
-namespace colmap_ext {
-namespace gl_cameras_test {
+namespace colmap_ext::gl_cameras_test {
 
 const CameraScene& Scene() {
   static const CameraScene scene = MakeCameraScene(false, 120);
@@ -40,8 +40,8 @@ struct CountedDrawings {
       });
 
   bool AreAll(int count) const {
-    return std::all_of(counts.begin(), counts.end(),
-                       [&](const auto& of_view) { return of_view == count; });
+    return std::ranges::all_of(
+        counts, [&](const auto& of_view) { return of_view == count; });
   }
 };
 
@@ -147,14 +147,10 @@ TEST_F(GlCamerasTest, RefinementGoesOnByTheProcessorWhereTheCardRunsOut) {
   hooks.on_level = [&](int level, const RefinedMesh&) {
     EXPECT_EQ(warnings.size(), level == 1 ? 0 : 1);
   };
-  const RefinedMesh refined = Refine(energy.get(), images, hooks);
-  ExpectAgreement(refined, RefinedByProcessor());
+  ExpectAgreement(Refine(energy.get(), images, hooks), RefinedByProcessor());
   ASSERT_EQ(warnings.size(), 1);
-  EXPECT_NE(warnings[0].find("the processor computes the rest"),
-            std::string::npos)
-      << warnings[0];
-  EXPECT_EQ(energy->Description().find("CPU, "), 0);
+  EXPECT_TRUE(Has(warnings[0], "the processor computes the rest"));
+  EXPECT_TRUE(energy->Description().starts_with("CPU, "));
 }
 
-}  // namespace gl_cameras_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::gl_cameras_test

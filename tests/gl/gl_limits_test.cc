@@ -15,8 +15,7 @@
 #include "tests/gl/terms_difference.h"
 #include "tests/refine/refinement_scene.h"
 
-namespace colmap_ext {
-namespace gl_limits_test {
+namespace colmap_ext::gl_limits_test {
 
 const RefinementScene& Scene() {
   static const RefinementScene scene = MakeRefinementScene("statue", 3, 120);
@@ -148,8 +147,8 @@ TEST_F(GlLimitsTest, MeshThatWillNotFitIsKnownAtTheStart) {
                              .expected_facets = 1'000'000,
                              .expected_directions = 18});
   ASSERT_EQ(large.warnings.size(), 1);
-  EXPECT_EQ(large.warnings[0].find("the finest level may not fit"), 0);
-  EXPECT_EQ(large.energy->Description().find("OpenGL, "), 0);
+  EXPECT_TRUE(large.warnings[0].starts_with("the finest level may not fit"));
+  EXPECT_TRUE(large.energy->Description().starts_with("OpenGL, "));
   const WarningEnergy small({.limits = limits,
                              .expected_facets = 100'000,
                              .expected_directions = 18});
@@ -222,5 +221,4 @@ TEST_F(GlLimitsTest, ProcessorTakesOverWhereImagesAreTooLarge) {
   }
 }
 
-}  // namespace gl_limits_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::gl_limits_test

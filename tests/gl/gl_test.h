@@ -19,8 +19,7 @@ inline bool IsGlRequired() {
 
 // A test that needs OpenGL. Where there is none it is skipped and says why, or
 // fails if COLMAP_EXT_REQUIRE_GL is 1.
-class GlTest : public testing::Test {
- protected:
+struct GlTest : testing::Test {
   void SetUp() override {
     try {
       context_.emplace();
@@ -36,8 +35,7 @@ class GlTest : public testing::Test {
 };
 
 // With the context current.
-class CurrentGlTest : public GlTest {
- protected:
+struct CurrentGlTest : GlTest {
   void SetUp() override {
     GlTest::SetUp();
     if (context_) {

@@ -45,10 +45,6 @@ TEST(FolderLock, IsNoneWhereTheFileSystemHasNone) {
     EXPECT_FALSE(FolderLock(folder.Path()).IsLocked()) << error;
   }
   flock_error = 0;
-}
-
-TEST(FolderLock, NeedsAFolderThatCanBeWritten) {
-  const TemporaryFolder folder;
   EXPECT_TRUE(
       Has(FileErrorOf([&] { FolderLock{folder.Path() / "none"}; }), "written"));
 }

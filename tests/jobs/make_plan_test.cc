@@ -1,18 +1,26 @@
 #include "colmap_ext/jobs/mesh_tiles.h"
 
+#include <sys/resource.h>
+
 #include <map>
 #include <mutex>
+#include <vector>
 
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+
+#include "colmap_ext/jobs/job_file.h"
+#include "colmap_ext/jobs/plan.h"
+#include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/jobs/refinement_input.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
-namespace colmap_ext {
-namespace make_plan_test {
+namespace colmap_ext::make_plan_test {
 
 namespace fs = std::filesystem;
 
-class MakePlanTest : public testing::Test {
- protected:
+struct MakePlanTest : testing::Test {
   MakePlanTest() {
     sphere_.Write(workspace_);
     options_.mesher.workspace_path = workspace_.string();
@@ -83,5 +91,178 @@ TEST_F(MakePlanTest, DecodesEachMaskOnce) {
   }
 }
 
-}  // namespace make_plan_test
-}  // namespace colmap_ext
+// Lets this process open fewer files, as long as it lives.
+class OpenFilesLimit {
+ public:
+  explicit OpenFilesLimit(rlim_t max_files) {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit limit = {max_files, before_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  ~OpenFilesLimit() { setrlimit(RLIMIT_NOFILE, &before_); }
+  OpenFilesLimit(const OpenFilesLimit&) = delete;
+  OpenFilesLimit& operator=(const OpenFilesLimit&) = delete;
+
+ private:
+  rlimit before_ = {};
+};
+
+// A vertex a tile. Its x, and how many cells the tile has, say which it is.
+Plan WriteTiles(const fs::path& folder, size_t num_tiles) {
+  Plan plan;
+  plan.identity = 5;
+  plan.tiles.resize(num_tiles);
+  PlanBlocks blocks;
+  for (size_t tile = 0; tile < num_tiles; ++tile) {
+    TileVertices vertices;
+    vertices.positions.emplace_back(static_cast<float>(tile), 0, 0);
+    vertices.observations.offsets = {0, 0};
+    AddTile(vertices.positions, vertices.observations, &blocks);
+    Write(VerticesFile(folder, plan.identity, tile), vertices);
+    TileCut cut;
+    cut.labels.known.assign(tile, 0);
+    Write(CutFile(folder, plan.identity, tile), cut, {});
+  }
+  Write(BlocksFile(folder, plan.identity), blocks);
+  return plan;
+}
+
+TEST(PlanFiles, APlanMayHaveMoreTilesThanOpenFiles) {
+  constexpr uint32_t kNumTiles = 400;
+  const TemporaryFolder folder;
+  const Plan plan = WriteTiles(folder.Path(), kNumTiles);
+  const OpenFilesLimit limit(350);
+  const FilePlan vertices(folder.Path(), plan);
+  const FileParts parts(folder.Path(), plan);
+  tbb::parallel_for(uint32_t{0}, kNumTiles, [&](uint32_t i) {
+    const uint32_t tile = i * 7 % kNumTiles;
+    EXPECT_EQ(vertices.ReadPositions(tile, tile + 1).at(0).x(), tile);
+    EXPECT_EQ(parts.NumCells(tile), tile);
+  });
+}
+
+struct JobInputsTest : testing::Test {
+  JobInputsTest() {
+    sphere_.Write(path_);
+    WriteFile(path_ / "mesh.ply",
+              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+              "property float y\nproperty float z\nelement face 1\n"
+              "property list uchar int vertex_index\nend_header\n"
+              "1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n");
+  }
+
+  JobInputs Inputs() const {
+    RefinerOptions options = options_;
+    options.workspace_path = path_.string();
+    options.input_path = (path_ / "mesh.ply").string();
+    options.output_path = (path_ / "refined.ply").string();
+    options.Finish();
+    const RefinementPaths paths = FindRefinementPaths(options);
+    return RunInputs(options, paths,
+                     ReadRefinementInput(options, paths, NetpbmDecoder(), {}));
+  }
+
+  // The name of what is no longer as it was; "" for nothing.
+  std::string Changed() const {
+    const std::string difference = Inputs().DifferenceTo(before_);
+    return difference.substr(0, difference.find(" was "));
+  }
+
+  void ChangeByte(const std::string& name, size_t position) const {
+    std::string bytes = ReadFile(path_ / name);
+    bytes[position] = static_cast<char>(bytes[position] ^ 1);
+    WriteFile(path_ / name, bytes);
+  }
+
+  TemporaryFolder folder_;
+  fs::path path_ = folder_.Path();
+  SphereWorkspace sphere_;
+  RefinerOptions options_;
+  JobInputs before_;
+};
+
+TEST_F(JobInputsTest, TellsWhichFileWasChanged) {
+  const std::string picture = "images/" + sphere_.images[2].view.name;
+  for (const auto& [name, position] :
+       {std::pair<std::string, size_t>("sparse/cameras.bin", 32),
+        std::pair<std::string, size_t>("sparse/images.bin", 44),
+        std::pair<std::string, size_t>("sparse/points3D.bin", 16),
+        std::pair<std::string, size_t>("fused.ply", 300),
+        std::pair<std::string, size_t>(picture, 100)}) {
+    before_ = Inputs();
+    EXPECT_EQ(Changed(), "");
+    ChangeByte(name, position);
+    EXPECT_EQ(Changed(), name);
+  }
+}
+
+TEST_F(JobInputsTest, TellsTheOptionThatWasChanged) {
+  before_ = Inputs();
+  options_.refinement.smoothness_weight = 0.1 + 0.2;
+  EXPECT_EQ(Changed(), "FacetwiseRefinement.smoothness_weight");
+  options_.refinement.smoothness_weight = 1;
+  options_.num_threads = 1;
+  options_.image_cache_gb = 1;
+  EXPECT_EQ(Changed(), "") << "these do not change the result";
+}
+
+// Files of more than 16 MB are sampled, their ends included.
+TEST(FingerprintTest, TellsFilesApart) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.Path() / "file";
+  EXPECT_EQ(Fingerprint(path), "none");
+  for (const size_t size : {0, 1, 1 << 18, (16 << 20) + 1, 40 << 20}) {
+    std::string bytes(size, 'a');
+    WriteFile(path, bytes);
+    const std::string fingerprint = Fingerprint(path);
+    EXPECT_EQ(fingerprint.substr(0, fingerprint.find(' ')),
+              std::to_string(size));
+    EXPECT_EQ(Fingerprint(path), fingerprint);
+    for (const double share : {0.0, 1.0}) {
+      if (size > 0) {
+        const auto at =
+            static_cast<size_t>(share * static_cast<double>(size - 1));
+        bytes[at] = 'b';
+        WriteFile(path, bytes);
+        EXPECT_NE(Fingerprint(path), fingerprint) << size << " " << share;
+        bytes[at] = 'a';
+      }
+    }
+  }
+}
+
+std::vector<View> Views(size_t count) {
+  return std::vector<View>(count, View{"", 4000, 3000});
+}
+
+RefinementTile Estimate(size_t num_views, double max_memory_gb, double pixels) {
+  RefinementTile tile;
+  tile.pixels = pixels;
+  EstimateRefinement(Views(num_views), max_memory_gb, &tile);
+  return tile;
+}
+
+TEST(EstimateRefinement, CountsWhatEachThreadHoldsAndWhichViewsSeeEachFacet) {
+  constexpr double kImageGb = 4000 * 3000 * 9e-9;  // and what is drawn into it
+  for (const size_t num_views : {2, 20, 200}) {
+    for (const double pixels : {1e6, 1e8}) {
+      const RefinementTile kept = Estimate(num_views, 1e3, pixels);
+      // A picture of 4 bytes a pixel that is read.
+      EXPECT_GT(kept.thread_gb, 4000 * 3000 * 4e-9);
+      EXPECT_GT(kept.memory_gb, kImageGb * static_cast<double>(num_views));
+      // Where images are not kept, each thread has two of them.
+      const RefinementTile dropped = Estimate(num_views, 1e-9, pixels);
+      EXPECT_NEAR(dropped.thread_gb - kept.thread_gb, 2 * kImageGb, 1e-6);
+      EXPECT_LT(dropped.memory_gb, kept.memory_gb);
+      // More of the surface is more for each thread.
+      EXPECT_GT(Estimate(num_views, 1e3, 2 * pixels).thread_gb, kept.thread_gb);
+    }
+  }
+  // A bit for each facet and view.
+  const double many = Estimate(800, 1e-9, 1e8).memory_gb;
+  const double few = Estimate(8, 1e-9, 1e8).memory_gb;
+  constexpr double kFacets = 1e8 / 7;  // at least
+  EXPECT_GT(many - few, kFacets * (800 - 8) / 8 * 1e-9);
+}
+
+}  // namespace colmap_ext::make_plan_test

@@ -8,15 +8,13 @@
 #include "tests/formats/test_files.h"
 #include "tests/texts.h"
 
-namespace colmap_ext {
-namespace refinement_state_test {
+namespace colmap_ext::refinement_state_test {
 
 namespace fs = std::filesystem;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-class RefinementStateTest : public testing::Test {
- protected:
+struct RefinementStateTest : testing::Test {
   RefinementStateTest() {
     state_.level = 2;
     state_.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 1e-30F}}, {{0, 1, 2}}};
@@ -88,14 +86,10 @@ TEST_F(RefinementStateTest, IsReadBackAsItWas) {
   EXPECT_FALSE(fs::exists(StatePath(output_)));
 }
 
-TEST_F(RefinementStateTest, NamesWhatDiffers) {
+TEST_F(RefinementStateTest, NamesWhatDiffersAndRefusesDamagedFiles) {
   WriteState(output_, inputs_, state_);
   inputs_.options["levels"] = "2";
   EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "levels was '3' and is '2'"));
-}
-
-TEST_F(RefinementStateTest, RefusesDamagedFiles) {
-  WriteState(output_, inputs_, state_);
   const std::string bytes = ReadFile(StatePath(output_));
   for (size_t at = 0; at < bytes.size(); ++at) {
     std::string other = bytes;
@@ -117,5 +111,4 @@ TEST_F(RefinementStateTest, RefusesOlderVersionsInOneLine) {
                 "--resume");
 }
 
-}  // namespace refinement_state_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::refinement_state_test

@@ -1,18 +1,20 @@
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "base/indices.h"
 #include "labeling/facet_labeling.h"
+#include "labeling/facet_labels.h"
+#include "mesh/mesh_in_image.h"
 #include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace facet_labeling_test {
+namespace colmap_ext::facet_labeling_test {
 
 std::vector<ViewPair> AllPairs(size_t num_views) {
   std::vector<ViewPair> pairs;
@@ -24,8 +26,7 @@ std::vector<ViewPair> AllPairs(size_t num_views) {
   return pairs;
 }
 
-class LabelFacetsTest : public testing::Test {
- protected:
+struct LabelFacetsTest : testing::Test {
   // Every vertex is seen by the views that see one of its facets.
   LabelFacetsTest()
       : mesh_(Scene().Truth()),
@@ -54,8 +55,7 @@ class LabelFacetsTest : public testing::Test {
   }
 
   bool IsSeen(size_t facet, uint32_t view) const {
-    const auto seen = visibility_[facet];
-    return std::binary_search(seen.begin(), seen.end(), view);
+    return std::ranges::binary_search(visibility_[facet], view);
   }
 
   size_t NumPairsThatSee(size_t facet) const {
@@ -100,7 +100,7 @@ TEST_F(LabelFacetsTest, GivesOnlyPairsThatSeeTheFacet) {
     for (const uint32_t label : labels) {
       EXPECT_TRUE(IsSeen(i, pairs_[label].first));
       EXPECT_TRUE(IsSeen(i, pairs_[label].second));
-      EXPECT_EQ(std::count(labels.begin(), labels.end(), label), 1);
+      EXPECT_EQ(std::ranges::count(labels, label), 1);
     }
   }
   EXPECT_EQ(labeling.num_unlabeled_facets, num_unlabeled);
@@ -205,5 +205,101 @@ TEST(LabelFacets, GivesPairsToWallsThatReachBehindTheCameras) {
   EXPECT_GT(num_labeled, 4);
 }
 
-}  // namespace facet_labeling_test
-}  // namespace colmap_ext
+TEST(InSmallerView, ComparesEachLabelWhereTheFacetIsSmaller) {
+  const RefinementScene scene = MakeRefinementScene();
+  const TriangleMesh mesh = scene.Truth();
+  FacetLabels labels{{{0, 1}, {0, 4}, {2, 3}}, {}, {}};
+  for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+    for (uint32_t k = 0; k < facet % 4; ++k) {
+      labels.labels.values.push_back(k);
+    }
+    labels.labels.EndRow();
+  }
+  const FacetLabels compared = InSmallerView(labels, mesh, scene.Views());
+  EXPECT_EQ(compared.pairs, labels.pairs);
+  EXPECT_EQ(compared.labels, labels.labels);
+  size_t num_first = 0;
+  size_t num_directions = 0;
+  for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
+    compared.ForEachDirection(facet, [&](uint32_t direction) {
+      const auto [first, second] = labels.pairs[direction / 2];
+      const bool is_first = direction % 2 == 0;
+      const auto area_in = [&](uint32_t view) {
+        return AreaInImage(mesh, mesh.facets[facet], scene.Views()[view]);
+      };
+      EXPECT_LE(area_in(is_first ? first : second),
+                area_in(is_first ? second : first))
+          << facet;
+      num_first += is_first ? 1 : 0;
+      ++num_directions;
+    });
+  }
+  EXPECT_EQ(num_directions, labels.labels.values.size());  // one each
+  EXPECT_GT(num_first, 0);
+  EXPECT_LT(num_first, num_directions);
+}
+
+PointCloud CloudSeenBy(const std::vector<std::vector<uint32_t>>& views) {
+  PointCloud cloud;
+  for (const std::vector<uint32_t>& row : views) {
+    cloud.positions.emplace_back(0, 0, 0);
+    cloud.views.values.insert(cloud.views.values.end(), row.begin(), row.end());
+    cloud.views.EndRow();
+  }
+  return cloud;
+}
+
+TEST(SelectViewPairs, TakesThePartnersWithTheMostPointsOrTheLowerOnes) {
+  const PointCloud cloud =
+      CloudSeenBy({{0, 1}, {0, 1}, {0, 2}, {1, 2}, {2, 3}, {0, 1, 2}});
+  EXPECT_EQ(SelectViewPairs(cloud, 4, 1),
+            (std::vector<ViewPair>{{0, 1}, {0, 2}, {2, 3}}));
+  EXPECT_EQ(SelectViewPairs(cloud, 4, 3),
+            (std::vector<ViewPair>{{0, 1}, {0, 2}, {1, 2}, {2, 3}}));
+  EXPECT_EQ(SelectViewPairs(CloudSeenBy({{0, 1, 2, 3}}), 4, 1),
+            (std::vector<ViewPair>{{0, 1}, {0, 2}, {0, 3}}));
+  EXPECT_TRUE(SelectViewPairs(CloudSeenBy({{0}, {1}, {}}), 3, 2).empty());
+  EXPECT_TRUE(SelectViewPairs({}, 0, 2).empty());
+}
+
+TEST(SelectViewPairs, AgreesWithCountingAllPairs) {
+  constexpr uint32_t kNumViews = 12;
+  std::mt19937 random(5);
+  std::vector<std::vector<uint32_t>> rows(400);
+  std::vector<std::vector<int>> counts(kNumViews,
+                                       std::vector<int>(kNumViews, 0));
+  for (std::vector<uint32_t>& row : rows) {
+    for (uint32_t view = 0; view < kNumViews; ++view) {
+      if (random() % 4 == 0) {
+        row.push_back(view);
+      }
+    }
+    for (const uint32_t a : row) {
+      for (const uint32_t b : row) {
+        counts[a][b] += a == b ? 0 : 1;
+      }
+    }
+  }
+  const std::vector<ViewPair> pairs =
+      SelectViewPairs(CloudSeenBy(rows), kNumViews, 3);
+  // Whoever is among the three best of one of the two, and nobody else.
+  for (uint32_t a = 0; a < kNumViews; ++a) {
+    for (uint32_t b = a + 1; b < kNumViews; ++b) {
+      const auto is_partner = [&](uint32_t view, uint32_t other) {
+        int num_better = 0;
+        for (uint32_t k = 0; k < kNumViews; ++k) {
+          num_better += counts[view][k] > counts[view][other] ||
+                                (counts[view][k] == counts[view][other] &&
+                                 k < other && k != view)
+                            ? 1
+                            : 0;
+        }
+        return num_better < 3;
+      };
+      EXPECT_EQ(std::ranges::find(pairs, ViewPair{a, b}) != pairs.end(),
+                is_partner(a, b) || is_partner(b, a));
+    }
+  }
+}
+
+}  // namespace colmap_ext::facet_labeling_test

@@ -1,21 +1,30 @@
 #include "mesh/clip_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "mesh/manifold_repair.h"
+#include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
 #include "mesh/topology.h"
+#include "tests/look_at.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 
-namespace colmap_ext {
-namespace clip_mesh_test {
+namespace colmap_ext::clip_mesh_test {
 
-Region Turned(const Eigen::Vector3d& center, const Eigen::Vector3d& half) {
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+Region Turned(const Vector3d& center, const Vector3d& half) {
   return {
       Eigen::Quaterniond(0.9, 0.2, -0.3, 0.1).normalized().toRotationMatrix(),
       center, half};
@@ -38,7 +47,7 @@ MeshReport AnalyzeSplit(const TriangleMesh& mesh) {
   return Analyze(SplitFans(mesh).mesh);
 }
 
-double TurnedDistance(const Region& region, const Eigen::Vector3f& point) {
+double TurnedDistance(const Region& region, const Vector3f& point) {
   return (region.FromCenter(point.cast<double>()).cwiseAbs() -
           region.half_sizes)
       .maxCoeff();
@@ -52,7 +61,7 @@ TEST(ClipMeshTest, LeavesNothingOutside) {
     EXPECT_TRUE(clipped.is_clipped);
     EXPECT_FALSE(clipped.mesh.facets.empty());
     EXPECT_LT(clipped.mesh.facets.size(), mesh.facets.size());
-    for (const Eigen::Vector3f& vertex : clipped.mesh.vertices) {
+    for (const Vector3f& vertex : clipped.mesh.vertices) {
       EXPECT_LT(TurnedDistance(region, vertex), 1e-6);
     }
     EXPECT_TRUE(AnalyzeSplit(clipped.mesh).IsManifold());
@@ -62,9 +71,9 @@ TEST(ClipMeshTest, LeavesNothingOutside) {
 // The two sides of a plane make up the whole surface, and meet in one curve.
 TEST(ClipMeshTest, KeepsAllOfTheSurfaceInside) {
   const TriangleMesh sphere = MakeBumpySphere(0.1f);
-  const Eigen::Vector3d half(2, 2, 2);
+  const Vector3d half(2, 2, 2);
   const Region upper = Turned({0, 0, 0}, half);
-  const Eigen::Vector3d up = upper.region_from_world.row(2);
+  const Vector3d up = upper.region_from_world.row(2);
   const TriangleMesh a =
       Clip({upper.region_from_world, 2.1 * up, half}, sphere).mesh;
   const TriangleMesh b =
@@ -81,9 +90,9 @@ TEST(ClipMeshTest, NewVerticesLieOnTheEdgesThatAreCut) {
   ASSERT_EQ(clipped.from.vertices.size(), clipped.mesh.vertices.size());
   for (size_t i = 0; i < clipped.from.vertices.size(); ++i) {
     const auto& [from, to] = clipped.from.vertices[i];
-    const Eigen::Vector3f& a = sphere.vertices[from];
-    const Eigen::Vector3f& b = sphere.vertices[to];
-    const Eigen::Vector3f& p = clipped.mesh.vertices[i];
+    const Vector3f& a = sphere.vertices[from];
+    const Vector3f& b = sphere.vertices[to];
+    const Vector3f& p = clipped.mesh.vertices[i];
     EXPECT_NEAR((p - a).norm() + (b - p).norm(), (b - a).norm(), 1e-6);
   }
 }
@@ -97,11 +106,9 @@ TEST(ClipMeshTest, FacetsLieInThoseThatTheyComeFrom) {
   EXPECT_EQ(cut.attributes.views.size(), cut.mesh.vertices.size());
   ASSERT_EQ(sources.size(), cut.mesh.facets.size());
   for (size_t i = 0; i < sources.size(); ++i) {
-    const Eigen::Vector3f normal = FacetNormal(sphere, sources[i]);
-    const Eigen::Vector3f& corner =
-        sphere.vertices[sphere.facets[sources[i]][0]];
-    for (const Eigen::Vector3f& point :
-         CornersOf(cut.mesh, cut.mesh.facets[i])) {
+    const Vector3f normal = FacetNormal(sphere, sources[i]);
+    const Vector3f& corner = sphere.vertices[sphere.facets[sources[i]][0]];
+    for (const Vector3f& point : CornersOf(cut.mesh, cut.mesh.facets[i])) {
       EXPECT_NEAR(normal.dot(point - corner), 0, 1e-5f);
     }
   }
@@ -116,7 +123,7 @@ TEST(ClipMeshTest, LeavesAClippedMeshAsItIs) {
   EXPECT_EQ(twice.mesh, once);
 }
 
-TEST(ClipMeshTest, AllInsideOrAllOutside) {
+TEST(ClipMeshTest, AllInsideOrAllOutsideOrInTheBorder) {
   const TriangleMesh sphere = MakeBumpySphere(0.2f);
   const Clipped inside = Clip(Region(), sphere);
   EXPECT_FALSE(inside.is_clipped);
@@ -124,9 +131,6 @@ TEST(ClipMeshTest, AllInsideOrAllOutside) {
   const Clipped outside = Clip(RegionBetween({5, 5, 5}, {6, 6, 6}), sphere);
   EXPECT_TRUE(outside.mesh.facets.empty());
   EXPECT_TRUE(outside.mesh.vertices.empty());
-}
-
-TEST(ClipMeshTest, KeepsFacetsInTheBorder) {
   Random random(4);
   const TriangleMesh square = MakeJitteredSquare(5, &random);
   EXPECT_FALSE(Clip(RegionBetween({-3, -3, -3}, {3, 3, 0}), square).is_clipped);
@@ -134,42 +138,30 @@ TEST(ClipMeshTest, KeepsFacetsInTheBorder) {
                   .mesh.facets.empty());
 }
 
-// Right triangles apart from each other, with a longest side of 5, 10, 15 ...,
-// the longest ones first.
-TriangleMesh MakeTriangles(uint32_t num_facets) {
-  TriangleMesh mesh;
-  for (uint32_t i = 0; i < num_facets; ++i) {
+// Right triangles with a longest side of 5, 10, 15 ..., which is any of the
+// three; the longest ones first.
+TriangleMesh RightTriangles(uint32_t num_facets) {
+  return MakeTriangles(num_facets, [&](uint32_t i, int k) -> Vector3f {
     const auto scale = static_cast<float>(num_facets - i);
-    const auto z = static_cast<float>(i);
-    mesh.vertices.emplace_back(0.0f, 0.0f, z);
-    mesh.vertices.emplace_back(3 * scale, 0.0f, z);
-    mesh.vertices.emplace_back(0.0f, 4 * scale, z);
-    // The longest side is any of the three.
-    const Facet facet = {3 * i, 3 * i + 1, 3 * i + 2};
-    mesh.facets.push_back(
-        {facet[i % 3], facet[(i + 1) % 3], facet[(i + 2) % 3]});
-  }
-  return mesh;
+    const uint32_t corner = (i + k) % 3;
+    return {corner == 1 ? 3 * scale : 0, corner == 2 ? 4 * scale : 0,
+            static_cast<float>(i)};
+  });
 }
 
 TEST(DropLongFacets, DropsThoseAboveTheFactorTimesThePercentile) {
-  const TriangleMesh all = MakeTriangles(11);  // sides 55 ... 5
-  struct Case {
-    double factor;
-    double percentile;
-    size_t num_kept;
-  };
+  const TriangleMesh all = RightTriangles(11);  // sides 55 ... 5
   for (const auto& [factor, percentile, num_kept] :
-       {Case{1, 50, 6},      // 30 and less
-        Case{1.49, 50, 8},   // 44.7
-        Case{1.5, 50, 9},    // 45, itself kept
-        Case{1, 100, 11},    // 55
-        Case{1, 0, 1},       // 5
-        Case{0.99, 0, 0},    // less than any
-        Case{1, 54, 6},      // 5.4 is rounded to 5
-        Case{1, 56, 7},      // 5.6 to 6
-        Case{25, 95, 11},    // the default
-        Case{0, 50, 11}}) {  // off
+       {std::tuple(1.0, 50, 6u),      // 30 and less
+        std::tuple(1.49, 50, 8u),     // 44.7
+        std::tuple(1.5, 50, 9u),      // 45, itself kept
+        std::tuple(1.0, 100, 11u),    // 55
+        std::tuple(1.0, 0, 1u),       // 5
+        std::tuple(0.99, 0, 0u),      // less than any
+        std::tuple(1.0, 54, 6u),      // 5.4 is rounded to 5
+        std::tuple(1.0, 56, 7u),      // 5.6 to 6
+        std::tuple(25.0, 95, 11u),    // the default
+        std::tuple(0.0, 50, 11u)}) {  // off
     SCOPED_TRACE(testing::Message() << factor << " " << percentile);
     TriangleMesh mesh = all;
     EXPECT_EQ(DropLongFacets(factor, percentile, &mesh), 11 - num_kept);
@@ -180,39 +172,145 @@ TEST(DropLongFacets, DropsThoseAboveTheFactorTimesThePercentile) {
   EXPECT_EQ(DropLongFacets(1, 50, &nothing), 0);
 }
 
-TEST(DropSmallComponents, DropsThoseOfFewerFacets) {
+TEST(DropSmallComponents, DropsThoseOfFewerFacetsThatEdgesConnect) {
   const TriangleMesh all =
       Union(MakeTetrahedron(),
             Union(MakeTorus(), Union(MakeTetrahedron(), MakeCube())));
-  struct Case {
-    size_t min_facets;
-    DroppedComponents dropped;
-  };
-  for (const auto& [min_facets, expected] :
-       {Case{0, {0, 0}}, Case{1, {0, 0}}, Case{4, {0, 0}}, Case{5, {2, 8}},
-        Case{12, {2, 8}}, Case{13, {3, 20}}, Case{70, {3, 20}},
-        Case{71, {4, 90}}}) {
+  for (const auto& [min_facets, num_components, num_facets] :
+       {std::tuple(0, 0u, 0u),
+        {1, 0u, 0u},
+        {4, 0u, 0u},
+        {5, 2u, 8u},
+        {12, 2u, 8u},
+        {13, 3u, 20u},
+        {70, 3u, 20u},
+        {71, 4u, 90u}}) {
     SCOPED_TRACE(min_facets);
     TriangleMesh mesh = all;
     const DroppedComponents dropped =
         DropSmallComponents(min_facets, &mesh.facets);
-    EXPECT_EQ(dropped.num_components, expected.num_components);
-    EXPECT_EQ(dropped.num_facets, expected.num_facets);
+    EXPECT_EQ(dropped.num_components, num_components);
+    EXPECT_EQ(dropped.num_facets, num_facets);
     EXPECT_EQ(mesh.facets.size() + dropped.num_facets, all.facets.size());
   }
   TriangleMesh mesh = all;
   DropSmallComponents(20, &mesh.facets);
   EXPECT_EQ(mesh.facets, std::vector<Facet>(all.facets.begin() + 4,
                                             all.facets.begin() + 74));
+  TriangleMesh touching = Union(MakeCube(), MakeTetrahedron());
+  MergeVertices(8, 7, &touching);
+  EXPECT_EQ(DropSmallComponents(5, &touching.facets).num_components, 1u);
+  EXPECT_EQ(touching.facets.size(), 12u);
 }
 
-TEST(DropSmallComponents, VerticesDoNotConnect) {
-  TriangleMesh mesh = Union(MakeCube(), MakeTetrahedron());
-  MergeVertices(8, 7, &mesh);
-  const DroppedComponents dropped = DropSmallComponents(5, &mesh.facets);
-  EXPECT_EQ(dropped.num_components, 1u);
-  EXPECT_EQ(mesh.facets.size(), 12u);
+// At the origin.
+View MakeView() { return LookAt({0, 0, 0}, {1, 2, 3}, 64, 48, 50); }
+
+// All around the camera.
+TriangleMesh RandomTriangle(Random* random) {
+  return MakeTriangles(1, [&](uint32_t, int) -> Vector3f {
+    return 4 * RandomPoint(random).array() - 2;
+  });
 }
 
-}  // namespace clip_mesh_test
-}  // namespace colmap_ext
+bool IsMet(const View& view, const TriangleMesh& mesh, const Vector2d& pixel) {
+  const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[0]);
+  Eigen::Matrix3d matrix;
+  matrix << b - a, c - a, -(view.RayFromPixel() * pixel.homogeneous());
+  const Vector3d x = matrix.inverse() * (view.Center() - a);
+  return x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0;
+}
+
+// px^2, of the image
+double AreaByRays(const View& view, const TriangleMesh& mesh) {
+  constexpr int kRays = 4;  // a pixel, along u and v
+  double area = 0;
+  for (int i = 0; i < kRays * view.width; ++i) {
+    for (int j = 0; j < kRays * view.height; ++j) {
+      area += IsMet(view, mesh, Vector2d(i + 0.5, j + 0.5) / kRays) ? 1 : 0;
+    }
+  }
+  return area / (kRays * kRays);
+}
+
+double Cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+TEST(ClipToImage, LeavesWhatRaysOfTheImageMeet) {
+  Random random(1);
+  const View view = MakeView();
+  int num_parts = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const TriangleMesh mesh = RandomTriangle(&random);
+    const std::vector<Vector3d> part =
+        ClipToImage(view, mesh, mesh.facets[0], ImageBox(view));
+    std::vector<Vector2d> pixels;
+    for (const Vector3d& corner : part) {
+      EXPECT_GT(corner.z(), 0);
+      pixels.push_back(view.ImageFromCam(corner));
+      EXPECT_GT(pixels.back().minCoeff(), -1e-6);
+      EXPECT_LT(pixels.back().x(), view.width + 1e-6);
+      EXPECT_LT(pixels.back().y(), view.height + 1e-6);
+    }
+    double area = 0;
+    for (size_t k = 0; k < pixels.size(); ++k) {
+      area += Cross(pixels[k], pixels[(k + 1) % pixels.size()]) / 2;
+    }
+    EXPECT_NEAR(std::abs(area), AreaByRays(view, mesh), 25) << trial;
+    num_parts += part.empty() ? 0 : 1;
+  }
+  EXPECT_GT(num_parts, 15);
+}
+
+// Also of one that is seen from its edge, or through the camera's centre.
+TEST(ClipToImage, LeavesNothingOfWhatLiesBehindOrAtTheCamera) {
+  const View view{"", 64, 48, 1, 1, 32, 24};
+  for (const std::vector<Vector3f>& corners :
+       {std::vector<Vector3f>{{-1, -1, -1}, {1, -1, -1}, {0, 1, -2}},
+        {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}},
+        {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}}) {
+    const TriangleMesh mesh{corners, {{0, 1, 2}}};
+    EXPECT_TRUE(
+        ClipToImage(view, mesh, mesh.facets[0], ImageBox(view)).empty());
+    EXPECT_EQ(AreaInImage(mesh, mesh.facets[0], view), 0);
+  }
+}
+
+TEST(AreaInImage, OfAFacetThatReachesBehindIsThatOfWhatTheImageShows) {
+  Random random(2);
+  const View view = MakeView();
+  int num_seen = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const TriangleMesh mesh = RandomTriangle(&random);
+    int num_before = 0;
+    for (const Vector3f& vertex : mesh.vertices) {
+      num_before += view.CamFromWorld(vertex.cast<double>()).z() > 0 ? 1 : 0;
+    }
+    if (num_before == 1 || num_before == 2) {
+      const double area = AreaInImage(mesh, mesh.facets[0], view);
+      EXPECT_NEAR(area, AreaByRays(view, mesh), 25) << trial;
+      num_seen += area > 100 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(num_seen, 5);
+}
+
+TEST(Footprints, AreThoseOfTheNearestViews) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 4}, {0, 0, 8}, {1, 0, 6}};
+  const View view{"", 0, 0, 2, 2};  // at the origin, along z
+  View near = view;
+  near.cam_from_world_translation = {0, 0, -2};
+  Rows<uint32_t> vertex_views;
+  vertex_views.AddRow(std::vector<uint32_t>{0, 1});
+  vertex_views.AddRow(std::vector<uint32_t>{0});
+  vertex_views.EndRow();
+  EXPECT_EQ(Footprints(mesh, vertex_views, {view, near}),
+            (std::vector<float>{1, 4, 2}));
+  EXPECT_EQ(MedianFootprint(mesh, vertex_views, {view, near}), 2);
+  EXPECT_EQ(Footprints(mesh, Rows<uint32_t>(3), {view}),
+            (std::vector<float>{0, 0, 0}));
+}
+
+}  // namespace colmap_ext::clip_mesh_test

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -11,9 +10,9 @@
 #include "mesh/adjacency.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
+#include "tests/random.h"
 
-namespace colmap_ext {
-namespace manifold_repair_test {
+namespace colmap_ext::manifold_repair_test {
 
 size_t CountUsed(const TriangleMesh& mesh) {
   std::set<uint32_t> used;
@@ -29,9 +28,7 @@ std::vector<uint32_t> RandomPartners(const std::vector<Facet>& facets,
                                      Random* random) {
   std::vector<uint32_t> partners(3 * facets.size(), kNone);
   std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> unpaired;
-  std::vector<uint32_t> order(partners.size());
-  std::iota(order.begin(), order.end(), 0);
-  random->Shuffle(&order);
+  const std::vector<uint32_t> order = random->Permutation(partners.size());
   for (const uint32_t half : order) {
     const uint32_t from = FromVertex(facets, half);
     const uint32_t to = ToVertex(facets, half);
@@ -131,11 +128,14 @@ void ExpectCubes(const FanSplit& split, size_t num_split_vertices,
   EXPECT_EQ(report.num_border_edges, 0u);
 }
 
-TEST(SplitFans, SeparatesCubesThatShareAVertex) {
+TEST(SplitFans, SeparatesCubesThatShareAVertexAndLeavesNothing) {
   TriangleMesh mesh = Union(MakeCube(), MakeCube());
   MergeVertices(8, 7, &mesh);
   ExpectCubes(SplitFans(mesh), 1, 0, 2);
   ExpectCubes(RepairManifold(mesh), 1, 0, 2);
+  const FanSplit split = SplitFans({{{1, 2, 3}}, {}}, {});
+  EXPECT_TRUE(split.mesh.vertices.empty());
+  EXPECT_TRUE(split.mesh.facets.empty());
 }
 
 // Of two cubes along one edge the partners say which facets are one surface.
@@ -165,38 +165,6 @@ TEST(SplitFans, CubesThatShareAnEdgeAreSplitAsThePartnersSay) {
   }
   // A midpoint where the fans touch themselves.
   ExpectCubes(SplitFans(mesh, partners), 0, 1, 1);
-}
-
-// Four facets share an edge, two and two of them one sheet each, and the fans
-// at both of its ends hold both sheets.
-TEST(SplitFans, GivesAMidpointToAFanThatTouchesItself) {
-  enum : uint32_t { U, V, A, B, C, D, X, Y, P, Q };
-  TriangleMesh mesh;
-  for (int i = 0; i < 10; ++i) {
-    mesh.vertices.emplace_back(static_cast<float>(i), static_cast<float>(i * i),
-                               0.0f);
-  }
-  mesh.facets = {{U, V, A}, {U, B, V}, {U, V, C}, {U, D, V},   // at the edge
-                 {U, A, X}, {U, X, D}, {U, C, Y}, {U, Y, B},   // around U
-                 {V, B, P}, {V, P, C}, {V, D, Q}, {V, Q, A}};  // around V
-  std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
-  const auto pair = [&](uint32_t a, uint32_t b) {
-    partners[a] = b;
-    partners[b] = a;
-  };
-  pair(3 * 0, 3 * 1 + 2);
-  pair(3 * 2, 3 * 3 + 2);
-  FanSplit split = SplitFans(mesh, partners);
-  EXPECT_EQ(split.num_split_vertices, 0u);
-  EXPECT_EQ(split.num_midpoints, 1u);
-  EXPECT_EQ(split.mesh.facets.size(), mesh.facets.size() + 2);
-  ExpectSplit(mesh, split);
-}
-
-TEST(SplitFans, EmptyMesh) {
-  const FanSplit split = SplitFans({{{1, 2, 3}}, {}}, {});
-  EXPECT_TRUE(split.mesh.vertices.empty());
-  EXPECT_TRUE(split.mesh.facets.empty());
 }
 
 TEST(ManifoldRepairTest, CountsWhatItDrops) {
@@ -248,5 +216,4 @@ TEST(ManifoldRepairTest, MakesAnythingManifold) {
   }
 }
 
-}  // namespace manifold_repair_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::manifold_repair_test

@@ -1,14 +1,13 @@
 #include "mesh/space_filling_curve.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "tests/mesh/shapes.h"
+#include "tests/random.h"
 
-namespace colmap_ext {
-namespace space_filling_curve_test {
+namespace colmap_ext::space_filling_curve_test {
 
 constexpr int kNumBits = 21;
 
@@ -47,14 +46,13 @@ TEST(OrderAlongCurve, IsThatOfTheInterleavedBits) {
   points.emplace_back(0, 0, 0);
   points.emplace_back(kLast, kLast, kLast);
   points.insert(points.end(), points.begin(), points.begin() + 100);
-  std::vector<uint32_t> expected(points.size());
-  std::iota(expected.begin(), expected.end(), 0);
+  std::vector<uint32_t> expected = Iota(points.size());
   std::ranges::stable_sort(expected, {},
                            [&](uint32_t i) { return Interleave(points[i]); });
   EXPECT_EQ(OrderAlongCurve(points), expected);
 }
 
-TEST(OrderAlongCurve, DoesNotDependOnPlaceAndScale) {
+TEST(OrderAlongCurve, DoesNotDependOnPlaceAndScaleAndKeepsEqualPoints) {
   Random random(2);
   const std::vector<Eigen::Vector3f> points = RandomPoints(500, 1000, &random);
   std::vector<Eigen::Vector3f> moved = points;
@@ -62,9 +60,6 @@ TEST(OrderAlongCurve, DoesNotDependOnPlaceAndScale) {
     point = 8 * point + Eigen::Vector3f(1000, -5000, 16000);
   }
   EXPECT_EQ(OrderAlongCurve(moved), OrderAlongCurve(points));
-}
-
-TEST(OrderAlongCurve, OfPointsAtOnePlaceIsThatOfTheirIndices) {
   EXPECT_EQ(OrderAlongCurve(std::vector<Eigen::Vector3f>(3, {1, 2, 3})),
             (std::vector<uint32_t>{0, 1, 2}));
   EXPECT_TRUE(OrderAlongCurve({}).empty());
@@ -98,9 +93,7 @@ TEST(SortAlongCurve, KeepsTheMeshAndBringsNeighborsTogether) {
   const TriangleMesh sphere = MakeBumpySphere(0.1F);
   TriangleMesh mesh = sphere;
   Random random(1);
-  std::vector<uint32_t> places(mesh.vertices.size());
-  std::iota(places.begin(), places.end(), 0);
-  random.Shuffle(&places);
+  const std::vector<uint32_t> places = random.Permutation(mesh.vertices.size());
   for (uint32_t i = 0; i < places.size(); ++i) {
     mesh.vertices[places[i]] = sphere.vertices[i];
   }
@@ -133,5 +126,4 @@ TEST(SortAlongCurve, KeepsTheMeshAndBringsNeighborsTogether) {
   EXPECT_EQ(SortAlongCurve(&mesh)[7], 7);
 }
 
-}  // namespace space_filling_curve_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::space_filling_curve_test

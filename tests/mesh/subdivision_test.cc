@@ -11,8 +11,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace subdivision_test {
+namespace colmap_ext::subdivision_test {
 
 using Eigen::Vector3d;
 
@@ -245,5 +244,4 @@ TEST(Surface, HandsDownWhatItsVerticesHave) {
   }
 }
 
-}  // namespace subdivision_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::subdivision_test

@@ -11,8 +11,7 @@
 #include "tests/mesh/manifold_links.h"
 #include "tests/synthetic/dense_scene.h"
 
-namespace colmap_ext {
-namespace end_to_end_test {
+namespace colmap_ext::end_to_end_test {
 
 using synthetic::DenseScene;
 using synthetic::Scene;
@@ -70,5 +69,4 @@ TEST_P(EndToEnd, TheMeshIsTheScenesSurface) {
 
 INSTANTIATE_TEST_SUITE_P(Shapes, EndToEnd, testing::Values("statue", "wall"));
 
-}  // namespace end_to_end_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::end_to_end_test

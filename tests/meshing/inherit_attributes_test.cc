@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-namespace colmap_ext {
-namespace inherit_attributes_test {
+#include "meshing/finish_surface.h"
+
+namespace colmap_ext::inherit_attributes_test {
 
 // Three points, seen by views {0, 1}, {1, 2} and {1}.
 PointCloud MakeCloud() {
@@ -45,48 +46,36 @@ TriangleMesh MakeMesh(uint32_t num_vertices, std::vector<Facet> facets) {
   return mesh;
 }
 
-TEST(InheritAttributes, OfThePointItself) {
-  const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), {{2, 2}, {0, 0}, {1, 1}}),
+TEST(InheritAttributes, OfThePointItselfOrTheMeanOfTwoAndTheViewsOfBoth) {
+  ExpectRows(InheritAttributes(MakeMesh(3, {{0, 1, 2}}), MakeCloud(),
+                               {{2, 2}, {0, 0}, {1, 1}}),
              {kThird, kFirst, kSecond});
-}
-
-TEST(InheritAttributes, AMidpointHasTheMeanColourAndTheViewsOfBoth) {
-  const TriangleMesh mesh = MakeMesh(1, {});
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), {{0, 1}}),
+  ExpectRows(InheritAttributes(MakeMesh(1, {}), MakeCloud(), {{0, 1}}),
              {{{1, 15, 255}, {0, 1, 2}}});
 }
 
 // A centroid between all three: views that at least half of them have.
-TEST(InheritAttributes, ACentroidInheritsFromItsNeighbors) {
+TEST(InheritAttributes, FromNeighborsOfANeighborOrNoneOnAnIsland) {
   const TriangleMesh mesh = MakeMesh(4, {{3, 0, 1}, {3, 1, 2}, {3, 2, 0}});
   const Points points = {{0, 0}, {1, 1}, {2, 2}, {kNone, kNone}};
   ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
              {kFirst, kSecond, kThird, {{67, 20, 255}, {1}}});
-}
-
-TEST(InheritAttributes, HalfOfTheNeighborsAreEnough) {
-  const TriangleMesh mesh =
+  const TriangleMesh fan =
       MakeMesh(5, {{4, 0, 1}, {4, 1, 2}, {4, 2, 3}, {4, 3, 0}});
-  const Points points = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNone, kNone}};
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+  const Points twins = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNone, kNone}};
+  ExpectRows(InheritAttributes(fan, MakeCloud(), twins),
              {kFirst, kFirst, kSecond, kSecond, {{1, 15, 255}, {0, 1, 2}}});
-}
-
-// Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
-TEST(InheritAttributes, FromNeighborToNeighbor) {
-  const TriangleMesh mesh = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
-  const Points points = {{0, 0},         {1, 1},     {2, 2},
-                         {kNone, kNone}, {0, kNone}, {kNone, kNone}};
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+  // Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
+  const TriangleMesh chain = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
+  const Points known = {{0, 0},         {1, 1},     {2, 2},
+                        {kNone, kNone}, {0, kNone}, {kNone, kNone}};
+  ExpectRows(InheritAttributes(chain, MakeCloud(), known),
              {kFirst, kSecond, kThird, kFirst, kFirst, kFirst});
-}
-
-TEST(InheritAttributes, AnIslandOfUnknownVerticesStaysBlackAndUnseen) {
-  const TriangleMesh mesh = MakeMesh(3, {{0, 1, 2}});
-  const Points points(3, {kNone, kNone});
+  const TriangleMesh island = MakeMesh(3, {{0, 1, 2}});
+  const Points unknown(3, {kNone, kNone});
   const Row none = {{0, 0, 0}, {}};
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), points), {none, none, none});
+  ExpectRows(InheritAttributes(island, MakeCloud(), unknown),
+             {none, none, none});
 }
 
 TEST(InheritAttributes, WithoutColours) {
@@ -98,5 +87,14 @@ TEST(InheritAttributes, WithoutColours) {
   EXPECT_EQ(attributes.views, Rows<uint32_t>({0, 2, 4}, {0, 1, 1, 2}));
 }
 
-}  // namespace inherit_attributes_test
-}  // namespace colmap_ext
+TEST(SupportOfVertices, AddsUpThePointsOfEach) {
+  EXPECT_EQ(SupportOfVertices(3, {0, 2, 0, 2}, {1, 2, 4, 8}),
+            (std::vector<float>{5, 0, 10}));
+}
+
+TEST(MeansOfSources, IsTheMeanOfBoth) {
+  EXPECT_EQ(MeansOfSources({1, 3}, {{0, 0}, {0, 1}, {2, 2}, {1, 2}}, 7),
+            (std::vector<float>{1, 2, 7, 5}));
+}
+
+}  // namespace colmap_ext::inherit_attributes_test

@@ -12,12 +12,14 @@
 #include "scene/view.h"
 #include "spatial/self_intersections.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
+#include "tests/mesh/shapes.h"
 #include "tests/random_vectors.h"
+#include "tests/texts.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace manifold_meshing_test {
+namespace colmap_ext::manifold_meshing_test {
 
 View LookAt(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
   return LookAtView(center, target, Eigen::Vector3d::UnitZ(), 1000, 1000, 1000);
@@ -113,15 +115,6 @@ std::vector<ManifoldMeshingOptions> Variants() {
   return variants;
 }
 
-double Volume(const TriangleMesh& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.facets) {
-    volume +=
-        mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6;
-  }
-  return volume;
-}
-
 Eigen::Vector3f CentroidOf(const TriangleMesh& mesh, const Facet& facet) {
   const auto& [a, b, c] = facet;
   return (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3;
@@ -182,13 +175,10 @@ TEST(MeshManifold, RefusesRegionsOfAFewPoints) {
                           scene.cloud.positions, [&](const auto& position) {
                             return options.region->Contains(position);
                           });
-    try {
-      scene.Mesh(options);
-      ADD_FAILURE() << "point " << point;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_NE(std::string(error.what()).find("to mesh"), std::string::npos)
-          << error.what();
-    }
+    EXPECT_TRUE(
+        Has(MessageOf<std::invalid_argument>([&] { scene.Mesh(options); }),
+            "to mesh"))
+        << point;
   }
   EXPECT_GT(num_alone, 0u);
 }
@@ -214,8 +204,7 @@ TEST(MeshManifold, RaysBeyondCarve) {
       MeshManifold(options, scene.cloud, scene.views, {}, ends);
   EXPECT_TRUE(HasManifoldLinks(carved.mesh));
   EXPECT_EQ(carved.report.num_ray_ends, ends.size());
-  const ManifoldMesh whole = scene.Mesh(options);
-  EXPECT_LT(Volume(carved.mesh), 0.5 * Volume(whole.mesh));
+  EXPECT_LT(Volume(carved.mesh), 0.5 * Volume(scene.Mesh(options).mesh));
   // No facet is at an end.
   for (const Eigen::Vector3f& vertex : carved.mesh.vertices) {
     EXPECT_LT(vertex.norm(), 1.3f);
@@ -352,9 +341,7 @@ TEST(MeshManifold, ScalesWithTheScene) {
       scaled.Scale(factor);
       const ManifoldMesh result = scaled.Mesh(options);
       ManifoldMesh expected_scaled = expected;
-      for (Eigen::Vector3f& vertex : expected_scaled.mesh.vertices) {
-        vertex *= factor;
-      }
+      expected_scaled.mesh = Scaled(expected.mesh, factor);
       EXPECT_TRUE(PartsOf(result) == PartsOf(expected_scaled));
     }
   }
@@ -393,7 +380,7 @@ TEST(MeshManifold, ReportsItsProgress) {
                });
   EXPECT_GT(stages.size(), 4u);
   // No stage comes twice.
-  std::sort(stages.begin(), stages.end());
+  std::ranges::sort(stages);
   EXPECT_EQ(std::unique(stages.begin(), stages.end()), stages.end());
 }
 
@@ -467,5 +454,4 @@ TEST(MeshManifold, NeverCrashes) {
   EXPECT_GT(num_meshes, 20u);
 }
 
-}  // namespace manifold_meshing_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::manifold_meshing_test

@@ -14,8 +14,7 @@
 #include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace noise_smoothing_test {
+namespace colmap_ext::noise_smoothing_test {
 
 using Eigen::Vector3f;
 
@@ -54,13 +53,18 @@ double Mean(const std::vector<float>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-TEST(LocalNoise, IsThatOfTheNormalDirection) {
+TEST(LocalNoise, IsThatOfTheNormalDirectionOrZeroOfFewPoints) {
   const std::vector<Vector3f> points = SaddlePoints(4000);
   EXPECT_LT(Mean(LocalNoise(points, points)), 5e-4);
   for (const double sigma : {1e-3, 4e-3}) {
     const std::vector<Vector3f> shaken = Shaken(points, sigma);
     EXPECT_NEAR(Mean(LocalNoise(shaken, shaken)), sigma, 0.15 * sigma);
   }
+  const std::vector<Vector3f> few = SaddlePoints(11);
+  EXPECT_EQ(LocalNoise(few, {few[0]}), std::vector<float>{0});
+  EXPECT_EQ(LocalNoise(std::vector<Vector3f>(100, few[0]), {few[0]}),
+            std::vector<float>{0});
+  EXPECT_EQ(LocalNoise({}, {few[0]}), std::vector<float>{0});
 }
 
 TEST(LocalNoise, ScalesWithThePoints) {
@@ -73,14 +77,6 @@ TEST(LocalNoise, ScalesWithThePoints) {
   for (size_t i = 0; i < noises.size(); ++i) {
     EXPECT_NEAR(scaled[i], 64 * noises[i], 1e-3f * scaled[i]);
   }
-}
-
-TEST(LocalNoise, IsZeroOfFewOrEqualPoints) {
-  const std::vector<Vector3f> few = SaddlePoints(11);
-  EXPECT_EQ(LocalNoise(few, {few[0]}), std::vector<float>{0});
-  EXPECT_EQ(LocalNoise(std::vector<Vector3f>(100, few[0]), {few[0]}),
-            std::vector<float>{0});
-  EXPECT_EQ(LocalNoise({}, {few[0]}), std::vector<float>{0});
 }
 
 // What the header says is minimized, solved densely.
@@ -246,5 +242,4 @@ TEST(SmoothByNoise, DoesNotDependOnThreads) {
   ExpectSameForAnyThreads(smooth);
 }
 
-}  // namespace noise_smoothing_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::noise_smoothing_test

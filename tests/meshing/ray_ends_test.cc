@@ -8,8 +8,7 @@
 #include "scene/view.h"
 #include "tests/random.h"
 
-namespace colmap_ext {
-namespace ray_ends_test {
+namespace colmap_ext::ray_ends_test {
 
 View FrontView(double x) {
   return LookAtView({x, 0, -10}, {0, 0, 0}, {0, 1, 0}, 640, 480, 600);
@@ -28,8 +27,7 @@ PointCloud RandomCloud() {
   return cloud;
 }
 
-class CropCloudTest : public testing::Test {
- protected:
+struct CropCloudTest : testing::Test {
   CropCloudTest() {
     weighted_ = {cloud_, std::vector<float>(2000, 0.5f), 2000};
     ends_ = CropCloud(region_, views_, &weighted_);
@@ -43,7 +41,7 @@ class CropCloudTest : public testing::Test {
   RayEnds ends_;
 };
 
-TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMargin) {
+TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMarginAndWeights) {
   const auto num_inside = static_cast<size_t>(std::ranges::count_if(
       cloud_.positions,
       [&](const auto& position) { return grown_.Contains(position); }));
@@ -53,6 +51,19 @@ TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMargin) {
   for (const Eigen::Vector3f& position : weighted_.cloud.positions) {
     EXPECT_TRUE(grown_.Contains(position));
   }
+  // The rays that are merged keep their weight: that of all points behind the
+  // region, once for each view.
+  double expected = 0;
+  for (const Eigen::Vector3f& position : cloud_.positions) {
+    for (const View& view : views_) {
+      const bool is_behind =
+          !PartInside(region_, view.Center(), position.cast<double>())
+               .IsEmpty();
+      expected += grown_.Contains(position) || !is_behind ? 0 : 0.5;
+    }
+  }
+  EXPECT_NEAR(std::accumulate(ends_.weights.begin(), ends_.weights.end(), 0.0),
+              expected, 1e-3);
 }
 
 // Each end lies on the border of the margin, on the far side as its view sees
@@ -69,22 +80,6 @@ TEST_F(CropCloudTest, RaysEndWhereTheyLeave) {
                 0.5, 1e-5);
     EXPECT_FALSE(PartInside(region_, center, end).IsEmpty());
   }
-}
-
-// The rays that are merged keep their weight: that of all points behind the
-// region, once for each view.
-TEST_F(CropCloudTest, KeepsTheWeights) {
-  double expected = 0;
-  for (const Eigen::Vector3f& position : cloud_.positions) {
-    for (const View& view : views_) {
-      const bool is_behind =
-          !PartInside(region_, view.Center(), position.cast<double>())
-               .IsEmpty();
-      expected += grown_.Contains(position) || !is_behind ? 0 : 0.5;
-    }
-  }
-  EXPECT_NEAR(std::accumulate(ends_.weights.begin(), ends_.weights.end(), 0.0),
-              expected, 1e-3);
 }
 
 TEST_F(CropCloudTest, AppendsEndsBehindThePoints) {
@@ -154,5 +149,4 @@ TEST(RegionOfCloudTest, HoldsAllPoints) {
   EXPECT_NEAR(region.half_sizes.x(), 4.8, 0.02);
 }
 
-}  // namespace ray_ends_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::ray_ends_test

@@ -1,19 +1,18 @@
 #include "meshing/singular_vertices.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "mesh/topology.h"
 #include "meshing/manifold_fixing.h"
 #include "meshing/surface_extraction.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/meshing/fixing_problem.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace singular_vertices_test {
+namespace colmap_ext::singular_vertices_test {
 
 using Link = std::map<uint32_t, std::set<uint32_t>>;  // of each vertex, others
 
@@ -98,28 +97,6 @@ TEST(SingularVertices, AreThoseWhereTheSurfaceIsNotOneFan) {
   EXPECT_GT(num_regular, 1000u);
 }
 
-// Where space beyond the hull is free, the surface tells by itself.
-TEST(SingularVertices, AreThoseOfTheSurface) {
-  Random random(2);
-  for (int trial = 0; trial < 300; ++trial) {
-    const Tetrahedralization tetrahedra =
-        DelaunayOf(RandomPoints(5 + random.Below(40), 50, &random));
-    std::vector<uint8_t> labels = RandomLabels(tetrahedra, &random);
-    LabelInfinite(tetrahedra, true, &labels);
-    const MeshReport report = Analyze(ExtractSurface(tetrahedra, labels).mesh);
-    ASSERT_EQ(SingularVertices(tetrahedra, labels).size(),
-              report.num_singular_vertices);
-  }
-}
-
-TEST(SingularVertices, AreNoneWithinOneLabel) {
-  const Tetrahedralization tetrahedra = DelaunayOf(GridPoints(3));
-  for (const uint8_t label : {0, 1}) {
-    const std::vector<uint8_t> labels(tetrahedra.cells.size(), label);
-    EXPECT_TRUE(SingularVertices(tetrahedra, labels).empty());
-  }
-}
-
 TEST(SingularVertices, AreTheSameAtEveryNumberOfThreads) {
   Random random(4);
   // More cells than one thread takes at a time.
@@ -185,5 +162,131 @@ TEST(SingularVertexTracker, ExaminesTheVerticesOfFlippedCellsAlone) {
   }
 }
 
-}  // namespace singular_vertices_test
-}  // namespace colmap_ext
+TEST(VertexStar, ComponentsAreTheConnectedCellsOfOneLabel) {
+  Random random(3);
+  const Tetrahedralization tetrahedra =
+      DelaunayOf(RandomPoints(100, 1000, &random));
+  const std::vector<uint8_t> labels = RandomLabels(tetrahedra, &random);
+  for (uint32_t vertex = 0; vertex < tetrahedra.points.size(); ++vertex) {
+    VertexStar star;
+    MakeVertexStar(tetrahedra, labels, vertex, &star);
+    std::map<uint32_t, size_t> components;  // of cells
+    uint32_t last_lowest = 0;
+    for (size_t i = 0; i < star.NumComponents(); ++i) {
+      const auto component = star.Component(i);
+      ASSERT_FALSE(component.empty());
+      for (const uint32_t cell : component) {
+        ASSERT_EQ(labels[cell], star.is_free[i]);
+        ASSERT_TRUE(components.emplace(cell, i).second);
+      }
+      ASSERT_EQ(component.front(), std::ranges::min(component));
+      ASSERT_TRUE(i == 0 || component.front() > last_lowest);
+      last_lowest = component.front();
+    }
+    std::vector<uint32_t> cells;
+    IncidentCells(tetrahedra, vertex, &cells);
+    ASSERT_EQ(components.size(), cells.size());
+    // Cells on both sides of a facet with the vertex: one component just where
+    // they have one label. That a component hangs together is in the count.
+    for (const uint32_t cell : cells) {
+      for (int k = 0; k < 4; ++k) {
+        const uint32_t neighbor = tetrahedra.cells[cell].neighbors[k];
+        if (tetrahedra.cells[cell].vertices[k] != vertex) {
+          ASSERT_EQ(components.at(cell) == components.at(neighbor),
+                    labels[cell] == labels[neighbor]);
+        }
+      }
+    }
+  }
+}
+
+TEST(VertexStar, WithinOneLabelThereIsOneComponent) {
+  const Tetrahedralization tetrahedra = DelaunayOf(GridPoints(3));
+  for (const uint8_t label : {0, 1}) {
+    const std::vector<uint8_t> labels(tetrahedra.cells.size(), label);
+    VertexStar star;
+    MakeVertexStar(tetrahedra, labels, 13, &star);
+    ASSERT_EQ(star.NumComponents(), 1u);
+    EXPECT_EQ(star.is_free[0], label);
+    EXPECT_TRUE(SingularVertices(tetrahedra, labels).empty());
+  }
+}
+
+TEST(SplitCell, KeepsEverythingButTheCell) {
+  Random random(1);
+  for (int trial = 0; trial < 30; ++trial) {
+    FixingProblem problem =
+        RandomProblem(RandomPoints(20, 1000, &random), &random);
+    for (int split = 0; split < 30; ++split) {
+      const FixingProblem before = problem;
+      const auto num_cells =
+          static_cast<uint32_t>(before.tetrahedra.cells.size());
+      const auto num_points =
+          static_cast<uint32_t>(before.tetrahedra.points.size());
+      const uint32_t cell = random.Below(num_cells);
+      if (!CanSplit(before.tetrahedra, cell)) {
+        ASSERT_TRUE(before.tetrahedra.IsInfinite(cell));
+        continue;
+      }
+      SplitCell(cell, &problem.tetrahedra, &problem.graph, &problem.labels);
+      problem.ExpectConsistent();
+      ASSERT_FALSE(HasFailure());
+      ASSERT_EQ(problem.tetrahedra.cells.size(), num_cells + 3);
+      ASSERT_EQ(problem.tetrahedra.points.size(), num_points + 1);
+      // The energy of the inherited labels, and the terminals' capacities.
+      ASSERT_EQ(problem.Energy(), before.Energy());
+      for (const auto terminal :
+           {&NodeCapacities::source, &NodeCapacities::sink}) {
+        ASSERT_EQ(SumOf(problem.graph, terminal),
+                  SumOf(before.graph, terminal));
+      }
+      ASSERT_EQ(problem.Singular(), before.Singular());
+      Eigen::Vector3f centroid = Eigen::Vector3f::Zero();
+      for (const uint32_t vertex : before.tetrahedra.cells[cell].vertices) {
+        centroid += 0.25f * before.tetrahedra.points[vertex];
+      }
+      EXPECT_LT((problem.tetrahedra.points.back() - centroid).norm(), 1e-2);
+      for (const uint32_t child :
+           {cell, num_cells, num_cells + 1, num_cells + 2}) {
+        ASSERT_EQ(problem.labels[child], before.labels[cell]);
+        ASSERT_EQ(std::ranges::count(problem.tetrahedra.cells[child].vertices,
+                                     num_points),
+                  1);
+      }
+      // All other cells are as they were.
+      for (uint32_t other = 0; other < num_cells; ++other) {
+        if (other != cell) {
+          ASSERT_EQ(problem.labels[other], before.labels[other]);
+          ASSERT_EQ(problem.tetrahedra.cells[other].vertices,
+                    before.tetrahedra.cells[other].vertices);
+          ASSERT_EQ(problem.graph[other].arcs, before.graph[other].arcs);
+        }
+      }
+    }
+  }
+}
+
+// Where coordinates are so large that centroids are rounded out of their cells.
+TEST(SplitCell, PartsArePositivelyOriented) {
+  Random random(2);
+  int num_split = 0;
+  int num_refused = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const FixingProblem problem =
+        RandomProblem(FarPoints(20, &random), &random);
+    for (uint32_t cell = 0; cell < problem.tetrahedra.cells.size(); ++cell) {
+      FixingProblem split = problem;
+      if (CanSplit(problem.tetrahedra, cell)) {
+        ++num_split;
+        SplitCell(cell, &split.tetrahedra, &split.graph, &split.labels);
+        ASSERT_TRUE(ArePositive(split.tetrahedra));
+      } else {
+        num_refused += problem.tetrahedra.IsInfinite(cell) ? 0 : 1;
+      }
+    }
+  }
+  EXPECT_GT(num_split, 100);
+  EXPECT_GT(num_refused, 100);
+}
+
+}  // namespace colmap_ext::singular_vertices_test

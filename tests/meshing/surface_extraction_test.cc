@@ -13,9 +13,9 @@
 #include "mesh/topology.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
+#include "tests/mesh/shapes.h"
 
-namespace colmap_ext {
-namespace surface_extraction_test {
+namespace colmap_ext::surface_extraction_test {
 
 // A few points in general position or on a small lattice.
 Tetrahedralization SmallComplex(Random* random) {
@@ -28,16 +28,6 @@ Tetrahedralization SmallComplex(Random* random) {
       // They lie in a plane.
     }
   }
-}
-
-double SignedVolume(const TriangleMesh& mesh) {
-  double volume = 0;
-  for (const auto& [a, b, c] : mesh.facets) {
-    const Eigen::Vector3d p = mesh.vertices[a].cast<double>();
-    const Eigen::Vector3d q = mesh.vertices[b].cast<double>();
-    volume += p.cross(q).dot(mesh.vertices[c].cast<double>()) / 6;
-  }
-  return volume;
 }
 
 double MatterVolume(const Tetrahedralization& tetrahedra,
@@ -62,8 +52,7 @@ double MatterVolume(const Tetrahedralization& tetrahedra,
 std::multiset<Facet> Oriented(const std::vector<Facet>& facets) {
   std::multiset<Facet> oriented;
   for (Facet facet : facets) {
-    std::rotate(facet.begin(), std::min_element(facet.begin(), facet.end()),
-                facet.end());
+    std::rotate(facet.begin(), std::ranges::min_element(facet), facet.end());
     oriented.insert(facet);
   }
   return oriented;
@@ -180,7 +169,7 @@ TEST(ExtractSurface, EveryLabelingEndsManifold) {
       }
       if (beyond == 1) {
         const double volume = MatterVolume(tetrahedra, labels);
-        ASSERT_NEAR(SignedVolume(split.mesh), volume, 1e-6 * volume);
+        ASSERT_NEAR(Volume(split.mesh), volume, 1e-6 * volume);
       }
       const FanSplit again =
           SplitFans(split.mesh, PairHalfEdges(split.mesh.facets));
@@ -200,26 +189,4 @@ TEST(ExtractSurface, EveryLabelingEndsManifold) {
   EXPECT_GT(num_borders, 500u);
 }
 
-TEST(ExtractSurface, OneCellOfMatter) {
-  const Tetrahedralization tetrahedra =
-      DelaunayOf({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}});
-  std::vector<uint8_t> labels(tetrahedra.cells.size(), 1);
-  EXPECT_TRUE(ExtractSurface(tetrahedra, labels).mesh.facets.empty());
-  labels[tetrahedra.vertex_cells[0]] = 0;
-  const ExtractedSurface surface = ExtractSurface(tetrahedra, labels);
-  const MeshReport report = Analyze(surface.mesh);
-  EXPECT_TRUE(report.IsManifold());
-  EXPECT_EQ(report.num_facets, 4u);
-  EXPECT_EQ(report.num_border_edges, 0u);
-  EXPECT_FLOAT_EQ(static_cast<float>(SignedVolume(surface.mesh)), 64.0f / 6);
-  // The other way about it is turned inside out.
-  for (uint8_t& label : labels) {
-    label = !label;
-  }
-  EXPECT_FLOAT_EQ(
-      static_cast<float>(SignedVolume(ExtractSurface(tetrahedra, labels).mesh)),
-      -64.0f / 6);
-}
-
-}  // namespace surface_extraction_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::surface_extraction_test

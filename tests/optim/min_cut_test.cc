@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include <gtest/gtest.h>
 #if defined(__GNUC__) && !defined(__clang__)  // False alarm within Boost.
@@ -15,8 +14,7 @@
 #include "base/index_limit.h"
 #include "tests/random.h"
 
-namespace colmap_ext {
-namespace min_cut_test {
+namespace colmap_ext::min_cut_test {
 
 struct Graph {
   std::vector<std::array<uint32_t, 4>> neighbors;
@@ -76,7 +74,7 @@ Graph RandomGraph(uint32_t num_nodes, uint32_t num_edges, Capacities kind,
     const int slot_v = FreeSlot(graph, v, random);
     const auto& row = graph.neighbors[u];
     if (u == v || slot_u < 0 || slot_v < 0 ||
-        std::find(row.begin(), row.end(), v) != row.end()) {
+        std::ranges::find(row, v) != row.end()) {
       continue;
     }
     graph.neighbors[u][slot_u] = v;
@@ -222,9 +220,7 @@ TEST(MinCut, AgreesWithBoostOnLargerGraphs) {
 void ExpectSameWithOtherNumbers(const Graph& graph, Random* random) {
   const MinCut cut = graph.Cut();
   EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
-  std::vector<uint32_t> number(graph.size());
-  std::iota(number.begin(), number.end(), 0);
-  random->Shuffle(&number);
+  const std::vector<uint32_t> number = random->Permutation(graph.size());
   Graph renumbered = graph;
   for (uint32_t i = 0; i < graph.size(); ++i) {
     renumbered.nodes[number[i]] = graph.nodes[i];
@@ -286,7 +282,7 @@ TEST(MinCut, LongChain) {
   EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
 }
 
-TEST(MinCut, LargestCapacitiesDoNotOverflow) {
+TEST(MinCut, LargestCapacitiesDoNotOverflowAndNoNodesHaveNoFlow) {
   constexpr uint32_t kLargest = std::numeric_limits<uint32_t>::max();
   Graph graph;
   graph.neighbors = {{1, kNone, kNone, kNone}, {0, kNone, kNone, kNone}};
@@ -295,13 +291,9 @@ TEST(MinCut, LargestCapacitiesDoNotOverflow) {
   const MinCut cut = graph.Cut();
   EXPECT_EQ(cut.flow, int64_t{kMaxCapacity});
   EXPECT_EQ(graph.Value(cut.on_source_side), cut.flow);
+  const MinCut none = Graph().Cut();
+  EXPECT_EQ(none.flow, 0);
+  EXPECT_TRUE(none.on_source_side.empty());
 }
 
-TEST(MinCut, EmptyGraph) {
-  const MinCut cut = Graph().Cut();
-  EXPECT_EQ(cut.flow, 0);
-  EXPECT_TRUE(cut.on_source_side.empty());
-}
-
-}  // namespace min_cut_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::min_cut_test

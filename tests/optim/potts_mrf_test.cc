@@ -1,6 +1,7 @@
 #include "optim/potts_mrf.h"
 
 #include <algorithm>
+#include <random>
 #include <ranges>
 #include <set>
 #include <span>
@@ -11,10 +12,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/optim/random_potts.h"
+#include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace potts_mrf_test {
+namespace colmap_ext::potts_mrf_test {
 
 // The least energy of a BinaryTree, from the leaves to the root.
 double LeastOfTree(const PottsProblem& problem) {
@@ -73,14 +74,6 @@ TEST(SolvePotts, ComesCloseToTheLeastEnergy) {
   EXPECT_GE(num_exact, 30);
 }
 
-TEST(SolvePotts, IsExactOnChains) {
-  for (uint32_t seed = 0; seed < 20; ++seed) {
-    const PottsProblem problem = RandomProblem(8, Chain(8), 4, 0.8, 0.6, seed);
-    const PottsSolution solution = SolvePotts(problem, 0, 50);
-    EXPECT_NEAR(solution.energy, BruteForce(problem), 1e-4) << seed;
-  }
-}
-
 TEST(SolvePotts, IsExactOnLargeTrees) {
   for (const double weight : {0.2, 1.0, 3.0}) {
     const PottsProblem problem =
@@ -95,8 +88,7 @@ TEST(SolvePotts, IsExactOnLargeTrees) {
 
 TEST(SolvePotts, IsWithinTwoPercentOnALargeWall) {
   for (const double weight : {0.1, 0.7, 3.0}) {
-    const PottsProblem problem = LargeWall(weight);
-    const PottsSolution solution = SolvePotts(problem);
+    const PottsSolution solution = SolvePotts(LargeWall(weight));
     EXPECT_LE(solution.energy, 1.02 * solution.lower_bound) << weight;
     EXPECT_LE(solution.energy, solution.initial_energy) << weight;
   }
@@ -124,21 +116,16 @@ TEST(SolvePotts, ReportsItsEnergies) {
   }
 }
 
-TEST(SolvePotts, TakesTheCheapestLabelsWhereNeighborsDoNotMatter) {
+TEST(SolvePotts, TakesTheCheapestLabelsOrOneWhereNeighborsAreNothingOrAll) {
   const PottsProblem problem = RandomProblem(200, Prism(100), 9, 0.5, 0, 3);
   const PottsSolution solution = SolvePotts(problem);
   EXPECT_NEAR(solution.energy, solution.initial_energy, 1e-4);
+  const PottsProblem tight = RandomProblem(200, Prism(100), 9, 1, 1e3, 3);
+  const PottsSolution one = SolvePotts(tight);
+  EXPECT_EQ(std::ranges::count(one.choices, one.choices[0]), 200);
 }
 
-TEST(SolvePotts, TakesOneLabelWhereNeighborsAreAll) {
-  const PottsProblem problem = RandomProblem(200, Prism(100), 9, 1, 1e3, 3);
-  const PottsSolution solution = SolvePotts(problem);
-  EXPECT_EQ(std::count(solution.choices.begin(), solution.choices.end(),
-                       solution.choices[0]),
-            200);
-}
-
-TEST(SolvePotts, LeavesNodesWithoutLabelsOut) {
+TEST(SolvePotts, LeavesNodesWithoutLabelsOutAndSolvesNothing) {
   PottsProblem problem;
   problem.neighbors = {{1, kNone, kNone}, {0, 2, kNone}, {1, kNone, kNone}};
   problem.offsets = {0, 2, 2, 3};
@@ -148,9 +135,8 @@ TEST(SolvePotts, LeavesNodesWithoutLabelsOut) {
   const PottsSolution solution = SolvePotts(problem);
   EXPECT_EQ(solution.choices, (std::vector<uint32_t>{0, kNone, 0}));
   EXPECT_DOUBLE_EQ(solution.energy, 4);
+  EXPECT_TRUE(SolvePotts({}).choices.empty());
 }
-
-TEST(SolvePotts, SolvesNothing) { EXPECT_TRUE(SolvePotts({}).choices.empty()); }
 
 // The least energy of all choices in which some nodes, a bit each, have taken
 // the label.
@@ -171,7 +157,7 @@ double LeastOfExpansions(const PottsProblem& problem, uint32_t label,
   return least;
 }
 
-TEST(ExpandLabels, IsExactForTwoLabels) {
+TEST(ExpandLabels, IsExactForTwoLabelsAndExpandsNothing) {
   for (uint32_t seed = 0; seed < 40; ++seed) {
     const PottsProblem problem =
         RandomProblem(10, Prism(5), 2, 1, 0.05 * seed, seed);
@@ -179,6 +165,11 @@ TEST(ExpandLabels, IsExactForTwoLabels) {
         ExpandLabels(problem, FirstChoices(problem));
     EXPECT_NEAR(PottsEnergy(problem, choices), BruteForce(problem), 1e-5);
   }
+  EXPECT_TRUE(ExpandLabels({}, {}).empty());
+  PottsProblem problem;
+  problem.offsets = {0, 0};
+  problem.neighbors = MakeNeighbors(1, {});
+  EXPECT_EQ(ExpandLabels(problem, {kNone}), std::vector<uint32_t>{kNone});
 }
 
 TEST(ExpandLabels, EndsWhereNoExpansionHelps) {
@@ -205,7 +196,7 @@ PottsProblem ManyBlocks() {
   return RandomProblem(90000, Wall(300), 4, 0.8, 0.5, 7);
 }
 
-TEST(ExpandLabels, ComesCloseToTheBoundInBlocks) {
+TEST(ExpandLabels, ComesCloseToTheBoundInBlocksWithAnyThreads) {
   const PottsProblem problem = ManyBlocks();
   const double bound = SolvePotts(problem).lower_bound;
   std::vector<uint32_t> choices = FirstChoices(problem);
@@ -213,20 +204,8 @@ TEST(ExpandLabels, ComesCloseToTheBoundInBlocks) {
   EXPECT_LT(PottsEnergy(problem, choices), 1.03 * bound);
   const std::vector<uint32_t> again = ExpandLabels(problem, choices);
   EXPECT_LE(PottsEnergy(problem, again), PottsEnergy(problem, choices) + 1e-3);
-}
-
-TEST(ExpandLabels, GivesTheSameWithAnyNumberOfThreads) {
-  const PottsProblem problem = ManyBlocks();
   ExpectSameForAnyThreads(
       [&] { return ExpandLabels(problem, FirstChoices(problem)); });
-}
-
-TEST(ExpandLabels, ExpandsNothing) {
-  EXPECT_TRUE(ExpandLabels({}, {}).empty());
-  PottsProblem problem;
-  problem.offsets = {0, 0};
-  problem.neighbors = MakeNeighbors(1, {});
-  EXPECT_EQ(ExpandLabels(problem, {kNone}), std::vector<uint32_t>{kNone});
 }
 
 // A wall of 2,500 nodes, most with more than 4 labels of 10.
@@ -275,8 +254,7 @@ TEST(AddFurtherLabels, GivesEachNodeLabelsOfItsOwn) {
       const std::set<uint32_t> labels = SetOf(sets[node]);
       EXPECT_EQ(labels.size(), std::min<size_t>(own.size(), count));
       EXPECT_EQ(labels.size(), sets[node].size());
-      EXPECT_TRUE(
-          std::includes(own.begin(), own.end(), labels.begin(), labels.end()));
+      EXPECT_TRUE(std::ranges::includes(own, labels));
       if (!own.empty()) {
         EXPECT_EQ(sets[node][0], chosen[node][0]);
       }
@@ -299,14 +277,13 @@ TEST(AddFurtherLabels, KeepsTheGivenOnesFirst) {
 
 TEST(AddFurtherLabels, TakesTheCheapestWhereNeighborsDoNotCount) {
   const PottsProblem problem = MakeProblem(0);
-  const LabelSets chosen = Choose(problem);
-  const LabelSets sets = AddFurtherLabels(problem, chosen, 4);
+  const LabelSets sets = AddFurtherLabels(problem, Choose(problem), 4);
   for (uint32_t node = 0; node < problem.NumNodes(); ++node) {
     std::vector<std::pair<float, uint32_t>> row;
     for (uint32_t i = 0; i < problem.NumLabels(node); ++i) {
       row.emplace_back(problem.Costs(node)[i], problem.Labels(node)[i]);
     }
-    std::sort(row.begin(), row.end());
+    std::ranges::sort(row);
     for (size_t i = 0; i < std::min<size_t>(row.size(), 4); ++i) {
       EXPECT_EQ(sets[node][i], row[i].second);
     }
@@ -328,5 +305,74 @@ TEST(AddFurtherLabels, DoesNotDependOnThreads) {
   ExpectSameForAnyThreads([&] { return AddFurtherLabels(problem, chosen, 4); });
 }
 
-}  // namespace potts_mrf_test
-}  // namespace colmap_ext
+// The graph, its nodes in the order of the sweep.
+Neighbors Sorted(uint32_t num_nodes, const Edges& edges) {
+  const std::vector<uint32_t> order =
+      SweepOrder(MakeNeighbors(num_nodes, edges));
+  std::vector<uint32_t> sorted = order;
+  std::ranges::sort(sorted);
+  std::vector<uint32_t> all = Iota(num_nodes);
+  EXPECT_EQ(sorted, all);
+  return MakeNeighbors(num_nodes, Renumber(edges, order));
+}
+
+// Nodes without a neighbor before them.
+uint32_t NumStarts(const Neighbors& neighbors) {
+  uint32_t num_starts = 0;
+  for (uint32_t i = 0; i < neighbors.size(); ++i) {
+    const auto& row = neighbors[i];
+    num_starts += std::ranges::min(row) > i ? 1 : 0;
+  }
+  return num_starts;
+}
+
+// Runs of nodes that are not neighbors, as few as there can be.
+uint32_t NumRuns(const Neighbors& neighbors) {
+  uint32_t num_runs = 1;
+  uint32_t first = 0;  // of the run
+  for (uint32_t i = 0; i < neighbors.size(); ++i) {
+    for (const uint32_t other : neighbors[i]) {
+      if (other >= first && other < i) {
+        first = i;
+        ++num_runs;
+      }
+    }
+  }
+  return num_runs;
+}
+
+// The edges of several such graphs of `size` nodes.
+Edges Copies(const Edges& edges, uint32_t size, uint32_t count) {
+  Edges copies;
+  for (uint32_t i = 0; i < count; ++i) {
+    for (const auto& [a, b] : edges) {
+      copies.push_back({i * size + a, i * size + b});
+    }
+  }
+  return copies;
+}
+
+// A wall in diagonals, to the far corner; neighbors of the same level apart;
+// and parts side by side.
+TEST(SweepOrder, StartsOnceAPartAndTakesFewRuns) {
+  for (const auto& [sorted, num_starts, max_runs] :
+       {std::tuple(Sorted(10000, Wall(100)), 1u, 299u),
+        {Sorted(202, Prism(101)), 1u, 2 * 52u},
+        {Sorted(800, Copies(Prism(4), 8, 100)), 100u, 8u}}) {
+    EXPECT_EQ(NumStarts(sorted), num_starts);
+    EXPECT_LE(NumRuns(sorted), max_runs);
+  }
+}
+
+TEST(SweepOrder, ReachesAllWhateverTheNumberingAndOrdersNothing) {
+  std::mt19937 random(5);
+  std::vector<uint32_t> order = Iota(2500);
+  std::shuffle(order.begin(), order.end(), random);
+  const Neighbors sorted = Sorted(2500, Renumber(Wall(50), order));
+  EXPECT_EQ(NumStarts(sorted), 1);
+  EXPECT_LE(NumRuns(sorted), 4 * 150);
+  EXPECT_TRUE(SweepOrder({}).empty());
+  EXPECT_EQ(NumRuns(Sorted(3, {})), 1);
+}
+
+}  // namespace colmap_ext::potts_mrf_test

@@ -18,8 +18,8 @@ using Neighbors = std::vector<std::array<uint32_t, 3>>;
 inline Neighbors MakeNeighbors(uint32_t num_nodes, const Edges& edges) {
   Neighbors neighbors(num_nodes, {kNone, kNone, kNone});
   for (const auto& [a, b] : edges) {
-    *std::find(neighbors[a].begin(), neighbors[a].end(), kNone) = b;
-    *std::find(neighbors[b].begin(), neighbors[b].end(), kNone) = a;
+    *std::ranges::find(neighbors[a], kNone) = b;
+    *std::ranges::find(neighbors[b], kNone) = a;
   }
   return neighbors;
 }
@@ -31,14 +31,6 @@ inline Edges Prism(uint32_t size) {
     edges.push_back({i, (i + 1) % size});
     edges.push_back({size + i, size + (i + 1) % size});
     edges.push_back({i, size + i});
-  }
-  return edges;
-}
-
-inline Edges Chain(uint32_t size) {
-  Edges edges;
-  for (uint32_t i = 0; i + 1 < size; ++i) {
-    edges.push_back({i, i + 1});
   }
   return edges;
 }

@@ -12,8 +12,7 @@
 #include "colmap_ext/options/viewer_options.h"
 #include "tests/texts.h"
 
-namespace colmap_ext {
-namespace options_test {
+namespace colmap_ext::options_test {
 
 // Fails unless the options are refused with a message that has the text.
 template <typename Options>
@@ -107,12 +106,13 @@ TEST(RefinerOptionsTest, ChoosesTheTrimming) {
   }
 }
 
-TEST(RefinerOptionsTest, RefusesImpossiblePaths) {
+TEST(RefinerOptionsTest, RefusesImpossiblePathsAndEvenWindows) {
   R none;
   ExpectRefused(&none, "--workspace_path is required");
   ExpectChangeRefused([](R* o) { o->input_path = "a"; }, "--output_path");
   ExpectChangeRefused([](R* o) { o->report_path = "a.svg"; }, "--report_path");
   ExpectChangeRefused([](R* o) { o->labels_path = "a.png"; }, "--labels_path");
+  ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
 }
 
 TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
@@ -128,11 +128,7 @@ TEST(RefinerOptionsTest, NamesTheReportsFilesAlike) {
   EXPECT_EQ(options.StepsPath(), "steps.txt");
 }
 
-TEST(RefinerOptionsTest, WindowsAreOdd) {
-  ExpectChangeRefused([](R* o) { o->window = 4; }, "window must be odd");
-}
-
-TEST(MesherOptionsTest, ChecksItsOptions) {
+TEST(MesherOptionsTest, ChecksItsOptionsAndConvertsOldOnes) {
   MesherOptions options;
   ExpectRefused(&options, "--workspace_path or --input_path");
   options.input_path = "in";
@@ -143,22 +139,19 @@ TEST(MesherOptionsTest, ChecksItsOptions) {
   options.workspace.input_type = InputType::kSparse;
   options.workspace.fused_path = "fused.ply";
   ExpectRefused(&options, "--fused_path is for dense input");
-}
-
-TEST(MesherOptionsTest, ConvertsOldOptions) {
-  MesherOptions options;
-  options.workspace_path = "workspace";
-  options.old_alpha_kind = ObservationWeight::kConstant;
-  options.old_half_pixel_calibration = false;
-  options.Finish();
-  EXPECT_EQ(options.meshing.alpha_kind, ObservationWeight::kConstant);
-  EXPECT_EQ(options.meshing.alpha_vis, 1);
-  EXPECT_EQ(options.half_pixel, HalfPixelCorrection::kFull);
-  options.alpha_vis = 0.5;
-  options.half_pixel = HalfPixelCorrection::kOff;
-  options.Finish();
-  EXPECT_EQ(options.meshing.alpha_vis, 0.5);
-  EXPECT_EQ(options.half_pixel, HalfPixelCorrection::kOff);
+  MesherOptions old;
+  old.workspace_path = "workspace";
+  old.old_alpha_kind = ObservationWeight::kConstant;
+  old.old_half_pixel_calibration = false;
+  old.Finish();
+  EXPECT_EQ(old.meshing.alpha_kind, ObservationWeight::kConstant);
+  EXPECT_EQ(old.meshing.alpha_vis, 1);
+  EXPECT_EQ(old.half_pixel, HalfPixelCorrection::kFull);
+  old.alpha_vis = 0.5;
+  old.half_pixel = HalfPixelCorrection::kOff;
+  old.Finish();
+  EXPECT_EQ(old.meshing.alpha_vis, 0.5);
+  EXPECT_EQ(old.half_pixel, HalfPixelCorrection::kOff);
 }
 
 TEST(EvaluatorOptionsTest, ChecksItsOptions) {
@@ -198,5 +191,4 @@ TEST(ViewerOptionsTest, ACenterIsTwoFiniteNumbers) {
   }
 }
 
-}  // namespace options_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::options_test

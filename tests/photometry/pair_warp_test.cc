@@ -9,10 +9,10 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/raster/pixels.h"
 #include "tests/refine/depth_range.h"
 
-namespace colmap_ext {
-namespace pair_warp_test {
+namespace colmap_ext::pair_warp_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -22,28 +22,25 @@ using Eigen::Vector3f;
 GrayImage Paint(const View& view, const TriangleMesh& mesh) {
   const Bvh bvh(mesh);
   GrayImage image{view.width, view.height, {}};
-  for (int row = 0; row < view.height; ++row) {
-    for (int col = 0; col < view.width; ++col) {
-      RayPacket rays;
-      rays.origin = view.Center().cast<float>();
-      for (int i = 0; i < 4; ++i) {
-        rays.SetDirection(i, RayDirection(view, col + 0.5, row + 0.5));
-      }
-      const HitPacket hits = bvh.Intersect(rays);
-      if (hits.facet[0] < 0) {
-        image.pixels.push_back(0);
-        continue;
-      }
-      const Vector3d point =
-          view.Center() +
-          hits.distance[0] *
-              RayDirection(view, col + 0.5, row + 0.5).cast<double>();
-      const double wave = std::sin(9 * point.x() + 2 * point.z()) +
-                          std::cos(8 * point.y() - 3 * point.z());
-      image.pixels.push_back(
-          static_cast<uint8_t>(std::lround(127 + 60 * wave)));
+  ForEachPixel(view, [&](int row, int col) {
+    RayPacket rays;
+    rays.origin = view.Center().cast<float>();
+    for (int i = 0; i < 4; ++i) {
+      rays.SetDirection(i, RayDirection(view, col + 0.5, row + 0.5));
     }
-  }
+    const HitPacket hits = bvh.Intersect(rays);
+    if (hits.facet[0] < 0) {
+      image.pixels.push_back(0);
+      return;
+    }
+    const Vector3d point =
+        view.Center() +
+        hits.distance[0] *
+            RayDirection(view, col + 0.5, row + 0.5).cast<double>();
+    const double wave = std::sin(9 * point.x() + 2 * point.z()) +
+                        std::cos(8 * point.y() - 3 * point.z());
+    image.pixels.push_back(static_cast<uint8_t>(std::lround(127 + 60 * wave)));
+  });
   return image;
 }
 
@@ -79,7 +76,7 @@ Warped Compute(const PairWarp& warp, int first_row, int first_col, int height,
                int width) {
   Warped warped;
   warped.tile.Resize(width, height);
-  std::fill(warped.tile.is_reached.begin(), warped.tile.is_reached.end(), 1);
+  std::ranges::fill(warped.tile.is_reached, 1);
   warped.geometry.first_row = first_row;
   warped.geometry.first_col = first_col;
   warp.Compute(&warped.tile, &warped.geometry);
@@ -96,16 +93,16 @@ Warped Compute(const WarpScene& scene, int i, int j) {
 // part of it, not the same one from both views.
 WarpScene MakeScene() {
   Random random(1);
-  TriangleMesh sheet = MakeJitteredSquare(12, &random);
-  for (Vector3f& vertex : sheet.vertices) {
-    vertex = 2 * vertex - Vector3f(1, 1, 0);
-    vertex.z() = 0.1f * std::sin(3 * vertex.x()) * std::cos(2 * vertex.y());
-  }
-  TriangleMesh lid = MakeSheet(2, 2);
-  for (Vector3f& vertex : lid.vertices) {
-    vertex = 0.2f * (vertex - Vector3f(1, 1, 0)) + Vector3f(0, 0, 0.6f);
-  }
-  return {Union(sheet, lid), LookAt({-0.6, 0.1, 3}, {0, 0, 0}, 130, 110, 190),
+  const auto sheet = [](const Vector3f& p) -> Vector3f {
+    const Vector3f at = 2 * p - Vector3f(1, 1, 0);
+    return {at.x(), at.y(), 0.1f * std::sin(3 * at.x()) * std::cos(2 * at.y())};
+  };
+  const auto lid = [](const Vector3f& p) -> Vector3f {
+    return 0.2f * (p - Vector3f(1, 1, 0)) + Vector3f(0, 0, 0.6f);
+  };
+  return {Union(Moved(MakeJitteredSquare(12, &random), sheet),
+                Moved(MakeSheet(2, 2), lid)),
+          LookAt({-0.6, 0.1, 3}, {0, 0, 0}, 130, 110, 190),
           LookAt({0.7, -0.2, 3.2}, {0.1, 0, 0}, 120, 100, 170)};
 }
 
@@ -125,22 +122,20 @@ TEST(PairWarp, FindsWhereOnTheirFacetsPixelsLie) {
   const WarpScene scene = MakeScene();
   const Warped warped = Compute(scene, 0, 1);
   size_t num_compared = 0;
-  for (int row = 0; row < warped.tile.height; ++row) {
-    for (int col = 0; col < warped.tile.width; ++col) {
-      const size_t at = warped.tile.Index(row, col);
-      const uint32_t facet = warped.geometry.facets[at];
-      if (facet == kNone) {
-        continue;
-      }
-      ++num_compared;
-      const Vector3d expected = scene.Frame(facet).Barycentric(
-          PointAt(scene.views[0], scene.Frame(facet), row, col));
-      for (int k = 0; k < 3; ++k) {
-        EXPECT_NEAR(warped.geometry.barycentric[at][k], expected[k], 1e-6);
-        EXPECT_GT(warped.geometry.barycentric[at][k], -0.02);
-      }
+  ForEachPixel(warped.tile, [&](int row, int col) {
+    const size_t at = warped.tile.Index(row, col);
+    const uint32_t facet = warped.geometry.facets[at];
+    if (facet == kNone) {
+      return;
     }
-  }
+    ++num_compared;
+    const Vector3d expected = scene.Frame(facet).Barycentric(
+        PointAt(scene.views[0], scene.Frame(facet), row, col));
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(warped.geometry.barycentric[at][k], expected[k], 1e-6);
+      EXPECT_GT(warped.geometry.barycentric[at][k], -0.02);
+    }
+  });
   EXPECT_GT(num_compared, 0.4 * warped.tile.image.size());
 }
 
@@ -151,31 +146,29 @@ TEST(PairWarp, OfTheTrueSurfaceShowsTheSame) {
     const View& view_j = scene.views[1 - i];
     const Warped warped = Compute(scene, i, 1 - i);
     size_t num_compared = 0;
-    for (int row = 0; row < warped.tile.height; ++row) {
-      for (int col = 0; col < warped.tile.width; ++col) {
-        const size_t at = warped.tile.Index(row, col);
-        if (warped.tile.is_valid[at] == 0) {
-          EXPECT_EQ(warped.geometry.facets[at], kNone);
-          EXPECT_EQ(warped.geometry.motion[at], 0);
-          continue;
-        }
-        const uint32_t facet = scene.drawn[i].facets[at];
-        EXPECT_EQ(warped.geometry.facets[at], facet);
-        EXPECT_EQ(warped.tile.image[at], scene.images[i].pixels[at]);
-        EXPECT_EQ(warped.tile.inverse_depths[at],
-                  scene.drawn[i].inverse_depths[at]);
-        const Vector3d point =
-            PointAt(scene.views[i], scene.Frame(facet), row, col);
-        const double depth = view_j.CamFromWorld(point).z();
-        const DepthRange around =
-            DepthsAround(bvh, view_j, SeenAt(view_j, point), 2.5);
-        // Beside a border both sides are mixed.
-        if (around.nearest > depth - 0.1 && around.farthest < depth + 0.1) {
-          ++num_compared;
-          EXPECT_NEAR(warped.tile.warped[at], warped.tile.image[at], 1.5);
-        }
+    ForEachPixel(warped.tile, [&](int row, int col) {
+      const size_t at = warped.tile.Index(row, col);
+      if (warped.tile.is_valid[at] == 0) {
+        EXPECT_EQ(warped.geometry.facets[at], kNone);
+        EXPECT_EQ(warped.geometry.motion[at], 0);
+        return;
       }
-    }
+      const uint32_t facet = scene.drawn[i].facets[at];
+      EXPECT_EQ(warped.geometry.facets[at], facet);
+      EXPECT_EQ(warped.tile.image[at], scene.images[i].pixels[at]);
+      EXPECT_EQ(warped.tile.inverse_depths[at],
+                scene.drawn[i].inverse_depths[at]);
+      const Vector3d point =
+          PointAt(scene.views[i], scene.Frame(facet), row, col);
+      const double depth = view_j.CamFromWorld(point).z();
+      const DepthRange around =
+          DepthsAround(bvh, view_j, SeenAt(view_j, point), 2.5);
+      // Beside a border both sides are mixed.
+      if (around.nearest > depth - 0.1 && around.farthest < depth + 0.1) {
+        ++num_compared;
+        EXPECT_NEAR(warped.tile.warped[at], warped.tile.image[at], 1.5);
+      }
+    });
     EXPECT_GT(num_compared, 0.4 * warped.tile.image.size());
   }
 }
@@ -188,35 +181,33 @@ TEST(PairWarp, IsValidWhereBothViewsSeeTheFacet) {
     const Warped warped = Compute(scene, i, j);
     int num_outside = 0;
     int num_hidden = 0;
-    for (int row = 0; row < warped.tile.height; ++row) {
-      for (int col = 0; col < warped.tile.width; ++col) {
-        const size_t at = warped.tile.Index(row, col);
-        const bool is_valid = warped.tile.is_valid[at] > 0;
-        const uint32_t facet = scene.drawn[i].facets[at];
-        if (facet == kNone) {
-          EXPECT_FALSE(is_valid);
-          continue;
-        }
-        const Vector3d point =
-            PointAt(scene.views[i], scene.Frame(facet), row, col);
-        const Vector2d pixel = SeenAt(scene.views[j], point);
-        if (!(pixel.minCoeff() >= 0.5 &&
-              pixel.x() <= scene.views[j].width - 0.5 &&
-              pixel.y() <= scene.views[j].height - 0.5)) {
-          ++num_outside;
-          EXPECT_FALSE(is_valid);
-          continue;
-        }
-        const double depth = scene.views[j].CamFromWorld(point).z();
-        const DepthRange first = DepthsAround(bvh, scene.views[j], pixel);
-        if (first.nearest > depth - 0.15) {
-          EXPECT_TRUE(is_valid);
-        } else if (first.farthest < depth - 0.3) {
-          ++num_hidden;
-          EXPECT_FALSE(is_valid);
-        }
+    ForEachPixel(warped.tile, [&](int row, int col) {
+      const size_t at = warped.tile.Index(row, col);
+      const bool is_valid = warped.tile.is_valid[at] > 0;
+      const uint32_t facet = scene.drawn[i].facets[at];
+      if (facet == kNone) {
+        EXPECT_FALSE(is_valid);
+        return;
       }
-    }
+      const Vector3d point =
+          PointAt(scene.views[i], scene.Frame(facet), row, col);
+      const Vector2d pixel = SeenAt(scene.views[j], point);
+      if (!(pixel.minCoeff() >= 0.5 &&
+            pixel.x() <= scene.views[j].width - 0.5 &&
+            pixel.y() <= scene.views[j].height - 0.5)) {
+        ++num_outside;
+        EXPECT_FALSE(is_valid);
+        return;
+      }
+      const double depth = scene.views[j].CamFromWorld(point).z();
+      const DepthRange first = DepthsAround(bvh, scene.views[j], pixel);
+      if (first.nearest > depth - 0.15) {
+        EXPECT_TRUE(is_valid);
+      } else if (first.farthest < depth - 0.3) {
+        ++num_hidden;
+        EXPECT_FALSE(is_valid);
+      }
+    });
     EXPECT_GT(num_outside, 50);
     EXPECT_GT(num_hidden, 50);
   }
@@ -259,15 +250,9 @@ TEST(PairWarp, IsNotValidOnFacetsThatTurnAway) {
 
 // The same facets, each with vertices of its own.
 TriangleMesh Apart(const TriangleMesh& mesh) {
-  TriangleMesh apart;
-  for (const Facet& facet : mesh.facets) {
-    const auto first = static_cast<uint32_t>(apart.vertices.size());
-    for (const uint32_t vertex : facet) {
-      apart.vertices.push_back(mesh.vertices[vertex]);
-    }
-    apart.facets.push_back({first, first + 1, first + 2});
-  }
-  return apart;
+  return MakeTriangles(mesh.facets.size(), [&](uint32_t i, int k) {
+    return mesh.vertices[mesh.facets[i][k]];
+  });
 }
 
 // What is drawn stays, the facets move along their normals.
@@ -308,10 +293,7 @@ TEST(PairWarp, TellsHowImagesChangeAsTheSurfaceMoves) {
 // At the origin, and shifted, without rotation: before a plane at a depth of 2
 // every pixel moves by the same fraction.
 TEST(PairWarp, InterpolatesParabolasExactly) {
-  View view;
-  view.width = view.height = 20;
-  view.fx = view.fy = 30;
-  view.cx = view.cy = 10;
+  const View view{"", 20, 20, 30, 30, 10, 10};
   View shifted = view;
   shifted.cam_from_world_translation = {0.15, -0.1, 0};
   const TriangleMesh plane = {{{-9, -9, 2}, {-9, 20, 2}, {20, -9, 2}},
@@ -414,5 +396,4 @@ TEST(PairWarp, LeavesOutWhatNoWindowReaches) {
   }
 }
 
-}  // namespace pair_warp_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::pair_warp_test

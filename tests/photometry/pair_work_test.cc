@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -10,9 +9,9 @@
 #include "base/lru_cache.h"
 #include "tests/peak_memory.h"
 #include "tests/random.h"
+#include "tests/raster/pixels.h"
 
-namespace colmap_ext {
-namespace pair_work_test {
+namespace colmap_ext::pair_work_test {
 
 constexpr uint32_t kNumViews = 4;
 
@@ -74,7 +73,7 @@ FacetIdBuffer RandomBuffer(int width, int height, uint32_t num_facets,
   return buffer;
 }
 
-TEST(GroupByDirection, TurnsTheLabelsRound) {
+TEST(GroupByDirection, TurnsTheLabelsRoundInBothUnlessToldOtherwise) {
   Random random(1);
   for (const uint32_t num_facets : {0u, 1u, 5u, 300u}) {
     const FacetLabels labels = RandomLabels(num_facets, &random);
@@ -91,10 +90,6 @@ TEST(GroupByDirection, TurnsTheLabelsRound) {
       EXPECT_EQ(std::vector<uint32_t>(facets.begin(), facets.end()), expected);
     }
   }
-}
-
-TEST(GroupByDirection, TakesBothUnlessToldOtherwise) {
-  Random random(2);
   FacetLabels labels = RandomLabels(40, &random);
   std::ranges::fill(labels.directions, kBothDirections);
   const Rows<uint32_t> told = GroupByDirection(labels);
@@ -108,26 +103,24 @@ using Squares = std::map<std::pair<int, int>, std::array<int, 4>>;
 Squares ExpectedSquares(const FacetIdBuffer& drawn, const FacetLabels& labels,
                         uint32_t direction) {
   Squares squares;
-  for (int row = 0; row < drawn.height; ++row) {
-    for (int col = 0; col < drawn.width; ++col) {
-      const uint32_t facet = drawn.facets[drawn.Index(row, col)];
-      if (facet == kNone) {
-        continue;
-      }
-      if (!IsCompared(labels, facet, direction)) {
-        continue;
-      }
-      auto& [first_row, last_row, first_col, last_col] =
-          squares
-              .try_emplace({row / kTileSize, col / kTileSize},
-                           std::array<int, 4>{row, row, col, col})
-              .first->second;
-      first_row = std::min(first_row, row);
-      last_row = std::max(last_row, row);
-      first_col = std::min(first_col, col);
-      last_col = std::max(last_col, col);
+  ForEachPixel(drawn, [&](int row, int col) {
+    const uint32_t facet = drawn.facets[drawn.Index(row, col)];
+    if (facet == kNone) {
+      return;
     }
-  }
+    if (!IsCompared(labels, facet, direction)) {
+      return;
+    }
+    auto& [first_row, last_row, first_col, last_col] =
+        squares
+            .try_emplace({row / kTileSize, col / kTileSize},
+                         std::array<int, 4>{row, row, col, col})
+            .first->second;
+    first_row = std::min(first_row, row);
+    last_row = std::max(last_row, row);
+    first_col = std::min(first_col, col);
+    last_col = std::max(last_col, col);
+  });
   return squares;
 }
 
@@ -237,9 +230,7 @@ Partners Grid(uint32_t side) {
 }
 
 Partners Shuffled(const Partners& partners, Random* random) {
-  std::vector<uint32_t> names(partners.size());
-  std::iota(names.begin(), names.end(), 0);
-  random->Shuffle(&names);
+  const std::vector<uint32_t> names = random->Permutation(partners.size());
   Partners shuffled(partners.size());
   for (size_t i = 0; i < partners.size(); ++i) {
     for (const uint32_t partner : partners[i]) {
@@ -287,9 +278,8 @@ TEST(OrderByPartners, HasEachViewOnce) {
       partners[k].erase(k);
     }
     std::vector<uint32_t> order = OrderByPartners(RowsOf(partners));
-    std::sort(order.begin(), order.end());
-    std::vector<uint32_t> all(partners.size());
-    std::iota(all.begin(), all.end(), 0);
+    std::ranges::sort(order);
+    std::vector<uint32_t> all = Iota(partners.size());
     EXPECT_EQ(order, all);
   }
 }
@@ -309,5 +299,4 @@ TEST(OrderByPartners, ReadsFewViewsTwice) {
   }
 }
 
-}  // namespace pair_work_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::pair_work_test

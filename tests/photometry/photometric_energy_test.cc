@@ -11,10 +11,12 @@
 #include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
 #include "raster/visibility_buffers.h"
+#include "tests/random.h"
 #include "tests/refine/refinement_scene.h"
 
-namespace colmap_ext {
-namespace photometric_energy_test {
+namespace colmap_ext::photometric_energy_test {
+
+using Eigen::Vector3d;
 
 const RefinementScene& Scene() {
   static const RefinementScene scene = MakeRefinementScene();
@@ -23,8 +25,7 @@ const RefinementScene& Scene() {
 
 // As most tests compare it: the truth moved by noise, each facet by all of some
 // pairs.
-class CpuPhotometricEnergyTest : public testing::Test {
- protected:
+struct CpuPhotometricEnergyTest : testing::Test {
   FacetLabels Label(const std::vector<ViewPair>& pairs) const {
     return LabelAll(pairs, mesh_.facets.size());
   }
@@ -56,11 +57,10 @@ class CpuPhotometricEnergyTest : public testing::Test {
 };
 
 // dE / dV, [V].
-std::vector<Eigen::Vector3d> Gradient(const TriangleMesh& mesh,
-                                      const PhotometricTerms& terms) {
+std::vector<Vector3d> Gradient(const TriangleMesh& mesh,
+                               const PhotometricTerms& terms) {
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
-  std::vector<Eigen::Vector3d> gradient(mesh.vertices.size(),
-                                        Eigen::Vector3d::Zero());
+  std::vector<Vector3d> gradient(mesh.vertices.size(), Vector3d::Zero());
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       gradient[mesh.facets[i][k]] +=
@@ -70,11 +70,10 @@ std::vector<Eigen::Vector3d> Gradient(const TriangleMesh& mesh,
   return gradient;
 }
 
-Eigen::Vector3d NumericGradient(const TriangleMesh& mesh, uint32_t vertex,
-                                const FacetLabels& labels,
-                                PhotometricEnergy* energy) {
+Vector3d NumericGradient(const TriangleMesh& mesh, uint32_t vertex,
+                         const FacetLabels& labels, PhotometricEnergy* energy) {
   const float step = 0.01F * Scene().dense.scene.footprint;
-  Eigen::Vector3d gradient;
+  Vector3d gradient;
   for (int axis = 0; axis < 3; ++axis) {
     TriangleMesh moved = mesh;
     moved.vertices[vertex][axis] += step;
@@ -97,11 +96,10 @@ void CpuPhotometricEnergyTest::ExpectGradient(
       MakeCpuPhotometricEnergy(options, Scene().Pyramid(), SIZE_MAX);
   energy->Render(mesh_);
   const FacetLabels labels = Label(pairs);
-  const std::vector<Eigen::Vector3d> gradient =
+  const std::vector<Vector3d> gradient =
       Gradient(mesh_, energy->Evaluate(mesh_, labels));
-  std::vector<uint32_t> order(mesh_.vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+  std::vector<uint32_t> order = Iota(mesh_.vertices.size());
+  std::ranges::sort(order, [&](uint32_t a, uint32_t b) {
     return gradient[a].norm() > gradient[b].norm();
   });
   size_t num_steep = 0;
@@ -112,7 +110,7 @@ void CpuPhotometricEnergyTest::ExpectGradient(
   std::vector<double> ratios;
   for (int i = 0; i < kNumVertices; ++i) {
     const uint32_t vertex = order[i * num_steep / kNumVertices];
-    const Eigen::Vector3d numeric =
+    const Vector3d numeric =
         NumericGradient(mesh_, vertex, labels, energy.get());
     EXPECT_GT(numeric.dot(gradient[vertex]),
               0.99 * numeric.norm() * gradient[vertex].norm())
@@ -122,7 +120,7 @@ void CpuPhotometricEnergyTest::ExpectGradient(
   }
   // Within 2 % but for one vertex, whose difference quotient may run over the
   // border between two pixels.
-  std::sort(ratios.begin(), ratios.end(), [](double a, double b) {
+  std::ranges::sort(ratios, [](double a, double b) {
     return std::abs(a - 1) < std::abs(b - 1);
   });
   EXPECT_NEAR(ratios[kNumVertices - 2], 1, 0.02);
@@ -196,9 +194,8 @@ TEST_F(CpuPhotometricEnergyTest, SaysNothingOfHiddenFacets) {
   const View& view = Scene().Views()[1];
   const Eigen::Matrix3d to_world = view.cam_from_world_rotation.transpose();
   const auto first = static_cast<uint32_t>(mesh.vertices.size());
-  for (const Eigen::Vector3d& corner :
-       {Eigen::Vector3d(-9, -9, 1), Eigen::Vector3d(20, -9, 1),
-        Eigen::Vector3d(-9, 20, 1)}) {
+  for (const Vector3d& corner :
+       {Vector3d(-9, -9, 1), Vector3d(20, -9, 1), Vector3d(-9, 20, 1)}) {
     mesh.vertices.push_back(
         (view.Center() + to_world * (0.1 * corner)).cast<float>());
   }
@@ -369,8 +366,7 @@ TEST_F(CpuPhotometricEnergyTest, MaskedPixelsAreNotCompared) {
   const FacetLabels labels = Label({{0, 1}});
   const PhotometricTerms whole = Evaluate(mesh_, labels);
   const PhotometricTerms masked = Evaluate(mesh_, labels, MaskedPyramid(false));
-  const PhotometricTerms painted = Evaluate(mesh_, labels, MaskedPyramid(true));
-  EXPECT_TRUE(masked == painted);
+  EXPECT_TRUE(masked == Evaluate(mesh_, labels, MaskedPyramid(true)));
   double num_whole = 0;
   double num_masked = 0;
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
@@ -423,5 +419,4 @@ TEST_F(CpuPhotometricEnergyTest, ComparesWallsThatReachBehindTheCameras) {
   EXPECT_GT(num_pixels, 1000);
 }
 
-}  // namespace photometric_energy_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::photometric_energy_test

@@ -8,8 +8,7 @@
 #include "scene/view.h"
 #include "tests/random.h"
 
-namespace colmap_ext {
-namespace pictures_test {
+namespace colmap_ext::pictures_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -44,7 +43,7 @@ size_t NumDrawn(const ColorImage& image) {
   return image.pixels.size() - std::ranges::count(image.pixels, kWhite);
 }
 
-TEST(DrawPoints, HasTheNearerOfTwoPointsOnTop) {
+TEST(DrawPoints, HasTheNearerPointOnTopAndCutsOthersAtTheBorder) {
   const PointCloud cloud = {
       {{0, 0, 0}, {0, 0, -1}}, {{10, 20, 30}, {200, 0, 0}}, {}};
   const ColorImage front = DrawPoints(cloud, ViewFrom(3), 2);
@@ -52,11 +51,8 @@ TEST(DrawPoints, HasTheNearerOfTwoPointsOnTop) {
   EXPECT_EQ(NumDrawn(front), 4);
   EXPECT_EQ(front.At(24, 32), (Color{10, 20, 30}));
   EXPECT_EQ(back.At(24, 32), (Color{200, 0, 0}));
-}
-
-TEST(DrawPoints, CutsPointsAtTheBorderAndLeavesOutOthers) {
-  const PointCloud cloud = {{{1, 0, 0}, {0, 0, 9}, {1e30f, 0, 0}}, {}, {}};
-  EXPECT_EQ(NumDrawn(DrawPoints(cloud, ViewFrom(3), 4)), 8)
+  const PointCloud others = {{{1, 0, 0}, {0, 0, 9}, {1e30f, 0, 0}}, {}, {}};
+  EXPECT_EQ(NumDrawn(DrawPoints(others, ViewFrom(3), 4)), 8)
       << "half of the square of the first";
   EXPECT_EQ(NumDrawn(DrawPoints({}, ViewFrom(3), 4)), 0);
 }
@@ -101,14 +97,6 @@ TEST(RenderMesh, TellsWhereTheRayHits) {
     EXPECT_LE(hit.light, 1);
     return {0, 0, 0};
   });
-}
-
-TEST(VertexColors, InterpolateWithoutShades) {
-  const TriangleMesh mesh = Square();
-  const std::vector<Color> colors(4, {10, 20, 30});
-  const FrontColor front = VertexColors(mesh, colors, 0);
-  EXPECT_EQ(Middle(RenderMesh(mesh, ViewFrom(3), front)), (Color{10, 20, 30}));
-  EXPECT_TRUE(IsRed(Middle(RenderMesh(mesh, ViewFrom(-3), front))));
 }
 
 TEST(LabelColors, AreShaded) {
@@ -195,15 +183,12 @@ std::vector<View> ViewsAt(const std::vector<double>& places) {
   return views;
 }
 
-TEST(SpreadViews, AreFarApartOfThoseThatSeeMuch) {
+TEST(SpreadViews, AreFarApartOfThoseThatSeeMuchOrFew) {
   const std::vector<View> views = ViewsAt({0, 1, 2, 3, 4, 50});
   const std::vector<size_t> num_seen = {5, 5, 9, 5, 6, 4};
   EXPECT_EQ(SpreadViews(views, num_seen, 1), (std::vector<size_t>{2}));
   EXPECT_EQ(SpreadViews(views, num_seen, 3), (std::vector<size_t>{2, 0, 4}));
   EXPECT_EQ(SpreadViews(views, num_seen, 9).size(), 5);
-}
-
-TEST(SpreadViews, DoWithFewViews) {
   EXPECT_TRUE(SpreadViews({}, {}, 3).empty());
   EXPECT_TRUE(SpreadViews(ViewsAt({0, 1}), {0, 0}, 3).empty());
   EXPECT_EQ(SpreadViews(ViewsAt({0, 1}), {0, 7}, 3), (std::vector<size_t>{1}));
@@ -212,5 +197,4 @@ TEST(SpreadViews, DoWithFewViews) {
       << "all at one place";
 }
 
-}  // namespace pictures_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::pictures_test

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <tuple>
 
 #include <gtest/gtest.h>
@@ -16,11 +15,12 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 #include "tests/peak_memory.h"
+#include "tests/random.h"
+#include "tests/raster/pixels.h"
 #include "tests/raster/room.h"
 #include "tests/refine/depth_range.h"
 
-namespace colmap_ext {
-namespace facet_id_buffer_test {
+namespace colmap_ext::facet_id_buffer_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -91,7 +91,7 @@ Hit Cast(const View& view, const TriangleMesh& mesh, int row, int col) {
     }
   }
   if (!hits.empty()) {
-    std::sort(hits.rbegin(), hits.rend());
+    std::ranges::sort(hits, std::greater());
     std::tie(hit.inverse_depth, hit.facet) = hits[0];
     hit.is_clear &= hits.size() < 2 || hits[1].first < 0.99 * hits[0].first;
   }
@@ -104,38 +104,33 @@ void ExpectAsCast(const View& view, const TriangleMesh& mesh) {
   ASSERT_EQ(drawn.height, view.height);
   int num_clear = 0;
   int num_hits = 0;
-  for (int row = 0; row < view.height; ++row) {
-    for (int col = 0; col < view.width; ++col) {
-      const Hit hit = Cast(view, mesh, row, col);
-      const size_t i = drawn.Index(row, col);
-      EXPECT_EQ(drawn.facets[i] == kNone, drawn.inverse_depths[i] == 0);
-      if (hit.is_clear) {
-        ++num_clear;
-        num_hits += hit.facet != kNone;
-        EXPECT_EQ(drawn.facets[i], hit.facet) << row << " " << col;
-        EXPECT_NEAR(drawn.inverse_depths[i], hit.inverse_depth,
-                    0.01 * hit.inverse_depth);
-      }
+  ForEachPixel(view, [&](int row, int col) {
+    const Hit hit = Cast(view, mesh, row, col);
+    const size_t i = drawn.Index(row, col);
+    EXPECT_EQ(drawn.facets[i] == kNone, drawn.inverse_depths[i] == 0);
+    if (hit.is_clear) {
+      ++num_clear;
+      num_hits += hit.facet != kNone;
+      EXPECT_EQ(drawn.facets[i], hit.facet) << row << " " << col;
+      EXPECT_NEAR(drawn.inverse_depths[i], hit.inverse_depth,
+                  0.01 * hit.inverse_depth);
     }
-  }
+  });
   EXPECT_GT(num_clear, 0.7 * view.width * view.height);
   EXPECT_GT(num_hits, 0.3 * view.width * view.height);
 }
 
-TEST(DrawFacets, ShowsWhatRaysMeetFirst) {
+TEST(DrawFacets, ShowsWhatRaysMeetFirstAlsoOfARoom) {
   Random random(1);
   for (int trial = 0; trial < 5; ++trial) {
     ExpectAsCast(StraightView(), RandomTriangles(20, &random));
   }
   ExpectAsCast(LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 90),
                MakeRoundTorus(0.3f));
-}
-
-TEST(DrawFacets, ShowsWhatRaysMeetFirstOfARoom) {
   for (const View& view : RoomViews()) {
     ExpectAsCast(view, MakeRoom());
     const FacetIdBuffer drawn = DrawFacets(view, MakeRoom(), 0.1);
-    EXPECT_EQ(std::count(drawn.facets.begin(), drawn.facets.end(), kNone), 0);
+    EXPECT_EQ(std::ranges::count(drawn.facets, kNone), 0);
     EXPECT_GT(drawn.clipped.size(), 0);
     EXPECT_EQ(drawn.clipped, FindClippedFacets(view, MakeRoom()));
     for (const uint32_t facet : drawn.clipped) {
@@ -148,16 +143,9 @@ TEST(DrawFacets, ShowsWhatRaysMeetFirstOfARoom) {
 TEST(DrawFacets, ShowsWhatRaysMeetFirstWhereFacetsReachBehind) {
   Random random(8);
   for (int trial = 0; trial < 5; ++trial) {
-    TriangleMesh mesh;
-    for (uint32_t i = 0; i < 40; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        mesh.vertices.push_back(
-            (6 * Vector3d(random.Unit(), random.Unit(), random.Unit()) -
-             Vector3d::Constant(3))
-                .cast<float>());
-      }
-      mesh.facets.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-    }
+    const TriangleMesh mesh = MakeTriangles(40, [&](uint32_t, int) -> Vector3f {
+      return 6 * RandomPoint(&random).array() - 3;
+    });
     ExpectAsCast(StraightView(), mesh);
     EXPECT_GT(FindClippedFacets(StraightView(), mesh).size(), 2);
   }
@@ -168,8 +156,7 @@ TEST(DrawFacets, LetsTheNearestWinInWhateverOrder) {
   const TriangleMesh mesh = RandomTriangles(40, &random);
   const View view = StraightView();
   const FacetIdBuffer expected = DrawFacets(view, mesh, 0.1);
-  std::vector<uint32_t> order(mesh.facets.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<uint32_t> order = Iota(mesh.facets.size());
   for (int trial = 0; trial < 5; ++trial) {
     random.Shuffle(&order);
     TriangleMesh shuffled = mesh;
@@ -193,8 +180,7 @@ TEST(DrawFacets, LetsTheFirstOfEqualFacetsWin) {
   TriangleMesh mesh = RandomTriangles(10, &random);
   const FacetIdBuffer expected = DrawFacets(StraightView(), mesh, 0.1);
   mesh.facets.insert(mesh.facets.end(), mesh.facets.begin(), mesh.facets.end());
-  const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0.1);
-  EXPECT_EQ(drawn.facets, expected.facets);
+  EXPECT_EQ(DrawFacets(StraightView(), mesh, 0.1).facets, expected.facets);
 }
 
 // No pixel is drawn by two facets of a mesh that hides nothing of itself.
@@ -210,14 +196,12 @@ void ExpectCoveredOnce(const View& view, const TriangleMesh& mesh,
     }
   }
   const FacetIdBuffer whole = DrawFacets(view, mesh, 0);
-  for (int row = 0; row < view.height; ++row) {
-    for (int col = 0; col < view.width; ++col) {
-      const size_t i = whole.Index(row, col);
-      EXPECT_LE(counts[i], 1) << row << " " << col;
-      EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNone) << row << " " << col;
-      EXPECT_TRUE(counts[i] == 1 || !is_covered(row, col)) << row << " " << col;
-    }
-  }
+  ForEachPixel(view, [&](int row, int col) {
+    const size_t i = whole.Index(row, col);
+    EXPECT_LE(counts[i], 1) << row << " " << col;
+    EXPECT_EQ(counts[i] == 1, whole.facets[i] != kNone) << row << " " << col;
+    EXPECT_TRUE(counts[i] == 1 || !is_covered(row, col)) << row << " " << col;
+  });
 }
 
 // Vertices in the middle of pixels, and edges through them, included.
@@ -294,14 +278,11 @@ TEST(DrawFacets, TellsWhichFaceTheCameraEnough) {
 
 TEST(DrawFacets, ShowsNothingBehindTheCamera) {
   Random random(6);
-  TriangleMesh mesh = RandomTriangles(10, &random);
+  const TriangleMesh mesh = RandomTriangles(10, &random);
   const FacetIdBuffer front = DrawFacets(StraightView(), mesh, 0);
-  EXPECT_GT(std::count(front.is_facing.begin(), front.is_facing.end(), true),
-            0);
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex.z() = -vertex.z();
-  }
-  const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
+  EXPECT_GT(std::ranges::count(front.is_facing, true), 0);
+  // The same through the camera's center.
+  const FacetIdBuffer drawn = DrawFacets(StraightView(), Scaled(mesh, -1), 0);
   EXPECT_EQ(drawn.facets, std::vector<uint32_t>(drawn.facets.size(), kNone));
   EXPECT_EQ(drawn.is_facing, std::vector<bool>(mesh.facets.size(), false));
   EXPECT_TRUE(drawn.clipped.empty());
@@ -334,14 +315,11 @@ TEST(DrawFacets, ShowsNothingOfWhatHasNoAreaOrLiesBesideTheImage) {
 }
 
 TEST(DrawFacets, DoesNotDependOnTheScale) {
-  TriangleMesh mesh = MakeRoundTorus(0.3f);
+  const TriangleMesh mesh = MakeRoundTorus(0.3f);
   View view = LookAt({1, 2, -3}, {0.1, 0, 0}, 60, 50, 70);
   const FacetIdBuffer expected = DrawFacets(view, mesh, 0.1);
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex *= 1024;
-  }
   view.cam_from_world_translation *= 1024;
-  FacetIdBuffer drawn = DrawFacets(view, mesh, 0.1);
+  FacetIdBuffer drawn = DrawFacets(view, Scaled(mesh, 1024), 0.1);
   EXPECT_EQ(drawn.facets, expected.facets);
   EXPECT_EQ(drawn.is_facing, expected.is_facing);
   for (float& inverse_depth : drawn.inverse_depths) {
@@ -416,5 +394,4 @@ TEST(IsNearest, LeavesRoomForTwoPixels) {
   }
 }
 
-}  // namespace facet_id_buffer_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::facet_id_buffer_test

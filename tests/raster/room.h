@@ -8,6 +8,7 @@
 #include "raster/facet_id_buffer.h"
 #include "scene/images.h"
 #include "tests/look_at.h"
+#include "tests/raster/pixels.h"
 
 namespace colmap_ext {
 
@@ -44,18 +45,16 @@ inline std::vector<View> RoomViews() {
 inline GrayImage RoomImage(const View& view) {
   const FacetIdBuffer drawn = DrawFacets(view, MakeRoom(), 0);
   GrayImage image{view.width, view.height, {}};
-  for (int row = 0; row < view.height; ++row) {
-    for (int col = 0; col < view.width; ++col) {
-      const Eigen::Vector3d ray =
-          view.RayFromPixel() * Eigen::Vector3d(col + 0.5, row + 0.5, 1);
-      const Eigen::Vector3d p =
-          view.Center() + ray / drawn.inverse_depths[drawn.Index(row, col)];
-      const double paint = std::sin(3 * p.x() + 2 * p.y()) +
-                           std::sin(4 * p.y() - p.z()) +
-                           std::sin(3 * p.z() + p.x());
-      image.pixels.push_back(static_cast<uint8_t>(128 + 40 * paint));
-    }
-  }
+  ForEachPixel(view, [&](int row, int col) {
+    const Eigen::Vector3d ray =
+        view.RayFromPixel() * Eigen::Vector3d(col + 0.5, row + 0.5, 1);
+    const Eigen::Vector3d p =
+        view.Center() + ray / drawn.inverse_depths[drawn.Index(row, col)];
+    const double paint = std::sin(3 * p.x() + 2 * p.y()) +
+                         std::sin(4 * p.y() - p.z()) +
+                         std::sin(3 * p.z() + p.x());
+    image.pixels.push_back(static_cast<uint8_t>(128 + 40 * paint));
+  });
   return image;
 }
 

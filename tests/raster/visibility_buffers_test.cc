@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
 
 #include "raster/facet_frames.h"
 #include "spatial/bvh.h"
@@ -16,8 +17,7 @@
 #include "tests/refine/depth_range.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace visibility_buffers_test {
+namespace colmap_ext::visibility_buffers_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -43,7 +43,7 @@ Vector3d Centroid(const TriangleMesh& mesh, size_t facet) {
 
 bool IsSeen(const FacetVisibility& visibility, size_t facet, uint32_t view) {
   const auto row = visibility[facet];
-  return std::find(row.begin(), row.end(), view) != row.end();
+  return std::ranges::find(row, view) != row.end();
 }
 
 double Cosine(const TriangleMesh& mesh, size_t facet, const View& view) {
@@ -72,15 +72,9 @@ TEST(FindVisibleFacets, SeesOfASphereWhatFacesTheCamera) {
 TEST(FindVisibleFacets, SeesNothingBehindAnotherFacet) {
   // Two sheets that face each other's backs, of one pixel's width apart and
   // more.
-  TriangleMesh sheet = MakeSheet(6, 6);
-  for (Eigen::Vector3f& vertex : sheet.vertices) {
-    vertex = (vertex - Eigen::Vector3f(3, 3, 0)) / 6;
-  }
-  TriangleMesh behind = sheet;
-  for (Eigen::Vector3f& vertex : behind.vertices) {
-    vertex.head<2>() *= 0.8f;
-    vertex.z() -= 0.3f;
-  }
+  const TriangleMesh sheet =
+      Scaled(Shifted(MakeSheet(6, 6), {-3, -3, 0}), 1 / 6.0f);
+  const TriangleMesh behind = Shifted(Scaled(sheet, 0.8f), {0, 0, -0.3f});
   const TriangleMesh mesh = Union(behind, sheet);
   const std::vector<View> views = {
       LookAt({0.05, 0, 4}, {0, 0, 0}, 160, 120, 180),
@@ -170,7 +164,7 @@ TEST(FindVisibleFacets, OfEachViewDoNotDependOnTheOthersNorOnThreads) {
   const FacetVisibility expected = VisibleFacets(mesh, views);
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     const auto row = expected[i];
-    EXPECT_TRUE(std::is_sorted(row.begin(), row.end()));
+    EXPECT_TRUE(std::ranges::is_sorted(row));
     EXPECT_EQ(std::adjacent_find(row.begin(), row.end()), row.end());
   }
   ExpectSameForAnyThreads([&] { return VisibleFacets(mesh, views); });
@@ -185,8 +179,7 @@ TEST(FindVisibleFacets, OfEachViewDoNotDependOnTheOthersNorOnThreads) {
 TEST(FindVisibleFacets, OfNothingIsEmpty) {
   EXPECT_EQ(VisibleFacets(TriangleMesh(), ViewsAround(4)).offsets,
             std::vector<uint64_t>{0});
-  const TriangleMesh mesh = MakeCube();
-  EXPECT_TRUE(VisibleFacets(mesh, {}).values.empty());
+  EXPECT_TRUE(VisibleFacets(MakeCube(), {}).values.empty());
 }
 
 std::vector<View> SmallViews() {
@@ -223,5 +216,71 @@ TEST(VisibilityBuffers, AreKeptWhereThereIsRoom) {
   EXPECT_TRUE(second.expired());
 }
 
-}  // namespace visibility_buffers_test
-}  // namespace colmap_ext
+Vector3d Corner(const TriangleMesh& mesh, size_t facet, int k) {
+  return mesh.vertices[mesh.facets[facet][k]].cast<double>();
+}
+
+TEST(FacetFrames, HaveUnitNormalsToFreeSpace) {
+  Random random(1);
+  const TriangleMesh mesh = RandomSoup(20, 60, true, &random);
+  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+  ASSERT_EQ(frames.size(), mesh.facets.size());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Vector3d edge_1 = Corner(mesh, i, 1) - Corner(mesh, i, 0);
+    const Vector3d edge_2 = Corner(mesh, i, 2) - Corner(mesh, i, 0);
+    EXPECT_EQ(frames[i].corner, Corner(mesh, i, 0));
+    EXPECT_NEAR(frames[i].normal.norm(), 1, 1e-12);
+    EXPECT_NEAR(frames[i].normal.dot(edge_1), 0, 1e-12);
+    EXPECT_NEAR(frames[i].normal.dot(edge_2), 0, 1e-12);
+    EXPECT_GT(frames[i].normal.dot(edge_1.cross(edge_2)), 0);
+  }
+  const FacetFrame up =
+      ComputeFacetFrame({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}}, {0, 1, 2});
+  EXPECT_EQ(up.normal, Vector3d::UnitZ());
+}
+
+// Points are sums of the corners by their barycentric coordinates; what lies
+// off the plane has those of its foot.
+TEST(FacetFrames, TellBarycentricCoordinates) {
+  Random random(2);
+  const TriangleMesh mesh = RandomSoup(20, 60, true, &random);
+  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_LT((frames[i].Barycentric(Corner(mesh, i, k)) - Vector3d::Unit(k))
+                    .norm(),
+                1e-9);
+    }
+    for (int trial = 0; trial < 5; ++trial) {
+      const double b = 3 * random.Unit() - 1;
+      const double c = 3 * random.Unit() - 1;
+      const Vector3d weights(1 - b - c, b, c);
+      Vector3d point = random.Unit() * frames[i].normal;
+      for (int k = 0; k < 3; ++k) {
+        point += weights[k] * Corner(mesh, i, k);
+      }
+      EXPECT_LT((frames[i].Barycentric(point) - weights).norm(), 1e-8);
+    }
+  }
+}
+
+TEST(FacetFrames, OfDegenerateFacetsAreZero) {
+  const TriangleMesh line = {{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}};
+  const FacetFrame frame = ComputeFacetFrames(line).front();
+  EXPECT_EQ(frame.normal, Vector3d::Zero());
+  EXPECT_EQ(frame.Barycentric({3, 4, 5}), Vector3d::UnitX());
+  EXPECT_TRUE(ComputeFacetFrames(TriangleMesh()).empty());
+}
+
+TEST(FacetFrames, ScaleWithTheScene) {
+  const TriangleMesh cube = MakeCube();
+  const std::vector<FacetFrame> frames = ComputeFacetFrames(cube);
+  const std::vector<FacetFrame> scaled = ComputeFacetFrames(Scaled(cube, 1024));
+  for (size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(scaled[i].normal, frames[i].normal);
+    EXPECT_EQ(1024 * scaled[i].gradient_1, frames[i].gradient_1);
+    EXPECT_EQ(1024 * scaled[i].gradient_2, frames[i].gradient_2);
+  }
+}
+
+}  // namespace colmap_ext::visibility_buffers_test

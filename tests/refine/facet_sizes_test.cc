@@ -14,8 +14,7 @@
 #include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 
-namespace colmap_ext {
-namespace facet_sizes_test {
+namespace colmap_ext::facet_sizes_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -46,7 +45,7 @@ std::vector<double> SecondAreas(const TriangleMesh& mesh,
       areas.push_back(
           (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() / 2);
     }
-    std::sort(areas.rbegin(), areas.rend());
+    std::ranges::sort(areas, std::greater());
     seconds.push_back(areas[1]);
   }
   return seconds;
@@ -63,15 +62,9 @@ VertexAttributes MakeAttributes(size_t num_vertices) {
   return attributes;
 }
 
-const Eigen::Vector3f kShift(0.5f, -1, 2);
-
-// Its origins are a shifted copy of the vertices.
 Surface Subdivide(double max_area, const TriangleMesh& mesh,
                   const std::vector<View>& views) {
-  Surface result{mesh, MakeAttributes(mesh.vertices.size()), mesh.vertices};
-  for (Eigen::Vector3f& origin : result.origins) {
-    origin += kShift;
-  }
+  Surface result{mesh, MakeAttributes(mesh.vertices.size())};
   const auto draw = [&](const TriangleMesh& drawn) {
     return std::make_shared<const VisibilityBuffers>(drawn, views, kMinCosine,
                                                      SIZE_MAX);
@@ -85,14 +78,13 @@ Surface Subdivide(double max_area, const TriangleMesh& mesh,
 TEST(SubdivideLargeFacets, LeavesNoneThatIsLargerInTwoViews) {
   for (const TriangleMesh& mesh :
        {MakeBumpySphere(0.5f), MakeRoundTorus(0.3f), MakeBumpyCap(0.4f)}) {
-    const std::vector<double> before = SecondAreas(mesh, Views());
-    EXPECT_GT(*std::max_element(before.begin(), before.end()), 16);
+    EXPECT_GT(std::ranges::max(SecondAreas(mesh, Views())), 16);
     for (const double max_area : {16.0, 3.0}) {
       const Surface result = Subdivide(max_area, mesh, Views());
       const std::vector<double> after = SecondAreas(result.mesh, Views());
-      EXPECT_LE(*std::max_element(after.begin(), after.end()), max_area);
+      EXPECT_LE(std::ranges::max(after), max_area);
       // No more than is needed: not all are much smaller.
-      EXPECT_GT(*std::max_element(after.begin(), after.end()), max_area / 4);
+      EXPECT_GT(std::ranges::max(after), max_area / 4);
       EXPECT_GT(result.mesh.facets.size(), mesh.facets.size());
     }
   }
@@ -119,78 +111,29 @@ TEST(SubdivideLargeFacets, CutsWallsThatReachBehindTheCameras) {
   EXPECT_GT(num_seen, 0.5 * views[0].width * views[0].height);
 }
 
-TEST(SubdivideLargeFacets, SubdividesTheOriginsAlike) {
-  const Surface result = Subdivide(3, MakeBumpySphere(0.5f), Views());
-  ASSERT_EQ(result.origins.size(), result.mesh.vertices.size());
-  for (size_t i = 0; i < result.origins.size(); ++i) {
-    EXPECT_LT((result.origins[i] - result.mesh.vertices[i] - kShift).norm(),
-              1e-5)
-        << i;
-  }
-}
-
-TEST(SubdivideLargeFacets, KeepsTheSurfaceAndItsTopology) {
-  for (const TriangleMesh& mesh :
-       {MakeBumpySphere(0.5f), MakeRoundTorus(0.3f), MakeBumpyCap(0.4f)}) {
-    const TriangleMesh subdivided = Subdivide(4, mesh, Views()).mesh;
-    ExpectSameTopology(mesh, subdivided);
-    EXPECT_NEAR(Area(subdivided), Area(mesh), 1e-4 * Area(mesh));
-    EXPECT_TRUE(std::equal(mesh.vertices.begin(), mesh.vertices.end(),
-                           subdivided.vertices.begin()));
-  }
-}
-
 void ExpectUnchanged(const Surface& result, const TriangleMesh& mesh) {
   EXPECT_EQ(result.mesh, mesh);
   EXPECT_EQ(result.attributes.views.values,
             MakeAttributes(mesh.vertices.size()).views.values);
 }
 
-TEST(SubdivideLargeFacets, ChangesNothingWhereAllAreSmall) {
+TEST(SubdivideLargeFacets, ChangesNothingWhereAllAreSmallOrSeenTooRarely) {
   const TriangleMesh mesh = MakeBumpySphere(0.3f);
-  const std::vector<double> areas = SecondAreas(mesh, Views());
-  const double largest = *std::max_element(areas.begin(), areas.end());
+  const double largest = std::ranges::max(SecondAreas(mesh, Views()));
   ExpectUnchanged(Subdivide(1.001 * largest, mesh, Views()), mesh);
   EXPECT_GT(Subdivide(0.999 * largest, mesh, Views()).mesh.facets.size(),
             mesh.facets.size());
-}
-
-// Neither what no view sees, nor what a single one does.
-TEST(SubdivideLargeFacets, LeavesWhatFewerThanTwoViewsSee) {
-  const TriangleMesh mesh = MakeBumpySphere(0.3f);
+  // Nor of what no view sees, or a single one does.
   ExpectUnchanged(Subdivide(1, mesh, {}), mesh);
   ExpectUnchanged(Subdivide(1, mesh, {Views()[0]}), mesh);
   ExpectUnchanged(Subdivide(1, mesh, {Views()[0], Views()[2]}), mesh);
-}
-
-TEST(SubdivideLargeFacets, HandsAttributesDown) {
-  const TriangleMesh mesh = MakeBumpyCap(0.4f);
-  const VertexAttributes before = MakeAttributes(mesh.vertices.size());
-  const Surface result = Subdivide(4, mesh, Views());
-  const auto& [subdivided, attributes, origins, fixed] = result;
-  ASSERT_EQ(attributes.views.offsets.size(), subdivided.vertices.size() + 1);
-  ASSERT_EQ(attributes.colors.size(), subdivided.vertices.size());
-  for (size_t i = 0; i < subdivided.vertices.size(); ++i) {
-    const auto views = attributes.views[i];
-    EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
-    EXPECT_EQ(views.back(), 7);
-    EXPECT_EQ(attributes.colors[i][1], 50);
-    if (i < mesh.vertices.size()) {
-      EXPECT_EQ(attributes.colors[i], before.colors[i]);
-      EXPECT_TRUE(std::equal(views.begin(), views.end(),
-                             before.views[i].begin(), before.views[i].end()));
-    }
-  }
 }
 
 // Two facets of 800 px^2 in both views: cut in four until they are of 12.5.
 TEST(SubdivideLargeFacets, CutsASquareInQuarters) {
   TriangleMesh square = {{{0, 0, 4}, {0, 1, 4}, {1, 1, 4}, {1, 0, 4}},
                          {{0, 1, 2}, {0, 2, 3}}};
-  View view;
-  view.width = view.height = 100;
-  view.fx = view.fy = 160;
-  view.cx = view.cy = 30;
+  const View view{"", 100, 100, 160, 160, 30, 30};
   for (const auto& [max_area, num_facets] :
        {std::pair(801.0, 2), {799.0, 8}, {201.0, 8}, {16.0, 128}}) {
     EXPECT_EQ(Subdivide(max_area, square, {view, view}).mesh.facets.size(),
@@ -202,19 +145,9 @@ TEST(SubdivideLargeFacets, DoesNotDependOnTheScale) {
   const TriangleMesh mesh = MakeRoundTorus(0.3f);
   const TriangleMesh expected = Subdivide(4, mesh, Views()).mesh;
   for (const float scale : {1024.0f, 1 / 1024.0f}) {
-    TriangleMesh scaled = mesh;
-    for (Vector3f& vertex : scaled.vertices) {
-      vertex *= scale;
-    }
-    std::vector<View> views = Views();
-    for (View& view : views) {
-      view.cam_from_world_translation *= scale;
-    }
-    scaled = Subdivide(4, scaled, views).mesh;
-    for (Vector3f& vertex : scaled.vertices) {
-      vertex /= scale;
-    }
-    EXPECT_EQ(scaled, expected);
+    const TriangleMesh scaled =
+        Subdivide(4, Scaled(mesh, scale), Scaled(Views(), scale)).mesh;
+    EXPECT_EQ(Scaled(scaled, 1 / scale), expected);
   }
 }
 
@@ -224,13 +157,15 @@ std::vector<View> FineViews() {
           LookAt({-0.8, 0.1, 4}, {0, 0, 0}, 320, 240, 300)};
 }
 
+const Vector3f kShift(0.5f, -1, 2);
+
 struct Remeshed : Surface {  // origins: a shifted copy of the vertices
   FacetVisibility visibility;
 };
 
 Remeshed Remesh(double area, const TriangleMesh& mesh) {
   Remeshed result{{mesh, {}, mesh.vertices}, {}};
-  for (Eigen::Vector3f& origin : result.origins) {
+  for (Vector3f& origin : result.origins) {
     origin += kShift;
     result.attributes.views.AddRow(std::vector<uint32_t>{0, 1});
   }
@@ -307,5 +242,4 @@ TEST(ExpectedFacets, AreAboutThoseOfTheRemeshedSurface) {
   EXPECT_EQ(ExpectedFacets(1, mesh, unseen, FineViews()), mesh.facets.size());
 }
 
-}  // namespace facet_sizes_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::facet_sizes_test

@@ -11,14 +11,14 @@
 #include "spatial/bvh.h"
 #include "spatial/self_intersections.h"
 #include "tests/cameras/camera_scene.h"
+#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/random.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace facetwise_refinement_test {
+namespace colmap_ext::facetwise_refinement_test {
 
 const CameraScene& Scene() {
   static const CameraScene scene = MakeCameraScene();
@@ -45,8 +45,7 @@ RefinementStart StartOf(const TriangleMesh& mesh, int first_level = 1) {
 }
 
 // Of the perturbed truth, at two levels.
-class RefineFacetwiseTest : public testing::Test {
- protected:
+struct RefineFacetwiseTest : testing::Test {
   RefineFacetwiseTest() {
     options_.levels = 2;
     options_.iterations = 6;
@@ -55,15 +54,10 @@ class RefineFacetwiseTest : public testing::Test {
   // By the pictures of the scene, whatever the views' scale.
   RefinedMesh Refine(RefinementStart start, const RefinementHooks& hooks = {},
                      double scale = 1) const {
-    std::vector<View> views = Scene().scene.Views();
-    for (View& view : views) {
-      view.cam_from_world_translation *= scale;
-    }
-    for (std::vector<Eigen::Vector3f>* points :
-         {&start.mesh.vertices, &start.origins}) {
-      for (Eigen::Vector3f& point : *points) {
-        point *= static_cast<float>(scale);
-      }
+    const std::vector<View> views = Scaled(Scene().scene.Views(), scale);
+    start.mesh = Scaled(start.mesh, static_cast<float>(scale));
+    for (Eigen::Vector3f& origin : start.origins) {
+      origin *= static_cast<float>(scale);
     }
     const auto energy = MakeCpuPhotometricEnergy(
         options_.photometric, Scene().scene.PyramidOf(views), SIZE_MAX);
@@ -91,17 +85,6 @@ double MedianError(const TriangleMesh& mesh) {
     }
   }
   return Median(&errors) / Scene().scene.dense.scene.footprint;
-}
-
-TEST_F(RefineFacetwiseTest, FindsTheTruthAgain) {
-  const RefinedMesh refined = Refine();
-  EXPECT_LT(MedianError(refined.mesh), 0.35 * MedianError(mesh_));
-}
-
-TEST_F(RefineFacetwiseTest, StaysNearTheTruth) {
-  const TriangleMesh& mesh = Scene().scene.Truth();
-  const RefinedMesh refined = Refine(StartOf(mesh));
-  EXPECT_LT(MedianError(refined.mesh), 0.2);
 }
 
 TEST_F(RefineFacetwiseTest, LeavesFixedVerticesAndFacetsAsTheyAre) {
@@ -230,8 +213,7 @@ TEST_F(RefineFacetwiseTest, OneImageThatIsOffDoesNoHarm) {
 TEST_F(RefineFacetwiseTest, FindsTheTruthByDescentToo) {
   options_.solver = RefinementSolver::kDescent;
   options_.iterations = 12;
-  const RefinedMesh refined = Refine();
-  EXPECT_LT(MedianError(refined.mesh), 0.6 * MedianError(mesh_));
+  EXPECT_LT(MedianError(Refine().mesh), 0.6 * MedianError(mesh_));
 }
 
 TEST_F(RefineFacetwiseTest, KeepsTheTopology) {
@@ -301,8 +283,10 @@ TEST_F(RefineFacetwiseTest, LowersTheEnergyFromStepToStep) {
   }
 }
 
-TEST_F(RefineFacetwiseTest, HasFinalIterationsAtTheFinestLevelAlone) {
+// With final iterations at the finest level alone.
+TEST_F(RefineFacetwiseTest, FindsTheTruthAgain) {
   const RefinedMesh refined = Refine();
+  EXPECT_LT(MedianError(refined.mesh), 0.35 * MedianError(mesh_));
   size_t num_coarse = 0;
   for (const RefinementStep& step : refined.report.steps) {
     num_coarse += step.level > 0 ? 1 : 0;
@@ -319,9 +303,9 @@ TEST_F(RefineFacetwiseTest, DoesNotDependOnThreads) {
   });
 }
 
-TEST_F(RefineFacetwiseTest, IsSureOfWhatTheViewsSeeAlike) {
-  const TriangleMesh& mesh = Scene().scene.Truth();
-  const RefinedMesh refined = Refine(StartOf(mesh));
+TEST_F(RefineFacetwiseTest, StaysNearTheTruthAndIsSureOfWhatTheViewsSeeAlike) {
+  const RefinedMesh refined = Refine(StartOf(Scene().scene.Truth()));
+  EXPECT_LT(MedianError(refined.mesh), 0.2);
   const std::vector<float>& confidences = refined.attributes.confidences;
   ASSERT_EQ(confidences.size(), refined.mesh.vertices.size());
   const FacetVisibility visibility =
@@ -348,11 +332,8 @@ TEST_F(RefineFacetwiseTest, IsSureOfWhatTheViewsSeeAlike) {
 TEST_F(RefineFacetwiseTest, ScalesWithTheScene) {
   const RefinedMesh refined = Refine();
   for (const double scale : {1024.0, 1 / 1024.0}) {
-    TriangleMesh scaled = Refine(StartOf(mesh_), {}, scale).mesh;
-    for (Eigen::Vector3f& vertex : scaled.vertices) {
-      vertex /= static_cast<float>(scale);
-    }
-    EXPECT_EQ(scaled, refined.mesh);
+    const TriangleMesh scaled = Refine(StartOf(mesh_), {}, scale).mesh;
+    EXPECT_EQ(Scaled(scaled, static_cast<float>(1 / scale)), refined.mesh);
   }
 }
 
@@ -365,9 +346,8 @@ TEST_F(RefineFacetwiseTest, GoesOnFromACompleteLevel) {
     }
   };
   const RefinedMesh refined = Refine(StartOf(mesh_), hooks);
-  const RefinedMesh resumed =
-      Refine({{first.mesh, first.attributes, first.origins}, 0});
-  EXPECT_EQ(resumed.mesh, refined.mesh);
+  EXPECT_EQ(Refine({{first.mesh, first.attributes, first.origins}, 0}).mesh,
+            refined.mesh);
 }
 
 TEST_F(RefineFacetwiseTest, StopsWithTheLastCompleteLevel) {
@@ -419,5 +399,4 @@ TEST(FinishRefinement, RefusesRegionsThatLeaveNothing) {
   EXPECT_THROW(FinishRefinement(options, {}, &refined), std::invalid_argument);
 }
 
-}  // namespace facetwise_refinement_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::facetwise_refinement_test

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -16,8 +17,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/synthetic/noise.h"
 
-namespace colmap_ext {
-namespace level_refinement_test {
+namespace colmap_ext::level_refinement_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -155,14 +155,18 @@ struct Refined {
   const TriangleMesh& Result() const { return meshes.back(); }
 };
 
+// \param labels, origins  none: all facets, and the vertices
 Refined Refine(FacetwiseRefinementOptions options, int level,
-               const TriangleMesh& mesh, const FacetLabels& labels,
-               const std::vector<Vector3f>& origins,
-               PhotometricEnergy* energy) {
+               const TriangleMesh& mesh, PhotometricEnergy* energy,
+               const std::optional<FacetLabels>& labels = {},
+               const std::vector<Vector3f>& origins = {}) {
   options.min_zncc = -1;  // The energies of these tests are no correlations.
   Refined result;
   const RefinedLevel refined =
-      RefineLevel(options, {level, labels, FarViews(), origins}, mesh, energy,
+      RefineLevel(options,
+                  {level, labels ? *labels : LabelAll(mesh), FarViews(),
+                   origins.empty() ? mesh.vertices : origins},
+                  mesh, energy,
                   [&](const RefinementStep& step, const TriangleMesh& stepped) {
                     result.steps.push_back(step);
                     result.meshes.push_back(stepped);
@@ -173,17 +177,6 @@ Refined Refine(FacetwiseRefinementOptions options, int level,
   EXPECT_EQ(refined.mesh.vertices, result.Result().vertices);
   EXPECT_EQ(refined.mesh.facets, mesh.facets);
   return result;
-}
-
-Refined Refine(const FacetwiseRefinementOptions& options, int level,
-               const TriangleMesh& mesh, const FacetLabels& labels,
-               PhotometricEnergy* energy) {
-  return Refine(options, level, mesh, labels, mesh.vertices, energy);
-}
-
-Refined Refine(const FacetwiseRefinementOptions& options, int level,
-               const TriangleMesh& mesh, PhotometricEnergy* energy) {
-  return Refine(options, level, mesh, LabelAll(mesh), energy);
 }
 
 FacetwiseRefinementOptions WithoutSmoothness() {
@@ -258,8 +251,7 @@ TriangleMesh RubbleSheet(int seed = 0) {
 
 TEST(RefineLevel, FindsTheSurfaceThatItIsPulledTo) {
   const TriangleMesh mesh = WavySphere(2);
-  const double before = SphereError(mesh);
-  EXPECT_GT(before, 0.5);
+  EXPECT_GT(SphereError(mesh), 0.5);
   FacetwiseRefinementOptions options = WithoutSmoothness();
   options.iterations = 30;
   for (const int level : {0, 1}) {
@@ -269,13 +261,9 @@ TEST(RefineLevel, FindsTheSurfaceThatItIsPulledTo) {
   options.solver = RefinementSolver::kDescent;
   PullingEnergy energy(Sphere());
   EXPECT_LT(SphereError(Refine(options, 0, mesh, &energy).Result()), 0.1);
-}
-
-TEST(RefineLevel, FindsTheSurfaceSmoothlyToo) {
-  const TriangleMesh mesh = WavySphere(2);
-  for (const int level : {0, 1}) {
-    PullingEnergy energy(Sphere());
-    const Refined refined = Refine({}, level, mesh, &energy);
+  for (const int level : {0, 1}) {  // smoothly, too
+    PullingEnergy pulling(Sphere());
+    const Refined refined = Refine({}, level, mesh, &pulling);
     EXPECT_LT(SphereError(refined.Result()), 0.15) << level;
     EXPECT_EQ(refined.num_shortened, 0);
   }
@@ -314,14 +302,13 @@ TEST(RefineLevel, TakesAllLabelsInTheLastIterations) {
     FacetwiseRefinementOptions options;
     options.labeling.pairs_per_facet = pairs_per_facet;
     PullingEnergy energy(Sphere());
-    const Refined refined = Refine(options, 0, mesh, labels, &energy);
+    const Refined refined = Refine(options, 0, mesh, &energy, labels);
     const std::vector<size_t>& nums = energy.nums_labels;
-    EXPECT_TRUE(std::is_sorted(nums.begin(), nums.end()));
+    EXPECT_TRUE(std::ranges::is_sorted(nums));
     EXPECT_EQ(nums.front(), pairs_per_facet * mesh.facets.size());
     EXPECT_EQ(nums.back(), labels.labels.values.size());
-    const auto num_final =
-        std::count_if(refined.steps.begin(), refined.steps.end(),
-                      [](const auto& step) { return step.is_final; });
+    const auto num_final = std::ranges::count_if(
+        refined.steps, [](const auto& step) { return step.is_final; });
     EXPECT_EQ(refined.steps.back().is_final, pairs_per_facet < 3);
     EXPECT_LE(num_final, pairs_per_facet < 3 ? 1 + 4 : 0);
     EXPECT_LT(SphereError(refined.Result()), 0.15);
@@ -349,7 +336,7 @@ TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
               mesh.vertices);
     const FacetLabels none =
         LabelWhere(mesh, [](const Vector3f&) { return false; });
-    EXPECT_EQ(Refine({}, level, mesh, none, &energy).Result().vertices,
+    EXPECT_EQ(Refine({}, level, mesh, &energy, none).Result().vertices,
               mesh.vertices);
   }
 }
@@ -389,7 +376,7 @@ TEST(RefineLevel, MovesEachVertexByItselfInDescent) {
     options.iterations = 1;
     PullingEnergy energy(Sphere(1));
     const TriangleMesh refined =
-        Refine(options, 1, mesh, labels, &energy).Result();
+        Refine(options, 1, mesh, &energy, labels).Result();
     int num_moved = 0;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       const bool is_moved = refined.vertices[i] != mesh.vertices[i];
@@ -410,7 +397,7 @@ TEST(RefineLevel, LetsWhatIsNotSeenFollow) {
   for (const int level : {0, 1}) {
     PullingEnergy energy(Sphere(1));
     const TriangleMesh refined =
-        Refine({}, level, mesh, labels, &energy).Result();
+        Refine({}, level, mesh, &energy, labels).Result();
     int num_near = 0;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       const double motion =
@@ -508,8 +495,7 @@ TEST(RefineLevel, DrawsTheMeshAgainWhenItHasMoved) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
   for (const double pixels : {0.001, 3.0}) {
     PullingEnergy energy(Sphere(pixels));
-    const Refined refined = Refine(WithoutSmoothness(), 0, mesh, &energy);
-    EXPECT_GT(refined.steps.size(), 1);
+    EXPECT_GT(Refine(WithoutSmoothness(), 0, mesh, &energy).steps.size(), 1);
     EXPECT_EQ(energy.num_renders > 1, pixels > 1);
   }
 }
@@ -583,8 +569,7 @@ TEST(RefineLevel, IsTheSmootherTheMoreItIsToBe) {
         HeightField([](const Vector3d& point) { return Rubble(point); }));
     energy.stiffness = 100;
     roughness.push_back(Roughness(
-        Refine(options, 0, mesh, LabelAll(mesh), flat.vertices, &energy)
-            .Result()));
+        Refine(options, 0, mesh, &energy, {}, flat.vertices).Result()));
   }
   EXPECT_GT(roughness.front(), Roughness(mesh));
   EXPECT_TRUE(std::is_sorted(roughness.rbegin(), roughness.rend()));
@@ -618,7 +603,7 @@ TEST(RefineLevel, KeepsReliefOfTheMeshThatTheImagesConfirm) {
     }));
     energy.stiffness = 1;
     return ReliefError(
-        Refine({}, 0, mesh, LabelAll(mesh), given.vertices, &energy).Result());
+        Refine({}, 0, mesh, &energy, {}, given.vertices).Result());
   };
   const double of_none = error(FlatSheet());
   EXPECT_LT(error(mesh), 0.75 * of_none);
@@ -631,10 +616,7 @@ TEST(RefineLevel, KeepsReliefOfTheMeshThatTheImagesConfirm) {
 
 // Edges of 40 pixels, and each vertex pulled to another height.
 TEST(RefineLevel, RaisesNoTentsWhereLittleIsSeen) {
-  TriangleMesh mesh = FlatSheet();
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex *= 20;
-  }
+  const TriangleMesh mesh = Scaled(FlatSheet(), 20);
   const VertexRings rings = MakeVertexRings(mesh);
   for (const int level : {0, 1}) {
     PullingEnergy energy(HeightField(
@@ -666,5 +648,4 @@ TEST(RefineLevel, KeepsNoNoiseForTheSakeOfReliefElsewhere) {
   EXPECT_LT(Roughness(refined, kMaxX), 0.05 * Roughness(mesh, kMaxX));
 }
 
-}  // namespace level_refinement_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::level_refinement_test

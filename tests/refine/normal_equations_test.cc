@@ -13,8 +13,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace normal_equations_test {
+namespace colmap_ext::normal_equations_test {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -37,8 +36,7 @@ PhotometricTerms RandomTerms(size_t num_facets, Random* random) {
   return terms;
 }
 
-class NormalEquationsTest : public testing::Test {
- protected:
+struct NormalEquationsTest : testing::Test {
   // Of as many vertices as to be solved without sparseness.
   NormalEquationsTest() : NormalEquationsTest(MakeBumpyCap(0.25f)) {}
 
@@ -250,14 +248,12 @@ TEST_F(NormalEquationsTest, DetermineNothingWhereTheImagesSayNothing) {
     }
   }
   SetWeight(10);
-  const auto num_border =
-      std::count(rings_.is_border.begin(), rings_.is_border.end(), 1);
+  const auto num_border = std::ranges::count(rings_.is_border, 1);
   EXPECT_LT(NumDetermined(1e-8, 100000), 0.3 * static_cast<double>(num_border));
 }
 
 // Without borders.
-class ClosedNormalEquationsTest : public NormalEquationsTest {
- protected:
+struct ClosedNormalEquationsTest : NormalEquationsTest {
   ClosedNormalEquationsTest() : NormalEquationsTest(MakeBumpySphere(0.3f)) {}
 };
 
@@ -316,8 +312,7 @@ TEST_F(ClosedNormalEquationsTest, DetermineWhatTheImagesShow) {
   EXPECT_LT(sums[0], 0.3 * counts[0]);
 }
 
-class LargeNormalEquationsTest : public NormalEquationsTest {
- protected:
+struct LargeNormalEquationsTest : NormalEquationsTest {
   LargeNormalEquationsTest() : NormalEquationsTest(MakeBumpyCap(0.03f)) {}
 };
 
@@ -331,5 +326,4 @@ TEST_F(LargeNormalEquationsTest, DoNotDependOnThreads) {
   });
 }
 
-}  // namespace normal_equations_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::normal_equations_test

@@ -12,8 +12,7 @@
 #include "tests/random.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace refined_confidences_test {
+namespace colmap_ext::refined_confidences_test {
 
 // Terms of weight 1 whose correlation is that of a function of the facet's
 // first corner.
@@ -220,5 +219,4 @@ TEST(RefinedConfidences, LiesWithinItsRange) {
   }
 }
 
-}  // namespace refined_confidences_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::refined_confidences_test

@@ -1,14 +1,33 @@
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <memory>
+#include <numeric>
+#include <random>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "labeling/facet_labels.h"
 #include "photometry/image_pyramid.h"
+#include "raster/facet_frames.h"
+#include "tests/raster/room.h"
 #include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext {
+
+// The smaller one of two, of the angles between the normal and the rays.
+inline double Cosine(const FacetFrame& frame, const ViewPair& pair,
+                     const std::vector<View>& views) {
+  double smaller = 1;
+  for (const uint32_t view : {pair.first, pair.second}) {
+    const Eigen::Vector3d ray = views[view].Center() - frame.corner;
+    smaller = std::min(smaller, frame.normal.dot(ray.normalized()));
+  }
+  return smaller;
+}
 
 // A small dense scene with photographs in grey, as the refinement takes it.
 struct RefinementScene {
@@ -21,27 +40,89 @@ struct RefinementScene {
   // Of the scene's images, which it has to outlive.
   // \param read_mask  see ImagePyramid
   std::shared_ptr<ImagePyramid> Pyramid(size_t max_memory = SIZE_MAX,
-                                        ReadGrayImage read_mask = {}) const;
+                                        ReadGrayImage read_mask = {}) const {
+    return std::make_shared<ImagePyramid>(
+        Views(), [this](size_t view) { return images[view]; }, max_memory,
+        std::move(read_mask));
+  }
   // The same by other cameras.
-  std::shared_ptr<ImagePyramid> PyramidOf(std::vector<View> views) const;
+  std::shared_ptr<ImagePyramid> PyramidOf(std::vector<View> views) const {
+    std::shared_ptr<ImagePyramid> pyramid = Pyramid();
+    pyramid->SetViews(std::move(views));
+    return pyramid;
+  }
 
   // The truth with each vertex moved along its normal at random.
   // \param deviation  of the moves, px
-  TriangleMesh Perturbed(double deviation, uint32_t seed = 1) const;
+  TriangleMesh Perturbed(double deviation, uint32_t seed = 1) const {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> noise;
+    TriangleMesh mesh = Truth();
+    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+      mesh.vertices[i] +=
+          static_cast<float>(deviation * dense.scene.footprint) *
+          noise(random) * dense.scene.normals[i];
+    }
+    return mesh;
+  }
 
   // The `pairs_per_facet` pairs of neighbouring views that face each facet
   // best; one facet of ten has none.
-  FacetLabels Labels(size_t pairs_per_facet) const;
+  FacetLabels Labels(size_t pairs_per_facet) const {
+    FacetLabels labels;
+    for (uint32_t i = 0; i + 1 < Views().size(); ++i) {
+      labels.pairs.push_back({i, i + 1});
+    }
+    const std::vector<FacetFrame> frames = ComputeFacetFrames(Truth());
+    std::vector<uint32_t> order(labels.pairs.size());
+    for (size_t facet = 0; facet < frames.size(); ++facet) {
+      std::iota(order.begin(), order.end(), 0);
+      std::ranges::stable_sort(order, std::greater(), [&](uint32_t pair) {
+        return Cosine(frames[facet], labels.pairs[pair], Views());
+      });
+      const size_t count = std::min(pairs_per_facet, order.size());
+      labels.labels.AddRow(std::span(order).first(facet % 10 != 0 ? count : 0));
+    }
+    return labels;
+  }
 };
 
 // \param shape  see SceneOptions
 // \param width  of the images, px; their height is 3/4 of it
-RefinementScene MakeRefinementScene(const std::string& shape = "statue",
-                                    int num_images = 8, int width = 160);
+inline RefinementScene MakeRefinementScene(const std::string& shape = "statue",
+                                           int num_images = 8,
+                                           int width = 160) {
+  synthetic::DenseSceneOptions options;
+  options.scene.shape = shape;
+  options.scene.num_images = num_images;
+  options.scene.width = width;
+  options.scene.height = width * 3 / 4;
+  options.keep_true_depths = false;
+  RefinementScene scene{synthetic::MakeDenseScene(options), {}};
+  for (const ColorImage& color : scene.dense.images) {
+    GrayImage gray{color.width, color.height, {}};
+    for (const Color& pixel : color.pixels) {
+      gray.pixels.push_back(static_cast<uint8_t>(
+          (299 * pixel[0] + 587 * pixel[1] + 114 * pixel[2] + 500) / 1000));
+    }
+    scene.images.push_back(std::move(gray));
+  }
+  return scene;
+}
 
 // A room seen from inside, of painted walls that reach behind the cameras.
 // \param scale  of the size of RoomViews()
-RefinementScene MakeRoomScene(int scale);
+inline RefinementScene MakeRoomScene(int scale) {
+  RefinementScene scene;
+  scene.dense.scene.surface = MakeRoom();
+  for (const View& view : RoomViews()) {
+    const View resized =
+        ResizeView(view, scale * view.width, scale * view.height);
+    scene.dense.scene.views.push_back(resized);
+    scene.images.push_back(RoomImage(resized));
+  }
+  return scene;
+}
 
 // Each facet by all of the pairs, where a predicate says so of its index.
 template <typename Predicate>

@@ -13,8 +13,7 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 
-namespace colmap_ext {
-namespace thin_plate_test {
+namespace colmap_ext::thin_plate_test {
 
 using Eigen::Vector3f;
 
@@ -166,8 +165,7 @@ TEST(ThinPlate, TellsHowEachNeighborCounts) {
     const auto ring = scene.rings.neighbors[i];
     const float* shares =
         plate.shares.data() + scene.rings.neighbors.offsets[i];
-    const double sum = std::accumulate(shares, shares + ring.size(), 0.0);
-    EXPECT_NEAR(sum, 1, 1e-6);
+    EXPECT_NEAR(std::accumulate(shares, shares + ring.size(), 0.0), 1, 1e-6);
     Eigen::Vector3d umbrella = Eigen::Vector3d::Zero();
     for (size_t k = 0; k < ring.size(); ++k) {
       umbrella +=
@@ -187,8 +185,7 @@ TEST(ThinPlate, LeavesLooseVerticesAlone) {
   const ThinPlate plate = scene.Plate(1);
   EXPECT_EQ(plate.residuals.back(), 0);
   EXPECT_EQ(plate.coefficients.back(), 0);
-  EXPECT_EQ(std::count(plate.coefficients.begin(), plate.coefficients.end(), 0),
-            1);
+  EXPECT_EQ(std::ranges::count(plate.coefficients, 0), 1);
 }
 
 TEST(ThinPlate, IsAtRestWhereItIsToKeepItsShape) {
@@ -251,7 +248,7 @@ constexpr float kFootprint = 0.5F;
 template <typename Height>
 TriangleMesh Sheet(Height height) {
   TriangleMesh mesh = MakeSheet(kSize - 1, kSize - 1);
-  for (Eigen::Vector3f& vertex : mesh.vertices) {
+  for (Vector3f& vertex : mesh.vertices) {
     vertex.z() = height(vertex.x(), vertex.y());
   }
   return mesh;
@@ -270,15 +267,12 @@ std::vector<double> ReliefOf(const TriangleMesh& mesh) {
 
 constexpr uint32_t kMiddle = kSize / 2 * kSize + kSize / 2;
 
-TEST(Relief, OfAPlaneIsNone) {
+TEST(Relief, PointsToTheSideOfTheNeighborsAndIsNoneOnAPlane) {
   const TriangleMesh mesh =
       Sheet([](float x, float y) { return 0.5F * x - 0.25F * y; });
   for (const double relief : ReliefOf(mesh)) {
     EXPECT_NEAR(relief, 0, 1e-6);
   }
-}
-
-TEST(Relief, PointsToTheSideOfTheNeighbors) {
   const TriangleMesh bowl = Sheet(
       [](float x, float y) { return 0.01F * (std::pow(x - 10, 2) + y * y); });
   const TriangleMesh hill = Sheet(
@@ -327,13 +321,9 @@ TEST(TrustedRelief, ScalesWithTheScene) {
     return 0.2F * std::sin(1.7F * x) * std::cos(0.9F * y);
   };
   const TriangleMesh mesh = Sheet(height);
-  TriangleMesh scaled = mesh;
-  for (Eigen::Vector3f& vertex : scaled.vertices) {
-    vertex *= 1024;
-  }
   const std::vector<double> relief = TrustedReliefOf(mesh);
   const std::vector<double> of_scaled =
-      TrustedReliefOf(scaled, 1024 * kFootprint);
+      TrustedReliefOf(Scaled(mesh, 1024), 1024 * kFootprint);
   for (size_t i = 0; i < relief.size(); ++i) {
     EXPECT_EQ(of_scaled[i], 1024 * relief[i]);
   }
@@ -354,8 +344,7 @@ double Ripples(float x, float y) { return 0.1 * std::sin(2 * x + 3 * y); }
 
 std::vector<double> Values(double (*function)(float, float)) {
   std::vector<double> values;
-  for (const Eigen::Vector3f& vertex :
-       MakeSheet(kSize - 1, kSize - 1).vertices) {
+  for (const Vector3f& vertex : MakeSheet(kSize - 1, kSize - 1).vertices) {
     values.push_back(function(vertex.x(), vertex.y()));
   }
   return values;
@@ -422,5 +411,4 @@ TEST(ReliefShares, AreNoneOfHardlyAnyRelief) {
   }
 }
 
-}  // namespace thin_plate_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::thin_plate_test

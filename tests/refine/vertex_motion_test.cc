@@ -13,8 +13,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace vertex_motion_test {
+namespace colmap_ext::vertex_motion_test {
 
 using Eigen::Vector3f;
 
@@ -31,9 +30,7 @@ MovedMesh Move(const TriangleMesh& mesh, const std::vector<double>& motion) {
 // What every step promises.
 void ExpectSafe(const TriangleMesh& mesh, const MovedMesh& moved) {
   const auto before = FindSelfIntersections(mesh);
-  const auto after = FindSelfIntersections(moved.mesh);
-  EXPECT_TRUE(
-      std::includes(before.begin(), before.end(), after.begin(), after.end()));
+  EXPECT_TRUE(std::ranges::includes(before, FindSelfIntersections(moved.mesh)));
   const std::vector<Vector3f> old_normals = FacetNormals(mesh);
   const std::vector<Vector3f> new_normals = FacetNormals(moved.mesh);
   for (size_t i = 0; i < old_normals.size(); ++i) {
@@ -44,11 +41,7 @@ void ExpectSafe(const TriangleMesh& mesh, const MovedMesh& moved) {
 
 // A sheet of 20 x 20 quads of sides of 1 at a height.
 TriangleMesh Sheet(float height) {
-  TriangleMesh mesh = MakeSheet(20, 20);
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex.z() = height;
-  }
-  return mesh;
+  return Shifted(MakeSheet(20, 20), {0, 0, height});
 }
 
 // Two sheets, the upper one to go down, the lower one up, by the given distance
@@ -74,9 +67,7 @@ TEST(MoveSafely, KeepsSheetsApart) {
     const auto [moved, mesh] = PushSheets(1, distance);
     ExpectSafe(mesh, moved);
     EXPECT_TRUE(FindSelfIntersections(moved.mesh).empty());
-    EXPECT_EQ(
-        std::count(moved.is_shortened.begin(), moved.is_shortened.end(), 1) > 0,
-        distance > 0.5);
+    EXPECT_EQ(std::ranges::count(moved.is_shortened, 1) > 0, distance > 0.5);
   }
 }
 
@@ -125,11 +116,7 @@ TEST(MoveSafely, IsSafeWhateverTheMotion) {
                         : trial % 3 == 1 ? MakeBumpySphere(0.2f)
                                          : MakeRoundTorus(0.15f);
     if (trial % 3 == 1) {  // two that intersect
-      TriangleMesh other = mesh;
-      for (Vector3f& vertex : other.vertices) {
-        vertex.x() += 1.4f;
-      }
-      mesh = Union(mesh, other);
+      mesh = Union(mesh, Shifted(mesh, {1.4f, 0, 0}));
     }
     num_before += FindSelfIntersections(mesh).size();
     std::vector<double> motion;
@@ -171,5 +158,4 @@ TEST(MoveSafely, IsTheSameForAnyNumberOfThreads) {
   ExpectSameForAnyThreads([&] { return Move(mesh, motion).mesh; });
 }
 
-}  // namespace vertex_motion_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::vertex_motion_test

@@ -14,8 +14,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace isotropic_remeshing_test {
+namespace colmap_ext::isotropic_remeshing_test {
 
 // One facet whose corners differ in everything.
 struct OneFacet {
@@ -25,7 +24,7 @@ struct OneFacet {
                               {0, 0.5F, 1}};
 };
 
-TEST(CarryAttributes, AtCornersAreTheirs) {
+TEST(CarryAttributes, AreOfTheCornersThatHaveAPart) {
   const OneFacet one;
   const VertexAttributes carried =
       CarryAttributes(one.mesh, one.attributes,
@@ -33,18 +32,14 @@ TEST(CarryAttributes, AtCornersAreTheirs) {
   EXPECT_EQ(carried.colors, one.attributes.colors);
   EXPECT_EQ(carried.confidences, one.attributes.confidences);
   EXPECT_EQ(carried.views, one.attributes.views);
-}
-
-TEST(CarryAttributes, BetweenCornersAreOfThoseThatHaveAPart) {
-  const OneFacet one;
-  const VertexAttributes carried = CarryAttributes(
+  const VertexAttributes between = CarryAttributes(
       one.mesh, one.attributes, {{0, {0, 0.25F, 0.75F}}, {0, {0.5F, 0.5F, 0}}});
-  EXPECT_EQ(carried.colors[0], (Color{25, 150, 5}));
-  EXPECT_FLOAT_EQ(carried.confidences[0], 0.875F);
+  EXPECT_EQ(between.colors[0], (Color{25, 150, 5}));
+  EXPECT_FLOAT_EQ(between.confidences[0], 0.875F);
   EXPECT_TRUE(
-      std::ranges::equal(carried.views[0], std::vector<uint32_t>{1, 2, 9}));
+      std::ranges::equal(between.views[0], std::vector<uint32_t>{1, 2, 9}));
   EXPECT_TRUE(
-      std::ranges::equal(carried.views[1], std::vector<uint32_t>{1, 2, 4}));
+      std::ranges::equal(between.views[1], std::vector<uint32_t>{1, 2, 4}));
   const VertexAttributes without =
       CarryAttributes(one.mesh, {{}, one.attributes.views}, {{0, {1, 0, 0}}});
   EXPECT_TRUE(without.colors.empty() && without.confidences.empty());
@@ -85,7 +80,7 @@ std::vector<double> SmallestAngles(const TriangleMesh& mesh) {
 }
 
 double Percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   return values[static_cast<size_t>(share * (values.size() - 1))];
 }
 
@@ -317,16 +312,13 @@ TEST(LengthsForCurvature, KeepToTheToleranceOnASphere) {
   }
 }
 
-TEST(LengthsForCurvature, AreInfiniteWhereNothingBoundsThem) {
+TEST(LengthsForCurvature, GrowWithTheSceneAndAreInfiniteWhereUnbounded) {
   const TriangleMesh sheet = MakeSheet(5, 5);
   EXPECT_EQ(LengthsForCurvature(sheet, Everywhere(sheet, 0.01F)),
             Everywhere(sheet, INFINITY));
   const TriangleMesh sphere = MakeBumpySphere(0.2F);
   EXPECT_EQ(LengthsForCurvature(sphere, Everywhere(sphere, INFINITY)),
             Everywhere(sphere, INFINITY));
-}
-
-TEST(LengthsForCurvature, GrowWithTheScene) {
   const TriangleMesh mesh = MakeBumpySphere(0.1F);
   const std::vector<float> lengths =
       LengthsForCurvature(mesh, Everywhere(mesh, 0.01F));
@@ -374,5 +366,4 @@ TEST(MeanEdgeLengths, AreThoseOfARegularMesh) {
   }
 }
 
-}  // namespace isotropic_remeshing_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::isotropic_remeshing_test

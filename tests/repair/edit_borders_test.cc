@@ -13,8 +13,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace edit_borders_test {
+namespace colmap_ext::edit_borders_test {
 
 class EditBordersTest : public testing::Test {
  protected:
@@ -251,5 +250,4 @@ TEST(CloseHoles, IsTheSameAtAnyNumberOfThreads) {
   });
 }
 
-}  // namespace edit_borders_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::edit_borders_test

@@ -13,8 +13,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace self_intersection_repair_test {
+namespace colmap_ext::self_intersection_repair_test {
 
 using Eigen::Vector3f;
 
@@ -251,5 +250,4 @@ TEST(RepairSelfIntersections, IsTheSameForAnyNumberOfThreads) {
   });
 }
 
-}  // namespace self_intersection_repair_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::self_intersection_repair_test

@@ -12,8 +12,7 @@
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext {
-namespace trim_mesh_test {
+namespace colmap_ext::trim_mesh_test {
 
 float Height(const TriangleMesh& mesh, const Facet& facet) {
   const auto [a, b, c] = CornersOf(mesh, facet);
@@ -274,5 +273,4 @@ TEST(SmoothBorders, LeavesOtherVertices) {
   EXPECT_EQ(smooth.vertices, mesh.vertices);
 }
 
-}  // namespace trim_mesh_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::trim_mesh_test

@@ -5,15 +5,13 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <Eigen/Geometry>
 #include <Eigen/QR>
 
 #include "mesh/normals.h"
 #include "tests/mesh/shapes.h"
 #include "tests/synthetic/noise.h"
 
-namespace colmap_ext {
-namespace bvh_test {
+namespace colmap_ext::bvh_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -28,15 +26,9 @@ Vector3f RandomVector(uint64_t i, uint64_t k) {
 
 // Small triangles anywhere in a cube.
 TriangleMesh Soup(uint32_t num_facets) {
-  TriangleMesh mesh;
-  for (uint32_t f = 0; f < num_facets; ++f) {
-    const Vector3f center = RandomVector(f, 0);
-    for (int i = 0; i < 3; ++i) {
-      mesh.vertices.push_back(center + 0.2f * RandomVector(f, 1 + i));
-    }
-    mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
-  }
-  return mesh;
+  return MakeTriangles(num_facets, [](uint32_t f, int k) -> Vector3f {
+    return RandomVector(f, 0) + 0.2f * RandomVector(f, 1 + k);
+  });
 }
 
 // Distance to a facet along a ray, in lengths of its direction; negative where
@@ -96,13 +88,8 @@ TEST(Bvh, MissesNoFacetWhoseBoxHasAPlaneInWhichTheRayLies) {
   const auto lattice = [](uint64_t i, uint64_t k) -> Vector3f {
     return (3 * RandomVector(i, k)).array().round();
   };
-  TriangleMesh mesh;
-  for (uint32_t f = 0; f < 60; ++f) {
-    for (int i = 0; i < 3; ++i) {
-      mesh.vertices.push_back(lattice(f, 30 + i));
-    }
-    mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
-  }
+  const TriangleMesh mesh =
+      MakeTriangles(60, [&](uint32_t f, int k) { return lattice(f, 30 + k); });
   int num_hits = 0;
   for (int packet = 0; packet < 2000; ++packet) {
     const RayPacket rays = Rays(lattice(packet, 40), [&](int i) {
@@ -232,7 +219,7 @@ TEST(BvhDistance, IsThatOfASearchThroughAll) {
   }
 }
 
-TEST(BvhDistance, ToAPlaneIsExact) {
+TEST(BvhDistance, ToAPlaneIsExactAndNoMoreThanTheMaximum) {
   const Bvh bvh(MakeSheet(9, 9));
   for (int i = 0; i < 200; ++i) {
     Vector3f point = Vector3f::Constant(4.5f) + 4.5f * RandomVector(i, 21);
@@ -241,9 +228,6 @@ TEST(BvhDistance, ToAPlaneIsExact) {
       EXPECT_EQ(bvh.Distance(point, 1), std::abs(double{distance}));
     }
   }
-}
-
-TEST(BvhDistance, IsTheMaximumWhereThereIsNothingNearer) {
   const TriangleMesh point = {{{1, 0, 0}}, {{0, 0, 0}}};
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 0.1), 0.1);
   EXPECT_EQ(Bvh(point).Distance({0, 0, 0}, 2), 1);
@@ -260,7 +244,7 @@ double DistanceTo(const TriangleMesh& mesh, uint32_t facet,
 }
 
 // No point of the facet, on a grid over it, is nearer.
-TEST(NearestPointOfFacet, IsTheNearestOfMany) {
+TEST(NearestPointOfFacet, IsTheNearestOfManyAndOfASegmentOnIt) {
   Random random(1);
   const TriangleMesh mesh = MakeBumpySphere(0.5F);
   for (int i = 0; i < 300; ++i) {
@@ -283,12 +267,9 @@ TEST(NearestPointOfFacet, IsTheNearestOfMany) {
       }
     }
   }
-}
-
-TEST(NearestPointOfFacet, OfAFacetWithoutAreaIsOnItsSegment) {
-  const TriangleMesh mesh = {{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}};
-  EXPECT_NEAR(DistanceTo(mesh, 0, {0.5F, 3, 0}), 3, 1e-6);
-  EXPECT_NEAR(DistanceTo(mesh, 0, {3, 0, 0}), 1, 1e-6);
+  const TriangleMesh line = {{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}};
+  EXPECT_NEAR(DistanceTo(line, 0, {0.5F, 3, 0}), 3, 1e-6);
+  EXPECT_NEAR(DistanceTo(line, 0, {3, 0, 0}), 1, 1e-6);
 }
 
 // Among the facets that face the way of the normal, as a search through all.
@@ -315,5 +296,4 @@ TEST(NearestFacet, IsThatOfASearchThroughAll) {
   }
 }
 
-}  // namespace bvh_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::bvh_test

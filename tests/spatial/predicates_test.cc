@@ -10,8 +10,7 @@
 #include "tests/delaunay/exact.h"
 #include "tests/random.h"
 
-namespace colmap_ext {
-namespace predicates_test {
+namespace colmap_ext::predicates_test {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -100,9 +99,8 @@ TEST(AreCollinear, IsExact) {
 
 TEST(CenterFrom, IsExactForFlatCells) {
   // In the plane z = 0 but for the last point, just above the circle's centre.
-  const float height = std::ldexp(1.f, -60);
-  const Vector3d center =
-      CenterFrom({1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, 0, height});
+  const Vector3d center = CenterFrom({1, 0, 0}, {-1, 0, 0}, {0, 1, 0},
+                                     {0, 0, std::ldexp(1.f, -60)});
   EXPECT_EQ(center.x(), -1);
   EXPECT_EQ(center.y(), 0);
   EXPECT_DOUBLE_EQ(center.z(), -std::ldexp(1., 59));  // (h^2 - 1) / 2 h
@@ -155,5 +153,4 @@ TEST(RaySideExact, IsThatOfALineMovedALittle) {
   EXPECT_GT(num_degenerate, 1000u);
 }
 
-}  // namespace predicates_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::predicates_test

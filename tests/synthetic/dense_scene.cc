@@ -11,26 +11,6 @@
 
 namespace colmap_ext::synthetic {
 
-std::string DenseSceneOptions::Check() const {
-  const std::string error = scene.Check();
-  return !error.empty()
-             ? error
-             : RangeError(
-                   {{"noise", stereo.noise, 0, 10},
-                    {"correlated_share", stereo.correlated_share, 0, 1},
-                    {"normal_noise", stereo.normal_noise, 0, 45},
-                    {"dropout", stereo.dropout, 0, 1},
-                    {"fattening", stereo.fattening, 0, 20},
-                    {"pose_noise", pose_noise.pixels, 0, 100},
-                    {"focal_factor", pose_noise.focal_factor, 0.5, 2},
-                    {"sensor_noise", render.sensor_noise, 0, 100},
-                    {"photon_noise", render.photon_noise, 0, 100},
-                    {"outliers", fusion.outliers, 0, 1},
-                    {"min_num_pixels", 1.0 * fusion.min_num_pixels, 1, 1e9},
-                    {"num_sparse_points", 1.0 * sparse.num_points, 0, 1e9},
-                    {"feature_noise", sparse.noise, 0, 10}});
-}
-
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -185,9 +165,6 @@ std::vector<View> DisturbViews(const PoseNoiseOptions& options,
 }
 
 DenseScene MakeDenseScene(const DenseSceneOptions& options) {
-  if (const std::string error = options.Check(); !error.empty()) {
-    throw std::invalid_argument(error);
-  }
   const int num_threads = options.scene.num_threads;
   tbb::task_arena arena(num_threads > 0 ? num_threads
                                         : tbb::task_arena::automatic);

@@ -189,9 +189,6 @@ struct DenseSceneOptions {
 
   // Whether the true depths at the pixel centers are kept.
   bool keep_true_depths = true;
-
-  // Returns what is wrong with the options, in one line; empty if nothing is.
-  std::string Check() const;
 };
 
 // A dense workspace in memory: `scene.surface` is the truth, `model_views` and
@@ -207,7 +204,7 @@ struct DenseScene {
 };
 
 // The same options give the same bytes for any number of threads.
-// \throw std::invalid_argument for options that do not check.
+// \throw std::invalid_argument for an unknown shape.
 DenseScene MakeDenseScene(const DenseSceneOptions& options);
 
 // Returns copies of a scene side by side, each seen by its own views, whose

@@ -30,7 +30,7 @@ std::vector<std::vector<uint32_t>> Neighbors(const std::vector<View>& views) {
                             j);
       }
     }
-    std::sort(others.begin(), others.end());
+    std::ranges::sort(others);
     for (const auto& [cosine, j] : others) {
       neighbors[i].push_back(j);
     }

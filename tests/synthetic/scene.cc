@@ -99,37 +99,12 @@ float Patch::At(const Vector3f& point) const {
   return strength > 0 ? strength * std::clamp(border, 0.0f, 1.0f) : 0;
 }
 
-std::string RangeError(const std::vector<CheckedValue>& values) {
-  for (const auto& [name, value, lower, upper] : values) {
-    if (!(value >= lower && value <= upper)) {
-      std::ostringstream text;
-      text << name << " must be in [" << lower << ", " << upper << "]";
-      return text.str();
-    }
-  }
-  return "";
-}
-
-std::string SceneOptions::Check() const {
-  if (FindSceneShape(shape) == nullptr) {
-    return "scene must be `statue`, `wall` or `grid`";
-  }
-  return RangeError({{"num_images", 1.0 * num_images, 1, 10000},
-                     {"width", 1.0 * width, 16, 20000},
-                     {"height", 1.0 * height, 16, 20000},
-                     {"relief", relief, 0, 2},
-                     {"thickness", thickness, 0.2, 3},
-                     {"untextured", untextured, 0, 1},
-                     {"gloss", gloss, 0, 2},
-                     {"exposure_change", exposure_change, 0, 0.9},
-                     {"cell_size", cell_size, 0.5, 100}});
-}
-
 Scene MakeScene(const SceneOptions& options) {
-  if (const std::string error = options.Check(); !error.empty()) {
-    throw std::invalid_argument(error);
+  const SceneShape* found = FindSceneShape(options.shape);
+  if (found == nullptr) {
+    throw std::invalid_argument("scene must be `statue`, `wall` or `grid`");
   }
-  const SceneShape& shape = *FindSceneShape(options.shape);
+  const SceneShape& shape = *found;
   Scene scene;
   scene.views = shape.make_views(options);
   double distance = 0;

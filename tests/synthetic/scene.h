@@ -55,22 +55,7 @@ struct SceneOptions {
   // The number of threads to use. Default is all threads. The result does not
   // depend on it.
   int num_threads = -1;
-
-  // Returns what is wrong with the options, in one line; empty if nothing is.
-  std::string Check() const;
 };
-
-// A value that has to be in a range, with its name on the command line.
-struct CheckedValue {
-  const char* name;
-  double value;
-  double lower;
-  double upper;
-};
-
-// The first value outside of its range, "NAME must be in [LOWER, UPPER]"; empty
-// if there is none.
-std::string RangeError(const std::vector<CheckedValue>& values);
 
 // A part of the surface: inside of a ball, faded out at its border.
 struct Patch {
@@ -109,7 +94,7 @@ struct SceneShape {
 // Returns nullptr for an unknown name.
 const SceneShape* FindSceneShape(const std::string& name);
 
-// \throw std::invalid_argument for options that do not check.
+// \throw std::invalid_argument for an unknown shape.
 Scene MakeScene(const SceneOptions& options);
 
 // Share of the light that the surface reflects in red, green and blue, [0, 1]:

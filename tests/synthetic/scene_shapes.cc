@@ -25,8 +25,7 @@ float SmoothMin(float a, float b, float width) {
 
 float Ellipsoid(const Vector3f& p, const Vector3f& center,
                 const Vector3f& radii) {
-  const Vector3f q = (p - center).cwiseQuotient(radii);
-  return (q.norm() - 1) * radii.minCoeff();
+  return ((p - center).cwiseQuotient(radii).norm() - 1) * radii.minCoeff();
 }
 
 // A box with rounded edges.

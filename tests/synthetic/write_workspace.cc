@@ -28,6 +28,7 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "formats/write_mesh.h"
+#include "tests/raster/pixels.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext::synthetic {
@@ -95,27 +96,22 @@ void WriteDepths(const fs::path& path, const colmap_ext::DepthMap& depths) {
     }
   }
   colmap::mvs::DepthMap map(depths.width, depths.height, nearest, farthest);
-  for (int row = 0; row < depths.height; ++row) {
-    for (int col = 0; col < depths.width; ++col) {
-      map.Set(row, col, depths.depths[depths.Index(row, col)]);
-    }
-  }
+  ForEachPixel(depths, [&](int row, int col) {
+    map.Set(row, col, depths.depths[depths.Index(row, col)]);
+  });
   map.Write(path.string());
 }
 
 // COLMAP's file of a depth map's normals.
 void WriteNormals(const fs::path& path, const DepthMap& map, const View& view) {
   colmap::mvs::NormalMap normals(map.width, map.height);
-  for (int row = 0; row < map.height; ++row) {
-    for (int col = 0; col < map.width; ++col) {
-      const Eigen::Vector3f normal =
-          view.cam_from_world_rotation.cast<float>() *
-          map.normals[map.Index(row, col)];
-      for (int i = 0; i < 3; ++i) {
-        normals.Set(row, col, i, normal[i]);
-      }
+  ForEachPixel(map, [&](int row, int col) {
+    const Eigen::Vector3f normal = view.cam_from_world_rotation.cast<float>() *
+                                   map.normals[map.Index(row, col)];
+    for (int i = 0; i < 3; ++i) {
+      normals.Set(row, col, i, normal[i]);
     }
-  }
+  });
   normals.Write(path.string());
 }
 

@@ -1,4 +1,5 @@
 #include "tests/synthetic/dense_scene.h"
+#include "tests/raster/pixels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,24 +120,6 @@ TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
   }
 }
 
-TEST(MakeDenseScene, RowsOfViewsAreAscendingAndInRange) {
-  const DenseScene scene = MakeDenseScene(Small("statue"));
-  const PointCloud& cloud = scene.fused.cloud;
-  ASSERT_EQ(cloud.views.offsets.size(), cloud.size() + 1);
-  EXPECT_EQ(cloud.views.offsets.front(), 0);
-  EXPECT_EQ(cloud.views.offsets.back(), cloud.views.values.size());
-  EXPECT_EQ(cloud.colors.size(), cloud.size());
-  EXPECT_EQ(scene.fused.normals.size(), cloud.size());
-  EXPECT_EQ(scene.fused.is_outlier.size(), cloud.size());
-  for (size_t i = 0; i < cloud.size(); ++i) {
-    const auto views = cloud.views[i];
-    ASSERT_GE(views.size(), 1);
-    EXPECT_LT(views.back(), scene.scene.views.size());
-    EXPECT_TRUE(std::is_sorted(views.begin(), views.end()));
-    EXPECT_EQ(std::adjacent_find(views.begin(), views.end()), views.end());
-  }
-}
-
 TEST(MakeDenseScene, PointsLieOnTheSurfaceUpToNoiseAndHalfPixel) {
   for (const char* shape : {"statue", "wall"}) {
     DenseSceneOptions options = Small(shape, /*render_images=*/false);
@@ -214,8 +197,7 @@ TEST(MakeDenseScene, OutliersAreOffTheSurface) {
   options.fusion.outliers = 0.1;
   const DenseScene scene = MakeDenseScene(options);
   const std::vector<char>& is_outlier = scene.fused.is_outlier;
-  const size_t num_outliers =
-      std::count(is_outlier.begin(), is_outlier.end(), 1);
+  const size_t num_outliers = std::ranges::count(is_outlier, 1);
   EXPECT_NEAR(num_outliers, 0.1 * (is_outlier.size() - num_outliers), 1);
   const std::vector<float> distances =
       Distances(scene, scene.fused.cloud.positions);
@@ -273,18 +255,16 @@ double ShareOfDepths(const DenseScene& scene, Patch patch) {
   for (size_t i = 0; i < scene.visible.size(); ++i) {
     const View& view = scene.scene.views[i];
     const Visible& visible = scene.visible[i];
-    for (int row = 0; row < visible.height; ++row) {
-      for (int col = 0; col < visible.width; ++col) {
-        const size_t index = visible.Index(row, col);
-        const Vector3f point =
-            view.Center().cast<float>() +
-            visible.depths[index] * RayDirection(view, col + 0.5, row + 0.5);
-        if (patch.At(point) >= 1) {
-          ++num_pixels;
-          num_depths += scene.depth_maps[i].depths[index] > 0;
-        }
+    ForEachPixel(visible, [&](int row, int col) {
+      const size_t index = visible.Index(row, col);
+      const Vector3f point =
+          view.Center().cast<float>() +
+          visible.depths[index] * RayDirection(view, col + 0.5, row + 0.5);
+      if (patch.At(point) >= 1) {
+        ++num_pixels;
+        num_depths += scene.depth_maps[i].depths[index] > 0;
       }
-    }
+    });
   }
   return static_cast<double>(num_depths) / num_pixels;
 }
@@ -312,18 +292,6 @@ TEST(MakeDenseScene, HighlightsMoveWithTheEye) {
   EXPECT_FLOAT_EQ(Highlight(scene, {0, 0, 0}, normal, {5, 0, 5}), 0.5f);
   EXPECT_LT(Highlight(scene, {0, 0, 0}, normal, {0, 0, 5}), 0.1f);
   EXPECT_EQ(Highlight(scene, {2, 0, 0}, normal, {7, 0, 5}), 0);
-}
-
-TEST(MakeDenseScene, RefusesBadOptions) {
-  DenseSceneOptions many_outliers = Small("statue");
-  many_outliers.fusion.outliers = 2;
-  DenseSceneOptions no_noise = Small("statue");
-  no_noise.stereo.noise = std::nan("");
-  DenseSceneOptions negative_noise = Small("statue");
-  negative_noise.render.sensor_noise = -1;
-  for (const auto& options : {many_outliers, no_noise, negative_noise}) {
-    EXPECT_THROW(MakeDenseScene(options), std::invalid_argument);
-  }
 }
 
 }  // namespace colmap_ext::synthetic::dense_scene_test

@@ -8,8 +8,7 @@
 
 #include "tests/texts.h"
 
-namespace colmap_ext {
-namespace progress_reporter_test {
+namespace colmap_ext::progress_reporter_test {
 
 TEST(ProgressReporterTest, WritesALineAStageIntoALog) {
   std::ostringstream stream;
@@ -63,5 +62,4 @@ TEST(ProgressReporterTest, KnowsThePeakOfMemory) {
   EXPECT_GT(PeakMemory(), size_t{1} << 20);
 }
 
-}  // namespace progress_reporter_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::progress_reporter_test

@@ -1,8 +1,10 @@
 #include "tiles/tile_cut.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -10,9 +12,11 @@
 #include "tests/random_vectors.h"
 #include "tests/threads.h"
 #include "tests/tiles/memory_plan.h"
+#include "tiles/ray_mask.h"
 
-namespace colmap_ext {
-namespace certified_tetrahedra_test {
+namespace colmap_ext::certified_tetrahedra_test {
+
+using Eigen::Vector3d;
 
 // The cells at some vertices and those beside them, each by its sorted corners.
 std::set<CellKey> StarCells(const Tetrahedralization& tetrahedra,
@@ -67,10 +71,9 @@ TEST(CertifyTile, StarsAreThoseOfAllPoints) {
   for (const size_t num_tiles : {1, 2, 5}) {
     ExpectStarsOfAll(PlanOf(RandomPoints(4000, 10000, &random), num_tiles));
   }
+  // Every cell within spans from one side to the other.
+  ExpectStarsOfAll(PlanOf(OnSphere(2), 4));
 }
-
-// Every cell within spans from one side to the other.
-TEST(CertifyTile, StarsOnASphere) { ExpectStarsOfAll(PlanOf(OnSphere(2), 4)); }
 
 TEST(CertifyTile, StarsOfDifficultPoints) {
   for (const NamedPoints& named : DifficultPoints()) {
@@ -107,5 +110,63 @@ TEST(CertifyTile, DoesNotDependOnThreads) {
   });
 }
 
-}  // namespace certified_tetrahedra_test
-}  // namespace colmap_ext
+// In a cube.
+Vector3d Anywhere(double from, double to, Random* random) {
+  return RandomVector(random, (to - from) / 2).array() + (from + to) / 2;
+}
+
+// Of a tetrahedron or a triangle.
+Vector3d Within(const std::vector<Vector3d>& corners, Random* random) {
+  Vector3d sum = Vector3d::Zero();
+  double total = 0;
+  for (const Vector3d& corner : corners) {
+    const double weight = random->Unit() + 1e-9;
+    sum += weight * corner;
+    total += weight;
+  }
+  return sum / total;
+}
+
+TEST(RayMask, LeavesOutNoRayThroughWhatIsMarked) {
+  Random random(1);
+  const Eigen::AlignedBox3d bounds(Vector3d(0, 0, 0), Vector3d(10, 10, 1));
+  for (int i = 0; i < 200; ++i) {
+    RayMask mask(bounds);
+    std::vector<Vector3d> corners;
+    const int num_corners = 3 + static_cast<int>(random.Below(2));
+    for (int k = 0; k < num_corners; ++k) {
+      corners.push_back(Anywhere(0, 1, &random).cwiseProduct(bounds.max()));
+    }
+    mask.Mark(corners);
+    mask.Finish();
+    for (int k = 0; k < 50; ++k) {
+      const Vector3d from = Anywhere(-5, 15, &random);
+      const Vector3d through = Within(corners, &random);
+      const Vector3d to = through + random.Unit() * (through - from);
+      const Vector3d direction = (to - from).normalized();
+      EXPECT_TRUE(mask.MayPass(from, direction, (to - from).norm()));
+      EXPECT_TRUE(mask.MayPass(to, -direction,
+                               std::numeric_limits<double>::infinity()));
+      EXPECT_TRUE(mask.MayTouch(Eigen::AlignedBox3d(through).extend(from)));
+    }
+  }
+}
+
+TEST(RayMask, LeavesOutMostRaysElsewhere) {
+  Random random(2);
+  RayMask mask({Vector3d(0, 0, 0), Vector3d(10, 10, 10)});
+  const std::vector<Vector3d> corners = {
+      {1, 1, 1}, {2, 1, 1}, {1, 2, 1}, {1, 1, 2}};
+  mask.Mark(corners);
+  mask.Finish();
+  EXPECT_FALSE(mask.MayTouch({Vector3d(5, 5, 5), Vector3d(9, 9, 9)}));
+  size_t num_crossing = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d from = Anywhere(0, 10, &random);
+    const Vector3d way = Anywhere(0, 10, &random) - from;
+    num_crossing += mask.MayPass(from, way.normalized(), way.norm());
+  }
+  EXPECT_LT(num_crossing, 100u);
+}
+
+}  // namespace colmap_ext::certified_tetrahedra_test

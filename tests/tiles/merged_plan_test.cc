@@ -15,8 +15,7 @@
 #include "tests/tiles/memory_plan.h"
 #include "tiles/patch_cells.h"
 
-namespace colmap_ext {
-namespace merged_plan_test {
+namespace colmap_ext::merged_plan_test {
 
 // A facet by its corners' positions, turned so that the lowest comes first.
 using Corner = std::array<float, 3>;
@@ -82,11 +81,13 @@ SeenScene NoisyScene(uint64_t seed) {
   return scene;
 }
 
-TEST(MergeSurface, IsThatOfOneMachine) {
+TEST(MergeSurface, IsThatOfOneMachineAlsoOnALattice) {
   for (const size_t num_tiles : {1, 2, 4, 8}) {
     ExpectSameSurface(SphereScene(3000, 4), num_tiles, false);
     ExpectSameSurface(GroundScene(4000, 5), num_tiles, false);
   }
+  ExpectSameSurface(LatticeScene(1), 8, true);
+  ExpectSameSurface(BoxScene(1 / 150.0f), 2, false);
 }
 
 TEST(MergeSurface, IsThatOfOneMachineWithSingularVerticesFixed) {
@@ -98,11 +99,6 @@ TEST(MergeSurface, IsThatOfOneMachineWithSingularVerticesFixed) {
       ExpectSameSurface(scene, num_tiles, true);
     }
   }
-}
-
-TEST(MergeSurface, IsThatOfOneMachineOnALattice) {
-  ExpectSameSurface(LatticeScene(1), 8, true);
-  ExpectSameSurface(BoxScene(1 / 150.0f), 2, false);
 }
 
 // As users merge.
@@ -310,5 +306,4 @@ TEST(AddTile, RefusesMoreVerticesThanCanBeNumbered) {
   EXPECT_EQ(blocks.NumTiles(), 1u);
 }
 
-}  // namespace merged_plan_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::merged_plan_test

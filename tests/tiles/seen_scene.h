@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "tests/random_vectors.h"
 #include "tiles/tile_cut.h"
 
 namespace colmap_ext {
@@ -32,13 +34,70 @@ struct SeenScene {
 };
 
 // A noisy sphere that cameras around it see, and some points far off.
-SeenScene SphereScene(size_t num_points, uint64_t seed, double noise = 0.02);
+inline SeenScene SphereScene(size_t num_points, uint64_t seed,
+                             double noise = 0.02) {
+  Random random(seed);
+  SeenScene scene;
+  for (int i = 0; i < 20; ++i) {
+    scene.centers.push_back(4 * RandomNormal(&random));
+  }
+  for (size_t i = 0; i < num_points; ++i) {
+    const Eigen::Vector3d normal = RandomNormal(&random);
+    const Eigen::Vector3d point =
+        normal * (1 + noise * (2 * random.Unit() - 1));
+    scene.Add(point, [&](const Eigen::Vector3d& center) {
+      return (center - point).dot(normal) > 1;
+    });
+  }
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d point = 20 * RandomNormal(&random);
+    scene.Add(point, [&](const Eigen::Vector3d& center) {
+      return center.cross((point - center).normalized()).norm() > 1.1;
+    });
+  }
+  scene.options.rays = {0.02, 1};
+  return scene;
+}
 
 // A wavy ground that cameras above it see.
-SeenScene GroundScene(size_t num_points, uint64_t seed);
+inline SeenScene GroundScene(size_t num_points, uint64_t seed) {
+  Random random(seed);
+  SeenScene scene;
+  for (int i = 0; i < 25; ++i) {
+    scene.centers.emplace_back(2.0 * (i % 5) + 1, 2.0 * (i / 5) + 1, 4);
+  }
+  for (size_t i = 0; i < num_points; ++i) {
+    const double x = 10 * random.Unit();
+    const double y = 10 * random.Unit();
+    const Eigen::Vector3d point(
+        x, y, 0.5 * std::sin(2 * x) * std::cos(2 * y) + 0.02 * random.Unit());
+    scene.Add(point, [&](const Eigen::Vector3d& center) {
+      return (center - point).head<2>().norm() < 2.5;
+    });
+  }
+  scene.options.rays = {0.05, 1};
+  return scene;
+}
 
 // The same with rays that end in the air, one for every ten points.
-SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed);
+inline SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed) {
+  SeenScene scene = GroundScene(num_points, seed);
+  scene.observations.is_end.assign(scene.points.size(), 0);
+  Random random(seed + 1);
+  for (uint32_t i = 0; i < num_points / 10; ++i) {
+    const Eigen::Vector3d point(10 * random.Unit(), 10 * random.Unit(),
+                                2 + 3 * random.Unit());
+    scene.points.push_back(point.cast<float>());
+    scene.observations.AddRow(std::vector<Observation>{{i % 25, 0.5f}});
+    scene.observations.is_end.push_back(1);
+  }
+  return scene;
+}
+
+// A node of a lattice.
+inline Eigen::Vector3d Node(float unit, int x, int y, int z) {
+  return (unit * Eigen::Vector3f(x, y, z)).cast<double>();
+}
 
 // Nodes of a lattice, long enough along the x axis that tiles do not have each
 // other's points; not all of them. Cameras are within and around them: at nodes
@@ -46,14 +105,98 @@ SeenScene GroundSceneWithEnds(size_t num_points, uint64_t seed);
 // half of the points. Rays end behind their points where other nodes are, and
 // their weights stop falling there.
 // \param unit  of the lattice
-SeenScene LatticeScene(uint64_t seed, float unit = 1);
+inline SeenScene LatticeScene(uint64_t seed, float unit = 1) {
+  constexpr int kLength = 300;
+  constexpr int kWidth = 4;
+  Random random(seed);
+  const auto any = [&] {
+    return Node(unit, random.Integer(0, kLength), random.Integer(0, kWidth),
+                random.Integer(0, kWidth));
+  };
+  SeenScene scene;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d a = any();
+    const Eigen::Vector3d b = any();
+    scene.centers.insert(scene.centers.end(),
+                         {a, 0.5 * (a + b), 3 * a - 2 * b, a + b - any()});
+  }
+  // On a line of nodes, and in a plane of them.
+  scene.centers.push_back(Node(unit, -7, 1, 1));
+  scene.centers.push_back(Node(unit, kLength / 2, 1, 40));
+  for (int x = 0; x <= kLength; ++x) {
+    for (int y = 0; y <= kWidth; ++y) {
+      for (int z = 0; z <= kWidth; ++z) {
+        if (random.Chance(0.4)) {
+          continue;
+        }
+        const Eigen::Vector3d point = Node(unit, x, y, z);
+        scene.Add(point, [&](const Eigen::Vector3d& center) {
+          return center != point && random.Chance(0.5);
+        });
+      }
+    }
+  }
+  scene.options.rays = {0.2 * unit, 5};
+  return scene;
+}
 
 // A long box on the ground, of unit squares whose corners are points, seen from
 // nodes of the lattice.
-SeenScene BoxScene(float unit = 1);
+inline SeenScene BoxScene(float unit = 1) {
+  constexpr int kLength = 120;
+  constexpr int kSize = 3;
+  SeenScene scene;
+  for (int x = -10; x <= kLength + 10; x += 17) {
+    for (const int y : {-8, 1, 12}) {
+      // In the plane of the box's top, and above.
+      scene.centers.push_back(Node(unit, x, y, y == 1 ? 10 : kSize));
+    }
+  }
+  const auto is_within = [](int x, int size) { return x >= 0 && x <= size; };
+  for (int x = -4; x <= kLength + 4; ++x) {
+    for (int y = -3; y <= kSize + 3; ++y) {
+      for (int z = 0; z <= kSize; ++z) {
+        const bool is_in_box = is_within(x, kLength) && is_within(y, kSize);
+        const bool is_on_box =
+            is_in_box &&
+            (z == kSize || x == 0 || x == kLength || y == 0 || y == kSize);
+        if (!is_on_box && (is_in_box || z > 0)) {
+          continue;
+        }
+        const Eigen::Vector3d point = Node(unit, x, y, z);
+        scene.Add(point, [&](const Eigen::Vector3d& center) {
+          const Eigen::Vector3d way = center - point;
+          return way.norm() < 20 * unit && way.norm() > 0 &&
+                 (!is_in_box || z == kSize || (x == 0 && way.x() <= 0) ||
+                  (x == kLength && way.x() >= 0) || (y == 0 && way.y() <= 0) ||
+                  (y == kSize && way.y() >= 0));
+        });
+      }
+    }
+  }
+  scene.options.rays = {0.2 * unit, 5};
+  return scene;
+}
 
 // A cluster of a third of the points, and one of the others far off, whose
 // cameras are around it.
-SeenScene ClustersScene(uint64_t seed);
+inline SeenScene ClustersScene(uint64_t seed) {
+  Random random(seed);
+  SeenScene scene;
+  for (int i = 0; i < 12; ++i) {
+    scene.centers.emplace_back(Eigen::Vector3d(40, 0, 0) +
+                               3 * RandomNormal(&random));
+  }
+  for (int i = 0; i < 4500; ++i) {
+    const Eigen::Vector3d offset =
+        std::cbrt(random.Unit()) * RandomNormal(&random);
+    const Eigen::Vector3d point =
+        i < 1500 ? offset : Eigen::Vector3d(40, 0, 0) + offset;
+    scene.Add(point,
+              [&](const Eigen::Vector3d&) { return random.Chance(0.5); });
+  }
+  scene.options.rays = {0.05, 1};
+  return scene;
+}
 
 }  // namespace colmap_ext

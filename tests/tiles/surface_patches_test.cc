@@ -12,8 +12,7 @@
 #include "tests/mesh/shapes.h"
 #include "tiles/tile_cells.h"
 
-namespace colmap_ext {
-namespace surface_patches_test {
+namespace colmap_ext::surface_patches_test {
 
 // A surface in memory, in blocks of ten facets.
 class MemorySurface : public SurfaceStore {
@@ -166,5 +165,4 @@ TEST(MakePatch, OfNoChangeMakesTheSameSurface) {
   EXPECT_EQ(again.mesh.facets, part.mesh.facets);
 }
 
-}  // namespace surface_patches_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::surface_patches_test

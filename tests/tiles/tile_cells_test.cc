@@ -6,18 +6,22 @@
 #include <gtest/gtest.h>
 
 #include "tests/delaunay/random_complex.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/random_vectors.h"
+#include "tests/tiles/memory_plan.h"
+#include "tiles/tile_cut.h"
 
-namespace colmap_ext {
-namespace tile_cells_test {
+namespace colmap_ext::tile_cells_test {
+
+using Eigen::Vector3f;
 
 float Between(float low, float high, Random* random) {
   return low + (high - low) * static_cast<float>(random->Unit());
 }
 
 // In a flat box.
-std::vector<Eigen::Vector3f> FlatPoints(size_t count, Random* random) {
-  std::vector<Eigen::Vector3f> points;
+std::vector<Vector3f> FlatPoints(size_t count, Random* random) {
+  std::vector<Vector3f> points;
   for (size_t i = 0; i < count; ++i) {
     points.emplace_back(Between(0, 10, random), Between(0, 10, random),
                         Between(0, 1, random));
@@ -27,10 +31,9 @@ std::vector<Eigen::Vector3f> FlatPoints(size_t count, Random* random) {
 
 TEST(SplitTree, PartsAreOfAboutEqualWeight) {
   Random random(1);
-  const std::vector<Eigen::Vector3f> points =
-      RandomPoints(20000, 100000, &random);
+  const std::vector<Vector3f> points = RandomPoints(20000, 100000, &random);
   std::vector<float> weights;
-  for (const Eigen::Vector3f& point : points) {
+  for (const Vector3f& point : points) {
     weights.push_back(point.x() > 0 ? 3 : 1);
   }
   for (const size_t num_parts : {1, 2, 3, 7, 16}) {
@@ -50,7 +53,7 @@ TEST(SplitTree, PartsAreOfAboutEqualWeight) {
 
 TEST(SplitTree, KnowsPlacesThatNoPointIsAt) {
   Random random(2);
-  const std::vector<Eigen::Vector3f> points = RandomPoints(100, 10, &random);
+  const std::vector<Vector3f> points = RandomPoints(100, 10, &random);
   const SplitTree tree(points, std::vector<float>(points.size(), 1), 8);
   EXPECT_LT(tree.PartOf({1e6f, -1e6f, 0}), 8u);
 }
@@ -61,23 +64,17 @@ TEST(TileCells, AreThePartsOfTheTree) {
   const SplitTree tree(points, std::vector<float>(points.size(), 1), 13);
   const TileCells cells = tree.Cells();
   ASSERT_EQ(cells.size(), 13);
-  for (const Eigen::Vector3f& point : points) {
+  for (const Vector3f& point : points) {
     EXPECT_EQ(CellOf(cells, point), tree.PartOf(point));
     EXPECT_EQ(CellOf(cells, 100 * point), tree.PartOf(100 * point));
   }
 }
 
 // Small facets all over the plane.
-TriangleMesh MakeFacets(const std::vector<Eigen::Vector3f>& points) {
-  TriangleMesh mesh;
-  for (const Eigen::Vector3f& point : points) {
-    const auto first = static_cast<uint32_t>(mesh.vertices.size());
-    mesh.vertices.push_back(point);
-    mesh.vertices.emplace_back(point + Eigen::Vector3f(0.1F, 0, 0));
-    mesh.vertices.emplace_back(point + Eigen::Vector3f(0, 0.1F, 0));
-    mesh.facets.push_back({first, first + 1, first + 2});
-  }
-  return mesh;
+TriangleMesh MakeFacets(const std::vector<Vector3f>& points) {
+  return MakeTriangles(points.size(), [&](uint32_t i, int k) -> Vector3f {
+    return points[i] + Vector3f(k == 1 ? 0.1F : 0, k == 2 ? 0.1F : 0, 0);
+  });
 }
 
 TEST(ColorTiles, KeepsTilesOfOneColorApart) {
@@ -103,7 +100,7 @@ TEST(ColorTiles, KeepsTilesOfOneColorApart) {
 
 TEST(MayHide, IsTrueOfWhatLiesBetween) {
   Random random(3);
-  const auto corner = [&random](double size) -> Eigen::Vector3f {
+  const auto corner = [&random](double size) -> Vector3f {
     return RandomVector(&random, size).cast<float>();
   };
   size_t num_hiding = 0;
@@ -111,14 +108,14 @@ TEST(MayHide, IsTrueOfWhatLiesBetween) {
     Eigen::AlignedBox3f seen(corner(1));
     seen.extend(corner(1));
     Eigen::AlignedBox3f box(corner(2));
-    box.extend(Eigen::Vector3f(box.min() + corner(1)));
-    const Eigen::Vector3f center = corner(8);
+    box.extend(Vector3f(box.min() + corner(1)));
+    const Vector3f center = corner(8);
     const bool may_hide = MayHide(box, center, seen);
     num_hiding += may_hide ? 1 : 0;
     // Points of the hull within the box.
     for (int k = 0; k < 50; ++k) {
-      const Eigen::Vector3f target = seen.sample();
-      const Eigen::Vector3f point =
+      const Vector3f target = seen.sample();
+      const Vector3f point =
           center + Between(0, 1, &random) * (target - center);
       EXPECT_TRUE(may_hide || !box.contains(point));
     }
@@ -127,5 +124,94 @@ TEST(MayHide, IsTrueOfWhatLiesBetween) {
   EXPECT_LT(num_hiding, 1000);
 }
 
-}  // namespace tile_cells_test
-}  // namespace colmap_ext
+// Compares a tile's graph and labels with those of all vertices.
+class TileAndWhole {
+ public:
+  TileAndWhole(const SeenScene& scene, const MemoryPlan& plan)
+      : scene_(scene),
+        plan_(plan),
+        whole_(scene, plan),
+        cells_(whole_.CellsByKey()) {}
+
+  void Compare(uint32_t tile) {
+    const TileCut cut = CutTile(plan_, tile, scene_.centers, scene_.options);
+    EXPECT_EQ(cut.rays.num_lost_rays, 0u);
+    for (uint32_t i = 0; i < cut.tile.tetrahedra.cells.size(); ++i) {
+      if (cut.places[i] == CellPlace::kBeyond) {
+        EXPECT_EQ(cut.labels.known[i], kNotKnown);
+        continue;
+      }
+      ++num_star_;
+      const auto found = cells_.find(Sorted(cut.tile.CornersOf(i)));
+      ASSERT_NE(found, cells_.end());
+      CompareCell(cut, i, found->second);
+      if (cut.labels.known[i] != kNotKnown) {
+        ++num_known_;
+        EXPECT_EQ(cut.labels.known[i], whole_.labels[found->second]);
+      }
+    }
+  }
+
+  double KnownShare() const {
+    return static_cast<double>(num_known_) / static_cast<double>(num_star_);
+  }
+
+ private:
+  void CompareCell(const TileCut& cut, uint32_t cell, uint32_t whole_cell) {
+    const NodeCapacities& whole_node = whole_.graph[whole_cell];
+    EXPECT_EQ(cut.graph[cell].source, whole_node.source);
+    EXPECT_EQ(cut.graph[cell].sink, whole_node.sink);
+    const Tetrahedralization& tetrahedra = cut.tile.tetrahedra;
+    const CellKey corners = cut.tile.CornersOf(cell);
+    for (uint32_t k = 0; k < 4; ++k) {
+      const uint32_t place = whole_.tetrahedra.IndexOf(whole_cell, corners[k]);
+      EXPECT_EQ(cut.graph[cell].arcs[k], whole_node.arcs[place]);
+      const uint32_t other = tetrahedra.cells[cell].neighbors[k];
+      const uint32_t whole_other =
+          whole_.tetrahedra.cells[whole_cell].neighbors[place];
+      EXPECT_EQ(cut.graph[other].arcs[tetrahedra.FacetTo(other, cell)],
+                whole_.graph[whole_other]
+                    .arcs[whole_.tetrahedra.FacetTo(whole_other, whole_cell)]);
+    }
+  }
+
+  const SeenScene& scene_;
+  const MemoryPlan& plan_;
+  WholeCut whole_;
+  std::map<CellKey, uint32_t> cells_;
+  size_t num_star_ = 0;
+  size_t num_known_ = 0;
+};
+
+void ExpectSameCut(const SeenScene& scene, size_t num_tiles,
+                   double min_known_share) {
+  const MemoryPlan plan = PlanOf(scene, num_tiles);
+  TileAndWhole both(scene, plan);
+  for (uint32_t tile = 0; tile < num_tiles; ++tile) {
+    both.Compare(tile);
+  }
+  EXPECT_GE(both.KnownShare(), min_known_share);
+}
+
+// On a sphere, on the ground, and where rays end in the air. One tile knows
+// all.
+TEST(CutTile, VotesAndLabelsAreThoseOfAllPoints) {
+  ExpectSameCut(SphereScene(5000, 1), 3, 0.3);
+  ExpectSameCut(GroundScene(10000, 2), 4, 0.4);
+  ExpectSameCut(GroundSceneWithEnds(6000, 4), 4, 0.3);
+  ExpectSameCut(SphereScene(2000, 3), 1, 1);
+}
+
+// Rays through vertices, along edges and within facets of the tiles'
+// tetrahedra, from vertices of others that lie on such facets, and to cameras
+// that do. In units whose multiples are rounded cells are nearly flat.
+TEST(CutTile, VotesAreThoseOfAllPointsOfALattice) {
+  ExpectSameCut(LatticeScene(1, 1 / 150.0f), 4, -1);
+  ExpectSameCut(BoxScene(), 3, -1);
+  // The hull of what a tile has need not hold the middle of all points.
+  for (const uint64_t seed : {1, 2}) {
+    ExpectSameCut(ClustersScene(seed), 3, -1);
+  }
+}
+
+}  // namespace colmap_ext::tile_cells_test

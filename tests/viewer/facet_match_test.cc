@@ -8,12 +8,12 @@
 #include "pictures/drawings.h"
 #include "scene/view.h"
 #include "tests/mesh/known_meshes.h"
+#include "tests/raster/pixels.h"
 
 namespace colmap_ext::facet_match_test {
 
 // A textured plane z = 0, and images of it.
-class FacetMatchTest : public testing::Test {
- protected:
+struct FacetMatchTest : testing::Test {
   static View ViewFrom(const Eigen::Vector3d& eye, const std::string& name) {
     View view = LookAtView(eye, {0, 0, 0}, {0, 1, 0}, 200, 160, 260);
     view.name = name;
@@ -23,17 +23,15 @@ class FacetMatchTest : public testing::Test {
   // What a camera sees of the plane, moved in z and seen where it is not.
   static GrayImage ImageOf(const View& view, double height = 0) {
     GrayImage image{view.width, view.height, {}};
-    for (int row = 0; row < view.height; ++row) {
-      for (int col = 0; col < view.width; ++col) {
-        const Eigen::Vector3d ray =
-            RayDirection(view, col + 0.5, row + 0.5).cast<double>();
-        const Eigen::Vector3d eye = view.Center();
-        const Eigen::Vector3d point = eye + (height - eye.z()) / ray.z() * ray;
-        image.pixels.push_back(static_cast<uint8_t>(
-            128 + 50 * std::sin(43 * point.x() + 5 * std::sin(31 * point.y())) +
-            40 * std::cos(37 * point.y())));
-      }
-    }
+    ForEachPixel(view, [&](int row, int col) {
+      const Eigen::Vector3d ray =
+          RayDirection(view, col + 0.5, row + 0.5).cast<double>();
+      const Eigen::Vector3d eye = view.Center();
+      const Eigen::Vector3d point = eye + (height - eye.z()) / ray.z() * ray;
+      image.pixels.push_back(static_cast<uint8_t>(
+          128 + 50 * std::sin(43 * point.x() + 5 * std::sin(31 * point.y())) +
+          40 * std::cos(37 * point.y())));
+    });
     return image;
   }
 
@@ -43,7 +41,7 @@ class FacetMatchTest : public testing::Test {
                               {{0, 1, 2}, {0, 2, 3}}};
 };
 
-TEST_F(FacetMatchTest, ImagesOfTheSurfaceAgree) {
+TEST_F(FacetMatchTest, ImagesOfTheSurfaceAgreeAndOfAnotherDoNot) {
   const FacetMatch match =
       MatchFacet(mesh_, 0, first_, ImageOf(first_), second_, ImageOf(second_));
   ASSERT_TRUE(match.zncc);
@@ -54,22 +52,14 @@ TEST_F(FacetMatchTest, ImagesOfTheSurfaceAgree) {
     difference += std::abs(match.first.pixels[i] - match.warped.pixels[i]);
   }
   EXPECT_LT(difference / match.first.pixels.size(), 6);
-}
-
-TEST_F(FacetMatchTest, ImagesOfAnotherSurfaceDoNot) {
-  const FacetMatch match = MatchFacet(mesh_, 0, first_, ImageOf(first_, 0.3),
+  const FacetMatch other = MatchFacet(mesh_, 0, first_, ImageOf(first_, 0.3),
                                       second_, ImageOf(second_, 0.3));
-  ASSERT_TRUE(match.zncc);
-  EXPECT_LT(*match.zncc, 0.6);
+  ASSERT_TRUE(other.zncc);
+  EXPECT_LT(*other.zncc, 0.6);
 }
 
 TEST_F(FacetMatchTest, WhatIsHiddenOrBehindIsNotCompared) {
-  TriangleMesh hidden = mesh_;
-  for (const Eigen::Vector3f& vertex : mesh_.vertices) {
-    hidden.vertices.push_back(vertex + Eigen::Vector3f(0, 0, 0.5F));
-  }
-  hidden.facets.push_back({4, 5, 6});
-  hidden.facets.push_back({4, 6, 7});
+  const TriangleMesh hidden = Union(mesh_, Shifted(mesh_, {0, 0, 0.5F}));
   EXPECT_FALSE(
       MatchFacet(hidden, 0, first_, ImageOf(first_), second_, ImageOf(second_))
           .zncc);

@@ -10,12 +10,12 @@
 #include "scene/view.h"
 #include "tests/gl/gl_test.h"
 #include "tests/mesh/known_meshes.h"
+#include "tests/raster/pixels.h"
 #include "viewer/shown_scene.h"
 
 namespace colmap_ext::scene_renderer_test {
 
-class SceneRendererTest : public CurrentGlTest {
- protected:
+struct SceneRendererTest : CurrentGlTest {
   void SetUp() override {
     CurrentGlTest::SetUp();
     if (context_) {
@@ -85,13 +85,11 @@ TEST_F(SceneRendererTest, ShowsTheFacetsThatTheViewSees) {
     Draw(SceneOf(hills), view);
     int num_other = 0;
     int num_drawn = 0;
-    for (int row = 0; row < view.height; ++row) {
-      for (int col = 0; col < view.width; ++col) {
-        const uint32_t facet = drawn.facets[drawn.Index(row, col)];
-        num_drawn += facet != kNone ? 1 : 0;
-        num_other += renderer_->FacetAt(row, col) != facet ? 1 : 0;
-      }
-    }
+    ForEachPixel(view, [&](int row, int col) {
+      const uint32_t facet = drawn.facets[drawn.Index(row, col)];
+      num_drawn += facet != kNone ? 1 : 0;
+      num_other += renderer_->FacetAt(row, col) != facet ? 1 : 0;
+    });
     EXPECT_GT(num_drawn, 3000);
     EXPECT_LT(num_other, 0.005 * num_drawn);  // on edges
   }

@@ -16,16 +16,14 @@
 #include "viewer/shown_scene.h"
 #include "viewer/viewer_session.h"
 
-namespace colmap_ext {
-namespace scene_loader_test {
+namespace colmap_ext::scene_loader_test {
 
 constexpr int kWidth = 64;  // px
 constexpr int kHeight = 48;
 
 // A square of four facets that three cameras see, whose images are noise. The
 // first image that is read is there when Open() is called.
-class SceneLoaderTest : public testing::Test {
- protected:
+struct SceneLoaderTest : testing::Test {
   SceneLoaderTest() {
     auto mesh = std::make_shared<ShownMesh>();
     mesh->mesh = {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, 0, 0}},
@@ -157,5 +155,4 @@ TEST_F(SceneLoaderTest, WhatGoesWrongIsANote) {
   EXPECT_TRUE(Has(session_->Scene().notes[0], "out of memory"));
 }
 
-}  // namespace scene_loader_test
-}  // namespace colmap_ext
+}  // namespace colmap_ext::scene_loader_test

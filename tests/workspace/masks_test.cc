@@ -23,8 +23,7 @@ std::string HalfMask() {
   return Pgm(kWidth, kHeight, pixels);
 }
 
-class MasksTest : public FolderTest {
- protected:
+struct MasksTest : FolderTest {
   MasksTest() {
     for (const char* name : {"a/1.jpg", "2.png", "3.jpg"}) {
       View view =

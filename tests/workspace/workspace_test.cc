@@ -1,10 +1,10 @@
 #include "workspace/workspace.h"
 
 #include <limits>
-#include <optional>
 #include <random>
 
 #include "tests/formats/test_files.h"
+#include "tests/texts.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/find_workspace.h"
 
@@ -12,8 +12,7 @@ namespace colmap_ext::workspace_test {
 
 namespace fs = std::filesystem;
 
-class WorkspaceTest : public FolderTest {
- protected:
+struct WorkspaceTest : FolderTest {
   // Of what has been written.
   Workspace Read(const WorkspaceOptions& options = {}) const {
     return ReadWorkspace(path_, options, NetpbmDecoder());
@@ -128,8 +127,7 @@ TEST_F(WorkspaceTest, TellsWhichPicturesCanNotBeUsed) {
   ASSERT_EQ(workspace.picture_errors.size(), 7);
   EXPECT_EQ(workspace.picture_errors[2], "no such file");
   EXPECT_EQ(workspace.picture_errors[6], "can not be read");
-  EXPECT_NE(workspace.picture_errors[1].find("is 9 x 2 pixels"),
-            std::string::npos);
+  EXPECT_TRUE(Has(workspace.picture_errors[1], "is 9 x 2 pixels"));
   EXPECT_EQ(workspace.views[1].width, 80) << "its camera's";
   for (const size_t i : {0, 3, 4, 5}) {
     EXPECT_EQ(workspace.picture_errors[i], "");
@@ -191,20 +189,17 @@ TEST_F(WorkspaceTest, DropsFewIndicesOutOfRangeAndRefusesMany) {
   ExpectRefused("beyond the 6 of sparse/");
 }
 
-TEST_F(WorkspaceTest, RefusesCloudsOfNothing) {
-  sphere_.points.clear();
-  sphere_.point_images.clear();
-  sphere_.Write(path_);
-  ExpectRefused("no points");
-}
-
-TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePoints) {
+TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePointsOrAny) {
   for (Eigen::Vector3f& point : sphere_.points) {
     point.x() = std::numeric_limits<float>::quiet_NaN();
   }
   sphere_.Write(path_);
   ExpectRefused((path_ / "fused.ply").string() + ": none of its " +
                 std::to_string(sphere_.points.size()) + " points is finite");
+  sphere_.points.clear();
+  sphere_.point_images.clear();
+  sphere_.Write(path_);
+  ExpectRefused("no points");
 }
 
 TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
@@ -258,6 +253,47 @@ TEST(FilterCloudTest, SortsRows) {
   EXPECT_EQ(report.num_out_of_range, 2);
   EXPECT_EQ(report.num_without_views, 1);
   EXPECT_TRUE(cloud.colors.empty());
+}
+
+struct ExpectOutputsTest : FolderTest {
+  void SetUp() override {
+    for (const char* name :
+         {"fused.ply", "fused.ply.vis", "images/a/0.png", "stereo/fusion.cfg",
+          "sparse/0/cameras.bin", "sparse/0/mesh.ply"}) {
+      WriteFile(path_ / name, "");
+    }
+  }
+
+  void ExpectRefused(const std::vector<fs::path>& outputs,
+                     const std::string& message) const {
+    ExpectFileError(message, [&] {
+      ExpectOutputs(outputs, WorkspaceInputs(path_, {}, {}));
+    });
+  }
+};
+
+TEST_F(ExpectOutputsTest, RefusesToReplaceInputsAndTwoOutputsOfOneName) {
+  fs::create_symlink(path_ / "fused.ply", path_ / "link.ply");
+  for (const char* name :
+       {"fused.ply", "fused.ply.vis", "images/../fused.ply", "link.ply",
+        "images/a/0.png", "stereo/fusion.cfg", "sparse/0/cameras.bin"}) {
+    SCOPED_TRACE(name);
+    ExpectRefused({{}, path_ / "new.ply", path_ / name},
+                  "it is read, and would be replaced");
+  }
+  for (const char* name : {"new.ply", "images/../new.ply"}) {
+    ExpectRefused({path_ / name, path_ / "new.ply"}, "two outputs");
+  }
+}
+
+TEST_F(ExpectOutputsTest, AllowsNewFilesAndEarlierOutputs) {
+  WriteFile(path_ / "old.ply", "");
+  EXPECT_NO_THROW(
+      ExpectOutputs({path_ / "old.ply", path_ / "new.ply",
+                     path_ / "images/new.png", path_ / "sparse/0/mesh.ply"},
+                    WorkspaceInputs(path_, {}, {})));
+  EXPECT_NO_THROW(ExpectOutputs({path_ / "fused.ply"},
+                                WorkspaceInputs(path_, path_ / "old.ply", {})));
 }
 
 }  // namespace colmap_ext::workspace_test
