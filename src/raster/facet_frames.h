@@ -17,14 +17,6 @@ struct FacetFrame {
   Eigen::Vector3d gradient_1;  // of the second corner's barycentric coordinate,
                                // 1 / scene unit
   Eigen::Vector3d gradient_2;  // of the third's
-
-  // Of the point's projection onto the plane; they add up to 1.
-  Eigen::Vector3d Barycentric(const Eigen::Vector3d& point) const {
-    const Eigen::Vector3d from_corner = point - corner;
-    const double second = gradient_1.dot(from_corner);
-    const double third = gradient_2.dot(from_corner);
-    return {1 - second - third, second, third};
-  }
 };
 
 inline FacetFrame ComputeFacetFrame(const TriangleMesh& mesh,

@@ -11,7 +11,6 @@
 #include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
 #include "mesh/subdivision.h"
-#include "remesh/edge_length_field.h"
 #include "remesh/isotropic_remeshing.h"
 
 namespace colmap_ext {

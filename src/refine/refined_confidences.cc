@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "mesh/confidences.h"
-#include "refine/smoothness_weights.h"
+#include "refine/smoothness_model.h"
 #include "spatial/bvh.h"
 
 namespace colmap_ext {

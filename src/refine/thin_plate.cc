@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/normals.h"
-#include "refine/smoothness_weights.h"
+#include "refine/smoothness_model.h"
 
 namespace colmap_ext {
 namespace {

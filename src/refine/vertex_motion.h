@@ -2,12 +2,87 @@
 
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "mesh/adjacency.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
+#include "optim/conjugate_gradients.h"
+#include "photometry/photometric_energy.h"
+#include "refine/thin_plate.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
+
+// When the conjugate gradients end. Early: the steps are limited anyway, and a
+// later iteration makes up for what an earlier one leaves. Found by trial;
+// tests/benchmarks/vary_constants.py tables what other values do.
+inline constexpr double kSolverTolerance = 0.03;
+inline constexpr SolverOptions kEarlyEnd{kSolverTolerance, 100};
+
+// Gauss-Newton's quadratic model of the photometric energy and the smoothness,
+// in how far each vertex moves along its normal (docs/method.md, section 6.3).
+class NormalEquations {
+ public:
+  // \param mesh, normals, rings, terms, plate  of the same mesh. References to
+  //        normals, rings and plate are kept.
+  // \param fixed  of the mesh: Dirichlet constraints
+  NormalEquations(const TriangleMesh& mesh,
+                  const std::vector<Eigen::Vector3f>& normals,
+                  const VertexRings& rings, const PhotometricTerms& terms,
+                  const ThinPlate& plate, FixedVertices fixed = {});
+
+  // The gradient, [V], 1 / scene unit.
+  const std::vector<double>& Gradient() const { return gradient_; }
+
+  // The diagonal, [V], 1 / scene unit^2.
+  const std::vector<double>& Diagonal() const { return diagonal_; }
+
+  // The minimum of the model, [V] scene units, by conjugate gradients,
+  // preconditioned by the diagonal. 0 where nothing says anything.
+  LinearSolution Solve(const SolverOptions& options = kEarlyEnd) const;
+
+  // The effective degrees of freedom: how far the images, rather than the
+  // smoothness, determine where each vertex is: [V]. Their sum estimates how
+  // many vertices the images determine [MacKay1992]: their number minus the
+  // trace of matrix^-1 times the smoothness' part of the matrix, from one
+  // vector of random signs [Hutchinson1990]. Each by itself estimates its
+  // element of the diagonal, with much noise. 0 where a vertex has no
+  // smoothness.
+  LinearSolution Determined(const SolverOptions& options = kEarlyEnd) const;
+
+ private:
+  void AddPhotometric(const TriangleMesh& mesh, const PhotometricTerms& terms);
+  void FindSmoothnessChanges();
+  void AddSmoothness();
+
+  // out = matrix * in, all [V]; of the smoothness' part alone where
+  // `is_smoothness_only`.
+  void Multiply(const std::vector<double>& in, bool is_smoothness_only,
+                std::vector<double>* out) const;
+
+  // matrix^-1 * right_hand_side
+  LinearSolution Solve(std::vector<double> right_hand_side,
+                       const SolverOptions& options) const;
+
+  // Sets the values of fixed vertices to 0.
+  void ClearFixed(std::vector<double>* values) const;
+
+  const std::vector<Eigen::Vector3f>& normals_;
+  const VertexRings& rings_;
+  const ThinPlate& plate_;
+  FixedVertices fixed_;
+  std::vector<double> gradient_;
+  std::vector<double> diagonal_;
+  std::vector<double> photometric_diagonal_;
+
+  // Aligned with rings_.neighbors.values. The photometric second derivative by
+  // the vertex and the neighbor; the change of the vertex's smoothness residual
+  // as the neighbor moves; and that of the neighbor's as the vertex moves.
+  std::vector<float> photometric_;
+  std::vector<float> outgoing_;
+  std::vector<float> incoming_;
+};
 
 // Limits each vertex's motion along its normal to 0.4 times the mean length of
 // its edges (with less than half of it no two neighbors can pass each other)

@@ -57,16 +57,6 @@ std::vector<double> Turns(const TriangleMesh& mesh) {
   return turns;
 }
 
-// Whether the surface lies around a loop and not within: the turns add up to -2
-// pi around a hole in a plane, to 2 pi around a disk.
-bool IsHole(const std::vector<double>& turns, const BorderLoop& loop) {
-  double sum = 0;
-  for (const uint32_t vertex : loop) {
-    sum += turns[vertex];
-  }
-  return sum < 0;
-}
-
 // Whether a loop is no wider than so many pixels. Its width is the longest
 // chord if one vertex after the other is cut off, that with the shortest chord
 // first, until three are left: about the width of a slit, and the diameter of a
@@ -318,8 +308,11 @@ HoleReport CloseHoles(double max_width, std::span<const float> footprints,
   if (max_width != kAllLoops) {
     const std::vector<double> turns = Turns(surface->mesh);
     std::erase_if(loops, [&](const BorderLoop& loop) {
-      return !IsHole(turns, loop) ||
-             !IsNarrow(surface->mesh, footprints, max_width, loop);
+      double turn = 0;  // -2 pi around a hole in a plane, 2 pi around a disk
+      for (const uint32_t vertex : loop) {
+        turn += turns[vertex];
+      }
+      return turn >= 0 || !IsNarrow(surface->mesh, footprints, max_width, loop);
     });
   }
   return loops.empty() ? HoleReport()

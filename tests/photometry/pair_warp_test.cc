@@ -9,6 +9,7 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/raster/barycentric.h"
 #include "tests/raster/pixels.h"
 #include "tests/refine/depth_range.h"
 
@@ -129,8 +130,9 @@ TEST(PairWarp, FindsWhereOnTheirFacetsPixelsLie) {
       return;
     }
     ++num_compared;
-    const Vector3d expected = scene.Frame(facet).Barycentric(
-        PointAt(scene.views[0], scene.Frame(facet), row, col));
+    const Vector3d expected =
+        Barycentric(scene.Frame(facet),
+                    PointAt(scene.views[0], scene.Frame(facet), row, col));
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(warped.geometry.barycentric[at][k], expected[k], 1e-6);
       EXPECT_GT(warped.geometry.barycentric[at][k], -0.02);

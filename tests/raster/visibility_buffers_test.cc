@@ -12,6 +12,7 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/raster/barycentric.h"
 #include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/refine/depth_range.h"
@@ -247,7 +248,7 @@ TEST(FacetFrames, TellBarycentricCoordinates) {
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   for (size_t i = 0; i < frames.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      EXPECT_LT((frames[i].Barycentric(Corner(mesh, i, k)) - Vector3d::Unit(k))
+      EXPECT_LT((Barycentric(frames[i], Corner(mesh, i, k)) - Vector3d::Unit(k))
                     .norm(),
                 1e-9);
     }
@@ -259,7 +260,7 @@ TEST(FacetFrames, TellBarycentricCoordinates) {
       for (int k = 0; k < 3; ++k) {
         point += weights[k] * Corner(mesh, i, k);
       }
-      EXPECT_LT((frames[i].Barycentric(point) - weights).norm(), 1e-8);
+      EXPECT_LT((Barycentric(frames[i], point) - weights).norm(), 1e-8);
     }
   }
 }
@@ -268,7 +269,7 @@ TEST(FacetFrames, OfDegenerateFacetsAreZero) {
   const TriangleMesh line = {{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}}};
   const FacetFrame frame = ComputeFacetFrames(line).front();
   EXPECT_EQ(frame.normal, Vector3d::Zero());
-  EXPECT_EQ(frame.Barycentric({3, 4, 5}), Vector3d::UnitX());
+  EXPECT_EQ(Barycentric(frame, {3, 4, 5}), Vector3d::UnitX());
   EXPECT_TRUE(ComputeFacetFrames(TriangleMesh()).empty());
 }
 

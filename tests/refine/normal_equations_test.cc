@@ -1,4 +1,4 @@
-#include "refine/normal_equations.h"
+#include "refine/vertex_motion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "mesh/normals.h"
-#include "remesh/edge_length_field.h"
 #include "spatial/bvh.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
