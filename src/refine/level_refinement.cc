@@ -7,10 +7,10 @@
 
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"
-#include "refine/vertex_motion.h"
 #include "refine/refined_confidences.h"
 #include "refine/smoothness_model.h"
 #include "refine/thin_plate.h"
+#include "refine/vertex_motion.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
