@@ -63,7 +63,7 @@ using OnLevelStep =
 // After two iterations at the finest level the smoothness aims at the part of
 // the input's relief that the refined surface shows too (refine/thin_plate.h).
 // How much smoothness weighs there is taken from the surface
-// (refine/smoothness_weights.h).
+// (refine/smoothness_model.h).
 //
 // \pre `energy` is set to the level
 RefinedLevel RefineLevel(const FacetwiseRefinementOptions& options,

@@ -128,7 +128,7 @@ SmoothnessTarget ConfirmRelief(const SmoothnessDomain& domain,
 
 // The target whose weights make the surface's roughness, where the images
 // determine it, as likely as it is: that of the whole surface first, then of
-// each of its parts (refine/smoothness_weights.h; docs/method.md, section 6.5).
+// each of its parts (docs/method.md, section 6.5).
 // \param factor  on the weights.
 // \param num_unconverged  goes up by one if the solver did not converge.
 SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
