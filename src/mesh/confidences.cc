@@ -120,13 +120,11 @@ std::vector<float> VertexConfidences(
 }
 
 std::vector<float> MeanOfCorners(const std::vector<Facet>& facets,
-                                 const std::vector<float>& vertex_confidences) {
+                                 const std::vector<float>& values) {
   std::vector<float> means;
   means.reserve(facets.size());
   for (const auto& [a, b, c] : facets) {
-    means.push_back((vertex_confidences[a] + vertex_confidences[b] +
-                     vertex_confidences[c]) /
-                    3);
+    means.push_back((values[a] + values[b] + values[c]) / 3);
   }
   return means;
 }

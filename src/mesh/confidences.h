@@ -47,9 +47,9 @@ std::vector<double> SumsAtVertices(const TriangleMesh& mesh,
 }
 
 // The mean of the corners of each facet: [F].
-// \param vertex_confidences [V] in [0, 1]
+// \param values [V]
 // \pre facet indices are in range
 std::vector<float> MeanOfCorners(const std::vector<Facet>& facets,
-                                 const std::vector<float>& vertex_confidences);
+                                 const std::vector<float>& values);
 
 }  // namespace colmap_ext

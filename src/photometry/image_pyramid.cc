@@ -36,9 +36,13 @@ GrayImage ResizeMask(const GrayImage& mask, int width, int height) {
   return resized;
 }
 
+bool HasSizeOf(const View& view, const GrayImage& image) {
+  return image.width == view.width && image.height == view.height;
+}
+
 // \throw std::runtime_error if the image is not of its view's size
 void ExpectSize(const GrayImage& image, const View& view) {
-  if (image.width != view.width || image.height != view.height) {
+  if (!HasSizeOf(view, image)) {
     throw std::runtime_error("the image " + view.name +
                              " is not of the size that it had");
   }
@@ -65,9 +69,10 @@ ReadGrayImage ResizedImages(ReadGrayImage read, std::vector<View> from,
           to = std::move(to)](size_t view) {
     GrayImage image = read(view);
     ExpectSize(image, from[view]);
-    return image.width == to[view].width && image.height == to[view].height
-               ? image
-               : Resize(image, to[view].width, to[view].height);
+    if (HasSizeOf(to[view], image)) {
+      return image;
+    }
+    return Resize(image, to[view].width, to[view].height);
   };
 }
 
@@ -76,10 +81,11 @@ ReadGrayImage ResizedMasks(ReadGrayImage read, std::vector<View> to) {
     return read;
   }
   return [read = std::move(read), to = std::move(to)](size_t view) {
-    const GrayImage mask = read(view);
-    return mask.pixels.empty()
-               ? mask
-               : ResizeMask(mask, to[view].width, to[view].height);
+    GrayImage mask = read(view);
+    if (mask.pixels.empty() || HasSizeOf(to[view], mask)) {
+      return mask;
+    }
+    return ResizeMask(mask, to[view].width, to[view].height);
   };
 }
 

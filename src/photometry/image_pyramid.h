@@ -17,14 +17,15 @@ View ViewAtLevel(const View& view, int level);
 View ViewAtScale(const View& view, double scale);
 
 // Reads images in the sizes of other views of the same pictures: a pixel is the
-// mean of those that it covers. A reader that gives nothing is kept so.
+// mean of those that it covers.
 // \param from  the views that `read` reads
 // \throw what `read` throws; std::runtime_error if an image is not of the size
 //        of its view
 ReadGrayImage ResizedImages(ReadGrayImage read, std::vector<View> from,
                             std::vector<View> to);
 
-// The same of masks: a pixel is 0 if any of those that it covers is, else 255.
+// The same of masks, 0 or 255: a pixel is 0 if any of those that it covers is.
+// \param read  may be empty, and then the result is; or give empty masks
 ReadGrayImage ResizedMasks(ReadGrayImage read, std::vector<View> to);
 
 // Images at one level of their pyramids: a pixel is the mean of the full-size

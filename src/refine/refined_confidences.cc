@@ -120,10 +120,10 @@ std::vector<float> RefinedConfidences(const TriangleMesh& mesh,
   for (size_t i = 0; i < confidences.size(); ++i) {
     if (weights[i] > 0 && num_pixels[i] > 0) {
       const double texture = std::min(weights[i] / num_pixels[i], 1.0);
-      const double gain =
-          MeanZncc(energies[i], weights[i], options) - confidences[i];
-      confidences[i] +=
-          static_cast<float>(texture * std::clamp(gain, 0.0, 1.0));
+      const double correlation =
+          std::clamp(MeanZncc(energies[i], weights[i], options), 0.0, 1.0);
+      confidences[i] += static_cast<float>(
+          texture * std::max(0.0, correlation - confidences[i]));
     }
   }
   return confidences;

@@ -12,6 +12,7 @@
 #include "base/index_limit.h"
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
+#include "mesh/confidences.h"
 #include "mesh/manifold_repair.h"
 #include "mesh/normals.h"
 
@@ -136,15 +137,6 @@ std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
   return is_dropped;
 }
 
-// The area of a facet, in squares of the gap width.
-double SizeInGaps(const LinkedMesh& surface, const Facet& facet) {
-  double width = 0;
-  for (const uint32_t vertex : facet) {
-    width += surface.gap_widths[vertex] / 3.0;
-  }
-  return AreaVector(surface.mesh, facet).norm() / 2 / (width * width);
-}
-
 // Counts the dropped regions. Of what is left, drops the small pieces and those
 // that were cut off and lie within a gap's width of their border, too.
 void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
@@ -159,6 +151,7 @@ void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
     is_border[i] |= surface.rings.is_border[i];
   }
   const std::vector<float> distances = Distances(surface, is_border);
+  const std::vector<float> widths = MeanOfCorners(facets, surface.gap_widths);
   // [F] by representatives
   std::vector<uint8_t> is_cut(facets.size(), 0);
   std::vector<uint8_t> is_wide(facets.size(), 0);
@@ -174,7 +167,8 @@ void AddLeftovers(const LinkedMesh& surface, std::vector<uint8_t>* is_dropped,
       is_cut[piece] |= partner != kNone && (*is_dropped)[partner / 3] != 0;
     }
     is_wide[piece] |= !IsReached(distances, facets[i]);
-    sizes[piece] += SizeInGaps(surface, facets[i]);
+    const Eigen::Vector3f area = AreaVector(surface.mesh, facets[i]) / 2;
+    sizes[piece] += (area / widths[i] / widths[i]).norm();
     largest = std::max(largest, sizes[piece]);
   }
   const double min_size = std::min(std::numbers::pi, largest);  // of a disk

@@ -207,6 +207,7 @@ TEST(RefinedConfidences, IsTheInputsWhereNothingIsSeen) {
 }
 
 TEST(RefinedConfidences, LiesWithinItsRange) {
+  ExpectAll(Confidences(MakeTerms(kMesh, 1.04, 1), kHalf), 1);
   Random random(1);
   PhotometricTerms terms = MakeTerms(kMesh, 0, 1);
   for (size_t i = 0; i < kMesh.facets.size(); ++i) {
