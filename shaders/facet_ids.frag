@@ -2,4 +2,6 @@
 
 layout(location = 0) out uint facet;
 
-void main() { facet = uint(gl_PrimitiveID); }
+uniform uint first_facet;  // of those that are drawn now
+
+void main() { facet = first_facet + uint(gl_PrimitiveID); }

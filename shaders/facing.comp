@@ -14,7 +14,8 @@ layout(std430, binding = 1) readonly buffer Facets { uint facets[]; };
 // One bit a facet, the lowest bits first; one thread for each number.
 layout(std430, binding = 2) writeonly buffer Facing { uint facing[]; };
 
-uniform uint num_facets;
+uniform uint first_facet;  // a multiple of 32
+uniform uint end_facet;    // behind the last
 uniform dvec3 center;  // of the camera, world frame
 uniform double min_cosine;
 
@@ -47,15 +48,14 @@ bool IsFacing(uint facet) {
 }
 
 void main() {
-  uint word = ThreadIndex();
-  uint first = 32 * word;
+  uint first = first_facet + 32 * ThreadIndex();
   uint bits = 0;
-  for (uint bit = 0; bit < 32 && first + bit < num_facets; ++bit) {
+  for (uint bit = 0; bit < 32 && first + bit < end_facet; ++bit) {
     if (IsFacing(first + bit)) {
       bits |= 1u << bit;
     }
   }
-  if (first < num_facets) {
-    facing[word] = bits;
+  if (first < end_facet) {
+    facing[first / 32] = bits;
   }
 }

@@ -118,7 +118,7 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
   constexpr double kSecondsPerPixel = 4e-5;
   // Facets: max_face_area's default of 7, cut in four where they are larger.
   constexpr double kFacetsPerPixel = 4.0 / 7;
-  // A bit for each view that may see a facet, see FindVisibleFacets().
+  // A bit for each view, see FacetIdBuffer::is_facing.
   constexpr double kGbPerFacetAndView = 1e-9 / 8;
   // Each thread: what it compares with and projects by, a picture that it reads
   // (4 bytes a pixel), and two that it compares, with what is drawn into them,

@@ -37,7 +37,7 @@ std::vector<ShiftMeasurement> Measure(
   for (size_t k = 0; k < patches.patches.size(); ++k) {
     const SurfacePatch& patch = patches.patches[k];
     const Eigen::Vector3d point =
-        PatchPoint(views[patch.view], scene.frames[patch.facet], patch);
+        PatchPoint(views[patch.view], scene.FrameOf(patch.facet), patch);
     for (size_t l = 0; l < patches.partners[k].size(); ++l) {
       const WindowShift& shift = compared[patches.partners.offsets[k] + l];
       if (!shift.is_valid || shift.zncc < options.min_zncc ||
@@ -111,8 +111,7 @@ class CameraRefinement {
         all_tracks_(input.tracks),
         tracks_(ChooseTracks(input.tracks, original.views.size(),
                              options.min_observations_per_view)),
-        frames_(ComputeFacetFrames(input.buffers.Mesh())),
-        scene_{input.buffers, frames_, input.images},
+        scene_{input.buffers, input.images},
         patches_(
             SelectPatches(options.patches, photometric_, scene_, input.pairs)),
         estimate_{std::move(cameras),
@@ -342,7 +341,7 @@ class CameraRefinement {
     const std::vector<View> views = LevelViews();
     for (const SurfacePatch& patch : patches_.patches) {
       add(patch.view,
-          PatchPoint(views[patch.view], scene_.frames[patch.facet], patch));
+          PatchPoint(views[patch.view], scene_.FrameOf(patch.facet), patch));
     }
     for (size_t i = 0; i < tracks_.positions.size(); ++i) {
       for (const TrackObservation& seen : tracks_.observations[i]) {
@@ -357,7 +356,6 @@ class CameraRefinement {
   const CameraSet& original_;
   const SparseTracks& all_tracks_;
   SparseTracks tracks_;  // those that are used
-  std::vector<FacetFrame> frames_;
   DrawnScene scene_;
   SurfacePatches patches_;
   CameraEstimate estimate_;

@@ -90,6 +90,13 @@ std::optional<SurfacePatch> BestOfCell(const DrawnView& i, const Range& rows,
   return best;
 }
 
+int PatchesPerView(const PatchOptions& options, const DrawnScene& scene) {
+  const auto num_views = static_cast<int>(scene.buffers.Views().size());
+  return std::min(
+      options.max_patches_per_view,
+      std::max(options.min_patches_per_view, options.max_patches / num_views));
+}
+
 std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
                                         const PhotometricOptions& photometric,
                                         const DrawnScene& scene,
@@ -100,7 +107,7 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
   const DrawnView i{camera, *image, *drawn};
   const double cell = std::max(2.0 * options.radius + 1,
                                std::sqrt(1.0 * camera.width * camera.height /
-                                         options.max_patches_per_view));
+                                         PatchesPerView(options, scene)));
   const int num_rows = std::max(1, static_cast<int>(camera.height / cell));
   const int num_cols = std::max(1, static_cast<int>(camera.width / cell));
   const int margin = options.radius + 1;
@@ -114,7 +121,7 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
                      options.radius, max_depth, photometric.noise_variance);
       if (best) {
         best->view = view;
-        best->normal = scene.frames[best->facet].normal;
+        best->normal = scene.FrameOf(best->facet).normal;
         const size_t pixel = drawn->Index(best->row, best->col);
         best->footprint = 1 / (drawn->inverse_depths[pixel] * camera.fx);
         patches.push_back(*best);
@@ -142,7 +149,7 @@ std::optional<Seeing> Sees(const DrawnScene& scene, const FacetIdBuffer& drawn,
   const Eigen::Vector2d pixel = view_j.ImageFromCam(in_j);
   if (!IsWithin(view_j, pixel, border) ||
       !IsNearest(view_j, drawn, patch.facet,
-                 PlaneSlope(view_j, scene.frames[patch.facet]), pixel.x(),
+                 PlaneSlope(view_j, scene.FrameOf(patch.facet)), pixel.x(),
                  pixel.y(), 1 / in_j.z())) {
     return std::nullopt;
   }
@@ -168,7 +175,7 @@ std::vector<std::vector<Seeing>> FindSeeing(
   std::vector<Eigen::Vector3d> points;
   points.reserve(patches.size());
   for (const SurfacePatch& patch : patches) {
-    points.push_back(PatchPoint(view, scene.frames[patch.facet], patch));
+    points.push_back(PatchPoint(view, scene.FrameOf(patch.facet), patch));
   }
   std::vector<std::vector<Seeing>> seeing(patches.size());
   for (const uint32_t j : others) {

@@ -38,15 +38,23 @@ struct PatchOptions {
   int radius = 5;
   // Cells of a grid over each image, of which each may give a patch. About.
   int max_patches_per_view = 500;
+  // About as many patches in all, shared out over the views; but each view may
+  // have min_patches_per_view. A choice: each has so many partners that fewer
+  // determine a pose well.
+  int max_patches = 25600;
+  int min_patches_per_view = 100;
   // Views that a patch is compared with, at most.
   int max_partners = 6;
 };
 
 // A mesh drawn into views of one level, and their images. References are kept.
 struct DrawnScene {
-  const VisibilityBuffers& buffers;       // their views: as they were drawn
-  const std::vector<FacetFrame>& frames;  // [F] of the mesh
-  ImagePyramid* images;                   // at the level
+  const VisibilityBuffers& buffers;  // their views: as they were drawn
+  ImagePyramid* images;              // at the level
+
+  FacetFrame FrameOf(uint32_t facet) const {
+    return ComputeFacetFrame(buffers.Mesh(), buffers.Mesh().facets[facet]);
+  }
 };
 
 // Chooses in each cell of a grid over each view the window with the most
@@ -88,11 +96,10 @@ Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
 // not be saturated, and j has to see their points. The window is valid if more
 // than half of it is left, with more variance than nothing in both.
 // \param i, j  the cameras as they are now, and the surface as it was drawn.
-// \param frames  [F] of the mesh that was drawn
+// \param mesh  that was drawn
 WindowShift CompareWindow(const PhotometricOptions& options, int radius,
                           const DrawnView& i, const DrawnView& j,
-                          const std::vector<FacetFrame>& frames,
-                          const SurfacePatch& patch);
+                          const TriangleMesh& mesh, const SurfacePatch& patch);
 
 // Compares each patch with each of its partners (CompareWindow()).
 // \param radius  of the windows, px

@@ -14,11 +14,10 @@ namespace {
 class DisplacedWarp {
  public:
   DisplacedWarp(const DrawnView& i, const DrawnView& j,
-                const std::vector<FacetFrame>& frames,
-                const SurfacePatch& patch)
+                const TriangleMesh& mesh, const SurfacePatch& patch)
       : i_(i),
         j_(j),
-        frames_(frames),
+        mesh_(mesh),
         offset_(patch.displacement * patch.footprint * patch.normal),
         center_i_(i.view.Center()),
         ray_from_pixel_i_(i.view.RayFromPixel()),
@@ -50,7 +49,7 @@ class DisplacedWarp {
 
  private:
   void SetFacet(uint32_t facet) {
-    const FacetFrame& frame = frames_[facet];
+    const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
     facet_ = facet;
     is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
     inverse_depth_ = (ray_from_pixel_i_.transpose() * frame.normal) /
@@ -60,7 +59,7 @@ class DisplacedWarp {
 
   const DrawnView& i_;
   const DrawnView& j_;
-  const std::vector<FacetFrame>& frames_;
+  const TriangleMesh& mesh_;
   Eigen::Vector3d offset_;  // of the patch, scene units
   Eigen::Vector3d center_i_;
   Eigen::Matrix3d ray_from_pixel_i_;
@@ -82,7 +81,7 @@ struct WindowSums {
   void Add(double image, const Interpolated& warped) {
     Eigen::Matrix<double, 5, 1> values;
     values << 1, image, warped.value, warped.by_u, warped.by_v;
-    products.selfadjointView<Eigen::Lower>().rankUpdate(values);
+    products.noalias() += values * values.transpose();
     ++count;
   }
 };
@@ -92,11 +91,10 @@ struct WindowSums {
 //   G^T r = -(c_Ig / |I| - Z c_Jg / |J|) / |J|,
 //   G^T G = (c_gg - c_Jg c_Jg^T / c_JJ) / c_JJ.
 WindowShift Correlate(const WindowSums& sums) {
-  const Eigen::Matrix<double, 5, 5> full =
-      sums.products.selfadjointView<Eigen::Lower>();
-  const Eigen::Matrix4d c =
-      full.bottomRightCorner<4, 4>() -
-      full.bottomLeftCorner<4, 1>() * full.topRightCorner<1, 4>() / sums.count;
+  const Eigen::Matrix<double, 5, 5>& products = sums.products;
+  const Eigen::Matrix4d c = products.bottomRightCorner<4, 4>() -
+                            products.bottomLeftCorner<4, 1>() *
+                                products.topRightCorner<1, 4>() / sums.count;
   WindowShift shift;
   shift.num_pixels = sums.count;
   const double min_sum = sums.count * static_cast<double>(kMinVariance);
@@ -141,9 +139,8 @@ Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
 
 WindowShift CompareWindow(const PhotometricOptions& options, int radius,
                           const DrawnView& i, const DrawnView& j,
-                          const std::vector<FacetFrame>& frames,
-                          const SurfacePatch& patch) {
-  DisplacedWarp warp(i, j, frames, patch);
+                          const TriangleMesh& mesh, const SurfacePatch& patch) {
+  DisplacedWarp warp(i, j, mesh, patch);
   const float center =
       i.drawn.inverse_depths[i.drawn.Index(patch.row, patch.col)];
   const float max_difference = MaxWindowDepth(options, i.view, radius) * center;
@@ -206,8 +203,8 @@ std::vector<WindowShift> ComparePatches(const PhotometricOptions& photometric,
       const auto found = std::ranges::find(row, j);
       if (found != row.end()) {
         shifts[patches.partners.offsets[k] + (found - row.begin())] =
-            CompareWindow(photometric, radius, view_i, view_j, scene.frames,
-                          patches.patches[k]);
+            CompareWindow(photometric, radius, view_i, view_j,
+                          scene.buffers.Mesh(), patches.patches[k]);
       }
     }
   });

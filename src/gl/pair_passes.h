@@ -13,6 +13,7 @@
 #include "mesh/triangle_mesh.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
+#include "raster/facet_clusters.h"
 #include "scene/images.h"
 #include "scene/view.h"
 
@@ -35,21 +36,27 @@ class FacetDrawer {
   // \param min_cosine  see DrawFacets().
   explicit FacetDrawer(double min_cosine);
 
+  // \param ranges  of the facets that are drawn, see DrawFacets(). They begin
+  // at
+  //        multiples of 32.
   // \param vertices, facets  the arrays of `mesh`.
   // \param mask  whose pixels of 0 show nothing, see EraseMasked(); or null.
   void Draw(const View& view, const TriangleMesh& mesh,
-            const GlBuffer& vertices, const GlBuffer& facets,
-            FacetTextures* textures, const GrayImage* mask = nullptr);
+            std::span<const FacetRange> ranges, const GlBuffer& vertices,
+            const GlBuffer& facets, FacetTextures* textures,
+            const GrayImage* mask = nullptr);
 
  private:
   void BeginImages(const View& view, FacetTextures* textures);
   void DrawMask(const GrayImage& mask);
-  void DrawImages(const View& view, size_t num_facets, const GlBuffer& vertices,
-                  const GlBuffer& facets, FacetTextures* textures);
+  void DrawImages(const View& view, std::span<const FacetRange> ranges,
+                  const GlBuffer& vertices, const GlBuffer& facets,
+                  FacetTextures* textures);
   // Triangles, each of three of `corners`.
   void DrawClipped(const View& view, size_t num_corners,
                    const GlBuffer& corners, const FacetTextures& textures);
-  void FindFacing(const View& view, size_t num_facets, const GlBuffer& vertices,
+  void FindFacing(const View& view, size_t num_facets,
+                  std::span<const FacetRange> ranges, const GlBuffer& vertices,
                   const GlBuffer& facets, FacetTextures* textures);
 
   double min_cosine_;
@@ -102,7 +109,8 @@ class ViewTextureCache {
   std::shared_ptr<ImagePyramid> images_;
   FacetDrawer drawer_;
   std::shared_ptr<const TriangleMesh> mesh_;
-  uint64_t num_meshes_ = 0;  // the number of the mesh at hand
+  std::optional<FacetClusters> clusters_;  // of the mesh
+  uint64_t num_meshes_ = 0;                // the number of the mesh at hand
   GlBuffer vertices_;
   GlBuffer facets_;
   LruCache<ViewTextures> views_;

@@ -2,33 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 #include <vector>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
 #include "mesh/mesh_in_image.h"
 
 namespace colmap_ext {
 namespace {
 
-// The largest inverse depth of the vertices before the camera, 1 / scene unit;
-// 0 if there is none.
-double MaxInverseDepth(const View& view, const TriangleMesh& mesh) {
-  constexpr size_t kGrain = 1 << 14;  // vertices a task; a choice
+// The largest inverse depth of the facets' vertices before the camera, 1 /
+// scene unit; 0 if there is none.
+double MaxInverseDepth(const View& view, const TriangleMesh& mesh,
+                       std::span<const FacetRange> ranges) {
   const Eigen::RowVector3d axis = view.cam_from_world_rotation.row(2);
   const double offset = view.cam_from_world_translation.z();
-  return tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, mesh.vertices.size(), kGrain), 0.0,
-      [&](const tbb::blocked_range<size_t>& range, double max) {
-        for (size_t i = range.begin(); i != range.end(); ++i) {
-          const double z = axis * mesh.vertices[i].cast<double>() + offset;
-          max = z > 0 ? std::max(max, 1 / z) : max;
-        }
-        return max;
-      },
-      [](double a, double b) { return std::max(a, b); });
+  double max = 0;
+  ForEachFacet(ranges, [&](uint32_t facet) {
+    for (const uint32_t vertex : mesh.facets[facet]) {
+      const double z = axis * mesh.vertices[vertex].cast<double>() + offset;
+      max = z > 0 ? std::max(max, 1 / z) : max;
+    }
+  });
+  return max;
 }
 
 // Of a triangle of the part of a facet in and around the image.
@@ -43,11 +39,12 @@ struct ClippedCorner {
 // less, edges would be cut that other facets have whole: their ends are moved
 // to other subpixels, and pixels fall between the facets.
 std::vector<ClippedCorner> ClipFacets(const View& view,
-                                      const TriangleMesh& mesh) {
+                                      const TriangleMesh& mesh,
+                                      std::span<const FacetRange> ranges) {
   constexpr double kSubpixels = 256;   // 1 / px, as raster/facet_id_buffer.cc
   constexpr double kMargin = 1 << 13;  // px; a choice
   std::vector<ClippedCorner> corners;
-  for (const uint32_t facet : FindClippedFacets(view, mesh)) {
+  for (const uint32_t facet : FindClippedFacets(view, mesh, ranges)) {
     const std::vector<Eigen::Vector3d> part =
         ClipToImage(view, mesh, mesh.facets[facet], ImageBox(view, -kMargin));
     for (size_t k = 2; k < part.size(); ++k) {
@@ -105,10 +102,11 @@ FacetDrawer::FacetDrawer(double min_cosine)
 }
 
 void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
+                       std::span<const FacetRange> ranges,
                        const GlBuffer& vertices, const GlBuffer& facets,
                        FacetTextures* textures, const GrayImage* mask) {
-  const std::vector<ClippedCorner> clipped = ClipFacets(view, mesh);
-  double max_inverse_depth = MaxInverseDepth(view, mesh);
+  const std::vector<ClippedCorner> clipped = ClipFacets(view, mesh, ranges);
+  double max_inverse_depth = MaxInverseDepth(view, mesh, ranges);
   for (const ClippedCorner& corner : clipped) {
     max_inverse_depth =
         std::max<double>(max_inverse_depth, corner.inverse_depth);
@@ -118,12 +116,12 @@ void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
   if (mask != nullptr) {
     DrawMask(*mask);
   }
-  DrawImages(view, mesh.facets.size(), vertices, facets, textures);
+  DrawImages(view, ranges, vertices, facets, textures);
   GlBuffer corners;
   corners.Assign(clipped);
   DrawClipped(view, clipped.size(), corners, *textures);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  FindFacing(view, mesh.facets.size(), vertices, facets, textures);
+  FindFacing(view, mesh.facets.size(), ranges, vertices, facets, textures);
 }
 
 void FacetDrawer::BeginImages(const View& view, FacetTextures* textures) {
@@ -155,7 +153,8 @@ void FacetDrawer::DrawMask(const GrayImage& mask) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-void FacetDrawer::DrawImages(const View& view, size_t num_facets,
+void FacetDrawer::DrawImages(const View& view,
+                             std::span<const FacetRange> ranges,
                              const GlBuffer& vertices, const GlBuffer& facets,
                              FacetTextures* textures) {
   SetProjection(view, &ids_);
@@ -166,8 +165,12 @@ void FacetDrawer::DrawImages(const View& view, size_t num_facets,
                             sizeof(Eigen::Vector3f));
   glVertexArrayElementBuffer(vertex_array_.Name(), facets.Name());
   glBindVertexArray(vertex_array_.Name());
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * num_facets),
-                 GL_UNSIGNED_INT, nullptr);
+  for (const auto& [first, end] : ranges) {
+    ids_.Set("first_facet", first);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (end - first)),
+                   GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(sizeof(Facet) * first));
+  }
 }
 
 void FacetDrawer::DrawClipped(const View& view, size_t num_corners,
@@ -183,18 +186,22 @@ void FacetDrawer::DrawClipped(const View& view, size_t num_corners,
 }
 
 void FacetDrawer::FindFacing(const View& view, size_t num_facets,
+                             std::span<const FacetRange> ranges,
                              const GlBuffer& vertices, const GlBuffer& facets,
                              FacetTextures* textures) {
-  const size_t num_words = (num_facets + 31) / 32;
-  textures->facing.Resize(num_words * sizeof(uint32_t));
+  textures->facing.Resize((num_facets + 31) / 32 * sizeof(uint32_t));
+  textures->facing.SetZero();
   vertices.BindToStorage(0);
   facets.BindToStorage(1);
   textures->facing.BindToStorage(2);
   SetProjection(view, &facing_);
-  facing_.Set("num_facets", static_cast<unsigned int>(num_facets));
   facing_.Set("center", view.Center());
   facing_.Set("min_cosine", min_cosine_);
-  Dispatch(facing_, num_words);
+  for (const auto& [first, end] : ranges) {
+    facing_.Set("first_facet", first);
+    facing_.Set("end_facet", end);
+    Dispatch(facing_, (end - first + 31) / 32);
+  }
 }
 
 ViewTextures::ViewTextures(const GrayImage& gray_image, int width, int height)
@@ -213,6 +220,7 @@ ViewTextureCache::ViewTextureCache(std::shared_ptr<ImagePyramid> images,
 
 void ViewTextureCache::SetMesh(std::shared_ptr<const TriangleMesh> mesh) {
   mesh_ = std::move(mesh);
+  clusters_.emplace(*mesh_);
   ++num_meshes_;
   vertices_.Assign(mesh_->vertices);
   facets_.Assign(mesh_->facets);
@@ -226,8 +234,8 @@ std::shared_ptr<const ViewTextures> ViewTextureCache::Get(size_t view) {
                                               size.height);
       });
   if (textures->drawn_mesh != num_meshes_) {
-    drawer_.Draw(size, *mesh_, vertices_, facets_, &textures->drawn,
-                 images_->Mask(view).get());
+    drawer_.Draw(size, *mesh_, clusters_->InFrustum(size), vertices_, facets_,
+                 &textures->drawn, images_->Mask(view).get());
     textures->drawn_mesh = num_meshes_;
   }
   return textures;

@@ -7,9 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 #include <Eigen/Geometry>
 
 #include "mesh/mesh_in_image.h"
@@ -204,16 +201,6 @@ void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
   }
 }
 
-bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
-              const Eigen::Vector3d& camera, double min_cosine) {
-  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
-  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
-  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
-  const Eigen::Vector3d cross = (b - a).cross(c - a);
-  const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
-  return cross.dot(to_camera) > min_cosine * cross.norm() * to_camera.norm();
-}
-
 // The part of a facet that is less than kFar from the image's corner. Where it
 // ends no other facet's border is moved: no pixel falls between them.
 void DrawClipped(const View& view, const TriangleMesh& mesh, uint32_t facet,
@@ -247,15 +234,18 @@ bool ReachesImage(const View& view, const TriangleMesh& mesh,
 }  // namespace
 
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
-                         double min_cosine) {
-  FacetIdBuffer buffer{view.width, view.height, {}, {}, {}, {}};
+                         std::vector<FacetRange> ranges, double min_cosine) {
+  FacetIdBuffer buffer;
+  buffer.width = view.width;
+  buffer.height = view.height;
   const size_t num_pixels = static_cast<size_t>(view.width) * view.height;
   buffer.facets.assign(num_pixels, kNone);
   buffer.inverse_depths.assign(num_pixels, 0);
   buffer.is_facing.assign(mesh.facets.size(), false);
+  buffer.ranges = std::move(ranges);
   ProjectedVertices vertices(view, mesh);
   const Eigen::Vector3d center = view.Center();
-  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
+  ForEachFacet(buffer.ranges, [&](uint32_t i) {
     const Facet& facet = mesh.facets[i];
     const std::array<Projected, 3> corners = {
         vertices[facet[0]], vertices[facet[1]], vertices[facet[2]]};
@@ -267,7 +257,7 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                ReachesImage(view, mesh, facet)) {
       buffer.clipped.push_back(i);
     }
-  }
+  });
   for (const uint32_t i : buffer.clipped) {
     DrawClipped(view, mesh, i, &buffer);
     buffer.is_facing[i] = IsFacing(mesh, mesh.facets[i], center, 0);
@@ -275,33 +265,36 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
   return buffer;
 }
 
+FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
+                         double min_cosine) {
+  const auto num_facets = static_cast<uint32_t>(mesh.facets.size());
+  return DrawFacets(view, mesh, {{0, num_facets}}, min_cosine);
+}
+
+bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
+              const Eigen::Vector3d& camera, double min_cosine) {
+  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
+  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
+  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const Eigen::Vector3d cross = (b - a).cross(c - a);
+  const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
+  return cross.dot(to_camera) > min_cosine * cross.norm() * to_camera.norm();
+}
+
 std::vector<uint32_t> FindClippedFacets(const View& view,
-                                        const TriangleMesh& mesh) {
-  std::vector<int8_t> signs(mesh.vertices.size());  // of inverse depths
-  tbb::parallel_for(size_t{0}, signs.size(), [&](size_t i) {
-    const double inverse_depth =
-        Project(view, view.CamFromWorld(mesh.vertices[i].cast<double>()))
-            .inverse_depth;
-    signs[i] = inverse_depth > 0 ? 1 : (inverse_depth < 0 ? -1 : 0);
+                                        const TriangleMesh& mesh,
+                                        std::span<const FacetRange> ranges) {
+  ProjectedVertices vertices(view, mesh);
+  std::vector<uint32_t> clipped;
+  ForEachFacet(ranges, [&](uint32_t i) {
+    const auto& [a, b, c] = mesh.facets[i];
+    if (IsClipped(vertices[a].inverse_depth, vertices[b].inverse_depth,
+                  vertices[c].inverse_depth) &&
+        ReachesImage(view, mesh, mesh.facets[i])) {
+      clipped.push_back(i);
+    }
   });
-  constexpr size_t kGrain = 1 << 14;  // facets a task; a choice
-  using Range = tbb::blocked_range<size_t>;
-  return tbb::parallel_reduce(
-      Range(0, mesh.facets.size(), kGrain), std::vector<uint32_t>(),
-      [&](const Range& range, std::vector<uint32_t> clipped) {
-        for (size_t i = range.begin(); i != range.end(); ++i) {
-          const auto& [a, b, c] = mesh.facets[i];
-          if (IsClipped(signs[a], signs[b], signs[c]) &&
-              ReachesImage(view, mesh, mesh.facets[i])) {
-            clipped.push_back(static_cast<uint32_t>(i));
-          }
-        }
-        return clipped;
-      },
-      [](std::vector<uint32_t> first, const std::vector<uint32_t>& second) {
-        first.insert(first.end(), second.begin(), second.end());
-        return first;
-      });
+  return clipped;
 }
 
 void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer) {

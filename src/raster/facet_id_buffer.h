@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/index_limit.h"
 #include "mesh/triangle_mesh.h"
+#include "raster/facet_clusters.h"
 #include "raster/facet_frames.h"
 #include "scene/images.h"
 #include "scene/view.h"
@@ -26,6 +28,7 @@ struct FacetIdBuffer {
                                       // min_cosine, or 0 for those of
                                       // `clipped`; false if it is not drawn
   std::vector<uint32_t> clipped;      // see FindClippedFacets()
+  std::vector<FacetRange> ranges;     // the facets that were drawn, ascending
 
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * width + col;
@@ -36,15 +39,28 @@ struct FacetIdBuffer {
 // equally near ones the first. As graphics cards do, vertices are moved to the
 // nearest 1/256 of a pixel, so that no pixel falls between neighbors. Of facets
 // that reach behind the camera the part before it is drawn, after the others.
+// \param ranges  of facets, ascending: all that the view may show any part of
+//        (FacetClusters); the others are not drawn.
 // \param min_cosine  see FacetIdBuffer::is_facing; in [0, 1).
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
+                         std::vector<FacetRange> ranges, double min_cosine);
+
+// The same without knowing what the view shows.
+FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine);
+
+// Whether the cosine between a facet's normal and the ray from its centroid to
+// the camera's centre is above min_cosine.
+bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
+              const Eigen::Vector3d& camera, double min_cosine);
 
 // The facets that are drawn by a part: those that reach the image, with a
 // vertex behind the camera, or so close to its plane that it is seen 2^20 px or
 // more away. Ascending.
+// \param ranges  as of DrawFacets()
 std::vector<uint32_t> FindClippedFacets(const View& view,
-                                        const TriangleMesh& mesh);
+                                        const TriangleMesh& mesh,
+                                        std::span<const FacetRange> ranges);
 
 // Erases the masked pixels of a view, those of 0: they show no facet, and
 // IsNearest() is false there.

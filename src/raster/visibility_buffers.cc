@@ -1,6 +1,8 @@
 #include "raster/visibility_buffers.h"
 
 #include <algorithm>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -17,46 +19,194 @@ Eigen::Vector3d Centroid(const TriangleMesh& mesh, const Facet& facet) {
          3;
 }
 
+// Some facets of a mesh, each a part of one that was drawn.
+struct FacetParts {
+  const TriangleMesh& mesh;
+  // [F] the drawn facet that each is a part of, ascending; null: itself
+  const std::vector<uint32_t>* drawn_facets;
+
+  uint32_t DrawnFacet(uint32_t facet) const {
+    return drawn_facets != nullptr ? (*drawn_facets)[facet] : facet;
+  }
+
+  // The parts of a range of drawn facets.
+  FacetRange PartsOf(const FacetRange& range) const {
+    if (drawn_facets == nullptr) {
+      return range;
+    }
+    const auto index = [&](uint32_t facet) {
+      return static_cast<uint32_t>(
+          std::ranges::lower_bound(*drawn_facets, facet) -
+          drawn_facets->begin());
+    };
+    return {index(range.first), index(range.end)};
+  }
+};
+
+// A view that facets may be visible in.
+struct SeeingView {
+  const View& view;
+  const FacetIdBuffer& drawn;
+  double min_cosine;
+  double border;  // px
+};
+
 // Whether a view shows the middle of the part of a facet that lies within.
-bool IsPartVisible(const TriangleMesh& mesh, uint32_t facet,
-                   const FacetFrame& frame, const View& view,
-                   const FacetIdBuffer& drawn, double border) {
-  const std::vector<Eigen::Vector3d> part =
-      ClipToImage(view, mesh, mesh.facets[facet], ImageBox(view, border));
+bool IsMiddleVisible(const FacetParts& parts, uint32_t facet,
+                     const SeeingView& seeing) {
+  const auto& [view, drawn, min_cosine, border] = seeing;
+  const std::vector<Eigen::Vector3d> part = ClipToImage(
+      view, parts.mesh, parts.mesh.facets[facet], ImageBox(view, border));
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double inverse_depth = 0;  // linear over the image
   for (const Eigen::Vector3d& corner : part) {
     pixel += view.ImageFromCam(corner) / static_cast<double>(part.size());
     inverse_depth += 1 / corner.z() / static_cast<double>(part.size());
   }
+  const FacetFrame frame =
+      ComputeFacetFrame(parts.mesh, parts.mesh.facets[facet]);
   return !part.empty() && IsWithin(view, pixel, border) &&
-         IsNearest(view, drawn, facet, PlaneSlope(view, frame), pixel.x(),
-                   pixel.y(), inverse_depth);
+         IsNearest(view, drawn, parts.DrawnFacet(facet),
+                   PlaneSlope(view, frame), pixel.x(), pixel.y(),
+                   inverse_depth);
 }
 
-// [F] whether a view shows the facet. Bits: there are many views and facets.
-std::vector<bool> FindVisible(const TriangleMesh& mesh,
-                              const std::vector<FacetFrame>& frames,
-                              const View& view, const FacetIdBuffer& drawn,
-                              double border) {
-  std::vector<bool> is_visible(mesh.facets.size(), false);
-  for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
-    if (!drawn.is_facing[i]) {
-      continue;
-    }
-    const Eigen::Vector3d in_camera =
-        view.CamFromWorld(Centroid(mesh, mesh.facets[i]));
-    const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
-    if (IsWithin(view, pixel, border)) {
-      is_visible[i] = IsNearest(view, drawn, i, PlaneSlope(view, frames[i]),
-                                pixel.x(), pixel.y(), 1 / in_camera.z());
+// Whether a view shows the centroid of a facet.
+bool IsCentroidVisible(const FacetParts& parts, uint32_t facet,
+                       const SeeingView& seeing) {
+  const auto& [view, drawn, min_cosine, border] = seeing;
+  const Eigen::Vector3d in_camera =
+      view.CamFromWorld(Centroid(parts.mesh, parts.mesh.facets[facet]));
+  if (!(in_camera.z() > 0)) {
+    return false;
+  }
+  const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
+  if (!IsWithin(view, pixel, border)) {
+    return false;
+  }
+  const FacetFrame frame =
+      ComputeFacetFrame(parts.mesh, parts.mesh.facets[facet]);
+  return IsNearest(view, drawn, parts.DrawnFacet(facet),
+                   PlaneSlope(view, frame), pixel.x(), pixel.y(),
+                   1 / in_camera.z());
+}
+
+// The facets that a view shows, ascending.
+std::vector<uint32_t> FindVisible(const FacetParts& parts,
+                                  const SeeingView& seeing) {
+  const FacetIdBuffer& drawn = seeing.drawn;
+  const bool are_drawn = parts.drawn_facets == nullptr;
+  const Eigen::Vector3d center = seeing.view.Center();
+  std::vector<uint32_t> visible;
+  auto clipped = drawn.clipped.begin();
+  const auto is_clipped = [&](uint32_t drawn_facet) {
+    clipped = std::find_if(clipped, drawn.clipped.end(), [&](uint32_t facet) {
+      return facet >= drawn_facet;
+    });
+    return clipped != drawn.clipped.end() && *clipped == drawn_facet;
+  };
+  for (const FacetRange& range : drawn.ranges) {
+    const auto [first, end] = parts.PartsOf(range);
+    for (uint32_t i = first; i < end; ++i) {
+      const uint32_t drawn_facet = parts.DrawnFacet(i);
+      const bool is_part = is_clipped(drawn_facet);
+      const bool is_facing =
+          are_drawn ? drawn.is_facing[i]
+                    : IsFacing(parts.mesh, parts.mesh.facets[i], center,
+                               is_part ? 0 : seeing.min_cosine);
+      if (is_facing && (is_part ? IsMiddleVisible(parts, i, seeing)
+                                : IsCentroidVisible(parts, i, seeing))) {
+        visible.push_back(i);
+      }
     }
   }
-  for (const uint32_t i : drawn.clipped) {
-    is_visible[i] = drawn.is_facing[i] &&
-                    IsPartVisible(mesh, i, frames[i], view, drawn, border);
+  return visible;
+}
+
+// Leaves the views that show a facet largest, ascending.
+// \return how many they are
+size_t KeepLargest(const TriangleMesh& mesh, const std::vector<View>& views,
+                   size_t facet, std::span<uint32_t> row) {
+  if (row.size() <= kMaxViewsOfFacet) {
+    return row.size();
   }
-  return is_visible;
+  std::vector<std::pair<double, uint32_t>> largest;
+  largest.reserve(row.size());
+  for (const uint32_t view : row) {
+    largest.emplace_back(-AreaInImage(mesh, mesh.facets[facet], views[view]),
+                         view);
+  }
+  std::ranges::nth_element(largest, largest.begin() + kMaxViewsOfFacet);
+  for (size_t k = 0; k < kMaxViewsOfFacet; ++k) {
+    row[k] = largest[k].second;
+  }
+  std::ranges::sort(row.first(kMaxViewsOfFacet));
+  return kMaxViewsOfFacet;
+}
+
+// Adds views that show facets to the rows of the facets.
+// \param visible  the facets that each view shows, ascending
+// \param first_view  of `visible`; above those in the rows
+void AddToRows(const TriangleMesh& mesh, const std::vector<View>& views,
+               const std::vector<std::vector<uint32_t>>& visible,
+               size_t first_view, FacetVisibility* rows) {
+  constexpr size_t kGrain = 1 << 14;  // facets a task; a choice
+  std::vector<FacetVisibility> parts((mesh.facets.size() + kGrain - 1) /
+                                     kGrain);
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t k) {
+    const size_t begin = k * kGrain;
+    const size_t end = std::min(begin + kGrain, mesh.facets.size());
+    parts[k] = GroupInRows<uint32_t>(end - begin, [&](const auto& add) {
+      for (size_t facet = begin; facet < end; ++facet) {
+        for (const uint32_t view : (*rows)[facet]) {
+          add(facet - begin, view);
+        }
+      }
+      for (size_t i = 0; i < visible.size(); ++i) {
+        for (auto facet = std::ranges::lower_bound(visible[i], begin);
+             facet != visible[i].end() && *facet < end; ++facet) {
+          add(*facet - begin, static_cast<uint32_t>(first_view + i));
+        }
+      }
+    });
+    EditRows(
+        [&](size_t i, std::span<uint32_t> row) {
+          return std::optional(KeepLargest(mesh, views, begin + i, row));
+        },
+        &parts[k]);
+  });
+  size_t num_values = 0;
+  for (const FacetVisibility& part : parts) {
+    num_values += part.values.size();
+  }
+  *rows = {};
+  rows->Reserve(mesh.facets.size(), num_values);
+  for (FacetVisibility& part : parts) {
+    for (size_t i = 0; i < part.size(); ++i) {
+      rows->AddRow(part[i]);
+    }
+    part = {};
+  }
+}
+
+// Views are taken in groups, so that the lists of what each one shows take
+// little, however many views there are.
+FacetVisibility FindVisible(const VisibilityBuffers& buffers,
+                            const FacetParts& parts, double border) {
+  constexpr size_t kGroup = 64;  // a choice
+  const std::vector<View>& views = buffers.Views();
+  FacetVisibility rows(parts.mesh.facets.size());
+  for (size_t first = 0; first < views.size(); first += kGroup) {
+    std::vector<std::vector<uint32_t>> visible(
+        std::min(kGroup, views.size() - first));
+    tbb::parallel_for(size_t{0}, visible.size(), [&](size_t i) {
+      const auto drawn = buffers.Get(first + i);
+      visible[i] = FindVisible(
+          parts, {views[first + i], *drawn, buffers.MinCosine(), border});
+    });
+    AddToRows(parts.mesh, views, visible, first, &rows);
+  }
+  return rows;
 }
 
 }  // namespace
@@ -65,6 +215,7 @@ VisibilityBuffers::VisibilityBuffers(TriangleMesh mesh, std::vector<View> views,
                                      double min_cosine, size_t max_memory,
                                      ViewMask mask)
     : mesh_(std::move(mesh)),
+      clusters_(mesh_),
       views_(std::move(views)),
       min_cosine_(min_cosine),
       max_memory_(max_memory),
@@ -73,8 +224,8 @@ VisibilityBuffers::VisibilityBuffers(TriangleMesh mesh, std::vector<View> views,
 
 std::shared_ptr<const FacetIdBuffer> VisibilityBuffers::Get(size_t view) const {
   return drawn_.Get(view, Memory(view), [&] {
-    auto buffer = std::make_shared<FacetIdBuffer>(
-        DrawFacets(views_[view], mesh_, min_cosine_));
+    auto buffer = std::make_shared<FacetIdBuffer>(DrawFacets(
+        views_[view], mesh_, clusters_.InFrustum(views_[view]), min_cosine_));
     const std::shared_ptr<const GrayImage> mask = mask_ ? mask_(view) : nullptr;
     if (mask) {
       EraseMasked(*mask, buffer.get());
@@ -104,29 +255,14 @@ size_t VisibilityBuffers::Memory(size_t view) const {
 
 FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers,
                                   double border) {
-  const TriangleMesh& mesh = buffers.Mesh();
-  const std::vector<View>& views = buffers.Views();
-  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
-  std::vector<std::vector<bool>> is_visible(views.size());
-  tbb::parallel_for(size_t{0}, views.size(), [&](size_t i) {
-    is_visible[i] =
-        FindVisible(mesh, frames, views[i], *buffers.Get(i), border);
-  });
-  size_t num_visible = 0;
-  for (const std::vector<bool>& row : is_visible) {
-    num_visible += std::ranges::count(row, true);
-  }
-  FacetVisibility visibility;
-  visibility.Reserve(mesh.facets.size(), num_visible);
-  for (size_t facet = 0; facet < mesh.facets.size(); ++facet) {
-    for (uint32_t i = 0; i < views.size(); ++i) {
-      if (is_visible[i][facet]) {
-        visibility.values.push_back(i);
-      }
-    }
-    visibility.EndRow();
-  }
-  return visibility;
+  return FindVisible(buffers, {buffers.Mesh(), nullptr}, border);
+}
+
+FacetVisibility FindVisibleParts(const VisibilityBuffers& buffers,
+                                 const TriangleMesh& parts,
+                                 const std::vector<uint32_t>& drawn_facets,
+                                 double border) {
+  return FindVisible(buffers, {parts, &drawn_facets}, border);
 }
 
 }  // namespace colmap_ext

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <numeric>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -43,15 +45,47 @@ bool HasFixedEdge(const FixedVertices& fixed, const Facet& facet) {
 
 // [F] 1 where a facet covers more than max_area, else 0.
 std::vector<uint8_t> FindLarge(double max_area, const TriangleMesh& mesh,
-                               const std::vector<View>& views,
-                               const FacetVisibility& visibility,
+                               const std::vector<float>& areas,
                                const FixedVertices& fixed) {
-  const std::vector<float> areas = RefinableAreas(mesh, views, visibility);
   std::vector<uint8_t> is_large(areas.size(), 0);
   for (size_t i = 0; i < areas.size(); ++i) {
     is_large[i] = areas[i] > max_area && !HasFixedEdge(fixed, mesh.facets[i]);
   }
   return is_large;
+}
+
+// The RefinableAreas() of a mesh that was subdivided. They are computed for new
+// facets alone.
+// \param drawn_facets [F] of the buffers' mesh, that each facet is a part of
+// \param sources [F] ascending, the facet of the mesh before that each is a
+// part
+//        of
+// \param before  the areas of the mesh before
+std::vector<float> AreasOfParts(const VisibilityBuffers& buffers,
+                                const TriangleMesh& mesh,
+                                const std::vector<uint32_t>& drawn_facets,
+                                const std::vector<uint32_t>& sources,
+                                const std::vector<float>& before) {
+  std::vector<float> areas(sources.size());
+  std::vector<uint32_t> new_facets;
+  TriangleMesh parts{mesh.vertices, {}};
+  std::vector<uint32_t> drawn_facets_of_parts;
+  for (uint32_t i = 0; i < sources.size(); ++i) {
+    areas[i] = before[sources[i]];
+    if ((i > 0 && sources[i - 1] == sources[i]) ||
+        (i + 1 < sources.size() && sources[i + 1] == sources[i])) {
+      new_facets.push_back(i);
+      parts.facets.push_back(mesh.facets[i]);
+      drawn_facets_of_parts.push_back(drawn_facets[i]);
+    }
+  }
+  const std::vector<float> new_areas =
+      RefinableAreas(parts, buffers.Views(),
+                     FindVisibleParts(buffers, parts, drawn_facets_of_parts));
+  for (size_t k = 0; k < new_facets.size(); ++k) {
+    areas[new_facets[k]] = new_areas[k];
+  }
+  return areas;
 }
 
 // Of an equilateral triangle.
@@ -113,22 +147,35 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
   // A round cuts a facet in four: 4^8 parts are enough for one that is 65536
   // times too large.
   constexpr int kMaxRounds = 8;
-  for (int round = 0;; ++round) {
-    const std::shared_ptr<const VisibilityBuffers> buffers =
-        draw(surface->mesh);
-    FacetVisibility visibility = FindVisibleFacets(*buffers);
-    if (round == kMaxRounds) {
-      return visibility;
-    }
+  std::shared_ptr<const VisibilityBuffers> buffers = draw(surface->mesh);
+  FacetVisibility visibility = FindVisibleFacets(*buffers);
+  std::vector<float> areas =
+      RefinableAreas(surface->mesh, buffers->Views(), visibility);
+  std::vector<uint32_t> drawn_facets(areas.size());
+  std::iota(drawn_facets.begin(), drawn_facets.end(), 0);
+  for (int round = 0; round < kMaxRounds; ++round) {
     const FixedVertices fixed = FixedOf(surface->fixed_sources);
     const std::vector<uint8_t> is_large =
-        FindLarge(max_area, surface->mesh, buffers->Views(), visibility, fixed);
+        FindLarge(max_area, surface->mesh, areas, fixed);
     if (std::count(is_large.begin(), is_large.end(), 1) == 0) {
-      return visibility;
+      break;
     }
-    visibility = {};  // large where hundreds of images see each facet
-    surface->Become(Subdivide(surface->mesh, is_large, fixed));
+    visibility = {};  // large where many images see each facet
+    DerivedMesh derived = Subdivide(surface->mesh, is_large, fixed);
+    const std::vector<uint32_t> sources = std::move(derived.from.facets);
+    surface->Become(std::move(derived));
+    std::vector<uint32_t> drawn_facets_of_sources(sources.size());
+    std::ranges::transform(
+        sources, drawn_facets_of_sources.begin(),
+        [&](uint32_t source) { return drawn_facets[source]; });
+    drawn_facets = std::move(drawn_facets_of_sources);
+    areas = AreasOfParts(*buffers, surface->mesh, drawn_facets, sources, areas);
   }
+  if (visibility.size() > 0) {
+    return visibility;
+  }
+  buffers.reset();  // before others take memory
+  return FindVisibleFacets(*draw(surface->mesh));
 }
 
 FacetVisibility RemeshForImages(double area, const DrawMesh& draw,

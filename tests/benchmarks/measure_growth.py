@@ -3,16 +3,21 @@
 
   measure_growth.py --program build/release/bin/colmap_ext \\
       --make_workspace build/release/tests/make_workspace \\
-      [--points WORKSPACE] [--images] [--pairs] [--pixels] [--faces]
+      [--points WORKSPACE] [--survey WORKSPACE] [--images] [--pairs]
+      [--pixels] [--faces] [--threads WORKSPACE]
   measure_growth.py --copies WORKSPACE SIDE FOLDER
 
 --points  the mesher on 1/8, 1/4 and 1/2 of a workspace's points, on all, and on
           2 x 2 and 4 x 4 copies of it side by side, each with its own images
+--survey  the refiner on 1 to 8 x 8 copies of a workspace side by side, each with
+          its own images
 --copies  makes a workspace of SIDE x SIDE copies, and nothing else
 --images  the refiner on a rendered statue seen by 6, 12, 24 and 48 images
 --pairs   the same with 48 images, where each has 2 to 16 partners
 --pixels  the same with 12 images of 1/4 to 4 times the pixels
 --faces   the same with faces of 28 to 3.5 pixels
+--threads both commands with one and two threads; the serial seconds that follow
+          from the two, and by Amdahl's law the times with 8 and 32 cores
 
 A stage's exponent is that of the power law through its times (least squares of
 logarithms); stages that never take 0.1 s have none.
@@ -79,8 +84,8 @@ class Writer:
 
 
 def read_images(workspace):
-    """Of sparse/images.bin, in the order of their ids (fused.ply.vis counts
-    them so): pose, camera, name."""
+    """Of sparse/images.bin, in the file's order (fused.ply.vis counts them
+    so): id, pose, camera, name."""
     data = (workspace / "sparse" / "images.bin").read_bytes()
     images, at = [], 8
     for _ in range(struct.unpack_from("<Q", data)[0]):
@@ -89,7 +94,7 @@ def read_images(workspace):
         images.append((image_id, pose, camera, data[at + 64:end].decode()))
         points = struct.unpack_from("<Q", data, end + 1)[0]
         at = end + 9 + 24 * points
-    return sorted(images)
+    return images
 
 
 def rotated(quaternion, vector):
@@ -193,9 +198,9 @@ def table(title, heads, factors, results, count):
     print_table(title, ["", *map(str, heads), "exponent"], rows)
 
 
-def mesh(args, workspace):
+def mesh(args, workspace, options=()):
     return checked([args.program, "delaunay_manifold_mesher",
-                    "--workspace_path", workspace])
+                    "--workspace_path", workspace, *options])
 
 
 def refine(args, workspace, options=()):
@@ -229,6 +234,20 @@ def measure_points(args, folder):
                 for result in results]
     table(f"{args.points.name}: the mesher by its points, s; exponents by the"
           " vertices", sizes, vertices, results, "vertices, after thinning")
+
+
+def measure_survey(args, folder):
+    cloud = Cloud(args.survey)
+    sides = [1, 2, 4, 8]
+    results = []
+    for side in sides:
+        workspace = folder / f"survey-{side}"
+        write_tiles(args.survey, cloud, workspace, side)
+        mesh(args, workspace)
+        results.append(refine(args, workspace, ["iterations", 2]))
+    copies = [side * side for side in sides]
+    table(f"copies of {args.survey.name}: the refiner, s", copies, copies,
+          results, "faces")
 
 
 def measure_images(args, folder):
@@ -268,12 +287,44 @@ def measure_faces(args, folder):
           "faces")
 
 
+def measure_threads(args, folder):
+    workspace = folder / "threads"
+    write_part(args.threads, Cloud(args.threads), workspace, 1)
+
+    def run_mesher(count):
+        return mesh(args, workspace, ["--num_threads", count])
+
+    def run_refiner(count):
+        return checked([args.program, "facetwise_refiner", "--workspace_path",
+                        workspace, "--FacetwiseRefinement.backend", "cpu",
+                        "--num_threads", count])
+    for name, run_with in (("mesher", run_mesher), ("refiner", run_refiner)):
+        one, two = (times(run_with(count)["output"]) for count in (1, 2))
+        rows = []
+        for stage, seconds in one.items():
+            if stage == "all":
+                continue
+            serial = min(seconds, max(0, 2 * two[stage] - seconds))
+            rows.append([stage, seconds, two[stage], serial,
+                         *(serial + (seconds - serial) / cores
+                           for cores in (8, 32))])
+        rows.append(["all", *(sum(row[k] for row in rows)
+                              for k in range(1, 6))])
+        print_table(f"{args.threads.name}: the {name} by its threads, s",
+                    ["", "1 thread", "2 threads", "serial", "8 cores",
+                     "32 cores"],
+                    [[row[0], *(f"{value:.2f}" for value in row[1:])]
+                     for row in rows])
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--program")
     parser.add_argument("--make_workspace")
     parser.add_argument("--points", type=pathlib.Path, metavar="WORKSPACE")
+    parser.add_argument("--survey", type=pathlib.Path, metavar="WORKSPACE")
+    parser.add_argument("--threads", type=pathlib.Path, metavar="WORKSPACE")
     parser.add_argument("--copies", nargs=3,
                         metavar=("WORKSPACE", "SIDE", "FOLDER"))
     for name in ("images", "pairs", "pixels", "faces"):
@@ -286,6 +337,8 @@ def main():
         return
     with tempfile.TemporaryDirectory() as temporary:
         for name, measure in (("points", measure_points),
+                              ("survey", measure_survey),
+                              ("threads", measure_threads),
                               ("images", measure_images),
                               ("pairs", measure_pairs),
                               ("pixels", measure_pixels),

@@ -24,9 +24,12 @@ struct Windows {
   std::shared_ptr<ImagePyramid> images = scene.scene.Pyramid();
   VisibilityBuffers buffers{scene.scene.Truth(), cameras.views,
                             photometric.min_cosine, SIZE_MAX};
-  std::vector<FacetFrame> frames = ComputeFacetFrames(scene.scene.Truth());
-  SurfacePatches patches = SelectPatches(
-      options, photometric, {buffers, frames, images.get()}, scene.pairs);
+  SurfacePatches patches =
+      SelectPatches(options, photometric, {buffers, images.get()}, scene.pairs);
+
+  FacetFrame FrameOf(uint32_t facet) const {
+    return DrawnScene{buffers, images.get()}.FrameOf(facet);
+  }
 
   WindowShift Compare(const std::vector<View>& views, const SurfacePatch& patch,
                       uint32_t j) const {
@@ -36,7 +39,7 @@ struct Windows {
     const auto drawn_j = buffers.Get(j);
     return CompareWindow(photometric, options.radius,
                          {views[patch.view], *image_i, *drawn_i},
-                         {views[j], *image_j, *drawn_j}, frames, patch);
+                         {views[j], *image_j, *drawn_j}, buffers.Mesh(), patch);
   }
 
   // Whether no pixel of a window is masked: the energy of others jumps as one
@@ -69,7 +72,7 @@ TEST(WindowShift, SlopesByPosesAreTheEnergys) {
   for (size_t k = 0; k < windows.patches.patches.size(); ++k) {
     const SurfacePatch& patch = windows.patches.patches[k];
     const Vector3d point =
-        PatchPoint(views[patch.view], windows.frames[patch.facet], patch);
+        PatchPoint(views[patch.view], windows.FrameOf(patch.facet), patch);
     for (const uint32_t j : windows.patches.partners[k]) {
       const WindowShift shift = windows.Compare(views, patch, j);
       if (windows.IsWhole(shift)) {

@@ -33,7 +33,8 @@ Drawn Draw(const View& view, const TriangleMesh& mesh) {
   facets.Assign(mesh.facets);
   FacetDrawer drawer(0.1);
   FacetTextures textures(view.width, view.height);
-  drawer.Draw(view, mesh, vertices, facets, &textures);
+  drawer.Draw(view, mesh, FacetClusters(mesh).InFrustum(view), vertices, facets,
+              &textures);
   Drawn drawn = {
       textures.facets.Read<uint32_t>(GL_RED_INTEGER, GL_UNSIGNED_INT),
       textures.depths.Read<float>(GL_DEPTH_COMPONENT, GL_FLOAT)};
@@ -320,8 +321,8 @@ TEST(ShaderSources, HoldTheirVersionAndWhatTheyInclude) {
   EXPECT_FALSE(Has(source, "#include"));
   EXPECT_TRUE(HasAll(
       source, {"ivec4 FacetBox(uint facet)", "float sum[12] = float[12]("}));
-  EXPECT_TRUE(
-      Has(ShaderSource("facet_ids.frag"), "facet = uint(gl_PrimitiveID);"));
+  EXPECT_TRUE(Has(ShaderSource("facet_ids.frag"),
+                  "facet = first_facet + uint(gl_PrimitiveID);"));
   EXPECT_THROW(ShaderSource("no.comp"), std::out_of_range);
 }
 

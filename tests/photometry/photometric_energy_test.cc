@@ -405,7 +405,7 @@ TEST_F(CpuPhotometricEnergyTest, ComparesWallsThatReachBehindTheCameras) {
   const TriangleMesh& room = scene.Truth();
   const PhotometricTerms terms =
       Evaluate(room, LabelAll({{0, 1}}, room.facets.size()), scene.Pyramid());
-  const auto clipped = FindClippedFacets(scene.Views()[0], room);
+  const auto clipped = DrawFacets(scene.Views()[0], room, 0.1).clipped;
   float num_pixels = 0;
   for (const uint32_t facet : clipped) {
     num_pixels += terms.facets[facet].num_pixels;

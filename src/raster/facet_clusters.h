@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "mesh/triangle_mesh.h"
+#include "scene/view.h"
+
+namespace colmap_ext {
+
+// Facets first, first + 1, ... end - 1.
+struct FacetRange {
+  uint32_t first = 0;
+  uint32_t end = 0;
+
+  bool operator==(const FacetRange&) const = default;
+};
+
+// Calls function(facet) for the facets of ranges, in turn.
+template <typename Function>
+void ForEachFacet(std::span<const FacetRange> ranges,
+                  const Function& function) {
+  for (const auto& [first, end] : ranges) {
+    for (uint32_t facet = first; facet < end; ++facet) {
+      function(facet);
+    }
+  }
+}
+
+// The bounding boxes of a mesh's facets in runs of kSize. A view passes over
+// the runs that lie outside its frustum, so that what it costs grows with what
+// it sees, if facets that follow each other lie near each other
+// (SortAlongCurve() of mesh/space_filling_curve.h).
+class FacetClusters {
+ public:
+  // A choice: one box for so many facets costs nothing beside them.
+  static constexpr size_t kSize = 128;
+
+  explicit FacetClusters(const TriangleMesh& mesh);
+
+  // Runs, joined where they adjoin, that hold all facets of which a view may
+  // show any part; ascending.
+  std::vector<FacetRange> InFrustum(const View& view) const;
+
+ private:
+  size_t num_facets_;
+  std::vector<Eigen::AlignedBox3f> boxes_;  // [F / kSize, rounded up]
+};
+
+}  // namespace colmap_ext
