@@ -161,9 +161,7 @@ void PrintInput(const MesherOptions& options, const MesherInput& input,
   PrintReport(input.workspace.report, input.workspace.views.size(),
               input.half_pixel, log);
   PrintPixels(options, input.workspace, log);
-  if (input.masked.report) {
-    PrintReport(*input.masked.report, log);
-  }
+  PrintReport(input.masked.report, log);
   PrintReport(input.meshing.region, log);
   std::cout << std::endl;
 }

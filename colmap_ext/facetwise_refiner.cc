@@ -9,15 +9,14 @@
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
 #include "colmap_ext/errors.h"
+#include "colmap_ext/jobs/refine_tiles.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/jobs/resumable_refinement.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/tiled_refinement.h"
 #include "colmap_ext/viewing/live_view.h"
-#include "colmap_ext/viewing/scene_loader.h"
 #include "formats/atomic_file.h"
 #include "formats/picture_files.h"
 #include "formats/write_mesh.h"
@@ -307,9 +306,6 @@ void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
     RunWithViewer(
         "facetwise_refiner " + paths.mesh.string(), paths.folder,
         ColmapPictureDecoder(),
-        [](const ColorImage& picture) {
-          return SaveNumbered(picture, &WritePng);
-        },
         [&](LiveView* live) { Refiner(options, paths, console, live).Run(); });
   } catch (const NoWindowError& error) {
     throw OptionError(error.what() +
@@ -332,8 +328,10 @@ void RefineWorkspace(RefinerOptions options, Console* console) {
 void Refine(const RefinerOptions& options, Console* console) {
   if (options.plan_path.empty()) {
     RefineWorkspace(options, console);
+  } else if (options.tile >= 0) {
+    RefineTile(options, ColmapPictureDecoder(), console);
   } else {
-    RunTiledRefinement(options, console);
+    PlanRefinement(options, console);
   }
 }
 

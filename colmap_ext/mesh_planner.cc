@@ -64,10 +64,8 @@ void MakeAndPrint(const PlannerOptions& options, Console* console) {
     std::cout << "This plan is there already: nothing to do" << std::endl;
   } else {
     PrintReport(report.workspace, plan.views.size(), report.half_pixel, log);
-    if (report.masks) {
-      PrintReport(*report.masks, log);
-    }
-    PrintReport(report.region, log);
+    PrintReport(report.masks, log);
+    PrintReport(plan.region, log);
     PrintIfAny("points outside of the region", report.num_outside_points, log);
     PrintIfAny("rays beyond", report.num_ray_ends, log);
   }

@@ -32,14 +32,12 @@ namespace {
 // All that a picture shows.
 ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
                      const PictureDecoder& decoder) {
-  ShownScene scene;
   std::vector<std::string> notes;
-  scene.meshes.push_back(std::make_shared<const ShownMesh>(
-      ReadShownMesh(paths.meshes[0], &notes)));
-  ViewerWorkspace workspace = ReadViewerWorkspace(options, paths, decoder);
-  scene.views = std::move(workspace.views);
-  scene.points = std::move(workspace.points);
-  notes.insert(notes.end(), workspace.notes.begin(), workspace.notes.end());
+  auto mesh =
+      std::make_shared<const ShownMesh>(ReadShownMesh(paths.meshes[0], &notes));
+  ShownScene scene = ReadViewerWorkspace(options, paths, decoder);
+  scene.meshes.push_back(std::move(mesh));
+  notes.insert(notes.end(), scene.notes.begin(), scene.notes.end());
   if (const std::string missing =
           MissingData(*scene.meshes[0], options.settings.mode);
       !missing.empty()) {
@@ -161,10 +159,7 @@ void OpenWindow(const ViewerOptions& options, ViewerPaths paths) {
   const std::string title = "mesh_viewer " + paths.meshes[0].mesh.string();
   SceneInbox inbox;
   SceneLoader loader(std::move(paths), ColmapPictureDecoder(), &inbox);
-  ViewerSession session(&inbox, loader.Host([](const ColorImage& picture) {
-    return SaveNumbered(picture, &WritePng);
-  }),
-                        options.settings);
+  ViewerSession session(&inbox, loader.Host(), options.settings);
   loader.LoadAll(options);
   const auto [width, height] = options.FreeSize();
   try {

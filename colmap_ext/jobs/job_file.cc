@@ -235,7 +235,7 @@ JobFileReader::JobFileReader(JobFile file) : file_(std::move(file)) {
   }
 }
 
-JobFileReader::Descriptor::~Descriptor() {
+Descriptor::~Descriptor() {
   if (value >= 0) {
     close(value);
   }
@@ -330,19 +330,16 @@ bool JobFile::Exists() const {
   }
 }
 
-FolderLock::FolderLock(const std::filesystem::path& folder)
-    : descriptor_(open((folder / "plan.lock").c_str(),
-                       O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-  if (descriptor_ < 0) {
+FolderLock::FolderLock(const fs::path& folder) {
+  descriptor_.value =
+      open((folder / "plan.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_.value < 0) {
     throw FileError(folder, "can not be written");
   }
-  is_locked_ = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+  is_locked_ = flock(descriptor_.value, LOCK_EX | LOCK_NB) == 0;
   if (!is_locked_ && errno == EWOULDBLOCK) {
-    close(descriptor_);
     throw FileError(folder, "another planner is at work there");
   }
 }
-
-FolderLock::~FolderLock() { close(descriptor_); }
 
 }  // namespace colmap_ext

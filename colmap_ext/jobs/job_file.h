@@ -75,6 +75,15 @@ struct JobFile {
   bool Exists() const;
 };
 
+// An open file, closed with the object.
+struct Descriptor {
+  int value = -1;
+  Descriptor() = default;
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+};
+
 static_assert(sizeof(Eigen::AlignedBox3f) == 6 * sizeof(float));
 
 // Writes one. It appears complete or not at all.
@@ -171,15 +180,6 @@ class JobFileReader {
   }
 
  private:
-  // An open file, closed with the object.
-  struct Descriptor {
-    int value = -1;
-    Descriptor() = default;
-    ~Descriptor();
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-  };
-
   template <typename T>
   void ReadOne(size_t* section, std::vector<T>* values) const {
     *values = ReadAll<T>((*section)++);
@@ -214,15 +214,12 @@ class FolderLock {
  public:
   // \throw FileError if another has it, or the folder can not be written
   explicit FolderLock(const std::filesystem::path& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
   // Whether the lock is held; false on a file system without locks.
   bool IsLocked() const { return is_locked_; }
 
  private:
-  int descriptor_;
+  Descriptor descriptor_;
   bool is_locked_ = false;
 };
 

@@ -57,7 +57,6 @@ class Planner {
     CalibrateHalfPixel();
     plan_.region = options_.mesher.scene.region.Resolve(sample_.views,
                                                         sample_.sparse_points);
-    report_->region = plan_.region;
     ReadMasks();
     CropSample();
     const SplitTree tree = SplitSample(num_tiles_);

@@ -22,7 +22,6 @@ struct PlanReport {
   WorkspaceReport workspace;
   std::optional<HalfPixelReport> half_pixel;
   std::optional<MaskReport> masks;
-  std::optional<Region> region;
   size_t num_outside_points = 0;  // beyond the region's margin
   size_t num_ray_ends = 0;        // of a region and of masked pixels
 };

@@ -77,9 +77,6 @@ class CommandOptions {
   };
 
   // \param summary  what the command does, and an example.
-  explicit CommandOptions(std::string summary = "")
-      : summary_(std::move(summary)) {}
-
   void SetSummary(std::string summary) { summary_ = std::move(summary); }
 
   // Options are added to this group from now on.

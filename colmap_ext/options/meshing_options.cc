@@ -157,6 +157,38 @@ void AddColmapAliases(CommandOptions* options, MesherOptions* mesher) {
   options->AddAlias(colmaps + "num_threads", "num_threads");
 }
 
+// Those of the input that mesh_planner has too.
+void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
+  AddRegionOption("Mesh only inside", &mesher->scene.region, kWrittenAutoRegion,
+                  options);
+  AddMaskOption(&mesher->scene.mask_path, options);
+  options->Add("mask_background", &mesher->mask_background,
+               "Masked pixels are background: everything along their rays is "
+               "empty");
+  options->AddThreads("DelaunayManifoldMeshing", &mesher->num_threads);
+  options->SetGroup(OptionGroup::kAdvanced);
+  AddFusedPathOption(&mesher->workspace.fused_path, options);
+  AddSparsePathOption(&mesher->workspace.sparse_path, options);
+  AddImageOrderOption(&mesher->workspace.image_order, options);
+  options->SetGroup(OptionGroup::kBasic);
+}
+
+// Those of the method, DelaunayManifoldMeshing.*.
+void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher) {
+  AddPointOptions(options, mesher);
+  AddAblationOptions(options, mesher);
+}
+
+// A plan determines what is meshed.
+void CheckPlan(const MesherOptions& options) {
+  RefuseIf(options.plan_path.empty() || options.tile < 0,
+           "--plan_path and --tile belong together");
+  RefuseIf(!options.InputPath().empty() || !options.output_path.empty() ||
+               !options.report_path.empty(),
+           "--plan_path determines what is meshed: omit --workspace_path, "
+           "--input_path, --output_path and --report_path");
+}
+
 }  // namespace
 
 std::filesystem::path MesherOptions::InputPath() const {
@@ -171,7 +203,7 @@ std::filesystem::path MesherOptions::OutputPath(
 
 void MesherOptions::Finish() {
   if (!plan_path.empty() || tile >= 0) {
-    FinishTile();
+    CheckPlan(*this);
     return;
   }
   RefuseIf(workspace_path.empty() == input_path.empty(),
@@ -197,34 +229,6 @@ void MesherOptions::Finish() {
   if (!old_half_pixel_calibration && half_pixel == HalfPixelCorrection::kAuto) {
     half_pixel = HalfPixelCorrection::kFull;
   }
-}
-
-void MesherOptions::FinishTile() const {
-  RefuseIf(plan_path.empty() || tile < 0,
-           "--plan_path and --tile belong together");
-  RefuseIf(!InputPath().empty() || !output_path.empty() || !report_path.empty(),
-           "--plan_path determines what is meshed: omit --workspace_path, "
-           "--input_path, --output_path and --report_path");
-}
-
-void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
-  AddRegionOption("Mesh only inside", &mesher->scene.region, kWrittenAutoRegion,
-                  options);
-  AddMaskOption(&mesher->scene.mask_path, options);
-  options->Add("mask_background", &mesher->mask_background,
-               "Masked pixels are background: everything along their rays is "
-               "empty");
-  options->AddThreads("DelaunayManifoldMeshing", &mesher->num_threads);
-  options->SetGroup(OptionGroup::kAdvanced);
-  AddFusedPathOption(&mesher->workspace.fused_path, options);
-  AddSparsePathOption(&mesher->workspace.sparse_path, options);
-  AddImageOrderOption(&mesher->workspace.image_order, options);
-  options->SetGroup(OptionGroup::kBasic);
-}
-
-void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher) {
-  AddPointOptions(options, mesher);
-  AddAblationOptions(options, mesher);
 }
 
 void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {

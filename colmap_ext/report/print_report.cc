@@ -1,7 +1,5 @@
 #include "colmap_ext/report/print_report.h"
 
-#include <ostream>
-
 #include <fmt/format.h>
 
 #include "colmap_ext/jobs/mesh_tiles.h"
@@ -183,10 +181,13 @@ void PrintReport(const BorderReport& report, ReportLog* log) {
   PrintIfAny("holes left open", report.holes.NumLeft(), log);
 }
 
-void PrintReport(const MaskReport& report, ReportLog* log) {
-  Print("masks", report.num_masks, log);
-  Print("  masked views of points", report.num_masked_observations, log);
-  Print("  points masked in all views", report.num_masked_points, log);
+void PrintReport(const std::optional<MaskReport>& report, ReportLog* log) {
+  if (!report) {
+    return;
+  }
+  Print("masks", report->num_masks, log);
+  Print("  masked views of points", report->num_masked_observations, log);
+  Print("  points masked in all views", report->num_masked_points, log);
 }
 
 void PrintReport(const std::optional<Region>& region, ReportLog* log) {

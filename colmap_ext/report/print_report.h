@@ -107,8 +107,8 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
                  ReportLog* log);
 
-// The masked observations.
-void PrintReport(const MaskReport& report, ReportLog* log);
+// The masked observations; prints nothing without masks.
+void PrintReport(const std::optional<MaskReport>& report, ReportLog* log);
 
 // The region; prints nothing without one.
 void PrintReport(const std::optional<Region>& region, ReportLog* log);

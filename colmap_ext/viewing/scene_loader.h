@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,18 +44,12 @@ struct ViewerPaths {
 // \throw FileError if there are several workspaces, or no mesh.
 ViewerPaths FindViewerPaths(const ViewerOptions& options);
 
-// The contents of a workspace besides meshes.
-struct ViewerWorkspace {
-  std::vector<View> views;                   // may be empty
-  std::shared_ptr<const PointCloud> points;  // fused, or else sparse; or none
-  std::vector<std::string> notes;            // unusable files, and why
-};
-
-// Reads the fused points and the cameras in their order; if that fails, the
-// sparse model; if that fails too, nothing.
-ViewerWorkspace ReadViewerWorkspace(const ViewerOptions& options,
-                                    const ViewerPaths& paths,
-                                    const PictureDecoder& decoder);
+// Reads the points and views of a workspace, and notes on unusable files: the
+// fused points and the cameras in their order; if that fails, the sparse model;
+// if that fails too, nothing.
+ShownScene ReadViewerWorkspace(const ViewerOptions& options,
+                               const ViewerPaths& paths,
+                               const PictureDecoder& decoder);
 
 // An image of at most `max_size` px a side; nullptr if it cannot be read.
 std::shared_ptr<const ColorImage> ReadShownImage(
@@ -83,9 +76,9 @@ class SceneLoader {
   // Loads the meshes, then the workspace.
   void LoadAll(const ViewerOptions& options);
 
-  // The viewer's callbacks into the loader.
-  // \param save  saves a picture; see ViewerHost.
-  ViewerHost Host(std::function<std::string(const ColorImage&)> save);
+  // The viewer's callbacks into the loader. Pictures are saved in the current
+  // folder, under the first unused name "mesh_viewer.NNN.png".
+  ViewerHost Host();
 
  private:
   void LoadMesh(const ShownMeshPaths& paths);
@@ -108,11 +101,5 @@ class SceneLoader {
   SceneInbox* inbox_;
   BackgroundWorker worker_;  // last, because its jobs use the others
 };
-
-// Saves a picture in the current folder under the first unused name.
-// \return the outcome, in one line.
-std::string SaveNumbered(const ColorImage& picture,
-                         const std::function<void(const std::filesystem::path&,
-                                                  const ColorImage&)>& write);
 
 }  // namespace colmap_ext

@@ -39,7 +39,7 @@ WorkspaceOptions RulesOf(const ViewerOptions& options, InputType type) {
 
 // What can not be read is noted.
 void Read(const ViewerOptions& options, InputType type, const fs::path& folder,
-          const PictureDecoder& decoder, ViewerWorkspace* result) {
+          const PictureDecoder& decoder, ShownScene* result) {
   try {
     Workspace workspace =
         ReadWorkspace(folder, RulesOf(options, type), decoder);
@@ -199,10 +199,10 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options) {
   return paths;
 }
 
-ViewerWorkspace ReadViewerWorkspace(const ViewerOptions& options,
-                                    const ViewerPaths& paths,
-                                    const PictureDecoder& decoder) {
-  ViewerWorkspace result;
+ShownScene ReadViewerWorkspace(const ViewerOptions& options,
+                               const ViewerPaths& paths,
+                               const PictureDecoder& decoder) {
+  ShownScene result;
   if (paths.folder.empty()) {
     return result;
   }

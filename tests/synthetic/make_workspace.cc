@@ -73,7 +73,8 @@ void AddPointOptions(DenseSceneOptions* scene, CommandOptions* options) {
 // \param seed  of everything random.
 CommandOptions Bind(DenseSceneOptions* scene, int* seed,
                     std::string* output_path) {
-  CommandOptions options(
+  CommandOptions options;
+  options.SetSummary(
       "Writes a synthetic COLMAP dense workspace with known truth.\n"
       "Usage: make_workspace --output_path DIR [options]");
   options.Add("output_path", output_path, "Folder of the workspace");
