@@ -303,10 +303,10 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
                     Console* console) {
   try {
-    RunWithViewer(
-        "facetwise_refiner " + paths.mesh.string(), paths.folder,
-        ColmapPictureDecoder(),
-        [&](LiveView* live) { Refiner(options, paths, console, live).Run(); });
+    RunWithViewer("facetwise_refiner " + paths.mesh.string(), paths.folder,
+                  ColmapPictureDecoder(), [&](LiveView* live) {
+                    Refiner(options, paths, console, live).Run();
+                  });
   } catch (const NoWindowError& error) {
     throw OptionError(error.what() +
                       std::string("; leave --viewer out, and look at the "

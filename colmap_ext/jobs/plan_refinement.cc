@@ -180,7 +180,7 @@ bool IsThere(const fs::path& folder, const Plan& plan, uint64_t identity) {
 
 // \param refinement  identified
 void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
-              const Progress& progress, RefinementPlan* refinement) {
+                         const Progress& progress, RefinementPlan* refinement) {
   const fs::path mesh_path = options.input_path;
   Report(progress, "Reading the mesh", 0);
   const Surface surface = ReadMerged(mesh_path, plan);

@@ -204,9 +204,9 @@ int ReadState(const fs::path& output, const JobInputs& inputs,
   VertexAttributes& attributes = state->attributes;
   RefinementReport& report = state->report;
   file.ReadFrom(
-      2, &level, &state->mesh.vertices, &state->mesh.facets,
-      &attributes.colors, &attributes.views, &attributes.confidences,
-      &state->origins, &state->fixed_sources, &cameras, &has_misalignment,
+      2, &level, &state->mesh.vertices, &state->mesh.facets, &attributes.colors,
+      &attributes.views, &attributes.confidences, &state->origins,
+      &state->fixed_sources, &cameras, &has_misalignment,
       &misalignment.by_cameras, &misalignment.of_surface, &misalignment.by_view,
       &report.num_shortened_steps, &report.num_unconverged_solutions,
       &report.num_flipped_facets, &report.num_removed_self_intersections,
@@ -283,11 +283,8 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
   Surface& surface = *input;
   RefinedMesh refined = RefineFacetwise(
       method,
-      {std::move(surface),
-       (level_ > 0 ? level_ : method.levels) - 1,
-       input->has_fused_points,
-       input->cameras,
-       earlier_.misalignment,
+      {std::move(surface), (level_ > 0 ? level_ : method.levels) - 1,
+       input->has_fused_points, input->cameras, earlier_.misalignment,
        input->is_part},
       input->views, input->points, backend.energy.get(), hooks);
   signal_ = StopSignal::Received();

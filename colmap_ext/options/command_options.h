@@ -91,8 +91,8 @@ class CommandOptions {
   void Add(const std::string& name, Value value, const std::string& help = "");
 
   // Adds a number.
-  void AddNumber(const std::string& name, std::variant<int*, double*> value,
-                 const NumberRange& range, const std::string& help = "");
+  void Add(const std::string& name, std::variant<int*, double*> value,
+           const NumberRange& range, const std::string& help = "");
 
   // Adds a choice of words; upper and lower case are the same.
   // \param words  each with the value that it stands for. A later word for the

@@ -87,11 +87,11 @@ void SceneLoader::AddStandIn(const std::shared_ptr<const ShownMesh>& mesh) {
 void SceneLoader::LoadWorkspace(const ViewerOptions& options) {
   Say("reading the points and cameras");
   const ShownScene read = ReadViewerWorkspace(options, paths_, decoder_);
-  inbox_->Put("workspace", [views = read.views,
-                            points = read.points](ShownScene* scene) {
-    scene->views = views;
-    scene->points = points;
-  });
+  inbox_->Put("workspace",
+              [views = read.views, points = read.points](ShownScene* scene) {
+                scene->views = views;
+                scene->points = points;
+              });
   Note(read.notes);
 }
 

@@ -23,8 +23,8 @@ namespace colmap_ext::parse_options_test {
 struct ParseOptionsTest : testing::Test {
   ParseOptionsTest() {
     options_.Add("output_path", &text_, "Where to");
-    options_.AddNumber("Ours.size", &number_, {0, 1000}, "[px] How large");
-    options_.AddNumber("Ours.count", &count_, {-5, 10});
+    options_.Add("Ours.size", &number_, {0, 1000}, "[px] How large");
+    options_.Add("Ours.count", &count_, {-5, 10});
     options_.Add("Ours.flag", &flag_);
     options_.Add("paths", &paths_);
     options_.AddAlias("Theirs.size", "Ours.size", ", larger", &is_theirs_);

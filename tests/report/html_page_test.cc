@@ -118,7 +118,7 @@ TEST(PageOptionsTest, TellsWhatWasGiven) {
   int number = 3;
   CommandOptions options;
   options.Add("path", &path);
-  options.AddNumber("number", &number, {0, 9});
+  options.Add("number", &number, {0, 9});
   number = 4;
   const std::vector<PageOption> page_options = PageOptions(options);
   ASSERT_EQ(page_options.size(), 2);
