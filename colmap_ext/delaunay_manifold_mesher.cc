@@ -12,7 +12,6 @@
 #include "colmap_ext/jobs/mesh_tiles.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/report/html_page.h"
-#include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/run_command.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
@@ -215,26 +214,11 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
             << VisibilityPath(output_path).string() << std::endl;
 }
 
-void MeshTile(const MesherOptions& options, Console* console) {
-  const TileReport report =
-      RunTile(options.plan_path, static_cast<uint32_t>(options.tile),
-              console->progress);
-  console->reporter.Finish();
-  if (report.is_kept) {
-    std::cout << "Tile " << options.tile << " is done already: nothing to do"
-              << std::endl;
-    return;
-  }
-  PrintReport(report, &console->log);
-  console->PrintTime();
-  std::cout << "\nTile " << options.tile << " is done" << std::endl;
-}
-
 void Mesh(const MesherOptions& options, Console* console) {
   if (options.plan_path.empty()) {
     MeshWorkspace(options, console);
   } else {
-    MeshTile(options, console);
+    MeshTile(options.plan_path, static_cast<uint32_t>(options.tile), console);
   }
 }
 

@@ -17,8 +17,7 @@
 #include "formats/read_arrays.h"
 #include "formats/read_ply.h"
 #include "formats/write_mesh.h"
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
 

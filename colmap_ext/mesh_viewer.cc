@@ -19,7 +19,7 @@
 #include "colmap_ext/viewing/scene_loader.h"
 #include "formats/picture_files.h"
 #include "gl/egl_context.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/scene_renderer.h"
 #include "viewer/shown_scene.h"
@@ -33,8 +33,8 @@ namespace {
 ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
                      const PictureDecoder& decoder) {
   std::vector<std::string> notes;
-  auto mesh =
-      std::make_shared<const ShownMesh>(ReadShownMesh(paths.meshes[0], &notes));
+  auto mesh = std::make_shared<const ShownMesh>(
+      ReadShownMesh(paths.meshes[0], options, &notes));
   ShownScene scene = ReadViewerWorkspace(options, paths, decoder);
   scene.meshes.push_back(std::move(mesh));
   notes.insert(notes.end(), scene.notes.begin(), scene.notes.end());
@@ -144,9 +144,8 @@ void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
   if (!paths.folder.empty()) {
     inputs = WorkspaceInputs(paths.folder, {}, options.sparse_path);
   }
-  for (const ShownMeshPaths& mesh : paths.meshes) {
-    inputs.insert(inputs.end(), {mesh.mesh, mesh.labels, mesh.errors});
-  }
+  inputs.insert(inputs.end(), paths.meshes.begin(), paths.meshes.end());
+  inputs.insert(inputs.end(), {options.labels_path, options.error_mesh_path});
   ExpectOutputs(outputs, inputs);
   const std::string renderer = DrawScreenshots(options, scene, screenshots);
   for (const Screenshot& screenshot : screenshots) {
@@ -156,7 +155,7 @@ void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
 }
 
 void OpenWindow(const ViewerOptions& options, ViewerPaths paths) {
-  const std::string title = "mesh_viewer " + paths.meshes[0].mesh.string();
+  const std::string title = "mesh_viewer " + paths.meshes[0].string();
   SceneInbox inbox;
   SceneLoader loader(std::move(paths), ColmapPictureDecoder(), &inbox);
   ViewerSession session(&inbox, loader.Host(), options.settings);

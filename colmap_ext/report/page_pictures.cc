@@ -1,4 +1,4 @@
-#include "colmap_ext/report/page_pictures.h"
+#include "colmap_ext/report/html_page.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 
 namespace colmap_ext {
 namespace {

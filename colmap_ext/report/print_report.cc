@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/jobs/mesh_tiles.h"
-
 namespace colmap_ext {
 namespace {
 
@@ -151,17 +149,6 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
                   : "             -  too few of them",
               log);
   }
-}
-
-void PrintReport(const TileReport& report, ReportLog* log) {
-  PrintHeading("Tile", log);
-  Print("vertices", report.num_vertices, log);
-  Print("of other tiles, too", report.num_other_vertices, log);
-  Print("rounds until none was missing", report.num_rounds, log);
-  Print("cells", report.num_star_cells, log);
-  Print("left to the merger", report.num_unknown_cells, log);
-  Print("rays walked", report.rays.num_rays, log);
-  PrintIfAny("rays given up", report.rays.num_lost_rays, log);
 }
 
 void PrintFootprint(double footprint, ReportLog* log) {

@@ -84,8 +84,6 @@ void PrintIfAny(const std::string& label, std::integral auto number,
 
 void PrintWarning(const std::string& what, ReportLog* log);
 
-struct TileReport;
-
 // What a command shows: its progress, then its report.
 struct Console {
   ProgressReporter reporter{std::cout, isatty(STDOUT_FILENO) != 0};
@@ -118,9 +116,6 @@ void PrintTopology(const MeshReport& mesh, ReportLog* log);
 
 // The meshing.
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log);
-
-// A tile of a plan.
-void PrintReport(const TileReport& report, ReportLog* log);
 
 // The size of a pixel on the mesh, scene units: the scale for distances in
 // options.

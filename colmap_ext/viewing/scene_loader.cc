@@ -28,8 +28,8 @@ std::string SaveNumbered(const ColorImage& picture) {
 }  // namespace
 
 void SceneLoader::LoadAll(const ViewerOptions& options) {
-  for (const ShownMeshPaths& mesh : paths_.meshes) {
-    worker_.Add([this, mesh] { LoadMesh(mesh); });
+  for (const std::filesystem::path& mesh : paths_.meshes) {
+    worker_.Add([this, mesh, options] { LoadMesh(mesh, options); });
     if (&mesh == &paths_.meshes.front() && !paths_.folder.empty()) {
       worker_.Add([this, options] { LoadWorkspace(options); });
     }
@@ -59,11 +59,13 @@ void SceneLoader::NoteError(const std::exception& error) {
                   : error.what()});
 }
 
-void SceneLoader::LoadMesh(const ShownMeshPaths& paths) {
-  Say(fmt::format("reading {} ({} of {})", paths.mesh.filename().string(),
+void SceneLoader::LoadMesh(const std::filesystem::path& path,
+                           const ViewerOptions& options) {
+  Say(fmt::format("reading {} ({} of {})", path.filename().string(),
                   ++num_meshes_, paths_.meshes.size()));
   std::vector<std::string> notes;
-  auto mesh = std::make_shared<const ShownMesh>(ReadShownMesh(paths, &notes));
+  auto mesh =
+      std::make_shared<const ShownMesh>(ReadShownMesh(path, options, &notes));
   inbox_->Put(fmt::format("mesh {:06}", num_meshes_),
               [mesh](ShownScene* scene) { scene->meshes.push_back(mesh); });
   Note(notes);

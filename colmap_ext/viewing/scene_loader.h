@@ -4,14 +4,12 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "colmap_ext/options/viewer_options.h"
 #include "scene/images.h"
 #include "scene/point_cloud.h"
-#include "scene/region.h"
 #include "scene/view.h"
 #include "viewer/background_worker.h"
 #include "viewer/shown_scene.h"
@@ -19,26 +17,20 @@
 
 namespace colmap_ext {
 
-// The files that a mesh of the viewer is read from.
-struct ShownMeshPaths {
-  std::filesystem::path mesh;
-  std::filesystem::path labels;  // see ViewerOptions; may be empty
-  std::filesystem::path errors;
-  std::optional<Region> region;  // the part that is shown; nullopt: all
-};
-
-// Reads a mesh or cloud, and its .vis if there is one. Skips facets with a
-// vertex that is not finite. Uses labels and errors of a mesh with the same
-// number of facets or vertices.
+// Reads a mesh or cloud, and its .vis if there is one; the part of it in the
+// region of the options, if they have one. Skips facets with a vertex that is
+// not finite. Uses labels and errors, at their paths in the options, of a mesh
+// with the same number of facets or vertices.
 // \param notes  gets a line for each file that does not fit the mesh.
 // \throw FileError if a file cannot be read.
-ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
+ShownMesh ReadShownMesh(const std::filesystem::path& path,
+                        const ViewerOptions& options,
                         std::vector<std::string>* notes);
 
 // Paths of the viewer's input.
 struct ViewerPaths {
   std::filesystem::path folder;  // the dense workspace; empty: none
-  std::vector<ShownMeshPaths> meshes;
+  std::vector<std::filesystem::path> meshes;
 };
 
 // \throw FileError if there are several workspaces, or no mesh.
@@ -81,7 +73,8 @@ class SceneLoader {
   ViewerHost Host();
 
  private:
-  void LoadMesh(const ShownMeshPaths& paths);
+  void LoadMesh(const std::filesystem::path& path,
+                const ViewerOptions& options);
   void AddStandIn(const std::shared_ptr<const ShownMesh>& mesh);
   void LoadWorkspace(const ViewerOptions& options);
   void LoadImage(size_t index, const View& view);

@@ -14,8 +14,7 @@
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {

@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "colmap_ext/report/page_pictures.h"
-#include "colmap_ext/report/print_report.h"
 #include "scene/view.h"
 #include "tests/report/well_formed.h"
 #include "tests/texts.h"

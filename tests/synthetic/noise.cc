@@ -4,16 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/mix_bits.h"
+
 namespace colmap_ext::synthetic {
 namespace {
 
-// The finalizer of splitmix64 [Steele2014].
-uint64_t Mix(uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
+uint64_t Mix(uint64_t x) { return MixBits(x + kSplitMixStep); }
 
 // Value in [-1, 1] of a lattice node; few operations, as it is called often.
 float NodeValue(uint32_t x, uint32_t y, uint32_t z, uint32_t seed) {
