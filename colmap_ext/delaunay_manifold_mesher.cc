@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -18,6 +17,7 @@
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "meshing/manifold_meshing.h"
+#include "photometry/image_pyramid.h"
 #include "scene/half_pixel.h"
 #include "workspace/find_workspace.h"
 #include "workspace/pictures.h"
@@ -70,10 +70,7 @@ std::vector<View> MeshingViews(const MesherOptions& options,
                                const Workspace& workspace) {
   std::vector<View> views = workspace.views;
   for (size_t i = 0; options.has_camera_pixels && i < views.size(); ++i) {
-    const double scale = workspace.camera_scales[i];
-    views[i] = ResizeView(
-        views[i], static_cast<int>(std::lround(scale * views[i].width)),
-        static_cast<int>(std::lround(scale * views[i].height)));
+    views[i] = ViewAtScale(views[i], workspace.camera_scales[i]);
   }
   return views;
 }

@@ -223,14 +223,6 @@ void ExpectSameFile(const fs::path& path, const std::string& fingerprint,
   }
 }
 
-void Set(const JobInputs& inputs, const CommandOptions& command,
-         const fs::path& path, const std::string& what_to_do) {
-  const std::string name = inputs.SetOptions(command);
-  if (!name.empty()) {
-    throw FileError(path, "damaged at " + name + ": " + what_to_do);
-  }
-}
-
 }  // namespace
 
 void Plan::Identify() { identity = inputs.Hash(kVersion); }
@@ -239,7 +231,7 @@ PlannerOptions Plan::Options(const fs::path& folder) const {
   PlannerOptions options;
   CommandOptions command;
   AddPlannerOptions(&command, &options);
-  Set(inputs, command, PlanPath(folder), kPlanAgain);
+  inputs.SetOptions(command, PlanPath(folder), kPlanAgain);
   options.output_path = folder.string();
   options.mesher.workspace_path = workspace_path.string();
   RegionOption& region_option = options.mesher.scene.region;
@@ -293,7 +285,7 @@ void RefinementPlan::SetOptions(const fs::path& folder,
                                 RefinerOptions* options) const {
   CommandOptions command;
   AddResultOptions(&command, options);
-  Set(inputs, command, RefinementPlanPath(folder), kPlanRefinementAgain);
+  inputs.SetOptions(command, RefinementPlanPath(folder), kPlanRefinementAgain);
 }
 
 fs::path PlanPath(const fs::path& folder) { return folder / "plan.json"; }

@@ -202,7 +202,7 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
   input->camera_parts = options.refinement.cameras.parts;
   if (input->camera_parts != RefinedParts::kNothing &&
       !HasOneImageFrames(input->sparse_model)) {
-    if (!options.AllowsFixedCameras()) {
+    if (options.refine_cameras) {
       throw FileError(
           input->workspace.sparse_path,
           "it has rigs of several cameras, which can not be "

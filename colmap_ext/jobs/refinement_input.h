@@ -12,7 +12,6 @@
 #include "formats/read_ply.h"
 #include "mesh/manifold_repair.h"
 #include "mesh/surface.h"
-#include "mesh/triangle_mesh.h"
 #include "photometry/image_pyramid.h"
 #include "refine/facetwise_refinement.h"
 #include "scene/images.h"

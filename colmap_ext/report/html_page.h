@@ -20,9 +20,6 @@ namespace colmap_ext {
 // A page on a run of a command: one self-contained HTML file, without scripts,
 // which is also well-formed XML.
 
-// Returns the current options of a command.
-std::vector<PageOption> PageOptions(const CommandOptions& options);
-
 // The run that a page describes.
 struct PageRun {
   std::string command;  // "facetwise_refiner"

@@ -1,12 +1,12 @@
 #include "colmap_ext/report/html_page.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>
 
+#include "photometry/image_pyramid.h"
 #include "pictures/pictures.h"
 
 namespace colmap_ext {
@@ -18,11 +18,7 @@ constexpr int kPointSide = 2;       // px
 constexpr float kSoftShade = 0.5f;  // keeps the shape visible
 
 View PictureView(const View& view) {
-  const double scale = 1.0 * kLongSide / std::max(view.width, view.height);
-  const auto scaled = [scale](int side) {
-    return std::max(1, static_cast<int>(std::lround(scale * side)));
-  };
-  return ResizeView(view, scaled(view.width), scaled(view.height));
+  return ViewAtScale(view, 1.0 * kLongSide / std::max(view.width, view.height));
 }
 
 std::vector<size_t> CountSeen(const Rows<uint32_t>& vertex_views,

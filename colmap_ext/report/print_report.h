@@ -36,12 +36,6 @@ struct ReportSection {
   std::vector<ReportRow> rows;
 };
 
-struct PageOption {
-  std::string name;   // without dashes
-  std::string value;  // as typed
-  bool is_default = true;
-};
-
 // A report: printed as it grows, and kept for the page.
 struct ReportLog {
   // \param printed  the stream to print to; outlives the log.
@@ -50,7 +44,7 @@ struct ReportLog {
   std::ostream* stream;
   std::vector<ReportSection> sections;
   std::vector<std::string> warnings;
-  std::vector<PageOption> options;  // of the command
+  const CommandOptions* command = nullptr;  // whose options the page lists
 };
 
 // Print the lines of a report: one fact a line, numbers in one column.

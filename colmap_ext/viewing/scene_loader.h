@@ -9,7 +9,6 @@
 
 #include "colmap_ext/options/viewer_options.h"
 #include "scene/images.h"
-#include "scene/point_cloud.h"
 #include "scene/view.h"
 #include "viewer/background_worker.h"
 #include "viewer/shown_scene.h"

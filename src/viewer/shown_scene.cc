@@ -6,8 +6,6 @@
 #include <numeric>
 #include <unordered_map>
 
-#include <Eigen/Geometry>
-
 #include "base/indices.h"
 #include "base/mix_bits.h"
 #include "mesh/normals.h"

@@ -170,16 +170,6 @@ TEST_P(CommandTest, TransformsWhatItWrites) {
   }
 }
 
-TEST_P(CommandTest, IsADropInForDelaunayMesher) {
-  const fs::path mesh_path = folder_.Path() / "mesh.ply";
-  const std::string paths =
-      PathOption("input_path", path_) + PathOption("output_path", mesh_path);
-  Succeed(Run(paths));
-  EXPECT_TRUE(fs::exists(mesh_path));
-  EXPECT_FALSE(fs::exists(path_ / kMesherOutput));
-  Succeed(Run(paths + " --input_type sparse"));
-}
-
 TEST_P(CommandTest, FindsTheWorkspaceOfAutomaticReconstructor) {
   fs::remove_all(path_);
   sphere_.Write(path_ / "dense" / "0");

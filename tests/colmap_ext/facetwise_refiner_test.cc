@@ -9,7 +9,6 @@
 #include "formats/picture_files.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/workspace/sphere_workspace.h"
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext::facetwise_refiner_test {
@@ -386,17 +385,6 @@ TEST_F(FacetwiseRefinerTest, RefusesFilesThatAreMissingOrDoNotFit) {
   ExpectRefused("", "run `colmap delaunay_manifold_mesher`");
   fs::remove(path_ / "fused.ply");
   ExpectRefused("", "run `colmap delaunay_manifold_mesher");
-}
-
-TEST_F(FacetwiseRefinerTest, RefusesDistortedCameras) {
-  SphereWorkspace sphere;
-  const fs::path folder = folder_.Path() / "sphere";
-  sphere.Write(folder);
-  std::string cameras = sphere.ModelFile("cameras.bin");
-  cameras[12] = 2;  // SIMPLE_RADIAL, of four parameters too
-  WriteFile(folder / "sparse" / "cameras.bin", cameras);
-  fs::copy(path_ / kInput, folder / kInput);
-  ExpectRefusal(Run(PathOption("workspace_path", folder)), "image_undistorter");
 }
 
 TEST_F(FacetwiseRefinerTest, OnAFullDiskAllFilesStayAsTheyWere) {

@@ -47,7 +47,10 @@ struct RunPageTest : testing::Test {
     PrintHeading("Nothing", &log_);
     PrintWarning(kWicked, &log_);
     run_ = {"facetwise_refiner", kWicked, "1.2.3"};
-    log_.options = {{"given", kWicked, false}, {"other", "7.25", true}};
+    command_.Add("given", &given_);
+    command_.Add("other", &other_, {0, 9});
+    given_ = kWicked;
+    log_.command = &command_;
     const ColorImage image{2, 1, {{1, 2, 3}, {4, 5, 6}}};
     pictures_ = {{kWicked, "second.png"},
                  {{"Photograph", "", false, {image, {}}},
@@ -77,6 +80,9 @@ struct RunPageTest : testing::Test {
 
   std::ostringstream printed_;
   ReportLog log_;
+  std::string given_;
+  double other_ = 7.25;
+  CommandOptions command_;
   PageRun run_;
   PagePictures pictures_;
   std::vector<RefinementStep> steps_;
@@ -86,6 +92,9 @@ TEST_F(RunPageTest, HasAllThatIsPrinted) {
   const std::string page = RefinementPage(run_, log_, steps_, pictures_);
   ExpectGood(page);
   ExpectGood(MeshingPage(run_, log_, pictures_));
+  const size_t defaults = page.find("<summary>defaults");
+  EXPECT_LT(page.find("--given"), defaults);
+  EXPECT_GT(page.find("--other"), defaults);
   EXPECT_TRUE(HasAll(page, {"--given", "7.25", "1.2.3", "-12.5", "0.8125",
                             "1/2 size", "<b>98765</b>faces", "there is none"}));
   EXPECT_TRUE(Has(page, std::string("<li>") + kEscaped + "</li>"));
@@ -109,20 +118,6 @@ TEST_F(RunPageTest, PutsLongTablesIntoFrames) {
     PrintText("image", "   1", &log_);
   }
   EXPECT_TRUE(Has(MeshingPage(run_, log_, {}), "card long"));
-}
-
-TEST(PageOptionsTest, TellsWhatWasGiven) {
-  std::string path;
-  int number = 3;
-  CommandOptions options;
-  options.Add("path", &path);
-  options.Add("number", &number, {0, 9});
-  number = 4;
-  const std::vector<PageOption> page_options = PageOptions(options);
-  ASSERT_EQ(page_options.size(), 2);
-  EXPECT_TRUE(page_options[0].is_default);
-  EXPECT_FALSE(page_options[1].is_default);
-  EXPECT_EQ(page_options[1].value, "4");
 }
 
 constexpr Color kWhite = {255, 255, 255};
