@@ -8,7 +8,6 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/refine_tiles.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/jobs/resumable_refinement.h"

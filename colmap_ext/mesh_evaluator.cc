@@ -5,7 +5,6 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"

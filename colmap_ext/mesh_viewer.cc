@@ -13,7 +13,6 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
 #include "colmap_ext/options/viewer_options.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/viewing/scene_loader.h"

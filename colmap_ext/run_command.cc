@@ -20,8 +20,6 @@
 #include <tbb/global_control.h>
 
 #include "colmap_ext/colmap_compat.h"
-#include "colmap_ext/errors.h"
-#include "colmap_ext/options/parse_options.h"
 
 namespace colmap_ext {
 namespace {

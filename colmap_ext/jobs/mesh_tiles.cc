@@ -83,15 +83,15 @@ void PrintTile(const TileCut& cut, const TileSeam& seam, ReportLog* log) {
 void MeshTile(const fs::path& folder, uint32_t tile, Console* console) {
   const Plan plan = ReadPlan(folder, tile);
   ExpectSame(plan);
-  const JobFile cut_file = CutFile(folder, plan.identity, tile);
+  const JobFile cut_file = CutFile(plan, tile);
   if (cut_file.Exists()) {
     std::cout << "Tile " << tile << " is done already: nothing to do"
               << std::endl;
     return;
   }
-  const PlannerOptions options = plan.Options(folder);
+  const PlannerOptions options = plan.Options();
   const ManifoldMeshingOptions& meshing = options.mesher.meshing;
-  const FilePlan vertices(folder, plan);
+  const FilePlan vertices(plan);
   std::vector<Eigen::Vector3d> centers;
   for (const View& view : plan.views) {
     centers.push_back(view.Center());
@@ -111,16 +111,15 @@ void MeshTile(const fs::path& folder, uint32_t tile, Console* console) {
 }
 
 void MergeTiles(const MergerOptions& merger, Console* console) {
-  const fs::path folder = merger.plan_path;
   const Progress& progress = console->progress;
-  const Plan plan = ReadPlan(folder);
+  const Plan plan = ReadPlan(merger.plan_path);
   ExpectSame(plan);
-  const PlannerOptions planner = plan.Options(folder);
+  const PlannerOptions planner = plan.Options();
   ManifoldMeshingOptions options = planner.mesher.meshing;
   options.region = plan.region;
   MergeReport report;
-  const FilePlan vertices(folder, plan);
-  const FileParts parts(folder, plan);
+  const FilePlan vertices(plan);
+  const FileParts parts(plan);
   report.num_vertices = vertices.Blocks().NumVertices();
   report.distance_sigma = plan.distance_sigma;
   MergedSurface merged =

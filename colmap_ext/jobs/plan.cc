@@ -227,7 +227,7 @@ void ExpectSameFile(const fs::path& path, const std::string& fingerprint,
 
 void Plan::Identify() { identity = inputs.Hash(kVersion); }
 
-PlannerOptions Plan::Options(const fs::path& folder) const {
+PlannerOptions Plan::Options() const {
   PlannerOptions options;
   CommandOptions command;
   AddPlannerOptions(&command, &options);
@@ -251,6 +251,7 @@ TileCells Plan::Cells() const {
 }
 
 void RefinementPlan::Identify(const Plan& plan) {
+  folder = plan.folder;
   inputs.options["plan"] = fmt::format("{:016x}", plan.identity);
   identity = inputs.Hash(kVersion);
 }
@@ -281,8 +282,7 @@ std::vector<uint32_t> RefinementPlan::TilesOf(uint32_t color) const {
   return of_color;
 }
 
-void RefinementPlan::SetOptions(const fs::path& folder,
-                                RefinerOptions* options) const {
+void RefinementPlan::SetOptions(RefinerOptions* options) const {
   CommandOptions command;
   AddResultOptions(&command, options);
   inputs.SetOptions(command, RefinementPlanPath(folder), kPlanRefinementAgain);
@@ -294,7 +294,7 @@ fs::path RefinementPlanPath(const fs::path& folder) {
   return folder / "refine.json";
 }
 
-void WritePlan(const fs::path& folder, const Plan& plan) {
+void WritePlan(const Plan& plan) {
   Json json = {{"workspace", plan.workspace_path.string()},
                {"inputs", plan.inputs},
                {"distance_sigma", plan.distance_sigma},
@@ -304,17 +304,18 @@ void WritePlan(const fs::path& folder, const Plan& plan) {
   if (plan.region) {
     json["region"] = *plan.region;
   }
-  WriteJson(PlanPath(folder), std::move(json));
+  WriteJson(PlanPath(plan.folder), std::move(json));
 }
 
-void WritePlan(const fs::path& folder, const RefinementPlan& plan) {
-  WriteJson(RefinementPlanPath(folder),
+void WritePlan(const RefinementPlan& plan) {
+  WriteJson(RefinementPlanPath(plan.folder),
             {{"inputs", plan.inputs}, {"tiles", plan.tiles}});
 }
 
 Plan ReadPlan(const fs::path& folder) {
-  return ReadJson(PlanPath(folder), kPlanAgain, [](const Json& json) {
+  return ReadJson(PlanPath(folder), kPlanAgain, [&](const Json& json) {
     Plan plan;
+    plan.folder = folder;
     plan.workspace_path = std::string(json.at("workspace"));
     plan.inputs = json.at("inputs");
     plan.Identify();
@@ -339,8 +340,8 @@ Plan ReadPlan(const fs::path& folder, uint32_t tile) {
   return plan;
 }
 
-RefinementPlan ReadRefinementPlan(const fs::path& folder, const Plan& plan) {
-  const fs::path path = RefinementPlanPath(folder);
+RefinementPlan ReadRefinementPlan(const Plan& plan) {
+  const fs::path path = RefinementPlanPath(plan.folder);
   RefinementPlan read =
       ReadJson(path, kPlanRefinementAgain, [&](const Json& json) {
         RefinementPlan refinement;

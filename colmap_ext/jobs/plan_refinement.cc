@@ -146,14 +146,13 @@ std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
   return tiles;
 }
 
-void Identify(const fs::path& folder, const fs::path& mesh_path,
-              const RefinerOptions& options, const Plan& plan,
-              RefinementPlan* refinement) {
+void Identify(const fs::path& mesh_path, const RefinerOptions& options,
+              const Plan& plan, RefinementPlan* refinement) {
   std::vector<fs::path> inputs = {mesh_path, VisibilityPath(mesh_path)};
   for (const View& view : plan.views) {
     inputs.push_back(ImagesPath(plan) / view.name);
   }
-  const fs::path masks = plan.Options(folder).mesher.scene.mask_path;
+  const fs::path masks = plan.Options().mesher.scene.mask_path;
   if (!masks.empty()) {
     MaskReader(masks, plan.views, {});  // throws if there are none
     for (const View& view : plan.views) {
@@ -169,10 +168,10 @@ void Identify(const fs::path& folder, const fs::path& mesh_path,
 }
 
 // One that can not be read is made again.
-bool IsThere(const fs::path& folder, const Plan& plan, uint64_t identity) {
+bool IsThere(const Plan& plan, const RefinementPlan& refinement) {
   try {
-    return ReadRefinementPlan(folder, plan).identity == identity &&
-           SurfaceFile(folder, identity).Exists();
+    return ReadRefinementPlan(plan).identity == refinement.identity &&
+           SurfaceFile(refinement).Exists();
   } catch (const FileError&) {
     return false;
   }
@@ -184,7 +183,7 @@ void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
   const fs::path mesh_path = options.input_path;
   Report(progress, "Reading the mesh", 0);
   const Surface surface = ReadMerged(mesh_path, plan);
-  if (!IsOfPlan(FilePlan(options.plan_path, plan).Blocks(), surface.mesh)) {
+  if (!IsOfPlan(FilePlan(plan).Blocks(), surface.mesh)) {
     throw FileError(mesh_path,
                     "does not lie where the points of the plan do: it belongs "
                     "to another one");
@@ -192,12 +191,12 @@ void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
   Report(progress, "Colouring the tiles", 0);
   refinement->tiles = PlanTiles(surface, plan, options);
   Report(progress, "Writing the plan", 0);
-  Write(SurfaceFile(options.plan_path, refinement->identity), surface.mesh,
-        surface.attributes);
-  WritePlan(options.plan_path, *refinement);
+  Write(SurfaceFile(*refinement), surface.mesh, surface.attributes);
+  WritePlan(*refinement);
 }
 
-void PrintCommands(const RefinementPlan& plan, const std::string& folder) {
+void PrintCommands(const RefinementPlan& plan) {
+  const std::string folder = plan.folder.string();
   std::cout << "\nOn Slurm, all at once:\n"
                "  scripts/slurm/refine_tiles "
             << folder << " REFINED.ply\nOn one machine, colour after colour:\n";
@@ -213,8 +212,7 @@ void PrintCommands(const RefinementPlan& plan, const std::string& folder) {
       folder);
 }
 
-void PrintPlan(const RefinementPlan& plan, const std::string& folder,
-               ReportLog* log) {
+void PrintPlan(const RefinementPlan& plan, ReportLog* log) {
   double memory = 0;
   double of_thread = 0;
   double seconds = 0;
@@ -231,7 +229,7 @@ void PrintPlan(const RefinementPlan& plan, const std::string& folder,
   PrintText("time, all tiles",
             fmt::format("{:.2f} h of a core", seconds / 3600), log);
   PrintText("cameras", "as they are: tiles do not refine them", log);
-  PrintCommands(plan, folder);
+  PrintCommands(plan);
 }
 
 }  // namespace
@@ -250,10 +248,10 @@ void PlanRefinement(const RefinerOptions& options, Console* console) {
   }
   RefinementPlan refinement;
   Report(console->progress, "Fingerprinting the files", 0);
-  Identify(folder, mesh_path, options, plan, &refinement);
-  const bool is_kept = IsThere(folder, plan, refinement.identity);
+  Identify(mesh_path, options, plan, &refinement);
+  const bool is_kept = IsThere(plan, refinement);
   if (is_kept) {
-    refinement = ReadRefinementPlan(folder, plan);
+    refinement = ReadRefinementPlan(plan);
   } else {
     WriteRefinementPlan(options, plan, console->progress, &refinement);
   }
@@ -265,40 +263,41 @@ void PlanRefinement(const RefinerOptions& options, Console* console) {
   if (!lock.IsLocked()) {
     PrintWarning(kNoLocks, &console->log);
   }
-  PrintPlan(refinement, options.plan_path, &console->log);
+  PrintPlan(refinement, &console->log);
   console->PrintTime();
   std::cout << "\nPlanned " << RefinementPlanPath(folder).string() << std::endl;
 }
 
-void ExpectRefined(const fs::path& folder, const RefinementPlan& plan,
+void ExpectRefined(const RefinementPlan& plan,
                    const std::vector<uint32_t>& tiles) {
   for (const uint32_t tile : tiles) {
-    const JobFile patch = PatchFile(folder, plan.identity, tile);
+    const JobFile patch = PatchFile(plan, tile);
     if (!patch.Exists()) {
       throw FileError(
           patch.path,
           fmt::format("tile {} of colour {} is not refined: run "
                       "facetwise_refiner --plan_path {} --tile {} first",
-                      tile, plan.tiles[tile].color, folder.string(), tile));
+                      tile, plan.tiles[tile].color, plan.folder.string(),
+                      tile));
     }
   }
 }
 
 RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
   const Plan plan = ReadPlan(folder);
-  const RefinementPlan refinement = ReadRefinementPlan(folder, plan);
+  const RefinementPlan refinement = ReadRefinementPlan(plan);
   const std::vector<uint32_t> tiles =
       refinement.TilesBefore(refinement.NumColors());
-  ExpectRefined(folder, refinement, tiles);
+  ExpectRefined(refinement, tiles);
   RefinerOptions options;
-  refinement.SetOptions(folder, &options);
+  refinement.SetOptions(&options);
   options.FinishMethod();
   options.refinement.region = plan.region;
   Report(progress, "Putting the tiles together", 0);
   RefinedMesh refined;
   try {
     SurfacePart part =
-        GatherSurface(FileSurface(folder, refinement.identity), tiles,
+        GatherSurface(FileSurface(refinement), tiles,
                       [](const Eigen::AlignedBox3f& /*box*/) { return true; });
     refined.mesh = std::move(part.mesh);
     refined.attributes = std::move(part.attributes);

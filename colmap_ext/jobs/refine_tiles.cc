@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "colmap_ext/errors.h"
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/resumable_refinement.h"
 #include "spatial/facet_tree.h"
@@ -20,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TileJob {
-  fs::path folder;
   uint32_t tile;
   Plan plan;
   RefinementPlan refinement;
@@ -41,8 +39,8 @@ struct TileJob {
 };
 
 TileJob MakeTileJob(const fs::path& folder, uint32_t tile) {
-  TileJob job{folder, tile, ReadPlan(folder, tile), {}, {}, {}};
-  job.refinement = ReadRefinementPlan(folder, job.plan);
+  TileJob job{tile, ReadPlan(folder, tile), {}, {}, {}};
+  job.refinement = ReadRefinementPlan(job.plan);
   job.cells = job.plan.Cells();
   job.before = job.refinement.TilesBefore(job.Color(tile));
   return job;
@@ -145,7 +143,7 @@ SurfacePart GatherPart(const TileJob& job, const Eigen::AlignedBox3f& target,
 // \return nothing if the plan has no masks
 ReadGrayImage TileMasks(const TileJob& job, const std::vector<uint32_t>& views,
                         const PictureDecoder& decoder) {
-  const fs::path folder = job.plan.Options(job.folder).mesher.scene.mask_path;
+  const fs::path folder = job.plan.Options().mesher.scene.mask_path;
   if (folder.empty()) {
     return {};
   }
@@ -179,7 +177,7 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
                         const PictureDecoder& decoder,
                         const Progress& progress) {
   Report(progress, "Reading the surface", 0);
-  const FileSurface store(job.folder, job.refinement.identity);
+  const FileSurface store(job.refinement);
   TileInput tile;
   const Eigen::AlignedBox3f box = FindTarget(job, store, &tile.views);
   if (!tile.HasViews()) {
@@ -273,17 +271,16 @@ void RefineTile(RefinerOptions options, const PictureDecoder& decoder,
                 Console* console) {
   const TileJob job =
       MakeTileJob(options.plan_path, static_cast<uint32_t>(options.tile));
-  job.refinement.SetOptions(job.folder, &options);
+  job.refinement.SetOptions(&options);
   options.FinishMethod();
-  const JobFile patch_file =
-      PatchFile(job.folder, job.refinement.identity, job.tile);
+  const JobFile patch_file = PatchFile(job.refinement, job.tile);
   if (patch_file.Exists()) {
     RemoveState(patch_file.path);
     std::cout << "Tile " << job.tile << " is refined already: nothing to do"
               << std::endl;
     return;
   }
-  ExpectRefined(job.folder, job.refinement, job.before);
+  ExpectRefined(job.refinement, job.before);
   ResumableRefinement run(options, patch_file.path, console, nullptr);
   const TilePatch patch = MakeTile(job, options, decoder, console, &run);
   Write(patch_file, patch);

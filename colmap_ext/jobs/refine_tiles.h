@@ -25,8 +25,7 @@ void PlanRefinement(const RefinerOptions& options, Console* console);
 std::filesystem::path ImagesPath(const Plan& plan);
 
 // \throw FileError if one of the tiles is not refined
-void ExpectRefined(const std::filesystem::path& folder,
-                   const RefinementPlan& plan,
+void ExpectRefined(const RefinementPlan& plan,
                    const std::vector<uint32_t>& tiles);
 
 // The job that refines a tile of a plan, once: its file is complete or does not

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/errors.h"
 #include "formats/write_mesh.h"
 #include "gl/egl_context.h"
 #include "gl/gl_photometric_energy.h"

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 
 namespace colmap_ext {

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "colmap_ext/errors.h"
 #include "formats/read_arrays.h"
 
 namespace colmap_ext {

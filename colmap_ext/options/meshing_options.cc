@@ -1,6 +1,5 @@
 #include "colmap_ext/options/meshing_options.h"
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 #include "workspace/find_workspace.h"
 

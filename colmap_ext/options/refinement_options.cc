@@ -1,7 +1,5 @@
 #include "colmap_ext/options/refinement_options.h"
 
-#include "colmap_ext/errors.h"
-
 namespace colmap_ext {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "colmap_ext/options/scene_options.h"
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 
 namespace colmap_ext {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "colmap_ext/errors.h"
-
 namespace colmap_ext {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/rows.h"
-#include "colmap_ext/options/command_options.h"
 #include "colmap_ext/report/print_report.h"
 #include "mesh/triangle_mesh.h"
 #include "meshing/manifold_meshing.h"

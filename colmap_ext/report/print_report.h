@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "colmap_ext/jobs/refinement_input.h"
+#include "colmap_ext/options/command_options.h"
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/terminal/terminal.h"
 #include "evaluation/mesh_evaluation.h"

@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "colmap_ext/errors.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "pictures/pictures.h"

@@ -1,4 +1,4 @@
-#include "colmap_ext/options/parse_options.h"
+#include "colmap_ext/options/command_options.h"
 
 #include <array>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "colmap_ext/errors.h"
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/refinement_options.h"

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/view.h"
 #include "tests/pictures/compare_pictures.h"
 #include "tests/random.h"
 

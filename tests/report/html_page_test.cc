@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/view.h"
 #include "tests/report/well_formed.h"
 #include "tests/texts.h"
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "colmap_ext/options/parse_options.h"
+#include "colmap_ext/options/command_options.h"
 #include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
 

@@ -63,7 +63,8 @@ float ValueNoise(const Eigen::Vector3f& point, uint32_t seed) {
 }
 
 float FractalNoise(const Eigen::Vector3f& point, int num_octaves, float gain,
-                   uint32_t seed, float lacunarity) {
+                   uint32_t seed) {
+  constexpr float kLacunarity = 1.9f;
   Eigen::Vector3f p = point;
   float amplitude = 1;
   float sum = 0;
@@ -73,9 +74,9 @@ float FractalNoise(const Eigen::Vector3f& point, int num_octaves, float gain,
     // A rotation by about 37 degrees around each of two axes.
     const Eigen::Vector3f turned(0.8f * p.x() - 0.6f * p.y(),
                                  0.6f * p.x() + 0.8f * p.y(), p.z());
-    p = lacunarity * Eigen::Vector3f(turned.x(),
-                                     0.8f * turned.y() - 0.6f * turned.z(),
-                                     0.6f * turned.y() + 0.8f * turned.z());
+    p = kLacunarity * Eigen::Vector3f(turned.x(),
+                                      0.8f * turned.y() - 0.6f * turned.z(),
+                                      0.6f * turned.y() + 0.8f * turned.z());
     p += Eigen::Vector3f(17.3f, -9.1f, 5.7f);
   }
   return sum;

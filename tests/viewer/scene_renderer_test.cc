@@ -1,17 +1,13 @@
 #include "viewer/scene_renderer.h"
 
 #include <cmath>
-#include <memory>
-#include <optional>
 
 #include "pictures/pictures.h"
 #include "raster/facet_id_buffer.h"
-#include "scene/view.h"
 #include "tests/gl/gl_test.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/pictures/compare_pictures.h"
 #include "tests/raster/pixels.h"
-#include "viewer/shown_scene.h"
 
 namespace colmap_ext::scene_renderer_test {
 

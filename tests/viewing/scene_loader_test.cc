@@ -11,10 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "base/mix_bits.h"
-#include "scene/view.h"
 #include "tests/texts.h"
-#include "viewer/shown_scene.h"
-#include "viewer/viewer_session.h"
 
 namespace colmap_ext::scene_loader_test {
 
