@@ -18,8 +18,9 @@ namespace colmap_ext::synthetic {
 // they were kept, the depths that the pixels' centers see (those of stereo/
 // belong to the corners), as truth/depth_maps/NAME.geometric.bin. Files that
 // are there are overwritten. Image ids are in random order, as an incremental
-// reconstruction leaves them. \throw FileError, std::filesystem_error where a
-// file or folder cannot be
+// reconstruction leaves them.
+//
+// \throw FileError, std::filesystem_error where a file or folder cannot be
 //        written.
 void WriteWorkspace(const DenseScene& scene, uint64_t seed,
                     const std::string& path);
