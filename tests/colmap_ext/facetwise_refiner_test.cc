@@ -377,9 +377,9 @@ TEST_F(FacetwiseRefinerTest, RefusesFilesThatAreMissingOrDoNotFit) {
   ExpectRefused("", "was the mesh edited?");
   WriteColoredMesh(path_ / "points.ply", {{{0, 0, 0}}, {}}, {});
   expect_refused("points.ply", "no faces");
-  WriteColoredMesh(
-      path_ / "far.ply",
-      Shifted(ReadPlyMesh(path_ / kInput), {1e9f, 1e9f, 1e9f}), {});
+  WriteColoredMesh(path_ / "far.ply",
+                   Shifted(ReadPlyMesh(path_ / kInput), {1e9f, 1e9f, 1e9f}),
+                   {});
   expect_refused("far.ply", "too large for 32-bit floats");
   fs::remove(path_ / kInput);
   ExpectRefused("", "run `colmap delaunay_manifold_mesher`");

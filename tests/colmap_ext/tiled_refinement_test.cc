@@ -225,7 +225,8 @@ TEST_F(TiledRefinementTest, GoesOnAfterTheLastCompleteLevel) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 143);
   EXPECT_TRUE(Has(ErrorOutput(), "1/2 size"));
-  EXPECT_TRUE(WIFSIGNALED(InterruptTile(tile, "full size, iteration 1", SIGKILL)));
+  EXPECT_TRUE(
+      WIFSIGNALED(InterruptTile(tile, "full size, iteration 1", SIGKILL)));
   EXPECT_FALSE(fs::exists(PatchPath(tile)));
   EXPECT_TRUE(Has(RefineAgain(tile), "goes on after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
@@ -284,7 +285,8 @@ TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   }
   const int first = TilesOf(0)[0];
   const int second = TilesOf(0)[1];
-  EXPECT_TRUE(WIFSIGNALED(InterruptTile(first, "full size, iteration 0", SIGKILL)));
+  EXPECT_TRUE(
+      WIFSIGNALED(InterruptTile(first, "full size, iteration 0", SIGKILL)));
   ExpectRefusal(Run(Plan() + Tile(TilesOf(1)[0])), "of colour 0 is not");
   const std::string command = CommandOf(Plan());
   Succeed(RunShell("{ " + command + Tile(second) + " & " + command +
