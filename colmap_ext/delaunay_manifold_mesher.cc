@@ -162,13 +162,6 @@ void PrintInput(const MesherOptions& options, const MesherInput& input,
   std::cout << std::endl;
 }
 
-PagePictures Draw(const Workspace& workspace, const ManifoldMesh& mesh) {
-  const PageCameras cameras = ChoosePageCameras(
-      workspace.views, mesh.attributes.views, workspace.report.path / "images",
-      ColmapPictureDecoder());
-  return DrawMeshing(cameras, workspace.cloud, mesh);
-}
-
 void MeshWorkspace(const MesherOptions& options, Console* console) {
   const std::filesystem::path output_path = FindOutputPath(options);
   const bool has_page = !options.report_path.empty();
@@ -191,7 +184,9 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
   PagePictures pictures;
   if (has_page) {
     Report(progress, "Drawing the report", 0);
-    pictures = Draw(input.workspace, mesh);
+    pictures = DrawMeshing(input.workspace.views, cloud, mesh,
+                           input.workspace.report.path / "images",
+                           ColmapPictureDecoder());
   }
   console->reporter.Finish();
   PrintReport(mesh.report, log);

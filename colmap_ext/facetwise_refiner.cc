@@ -191,10 +191,7 @@ class Refiner {
       return {};
     }
     Report(progress_, "Drawing the report", 0);
-    const PageCameras cameras =
-        ChoosePageCameras(refined.views, refined.attributes.views,
-                          paths_.folder / "images", decoder_);
-    return DrawRefinement(cameras, before_, refined);
+    return DrawRefinement(before_, refined, paths_.folder / "images", decoder_);
   }
 
   void WritePage(const std::vector<RefinementStep>& steps,

@@ -5,7 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/rows.h"
 #include "colmap_ext/report/print_report.h"
 #include "mesh/triangle_mesh.h"
 #include "meshing/manifold_meshing.h"
@@ -39,28 +38,23 @@ struct PagePictures {
   std::vector<PictureRow> rows;
 };
 
-// The cameras of the pictures on a page.
-struct PageCameras {
-  std::vector<View> views;         // of the pictures' size, about 480 px
-  std::vector<ColorImage> photos;  // [views] width 0 if unreadable
-};
-
-// Returns up to three cameras that see much of the mesh and are spread out.
-// \param vertex_views  [V] the views that see each vertex.
-// \param images_path  the folder of the photographs.
-PageCameras ChoosePageCameras(const std::vector<View>& views,
-                              const Rows<uint32_t>& vertex_views,
-                              const std::filesystem::path& images_path,
-                              const PictureDecoder& decoder);
+// Draw the pictures of a page from up to three cameras that see much of the
+// mesh and are spread out; about 480 px wide or high. \param images_path  the
+// folder of the photographs; unreadable ones are left
+//        out
 
 // The photographs, the input mesh, and the refined mesh.
-PagePictures DrawRefinement(const PageCameras& cameras,
-                            const TriangleMesh& before,
-                            const RefinedMesh& refined);
+PagePictures DrawRefinement(const TriangleMesh& before,
+                            const RefinedMesh& refined,
+                            const std::filesystem::path& images_path,
+                            const PictureDecoder& decoder);
 
 // The photographs, the points, and their mesh.
-PagePictures DrawMeshing(const PageCameras& cameras, const PointCloud& cloud,
-                         const ManifoldMesh& mesh);
+// \param views  of the points
+PagePictures DrawMeshing(const std::vector<View>& views,
+                         const PointCloud& cloud, const ManifoldMesh& mesh,
+                         const std::filesystem::path& images_path,
+                         const PictureDecoder& decoder);
 
 // The page of a refinement.
 std::string RefinementPage(const PageRun& run, const ReportLog& log,

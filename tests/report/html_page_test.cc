@@ -158,29 +158,31 @@ PictureDecoder Decoder() {
   return decoder;
 }
 
-PageCameras Cameras(const Square& square) {
-  return ChoosePageCameras(square.views, square.vertex_views, "images",
-                           Decoder());
+// The pictures of the square as a mesh of one point.
+PagePictures DrawMesh(const Square& square, std::vector<Color> colors = {}) {
+  ManifoldMesh mesh;
+  mesh.mesh = square.mesh;
+  mesh.attributes.colors = std::move(colors);
+  mesh.attributes.views = square.vertex_views;
+  const PointCloud cloud = {{{0, 0, 0}}, {{1, 2, 3}}, {}};
+  return DrawMeshing(square.views, cloud, mesh, "images", Decoder());
 }
 
-TEST(ChoosePageCamerasTest, TakesThreeThatSeeTheMeshAndAreFarApart) {
-  const PageCameras cameras = Cameras(Square());
-  ASSERT_EQ(cameras.views.size(), 3);
-  EXPECT_EQ(cameras.views[0].name, "0");
-  EXPECT_EQ(cameras.views[1].name, "2");
-  EXPECT_EQ(cameras.views[2].name, "3");
-  EXPECT_EQ(cameras.views[0].width, 480);
-  EXPECT_EQ(cameras.views[0].height, 240);
-  ASSERT_EQ(cameras.photos.size(), 3);
-  EXPECT_EQ(cameras.photos[0].width, 480);
-  EXPECT_EQ(cameras.photos[0].At(239, 479), (Color{10, 20, 30}));
-  EXPECT_EQ(cameras.photos[1].width, 0);
+TEST(DrawMeshingTest, TakesThreeCamerasThatSeeTheMeshAndAreFarApart) {
+  const PagePictures page = DrawMesh(Square());
+  EXPECT_EQ(page.cameras, (std::vector<std::string>{"0", "2", "3"}));
+  const std::vector<ColorImage>& photos = page.rows[0].pictures;
+  ASSERT_EQ(photos.size(), 3);
+  EXPECT_EQ(photos[0].width, 480);
+  EXPECT_EQ(photos[0].height, 240);
+  EXPECT_EQ(photos[0].At(239, 479), (Color{10, 20, 30}));
+  EXPECT_EQ(photos[1].width, 0);
 }
 
-TEST(ChoosePageCamerasTest, TakesNoneWhereNothingIsSeen) {
+TEST(DrawMeshingTest, TakesNoCamerasWhereNothingIsSeen) {
   Square square;
   square.vertex_views = Rows<uint32_t>(square.mesh.vertices.size());
-  EXPECT_TRUE(Cameras(square).views.empty());
+  EXPECT_TRUE(DrawMesh(square).cameras.empty());
 }
 
 void ExpectAllDrawn(const PagePictures& page, size_t num_rows) {
@@ -200,6 +202,8 @@ TEST(DrawRefinementTest, DrawsBeforeAfterLabelsAndConfidence) {
   const Square square;
   RefinedMesh refined;
   refined.mesh = square.mesh;
+  refined.attributes.views = square.vertex_views;
+  refined.views = square.views;
   refined.attributes.confidences.assign(4, 1);
   refined.labels.pairs = {{0, 1}};
   refined.labels.labels.AddRow(std::vector<uint32_t>{0});
@@ -207,7 +211,8 @@ TEST(DrawRefinementTest, DrawsBeforeAfterLabelsAndConfidence) {
   TriangleMesh before = square.mesh;
   std::swap(before.facets[0][0], before.facets[0][1]);
   std::swap(before.facets[1][0], before.facets[1][1]);
-  const PagePictures page = DrawRefinement(Cameras(square), before, refined);
+  const PagePictures page =
+      DrawRefinement(before, refined, "images", Decoder());
   ExpectAllDrawn(page, 5);
   const Color back = page.rows[1].pictures[0].At(120, 240);
   EXPECT_GT(back[0], 2 * back[1]) << "seen from behind";
@@ -218,17 +223,11 @@ TEST(DrawRefinementTest, DrawsBeforeAfterLabelsAndConfidence) {
 }
 
 TEST(DrawMeshingTest, DrawsPointsMeshConfidenceAndColors) {
-  const Square square;
-  ManifoldMesh mesh;
-  mesh.mesh = square.mesh;
-  mesh.attributes.colors.assign(4, {200, 100, 50});
-  const PointCloud cloud = {{{0, 0, 0}}, {{1, 2, 3}}, {}};
-  PagePictures page = DrawMeshing(Cameras(square), cloud, mesh);
+  PagePictures page = DrawMesh(Square(), std::vector<Color>(4, {200, 100, 50}));
   ExpectAllDrawn(page, 5);
   EXPECT_EQ(page.rows[1].pictures[0].At(120, 240), (Color{1, 2, 3}));
   EXPECT_EQ(page.rows[4].pictures[0].At(120, 240), (Color{200, 100, 50}));
-  mesh.attributes.colors.clear();
-  page = DrawMeshing(Cameras(square), cloud, mesh);
+  page = DrawMesh(Square());
   EXPECT_EQ(page.rows[4].pictures[0].pixels, page.rows[2].pictures[0].pixels);
 }
 
