@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace colmap_ext {
 
 // 0 ... size - 1.
@@ -55,24 +53,5 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
-
-// Uniform in a cube around the origin.
-// \param size  half of its side
-inline Eigen::Vector3d RandomVector(Random* random, double size = 1) {
-  const auto any = [&] { return size * (2 * random->Unit() - 1); };
-  const double z = any();
-  const double y = any();
-  return {any(), y, z};
-}
-
-// Uniform on the unit sphere.
-inline Eigen::Vector3d RandomNormal(Random* random) {
-  for (;;) {
-    const Eigen::Vector3d vector = RandomVector(random);
-    if (vector.norm() > 0.1 && vector.norm() < 1) {
-      return vector.normalized();
-    }
-  }
-}
 
 }  // namespace colmap_ext

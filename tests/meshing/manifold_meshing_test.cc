@@ -15,7 +15,7 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 #include "tests/texts.h"
 #include "tests/threads.h"
 

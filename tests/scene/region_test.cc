@@ -9,7 +9,7 @@
 
 #include "scene/point_tree.h"
 #include "scene/view.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext::region_test {
 

@@ -8,7 +8,7 @@
 
 #include "scene/half_pixel.h"
 #include "scene/images.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext::view_test {
 

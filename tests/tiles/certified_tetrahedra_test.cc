@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/delaunay/random_complex.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 #include "tests/threads.h"
 #include "tests/tiles/memory_plan.h"
 #include "tiles/ray_mask.h"

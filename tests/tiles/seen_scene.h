@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 #include "tiles/tile_cut.h"
 
 namespace colmap_ext {

@@ -7,7 +7,7 @@
 
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 #include "tests/tiles/memory_plan.h"
 #include "tiles/tile_cut.h"
 
