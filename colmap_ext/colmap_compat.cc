@@ -1,5 +1,6 @@
 #include "colmap_ext/colmap_compat.h"
 
+#include <filesystem>
 #include <optional>
 
 #include "formats/picture_files.h"
@@ -47,18 +48,6 @@ void ForEachPixel(const Bitmap& bitmap, int y, const Use& use) {
   }
 }
 
-// Before COLMAP 4.0 an empty bitmap is given a size, later it is made with one.
-template <typename Bitmap>
-Bitmap MakeBitmap(int width, int height) {
-  if constexpr (requires(Bitmap b) { b.Allocate(width, height, true); }) {
-    Bitmap bitmap;
-    bitmap.Allocate(width, height, true);
-    return bitmap;
-  } else {
-    return Bitmap(width, height, true);
-  }
-}
-
 // \param pixel_of  what a color becomes in the image.
 template <typename Image, typename PixelOf>
 std::optional<Image> ReadImage(const std::filesystem::path& path,
@@ -101,19 +90,6 @@ PictureDecoder ColmapPictureDecoder() {
                   (color[0] + 2 * color[1] + color[2] + 2) / 4);
             });
           }};
-}
-
-bool WriteColorImage(const std::filesystem::path& path,
-                     const ColorImage& image) {
-  auto bitmap = MakeBitmap<colmap::Bitmap>(image.width, image.height);
-  for (int row = 0; row < image.height; ++row) {
-    for (int col = 0; col < image.width; ++col) {
-      const Color& color = image.At(row, col);
-      bitmap.SetPixel(
-          col, row, colmap::BitmapColor<uint8_t>(color[0], color[1], color[2]));
-    }
-  }
-  return bitmap.Write(path.string());
 }
 
 }  // namespace colmap_ext

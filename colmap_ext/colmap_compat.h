@@ -4,7 +4,6 @@
 // COLMAP 3.8 to 4.x. Differences are detected, not looked up by version, so
 // that development versions work as well.
 
-#include <filesystem>
 #include <string>
 
 #include "scene/images.h"
@@ -21,10 +20,5 @@ std::string Versions();
 // camera's sensor has photosites, which leaves the least of their noise;
 // COLMAP's own conversion weighs colours as the eye does.
 PictureDecoder ColmapPictureDecoder();
-
-// Writes a picture with COLMAP, in the format that the path's extension names.
-// \return whether it is written.
-bool WriteColorImage(const std::filesystem::path& path,
-                     const ColorImage& image);
 
 }  // namespace colmap_ext

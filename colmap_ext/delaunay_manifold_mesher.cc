@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <optional>
 #include <utility>
@@ -12,13 +11,13 @@
 #include "colmap_ext/jobs/mesh_tiles.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/report/html_page.h"
-#include "colmap_ext/report/page_pictures.h"
 #include "colmap_ext/run_command.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "meshing/manifold_meshing.h"
+#include "photometry/image_pyramid.h"
 #include "scene/half_pixel.h"
 #include "workspace/find_workspace.h"
 #include "workspace/pictures.h"
@@ -71,10 +70,7 @@ std::vector<View> MeshingViews(const MesherOptions& options,
                                const Workspace& workspace) {
   std::vector<View> views = workspace.views;
   for (size_t i = 0; options.has_camera_pixels && i < views.size(); ++i) {
-    const double scale = workspace.camera_scales[i];
-    views[i] = ResizeView(
-        views[i], static_cast<int>(std::lround(scale * views[i].width)),
-        static_cast<int>(std::lround(scale * views[i].height)));
+    views[i] = ViewAtScale(views[i], workspace.camera_scales[i]);
   }
   return views;
 }
@@ -161,18 +157,9 @@ void PrintInput(const MesherOptions& options, const MesherInput& input,
   PrintReport(input.workspace.report, input.workspace.views.size(),
               input.half_pixel, log);
   PrintPixels(options, input.workspace, log);
-  if (input.masked.report) {
-    PrintReport(*input.masked.report, log);
-  }
+  PrintReport(input.masked.report, log);
   PrintReport(input.meshing.region, log);
   std::cout << std::endl;
-}
-
-PagePictures Draw(const Workspace& workspace, const ManifoldMesh& mesh) {
-  const PageCameras cameras = ChoosePageCameras(
-      workspace.views, mesh.attributes.views, workspace.report.path / "images",
-      ColmapPictureDecoder());
-  return DrawMeshing(cameras, workspace.cloud, mesh);
 }
 
 void MeshWorkspace(const MesherOptions& options, Console* console) {
@@ -197,7 +184,9 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
   PagePictures pictures;
   if (has_page) {
     Report(progress, "Drawing the report", 0);
-    pictures = Draw(input.workspace, mesh);
+    pictures = DrawMeshing(input.workspace.views, cloud, mesh,
+                           input.workspace.report.path / "images",
+                           ColmapPictureDecoder());
   }
   console->reporter.Finish();
   PrintReport(mesh.report, log);
@@ -217,26 +206,11 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
             << VisibilityPath(output_path).string() << std::endl;
 }
 
-void MeshTile(const MesherOptions& options, Console* console) {
-  const TileReport report =
-      RunTile(options.plan_path, static_cast<uint32_t>(options.tile),
-              console->progress);
-  console->reporter.Finish();
-  if (report.is_kept) {
-    std::cout << "Tile " << options.tile << " is done already: nothing to do"
-              << std::endl;
-    return;
-  }
-  PrintReport(report, &console->log);
-  console->PrintTime();
-  std::cout << "\nTile " << options.tile << " is done" << std::endl;
-}
-
 void Mesh(const MesherOptions& options, Console* console) {
   if (options.plan_path.empty()) {
     MeshWorkspace(options, console);
   } else {
-    MeshTile(options, console);
+    MeshTile(options.plan_path, static_cast<uint32_t>(options.tile), console);
   }
 }
 

@@ -9,7 +9,6 @@
 
 #include <cstddef>
 #include <fstream>
-#include <iostream>
 #include <string>
 #include <vector>
 

@@ -8,22 +8,20 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
+#include "colmap_ext/jobs/refine_tiles.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/jobs/resumable_refinement.h"
 #include "colmap_ext/options/refinement_options.h"
-#include "colmap_ext/report/page_pictures.h"
+#include "colmap_ext/report/html_page.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
-#include "colmap_ext/tiled_refinement.h"
 #include "colmap_ext/viewing/live_view.h"
-#include "colmap_ext/viewing/scene_loader.h"
 #include "formats/atomic_file.h"
 #include "formats/picture_files.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/topology.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "viewer/viewer_session.h"
 #include "workspace/find_workspace.h"
 #include "workspace/sparse_model.h"
@@ -193,10 +191,7 @@ class Refiner {
       return {};
     }
     Report(progress_, "Drawing the report", 0);
-    const PageCameras cameras =
-        ChoosePageCameras(refined.views, refined.attributes.views,
-                          paths_.folder / "images", decoder_);
-    return DrawRefinement(cameras, before_, refined);
+    return DrawRefinement(before_, refined, paths_.folder / "images", decoder_);
   }
 
   void WritePage(const std::vector<RefinementStep>& steps,
@@ -304,13 +299,10 @@ void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,
                     Console* console) {
   try {
-    RunWithViewer(
-        "facetwise_refiner " + paths.mesh.string(), paths.folder,
-        ColmapPictureDecoder(),
-        [](const ColorImage& picture) {
-          return SaveNumbered(picture, &WritePng);
-        },
-        [&](LiveView* live) { Refiner(options, paths, console, live).Run(); });
+    RunWithViewer("facetwise_refiner " + paths.mesh.string(), paths.folder,
+                  ColmapPictureDecoder(), [&](LiveView* live) {
+                    Refiner(options, paths, console, live).Run();
+                  });
   } catch (const NoWindowError& error) {
     throw OptionError(error.what() +
                       std::string("; leave --viewer out, and look at the "
@@ -332,8 +324,10 @@ void RefineWorkspace(RefinerOptions options, Console* console) {
 void Refine(const RefinerOptions& options, Console* console) {
   if (options.plan_path.empty()) {
     RefineWorkspace(options, console);
+  } else if (options.tile >= 0) {
+    RefineTile(options, ColmapPictureDecoder(), console);
   } else {
-    RunTiledRefinement(options, console);
+    PlanRefinement(options, console);
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/run_command.h"
@@ -17,8 +16,7 @@
 #include "formats/read_arrays.h"
 #include "formats/read_ply.h"
 #include "formats/write_mesh.h"
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
 

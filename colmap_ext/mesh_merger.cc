@@ -25,19 +25,6 @@ void MergeRefinedTiles(const MergerOptions& options, Console* console) {
   PrintReport(refined.report, Analyze(refined.mesh), &console->log);
 }
 
-void MergeTiles(const MergerOptions& options, Console* console) {
-  const MergeReport report = MergePlan(options.plan_path, options.output_path,
-                                       options.transform, console->progress);
-  console->reporter.Finish();
-  ReportLog* const log = &console->log;
-  PrintHeading("Tiles", log);
-  Print("tiles", report.num_tiles, log);
-  Print("cells cut at the seams", report.num_cut_cells, log);
-  PrintIfAny("arcs that two tiles tell differently", report.num_contradictions,
-             log);
-  PrintReport(report.meshing, log);
-}
-
 void Merge(const MergerOptions& options, Console* console) {
   ReturnBlocksFrom(1 << 22);
   ExpectWritable(options.output_path);

@@ -14,7 +14,7 @@
 namespace colmap_ext {
 namespace {
 
-void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
+void PrintPlan(const Plan& plan, ReportLog* log) {
   PlannedTile all;
   double memory = 0;
   for (const PlannedTile& tile : plan.tiles) {
@@ -47,7 +47,7 @@ void PrintPlan(const Plan& plan, const std::string& folder, ReportLog* log) {
       "--plan_path {0} --tile T\n  colmap mesh_merger --plan_path {0} "
       "--output_path "
       "MESH.ply\n",
-      folder, last, static_cast<int>(1126 * memory) + 1,
+      plan.folder.string(), last, static_cast<int>(1126 * memory) + 1,
       static_cast<int>(1126 * plan.merger_memory_gb) + 1);
 }
 
@@ -64,14 +64,12 @@ void MakeAndPrint(const PlannerOptions& options, Console* console) {
     std::cout << "This plan is there already: nothing to do" << std::endl;
   } else {
     PrintReport(report.workspace, plan.views.size(), report.half_pixel, log);
-    if (report.masks) {
-      PrintReport(*report.masks, log);
-    }
-    PrintReport(report.region, log);
+    PrintReport(report.masks, log);
+    PrintReport(plan.region, log);
     PrintIfAny("points outside of the region", report.num_outside_points, log);
     PrintIfAny("rays beyond", report.num_ray_ends, log);
   }
-  PrintPlan(plan, options.output_path, log);
+  PrintPlan(plan, log);
   console->PrintTime();
   std::cout << "\nPlanned " << options.output_path << std::endl;
 }

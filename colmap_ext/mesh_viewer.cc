@@ -13,13 +13,12 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
-#include "colmap_ext/errors.h"
 #include "colmap_ext/options/viewer_options.h"
 #include "colmap_ext/run_command.h"
 #include "colmap_ext/viewing/scene_loader.h"
 #include "formats/picture_files.h"
 #include "gl/egl_context.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/scene_renderer.h"
 #include "viewer/shown_scene.h"
@@ -32,14 +31,12 @@ namespace {
 // All that a picture shows.
 ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
                      const PictureDecoder& decoder) {
-  ShownScene scene;
   std::vector<std::string> notes;
-  scene.meshes.push_back(std::make_shared<const ShownMesh>(
-      ReadShownMesh(paths.meshes[0], &notes)));
-  ViewerWorkspace workspace = ReadViewerWorkspace(options, paths, decoder);
-  scene.views = std::move(workspace.views);
-  scene.points = std::move(workspace.points);
-  notes.insert(notes.end(), workspace.notes.begin(), workspace.notes.end());
+  auto mesh = std::make_shared<const ShownMesh>(
+      ReadShownMesh(paths.meshes[0], options, &notes));
+  ShownScene scene = ReadViewerWorkspace(options, paths, decoder);
+  scene.meshes.push_back(std::move(mesh));
+  notes.insert(notes.end(), scene.notes.begin(), scene.notes.end());
   if (const std::string missing =
           MissingData(*scene.meshes[0], options.settings.mode);
       !missing.empty()) {
@@ -146,9 +143,8 @@ void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
   if (!paths.folder.empty()) {
     inputs = WorkspaceInputs(paths.folder, {}, options.sparse_path);
   }
-  for (const ShownMeshPaths& mesh : paths.meshes) {
-    inputs.insert(inputs.end(), {mesh.mesh, mesh.labels, mesh.errors});
-  }
+  inputs.insert(inputs.end(), paths.meshes.begin(), paths.meshes.end());
+  inputs.insert(inputs.end(), {options.labels_path, options.error_mesh_path});
   ExpectOutputs(outputs, inputs);
   const std::string renderer = DrawScreenshots(options, scene, screenshots);
   for (const Screenshot& screenshot : screenshots) {
@@ -158,13 +154,10 @@ void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
 }
 
 void OpenWindow(const ViewerOptions& options, ViewerPaths paths) {
-  const std::string title = "mesh_viewer " + paths.meshes[0].mesh.string();
+  const std::string title = "mesh_viewer " + paths.meshes[0].string();
   SceneInbox inbox;
   SceneLoader loader(std::move(paths), ColmapPictureDecoder(), &inbox);
-  ViewerSession session(&inbox, loader.Host([](const ColorImage& picture) {
-    return SaveNumbered(picture, &WritePng);
-  }),
-                        options.settings);
+  ViewerSession session(&inbox, loader.Host(), options.settings);
   loader.LoadAll(options);
   const auto [width, height] = options.FreeSize();
   try {

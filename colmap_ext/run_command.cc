@@ -20,9 +20,6 @@
 #include <tbb/global_control.h>
 
 #include "colmap_ext/colmap_compat.h"
-#include "colmap_ext/errors.h"
-#include "colmap_ext/options/parse_options.h"
-#include "colmap_ext/report/html_page.h"
 
 namespace colmap_ext {
 namespace {
@@ -90,7 +87,7 @@ int RunCommand(int argc, char** argv, const CommandOptions& command,
                     command.NumThreads());
     }
     Console console;
-    console.log.options = PageOptions(command);
+    console.log.command = &command;
     run(&console);
     return EXIT_SUCCESS;
   } catch (const Interruption& interruption) {

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/mix_bits.h"
+#include "formats/atomic_file.h"
 #include "formats/errors.h"
 
 namespace colmap_ext {
@@ -135,14 +136,14 @@ void JobInputs::AddFiles(const std::vector<fs::path>& paths) {
   AddFiles(named);
 }
 
-std::string JobInputs::SetOptions(const CommandOptions& command) const {
+void JobInputs::SetOptions(const CommandOptions& command, const fs::path& path,
+                           const std::string& what_to_do) const {
   for (const CommandOptions::Option& option : command.Options()) {
     const auto found = options.find(option.name);
     if (found != options.end() && !option.set(found->second)) {
-      return option.name;
+      throw FileError(path, "damaged at " + option.name + ": " + what_to_do);
     }
   }
-  return "";
 }
 
 std::string JobInputs::DifferenceTo(const JobInputs& earlier) const {
@@ -160,42 +161,46 @@ uint64_t JobInputs::Hash(int version) const {
   return hash;
 }
 
-JobFileWriter::JobFileWriter(const JobFile& file)
-    : file_(files_.Add(file.path)) {
-  const uint64_t identity = FileIdentity(file);
-  Write(file.kind.name, kKindLength);
-  Write(&identity, sizeof(identity));
-}
-
-void JobFileWriter::Write(const void* bytes, size_t num_bytes) {
-  const char* from = static_cast<const char*>(bytes);
-  file_->Write(from, num_bytes);
-  num_bytes_ += num_bytes;
-  while (num_bytes > 0) {
-    const size_t count = std::min(num_bytes, kJobFileChunk - chunk_.size());
-    chunk_.insert(chunk_.end(), from, from + count);
-    from += count;
-    num_bytes -= count;
-    if (chunk_.size() == kJobFileChunk) {
-      EndChunk();
+void WriteSections(const JobFile& job_file,
+                   const std::vector<JobFileSection>& sections) {
+  AtomicFiles files;
+  AtomicFile* const file = files.Add(job_file.path);
+  std::vector<char> chunk;  // that is not complete
+  std::vector<uint64_t> checksums;
+  uint64_t num_bytes = 0;
+  const auto end_chunk = [&] {
+    checksums.push_back(HashBytes({chunk.data(), chunk.size()}));
+    chunk.clear();
+  };
+  const auto write = [&](JobFileSection bytes) {
+    file->Write(bytes.data(), bytes.size());
+    num_bytes += bytes.size();
+    while (!bytes.empty()) {
+      const size_t count = std::min(bytes.size(), kJobFileChunk - chunk.size());
+      chunk.insert(chunk.end(), bytes.data(), bytes.data() + count);
+      bytes = bytes.subspan(count);
+      if (chunk.size() == kJobFileChunk) {
+        end_chunk();
+      }
     }
+  };
+  const uint64_t identity = FileIdentity(job_file);
+  write({job_file.kind.name, kKindLength});
+  write({reinterpret_cast<const char*>(&identity), sizeof(identity)});
+  std::vector<uint64_t> sizes;  // bytes
+  for (const JobFileSection& section : sections) {
+    write(section);
+    sizes.push_back(section.size());
   }
-}
-
-void JobFileWriter::EndChunk() {
-  checksums_.push_back(HashBytes({chunk_.data(), chunk_.size()}));
-  chunk_.clear();
-}
-
-void JobFileWriter::Commit() {
-  Write(sizes_.data(), sizes_.size() * sizeof(uint64_t));
-  if (!chunk_.empty()) {
-    EndChunk();
+  write({reinterpret_cast<const char*>(sizes.data()),
+         sizes.size() * sizeof(uint64_t)});
+  if (!chunk.empty()) {
+    end_chunk();
   }
-  file_->Write(checksums_.data(), checksums_.size() * sizeof(uint64_t));
-  file_->Write(JobFileTail{TailChecksum(checksums_, num_bytes_, sizes_.size()),
-                           num_bytes_, sizes_.size()});
-  files_.Commit();
+  file->Write(checksums.data(), checksums.size() * sizeof(uint64_t));
+  file->Write(JobFileTail{TailChecksum(checksums, num_bytes, sizes.size()),
+                          num_bytes, sizes.size()});
+  files.Commit();
 }
 
 JobFileReader::JobFileReader(JobFile file) : file_(std::move(file)) {
@@ -235,7 +240,7 @@ JobFileReader::JobFileReader(JobFile file) : file_(std::move(file)) {
   }
 }
 
-JobFileReader::Descriptor::~Descriptor() {
+Descriptor::~Descriptor() {
   if (value >= 0) {
     close(value);
   }
@@ -330,19 +335,16 @@ bool JobFile::Exists() const {
   }
 }
 
-FolderLock::FolderLock(const std::filesystem::path& folder)
-    : descriptor_(open((folder / "plan.lock").c_str(),
-                       O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-  if (descriptor_ < 0) {
+FolderLock::FolderLock(const fs::path& folder) {
+  descriptor_.value =
+      open((folder / "plan.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_.value < 0) {
     throw FileError(folder, "can not be written");
   }
-  is_locked_ = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+  is_locked_ = flock(descriptor_.value, LOCK_EX | LOCK_NB) == 0;
   if (!is_locked_ && errno == EWOULDBLOCK) {
-    close(descriptor_);
     throw FileError(folder, "another planner is at work there");
   }
 }
-
-FolderLock::~FolderLock() { close(descriptor_); }
 
 }  // namespace colmap_ext

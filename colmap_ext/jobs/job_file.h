@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,7 +14,6 @@
 
 #include "base/rows.h"
 #include "colmap_ext/options/command_options.h"
-#include "formats/atomic_file.h"
 
 namespace colmap_ext {
 
@@ -42,8 +42,12 @@ struct JobInputs {
   void AddFiles(const std::vector<std::filesystem::path>& paths);
 
   // Sets those of a command's options that are inputs.
-  // \return the name of one without a valid value; empty: all are valid
-  std::string SetOptions(const CommandOptions& command) const;
+  // \param path  of the file that they come from
+  // \param what_to_do  if it is damaged
+  // \throw FileError if one has no valid value
+  void SetOptions(const CommandOptions& command,
+                  const std::filesystem::path& path,
+                  const std::string& what_to_do) const;
 
   // The first difference to the inputs of an earlier job, as "iterations was
   // '10' and is '3'"; empty: none.
@@ -75,58 +79,48 @@ struct JobFile {
   bool Exists() const;
 };
 
-static_assert(sizeof(Eigen::AlignedBox3f) == 6 * sizeof(float));
-
-// Writes one. It appears complete or not at all.
-class JobFileWriter {
- public:
-  // \throw FileError as AtomicFile
-  explicit JobFileWriter(const JobFile& file);
-
-  // Adds a section for each value, two for rows.
-  // \throw FileError if the disk is full
-  template <typename... T>
-  void Add(const T&... values) {
-    (AddOne(values), ...);
-  }
-
-  // \throw FileError
-  void Commit();
-
- private:
-  template <typename T>
-  void AddOne(const std::vector<T>& values) {
-    Write(values.data(), values.size() * sizeof(T));
-    sizes_.push_back(values.size() * sizeof(T));
-  }
-  template <typename T>
-  void AddOne(const Rows<T>& rows) {
-    Add(rows.offsets, rows.values);
-  }
-  template <typename T>
-  void AddOne(const T& value) {
-    Write(&value, sizeof(T));
-    sizes_.push_back(sizeof(T));
-  }
-
-  void Write(const void* bytes, size_t num_bytes);
-  void EndChunk();
-
-  AtomicFiles files_;
-  AtomicFile* file_;         // of files_
-  std::vector<char> chunk_;  // that is not complete
-  std::vector<uint64_t> checksums_;
-  std::vector<uint64_t> sizes_;  // of the sections, bytes
-  uint64_t num_bytes_ = 0;
+// An open file, closed with the object.
+struct Descriptor {
+  int value = -1;
+  Descriptor() = default;
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
 };
 
-// Writes a file of these sections.
+static_assert(sizeof(Eigen::AlignedBox3f) == 6 * sizeof(float));
+
+// A section of a file, as it is in memory.
+using JobFileSection = std::span<const char>;
+
+template <typename T>
+void AddSections(const std::vector<T>& values,
+                 std::vector<JobFileSection>* sections) {
+  sections->emplace_back(reinterpret_cast<const char*>(values.data()),
+                         values.size() * sizeof(T));
+}
+template <typename T>
+void AddSections(const Rows<T>& rows, std::vector<JobFileSection>* sections) {
+  AddSections(rows.offsets, sections);
+  AddSections(rows.values, sections);
+}
+template <typename T>
+void AddSections(const T& value, std::vector<JobFileSection>* sections) {
+  sections->emplace_back(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+// Writes a file of these sections. It appears complete or not at all.
+// \throw FileError if it can not be written
+void WriteSections(const JobFile& file,
+                   const std::vector<JobFileSection>& sections);
+
+// Writes a file of a section for each value, two for rows.
 // \throw FileError if it can not be written
 template <typename... T>
 void WriteJobFile(const JobFile& file, const T&... values) {
-  JobFileWriter writer(file);
-  writer.Add(values...);
-  writer.Commit();
+  std::vector<JobFileSection> sections;
+  (AddSections(values, &sections), ...);
+  WriteSections(file, sections);
 }
 
 // Reads one, and checks what it reads. Safe from several threads.
@@ -164,22 +158,13 @@ class JobFileReader {
     return Read<T>(section, 0, Count<T>(section));
   }
 
-  // Reads consecutive sections as JobFileWriter::Add() wrote them.
+  // Reads consecutive sections as WriteJobFile() wrote them.
   template <typename... T>
   void ReadFrom(size_t section, T*... values) const {
     (ReadOne(&section, values), ...);
   }
 
  private:
-  // An open file, closed with the object.
-  struct Descriptor {
-    int value = -1;
-    Descriptor() = default;
-    ~Descriptor();
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-  };
-
   template <typename T>
   void ReadOne(size_t* section, std::vector<T>* values) const {
     *values = ReadAll<T>((*section)++);
@@ -214,15 +199,12 @@ class FolderLock {
  public:
   // \throw FileError if another has it, or the folder can not be written
   explicit FolderLock(const std::filesystem::path& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
   // Whether the lock is held; false on a file system without locks.
   bool IsLocked() const { return is_locked_; }
 
  private:
-  int descriptor_;
+  Descriptor descriptor_;
   bool is_locked_ = false;
 };
 

@@ -33,21 +33,22 @@ class Planner {
   Planner(const PlannerOptions& options, const PictureDecoder& decoder,
           const Progress& progress, PlanReport* report)
       : options_(options),
-        folder_(options.output_path),
         decoder_(decoder),
         progress_(progress),
         report_(report),
         files_(FindFusedFiles(options.mesher.InputPath(),
                               options.mesher.workspace)),
-        num_points_(CountPlyVertices(files_.path)) {}
+        num_points_(CountPlyVertices(files_.path)) {
+    plan_.folder = options.output_path;
+  }
 
   Plan Run() {
     Identify();
     if (IsThere()) {
       report_->is_kept = true;
-      return ReadPlan(folder_);
+      return ReadPlan(plan_.folder);
     }
-    fs::remove(PlanPath(folder_));
+    fs::remove(PlanPath(plan_.folder));
     Report(progress_, "Sampling the points", 0);
     sample_ = ReadSampledWorkspace(options_.mesher.InputPath(),
                                    options_.mesher.workspace, decoder_,
@@ -57,21 +58,18 @@ class Planner {
     CalibrateHalfPixel();
     plan_.region = options_.mesher.scene.region.Resolve(sample_.views,
                                                         sample_.sparse_points);
-    report_->region = plan_.region;
     ReadMasks();
     CropSample();
     const SplitTree tree = SplitSample(num_tiles_);
-    TilePoints points(folder_, tree, num_tiles_, num_points_, options_.mesher,
-                      sample_.views, read_mask_, plan_.region);
-    ShareOut(tree, &points);
-    ThinTiles(&points);
-    if (report_->masks) {
-      const size_t num_masks = report_->masks->num_masks;
-      report_->masks = points.masks();
-      report_->masks->num_masks = num_masks;
+    for (const Eigen::AlignedBox3f& cell : tree.Cells()) {
+      plan_.tiles.emplace_back().cell = cell;
     }
+    TilePoints points(plan_, tree, num_points_, options_.mesher, read_mask_,
+                      report_);
+    ShareOut(&points);
+    ThinTiles(&points);
     plan_.merger_memory_gb = MergerMemoryGb(plan_, options_);
-    WritePlan(folder_, plan_);
+    WritePlan(plan_);
     return plan_;
   }
 
@@ -135,8 +133,8 @@ class Planner {
   // A plan that can not be read is made again.
   bool IsThere() const {
     try {
-      const Plan plan = ReadPlan(folder_);
-      const FilePlan files(folder_, plan);
+      const Plan plan = ReadPlan(plan_.folder);
+      const FilePlan files(plan);
       return plan.identity == plan_.identity;
     } catch (const FileError&) {
       return false;
@@ -195,7 +193,9 @@ class Planner {
   // Leaves what masks and the region do.
   void CropSample() {
     if (read_mask_) {
-      report_->masks = MaskCloud(read_mask_, sample_.views, &sample_.cloud);
+      const MaskReport of_sample =
+          MaskCloud(read_mask_, sample_.views, &sample_.cloud);
+      report_->masks = MaskReport{of_sample.num_masks};
     }
     if (plan_.region) {
       WeightedCloud weighted{std::move(sample_.cloud), {}, 0};
@@ -243,12 +243,7 @@ class Planner {
         });
   }
 
-  void ShareOut(const SplitTree& tree, TilePoints* points) {
-    plan_.tiles.resize(num_tiles_);
-    const std::vector<Eigen::AlignedBox3f> cells = tree.Cells();
-    for (size_t tile = 0; tile < num_tiles_; ++tile) {
-      plan_.tiles[tile].cell = cells[tile];
-    }
+  void ShareOut(TilePoints* points) {
     ForEachPiece([&](PointCloud piece) {
       Correct(&piece);
       for (size_t point = 0; point < piece.size(); ++point) {
@@ -258,8 +253,6 @@ class Planner {
       }
     });
     points->CollectEnds();
-    report_->num_outside_points = points->num_outside_points();
-    report_->num_ray_ends = points->num_ray_ends();
   }
 
   // Puts the half pixel right.
@@ -305,7 +298,7 @@ class Planner {
         thinned[i] = {};
       }
     }
-    colmap_ext::Write(BlocksFile(folder_, plan_.identity), blocks);
+    colmap_ext::Write(BlocksFile(plan_), blocks);
     plan_.distance_sigma =
         options_.distance_sigma > 0
             ? options_.distance_sigma
@@ -330,7 +323,7 @@ class Planner {
   }
 
   void Write(size_t tile, const TileVertices& vertices, PlanBlocks* blocks) {
-    colmap_ext::Write(VerticesFile(folder_, plan_.identity, tile), vertices);
+    colmap_ext::Write(VerticesFile(plan_, tile), vertices);
     AddTile(vertices.positions, vertices.observations, blocks);
     PlannedTile& planned = plan_.tiles[tile];
     planned.num_vertices = vertices.positions.size();
@@ -344,7 +337,6 @@ class Planner {
   static constexpr size_t kMinTileSample = 16;
 
   const PlannerOptions& options_;
-  const fs::path folder_;
   const PictureDecoder& decoder_;
   const Progress& progress_;
   PlanReport* report_;

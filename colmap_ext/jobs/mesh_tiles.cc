@@ -1,6 +1,7 @@
 #include "colmap_ext/jobs/mesh_tiles.h"
 
 #include <algorithm>
+#include <iostream>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -15,6 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+struct MergeReport : ManifoldMeshingReport {
+  size_t num_cut_cells = 0;  // at the seams
+  // Arcs between cells of two tiles that tell them differently (CutSeams).
+  size_t num_contradictions = 0;
+};
+
 // The whole surface, connected: the cells of a plan are cut, fixed, and no
 // longer needed then.
 MergedSurface Extract(const FilePlan& vertices, const FileParts& parts,
@@ -25,8 +32,8 @@ MergedSurface Extract(const FilePlan& vertices, const FileParts& parts,
   report->num_contradictions = CutSeams(seam_rings, &seam, progress);
   report->num_cut_cells = seam.NumUnknown();
   if (options.preemptive_fixing) {
-    report->meshing.fixing = FixPlan(
-        options.fixing_rule, seam_rings == kAllAtOnce, &changes, progress);
+    report->fixing = FixPlan(options.fixing_rule, seam_rings == kAllAtOnce,
+                             &changes, progress);
   }
   Report(progress, "Extracting the surface", 0);
   return MergeSurface(changes);
@@ -56,21 +63,35 @@ void Finish(const Plan& plan, const FilePlan& vertices,
                plan.views, result);
 }
 
+void PrintTile(const TileCut& cut, const TileSeam& seam, ReportLog* log) {
+  size_t num_star_cells = 0;
+  for (uint32_t cell = 0; cell < cut.places.size(); ++cell) {
+    num_star_cells += cut.tile.IsStarCell(cell);
+  }
+  PrintHeading("Tile", log);
+  Print("vertices", cut.tile.num_own, log);
+  Print("of other tiles, too", cut.tile.ids.size() - cut.tile.num_own, log);
+  Print("rounds until none was missing", cut.tile.num_rounds, log);
+  Print("cells", num_star_cells, log);
+  Print("left to the merger", seam.unknown.size(), log);
+  Print("rays walked", cut.rays.num_rays, log);
+  PrintIfAny("rays given up", cut.rays.num_lost_rays, log);
+}
+
 }  // namespace
 
-TileReport RunTile(const fs::path& folder, uint32_t tile,
-                   const Progress& progress) {
+void MeshTile(const fs::path& folder, uint32_t tile, Console* console) {
   const Plan plan = ReadPlan(folder, tile);
   ExpectSame(plan);
-  TileReport report;
-  const JobFile cut_file = CutFile(folder, plan.identity, tile);
+  const JobFile cut_file = CutFile(plan, tile);
   if (cut_file.Exists()) {
-    report.is_kept = true;
-    return report;
+    std::cout << "Tile " << tile << " is done already: nothing to do"
+              << std::endl;
+    return;
   }
-  const PlannerOptions options = plan.Options(folder);
+  const PlannerOptions options = plan.Options();
   const ManifoldMeshingOptions& meshing = options.mesher.meshing;
-  const FilePlan vertices(folder, plan);
+  const FilePlan vertices(plan);
   std::vector<Eigen::Vector3d> centers;
   for (const View& view : plan.views) {
     centers.push_back(view.Center());
@@ -79,49 +100,49 @@ TileReport RunTile(const fs::path& folder, uint32_t tile,
                               {{plan.distance_sigma, meshing.behind_sigma},
                                meshing.quality_regularization,
                                options.seam_rings},
-                              progress);
+                              console->progress);
   const TileSeam seam = SeamOf(cut);
-  Report(progress, "Writing the tile", 0);
+  Report(console->progress, "Writing the tile", 0);
   Write(cut_file, cut, seam);
-  report.num_vertices = cut.tile.num_own;
-  report.num_other_vertices = cut.tile.ids.size() - cut.tile.num_own;
-  report.num_rounds = cut.tile.num_rounds;
-  report.num_unknown_cells = seam.unknown.size();
-  for (uint32_t cell = 0; cell < cut.places.size(); ++cell) {
-    report.num_star_cells += cut.tile.IsStarCell(cell);
-  }
-  report.rays = cut.rays;
-  return report;
+  console->reporter.Finish();
+  PrintTile(cut, seam, &console->log);
+  console->PrintTime();
+  std::cout << "\nTile " << tile << " is done" << std::endl;
 }
 
-MergeReport MergePlan(const fs::path& folder, const fs::path& output_path,
-                      const std::optional<Eigen::Matrix4d>& transform,
-                      const Progress& progress) {
-  const Plan plan = ReadPlan(folder);
+void MergeTiles(const MergerOptions& merger, Console* console) {
+  const Progress& progress = console->progress;
+  const Plan plan = ReadPlan(merger.plan_path);
   ExpectSame(plan);
-  const PlannerOptions planner = plan.Options(folder);
+  const PlannerOptions planner = plan.Options();
   ManifoldMeshingOptions options = planner.mesher.meshing;
   options.region = plan.region;
   MergeReport report;
-  const FilePlan vertices(folder, plan);
-  const FileParts parts(folder, plan);
-  report.num_tiles = plan.tiles.size();
-  report.meshing.num_vertices = vertices.Blocks().NumVertices();
-  report.meshing.distance_sigma = plan.distance_sigma;
+  const FilePlan vertices(plan);
+  const FileParts parts(plan);
+  report.num_vertices = vertices.Blocks().NumVertices();
+  report.distance_sigma = plan.distance_sigma;
   MergedSurface merged =
       Extract(vertices, parts, options, planner.seam_rings, progress, &report);
   ManifoldMesh mesh;
-  mesh.report = report.meshing;
+  mesh.report = report;
   Finish(plan, vertices, options, std::move(merged), progress, &mesh);
   FinishSurface(options, plan.views, progress, &mesh);
-  report.meshing = mesh.report;
   Report(progress, "Writing the mesh", 0);
   AtomicFiles files;
-  WriteMesh(output_path, mesh.mesh, mesh.attributes, transform, &files);
-  WriteFoundRegion(planner.mesher.scene.region, plan.region, output_path,
+  WriteMesh(merger.output_path, mesh.mesh, mesh.attributes, merger.transform,
+            &files);
+  WriteFoundRegion(planner.mesher.scene.region, plan.region, merger.output_path,
                    &files);
   files.Commit();
-  return report;
+  console->reporter.Finish();
+  ReportLog* const log = &console->log;
+  PrintHeading("Tiles", log);
+  Print("tiles", plan.tiles.size(), log);
+  Print("cells cut at the seams", report.num_cut_cells, log);
+  PrintIfAny("arcs that two tiles tell differently", report.num_contradictions,
+             log);
+  PrintReport(mesh.report, log);
 }
 
 }  // namespace colmap_ext

@@ -5,11 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include <Eigen/Core>
-
 #include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/report/print_report.h"
-#include "meshing/manifold_meshing.h"
 #include "scene/images.h"
 #include "scene/progress.h"
 
@@ -22,7 +19,6 @@ struct PlanReport {
   WorkspaceReport workspace;
   std::optional<HalfPixelReport> half_pixel;
   std::optional<MaskReport> masks;
-  std::optional<Region> region;
   size_t num_outside_points = 0;  // beyond the region's margin
   size_t num_ray_ends = 0;        // of a region and of masked pixels
 };
@@ -35,38 +31,16 @@ struct PlanReport {
 Plan MakePlan(const PlannerOptions& options, const PictureDecoder& decoder,
               const Progress& progress, PlanReport* report);
 
-struct TileReport {
-  bool is_kept = false;  // it was done before: nothing was done
-  size_t num_vertices = 0;
-  size_t num_other_vertices = 0;  // of other tiles that were needed
-  size_t num_rounds = 0;          // until none was missing
-  size_t num_star_cells = 0;
-  size_t num_unknown_cells = 0;  // left to the merger
-  RayReport rays;
-};
-
 // Does a tile of a plan, once: its file is there whole or not at all.
 // \throw FileError if the plan or its files are missing, damaged or of another
 //        plan, or there is no such tile, or an input has changed
-TileReport RunTile(const std::filesystem::path& folder, uint32_t tile,
-                   const Progress& progress);
-
-struct MergeReport {
-  size_t num_tiles = 0;
-  size_t num_cut_cells = 0;  // at the seams
-  // Arcs between cells of two tiles that tell them differently (CutSeams).
-  size_t num_contradictions = 0;
-  ManifoldMeshingReport meshing;
-};
+void MeshTile(const std::filesystem::path& folder, uint32_t tile,
+              Console* console);
 
 // Writes the mesh of a plan all of whose tiles are done, as WriteMesh() does,
 // and the region that was found for the plan beside it.
-// \param transform  of the mesh that is written
-// \throw FileError as RunTile(), where a tile is not done, and where the mesh
+// \throw FileError as MeshTile(), where a tile is not done, and where the mesh
 //        can not be written
-MergeReport MergePlan(const std::filesystem::path& folder,
-                      const std::filesystem::path& output_path,
-                      const std::optional<Eigen::Matrix4d>& transform,
-                      const Progress& progress);
+void MergeTiles(const MergerOptions& options, Console* console);
 
 }  // namespace colmap_ext

@@ -223,23 +223,15 @@ void ExpectSameFile(const fs::path& path, const std::string& fingerprint,
   }
 }
 
-void Set(const JobInputs& inputs, const CommandOptions& command,
-         const fs::path& path, const std::string& what_to_do) {
-  const std::string name = inputs.SetOptions(command);
-  if (!name.empty()) {
-    throw FileError(path, "damaged at " + name + ": " + what_to_do);
-  }
-}
-
 }  // namespace
 
 void Plan::Identify() { identity = inputs.Hash(kVersion); }
 
-PlannerOptions Plan::Options(const fs::path& folder) const {
+PlannerOptions Plan::Options() const {
   PlannerOptions options;
   CommandOptions command;
   AddPlannerOptions(&command, &options);
-  Set(inputs, command, PlanPath(folder), kPlanAgain);
+  inputs.SetOptions(command, PlanPath(folder), kPlanAgain);
   options.output_path = folder.string();
   options.mesher.workspace_path = workspace_path.string();
   RegionOption& region_option = options.mesher.scene.region;
@@ -259,6 +251,7 @@ TileCells Plan::Cells() const {
 }
 
 void RefinementPlan::Identify(const Plan& plan) {
+  folder = plan.folder;
   inputs.options["plan"] = fmt::format("{:016x}", plan.identity);
   identity = inputs.Hash(kVersion);
 }
@@ -289,11 +282,10 @@ std::vector<uint32_t> RefinementPlan::TilesOf(uint32_t color) const {
   return of_color;
 }
 
-void RefinementPlan::SetOptions(const fs::path& folder,
-                                RefinerOptions* options) const {
+void RefinementPlan::SetOptions(RefinerOptions* options) const {
   CommandOptions command;
   AddResultOptions(&command, options);
-  Set(inputs, command, RefinementPlanPath(folder), kPlanRefinementAgain);
+  inputs.SetOptions(command, RefinementPlanPath(folder), kPlanRefinementAgain);
 }
 
 fs::path PlanPath(const fs::path& folder) { return folder / "plan.json"; }
@@ -302,7 +294,7 @@ fs::path RefinementPlanPath(const fs::path& folder) {
   return folder / "refine.json";
 }
 
-void WritePlan(const fs::path& folder, const Plan& plan) {
+void WritePlan(const Plan& plan) {
   Json json = {{"workspace", plan.workspace_path.string()},
                {"inputs", plan.inputs},
                {"distance_sigma", plan.distance_sigma},
@@ -312,17 +304,18 @@ void WritePlan(const fs::path& folder, const Plan& plan) {
   if (plan.region) {
     json["region"] = *plan.region;
   }
-  WriteJson(PlanPath(folder), std::move(json));
+  WriteJson(PlanPath(plan.folder), std::move(json));
 }
 
-void WritePlan(const fs::path& folder, const RefinementPlan& plan) {
-  WriteJson(RefinementPlanPath(folder),
+void WritePlan(const RefinementPlan& plan) {
+  WriteJson(RefinementPlanPath(plan.folder),
             {{"inputs", plan.inputs}, {"tiles", plan.tiles}});
 }
 
 Plan ReadPlan(const fs::path& folder) {
-  return ReadJson(PlanPath(folder), kPlanAgain, [](const Json& json) {
+  return ReadJson(PlanPath(folder), kPlanAgain, [&](const Json& json) {
     Plan plan;
+    plan.folder = folder;
     plan.workspace_path = std::string(json.at("workspace"));
     plan.inputs = json.at("inputs");
     plan.Identify();
@@ -347,8 +340,8 @@ Plan ReadPlan(const fs::path& folder, uint32_t tile) {
   return plan;
 }
 
-RefinementPlan ReadRefinementPlan(const fs::path& folder, const Plan& plan) {
-  const fs::path path = RefinementPlanPath(folder);
+RefinementPlan ReadRefinementPlan(const Plan& plan) {
+  const fs::path path = RefinementPlanPath(plan.folder);
   RefinementPlan read =
       ReadJson(path, kPlanRefinementAgain, [&](const Json& json) {
         RefinementPlan refinement;

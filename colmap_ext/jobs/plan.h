@@ -29,6 +29,7 @@ struct PlannedTile {
 
 // PLAN/plan.json: all that the jobs of a plan share but the vertices.
 struct Plan {
+  std::filesystem::path folder;  // where the plan lies
   std::filesystem::path workspace_path;
   JobInputs inputs;
   uint64_t identity = 0;         // of the inputs
@@ -43,7 +44,7 @@ struct Plan {
 
   // The options that it was made with, except paths of inputs and outputs.
   // \throw FileError if one has no valid value
-  PlannerOptions Options(const std::filesystem::path& folder) const;
+  PlannerOptions Options() const;
 
   TileCells Cells() const;
 };
@@ -62,11 +63,12 @@ struct RefinementTile {
 // PLAN/refine.json: all that the jobs which refine a plan's mesh share but the
 // surface.
 struct RefinementPlan {
-  JobInputs inputs;       // files by their paths
-  uint64_t identity = 0;  // of the inputs and the plan
+  std::filesystem::path folder;  // of the plan
+  JobInputs inputs;              // files by their paths
+  uint64_t identity = 0;         // of the inputs and the plan
   std::vector<RefinementTile> tiles;
 
-  // Sets the identity.
+  // Sets the folder and the identity.
   void Identify(const Plan& plan);
 
   uint32_t NumColors() const;
@@ -77,8 +79,7 @@ struct RefinementPlan {
 
   // Sets the options that the result depends on.
   // \throw FileError if one has no valid value
-  void SetOptions(const std::filesystem::path& folder,
-                  RefinerOptions* options) const;
+  void SetOptions(RefinerOptions* options) const;
 };
 
 // Files in a plan's folder.
@@ -86,8 +87,8 @@ std::filesystem::path PlanPath(const std::filesystem::path& folder);
 std::filesystem::path RefinementPlanPath(const std::filesystem::path& folder);
 
 // \throw FileError if it can not be written
-void WritePlan(const std::filesystem::path& folder, const Plan& plan);
-void WritePlan(const std::filesystem::path& folder, const RefinementPlan& plan);
+void WritePlan(const Plan& plan);
+void WritePlan(const RefinementPlan& plan);
 
 // \throw FileError if there is none, or it is damaged, or of another version
 Plan ReadPlan(const std::filesystem::path& folder);
@@ -99,8 +100,7 @@ Plan ReadPlan(const std::filesystem::path& folder, uint32_t tile);
 // \param plan  whose mesh is refined
 // \throw FileError if there is none, or it is damaged, or of another version or
 //        of another plan
-RefinementPlan ReadRefinementPlan(const std::filesystem::path& folder,
-                                  const Plan& plan);
+RefinementPlan ReadRefinementPlan(const Plan& plan);
 
 // \throw FileError if a file has changed since it was planned with. A file that
 //        no longer exists, or was not planned with, is accepted.

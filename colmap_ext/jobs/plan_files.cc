@@ -47,14 +47,14 @@ enum CutSection {
 // usually open the merger needs twice as many, and some more. A choice.
 constexpr size_t kMaxOpen = 128;
 
-const Plan& ExpectDone(const fs::path& folder, const Plan& plan) {
+const Plan& ExpectDone(const Plan& plan) {
   for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
-    const fs::path path = CutFile(folder, plan.identity, tile).path;
+    const fs::path path = CutFile(plan, tile).path;
     if (!fs::exists(path)) {
       throw FileError(path, fmt::format("tile {0} is not done: run "
                                         "delaunay_manifold_mesher --plan_path "
                                         "{1} --tile {0}",
-                                        tile, folder.string()));
+                                        tile, plan.folder.string()));
     }
   }
   return plan;
@@ -122,17 +122,18 @@ std::vector<uint32_t> VerticesOf(const std::vector<Facet>& facets) {
 
 }  // namespace
 
-JobFile BlocksFile(const fs::path& folder, uint64_t identity) {
-  return {folder / "blocks.bin", kBlocksKind, identity};
+JobFile BlocksFile(const Plan& plan) {
+  return {plan.folder / "blocks.bin", kBlocksKind, plan.identity};
 }
 
-JobFile VerticesFile(const fs::path& folder, uint64_t identity, size_t tile) {
-  return {folder / fmt::format("tile{:05}.vertices.bin", tile), kVerticesKind,
-          identity};
+JobFile VerticesFile(const Plan& plan, size_t tile) {
+  return {plan.folder / fmt::format("tile{:05}.vertices.bin", tile),
+          kVerticesKind, plan.identity};
 }
 
-JobFile CutFile(const fs::path& folder, uint64_t identity, size_t tile) {
-  return {folder / fmt::format("tile{:05}.cut.bin", tile), kCutKind, identity};
+JobFile CutFile(const Plan& plan, size_t tile) {
+  return {plan.folder / fmt::format("tile{:05}.cut.bin", tile), kCutKind,
+          plan.identity};
 }
 
 void Write(const JobFile& file, const TileVertices& vertices) {
@@ -153,8 +154,8 @@ void Write(const JobFile& file, const TileCut& cut, const TileSeam& seam) {
                cut.labels.known, cut.graph, seam.unknown, seam.shared);
 }
 
-TileFiles::TileFiles(const fs::path& folder, const Plan& plan, Find find)
-    : folder_(folder), identity_(plan.identity), find_(find), open_(kMaxOpen) {
+TileFiles::TileFiles(const Plan& plan, Find find)
+    : plan_(plan), find_(find), open_(kMaxOpen) {
   for (size_t tile = 0; tile < plan.tiles.size(); ++tile) {
     Open(tile);
   }
@@ -162,14 +163,12 @@ TileFiles::TileFiles(const fs::path& folder, const Plan& plan, Find find)
 
 std::shared_ptr<const JobFileReader> TileFiles::Open(size_t tile) const {
   return open_.Get(tile, 1, [&] {
-    return std::make_shared<const JobFileReader>(
-        find_(folder_, identity_, tile));
+    return std::make_shared<const JobFileReader>(find_(plan_, tile));
   });
 }
 
-FilePlan::FilePlan(const fs::path& folder, const Plan& plan)
-    : files_(folder, plan, &VerticesFile) {
-  const JobFileReader file(BlocksFile(folder, plan.identity));
+FilePlan::FilePlan(const Plan& plan) : files_(plan, &VerticesFile) {
+  const JobFileReader file(BlocksFile(plan));
   file.ReadFrom(0, &blocks_.tile_begins, &blocks_.begins, &blocks_.boxes,
                 &blocks_.views, &blocks_.sum, &blocks_.have_ends);
 }
@@ -236,8 +235,7 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
   return read;
 }
 
-FileParts::FileParts(const fs::path& folder, const Plan& plan)
-    : files_(folder, ExpectDone(folder, plan), &CutFile) {}
+FileParts::FileParts(const Plan& plan) : files_(ExpectDone(plan), &CutFile) {}
 
 TileSeam FileParts::ReadSeam(uint32_t tile) const {
   TileSeam seam;
@@ -275,13 +273,13 @@ PartCells FileParts::ReadCells(uint32_t tile, uint32_t begin,
   return read;
 }
 
-JobFile SurfaceFile(const fs::path& folder, uint64_t identity) {
-  return {folder / "refine.surface.bin", kSurfaceKind, identity};
+JobFile SurfaceFile(const RefinementPlan& plan) {
+  return {plan.folder / "refine.surface.bin", kSurfaceKind, plan.identity};
 }
 
-JobFile PatchFile(const fs::path& folder, uint64_t identity, size_t tile) {
-  return {folder / fmt::format("tile{:05}.refined.bin", tile), kPatchKind,
-          identity};
+JobFile PatchFile(const RefinementPlan& plan, size_t tile) {
+  return {plan.folder / fmt::format("tile{:05}.refined.bin", tile), kPatchKind,
+          plan.identity};
 }
 
 void Write(const JobFile& file, const TriangleMesh& mesh,
@@ -302,10 +300,9 @@ void Write(const JobFile& file, const TilePatch& patch) {
                patch.box, patch.part.ids, patch.removed);
 }
 
-FileSurface::FileSurface(fs::path folder, uint64_t identity)
-    : folder_(std::move(folder)),
-      identity_(identity),
-      file_(SurfaceFile(folder_, identity)),
+FileSurface::FileSurface(const RefinementPlan& plan)
+    : plan_(plan),
+      file_(SurfaceFile(plan)),
       boxes_(file_.ReadAll<Eigen::AlignedBox3f>(kSurfaceBoxes)) {}
 
 SurfacePart FileSurface::ReadBlock(size_t block) const {
@@ -336,7 +333,7 @@ SurfacePart FileSurface::ReadBlock(size_t block) const {
 }
 
 JobFileReader FileSurface::Patch(uint32_t tile) const {
-  return JobFileReader(PatchFile(folder_, identity_, tile));
+  return JobFileReader(PatchFile(plan_, tile));
 }
 
 Eigen::AlignedBox3f FileSurface::PatchBox(uint32_t tile) const {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -18,15 +17,11 @@ namespace colmap_ext {
 // The files of a plan: the blocks of all vertices, and of each tile its
 // vertices, the cut of its cells, and its patch of the refined surface; and the
 // surface before it is refined.
-// \param identity  of the plan; of its refinement for surface and patches
-JobFile BlocksFile(const std::filesystem::path& folder, uint64_t identity);
-JobFile VerticesFile(const std::filesystem::path& folder, uint64_t identity,
-                     size_t tile);
-JobFile CutFile(const std::filesystem::path& folder, uint64_t identity,
-                size_t tile);
-JobFile SurfaceFile(const std::filesystem::path& folder, uint64_t identity);
-JobFile PatchFile(const std::filesystem::path& folder, uint64_t identity,
-                  size_t tile);
+JobFile BlocksFile(const Plan& plan);
+JobFile VerticesFile(const Plan& plan, size_t tile);
+JobFile CutFile(const Plan& plan, size_t tile);
+JobFile SurfaceFile(const RefinementPlan& plan);
+JobFile PatchFile(const RefinementPlan& plan, size_t tile);
 
 // \throw FileError if it can not be written
 void Write(const JobFile& file, const TileVertices& vertices);
@@ -40,16 +35,16 @@ void Write(const JobFile& file, const TilePatch& patch);
 // time: a plan may have more tiles than a process may open files.
 class TileFiles {
  public:
-  using Find = JobFile (*)(const std::filesystem::path&, uint64_t, size_t);
+  using Find = JobFile (*)(const Plan&, size_t);
 
+  // \param plan  outlives this
   // \throw FileError if a file is missing, damaged, or of another plan
-  TileFiles(const std::filesystem::path& folder, const Plan& plan, Find find);
+  TileFiles(const Plan& plan, Find find);
 
   std::shared_ptr<const JobFileReader> Open(size_t tile) const;
 
  private:
-  std::filesystem::path folder_;
-  uint64_t identity_;
+  const Plan& plan_;
   Find find_;
   mutable LruCache<const JobFileReader> open_;
 };
@@ -57,8 +52,9 @@ class TileFiles {
 // The vertices of a plan on disk.
 class FilePlan : public PlanVertices {
  public:
+  // \param plan  outlives this
   // \throw FileError if a file is missing, damaged, or of another plan
-  FilePlan(const std::filesystem::path& folder, const Plan& plan);
+  explicit FilePlan(const Plan& plan);
 
   const PlanBlocks& Blocks() const override { return blocks_; }
   std::vector<Eigen::Vector3f> ReadPositions(uint32_t begin,
@@ -77,8 +73,9 @@ class FilePlan : public PlanVertices {
 // What the tiles' jobs have left on disk.
 class FileParts : public TileParts {
  public:
+  // \param plan  outlives this
   // \throw FileError if a tile is not done
-  FileParts(const std::filesystem::path& folder, const Plan& plan);
+  explicit FileParts(const Plan& plan);
 
   TileSeam ReadSeam(uint32_t tile) const override;
   TilePart ReadPart(uint32_t tile) const override;
@@ -94,9 +91,10 @@ class FileParts : public TileParts {
 // The surface on disk, read on demand.
 class FileSurface : public SurfaceStore {
  public:
+  // \param plan  outlives this
   // \throw FileError if the mesh is missing, damaged or of another plan; the
   //        same for patches when they are read
-  FileSurface(std::filesystem::path folder, uint64_t identity);
+  explicit FileSurface(const RefinementPlan& plan);
 
   size_t NumBlocks() const override { return boxes_.size(); }
   Eigen::AlignedBox3f BlockBox(size_t block) const override {
@@ -110,8 +108,7 @@ class FileSurface : public SurfaceStore {
  private:
   JobFileReader Patch(uint32_t tile) const;
 
-  std::filesystem::path folder_;
-  uint64_t identity_;
+  const RefinementPlan& plan_;
   JobFileReader file_;
   std::vector<Eigen::AlignedBox3f> boxes_;  // [blocks]
 };

@@ -1,7 +1,12 @@
 #include "colmap_ext/jobs/refine_tiles.h"
 
 #include <algorithm>
+#include <iostream>
+#include <string>
 #include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "colmap_ext/jobs/plan_files.h"
 #include "formats/write_mesh.h"
@@ -141,14 +146,13 @@ std::vector<RefinementTile> PlanTiles(const Surface& surface, const Plan& plan,
   return tiles;
 }
 
-void Identify(const fs::path& folder, const fs::path& mesh_path,
-              const RefinerOptions& options, const Plan& plan,
-              RefinementPlan* refinement) {
+void Identify(const fs::path& mesh_path, const RefinerOptions& options,
+              const Plan& plan, RefinementPlan* refinement) {
   std::vector<fs::path> inputs = {mesh_path, VisibilityPath(mesh_path)};
   for (const View& view : plan.views) {
     inputs.push_back(ImagesPath(plan) / view.name);
   }
-  const fs::path masks = plan.Options(folder).mesher.scene.mask_path;
+  const fs::path masks = plan.Options().mesher.scene.mask_path;
   if (!masks.empty()) {
     MaskReader(masks, plan.views, {});  // throws if there are none
     for (const View& view : plan.views) {
@@ -164,13 +168,68 @@ void Identify(const fs::path& folder, const fs::path& mesh_path,
 }
 
 // One that can not be read is made again.
-bool IsThere(const fs::path& folder, const Plan& plan, uint64_t identity) {
+bool IsThere(const Plan& plan, const RefinementPlan& refinement) {
   try {
-    return ReadRefinementPlan(folder, plan).identity == identity &&
-           SurfaceFile(folder, identity).Exists();
+    return ReadRefinementPlan(plan).identity == refinement.identity &&
+           SurfaceFile(refinement).Exists();
   } catch (const FileError&) {
     return false;
   }
+}
+
+// \param refinement  identified
+void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
+                         const Progress& progress, RefinementPlan* refinement) {
+  const fs::path mesh_path = options.input_path;
+  Report(progress, "Reading the mesh", 0);
+  const Surface surface = ReadMerged(mesh_path, plan);
+  if (!IsOfPlan(FilePlan(plan).Blocks(), surface.mesh)) {
+    throw FileError(mesh_path,
+                    "does not lie where the points of the plan do: it belongs "
+                    "to another one");
+  }
+  Report(progress, "Colouring the tiles", 0);
+  refinement->tiles = PlanTiles(surface, plan, options);
+  Report(progress, "Writing the plan", 0);
+  Write(SurfaceFile(*refinement), surface.mesh, surface.attributes);
+  WritePlan(*refinement);
+}
+
+void PrintCommands(const RefinementPlan& plan) {
+  const std::string folder = plan.folder.string();
+  std::cout << "\nOn Slurm, all at once:\n"
+               "  scripts/slurm/refine_tiles "
+            << folder << " REFINED.ply\nOn one machine, colour after colour:\n";
+  for (uint32_t color = 0; color < plan.NumColors(); ++color) {
+    std::cout << fmt::format(
+        "  echo {} | xargs -n 1 -P 2 colmap facetwise_refiner --plan_path {} "
+        "--tile\n",
+        fmt::join(plan.TilesOf(color), " "), folder);
+  }
+  std::cout << fmt::format(
+      "  colmap mesh_merger --plan_path {} --refined 1 --output_path "
+      "REFINED.ply\n",
+      folder);
+}
+
+void PrintPlan(const RefinementPlan& plan, ReportLog* log) {
+  double memory = 0;
+  double of_thread = 0;
+  double seconds = 0;
+  for (const RefinementTile& tile : plan.tiles) {
+    memory = std::max(memory, tile.memory_gb);
+    of_thread = std::max(of_thread, tile.thread_gb);
+    seconds += tile.core_seconds;
+  }
+  PrintHeading("Refinement in tiles", log);
+  Print("tiles", plan.tiles.size(), log);
+  Print("colours", plan.NumColors(), log);
+  PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
+  PrintText("  and each thread", fmt::format("{:.2f} GB", of_thread), log);
+  PrintText("time, all tiles",
+            fmt::format("{:.2f} h of a core", seconds / 3600), log);
+  PrintText("cameras", "as they are: tiles do not refine them", log);
+  PrintCommands(plan);
 }
 
 }  // namespace
@@ -179,39 +238,84 @@ fs::path ImagesPath(const Plan& plan) {
   return FindUndistortedFolder(plan.workspace_path) / "images";
 }
 
-RefinementPlan PlanRefinement(const fs::path& folder, const fs::path& mesh_path,
-                              const RefinerOptions& options,
-                              const Progress& progress,
-                              RefinementPlanReport* report) {
+void PlanRefinement(const RefinerOptions& options, Console* console) {
+  const fs::path folder = options.plan_path;
+  const fs::path mesh_path = options.input_path;
   const Plan plan = ReadPlan(folder);
   const FolderLock lock(folder);
-  report->is_locked = lock.IsLocked();
   if (!fs::exists(mesh_path)) {
     throw FileError(mesh_path, "no such file; merge the tiles by mesh_merger");
   }
   RefinementPlan refinement;
-  Report(progress, "Fingerprinting the files", 0);
-  Identify(folder, mesh_path, options, plan, &refinement);
-  if (IsThere(folder, plan, refinement.identity)) {
-    report->is_kept = true;
-    return ReadRefinementPlan(folder, plan);
+  Report(console->progress, "Fingerprinting the files", 0);
+  Identify(mesh_path, options, plan, &refinement);
+  const bool is_kept = IsThere(plan, refinement);
+  if (is_kept) {
+    refinement = ReadRefinementPlan(plan);
+  } else {
+    WriteRefinementPlan(options, plan, console->progress, &refinement);
   }
-  Report(progress, "Reading the mesh", 0);
-  const Surface surface = ReadMerged(mesh_path, plan);
-  if (!IsOfPlan(FilePlan(folder, plan).Blocks(), surface.mesh)) {
-    throw FileError(mesh_path,
-                    "does not lie where the points of the plan do: it belongs "
-                    "to another one");
+  console->reporter.Finish();
+  if (is_kept) {
+    std::cout << "This refinement is planned already: nothing to do"
+              << std::endl;
   }
-  report->num_vertices = surface.mesh.vertices.size();
-  report->num_facets = surface.mesh.facets.size();
-  Report(progress, "Colouring the tiles", 0);
-  refinement.tiles = PlanTiles(surface, plan, options);
-  Report(progress, "Writing the plan", 0);
-  Write(SurfaceFile(folder, refinement.identity), surface.mesh,
-        surface.attributes);
-  WritePlan(folder, refinement);
-  return refinement;
+  if (!lock.IsLocked()) {
+    PrintWarning(kNoLocks, &console->log);
+  }
+  PrintPlan(refinement, &console->log);
+  console->PrintTime();
+  std::cout << "\nPlanned " << RefinementPlanPath(folder).string() << std::endl;
+}
+
+void ExpectRefined(const RefinementPlan& plan,
+                   const std::vector<uint32_t>& tiles) {
+  for (const uint32_t tile : tiles) {
+    const JobFile patch = PatchFile(plan, tile);
+    if (!patch.Exists()) {
+      throw FileError(
+          patch.path,
+          fmt::format("tile {} of colour {} is not refined: run "
+                      "facetwise_refiner --plan_path {} --tile {} first",
+                      tile, plan.tiles[tile].color, plan.folder.string(),
+                      tile));
+    }
+  }
+}
+
+RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
+  const Plan plan = ReadPlan(folder);
+  const RefinementPlan refinement = ReadRefinementPlan(plan);
+  const std::vector<uint32_t> tiles =
+      refinement.TilesBefore(refinement.NumColors());
+  ExpectRefined(refinement, tiles);
+  RefinerOptions options;
+  refinement.SetOptions(&options);
+  options.FinishMethod();
+  options.refinement.region = plan.region;
+  Report(progress, "Putting the tiles together", 0);
+  RefinedMesh refined;
+  try {
+    SurfacePart part =
+        GatherSurface(FileSurface(refinement), tiles,
+                      [](const Eigen::AlignedBox3f& /*box*/) { return true; });
+    refined.mesh = std::move(part.mesh);
+    refined.attributes = std::move(part.attributes);
+  } catch (const PatchError& error) {
+    throw FileError(folder, std::string("the refined tiles do not fit each "
+                                        "other (") +
+                                error.what() + "): plan larger tiles");
+  }
+  const MeshReport report = Analyze(refined.mesh);
+  if (!report.IsManifold()) {
+    throw FileError(folder, "the refined tiles do not fit each other (" +
+                                report.Defects() + "): plan larger tiles");
+  }
+  refined.origins = refined.mesh.vertices;
+  refined.labels.labels = Rows<uint32_t>(refined.mesh.facets.size());
+  refined.views = plan.views;
+  FinishRefinement(options.refinement, progress, &refined);
+  return refined;
 }
 
 }  // namespace colmap_ext

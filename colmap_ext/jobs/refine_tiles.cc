@@ -1,6 +1,7 @@
 #include "colmap_ext/jobs/refine_tiles.h"
 
 #include <algorithm>
+#include <iostream>
 #include <set>
 #include <string>
 #include <utility>
@@ -9,12 +10,53 @@
 #include <fmt/ranges.h>
 
 #include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/jobs/resumable_refinement.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct TileJob {
+  uint32_t tile;
+  Plan plan;
+  RefinementPlan refinement;
+  TileCells cells;
+  std::vector<uint32_t> before;  // tiles of lower colours
+
+  uint32_t Color(uint32_t of) const { return refinement.tiles[of].color; }
+
+  // Where vertices are refined.
+  Eigen::AlignedBox3f Reach() const {
+    return GrowBox(cells[tile],
+                   static_cast<float>(refinement.tiles[tile].margin));
+  }
+  bool IsFree(const Eigen::Vector3f& vertex) const {
+    return Reach().contains(vertex) &&
+           Color(CellOf(cells, vertex)) >= Color(tile);
+  }
+};
+
+TileJob MakeTileJob(const fs::path& folder, uint32_t tile) {
+  TileJob job{tile, ReadPlan(folder, tile), {}, {}, {}};
+  job.refinement = ReadRefinementPlan(job.plan);
+  job.cells = job.plan.Cells();
+  job.before = job.refinement.TilesBefore(job.Color(tile));
+  return job;
+}
+
+// The tile, and all around it that may hide it.
+struct TileInput {
+  SurfacePart part;             // its mesh is manifold
+  FixedVertices fixed;          // [V] of the part
+  std::vector<uint32_t> views;  // of the plan, ascending, that see the tile
+  RefinementInput input;        // of these views
+  JobInputs inputs;             // what the result depends on
+
+  // Too few views leave the tile as it is; nothing else is read then.
+  bool HasViews() const { return views.size() > 1; }
+};
 
 // A vertex of the whole may have several fans in a part.
 SurfacePart SplitPart(SurfacePart part) {
@@ -101,7 +143,7 @@ SurfacePart GatherPart(const TileJob& job, const Eigen::AlignedBox3f& target,
 // \return nothing if the plan has no masks
 ReadGrayImage TileMasks(const TileJob& job, const std::vector<uint32_t>& views,
                         const PictureDecoder& decoder) {
-  const fs::path folder = job.plan.Options(job.folder).mesher.scene.mask_path;
+  const fs::path folder = job.plan.Options().mesher.scene.mask_path;
   if (folder.empty()) {
     return {};
   }
@@ -131,45 +173,11 @@ uint64_t HashOf(const SurfacePart& part) {
   return HashValues(part.mesh.facets, hash);
 }
 
-}  // namespace
-
-Eigen::AlignedBox3f TileJob::Reach() const {
-  return GrowBox(cells[tile],
-                 static_cast<float>(refinement.tiles[tile].margin));
-}
-
-bool TileJob::IsFree(const Eigen::Vector3f& vertex) const {
-  return Reach().contains(vertex) &&
-         Color(CellOf(cells, vertex)) >= Color(tile);
-}
-
-TileJob MakeTileJob(const fs::path& folder, uint32_t tile) {
-  TileJob job{folder, tile, ReadPlan(folder, tile), {}, {}, {}};
-  job.refinement = ReadRefinementPlan(folder, job.plan);
-  job.cells = job.plan.Cells();
-  job.before = job.refinement.TilesBefore(job.Color(tile));
-  return job;
-}
-
-void ExpectRefined(const fs::path& folder, const RefinementPlan& plan,
-                   const std::vector<uint32_t>& tiles) {
-  for (const uint32_t tile : tiles) {
-    const JobFile patch = PatchFile(folder, plan.identity, tile);
-    if (!patch.Exists()) {
-      throw FileError(
-          patch.path,
-          fmt::format("tile {} of colour {} is not refined: run "
-                      "facetwise_refiner --plan_path {} --tile {} first",
-                      tile, plan.tiles[tile].color, folder.string(), tile));
-    }
-  }
-}
-
 TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
                         const PictureDecoder& decoder,
                         const Progress& progress) {
   Report(progress, "Reading the surface", 0);
-  const FileSurface store(job.folder, job.refinement.identity);
+  const FileSurface store(job.refinement);
   TileInput tile;
   const Eigen::AlignedBox3f box = FindTarget(job, store, &tile.views);
   if (!tile.HasViews()) {
@@ -211,46 +219,76 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
   return tile;
 }
 
-TilePatch MakePatch(const TileJob& job, const TileInput& tile,
-                    RefinedMesh refined) {
+void PrintTile(const TileJob& job, const TileInput& tile, ReportLog* log) {
+  PrintHeading("Tile", log);
+  Print("colour", job.Color(job.tile), log);
+  Print("images read", tile.views.size(), log);
+  PrintReport(tile.input.masks, log);
+  Print("faces read", tile.part.mesh.facets.size(), log);
+}
+
+// A state that is damaged or of another run is ignored: the job starts from its
+// first level then.
+void ResumeIfPossible(ResumableRefinement* run, RefinementInput* input) {
+  try {
+    run->Resume(input);
+  } catch (const FileError&) {
+  }
+}
+
+// What the job makes of its tile.
+// \throw Interruption if it is stopped
+TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
+                   const PictureDecoder& decoder, Console* console,
+                   ResumableRefinement* run) {
+  TileInput tile = ReadTileInput(job, options, decoder, console->progress);
+  console->reporter.Finish();
+  PrintTile(job, tile, &console->log);
+  if (!tile.HasViews()) {
+    return {};
+  }
+  run->inputs = tile.inputs;
+  ResumeIfPossible(run, &tile.input);
+  RefinedMesh refined = run->Run(&tile.input);
+  console->reporter.Finish();
+  if (refined.report.is_stopped) {
+    throw Interruption(run->Signal(), run->Level() > 0
+                                          ? "the tile is refined up to " +
+                                                LevelName(run->Level()) +
+                                                "; the next job goes on from it"
+                                          : "the tile is not refined");
+  }
+  Print("self-intersections", refined.report.num_self_intersections,
+        &console->log);
   refined.attributes.views = Renumber(refined.attributes.views, tile.views);
   return MakePatch(job.tile, tile.part, tile.fixed, refined.mesh,
                    refined.attributes, refined.fixed_sources);
 }
 
-RefinedMesh MergeRefined(const fs::path& folder, const Progress& progress) {
-  const Plan plan = ReadPlan(folder);
-  const RefinementPlan refinement = ReadRefinementPlan(folder, plan);
-  const std::vector<uint32_t> tiles =
-      refinement.TilesBefore(refinement.NumColors());
-  ExpectRefined(folder, refinement, tiles);
-  RefinerOptions options;
-  refinement.SetOptions(folder, &options);
+}  // namespace
+
+void RefineTile(RefinerOptions options, const PictureDecoder& decoder,
+                Console* console) {
+  const TileJob job =
+      MakeTileJob(options.plan_path, static_cast<uint32_t>(options.tile));
+  job.refinement.SetOptions(&options);
   options.FinishMethod();
-  options.refinement.region = plan.region;
-  Report(progress, "Putting the tiles together", 0);
-  RefinedMesh refined;
-  try {
-    SurfacePart part =
-        GatherSurface(FileSurface(folder, refinement.identity), tiles,
-                      [](const Eigen::AlignedBox3f& /*box*/) { return true; });
-    refined.mesh = std::move(part.mesh);
-    refined.attributes = std::move(part.attributes);
-  } catch (const PatchError& error) {
-    throw FileError(folder, std::string("the refined tiles do not fit each "
-                                        "other (") +
-                                error.what() + "): plan larger tiles");
+  const JobFile patch_file = PatchFile(job.refinement, job.tile);
+  if (patch_file.Exists()) {
+    RemoveState(patch_file.path);
+    std::cout << "Tile " << job.tile << " is refined already: nothing to do"
+              << std::endl;
+    return;
   }
-  const MeshReport report = Analyze(refined.mesh);
-  if (!report.IsManifold()) {
-    throw FileError(folder, "the refined tiles do not fit each other (" +
-                                report.Defects() + "): plan larger tiles");
-  }
-  refined.origins = refined.mesh.vertices;
-  refined.labels.labels = Rows<uint32_t>(refined.mesh.facets.size());
-  refined.views = plan.views;
-  FinishRefinement(options.refinement, progress, &refined);
-  return refined;
+  ExpectRefined(job.refinement, job.before);
+  ResumableRefinement run(options, patch_file.path, console, nullptr);
+  const TilePatch patch = MakeTile(job, options, decoder, console, &run);
+  Write(patch_file, patch);
+  RemoveState(patch_file.path);
+  Print("faces refined", patch.removed.size(), &console->log);
+  Print("faces that they become", patch.part.mesh.facets.size(), &console->log);
+  console->PrintTime();
+  std::cout << "\nTile " << job.tile << " is refined" << std::endl;
 }
 
 }  // namespace colmap_ext

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
@@ -105,7 +104,7 @@ PlyCloud VertexCloud(const Surface& file) {
 
 Workspace ReadCameras(const RefinerOptions& options,
                       const RefinementPaths& paths,
-                      const PictureDecoder& decoder, const Surface& file,
+                      const PictureDecoder& decoder,
                       const RefinementInput& input) {
   WorkspaceOptions rules;
   rules.image_order = options.image_order;
@@ -122,19 +121,18 @@ Workspace ReadCameras(const RefinerOptions& options,
                         "the mesh; run `colmap stereo_fusion` first");
   }
   return ReadMeshWorkspace(paths.folder, rules, decoder,
-                           {{VertexCloud(file), file.attributes.views},
+                           {{VertexCloud(input), input.attributes.views},
                             {paths.mesh, VisibilityPath(paths.mesh)}});
 }
 
 // Views and colours that the mesh's files do not have.
-void CompleteAttributes(const Surface& file, RefinementInput* input) {
-  const bool has_colors = !file.attributes.colors.empty();
-  input->attributes = file.attributes;
+void CompleteAttributes(RefinementInput* input) {
+  const bool has_colors = !input->attributes.colors.empty();
   input->colors_from = has_colors ? "the mesh" : "nowhere";
   if (!input->has_fused_points || (has_colors && input->has_visibility)) {
     return;
   }
-  VertexAttributes nearest = NearestAttributes(file.mesh, input->points);
+  VertexAttributes nearest = NearestAttributes(input->mesh, input->points);
   if (!input->has_visibility) {
     input->attributes.views = std::move(nearest.views);
   }
@@ -142,6 +140,55 @@ void CompleteAttributes(const Surface& file, RefinementInput* input) {
     input->attributes.colors = std::move(nearest.colors);
     input->colors_from = "the nearest fused points";
   }
+}
+
+// The sparse model as the refinement of the cameras takes it.
+std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
+    const RefinementInput& input) {
+  const SparseModel& model = input.sparse_model;
+  const std::vector<size_t>& order = input.workspace.order.order.images;
+  auto cameras = std::make_shared<RefinableCameras>();
+  cameras->views = input.views;
+  cameras->images = input.images;
+  std::map<uint32_t, uint32_t> camera_indices;  // by camera_id
+  std::map<uint32_t, uint32_t> view_indices;    // by image_id
+  for (size_t i = 0; i < order.size(); ++i) {
+    const SparseImage& image = model.images[order[i]];
+    view_indices[image.image_id] = static_cast<uint32_t>(i);
+    cameras->view_cameras.push_back(
+        camera_indices
+            .emplace(image.camera_id,
+                     static_cast<uint32_t>(camera_indices.size()))
+            .first->second);
+  }
+  SparseTracks& tracks = cameras->tracks;
+  for (size_t i = 0; i < model.exact_positions.size(); ++i) {
+    for (uint64_t k = model.track_image_ids.offsets[i];
+         k < model.track_image_ids.offsets[i + 1]; ++k) {
+      const auto it = view_indices.find(model.track_image_ids.values[k]);
+      if (it == view_indices.end() || !model.exact_positions[i].allFinite()) {
+        continue;
+      }
+      const SparseImage& image = model.images[order[it->second]];
+      if (model.track_observations[k] >= image.observations.size()) {
+        continue;  // observations are left out of some models
+      }
+      const SparseCamera& camera = model.cameras.at(image.camera_id);
+      const View& view = input.views[it->second];
+      const Eigen::Vector2d scale(
+          view.width / static_cast<double>(camera.width),
+          view.height / static_cast<double>(camera.height));
+      const Eigen::Vector2d& pixel =
+          image.observations[model.track_observations[k]].pixel;
+      if (pixel.allFinite()) {
+        tracks.observations.values.push_back(
+            {it->second, pixel.cwiseProduct(scale)});
+      }
+    }
+    tracks.observations.EndRow();
+    tracks.positions.push_back(model.exact_positions[i]);
+  }
+  return cameras;
 }
 
 // The sparse model with its tracks. Where the cameras are not refined, it tells
@@ -154,7 +201,7 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
   input->camera_parts = options.refinement.cameras.parts;
   if (input->camera_parts != RefinedParts::kNothing &&
       !HasOneImageFrames(input->sparse_model)) {
-    if (!options.AllowsFixedCameras()) {
+    if (options.refine_cameras) {
       throw FileError(
           input->workspace.sparse_path,
           "it has rigs of several cameras, which can not be "
@@ -162,9 +209,7 @@ void ReadRefinedCameras(const RefinerOptions& options, const Progress& progress,
     }
     input->camera_parts = RefinedParts::kNothing;
   }
-  input->cameras = MakeRefinableCameras(input->sparse_model,
-                                        input->workspace.order.order.images,
-                                        input->views, input->images);
+  input->cameras = MakeRefinableCameras(*input);
 }
 
 }  // namespace
@@ -270,23 +315,23 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
   input.has_visibility = fs::exists(VisibilityPath(paths.mesh));
   input.has_fused_points = paths.HasFusedPoints();
   Report(progress, "Reading the mesh", 0);
-  Surface file = ReadSurface(paths.mesh, input.has_visibility, kMesh);
-  SortViews(&file.attributes);
-  input.repair = Repair(paths.mesh, &file);
+  Surface& surface = input;
+  surface = ReadSurface(paths.mesh, input.has_visibility, kMesh);
+  SortViews(&input.attributes);
+  input.repair = Repair(paths.mesh, &input);
   Report(progress, "Reading the workspace", 0);
-  Workspace workspace = ReadCameras(options, paths, decoder, file, input);
-  ExpectViews(file, workspace.views.size(), paths.mesh, "sparse model", kMesh);
+  Workspace workspace = ReadCameras(options, paths, decoder, input);
+  ExpectViews(input, workspace.views.size(), paths.mesh, "sparse model", kMesh);
   input.region =
       options.scene.region.Resolve(workspace.views, workspace.sparse_points);
   if (input.region) {
-    CutOff(*input.region, paths.mesh, &file);
+    CutOff(*input.region, paths.mesh, &input);
   }
   input.views = std::move(workspace.views);
   input.points = std::move(workspace.cloud);
   input.picture_errors = std::move(workspace.picture_errors);
   input.workspace = std::move(workspace.report);
-  CompleteAttributes(file, &input);
-  input.mesh = std::move(file.mesh);
+  CompleteAttributes(&input);
   Report(progress, "Reading the images", 0);
   const std::string& masks = options.scene.mask_path;
   ReadPictures(
@@ -324,53 +369,6 @@ JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
   }
   inputs.AddFiles(files);
   return inputs;
-}
-
-std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
-    const SparseModel& model, const std::vector<size_t>& order,
-    const std::vector<View>& views, std::shared_ptr<ImagePyramid> images) {
-  auto cameras = std::make_shared<RefinableCameras>();
-  cameras->views = views;
-  cameras->images = std::move(images);
-  std::map<uint32_t, uint32_t> camera_indices;  // by camera_id
-  std::map<uint32_t, uint32_t> view_indices;    // by image_id
-  for (size_t i = 0; i < order.size(); ++i) {
-    const SparseImage& image = model.images[order[i]];
-    view_indices[image.image_id] = static_cast<uint32_t>(i);
-    cameras->view_cameras.push_back(
-        camera_indices
-            .emplace(image.camera_id,
-                     static_cast<uint32_t>(camera_indices.size()))
-            .first->second);
-  }
-  SparseTracks& tracks = cameras->tracks;
-  for (size_t i = 0; i < model.exact_positions.size(); ++i) {
-    for (uint64_t k = model.track_image_ids.offsets[i];
-         k < model.track_image_ids.offsets[i + 1]; ++k) {
-      const auto it = view_indices.find(model.track_image_ids.values[k]);
-      if (it == view_indices.end() || !model.exact_positions[i].allFinite()) {
-        continue;
-      }
-      const SparseImage& image = model.images[order[it->second]];
-      if (model.track_observations[k] >= image.observations.size()) {
-        continue;  // observations are left out of some models
-      }
-      const SparseCamera& camera = model.cameras.at(image.camera_id);
-      const View& view = views[it->second];
-      const Eigen::Vector2d scale(
-          view.width / static_cast<double>(camera.width),
-          view.height / static_cast<double>(camera.height));
-      const Eigen::Vector2d& pixel =
-          image.observations[model.track_observations[k]].pixel;
-      if (pixel.allFinite()) {
-        tracks.observations.values.push_back(
-            {it->second, pixel.cwiseProduct(scale)});
-      }
-    }
-    tracks.observations.EndRow();
-    tracks.positions.push_back(model.exact_positions[i]);
-  }
-  return cameras;
 }
 
 SparseModel WithRefinedCameras(SparseModel model,

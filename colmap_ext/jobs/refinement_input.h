@@ -12,7 +12,6 @@
 #include "formats/read_ply.h"
 #include "mesh/manifold_repair.h"
 #include "mesh/surface.h"
-#include "mesh/triangle_mesh.h"
 #include "photometry/image_pyramid.h"
 #include "refine/facetwise_refinement.h"
 #include "scene/images.h"
@@ -53,10 +52,8 @@ struct RefinementPaths {
 // \throw FileError if there is no workspace, or several, or no mesh.
 RefinementPaths FindRefinementPaths(const RefinerOptions& options);
 
-// Input of RefineFacetwise(), and how it was read.
-struct RefinementInput {
-  TriangleMesh mesh;  // manifold
-  VertexAttributes attributes;
+// Input of RefineFacetwise(), whose mesh is manifold, and how it was read.
+struct RefinementInput : Surface {
   std::vector<View> views;
   PointCloud points;  // without the views whose pictures can not be used
   std::vector<std::string> picture_errors;  // [views] empty: can be used
@@ -64,10 +61,8 @@ struct RefinementInput {
 
   std::shared_ptr<const RefinableCameras> cameras;
   RefinedParts camera_parts = RefinedParts::kNothing;  // none: rigs, by default
-  std::vector<Eigen::Vector3f> origins;                // see Surface
-  FixedSources fixed_sources;  // of the mesh; empty: none is
-  bool is_part = false;        // see RefinementStart
-  SparseModel sparse_model;    // in full
+  bool is_part = false;                                // see RefinementStart
+  SparseModel sparse_model;                            // in full
 
   WorkspaceReport workspace;
   bool has_fused_points = true;     // else the mesh's vertices stand for them
@@ -104,16 +99,10 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
 JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
                     const RefinementInput& input);
 
-// The model, read in full, as the refinement of the cameras takes it.
-// \param order  [views] the image of the model that each view is.
-// \param views  by the pictures' sizes, which may not be the cameras'.
-std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
-    const SparseModel& model, const std::vector<size_t>& order,
-    const std::vector<View>& views, std::shared_ptr<ImagePyramid> images);
-
 // The model with other poses and points, and, if `has_intrinsics`, other
 // intrinsics, scaled to the cameras' sizes.
-// \param order  as above
+// \param order  [views] the image of the model that each view is.
+// \param views  by the pictures' sizes, which may not be the cameras'.
 // \param positions  [P]
 SparseModel WithRefinedCameras(SparseModel model,
                                const std::vector<size_t>& order,

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/errors.h"
 #include "formats/write_mesh.h"
 #include "gl/egl_context.h"
 #include "gl/gl_photometric_energy.h"
@@ -17,6 +16,10 @@
 
 namespace colmap_ext {
 namespace {
+
+namespace fs = std::filesystem;
+
+using Warn = std::function<void(const std::string& warning)>;
 
 // Whether OpenGL would be software; nothing if there is none.
 std::optional<bool> IsGlSoftware(int gpu_index) {
@@ -44,13 +47,61 @@ std::unique_ptr<PhotometricEnergy> MakeGl(const RefinerOptions& options,
                                   std::move(warn)});
 }
 
+// What computes the energy, and what to tell of it.
+struct RefinementBackend {
+  std::unique_ptr<PhotometricEnergy> energy;
+  std::string description;  // and why it was taken, for Backend::kAuto
+};
+
 RefinementBackend Describe(std::unique_ptr<PhotometricEnergy> energy,
                            const std::string& reason = "") {
   const std::string description = energy->Description() + reason;
   return {std::move(energy), description};
 }
 
-namespace fs = std::filesystem;
+// By options.backend. Where the choice is free, OpenGL in software is not
+// taken: the processor is faster without it. Where the graphics card fails
+// later, the processor takes over.
+// \param expected_facets  of the mesh, at the finest level.
+// \param warn  called with lines for the user, now and as long as the energy
+//        lives.
+// \throw OptionError if OpenGL is asked for, and is not to be had.
+RefinementBackend MakeBackend(const RefinerOptions& options,
+                              std::shared_ptr<ImagePyramid> images,
+                              size_t expected_facets, const Warn& warn) {
+  const auto make_cpu = [&] {
+    return MakeCpuPhotometricEnergy(options.refinement.photometric, images,
+                                    options.MaxDrawingMemory());
+  };
+  if (options.backend == Backend::kCpu) {
+    return Describe(make_cpu());
+  }
+  const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
+  if (options.backend == Backend::kGl) {
+    if (is_software.value_or(false)) {
+      warn(
+          "OpenGL is drawn by software here, which is slower than "
+          "--FacetwiseRefinement.backend cpu");
+    }
+    try {
+      return Describe(MakeGl(options, images, expected_facets, warn));
+    } catch (const NoGlError& error) {
+      throw OptionError(std::string(error.what()) +
+                        "; --FacetwiseRefinement.backend cpu needs none");
+    }
+  }
+  if (is_software.has_value() && !*is_software) {
+    try {
+      return Describe(MakeGl(options, images, expected_facets, warn));
+    } catch (const GlError& error) {
+      warn(std::string("the graphics card can not be used (") + error.what() +
+           "); the processor computes all");
+    }
+  }
+  return Describe(make_cpu(), !is_software   ? "; there is no OpenGL here"
+                              : *is_software ? "; OpenGL would be software here"
+                                             : "");
+}
 
 JobFile StateFile(const fs::path& output) {
   return {StatePath(output), {"CESTATE1", "start anew, without --resume"}, 0};
@@ -106,43 +157,6 @@ JobInputs::Values ValuesFrom(const std::vector<char>& text) {
 
 }  // namespace
 
-RefinementBackend MakeBackend(const RefinerOptions& options,
-                              std::shared_ptr<ImagePyramid> images,
-                              size_t expected_facets, const Warn& warn) {
-  const auto make_cpu = [&] {
-    return MakeCpuPhotometricEnergy(options.refinement.photometric, images,
-                                    options.MaxDrawingMemory());
-  };
-  if (options.backend == Backend::kCpu) {
-    return Describe(make_cpu());
-  }
-  const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
-  if (options.backend == Backend::kGl) {
-    if (is_software.value_or(false)) {
-      warn(
-          "OpenGL is drawn by software here, which is slower than "
-          "--FacetwiseRefinement.backend cpu");
-    }
-    try {
-      return Describe(MakeGl(options, images, expected_facets, warn));
-    } catch (const NoGlError& error) {
-      throw OptionError(std::string(error.what()) +
-                        "; --FacetwiseRefinement.backend cpu needs none");
-    }
-  }
-  if (is_software.has_value() && !*is_software) {
-    try {
-      return Describe(MakeGl(options, images, expected_facets, warn));
-    } catch (const GlError& error) {
-      warn(std::string("the graphics card can not be used (") + error.what() +
-           "); the processor computes all");
-    }
-  }
-  return Describe(make_cpu(), !is_software   ? "; there is no OpenGL here"
-                              : *is_software ? "; OpenGL would be software here"
-                                             : "");
-}
-
 fs::path StatePath(const fs::path& output) {
   return output.string() + ".resume";
 }
@@ -153,16 +167,15 @@ void ExpectManifold(const TriangleMesh& mesh) {
   }
 }
 
-void WriteState(const fs::path& output, const JobInputs& inputs,
-                const RefinementState& state) {
+void WriteState(const fs::path& output, const JobInputs& inputs, int level,
+                const RefinedMesh& state, const RefinementReport& report) {
   ExpectManifold(state.mesh);
-  const RefinementReport& report = state.report;
   const Misalignment misalignment =
       report.misalignment.value_or(Misalignment());
   const VertexAttributes& attributes = state.attributes;
   WriteJobFile(
       StateFile(output), ValuesText(inputs.options), ValuesText(inputs.files),
-      state.level, state.mesh.vertices, state.mesh.facets, attributes.colors,
+      level, state.mesh.vertices, state.mesh.facets, attributes.colors,
       attributes.views, attributes.confidences, state.origins,
       state.fixed_sources, CameraNumbersOf(state.views),
       report.misalignment.has_value(), misalignment.by_cameras,
@@ -171,8 +184,8 @@ void WriteState(const fs::path& output, const JobInputs& inputs,
       report.num_removed_self_intersections, report.labelings, report.steps);
 }
 
-RefinementState ReadState(const fs::path& output, const JobInputs& inputs,
-                          const std::vector<View>& views) {
+int ReadState(const fs::path& output, const JobInputs& inputs,
+              RefinedMesh* state) {
   const JobFile state_file = StateFile(output);
   const JobFileReader file(state_file);
   const JobInputs earlier = {ValuesFrom(file.ReadAll<char>(0)),
@@ -183,16 +196,16 @@ RefinementState ReadState(const fs::path& output, const JobInputs& inputs,
                                          "; go on as it was begun, or " +
                                          state_file.kind.what_to_do);
   }
-  RefinementState state;
+  int level = 0;
   std::vector<CameraNumbers> cameras;
   bool has_misalignment = false;
   Misalignment misalignment;
-  VertexAttributes& attributes = state.attributes;
-  RefinementReport& report = state.report;
+  VertexAttributes& attributes = state->attributes;
+  RefinementReport& report = state->report;
   file.ReadFrom(
-      2, &state.level, &state.mesh.vertices, &state.mesh.facets,
-      &attributes.colors, &attributes.views, &attributes.confidences,
-      &state.origins, &state.fixed_sources, &cameras, &has_misalignment,
+      2, &level, &state->mesh.vertices, &state->mesh.facets, &attributes.colors,
+      &attributes.views, &attributes.confidences, &state->origins,
+      &state->fixed_sources, &cameras, &has_misalignment,
       &misalignment.by_cameras, &misalignment.of_surface, &misalignment.by_view,
       &report.num_shortened_steps, &report.num_unconverged_solutions,
       &report.num_flipped_facets, &report.num_removed_self_intersections,
@@ -200,11 +213,10 @@ RefinementState ReadState(const fs::path& output, const JobInputs& inputs,
   if (has_misalignment) {
     report.misalignment = std::move(misalignment);
   }
-  state.views = views;
-  for (size_t i = 0; i < views.size(); ++i) {
-    SetCameraNumbers(cameras.at(i), &state.views[i]);
+  for (size_t i = 0; i < state->views.size(); ++i) {
+    SetCameraNumbers(cameras.at(i), &state->views[i]);
   }
-  return state;
+  return level;
 }
 
 void RemoveState(const fs::path& output) {
@@ -221,14 +233,13 @@ ResumableRefinement::ResumableRefinement(const RefinerOptions& options,
       console_(*console) {}
 
 void ResumableRefinement::Resume(RefinementInput* input) {
-  RefinementState state = ReadState(output_, inputs, input->views);
-  level_ = state.level;
-  input->mesh = std::move(state.mesh);
-  input->attributes = std::move(state.attributes);
+  RefinedMesh state;
+  state.views = input->views;
+  level_ = ReadState(output_, inputs, &state);
   input->views = std::move(state.views);
-  input->fixed_sources = std::move(state.fixed_sources);
-  input->origins = std::move(state.origins);
   earlier_ = std::move(state.report);
+  Surface& surface = *input;
+  surface = std::move(state);
   PrintText("goes on after",
             LevelName(level_) + ", by " + StatePath(output_).string(),
             &console_.log);
@@ -268,14 +279,11 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
   FacetwiseRefinementOptions method = options_.refinement;
   method.cameras.parts = input->camera_parts;
   method.region = input->region;
+  Surface& surface = *input;
   RefinedMesh refined = RefineFacetwise(
       method,
-      {{std::move(input->mesh), std::move(input->attributes),
-        std::move(input->origins), std::move(input->fixed_sources)},
-       (level_ > 0 ? level_ : method.levels) - 1,
-       input->has_fused_points,
-       input->cameras,
-       earlier_.misalignment,
+      {std::move(surface), (level_ > 0 ? level_ : method.levels) - 1,
+       input->has_fused_points, input->cameras, earlier_.misalignment,
        input->is_part},
       input->views, input->points, backend.energy.get(), hooks);
   signal_ = StopSignal::Received();
@@ -304,9 +312,7 @@ void ResumableRefinement::OnLevel(int level, const RefinedMesh& state) {
   if (!is_part_) {
     WriteMesh(LevelMeshPath(level), state.mesh, state.attributes);
   }
-  WriteState(output_, inputs,
-             {level, state.mesh, state.attributes, state.origins,
-              state.fixed_sources, state.views, WithEarlier(state.report)});
+  WriteState(output_, inputs, level, state, WithEarlier(state.report));
   RemoveLevelMeshes(level + 1);
   level_ = level;
 }

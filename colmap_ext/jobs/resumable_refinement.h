@@ -1,76 +1,41 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
-
-#include <Eigen/Core>
 
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/report/print_report.h"
 #include "colmap_ext/viewing/live_view.h"
-#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
-#include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
-#include "scene/view.h"
 
 namespace colmap_ext {
 
 // OUTPUT.resume: the state after a complete level, from which an interrupted
 // refinement is resumed.
-struct RefinementState {
-  int level = 0;  // the last one that is complete, 1 or more
-  TriangleMesh mesh;
-  VertexAttributes attributes;
-  std::vector<Eigen::Vector3f> origins;  // [V] see RefinedMesh
-  FixedSources fixed_sources;            // [V] see RefinedMesh, or empty
-  std::vector<View> views;               // refined up to there
-  RefinementReport report;  // steps, labelings, counts and misalignment
-};
-
 std::filesystem::path StatePath(const std::filesystem::path& output);
 
+// \param level  the last one that is complete, 1 or more.
+// \param report  of this run and those before it: steps, labelings, counts and
+//        misalignment are written.
 // \throw FileError if it can not be written; std::logic_error if the mesh is
 //        not manifold.
 void WriteState(const std::filesystem::path& output, const JobInputs& inputs,
-                const RefinementState& state);
+                int level, const RefinedMesh& state,
+                const RefinementReport& report);
 
-// \param views  before they were refined.
+// Reads what WriteState() wrote.
+// \param state  [in] the views before they were refined.
+// \return the level.
 // \throw FileError if there is no state, it is damaged, or belongs to another
 //        run: the message names the difference.
-RefinementState ReadState(const std::filesystem::path& output,
-                          const JobInputs& inputs,
-                          const std::vector<View>& views);
+int ReadState(const std::filesystem::path& output, const JobInputs& inputs,
+              RefinedMesh* state);
 
 void RemoveState(const std::filesystem::path& output);
 
 // \throw std::logic_error if it is not manifold.
 void ExpectManifold(const TriangleMesh& mesh);
-
-using Warn = std::function<void(const std::string& warning)>;
-
-// What computes the energy, and what to tell of it.
-struct RefinementBackend {
-  std::unique_ptr<PhotometricEnergy> energy;
-  std::string description;  // and why it was taken, for Backend::kAuto
-};
-
-// By options.backend. Where the choice is free, OpenGL in software is not
-// taken: the processor is faster without it. Where the graphics card fails
-// later, the processor takes over.
-//
-// \param expected_facets  of the mesh, at the finest level.
-// \param warn  called with lines for the user, now and as long as the energy
-//        lives.
-// \throw OptionError if OpenGL is asked for, and is not to be had.
-RefinementBackend MakeBackend(const RefinerOptions& options,
-                              std::shared_ptr<ImagePyramid> images,
-                              size_t expected_facets, const Warn& warn);
 
 // A refinement that can be interrupted: of a whole mesh or, if vertices around
 // it are fixed, of the tile of a plan. Prints its iterations, stops at a

@@ -99,22 +99,20 @@ PointCloud PointShares::Take(size_t tile) {
   return cloud;
 }
 
-TilePoints::TilePoints(const std::filesystem::path& folder,
-                       const SplitTree& tree, size_t num_tiles,
+TilePoints::TilePoints(const Plan& plan, const SplitTree& tree,
                        size_t num_points, const MesherOptions& options,
-                       const std::vector<View>& views, ReadGrayImage read_mask,
-                       const std::optional<Region>& region)
-    : tree_(tree),
-      num_tiles_(num_tiles),
+                       ReadGrayImage read_mask, PlanReport* report)
+    : plan_(plan),
+      tree_(tree),
+      num_tiles_(plan.tiles.size()),
       num_points_(num_points),
       options_(options),
-      views_(views),
-      region_(region),
       read_mask_(std::move(read_mask)),
-      shares_(folder, region ? 2 * num_tiles : num_tiles),
-      ends_(num_tiles) {
-  if (region) {
-    collector_.emplace(*region, views);
+      report_(report),
+      shares_(plan.folder, plan.region ? 2 * num_tiles_ : num_tiles_),
+      ends_(num_tiles_) {
+  if (plan.region) {
+    collector_.emplace(*plan.region, plan.views);
   }
 }
 
@@ -122,7 +120,7 @@ std::optional<uint32_t> TilePoints::Add(const PointCloud& cloud, size_t point) {
   const size_t number = num_added_++;
   const Eigen::Vector3f& position = cloud.positions[point];
   if (collector_ && collector_->IsOutside(position)) {
-    ++num_outside_;
+    ++report_->num_outside_points;
     shares_.Add(num_tiles_ + number * num_tiles_ / num_points_, cloud, point);
     return std::nullopt;
   }
@@ -134,8 +132,9 @@ std::optional<uint32_t> TilePoints::Add(const PointCloud& cloud, size_t point) {
 void TilePoints::CollectEnds() {
   if (options_.mask_background) {
     const Region bounds = BackgroundBounds();
-    for (uint32_t view = 0; view < views_.size(); ++view) {
-      AddToTiles(BackgroundEnds(bounds, views_[view], view, read_mask_(view)));
+    for (uint32_t view = 0; view < plan_.views.size(); ++view) {
+      AddToTiles(
+          BackgroundEnds(bounds, plan_.views[view], view, read_mask_(view)));
     }
   }
   if (!collector_) {
@@ -165,17 +164,17 @@ WeightedCloud TilePoints::Take(size_t tile) {
 PointCloud TilePoints::TakeMasked(size_t share) {
   PointCloud cloud = shares_.Take(share);
   if (read_mask_) {
-    const MaskReport masked = MaskCloud(read_mask_, views_, &cloud);
-    masks_.num_masked_points += masked.num_masked_points;
-    masks_.num_masked_observations += masked.num_masked_observations;
+    const MaskReport masked = MaskCloud(read_mask_, plan_.views, &cloud);
+    report_->masks->num_masked_points += masked.num_masked_points;
+    report_->masks->num_masked_observations += masked.num_masked_observations;
   }
   return cloud;
 }
 
 // As the mesher has it: without a region, around what masks leave.
 Region TilePoints::BackgroundBounds() {
-  if (region_) {
-    return Grow(*region_, MarginOf(*region_));
+  if (plan_.region) {
+    return Grow(*plan_.region, MarginOf(*plan_.region));
   }
   Eigen::AlignedBox3f box;
   for (size_t tile = 0; tile < num_tiles_; ++tile) {
@@ -189,7 +188,7 @@ Region TilePoints::BackgroundBounds() {
 }
 
 void TilePoints::AddToTiles(const RayEnds& ends) {
-  num_ends_ += ends.size();
+  report_->num_ray_ends += ends.size();
   for (size_t i = 0; i < ends.size(); ++i) {
     RayEnds* to = &ends_[tree_.PartOf(ends.positions[i])];
     to->positions.push_back(ends.positions[i]);

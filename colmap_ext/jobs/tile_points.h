@@ -7,14 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "colmap_ext/jobs/mesh_tiles.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "meshing/ray_ends.h"
 #include "scene/images.h"
 #include "scene/point_cloud.h"
-#include "scene/region.h"
-#include "scene/view.h"
 #include "tiles/tile_cells.h"
-#include "workspace/pictures.h"
 
 namespace colmap_ext {
 
@@ -49,14 +47,16 @@ class PointShares {
 // point. As many points as a tile has are held at a time, and all ends.
 class TilePoints {
  public:
+  // \param plan  its folder, views, region, and as many tiles as it will have;
+  //        it, tree, options and report outlive this
   // \param num_points  of the cloud
   // \param read_mask  of the views; empty: no masks
-  // \param region  nothing is meshed beyond; nothing: no region
+  // \param report  gets counts of points outside, ray ends, and what masks take
+  //        away; num_masks is set before
   // \throw FileError if the folder can not be written
-  TilePoints(const std::filesystem::path& folder, const SplitTree& tree,
-             size_t num_tiles, size_t num_points, const MesherOptions& options,
-             const std::vector<View>& views, ReadGrayImage read_mask,
-             const std::optional<Region>& region);
+  TilePoints(const Plan& plan, const SplitTree& tree, size_t num_points,
+             const MesherOptions& options, ReadGrayImage read_mask,
+             PlanReport* report);
 
   // The next point, half pixel put right.
   // \param point  of the cloud
@@ -69,31 +69,23 @@ class TilePoints {
   // The points of a tile that masks leave, with the ends there. Once a tile.
   WeightedCloud Take(size_t tile);
 
-  // What masks took away, num_masks aside.
-  const MaskReport& masks() const { return masks_; }
-  size_t num_outside_points() const { return num_outside_; }
-  size_t num_ray_ends() const { return num_ends_; }
-
  private:
   PointCloud TakeMasked(size_t share);
   Region BackgroundBounds();
   void AddToTiles(const RayEnds& ends);
 
+  const Plan& plan_;
   const SplitTree& tree_;
   const size_t num_tiles_;
   const size_t num_points_;
   const MesherOptions& options_;
-  const std::vector<View>& views_;
-  const std::optional<Region> region_;
   std::optional<RayEndCollector> collector_;
   ReadGrayImage read_mask_;
-  MaskReport masks_;
+  PlanReport* report_;
   // Of the tiles, and as many of the points beyond the region, in their order.
   PointShares shares_;
   std::vector<RayEnds> ends_;  // [tiles]
   size_t num_added_ = 0;
-  size_t num_outside_ = 0;
-  size_t num_ends_ = 0;
 };
 
 }  // namespace colmap_ext

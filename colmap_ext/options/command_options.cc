@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 
 namespace colmap_ext {
@@ -110,10 +109,9 @@ void CommandOptions::Add(const std::string& name, Value value,
       value);
 }
 
-void CommandOptions::AddNumber(const std::string& name,
-                               std::variant<int*, double*> value,
-                               const NumberRange& range,
-                               const std::string& help) {
+void CommandOptions::Add(const std::string& name,
+                         std::variant<int*, double*> value,
+                         const NumberRange& range, const std::string& help) {
   constexpr const char* kKinds[] = {"a whole number, ", "a number, "};
   std::visit(
       [&](auto* pointer) {
@@ -194,9 +192,9 @@ std::vector<double> ParseNumberList(const std::string& option,
 
 void CommandOptions::AddThreads(const std::string& section, int* num_threads) {
   num_threads_ = num_threads;
-  AddNumber("num_threads", num_threads, kThreads,
-            "[threads] Number of threads; -1: all cores. The result does not "
-            "depend on it");
+  Add("num_threads", num_threads, kThreads,
+      "[threads] Number of threads; -1: all cores. The result does not "
+      "depend on it");
   if (!section.empty()) {
     AddAlias(section + ".num_threads", "num_threads");
   }

@@ -6,12 +6,28 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <ostream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
 namespace colmap_ext {
+
+// A command line that asks for something impossible. The message is one line
+// for the user.
+class OptionError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// \throw OptionError if the condition holds
+inline void RefuseIf(bool condition, const char* message) {
+  if (condition) {
+    throw OptionError(message);
+  }
+}
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
@@ -64,7 +80,7 @@ class CommandOptions {
     // this kind.
     std::function<bool(const std::string&)> set;
     std::optional<NumberRange> range = std::nullopt;  // of numbers
-    bool is_list = false;  // takes several values, see parse_options.h
+    bool is_list = false;  // takes several values, see Add()
     std::string default_value = text();
   };
 
@@ -77,9 +93,6 @@ class CommandOptions {
   };
 
   // \param summary  what the command does, and an example.
-  explicit CommandOptions(std::string summary = "")
-      : summary_(std::move(summary)) {}
-
   void SetSummary(std::string summary) { summary_ = std::move(summary); }
 
   // Options are added to this group from now on.
@@ -94,8 +107,8 @@ class CommandOptions {
   void Add(const std::string& name, Value value, const std::string& help = "");
 
   // Adds a number.
-  void AddNumber(const std::string& name, std::variant<int*, double*> value,
-                 const NumberRange& range, const std::string& help = "");
+  void Add(const std::string& name, std::variant<int*, double*> value,
+           const NumberRange& range, const std::string& help = "");
 
   // Adds a choice of words; upper and lower case are the same.
   // \param words  each with the value that it stands for. A later word for the
@@ -175,5 +188,38 @@ inline constexpr char kListSeparator = '\n';
 // \throw OptionError if the text is anything else.
 std::vector<double> ParseNumberList(const std::string& option,
                                     const std::string& text, size_t count);
+
+// The result of parsing, besides the values.
+struct ParsedOptions {
+  bool wants_help = false;
+  bool wants_version = false;
+  // Ignored options: those of COLMAP, or of a section of aliases, that have no
+  // meaning here. As they were given; sections of a project file as "Name.*".
+  std::vector<std::string> ignored;
+};
+
+// Sets the values of the options that are given by the arguments, or by the
+// project file of --project_path. Arguments have priority, and so has an
+// option's own name over its aliases. Names can be abbreviated where they stay
+// unique. Options of all COLMAP commands, such as --log_level, and sections of
+// other commands in a project file are ignored.
+//
+// A project file is as COLMAP's project_generator writes it: lines
+// `name=value`, in sections `[Section]` whose options are "Section.name"; `#`
+// starts a comment. Spaces around names and values do not count.
+//
+// \param argc, argv  argv[0] is not an option.
+// \throw OptionError if an option is unknown, given twice, without a value or
+//        with an invalid one, or the file cannot be read. Some values may have
+//        been set then.
+ParsedOptions ParseOptions(int argc, const char* const* argv,
+                           const CommandOptions& options);
+
+// Prints a command's options by groups: each on a line of its own,
+// `--name (=DEFAULT)` or `--name (=DEFAULT; RANGE)`, with its help below.
+// docs/options.md is made from this.
+// \param versions  of the programs, one line.
+void PrintHelp(const CommandOptions& options, const std::string& versions,
+               std::ostream& stream);
 
 }  // namespace colmap_ext

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "colmap_ext/errors.h"
 #include "formats/read_arrays.h"
 
 namespace colmap_ext {
@@ -54,10 +53,10 @@ void AddEvaluatorOptions(CommandOptions* options, EvaluatorOptions* evaluator) {
   MeshEvaluationOptions* const evaluation = &evaluator->evaluation;
   const std::string ours = "MeshEvaluation.";
   options->Add("mesh_path", &evaluator->mesh_path, "Mesh, PLY; required");
-  options->Add("truth_path", &evaluator->truth_path,
-               "Ground truth in the same frame: a mesh or points, PLY, or a "
-               "folder of COLMAP depth maps IMAGE_NAME[.geometric].bin; "
-               "required");
+  options->Add(
+      "truth_path", &evaluator->truth_path,
+      "Ground truth in the same frame: a mesh or points, PLY, or a folder of "
+      "COLMAP depth maps IMAGE_NAME[.geometric].bin; required");
   options->Add("workspace_path", &evaluator->workspace_path,
                "Workspace or sparse model with undistorted images. Count only "
                "surface that the images see, and compare depths");
@@ -73,15 +72,14 @@ void AddEvaluatorOptions(CommandOptions* options, EvaluatorOptions* evaluator) {
   options->AddAlias("picture_image", "image_name");
   AddRegionOption("Count only samples inside", &evaluator->region,
                   "; auto: the part that most images look at", options);
-  options->AddNumber(ours + "stride", &evaluation->stride, {1, 1000},
-                     "[px] Cast a ray through every n-th pixel of a row and "
-                     "column");
-  options->AddNumber(ours + "spacing", &evaluation->spacing, kLength,
-                     "[scene units] Take one sample per cube of this side; 0: "
-                     "0.001 times the truth's diagonal. DTU: 0.2 mm");
-  options->AddNumber(ours + "max_distance", &evaluation->max_distance, kLength,
-                     "[scene units] Clip distances at this; 0: 0.05 times the "
-                     "truth's diagonal. DTU: 20 mm");
+  options->Add(ours + "stride", &evaluation->stride, {1, 1000},
+               "[px] Cast a ray through every n-th pixel of a row and column");
+  options->Add(ours + "spacing", &evaluation->spacing, kLength,
+               "[scene units] Take one sample per cube of this side; 0: 0.001 "
+               "times the truth's diagonal. DTU: 0.2 mm");
+  options->Add(ours + "max_distance", &evaluation->max_distance, kLength,
+               "[scene units] Clip distances at this; 0: 0.05 times the "
+               "truth's diagonal. DTU: 20 mm");
   options->Add(ours + "drop_beyond", &evaluation->drop_beyond,
                "Ignore distances beyond max_distance instead of clipping them, "
                "as DTU's own evaluation does");
@@ -93,15 +91,15 @@ void AddEvaluatorOptions(CommandOptions* options, EvaluatorOptions* evaluator) {
   options->Add("observability_mask", &evaluator->observability_mask,
                "Count samples of the mesh only where this NumPy array [X,Y,Z] "
                "of uint8 is not 0 (DTU's ObsMask)");
-  options->Add("observability_box", &evaluator->observability_box,
-               "minx,miny,minz,resolution of that array (DTU's BB(1,:) and "
-               "Res)");
+  options->Add(
+      "observability_box", &evaluator->observability_box,
+      "minx,miny,minz,resolution of that array (DTU's BB(1,:) and Res)");
   options->Add("ground_plane", &evaluator->ground_plane,
-               "a,b,c,d: count samples of the truth only where "
-               "ax + by + cz + d > 0 (DTU's Plane)");
-  options->AddNumber(ours + "error_scale", &evaluator->error_scale, kLength,
-                     "[scene units] Error shown by the last color; 0: above "
-                     "95 % of the errors");
+               "a,b,c,d: count samples of the truth only where ax + by + cz + "
+               "d > 0 (DTU's Plane)");
+  options->Add(ours + "error_scale", &evaluator->error_scale, kLength,
+               "[scene units] Error shown by the last color; 0: above 95 % of "
+               "the errors");
 }
 
 }  // namespace colmap_ext

@@ -1,6 +1,5 @@
 #include "colmap_ext/options/meshing_options.h"
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 #include "workspace/find_workspace.h"
 
@@ -20,10 +19,10 @@ void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
   options->Add("report_path", &mesher->report_path,
                "Write a report, an HTML page with figures and pictures");
   options->SetGroup(OptionGroup::kAdvanced);
-  options->Add("input_path", &mesher->input_path,
-               "Same as delaunay_mesher's --input_path: the dense workspace or "
-               "the sparse model, instead of workspace_path. Requires "
-               "output_path");
+  options->Add(
+      "input_path", &mesher->input_path,
+      "Same as delaunay_mesher's --input_path: the dense workspace or the "
+      "sparse model, instead of workspace_path. Requires output_path");
   options->AddWord(
       "input_type", &mesher->workspace.input_type,
       {{"dense", InputType::kDense}, {"sparse", InputType::kSparse}},
@@ -32,8 +31,8 @@ void AddPathOptions(CommandOptions* options, MesherOptions* mesher) {
                "Plan folder of mesh_planner. With tile: mesh this tile of it, "
                "with the options of the plan");
   options->AddAlias("plan", "plan_path");
-  options->AddNumber("tile", &mesher->tile, kCountOrMinusOne,
-                     "Index of the tile to mesh; -1: none");
+  options->Add("tile", &mesher->tile, kCountOrMinusOne,
+               "Index of the tile to mesh; -1: none");
   options->SetGroup(OptionGroup::kBasic);
 }
 
@@ -48,87 +47,83 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                      2,
                      "Preset of max_proj_dist, which has priority where it is "
                      "given: 40, 28, 20, 10 px");
-  options->AddNumber(ours + "max_proj_dist", &meshing->max_proj_dist,
-                     kNotNegative,
-                     "[px] Merge points closer than this in an image; higher "
-                     "is coarser and faster. 0: keep every point");
-  options->AddNumber(ours + "quality_regularization",
-                     &meshing->quality_regularization, {0, 1e4},
-                     "Weight of the surface quality; higher is smoother");
-  options->AddNumber(ours + "smoothing", &meshing->smoothing, {0, 10},
-                     "Strength of the final smoothing, which moves vertices "
-                     "by about the noise of the points around them. 0: keep "
-                     "the vertices at fused points");
-  options->AddNumber(ours + "min_confidence", &meshing->borders.trim, {0, 1},
-                     "Remove faces with a lower confidence; 0.2 removes "
-                     "membranes that span sky or openings. 0: keep all");
-  options->AddNumber(ours + "close_holes", &meshing->borders.close_holes,
-                     {0, kNoLimit, kAllLoops},
-                     "[px] Close holes up to this wide in the view that sees "
-                     "them best; 0: none, -1: all, even the outer border");
-  options->AddNumber(ours + "min_component_faces",
-                     &meshing->min_component_faces, {0},
-                     "[faces] Remove components with fewer faces");
-  options->AddNumber(ours + "max_side_length_factor",
-                     &meshing->max_side_length_factor, kNotNegative,
-                     "Remove faces whose longest side is longer than this "
-                     "times the percentile of all sides; 0: keep all");
+  options->Add(ours + "max_proj_dist", &meshing->max_proj_dist, kNotNegative,
+               "[px] Merge points closer than this in an image; higher is "
+               "coarser and faster. 0: keep every point");
+  options->Add(ours + "quality_regularization",
+               &meshing->quality_regularization, {0, 1e4},
+               "Weight of the surface quality; higher is smoother");
+  options->Add(
+      ours + "smoothing", &meshing->smoothing, {0, 10},
+      "Strength of the final smoothing, which moves vertices by about the "
+      "noise of the points around them. 0: keep the vertices at fused points");
+  options->Add(ours + "min_confidence", &meshing->borders.trim, {0, 1},
+               "Remove faces with a lower confidence; 0.2 removes membranes "
+               "that span sky or openings. 0: keep all");
+  options->Add(ours + "close_holes", &meshing->borders.close_holes,
+               {0, kNoLimit, kAllLoops},
+               "[px] Close holes up to this wide in the view that sees them "
+               "best; 0: none, -1: all, even the outer border");
+  options->Add(ours + "min_component_faces", &meshing->min_component_faces, {0},
+               "[faces] Remove components with fewer faces");
+  options->Add(ours + "max_side_length_factor",
+               &meshing->max_side_length_factor, kNotNegative,
+               "Remove faces whose longest side is longer than this times the "
+               "percentile of all sides; 0: keep all");
   options->Add(ours + "remeshing", &meshing->remeshing,
                "Remesh the final surface into well-shaped faces, for meshes "
                "that are not refined");
   options->SetGroup(OptionGroup::kAdvanced);
-  options->AddNumber(ours + "max_side_length_percentile",
-                     &meshing->max_side_length_percentile, {0, 100},
-                     "[%] Percentile that max_side_length_factor multiplies");
-  options->AddNumber(ours + "max_depth_dist", &meshing->max_depth_dist, {0, 1},
-                     "Merge points only if their depths differ by less than "
-                     "this fraction");
-  options->AddNumber(ours + "visibility_sigma", &meshing->visibility_sigma,
-                     kPositive,
-                     "[images] Images at which a point counts as well "
-                     "supported; higher values down-weight points seen by few "
-                     "images");
-  options->AddNumber(ours + "distance_sigma_factor",
-                     &meshing->distance_sigma_factor, kPositive,
-                     "Expected noise of the points, as a multiple of the 25th "
-                     "percentile of edge lengths; higher is smoother");
-  options->Add(ours + "weak_surfaces", &meshing->weak_surfaces,
-               "Keep weakly supported surface, such as textureless areas of "
-               "an object photographed from all sides; the rest gets slightly "
-               "noisier");
-  options->AddWord(ours + "half_pixel_correction", &mesher->half_pixel,
-                   {{"auto", HalfPixelCorrection::kAuto},
-                    {"full", HalfPixelCorrection::kFull},
-                    {"off", HalfPixelCorrection::kOff},
-                    {"1", HalfPixelCorrection::kAuto},
-                    {"true", HalfPixelCorrection::kAuto},
-                    {"yes", HalfPixelCorrection::kAuto},
-                    {"on", HalfPixelCorrection::kAuto},
-                    {"0", HalfPixelCorrection::kOff},
-                    {"false", HalfPixelCorrection::kOff},
-                    {"no", HalfPixelCorrection::kOff}},
-                   "Correct the half-pixel offset of COLMAP's fused points, by "
-                   "the amount that the sparse points show, by half a pixel, "
-                   "or not");
+  options->Add(ours + "max_side_length_percentile",
+               &meshing->max_side_length_percentile, {0, 100},
+               "[%] Percentile that max_side_length_factor multiplies");
+  options->Add(
+      ours + "max_depth_dist", &meshing->max_depth_dist, {0, 1},
+      "Merge points only if their depths differ by less than this fraction");
+  options->Add(ours + "visibility_sigma", &meshing->visibility_sigma, kPositive,
+               "[images] Images at which a point counts as well supported; "
+               "higher values down-weight points seen by few images");
+  options->Add(ours + "distance_sigma_factor", &meshing->distance_sigma_factor,
+               kPositive,
+               "Expected noise of the points, as a multiple of the 25th "
+               "percentile of edge lengths; higher is smoother");
+  options->Add(
+      ours + "weak_surfaces", &meshing->weak_surfaces,
+      "Keep weakly supported surface, such as textureless areas of an object "
+      "photographed from all sides; the rest gets slightly noisier");
+  options->AddWord(
+      ours + "half_pixel_correction", &mesher->half_pixel,
+      {{"auto", HalfPixelCorrection::kAuto},
+       {"full", HalfPixelCorrection::kFull},
+       {"off", HalfPixelCorrection::kOff},
+       {"1", HalfPixelCorrection::kAuto},
+       {"true", HalfPixelCorrection::kAuto},
+       {"yes", HalfPixelCorrection::kAuto},
+       {"on", HalfPixelCorrection::kAuto},
+       {"0", HalfPixelCorrection::kOff},
+       {"false", HalfPixelCorrection::kOff},
+       {"no", HalfPixelCorrection::kOff}},
+      "Correct the half-pixel offset of COLMAP's fused points, by the amount "
+      "that the sparse points show, by half a pixel, or not");
 }
 
 void AddAblationOptions(CommandOptions* options, MesherOptions* mesher) {
   const std::string ours = kMeshingSection;
   ManifoldMeshingOptions* const meshing = &mesher->meshing;
   options->SetGroup(OptionGroup::kAblations);
-  options->AddNumber(ours + "alpha_vis", &mesher->alpha_vis, {1e-6, 1, 0},
-                     "Weight of every observation; 0: 1 - exp(-n^2 / (2 s^2)) "
-                     "for a point seen by n images, s = visibility_sigma");
-  options->AddNumber(ours + "behind_sigma", &meshing->behind_sigma, kPositive,
-                     "[distance sigmas] Assumed depth of solid behind a point");
+  options->Add(ours + "alpha_vis", &mesher->alpha_vis, {1e-6, 1, 0},
+               "Weight of every observation; 0: 1 - exp(-n^2 / (2 s^2)) for a "
+               "point seen by n images, s = visibility_sigma");
+  options->Add(ours + "behind_sigma", &meshing->behind_sigma, kPositive,
+               "[distance sigmas] Assumed depth of solid behind a point");
   options->Add(ours + "preemptive_fixing", &meshing->preemptive_fixing,
                "Relabel and split cells around singular vertices before the "
                "surface is extracted; 0: split these vertices instead");
   options->AddWord(
       ours + "fixing_rule", &meshing->fixing_rule,
       {{"energy", FixingRule::kEnergy}, {"paper", FixingRule::kPaper}},
-      "How singular vertices are removed: fewest remaining at the "
-      "lowest cut energy, or the paper's three passes");
+      "How singular vertices are removed: fewest remaining at the lowest cut "
+      "energy, or the paper's three passes");
   options->SetGroup(OptionGroup::kOldNames);
   options->AddWord(ours + "alpha_kind", &mesher->old_alpha_kind,
                    {{"tracks", ObservationWeight::kTracks},
@@ -143,11 +138,10 @@ void AddAblationOptions(CommandOptions* options, MesherOptions* mesher) {
 
 void AddColmapAliases(CommandOptions* options, MesherOptions* mesher) {
   const std::string colmaps = "DelaunayMeshing.";
-  options->AddAlias(colmaps + "max_proj_dist",
-                    std::string(kMeshingSection) + "max_proj_dist",
-                    ", but in pixels of the cameras if images have another "
-                    "size",
-                    &mesher->has_camera_pixels);
+  options->AddAlias(
+      colmaps + "max_proj_dist", std::string(kMeshingSection) + "max_proj_dist",
+      ", but in pixels of the cameras if images have another size",
+      &mesher->has_camera_pixels);
   for (const char* name :
        {"max_depth_dist", "visibility_sigma", "distance_sigma_factor",
         "quality_regularization", "max_side_length_factor",
@@ -155,6 +149,38 @@ void AddColmapAliases(CommandOptions* options, MesherOptions* mesher) {
     options->AddAlias(colmaps + name, kMeshingSection + std::string(name));
   }
   options->AddAlias(colmaps + "num_threads", "num_threads");
+}
+
+// Those of the input that mesh_planner has too.
+void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
+  AddRegionOption("Mesh only inside", &mesher->scene.region, kWrittenAutoRegion,
+                  options);
+  AddMaskOption(&mesher->scene.mask_path, options);
+  options->Add(
+      "mask_background", &mesher->mask_background,
+      "Masked pixels are background: everything along their rays is empty");
+  options->AddThreads("DelaunayManifoldMeshing", &mesher->num_threads);
+  options->SetGroup(OptionGroup::kAdvanced);
+  AddFusedPathOption(&mesher->workspace.fused_path, options);
+  AddSparsePathOption(&mesher->workspace.sparse_path, options);
+  AddImageOrderOption(&mesher->workspace.image_order, options);
+  options->SetGroup(OptionGroup::kBasic);
+}
+
+// Those of the method, DelaunayManifoldMeshing.*.
+void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher) {
+  AddPointOptions(options, mesher);
+  AddAblationOptions(options, mesher);
+}
+
+// A plan determines what is meshed.
+void CheckPlan(const MesherOptions& options) {
+  RefuseIf(options.plan_path.empty() || options.tile < 0,
+           "--plan_path and --tile belong together");
+  RefuseIf(!options.InputPath().empty() || !options.output_path.empty() ||
+               !options.report_path.empty(),
+           "--plan_path determines what is meshed: omit --workspace_path, "
+           "--input_path, --output_path and --report_path");
 }
 
 }  // namespace
@@ -171,7 +197,7 @@ std::filesystem::path MesherOptions::OutputPath(
 
 void MesherOptions::Finish() {
   if (!plan_path.empty() || tile >= 0) {
-    FinishTile();
+    CheckPlan(*this);
     return;
   }
   RefuseIf(workspace_path.empty() == input_path.empty(),
@@ -197,34 +223,6 @@ void MesherOptions::Finish() {
   if (!old_half_pixel_calibration && half_pixel == HalfPixelCorrection::kAuto) {
     half_pixel = HalfPixelCorrection::kFull;
   }
-}
-
-void MesherOptions::FinishTile() const {
-  RefuseIf(plan_path.empty() || tile < 0,
-           "--plan_path and --tile belong together");
-  RefuseIf(!InputPath().empty() || !output_path.empty() || !report_path.empty(),
-           "--plan_path determines what is meshed: omit --workspace_path, "
-           "--input_path, --output_path and --report_path");
-}
-
-void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
-  AddRegionOption("Mesh only inside", &mesher->scene.region, kWrittenAutoRegion,
-                  options);
-  AddMaskOption(&mesher->scene.mask_path, options);
-  options->Add("mask_background", &mesher->mask_background,
-               "Masked pixels are background: everything along their rays is "
-               "empty");
-  options->AddThreads("DelaunayManifoldMeshing", &mesher->num_threads);
-  options->SetGroup(OptionGroup::kAdvanced);
-  AddFusedPathOption(&mesher->workspace.fused_path, options);
-  AddSparsePathOption(&mesher->workspace.sparse_path, options);
-  AddImageOrderOption(&mesher->workspace.image_order, options);
-  options->SetGroup(OptionGroup::kBasic);
-}
-
-void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher) {
-  AddPointOptions(options, mesher);
-  AddAblationOptions(options, mesher);
 }
 
 void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {
@@ -264,20 +262,19 @@ void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner) {
                "Dense workspace, as for delaunay_manifold_mesher; required");
   options->Add("output_path", &planner->output_path,
                "Plan folder; required. Files of the same plan are kept");
-  options->AddNumber("max_memory_gb", &planner->max_memory_gb, kGigabytes,
-                     "[GB] Memory of the job of one tile; higher makes fewer "
-                     "tiles");
+  options->Add("max_memory_gb", &planner->max_memory_gb, kGigabytes,
+               "[GB] Memory of the job of one tile; higher makes fewer tiles");
   AddMeshingInputOptions(options, &planner->mesher);
   options->SetGroup(OptionGroup::kAdvanced);
-  options->AddNumber("num_tiles", &planner->num_tiles, {0},
-                     "[tiles] Number of tiles; 0: by max_memory_gb");
-  options->AddNumber("distance_sigma", &planner->distance_sigma, kLength,
-                     "[scene units] Expected noise of the points; 0: by "
-                     "DelaunayManifoldMeshing.distance_sigma_factor");
-  options->AddNumber("seam_rings", &planner->seam_rings, kCountOrMinusOne,
-                     "[cells] Width that the merger re-solves on both sides of "
-                     "tile borders; -1: re-solve everything undecided: "
-                     "identical to a single-machine run, more memory");
+  options->Add("num_tiles", &planner->num_tiles, {0},
+               "[tiles] Number of tiles; 0: by max_memory_gb");
+  options->Add("distance_sigma", &planner->distance_sigma, kLength,
+               "[scene units] Expected noise of the points; 0: by "
+               "DelaunayManifoldMeshing.distance_sigma_factor");
+  options->Add("seam_rings", &planner->seam_rings, kCountOrMinusOne,
+               "[cells] Width that the merger re-solves on both sides of tile "
+               "borders; -1: re-solve everything undecided: identical to a "
+               "single-machine run, more memory");
   options->SetGroup(OptionGroup::kBasic);
   AddMeshingOptions(options, &planner->mesher);
 }
@@ -286,9 +283,9 @@ void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
   options->SetSummary(
       "Joins the tiles of a plan into one seamless 2-manifold mesh.\n\n"
       "  colmap mesh_merger --plan_path PLAN --output_path MESH.ply\n");
-  options->Add("plan_path", &merger->plan_path,
-               "Plan folder of mesh_planner, all of whose tiles are done; "
-               "required");
+  options->Add(
+      "plan_path", &merger->plan_path,
+      "Plan folder of mesh_planner, all of whose tiles are done; required");
   options->AddAlias("plan", "plan_path");
   options->Add("output_path", &merger->output_path,
                "Mesh to write, PLY, with its .vis; required");

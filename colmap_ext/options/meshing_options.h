@@ -53,21 +53,12 @@ struct MesherOptions {
   // Checks the options, and sets those that depend on others.
   // \throw OptionError if something is wrong with any of the options.
   void Finish();
-
- private:
-  void FinishTile() const;
 };
 
 // Adds the options to those of a command, under COLMAP's names where the
 // meaning is COLMAP's.
 // \param mesher  must outlive the parsing.
 void AddMesherOptions(CommandOptions* options, MesherOptions* mesher);
-
-// Adds only those of the method, DelaunayManifoldMeshing.*.
-void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher);
-
-// Adds only those of the input that mesh_planner has too.
-void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher);
 
 // Options of mesh_planner.
 struct PlannerOptions {

@@ -1,4 +1,4 @@
-#include "colmap_ext/options/parse_options.h"
+#include "colmap_ext/options/command_options.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,6 @@
 #include <system_error>
 
 #include <fmt/format.h>
-
-#include "colmap_ext/errors.h"
 
 namespace colmap_ext {
 namespace {

@@ -1,7 +1,5 @@
 #include "colmap_ext/options/refinement_options.h"
 
-#include "colmap_ext/errors.h"
-
 namespace colmap_ext {
 namespace {
 
@@ -86,8 +84,8 @@ void AddPathOptions(CommandOptions* options, RefinerOptions* refiner) {
                "Plan folder. With input_path, the mesh of mesh_merger: plan "
                "the refinement. With tile: refine this tile");
   options->AddAlias("plan", "plan_path");
-  options->AddNumber("tile", &refiner->tile, kCountOrMinusOne,
-                     "Index of the tile to refine; -1: none");
+  options->Add("tile", &refiner->tile, kCountOrMinusOne,
+               "Index of the tile to refine; -1: none");
   AddImageOrderOption(&refiner->image_order, options);
   options->SetGroup(OptionGroup::kBasic);
 }
@@ -115,20 +113,18 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
       "Preset of image_scale, max_face_area and final_pairs_per_face; what is "
       "given besides has priority. low takes less than half of the time of "
       "high");
-  options->AddNumber(ours + "image_scale", &refiner->image_scale, {0.05, 1},
-                     "Scale of the images that are compared: 0.5 is half the "
-                     "width and height, and a quarter of the time");
-  options->AddNumber(ours + "levels", &refinement->levels, {1, 8},
-                     "[levels] Image sizes, coarse to fine; 3: a quarter, half "
-                     "and full size");
-  options->AddNumber(ours + "smoothness_weight", &refinement->smoothness_weight,
-                     kNotNegative,
-                     "Factor on the estimated smoothness; higher is smoother");
-  options->AddNumber(ours + "max_face_area", &refinement->max_face_area,
-                     {0.5, 1e6},
-                     "[px^2] Area of a face in the image where the surface is "
-                     "curved; higher makes fewer faces. Flat parts get larger "
-                     "faces");
+  options->Add(ours + "image_scale", &refiner->image_scale, {0.05, 1},
+               "Scale of the images that are compared: 0.5 is half the width "
+               "and height, and a quarter of the time");
+  options->Add(
+      ours + "levels", &refinement->levels, {1, 8},
+      "[levels] Image sizes, coarse to fine; 3: a quarter, half and full size");
+  options->Add(ours + "smoothness_weight", &refinement->smoothness_weight,
+               kNotNegative,
+               "Factor on the estimated smoothness; higher is smoother");
+  options->Add(ours + "max_face_area", &refinement->max_face_area, {0.5, 1e6},
+               "[px^2] Area of a face in the image where the surface is "
+               "curved; higher makes fewer faces. Flat parts get larger faces");
   options->AddWord(ours + "refine_cameras", &refiner->refine_cameras,
                    {{"auto", std::nullopt},
                     {"none", RefinedParts::kNothing},
@@ -137,16 +133,15 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
                    "Camera parameters to refine with the surface, written to "
                    "WORKSPACE/sparse-refined. auto: poses, only if the images "
                    "are misaligned, and not for rigs");
-  options->AddNumber(ours + "min_confidence", &refiner->min_confidence,
-                     {0, 1, kAutoTrim, "auto"},
-                     "Remove faces with a lower confidence; 0: keep all. auto: "
-                     "0.2, or 0 without fused points or if no face has as "
-                     "much");
+  options->Add(ours + "min_confidence", &refiner->min_confidence,
+               {0, 1, kAutoTrim, "auto"},
+               "Remove faces with a lower confidence; 0: keep all. auto: 0.2, "
+               "or 0 without fused points or if no face has as much");
   options->AddAlias(ours + "trim", ours + "min_confidence");
-  options->AddNumber(ours + "close_holes", &refinement->borders.close_holes,
-                     {0, kNoLimit, kAllLoops},
-                     "[px] Close holes up to this wide in the view that sees "
-                     "them best; 0: none, -1: all, even the outer border");
+  options->Add(ours + "close_holes", &refinement->borders.close_holes,
+               {0, kNoLimit, kAllLoops},
+               "[px] Close holes up to this wide in the view that sees them "
+               "best; 0: none, -1: all, even the outer border");
   options->Add(ours + "skip_missing_images", &refiner->skip_missing_images,
                "Continue without images that are missing, unreadable, or not "
                "of their camera's size");
@@ -156,26 +151,26 @@ void AddAdvancedOptions(CommandOptions* options, RefinerOptions* refiner) {
   const std::string ours = kRefinementSection;
   FacetwiseRefinementOptions* const refinement = &refiner->refinement;
   options->SetGroup(OptionGroup::kAdvanced);
-  options->AddNumber(ours + "iterations", &refinement->iterations, {1},
-                     "[iterations] Maximum number at each level, without the "
-                     "last four");
-  options->AddNumber(ours + "min_zncc", &refinement->min_zncc, {-1, 1},
-                     "Refine faces where the correlation of the images is at "
-                     "least this; other faces follow those around them. -1: "
-                     "all faces, as in the paper");
-  options->AddNumber(ours + "pairs_per_image", &refinement->pairs_per_image,
-                     {1}, "[images] Images with which each image is paired");
-  options->AddNumber(ours + "final_pairs_per_face",
-                     &refinement->labeling.final_pairs_per_facet, {0},
-                     "[pairs] Image pairs per face in the last two iterations, "
-                     "which determine the remaining noise; the two before use "
-                     "a third as many. 0: omit these four, as in the paper");
+  options->Add(
+      ours + "iterations", &refinement->iterations, {1},
+      "[iterations] Maximum number at each level, without the last four");
+  options->Add(
+      ours + "min_zncc", &refinement->min_zncc, {-1, 1},
+      "Refine faces where the correlation of the images is at least this; "
+      "other faces follow those around them. -1: all faces, as in the paper");
+  options->Add(ours + "pairs_per_image", &refinement->pairs_per_image, {1},
+               "[images] Images with which each image is paired");
+  options->Add(ours + "final_pairs_per_face",
+               &refinement->labeling.final_pairs_per_facet, {0},
+               "[pairs] Image pairs per face in the last two iterations, which "
+               "determine the remaining noise; the two before use a third as "
+               "many. 0: omit these four, as in the paper");
   options->AddAlias(ours + "final_pairs_per_facet",
                     ours + "final_pairs_per_face");
-  options->Add(ours + "remeshing", &refinement->remeshing,
-               "Remesh before the last level into well-shaped faces, small "
-               "where the surface is curved. 0: only subdivide large faces, as "
-               "in the paper");
+  options->Add(
+      ours + "remeshing", &refinement->remeshing,
+      "Remesh before the last level into well-shaped faces, small where the "
+      "surface is curved. 0: only subdivide large faces, as in the paper");
 }
 
 void AddAblationOptions(CommandOptions* options, RefinerOptions* refiner) {
@@ -184,21 +179,18 @@ void AddAblationOptions(CommandOptions* options, RefinerOptions* refiner) {
   PhotometricOptions* const photometric = &refinement->photometric;
   FacetLabelingOptions* const labeling = &refinement->labeling;
   options->SetGroup(OptionGroup::kAblations);
-  options->AddNumber(ours + "window", &refiner->window, {3, 15},
-                     "[px] Side of the compared windows; odd");
-  options->AddNumber(ours + "noise_variance", &photometric->noise_variance,
-                     kPositive,
-                     "[gray values^2] Variance of the image noise, for gray "
-                     "values of 0 to 255; higher down-weights windows without "
-                     "texture");
-  options->AddNumber(ours + "residual_floor", &photometric->residual_floor,
-                     kPositive,
-                     "Fraction of a window's variance that even the best match "
-                     "leaves unexplained. A large one weights all windows "
-                     "alike, as in the paper");
-  options->AddNumber(ours + "min_cosine", &photometric->min_cosine, {0, 0.99},
-                     "Ignore images where the cosine between face normal and "
-                     "viewing direction is below this");
+  options->Add(ours + "window", &refiner->window, {3, 15},
+               "[px] Side of the compared windows; odd");
+  options->Add(ours + "noise_variance", &photometric->noise_variance, kPositive,
+               "[gray values^2] Variance of the image noise, for gray values "
+               "of 0 to 255; higher down-weights windows without texture");
+  options->Add(
+      ours + "residual_floor", &photometric->residual_floor, kPositive,
+      "Fraction of a window's variance that even the best match leaves "
+      "unexplained. A large one weights all windows alike, as in the paper");
+  options->Add(ours + "min_cosine", &photometric->min_cosine, {0, 0.99},
+               "Ignore images where the cosine between face normal and viewing "
+               "direction is below this");
   options->Add(ours + "occlusion_masking", &photometric->occlusion_masking,
                "Ignore pixels of a window beyond a jump in depth");
   options->AddWord(ours + "pair_selection", &labeling->pair_selection,
@@ -206,13 +198,12 @@ void AddAblationOptions(CommandOptions* options, RefinerOptions* refiner) {
                     {"classical", PairSelection::kClassical}},
                    "Refine each face by its best image pairs, or by every pair "
                    "that sees it");
-  options->AddNumber(ours + "pairs_per_face", &labeling->pairs_per_facet, {1},
-                     "[pairs] Image pairs per face");
+  options->Add(ours + "pairs_per_face", &labeling->pairs_per_facet, {1},
+               "[pairs] Image pairs per face");
   options->AddAlias(ours + "pairs_per_facet", ours + "pairs_per_face");
-  options->AddNumber(ours + "potts_weight", &labeling->potts_weight,
-                     kNotNegative,
-                     "Cost of different image pairs on neighboring faces; "
-                     "higher makes larger patches");
+  options->Add(ours + "potts_weight", &labeling->potts_weight, kNotNegative,
+               "Cost of different image pairs on neighboring faces; higher "
+               "makes larger patches");
   options->AddWord(ours + "solver", &refinement->solver,
                    {{"gauss_newton", RefinementSolver::kGaussNewton},
                     {"descent", RefinementSolver::kDescent}},
@@ -231,17 +222,16 @@ void AddRunOptions(CommandOptions* options, RefinerOptions* refiner) {
   AddGpuIndexOption(&refiner->gpu_index, options);
   options->AddAlias(ours + "gpu_index", "gpu_index");
   options->AddThreads("FacetwiseRefinement", &refiner->num_threads);
-  options->AddNumber("image_cache_gb", &refiner->image_cache_gb, kGigabytes,
-                     "[GB] Memory for cached images and depth buffers; those "
-                     "that do not fit are read and drawn again. The mesh, its "
-                     "visibility and labels come on top");
+  options->Add("image_cache_gb", &refiner->image_cache_gb, kGigabytes,
+               "[GB] Memory for cached images and depth buffers; those that do "
+               "not fit are read and drawn again. The mesh, its visibility and "
+               "labels come on top");
   options->AddAlias("max_memory_gb", "image_cache_gb");
   options->AddAlias(ours + "max_memory_gb", "image_cache_gb");
   options->SetGroup(OptionGroup::kAdvanced);
-  options->AddNumber(ours + "snapshot_interval", &refiner->snapshot_interval,
-                     {0},
-                     "[iterations] Write OUTPUT.LEVEL.ITERATION.ply each time "
-                     "after this many; 0: never");
+  options->Add(ours + "snapshot_interval", &refiner->snapshot_interval, {0},
+               "[iterations] Write OUTPUT.LEVEL.ITERATION.ply each time after "
+               "this many; 0: never");
   options->SetGroup(OptionGroup::kBasic);
 }
 

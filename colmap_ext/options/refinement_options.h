@@ -56,9 +56,6 @@ struct RefinerOptions {
   // The same for those that AddResultOptions() adds.
   void FinishMethod();
 
-  // Whether cameras that cannot be refined are kept.
-  bool AllowsFixedCameras() const { return !refine_cameras; }
-
   // Sets the trimming of the refinement.
   // \param has_fused_points  whether the workspace has a fused.ply.
   void ChooseTrim(bool has_fused_points);

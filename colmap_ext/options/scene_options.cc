@@ -1,6 +1,5 @@
 #include "colmap_ext/options/scene_options.h"
 
-#include "colmap_ext/errors.h"
 #include "formats/read_numbers.h"
 
 namespace colmap_ext {
@@ -57,12 +56,12 @@ void SceneOptions::Finish() {
 
 void AddRegionOption(const std::string& effect, RegionOption* region,
                      const std::string& automatic, CommandOptions* options) {
-  options->Add("region", &region->text,
-               effect +
-                   " this region: two opposite corners x0,y0,z0,x1,y1,z1 of a "
-                   "box, or a file, such as that of stereo_fusion --bbox_path "
-                   "(docs/tuning.md)" +
-                   automatic);
+  options->Add(
+      "region", &region->text,
+      effect +
+          " this region: two opposite corners x0,y0,z0,x1,y1,z1 of a box, or a "
+          "file, such as that of stereo_fusion --bbox_path (docs/tuning.md)" +
+          automatic);
 }
 
 void AddMaskOption(std::string* mask_path, CommandOptions* options) {
@@ -90,9 +89,9 @@ void AddImageOrderOption(std::optional<ImageOrderKind>* order,
 }
 
 void AddFusedPathOption(CommandOptions::Value path, CommandOptions* options) {
-  options->Add("fused_path", path,
-               "Fused points, PLY, with their .vis. Default: "
-               "WORKSPACE/fused.ply");
+  options->Add(
+      "fused_path", path,
+      "Fused points, PLY, with their .vis. Default: WORKSPACE/fused.ply");
 }
 
 void AddSparsePathOption(CommandOptions::Value path, CommandOptions* options) {
@@ -102,9 +101,9 @@ void AddSparsePathOption(CommandOptions::Value path, CommandOptions* options) {
 }
 
 void AddGpuIndexOption(int* gpu_index, CommandOptions* options) {
-  options->AddNumber("gpu_index", gpu_index, kCountOrMinusOne,
-                     "Graphics card, by its index in EGL's device list; -1: "
-                     "the first suitable one");
+  options->Add("gpu_index", gpu_index, kCountOrMinusOne,
+               "Graphics card, by its index in EGL's device list; -1: the "
+               "first suitable one");
 }
 
 }  // namespace colmap_ext

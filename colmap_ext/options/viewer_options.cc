@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "colmap_ext/errors.h"
-
 namespace colmap_ext {
 namespace {
 
@@ -73,31 +71,30 @@ void AddViewerOptions(CommandOptions* options, ViewerOptions* viewer) {
   options->Add("points", &settings->points, "Draw the workspace's points");
   options->Add("cameras", &settings->cameras,
                "Draw the workspace's cameras with their images");
-  options->Add("screenshot_path", &viewer->screenshot_path,
-               "Write a picture, PNG, instead of opening a window; needs no "
-               "display");
+  options->Add(
+      "screenshot_path", &viewer->screenshot_path,
+      "Write a picture, PNG, instead of opening a window; needs no display");
   options->AddAlias("screenshot", "screenshot_path");
   options->Add("image_name", &viewer->image_name,
                "Draw the picture from the camera of this image");
   options->AddAlias("camera", "image_name");
-  options->AddNumber("image_opacity", &viewer->image_opacity, {0, 1},
-                     "Opacity of that image over the mesh");
-  options->AddNumber("turntable", &viewer->turntable, {0, 1000},
-                     "[pictures] Draw this many pictures around the scene, "
-                     "FILE.000.png and so on; 0: one picture");
-  options->AddNumber("width", &viewer->width, {0, 8192},
-                     "[px] Width of the picture or window; 0: the camera's, or "
-                     "1024");
-  options->AddNumber("height", &viewer->height, {0, 8192},
-                     "[px] Height; 0: from the width and aspect ratio");
+  options->Add("image_opacity", &viewer->image_opacity, {0, 1},
+               "Opacity of that image over the mesh");
+  options->Add("turntable", &viewer->turntable, {0, 1000},
+               "[pictures] Draw this many pictures around the scene, "
+               "FILE.000.png and so on; 0: one picture");
+  options->Add("width", &viewer->width, {0, 8192},
+               "[px] Width of the picture or window; 0: the camera's, or 1024");
+  options->Add("height", &viewer->height, {0, 8192},
+               "[px] Height; 0: from the width and aspect ratio");
   options->SetGroup(OptionGroup::kAdvanced);
-  options->AddNumber("zoom", &viewer->zoom, {1e-4, 1e4},
-                     "Magnification of the picture");
+  options->Add("zoom", &viewer->zoom, {1e-4, 1e4},
+               "Magnification of the picture");
   options->Add("center", &viewer->center_words,
                "u,v: center of the magnified part, as fractions of the width "
                "and height of the picture");
-  options->AddNumber("point_radius", &settings->point_radius, {0.01, 100},
-                     "[px] Radius of points");
+  options->Add("point_radius", &settings->point_radius, {0.01, 100},
+               "[px] Radius of points");
   options->Add("labels_path", &viewer->labels_path,
                "Mesh of facetwise_refiner --labels_path, for mode labels");
   options->Add("error_mesh_path", &viewer->error_mesh_path,

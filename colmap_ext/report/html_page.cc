@@ -217,14 +217,15 @@ std::string HtmlKeyFigures(const std::vector<KeyFigure>& key_figures,
   return items.empty() ? "" : "<ul class=\"keys\">\n" + items + "</ul>\n";
 }
 
-std::string HtmlOptions(const std::vector<PageOption>& options) {
+std::string HtmlOptions(const CommandOptions& command) {
   std::string given;
   std::string others;
-  for (const PageOption& option : options) {
-    (option.is_default ? others : given) += fmt::format(
+  for (const CommandOptions::Option& option : command.Options()) {
+    const std::string value = option.text();
+    (value == option.default_value ? others : given) += fmt::format(
         "<tr><th scope=\"row\"><code>--{}</code></th><td><code>{}</code></td>"
         "</tr>\n",
-        EscapeHtml(option.name), EscapeHtml(option.value));
+        EscapeHtml(option.name), EscapeHtml(value));
   }
   const auto table = [](const std::string& rows) {
     return rows.empty() ? "" : "<table>\n" + rows + "</table>\n";
@@ -294,8 +295,9 @@ std::string HtmlPage(const PageRun& run, const ReportLog& log,
          "</h1>\n<p class=\"soft\">" + output + "</p>\n" +
          HtmlKeyFigures(key_figures, log) + HtmlWarnings(log.warnings) + plots +
          HtmlPictures(pictures) + HtmlSections(log.sections) +
-         HtmlOptions(log.options) + "<p class=\"soft\">" +
-         EscapeHtml(run.version) + "</p>\n</body>\n</html>\n";
+         (log.command != nullptr ? HtmlOptions(*log.command) : "") +
+         "<p class=\"soft\">" + EscapeHtml(run.version) +
+         "</p>\n</body>\n</html>\n";
 }
 
 const KeyFigure kSeconds = {"Time", "all", "in all"};
@@ -352,15 +354,6 @@ std::string Base64(std::string_view bytes) {
     }
   }
   return text;
-}
-
-std::vector<PageOption> PageOptions(const CommandOptions& options) {
-  std::vector<PageOption> page_options;
-  for (const CommandOptions::Option& option : options.Options()) {
-    const std::string value = option.text();
-    page_options.push_back({option.name, value, value == option.default_value});
-  }
-  return page_options;
 }
 
 std::string RefinementPage(const PageRun& run, const ReportLog& log,

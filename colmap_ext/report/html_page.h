@@ -1,21 +1,22 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "colmap_ext/options/command_options.h"
 #include "colmap_ext/report/print_report.h"
+#include "mesh/triangle_mesh.h"
+#include "meshing/manifold_meshing.h"
 #include "refine/facetwise_refinement.h"
 #include "scene/images.h"
+#include "scene/point_cloud.h"
+#include "scene/view.h"
 
 namespace colmap_ext {
 
 // A page on a run of a command: one self-contained HTML file, without scripts,
 // which is also well-formed XML.
-
-// Returns the current options of a command.
-std::vector<PageOption> PageOptions(const CommandOptions& options);
 
 // The run that a page describes.
 struct PageRun {
@@ -36,6 +37,24 @@ struct PagePictures {
   std::vector<std::string> cameras;  // the names of their images
   std::vector<PictureRow> rows;
 };
+
+// Draw the pictures of a page from up to three cameras that see much of the
+// mesh and are spread out; about 480 px wide or high. \param images_path  the
+// folder of the photographs; unreadable ones are left
+//        out
+
+// The photographs, the input mesh, and the refined mesh.
+PagePictures DrawRefinement(const TriangleMesh& before,
+                            const RefinedMesh& refined,
+                            const std::filesystem::path& images_path,
+                            const PictureDecoder& decoder);
+
+// The photographs, the points, and their mesh.
+// \param views  of the points
+PagePictures DrawMeshing(const std::vector<View>& views,
+                         const PointCloud& cloud, const ManifoldMesh& mesh,
+                         const std::filesystem::path& images_path,
+                         const PictureDecoder& decoder);
 
 // The page of a refinement.
 std::string RefinementPage(const PageRun& run, const ReportLog& log,

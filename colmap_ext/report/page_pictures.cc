@@ -1,14 +1,13 @@
-#include "colmap_ext/report/page_pictures.h"
+#include "colmap_ext/report/html_page.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>
 
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "photometry/image_pyramid.h"
+#include "pictures/pictures.h"
 
 namespace colmap_ext {
 namespace {
@@ -19,11 +18,7 @@ constexpr int kPointSide = 2;       // px
 constexpr float kSoftShade = 0.5f;  // keeps the shape visible
 
 View PictureView(const View& view) {
-  const double scale = 1.0 * kLongSide / std::max(view.width, view.height);
-  const auto scaled = [scale](int side) {
-    return std::max(1, static_cast<int>(std::lround(scale * side)));
-  };
-  return ResizeView(view, scaled(view.width), scaled(view.height));
+  return ViewAtScale(view, 1.0 * kLongSide / std::max(view.width, view.height));
 }
 
 std::vector<size_t> CountSeen(const Rows<uint32_t>& vertex_views,
@@ -67,48 +62,49 @@ PictureRow ConfidenceRow() {
       "Confidence", "support of each vertex by points and images:", true, {}};
 }
 
-PagePictures StartPage(const PageCameras& cameras,
-                       const std::vector<PictureRow>& rows) {
+// The page with its photographs.
+// \param vertex_views  [V] the views that see each vertex.
+// \param rows  of the other pictures.
+// \param cameras [out] of all pictures, at their size.
+PagePictures StartPage(const std::vector<View>& views,
+                       const Rows<uint32_t>& vertex_views,
+                       const std::filesystem::path& images_path,
+                       const PictureDecoder& decoder,
+                       const std::vector<PictureRow>& rows,
+                       std::vector<View>* cameras) {
   PagePictures page;
-  for (const View& view : cameras.views) {
-    page.cameras.push_back(view.name);
-  }
-  page.rows = {{"Photograph", "", false, cameras.photos}};
+  page.rows = {{"Photograph", "", false, {}}};
   page.rows.insert(page.rows.end(), rows.begin(), rows.end());
-  return page;
-}
-
-}  // namespace
-
-PageCameras ChoosePageCameras(const std::vector<View>& views,
-                              const Rows<uint32_t>& vertex_views,
-                              const std::filesystem::path& images_path,
-                              const PictureDecoder& decoder) {
-  PageCameras cameras;
   for (const size_t index :
        SpreadViews(views, CountSeen(vertex_views, views.size()), kNumCameras)) {
     const View view = PictureView(views[index]);
     const std::optional<ColorImage> photo =
         decoder.read_color(images_path / view.name);
-    cameras.views.push_back(view);
-    cameras.photos.push_back(
+    cameras->push_back(view);
+    page.cameras.push_back(view.name);
+    page.rows[0].pictures.push_back(
         photo ? ResizePicture(*photo, view.width, view.height) : ColorImage());
   }
-  return cameras;
+  return page;
 }
 
-PagePictures DrawRefinement(const PageCameras& cameras,
-                            const TriangleMesh& before,
-                            const RefinedMesh& refined) {
+}  // namespace
+
+PagePictures DrawRefinement(const TriangleMesh& before,
+                            const RefinedMesh& refined,
+                            const std::filesystem::path& images_path,
+                            const PictureDecoder& decoder) {
+  std::vector<View> cameras;
   PagePictures page = StartPage(
-      cameras,
+      refined.views, refined.attributes.views, images_path, decoder,
       {{"Before", "red: seen from behind", false, {}},
        {"After", "", false, {}},
        {"Labels",
         "one color for each image pair, the best of each face; gray: none",
         false,
         {}},
-       ConfidenceRow()});
+       ConfidenceRow()},
+      &cameras);
   const MeshRenderer before_renderer(before);
   const MeshRenderer renderer(refined.mesh);
   const std::vector<int32_t> labels =
@@ -118,20 +114,25 @@ PagePictures DrawRefinement(const PageCameras& cameras,
   const std::vector<FrontColor> colors = {
       PlainColor(), LabelColors(labels),
       VertexColors(refined.mesh, confidences, kSoftShade)};
-  for (const View& view : cameras.views) {
+  for (const View& view : cameras) {
     AddPictures(before_renderer.Draw(view, {PlainColor()}), 1, &page);
     AddPictures(renderer.Draw(view, colors), 2, &page);
   }
   return page;
 }
 
-PagePictures DrawMeshing(const PageCameras& cameras, const PointCloud& cloud,
-                         const ManifoldMesh& mesh) {
+PagePictures DrawMeshing(const std::vector<View>& views,
+                         const PointCloud& cloud, const ManifoldMesh& mesh,
+                         const std::filesystem::path& images_path,
+                         const PictureDecoder& decoder) {
+  std::vector<View> cameras;
   PagePictures page =
-      StartPage(cameras, {{"Points", "that were read", false, {}},
-                          {"Mesh", "red: seen from behind", false, {}},
-                          ConfidenceRow(),
-                          {"Vertex colors", "", false, {}}});
+      StartPage(views, mesh.attributes.views, images_path, decoder,
+                {{"Points", "that were read", false, {}},
+                 {"Mesh", "red: seen from behind", false, {}},
+                 ConfidenceRow(),
+                 {"Vertex colors", "", false, {}}},
+                &cameras);
   const MeshRenderer renderer(mesh.mesh);
   const std::vector<Color> confidences =
       ConfidenceColors(mesh.attributes, mesh.mesh.vertices.size());
@@ -140,7 +141,7 @@ PagePictures DrawMeshing(const PageCameras& cameras, const PointCloud& cloud,
       PlainColor(), VertexColors(mesh.mesh, confidences, kSoftShade),
       has_colors ? VertexColors(mesh.mesh, mesh.attributes.colors, 0)
                  : PlainColor()};
-  for (const View& view : cameras.views) {
+  for (const View& view : cameras) {
     AddPictures({DrawPoints(cloud, view, kPointSide)}, 1, &page);
     AddPictures(renderer.Draw(view, colors), 2, &page);
   }

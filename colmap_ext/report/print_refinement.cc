@@ -94,21 +94,22 @@ constexpr double kPadding = 14;  // of a curve in its panel
 constexpr double kTop = 64;      // of the panels
 constexpr double kHeight = kTop + kPanelHeight + 48;
 
+std::string EnergyText(double energy) { return fmt::format("{:.6g}", energy); }
+
+std::string ZnccText(double zncc) { return fmt::format("{:.4f}", zncc); }
+
 // The plotted value.
 struct Curve {
   const char* name;
-  double (*of)(const RefinementStep& step);
+  double RefinementStep::*of;
   std::string (*text)(double value);
 };
 
 Curve CurveOf(StepValue value) {
   if (value == StepValue::kEnergy) {
-    return {"Energy", [](const RefinementStep& step) { return step.energy; },
-            [](double energy) { return fmt::format("{:.6g}", energy); }};
+    return {"Energy", &RefinementStep::energy, &EnergyText};
   }
-  return {"Mean ZNCC",
-          [](const RefinementStep& step) { return step.mean_zncc; },
-          [](double zncc) { return fmt::format("{:.4f}", zncc); }};
+  return {"Mean ZNCC", &RefinementStep::mean_zncc, &ZnccText};
 }
 
 double PanelWidth(const Steps& steps) {
@@ -135,10 +136,10 @@ std::string Text(double x, double y, const char* anchor,
 std::string Panel(const Steps& steps, const Curve& curve, double left) {
   const auto [low, high] = std::minmax_element(
       steps.begin(), steps.end(), [&curve](const auto& a, const auto& b) {
-        return curve.of(a) < curve.of(b);
+        return a.*curve.of < b.*curve.of;
       });
-  const double highest = curve.of(*high);
-  const double range = std::max(highest - curve.of(*low), 1e-300);
+  const double highest = (*high).*curve.of;
+  const double range = std::max(highest - (*low).*curve.of, 1e-300);
   const double width = PanelWidth(steps);
   const double step_width =
       (width - 2 * kPadding) /
@@ -149,7 +150,7 @@ std::string Panel(const Steps& steps, const Curve& curve, double left) {
     const double x = left + kPadding + step_width * static_cast<double>(i);
     const double y =
         kTop + kPadding +
-        (kPanelHeight - 2 * kPadding) * (highest - curve.of(steps[i])) / range;
+        (kPanelHeight - 2 * kPadding) * (highest - steps[i].*curve.of) / range;
     points += fmt::format("{:.1f},{:.1f} ", x, y);
     dots +=
         fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>\n", x, y);
@@ -165,8 +166,8 @@ std::string Panel(const Steps& steps, const Curve& curve, double left) {
          "\" fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"1.5\"/>\n" +
          "<g fill=\"#1f5fa8\">\n" + dots + "</g>\n" +
          Text(left, kTop - 8, "start", StageName(steps[0])) +
-         Text(left, below, "start", curve.text(curve.of(steps.front()))) +
-         Text(right, below, "end", curve.text(curve.of(steps.back()))) +
+         Text(left, below, "start", curve.text(steps.front().*curve.of)) +
+         Text(right, below, "end", curve.text(steps.back().*curve.of)) +
          Text(left + width / 2, below + 16, "middle",
               fmt::format("{} iterations",
                           steps.back().iteration - steps.front().iteration));
@@ -220,12 +221,6 @@ std::string StageName(const RefinementStep& step) {
 
 std::vector<StageText> DescribeStages(
     const std::vector<RefinementStep>& steps) {
-  const auto energy = [](const RefinementStep& step) {
-    return fmt::format("{:.6g}", step.energy);
-  };
-  const auto mean_zncc = [](const RefinementStep& step) {
-    return fmt::format("{:.4f}", step.mean_zncc);
-  };
   std::vector<StageText> texts;
   for (const auto& stage : SplitIntoStages(steps)) {
     const RefinementStep& first = stage.front();
@@ -233,8 +228,8 @@ std::vector<StageText> DescribeStages(
     texts.push_back({StageName(last),
                      std::to_string(last.iteration - first.iteration),
                      std::to_string(last.num_facets),
-                     {energy(first), energy(last)},
-                     {mean_zncc(first), mean_zncc(last)}});
+                     {EnergyText(first.energy), EnergyText(last.energy)},
+                     {ZnccText(first.mean_zncc), ZnccText(last.mean_zncc)}});
   }
   return texts;
 }
@@ -252,9 +247,7 @@ void PrintReport(const RefinementInput& input, ReportLog* log) {
   if (!errors.starts_with("0 ")) {
     PrintText("images ignored", errors, log);
   }
-  if (input.masks) {
-    PrintReport(*input.masks, log);
-  }
+  PrintReport(input.masks, log);
   PrintHeading("Input mesh", log);
   PrintReport(input.region, log);
   if (input.repair) {

@@ -1,10 +1,6 @@
 #include "colmap_ext/report/print_report.h"
 
-#include <ostream>
-
 #include <fmt/format.h>
-
-#include "colmap_ext/jobs/mesh_tiles.h"
 
 namespace colmap_ext {
 namespace {
@@ -155,17 +151,6 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   }
 }
 
-void PrintReport(const TileReport& report, ReportLog* log) {
-  PrintHeading("Tile", log);
-  Print("vertices", report.num_vertices, log);
-  Print("of other tiles, too", report.num_other_vertices, log);
-  Print("rounds until none was missing", report.num_rounds, log);
-  Print("cells", report.num_star_cells, log);
-  Print("left to the merger", report.num_unknown_cells, log);
-  Print("rays walked", report.rays.num_rays, log);
-  PrintIfAny("rays given up", report.rays.num_lost_rays, log);
-}
-
 void PrintFootprint(double footprint, ReportLog* log) {
   PrintNumber("a pixel on it, scene units", footprint, log);
 }
@@ -183,10 +168,13 @@ void PrintReport(const BorderReport& report, ReportLog* log) {
   PrintIfAny("holes left open", report.holes.NumLeft(), log);
 }
 
-void PrintReport(const MaskReport& report, ReportLog* log) {
-  Print("masks", report.num_masks, log);
-  Print("  masked views of points", report.num_masked_observations, log);
-  Print("  points masked in all views", report.num_masked_points, log);
+void PrintReport(const std::optional<MaskReport>& report, ReportLog* log) {
+  if (!report) {
+    return;
+  }
+  Print("masks", report->num_masks, log);
+  Print("  masked views of points", report->num_masked_observations, log);
+  Print("  points masked in all views", report->num_masked_points, log);
 }
 
 void PrintReport(const std::optional<Region>& region, ReportLog* log) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "colmap_ext/jobs/refinement_input.h"
+#include "colmap_ext/options/command_options.h"
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/terminal/terminal.h"
 #include "evaluation/mesh_evaluation.h"
@@ -36,12 +37,6 @@ struct ReportSection {
   std::vector<ReportRow> rows;
 };
 
-struct PageOption {
-  std::string name;   // without dashes
-  std::string value;  // as typed
-  bool is_default = true;
-};
-
 // A report: printed as it grows, and kept for the page.
 struct ReportLog {
   // \param printed  the stream to print to; outlives the log.
@@ -50,7 +45,7 @@ struct ReportLog {
   std::ostream* stream;
   std::vector<ReportSection> sections;
   std::vector<std::string> warnings;
-  std::vector<PageOption> options;  // of the command
+  const CommandOptions* command = nullptr;  // whose options the page lists
 };
 
 // Print the lines of a report: one fact a line, numbers in one column.
@@ -84,8 +79,6 @@ void PrintIfAny(const std::string& label, std::integral auto number,
 
 void PrintWarning(const std::string& what, ReportLog* log);
 
-struct TileReport;
-
 // What a command shows: its progress, then its report.
 struct Console {
   ProgressReporter reporter{std::cout, isatty(STDOUT_FILENO) != 0};
@@ -107,8 +100,8 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
                  const std::optional<HalfPixelReport>& half_pixel,
                  ReportLog* log);
 
-// The masked observations.
-void PrintReport(const MaskReport& report, ReportLog* log);
+// The masked observations; prints nothing without masks.
+void PrintReport(const std::optional<MaskReport>& report, ReportLog* log);
 
 // The region; prints nothing without one.
 void PrintReport(const std::optional<Region>& region, ReportLog* log);
@@ -118,9 +111,6 @@ void PrintTopology(const MeshReport& mesh, ReportLog* log);
 
 // The meshing.
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log);
-
-// A tile of a plan.
-void PrintReport(const TileReport& report, ReportLog* log);
 
 // The size of a pixel on the mesh, scene units: the scale for distances in
 // options.

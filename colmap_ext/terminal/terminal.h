@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <iosfwd>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -64,6 +65,18 @@ class ProgressReporter {
 
 // Peak memory of this process, bytes.
 size_t PeakMemory();
+
+// A signal that ended the work before it was done.
+class Interruption : public std::runtime_error {
+ public:
+  Interruption(int signal, const std::string& message)
+      : std::runtime_error(message), signal_(signal) {}
+
+  int Signal() const { return signal_; }
+
+ private:
+  int signal_;
+};
 
 // While it exists, the first SIGINT or SIGTERM is stored, so that work can end
 // at a suitable point, and the second one ends the program. Ignored signals

@@ -79,11 +79,10 @@ void LiveView::Leave() {
 
 void RunWithViewer(const std::string& title, const std::string& folder,
                    const PictureDecoder& decoder,
-                   const std::function<std::string(const ColorImage&)>& save,
                    const std::function<void(LiveView*)>& work) {
   LiveView live;
   SceneLoader loader({folder, {}}, decoder, live.Inbox());
-  ViewerHost host = loader.Host(save);
+  ViewerHost host = loader.Host();
   host.pause = [&live](bool is_paused) { live.Pause(is_paused); };
   ViewerSession session(live.Inbox(), std::move(host), {});
   std::exception_ptr error;

@@ -51,12 +51,10 @@ class LiveView {
 // Runs work on a separate thread and shows it in a window, until both have
 // ended. When the window is closed, the work continues.
 // \param folder  of the workspace, for its images.
-// \param save  saves a picture, see ViewerHost.
 // \throw NoWindowError if no window can be opened, before the work starts;
 //        exceptions of the work.
 void RunWithViewer(const std::string& title, const std::string& folder,
                    const PictureDecoder& decoder,
-                   const std::function<std::string(const ColorImage&)>& save,
                    const std::function<void(LiveView*)>& work);
 
 }  // namespace colmap_ext

@@ -6,11 +6,30 @@
 
 #include <fmt/format.h>
 
+#include "formats/picture_files.h"
+
 namespace colmap_ext {
+namespace {
+
+// \return the outcome, in one line.
+std::string SaveNumbered(const ColorImage& picture) {
+  std::filesystem::path path;
+  for (int i = 1; path.empty() || std::filesystem::exists(path); ++i) {
+    path = fmt::format("mesh_viewer.{:03}.png", i);
+  }
+  try {
+    WritePng(path, picture);
+    return "saved " + std::filesystem::absolute(path).string();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+}  // namespace
 
 void SceneLoader::LoadAll(const ViewerOptions& options) {
-  for (const ShownMeshPaths& mesh : paths_.meshes) {
-    worker_.Add([this, mesh] { LoadMesh(mesh); });
+  for (const std::filesystem::path& mesh : paths_.meshes) {
+    worker_.Add([this, mesh, options] { LoadMesh(mesh, options); });
     if (&mesh == &paths_.meshes.front() && !paths_.folder.empty()) {
       worker_.Add([this, options] { LoadWorkspace(options); });
     }
@@ -40,11 +59,13 @@ void SceneLoader::NoteError(const std::exception& error) {
                   : error.what()});
 }
 
-void SceneLoader::LoadMesh(const ShownMeshPaths& paths) {
-  Say(fmt::format("reading {} ({} of {})", paths.mesh.filename().string(),
+void SceneLoader::LoadMesh(const std::filesystem::path& path,
+                           const ViewerOptions& options) {
+  Say(fmt::format("reading {} ({} of {})", path.filename().string(),
                   ++num_meshes_, paths_.meshes.size()));
   std::vector<std::string> notes;
-  auto mesh = std::make_shared<const ShownMesh>(ReadShownMesh(paths, &notes));
+  auto mesh =
+      std::make_shared<const ShownMesh>(ReadShownMesh(path, options, &notes));
   inbox_->Put(fmt::format("mesh {:06}", num_meshes_),
               [mesh](ShownScene* scene) { scene->meshes.push_back(mesh); });
   Note(notes);
@@ -67,13 +88,13 @@ void SceneLoader::AddStandIn(const std::shared_ptr<const ShownMesh>& mesh) {
 
 void SceneLoader::LoadWorkspace(const ViewerOptions& options) {
   Say("reading the points and cameras");
-  ViewerWorkspace workspace = ReadViewerWorkspace(options, paths_, decoder_);
-  inbox_->Put("workspace", [views = workspace.views,
-                            points = workspace.points](ShownScene* scene) {
-    scene->views = views;
-    scene->points = points;
-  });
-  Note(workspace.notes);
+  const ShownScene read = ReadViewerWorkspace(options, paths_, decoder_);
+  inbox_->Put("workspace",
+              [views = read.views, points = read.points](ShownScene* scene) {
+                scene->views = views;
+                scene->points = points;
+              });
+  Note(read.notes);
 }
 
 void SceneLoader::LoadImage(size_t index, const View& view) {
@@ -128,8 +149,7 @@ void SceneLoader::Match(const std::shared_ptr<const ShownMesh>& mesh,
   });
 }
 
-ViewerHost SceneLoader::Host(
-    std::function<std::string(const ColorImage&)> save) {
+ViewerHost SceneLoader::Host() {
   ViewerHost host;
   host.load_image = [this](size_t index, const View& view) {
     worker_.AddUrgent("image", [this, index, view] { LoadImage(index, view); });
@@ -143,23 +163,8 @@ ViewerHost SceneLoader::Host(
     worker_.AddUrgent("match", [this, mesh = std::move(mesh), facet, first,
                                 second] { Match(mesh, facet, first, second); });
   };
-  host.save_picture = std::move(save);
+  host.save_picture = &SaveNumbered;
   return host;
-}
-
-std::string SaveNumbered(const ColorImage& picture,
-                         const std::function<void(const std::filesystem::path&,
-                                                  const ColorImage&)>& write) {
-  std::filesystem::path path;
-  for (int i = 1; path.empty() || std::filesystem::exists(path); ++i) {
-    path = fmt::format("mesh_viewer.{:03}.png", i);
-  }
-  try {
-    write(path, picture);
-    return "saved " + std::filesystem::absolute(path).string();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
 }
 
 }  // namespace colmap_ext

@@ -3,16 +3,12 @@
 #include <cstddef>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "colmap_ext/options/viewer_options.h"
 #include "scene/images.h"
-#include "scene/point_cloud.h"
-#include "scene/region.h"
 #include "scene/view.h"
 #include "viewer/background_worker.h"
 #include "viewer/shown_scene.h"
@@ -20,43 +16,31 @@
 
 namespace colmap_ext {
 
-// The files that a mesh of the viewer is read from.
-struct ShownMeshPaths {
-  std::filesystem::path mesh;
-  std::filesystem::path labels;  // see ViewerOptions; may be empty
-  std::filesystem::path errors;
-  std::optional<Region> region;  // the part that is shown; nullopt: all
-};
-
-// Reads a mesh or cloud, and its .vis if there is one. Skips facets with a
-// vertex that is not finite. Uses labels and errors of a mesh with the same
-// number of facets or vertices.
+// Reads a mesh or cloud, and its .vis if there is one; the part of it in the
+// region of the options, if they have one. Skips facets with a vertex that is
+// not finite. Uses labels and errors, at their paths in the options, of a mesh
+// with the same number of facets or vertices.
 // \param notes  gets a line for each file that does not fit the mesh.
 // \throw FileError if a file cannot be read.
-ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
+ShownMesh ReadShownMesh(const std::filesystem::path& path,
+                        const ViewerOptions& options,
                         std::vector<std::string>* notes);
 
 // Paths of the viewer's input.
 struct ViewerPaths {
   std::filesystem::path folder;  // the dense workspace; empty: none
-  std::vector<ShownMeshPaths> meshes;
+  std::vector<std::filesystem::path> meshes;
 };
 
 // \throw FileError if there are several workspaces, or no mesh.
 ViewerPaths FindViewerPaths(const ViewerOptions& options);
 
-// The contents of a workspace besides meshes.
-struct ViewerWorkspace {
-  std::vector<View> views;                   // may be empty
-  std::shared_ptr<const PointCloud> points;  // fused, or else sparse; or none
-  std::vector<std::string> notes;            // unusable files, and why
-};
-
-// Reads the fused points and the cameras in their order; if that fails, the
-// sparse model; if that fails too, nothing.
-ViewerWorkspace ReadViewerWorkspace(const ViewerOptions& options,
-                                    const ViewerPaths& paths,
-                                    const PictureDecoder& decoder);
+// Reads the points and views of a workspace, and notes on unusable files: the
+// fused points and the cameras in their order; if that fails, the sparse model;
+// if that fails too, nothing.
+ShownScene ReadViewerWorkspace(const ViewerOptions& options,
+                               const ViewerPaths& paths,
+                               const PictureDecoder& decoder);
 
 // An image of at most `max_size` px a side; nullptr if it cannot be read.
 std::shared_ptr<const ColorImage> ReadShownImage(
@@ -83,12 +67,13 @@ class SceneLoader {
   // Loads the meshes, then the workspace.
   void LoadAll(const ViewerOptions& options);
 
-  // The viewer's callbacks into the loader.
-  // \param save  saves a picture; see ViewerHost.
-  ViewerHost Host(std::function<std::string(const ColorImage&)> save);
+  // The viewer's callbacks into the loader. Pictures are saved in the current
+  // folder, under the first unused name "mesh_viewer.NNN.png".
+  ViewerHost Host();
 
  private:
-  void LoadMesh(const ShownMeshPaths& paths);
+  void LoadMesh(const std::filesystem::path& path,
+                const ViewerOptions& options);
   void AddStandIn(const std::shared_ptr<const ShownMesh>& mesh);
   void LoadWorkspace(const ViewerOptions& options);
   void LoadImage(size_t index, const View& view);
@@ -108,11 +93,5 @@ class SceneLoader {
   SceneInbox* inbox_;
   BackgroundWorker worker_;  // last, because its jobs use the others
 };
-
-// Saves a picture in the current folder under the first unused name.
-// \return the outcome, in one line.
-std::string SaveNumbered(const ColorImage& picture,
-                         const std::function<void(const std::filesystem::path&,
-                                                  const ColorImage&)>& write);
 
 }  // namespace colmap_ext

@@ -4,10 +4,9 @@
 #include <array>
 #include <utility>
 
-#include "colmap_ext/errors.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
-#include "pictures/drawings.h"
+#include "pictures/pictures.h"
 #include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
 
@@ -39,7 +38,7 @@ WorkspaceOptions RulesOf(const ViewerOptions& options, InputType type) {
 
 // What can not be read is noted.
 void Read(const ViewerOptions& options, InputType type, const fs::path& folder,
-          const PictureDecoder& decoder, ViewerWorkspace* result) {
+          const PictureDecoder& decoder, ShownScene* result) {
   try {
     Workspace workspace =
         ReadWorkspace(folder, RulesOf(options, type), decoder);
@@ -171,8 +170,8 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options) {
   if (!options.workspace_path.empty()) {
     paths.folder = FindFolder(options.workspace_path);
   }
-  std::vector<fs::path> meshes(options.mesh_paths.begin(),
-                               options.mesh_paths.end());
+  std::vector<fs::path>& meshes = paths.meshes;
+  meshes.assign(options.mesh_paths.begin(), options.mesh_paths.end());
   if (meshes.empty()) {
     for (const char* name : kMeshNames) {
       if (fs::exists(paths.folder / name)) {
@@ -193,16 +192,14 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options) {
     if (!fs::exists(mesh)) {
       throw FileError(mesh, "no such file");
     }
-    paths.meshes.push_back({mesh, options.labels_path, options.error_mesh_path,
-                            options.region.region});
   }
   return paths;
 }
 
-ViewerWorkspace ReadViewerWorkspace(const ViewerOptions& options,
-                                    const ViewerPaths& paths,
-                                    const PictureDecoder& decoder) {
-  ViewerWorkspace result;
+ShownScene ReadViewerWorkspace(const ViewerOptions& options,
+                               const ViewerPaths& paths,
+                               const PictureDecoder& decoder) {
+  ShownScene result;
   if (paths.folder.empty()) {
     return result;
   }
@@ -227,35 +224,35 @@ std::shared_ptr<const ColorImage> ReadShownImage(
       ShrinkPicture(*std::move(image), max_size));
 }
 
-ShownMesh ReadShownMesh(const ShownMeshPaths& paths,
+ShownMesh ReadShownMesh(const fs::path& path, const ViewerOptions& options,
                         std::vector<std::string>* notes) {
-  ColoredMesh read = ReadColoredPlyMesh(paths.mesh);
+  ColoredMesh read = ReadColoredPlyMesh(path);
   ShownMesh shown;
-  shown.name = paths.mesh.filename().string();
+  shown.name = path.filename().string();
   shown.mesh = std::move(read.mesh);
   shown.colors = std::move(read.colors);
   shown.confidences = std::move(read.confidences);
   shown.labels = std::move(read.labels);
   shown.label_names = std::move(read.label_names);
-  DropInfinite(paths.mesh, &shown.mesh);
+  DropInfinite(path, &shown.mesh);
   for (const Eigen::Vector3f& normal : read.normals) {
     if (normal.allFinite()) {
       shown.front += normal.cast<double>();
     }
   }
-  if (!paths.labels.empty()) {
-    AddLabels(paths.labels, &shown, notes);
+  if (!options.labels_path.empty()) {
+    AddLabels(options.labels_path, &shown, notes);
   }
-  if (!paths.errors.empty()) {
-    AddErrors(paths.errors, &shown, notes);
+  if (!options.error_mesh_path.empty()) {
+    AddErrors(options.error_mesh_path, &shown, notes);
   }
-  if (const auto path = VisibilityPath(paths.mesh); exists(path)) {
-    AddVisibility(path, &shown, notes);
+  if (const fs::path visibility = VisibilityPath(path); exists(visibility)) {
+    AddVisibility(visibility, &shown, notes);
   }
-  if (paths.region) {
-    Crop(*paths.region, &shown);
+  if (options.region.region) {
+    Crop(*options.region.region, &shown);
     if (shown.mesh.vertices.empty()) {
-      throw FileError(paths.mesh, "it has no part in the region");
+      throw FileError(path, "it has no part in the region");
     }
   }
   return shown;

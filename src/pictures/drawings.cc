@@ -1,4 +1,4 @@
-#include "pictures/drawings.h"
+#include "pictures/pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/percentile.h"
-#include "pictures/mesh_renderer.h"
 
 namespace colmap_ext {
 namespace {

@@ -1,4 +1,4 @@
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -167,6 +167,8 @@ MeshPass::MeshPass()
 
 MeshPass::Uploaded& MeshPass::Upload(
     const std::shared_ptr<const ShownMesh>& mesh) {
+  std::erase_if(uploaded_,
+                [](const auto& entry) { return entry.second.mesh.expired(); });
   const auto [place, is_new] = uploaded_.try_emplace(mesh.get());
   Uploaded& uploaded = place->second;
   if (is_new) {
@@ -208,18 +210,6 @@ void MeshPass::Draw(const std::shared_ptr<const ShownMesh>& mesh,
   glDrawElements(GL_TRIANGLES,
                  static_cast<GLsizei>(3 * mesh->mesh.facets.size()),
                  GL_UNSIGNED_INT, nullptr);
-}
-
-void MeshPass::Forget(const ShownScene& scene) {
-  std::erase_if(uploaded_, [&](const auto& entry) {
-    const std::shared_ptr<const ShownMesh> uploaded = entry.second.mesh.lock();
-    return std::ranges::none_of(
-               scene.meshes,
-               [&](const auto& mesh) { return mesh == uploaded; }) &&
-           std::ranges::none_of(scene.stand_ins, [&](const auto& stand_in) {
-             return stand_in.second == uploaded;
-           });
-  });
 }
 
 }  // namespace colmap_ext

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "base/percentile.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 
 namespace colmap_ext {
 namespace {

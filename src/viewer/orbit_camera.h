@@ -55,7 +55,7 @@ Eigen::Vector3d PivotBefore(const View& view, const Eigen::Vector3d& point);
 // \param share  0: the first ... 1: the second, exactly
 View BetweenViews(const View& first, const View& second, double share);
 
-// A camera that sees the whole mesh; see pictures/mesh_renderer.h.
+// A camera that sees the whole mesh; see pictures/pictures.h.
 OrbitCamera FirstCamera(const ShownMesh& mesh, int width, int height);
 
 // The upward direction: the mean of the cameras; without cameras, of the view.

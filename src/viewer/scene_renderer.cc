@@ -87,7 +87,6 @@ void SceneRenderer::Draw(const ShownScene& scene, const View& view,
   const PictureProjection projection{
       ResizeView(view, view.width * samples, view.height * samples),
       kNear * Distance(scene, view)};
-  mesh_pass_.Forget(scene);
   if (settings.mesh < scene.meshes.size()) {
     DrawMesh(scene, settings, projection);
   }

@@ -102,9 +102,6 @@ class MeshPass {
             const DrawSettings& settings, const PictureProjection& projection,
             float line_width);
 
-  // Drops the uploaded meshes that the scene no longer has.
-  void Forget(const ShownScene& scene);
-
  private:
   struct Uploaded {
     std::weak_ptr<const ShownMesh> mesh;
@@ -118,6 +115,7 @@ class MeshPass {
     std::map<MeshMode, Colors> colors;
   };
 
+  // Drops the meshes that no longer exist.
   Uploaded& Upload(const std::shared_ptr<const ShownMesh>& mesh);
 
   Program program_;

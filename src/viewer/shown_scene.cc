@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numeric>
 #include <unordered_map>
-
-#include <Eigen/Geometry>
 
 #include "base/indices.h"
 #include "base/mix_bits.h"
@@ -14,8 +11,7 @@
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "raster/facet_id_buffer.h"
 
 namespace colmap_ext {

@@ -170,16 +170,6 @@ TEST_P(CommandTest, TransformsWhatItWrites) {
   }
 }
 
-TEST_P(CommandTest, IsADropInForDelaunayMesher) {
-  const fs::path mesh_path = folder_.Path() / "mesh.ply";
-  const std::string paths =
-      PathOption("input_path", path_) + PathOption("output_path", mesh_path);
-  Succeed(Run(paths));
-  EXPECT_TRUE(fs::exists(mesh_path));
-  EXPECT_FALSE(fs::exists(path_ / kMesherOutput));
-  Succeed(Run(paths + " --input_type sparse"));
-}
-
 TEST_P(CommandTest, FindsTheWorkspaceOfAutomaticReconstructor) {
   fs::remove_all(path_);
   sphere_.Write(path_ / "dense" / "0");
@@ -204,10 +194,6 @@ TEST_P(CommandTest, RefusesBadOptions) {
   ExpectRefusal(Run(""), "--workspace_path or --input_path");
   ExpectRefused(" --input_path .", "--workspace_path or --input_path");
   ExpectRefusal(Run("--input_path ."), "--output_path is required");
-  ExpectRefused(" --no_such_option 1", "no_such_option");
-  ExpectRefused(" @num_threads abc", "abc");
-  ExpectRefused(" --input_type fuzzy", "input_type");
-  ExpectRefused(" --image_order random", "image_order");
   ExpectRefused(" --image_order frame", "image_order");
   ExpectRefused(" --report_path page.csv", "ends in .html");
   ExpectRefused(" @behind_sigma inf",

@@ -8,7 +8,7 @@
 
 #include "formats/picture_files.h"
 #include "tests/colmap_ext/refiner_fixture.h"
-#include "tests/workspace/sphere_workspace.h"
+#include "tests/mesh/known_meshes.h"
 #include "workspace/sparse_model.h"
 
 namespace colmap_ext::facetwise_refiner_test {
@@ -352,20 +352,14 @@ TEST_F(FacetwiseRefinerTest, LeavesOutWhatIsMasked) {
   ExpectRefused(arguments, "no such folder of masks");
 }
 
-TEST_F(FacetwiseRefinerTest, RefusesBadOptions) {
-  ExpectRefusal(Run(""), "--workspace_path is required");
-  ExpectRefused(" --image_order random", "image_order");
-  // One of each kind; tests/options has the others.
-  ExpectRefused(" @levels 0", "levels");
-  ExpectRefused(" @solver magic", "gauss_newton or descent");
-  ExpectRefused(" @num_threads abc", "abc");
-}
-
 TEST_F(FacetwiseRefinerTest, RefusesFilesThatAreMissingOrDoNotFit) {
   ExpectRefusal(Run("--workspace_path /none"), "no such folder");
-  ExpectRefused(
-      Option("input_path", "none.ply") + Option("output_path", "out.ply"),
-      "no such file");
+  const auto expect_refused = [this](const std::string& mesh,
+                                     const std::string& message) {
+    ExpectRefused(Option("input_path", mesh) + Option("output_path", "out.ply"),
+                  message);
+  };
+  expect_refused("none.ply", "no such file");
   ExpectRefused(Option("input_path", kInput) + Option("output_path", kInput),
                 "is to be refined");
   const fs::path visibility_path = VisibilityPath(path_ / kInput);
@@ -382,32 +376,15 @@ TEST_F(FacetwiseRefinerTest, RefusesFilesThatAreMissingOrDoNotFit) {
   WriteFile(visibility_path, other);
   ExpectRefused("", "was the mesh edited?");
   WriteColoredMesh(path_ / "points.ply", {{{0, 0, 0}}, {}}, {});
-  ExpectRefused(
-      Option("input_path", "points.ply") + Option("output_path", "out.ply"),
-      "no faces");
-  TriangleMesh far_away = ReadPlyMesh(path_ / kInput);
-  for (Eigen::Vector3f& vertex : far_away.vertices) {
-    vertex += Eigen::Vector3f::Constant(1e9f);
-  }
-  WriteColoredMesh(path_ / "far.ply", far_away, {});
-  ExpectRefused(
-      Option("input_path", "far.ply") + Option("output_path", "out.ply"),
-      "too large for 32-bit floats");
+  expect_refused("points.ply", "no faces");
+  WriteColoredMesh(path_ / "far.ply",
+                   Shifted(ReadPlyMesh(path_ / kInput), {1e9f, 1e9f, 1e9f}),
+                   {});
+  expect_refused("far.ply", "too large for 32-bit floats");
   fs::remove(path_ / kInput);
   ExpectRefused("", "run `colmap delaunay_manifold_mesher`");
   fs::remove(path_ / "fused.ply");
   ExpectRefused("", "run `colmap delaunay_manifold_mesher");
-}
-
-TEST_F(FacetwiseRefinerTest, RefusesDistortedCameras) {
-  SphereWorkspace sphere;
-  const fs::path folder = folder_.Path() / "sphere";
-  sphere.Write(folder);
-  std::string cameras = sphere.ModelFile("cameras.bin");
-  cameras[12] = 2;  // SIMPLE_RADIAL, of four parameters too
-  WriteFile(folder / "sparse" / "cameras.bin", cameras);
-  fs::copy(path_ / kInput, folder / kInput);
-  ExpectRefusal(Run(PathOption("workspace_path", folder)), "image_undistorter");
 }
 
 TEST_F(FacetwiseRefinerTest, OnAFullDiskAllFilesStayAsTheyWere) {

@@ -145,9 +145,6 @@ TEST_F(MeshEvaluatorTest, RestrictsToMaskAndPlane) {
 }
 
 TEST_F(MeshEvaluatorTest, RefusesWhatItCanNotUse) {
-  ExpectRefusal(Run(""), "--mesh_path and --truth_path are required");
-  ExpectRefusal(Run(Basics() + " @stride 0"), "stride");
-  ExpectRefusal(Run(Basics() + " @num_threads 0"), "num_threads");
   ExpectRefusal(Run(Basics() + " --ground_plane 1,2"), "4 numbers");
   ExpectRefusal(Run(Basics() + Option("workspace_path", "none")),
                 "no such folder");

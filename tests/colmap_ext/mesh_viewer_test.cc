@@ -8,23 +8,11 @@
 #include "colmap_ext/colmap_compat.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/gl/gl_test.h"
+#include "tests/pictures/compare_pictures.h"
 
 namespace colmap_ext::mesh_viewer_test {
 
 namespace fs = std::filesystem;
-
-double MeanDifference(const ColorImage& a, const ColorImage& b) {
-  if (a.pixels.size() != b.pixels.size() || a.pixels.empty()) {
-    return 255;
-  }
-  double sum = 0;
-  for (size_t i = 0; i < a.pixels.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      sum += std::abs(a.pixels[i][k] - b.pixels[i][k]);
-    }
-  }
-  return sum / static_cast<double>(3 * a.pixels.size());
-}
 
 // An image where a picture of a mesh shows it; white elsewhere.
 ColorImage OnMesh(const ColorImage& mesh, ColorImage image) {
@@ -162,8 +150,6 @@ TEST_F(MeshViewerTest, RefusesWhatMakesNoSense) {
   ExpectRefusal(View(""), "--workspace_path or --mesh_path is required");
   ExpectRefusal(View(Workspace() + shot + "--image_name none.png"),
                 "the workspace has no image none.png; one that it has is");
-  ExpectRefusal(View(Workspace() + shot + "--mode x"), "mode is 'x'");
-  ExpectRefusal(View(Workspace() + shot + "--center 1"), "center is '1'");
   ExpectRefusal(View("--mesh_path none.ply" + shot), "no such file");
   ExpectRefusal(View(Workspace() + " --turntable 3"), "need --screenshot_path");
   ExpectRefusal(View(Workspace() + " --screenshot_path no/shot.png"),

@@ -72,6 +72,21 @@ struct RefinerFixture : testing::Test {
     return Run(Workspace() + options);
   }
 
+  // Runs facetwise_refiner, and sends it signals, one after the other, when it
+  // has printed the text.
+  // \return as waitpid() has it.
+  int Interrupt(const std::string& arguments, const std::string& text,
+                const std::vector<int>& signals) const {
+    Process process(CommandOf(arguments), folder_.Path() / "err");
+    EXPECT_TRUE(process.WaitFor(text)) << ErrorOutput();
+    for (const int number : signals) {
+      process.Signal(number);
+    }
+    return process.Wait();
+  }
+
+  std::string ErrorOutput() const { return ReadFile(folder_.Path() / "err"); }
+
   // \param name  in the workspace
   std::string Option(const std::string& option, const std::string& name) const {
     return PathOption(option, path_ / name);

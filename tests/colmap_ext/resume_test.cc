@@ -12,18 +12,11 @@ namespace colmap_ext::resume_test {
 namespace fs = std::filesystem;
 
 struct ResumeTest : RefinerFixture {
-  // Runs the program in a workspace where there is an output already, and sends
-  // it signals, one after the other, when it has printed the text.
-  // \return as waitpid() has it.
+  // In a workspace where there is an output already.
   int Interrupt(const std::string& options, const std::string& text,
                 const std::vector<int>& signals) const {
     WriteFile(path_ / kOutput, kEarlierOutput);
-    Process process(CommandOf(Workspace() + options), folder_.Path() / "err");
-    EXPECT_TRUE(process.WaitFor(text)) << ErrorOutput();
-    for (const int number : signals) {
-      process.Signal(number);
-    }
-    return process.Wait();
+    return RefinerFixture::Interrupt(Workspace() + options, text, signals);
   }
 
   // Of a run that is interrupted at the second level.
@@ -38,12 +31,6 @@ struct ResumeTest : RefinerFixture {
     WriteFile(path_ / kOutput, kEarlierOutput);
     return List(path_);
   }
-
-  void ExpectResumeRefused(const std::string& message) const {
-    ExpectRefusal(Refine(" --resume 1"), message);
-  }
-
-  std::string ErrorOutput() const { return ReadFile(folder_.Path() / "err"); }
 };
 
 TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
@@ -65,7 +52,7 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
                 "iterations was '10' and is '3'");
   const std::string state_bytes = ReadFile(state);
   WriteFile(state, state_bytes.substr(0, state_bytes.size() - 8));
-  ExpectResumeRefused("damaged");
+  ExpectRefusal(Refine(" --resume 1"), "damaged");
   WriteFile(state, state_bytes);
   EXPECT_TRUE(Has(
       Succeed(Refine(" --resume 1" + Option("report_path", "steps.csv"))).out,
@@ -93,30 +80,6 @@ TEST_F(ResumeTest, GoesOnWithTheCamerasAsTheyWereRefined) {
   EXPECT_FALSE(fs::exists(path_ / "sparse-refined" / "images.bin"));
   EXPECT_TRUE(Has(Succeed(Refine(poses + " --resume 1")).out, "goes on after"));
   EXPECT_TRUE(results() == expected);
-}
-
-// What the mesh depends on has to be the same.
-TEST_F(ResumeTest, RefusesToGoOnWithOtherPosesOrPictures) {
-  InterruptAtTheSecondLevel();
-  // The last binary digit of a focal length, a translation and a coordinate,
-  // and a colour.
-  for (const auto& [name, position] :
-       {std::pair("sparse/cameras.bin", 32), std::pair("sparse/images.bin", 44),
-        std::pair("sparse/points3D.bin", 16), std::pair("fused.ply", -1)}) {
-    const std::string bytes = ReadFile(path_ / name);
-    std::string other = bytes;
-    char& byte = position < 0 ? other.back() : other[position];
-    byte = static_cast<char>(byte ^ 1);
-    WriteFile(path_ / name, other);
-    ExpectResumeRefused(name);
-    WriteFile(path_ / name, bytes);
-  }
-  const fs::path picture = path_ / "images" / "0003.png";
-  const std::string bytes = ReadFile(picture);
-  WriteFile(picture, bytes + "x");  // which decoders do not read
-  ExpectResumeRefused("images/0003.png");
-  WriteFile(picture, bytes);
-  Succeed(Refine(" --resume 1"));
 }
 
 TEST_F(ResumeTest, RefusesToGoOnInAnotherOrderOfTheImages) {

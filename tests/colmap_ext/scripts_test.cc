@@ -56,6 +56,7 @@ TEST_P(ScriptsTest, TakesTheOptionsOfDelaunayMesher) {
       "mesher --input_path 'a scène' --output_path 'a scène/scene.ply' "
       "--DelaunayMeshing.quality_regularization 1. "
       "--DelaunayMeshing.max_proj_dist 3\n"
+      "test ! -e 'a scène/meshed-delaunay-manifold.ply'\n"
       "mesher --workspace_path 'a scène' --output_path same.ply "
       "--DelaunayManifoldMeshing.quality_regularization 1 "
       "--DelaunayManifoldMeshing.max_proj_dist 3\n"

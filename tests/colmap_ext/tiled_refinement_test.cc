@@ -10,6 +10,7 @@
 
 #include "formats/picture_files.h"
 #include "tests/colmap_ext/refiner_fixture.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext::tiled_refinement_test {
@@ -89,13 +90,8 @@ struct TiledRefinementTest : RefinerFixture {
     return plan_ / ("tile0000" + std::to_string(tile) + ".refined.bin");
   }
 
-  // Sends a tile's job a signal when it has printed the text.
-  // \return as waitpid() has it.
-  int Interrupt(int tile, const std::string& text, int signal) const {
-    Process process(CommandOf(Plan() + Tile(tile)), folder_.Path() / "err");
-    EXPECT_TRUE(process.WaitFor(text)) << ReadFile(folder_.Path() / "err");
-    process.Signal(signal);
-    return process.Wait();
+  int InterruptTile(int tile, const std::string& text, int signal) const {
+    return Interrupt(Plan() + Tile(tile), text, {signal});
   }
 
   // Refines a tile, its patch gone.
@@ -225,11 +221,12 @@ TEST_F(TiledRefinementTest, KilledAndRepeatedJobsChangeNothing) {
 
 TEST_F(TiledRefinementTest, GoesOnAfterTheLastCompleteLevel) {
   const auto [tile, undisturbed, files] = RefineTwoTiles();
-  const int status = Interrupt(tile, "full size, iteration 0", SIGTERM);
+  const int status = InterruptTile(tile, "full size, iteration 0", SIGTERM);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 143);
-  EXPECT_TRUE(Has(ReadFile(folder_.Path() / "err"), "1/2 size"));
-  EXPECT_TRUE(WIFSIGNALED(Interrupt(tile, "full size, iteration 1", SIGKILL)));
+  EXPECT_TRUE(Has(ErrorOutput(), "1/2 size"));
+  EXPECT_TRUE(
+      WIFSIGNALED(InterruptTile(tile, "full size, iteration 1", SIGKILL)));
   EXPECT_FALSE(fs::exists(PatchPath(tile)));
   EXPECT_TRUE(Has(RefineAgain(tile), "goes on after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
@@ -239,14 +236,14 @@ TEST_F(TiledRefinementTest, GoesOnAfterTheLastCompleteLevel) {
 TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
   const auto [tile, undisturbed, files] = RefineTwoTiles();
   const std::string state = PatchPath(tile).string() + ".resume";
-  Interrupt(tile, "full size, iteration 0", SIGKILL);
+  InterruptTile(tile, "full size, iteration 0", SIGKILL);
   const std::string of_this_run = ReadFile(state);
   WriteFile(state, of_this_run.substr(0, of_this_run.size() / 2));
   EXPECT_FALSE(Has(RefineAgain(tile), "goes on after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   const int other = TilesOf(0).at(0);
   fs::remove(PatchPath(other));
-  Interrupt(other, "full size, iteration 0", SIGKILL);
+  InterruptTile(other, "full size, iteration 0", SIGKILL);
   const std::string of_another =
       ReadFile(PatchPath(other).string() + ".resume");
   RefineAgain(other);
@@ -288,7 +285,8 @@ TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   }
   const int first = TilesOf(0)[0];
   const int second = TilesOf(0)[1];
-  EXPECT_TRUE(WIFSIGNALED(Interrupt(first, "full size, iteration 0", SIGKILL)));
+  EXPECT_TRUE(
+      WIFSIGNALED(InterruptTile(first, "full size, iteration 0", SIGKILL)));
   ExpectRefusal(Run(Plan() + Tile(TilesOf(1)[0])), "of colour 0 is not");
   const std::string command = CommandOf(Plan());
   Succeed(RunShell("{ " + command + Tile(second) + " & " + command +
@@ -344,10 +342,7 @@ TEST_F(TiledRefinementTest, RefusesTheMeshOfAnotherPlan) {
   WriteFile(VisibilityPath(merged_), visibility);
   ExpectRefusal(PlanRefinement(), "it belongs to another plan");
   EXPECT_FALSE(fs::exists(plan_ / "refine.json"));
-  TriangleMesh moved = ReadPlyMesh(path_ / kInput);
-  for (Eigen::Vector3f& vertex : moved.vertices) {
-    vertex *= 3;
-  }
+  const TriangleMesh moved = Scaled(ReadPlyMesh(path_ / kInput), 3);
   Visibility none(moved.vertices.size());
   WriteMesh(merged_, moved, {{}, none, {}});
   ExpectRefusal(PlanRefinement(), "it belongs to another one");

@@ -13,27 +13,12 @@
 #include "scene/point_tree.h"
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext::tiling_test {
 
 namespace fs = std::filesystem;
-
-// The corners of all faces, each turned so that the lowest is the first.
-std::vector<std::array<std::array<float, 3>, 3>> FacesOf(const fs::path& path) {
-  const TriangleMesh mesh = ReadPlyMesh(path);
-  std::vector<std::array<std::array<float, 3>, 3>> faces;
-  for (const Facet& facet : mesh.facets) {
-    std::array<std::array<float, 3>, 3>& face = faces.emplace_back();
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3f& p = mesh.vertices[facet[k]];
-      face[k] = {p.x(), p.y(), p.z()};
-    }
-    std::ranges::rotate(face, std::ranges::min_element(face));
-  }
-  std::ranges::sort(faces);
-  return faces;
-}
 
 // Ascending.
 std::vector<std::array<float, 3>> VerticesOf(const fs::path& path) {
@@ -91,8 +76,9 @@ struct TilingTest : testing::Test {
   void ExpectMeshersFaces(const std::string& options = "") const {
     Succeed(RunProgram("delaunay_manifold_mesher" +
                        PathOption("workspace_path", workspace_) + options));
-    EXPECT_EQ(FacesOf(mesh_),
-              FacesOf(workspace_ / "meshed-delaunay-manifold.ply"));
+    EXPECT_EQ(
+        TrianglesOf(ReadPlyMesh(mesh_)),
+        TrianglesOf(ReadPlyMesh(workspace_ / "meshed-delaunay-manifold.ply")));
   }
 
   // Tiles make the mesh of one tile, where all points are kept: the same
@@ -100,7 +86,7 @@ struct TilingTest : testing::Test {
   template <typename Counts>
   void ExpectNoSeams(const std::string& options, const Counts& counts) const {
     const auto faces_that_count = [&] {
-      auto faces = FacesOf(mesh_);
+      auto faces = TrianglesOf(ReadPlyMesh(mesh_));
       std::erase_if(faces, [&](const auto& face) {
         return std::ranges::any_of(
             face, [&](const auto& corner) { return !counts(corner[0]); });

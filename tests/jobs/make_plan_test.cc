@@ -110,6 +110,7 @@ class OpenFilesLimit {
 // A vertex a tile. Its x, and how many cells the tile has, say which it is.
 Plan WriteTiles(const fs::path& folder, size_t num_tiles) {
   Plan plan;
+  plan.folder = folder;
   plan.identity = 5;
   plan.tiles.resize(num_tiles);
   PlanBlocks blocks;
@@ -118,12 +119,12 @@ Plan WriteTiles(const fs::path& folder, size_t num_tiles) {
     vertices.positions.emplace_back(static_cast<float>(tile), 0, 0);
     vertices.observations.offsets = {0, 0};
     AddTile(vertices.positions, vertices.observations, &blocks);
-    Write(VerticesFile(folder, plan.identity, tile), vertices);
+    Write(VerticesFile(plan, tile), vertices);
     TileCut cut;
     cut.labels.known.assign(tile, 0);
-    Write(CutFile(folder, plan.identity, tile), cut, {});
+    Write(CutFile(plan, tile), cut, {});
   }
-  Write(BlocksFile(folder, plan.identity), blocks);
+  Write(BlocksFile(plan), blocks);
   return plan;
 }
 
@@ -132,8 +133,8 @@ TEST(PlanFiles, APlanMayHaveMoreTilesThanOpenFiles) {
   const TemporaryFolder folder;
   const Plan plan = WriteTiles(folder.Path(), kNumTiles);
   const OpenFilesLimit limit(350);
-  const FilePlan vertices(folder.Path(), plan);
-  const FileParts parts(folder.Path(), plan);
+  const FilePlan vertices(plan);
+  const FileParts parts(plan);
   tbb::parallel_for(uint32_t{0}, kNumTiles, [&](uint32_t i) {
     const uint32_t tile = i * 7 % kNumTiles;
     EXPECT_EQ(vertices.ReadPositions(tile, tile + 1).at(0).x(), tile);

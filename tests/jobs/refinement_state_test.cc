@@ -16,7 +16,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct RefinementStateTest : testing::Test {
   RefinementStateTest() {
-    state_.level = 2;
     state_.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 1e-30F}}, {{0, 1, 2}}};
     state_.attributes.colors = {{1, 2, 3}, {4, 5, 6}, {7, 8, 255}};
     state_.attributes.views.AddRow(std::vector<uint32_t>{0, 1});
@@ -42,27 +41,32 @@ struct RefinementStateTest : testing::Test {
     report.misalignment = {1.0 / 3, 0.1, {0, 1e-300}};
   }
 
-  RefinementState Read() const {
-    std::vector<View> views = state_.views;
-    for (View& view : views) {
+  void Write(const RefinedMesh& state) const {
+    WriteState(output_, inputs_, 2, state, state.report);
+  }
+
+  RefinedMesh Read() const {
+    RefinedMesh read;
+    read.views = state_.views;
+    for (View& view : read.views) {
       view.fx = 1;
       view.cam_from_world_rotation.setIdentity();
       view.cam_from_world_translation.setZero();
     }
-    return ReadState(output_, inputs_, views);
+    EXPECT_EQ(ReadState(output_, inputs_, &read), 2);
+    return read;
   }
 
   TemporaryFolder folder_;
   fs::path output_ = folder_.Path() / "mesh.ply";
   JobInputs inputs_ = {{{"levels", "3"}, {"region", ""}},
                        {{"images/\"a\"\n\xff.png", "none"}}};
-  RefinementState state_;
+  RefinedMesh state_;
 };
 
 TEST_F(RefinementStateTest, IsReadBackAsItWas) {
-  WriteState(output_, inputs_, state_);
-  const RefinementState read = Read();
-  EXPECT_EQ(read.level, 2);
+  Write(state_);
+  const RefinedMesh read = Read();
   EXPECT_EQ(read.mesh.facets, state_.mesh.facets);
   EXPECT_EQ(read.attributes.views, state_.attributes.views);
   EXPECT_TRUE(read.attributes.confidences.empty());
@@ -80,14 +84,14 @@ TEST_F(RefinementStateTest, IsReadBackAsItWas) {
             state_.report.misalignment->by_view);
   // All else, by what is written of it.
   const std::string bytes = ReadFile(StatePath(output_));
-  WriteState(output_, inputs_, read);
+  Write(read);
   EXPECT_TRUE(ReadFile(StatePath(output_)) == bytes);
   RemoveState(output_);
   EXPECT_FALSE(fs::exists(StatePath(output_)));
 }
 
 TEST_F(RefinementStateTest, NamesWhatDiffersAndRefusesDamagedFiles) {
-  WriteState(output_, inputs_, state_);
+  Write(state_);
   inputs_.options["levels"] = "2";
   EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "levels was '3' and is '2'"));
   const std::string bytes = ReadFile(StatePath(output_));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <set>
 
@@ -104,6 +106,23 @@ inline TriangleMesh Union(const TriangleMesh& a, const TriangleMesh& b) {
     both.facets.push_back({i + offset, j + offset, k + offset});
   }
   return both;
+}
+
+// The facets by their corners' positions, each turned so that the lowest comes
+// first: the same in any order of vertices and facets.
+inline std::multiset<std::array<std::array<float, 3>, 3>> TrianglesOf(
+    const TriangleMesh& mesh) {
+  std::multiset<std::array<std::array<float, 3>, 3>> triangles;
+  for (const Facet& facet : mesh.facets) {
+    std::array<std::array<float, 3>, 3> triangle;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3f& p = mesh.vertices[facet[k]];
+      triangle[k] = {p.x(), p.y(), p.z()};
+    }
+    std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+    triangles.insert(triangle);
+  }
+  return triangles;
 }
 
 // Facets apart from each other, with corners at corner(facet, 0 ... 2).

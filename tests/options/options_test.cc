@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "colmap_ext/errors.h"
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/refinement_options.h"

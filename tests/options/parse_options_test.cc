@@ -1,16 +1,13 @@
-#include "colmap_ext/options/parse_options.h"
+#include "colmap_ext/options/command_options.h"
 
 #include <array>
 #include <cmath>
 #include <functional>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "colmap_ext/errors.h"
 #include "colmap_ext/options/evaluation_options.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/options/refinement_options.h"
@@ -20,11 +17,20 @@
 
 namespace colmap_ext::parse_options_test {
 
+ParsedOptions ParseArguments(const CommandOptions& command,
+                             const std::vector<std::string>& arguments) {
+  std::vector<const char*> argv = {"program"};
+  for (const std::string& argument : arguments) {
+    argv.push_back(argument.c_str());
+  }
+  return ParseOptions(static_cast<int>(argv.size()), argv.data(), command);
+}
+
 struct ParseOptionsTest : testing::Test {
   ParseOptionsTest() {
     options_.Add("output_path", &text_, "Where to");
-    options_.AddNumber("Ours.size", &number_, {0, 1000}, "[px] How large");
-    options_.AddNumber("Ours.count", &count_, {-5, 10});
+    options_.Add("Ours.size", &number_, {0, 1000}, "[px] How large");
+    options_.Add("Ours.count", &count_, {-5, 10});
     options_.Add("Ours.flag", &flag_);
     options_.Add("paths", &paths_);
     options_.AddAlias("Theirs.size", "Ours.size", ", larger", &is_theirs_);
@@ -35,21 +41,19 @@ struct ParseOptionsTest : testing::Test {
                      "Which");
   }
 
-  ParsedOptions Parse(std::vector<const char*> arguments) {
-    arguments.insert(arguments.begin(), "program");
-    return ParseOptions(static_cast<int>(arguments.size()), arguments.data(),
-                        options_);
+  ParsedOptions Parse(const std::vector<std::string>& arguments) const {
+    return ParseArguments(options_, arguments);
   }
 
   ParsedOptions ParseProject(const std::string& text,
-                             std::vector<const char*> arguments = {}) {
+                             std::vector<std::string> arguments = {}) const {
     WriteFile(project_, text);
-    arguments.insert(arguments.end(), {"--project_path", project_.c_str()});
+    arguments.insert(arguments.end(), {"--project_path", project_});
     return Parse(arguments);
   }
 
-  void ExpectRefused(std::vector<const char*> arguments,
-                     const std::string& message) {
+  void ExpectRefused(const std::vector<std::string>& arguments,
+                     const std::string& message) const {
     EXPECT_TRUE(
         Has(MessageOf<OptionError>([&] { Parse(arguments); }), message));
   }
@@ -165,7 +169,7 @@ TEST_F(ParseOptionsTest, RefusesBadProjectFiles) {
         std::pair("[Ours]\nsizes=3\n", "there is no option Ours.sizes"),
         std::pair("outptu_path=3\n", "there is no option outptu_path")}) {
     WriteFile(project_, text);
-    ExpectRefused({"--project_path", project_.c_str()}, message);
+    ExpectRefused({"--project_path", project_}, message);
   }
 }
 
@@ -224,15 +228,6 @@ struct NumberRangesTest : testing::Test {
     }
   }
 
-  static void Parse(const CommandOptions& command,
-                    const std::vector<std::string>& arguments) {
-    std::vector<const char*> argv = {"program"};
-    for (const std::string& argument : arguments) {
-      argv.push_back(argument.c_str());
-    }
-    ParseOptions(static_cast<int>(argv.size()), argv.data(), command);
-  }
-
   // By the command line, and by a project file.
   // \param name  the option's, or an alias
   void ExpectRefused(const CommandOptions& command, const Option& option,
@@ -243,9 +238,9 @@ struct NumberRangesTest : testing::Test {
                                              {"--project_path", project}};
     const double before = NumberOf(option);
     for (const std::vector<std::string>& arguments : ways) {
-      EXPECT_TRUE(
-          HasAll(MessageOf<OptionError>([&] { Parse(command, arguments); }),
-                 {"--" + name + " ", "'" + text + "'", option.range->Text()}));
+      EXPECT_TRUE(HasAll(
+          MessageOf<OptionError>([&] { ParseArguments(command, arguments); }),
+          {"--" + name + " ", "'" + text + "'", option.range->Text()}));
       EXPECT_EQ(NumberOf(option), before);
     }
   }
@@ -303,7 +298,7 @@ TEST_F(NumberRangesTest, TheirEndsAreTaken) {
       ends.push_back(*also);
     }
     for (const double end : ends) {
-      Parse(command, {"--" + option.name, fmt::format("{}", end)});
+      ParseArguments(command, {"--" + option.name, fmt::format("{}", end)});
       EXPECT_EQ(NumberOf(option), end);
     }
   });
@@ -337,6 +332,52 @@ TEST(NumberRange, SaysWhatItHas) {
   EXPECT_EQ((NumberRange{0, 1, -1, "auto"}).Text(), "0 ... 1, or auto");
   EXPECT_TRUE((NumberRange{1, kNoLimit, -1}).Contains(1e300));
   EXPECT_FALSE((NumberRange{1, kNoLimit, -1}).Contains(kNoLimit));
+}
+
+// The options of a command line.
+template <typename Options, typename Add>
+Options Parse(const Add& add, const std::vector<std::string>& arguments) {
+  Options options;
+  CommandOptions command;
+  add(&command, &options);
+  ParseArguments(command, arguments);
+  return options;
+}
+
+RefinerOptions ParseRefiner(const std::vector<std::string>& arguments) {
+  return Parse<RefinerOptions>(AddRefinerOptions, arguments);
+}
+
+TEST(Presets, HighIsTheDefault) {
+  const RefinerOptions by_default = ParseRefiner({});
+  const RefinerOptions high = ParseRefiner({"--quality", "HIGH"});
+  EXPECT_EQ(high.image_scale, by_default.image_scale);
+  EXPECT_EQ(high.refinement.max_face_area, by_default.refinement.max_face_area);
+}
+
+TEST(Presets, CostMoreFromLowToExtreme) {
+  const RefinerOptions low = ParseRefiner({"--quality", "low"});
+  const RefinerOptions medium = ParseRefiner({"--quality", "medium"});
+  const RefinerOptions high = ParseRefiner({});
+  const RefinerOptions extreme = ParseRefiner({"--quality", "extreme"});
+  EXPECT_LT(low.image_scale, medium.image_scale);
+  EXPECT_LT(medium.image_scale, high.image_scale);
+  EXPECT_GT(extreme.refinement.labeling.final_pairs_per_facet,
+            high.refinement.labeling.final_pairs_per_facet);
+  double before = 1000;
+  for (const char* quality : {"low", "medium", "high", "extreme"}) {
+    const double distance =
+        Parse<MesherOptions>(AddMesherOptions, {"--quality", quality})
+            .meshing.max_proj_dist;
+    EXPECT_LT(distance, before);
+    before = distance;
+  }
+}
+
+TEST(Presets, GiveWayToWhatIsGivenBesides) {
+  const RefinerOptions options = ParseRefiner(
+      {"--FacetwiseRefinement.image_scale", "0.8", "--quality", "low"});
+  EXPECT_EQ(options.image_scale, 0.8);
 }
 
 }  // namespace colmap_ext::parse_options_test

@@ -1,11 +1,10 @@
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "scene/view.h"
+#include "tests/pictures/compare_pictures.h"
 #include "tests/random.h"
 
 namespace colmap_ext::pictures_test {
@@ -77,10 +76,6 @@ TriangleMesh Square() {
 }
 
 Color Middle(const ColorImage& image) { return image.At(24, 32); }
-
-bool IsRed(const Color& color) {
-  return color[0] > 2 * color[1] && color[0] > 2 * color[2];
-}
 
 TEST(RenderMesh, BackFacesAreRedAndNotShadedByTheCaller) {
   const auto black = [](const FrontHit&) { return Vector3f(0, 0, 0); };

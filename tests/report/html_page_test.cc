@@ -6,9 +6,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "colmap_ext/report/page_pictures.h"
-#include "colmap_ext/report/print_report.h"
-#include "scene/view.h"
 #include "tests/report/well_formed.h"
 #include "tests/texts.h"
 
@@ -49,7 +46,10 @@ struct RunPageTest : testing::Test {
     PrintHeading("Nothing", &log_);
     PrintWarning(kWicked, &log_);
     run_ = {"facetwise_refiner", kWicked, "1.2.3"};
-    log_.options = {{"given", kWicked, false}, {"other", "7.25", true}};
+    command_.Add("given", &given_);
+    command_.Add("other", &other_, {0, 9});
+    given_ = kWicked;
+    log_.command = &command_;
     const ColorImage image{2, 1, {{1, 2, 3}, {4, 5, 6}}};
     pictures_ = {{kWicked, "second.png"},
                  {{"Photograph", "", false, {image, {}}},
@@ -79,6 +79,9 @@ struct RunPageTest : testing::Test {
 
   std::ostringstream printed_;
   ReportLog log_;
+  std::string given_;
+  double other_ = 7.25;
+  CommandOptions command_;
   PageRun run_;
   PagePictures pictures_;
   std::vector<RefinementStep> steps_;
@@ -88,6 +91,9 @@ TEST_F(RunPageTest, HasAllThatIsPrinted) {
   const std::string page = RefinementPage(run_, log_, steps_, pictures_);
   ExpectGood(page);
   ExpectGood(MeshingPage(run_, log_, pictures_));
+  const size_t defaults = page.find("<summary>defaults");
+  EXPECT_LT(page.find("--given"), defaults);
+  EXPECT_GT(page.find("--other"), defaults);
   EXPECT_TRUE(HasAll(page, {"--given", "7.25", "1.2.3", "-12.5", "0.8125",
                             "1/2 size", "<b>98765</b>faces", "there is none"}));
   EXPECT_TRUE(Has(page, std::string("<li>") + kEscaped + "</li>"));
@@ -111,20 +117,6 @@ TEST_F(RunPageTest, PutsLongTablesIntoFrames) {
     PrintText("image", "   1", &log_);
   }
   EXPECT_TRUE(Has(MeshingPage(run_, log_, {}), "card long"));
-}
-
-TEST(PageOptionsTest, TellsWhatWasGiven) {
-  std::string path;
-  int number = 3;
-  CommandOptions options;
-  options.Add("path", &path);
-  options.AddNumber("number", &number, {0, 9});
-  number = 4;
-  const std::vector<PageOption> page_options = PageOptions(options);
-  ASSERT_EQ(page_options.size(), 2);
-  EXPECT_TRUE(page_options[0].is_default);
-  EXPECT_FALSE(page_options[1].is_default);
-  EXPECT_EQ(page_options[1].value, "4");
 }
 
 constexpr Color kWhite = {255, 255, 255};
@@ -166,29 +158,31 @@ PictureDecoder Decoder() {
   return decoder;
 }
 
-PageCameras Cameras(const Square& square) {
-  return ChoosePageCameras(square.views, square.vertex_views, "images",
-                           Decoder());
+// The pictures of the square as a mesh of one point.
+PagePictures DrawMesh(const Square& square, std::vector<Color> colors = {}) {
+  ManifoldMesh mesh;
+  mesh.mesh = square.mesh;
+  mesh.attributes.colors = std::move(colors);
+  mesh.attributes.views = square.vertex_views;
+  const PointCloud cloud = {{{0, 0, 0}}, {{1, 2, 3}}, {}};
+  return DrawMeshing(square.views, cloud, mesh, "images", Decoder());
 }
 
-TEST(ChoosePageCamerasTest, TakesThreeThatSeeTheMeshAndAreFarApart) {
-  const PageCameras cameras = Cameras(Square());
-  ASSERT_EQ(cameras.views.size(), 3);
-  EXPECT_EQ(cameras.views[0].name, "0");
-  EXPECT_EQ(cameras.views[1].name, "2");
-  EXPECT_EQ(cameras.views[2].name, "3");
-  EXPECT_EQ(cameras.views[0].width, 480);
-  EXPECT_EQ(cameras.views[0].height, 240);
-  ASSERT_EQ(cameras.photos.size(), 3);
-  EXPECT_EQ(cameras.photos[0].width, 480);
-  EXPECT_EQ(cameras.photos[0].At(239, 479), (Color{10, 20, 30}));
-  EXPECT_EQ(cameras.photos[1].width, 0);
+TEST(DrawMeshingTest, TakesThreeCamerasThatSeeTheMeshAndAreFarApart) {
+  const PagePictures page = DrawMesh(Square());
+  EXPECT_EQ(page.cameras, (std::vector<std::string>{"0", "2", "3"}));
+  const std::vector<ColorImage>& photos = page.rows[0].pictures;
+  ASSERT_EQ(photos.size(), 3);
+  EXPECT_EQ(photos[0].width, 480);
+  EXPECT_EQ(photos[0].height, 240);
+  EXPECT_EQ(photos[0].At(239, 479), (Color{10, 20, 30}));
+  EXPECT_EQ(photos[1].width, 0);
 }
 
-TEST(ChoosePageCamerasTest, TakesNoneWhereNothingIsSeen) {
+TEST(DrawMeshingTest, TakesNoCamerasWhereNothingIsSeen) {
   Square square;
   square.vertex_views = Rows<uint32_t>(square.mesh.vertices.size());
-  EXPECT_TRUE(Cameras(square).views.empty());
+  EXPECT_TRUE(DrawMesh(square).cameras.empty());
 }
 
 void ExpectAllDrawn(const PagePictures& page, size_t num_rows) {
@@ -208,6 +202,8 @@ TEST(DrawRefinementTest, DrawsBeforeAfterLabelsAndConfidence) {
   const Square square;
   RefinedMesh refined;
   refined.mesh = square.mesh;
+  refined.attributes.views = square.vertex_views;
+  refined.views = square.views;
   refined.attributes.confidences.assign(4, 1);
   refined.labels.pairs = {{0, 1}};
   refined.labels.labels.AddRow(std::vector<uint32_t>{0});
@@ -215,7 +211,8 @@ TEST(DrawRefinementTest, DrawsBeforeAfterLabelsAndConfidence) {
   TriangleMesh before = square.mesh;
   std::swap(before.facets[0][0], before.facets[0][1]);
   std::swap(before.facets[1][0], before.facets[1][1]);
-  const PagePictures page = DrawRefinement(Cameras(square), before, refined);
+  const PagePictures page =
+      DrawRefinement(before, refined, "images", Decoder());
   ExpectAllDrawn(page, 5);
   const Color back = page.rows[1].pictures[0].At(120, 240);
   EXPECT_GT(back[0], 2 * back[1]) << "seen from behind";
@@ -226,17 +223,11 @@ TEST(DrawRefinementTest, DrawsBeforeAfterLabelsAndConfidence) {
 }
 
 TEST(DrawMeshingTest, DrawsPointsMeshConfidenceAndColors) {
-  const Square square;
-  ManifoldMesh mesh;
-  mesh.mesh = square.mesh;
-  mesh.attributes.colors.assign(4, {200, 100, 50});
-  const PointCloud cloud = {{{0, 0, 0}}, {{1, 2, 3}}, {}};
-  PagePictures page = DrawMeshing(Cameras(square), cloud, mesh);
+  PagePictures page = DrawMesh(Square(), std::vector<Color>(4, {200, 100, 50}));
   ExpectAllDrawn(page, 5);
   EXPECT_EQ(page.rows[1].pictures[0].At(120, 240), (Color{1, 2, 3}));
   EXPECT_EQ(page.rows[4].pictures[0].At(120, 240), (Color{200, 100, 50}));
-  mesh.attributes.colors.clear();
-  page = DrawMeshing(Cameras(square), cloud, mesh);
+  page = DrawMesh(Square());
   EXPECT_EQ(page.rows[4].pictures[0].pixels, page.rows[2].pictures[0].pixels);
 }
 

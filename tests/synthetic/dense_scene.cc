@@ -1,12 +1,12 @@
 #include "tests/synthetic/dense_scene.h"
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include <tbb/task_arena.h>
 #include <Eigen/Geometry>
 
+#include "tests/mesh/known_meshes.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext::synthetic {
@@ -61,17 +61,6 @@ std::vector<View> Moved(std::vector<View> views, const std::string& prefix,
 template <typename T>
 void Append(const std::vector<T>& from, std::vector<T>* to) {
   to->insert(to->end(), from.begin(), from.end());
-}
-
-void AddMesh(const TriangleMesh& mesh, const Eigen::Vector3f& offset,
-             TriangleMesh* row) {
-  const auto first = static_cast<uint32_t>(row->vertices.size());
-  for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    row->vertices.push_back(vertex + offset);
-  }
-  for (const auto& [a, b, c] : mesh.facets) {
-    row->facets.push_back({a + first, b + first, c + first});
-  }
 }
 
 void AddPoints(const FusedPoints& points, const Eigen::Vector3f& offset,
@@ -178,7 +167,8 @@ DenseScene MakeSceneRow(const DenseScene& scene, int num_copies,
     const Eigen::Vector3d shift = copy * offset;
     const std::string prefix = std::to_string(copy) + "_";
     const auto first_view = static_cast<uint32_t>(row.model_views.size());
-    AddMesh(scene.scene.surface, shift.cast<float>(), &row.scene.surface);
+    row.scene.surface = Union(
+        row.scene.surface, Shifted(scene.scene.surface, shift.cast<float>()));
     Append(Moved(scene.scene.views, prefix, shift), &row.scene.views);
     Append(Moved(scene.model_views, prefix, shift), &row.model_views);
     Append(scene.images, &row.images);

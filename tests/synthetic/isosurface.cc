@@ -4,12 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 
 #include "base/indices.h"
+#include "mesh/adjacency.h"
 #include "mesh/normals.h"
 
 namespace colmap_ext::synthetic {
@@ -212,16 +211,12 @@ TriangleMesh March(const Lattice& lattice) {
 
 // [V] whether a vertex has an edge with only one facet.
 std::vector<char> BorderVertices(const TriangleMesh& mesh) {
-  std::map<std::pair<uint32_t, uint32_t>, int> counts;
-  for (const Facet& facet : mesh.facets) {
-    for (int i = 0; i < 3; ++i) {
-      ++counts[std::minmax({facet[i], facet[(i + 1) % 3]})];
-    }
-  }
+  const std::vector<uint32_t> twins = PairHalfEdges(mesh.facets);
   std::vector<char> is_border(mesh.vertices.size(), false);
-  for (const auto& [edge, count] : counts) {
-    if (count == 1) {
-      is_border[edge.first] = is_border[edge.second] = true;
+  for (uint32_t half = 0; half < twins.size(); ++half) {
+    if (twins[half] == kNone) {
+      is_border[FromVertex(mesh.facets, half)] = true;
+      is_border[ToVertex(mesh.facets, half)] = true;
     }
   }
   return is_border;

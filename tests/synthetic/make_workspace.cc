@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "colmap_ext/options/parse_options.h"
+#include "colmap_ext/options/command_options.h"
 #include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
 
@@ -22,67 +22,67 @@ using colmap_ext::synthetic::SceneOptions;
 void AddSceneOptions(SceneOptions* scene, CommandOptions* options) {
   options->Add("scene", &scene->shape,
                "statue, wall or grid (thin rods before a backdrop)");
-  options->AddNumber("num_images", &scene->num_images, {1, 10000});
-  options->AddNumber("width", &scene->width, {16, 20000}, "[px] Of the images");
-  options->AddNumber("height", &scene->height, {16, 20000},
-                     "[px] Of the images");
-  options->AddNumber("relief", &scene->relief, {0, 2},
-                     "Height of the fine relief, as a factor");
-  options->AddNumber("thickness", &scene->thickness, {0.2, 3},
-                     "Of the grid's rods and blades, as a factor");
-  options->AddNumber("untextured", &scene->untextured, {0, 1},
-                     "How blank a patch of the surface is");
-  options->AddNumber("gloss", &scene->gloss, {0, 2},
-                     "Intensity of highlights on another patch");
-  options->AddNumber("exposure_change", &scene->exposure_change, {0, 0.9},
-                     "Maximum between images, as a share");
-  options->AddNumber("cell_size", &scene->cell_size, {0.5, 100},
-                     "[px] Of the true surface's lattice");
+  options->Add("num_images", &scene->num_images, {1, 10000});
+  options->Add("width", &scene->width, {16, 20000}, "[px] Of the images");
+  options->Add("height", &scene->height, {16, 20000}, "[px] Of the images");
+  options->Add("relief", &scene->relief, {0, 2},
+               "Height of the fine relief, as a factor");
+  options->Add("thickness", &scene->thickness, {0.2, 3},
+               "Of the grid's rods and blades, as a factor");
+  options->Add("untextured", &scene->untextured, {0, 1},
+               "How blank a patch of the surface is");
+  options->Add("gloss", &scene->gloss, {0, 2},
+               "Intensity of highlights on another patch");
+  options->Add("exposure_change", &scene->exposure_change, {0, 0.9},
+               "Maximum between images, as a share");
+  options->Add("cell_size", &scene->cell_size, {0.5, 100},
+               "[px] Of the true surface's lattice");
   options->AddThreads("", &scene->num_threads);
 }
 
 void AddPointOptions(DenseSceneOptions* scene, CommandOptions* options) {
-  options->AddNumber("noise", &scene->stereo.noise, {0, 10},
-                     "[px] Of stereo matches");
-  options->AddNumber("correlated_share", &scene->stereo.correlated_share,
-                     {0, 1}, "Of its variance, between neighbors");
-  options->AddNumber("normal_noise", &scene->stereo.normal_noise, {0, 45},
-                     "[degrees]");
-  options->AddNumber("dropout", &scene->stereo.dropout, {0, 1},
-                     "Share of pixels without depth");
-  options->AddNumber("fattening", &scene->stereo.fattening, {0, 20},
-                     "[px] Of the foreground at silhouettes");
-  options->AddNumber("outliers", &scene->fusion.outliers, {0, 1},
-                     "As a share of the fused points");
-  options->AddNumber("min_num_pixels", &scene->fusion.min_num_pixels, {1, 1e9},
-                     "Of a fused point");
-  options->AddNumber("pose_noise", &scene->pose_noise.pixels, {0, 100},
-                     "[px] Of the cameras of sparse/, RMS in the images");
+  options->Add("noise", &scene->stereo.noise, {0, 10},
+               "[px] Of stereo matches");
+  options->Add("correlated_share", &scene->stereo.correlated_share, {0, 1},
+               "Of its variance, between neighbors");
+  options->Add("normal_noise", &scene->stereo.normal_noise, {0, 45},
+               "[degrees]");
+  options->Add("dropout", &scene->stereo.dropout, {0, 1},
+               "Share of pixels without depth");
+  options->Add("fattening", &scene->stereo.fattening, {0, 20},
+               "[px] Of the foreground at silhouettes");
+  options->Add("outliers", &scene->fusion.outliers, {0, 1},
+               "As a share of the fused points");
+  options->Add("min_num_pixels", &scene->fusion.min_num_pixels, {1, 1e9},
+               "Of a fused point");
+  options->Add("pose_noise", &scene->pose_noise.pixels, {0, 100},
+               "[px] Of the cameras of sparse/, RMS in the images");
   options->Add("smooth_pose_noise", &scene->pose_noise.is_smooth,
                "Alike in neighboring images");
   options->Add("pose_noise_before_fusion", &scene->pose_noise.is_before_fusion,
                "Fuse by these cameras, as in life");
-  options->AddNumber("focal_factor", &scene->pose_noise.focal_factor, {0.5, 2},
-                     "On the focal lengths of sparse/");
-  options->AddNumber("num_sparse_points", &scene->sparse.num_points, {0, 1e9},
-                     "Maximum");
-  options->AddNumber("feature_noise", &scene->sparse.noise, {0, 10},
-                     "[px] Of sparse points");
+  options->Add("focal_factor", &scene->pose_noise.focal_factor, {0.5, 2},
+               "On the focal lengths of sparse/");
+  options->Add("num_sparse_points", &scene->sparse.num_points, {0, 1e9},
+               "Maximum");
+  options->Add("feature_noise", &scene->sparse.noise, {0, 10},
+               "[px] Of sparse points");
 }
 
 // \param seed  of everything random.
 CommandOptions Bind(DenseSceneOptions* scene, int* seed,
                     std::string* output_path) {
-  CommandOptions options(
+  CommandOptions options;
+  options.SetSummary(
       "Writes a synthetic COLMAP dense workspace with known truth.\n"
       "Usage: make_workspace --output_path DIR [options]");
   options.Add("output_path", output_path, "Folder of the workspace");
   AddSceneOptions(&scene->scene, &options);
-  options.AddNumber("seed", seed, {0, 2147483647}, "Of everything random");
-  options.AddNumber("sensor_noise", &scene->render.sensor_noise, {0, 100},
-                    "[1/255] Of the images in the dark");
-  options.AddNumber("photon_noise", &scene->render.photon_noise, {0, 100},
-                    "[1/255] Added in full light");
+  options.Add("seed", seed, {0, 2147483647}, "Of everything random");
+  options.Add("sensor_noise", &scene->render.sensor_noise, {0, 100},
+              "[1/255] Of the images in the dark");
+  options.Add("photon_noise", &scene->render.photon_noise, {0, 100},
+              "[1/255] Added in full light");
   AddPointOptions(scene, &options);
   options.Add("write_depth_maps", &scene->keep_depth_maps,
               "The stereo's, with normals, to stereo/");

@@ -4,16 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/mix_bits.h"
+
 namespace colmap_ext::synthetic {
 namespace {
 
-// The finalizer of splitmix64 [Steele2014].
-uint64_t Mix(uint64_t x) {
-  x += 0x9e3779b97f4a7c15u;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
+uint64_t Mix(uint64_t x) { return MixBits(x + kSplitMixStep); }
 
 // Value in [-1, 1] of a lattice node; few operations, as it is called often.
 float NodeValue(uint32_t x, uint32_t y, uint32_t z, uint32_t seed) {
@@ -67,7 +63,8 @@ float ValueNoise(const Eigen::Vector3f& point, uint32_t seed) {
 }
 
 float FractalNoise(const Eigen::Vector3f& point, int num_octaves, float gain,
-                   uint32_t seed, float lacunarity) {
+                   uint32_t seed) {
+  constexpr float kLacunarity = 1.9f;
   Eigen::Vector3f p = point;
   float amplitude = 1;
   float sum = 0;
@@ -77,9 +74,9 @@ float FractalNoise(const Eigen::Vector3f& point, int num_octaves, float gain,
     // A rotation by about 37 degrees around each of two axes.
     const Eigen::Vector3f turned(0.8f * p.x() - 0.6f * p.y(),
                                  0.6f * p.x() + 0.8f * p.y(), p.z());
-    p = lacunarity * Eigen::Vector3f(turned.x(),
-                                     0.8f * turned.y() - 0.6f * turned.z(),
-                                     0.6f * turned.y() + 0.8f * turned.z());
+    p = kLacunarity * Eigen::Vector3f(turned.x(),
+                                      0.8f * turned.y() - 0.6f * turned.z(),
+                                      0.6f * turned.y() + 0.8f * turned.z());
     p += Eigen::Vector3f(17.3f, -9.1f, 5.7f);
   }
   return sum;

@@ -19,11 +19,11 @@ double Gaussian(uint64_t hash);
 // Smooth noise on a lattice of unit cells, uniform in [-1, 1] at its nodes.
 float ValueNoise(const Eigen::Vector3f& point, uint32_t seed);
 
-// Octaves of ValueNoise, each of `lacunarity` times the frequency of the one
-// before and of `gain` times its amplitude; the first has unit cells and unit
-// amplitude. Every octave is turned and shifted, so that lattices do not show.
+// Octaves of ValueNoise, each of 1.9 times the frequency of the one before and
+// of `gain` times its amplitude; the first has unit cells and unit amplitude.
+// Every octave is turned and shifted, so that lattices do not show.
 float FractalNoise(const Eigen::Vector3f& point, int num_octaves, float gain,
-                   uint32_t seed, float lacunarity = 1.9f);
+                   uint32_t seed);
 
 // ValueNoise of the plane scaled to deviation 1 on average: the part of an
 // error that neighboring pixels share.

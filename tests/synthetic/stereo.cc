@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include <tbb/parallel_for.h>
-#include <Eigen/Geometry>
 
 #include "tests/synthetic/noise.h"
 

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <numeric>
 #include <sstream>
-#include <stdexcept>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
@@ -14,7 +13,6 @@
 #include <colmap/mvs/fusion.h>
 #include <colmap/mvs/normal_map.h>
 #include <colmap/scene/reconstruction.h>
-#include <colmap/sensor/bitmap.h>
 #include <colmap/util/ply.h>
 #else
 #include "base/pose.h"
@@ -22,11 +20,10 @@
 #include "mvs/depth_map.h"
 #include "mvs/fusion.h"
 #include "mvs/normal_map.h"
-#include "util/bitmap.h"
 #include "util/ply.h"
 #endif
 
-#include "colmap_ext/colmap_compat.h"
+#include "formats/picture_files.h"
 #include "formats/write_mesh.h"
 #include "tests/raster/pixels.h"
 #include "tests/synthetic/noise.h"
@@ -202,10 +199,7 @@ std::vector<int> WriteSparseModel(const fs::path& path, const DenseScene& scene,
 
 void WriteImages(const fs::path& path, const DenseScene& scene) {
   tbb::parallel_for(size_t{0}, scene.images.size(), [&](size_t i) {
-    const std::string file = (path / scene.scene.views[i].name).string();
-    if (!WriteColorImage(file, scene.images[i])) {
-      throw std::runtime_error(file + ": cannot be written");
-    }
+    WritePng(path / scene.scene.views[i].name, scene.images[i]);
   });
 }
 

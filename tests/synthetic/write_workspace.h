@@ -11,15 +11,17 @@
 // Reading and writing by COLMAP itself, in any version from 3.8 on.
 namespace colmap_ext::synthetic {
 
-// Writes the scene as a COLMAP dense workspace, through COLMAP's own writers:
-// images/, sparse/*.bin, fused.ply, fused.ply.vis; with the depth maps also
-// stereo/{depth_maps,normal_maps,fusion.cfg}; and the ground truth:
-// truth/mesh.ply, truth/cameras.txt, truth/images.txt and, where they were
-// kept, the depths that the pixels' centers see (those of stereo/ belong to the
-// corners), as truth/depth_maps/NAME.geometric.bin. Files that are there are
-// overwritten. Image ids are in random order, as an incremental reconstruction
-// leaves them. \throw std::runtime_error where a folder or file cannot be
-// written.
+// Writes the scene as a COLMAP dense workspace, but for the images through
+// COLMAP's own writers: images/*.png, sparse/*.bin, fused.ply, fused.ply.vis;
+// with the depth maps also stereo/{depth_maps,normal_maps,fusion.cfg}; and the
+// ground truth: truth/mesh.ply, truth/cameras.txt, truth/images.txt and, where
+// they were kept, the depths that the pixels' centers see (those of stereo/
+// belong to the corners), as truth/depth_maps/NAME.geometric.bin. Files that
+// are there are overwritten. Image ids are in random order, as an incremental
+// reconstruction leaves them.
+//
+// \throw FileError, std::filesystem_error where a file or folder cannot be
+//        written.
 void WriteWorkspace(const DenseScene& scene, uint64_t seed,
                     const std::string& path);
 

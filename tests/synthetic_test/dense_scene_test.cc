@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "base/percentile.h"
 #include "scene/half_pixel.h"
-#include "spatial/bvh.h"
 
 namespace colmap_ext::synthetic::dense_scene_test {
 

@@ -1,7 +1,6 @@
 #include "tiles/merged_plan.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -12,28 +11,11 @@
 #include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/tiles/memory_plan.h"
 #include "tiles/patch_cells.h"
 
 namespace colmap_ext::merged_plan_test {
-
-// A facet by its corners' positions, turned so that the lowest comes first.
-using Corner = std::array<float, 3>;
-using Triangle = std::array<Corner, 3>;
-
-std::multiset<Triangle> TrianglesOf(const TriangleMesh& mesh) {
-  std::multiset<Triangle> triangles;
-  for (const Facet& facet : mesh.facets) {
-    Triangle triangle;
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3f& p = mesh.vertices[facet[k]];
-      triangle[k] = {p.x(), p.y(), p.z()};
-    }
-    std::ranges::rotate(triangle, std::ranges::min_element(triangle));
-    triangles.insert(triangle);
-  }
-  return triangles;
-}
 
 // The surface of all vertices on one machine.
 TriangleMesh SurfaceOfWhole(const SeenScene& scene, const MemoryPlan& plan,

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh/normals.h"
-#include "pictures/drawings.h"
+#include "pictures/pictures.h"
 #include "scene/view.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/raster/pixels.h"

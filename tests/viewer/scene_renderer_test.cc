@@ -1,17 +1,13 @@
 #include "viewer/scene_renderer.h"
 
 #include <cmath>
-#include <memory>
-#include <optional>
 
-#include "pictures/drawings.h"
-#include "pictures/mesh_renderer.h"
+#include "pictures/pictures.h"
 #include "raster/facet_id_buffer.h"
-#include "scene/view.h"
 #include "tests/gl/gl_test.h"
 #include "tests/mesh/known_meshes.h"
+#include "tests/pictures/compare_pictures.h"
 #include "tests/raster/pixels.h"
-#include "viewer/shown_scene.h"
 
 namespace colmap_ext::scene_renderer_test {
 
@@ -59,20 +55,6 @@ View ViewFrom(const Eigen::Vector3d& eye = {0.4, 0.1, 1.2}) {
   view.cx = 71.3;
   view.cy = 66.8;
   return view;
-}
-
-double MeanDifference(const ColorImage& a, const ColorImage& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.pixels.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      sum += std::abs(a.pixels[i][k] - b.pixels[i][k]);
-    }
-  }
-  return sum / static_cast<double>(3 * a.pixels.size());
-}
-
-bool IsRed(const Color& color) {
-  return color[0] > 2 * color[1] && color[0] > 2 * color[2];
 }
 
 // The exact camera: each pixel shows the facet that the rasterizer of the

@@ -4,15 +4,11 @@
 #include <new>
 #include <numbers>
 #include <set>
-#include <stdexcept>
-#include <string>
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "scene/view.h"
 #include "viewer/background_worker.h"
-#include "viewer/orbit_camera.h"
 
 namespace colmap_ext::viewer_session_test {
 

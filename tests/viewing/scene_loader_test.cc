@@ -11,10 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "base/mix_bits.h"
-#include "scene/view.h"
 #include "tests/texts.h"
-#include "viewer/shown_scene.h"
-#include "viewer/viewer_session.h"
 
 namespace colmap_ext::scene_loader_test {
 
@@ -42,7 +39,7 @@ struct SceneLoaderTest : testing::Test {
       scene->views = views_;
     });
     loader_.emplace(ViewerPaths{"folder", {}}, Decoder(), &inbox_);
-    session_.emplace(&inbox_, loader_->Host({}), DrawSettings());
+    session_.emplace(&inbox_, loader_->Host(), DrawSettings());
     session_->Update(now_);
   }
   ~SceneLoaderTest() override { Open(); }
@@ -114,7 +111,7 @@ TEST_F(SceneLoaderTest, OfQuickPicksTheLastIsShown) {
   session_->Pick(1);
   session_->Pick(2);
   Open();
-  loader_->Host({}).load_thumbnails(views_);
+  loader_->Host().load_thumbnails(views_);
   const auto [first, second] = *session_->GetPicked()->pair;
   const FacetMatch expected =
       MatchFacet(mesh_->mesh, 2, views_[first], ImageOf(views_[first].name),
@@ -136,7 +133,7 @@ TEST_F(SceneLoaderTest, TheImageOfTheLastCameraIsThere) {
   session_->Press(kKeyRight);
   session_->Press(kKeyRight);
   Open();
-  loader_->Host({}).load_thumbnails(views_);
+  loader_->Host().load_thumbnails(views_);
   ASSERT_TRUE(Until([&] { return IsAllDone(); }));
   ASSERT_TRUE(session_->Settings().image);
   EXPECT_TRUE(session_->Scene().images.contains(*session_->Settings().image));
@@ -146,10 +143,10 @@ TEST_F(SceneLoaderTest, TheImageOfTheLastCameraIsThere) {
 TEST_F(SceneLoaderTest, WhatGoesWrongIsANote) {
   num_failing_ = 5;
   Open();
-  loader_->Host({}).load_image(0, views_[0]);
-  loader_->Host({}).load_thumbnails(views_);
-  loader_->Host({}).match_facet(mesh_, 0, views_[0], views_[1]);
-  loader_->Host({}).load_thumbnails(views_);
+  loader_->Host().load_image(0, views_[0]);
+  loader_->Host().load_thumbnails(views_);
+  loader_->Host().match_facet(mesh_, 0, views_[0], views_[1]);
+  loader_->Host().load_thumbnails(views_);
   ASSERT_TRUE(Until([&] { return IsAllDone(); }));
   ASSERT_EQ(session_->Scene().notes.size(), 1);
   EXPECT_TRUE(Has(session_->Scene().notes[0], "out of memory"));
