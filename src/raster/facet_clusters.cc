@@ -17,11 +17,11 @@ using FrustumNormals = std::array<Eigen::Vector3d, 5>;
 FrustumNormals NormalsOf(const View& view) {
   // Vertices are drawn at the nearest 1/256 px, and boxes are rounded; a
   // choice.
-  constexpr double kMargin = 1;  // px
-  const double left = (-kMargin - view.cx) / view.fx;
-  const double right = (view.width + kMargin - view.cx) / view.fx;
-  const double top = (-kMargin - view.cy) / view.fy;
-  const double bottom = (view.height + kMargin - view.cy) / view.fy;
+  constexpr double kImageMargin = 1;  // px
+  const double left = (-kImageMargin - view.cx) / view.fx;
+  const double right = (view.width + kImageMargin - view.cx) / view.fx;
+  const double top = (-kImageMargin - view.cy) / view.fy;
+  const double bottom = (view.height + kImageMargin - view.cy) / view.fy;
   FrustumNormals normals = {
       Eigen::Vector3d(1, 0, -left), Eigen::Vector3d(-1, 0, right),
       Eigen::Vector3d(0, 1, -top), Eigen::Vector3d(0, -1, bottom),

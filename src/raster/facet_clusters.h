@@ -31,6 +31,10 @@ void ForEachFacet(std::span<const FacetRange> ranges,
   }
 }
 
+// How far outside the image facets are still drawn and may face the camera, px.
+// They may move into the image before the mesh is drawn again; a choice.
+inline constexpr int kImageMargin = 16;
+
 // The bounding boxes of a mesh's facets in runs of kSize. A view passes over
 // the runs that lie outside its frustum, so that what it costs grows with what
 // it sees, if facets that follow each other lie near each other
@@ -42,8 +46,8 @@ class FacetClusters {
 
   explicit FacetClusters(const TriangleMesh& mesh);
 
-  // Runs, joined where they adjoin, that hold all facets of which a view may
-  // show any part; ascending.
+  // Runs, joined where they adjoin, that hold all facets of which any part may
+  // lie within a view's image and kImageMargin around it; ascending.
   std::vector<FacetRange> InFrustum(const View& view) const;
 
  private:

@@ -177,14 +177,17 @@ void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
 
 void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
                FacetIdBuffer* buffer) {
+  const PixelBox box(corners, buffer->width, buffer->height);
+  if (box.IsEmpty()) {  // as many facets are, in small images
+    return;
+  }
   int64_t area = Area(corners);
+  if (area == 0) {
+    return;
+  }
   if (area < 0) {
     std::swap(corners[1], corners[2]);
     area = -area;
-  }
-  const PixelBox box(corners, buffer->width, buffer->height);
-  if (area == 0 || box.IsEmpty()) {
-    return;
   }
   std::array<EdgeFunction, 3> edges = {
       EdgeFunction(corners[0], corners[1], box.first_row, box.first_col),
@@ -221,6 +224,17 @@ void DrawClipped(const View& view, const TriangleMesh& mesh, uint32_t facet,
   }
 }
 
+// Whether a part of a facet may lie within the image and its margin.
+bool MayReachImage(const std::array<Projected, 3>& corners,
+                   const FacetIdBuffer& buffer) {
+  const auto [a, b, c] = corners;
+  constexpr int64_t kMargin = kImageMargin * kSubpixels;
+  return std::max({a.u, b.u, c.u}) >= -kMargin &&
+         std::max({a.v, b.v, c.v}) >= -kMargin &&
+         std::min({a.u, b.u, c.u}) <= buffer.width * kSubpixels + kMargin &&
+         std::min({a.v, b.v, c.v}) <= buffer.height * kSubpixels + kMargin;
+}
+
 // Whether a facet with such corners, see Projected, is drawn by its part.
 bool IsClipped(double a, double b, double c) {
   return !(a > 0 && b > 0 && c > 0) && (a != 0 || b != 0 || c != 0);
@@ -251,8 +265,10 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
         vertices[facet[0]], vertices[facet[1]], vertices[facet[2]]};
     const auto& [a, b, c] = corners;
     if (a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0) {
-      DrawFacet(i, corners, &buffer);
-      buffer.is_facing[i] = IsFacing(mesh, facet, center, min_cosine);
+      if (MayReachImage(corners, buffer)) {
+        DrawFacet(i, corners, &buffer);
+        buffer.is_facing[i] = IsFacing(mesh, facet, center, min_cosine);
+      }
     } else if (IsClipped(a.inverse_depth, b.inverse_depth, c.inverse_depth) &&
                ReachesImage(view, mesh, facet)) {
       buffer.clipped.push_back(i);
@@ -278,7 +294,8 @@ bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
   const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
   const Eigen::Vector3d cross = (b - a).cross(c - a);
   const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
-  return cross.dot(to_camera) > min_cosine * cross.norm() * to_camera.norm();
+  const double product = cross.dot(to_camera);
+  return product > 0 && product > min_cosine * cross.norm() * to_camera.norm();
 }
 
 std::vector<uint32_t> FindClippedFacets(const View& view,

@@ -26,7 +26,8 @@ struct FacetIdBuffer {
   std::vector<bool> is_facing;        // [F] the cosine between the normal and
                                       // the ray to the camera is above
                                       // min_cosine, or 0 for those of
-                                      // `clipped`; false if it is not drawn
+                                      // `clipped`; false outside the image
+                                      // and kImageMargin around it
   std::vector<uint32_t> clipped;      // see FindClippedFacets()
   std::vector<FacetRange> ranges;     // the facets that were drawn, ascending
 

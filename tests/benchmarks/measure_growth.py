@@ -3,14 +3,14 @@
 
   measure_growth.py --program build/release/bin/colmap_ext \\
       --make_workspace build/release/tests/make_workspace \\
-      [--points WORKSPACE] [--survey WORKSPACE] [--images] [--pairs]
-      [--pixels] [--faces] [--threads WORKSPACE]
+      [--points WORKSPACE] [--survey] [--images] [--pairs] [--pixels]
+      [--faces] [--threads WORKSPACE]
   measure_growth.py --copies WORKSPACE SIDE FOLDER
 
 --points  the mesher on 1/8, 1/4 and 1/2 of a workspace's points, on all, and on
           2 x 2 and 4 x 4 copies of it side by side, each with its own images
---survey  the refiner on 1 to 8 x 8 copies of a workspace side by side, each with
-          its own images
+--survey  the refiner on 1 to 8 x 8 copies of a rendered wall side by side, each
+          seen by 12 images of its own, and from the side by its neighbors'
 --copies  makes a workspace of SIDE x SIDE copies, and nothing else
 --images  the refiner on a rendered statue seen by 6, 12, 24 and 48 images
 --pairs   the same with 48 images, where each has 2 to 16 partners
@@ -211,9 +211,10 @@ def refine(args, workspace, options=()):
                     workspace, *words])
 
 
-def render(args, folder, images, width):
-    checked([args.make_workspace, "--output_path", folder, "--num_images",
-             images, "--width", width, "--height", width * 3 // 4])
+def render(args, folder, images, width, scene="statue"):
+    checked([args.make_workspace, "--output_path", folder, "--scene", scene,
+             "--num_images", images, "--width", width,
+             "--height", width * 3 // 4])
     mesh(args, folder)
     return folder
 
@@ -237,17 +238,18 @@ def measure_points(args, folder):
 
 
 def measure_survey(args, folder):
-    cloud = Cloud(args.survey)
+    wall = render(args, folder / "survey", 12, 320, "wall")
+    cloud = Cloud(wall)
     sides = [1, 2, 4, 8]
     results = []
     for side in sides:
         workspace = folder / f"survey-{side}"
-        write_tiles(args.survey, cloud, workspace, side)
+        write_tiles(wall, cloud, workspace, side)
         mesh(args, workspace)
         results.append(refine(args, workspace, ["iterations", 2]))
     copies = [side * side for side in sides]
-    table(f"copies of {args.survey.name}: the refiner, s", copies, copies,
-          results, "faces")
+    table("wall, 12 images of 320 x 240: the refiner by its copies, s", copies,
+          copies, results, "faces")
 
 
 def measure_images(args, folder):
@@ -323,11 +325,10 @@ def main():
     parser.add_argument("--program")
     parser.add_argument("--make_workspace")
     parser.add_argument("--points", type=pathlib.Path, metavar="WORKSPACE")
-    parser.add_argument("--survey", type=pathlib.Path, metavar="WORKSPACE")
     parser.add_argument("--threads", type=pathlib.Path, metavar="WORKSPACE")
     parser.add_argument("--copies", nargs=3,
                         metavar=("WORKSPACE", "SIDE", "FOLDER"))
-    for name in ("images", "pairs", "pixels", "faces"):
+    for name in ("survey", "images", "pairs", "pixels", "faces"):
         parser.add_argument(f"--{name}", action="store_true")
     args = parser.parse_args()
     if args.copies:
