@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "delaunay/tetrahedralization.h"
 
 namespace colmap_ext {

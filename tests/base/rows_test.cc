@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "base/index_limit.h"
 #include "base/indices.h"
 #include "base/percentile.h"
 #include "base/union_find.h"

@@ -10,7 +10,6 @@
 
 #include <Eigen/Core>
 
-#include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "optim/min_cut.h"

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "delaunay/cell_graph.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/threads.h"

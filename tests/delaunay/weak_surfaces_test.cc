@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "delaunay/cell_graph.h"
 #include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/threads.h"

@@ -8,7 +8,6 @@
 #include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"
-#include "meshing/surface_extraction.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/meshing/fixing_problem.h"

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "meshing/manifold_fixing.h"
-#include "meshing/surface_extraction.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/meshing/fixing_problem.h"
 #include "tests/threads.h"

@@ -1,4 +1,4 @@
-#include "meshing/surface_extraction.h"
+#include "meshing/manifold_fixing.h"
 
 #include <algorithm>
 #include <map>

@@ -11,7 +11,7 @@
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 #include <boost/graph/push_relabel_max_flow.hpp>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "tests/random.h"
 
 namespace colmap_ext::min_cut_test {
