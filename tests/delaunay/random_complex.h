@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "delaunay/ray_walk.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "optim/min_cut.h"
@@ -135,6 +136,13 @@ inline Tetrahedralization DelaunayOf(
   ThinningOptions options;
   options.max_proj_dist = 0;
   return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
+}
+
+// The way of one ray.
+inline RayPath PathOf(const Tetrahedralization& tetrahedra, const Ray& ray) {
+  RayPath path;
+  WalkRays(tetrahedra, {&ray, 1}, {&path, 1});
+  return path;
 }
 
 // Any of its points.
