@@ -1,6 +1,5 @@
 #include "formats/write_mesh.h"
 
-#include <algorithm>
 #include <compare>
 #include <limits>
 #include <span>

@@ -16,7 +16,7 @@
 #include "optim/min_cut.h"
 #include "scene/point_cloud.h"
 #include "tests/delaunay/exact.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 // Tetrahedralizations, labels and graphs to try things on.
 namespace colmap_ext {
@@ -25,19 +25,6 @@ struct NamedPoints {
   std::string name;
   std::vector<Eigen::Vector3f> points;
 };
-
-// Integer coordinates in -range ... range.
-inline std::vector<Eigen::Vector3f> RandomPoints(uint32_t num_points, int range,
-                                                 Random* random) {
-  std::vector<Eigen::Vector3f> points;
-  for (uint32_t i = 0; i < num_points; ++i) {
-    const int x = random->Integer(-range, range);
-    const int y = random->Integer(-range, range);
-    const int z = random->Integer(-range, range);
-    points.emplace_back(x, y, z);
-  }
-  return points;
-}
 
 // The nodes of a lattice, size^3: all cospherical and coplanar in many ways.
 inline std::vector<Eigen::Vector3f> GridPoints(int size) {

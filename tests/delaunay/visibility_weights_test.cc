@@ -202,10 +202,9 @@ void AddByFormula(const Tetrahedralization& tetrahedra, uint32_t vertex,
     return ToCapacity(alpha * (1 - std::exp(-ratio * ratio / 2)));
   };
   const uint32_t cell = Locate(tetrahedra, center, 0);
-  const RayPath front =
-      PathOf(tetrahedra,
-             {vertex, center, tetrahedra.IsInfinite(cell) ? kToHull : cell,
-              1e9});
+  const RayPath front = PathOf(
+      tetrahedra,
+      {vertex, center, tetrahedra.IsInfinite(cell) ? kToHull : cell, 1e9});
   (*graph)[front.end].source += ToCapacity(alpha);
   for (const auto& [exit_arc, entry_arc, distance] : front.crossings) {
     (*graph)[entry_arc / 4].arcs[entry_arc % 4] += soft(distance);

@@ -12,7 +12,7 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::vertex_attributes_test {
@@ -83,9 +83,7 @@ TEST(InterpolateAttributes, TakesMeanConfidencesAndMayGoWithoutColors) {
 PointCloud RandomPoints(Random* random) {
   PointCloud points;
   for (uint32_t i = 0; i < 40; ++i) {
-    points.positions.emplace_back(8 * random->Unit() - 4,
-                                  8 * random->Unit() - 4,
-                                  8 * random->Unit() - 4);
+    points.positions.push_back(RandomVector(random, 4).cast<float>());
     points.colors.push_back({static_cast<uint8_t>(i), 0, 255});
     points.views.AddRow(std::vector<uint32_t>{i, i + 1});
   }

@@ -1,7 +1,5 @@
 #include "meshing/manifold_fixing.h"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
 
 #include "mesh/manifold_repair.h"

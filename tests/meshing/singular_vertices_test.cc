@@ -187,8 +187,9 @@ TEST(VertexStar, ComponentsAreTheConnectedCellsOfOneLabel) {
       std::vector<uint32_t> cells;
       IncidentCells(tetrahedra, vertex, &cells);
       ASSERT_EQ(components.size(), cells.size());
-      // Cells on both sides of a facet with the vertex: one component just where
-      // they have one label. That a component hangs together is in the count.
+      // Cells on both sides of a facet with the vertex: one component just
+      // where they have one label. That a component hangs together is in the
+      // count.
       for (const uint32_t cell : cells) {
         for (int k = 0; k < 4; ++k) {
           const uint32_t neighbor = tetrahedra.cells[cell].neighbors[k];

@@ -107,8 +107,8 @@ int64_t ValueOf(const Graph& graph, const std::vector<uint8_t>& side) {
   return value;
 }
 
-// The minimum over all labelings, each of which CutValue() tells, and what all minimum cuts have in common on
-// the source's side.
+// The minimum over all labelings, each of which CutValue() tells, and what all
+// minimum cuts have in common on the source's side.
 MinCut BruteForce(const Graph& graph) {
   MinCut best;
   best.flow = std::numeric_limits<int64_t>::max();
