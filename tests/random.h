@@ -1,19 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <numeric>
 #include <random>
 #include <utility>
 #include <vector>
 
-namespace colmap_ext {
+#include "base/indices.h"
 
-// 0 ... size - 1.
-inline std::vector<uint32_t> Iota(size_t size) {
-  std::vector<uint32_t> numbers(size);
-  std::iota(numbers.begin(), numbers.end(), 0);
-  return numbers;
-}
+namespace colmap_ext {
 
 // Seeded random numbers that are the same with every standard library.
 class Random {

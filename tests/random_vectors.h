@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "tests/random.h"
@@ -23,6 +26,19 @@ inline Eigen::Vector3d RandomNormal(Random* random) {
       return vector.normalized();
     }
   }
+}
+
+// Integer coordinates in -range ... range.
+inline std::vector<Eigen::Vector3f> RandomPoints(uint32_t num_points, int range,
+                                                 Random* random) {
+  std::vector<Eigen::Vector3f> points;
+  for (uint32_t i = 0; i < num_points; ++i) {
+    const int x = random->Integer(-range, range);
+    const int y = random->Integer(-range, range);
+    const int z = random->Integer(-range, range);
+    points.emplace_back(x, y, z);
+  }
+  return points;
 }
 
 }  // namespace colmap_ext

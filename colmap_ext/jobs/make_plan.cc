@@ -9,7 +9,7 @@
 
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/tile_points.h"
-#include "tiles/thin_tile.h"
+#include "tiles/plan_vertices.h"
 #include "workspace/find_workspace.h"
 
 namespace colmap_ext {

@@ -9,7 +9,6 @@
 #include "colmap_ext/jobs/plan.h"
 #include "tiles/plan_vertices.h"
 #include "tiles/surface_patches.h"
-#include "tiles/thin_tile.h"
 #include "tiles/tile_cut.h"
 
 namespace colmap_ext {

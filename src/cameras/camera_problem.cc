@@ -1,4 +1,4 @@
-#include "cameras/camera_problem.h"
+#include "cameras/refine_cameras.h"
 
 #include <algorithm>
 #include <array>

@@ -237,8 +237,7 @@ SurfacePatches SelectPatches(const PatchOptions& options,
   });
   SurfacePatches all;
   for (size_t view = 0; view < views.size(); ++view) {
-    all.patches.insert(all.patches.end(), patches[view].begin(),
-                       patches[view].end());
+    Append(patches[view], &all.patches);
     for (const std::vector<uint32_t>& row : partners[view]) {
       all.partners.AddRow(row);
     }

@@ -1,4 +1,4 @@
-#include "delaunay/cell_graph.h"
+#include "delaunay/visibility_weights.h"
 
 #include <algorithm>
 #include <atomic>

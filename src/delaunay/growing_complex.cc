@@ -130,9 +130,7 @@ void AddFreeCells(size_t num_cells, GrowingComplex* complex) {
 }
 
 bool SpansVolume(const std::vector<Eigen::Vector3f>& points) {
-  std::vector<uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0);
-  return FindSimplex(order, points).has_value();
+  return FindSimplex(Iota(points.size()), points).has_value();
 }
 
 std::array<uint32_t, 4> StartComplex(std::span<const uint32_t> order,
@@ -319,7 +317,7 @@ uint32_t PointInserter::FillCavity(uint32_t point) {
       finite = new_cells_[i];
     }
   }
-  free_cells_.insert(free_cells_.end(), cavity_.begin(), cavity_.end());
+  Append(cavity_, &free_cells_);
   return finite;
 }
 

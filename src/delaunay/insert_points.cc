@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <mutex>
-#include <numeric>
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -122,8 +121,7 @@ std::vector<uint32_t> InsertInParts(Points points,
   for (Part& part : parts) {
     std::vector<uint32_t>& cells = part.inserter.free_cells();
     MoveCells(cells.size(), &cells, &complex->free_cells);
-    left_over.insert(left_over.end(), part.left_over.begin(),
-                     part.left_over.end());
+    Append(part.left_over, &left_over);
   }
   return left_over;
 }
@@ -241,11 +239,9 @@ void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
 
 void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
                       GrowingComplex* complex) {
-  std::vector<uint32_t> added(positions.size());
-  std::iota(added.begin(), added.end(),
-            static_cast<uint32_t>(complex->points.size()));
-  complex->points.insert(complex->points.end(), positions.begin(),
-                         positions.end());
+  const std::vector<uint32_t> added =
+      Iota(positions.size(), static_cast<uint32_t>(complex->points.size()));
+  Append(positions, &complex->points);
   complex->vertex_cells.resize(complex->points.size(), kNone);
   InsertSerially(added, complex);
 }

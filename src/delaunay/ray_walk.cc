@@ -392,22 +392,6 @@ constexpr size_t kNumTurns = 16;
 
 }  // namespace
 
-uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
-                 const Eigen::Vector3d& target, uint32_t end,
-                 double near_distance, std::vector<Crossing>* crossings) {
-  const Ray ray = {origin, target, end, near_distance};
-  RayPath path;
-  path.crossings.swap(*crossings);
-  Walk walk(tetrahedra, ray, &path);
-  bool goes_on = walk.Start();
-  while (goes_on && walk.Leave()) {
-    walk.Enter();
-    goes_on = walk.FindExit();
-  }
-  crossings->swap(path.crossings);
-  return path.end;
-}
-
 void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
               std::span<RayPath> paths) {
   std::vector<Walk> walks;

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "delaunay/tetrahedralization.h"
 
 namespace colmap_ext {
@@ -46,26 +46,18 @@ struct RayPath {
   uint32_t end = kNone;
 };
 
-// Walks a ray from cell to cell through the tetrahedralization and lists the
-// facets that it crosses. It ends where it enters the cell `end` or an infinite
-// one; where `end` is kNone it ends in the cell of the target.
+// Walks rays from cell to cell through the tetrahedralization and lists the
+// facets that they cross. A ray ends where it enters the cell `end` or an
+// infinite one; where `end` is kNone it ends in the cell of the target. Several
+// rays advance in turn, so that memory latency is hidden.
 //
 // All turns are exact and those of one ray in general position, so that every
 // walk ends [Devillers2002], whether the ray runs through vertices, along edges
 // or within facets. Whether a facet is crossed, and at which distance, depends
 // on the ray and the facet alone.
 //
-// \param origin, target, end, near_distance  see Ray
-// \param crossings  are overwritten
-// \pre Delaunay: a walk around a vertex relies on it to end.
-// \return the cell where the walk ended, or kNone (RayPath)
-uint32_t WalkRay(const Tetrahedralization& tetrahedra, uint32_t origin,
-                 const Eigen::Vector3d& target, uint32_t end,
-                 double near_distance, std::vector<Crossing>* crossings);
-
-// The same for many rays. Several of them advance in turn, so that memory
-// latency is hidden.
 // \param paths [rays] are overwritten
+// \pre Delaunay: a walk around a vertex relies on it to end.
 void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
               std::span<RayPath> paths);
 

@@ -230,7 +230,7 @@ std::vector<float> EdgeLengths(const Tetrahedralization& tetrahedra,
   });
   std::vector<float> all;
   for (std::vector<float>& block : lengths) {
-    all.insert(all.end(), block.begin(), block.end());
+    Append(block, &all);
     std::vector<float>().swap(block);
   }
   return all;

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"

@@ -1,6 +1,7 @@
 #include "delaunay/visibility_weights.h"
 
 #include <algorithm>
+#include <array>
 
 #include <tbb/parallel_for.h>
 
@@ -17,22 +18,14 @@ constexpr double kMaxBehind = 0.01;
 // What a vote gets on top of its weight, as a factor of it.
 constexpr double kGain = 2;
 
-// The largest support of the cells on the way from the vertex to the target.
-// \return the cell of the target, or kNone where the ray is lost
-uint32_t LargestSupport(const Tetrahedralization& tetrahedra,
-                        const std::vector<uint32_t>& free_support,
-                        uint32_t vertex, const Eigen::Vector3d& target,
-                        uint32_t* largest) {
-  thread_local std::vector<Crossing> crossings;
-  const uint32_t end =
-      WalkRay(tetrahedra, vertex, target, kNone, 0, &crossings);
-  if (end != kNone) {
-    *largest = free_support[end];
-    for (const Crossing& crossing : crossings) {
-      *largest = std::max(*largest, free_support[crossing.exit_arc / 4]);
-    }
+// The largest support of the cells on a ray's way.
+uint32_t LargestSupport(const std::vector<uint32_t>& free_support,
+                        const RayPath& path) {
+  uint32_t largest = free_support[path.end];
+  for (const Crossing& crossing : path.crossings) {
+    largest = std::max(largest, free_support[crossing.exit_arc / 4]);
   }
-  return end;
+  return largest;
 }
 
 // [observations]
@@ -65,20 +58,19 @@ SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
   const Eigen::Vector3d position = tetrahedra.PositionOf(vertex);
   const Eigen::Vector3d sigma =
       options.distance_sigma * (position - center).normalized();
-  SupportJump jump;
-  std::vector<Crossing> crossings;
-  const uint32_t end =
-      WalkRay(tetrahedra, vertex, position + options.behind_sigma * sigma,
-              kNone, 0, &crossings);
-  if (end == kNone || tetrahedra.IsInfinite(end) ||
-      LargestSupport(tetrahedra, free_support, vertex,
-                     position - kFrontSigmas * sigma, &jump.front) == kNone ||
-      LargestSupport(tetrahedra, free_support, vertex,
-                     position + kBehindSigmas * sigma, &jump.behind) == kNone) {
+  const std::array<Ray, 3> rays = {
+      {{vertex, position + options.behind_sigma * sigma},
+       {vertex, position - kFrontSigmas * sigma},
+       {vertex, position + kBehindSigmas * sigma}}};
+  thread_local std::array<RayPath, 3> paths;
+  WalkRays(tetrahedra, rays, paths);
+  const auto& [extension, front, behind] = paths;
+  if (extension.end == kNone || tetrahedra.IsInfinite(extension.end) ||
+      front.end == kNone || behind.end == kNone) {
     return {};
   }
-  jump.end_cell = end;
-  return jump;
+  return {LargestSupport(free_support, front),
+          LargestSupport(free_support, behind), extension.end};
 }
 
 size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,

@@ -34,10 +34,6 @@ double Diagonal(const Points& points) {
   return box.isEmpty() ? 0 : box.diagonal().cast<double>().norm();
 }
 
-void Append(const Points& points, Points* all) {
-  all->insert(all->end(), points.begin(), points.end());
-}
-
 // The finite facets or points. Points become facets without area, so that the
 // same tree works for both.
 TriangleMesh FinitePart(const TriangleMesh& surface, bool is_points) {

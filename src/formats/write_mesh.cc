@@ -1,6 +1,5 @@
 #include "formats/write_mesh.h"
 
-#include <algorithm>
 #include <compare>
 #include <limits>
 #include <span>
@@ -151,8 +150,7 @@ void WriteLabeledMesh(const std::filesystem::path& path,
   for (size_t i = 0; i < facets.size(); ++i) {
     for (uint32_t& vertex : facets[i]) {
       const LabeledVertex wanted{vertex, labels.labels[i], labels.colors[i]};
-      vertex = static_cast<uint32_t>(
-          std::ranges::lower_bound(vertices, wanted) - vertices.begin());
+      vertex = IndexOf(vertices, wanted);
     }
   }
   std::string comments;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "gl/egl_context.h"
 
 namespace colmap_ext {

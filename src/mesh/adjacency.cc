@@ -120,8 +120,7 @@ std::vector<uint32_t> VertexRings::VerticesAround(
   SortUnique(&vertices);
   for (int ring = 0; ring < num_rings; ++ring) {
     for (size_t i = 0, size = vertices.size(); i < size; ++i) {
-      const auto others = neighbors[vertices[i]];
-      vertices.insert(vertices.end(), others.begin(), others.end());
+      Append(neighbors[vertices[i]], &vertices);
     }
     SortUnique(&vertices);
   }
@@ -132,8 +131,7 @@ std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
                                  const std::vector<uint32_t>& facets) {
   std::vector<uint32_t> vertices;
   for (const uint32_t facet : facets) {
-    vertices.insert(vertices.end(), mesh.facets[facet].begin(),
-                    mesh.facets[facet].end());
+    Append(mesh.facets[facet], &vertices);
   }
   SortUnique(&vertices);
   return vertices;
@@ -144,8 +142,7 @@ VertexRings MakeVertexRings(const TriangleMesh& mesh) {
   rings.is_border.assign(mesh.vertices.size(), 0);
   CornerRows corners = CornersByVertex(mesh.facets);
   rings.corners.values = std::move(corners.corners);
-  rings.corners.offsets.insert(rings.corners.offsets.end(),
-                               corners.ends.begin(), corners.ends.end());
+  Append(corners.ends, &rings.corners.offsets);
   rings.corners.offsets.resize(mesh.vertices.size() + 1,
                                rings.corners.values.size());
   FillNeighbors(mesh.facets, &rings);

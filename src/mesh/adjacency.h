@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <queue>
 #include <utility>
 #include <vector>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "base/rows.h"
 #include "mesh/triangle_mesh.h"
 
@@ -130,5 +132,36 @@ std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
 // The rows of vertices that no facet uses are empty.
 // \pre facet indices are in range, no facet repeats a vertex
 VertexRings MakeVertexRings(const TriangleMesh& mesh);
+
+// Lowers the values of vertices so that none exceeds the value of a neighbor
+// plus the cost of the edge from there [Dijkstra1959].
+// \param max  larger values are neither handed on nor assigned
+// \param cost  cost(from, to) of an edge, not negative
+// \param values [V] may be infinite
+template <typename Cost>
+void LowerAlongEdges(const VertexRings& rings, float max, const Cost& cost,
+                     std::vector<float>* values) {
+  using Reached = std::pair<float, uint32_t>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
+  for (uint32_t i = 0; i < values->size(); ++i) {
+    if ((*values)[i] <= max) {
+      queue.emplace((*values)[i], i);
+    }
+  }
+  while (!queue.empty()) {
+    const auto [value, vertex] = queue.top();
+    queue.pop();
+    if (value > (*values)[vertex]) {
+      continue;
+    }
+    for (const uint32_t neighbor : rings.neighbors[vertex]) {
+      const float reached = value + cost(vertex, neighbor);
+      if (reached <= max && reached < (*values)[neighbor]) {
+        (*values)[neighbor] = reached;
+        queue.emplace(reached, neighbor);
+      }
+    }
+  }
+}
 
 }  // namespace colmap_ext

@@ -1,7 +1,6 @@
 #include "mesh/manifold_repair.h"
 
 #include <algorithm>
-#include <numeric>
 #include <unordered_set>
 #include <utility>
 
@@ -79,8 +78,7 @@ std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
 // the order in which the facets use them.
 void OrderByUse(FanSplit* split) {
   const FanSplit old = std::exchange(*split, {});
-  std::vector<uint32_t> order(old.mesh.facets.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<uint32_t> order = Iota(old.mesh.facets.size());
   std::ranges::stable_sort(
       order, {}, [&](uint32_t facet) { return old.from.facets[facet]; });
   std::vector<uint32_t> numbers(old.mesh.vertices.size(), kNone);
@@ -127,8 +125,7 @@ std::vector<uint8_t> FindRepeated(const std::vector<Facet>& facets) {
 FanSplit SplitFans(TriangleMesh mesh, std::vector<uint32_t> partners) {
   FanSplit split;
   split.mesh = std::move(mesh);
-  split.from.facets.resize(split.mesh.facets.size());
-  std::iota(split.from.facets.begin(), split.from.facets.end(), 0);
+  split.from.facets = Iota(split.mesh.facets.size());
   CopyVerticesPerFan(partners, &split);
   std::vector<uint32_t> shared = SharedSheets(split.mesh.facets, partners);
   if (shared.empty()) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 #include <tbb/parallel_sort.h>
 
@@ -78,7 +77,7 @@ class Lattice {
 
 std::vector<uint32_t> OrderAlongCurve(
     const std::vector<Eigen::Vector3f>& points) {
-  std::vector<uint32_t> order(points.size());
+  std::vector<uint32_t> order = Iota(points.size());
   if (points.empty()) {
     return order;
   }
@@ -87,7 +86,6 @@ std::vector<uint32_t> OrderAlongCurve(
   std::ranges::transform(points, keys.begin(), [&](const auto& point) {
     return lattice.KeyOf(point);
   });
-  std::iota(order.begin(), order.end(), 0);
   tbb::parallel_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     if (keys[a] != keys[b]) return keys[a] < keys[b];
     if (points[a] != points[b]) return lattice.IsBefore(points[a], points[b]);

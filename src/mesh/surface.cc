@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -48,8 +47,7 @@ Provenance IdentityOf(const TriangleMesh& mesh) {
   for (uint32_t i = 0; i < mesh.vertices.size(); ++i) {
     identity.vertices.push_back({i, i});
   }
-  identity.facets.resize(mesh.facets.size());
-  std::iota(identity.facets.begin(), identity.facets.end(), 0);
+  identity.facets = Iota(mesh.facets.size());
   return identity;
 }
 
@@ -96,9 +94,7 @@ MeshPart TakePart(const TriangleMesh& mesh, std::vector<uint32_t> facets) {
   }
   for (const uint32_t i : part.facets) {
     for (uint32_t& vertex : part.mesh.facets.emplace_back(mesh.facets[i])) {
-      vertex = static_cast<uint32_t>(
-          std::ranges::lower_bound(part.vertices, vertex) -
-          part.vertices.begin());
+      vertex = IndexOf(part.vertices, vertex);
     }
   }
   return part;
@@ -158,7 +154,7 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
     for (const uint32_t point :
          tree.Nearest(vertex, kNumNearest, kReach * lengths[i])) {
       const auto row = points.views[point];
-      views[i].insert(views[i].end(), row.begin(), row.end());
+      Append(row, &views[i]);
     }
     SortUnique(&views[i]);
     if (!points.colors.empty()) {

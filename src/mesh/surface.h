@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "base/rows.h"
 #include "mesh/triangle_mesh.h"
 #include "scene/point_cloud.h"

@@ -60,10 +60,7 @@ class Analyzer {
       }
     }
     std::ranges::sort(fan_);
-    const auto place = [&](uint32_t half) {
-      return static_cast<uint32_t>(std::ranges::lower_bound(fan_, half / 3) -
-                                   fan_.begin());
-    };
+    const auto place = [&](uint32_t half) { return IndexOf(fan_, half / 3); };
     UnionFind fans(fan_.size());
     ForEachNeighbor(halves, [&](auto first, auto last) {
       for (auto half = first; half != last; ++half) {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 
 namespace colmap_ext {
 

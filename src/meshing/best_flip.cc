@@ -1,4 +1,4 @@
-#include "meshing/best_flip.h"
+#include "meshing/singular_vertices.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/indices.h"
-#include "meshing/singular_vertices.h"
 
 namespace colmap_ext {
 namespace {
@@ -19,8 +18,7 @@ Cells CellsOfOthers(const VertexStar& star, size_t kept) {
   Cells cells;
   for (size_t i = 0; i < star.NumComponents(); ++i) {
     if (i != kept && star.is_free[i] == star.is_free[kept]) {
-      const auto component = star.Component(i);
-      cells.insert(cells.end(), component.begin(), component.end());
+      Append(star.Component(i), &cells);
     }
   }
   return cells;
@@ -69,7 +67,7 @@ std::vector<Cells> Candidates(const Tetrahedralization& tetrahedra,
     for (size_t second = 0; second < once_flipped.NumComponents(); ++second) {
       if (once_flipped.is_free[second] != star.is_free[first]) {
         Cells cells = CellsOfOthers(once_flipped, second);
-        cells.insert(cells.end(), others.begin(), others.end());
+        Append(others, &cells);
         add(std::move(cells));
       }
     }

@@ -49,7 +49,7 @@ Attributes OfNeighbors(const std::vector<Attributes>& neighbors) {
     attributes.color[k] = static_cast<uint8_t>(sum / count);
   }
   for (const Attributes& neighbor : neighbors) {
-    views.insert(views.end(), neighbor.views.begin(), neighbor.views.end());
+    Append(neighbor.views, &views);
   }
   std::ranges::sort(views);
   for (auto first = views.begin(); first != views.end();) {

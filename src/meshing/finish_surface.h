@@ -5,11 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "meshing/manifold_meshing.h"
-#include "meshing/surface_extraction.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"

@@ -8,7 +8,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "meshing/best_flip.h"
 #include "meshing/singular_vertices.h"
 #include "spatial/predicates.h"
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "meshing/singular_vertices.h"
-#include "meshing/surface_extraction.h"
 
 namespace colmap_ext {
 namespace {

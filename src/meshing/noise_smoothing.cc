@@ -169,7 +169,7 @@ class Smoother {
     Values values;
     values.reserve(3 * positions.size());
     for (const Vector3f& position : positions) {
-      values.insert(values.end(), position.begin(), position.end());
+      Append(position, &values);
     }
     Values descent(values.size());
     Multiply(values, 0, &descent);

@@ -68,10 +68,9 @@ void RayEndCollector::AddRay(uint32_t view_index, const Eigen::Vector3d& point,
 }
 
 void RayEnds::Add(const RayEnds& others) {
-  positions.insert(positions.end(), others.positions.begin(),
-                   others.positions.end());
-  views.insert(views.end(), others.views.begin(), others.views.end());
-  weights.insert(weights.end(), others.weights.begin(), others.weights.end());
+  Append(others.positions, &positions);
+  Append(others.views, &views);
+  Append(others.weights, &weights);
 }
 
 double MarginOf(const Region& region) {
@@ -147,10 +146,8 @@ RayEnds BackgroundEnds(const Region& region, const View& view,
 
 void AppendEnds(const RayEnds& ends, WeightedCloud* weighted) {
   PointCloud& cloud = weighted->cloud;
-  cloud.positions.insert(cloud.positions.end(), ends.positions.begin(),
-                         ends.positions.end());
-  weighted->weights.insert(weighted->weights.end(), ends.weights.begin(),
-                           ends.weights.end());
+  Append(ends.positions, &cloud.positions);
+  Append(ends.weights, &weighted->weights);
   if (!cloud.colors.empty()) {
     cloud.colors.resize(cloud.positions.size());
   }

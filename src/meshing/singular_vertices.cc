@@ -207,8 +207,7 @@ void MakeStarGraph(const Tetrahedralization& tetrahedra, uint32_t vertex,
 
 void MakeVertexStar(const StarGraph& graph, const CellLabels& labels,
                     VertexStar* star) {
-  std::vector<uint32_t> seeds(graph.cells.size());
-  std::iota(seeds.begin(), seeds.end(), 0);
+  std::vector<uint32_t> seeds = Iota(graph.cells.size());
   std::ranges::sort(seeds, {}, [&](uint32_t i) { return graph.cells[i]; });
   star->cells.clear();
   star->offsets.assign(1, 0);

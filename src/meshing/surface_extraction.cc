@@ -1,6 +1,4 @@
-#include "meshing/surface_extraction.h"
-
-#include <algorithm>
+#include "meshing/manifold_fixing.h"
 
 #include <tbb/parallel_for.h>
 
@@ -75,11 +73,10 @@ ExtractedSurface ExtractSurface(const Tetrahedralization& tetrahedra,
       const uint32_t away = facets[facet][(k + 2) % 3];
       const uint32_t arc =
           TurnThroughMatter(tetrahedra, is_free, arcs[facet], away);
-      const auto found = std::ranges::lower_bound(arcs, arc);
-      if (found == arcs.end() || *found != arc) {
+      const uint32_t other = IndexOf(arcs, arc);
+      if (other == kNone) {
         continue;  // the facet goes to infinity
       }
-      const auto other = static_cast<uint32_t>(found - arcs.begin());
       uint32_t partner = 3 * other;
       while (FromVertex(facets, partner) != ToVertex(facets, half)) {
         ++partner;

@@ -138,9 +138,7 @@ class BlockExpansion {
   }
 
   uint32_t Place(uint32_t node, uint32_t label) const {
-    const auto labels = problem_.Labels(node);
-    return static_cast<uint32_t>(std::ranges::lower_bound(labels, label) -
-                                 labels.begin());
+    return IndexOf(problem_.Labels(node), label);
   }
 
   uint32_t Capacity(double cost) const {

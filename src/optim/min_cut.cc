@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 
 namespace colmap_ext {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "base/rows.h"
 
 namespace colmap_ext {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_clusters.h"
 #include "raster/facet_frames.h"

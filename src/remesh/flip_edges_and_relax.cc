@@ -8,8 +8,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "remesh/speculation.h"
-
 namespace colmap_ext {
 namespace {
 

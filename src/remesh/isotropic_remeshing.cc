@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <queue>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -75,29 +73,11 @@ std::vector<float> LengthsForCurvature(const TriangleMesh& mesh,
 
 void LimitGradation(const TriangleMesh& mesh, float gradation,
                     std::vector<float>* lengths) {
-  const VertexRings rings = MakeVertexRings(mesh);
-  // Dijkstra's algorithm from all vertices at once.
-  using Entry = std::pair<float, uint32_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  for (uint32_t i = 0; i < lengths->size(); ++i) {
-    queue.emplace((*lengths)[i], i);
-  }
-  while (!queue.empty()) {
-    const auto [length, vertex] = queue.top();
-    queue.pop();
-    if (length > (*lengths)[vertex]) {
-      continue;
-    }
-    for (const uint32_t neighbor : rings.neighbors[vertex]) {
-      const float limit =
-          length +
-          gradation * (mesh.vertices[neighbor] - mesh.vertices[vertex]).norm();
-      if (limit < (*lengths)[neighbor]) {
-        (*lengths)[neighbor] = limit;
-        queue.emplace(limit, neighbor);
-      }
-    }
-  }
+  const auto growth = [&](uint32_t from, uint32_t to) {
+    return gradation * (mesh.vertices[to] - mesh.vertices[from]).norm();
+  };
+  LowerAlongEdges(MakeVertexRings(mesh), std::numeric_limits<float>::infinity(),
+                  growth, lengths);
 }
 
 std::vector<float> TolerancesOf(std::vector<float> lengths) {
@@ -120,8 +100,7 @@ VertexAttributes CarryAttributes(const TriangleMesh& mesh,
       if (!(point.weights[k] > 0)) {
         continue;
       }
-      const auto corner_views = attributes.views[facet[k]];
-      views.insert(views.end(), corner_views.begin(), corner_views.end());
+      Append(attributes.views[facet[k]], &views);
       for (int c = 0; c < 3 && !attributes.colors.empty(); ++c) {
         color[c] += point.weights[k] *
                     static_cast<float>(attributes.colors[facet[k]][c]);

@@ -118,8 +118,7 @@ struct FilledMesh {
       mesh.facets.push_back(facet);
       owners.push_back(static_cast<uint32_t>(num_fillings));
     }
-    mesh.vertices.insert(mesh.vertices.end(), filling.vertices.begin(),
-                         filling.vertices.end());
+    Append(filling.vertices, &mesh.vertices);
     ++num_fillings;
   }
 

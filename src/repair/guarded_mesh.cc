@@ -58,16 +58,12 @@ std::vector<std::vector<uint32_t>> GuardedMesh::Clusters() const {
   const std::vector<FacetPair> pairs = Pairs();
   std::vector<uint32_t> facets;
   for (const FacetPair& pair : pairs) {
-    facets.insert(facets.end(), pair.begin(), pair.end());
+    Append(pair, &facets);
   }
   SortUnique(&facets);
-  const auto place = [&](uint32_t facet) {
-    return static_cast<uint32_t>(std::ranges::lower_bound(facets, facet) -
-                                 facets.begin());
-  };
   UnionFind groups(facets.size());
   for (const auto& [a, b] : pairs) {
-    groups.Join(place(a), place(b));
+    groups.Join(IndexOf(facets, a), IndexOf(facets, b));
   }
   std::unordered_map<uint32_t, uint32_t> facet_at;  // place, of a vertex
   for (uint32_t i = 0; i < facets.size(); ++i) {

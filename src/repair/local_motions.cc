@@ -68,7 +68,7 @@ std::vector<uint32_t> FindCopies(const GuardedMesh& mesh) {
   for (auto& [position, vertices] : at_position) {
     SortUnique(&vertices);
     if (vertices.size() > 1) {
-      copies.insert(copies.end(), vertices.begin(), vertices.end());
+      Append(vertices, &copies);
     }
   }
   std::sort(copies.begin(), copies.end());

@@ -10,7 +10,6 @@
 
 #include "base/indices.h"
 #include "repair/guarded_mesh.h"
-#include "spatial/box_tree.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
@@ -77,7 +76,7 @@ void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
     }
     if (!SmoothOrPush(facets, num_rings, mesh) &&
         !SmoothOrPushPairs(mesh->PairsOf(facets), num_rings, mesh)) {
-      hard.insert(hard.end(), facets.begin(), facets.end());
+      Append(facets, &hard);
     }
   }
   mesh->FlipEdges(hard);
@@ -163,7 +162,7 @@ class PatchRepair {
     }
     std::vector<uint32_t> crossing;
     for (const FacetPair& pair : pairs_) {
-      crossing.insert(crossing.end(), pair.begin(), pair.end());
+      Append(pair, &crossing);
     }
     const std::vector<uint8_t> is_around =
         MarkAround(mesh_, crossing, steps.MovedRings() + 2);

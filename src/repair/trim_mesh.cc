@@ -1,15 +1,13 @@
 #include "repair/edit_borders.h"
 
 #include <algorithm>
-#include <functional>
-#include <limits>
+#include <cmath>
 #include <numbers>
-#include <queue>
 #include <utility>
 
 #include <Eigen/Core>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
 #include "mesh/confidences.h"
@@ -47,39 +45,20 @@ UnionFind JoinFacets(const LinkedMesh& surface,
 }
 
 // The distances of vertices to the nearest source along edges: [V], each edge
-// in mean gap widths of its ends, infinity beyond 1 [Dijkstra1959].
+// in mean gap widths of its ends, infinity beyond 1.
 // \param is_source [V]
 std::vector<float> Distances(const LinkedMesh& surface,
                              const std::vector<uint8_t>& is_source) {
-  constexpr float kFar = std::numeric_limits<float>::infinity();
-  std::vector<float> distances(is_source.size(), kFar);
-  using Reached = std::pair<float, uint32_t>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> queue;
-  const auto reach = [&](uint32_t vertex, float distance) {
-    if (distance <= 1 && distance < distances[vertex]) {
-      distances[vertex] = distance;
-      queue.emplace(distance, vertex);
-    }
-  };
-  for (uint32_t i = 0; i < is_source.size(); ++i) {
-    if (is_source[i] != 0) {
-      reach(i, 0);
-    }
+  std::vector<float> distances;
+  for (const uint8_t source : is_source) {
+    distances.push_back(source != 0 ? 0 : HUGE_VALF);
   }
   const std::vector<Eigen::Vector3f>& vertices = surface.mesh.vertices;
-  while (!queue.empty()) {
-    const auto [distance, vertex] = queue.top();
-    queue.pop();
-    if (distance > distances[vertex]) {
-      continue;
-    }
-    for (const uint32_t neighbor : surface.rings.neighbors[vertex]) {
-      const float length = (vertices[neighbor] - vertices[vertex]).norm();
-      const float width =
-          (surface.gap_widths[vertex] + surface.gap_widths[neighbor]) / 2;
-      reach(neighbor, distance + length / width);
-    }
-  }
+  const auto cost = [&](uint32_t from, uint32_t to) {
+    const float width = (surface.gap_widths[from] + surface.gap_widths[to]) / 2;
+    return (vertices[to] - vertices[from]).norm() / width;
+  };
+  LowerAlongEdges(surface.rings, 1, cost, &distances);
   return distances;
 }
 

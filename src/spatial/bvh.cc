@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "spatial/facet_tree.h"
 
@@ -121,8 +120,7 @@ Bvh::Bvh(const TriangleMesh& mesh) {
     builder.boxes.push_back(BoxOf(mesh, facet));
     builder.centers.push_back(builder.boxes.back().center());
   }
-  builder.order.resize(mesh.facets.size());
-  std::iota(builder.order.begin(), builder.order.end(), 0);
+  builder.order = Iota(mesh.facets.size());
   if (!mesh.facets.empty()) {
     builder.Build(0, mesh.facets.size(), 0);
   }

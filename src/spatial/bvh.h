@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "mesh/triangle_mesh.h"
 
 namespace colmap_ext {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -13,12 +12,6 @@ namespace {
 // Both are choices.
 constexpr size_t kFacetsPerLeaf = 4;
 constexpr size_t kMinParallelLeaves = 256;  // of a part that is sorted in tasks
-
-std::vector<uint32_t> AllFacets(const TriangleMesh& mesh) {
-  std::vector<uint32_t> facets(mesh.facets.size());
-  std::iota(facets.begin(), facets.end(), 0);
-  return facets;
-}
 
 }  // namespace
 
@@ -35,7 +28,7 @@ Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet) {
 }
 
 FacetTree::FacetTree(const TriangleMesh& mesh)
-    : FacetTree(mesh, AllFacets(mesh)) {
+    : FacetTree(mesh, Iota(mesh.facets.size())) {
   places_.resize(facets_.size());
   for (uint32_t i = 0; i < facets_.size(); ++i) {
     places_[facets_[i]] = i;
@@ -44,14 +37,13 @@ FacetTree::FacetTree(const TriangleMesh& mesh)
 
 FacetTree::FacetTree(const TriangleMesh& mesh,
                      const std::vector<uint32_t>& facets)
-    : facets_(facets.size()), boxes_(facets.size()) {
+    : facets_(Iota(facets.size())), boxes_(facets.size()) {
   const size_t num_leaves =
       std::bit_ceil((facets.size() + kFacetsPerLeaf - 1) / kFacetsPerLeaf);
   nodes_.resize(2 * num_leaves - 1);
   std::vector<Box> boxes(facets.size());
   tbb::parallel_for(size_t{0}, boxes.size(),
                     [&](size_t i) { boxes[i] = BoxOf(mesh, facets[i]); });
-  std::iota(facets_.begin(), facets_.end(), 0);
   Sort(0, num_leaves, boxes);
   for (size_t i = 0; i < boxes_.size(); ++i) {
     boxes_[i] = boxes[facets_[i]];

@@ -45,7 +45,7 @@ class PairFinder {
   std::vector<FacetPair> Collect() const {
     std::vector<FacetPair> pairs;
     for (const std::vector<FacetPair>& part : found_) {
-      pairs.insert(pairs.end(), part.begin(), part.end());
+      Append(part, &pairs);
     }
     SortUnique(&pairs);
     return pairs;

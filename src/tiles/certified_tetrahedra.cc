@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <memory>
-#include <numeric>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
@@ -10,7 +9,7 @@
 #include "base/indices.h"
 #include "base/lru_cache.h"
 #include "delaunay/growing_complex.h"
-#include "spatial/box_tree.h"
+#include "spatial/facet_tree.h"
 #include "spatial/predicates.h"
 
 namespace colmap_ext {
@@ -160,8 +159,7 @@ class Certifier {
         num_loaded_(blocks_.NumBlocks(), 0) {
     const uint32_t first = blocks_.FirstVertex(tile);
     num_own_ = blocks_.FirstVertex(tile + 1) - first;
-    ids_.resize(num_own_);
-    std::iota(ids_.begin(), ids_.end(), first);
+    ids_ = Iota(num_own_, first);
     complex_.points = plan.ReadPositions(first, first + num_own_);
     for (uint32_t block = blocks_.tile_begins[tile];
          block < blocks_.tile_begins[tile + 1]; ++block) {
@@ -364,8 +362,7 @@ class Certifier {
 
   TileTetrahedra Finish(size_t num_rounds) {
     // The own vertices stay first.
-    std::vector<uint32_t> order(ids_.size());
-    std::iota(order.begin(), order.end(), 0);
+    std::vector<uint32_t> order = Iota(ids_.size());
     std::sort(order.begin() + num_own_, order.end(),
               [&](uint32_t a, uint32_t b) { return ids_[a] < ids_[b]; });
     TileTetrahedra result;

@@ -161,9 +161,7 @@ class GrowingPatch {
       places_[id] = static_cast<uint32_t>(ids_.size());
       ids_.push_back(id);
     }
-    const std::vector<Eigen::Vector3f> positions = changes_.PositionsOf(added);
-    tetrahedra_.points.insert(tetrahedra_.points.end(), positions.begin(),
-                              positions.end());
+    Append(changes_.PositionsOf(added), &tetrahedra_.points);
     tetrahedra_.vertex_cells.resize(ids_.size(), kNone);
     is_complete_.resize(ids_.size(), 0);
   }
@@ -238,7 +236,7 @@ class GrowingPatch {
       if (!is_original || corners != original->corners ||
           labels_[cell] != original->label) {
         changes_.SetLabel(corners, labels_[cell]);
-        vertices.insert(vertices.end(), corners.begin(), corners.end());
+        Append(corners, &vertices);
       }
       if (is_original) {
         ++original;
@@ -296,8 +294,7 @@ FixingReport FixPlan(FixingRule rule, bool at_once, CellChanges* changes,
     const uint32_t end = blocks.FirstVertex(first + step);
     std::vector<uint32_t> singular;
     for (uint32_t tile = first; tile < first + step; ++tile) {
-      const std::vector<uint32_t> of_tile = SingularOf(changes->ReadPart(tile));
-      singular.insert(singular.end(), of_tile.begin(), of_tile.end());
+      Append(SingularOf(changes->ReadPart(tile)), &singular);
     }
     if (!singular.empty()) {
       GrowingPatch patch(changes);

@@ -9,10 +9,9 @@
 
 #include <Eigen/Core>
 
-#include "base/index_limit.h"
+#include "base/indices.h"
 #include "base/lru_cache.h"
 #include "meshing/manifold_fixing.h"
-#include "meshing/surface_extraction.h"
 #include "scene/progress.h"
 #include "tiles/plan_vertices.h"
 #include "tiles/tile_cut.h"

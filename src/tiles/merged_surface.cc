@@ -15,7 +15,7 @@ std::vector<uint32_t> NumberVertices(std::vector<Facet>* facets) {
   std::vector<uint32_t> ids;
   ids.reserve(3 * facets->size());
   for (const Facet& facet : *facets) {
-    ids.insert(ids.end(), facet.begin(), facet.end());
+    Append(facet, &ids);
   }
   SortUnique(&ids);
   ids.shrink_to_fit();
@@ -198,8 +198,8 @@ MergedSurface MergeSurface(const CellChanges& changes) {
   std::vector<PartnerFix> fixes;
   for (uint32_t tile = 0; tile < changes.seam().NumTiles(); ++tile) {
     const TileSurface surface = SurfaceOf(changes, tile);
-    facets.insert(facets.end(), surface.facets.begin(), surface.facets.end());
-    fixes.insert(fixes.end(), surface.fixes.begin(), surface.fixes.end());
+    Append(surface.facets, &facets);
+    Append(surface.fixes, &fixes);
   }
   merged.ids = NumberVertices(&facets);
   merged.extracted.partners = PairHalfEdges(facets);

@@ -1,8 +1,14 @@
 #include "tiles/plan_vertices.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "base/indices.h"
+#include "base/percentile.h"
+#include "delaunay/growing_complex.h"
+#include "meshing/finish_surface.h"
+#include "meshing/noise_smoothing.h"
 
 namespace colmap_ext {
 namespace {
@@ -11,6 +17,44 @@ namespace {
 uint32_t RangeOf(const std::vector<uint32_t>& begins, uint32_t value) {
   return static_cast<uint32_t>(std::ranges::upper_bound(begins, value) -
                                begins.begin() - 1);
+}
+
+// Edge lengths that are kept of a tile. Any percentile of many tiles is known
+// to 1 / 4096 of their edges then.
+constexpr size_t kMaxLengths = 4096;
+
+// \param is_end [V] edges of these do not count; empty: all do
+EdgeSample SampleEdges(const Tetrahedralization& tetrahedra,
+                       const std::vector<uint8_t>& is_end) {
+  std::vector<float> all = EdgeLengths(tetrahedra, is_end);
+  EdgeSample sample;
+  sample.num_edges = all.size();
+  if (all.empty()) {
+    return sample;
+  }
+  std::ranges::sort(all);
+  const size_t count = std::min(kMaxLengths, all.size());
+  for (size_t i = 0; i < count; ++i) {
+    sample.lengths.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
+  }
+  sample.percentile = Percentile(kSigmaPercentile, &all);
+  return sample;
+}
+
+// Every point a vertex, but for repeated ones.
+ThinnedTetrahedralization KeepAll(const PointCloud& cloud) {
+  ThinnedTetrahedralization kept;
+  std::vector<uint32_t> representatives;
+  kept.vertex_points = DistinctPoints(cloud.positions, &representatives);
+  std::vector<uint32_t> vertex_of(cloud.size());
+  for (uint32_t i = 0; i < kept.vertex_points.size(); ++i) {
+    vertex_of[kept.vertex_points[i]] = i;
+    kept.tetrahedra.points.push_back(cloud.positions[kept.vertex_points[i]]);
+  }
+  for (const uint32_t representative : representatives) {
+    kept.point_vertices.push_back(vertex_of[representative]);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -85,6 +129,68 @@ std::vector<Eigen::Vector3f> PositionsOf(const PlanVertices& plan,
     positions.push_back(of_block[id - begin]);
   }
   return positions;
+}
+
+TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
+                      const ThinningOptions& options,
+                      const Progress& progress) {
+  const PointCloud& cloud = weighted.cloud;
+  ThinnedTetrahedralization thinned;
+  TileVertices vertices;
+  bool spans_volume = SpansVolume(cloud.positions);
+  if (!spans_volume) {  // Or the first points are the same.
+    thinned = KeepAll(cloud);
+    spans_volume = SpansVolume(thinned.tetrahedra.points);
+  }
+  if (spans_volume) {
+    thinned = Tetrahedralize(cloud, views, options, progress);
+  }
+  const std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
+  vertices.noises =
+      LocalNoise(std::span(cloud.positions).first(weighted.num_points),
+                 thinned.tetrahedra.points);
+  if (!thinned.tetrahedra.cells.empty()) {
+    vertices.edges = SampleEdges(thinned.tetrahedra, is_end);
+  }
+  const size_t num_vertices = thinned.vertex_points.size();
+  vertices.positions = std::move(thinned.tetrahedra.points);
+  vertices.observations = ObserveVertices(
+      cloud, num_vertices, thinned.point_vertices, weighted.weights);
+  vertices.observations.is_end = is_end;
+  vertices.supports =
+      SupportOfVertices(num_vertices, thinned.point_vertices, weighted.weights);
+  for (const uint32_t point : thinned.vertex_points) {
+    if (!cloud.colors.empty()) {
+      vertices.colors.push_back(cloud.colors[point]);
+    }
+    vertices.views.AddRow(cloud.views[point]);
+  }
+  return vertices;
+}
+
+float MergedPercentile(const std::vector<EdgeSample>& samples) {
+  if (samples.size() == 1) {
+    return samples[0].percentile;
+  }
+  std::vector<std::pair<float, double>> lengths;  // with how many each is for
+  double total = 0;
+  for (const EdgeSample& sample : samples) {
+    for (const float length : sample.lengths) {
+      lengths.emplace_back(length,
+                           static_cast<double>(sample.num_edges) /
+                               static_cast<double>(sample.lengths.size()));
+    }
+    total += static_cast<double>(sample.num_edges);
+  }
+  std::ranges::sort(lengths);
+  double sum = 0;
+  for (const auto& [length, count] : lengths) {
+    sum += count;
+    if (sum >= kSigmaPercentile / 100 * total) {
+      return length;
+    }
+  }
+  return 0;
 }
 
 }  // namespace colmap_ext

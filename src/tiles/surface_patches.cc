@@ -47,8 +47,7 @@ std::vector<SurfaceId> RemovedFacets(const SurfaceStore& store,
                                      const std::vector<uint32_t>& patches) {
   std::vector<SurfaceId> removed;
   for (const uint32_t tile : patches) {
-    const std::vector<SurfaceId> more = store.ReadRemoved(tile);
-    removed.insert(removed.end(), more.begin(), more.end());
+    Append(store.ReadRemoved(tile), &removed);
   }
   std::ranges::sort(removed);
   if (std::ranges::adjacent_find(removed) != removed.end()) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <set>
 #include <span>
 #include <utility>
 
+#include "base/indices.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
@@ -64,8 +64,7 @@ struct Work {
 
 SplitTree::SplitTree(const std::vector<Eigen::Vector3f>& points,
                      const std::vector<float>& weights, size_t num_parts) {
-  std::vector<uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<uint32_t> order = Iota(points.size());
   nodes_.reserve(num_parts);
   std::vector<Work> stack = {
       {order, 0, static_cast<uint32_t>(num_parts), &root_}};

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "base/index_limit.h"
 #include "base/indices.h"
 #include "base/percentile.h"
 #include "base/union_find.h"
@@ -150,14 +149,6 @@ TYPED_TEST(PercentileTest, InterpolatesBetweenElements) {
                 (1 - share) * sorted[index] + share * next, 1e-5);
     this->ExpectSameValues(values, sorted);
   });
-}
-
-TYPED_TEST(PercentileTest, OfZeroAndHundredAreTheExtremes) {
-  std::vector<TypeParam> values = {3, -1, 7, 2};
-  EXPECT_EQ(Percentile(0, &values), -1);
-  EXPECT_EQ(Percentile(100, &values), 7);
-  EXPECT_EQ(InterpolatedPercentile(0, &values), -1);
-  EXPECT_EQ(InterpolatedPercentile(100, &values), 7);
 }
 
 TYPED_TEST(PercentileTest, MedianIsTheMiddleOrBetweenTheMiddleTwo) {

@@ -5,7 +5,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "meshing/manifold_meshing.h"

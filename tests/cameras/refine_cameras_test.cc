@@ -11,7 +11,6 @@
 #include <tbb/global_control.h>
 #include <Eigen/Geometry>
 
-#include "cameras/camera_problem.h"
 #include "cameras/camera_set.h"
 #include "tests/cameras/camera_scene.h"
 #include "tests/random.h"

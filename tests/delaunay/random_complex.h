@@ -10,13 +10,13 @@
 
 #include <Eigen/Core>
 
-#include "delaunay/cell_graph.h"
+#include "delaunay/ray_walk.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "optim/min_cut.h"
 #include "scene/point_cloud.h"
 #include "tests/delaunay/exact.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 // Tetrahedralizations, labels and graphs to try things on.
 namespace colmap_ext {
@@ -25,19 +25,6 @@ struct NamedPoints {
   std::string name;
   std::vector<Eigen::Vector3f> points;
 };
-
-// Integer coordinates in -range ... range.
-inline std::vector<Eigen::Vector3f> RandomPoints(uint32_t num_points, int range,
-                                                 Random* random) {
-  std::vector<Eigen::Vector3f> points;
-  for (uint32_t i = 0; i < num_points; ++i) {
-    const int x = random->Integer(-range, range);
-    const int y = random->Integer(-range, range);
-    const int z = random->Integer(-range, range);
-    points.emplace_back(x, y, z);
-  }
-  return points;
-}
 
 // The nodes of a lattice, size^3: all cospherical and coplanar in many ways.
 inline std::vector<Eigen::Vector3f> GridPoints(int size) {
@@ -136,6 +123,13 @@ inline Tetrahedralization DelaunayOf(
   ThinningOptions options;
   options.max_proj_dist = 0;
   return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
+}
+
+// The way of one ray.
+inline RayPath PathOf(const Tetrahedralization& tetrahedra, const Ray& ray) {
+  RayPath path;
+  WalkRays(tetrahedra, {&ray, 1}, {&path, 1});
+  return path;
 }
 
 // Any of its points.

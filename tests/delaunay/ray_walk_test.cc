@@ -25,7 +25,8 @@ Corners CornersOf(const Tetrahedralization& tetrahedra, uint32_t arc) {
 
 // What holds for every walk.
 void ExpectPath(const Tetrahedralization& tetrahedra, uint32_t origin,
-                const std::vector<Crossing>& crossings, uint32_t last_cell) {
+                const RayPath& path) {
+  const auto& [crossings, last_cell] = path;
   ASSERT_NE(last_cell, kNone);
   std::set<uint32_t> visited;
   for (size_t i = 0; i < crossings.size(); ++i) {
@@ -126,9 +127,9 @@ bool Holds(const Tetrahedralization& tetrahedra, uint32_t cell_index,
 }
 
 std::set<Corners> FacetsOf(const Tetrahedralization& tetrahedra,
-                           const std::vector<Crossing>& crossings) {
+                           const RayPath& path) {
   std::set<Corners> facets;
-  for (const Crossing& crossing : crossings) {
+  for (const Crossing& crossing : path.crossings) {
     facets.insert(CornersOf(tetrahedra, crossing.exit_arc));
   }
   return facets;
@@ -145,15 +146,9 @@ struct GenericRayWalk : testing::Test {
     return random_.Below(static_cast<uint32_t>(tetrahedra_.points.size()));
   }
 
-  uint32_t Walk(uint32_t origin, const Eigen::Vector3d& target,
-                uint32_t end = kNone) {
-    return WalkRay(tetrahedra_, origin, target, end, kEverywhere, &crossings_);
-  }
-
   Random random_{1};
   const Tetrahedralization tetrahedra_ =
       DelaunayOf(RandomPoints(100, kRange, &random_));
-  std::vector<Crossing> crossings_;
 };
 
 TEST_F(GenericRayWalk, CrossesTheFacetsThatBruteForceFinds) {
@@ -165,22 +160,17 @@ TEST_F(GenericRayWalk, CrossesTheFacetsThatBruteForceFinds) {
         tetrahedra_, tetrahedra_.PositionOf(origin).cast<int64_t>(),
         target.cast<int64_t>());
     ASSERT_TRUE(expected.has_value());
-    const uint32_t cell = Walk(origin, target);
-    ExpectPath(tetrahedra_, origin, crossings_, cell);
-    ASSERT_EQ(FacetsOf(tetrahedra_, crossings_), *expected);
-    if (!tetrahedra_.IsInfinite(cell)) {
+    const RayPath path = PathOf(tetrahedra_, {origin, target});
+    ExpectPath(tetrahedra_, origin, path);
+    ASSERT_EQ(FacetsOf(tetrahedra_, path), *expected);
+    if (!tetrahedra_.IsInfinite(path.end)) {
       ++num_inside;
-      ASSERT_TRUE(Holds(tetrahedra_, cell, target.cast<int64_t>()));
+      ASSERT_TRUE(Holds(tetrahedra_, path.end, target.cast<int64_t>()));
       // The same when the end is known.
-      std::vector<Crossing> to_end;
-      ASSERT_EQ(
-          WalkRay(tetrahedra_, origin, target, cell, kEverywhere, &to_end),
-          cell);
-      ASSERT_EQ(to_end.size(), crossings_.size());
-      // However few distances are asked for.
-      ASSERT_EQ(WalkRay(tetrahedra_, origin, target, kNone, 100, &to_end),
-                cell);
-      ASSERT_EQ(to_end.size(), crossings_.size());
+      const RayPath to_end =
+          PathOf(tetrahedra_, {origin, target, path.end, kEverywhere});
+      ASSERT_EQ(to_end.end, path.end);
+      ASSERT_EQ(to_end.crossings.size(), path.crossings.size());
     }
     ASSERT_FALSE(HasFailure());
   }
@@ -191,8 +181,8 @@ TEST_F(GenericRayWalk, DistancesAreThoseOfTheFacetsPlanes) {
   for (int trial = 0; trial < 300; ++trial) {
     const uint32_t origin = RandomOrigin();
     const Eigen::Vector3d target = RandomTarget(2 * kRange);
-    Walk(origin, target);
-    for (const Crossing& crossing : crossings_) {
+    const RayPath path = PathOf(tetrahedra_, {origin, target});
+    for (const Crossing& crossing : path.crossings) {
       const auto [a, b, c] = IntegersOf(
           tetrahedra_.points, CornersOf(tetrahedra_, crossing.exit_arc));
       const IntVector o = tetrahedra_.PositionOf(origin).cast<int64_t>();
@@ -214,18 +204,18 @@ TEST_F(GenericRayWalk, DistancesEndBeyondTheNearOnes) {
         4 * RandomTarget(kRange) - 3 * tetrahedra_.PositionOf(origin);
     // Through the hull, or to the target where it is the end.
     const auto no_cell = static_cast<uint32_t>(tetrahedra_.cells.size());
-    const uint32_t hull = Walk(origin, target, no_cell);
+    const auto [all, hull] =
+        PathOf(tetrahedra_, {origin, target, no_cell, kEverywhere});
     ASSERT_TRUE(tetrahedra_.IsInfinite(hull));
-    std::vector<Crossing> near;
-    ASSERT_EQ(WalkRay(tetrahedra_, origin, target, no_cell, kNear, &near),
-              hull);
-    ASSERT_EQ(near.size(), crossings_.size());
+    const auto [near, end] =
+        PathOf(tetrahedra_, {origin, target, no_cell, kNear});
+    ASSERT_EQ(end, hull);
+    ASSERT_EQ(near.size(), all.size());
     bool is_beyond = false;
     for (size_t i = 0; i < near.size(); ++i) {
-      ASSERT_EQ(near[i].exit_arc, crossings_[i].exit_arc);
-      ASSERT_EQ(near[i].distance,
-                is_beyond ? kEverywhere : crossings_[i].distance);
-      is_beyond |= crossings_[i].distance > kNear;
+      ASSERT_EQ(near[i].exit_arc, all[i].exit_arc);
+      ASSERT_EQ(near[i].distance, is_beyond ? kEverywhere : all[i].distance);
+      is_beyond |= all[i].distance > kNear;
     }
   }
 }
@@ -241,9 +231,10 @@ TEST_F(GenericRayWalk, TheWayBackCrossesTheSameFacets) {
     for (const bool is_back : {false, true}) {
       const uint32_t origin = is_back ? v : u;
       const uint32_t end = is_back ? u : v;
-      const uint32_t cell = Walk(origin, tetrahedra_.PositionOf(end));
-      ExpectPath(tetrahedra_, origin, crossings_, cell);
-      facets[is_back] = FacetsOf(tetrahedra_, crossings_);
+      const RayPath path =
+          PathOf(tetrahedra_, {origin, tetrahedra_.PositionOf(end)});
+      ExpectPath(tetrahedra_, origin, path);
+      facets[is_back] = FacetsOf(tetrahedra_, path);
       // Facets that meet at the end may or may not be crossed.
       std::erase_if(facets[is_back], [&](const Corners& corners) {
         return std::ranges::find(corners, end) != corners.end();
@@ -262,7 +253,6 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
     const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
-    std::vector<Crossing> crossings;
     for (int trial = 0; trial < 400; ++trial) {
       const uint32_t origin = random.Below(num_points);
       const Eigen::Vector3d a = AnyPoint(tetrahedra, &random);
@@ -281,22 +271,21 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
         default:  // through another vertex, and beyond
           target = 3 * a - 2 * tetrahedra.PositionOf(origin);
       }
-      const uint32_t cell =
-          WalkRay(tetrahedra, origin, target, kNone, kEverywhere, &crossings);
+      const RayPath path = PathOf(tetrahedra, {origin, target});
       const IntVector o = tetrahedra.PositionOf(origin).cast<int64_t>();
       const IntVector t = target.cast<int64_t>();
       if (o == t) {
-        ASSERT_EQ(cell, kNone);
+        ASSERT_EQ(path.end, kNone);
         ++num_given_up;
         continue;
       }
       num_degenerate += !CrossedFacets(tetrahedra, o, t).has_value();
-      ExpectPath(tetrahedra, origin, crossings, cell);
+      ExpectPath(tetrahedra, origin, path);
       ASSERT_FALSE(testing::Test::HasFailure());
-      if (!tetrahedra.IsInfinite(cell)) {
-        ASSERT_TRUE(Holds(tetrahedra, cell, t));
+      if (!tetrahedra.IsInfinite(path.end)) {
+        ASSERT_TRUE(Holds(tetrahedra, path.end, t));
       }
-      for (const Crossing& crossing : crossings) {
+      for (const Crossing& crossing : path.crossings) {
         ASSERT_TRUE(
             Touches(IntegersOf(tetrahedra.points,
                                CornersOf(tetrahedra, crossing.exit_arc)),
@@ -324,7 +313,6 @@ TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
     const Tetrahedralization tetrahedra = DelaunayOf(points);
     const auto num_cells = static_cast<uint32_t>(tetrahedra.cells.size());
     const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
-    std::vector<Crossing> crossings;
     for (int trial = 0; trial < 500; ++trial) {
       const uint32_t cell = random.Below(num_cells);
       if (tetrahedra.IsInfinite(cell)) {
@@ -344,7 +332,7 @@ TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
       const uint32_t vertex = random.Below(num_points);
       ASSERT_EQ(Locate(tetrahedra, target, tetrahedra.vertex_cells[vertex]),
                 cell);
-      ASSERT_EQ(WalkRay(tetrahedra, vertex, target, cell, 0, &crossings), cell);
+      ASSERT_EQ(PathOf(tetrahedra, {vertex, target, cell}).end, cell);
     }
   }
 }

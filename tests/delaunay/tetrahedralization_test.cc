@@ -191,10 +191,6 @@ TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnceAndIsZeroWithoutAny) {
           std::round(percent / 100 * static_cast<double>(lengths.size() - 1)));
       EXPECT_EQ(EdgeLengthPercentile(tetrahedra, percent), lengths[nth]);
     }
-  }
-  for (const auto& [name, points] : DifficultPoints()) {
-    SCOPED_TRACE(name);
-    const Tetrahedralization tetrahedra = DelaunayOf(points);
     std::vector<uint8_t> is_left_out(tetrahedra.points.size(), 1);
     EXPECT_EQ(EdgeLengthPercentile(tetrahedra, 25, is_left_out), 0);
     is_left_out.front() = 0;  // A vertex alone has no edge.

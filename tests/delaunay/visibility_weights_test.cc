@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "delaunay/cell_graph.h"
-#include "delaunay/ray_walk.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/threads.h"
 
@@ -78,8 +76,7 @@ struct TwoCells : testing::Test {
 
   // The cell where the ray from a vertex to a target ends.
   uint32_t EndOf(uint32_t vertex, const Eigen::Vector3d& target) const {
-    std::vector<Crossing> crossings;
-    return WalkRay(tetrahedra_, vertex, target, kNone, 0, &crossings);
+    return PathOf(tetrahedra_, {vertex, target}).end;
   }
 
   // What every labelling of the cells costs is all that a graph means.
@@ -194,7 +191,7 @@ TEST_F(TwoCells, AVertexMayStandForMillionsOfPoints) {
   }
 }
 
-// A ray's votes by the formulas, from the path that WalkRay() finds.
+// A ray's votes by the formulas, from the path that WalkRays() finds.
 void AddByFormula(const Tetrahedralization& tetrahedra, uint32_t vertex,
                   float alpha, const Eigen::Vector3d& center,
                   const VisibilityWeightOptions& options,
@@ -204,21 +201,20 @@ void AddByFormula(const Tetrahedralization& tetrahedra, uint32_t vertex,
     const double ratio = distance / options.distance_sigma;
     return ToCapacity(alpha * (1 - std::exp(-ratio * ratio / 2)));
   };
-  std::vector<Crossing> crossings;
-  uint32_t cell = Locate(tetrahedra, center, 0);
-  uint32_t end =
-      WalkRay(tetrahedra, vertex, center,
-              tetrahedra.IsInfinite(cell) ? kToHull : cell, 1e9, &crossings);
-  (*graph)[end].source += ToCapacity(alpha);
-  for (const auto& [exit_arc, entry_arc, distance] : crossings) {
+  const uint32_t cell = Locate(tetrahedra, center, 0);
+  const RayPath front = PathOf(
+      tetrahedra,
+      {vertex, center, tetrahedra.IsInfinite(cell) ? kToHull : cell, 1e9});
+  (*graph)[front.end].source += ToCapacity(alpha);
+  for (const auto& [exit_arc, entry_arc, distance] : front.crossings) {
     (*graph)[entry_arc / 4].arcs[entry_arc % 4] += soft(distance);
   }
-  end = WalkRay(tetrahedra, vertex,
-                position + options.behind_sigma * options.distance_sigma *
-                               (position - center).normalized(),
-                kNone, 1e9, &crossings);
-  (*graph)[end].sink += ToCapacity(alpha);
-  for (const auto& [exit_arc, entry_arc, distance] : crossings) {
+  const RayPath behind =
+      PathOf(tetrahedra,
+             {vertex, position + options.behind_sigma * options.distance_sigma *
+                                     (position - center).normalized()});
+  (*graph)[behind.end].sink += ToCapacity(alpha);
+  for (const auto& [exit_arc, entry_arc, distance] : behind.crossings) {
     (*graph)[exit_arc / 4].arcs[exit_arc % 4] += soft(distance);
   }
 }
@@ -299,18 +295,9 @@ TEST(VisibilityWeights, CutsCostWhatTheFormulasSay) {
   }
   EXPECT_EQ(ComputeMinCut(neighbors, graph).on_source_side,
             ComputeMinCut(neighbors, expected).on_source_side);
-}
-
-TEST(VisibilityWeights, EveryRayHasOneSourceAndOneSink) {
-  const Scenery scenery;
-  FlowCapacities graph = ZeroCapacities(scenery.tetrahedra);
-  scenery.Vote(0, 1, &graph);
-  uint64_t expected = 0;
-  for (const auto& [view, alpha] : scenery.observations.values) {
-    expected += static_cast<uint64_t>(std::lround(kWeightUnit * alpha));
+  for (const auto terminal : {&NodeCapacities::source, &NodeCapacities::sink}) {
+    EXPECT_EQ(SumOf(graph, terminal), SumOf(expected, terminal));
   }
-  EXPECT_EQ(SumOf(graph, &NodeCapacities::source), expected);
-  EXPECT_EQ(SumOf(graph, &NodeCapacities::sink), expected);
 }
 
 }  // namespace colmap_ext::visibility_weights_test

@@ -12,6 +12,7 @@
 #include "scene/view.h"
 #include "spatial/bvh.h"
 #include "tests/mesh/known_meshes.h"
+#include "tests/random_vectors.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::mesh_evaluation_test {
@@ -283,22 +284,13 @@ std::array<float, 3> VoxelOf(const Vector3f& point, float spacing) {
           std::floor(point.z() / spacing)};
 }
 
-Points RandomPoints(Random* random) {
-  Points points;
-  for (int i = 0; i < 5000; ++i) {
-    Vector3f point;
-    for (float& x : point) {
-      x = static_cast<float>(random->Integer(-64, 64)) / 16;  // many repeats
-    }
-    points.push_back(point);
-  }
-  return points;
-}
-
 TEST(DownsampleByVoxels, KeepsTheMiddlemostPointOfEachIfTheGridIsCoarse) {
   constexpr float kSpacing = 0.5f;
   Random random(1);
-  Points points = RandomPoints(&random);
+  Points points = RandomPoints(5000, 64, &random);
+  for (Vector3f& point : points) {
+    point /= 16;  // many repeats
+  }
   Points sampled = points;
   DownsampleByVoxels(kSpacing, &sampled);
   std::set<std::array<float, 3>> voxels, sampled_voxels;

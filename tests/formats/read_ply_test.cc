@@ -68,18 +68,22 @@ std::string AsciiHeader(int num_vertices) {
          "\nproperty float x\nproperty float y\nproperty float z\n";
 }
 
-struct ReadPlyCloudTest : FolderTest {
-  ReadPlyCloudTest() : FolderTest("fused.ply") {}
+// \tparam kRead  reads a file
+template <auto kRead>
+struct ReadPlyTest : FolderTest {
+  ReadPlyTest() : FolderTest("mesh.ply") {}
 
-  PlyCloud Read(const std::string& bytes) {
+  auto Read(const std::string& bytes) {
     WriteFile(path_, bytes);
-    return ReadPlyCloud(path_);
+    return kRead(path_);
   }
 
   void ExpectRefused(const std::string& bytes, const std::string& message) {
     ExpectFileError(message, [&] { Read(bytes); });
   }
 };
+
+using ReadPlyCloudTest = ReadPlyTest<&ReadPlyCloud>;
 
 void ExpectTheTwoPoints(const PlyCloud& cloud) {
   ASSERT_EQ(cloud.positions.size(), 2);
@@ -190,7 +194,7 @@ TEST_F(ReadPlyCloudTest, RefusesWhatIsNoPointCloud) {
         ascii + "element vertex 1\nproperty float x\nend_header\n1\n",
         AsciiHeader(1) + "end_header\n1 2 three\n"}) {
     SCOPED_TRACE(bytes);
-    ExpectRefused(bytes, "fused.ply: ");
+    ExpectRefused(bytes, "mesh.ply: ");
   }
   ExpectFileError("", [&] { ReadPlyCloud(folder_.Path()); });
   ExpectFileError("", [&] { ReadPlyCloud(folder_.Path() / "no.ply"); });
@@ -200,18 +204,7 @@ constexpr const char* kVertices = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 constexpr const char* kFaces =
     "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
 
-struct ReadPlyMeshTest : FolderTest {
-  ReadPlyMeshTest() : FolderTest("mesh.ply") {}
-
-  TriangleMesh Read(const std::string& bytes) {
-    WriteFile(path_, bytes);
-    return ReadPlyMesh(path_);
-  }
-
-  void ExpectRefused(const std::string& bytes, const std::string& message) {
-    ExpectFileError(message, [&] { Read(bytes); });
-  }
-
+struct ReadPlyMeshTest : ReadPlyTest<&ReadPlyMesh> {
   const TriangleMesh mesh_ = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                               {{0, 2, 1}, {0, 1, 3}}};
 };

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/mesh/shapes.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext::space_filling_curve_test {
 
@@ -20,18 +20,6 @@ uint64_t Interleave(const Eigen::Vector3f& point) {
     }
   }
   return key;
-}
-
-// Of whole numbers from -limit to limit.
-std::vector<Eigen::Vector3f> RandomPoints(size_t count, int limit,
-                                          Random* random) {
-  std::vector<Eigen::Vector3f> points(count);
-  for (Eigen::Vector3f& point : points) {
-    for (int axis = 0; axis < 3; ++axis) {
-      point[axis] = static_cast<float>(random->Integer(-limit, limit));
-    }
-  }
-  return points;
 }
 
 // By the interleaved bits; points at one place by their indices.

@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 
 #include "base/indices.h"
-#include "delaunay/cell_graph.h"
 #include "delaunay/tetrahedralization.h"
+#include "delaunay/visibility_weights.h"
 #include "meshing/manifold_fixing.h"
 #include "meshing/singular_vertices.h"
 #include "optim/min_cut.h"

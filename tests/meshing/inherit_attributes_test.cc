@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "meshing/finish_surface.h"
-
 namespace colmap_ext::inherit_attributes_test {
 
 // Three points, seen by views {0, 1}, {1, 2} and {1}.

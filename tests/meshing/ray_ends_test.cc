@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/view.h"
-#include "tests/random.h"
+#include "tests/random_vectors.h"
 
 namespace colmap_ext::ray_ends_test {
 
@@ -19,8 +19,7 @@ PointCloud RandomCloud() {
   Random random(5);
   PointCloud cloud;
   for (int i = 0; i < 2000; ++i) {
-    cloud.positions.emplace_back(8 * random.Unit() - 4, 8 * random.Unit() - 4,
-                                 8 * random.Unit() - 4);
+    cloud.positions.push_back(RandomVector(&random, 4).cast<float>());
     cloud.colors.push_back({1, 2, static_cast<uint8_t>(i)});
     cloud.views.AddRow(std::vector<uint32_t>{0, 1});
   }

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "mesh/subdivision.h"
+#include "remesh/anchored_mesh.h"
 #include "remesh/isotropic_remeshing.h"
-#include "remesh/speculation.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
 #include "tests/random.h"

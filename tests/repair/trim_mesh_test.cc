@@ -178,19 +178,10 @@ TEST(TrimMesh, KeepsPiecesThatAreMoreThanBorder) {
 }
 
 TEST(TrimMesh, DropsSmallPiecesButTheLargest) {
-  TriangleMesh mesh = MakeBumpySphere(0.2f);
-  const size_t num_facets = mesh.facets.size();
-  const auto shift = static_cast<uint32_t>(mesh.vertices.size());
-  for (uint32_t i = 0; i < shift; ++i) {
-    mesh.vertices.push_back(mesh.vertices[i] / 5 + Eigen::Vector3f(3, 0, 0));
-  }
-  for (size_t i = 0; i < num_facets; ++i) {
-    Facet facet = mesh.facets[i];
-    for (uint32_t& vertex : facet) {
-      vertex += shift;
-    }
-    mesh.facets.push_back(facet);
-  }
+  const TriangleMesh sphere = MakeBumpySphere(0.2f);
+  const size_t num_facets = sphere.facets.size();
+  const TriangleMesh mesh =
+      Union(sphere, Shifted(Scaled(sphere, 0.2f), {3, 0, 0}));
   const std::vector<float> confidences(mesh.facets.size(), 1);
   // The smaller sphere has the area of a disk of the radius 0.4.
   EXPECT_EQ(Trim(mesh, confidences, 0.3f).mesh, mesh);

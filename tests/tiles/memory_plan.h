@@ -10,7 +10,6 @@
 
 #include <Eigen/Core>
 
-#include "delaunay/cell_graph.h"
 #include "delaunay/growing_complex.h"
 #include "tests/random.h"
 #include "tests/tiles/seen_scene.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "delaunay/cell_graph.h"
+#include "delaunay/visibility_weights.h"
 #include "mesh/manifold_repair.h"
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"

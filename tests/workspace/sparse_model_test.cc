@@ -241,19 +241,6 @@ TEST_F(WriteSparseModelTest, TellsRigsOfSeveralCameras) {
   EXPECT_FALSE(HasOneImageFrames(model));
 }
 
-// Where a file can not be made, those that are there stay.
-TEST_F(WriteSparseModelTest, WritesAllOrNothing) {
-  const SparseModel model = MakeModel();
-  WriteSparseModel(path_, model);
-  std::filesystem::remove(path_ / "points3D.bin");
-  std::filesystem::create_directory(path_ / "points3D.bin");
-  const auto before = FilesOf(path_);
-  SparseModel other = model;
-  other.images[0].cam_from_world_translation.x() = 5;
-  EXPECT_THROW(WriteSparseModel(path_, other), FileError);
-  EXPECT_EQ(FilesOf(path_), before);
-}
-
 // The points' file is the one that does not fit.
 TEST_F(WriteSparseModelTest, KeepsTheOldModelWhenTheDiskIsFull) {
   SparseModel model = MakeModel();
