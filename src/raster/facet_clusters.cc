@@ -15,12 +15,9 @@ using FrustumNormals = std::array<Eigen::Vector3d, 5>;
 // Of the image's four sides, farther by a margin, and of the plane through the
 // camera's centre.
 FrustumNormals NormalsOf(const View& view) {
-  // Vertices are drawn at the nearest 1/256 px, and boxes are rounded; a
-  // choice.
-  constexpr double kImageMargin = 1;  // px
-  const double left = (-kImageMargin - view.cx) / view.fx;
+  const double left = (-1.0 * kImageMargin - view.cx) / view.fx;
   const double right = (view.width + kImageMargin - view.cx) / view.fx;
-  const double top = (-kImageMargin - view.cy) / view.fy;
+  const double top = (-1.0 * kImageMargin - view.cy) / view.fy;
   const double bottom = (view.height + kImageMargin - view.cy) / view.fy;
   FrustumNormals normals = {
       Eigen::Vector3d(1, 0, -left), Eigen::Vector3d(-1, 0, right),
