@@ -27,13 +27,16 @@ PhotometricTerms RandomTerms(size_t num_facets, Random* random) {
       return static_cast<float>(2 * random->Unit() - 1);
     };
     facet.slopes = {uniform(), uniform(), uniform()};
-    Eigen::Matrix3f root;
-    root << uniform(), uniform(), uniform(), uniform(), uniform(), uniform(),
-        uniform(), uniform(), uniform();
+    const Eigen::Matrix3f root = Eigen::Matrix3f::NullaryExpr(uniform);
     const Eigen::Matrix3f m = root * root.transpose();
     facet.curvatures = {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};
   }
   return terms;
+}
+
+VectorXd AsVector(const std::vector<double>& values) {
+  return Eigen::Map<const VectorXd>(values.data(),
+                                    static_cast<Eigen::Index>(values.size()));
 }
 
 struct NormalEquationsTest : testing::Test {
@@ -57,9 +60,8 @@ struct NormalEquationsTest : testing::Test {
   }
 
   double NumDetermined(double tolerance, int max_iterations) const {
-    const std::vector<double> determined =
-        Equations().Determined({tolerance, max_iterations}).values;
-    return std::accumulate(determined.begin(), determined.end(), 0.0);
+    return AsVector(Equations().Determined({tolerance, max_iterations}).values)
+        .sum();
   }
 
   NormalEquations Equations() const {
@@ -88,9 +90,8 @@ struct NormalEquationsTest : testing::Test {
 
   MatrixXd Smoothness() const {
     const MatrixXd bending = Bending();
-    const Eigen::Map<const VectorXd> coefficients(plate_.coefficients.data(),
-                                                  Size());
-    return bending.transpose() * coefficients.asDiagonal() * bending;
+    return bending.transpose() * AsVector(plate_.coefficients).asDiagonal() *
+           bending;
   }
 
   // How far the corners move along their facet's normal as each one's vertex
@@ -130,16 +131,9 @@ struct NormalEquationsTest : testing::Test {
         gradient[mesh_.facets[i][k]] += moves[k] * terms_.facets[i].slopes[k];
       }
     }
-    const VectorXd bent =
-        Eigen::Map<const VectorXd>(plate_.coefficients.data(), Size())
-            .cwiseProduct(
-                Eigen::Map<const VectorXd>(plate_.residuals.data(), Size()));
-    return gradient + Bending().transpose() * bent;
-  }
-
-  static VectorXd AsVector(const std::vector<double>& values) {
-    return Eigen::Map<const VectorXd>(values.data(),
-                                      static_cast<Eigen::Index>(values.size()));
+    return gradient + Bending().transpose() *
+                          AsVector(plate_.coefficients)
+                              .cwiseProduct(AsVector(plate_.residuals));
   }
 
   Random random_{1};
