@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/percentile.h"
+#include "mesh/confidences.h"
 #include "mesh/normals.h"
 #include "refine/vertex_motion.h"
 
@@ -128,13 +129,12 @@ std::vector<double> Roughness(const SmoothnessDomain& domain,
                               const SmoothnessModel& model) {
   std::vector<double> roughness = Importance(model);
   const std::vector<double> own = OwnRelief(model);
-  for (size_t i = 0; i < roughness.size(); ++i) {
+  for (uint32_t i = 0; i < roughness.size(); ++i) {
     const double with = model.plate.residuals[i];
     const double without = domain.is_seen[i] != 0 ? own[i] : with;
-    roughness[i] = roughness[i] * (with * with + without * without) / 2;
-    if (IsFixed(domain.fixed, static_cast<uint32_t>(i))) {
-      roughness[i] = 0;
-    }
+    roughness[i] = IsFixed(domain.fixed, i)
+                       ? 0
+                       : roughness[i] * (with * with + without * without) / 2;
   }
   return roughness;
 }
@@ -165,14 +165,11 @@ std::vector<float> VertexFootprints(const TriangleMesh& mesh,
 
 std::vector<uint8_t> SeenVertices(const TriangleMesh& mesh,
                                   const PhotometricTerms& terms) {
-  std::vector<uint8_t> is_seen(mesh.vertices.size(), 0);
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    if (terms.facets[i].num_pixels > 0) {
-      for (const uint32_t vertex : mesh.facets[i]) {
-        is_seen[vertex] = 1;
-      }
-    }
-  }
+  const std::vector<double> num_pixels =
+      SumsAtVertices(mesh, terms.facets, &FacetTerms::num_pixels);
+  std::vector<uint8_t> is_seen(num_pixels.size());
+  std::ranges::transform(num_pixels, is_seen.begin(),
+                         [](double count) { return count > 0; });
   return is_seen;
 }
 
