@@ -250,9 +250,8 @@ SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
   // Factor by which the weight may change in an iteration, so that the first
   // estimates, of a rough surface, do not throw it about.
   constexpr double kMaxChange = 4;
-  const NormalEquations equations(surface.mesh, surface.normals, domain.rings,
-                                  surface.terms, model.plate, domain.fixed);
-  LinearSolution determined = equations.Determined();
+  LinearSolution determined =
+      NormalEquations(surface, domain, model.plate).Determined();
   *num_unconverged += determined.is_converged ? 0 : 1;
   SmoothnessEvidence evidence{std::move(determined.values),
                               Roughness(domain, model)};

@@ -43,20 +43,22 @@ struct NormalEquationsTest : testing::Test {
   // Of as many vertices as to be solved without sparseness.
   NormalEquationsTest() : NormalEquationsTest(MakeBumpyCap(0.25f)) {}
 
-  explicit NormalEquationsTest(TriangleMesh mesh)
-      : mesh_(std::move(mesh)),
-        rings_(MakeVertexRings(mesh_)),
-        normals_(VertexNormals(mesh_, rings_)),
-        terms_(RandomTerms(mesh_.facets.size(), &random_)) {
+  explicit NormalEquationsTest(TriangleMesh mesh) {
+    mesh_ = std::move(mesh);
+    rings_ = MakeVertexRings(mesh_);
+    terms_ = RandomTerms(mesh_.facets.size(), &random_);
     SetWeight(0.1);
   }
 
+  // Of the mesh as it is.
   void SetWeight(double weight) {
     const size_t size = mesh_.vertices.size();
-    plate_ = MakeThinPlate(
-        {mesh_.vertices, normals_, rings_, std::vector<float>(size, 0.05f),
-         std::vector<float>(size, 10)},
-        std::vector<double>(size, weight), std::vector<double>(size, 0.003));
+    normals_ = VertexNormals(mesh_, rings_);
+    domain_.footprints.assign(size, 0.05f);
+    domain_.num_pixels.assign(size, 10);
+    plate_ = PlateOf({weight, std::vector<double>(size, weight),
+                      std::vector<double>(size, 0.003)},
+                     domain_, surface_);
   }
 
   double NumDetermined(double tolerance, int max_iterations) const {
@@ -64,9 +66,7 @@ struct NormalEquationsTest : testing::Test {
         .sum();
   }
 
-  NormalEquations Equations() const {
-    return {mesh_, normals_, rings_, terms_, plate_};
-  }
+  NormalEquations Equations() const { return {surface_, domain_, plate_}; }
 
   Eigen::Index Size() const {
     return static_cast<Eigen::Index>(mesh_.vertices.size());
@@ -137,10 +137,12 @@ struct NormalEquationsTest : testing::Test {
   }
 
   Random random_{1};
-  TriangleMesh mesh_;
-  VertexRings rings_;
-  std::vector<Eigen::Vector3f> normals_;
-  PhotometricTerms terms_;
+  EvaluatedSurface surface_;
+  SmoothnessDomain domain_;
+  TriangleMesh& mesh_ = surface_.mesh;
+  VertexRings& rings_ = domain_.rings;
+  std::vector<Eigen::Vector3f>& normals_ = surface_.normals;
+  PhotometricTerms& terms_ = surface_.terms;
   ThinPlate plate_;
 };
 
@@ -211,7 +213,6 @@ TEST_F(NormalEquationsTest, AreSolvedAsWithoutSparseness) {
 TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
   mesh_.vertices.emplace_back(5, 5, 5);
   rings_ = MakeVertexRings(mesh_);
-  normals_ = VertexNormals(mesh_, rings_);
   SetWeight(0);
   // Terms on the first facets only.
   std::vector<bool> is_named(mesh_.vertices.size(), false);
