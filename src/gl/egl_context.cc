@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -126,21 +127,15 @@ void KeepErrors(GLenum source, GLenum type, GLuint /*id*/, GLenum /*severity*/,
   }
 }
 
-const char* ErrorName(GLenum error) {
-  switch (error) {
-    case GL_INVALID_ENUM:
-      return "invalid enumerant";
-    case GL_INVALID_VALUE:
-      return "invalid value";
-    case GL_INVALID_OPERATION:
-      return "invalid operation";
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-      return "invalid framebuffer operation";
-    case GL_OUT_OF_MEMORY:
-      return "out of memory";
-    default:
-      return "unknown error";
-  }
+std::string ErrorName(GLenum error) {
+  static const std::map<GLenum, const char*> names = {
+      {GL_INVALID_ENUM, "invalid enumerant"},
+      {GL_INVALID_VALUE, "invalid value"},
+      {GL_INVALID_OPERATION, "invalid operation"},
+      {GL_INVALID_FRAMEBUFFER_OPERATION, "invalid framebuffer operation"},
+      {GL_OUT_OF_MEMORY, "out of memory"}};
+  const auto found = names.find(error);
+  return found != names.end() ? found->second : "unknown error";
 }
 
 }  // namespace

@@ -16,20 +16,21 @@ size_t NumPixels(const View& view) {
 }
 
 // A pixel is the mean of those that it covers.
-GrayImage Resize(const GrayImage& image, int width, int height) {
-  GrayImage resized{width, height, {}};
-  resized.pixels.resize(static_cast<size_t>(width) * height);
+// \param size  has the width and height
+GrayImage Resize(const GrayImage& image, const View& size) {
+  GrayImage resized{size.width, size.height, {}};
+  resized.pixels.resize(NumPixels(size));
   // OpenCV has no views of constant pixels.
   const cv::Mat from(image.height, image.width, CV_8U,
                      const_cast<uint8_t*>(image.pixels.data()));
-  cv::Mat to(height, width, CV_8U, resized.pixels.data());
+  cv::Mat to(size.height, size.width, CV_8U, resized.pixels.data());
   cv::resize(from, to, to.size(), 0, 0, cv::INTER_AREA);
   return resized;
 }
 
 // A pixel is masked if any of those that it covers is.
-GrayImage ResizeMask(const GrayImage& mask, int width, int height) {
-  GrayImage resized = Resize(mask, width, height);
+GrayImage ResizeMask(const GrayImage& mask, const View& size) {
+  GrayImage resized = Resize(mask, size);
   for (uint8_t& pixel : resized.pixels) {
     pixel = pixel == 255 ? 255 : 0;
   }
@@ -69,10 +70,8 @@ ReadGrayImage ResizedImages(ReadGrayImage read, std::vector<View> from,
           to = std::move(to)](size_t view) {
     GrayImage image = read(view);
     ExpectSize(image, from[view]);
-    if (HasSizeOf(to[view], image)) {
-      return image;
-    }
-    return Resize(image, to[view].width, to[view].height);
+    return HasSizeOf(to[view], image) ? std::move(image)
+                                      : Resize(image, to[view]);
   };
 }
 
@@ -82,10 +81,9 @@ ReadGrayImage ResizedMasks(ReadGrayImage read, std::vector<View> to) {
   }
   return [read = std::move(read), to = std::move(to)](size_t view) {
     GrayImage mask = read(view);
-    if (mask.pixels.empty() || HasSizeOf(to[view], mask)) {
-      return mask;
-    }
-    return ResizeMask(mask, to[view].width, to[view].height);
+    return mask.pixels.empty() || HasSizeOf(to[view], mask)
+               ? std::move(mask)
+               : ResizeMask(mask, to[view]);
   };
 }
 
@@ -129,9 +127,7 @@ void ImagePyramid::SetLevel(int level) {
   level_ = level;
   level_images_.Clear();
   level_masks_.Clear();
-  for (size_t i = 0; i < views_.size(); ++i) {
-    level_views_[i] = ViewAtLevel(views_[i], level);
-  }
+  SetViews(std::move(views_));
   ShareMemory();
 }
 
@@ -151,36 +147,29 @@ std::shared_ptr<const GrayImage> ImagePyramid::FullImage(size_t view) {
 }
 
 std::shared_ptr<const GrayImage> ImagePyramid::Image(size_t view) {
-  std::shared_ptr<const GrayImage> image;
   // OpenCV and decoders may run tasks: while this thread waits for them, it
   // must not begin a task that waits for this image.
-  tbb::this_task_arena::isolate([&] {
-    if (level_ == 0) {
-      image = FullImage(view);
-      return;
-    }
+  return tbb::this_task_arena::isolate([&] {
     const View& size = level_views_[view];
-    image = level_images_.Get(view, NumPixels(size), [&] {
-      return std::make_shared<const GrayImage>(
-          Resize(*FullImage(view), size.width, size.height));
-    });
+    return level_ == 0 ? FullImage(view)
+                       : level_images_.Get(view, NumPixels(size), [&] {
+                           return std::make_shared<const GrayImage>(
+                               Resize(*FullImage(view), size));
+                         });
   });
-  return image;
 }
 
 std::shared_ptr<const GrayImage> ImagePyramid::Mask(size_t view) {
   if (!read_mask_) {
     return nullptr;
   }
-  std::shared_ptr<const GrayImage> mask;
-  tbb::this_task_arena::isolate([&] {  // as in Image()
+  const auto mask = tbb::this_task_arena::isolate([&] {  // as in Image()
     const View& size = level_views_[view];
-    mask = level_masks_.Get(view, NumPixels(size), [&] {
+    return level_masks_.Get(view, NumPixels(size), [&] {
       GrayImage full = read_mask_(view);
       return std::make_shared<const GrayImage>(
-          level_ == 0 || full.pixels.empty()
-              ? std::move(full)
-              : ResizeMask(full, size.width, size.height));
+          level_ == 0 || full.pixels.empty() ? std::move(full)
+                                             : ResizeMask(full, size));
     });
   });
   return mask->pixels.empty() ? nullptr : mask;

@@ -52,16 +52,7 @@ void CorrelationTile::FindReached(int radius) {
 
 WindowCorrelation::WindowCorrelation(const PhotometricOptions& options,
                                      SimdLevel level)
-    : options_(options), rows_(options.window_radius, level) {
-  // More than half of the window has to be seen: the centre's surface is the
-  // larger part of it.
-  constexpr float kMinShare = 0.5F;
-  const int side = 2 * options.window_radius + 1;
-  constants_.min_count = kMinShare * static_cast<float>(side * side);
-  constants_.min_variance = kMinVariance;
-  constants_.noise_variance = static_cast<float>(options.noise_variance);
-  constants_.saturation = static_cast<float>(1 + options.residual_floor);
-}
+    : options_(options), rows_(options, level) {}
 
 void WindowCorrelation::Windows::Assign(size_t size) {
   for (auto* plane : {&by_image, &by_warped, &constants, &curvatures}) {
@@ -124,7 +115,7 @@ void WindowCorrelation::CorrelateRow(int row, CorrelationTile* tile) {
                            : 0;
   }
   rows_.Correlate(
-      constants_, width, sums_, is_counted_.data(),
+      width, sums_, is_counted_.data(),
       {tile->weights.data() + at, tile->energies.data() + at,
        windows_.by_image.data() + padded, windows_.by_warped.data() + padded,
        windows_.constants.data() + padded,
@@ -169,7 +160,7 @@ void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
   float by_warped = 0;
   float constant = 0;
   float curvature = 0;
-  rows_.Correlate(constants_, 1, sums, &is_counted,
+  rows_.Correlate(1, sums, &is_counted,
                   {&tile->weights[center], &tile->energies[center], &by_image,
                    &by_warped, &constant, &curvature});
   if (!(tile->weights[center] > 0)) {

@@ -57,13 +57,6 @@ struct RowSums {
       product;
 };
 
-struct WindowConstants {
-  float min_count = 0;       // pixels: more of a window have to be seen
-  float min_variance = 0;    // grey values squared, likewise of both images
-  float noise_variance = 0;  // grey values squared
-  float saturation = 1;      // s of docs/method.md, section 5.1
-};
-
 // Of the windows of a row, [width] each: the value w c, its weight, its
 // derivative by I_ij of a pixel, by_image I_i + by_warped I_ij + constant
 // there, and the second derivative.
@@ -83,9 +76,8 @@ struct WindowRow {
 // each thread has its own.
 class WindowRows {
  public:
-  // \pre 1 <= radius <= 7
-  explicit WindowRows(int radius, SimdLevel level = BestSimdLevel())
-      : radius_(radius), level_(level) {}
+  explicit WindowRows(const PhotometricOptions& options, SimdLevel level)
+      : options_(options), radius_(options.window_radius), level_(level) {}
 
   // \param is_valid  1 or 0; the images are 0 where it is 0.
   void Sum(int width, const float* image, const float* warped,
@@ -100,8 +92,7 @@ class WindowRows {
 
   // The correlations (docs/method.md, sections 5.3 and 5.5).
   // \param is_counted  [width] 1, or 0: the window yields zeros.
-  void Correlate(const WindowConstants& constants, int width,
-                 const RowSums& sums, const float* is_counted,
+  void Correlate(int width, const RowSums& sums, const float* is_counted,
                  const WindowRow& row) const;
 
  private:
@@ -109,6 +100,7 @@ class WindowRows {
   // \return the first one; the others follow by width + 2 radius
   float* Columns(int num_rows, int width, float margin);
 
+  PhotometricOptions options_;
   int radius_;
   SimdLevel level_;
   std::vector<float> columns_;
@@ -190,7 +182,6 @@ class WindowCorrelation {
   void GatherDerivatives(int row, CorrelationTile* tile);
 
   PhotometricOptions options_;
-  WindowConstants constants_;
   WindowRows rows_;
 
   // Scratch, [height * width].

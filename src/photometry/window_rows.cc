@@ -116,7 +116,7 @@ INLINE void WithSide(int radius, const Body& body) {
 // Leaves ZNCC in `energies`, N dZNCC w dc / dZ by J - J' in `by_warped`, and
 // N dw by J - J' in `constants`.
 INLINE void FindZnccs(
-    const WindowConstants& of_all, int width, const float* __restrict count,
+    const PhotometricOptions& options, int width, const float* __restrict count,
     const float* __restrict image, const float* __restrict warped,
     const float* __restrict image_squared,
     const float* __restrict warped_squared, const float* __restrict product,
@@ -124,10 +124,13 @@ INLINE void FindZnccs(
     float* __restrict znccs, float* __restrict by_image,
     float* __restrict by_warped, float* __restrict by_weight,
     float* __restrict curvatures) {
-  const float min_count = of_all.min_count;
-  const float min_variance = of_all.min_variance;
-  const float noise = of_all.noise_variance;
-  const float saturation = of_all.saturation;
+  // More than half of the window has to be seen: the centre's surface is the
+  // larger part of it.
+  constexpr float kMinShare = 0.5F;
+  const int side = 2 * options.window_radius + 1;
+  const float min_count = kMinShare * static_cast<float>(side * side);
+  const auto noise = static_cast<float>(options.noise_variance);
+  const auto saturation = static_cast<float>(1 + options.residual_floor);
   INDEPENDENT
   for (int i = 0; i < width; ++i) {
     const float scale = 1 / std::max(count[i], 1.0F);
@@ -140,7 +143,7 @@ INLINE void FindZnccs(
     const float covariance = product[i] * scale - mean_image * mean_warped;
     const float smaller = std::min(a, b);
     const bool is_good =
-        (is_counted[i] * count[i] > min_count) & (smaller > min_variance);
+        (is_counted[i] * count[i] > min_count) & (smaller > kMinVariance);
     const float safe_b = is_good ? b : 1.0F;
     const float root = std::sqrt(is_good ? a * b : 1.0F);
     // Rounding can leave the range.
@@ -249,17 +252,17 @@ void WindowRows::FindRange(int width, const float* values,
   RunAt(level_, [&]() INLINE_BODY { WithSide(radius_, find); });
 }
 
-void WindowRows::Correlate(const WindowConstants& constants, int width,
-                           const RowSums& sums, const float* is_counted,
+void WindowRows::Correlate(int width, const RowSums& sums,
+                           const float* is_counted,
                            const WindowRow& row) const {
   RunAt(level_, [&]() INLINE_BODY {
-    FindZnccs(constants, width, sums.count.data(), sums.image.data(),
+    FindZnccs(options_, width, sums.count.data(), sums.image.data(),
               sums.warped.data(), sums.image_squared.data(),
               sums.warped_squared.data(), sums.product.data(), is_counted,
               row.weights, row.energies, row.by_image, row.by_warped,
               row.constants, row.curvatures);
   });
-  const double s = constants.saturation;
+  const double s = static_cast<float>(1 + options_.residual_floor);
   for (int i = 0; i < width; ++i) {
     row.energies[i] =
         row.weights[i] > 0

@@ -21,24 +21,17 @@ struct FacetFrame {
 
 inline FacetFrame ComputeFacetFrame(const TriangleMesh& mesh,
                                     const Facet& facet) {
-  FacetFrame frame;
-  frame.corner = mesh.vertices[facet[0]].cast<double>();
-  const Eigen::Vector3d edge_1 =
-      mesh.vertices[facet[1]].cast<double>() - frame.corner;
-  const Eigen::Vector3d edge_2 =
-      mesh.vertices[facet[2]].cast<double>() - frame.corner;
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
+  const Eigen::Vector3d edge_1 = b - a;
+  const Eigen::Vector3d edge_2 = c - a;
   const Eigen::Vector3d cross = edge_1.cross(edge_2);
   const double area = cross.norm();  // twice
   if (!(area > 0)) {
-    frame.normal.setZero();
-    frame.gradient_1.setZero();
-    frame.gradient_2.setZero();
-    return frame;
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    return {zero, a, zero, zero};
   }
-  frame.normal = cross / area;
-  frame.gradient_1 = edge_2.cross(frame.normal) / area;
-  frame.gradient_2 = frame.normal.cross(edge_1) / area;
-  return frame;
+  const Eigen::Vector3d normal = cross / area;
+  return {normal, a, edge_2.cross(normal) / area, normal.cross(edge_1) / area};
 }
 
 // [F] of all facets.

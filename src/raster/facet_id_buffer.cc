@@ -289,9 +289,7 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
 
 bool IsFacing(const TriangleMesh& mesh, const Facet& facet,
               const Eigen::Vector3d& camera, double min_cosine) {
-  const Eigen::Vector3d a = mesh.vertices[facet[0]].cast<double>();
-  const Eigen::Vector3d b = mesh.vertices[facet[1]].cast<double>();
-  const Eigen::Vector3d c = mesh.vertices[facet[2]].cast<double>();
+  const auto [a, b, c] = CornersOf<double>(mesh, facet);
   const Eigen::Vector3d cross = (b - a).cross(c - a);
   const Eigen::Vector3d to_camera = camera - (a + b + c) / 3;
   const double product = cross.dot(to_camera);

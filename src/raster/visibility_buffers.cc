@@ -12,13 +12,6 @@
 namespace colmap_ext {
 namespace {
 
-Eigen::Vector3d Centroid(const TriangleMesh& mesh, const Facet& facet) {
-  const auto& [a, b, c] = facet;
-  return (mesh.vertices[a].cast<double>() + mesh.vertices[b].cast<double>() +
-          mesh.vertices[c].cast<double>()) /
-         3;
-}
-
 // Some facets of a mesh, each a part of one that was drawn.
 struct FacetParts {
   const TriangleMesh& mesh;
@@ -51,44 +44,34 @@ struct SeeingView {
   double border;  // px
 };
 
-// Whether a view shows the middle of the part of a facet that lies within.
-bool IsMiddleVisible(const FacetParts& parts, uint32_t facet,
-                     const SeeingView& seeing) {
+// Whether a view shows a facet's centroid; of a facet that is drawn by a part,
+// the middle of what lies within the border.
+bool IsVisible(const FacetParts& parts, uint32_t index, bool is_clipped,
+               const SeeingView& seeing) {
   const auto& [view, drawn, min_cosine, border] = seeing;
-  const std::vector<Eigen::Vector3d> part = ClipToImage(
-      view, parts.mesh, parts.mesh.facets[facet], ImageBox(view, border));
+  const Facet& facet = parts.mesh.facets[index];
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-  double inverse_depth = 0;  // linear over the image
-  for (const Eigen::Vector3d& corner : part) {
-    pixel += view.ImageFromCam(corner) / static_cast<double>(part.size());
-    inverse_depth += 1 / corner.z() / static_cast<double>(part.size());
+  double inverse_depth = 0;  // linear over the image; 0: not before the camera
+  if (is_clipped) {
+    const std::vector<Eigen::Vector3d> part =
+        ClipToImage(view, parts.mesh, facet, ImageBox(view, border));
+    for (const Eigen::Vector3d& corner : part) {
+      const auto size = static_cast<double>(part.size());
+      pixel += view.ImageFromCam(corner) / size;
+      inverse_depth += 1 / corner.z() / size;
+    }
+  } else {
+    const auto [a, b, c] = CornersOf<double>(parts.mesh, facet);
+    const Eigen::Vector3d in_camera = view.CamFromWorld((a + b + c) / 3);
+    if (in_camera.z() > 0) {
+      pixel = view.ImageFromCam(in_camera);
+      inverse_depth = 1 / in_camera.z();
+    }
   }
-  const FacetFrame frame =
-      ComputeFacetFrame(parts.mesh, parts.mesh.facets[facet]);
-  return !part.empty() && IsWithin(view, pixel, border) &&
-         IsNearest(view, drawn, parts.DrawnFacet(facet),
-                   PlaneSlope(view, frame), pixel.x(), pixel.y(),
-                   inverse_depth);
-}
-
-// Whether a view shows the centroid of a facet.
-bool IsCentroidVisible(const FacetParts& parts, uint32_t facet,
-                       const SeeingView& seeing) {
-  const auto& [view, drawn, min_cosine, border] = seeing;
-  const Eigen::Vector3d in_camera =
-      view.CamFromWorld(Centroid(parts.mesh, parts.mesh.facets[facet]));
-  if (!(in_camera.z() > 0)) {
-    return false;
-  }
-  const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
-  if (!IsWithin(view, pixel, border)) {
-    return false;
-  }
-  const FacetFrame frame =
-      ComputeFacetFrame(parts.mesh, parts.mesh.facets[facet]);
-  return IsNearest(view, drawn, parts.DrawnFacet(facet),
-                   PlaneSlope(view, frame), pixel.x(), pixel.y(),
-                   1 / in_camera.z());
+  return inverse_depth > 0 && IsWithin(view, pixel, border) &&
+         IsNearest(view, drawn, parts.DrawnFacet(index),
+                   PlaneSlope(view, ComputeFacetFrame(parts.mesh, facet)),
+                   pixel.x(), pixel.y(), inverse_depth);
 }
 
 // The facets that a view shows, ascending.
@@ -99,23 +82,20 @@ std::vector<uint32_t> FindVisible(const FacetParts& parts,
   const Eigen::Vector3d center = seeing.view.Center();
   std::vector<uint32_t> visible;
   auto clipped = drawn.clipped.begin();
-  const auto is_clipped = [&](uint32_t drawn_facet) {
-    clipped = std::find_if(clipped, drawn.clipped.end(), [&](uint32_t facet) {
-      return facet >= drawn_facet;
-    });
-    return clipped != drawn.clipped.end() && *clipped == drawn_facet;
-  };
   for (const FacetRange& range : drawn.ranges) {
     const auto [first, end] = parts.PartsOf(range);
     for (uint32_t i = first; i < end; ++i) {
       const uint32_t drawn_facet = parts.DrawnFacet(i);
-      const bool is_part = is_clipped(drawn_facet);
+      while (clipped != drawn.clipped.end() && *clipped < drawn_facet) {
+        ++clipped;
+      }
+      const bool is_part =
+          clipped != drawn.clipped.end() && *clipped == drawn_facet;
       const bool is_facing =
           are_drawn ? drawn.is_facing[i]
                     : IsFacing(parts.mesh, parts.mesh.facets[i], center,
                                is_part ? 0 : seeing.min_cosine);
-      if (is_facing && (is_part ? IsMiddleVisible(parts, i, seeing)
-                                : IsCentroidVisible(parts, i, seeing))) {
+      if (is_facing && IsVisible(parts, i, is_part, seeing)) {
         visible.push_back(i);
       }
     }

@@ -191,9 +191,7 @@ class LevelRefinement {
 
   // [V] along the normals, scene units.
   std::vector<double> SolveForMotion() {
-    const NormalEquations equations(surface_.mesh, surface_.normals,
-                                    domain_.rings, surface_.terms,
-                                    smoothness_.plate, domain_.fixed);
+    const NormalEquations equations(surface_, domain_, smoothness_.plate);
     if (options_.solver == RefinementSolver::kGaussNewton) {
       LinearSolution solution = equations.Solve();
       refined_.num_unconverged_solutions += solution.is_converged ? 0 : 1;

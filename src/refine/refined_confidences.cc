@@ -1,13 +1,14 @@
 #include "refine/refined_confidences.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <limits>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Core>
 
 #include "mesh/confidences.h"
+#include "mesh/mesh_in_image.h"
 #include "refine/smoothness_model.h"
 #include "spatial/bvh.h"
 
@@ -44,28 +45,17 @@ std::vector<uint8_t> ConfirmedFacets(const TriangleMesh& mesh,
 
 namespace {
 
-// From where a point is seen.
-struct Sight {
-  Eigen::Vector3d direction{0, 0, 0};  // to the views, of any length
-  double footprint =
-      std::numeric_limits<double>::infinity();  // the smallest width of a
-                                                // pixel there, scene units
-};
-
-Sight SightOf(const PointCloud& points, const std::vector<View>& views,
-              size_t point) {
-  Sight sight;
+// From a point to the views that see it, of any length; 0 if none does.
+Eigen::Vector3d DirectionToViews(const PointCloud& points,
+                                 const std::vector<View>& views, size_t point) {
   const Eigen::Vector3d position = points.positions[point].cast<double>();
-  for (const uint32_t index : points.views[point]) {
-    const View& view = views[index];
-    const double depth = view.CamFromWorld(position).z();
-    if (depth > 0) {
-      sight.direction += (view.Center() - position).normalized();
-      sight.footprint =
-          std::min(sight.footprint, depth / std::max(view.fx, view.fy));
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  for (const uint32_t view : points.views[point]) {
+    if (views[view].CamFromWorld(position).z() > 0) {
+      direction += (views[view].Center() - position).normalized();
     }
   }
-  return sight;
+  return direction;
 }
 
 // [P] the facet that each point supports, or kNone.
@@ -77,11 +67,12 @@ std::vector<uint32_t> SupportedFacets(const TriangleMesh& mesh,
   const Bvh bvh(mesh);
   std::vector<uint32_t> facets(points.size(), kNone);
   tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
-    const Sight sight = SightOf(points, views, i);
-    if (sight.footprint < std::numeric_limits<double>::infinity()) {
-      facets[i] =
-          bvh.NearestFacet(points.positions[i], sight.direction.cast<float>(),
-                           kMaxPixels * sight.footprint);
+    const double footprint =
+        NearestFootprint(points.positions[i], points.views[i], views);
+    if (std::isfinite(footprint)) {
+      facets[i] = bvh.NearestFacet(
+          points.positions[i], DirectionToViews(points, views, i).cast<float>(),
+          kMaxPixels * footprint);
     }
   });
   return facets;

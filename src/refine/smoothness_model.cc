@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/percentile.h"
+#include "mesh/confidences.h"
 #include "mesh/normals.h"
 #include "refine/vertex_motion.h"
 
@@ -128,13 +129,12 @@ std::vector<double> Roughness(const SmoothnessDomain& domain,
                               const SmoothnessModel& model) {
   std::vector<double> roughness = Importance(model);
   const std::vector<double> own = OwnRelief(model);
-  for (size_t i = 0; i < roughness.size(); ++i) {
+  for (uint32_t i = 0; i < roughness.size(); ++i) {
     const double with = model.plate.residuals[i];
     const double without = domain.is_seen[i] != 0 ? own[i] : with;
-    roughness[i] = roughness[i] * (with * with + without * without) / 2;
-    if (IsFixed(domain.fixed, static_cast<uint32_t>(i))) {
-      roughness[i] = 0;
-    }
+    roughness[i] = IsFixed(domain.fixed, i)
+                       ? 0
+                       : roughness[i] * (with * with + without * without) / 2;
   }
   return roughness;
 }
@@ -165,14 +165,11 @@ std::vector<float> VertexFootprints(const TriangleMesh& mesh,
 
 std::vector<uint8_t> SeenVertices(const TriangleMesh& mesh,
                                   const PhotometricTerms& terms) {
-  std::vector<uint8_t> is_seen(mesh.vertices.size(), 0);
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    if (terms.facets[i].num_pixels > 0) {
-      for (const uint32_t vertex : mesh.facets[i]) {
-        is_seen[vertex] = 1;
-      }
-    }
-  }
+  const std::vector<double> num_pixels =
+      SumsAtVertices(mesh, terms.facets, &FacetTerms::num_pixels);
+  std::vector<uint8_t> is_seen(num_pixels.size());
+  std::ranges::transform(num_pixels, is_seen.begin(),
+                         [](double count) { return count > 0; });
   return is_seen;
 }
 
@@ -253,9 +250,8 @@ SmoothnessTarget EstimateWeights(const SmoothnessDomain& domain,
   // Factor by which the weight may change in an iteration, so that the first
   // estimates, of a rough surface, do not throw it about.
   constexpr double kMaxChange = 4;
-  const NormalEquations equations(surface.mesh, surface.normals, domain.rings,
-                                  surface.terms, model.plate, domain.fixed);
-  LinearSolution determined = equations.Determined();
+  LinearSolution determined =
+      NormalEquations(surface, domain, model.plate).Determined();
   *num_unconverged += determined.is_converged ? 0 : 1;
   SmoothnessEvidence evidence{std::move(determined.values),
                               Roughness(domain, model)};

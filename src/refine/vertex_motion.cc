@@ -30,49 +30,47 @@ double RandomSign(uint64_t index) {
 
 }  // namespace
 
-NormalEquations::NormalEquations(const TriangleMesh& mesh,
-                                 const std::vector<Eigen::Vector3f>& normals,
-                                 const VertexRings& rings,
-                                 const PhotometricTerms& terms,
-                                 const ThinPlate& plate, FixedVertices fixed)
-    : normals_(normals),
-      rings_(rings),
-      plate_(plate),
-      fixed_(std::move(fixed)) {
-  AddPhotometric(mesh, terms);
+NormalEquations::NormalEquations(const EvaluatedSurface& surface,
+                                 const SmoothnessDomain& domain,
+                                 const ThinPlate& plate)
+    : surface_(surface), domain_(domain), plate_(plate) {
+  AddPhotometric();
   FindSmoothnessChanges();
   AddSmoothness();
   ClearFixed(&gradient_);
 }
 
 void NormalEquations::ClearFixed(std::vector<double>* values) const {
-  for (uint32_t i = 0; i < fixed_.size(); ++i) {
-    if (IsFixed(fixed_, i)) {
+  for (uint32_t i = 0; i < domain_.fixed.size(); ++i) {
+    if (IsFixed(domain_.fixed, i)) {
       (*values)[i] = 0;
     }
   }
 }
 
-void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
-                                     const PhotometricTerms& terms) {
+void NormalEquations::AddPhotometric() {
+  const TriangleMesh& mesh = surface_.mesh;
+  const std::vector<Eigen::Vector3f>& normals = surface_.normals;
+  const VertexRings& rings = domain_.rings;
   const size_t size = mesh.vertices.size();
   gradient_.assign(size, 0);
   photometric_diagonal_.assign(size, 0);
-  photometric_.assign(rings_.neighbors.values.size(), 0);
+  photometric_.assign(rings.neighbors.values.size(), 0);
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   tbb::parallel_for(size_t{0}, size, [&](size_t vertex) {
-    const auto ring = rings_.neighbors[vertex];
-    const size_t row = rings_.neighbors.offsets[vertex];
-    const Eigen::Vector3d normal = normals_[vertex].cast<double>();
-    for (const uint32_t corner : rings_.corners[vertex]) {
+    const auto ring = rings.neighbors[vertex];
+    const size_t row = rings.neighbors.offsets[vertex];
+    const Eigen::Vector3d normal = normals[vertex].cast<double>();
+    for (const uint32_t corner : rings.corners[vertex]) {
       const uint32_t facet = corner / 3;
       const int k = static_cast<int>(corner % 3);
       // How far the facet moves along its normal as its corners do.
       const Eigen::Vector3d& facet_normal = frames[facet].normal;
+      const FacetTerms& terms = surface_.terms.facets[facet];
       const double along = facet_normal.dot(normal);
-      gradient_[vertex] += terms.facets[facet].slopes[k] * along;
+      gradient_[vertex] += terms.slopes[k] * along;
       photometric_diagonal_[vertex] +=
-          terms.facets[facet].curvatures[CurvatureIndex(k, k)] * along * along;
+          terms.curvatures[CurvatureIndex(k, k)] * along * along;
       for (int l = 0; l < 3; ++l) {
         const uint32_t other = mesh.facets[facet][l];
         if (l == k) {
@@ -80,9 +78,9 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
         }
         const size_t place =
             row + (std::ranges::lower_bound(ring, other) - ring.begin());
-        photometric_[place] += static_cast<float>(
-            terms.facets[facet].curvatures[CurvatureIndex(k, l)] * along *
-            facet_normal.dot(normals_[other].cast<double>()));
+        photometric_[place] +=
+            static_cast<float>(terms.curvatures[CurvatureIndex(k, l)] * along *
+                               facet_normal.dot(normals[other].cast<double>()));
       }
     }
   });
@@ -91,17 +89,18 @@ void NormalEquations::AddPhotometric(const TriangleMesh& mesh,
 // The residuals are N_V . (weighted mean of the neighbors - V); their changes
 // are taken with the normals and the shares held.
 void NormalEquations::FindSmoothnessChanges() {
-  outgoing_.resize(rings_.neighbors.values.size());
-  incoming_.resize(rings_.neighbors.values.size());
+  outgoing_.resize(domain_.rings.neighbors.values.size());
+  incoming_.resize(domain_.rings.neighbors.values.size());
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
-    const auto ring = rings_.neighbors[vertex];
-    const size_t row = rings_.neighbors.offsets[vertex];
+    const auto ring = domain_.rings.neighbors[vertex];
+    const size_t row = domain_.rings.neighbors.offsets[vertex];
     for (size_t i = 0; i < ring.size(); ++i) {
-      const auto other_ring = rings_.neighbors[ring[i]];
+      const auto other_ring = domain_.rings.neighbors[ring[i]];
       const size_t back =
-          rings_.neighbors.offsets[ring[i]] +
+          domain_.rings.neighbors.offsets[ring[i]] +
           (std::ranges::lower_bound(other_ring, vertex) - other_ring.begin());
-      const float cosine = normals_[vertex].dot(normals_[ring[i]]);
+      const float cosine =
+          surface_.normals[vertex].dot(surface_.normals[ring[i]]);
       outgoing_[row + i] = plate_.shares[row + i] * cosine;
       incoming_[row + i] = plate_.shares[back] * cosine;
     }
@@ -113,8 +112,8 @@ void NormalEquations::AddSmoothness() {
   tbb::parallel_for(size_t{0}, gradient_.size(), [&](size_t vertex) {
     double gradient = -plate_.coefficients[vertex] * plate_.residuals[vertex];
     double diagonal = plate_.coefficients[vertex];
-    const auto ring = rings_.neighbors[vertex];
-    const size_t row = rings_.neighbors.offsets[vertex];
+    const auto ring = domain_.rings.neighbors[vertex];
+    const size_t row = domain_.rings.neighbors.offsets[vertex];
     for (size_t i = 0; i < ring.size(); ++i) {
       const uint32_t other = ring[i];
       const double share = incoming_[row + i];
@@ -134,8 +133,8 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   const tbb::blocked_range<size_t> all(0, in.size(), 4096);
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
-      const auto ring = rings_.neighbors[i];
-      const size_t row = rings_.neighbors.offsets[i];
+      const auto ring = domain_.rings.neighbors[i];
+      const size_t row = domain_.rings.neighbors.offsets[i];
       double photometric = photometric_diagonal_[i] * in[i];
       double mean = 0;
       for (size_t k = 0; k < ring.size(); ++k) {
@@ -148,8 +147,8 @@ void NormalEquations::Multiply(const std::vector<double>& in,
   });
   tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
     for (size_t i = range.begin(); i != range.end(); ++i) {
-      const auto ring = rings_.neighbors[i];
-      const size_t row = rings_.neighbors.offsets[i];
+      const auto ring = domain_.rings.neighbors[i];
+      const size_t row = domain_.rings.neighbors.offsets[i];
       double sum = -weighted_changes[i];
       for (size_t k = 0; k < ring.size(); ++k) {
         sum += incoming_[row + k] * weighted_changes[ring[k]];

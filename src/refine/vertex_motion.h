@@ -8,8 +8,7 @@
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "optim/conjugate_gradients.h"
-#include "photometry/photometric_energy.h"
-#include "refine/thin_plate.h"
+#include "refine/smoothness_model.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
@@ -24,13 +23,10 @@ inline constexpr SolverOptions kEarlyEnd{kSolverTolerance, 100};
 // in how far each vertex moves along its normal (docs/method.md, section 6.3).
 class NormalEquations {
  public:
-  // \param mesh, normals, rings, terms, plate  of the same mesh. References to
-  //        normals, rings and plate are kept.
-  // \param fixed  of the mesh: Dirichlet constraints
-  NormalEquations(const TriangleMesh& mesh,
-                  const std::vector<Eigen::Vector3f>& normals,
-                  const VertexRings& rings, const PhotometricTerms& terms,
-                  const ThinPlate& plate, FixedVertices fixed = {});
+  // \param surface, domain, plate  of the same mesh; references are kept. Fixed
+  //        vertices are Dirichlet constraints.
+  NormalEquations(const EvaluatedSurface& surface,
+                  const SmoothnessDomain& domain, const ThinPlate& plate);
 
   // The gradient, [V], 1 / scene unit.
   const std::vector<double>& Gradient() const { return gradient_; }
@@ -52,7 +48,7 @@ class NormalEquations {
   LinearSolution Determined(const SolverOptions& options = kEarlyEnd) const;
 
  private:
-  void AddPhotometric(const TriangleMesh& mesh, const PhotometricTerms& terms);
+  void AddPhotometric();
   void FindSmoothnessChanges();
   void AddSmoothness();
 
@@ -68,17 +64,17 @@ class NormalEquations {
   // Sets the values of fixed vertices to 0.
   void ClearFixed(std::vector<double>* values) const;
 
-  const std::vector<Eigen::Vector3f>& normals_;
-  const VertexRings& rings_;
+  const EvaluatedSurface& surface_;
+  const SmoothnessDomain& domain_;
   const ThinPlate& plate_;
-  FixedVertices fixed_;
   std::vector<double> gradient_;
   std::vector<double> diagonal_;
   std::vector<double> photometric_diagonal_;
 
-  // Aligned with rings_.neighbors.values. The photometric second derivative by
-  // the vertex and the neighbor; the change of the vertex's smoothness residual
-  // as the neighbor moves; and that of the neighbor's as the vertex moves.
+  // Aligned with the rings' neighbors.values. The photometric second derivative
+  // by the vertex and the neighbor; the change of the vertex's smoothness
+  // residual as the neighbor moves; and that of the neighbor's as the vertex
+  // moves.
   std::vector<float> photometric_;
   std::vector<float> outgoing_;
   std::vector<float> incoming_;

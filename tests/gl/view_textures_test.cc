@@ -17,6 +17,7 @@
 #include "mesh/triangle_mesh.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/gl_test.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/refine/refinement_scene.h"
 #include "tests/texts.h"
 
@@ -49,23 +50,19 @@ Drawn Draw(const View& view, const TriangleMesh& mesh) {
 // positive inside.
 double Inside(const View& view, const TriangleMesh& mesh, uint32_t facet,
               size_t pixel) {
-  const Eigen::Vector2d center(pixel % view.width + 0.5,
-                               pixel / view.width + 0.5);
-  std::array<Eigen::Vector2d, 3> corners;
-  for (int k = 0; k < 3; ++k) {
-    corners[k] = view.ImageFromCam(
-        view.CamFromWorld(mesh.vertices[mesh.facets[facet][k]].cast<double>()));
+  const Eigen::Vector3d center(pixel % view.width + 0.5,
+                               pixel / view.width + 0.5, 0);
+  auto corners = CornersOf<double>(mesh, mesh.facets[facet]);
+  for (Eigen::Vector3d& corner : corners) {
+    corner << view.ImageFromCam(view.CamFromWorld(corner)), 0;
   }
-  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return a.x() * b.y() - a.y() * b.x();
-  };
-  const double sign =
-      cross(corners[1] - corners[0], corners[2] - corners[0]) < 0 ? -1 : 1;
+  const Eigen::Vector3d normal =
+      (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
   double distance = 1e9;
   for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector2d edge = corners[(k + 1) % 3] - corners[k];
-    distance = std::min(distance,
-                        sign * cross(edge, center - corners[k]) / edge.norm());
+    const Eigen::Vector3d edge = corners[(k + 1) % 3] - corners[k];
+    distance = std::min(
+        distance, normal.dot(edge.cross(center - corners[k])) / edge.norm());
   }
   return distance;
 }
@@ -111,11 +108,8 @@ View SmallView() { return {"", 8, 6, 8, 8, 4, 3}; }
 TEST_F(FacetDrawerTest, NearestOfEqualOnesFirstWinsIfThereIsAny) {
   TriangleMesh mesh = Triangle(3);
   for (const float z : {2.0F, 2.0F, 4.0F}) {
-    const TriangleMesh other = Triangle(z);
-    const auto first = static_cast<uint32_t>(mesh.vertices.size());
-    mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(),
-                         other.vertices.end());
-    mesh.facets.push_back({first, first + 2, first + 1});
+    mesh = Union(mesh, Triangle(z));
+    std::swap(mesh.facets.back()[1], mesh.facets.back()[2]);
   }
   EXPECT_EQ(Draw(SmallView(), mesh).facets, std::vector<uint32_t>(48, 1));
   EXPECT_EQ(Draw(SmallView(), {}).facets, std::vector<uint32_t>(48, kNone));

@@ -16,16 +16,6 @@
 
 namespace colmap_ext::facet_labeling_test {
 
-std::vector<ViewPair> AllPairs(size_t num_views) {
-  std::vector<ViewPair> pairs;
-  for (uint32_t a = 0; a < num_views; ++a) {
-    for (uint32_t b = a + 1; b < num_views; ++b) {
-      pairs.push_back({a, b});
-    }
-  }
-  return pairs;
-}
-
 struct LabelFacetsTest : testing::Test {
   // Every vertex is seen by the views that see one of its facets.
   LabelFacetsTest()
@@ -87,10 +77,8 @@ struct LabelFacetsTest : testing::Test {
 };
 
 TEST_F(LabelFacetsTest, GivesOnlyPairsThatSeeTheFacet) {
-  FacetLabelingOptions options;
-  options.pairs_per_facet = 3;
-  options.final_pairs_per_facet = 0;
-  const FacetLabeling labeling = Label(options);
+  const FacetLabeling labeling =
+      Label({.pairs_per_facet = 3, .final_pairs_per_facet = 0});
   ASSERT_EQ(labeling.labels.NumFacets(), mesh_.facets.size());
   size_t num_unlabeled = 0;
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
@@ -108,17 +96,15 @@ TEST_F(LabelFacetsTest, GivesOnlyPairsThatSeeTheFacet) {
 }
 
 TEST_F(LabelFacetsTest, AddsFinalPairsToTheFirst) {
-  FacetLabelingOptions options;
-  options.pairs_per_facet = 2;
-  options.final_pairs_per_facet = 0;
-  const FacetLabels few = Label(options).labels;
-  options.final_pairs_per_facet = 5;
-  const FacetLabels many = Label(options).labels;
+  const auto label = [&](int num_final) {
+    return Label({.pairs_per_facet = 2, .final_pairs_per_facet = num_final})
+        .labels;
+  };
+  const FacetLabels few = label(0);
+  const FacetLabels many = label(5);
   EXPECT_EQ(many.Truncated(2).labels, few.labels);
-  EXPECT_EQ(many.Truncated(2).labels.offsets, few.labels.offsets);
   EXPECT_EQ(many.Truncated(5).labels, many.labels);
-  options.final_pairs_per_facet = 1000;
-  const FacetLabels all = Label(options).labels;
+  const FacetLabels all = label(1000);
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     EXPECT_EQ(many.labels[i].size(), std::min<size_t>(5, NumPairsThatSee(i)));
     EXPECT_EQ(all.labels[i].size(), NumPairsThatSee(i));
@@ -126,11 +112,9 @@ TEST_F(LabelFacetsTest, AddsFinalPairsToTheFirst) {
 }
 
 TEST_F(LabelFacetsTest, LowersTheEnergyAndEvensTheLabelsOut) {
-  FacetLabelingOptions options;
-  options.final_pairs_per_facet = 0;
-  const FacetLabeling smooth = Label(options);
-  options.potts_weight = 0;
-  const FacetLabeling free = Label(options);
+  const FacetLabeling smooth = Label({.final_pairs_per_facet = 0});
+  const FacetLabeling free =
+      Label({.final_pairs_per_facet = 0, .potts_weight = 0});
   EXPECT_LT(smooth.final_energy, smooth.initial_energy);
   EXPECT_LE(smooth.lower_bound, smooth.final_energy);
   EXPECT_LT(smooth.final_energy, 1.04 * smooth.lower_bound);
@@ -144,9 +128,8 @@ TEST_F(LabelFacetsTest, DoesNotDependOnTheNumberOfThreads) {
 }
 
 TEST_F(LabelFacetsTest, GivesAllPairsThatSeeTheFacetInTheClassicalWay) {
-  FacetLabelingOptions options;
-  options.pair_selection = PairSelection::kClassical;
-  const FacetLabeling labeling = Label(options);
+  const FacetLabeling labeling =
+      Label({.pair_selection = PairSelection::kClassical});
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     EXPECT_EQ(labeling.labels.labels[i].size(), NumPairsThatSee(i));
   }
@@ -154,9 +137,7 @@ TEST_F(LabelFacetsTest, GivesAllPairsThatSeeTheFacetInTheClassicalWay) {
 
 TEST_F(LabelFacetsTest, TakesWhatIsDrawnWhereNothingElseIsKnown) {
   attributes_.views = Rows<uint32_t>(mesh_.vertices.size());
-  FacetLabelingOptions options;
-  options.final_pairs_per_facet = 0;
-  const FacetLabeling labeling = Label(options);
+  const FacetLabeling labeling = Label({.final_pairs_per_facet = 0});
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     EXPECT_EQ(labeling.labels.labels[i].size(),
               std::min<size_t>(1, NumPairsThatSee(i)));
@@ -169,10 +150,8 @@ TEST_F(LabelFacetsTest, PrefersViewsThatTheVerticesAreKnownToBeSeenBy) {
   for (size_t i = 0; i < mesh_.vertices.size(); ++i) {
     attributes_.views.AddRow(std::vector<uint32_t>{0, 1});
   }
-  FacetLabelingOptions options;
-  options.pairs_per_facet = 4;
-  options.final_pairs_per_facet = 0;
-  const FacetLabeling labeling = Label(options);
+  const FacetLabeling labeling =
+      Label({.pairs_per_facet = 4, .final_pairs_per_facet = 0});
   size_t num_known = 0;
   for (size_t i = 0; i < mesh_.facets.size(); ++i) {
     if (IsSeen(i, 0) && IsSeen(i, 1)) {
@@ -243,8 +222,7 @@ PointCloud CloudSeenBy(const std::vector<std::vector<uint32_t>>& views) {
   PointCloud cloud;
   for (const std::vector<uint32_t>& row : views) {
     cloud.positions.emplace_back(0, 0, 0);
-    cloud.views.values.insert(cloud.views.values.end(), row.begin(), row.end());
-    cloud.views.EndRow();
+    cloud.views.AddRow(row);
   }
   return cloud;
 }
@@ -283,22 +261,18 @@ TEST(SelectViewPairs, AgreesWithCountingAllPairs) {
   const std::vector<ViewPair> pairs =
       SelectViewPairs(CloudSeenBy(rows), kNumViews, 3);
   // Whoever is among the three best of one of the two, and nobody else.
-  for (uint32_t a = 0; a < kNumViews; ++a) {
-    for (uint32_t b = a + 1; b < kNumViews; ++b) {
-      const auto is_partner = [&](uint32_t view, uint32_t other) {
-        int num_better = 0;
-        for (uint32_t k = 0; k < kNumViews; ++k) {
-          num_better += counts[view][k] > counts[view][other] ||
-                                (counts[view][k] == counts[view][other] &&
-                                 k < other && k != view)
-                            ? 1
-                            : 0;
-        }
-        return num_better < 3;
-      };
-      EXPECT_EQ(std::ranges::find(pairs, ViewPair{a, b}) != pairs.end(),
-                is_partner(a, b) || is_partner(b, a));
-    }
+  for (const ViewPair& pair : AllPairs(kNumViews)) {
+    const auto is_partner = [&](uint32_t view, uint32_t other) {
+      int num_better = 0;
+      for (uint32_t k = 0; k < kNumViews; ++k) {
+        num_better += k != view && std::pair(counts[view][k], other) >
+                                       std::pair(counts[view][other], k);
+      }
+      return num_better < 3;
+    };
+    EXPECT_EQ(std::ranges::binary_search(pairs, pair),
+              is_partner(pair.first, pair.second) ||
+                  is_partner(pair.second, pair.first));
   }
 }
 

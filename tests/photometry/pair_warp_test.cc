@@ -9,9 +9,8 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
-#include "tests/raster/barycentric.h"
-#include "tests/raster/pixels.h"
-#include "tests/refine/depth_range.h"
+#include "tests/raster/room.h"
+#include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::pair_warp_test {
 
@@ -19,30 +18,13 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-// A picture of a mesh that is painted with smooth waves.
+// Smooth waves.
 GrayImage Paint(const View& view, const TriangleMesh& mesh) {
-  const Bvh bvh(mesh);
-  GrayImage image{view.width, view.height, {}};
-  ForEachPixel(view, [&](int row, int col) {
-    RayPacket rays;
-    rays.origin = view.Center().cast<float>();
-    for (int i = 0; i < 4; ++i) {
-      rays.SetDirection(i, RayDirection(view, col + 0.5, row + 0.5));
-    }
-    const HitPacket hits = bvh.Intersect(rays);
-    if (hits.facet[0] < 0) {
-      image.pixels.push_back(0);
-      return;
-    }
-    const Vector3d point =
-        view.Center() +
-        hits.distance[0] *
-            RayDirection(view, col + 0.5, row + 0.5).cast<double>();
+  return PaintedImage(view, mesh, [](const Vector3d& point) {
     const double wave = std::sin(9 * point.x() + 2 * point.z()) +
                         std::cos(8 * point.y() - 3 * point.z());
-    image.pixels.push_back(static_cast<uint8_t>(std::lround(127 + 60 * wave)));
+    return std::round(127 + 60 * wave);
   });
-  return image;
 }
 
 // Two views of a mesh with all that a warp takes.
@@ -82,6 +64,19 @@ Warped Compute(const PairWarp& warp, int first_row, int first_col, int height,
   warped.geometry.first_col = first_col;
   warp.Compute(&warped.tile, &warped.geometry);
   return warped;
+}
+
+// That a pixel has the values of a pixel of another warp, but for its image
+// and depth; or that it is not valid, where is_known is false.
+void ExpectPixel(const Warped& warped, size_t at, const Warped& expected,
+                 size_t from, bool is_known) {
+  EXPECT_EQ(warped.tile.is_valid[at],
+            is_known ? expected.tile.is_valid[from] : 0);
+  EXPECT_EQ(warped.tile.warped[at], is_known ? expected.tile.warped[from] : 0);
+  EXPECT_EQ(warped.geometry.motion[at],
+            is_known ? expected.geometry.motion[from] : 0);
+  EXPECT_EQ(warped.geometry.facets[at],
+            is_known ? expected.geometry.facets[from] : kNone);
 }
 
 // Of the whole image.
@@ -301,31 +296,27 @@ TEST(PairWarp, InterpolatesParabolasExactly) {
   const TriangleMesh plane = {{{-9, -9, 2}, {-9, 20, 2}, {20, -9, 2}},
                               {{0, 1, 2}}};
   WarpScene scene(plane, view, shifted);
-  for (int row = 0; row < 20; ++row) {
-    for (int col = 0; col < 20; ++col) {
-      scene.images[1].pixels[row * 20 + col] =
-          static_cast<uint8_t>(col * (col + 1) / 2 + 2 * row);
-    }
-  }
+  ForEachPixel(view, [&](int row, int col) {
+    scene.images[1].pixels[row * 20 + col] =
+        static_cast<uint8_t>(col * (col + 1) / 2 + 2 * row);
+  });
   const Vector2d shift(0.15 * 30 / 2, -0.1 * 30 / 2);
   const Warped warped = Compute(scene, 0, 1);
   int num_compared = 0;
-  for (int row = 0; row < 20; ++row) {
-    for (int col = 0; col < 20; ++col) {
-      const double x = col + shift.x();
-      const double y = row + shift.y();
-      const size_t at = warped.tile.Index(row, col);
-      EXPECT_EQ(warped.tile.is_valid[at] > 0,
-                x >= 0 && y >= 0 && x <= 19 && y <= 19);
-      if (x >= 1 && y >= 1 && x <= 18 && y <= 18) {
-        ++num_compared;
-        EXPECT_NEAR(warped.tile.warped[at], x * (x + 1) / 2 + 2 * y, 1e-3);
-        // As the plane comes nearer, all moves on by shift / 2 a unit.
-        EXPECT_NEAR(warped.geometry.motion[at],
-                    shift.x() / 2 * (x + 0.5) + shift.y() / 2 * 2, 1e-3);
-      }
+  ForEachPixel(view, [&](int row, int col) {
+    const double x = col + shift.x();
+    const double y = row + shift.y();
+    const size_t at = warped.tile.Index(row, col);
+    EXPECT_EQ(warped.tile.is_valid[at] > 0,
+              x >= 0 && y >= 0 && x <= 19 && y <= 19);
+    if (x >= 1 && y >= 1 && x <= 18 && y <= 18) {
+      ++num_compared;
+      EXPECT_NEAR(warped.tile.warped[at], x * (x + 1) / 2 + 2 * y, 1e-3);
+      // As the plane comes nearer, all moves on by shift / 2 a unit.
+      EXPECT_NEAR(warped.geometry.motion[at],
+                  shift.x() / 2 * (x + 0.5) + shift.y() / 2 * 2, 1e-3);
     }
-  }
+  });
   EXPECT_GT(num_compared, 200);
 }
 
@@ -352,27 +343,22 @@ TEST(PairWarp, OfATileIsThatPartOfTheWhole) {
   for (const auto& [first_row, first_col] :
        {std::pair(-4, -3), {30, 40}, {100, -2}, {95, 120}, {200, 200}}) {
     const Warped part = Compute(scene.Warp(0, 1), first_row, first_col, 23, 31);
-    for (int row = 0; row < 23; ++row) {
-      for (int col = 0; col < 31; ++col) {
-        const size_t at = part.tile.Index(row, col);
-        const int image_row = first_row + row;
-        const int image_col = first_col + col;
-        if (image_row < 0 || image_col < 0 || image_row >= whole.tile.height ||
-            image_col >= whole.tile.width) {
-          EXPECT_EQ(part.tile.is_valid[at], 0);
-          EXPECT_EQ(part.geometry.facets[at], kNone);
-          continue;
-        }
-        const size_t from = whole.tile.Index(image_row, image_col);
+    ForEachPixel(part.tile, [&](int row, int col) {
+      const size_t at = part.tile.Index(row, col);
+      const int image_row = first_row + row;
+      const int image_col = first_col + col;
+      const bool is_inside = image_row >= 0 && image_col >= 0 &&
+                             image_row < whole.tile.height &&
+                             image_col < whole.tile.width;
+      const size_t from =
+          is_inside ? whole.tile.Index(image_row, image_col) : 0;
+      ExpectPixel(part, at, whole, from, is_inside);
+      if (is_inside) {
         EXPECT_EQ(part.tile.image[at], whole.tile.image[from]);
-        EXPECT_EQ(part.tile.warped[at], whole.tile.warped[from]);
-        EXPECT_EQ(part.tile.is_valid[at], whole.tile.is_valid[from]);
         EXPECT_EQ(part.tile.inverse_depths[at],
                   whole.tile.inverse_depths[from]);
-        EXPECT_EQ(part.geometry.facets[at], whole.geometry.facets[from]);
-        EXPECT_EQ(part.geometry.motion[at], whole.geometry.motion[from]);
       }
-    }
+    });
   }
 }
 
@@ -387,14 +373,7 @@ TEST(PairWarp, LeavesOutWhatNoWindowReaches) {
   }
   scene.Warp(0, 1).Compute(&warped.tile, &warped.geometry);
   for (size_t i = 0; i < warped.tile.is_reached.size(); ++i) {
-    const bool is_reached = i % 3 == 0;
-    EXPECT_EQ(warped.tile.is_valid[i],
-              is_reached ? expected.tile.is_valid[i] : 0);
-    EXPECT_EQ(warped.tile.warped[i], is_reached ? expected.tile.warped[i] : 0);
-    EXPECT_EQ(warped.geometry.motion[i],
-              is_reached ? expected.geometry.motion[i] : 0);
-    EXPECT_EQ(warped.geometry.facets[i],
-              is_reached ? expected.geometry.facets[i] : kNone);
+    ExpectPixel(warped, i, expected, i, i % 3 == 0);
   }
 }
 

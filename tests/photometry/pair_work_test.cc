@@ -10,6 +10,7 @@
 #include "tests/peak_memory.h"
 #include "tests/random.h"
 #include "tests/raster/pixels.h"
+#include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext::pair_work_test {
 
@@ -18,21 +19,11 @@ constexpr uint32_t kNumViews = 4;
 // Up to three of the pairs of four views for each facet, compared in one
 // direction or both.
 FacetLabels RandomLabels(uint32_t num_facets, Random* random) {
-  FacetLabels labels;
-  for (uint32_t a = 0; a < kNumViews; ++a) {
-    for (uint32_t b = a + 1; b < kNumViews; ++b) {
-      labels.pairs.push_back({a, b});
-    }
-  }
-  std::vector<uint32_t> all(labels.pairs.size());
-  for (uint32_t i = 0; i < all.size(); ++i) {
-    all[i] = i;
-  }
+  FacetLabels labels{AllPairs(kNumViews), {}, {}};
+  std::vector<uint32_t> all = Iota(labels.pairs.size());
   for (uint32_t i = 0; i < num_facets; ++i) {
     random->Shuffle(&all);
-    labels.labels.values.insert(labels.labels.values.end(), all.begin(),
-                                all.begin() + random->Below(4));
-    labels.labels.EndRow();
+    labels.labels.AddRow(std::span(all).first(random->Below(4)));
   }
   for (size_t i = 0; i < labels.labels.values.size(); ++i) {
     labels.directions.push_back(random->Integer(kInFirst, kBothDirections));
@@ -105,10 +96,7 @@ Squares ExpectedSquares(const FacetIdBuffer& drawn, const FacetLabels& labels,
   Squares squares;
   ForEachPixel(drawn, [&](int row, int col) {
     const uint32_t facet = drawn.facets[drawn.Index(row, col)];
-    if (facet == kNone) {
-      return;
-    }
-    if (!IsCompared(labels, facet, direction)) {
+    if (facet == kNone || !IsCompared(labels, facet, direction)) {
       return;
     }
     auto& [first_row, last_row, first_col, last_col] =
@@ -279,8 +267,7 @@ TEST(OrderByPartners, HasEachViewOnce) {
     }
     std::vector<uint32_t> order = OrderByPartners(RowsOf(partners));
     std::ranges::sort(order);
-    std::vector<uint32_t> all = Iota(partners.size());
-    EXPECT_EQ(order, all);
+    EXPECT_EQ(order, Iota(partners.size()));
   }
 }
 

@@ -18,7 +18,7 @@
 #include "tests/random.h"
 #include "tests/raster/pixels.h"
 #include "tests/raster/room.h"
-#include "tests/refine/depth_range.h"
+#include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::facet_id_buffer_test {
 
@@ -64,14 +64,10 @@ struct Hit {
 // The inverse depth at which a ray from the camera meets a facet; 0: nowhere.
 double Meet(const View& view, const TriangleMesh& mesh, uint32_t facet,
             const Vector2d& pixel) {
-  std::array<Vector3d, 3> corners;
-  for (int k = 0; k < 3; ++k) {
-    corners[k] = mesh.vertices[mesh.facets[facet][k]].cast<double>();
-  }
+  const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[facet]);
   Eigen::Matrix3d matrix;
-  matrix << corners[1] - corners[0], corners[2] - corners[0],
-      -(view.RayFromPixel() * pixel.homogeneous());
-  const Vector3d x = matrix.inverse() * (view.Center() - corners[0]);
+  matrix << b - a, c - a, -(view.RayFromPixel() * pixel.homogeneous());
+  const Vector3d x = matrix.inverse() * (view.Center() - a);
   const bool is_met = x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0;
   return is_met ? 1 / x[2] : 0;
 }
@@ -262,15 +258,12 @@ TEST(DrawFacets, TellsWhichFaceTheCameraEnough) {
   for (const double degrees : {0.0, 30.0, 55.0, 65.0, 89.0}) {
     const double turn = degrees * std::numbers::pi / 180;
     // With its centroid straight ahead.
-    TriangleMesh mesh;
-    for (const Vector3d& corner :
-         {Vector3d(-1, -1, 0), Vector3d(0, 2, 0), Vector3d(1, -1, 0)}) {
-      mesh.vertices.push_back(
-          (Eigen::AngleAxisd(turn, Vector3d::UnitX()) * corner +
-           Vector3d(0, 0, 9))
-              .cast<float>());
-    }
-    mesh.facets = {{0, 1, 2}};
+    TriangleMesh mesh =
+        Moved({{{-1, -1, 0}, {0, 2, 0}, {1, -1, 0}}, {{0, 1, 2}}},
+              [&](const Vector3f& corner) -> Vector3f {
+                return Eigen::AngleAxisf(turn, Vector3f::UnitX()) * corner +
+                       Vector3f(0, 0, 9);
+              });
     EXPECT_EQ(DrawFacets(StraightView(), mesh, 0.5).is_facing[0], degrees < 60);
     EXPECT_TRUE(DrawFacets(StraightView(), mesh, 0).is_facing[0]);
     mesh.facets = {{0, 2, 1}};
@@ -345,23 +338,23 @@ TEST(IsNearest, SeesWhatNothingLiesInFrontOf) {
     const auto facet = random.Below(static_cast<uint32_t>(mesh.facets.size()));
     const double a = random.Unit();
     const double b = (1 - a) * random.Unit();
-    Vector3d point = (1 - a - b) * frames[facet].corner;
-    point += a * mesh.vertices[mesh.facets[facet][1]].cast<double>();
-    point += b * mesh.vertices[mesh.facets[facet][2]].cast<double>();
+    const auto [first, second, third] =
+        CornersOf<double>(mesh, mesh.facets[facet]);
+    const Vector3d point = (1 - a - b) * first + a * second + b * third;
     const Vector3d in_camera = view.CamFromWorld(point);
     const Vector2d pixel = view.ImageFromCam(in_camera);
     const bool is_nearest =
         IsNearest(view, drawn, facet, PlaneSlope(view, frames[facet]),
                   pixel.x(), pixel.y(), 1 / in_camera.z());
-    const DepthRange first = DepthsAround(bvh, view, pixel);
+    const DepthRange around = DepthsAround(bvh, view, pixel);
     const Vector3d ray = (view.Center() - point).normalized();
     if (std::abs(frames[facet].normal.dot(ray)) < 0.2) {
       continue;
     }
-    if (first.nearest > in_camera.z() - 0.2) {
+    if (around.nearest > in_camera.z() - 0.2) {
       ++num_visible;
       EXPECT_TRUE(is_nearest) << facet;
-    } else if (first.farthest < in_camera.z() - 0.4) {
+    } else if (around.farthest < in_camera.z() - 0.4) {
       ++num_hidden;
       EXPECT_FALSE(is_nearest) << facet;
     }
@@ -373,16 +366,15 @@ TEST(IsNearest, SeesWhatNothingLiesInFrontOf) {
 // Of a facet that is parallel to the image, within two pixels' footprints of
 // what is drawn there.
 TEST(IsNearest, LeavesRoomForTwoPixels) {
-  TriangleMesh mesh = {
-      {PointAt(10, 10, 2), PointAt(10, 40, 2), PointAt(50, 10, 2),
-       PointAt(10, 10, 2), PointAt(10, 40, 2), PointAt(50, 10, 2)},
-      {{0, 1, 2}, {3, 4, 5}}};
+  const auto triangle = [](double depth) -> TriangleMesh {
+    return {{PointAt(10, 10, depth), PointAt(10, 40, depth),
+             PointAt(50, 10, depth)},
+            {{0, 1, 2}}};
+  };
   for (const double margin : {0.0, 1.8, 2.2, 5.0}) {
     // The second facet by so many footprints behind the first.
     const double depth = 2 * (1 + margin / 64);
-    mesh.vertices[3] = PointAt(10, 10, depth);
-    mesh.vertices[4] = PointAt(10, 40, depth);
-    mesh.vertices[5] = PointAt(50, 10, depth);
+    const TriangleMesh mesh = Union(triangle(2), triangle(depth));
     const FacetIdBuffer drawn = DrawFacets(StraightView(), mesh, 0);
     const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
     EXPECT_EQ(drawn.facets[drawn.Index(15, 15)], 0);

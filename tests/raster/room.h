@@ -41,21 +41,31 @@ inline std::vector<View> RoomViews() {
           LookAt({1, 1.45, 0}, {-4, 1.3, 0.4}, 64, 48, 50)};
 }
 
-// What a camera in it sees of walls that are painted.
-inline GrayImage RoomImage(const View& view) {
-  const FacetIdBuffer drawn = DrawFacets(view, MakeRoom(), 0);
+// What a view shows of a mesh that is painted, and 0 beside it.
+// \param paint  the grey value at a point of the world
+template <typename Paint>
+GrayImage PaintedImage(const View& view, const TriangleMesh& mesh,
+                       const Paint& paint) {
+  const FacetIdBuffer drawn = DrawFacets(view, mesh, 0);
   GrayImage image{view.width, view.height, {}};
   ForEachPixel(view, [&](int row, int col) {
+    const double inverse_depth = drawn.inverse_depths[drawn.Index(row, col)];
     const Eigen::Vector3d ray =
         view.RayFromPixel() * Eigen::Vector3d(col + 0.5, row + 0.5, 1);
-    const Eigen::Vector3d p =
-        view.Center() + ray / drawn.inverse_depths[drawn.Index(row, col)];
-    const double paint = std::sin(3 * p.x() + 2 * p.y()) +
-                         std::sin(4 * p.y() - p.z()) +
-                         std::sin(3 * p.z() + p.x());
-    image.pixels.push_back(static_cast<uint8_t>(128 + 40 * paint));
+    const double gray =
+        inverse_depth > 0 ? paint(view.Center() + ray / inverse_depth) : 0;
+    image.pixels.push_back(static_cast<uint8_t>(gray));
   });
   return image;
+}
+
+// What a camera in the room sees of its walls, which are painted.
+inline GrayImage RoomImage(const View& view) {
+  return PaintedImage(view, MakeRoom(), [](const Eigen::Vector3d& p) {
+    return 128 +
+           40 * (std::sin(3 * p.x() + 2 * p.y()) + std::sin(4 * p.y() - p.z()) +
+                 std::sin(3 * p.z() + p.x()));
+  });
 }
 
 }  // namespace colmap_ext

@@ -12,10 +12,8 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
-#include "tests/raster/barycentric.h"
 #include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
-#include "tests/refine/depth_range.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::visibility_buffers_test {
@@ -36,15 +34,12 @@ std::vector<View> ViewsAround(double distance) {
 }
 
 Vector3d Centroid(const TriangleMesh& mesh, size_t facet) {
-  const auto& [a, b, c] = mesh.facets[facet];
-  return (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c])
-             .cast<double>() /
-         3;
+  const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[facet]);
+  return (a + b + c) / 3;
 }
 
 bool IsSeen(const FacetVisibility& visibility, size_t facet, uint32_t view) {
-  const auto row = visibility[facet];
-  return std::ranges::find(row, view) != row.end();
+  return std::ranges::count(visibility[facet], view) > 0;
 }
 
 double Cosine(const TriangleMesh& mesh, size_t facet, const View& view) {
@@ -217,23 +212,18 @@ TEST(VisibilityBuffers, AreKeptWhereThereIsRoom) {
   EXPECT_TRUE(second.expired());
 }
 
-Vector3d Corner(const TriangleMesh& mesh, size_t facet, int k) {
-  return mesh.vertices[mesh.facets[facet][k]].cast<double>();
-}
-
 TEST(FacetFrames, HaveUnitNormalsToFreeSpace) {
   Random random(1);
   const TriangleMesh mesh = RandomSoup(20, 60, true, &random);
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   ASSERT_EQ(frames.size(), mesh.facets.size());
   for (size_t i = 0; i < frames.size(); ++i) {
-    const Vector3d edge_1 = Corner(mesh, i, 1) - Corner(mesh, i, 0);
-    const Vector3d edge_2 = Corner(mesh, i, 2) - Corner(mesh, i, 0);
-    EXPECT_EQ(frames[i].corner, Corner(mesh, i, 0));
+    const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[i]);
+    EXPECT_EQ(frames[i].corner, a);
     EXPECT_NEAR(frames[i].normal.norm(), 1, 1e-12);
-    EXPECT_NEAR(frames[i].normal.dot(edge_1), 0, 1e-12);
-    EXPECT_NEAR(frames[i].normal.dot(edge_2), 0, 1e-12);
-    EXPECT_GT(frames[i].normal.dot(edge_1.cross(edge_2)), 0);
+    EXPECT_NEAR(frames[i].normal.dot(b - a), 0, 1e-12);
+    EXPECT_NEAR(frames[i].normal.dot(c - a), 0, 1e-12);
+    EXPECT_GT(frames[i].normal.dot((b - a).cross(c - a)), 0);
   }
   const FacetFrame up =
       ComputeFacetFrame({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}}, {0, 1, 2});
@@ -247,19 +237,18 @@ TEST(FacetFrames, TellBarycentricCoordinates) {
   const TriangleMesh mesh = RandomSoup(20, 60, true, &random);
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   for (size_t i = 0; i < frames.size(); ++i) {
+    const auto corners = CornersOf<double>(mesh, mesh.facets[i]);
     for (int k = 0; k < 3; ++k) {
-      EXPECT_LT((Barycentric(frames[i], Corner(mesh, i, k)) - Vector3d::Unit(k))
-                    .norm(),
+      EXPECT_LT((Barycentric(frames[i], corners[k]) - Vector3d::Unit(k)).norm(),
                 1e-9);
     }
     for (int trial = 0; trial < 5; ++trial) {
       const double b = 3 * random.Unit() - 1;
       const double c = 3 * random.Unit() - 1;
       const Vector3d weights(1 - b - c, b, c);
-      Vector3d point = random.Unit() * frames[i].normal;
-      for (int k = 0; k < 3; ++k) {
-        point += weights[k] * Corner(mesh, i, k);
-      }
+      const Vector3d point = random.Unit() * frames[i].normal +
+                             weights[0] * corners[0] + b * corners[1] +
+                             c * corners[2];
       EXPECT_LT((Barycentric(frames[i], point) - weights).norm(), 1e-8);
     }
   }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "mesh/mesh_in_image.h"
 #include "tests/look_at.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
@@ -16,7 +17,6 @@
 
 namespace colmap_ext::facet_sizes_test {
 
-using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kMinCosine = 0.1;
@@ -36,14 +36,7 @@ std::vector<double> SecondAreas(const TriangleMesh& mesh,
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     std::vector<double> areas(2, 0.0);
     for (const uint32_t view : visibility[i]) {
-      std::array<Vector3d, 3> corners;
-      for (int k = 0; k < 3; ++k) {
-        const Vector3d in_camera = views[view].CamFromWorld(
-            mesh.vertices[mesh.facets[i][k]].cast<double>());
-        corners[k] << views[view].ImageFromCam(in_camera), 0;
-      }
-      areas.push_back(
-          (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() / 2);
+      areas.push_back(AreaInImage(mesh, mesh.facets[i], views[view]));
     }
     std::ranges::sort(areas, std::greater());
     seconds.push_back(areas[1]);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -15,6 +16,7 @@
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
+#include "tests/refine/refinement_scene.h"
 #include "tests/synthetic/noise.h"
 
 namespace colmap_ext::level_refinement_test {
@@ -46,11 +48,21 @@ Surface HeightField(const Height& height) {
   };
 }
 
+// What pulls a mesh, and what its energy says of itself.
+struct Pull {
+  Surface surface = Sphere();
+  double stiffness = 10;
+  float num_pixels = 5;             // of a facet
+  double slope_factor = 1;          // what is said of the slopes that they are
+  double curvature_factor = 1;      // and of the curvatures
+  std::optional<double> zncc = {};  // that the energy is of, whatever the mesh
+};
+
 // Pulls a mesh to a known surface: half the squared distances, px^2, at three
 // points of each facet.
 class PullingEnergy : public PhotometricEnergy {
  public:
-  explicit PullingEnergy(Surface surface) : surface_(std::move(surface)) {}
+  explicit PullingEnergy(Pull pull) : pull_(std::move(pull)) {}
 
   void SetLevel(int /*level*/) override {}
   void SetViews(std::vector<View> /*views*/) override {}
@@ -68,19 +80,21 @@ class PullingEnergy : public PhotometricEnergy {
     const size_t size = mesh.facets.size();
     PhotometricTerms terms{0, std::vector<FacetTerms>(size)};
     const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+    double weight = 0;
     for (size_t i = 0; i < size; ++i) {
       if (!labels.labels[i].empty()) {
         AddFacet(mesh, i, frames[i].normal, &terms.facets[i]);
       }
       terms.energy += terms.facets[i].energy;
+      weight += terms.facets[i].weight;
+    }
+    if (pull_.zncc) {
+      const double s = 1 + PhotometricOptions().residual_floor;
+      terms.energy = weight * s * std::log(1 - *pull_.zncc / s);
     }
     return terms;
   }
 
-  double stiffness = 10;
-  float num_pixels = 5;         // of a facet
-  double slope_factor = 1;      // what is said of the slopes that they are
-  double curvature_factor = 1;  // and of the curvatures
   int num_renders = 0;
   std::vector<size_t> nums_labels;  // of each evaluation
 
@@ -88,50 +102,39 @@ class PullingEnergy : public PhotometricEnergy {
   void AddFacet(const TriangleMesh& mesh, size_t facet, const Vector3d& normal,
                 FacetTerms* terms) const {
     terms->weight = 1;
-    terms->num_pixels = num_pixels;
-    const double factor = stiffness / (kFootprint * kFootprint);
+    terms->num_pixels = pull_.num_pixels;
+    const double factor = pull_.stiffness / (kFootprint * kFootprint);
+    const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[facet]);
     for (int sample = 0; sample < 3; ++sample) {
       Vector3d shares = Vector3d::Constant(1.0 / 6);
       shares[sample] = 2.0 / 3;
-      Vector3d point = Vector3d::Zero();
-      for (int k = 0; k < 3; ++k) {
-        point +=
-            shares[k] * mesh.vertices[mesh.facets[facet][k]].cast<double>();
-      }
-      const auto [distance, gradient] = surface_(point);
+      const auto [distance, gradient] =
+          pull_.surface(shares[0] * a + shares[1] * b + shares[2] * c);
       const double along = gradient.dot(normal);
       terms->energy += static_cast<float>(factor * distance * distance / 2);
       int at = 0;
       for (int k = 0; k < 3; ++k) {
-        terms->slopes[k] += static_cast<float>(slope_factor * factor *
+        terms->slopes[k] += static_cast<float>(pull_.slope_factor * factor *
                                                distance * along * shares[k]);
         for (int l = k; l < 3; ++l) {
           terms->curvatures[at++] +=
-              static_cast<float>(curvature_factor * factor * along * along *
-                                 shares[k] * shares[l]);
+              static_cast<float>(pull_.curvature_factor * factor * along *
+                                 along * shares[k] * shares[l]);
         }
       }
     }
   }
 
-  Surface surface_;
+  Pull pull_;
 };
 
 // Seen by both views wherever `is_seen` says so of the facet's first corner.
-FacetLabels LabelWhere(const TriangleMesh& mesh,
-                       const std::function<bool(const Vector3f&)>& is_seen) {
-  FacetLabels labels{{{0, 1}}, {}, {}};
-  for (const Facet& facet : mesh.facets) {
-    if (is_seen(mesh.vertices[facet[0]])) {
-      labels.labels.values.push_back(0);
-    }
-    labels.labels.EndRow();
-  }
-  return labels;
-}
-
-FacetLabels LabelAll(const TriangleMesh& mesh) {
-  return LabelWhere(mesh, [](const Vector3f&) { return true; });
+template <typename Predicate>
+FacetLabels LabelWhere(const TriangleMesh& mesh, const Predicate& is_seen) {
+  return colmap_ext::LabelWhere(
+      {{0, 1}}, mesh.facets.size(), [&](size_t facet) {
+        return is_seen(mesh.vertices[mesh.facets[facet][0]]);
+      });
 }
 
 FacetLabels LabelUpperHalf(const TriangleMesh& mesh) {
@@ -151,29 +154,36 @@ struct Refined {
   std::vector<TriangleMesh> meshes;  // at the start and after each step
   std::vector<RefinementStep> steps;
   size_t num_shortened = 0;
+  int num_renders = 0;              // see PullingEnergy
+  std::vector<size_t> nums_labels;  // likewise
 
   const TriangleMesh& Result() const { return meshes.back(); }
 };
 
 // \param labels, origins  none: all facets, and the vertices
+// \param last  the iteration after which it stops
 Refined Refine(FacetwiseRefinementOptions options, int level,
-               const TriangleMesh& mesh, PhotometricEnergy* energy,
+               const TriangleMesh& mesh, const Pull& pull,
                const std::optional<FacetLabels>& labels = {},
-               const std::vector<Vector3f>& origins = {}) {
+               const std::vector<Vector3f>& origins = {},
+               int last = std::numeric_limits<int>::max()) {
   options.min_zncc = -1;  // The energies of these tests are no correlations.
+  PullingEnergy energy(pull);
   Refined result;
-  const RefinedLevel refined =
-      RefineLevel(options,
-                  {level, labels ? *labels : LabelAll(mesh), FarViews(),
-                   origins.empty() ? mesh.vertices : origins},
-                  mesh, energy,
-                  [&](const RefinementStep& step, const TriangleMesh& stepped) {
-                    result.steps.push_back(step);
-                    result.meshes.push_back(stepped);
-                    return true;
-                  });
+  const RefinedLevel refined = RefineLevel(
+      options,
+      {level, labels ? *labels : LabelAll({{0, 1}}, mesh.facets.size()),
+       FarViews(), origins.empty() ? mesh.vertices : origins},
+      mesh, &energy,
+      [&](const RefinementStep& step, const TriangleMesh& stepped) {
+        result.steps.push_back(step);
+        result.meshes.push_back(stepped);
+        return step.iteration < last;
+      });
   result.num_shortened = refined.num_shortened_steps;
-  EXPECT_FALSE(refined.is_stopped);
+  result.num_renders = energy.num_renders;
+  result.nums_labels = energy.nums_labels;
+  EXPECT_EQ(refined.is_stopped, last < std::numeric_limits<int>::max());
   EXPECT_EQ(refined.mesh.vertices, result.Result().vertices);
   EXPECT_EQ(refined.mesh.facets, mesh.facets);
   return result;
@@ -188,13 +198,12 @@ FacetwiseRefinementOptions WithoutSmoothness() {
 // The unit sphere, or the part of it above z = -0.3, its radius changed by
 // smooth waves of so many pixels.
 TriangleMesh WavySphere(double pixels, bool is_whole = true) {
-  TriangleMesh mesh =
-      is_whole ? MakeBumpySphere(0.13f, 0) : MakeBumpyCap(0.1f, 0);
-  for (Vector3f& vertex : mesh.vertices) {
-    const double wave = (4 * vertex.array()).sin().sum() / 3;
-    vertex *= static_cast<float>(1 + pixels * kFootprint * wave);
-  }
-  return mesh;
+  return Moved(is_whole ? MakeBumpySphere(0.13f, 0) : MakeBumpyCap(0.1f, 0),
+               [&](const Vector3f& vertex) -> Vector3f {
+                 const double wave = (4 * vertex.array()).sin().sum() / 3;
+                 return static_cast<float>(1 + pixels * kFootprint * wave) *
+                        vertex;
+               });
 }
 
 // From the vertices to a surface, px, root mean square.
@@ -230,15 +239,18 @@ double Rubble(const Vector3d& point, int seed = 0) {
          synthetic::ValueNoise((place / (3 * kFootprint)).cast<float>(), 1);
 }
 
+double Relief(const Vector3d& point) {
+  return 2 * kFootprint * std::sin(point.x() / (3 * kFootprint)) *
+         std::sin(point.y() / (3 * kFootprint));
+}
+
 // Of edges of two pixels.
 template <typename Height>
 TriangleMesh SheetOf(const Height& height) {
-  TriangleMesh mesh = MakeSheet(30, 30);
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex = 2 * kFootprint * (vertex - Vector3f(15, 15, 0));
-    vertex.z() = static_cast<float>(height(vertex.cast<double>()));
-  }
-  return mesh;
+  return Moved(MakeSheet(30, 30), [&](const Vector3f& corner) -> Vector3f {
+    const Vector3f at = 2 * kFootprint * (corner - Vector3f(15, 15, 0));
+    return {at.x(), at.y(), static_cast<float>(height(at.cast<double>()))};
+  });
 }
 
 TriangleMesh FlatSheet() {
@@ -255,18 +267,13 @@ TEST(RefineLevel, FindsTheSurfaceThatItIsPulledTo) {
   FacetwiseRefinementOptions options = WithoutSmoothness();
   options.iterations = 30;
   for (const int level : {0, 1}) {
-    PullingEnergy energy(Sphere());
-    EXPECT_LT(SphereError(Refine(options, level, mesh, &energy).Result()), 0.1);
+    EXPECT_LT(SphereError(Refine(options, level, mesh, {}).Result()), 0.1);
+    const Refined smooth = Refine({}, level, mesh, {});
+    EXPECT_LT(SphereError(smooth.Result()), 0.15) << level;
+    EXPECT_EQ(smooth.num_shortened, 0);
   }
   options.solver = RefinementSolver::kDescent;
-  PullingEnergy energy(Sphere());
-  EXPECT_LT(SphereError(Refine(options, 0, mesh, &energy).Result()), 0.1);
-  for (const int level : {0, 1}) {  // smoothly, too
-    PullingEnergy pulling(Sphere());
-    const Refined refined = Refine({}, level, mesh, &pulling);
-    EXPECT_LT(SphereError(refined.Result()), 0.15) << level;
-    EXPECT_EQ(refined.num_shortened, 0);
-  }
+  EXPECT_LT(SphereError(Refine(options, 0, mesh, {}).Result()), 0.1);
 }
 
 // At level 0 the weight of the smoothness changes from step to step.
@@ -277,10 +284,9 @@ TEST(RefineLevel, LowersTheEnergyWithEachStep) {
     for (const double curvature_factor : {1.0, 0.1, 10.0}) {
       FacetwiseRefinementOptions options;
       options.solver = solver;
-      PullingEnergy energy(Sphere());
-      energy.curvature_factor = curvature_factor;
       const std::vector<RefinementStep> steps =
-          Refine(options, 1, mesh, &energy).steps;
+          Refine(options, 1, mesh, {.curvature_factor = curvature_factor})
+              .steps;
       ASSERT_GT(steps.size(), 2);
       EXPECT_LE(steps.size(), 1 + options.iterations);
       for (size_t i = 1; i < steps.size(); ++i) {
@@ -301,9 +307,8 @@ TEST(RefineLevel, TakesAllLabelsInTheLastIterations) {
   for (const int pairs_per_facet : {1, 2, 3}) {
     FacetwiseRefinementOptions options;
     options.labeling.pairs_per_facet = pairs_per_facet;
-    PullingEnergy energy(Sphere());
-    const Refined refined = Refine(options, 0, mesh, &energy, labels);
-    const std::vector<size_t>& nums = energy.nums_labels;
+    const Refined refined = Refine(options, 0, mesh, {}, labels);
+    const std::vector<size_t>& nums = refined.nums_labels;
     EXPECT_TRUE(std::ranges::is_sorted(nums));
     EXPECT_EQ(nums.front(), pairs_per_facet * mesh.facets.size());
     EXPECT_EQ(nums.back(), labels.labels.values.size());
@@ -318,9 +323,8 @@ TEST(RefineLevel, TakesAllLabelsInTheLastIterations) {
 TEST(RefineLevel, StaysWhereNoStepLowersTheEnergy) {
   const TriangleMesh mesh = WavySphere(1);
   for (const int level : {0, 1}) {
-    PullingEnergy energy(Sphere());
-    energy.slope_factor = -1;
-    const Refined refined = Refine(WithoutSmoothness(), level, mesh, &energy);
+    const Refined refined =
+        Refine(WithoutSmoothness(), level, mesh, {.slope_factor = -1});
     EXPECT_EQ(refined.steps.size(), 1);
     EXPECT_EQ(refined.Result().vertices, mesh.vertices);
   }
@@ -328,15 +332,12 @@ TEST(RefineLevel, StaysWhereNoStepLowersTheEnergy) {
 
 TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
   const TriangleMesh mesh = MakeBumpyCap(0.1f);
+  const Pull none{.stiffness = 0, .num_pixels = 0};
+  const FacetLabels no_labels =
+      LabelWhere(mesh, [](const Vector3f&) { return false; });
   for (const int level : {0, 1}) {
-    PullingEnergy energy(Sphere());
-    energy.stiffness = 0;
-    energy.num_pixels = 0;
-    EXPECT_EQ(Refine({}, level, mesh, &energy).Result().vertices,
-              mesh.vertices);
-    const FacetLabels none =
-        LabelWhere(mesh, [](const Vector3f&) { return false; });
-    EXPECT_EQ(Refine({}, level, mesh, &energy, none).Result().vertices,
+    EXPECT_EQ(Refine({}, level, mesh, none).Result().vertices, mesh.vertices);
+    EXPECT_EQ(Refine({}, level, mesh, none, no_labels).Result().vertices,
               mesh.vertices);
   }
 }
@@ -345,10 +346,9 @@ TEST(RefineLevel, LeavesWhatNothingIsKnownOfAsItIs) {
 // finest level, and relief that is not known yet before.
 TEST(RefineLevel, SmoothsWhatIsSeenAtTheFinestLevelAlone) {
   const TriangleMesh mesh = RubbleSheet();
-  PullingEnergy energy(Sphere());
-  energy.stiffness = 0;
-  EXPECT_EQ(Refine({}, 1, mesh, &energy).Result().vertices, mesh.vertices);
-  EXPECT_LT(Roughness(Refine({}, 0, mesh, &energy).Result()),
+  const Pull none{.stiffness = 0};
+  EXPECT_EQ(Refine({}, 1, mesh, none).Result().vertices, mesh.vertices);
+  EXPECT_LT(Roughness(Refine({}, 0, mesh, none).Result()),
             0.2 * Roughness(mesh));
 }
 
@@ -357,11 +357,9 @@ TEST(RefineLevel, KeepsNoReliefThatTheImagesDoNotConfirm) {
   const TriangleMesh mesh = SheetOf([](const Vector3d& point) {
     return kFootprint * std::sin(point.x() / (5 * kFootprint));
   });
-  PullingEnergy energy(Sphere());
-  energy.stiffness = 0;
   FacetwiseRefinementOptions options;
   options.iterations = 15;  // relief fades step by step
-  EXPECT_LT(Roughness(Refine(options, 0, mesh, &energy).Result()),
+  EXPECT_LT(Roughness(Refine(options, 0, mesh, {.stiffness = 0}).Result()),
             0.2 * Roughness(mesh));
 }
 
@@ -374,9 +372,8 @@ TEST(RefineLevel, MovesEachVertexByItselfInDescent) {
     FacetwiseRefinementOptions options;
     options.solver = solver;
     options.iterations = 1;
-    PullingEnergy energy(Sphere(1));
     const TriangleMesh refined =
-        Refine(options, 1, mesh, &energy, labels).Result();
+        Refine(options, 1, mesh, {.surface = Sphere(1)}, labels).Result();
     int num_moved = 0;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       const bool is_moved = refined.vertices[i] != mesh.vertices[i];
@@ -395,9 +392,8 @@ TEST(RefineLevel, LetsWhatIsNotSeenFollow) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
   const FacetLabels labels = LabelUpperHalf(mesh);
   for (const int level : {0, 1}) {
-    PullingEnergy energy(Sphere(1));
     const TriangleMesh refined =
-        Refine({}, level, mesh, &energy, labels).Result();
+        Refine({}, level, mesh, {.surface = Sphere(1)}, labels).Result();
     int num_near = 0;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       const double motion =
@@ -416,8 +412,7 @@ TEST(RefineLevel, DoesNotPullTheBorderInwards) {
   const TriangleMesh mesh = WavySphere(1, /*is_whole=*/false);
   const VertexRings rings = MakeVertexRings(mesh);
   for (const int level : {0, 1}) {
-    PullingEnergy energy(Sphere());
-    const TriangleMesh refined = Refine({}, level, mesh, &energy).Result();
+    const TriangleMesh refined = Refine({}, level, mesh, {}).Result();
     int num_border = 0;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       if (rings.is_border[i] != 0) {
@@ -440,10 +435,10 @@ TEST(RefineLevel, ShortensStepsThatWouldTurnFacetsOver) {
     vertex.x() *= 2 * kFootprint;
     vertex.y() *= kSpacing;
   }
-  PullingEnergy energy(HeightField([](const Vector3d& point) {
+  const Surface waves = HeightField([](const Vector3d& point) {
     return 5 * kFootprint * std::cos(point.y() / kSpacing * std::numbers::pi);
-  }));
-  const Refined refined = Refine(WithoutSmoothness(), 0, mesh, &energy);
+  });
+  const Refined refined = Refine(WithoutSmoothness(), 0, mesh, {waves});
   EXPECT_GT(refined.num_shortened, 0);
   ASSERT_GT(refined.meshes.size(), 1);
   for (size_t step = 1; step < refined.meshes.size(); ++step) {
@@ -457,14 +452,13 @@ TEST(RefineLevel, ShortensStepsThatWouldTurnFacetsOver) {
 
 TEST(RefineLevel, MovesByAPixelAndAPartOfTheEdgesAtMost) {
   for (const double pixels : {5.0, 40.0}) {
-    PullingEnergy energy(Sphere(pixels));
     // Edges of more than a pixel, and of less.
     const float cell_size = pixels < 10 ? 0.2f : 0.05f;
     const TriangleMesh mesh = MakeBumpySphere(cell_size, 0);
     const VertexRings rings = MakeVertexRings(mesh);
     FacetwiseRefinementOptions options = WithoutSmoothness();
     options.iterations = 4;
-    const Refined refined = Refine(options, 1, mesh, &energy);
+    const Refined refined = Refine(options, 1, mesh, {Sphere(pixels)});
     ASSERT_GT(refined.meshes.size(), 2);
     double largest = 0;
     for (size_t step = 1; step < refined.meshes.size(); ++step) {
@@ -494,26 +488,18 @@ TEST(RefineLevel, MovesByAPixelAndAPartOfTheEdgesAtMost) {
 TEST(RefineLevel, DrawsTheMeshAgainWhenItHasMoved) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f, 0);
   for (const double pixels : {0.001, 3.0}) {
-    PullingEnergy energy(Sphere(pixels));
-    EXPECT_GT(Refine(WithoutSmoothness(), 0, mesh, &energy).steps.size(), 1);
-    EXPECT_EQ(energy.num_renders > 1, pixels > 1);
+    const Refined refined =
+        Refine(WithoutSmoothness(), 0, mesh, {Sphere(pixels)});
+    EXPECT_GT(refined.steps.size(), 1);
+    EXPECT_EQ(refined.num_renders > 1, pixels > 1);
   }
 }
 
 TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
   const TriangleMesh mesh = WavySphere(2);
   for (const int last : {0, 2}) {
-    PullingEnergy energy(Sphere());
-    std::vector<RefinementStep> steps;
-    FacetwiseRefinementOptions options;
-    options.min_zncc = -1;
-    const RefinedLevel refined = RefineLevel(
-        options, {1, LabelAll(mesh), FarViews(), mesh.vertices}, mesh, &energy,
-        [&](const RefinementStep& step, const TriangleMesh&) {
-          steps.push_back(step);
-          return step.iteration < last;
-        });
-    EXPECT_TRUE(refined.is_stopped);
+    const Refined refined = Refine({}, 1, mesh, {}, {}, {}, last);
+    const std::vector<RefinementStep>& steps = refined.steps;
     ASSERT_EQ(steps.size(), last + 1);
     for (int i = 0; i <= last; ++i) {
       EXPECT_EQ(steps[i].iteration, i);
@@ -522,37 +508,15 @@ TEST(RefineLevel, TellsOfEachStepAndStopsWhenTold) {
       EXPECT_EQ(steps[i].num_facets, mesh.facets.size());
       EXPECT_EQ(steps[i].mean_step > 0, i > 0);
     }
-    EXPECT_EQ(refined.mesh.vertices == mesh.vertices, last == 0);
+    EXPECT_EQ(refined.Result().vertices == mesh.vertices, last == 0);
   }
 }
 
 // All windows alike: their correlation is the mean.
 TEST(RefineLevel, TellsTheMeanCorrelation) {
-  class AlikeEnergy : public PullingEnergy {
-   public:
-    AlikeEnergy(double zncc, double saturation)
-        : PullingEnergy(Sphere()), zncc_(zncc), saturation_(saturation) {}
-
-    PhotometricTerms Evaluate(const TriangleMesh& mesh,
-                              const FacetLabels& labels) override {
-      PhotometricTerms terms = PullingEnergy::Evaluate(mesh, labels);
-      double weight = 0;
-      for (const FacetTerms& facet : terms.facets) {
-        weight += facet.weight;
-      }
-      terms.energy = weight * saturation_ * std::log(1 - zncc_ / saturation_);
-      return terms;
-    }
-
-   private:
-    double zncc_;
-    double saturation_;
-  };
   const TriangleMesh mesh = MakeBumpySphere(0.3f, 0);
-  const FacetwiseRefinementOptions options;
   for (const double zncc : {-0.5, 0.0, 0.8, 1.0}) {
-    AlikeEnergy energy(zncc, 1 + options.photometric.residual_floor);
-    EXPECT_NEAR(Refine(options, 0, mesh, &energy).steps[0].mean_zncc, zncc,
+    EXPECT_NEAR(Refine({}, 0, mesh, {.zncc = zncc}).steps[0].mean_zncc, zncc,
                 1e-6);
   }
 }
@@ -565,20 +529,15 @@ TEST(RefineLevel, IsTheSmootherTheMoreItIsToBe) {
   for (const double weight : {0.001, 0.01, 0.1, 0.2, 1.0}) {
     FacetwiseRefinementOptions options;
     options.smoothness_weight = weight;
-    PullingEnergy energy(
-        HeightField([](const Vector3d& point) { return Rubble(point); }));
-    energy.stiffness = 100;
-    roughness.push_back(Roughness(
-        Refine(options, 0, mesh, &energy, {}, flat.vertices).Result()));
+    const Refined refined = Refine(
+        options, 0, mesh,
+        {HeightField([](const Vector3d& point) { return Rubble(point); }), 100},
+        {}, flat.vertices);
+    roughness.push_back(Roughness(refined.Result()));
   }
   EXPECT_GT(roughness.front(), Roughness(mesh));
   EXPECT_TRUE(std::is_sorted(roughness.rbegin(), roughness.rend()));
   EXPECT_LT(roughness.back(), 0.1 * Roughness(mesh));
-}
-
-double Relief(const Vector3d& point) {
-  return 2 * kFootprint * std::sin(point.x() / (3 * kFootprint)) *
-         std::sin(point.y() / (3 * kFootprint));
 }
 
 double ReliefError(const TriangleMesh& mesh) {
@@ -587,23 +546,20 @@ double ReliefError(const TriangleMesh& mesh) {
 
 // Relief that the images are sure of is no noise.
 TEST(RefineLevel, KeepsReliefThatTheImagesShow) {
-  const TriangleMesh flat = FlatSheet();
-  PullingEnergy energy(HeightField(Relief));
-  energy.stiffness = 100;
-  EXPECT_LT(ReliefError(Refine({}, 0, RubbleSheet(), &energy).Result()),
-            0.3 * ReliefError(flat));
+  const Pull pull{HeightField(Relief), 100};
+  EXPECT_LT(ReliefError(Refine({}, 0, RubbleSheet(), pull).Result()),
+            0.3 * ReliefError(FlatSheet()));
 }
 
 // The images pull to the relief and noise.
 TEST(RefineLevel, KeepsReliefOfTheMeshThatTheImagesConfirm) {
   const TriangleMesh mesh = SheetOf(Relief);
+  const Pull pull{HeightField([](const Vector3d& point) {
+                    return Relief(point) + 2 * Rubble(point);
+                  }),
+                  1};
   const auto error = [&](const TriangleMesh& given) {
-    PullingEnergy energy(HeightField([](const Vector3d& point) {
-      return Relief(point) + 2 * Rubble(point);
-    }));
-    energy.stiffness = 1;
-    return ReliefError(
-        Refine({}, 0, mesh, &energy, {}, given.vertices).Result());
+    return ReliefError(Refine({}, 0, mesh, pull, {}, given.vertices).Result());
   };
   const double of_none = error(FlatSheet());
   EXPECT_LT(error(mesh), 0.75 * of_none);
@@ -618,19 +574,18 @@ TEST(RefineLevel, KeepsReliefOfTheMeshThatTheImagesConfirm) {
 TEST(RefineLevel, RaisesNoTentsWhereLittleIsSeen) {
   const TriangleMesh mesh = Scaled(FlatSheet(), 20);
   const VertexRings rings = MakeVertexRings(mesh);
+  const auto height = [](const Vector3d& point) {
+    return 12 * Rubble(point / 20);
+  };
   for (const int level : {0, 1}) {
-    PullingEnergy energy(HeightField(
-        [](const Vector3d& point) { return 12 * Rubble(point / 20); }));
-    energy.num_pixels = 1;
-    energy.stiffness = 0.001;
-    const TriangleMesh refined = Refine({}, level, mesh, &energy).Result();
+    const TriangleMesh refined =
+        Refine({}, level, mesh, {HeightField(height), 0.001, 1}).Result();
     double sum = 0;
     double sum_pulled = 0;
     for (size_t i = 0; i < mesh.vertices.size(); ++i) {
       if (rings.is_border[i] == 0) {
         sum += std::pow(refined.vertices[i].z(), 2);
-        sum_pulled +=
-            std::pow(12 * Rubble(mesh.vertices[i].cast<double>() / 20), 2);
+        sum_pulled += std::pow(height(mesh.vertices[i].cast<double>()), 2);
       }
     }
     EXPECT_LT(sum, 0.3 * sum_pulled);
@@ -640,10 +595,10 @@ TEST(RefineLevel, RaisesNoTentsWhereLittleIsSeen) {
 // A plastered wall beside a carved one.
 TEST(RefineLevel, KeepsNoNoiseForTheSakeOfReliefElsewhere) {
   const TriangleMesh mesh = RubbleSheet(1);
-  PullingEnergy energy(HeightField([](const Vector3d& point) {
-    return (point.x() < 0 ? Rubble(point) : Relief(point));
-  }));
-  const TriangleMesh refined = Refine({}, 0, mesh, &energy).Result();
+  const Surface walls = HeightField([](const Vector3d& point) {
+    return point.x() < 0 ? Rubble(point) : Relief(point);
+  });
+  const TriangleMesh refined = Refine({}, 0, mesh, {walls}).Result();
   constexpr float kMaxX = -10 * kFootprint;
   EXPECT_LT(Roughness(refined, kMaxX), 0.05 * Roughness(mesh, kMaxX));
 }

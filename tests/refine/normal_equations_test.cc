@@ -27,44 +27,46 @@ PhotometricTerms RandomTerms(size_t num_facets, Random* random) {
       return static_cast<float>(2 * random->Unit() - 1);
     };
     facet.slopes = {uniform(), uniform(), uniform()};
-    Eigen::Matrix3f root;
-    root << uniform(), uniform(), uniform(), uniform(), uniform(), uniform(),
-        uniform(), uniform(), uniform();
+    const Eigen::Matrix3f root = Eigen::Matrix3f::NullaryExpr(uniform);
     const Eigen::Matrix3f m = root * root.transpose();
     facet.curvatures = {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)};
   }
   return terms;
 }
 
+VectorXd AsVector(const std::vector<double>& values) {
+  return Eigen::Map<const VectorXd>(values.data(),
+                                    static_cast<Eigen::Index>(values.size()));
+}
+
 struct NormalEquationsTest : testing::Test {
   // Of as many vertices as to be solved without sparseness.
   NormalEquationsTest() : NormalEquationsTest(MakeBumpyCap(0.25f)) {}
 
-  explicit NormalEquationsTest(TriangleMesh mesh)
-      : mesh_(std::move(mesh)),
-        rings_(MakeVertexRings(mesh_)),
-        normals_(VertexNormals(mesh_, rings_)),
-        terms_(RandomTerms(mesh_.facets.size(), &random_)) {
+  explicit NormalEquationsTest(TriangleMesh mesh) {
+    mesh_ = std::move(mesh);
+    rings_ = MakeVertexRings(mesh_);
+    terms_ = RandomTerms(mesh_.facets.size(), &random_);
     SetWeight(0.1);
   }
 
+  // Of the mesh as it is.
   void SetWeight(double weight) {
     const size_t size = mesh_.vertices.size();
-    plate_ = MakeThinPlate(
-        {mesh_.vertices, normals_, rings_, std::vector<float>(size, 0.05f),
-         std::vector<float>(size, 10)},
-        std::vector<double>(size, weight), std::vector<double>(size, 0.003));
+    normals_ = VertexNormals(mesh_, rings_);
+    domain_.footprints.assign(size, 0.05f);
+    domain_.num_pixels.assign(size, 10);
+    plate_ = PlateOf({weight, std::vector<double>(size, weight),
+                      std::vector<double>(size, 0.003)},
+                     domain_, surface_);
   }
 
   double NumDetermined(double tolerance, int max_iterations) const {
-    const std::vector<double> determined =
-        Equations().Determined({tolerance, max_iterations}).values;
-    return std::accumulate(determined.begin(), determined.end(), 0.0);
+    return AsVector(Equations().Determined({tolerance, max_iterations}).values)
+        .sum();
   }
 
-  NormalEquations Equations() const {
-    return {mesh_, normals_, rings_, terms_, plate_};
-  }
+  NormalEquations Equations() const { return {surface_, domain_, plate_}; }
 
   Eigen::Index Size() const {
     return static_cast<Eigen::Index>(mesh_.vertices.size());
@@ -88,9 +90,8 @@ struct NormalEquationsTest : testing::Test {
 
   MatrixXd Smoothness() const {
     const MatrixXd bending = Bending();
-    const Eigen::Map<const VectorXd> coefficients(plate_.coefficients.data(),
-                                                  Size());
-    return bending.transpose() * coefficients.asDiagonal() * bending;
+    return bending.transpose() * AsVector(plate_.coefficients).asDiagonal() *
+           bending;
   }
 
   // How far the corners move along their facet's normal as each one's vertex
@@ -130,23 +131,18 @@ struct NormalEquationsTest : testing::Test {
         gradient[mesh_.facets[i][k]] += moves[k] * terms_.facets[i].slopes[k];
       }
     }
-    const VectorXd bent =
-        Eigen::Map<const VectorXd>(plate_.coefficients.data(), Size())
-            .cwiseProduct(
-                Eigen::Map<const VectorXd>(plate_.residuals.data(), Size()));
-    return gradient + Bending().transpose() * bent;
-  }
-
-  static VectorXd AsVector(const std::vector<double>& values) {
-    return Eigen::Map<const VectorXd>(values.data(),
-                                      static_cast<Eigen::Index>(values.size()));
+    return gradient + Bending().transpose() *
+                          AsVector(plate_.coefficients)
+                              .cwiseProduct(AsVector(plate_.residuals));
   }
 
   Random random_{1};
-  TriangleMesh mesh_;
-  VertexRings rings_;
-  std::vector<Eigen::Vector3f> normals_;
-  PhotometricTerms terms_;
+  EvaluatedSurface surface_;
+  SmoothnessDomain domain_;
+  TriangleMesh& mesh_ = surface_.mesh;
+  VertexRings& rings_ = domain_.rings;
+  std::vector<Eigen::Vector3f>& normals_ = surface_.normals;
+  PhotometricTerms& terms_ = surface_.terms;
   ThinPlate plate_;
 };
 
@@ -217,7 +213,6 @@ TEST_F(NormalEquationsTest, AreSolvedAsWithoutSparseness) {
 TEST_F(NormalEquationsTest, LeaveWhatNothingSpeaksOfWhereItIs) {
   mesh_.vertices.emplace_back(5, 5, 5);
   rings_ = MakeVertexRings(mesh_);
-  normals_ = VertexNormals(mesh_, rings_);
   SetWeight(0);
   // Terms on the first facets only.
   std::vector<bool> is_named(mesh_.vertices.size(), false);

@@ -14,18 +14,20 @@
 
 namespace colmap_ext::refined_confidences_test {
 
+// Of windows of weight 1.
+float EnergyOf(double correlation) {
+  const double saturation = 1 + PhotometricOptions().residual_floor;
+  return static_cast<float>(saturation *
+                            std::log(1 - correlation / saturation));
+}
+
 // Terms of weight 1 whose correlation is that of a function of the facet's
 // first corner.
 template <typename Zncc>
 PhotometricTerms TermsOf(const TriangleMesh& mesh, const Zncc& zncc) {
-  const double saturation = 1 + PhotometricOptions().residual_floor;
   PhotometricTerms terms;
   for (const Facet& facet : mesh.facets) {
-    const double correlation = zncc(mesh.vertices[facet[0]]);
-    terms.facets.push_back(
-        {static_cast<float>(saturation *
-                            std::log(1 - correlation / saturation)),
-         1});
+    terms.facets.push_back({EnergyOf(zncc(mesh.vertices[facet[0]])), 1});
   }
   return terms;
 }
@@ -56,21 +58,20 @@ TEST(ConfirmedFacets, DependOnTheSurroundings) {
   PhotometricTerms terms =
       TermsOf(mesh, [](const Eigen::Vector3f& /*at*/) { return 0.9; });
   terms.facets[7].energy = 0;
-  const std::vector<uint8_t> is_confirmed = Confirmed(mesh, terms);
-  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
+  EXPECT_EQ(Confirmed(mesh, terms),
+            std::vector<uint8_t>(mesh.facets.size(), 1));
 }
 
 TEST(ConfirmedFacets, AreAllWhereNothingIsComparedOrAsked) {
   const TriangleMesh mesh = MakeBumpySphere(0.1F);
   PhotometricTerms terms =
       TermsOf(mesh, [](const Eigen::Vector3f& /*at*/) { return -0.5; });
-  std::vector<uint8_t> is_confirmed = Confirmed(mesh, terms);
-  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 1), 0);
-  is_confirmed = Confirmed(mesh, terms, -1);
-  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
+  const std::vector<uint8_t> none(mesh.facets.size(), 0);
+  const std::vector<uint8_t> all(mesh.facets.size(), 1);
+  EXPECT_EQ(Confirmed(mesh, terms), none);
+  EXPECT_EQ(Confirmed(mesh, terms, -1), all);
   terms.facets.assign(mesh.facets.size(), {});
-  is_confirmed = Confirmed(mesh, terms);
-  EXPECT_EQ(std::count(is_confirmed.begin(), is_confirmed.end(), 0), 0);
+  EXPECT_EQ(Confirmed(mesh, terms), all);
 }
 
 // A sheet of 20 x 20 unit quads in z = 0 that two views look down on from
@@ -78,19 +79,11 @@ TEST(ConfirmedFacets, AreAllWhereNothingIsComparedOrAsked) {
 class PointConfidencesTest : public testing::Test {
  protected:
   PointConfidencesTest() : mesh_(MakeSheet(kSide, kSide)) {
-    for (uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
-      mesh_.vertices[i] = {static_cast<float>(i % (kSide + 1)),
-                           static_cast<float>(i / (kSide + 1)), 0};
+    for (size_t i = 0; i < mesh_.vertices.size(); ++i) {
       vertex_views_.AddRow(std::vector<uint32_t>{0, 1});
     }
-    const Facet& facet = mesh_.facets[0];
-    const float z =
-        (mesh_.vertices[facet[1]] - mesh_.vertices[facet[0]])
-            .cross(mesh_.vertices[facet[2]] - mesh_.vertices[facet[0]])
-            .z();
-    up_ = z > 0 ? 1 : -1;
     for (const double x : {8.0, 12.0}) {
-      views_.push_back(LookAtView({x, 10, 30.0 * up_}, {10, 10, 0},
+      views_.push_back(LookAtView({x, 10, 30}, {10, 10, 0},
                                   Eigen::Vector3d::UnitY(), 1000, 1000, 800));
     }
     AddPoints(0, 10, 0);
@@ -115,7 +108,6 @@ class PointConfidencesTest : public testing::Test {
   PointCloud points_;
   std::vector<View> views_;
   Random random_{1};
-  double up_ = 1;
 };
 
 TEST_F(PointConfidencesTest, IsHighWherePointsAreAndZeroWhereNoneAre) {
@@ -128,6 +120,8 @@ TEST_F(PointConfidencesTest, IsHighWherePointsAreAndZeroWhereNoneAre) {
     }
     EXPECT_LE(confidences[i], 1);
   }
+  points_ = {};
+  EXPECT_EQ(Confidences(), std::vector<float>(confidences.size(), 0));
 }
 
 // A pixel is 1/27 wide there.
@@ -143,13 +137,6 @@ TEST_F(PointConfidencesTest, PointsOfTheOtherSideDoNotCount) {
   for (Facet& facet : mesh_.facets) {
     std::swap(facet[1], facet[2]);
   }
-  for (const float confidence : Confidences()) {
-    EXPECT_EQ(confidence, 0);
-  }
-}
-
-TEST_F(PointConfidencesTest, IsZeroWithoutPoints) {
-  points_ = {};
   EXPECT_EQ(Confidences(), std::vector<float>(mesh_.vertices.size(), 0));
 }
 
@@ -160,12 +147,10 @@ TEST_F(PointConfidencesTest, IsTheSameAtAnyNumberOfThreads) {
 // What windows of the same correlation and texture give on each facet.
 PhotometricTerms MakeTerms(const TriangleMesh& mesh, double correlation,
                            float texture, float num_pixels = 10) {
-  const double saturation = 1 + PhotometricOptions().residual_floor;
   const float weight = texture * num_pixels;
-  const auto energy = static_cast<float>(
-      weight * saturation * std::log(1 - correlation / saturation));
-  return {0, std::vector<FacetTerms>(mesh.facets.size(),
-                                     {energy, weight, num_pixels})};
+  return {0, std::vector<FacetTerms>(
+                 mesh.facets.size(),
+                 {weight * EnergyOf(correlation), weight, num_pixels})};
 }
 
 const TriangleMesh kMesh = MakeTorus();
@@ -196,12 +181,9 @@ TEST(RefinedConfidences, StaysWhereOnlyPointsConfirm) {
   ExpectAll(Confidences(MakeTerms(kMesh, -0.5, 1), {}), 0);
 }
 
-TEST(RefinedConfidences, IsTheInputsWhereThereIsNoTexture) {
+TEST(RefinedConfidences, IsTheInputsWhereThereIsNoTextureOrNothingIsSeen) {
   ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 0), kHalf), 0.5);
   ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 0.25), kHalf), 0.6);
-}
-
-TEST(RefinedConfidences, IsTheInputsWhereNothingIsSeen) {
   ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 1, 0), kHalf), 0.5);
   ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 1, 0), {}), 0);
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
-#include <numeric>
 #include <random>
 #include <span>
 #include <string>
@@ -13,6 +12,7 @@
 #include "labeling/facet_labels.h"
 #include "photometry/image_pyramid.h"
 #include "raster/facet_frames.h"
+#include "tests/random.h"
 #include "tests/raster/room.h"
 #include "tests/synthetic/dense_scene.h"
 
@@ -74,9 +74,8 @@ struct RefinementScene {
       labels.pairs.push_back({i, i + 1});
     }
     const std::vector<FacetFrame> frames = ComputeFacetFrames(Truth());
-    std::vector<uint32_t> order(labels.pairs.size());
     for (size_t facet = 0; facet < frames.size(); ++facet) {
-      std::iota(order.begin(), order.end(), 0);
+      std::vector<uint32_t> order = Iota(labels.pairs.size());
       std::ranges::stable_sort(order, std::greater(), [&](uint32_t pair) {
         return Cosine(frames[facet], labels.pairs[pair], Views());
       });
@@ -124,16 +123,24 @@ inline RefinementScene MakeRoomScene(int scale) {
   return scene;
 }
 
+// Ascending.
+inline std::vector<ViewPair> AllPairs(size_t num_views) {
+  std::vector<ViewPair> pairs;
+  for (uint32_t a = 0; a < num_views; ++a) {
+    for (uint32_t b = a + 1; b < num_views; ++b) {
+      pairs.push_back({a, b});
+    }
+  }
+  return pairs;
+}
+
 // Each facet by all of the pairs, where a predicate says so of its index.
 template <typename Predicate>
 FacetLabels LabelWhere(const std::vector<ViewPair>& pairs, size_t num_facets,
                        const Predicate& is_labeled) {
   FacetLabels labels{pairs, {}, {}};
   for (size_t facet = 0; facet < num_facets; ++facet) {
-    for (uint32_t pair = 0; pair < pairs.size() && is_labeled(facet); ++pair) {
-      labels.labels.values.push_back(pair);
-    }
-    labels.labels.EndRow();
+    labels.labels.AddRow(Iota(is_labeled(facet) ? pairs.size() : 0));
   }
   return labels;
 }

@@ -53,14 +53,13 @@ struct PlateScene {
 // Leaning in space.
 TriangleMesh UnevenPlane() {
   Random random(2);
-  TriangleMesh mesh = MakeJitteredSquare(20, &random);
   const Eigen::Matrix3f rotation =
       Eigen::AngleAxisf(1, Vector3f(1, 2, 3).normalized()).toRotationMatrix();
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex.x() = std::pow(vertex.x(), 1.7f);
-    vertex = rotation * vertex + Vector3f(0.5f, 0, 1);
-  }
-  return mesh;
+  return Moved(MakeJitteredSquare(20, &random),
+               [&](const Vector3f& p) -> Vector3f {
+                 const Vector3f uneven(std::pow(p.x(), 1.7f), p.y(), p.z());
+                 return rotation * uneven + Vector3f(0.5f, 0, 1);
+               });
 }
 
 TEST(ThinPlate, IsFlatOnAPlaneHoweverItIsCut) {
@@ -75,10 +74,9 @@ TEST(ThinPlate, IsFlatOnAPlaneHoweverItIsCut) {
 
 // As where no image sees the surface.
 TEST(ThinPlate, HasNoEnergyWithoutFootprints) {
-  TriangleMesh mesh = MakeCube();
-  mesh.vertices.assign(mesh.vertices.size(), Vector3f(1, 2, 3));
-  PlateScene scene(mesh);
-  scene.footprints.assign(mesh.vertices.size(), 0);
+  PlateScene scene(
+      Moved(MakeCube(), [](const Vector3f&) { return Vector3f(1, 2, 3); }));
+  std::ranges::fill(scene.footprints, 0);
   const ThinPlate plate = scene.Plate(1);
   EXPECT_EQ(plate.Energy(), 0);
   for (const float share : plate.shares) {
@@ -116,13 +114,12 @@ TEST(ThinPlate, MeasuresTheCurvatureOfACylinder) {
   // Of equilateral triangles, whose rings are alike in all directions.
   constexpr float kRadius = 10;
   constexpr float kEdge = 0.5f;
-  TriangleMesh mesh = MakeSheet(9, 9);
-  for (Vector3f& vertex : mesh.vertices) {
-    const float along = kEdge * (vertex.x() - 0.5f * vertex.y());
-    const float around = kEdge * std::sqrt(0.75f) * vertex.y() / kRadius;
-    vertex = {along, kRadius * std::sin(around), -kRadius * std::cos(around)};
-  }
-  PlateScene scene(mesh);
+  const PlateScene scene(Moved(MakeSheet(9, 9), [](const Vector3f& at) {
+    const float along = kEdge * (at.x() - 0.5f * at.y());
+    const float around = kEdge * std::sqrt(0.75f) * at.y() / kRadius;
+    return Vector3f(along, kRadius * std::sin(around),
+                    -kRadius * std::cos(around));
+  }));
   const ThinPlate plate = scene.Plate(1);
   for (size_t i = 0; i < plate.residuals.size(); ++i) {
     if (scene.rings.is_border[i] == 0) {
@@ -231,10 +228,9 @@ TEST(ThinPlate, IsNoStifferForEdgesMuchShorterThanAPixel) {
   for (const float cell_size : {0.06f, 0.12f}) {
     PlateScene scene(MakeBumpySphere(cell_size));
     constexpr float kFootprint = 0.5f;
-    scene.footprints.assign(scene.footprints.size(), kFootprint);
-    scene.num_pixels.assign(scene.num_pixels.size(), 0);
-    const ThinPlate plate = scene.Plate(1);
-    for (const double coefficient : plate.coefficients) {
+    std::ranges::fill(scene.footprints, kFootprint);
+    std::ranges::fill(scene.num_pixels, 0);
+    for (const double coefficient : scene.Plate(1).coefficients) {
       const double scale = 4 * kFootprint / std::pow(kFootprint / 2, 2);
       EXPECT_NEAR(coefficient, scale * scale, 1e-6 * coefficient);
     }
@@ -247,11 +243,9 @@ constexpr float kFootprint = 0.5F;
 // A sheet z = height(x, y) of kSize x kSize vertices, one scene unit apart.
 template <typename Height>
 TriangleMesh Sheet(Height height) {
-  TriangleMesh mesh = MakeSheet(kSize - 1, kSize - 1);
-  for (Vector3f& vertex : mesh.vertices) {
-    vertex.z() = height(vertex.x(), vertex.y());
-  }
-  return mesh;
+  return Moved(MakeSheet(kSize - 1, kSize - 1), [&](const Vector3f& at) {
+    return Vector3f(at.x(), at.y(), height(at.x(), at.y()));
+  });
 }
 
 std::vector<double> TrustedReliefOf(const TriangleMesh& mesh,
@@ -273,12 +267,13 @@ TEST(Relief, PointsToTheSideOfTheNeighborsAndIsNoneOnAPlane) {
   for (const double relief : ReliefOf(mesh)) {
     EXPECT_NEAR(relief, 0, 1e-6);
   }
-  const TriangleMesh bowl = Sheet(
-      [](float x, float y) { return 0.01F * (std::pow(x - 10, 2) + y * y); });
-  const TriangleMesh hill = Sheet(
-      [](float x, float y) { return -0.01F * (std::pow(x - 10, 2) + y * y); });
-  EXPECT_GT(ReliefOf(bowl)[kMiddle], 0.005);
-  EXPECT_NEAR(ReliefOf(hill)[kMiddle], -ReliefOf(bowl)[kMiddle], 1e-6);
+  const auto bowl = [](float curvature) {
+    return ReliefOf(Sheet([=](float x, float y) {
+      return curvature * (std::pow(x - 10, 2) + y * y);
+    }))[kMiddle];
+  };
+  EXPECT_GT(bowl(0.01F), 0.005);
+  EXPECT_NEAR(bowl(-0.01F), -bowl(0.01F), 1e-6);
 }
 
 TEST(TrustedRelief, IsThatOfAnEvenlyCurvedSurface) {
@@ -293,15 +288,11 @@ TEST(TrustedRelief, IsLittleOfWhatDiffersFromVertexToVertex) {
   const TriangleMesh mesh = Sheet([](float x, float y) {
     return 0.05F * std::sin(12.9898F * x + 78.233F * y * y);
   });
-  const std::vector<double> relief = ReliefOf(mesh);
-  const std::vector<double> trusted = TrustedReliefOf(mesh);
-  double sum = 0;
-  double sum_trusted = 0;
-  for (size_t i = 0; i < relief.size(); ++i) {
-    sum += relief[i] * relief[i];
-    sum_trusted += trusted[i] * trusted[i];
-  }
-  EXPECT_LT(sum_trusted, 0.3 * sum);
+  const auto squares = [](const std::vector<double>& relief) {
+    return std::inner_product(relief.begin(), relief.end(), relief.begin(),
+                              0.0);
+  };
+  EXPECT_LT(squares(TrustedReliefOf(mesh)), 0.3 * squares(ReliefOf(mesh)));
 }
 
 TEST(TrustedRelief, LeavesSpikesOut) {
@@ -317,10 +308,9 @@ TEST(TrustedRelief, LeavesSpikesOut) {
 }
 
 TEST(TrustedRelief, ScalesWithTheScene) {
-  const auto height = [](float x, float y) {
+  const TriangleMesh mesh = Sheet([](float x, float y) {
     return 0.2F * std::sin(1.7F * x) * std::cos(0.9F * y);
-  };
-  const TriangleMesh mesh = Sheet(height);
+  });
   const std::vector<double> relief = TrustedReliefOf(mesh);
   const std::vector<double> of_scaled =
       TrustedReliefOf(Scaled(mesh, 1024), 1024 * kFootprint);
@@ -342,7 +332,9 @@ TEST(TrustedRelief, IsNoneAtBorders) {
 double Waves(float x, float y) { return 0.2 * std::sin(x) * std::cos(y); }
 double Ripples(float x, float y) { return 0.1 * std::sin(2 * x + 3 * y); }
 
-std::vector<double> Values(double (*function)(float, float)) {
+// Of a sheet's vertices.
+template <typename Function>
+std::vector<double> Values(const Function& function) {
   std::vector<double> values;
   for (const Vector3f& vertex : MakeSheet(kSize - 1, kSize - 1).vertices) {
     values.push_back(function(vertex.x(), vertex.y()));
@@ -350,20 +342,20 @@ std::vector<double> Values(double (*function)(float, float)) {
   return values;
 }
 
-// Of a sheet's vertices.
+// \param importance  none: 3 everywhere
 std::vector<double> SharesOf(const std::vector<double>& relief,
-                             const std::vector<double>& surface) {
+                             const std::vector<double>& surface,
+                             std::vector<double> importance = {}) {
+  importance.resize(relief.size(), 3);
   return ReliefShares(MakeVertexRings(MakeSheet(kSize - 1, kSize - 1)),
-                      std::vector<double>(relief.size(), 3), relief, surface);
+                      importance, relief, surface);
 }
 
 TEST(ReliefShares, AreHowMuchOfItASurfaceHas) {
   const std::vector<double> waves = Values(Waves);
   for (const double share : {-0.5, 0.0, 0.3, 0.8, 1.0, 2.0}) {
-    std::vector<double> surface = Values(Ripples);
-    for (size_t i = 0; i < surface.size(); ++i) {
-      surface[i] += share * waves[i];
-    }
+    const std::vector<double> surface = Values(
+        [&](float x, float y) { return Ripples(x, y) + share * Waves(x, y); });
     const double found = SharesOf(waves, surface)[kMiddle];
     EXPECT_NEAR(found, std::clamp(share, 0.0, 1.0), 0.15) << share;
     EXPECT_GE(found, 0);
@@ -372,14 +364,9 @@ TEST(ReliefShares, AreHowMuchOfItASurfaceHas) {
 }
 
 TEST(ReliefShares, AreThoseOfEachPart) {
-  const std::vector<double> waves = Values(Waves);
-  std::vector<double> surface = waves;
-  for (size_t i = 0; i < surface.size(); ++i) {
-    if (i % kSize < kSize / 2) {
-      surface[i] = 0;
-    }
-  }
-  const std::vector<double> shares = SharesOf(waves, surface);
+  const std::vector<double> shares = SharesOf(
+      Values(Waves),
+      Values([](float x, float y) { return x < kSize / 2 ? 0 : Waves(x, y); }));
   const uint32_t row = kSize / 2 * kSize;
   EXPECT_LT(shares[row], 0.1);
   EXPECT_GT(shares[row + kSize - 1], 0.8);
@@ -393,15 +380,13 @@ TEST(ReliefShares, LeaveOutWhatHasNoImportance) {
     surface[i] = -1e6 * waves[i];
     importance[i] = 0;
   }
-  const VertexRings rings = MakeVertexRings(MakeSheet(kSize - 1, kSize - 1));
-  EXPECT_GT(ReliefShares(rings, importance, waves, surface)[kMiddle], 0.8);
+  EXPECT_GT(SharesOf(waves, surface, importance)[kMiddle], 0.8);
 }
 
 TEST(ReliefShares, AreNoneOfHardlyAnyRelief) {
-  std::vector<double> relief = Values(Waves);
-  for (size_t i = 0; i < relief.size() / 2; ++i) {
-    relief[i] *= 1e-3;
-  }
+  const std::vector<double> relief = Values([](float x, float y) {
+    return (y < kSize / 2 ? 1e-3 : 1) * Waves(x, y);
+  });
   const std::vector<double> shares = SharesOf(relief, relief);
   EXPECT_LT(shares[kSize / 2], 0.01);
   EXPECT_GT(shares[(kSize - 1) * kSize + kSize / 2], 0.8);

@@ -27,6 +27,16 @@ MovedMesh Move(const TriangleMesh& mesh, const std::vector<double>& motion) {
   return Move(mesh, VertexNormals(mesh, MakeVertexRings(mesh)), motion);
 }
 
+// [V] at random.
+std::vector<double> RandomMotion(const TriangleMesh& mesh, double low,
+                                 double high, Random* random) {
+  std::vector<double> motion;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    motion.push_back(low + (high - low) * random->Unit());
+  }
+  return motion;
+}
+
 // What every step promises.
 void ExpectSafe(const TriangleMesh& mesh, const MovedMesh& moved) {
   const auto before = FindSelfIntersections(mesh);
@@ -47,18 +57,15 @@ TriangleMesh Sheet(float height) {
 // Two sheets, the upper one to go down, the lower one up, by the given distance
 // in the middle and less towards two sides.
 std::pair<MovedMesh, TriangleMesh> PushSheets(float gap, double distance) {
-  TriangleMesh mesh = Union(Sheet(0), Sheet(gap));
-  // So that no vertices meet vertices.
-  const size_t half = mesh.vertices.size() / 2;
+  // Shifted so that no vertices meet vertices.
+  const TriangleMesh mesh =
+      Union(Sheet(0), Shifted(MakeSheet(20, 20), {0.3f, 0.2f, gap}));
   std::vector<double> motion;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const double share = 1 - 0.1 * std::abs(mesh.vertices[i].x() - 10);
-    motion.push_back((i < half ? distance : -distance) * share);
-    if (i >= half) {
-      mesh.vertices[i] += Vector3f(0.3f, 0.2f, 0);
-    }
+  for (const Vector3f& vertex : mesh.vertices) {
+    const double share = 1 - 0.1 * std::abs(vertex.x() - 10);
+    motion.push_back((vertex.z() == 0 ? distance : -distance) * share);
   }
-  std::vector<Vector3f> normals(mesh.vertices.size(), Vector3f::UnitZ());
+  const std::vector<Vector3f> normals(mesh.vertices.size(), Vector3f::UnitZ());
   return {Move(mesh, normals, motion), mesh};
 }
 
@@ -90,11 +97,11 @@ TEST(MoveSafely, StopsASpikeAtASheet) {
 
 // Pulled through its axis at one place.
 TEST(MoveSafely, PinchesNoTube) {
-  TriangleMesh mesh = MakeSheet(40, 12, false, true);
-  for (Vector3f& vertex : mesh.vertices) {
-    const float angle = vertex.x() * std::numbers::pi_v<float> / 6;
-    vertex = {std::cos(angle), std::sin(angle), 0.25f * vertex.y()};
-  }
+  const TriangleMesh mesh =
+      Moved(MakeSheet(40, 12, false, true), [](const Vector3f& at) {
+        const float angle = at.x() * std::numbers::pi_v<float> / 6;
+        return Vector3f(std::cos(angle), std::sin(angle), 0.25f * at.y());
+      });
   const std::vector<Vector3f> normals =
       VertexNormals(mesh, MakeVertexRings(mesh));
   const double inwards = normals[0].dot(mesh.vertices[0]) > 0 ? -1 : 1;
@@ -119,11 +126,7 @@ TEST(MoveSafely, IsSafeWhateverTheMotion) {
       mesh = Union(mesh, Shifted(mesh, {1.4f, 0, 0}));
     }
     num_before += FindSelfIntersections(mesh).size();
-    std::vector<double> motion;
-    for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-      motion.push_back(2 * (random.Unit() - 0.5));
-    }
-    ExpectSafe(mesh, Move(mesh, motion));
+    ExpectSafe(mesh, Move(mesh, RandomMotion(mesh, -1, 1, &random)));
   }
   EXPECT_GT(num_before, 0u);
 }
@@ -133,10 +136,7 @@ TEST(MoveSafely, LeavesSafeMotionsAsTheyAre) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f);
   const std::vector<Vector3f> normals =
       VertexNormals(mesh, MakeVertexRings(mesh));
-  std::vector<double> motion;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    motion.push_back(1e-3 * random.Unit());
-  }
+  const std::vector<double> motion = RandomMotion(mesh, 0, 1e-3, &random);
   const MovedMesh moved = Move(mesh, normals, motion);
   EXPECT_EQ(moved.motion, motion);
   for (size_t i = 0; i < motion.size(); ++i) {
@@ -151,10 +151,7 @@ TEST(MoveSafely, LeavesSafeMotionsAsTheyAre) {
 TEST(MoveSafely, IsTheSameForAnyNumberOfThreads) {
   Random random(3);
   const TriangleMesh mesh = MakeRoundTorus(0.05f);
-  std::vector<double> motion;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    motion.push_back(random.Unit() - 0.5);
-  }
+  const std::vector<double> motion = RandomMotion(mesh, -0.5, 0.5, &random);
   ExpectSameForAnyThreads([&] { return Move(mesh, motion).mesh; });
 }
 
