@@ -63,9 +63,7 @@ using DrawMesh = std::function<std::shared_ptr<const VisibilityBuffers>(
 // those that show it largest.
 using FacetVisibility = Rows<uint32_t>;
 
-// What a facet takes is then bounded, however many images there are. Tuned on:
-// bunny, sceaux and south; by: accuracy and photo consistency, the same with 24
-// and with all.
+// A choice: what a facet takes is then bounded, however many images there are.
 inline constexpr size_t kMaxViewsOfFacet = 24;
 
 // A window of radius 2 around a pixel, and the pixel beyond it that bicubic
