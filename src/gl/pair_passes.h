@@ -37,8 +37,7 @@ class FacetDrawer {
   explicit FacetDrawer(double min_cosine);
 
   // \param ranges  of the facets that are drawn, see DrawFacets(). They begin
-  // at
-  //        multiples of 32.
+  //        at multiples of 32.
   // \param vertices, facets  the arrays of `mesh`.
   // \param mask  whose pixels of 0 show nothing, see EraseMasked(); or null.
   void Draw(const View& view, const TriangleMesh& mesh,

@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/indices.h"
 #include "mesh/adjacency.h"
 #include "optim/potts_mrf.h"
 
@@ -272,9 +273,7 @@ FacetField MakeField(const CandidatePairs& candidates,
 FacetLabels AllLabels(const CandidatePairs& candidates,
                       const std::vector<ViewPair>& pairs, size_t num_facets) {
   PottsProblem problem;
-  std::vector<uint32_t> order(num_facets);
-  std::iota(order.begin(), order.end(), 0);
-  AddCandidates(candidates, order, pairs.size(), &problem);
+  AddCandidates(candidates, Iota(num_facets), pairs.size(), &problem);
   return {pairs, {std::move(problem.offsets), std::move(problem.labels)}, {}};
 }
 

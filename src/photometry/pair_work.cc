@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <deque>
 #include <iterator>
-#include <numeric>
 #include <tuple>
 #include <utility>
+
+#include "base/indices.h"
 
 namespace colmap_ext {
 namespace {
@@ -52,9 +53,7 @@ std::vector<uint32_t> OrderViews(
     const std::vector<View>& views,
     const std::vector<std::vector<TiledDirection>>& directions) {
   if (!AreTooManyToKeep(views)) {
-    std::vector<uint32_t> order(views.size());
-    std::iota(order.begin(), order.end(), 0);
-    return order;
+    return Iota(views.size());
   }
   Rows<uint32_t> partners;
   for (const std::vector<TiledDirection>& row : directions) {
@@ -156,8 +155,7 @@ std::vector<uint32_t> OrderByPartners(const Rows<uint32_t>& partners) {
     return std::tuple(num_recent == 0, 1 + partners[view].size() - num_recent,
                       view);
   };
-  std::vector<uint32_t> left(partners.size());
-  std::iota(left.begin(), left.end(), 0);
+  std::vector<uint32_t> left = Iota(partners.size());
   std::vector<uint32_t> order;
   while (!left.empty()) {
     const auto next = std::ranges::min_element(left, {}, rank);

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "base/indices.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
 #include "mesh/subdivision.h"
@@ -57,9 +57,7 @@ std::vector<uint8_t> FindLarge(double max_area, const TriangleMesh& mesh,
 // The RefinableAreas() of a mesh that was subdivided. They are computed for new
 // facets alone.
 // \param drawn_facets [F] of the buffers' mesh, that each facet is a part of
-// \param sources [F] ascending, the facet of the mesh before that each is a
-// part
-//        of
+// \param sources [F] of the mesh before, ascending: likewise
 // \param before  the areas of the mesh before
 std::vector<float> AreasOfParts(const VisibilityBuffers& buffers,
                                 const TriangleMesh& mesh,
@@ -151,8 +149,7 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
   FacetVisibility visibility = FindVisibleFacets(*buffers);
   std::vector<float> areas =
       RefinableAreas(surface->mesh, buffers->Views(), visibility);
-  std::vector<uint32_t> drawn_facets(areas.size());
-  std::iota(drawn_facets.begin(), drawn_facets.end(), 0);
+  std::vector<uint32_t> drawn_facets = Iota(areas.size());
   for (int round = 0; round < kMaxRounds; ++round) {
     const FixedVertices fixed = FixedOf(surface->fixed_sources);
     const std::vector<uint8_t> is_large =
@@ -162,13 +159,12 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
     }
     visibility = {};  // large where many images see each facet
     DerivedMesh derived = Subdivide(surface->mesh, is_large, fixed);
-    const std::vector<uint32_t> sources = std::move(derived.from.facets);
+    const std::vector<uint32_t> sources = derived.from.facets;
+    for (uint32_t& facet : derived.from.facets) {
+      facet = drawn_facets[facet];
+    }
+    drawn_facets = std::move(derived.from.facets);
     surface->Become(std::move(derived));
-    std::vector<uint32_t> drawn_facets_of_sources(sources.size());
-    std::ranges::transform(
-        sources, drawn_facets_of_sources.begin(),
-        [&](uint32_t source) { return drawn_facets[source]; });
-    drawn_facets = std::move(drawn_facets_of_sources);
     areas = AreasOfParts(*buffers, surface->mesh, drawn_facets, sources, areas);
   }
   if (visibility.size() > 0) {

@@ -22,10 +22,10 @@ std::vector<float> RefinableAreas(const TriangleMesh& mesh,
 // see a facet, as two views are needed to refine it; facets that fewer than two
 // views see are left as they are.
 // \param max_area  px^2, of the drawn views.
-// \param draw  draws the mesh into the views; called again for each new mesh.
+// \param draw  draws the mesh into the views; called for the first mesh and, if
+//        it is subdivided, for the last.
 // \param surface  Edges between fixed vertices are not cut, and facets there
-// are
-//        left as they are.
+//        are left as they are.
 // \return which views see the facets of the mesh that is left.
 FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
                                      Surface* surface);
