@@ -12,7 +12,7 @@ namespace colmap_ext {
 namespace {
 
 // \pre rows come in ascending order
-void Extend(int row, int col, PixelRectangle* tile) {
+void Extend(int row, int col, PixelBox* tile) {
   if (tile->IsEmpty()) {
     *tile = {row, row, col, col};
   }
@@ -25,8 +25,7 @@ std::vector<TiledDirection> DirectionsTo(uint32_t view,
                                          const FacetIdBuffer& drawn,
                                          const FacetLabels& labels) {
   std::vector<TiledDirection> directions;
-  std::vector<std::vector<PixelRectangle>> tiles =
-      FindTiles(drawn, view, labels);
+  std::vector<std::vector<PixelBox>> tiles = FindTiles(drawn, view, labels);
   for (uint32_t i = 0; i < tiles.size(); ++i) {
     if (!tiles[i].empty()) {
       const auto [first, second] = labels.pairs[i / 2];
@@ -92,13 +91,13 @@ void FacetPlaces::Clear(std::span<const uint32_t> facets) {
   }
 }
 
-std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
-                                                   uint32_t view,
-                                                   const FacetLabels& labels) {
+std::vector<std::vector<PixelBox>> FindTiles(const FacetIdBuffer& drawn,
+                                             uint32_t view,
+                                             const FacetLabels& labels) {
   const size_t num_cols = (drawn.width + kTileSize - 1) / kTileSize;
   std::vector<uint32_t> directions;  // of the view
   // [2 L][num_cols] the tiles of a row of squares, of the view's directions.
-  std::vector<std::vector<PixelRectangle>> squares(2 * labels.pairs.size());
+  std::vector<std::vector<PixelBox>> squares(2 * labels.pairs.size());
   for (uint32_t i = 0; i < squares.size(); ++i) {
     const auto [first, second] = labels.pairs[i / 2];
     if ((i % 2 == 0 ? first : second) == view) {
@@ -106,7 +105,7 @@ std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
       squares[i].resize(num_cols);
     }
   }
-  std::vector<std::vector<PixelRectangle>> tiles(squares.size());
+  std::vector<std::vector<PixelBox>> tiles(squares.size());
   for (int row = 0; row < drawn.height; ++row) {
     for (int col = 0; col < drawn.width; ++col) {
       const uint32_t facet = drawn.facets[drawn.Index(row, col)];
@@ -121,7 +120,7 @@ std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
     }
     if ((row + 1) % kTileSize == 0 || row + 1 == drawn.height) {
       for (const uint32_t direction : directions) {
-        for (PixelRectangle& tile : squares[direction]) {
+        for (PixelBox& tile : squares[direction]) {
           if (!tile.IsEmpty()) {
             tiles[direction].push_back(std::exchange(tile, {}));
           }

@@ -49,14 +49,6 @@ class FacetPlaces {
   std::vector<Word> words_;
 };
 
-// A rectangle of pixels, both ends included.
-struct PixelRectangle {
-  int first_row = 0, last_row = -1;
-  int first_col = 0, last_col = -1;
-
-  bool IsEmpty() const { return last_row < first_row; }
-};
-
 // px. A choice: the scratch of a square with its margins, some 25 planes of
 // floats, is 0.3 MB. Results depend on it by rounding only.
 inline constexpr int kTileSize = 48;
@@ -64,9 +56,9 @@ inline constexpr int kTileSize = 48;
 // [2 L] the pixels of a view that show facets compared there in each direction:
 // in each square of kTileSize^2 pixels that has any, the smallest rectangle
 // around them, row by row. Empty for directions of other views.
-std::vector<std::vector<PixelRectangle>> FindTiles(const FacetIdBuffer& drawn,
-                                                   uint32_t view,
-                                                   const FacetLabels& labels);
+std::vector<std::vector<PixelBox>> FindTiles(const FacetIdBuffer& drawn,
+                                             uint32_t view,
+                                             const FacetLabels& labels);
 
 // An order of the views in which each one and most of its partners were used
 // shortly before, as few of many views fit into memory at a time. Greedy: next
@@ -92,7 +84,7 @@ struct TiledDirection {
   uint32_t direction = 0;  // its index, see Directions
   uint32_t i = 0;
   uint32_t j = 0;
-  std::vector<PixelRectangle> tiles;  // at least one
+  std::vector<PixelBox> tiles;  // at least one
 };
 
 // The directions that some pixel shows facets of, by their view i, so that few

@@ -54,14 +54,14 @@ class DirectionEvaluator {
   std::vector<FacetTerms> Evaluate(const DrawnView& i, const DrawnView& j,
                                    const TriangleMesh& mesh,
                                    std::span<const uint32_t> facets,
-                                   const std::vector<PixelRectangle>& tiles) {
+                                   const std::vector<PixelBox>& tiles) {
     places_.Set(facets);
     const PairWarp warp(i, j, mesh);
     constexpr int kMultiple = 8;  // see WindowRows
     const int radius = options_.window_radius;
     const float max_relative_depth = MaxRelativeDepth(options_, i.view);
     std::vector<FacetTerms> sums(facets.size());
-    for (const PixelRectangle& tile : tiles) {
+    for (const PixelBox& tile : tiles) {
       const int width = tile.last_col - tile.first_col + 1 + 2 * radius;
       tile_.Resize((width + kMultiple - 1) / kMultiple * kMultiple,
                    tile.last_row - tile.first_row + 1 + 2 * radius);
@@ -79,8 +79,7 @@ class DirectionEvaluator {
 
  private:
   // Marks the pixels of the rectangle that show one of the pair's facets.
-  void MarkCenters(const PixelRectangle& rectangle,
-                   const FacetIdBuffer& drawn_i) {
+  void MarkCenters(const PixelBox& rectangle, const FacetIdBuffer& drawn_i) {
     std::ranges::fill(tile_.is_center, 0);
     for (int row = rectangle.first_row; row <= rectangle.last_row; ++row) {
       const uint32_t* shown = drawn_i.facets.data() + drawn_i.Index(row, 0);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <limits>
 
 #include <tbb/parallel_for.h>
 
@@ -29,6 +31,32 @@ FrustumNormals NormalsOf(const View& view) {
   return normals;
 }
 
+// A box in a view; infinitely near and of no pixels unless it lies before the
+// camera and within the image.
+FacetClusters::Seen SeenBox(const View& view, const Eigen::AlignedBox3f& box) {
+  constexpr double kMargin = 2;  // px, for rounding; a choice
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Eigen::AlignedBox2d pixels;
+  double nearest = 0;
+  for (int k = 0; k < 8; ++k) {
+    const auto type = static_cast<Eigen::AlignedBox3f::CornerType>(k);
+    const Eigen::Vector3d corner =
+        view.CamFromWorld(box.corner(type).cast<double>());
+    pixels.extend(view.ImageFromCam(corner));
+    nearest = std::max(nearest, corner.z() > 0 ? 1 / corner.z() : kInfinity);
+  }
+  FacetClusters::Seen seen;
+  if (nearest < kInfinity && IsWithin(view, pixels.min(), kMargin) &&
+      IsWithin(view, pixels.max(), kMargin)) {
+    seen.nearest = nearest;
+    seen.pixels = {static_cast<int>(pixels.min().y() - kMargin),
+                   static_cast<int>(pixels.max().y() + kMargin),
+                   static_cast<int>(pixels.min().x() - kMargin),
+                   static_cast<int>(pixels.max().x() + kMargin)};
+  }
+  return seen;
+}
+
 // Whether a box lies outside one of the planes.
 bool IsOutside(const FrustumNormals& normals, const Eigen::Vector3d& center,
                const Eigen::AlignedBox3f& box) {
@@ -43,6 +71,14 @@ bool IsOutside(const FrustumNormals& normals, const Eigen::Vector3d& center,
 
 }  // namespace
 
+void AddRange(const FacetRange& range, std::vector<FacetRange>* ranges) {
+  if (!ranges->empty() && ranges->back().end == range.first) {
+    ranges->back().end = range.end;
+  } else {
+    ranges->push_back(range);
+  }
+}
+
 FacetClusters::FacetClusters(const TriangleMesh& mesh)
     : num_facets_(mesh.facets.size()),
       boxes_((num_facets_ + kSize - 1) / kSize) {
@@ -56,24 +92,38 @@ FacetClusters::FacetClusters(const TriangleMesh& mesh)
   });
 }
 
-std::vector<FacetRange> FacetClusters::InFrustum(const View& view) const {
+template <typename Function>
+void FacetClusters::ForEachInFrustum(const View& view,
+                                     const Function& function) const {
   const FrustumNormals normals = NormalsOf(view);
   const Eigen::Vector3d center = view.Center();
-  std::vector<FacetRange> ranges;
   for (size_t i = 0; i < boxes_.size(); ++i) {
-    if (IsOutside(normals, center, boxes_[i])) {
-      continue;
-    }
-    const auto first = static_cast<uint32_t>(i * kSize);
-    const auto end =
-        static_cast<uint32_t>(std::min(num_facets_, (i + 1) * kSize));
-    if (!ranges.empty() && ranges.back().end == first) {
-      ranges.back().end = end;
-    } else {
-      ranges.push_back({first, end});
+    if (!IsOutside(normals, center, boxes_[i])) {
+      function(i);
     }
   }
+}
+
+FacetRange FacetClusters::FacetsOf(size_t cluster) const {
+  return {static_cast<uint32_t>(cluster * kSize),
+          static_cast<uint32_t>(std::min(num_facets_, (cluster + 1) * kSize))};
+}
+
+std::vector<FacetRange> FacetClusters::InFrustum(const View& view) const {
+  std::vector<FacetRange> ranges;
+  ForEachInFrustum(view, [&](size_t i) { AddRange(FacetsOf(i), &ranges); });
   return ranges;
+}
+
+std::vector<FacetClusters::Seen> FacetClusters::NearestFirst(
+    const View& view) const {
+  std::vector<Seen> seen;
+  ForEachInFrustum(view, [&](size_t i) {
+    seen.push_back(SeenBox(view, boxes_[i]));
+    seen.back().facets = FacetsOf(i);
+  });
+  std::ranges::stable_sort(seen, std::greater(), &Seen::nearest);
+  return seen;
 }
 
 }  // namespace colmap_ext

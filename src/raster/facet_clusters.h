@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,17 @@ void ForEachFacet(std::span<const FacetRange> ranges,
   }
 }
 
+// Appends a range, or makes the last one longer where it adjoins.
+void AddRange(const FacetRange& range, std::vector<FacetRange>* ranges);
+
+// A rectangle of pixels, both ends included.
+struct PixelBox {
+  int first_row = 0, last_row = -1;
+  int first_col = 0, last_col = -1;
+
+  bool IsEmpty() const { return first_row > last_row || first_col > last_col; }
+};
+
 // How far outside the image facets are still drawn and may face the camera, px.
 // They may move into the image before the mesh is drawn again; a choice.
 inline constexpr int kImageMargin = 16;
@@ -50,7 +62,25 @@ class FacetClusters {
   // lie within a view's image and kImageMargin around it; ascending.
   std::vector<FacetRange> InFrustum(const View& view) const;
 
+  // Such a run in a view.
+  struct Seen {
+    FacetRange facets;
+    // The largest inverse depth of its box, 1 / scene unit; infinity if that
+    // reaches behind the camera or out of the image.
+    double nearest = std::numeric_limits<double>::infinity();
+    PixelBox pixels;  // all that may show its facets, if nearest is finite
+  };
+
+  // The runs of InFrustum(), those with the nearest boxes first.
+  std::vector<Seen> NearestFirst(const View& view) const;
+
  private:
+  // Calls function(cluster) for those of InFrustum(), in turn.
+  template <typename Function>
+  void ForEachInFrustum(const View& view, const Function& function) const;
+
+  FacetRange FacetsOf(size_t cluster) const;
+
   size_t num_facets_;
   std::vector<Eigen::AlignedBox3f> boxes_;  // [F / kSize, rounded up]
 };

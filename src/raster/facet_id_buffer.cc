@@ -133,21 +133,15 @@ std::pair<int, int> PixelRange(int64_t low, int64_t high, int size) {
           static_cast<int>(std::min<int64_t>(last, size - 1))};
 }
 
-// [first_row, last_row] x [first_col, last_col], both ends included.
-struct PixelBox {
-  PixelBox(const std::array<Projected, 3>& corners, int width, int height) {
-    const auto [a, b, c] = corners;
-    const auto [low_u, high_u] = std::minmax({a.u, b.u, c.u});
-    const auto [low_v, high_v] = std::minmax({a.v, b.v, c.v});
-    std::tie(first_col, last_col) = PixelRange(low_u, high_u, width);
-    std::tie(first_row, last_row) = PixelRange(low_v, high_v, height);
-  }
-
-  bool IsEmpty() const { return first_col > last_col || first_row > last_row; }
-
-  int first_col = 0, last_col = -1;
-  int first_row = 0, last_row = -1;
-};
+PixelBox BoxOf(const std::array<Projected, 3>& corners, int width, int height) {
+  const auto [a, b, c] = corners;
+  const auto [low_u, high_u] = std::minmax({a.u, b.u, c.u});
+  const auto [low_v, high_v] = std::minmax({a.v, b.v, c.v});
+  PixelBox box;
+  std::tie(box.first_col, box.last_col) = PixelRange(low_u, high_u, width);
+  std::tie(box.first_row, box.last_row) = PixelRange(low_v, high_v, height);
+  return box;
+}
 
 // Twice the signed area of a facet, 1 / kSubpixels^2 px^2.
 int64_t Area(const std::array<Projected, 3>& corners) {
@@ -168,16 +162,19 @@ void DrawRow(uint32_t facet, const std::array<EdgeFunction, 3>& edges,
       continue;
     }
     const float inverse_depth = depth.At(col);
-    if (inverse_depth > buffer->inverse_depths[first + col]) {
-      buffer->inverse_depths[first + col] = inverse_depth;
-      buffer->facets[first + col] = facet;
+    float& drawn_depth = buffer->inverse_depths[first + col];
+    uint32_t& drawn_facet = buffer->facets[first + col];
+    if (inverse_depth > drawn_depth ||
+        (inverse_depth == drawn_depth && facet < drawn_facet)) {
+      drawn_depth = inverse_depth;
+      drawn_facet = facet;
     }
   }
 }
 
 void DrawFacet(uint32_t facet, std::array<Projected, 3> corners,
                FacetIdBuffer* buffer) {
-  const PixelBox box(corners, buffer->width, buffer->height);
+  const PixelBox box = BoxOf(corners, buffer->width, buffer->height);
   if (box.IsEmpty()) {  // as many facets are, in small images
     return;
   }
@@ -245,10 +242,58 @@ bool ReachesImage(const View& view, const TriangleMesh& mesh,
   return !ClipToImage(view, mesh, facet, ImageBox(view)).empty();
 }
 
+// How far off the farthest surface is in each square of pixels.
+class FarthestSurface {
+ public:
+  explicit FarthestSurface(const FacetIdBuffer& buffer)
+      : width_((buffer.width + kSide - 1) / kSide),
+        depths_(static_cast<size_t>(width_) *
+                ((buffer.height + kSide - 1) / kSide)) {}
+
+  // After the surface was drawn.
+  void Update(const FacetIdBuffer& buffer) {
+    std::ranges::fill(depths_, std::numeric_limits<float>::infinity());
+    for (int row = 0; row < buffer.height; ++row) {
+      float* depths = &depths_[static_cast<size_t>(row / kSide) * width_];
+      const float* drawn = &buffer.inverse_depths[buffer.Index(row, 0)];
+      for (int col = 0; col < buffer.width; ++col) {
+        depths[col / kSide] = std::min(depths[col / kSide], drawn[col]);
+      }
+    }
+  }
+
+  // Whether all that is drawn in a box of pixels is nearer than this.
+  bool IsNearer(const PixelBox& box, double inverse_depth) const {
+    for (int row = box.first_row / kSide; row <= box.last_row / kSide; ++row) {
+      for (int col = box.first_col / kSide; col <= box.last_col / kSide;
+           ++col) {
+        if (!(depths_[static_cast<size_t>(row) * width_ + col] >
+              inverse_depth)) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
+ private:
+  static constexpr int kSide = 8;  // px, a choice
+
+  int width_;
+  std::vector<float> depths_;  // [squares] the smallest inverse depths
+};
+
+// Times a facet's inverse depth: beyond what IsNearest() takes for nearest, of
+// facets that face the camera.
+double HiddenFactor(const View& view, double min_cosine) {
+  const double footprint = 1 / std::min(view.fx, view.fy);  // at depth 1
+  return 1 + kNearestTolerance * (2 / min_cosine + 1) * footprint;
+}
+
 }  // namespace
 
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
-                         std::vector<FacetRange> ranges, double min_cosine) {
+                         const FacetClusters& clusters, double min_cosine) {
   FacetIdBuffer buffer;
   buffer.width = view.width;
   buffer.height = view.height;
@@ -256,10 +301,9 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
   buffer.facets.assign(num_pixels, kNone);
   buffer.inverse_depths.assign(num_pixels, 0);
   buffer.is_facing.assign(mesh.facets.size(), false);
-  buffer.ranges = std::move(ranges);
   ProjectedVertices vertices(view, mesh);
   const Eigen::Vector3d center = view.Center();
-  ForEachFacet(buffer.ranges, [&](uint32_t i) {
+  const auto draw = [&](uint32_t i) {
     const Facet& facet = mesh.facets[i];
     const std::array<Projected, 3> corners = {
         vertices[facet[0]], vertices[facet[1]], vertices[facet[2]]};
@@ -273,7 +317,27 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                ReachesImage(view, mesh, facet)) {
       buffer.clipped.push_back(i);
     }
-  });
+  };
+  // Hidden are those behind what was drawn: looked for a few times only.
+  constexpr size_t kRounds = 8;  // a choice
+  const double factor = HiddenFactor(view, min_cosine);
+  FarthestSurface farthest(buffer);
+  const std::vector<FacetClusters::Seen> seen = clusters.NearestFirst(view);
+  for (size_t round = 0; round < kRounds; ++round) {
+    if (round > 0) {
+      farthest.Update(buffer);
+    }
+    for (size_t k = round * seen.size() / kRounds;
+         k < (round + 1) * seen.size() / kRounds; ++k) {
+      if (round == 0 ||
+          !farthest.IsNearer(seen[k].pixels, factor * seen[k].nearest)) {
+        ForEachFacet(std::span(&seen[k].facets, 1), draw);
+        buffer.ranges.push_back(seen[k].facets);
+      }
+    }
+  }
+  std::ranges::sort(buffer.ranges, {}, &FacetRange::first);
+  std::ranges::sort(buffer.clipped);
   for (const uint32_t i : buffer.clipped) {
     DrawClipped(view, mesh, i, &buffer);
     buffer.is_facing[i] = IsFacing(mesh, mesh.facets[i], center, 0);
@@ -283,8 +347,7 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
 
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine) {
-  const auto num_facets = static_cast<uint32_t>(mesh.facets.size());
-  return DrawFacets(view, mesh, {{0, num_facets}}, min_cosine);
+  return DrawFacets(view, mesh, FacetClusters(mesh), min_cosine);
 }
 
 bool IsFacing(const TriangleMesh& mesh, const Facet& facet,

@@ -23,13 +23,14 @@ struct FacetIdBuffer {
   std::vector<float> inverse_depths;  // [height * width], 1 / scene unit; 0
                                       // where there is no facet, infinity
                                       // where the pixel is masked
-  std::vector<bool> is_facing;        // [F] the cosine between the normal and
-                                      // the ray to the camera is above
-                                      // min_cosine, or 0 for those of
-                                      // `clipped`; false outside the image
-                                      // and kImageMargin around it
+  std::vector<bool> is_facing;        // [F] of those drawn, whether the cosine
+                                      // between the normal and the ray to the
+                                      // camera is above min_cosine, or 0 for
+                                      // those of `clipped`; false outside the
+                                      // image and kImageMargin around it
   std::vector<uint32_t> clipped;      // see FindClippedFacets()
-  std::vector<FacetRange> ranges;     // the facets that were drawn, ascending
+  std::vector<FacetRange> ranges;     // the facets that were drawn, ascending:
+                                      // of the others IsNearest() is false
 
   size_t Index(int row, int col) const {
     return static_cast<size_t>(row) * width + col;
@@ -39,14 +40,13 @@ struct FacetIdBuffer {
 // Draws a mesh into a view, both sides of the facets; the nearest one wins, of
 // equally near ones the first. As graphics cards do, vertices are moved to the
 // nearest 1/256 of a pixel, so that no pixel falls between neighbors. Of facets
-// that reach behind the camera the part before it is drawn, after the others.
-// \param ranges  of facets, ascending: all that the view may show any part of
-//        (FacetClusters); the others are not drawn.
+// that reach behind the camera the part before it is drawn. Runs of facets that
+// the view can not show, outside its frustum or behind others, are passed over.
+// \param clusters  of the mesh.
 // \param min_cosine  see FacetIdBuffer::is_facing; in [0, 1).
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
-                         std::vector<FacetRange> ranges, double min_cosine);
+                         const FacetClusters& clusters, double min_cosine);
 
-// The same without knowing what the view shows.
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
                          double min_cosine);
 
@@ -68,16 +68,13 @@ std::vector<uint32_t> FindClippedFacets(const View& view,
 // \pre the mask is of the buffer's size
 void EraseMasked(const GrayImage& mask, FacetIdBuffer* buffer);
 
-// Whether a pixel keeps a distance from the image's border, px.
-inline bool IsWithin(const View& view, const Eigen::Vector2d& pixel,
-                     double border) {
-  return pixel.x() >= border && pixel.y() >= border &&
-         pixel.x() < view.width - border && pixel.y() < view.height - border;
-}
-
 // By how much the inverse depth of a facet's plane changes in a view, at most,
 // from a pixel to one of the eight around it, 1 / scene unit.
 double PlaneSlope(const View& view, const FacetFrame& frame);
+
+// Pixels: one for the way from a point to its pixel's centre, and one more as a
+// neighbor that is drawn there may be steeper.
+inline constexpr double kNearestTolerance = 2;
 
 // Whether a view sees a point of a facet: the pixel shows the facet, or what it
 // shows is not nearer than the facet's plane by more than the plane's slope
@@ -88,16 +85,13 @@ double PlaneSlope(const View& view, const FacetFrame& frame);
 inline bool IsNearest(const View& view, const FacetIdBuffer& drawn,
                       uint32_t facet, double slope, double u, double v,
                       double inverse_depth) {
-  // Pixels: one for the way from the point to the pixel's centre, and one more
-  // as a neighbor that is drawn there may be steeper.
-  constexpr double kTolerance = 2;
   const size_t pixel = drawn.Index(static_cast<int>(v), static_cast<int>(u));
   if (drawn.facets[pixel] == facet) {
     return true;
   }
   const double footprint = inverse_depth / std::min(view.fx, view.fy);
   return drawn.inverse_depths[pixel] <=
-         inverse_depth + kTolerance * (slope + footprint);
+         inverse_depth + kNearestTolerance * (slope + footprint);
 }
 
 }  // namespace colmap_ext

@@ -204,8 +204,8 @@ VisibilityBuffers::VisibilityBuffers(TriangleMesh mesh, std::vector<View> views,
 
 std::shared_ptr<const FacetIdBuffer> VisibilityBuffers::Get(size_t view) const {
   return drawn_.Get(view, Memory(view), [&] {
-    auto buffer = std::make_shared<FacetIdBuffer>(DrawFacets(
-        views_[view], mesh_, clusters_.InFrustum(views_[view]), min_cosine_));
+    auto buffer = std::make_shared<FacetIdBuffer>(
+        DrawFacets(views_[view], mesh_, clusters_, min_cosine_));
     const std::shared_ptr<const GrayImage> mask = mask_ ? mask_(view) : nullptr;
     if (mask) {
       EraseMasked(*mask, buffer.get());

@@ -11,6 +11,13 @@
 
 namespace colmap_ext {
 
+// Whether a point is finite, and so near the origin that the squares of its
+// distances from others are finite floats.
+inline bool IsMeasurable(const Eigen::Vector3f& point) {
+  constexpr float kMaxCoordinate = 1e18F;
+  return point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < kMaxCoordinate;
+}
+
 using Color = std::array<uint8_t, 3>;  // red, green, blue
 
 // Fused points and the views that see them.

@@ -103,4 +103,11 @@ View LookAtView(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
                 const Eigen::Vector3d& up, int width, int height,
                 double focal_length);
 
+// Whether a pixel keeps a distance from the image's border, px.
+inline bool IsWithin(const View& view, const Eigen::Vector2d& pixel,
+                     double border) {
+  return pixel.x() >= border && pixel.y() >= border &&
+         pixel.x() < view.width - border && pixel.y() < view.height - border;
+}
+
 }  // namespace colmap_ext

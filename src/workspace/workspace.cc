@@ -125,9 +125,7 @@ void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
 
 void ExpectFinitePoints(const std::vector<Eigen::Vector3f>& points,
                         const fs::path& path) {
-  const bool has_any = std::ranges::any_of(
-      points, [](const Eigen::Vector3f& point) { return point.allFinite(); });
-  if (!has_any) {
+  if (std::ranges::none_of(points, IsMeasurable)) {
     throw FileError(
         path, fmt::format("none of its {} points is finite", points.size()));
   }
@@ -249,7 +247,7 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
     throw FileError(report.path, "no points that can be meshed");
   }
   for (const Eigen::Vector3f& point : model.point_positions) {
-    if (point.allFinite()) {
+    if (IsMeasurable(point)) {
       workspace.sparse_points.push_back(point);
     }
   }
@@ -313,7 +311,7 @@ PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
     std::sort(row.begin(), end);
     const auto unique_end = std::unique(row.begin(), end);
     report->num_with_repeats += unique_end != end;
-    if (!filtered.positions[point].allFinite()) {
+    if (!IsMeasurable(filtered.positions[point])) {
       ++report->num_not_finite;
       return std::nullopt;
     }

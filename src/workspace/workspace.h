@@ -21,7 +21,7 @@ namespace colmap_ext {
 
 struct FilterReport {
   size_t num_points = 0;         // that came in
-  size_t num_not_finite = 0;     // dropped
+  size_t num_not_finite = 0;     // dropped, see IsMeasurable()
   size_t num_without_views = 0;  // dropped
   size_t num_with_repeats = 0;   // that listed an image more than once
   size_t num_out_of_range = 0;   // that listed an image which is not there

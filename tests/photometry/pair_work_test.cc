@@ -130,7 +130,7 @@ TEST(FindTiles, AreTheSmallestRectanglesInEachSquare) {
           continue;
         }
         Squares squares;
-        for (const PixelRectangle& tile : tiles[direction]) {
+        for (const PixelBox& tile : tiles[direction]) {
           EXPECT_EQ(tile.first_row / kTileSize, tile.last_row / kTileSize);
           EXPECT_EQ(tile.first_col / kTileSize, tile.last_col / kTileSize);
           EXPECT_TRUE(

@@ -163,15 +163,16 @@ TEST_F(WorkspaceTest, RefusesDistortedCamerasOfDenseWorkspaces) {
 TEST_F(WorkspaceTest, DropsAndCountsPointsThatCanNotBeMeshed) {
   sphere_.points[3].x() = std::numeric_limits<float>::quiet_NaN();
   sphere_.points[4].z() = std::numeric_limits<float>::infinity();
+  sphere_.points[7].y() = std::numeric_limits<float>::lowest();
   sphere_.point_images[5] = {};
   sphere_.point_images[6].push_back(sphere_.point_images[6][0]);
   const Workspace workspace = WriteAndRead();
   const FilterReport& report = workspace.report.points;
   EXPECT_EQ(report.num_points, sphere_.points.size());
-  EXPECT_EQ(report.num_not_finite, 2);
+  EXPECT_EQ(report.num_not_finite, 3);
   EXPECT_EQ(report.num_without_views, 1);
   EXPECT_EQ(report.num_with_repeats, 1);
-  EXPECT_EQ(workspace.cloud.size(), sphere_.points.size() - 3);
+  EXPECT_EQ(workspace.cloud.size(), sphere_.points.size() - 4);
   EXPECT_EQ(workspace.cloud.positions[3], sphere_.points[6]);
   EXPECT_EQ(workspace.cloud.views[3].size(),
             sphere_.point_images[6].size() - 1);
