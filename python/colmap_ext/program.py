@@ -8,7 +8,7 @@ import signal
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import Any, Optional
+from typing import IO, Any, Optional
 
 from .base_options import StrPath
 from .errors import (CommandError, CrashError, OptionError, ProgramNotFoundError,
@@ -73,11 +73,16 @@ def make_arguments(program: str, command: str, options: Mapping[str, Any]) -> li
         f"--{known[name]}={_text(value)}" for name, value in options.items()]
 
 
-def _raise_failure(exit_code: int, errors: str, arguments: list[str]) -> None:
-    lines = [line for line in errors.splitlines() if line.strip()]
+def _last_line(errors: IO[bytes], default: str) -> str:
+    """What the program says was wrong, or where it was interrupted."""
+    errors.seek(0)
+    lines = [line for line in errors.read().decode("utf-8", "replace").splitlines()
+             if line.strip()]
     said = [line for line in lines if line.startswith(("ERROR: ", "Interrupted: "))]
-    line = said[-1].split(": ", 1)[1] if said else (
-        lines[-1] if lines else f"ended with exit code {exit_code}")
+    return said[-1].split(": ", 1)[1] if said else lines[-1] if lines else default
+
+
+def _raise_failure(exit_code: int, line: str, arguments: list[str]) -> None:
     number = -exit_code if exit_code < 0 else exit_code - 128
     if number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL):
         raise StoppedError(line, exit_code, arguments)
@@ -103,9 +108,10 @@ def _stop(process: "subprocess.Popen[str]", number: int) -> None:
 def run(arguments: list[str], progress: Optional[ProgressCallback] = None) -> None:
     """Runs a command line.
 
-    progress: is called with each Progress. If it raises, or at Ctrl-C, the program is
-        ended and the exception propagates.
-    Raises CommandError, StoppedError or CrashError.
+    progress: is called with each Progress. If it raises, the program is ended and the
+        exception propagates.
+    Raises CommandError, StoppedError or CrashError; KeyboardInterrupt at Ctrl-C, with
+    the line that the program ends with.
     """
     with tempfile.TemporaryFile() as errors:
         # In a session of its own, the program does not get the terminal's Ctrl-C
@@ -120,11 +126,10 @@ def run(arguments: list[str], progress: Optional[ProgressCallback] = None) -> No
                         progress(shown)
             except KeyboardInterrupt:
                 _stop(process, signal.SIGINT)
-                raise
+                raise KeyboardInterrupt(_last_line(errors, "")) from None
             except BaseException:
                 _stop(process, signal.SIGTERM)
                 raise
         if process.returncode != 0:
-            errors.seek(0)
-            _raise_failure(process.returncode,
-                           errors.read().decode("utf-8", "replace"), arguments)
+            line = _last_line(errors, f"ended with exit code {process.returncode}")
+            _raise_failure(process.returncode, line, arguments)

@@ -67,7 +67,7 @@ def _print(progress: Progress) -> None:
 
 
 @contextlib.contextmanager
-def show_progress(progress: Union[bool, ProgressCallback, None]
+def show_progress(progress: Union[bool, ProgressCallback]
                   ) -> Iterator[Optional[ProgressCallback]]:
     """The function to call; True shows a bar of tqdm, or prints lines without tqdm."""
     if progress is not True:
