@@ -1,5 +1,8 @@
 """What can go wrong when the program is run."""
 
+from collections.abc import Iterable
+from typing import Optional
+
 
 class ColmapExtError(RuntimeError):
     """A run of the program that failed.
@@ -9,7 +12,8 @@ class ColmapExtError(RuntimeError):
     arguments: the command line; empty if there is none.
     """
 
-    def __init__(self, line, exit_code=None, arguments=()):
+    def __init__(self, line: str, exit_code: Optional[int] = None,
+                 arguments: Iterable[str] = ()) -> None:
         super().__init__(line)
         self.line = line
         self.exit_code = exit_code
@@ -21,7 +25,7 @@ class ProgramNotFoundError(ColmapExtError):
 
 
 class OptionError(ColmapExtError):
-    """The command has no such option."""
+    """The program has no such option; it is of another version."""
 
 
 class CommandError(ColmapExtError):

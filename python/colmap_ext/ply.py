@@ -1,8 +1,14 @@
 """PLY files of points and triangle meshes as NumPy arrays."""
 
+import importlib
 import os
 from dataclasses import dataclass, field
-from typing import Any
+from typing import IO, TYPE_CHECKING, Any, Optional
+
+from .base_options import StrPath
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
@@ -12,6 +18,15 @@ _TYPES = {
 }
 _NAMES = {"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int",
           "u4": "uint", "f4": "float", "f8": "double"}
+
+# (name, type, type of the count or None) of each property of an element.
+_Properties = list[tuple[str, str, Optional[str]]]
+
+
+def _no_faces() -> "NDArray[Any]":
+    import numpy as np  # pylint: disable=import-outside-toplevel
+
+    return np.zeros((0, 3), np.int32)
 
 
 @dataclass
@@ -25,18 +40,41 @@ class Ply:
     properties: other scalars of the vertices by name, [V]: "confidence", "label".
     """
 
-    vertices: Any
-    faces: Any = None
-    colors: Any = None
-    normals: Any = None
-    properties: dict = field(default_factory=dict)
+    vertices: "NDArray[Any]"
+    faces: "NDArray[Any]" = field(default_factory=_no_faces)
+    colors: "Optional[NDArray[Any]]" = None
+    normals: "Optional[NDArray[Any]]" = None
+    properties: "dict[str, NDArray[Any]]" = field(default_factory=dict)
+
+    def to_trimesh(self) -> Any:
+        """A trimesh.Trimesh with the same vertices in the same order; properties are
+        its vertex_attributes. Raises ImportError without trimesh."""
+        return importlib.import_module("trimesh").Trimesh(
+            self.vertices, self.faces, vertex_normals=self.normals,
+            vertex_colors=self.colors, vertex_attributes=dict(self.properties),
+            process=False)
+
+    def to_open3d(self) -> Any:
+        """An open3d.geometry.TriangleMesh, without the properties; colors are 0 ... 1.
+        Raises ImportError without open3d."""
+        open3d = importlib.import_module("open3d")
+        vectors = open3d.utility.Vector3dVector
+        mesh = open3d.geometry.TriangleMesh(
+            vectors(self.vertices), open3d.utility.Vector3iVector(self.faces))
+        if self.colors is not None:
+            mesh.vertex_colors = vectors(self.colors / 255)
+        if self.normals is not None:
+            mesh.vertex_normals = vectors(self.normals)
+        return mesh
 
 
-def _read_header(file, path):
-    """(byte order, or "" for text; [(element, count, [(name, type, count type)])])"""
+def _read_header(file: IO[bytes], path: str
+                 ) -> tuple[str, list[tuple[str, int, _Properties]]]:
+    """(byte order, or "" for text; [(element, count, properties)])"""
     if file.readline().strip() != b"ply":
         raise ValueError(f"{path}: not a PLY file")
-    order, elements = None, []
+    order = None
+    elements: list[tuple[str, int, _Properties]] = []
     while True:
         line = file.readline()
         words = line.decode("latin-1").split()
@@ -64,9 +102,9 @@ def _read_header(file, path):
     return order, elements
 
 
-def _record(properties, order):
+def _record(properties: _Properties, order: str) -> list[tuple[Any, ...]]:
     """One element as a NumPy type; lists are triples."""
-    fields = []
+    fields: list[tuple[Any, ...]] = []
     for name, kind, count in properties:
         if count is not None:
             fields.append((f"{name} count", order + count))
@@ -74,7 +112,8 @@ def _record(properties, order):
     return fields
 
 
-def _read_elements(file, path, order, count, properties):
+def _read_elements(file: IO[bytes], path: str, order: str, count: int,
+                   properties: _Properties) -> "NDArray[Any]":
     import numpy as np  # pylint: disable=import-outside-toplevel
 
     if order == "":
@@ -102,7 +141,7 @@ def _read_elements(file, path, order, count, properties):
     return rows
 
 
-def read_ply(path):
+def read_ply(path: StrPath) -> Ply:
     """Reads a PLY file, text or binary, as a Ply.
 
     Elements other than vertex and face, and properties of faces, are left out.
@@ -113,7 +152,7 @@ def read_ply(path):
 
     path = os.fspath(path)
     ply = None
-    faces = np.zeros((0, 3), np.int32)
+    faces = _no_faces()
     with open(path, "rb") as file:
         order, elements = _read_header(file, path)
         for element, count, properties in elements:
@@ -123,7 +162,7 @@ def read_ply(path):
             if element == "vertex":
                 ply = _make_points(rows, path)
             for name in ("vertex_index", "vertex_indices"):
-                if element == "face" and name in rows.dtype.names:
+                if element == "face" and name in (rows.dtype.names or ()):
                     faces = rows[name].astype(np.int32)
     if ply is None:
         raise ValueError(f"{path}: no vertices")
@@ -133,26 +172,27 @@ def read_ply(path):
     return ply
 
 
-def _make_points(rows, path):
+def _make_points(rows: "NDArray[Any]", path: str) -> Ply:
     import numpy as np  # pylint: disable=import-outside-toplevel
 
-    columns = {name: rows[name] for name in rows.dtype.names}
+    columns = {name: rows[name] for name in rows.dtype.names or ()}
 
-    def take(names, kind):
+    def take(names: tuple[str, ...], kind: type) -> "Optional[NDArray[Any]]":
         if not all(name in columns for name in names):
             return None
-        return np.stack([columns.pop(name) for name in names], 1).astype(kind)
+        taken: "NDArray[Any]" = np.stack([columns.pop(name) for name in names], 1)
+        return taken.astype(kind)
 
     vertices = take(("x", "y", "z"), np.float32)
     if vertices is None:
         raise ValueError(f"{path}: vertices without x, y, z")
     colors = take(("red", "green", "blue"), np.uint8)
     normals = take(("nx", "ny", "nz"), np.float32)
-    return Ply(vertices, None, colors, normals,
+    return Ply(vertices, _no_faces(), colors, normals,
                {name: np.array(column) for name, column in columns.items()})
 
 
-def write_ply(path, ply):
+def write_ply(path: StrPath, ply: Ply) -> None:
     """Writes a Ply, binary little-endian, as COLMAP and most tools read it.
 
     Raises ValueError if its arrays do not fit together.
@@ -160,7 +200,7 @@ def write_ply(path, ply):
     import numpy as np  # pylint: disable=import-outside-toplevel
 
     vertices = np.asarray(ply.vertices, np.float32).reshape(-1, 3)
-    faces = np.asarray([] if ply.faces is None else ply.faces, np.int32).reshape(-1, 3)
+    faces = np.asarray(ply.faces, np.int32).reshape(-1, 3)
     columns = dict(zip("xyz", vertices.T))
     for names, array, kind in ((("nx", "ny", "nz"), ply.normals, np.float32),
                                (("red", "green", "blue"), ply.colors, np.uint8)):
@@ -181,7 +221,7 @@ def write_ply(path, ply):
     corners["corners"] = faces
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(rows)}"]
     header += [f"property {_NAMES[kind]} {name}" for name, kind in kinds.items()]
-    if len(faces) or ply.faces is not None:
+    if len(faces):
         header += [f"element face {len(faces)}", "property list uchar int vertex_index"]
     with open(path, "wb") as file:
         file.write(("\n".join([*header, "end_header", ""])).encode("latin-1"))

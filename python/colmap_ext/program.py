@@ -7,15 +7,16 @@ import shutil
 import signal
 import subprocess
 import tempfile
+from collections.abc import Mapping, Sequence
+from typing import IO, Any, Optional
 
+from .base_options import StrPath
 from .errors import (CommandError, CrashError, OptionError, ProgramNotFoundError,
                      StoppedError)
-
-# "Walking rays ... 12.3 s" ends a stage, "Walking rays ... 40 %" is on the way.
-_STAGE = re.compile(r"(\S.*) \.\.\. (?:(\d+) %.*|\d.* s)\s*$")
+from .progress import ProgressCallback, parse_progress
 
 
-def find_program(program=None):
+def find_program(program: Optional[StrPath] = None) -> str:
     """The path of the program.
 
     program: a path or a name; default: the environment's COLMAP_EXT, else
@@ -33,7 +34,7 @@ def find_program(program=None):
 
 
 @functools.lru_cache(maxsize=None)
-def _options(program, command):
+def _options(program: str, command: str) -> dict[str, str]:
     """The options of a command: what stands behind -- by the name's last part."""
     shown = subprocess.run([program, command, "-h"], stdin=subprocess.DEVNULL,
                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -41,37 +42,47 @@ def _options(program, command):
     names = re.findall(r"^  --([\w.]+)", shown.stdout, re.MULTILINE)
     if shown.returncode != 0 or not names:
         raise ProgramNotFoundError(f"{program} has no command {command}")
-    options = {}
+    options: dict[str, str] = {}
     for name in names:  # aliases come last
         options.setdefault(name.rpartition(".")[2], name)
     return options
 
 
-def make_arguments(program, command, options):
+def _text(value: Any) -> str:
+    """A value as the program reads it."""
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, os.PathLike):
+        return str(os.fspath(value))
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ",".join(map(str, value))
+    return str(value)
+
+
+def make_arguments(program: str, command: str, options: Mapping[str, Any]) -> list[str]:
     """The command line for options by their names without a section.
 
-    Options that are None are left out; True and False are 1 and 0.
-    Raises OptionError for those that the command does not have.
+    Raises OptionError for those that this program does not have.
     """
     known = _options(program, command)
-    arguments = [program, command]
-    for name, value in options.items():
-        if value is None:
-            continue
+    for name in options:
         if name not in known:
-            raise OptionError(f"{command} has no option {name}; it has "
+            raise OptionError(f"{command} of {program} has no option {name}; it has "
                               + ", ".join(sorted(known)))
-        text = str(int(value)) if isinstance(value, bool) else os.fspath(
-            value) if isinstance(value, os.PathLike) else str(value)
-        arguments.append(f"--{known[name]}={text}")
-    return arguments
+    return [program, command] + [
+        f"--{known[name]}={_text(value)}" for name, value in options.items()]
 
 
-def _raise_failure(exit_code, errors, arguments):
-    lines = [line for line in errors.splitlines() if line.strip()]
+def _last_line(errors: IO[bytes], default: str) -> str:
+    """What the program says was wrong, or where it was interrupted."""
+    errors.seek(0)
+    lines = [line for line in errors.read().decode("utf-8", "replace").splitlines()
+             if line.strip()]
     said = [line for line in lines if line.startswith(("ERROR: ", "Interrupted: "))]
-    line = said[-1].split(": ", 1)[1] if said else (
-        lines[-1] if lines else f"ended with exit code {exit_code}")
+    return said[-1].split(": ", 1)[1] if said else lines[-1] if lines else default
+
+
+def _raise_failure(exit_code: int, line: str, arguments: list[str]) -> None:
     number = -exit_code if exit_code < 0 else exit_code - 128
     if number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL):
         raise StoppedError(line, exit_code, arguments)
@@ -80,37 +91,45 @@ def _raise_failure(exit_code, errors, arguments):
     raise CrashError(line, exit_code, arguments)
 
 
-def _watch(process, progress):
-    """Reads and returns the output of the program."""
-    printed = []
-    for line in process.stdout:
-        printed.append(line)
-        stage = _STAGE.match(line)
-        if stage and progress:
-            progress(stage[1], int(stage[2]) / 100 if stage[2] else 1.0)
-    return "".join(printed)
+def _stop(process: "subprocess.Popen[str]", number: int) -> None:
+    """Ends the program by a signal. The refiner ends after its iteration and keeps
+    its complete levels; another Ctrl-C ends it at once."""
+    while True:
+        try:
+            process.send_signal(number)
+            for _ in process.stdout or ():
+                pass
+            process.wait()
+            return
+        except KeyboardInterrupt:
+            pass
 
 
-def run(arguments, progress=None):
-    """Runs a command line. Returns what it prints.
+def run(arguments: list[str], progress: Optional[ProgressCallback] = None) -> None:
+    """Runs a command line.
 
-    progress: is called with the name of the stage, and the share of it that is
-        done, 0 to 1. If it raises, the program is ended and the exception propagates.
-    Raises CommandError, StoppedError or CrashError.
+    progress: is called with each Progress. If it raises, the program is ended and the
+        exception propagates.
+    Raises CommandError, StoppedError or CrashError; KeyboardInterrupt at Ctrl-C, with
+    the line that the program ends with.
     """
     with tempfile.TemporaryFile() as errors:
+        # In a session of its own, the program does not get the terminal's Ctrl-C
+        # besides the one that is passed on.
         with subprocess.Popen(arguments, stdin=subprocess.DEVNULL,
-                              stdout=subprocess.PIPE, stderr=errors,
-                              encoding="utf-8", errors="replace") as process:
+                              stdout=subprocess.PIPE, stderr=errors, encoding="utf-8",
+                              errors="replace", start_new_session=True) as process:
             try:
-                printed = _watch(process, progress)
+                for line in process.stdout or ():
+                    shown = parse_progress(line) if progress else None
+                    if shown and progress:
+                        progress(shown)
+            except KeyboardInterrupt:
+                _stop(process, signal.SIGINT)
+                raise KeyboardInterrupt(_last_line(errors, "")) from None
             except BaseException:
-                process.terminate()
-                process.stdout.close()
-                process.wait()
+                _stop(process, signal.SIGTERM)
                 raise
         if process.returncode != 0:
-            errors.seek(0)
-            _raise_failure(process.returncode,
-                           errors.read().decode("utf-8", "replace"), arguments)
-    return printed
+            line = _last_line(errors, f"ended with exit code {process.returncode}")
+            _raise_failure(process.returncode, line, arguments)

@@ -1,8 +1,15 @@
 """The files .vis: which images see each point of a cloud or vertex of a mesh."""
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Union
+
+from .base_options import StrPath
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass
@@ -14,13 +21,13 @@ class Visibility:
         the images, not image ids.
     """
 
-    offsets: Any
-    images: Any
+    offsets: "NDArray[np.int64]"
+    images: "NDArray[np.uint32]"
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.offsets) - 1
 
-    def __getitem__(self, point):
+    def __getitem__(self, point: int) -> "NDArray[np.uint32]":
         """The images that see a point, [n] uint32."""
         if not -len(self) <= point < len(self):
             raise IndexError(point)
@@ -28,7 +35,7 @@ class Visibility:
         return self.images[self.offsets[point]:self.offsets[point + 1]]
 
 
-def read_vis(path):
+def read_vis(path: StrPath) -> Visibility:
     """Reads a .vis as a Visibility.
 
     Raises ValueError if it is truncated or too long, OSError if it cannot be read.
@@ -44,7 +51,7 @@ def read_vis(path):
         raise ValueError(f"{os.fspath(path)}: truncated or not a .vis")
     offsets = np.zeros(num_points + 1, np.int64)
     position = 2
-    counts = memoryview(words)
+    counts = words.data
     for point in range(num_points):
         if position >= len(words):
             raise ValueError(f"{os.fspath(path)}: truncated")
@@ -59,7 +66,8 @@ def read_vis(path):
     return Visibility(offsets, words[is_image].astype(np.uint32))
 
 
-def write_vis(path, visibility):
+def write_vis(path: StrPath,
+              visibility: "Union[Visibility, Iterable[ArrayLike]]") -> None:
     """Writes a Visibility, or a sequence of rows of image indices, as a .vis."""
     import numpy as np  # pylint: disable=import-outside-toplevel
 

@@ -1,8 +1,11 @@
 """Reading and writing of PLY and .vis."""
 
 import pathlib
+import sys
 import tempfile
+import types
 import unittest
+from unittest import mock
 
 import colmap_ext
 import sphere_workspace
@@ -11,6 +14,23 @@ try:
     import numpy as np
 except ImportError:
     np = None
+try:
+    import open3d
+except ImportError:
+    open3d = None
+try:
+    import trimesh
+except ImportError:
+    trimesh = None
+
+
+def colored_triangle():
+    return colmap_ext.Ply(
+        np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]], np.float32),
+        np.array([[0, 1, 2]], np.int32),
+        np.array([[1, 2, 3], [4, 5, 6], [7, 8, 255]], np.uint8),
+        np.array([[0, 0, 1]] * 3, np.float32),
+        {"confidence": np.array([0, 0.5, 1], np.float32)})
 
 
 @unittest.skipIf(np is None, "no NumPy")
@@ -22,18 +42,19 @@ class FilesTest(unittest.TestCase):
         self.path = pathlib.Path(folder.name) / "file"
 
     def test_a_mesh_is_read_as_written(self):
-        ply = colmap_ext.Ply(
-            np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.5]]), np.array([[0, 1, 2]]),
-            np.array([[1, 2, 3], [4, 5, 6], [7, 8, 255]]),
-            np.array([[0, 0, 1]] * 3),
-            {"confidence": np.array([0, 0.5, 1], np.float32),
-             "label": np.array([-1, 2, 3], np.int32)})
+        ply = colored_triangle()
+        ply.properties["label"] = np.array([-1, 2, 3], np.int32)
         colmap_ext.write_ply(self.path, ply)
         read = colmap_ext.read_ply(self.path)
         for name in ("vertices", "faces", "colors", "normals"):
             np.testing.assert_array_equal(getattr(read, name), getattr(ply, name))
         self.assertEqual(list(read.properties), ["confidence", "label"])
         np.testing.assert_array_equal(read.properties["label"], [-1, 2, 3])
+
+    def test_points_are_written_without_faces(self):
+        colmap_ext.write_ply(self.path, colmap_ext.Ply(np.eye(3)))
+        self.assertNotIn(b"face", self.path.read_bytes())
+        self.assertEqual(colmap_ext.read_ply(self.path).faces.shape, (0, 3))
 
     def test_text_and_big_endian_are_read(self):
         header = ("ply\nformat {} 1.0\ncomment x\nelement vertex 3\nproperty double x\n"
@@ -90,6 +111,62 @@ class FilesTest(unittest.TestCase):
         np.testing.assert_allclose(np.linalg.norm(ply.vertices, axis=1), 1, atol=0.011)
         self.assertEqual(ply.faces.shape, (0, 3))
         self.assertEqual(len(colmap_ext.read_vis(workspace / "fused.ply.vis")), num_points)
+
+
+@unittest.skipIf(np is None, "no NumPy")
+class OtherLibrariesTest(unittest.TestCase):
+
+    def test_trimesh_is_given_the_arrays(self):
+        ply = colored_triangle()
+        module = types.SimpleNamespace(
+            Trimesh=lambda vertices, faces, **others: (vertices, faces, others))
+        with mock.patch.dict(sys.modules, {"trimesh": module}):
+            vertices, faces, others = ply.to_trimesh()
+        self.assertIs(vertices, ply.vertices)
+        self.assertIs(faces, ply.faces)
+        self.assertEqual(others, {
+            "vertex_normals": ply.normals, "vertex_colors": ply.colors,
+            "vertex_attributes": ply.properties, "process": False})
+
+    @unittest.skipIf(trimesh is None, "no trimesh")
+    def test_trimesh_keeps_them(self):
+        ply = colored_triangle()
+        mesh = ply.to_trimesh()
+        np.testing.assert_array_equal(mesh.vertices, ply.vertices)
+        np.testing.assert_array_equal(mesh.faces, ply.faces)
+        np.testing.assert_array_equal(mesh.vertex_normals, ply.normals)
+        np.testing.assert_array_equal(mesh.visual.vertex_colors[:, :3], ply.colors)
+        np.testing.assert_array_equal(mesh.vertex_attributes["confidence"], [0, 0.5, 1])
+
+    def check_open3d(self):
+        ply = colored_triangle()
+        mesh = ply.to_open3d()
+        np.testing.assert_array_equal(mesh.vertices, ply.vertices)
+        np.testing.assert_array_equal(mesh.triangles, ply.faces)
+        np.testing.assert_array_equal(mesh.vertex_normals, ply.normals)
+        np.testing.assert_array_equal(mesh.vertex_colors, ply.colors / 255)
+        ply.colors = ply.normals = None
+        self.assertEqual(len(ply.to_open3d().vertex_colors), 0)
+
+    def test_open3d_is_given_the_arrays(self):
+        module = types.SimpleNamespace(
+            utility=types.SimpleNamespace(Vector3dVector=np.asarray,
+                                          Vector3iVector=np.asarray),
+            geometry=types.SimpleNamespace(
+                TriangleMesh=lambda vertices, triangles: types.SimpleNamespace(
+                    vertices=vertices, triangles=triangles, vertex_colors=())))
+        with mock.patch.dict(sys.modules, {"open3d": module}):
+            self.check_open3d()
+
+    @unittest.skipIf(open3d is None, "no open3d")
+    def test_open3d_keeps_them(self):
+        self.check_open3d()
+
+    def test_they_are_not_required(self):
+        with mock.patch.dict(sys.modules, {"trimesh": None, "open3d": None}):
+            for convert in (colored_triangle().to_trimesh, colored_triangle().to_open3d):
+                with self.assertRaises(ImportError):
+                    convert()
 
 
 if __name__ == "__main__":
