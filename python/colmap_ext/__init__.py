@@ -1,12 +1,14 @@
 """Meshes, refines and evaluates COLMAP's dense workspaces by the program colmap_ext."""
 
+import pathlib
+
 from .commands import evaluate, mesh, refine
 from .errors import (ColmapExtError, CommandError, CrashError, OptionError,
                      ProgramNotFoundError, StoppedError)
 from .ply import Ply, read_ply, write_ply
 from .visibility import Visibility, read_vis, write_vis
 
-__version__ = "0.1.0"
+__version__ = (pathlib.Path(__file__).parent / "VERSION").read_text().strip()
 
 __all__ = [
     "ColmapExtError", "CommandError", "CrashError", "OptionError", "Ply",
