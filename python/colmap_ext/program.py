@@ -2,10 +2,12 @@
 
 import functools
 import os
+import pathlib
 import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 
 from .errors import (CommandError, CrashError, OptionError, ProgramNotFoundError,
@@ -14,16 +16,19 @@ from .errors import (CommandError, CrashError, OptionError, ProgramNotFoundError
 # "Walking rays ... 12.3 s" ends a stage, "Walking rays ... 40 %" is on the way.
 _STAGE = re.compile(r"(\S.*) \.\.\. (?:(\d+) %.*|\d.* s)\s*$")
 
+# The program inside the package, if that was installed as a wheel of scripts/make_wheel.
+_INSIDE = str(pathlib.Path(__file__).with_name("bin") / "colmap_ext")
+
 
 def find_program(program=None):
     """The path of the program.
 
-    program: a path or a name; default: the environment's COLMAP_EXT, else
-        colmap_ext or else colmap of the PATH.
+    program: a path or a name; default: the environment's COLMAP_EXT, else the one
+        inside the package, else colmap_ext or else colmap of the PATH.
     Raises ProgramNotFoundError.
     """
     wanted = program or os.environ.get("COLMAP_EXT")
-    for name in [os.fspath(wanted)] if wanted else ["colmap_ext", "colmap"]:
+    for name in [os.fspath(wanted)] if wanted else [_INSIDE, "colmap_ext", "colmap"]:
         path = shutil.which(name)
         if path:
             return path
@@ -114,3 +119,8 @@ def run(arguments, progress=None):
             _raise_failure(process.returncode,
                            errors.read().decode("utf-8", "replace"), arguments)
     return printed
+
+
+def main():
+    """The command colmap_ext of a wheel: runs the program inside the package."""
+    os.execv(_INSIDE, [_INSIDE, *sys.argv[1:]])
