@@ -74,8 +74,11 @@ std::optional<Image> ReadImage(const std::filesystem::path& path,
 void InitializeLogging(char** argv) { colmap::InitializeGlog(argv); }
 
 std::string Versions() {
+  const std::string commit = COLMAP_EXT_COMMIT;
   const std::string build = colmap::GetBuildInfo();
-  return "colmap_ext " COLMAP_EXT_VERSION " with " + colmap::GetVersionInfo() +
+  return "colmap_ext " COLMAP_EXT_VERSION +
+         (commit.empty() ? "" : " (" + commit + ")") + " with " +
+         colmap::GetVersionInfo() +
          (build.find("Unknown") == std::string::npos ? " (" + build + ")" : "");
 }
 

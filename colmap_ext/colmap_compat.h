@@ -13,7 +13,8 @@ namespace colmap_ext {
 // Starts COLMAP's logging (glog). To be called once, by main().
 void InitializeLogging(char** argv);
 
-// Ours, and COLMAP's: "colmap_ext 0.1.0 with COLMAP 3.8 (Commit ...)".
+// Ours, and COLMAP's: with the commits if known:
+// "colmap_ext 1.0.0 (0123abc) with COLMAP 3.8 (Commit ...)".
 std::string Versions();
 
 // Decodes pictures by COLMAP. Grey is (R + 2 G + B) / 4, as many of each as a

@@ -1,5 +1,7 @@
 """Meshes, refines and evaluates COLMAP's dense workspaces by the program colmap_ext."""
 
+import pathlib
+
 from .commands import delaunay_manifold_meshing, facetwise_refinement, mesh_evaluation
 from .errors import (ColmapExtError, CommandError, CrashError, OptionError,
                      ProgramNotFoundError, StoppedError)
@@ -9,7 +11,7 @@ from .ply import Ply, read_ply, write_ply
 from .progress import Progress
 from .visibility import Visibility, read_vis, write_vis
 
-__version__ = "0.1.0"
+__version__ = (pathlib.Path(__file__).parent / "VERSION").read_text().strip()
 
 __all__ = [
     "ColmapExtError", "CommandError", "CrashError", "DelaunayManifoldMeshingOptions",

@@ -2,10 +2,12 @@
 
 import functools
 import os
+import pathlib
 import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from typing import IO, Any, Optional
@@ -15,16 +17,19 @@ from .errors import (CommandError, CrashError, OptionError, ProgramNotFoundError
                      StoppedError)
 from .progress import ProgressCallback, parse_progress
 
+# The program inside the package, if that was installed as a wheel of scripts/make_wheel.
+_INSIDE = str(pathlib.Path(__file__).with_name("bin") / "colmap_ext")
+
 
 def find_program(program: Optional[StrPath] = None) -> str:
     """The path of the program.
 
-    program: a path or a name; default: the environment's COLMAP_EXT, else
-        colmap_ext or else colmap of the PATH.
+    program: a path or a name; default: the environment's COLMAP_EXT, else the one
+        inside the package, else colmap_ext or else colmap of the PATH.
     Raises ProgramNotFoundError.
     """
     wanted = program or os.environ.get("COLMAP_EXT")
-    for name in [os.fspath(wanted)] if wanted else ["colmap_ext", "colmap"]:
+    for name in [os.fspath(wanted)] if wanted else [_INSIDE, "colmap_ext", "colmap"]:
         path = shutil.which(name)
         if path:
             return path
@@ -133,3 +138,8 @@ def run(arguments: list[str], progress: Optional[ProgressCallback] = None) -> No
         if process.returncode != 0:
             line = _last_line(errors, f"ended with exit code {process.returncode}")
             _raise_failure(process.returncode, line, arguments)
+
+
+def main() -> None:
+    """The command colmap_ext of a wheel: runs the program inside the package."""
+    os.execv(_INSIDE, [_INSIDE, *sys.argv[1:]])
