@@ -158,7 +158,8 @@ class Problem {
     options.linear_solver_ordering = ordering_;
     options.num_threads = 1;
     options.max_num_iterations = 12;
-    options.function_tolerance = 1e-5;
+    // The windows are compared anew after each solution; a choice.
+    options.function_tolerance = 1e-3;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);

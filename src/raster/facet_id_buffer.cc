@@ -247,17 +247,25 @@ class FarthestSurface {
  public:
   explicit FarthestSurface(const FacetIdBuffer& buffer)
       : width_((buffer.width + kSide - 1) / kSide),
+        columns_(static_cast<size_t>(width_) * kSide),
         depths_(static_cast<size_t>(width_) *
                 ((buffer.height + kSide - 1) / kSide)) {}
 
   // After the surface was drawn.
   void Update(const FacetIdBuffer& buffer) {
-    std::ranges::fill(depths_, std::numeric_limits<float>::infinity());
-    for (int row = 0; row < buffer.height; ++row) {
-      float* depths = &depths_[static_cast<size_t>(row / kSide) * width_];
-      const float* drawn = &buffer.inverse_depths[buffer.Index(row, 0)];
-      for (int col = 0; col < buffer.width; ++col) {
-        depths[col / kSide] = std::min(depths[col / kSide], drawn[col]);
+    for (int top = 0; top < buffer.height; top += kSide) {
+      // First of the columns, which is done in vectors.
+      std::ranges::fill(columns_, std::numeric_limits<float>::infinity());
+      for (int row = top; row < std::min(top + kSide, buffer.height); ++row) {
+        const float* drawn = &buffer.inverse_depths[buffer.Index(row, 0)];
+        for (int col = 0; col < buffer.width; ++col) {
+          columns_[col] = std::min(columns_[col], drawn[col]);
+        }
+      }
+      for (int square = 0; square < width_; ++square) {
+        const auto first = columns_.begin() + kSide * square;
+        depths_[static_cast<size_t>(top / kSide) * width_ + square] =
+            *std::min_element(first, first + kSide);
       }
     }
   }
@@ -280,7 +288,8 @@ class FarthestSurface {
   static constexpr int kSide = 8;  // px, a choice
 
   int width_;
-  std::vector<float> depths_;  // [squares] the smallest inverse depths
+  std::vector<float> columns_;  // scratch
+  std::vector<float> depths_;   // [squares] the smallest inverse depths
 };
 
 // Times a facet's inverse depth: beyond what IsNearest() takes for nearest, of

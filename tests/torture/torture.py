@@ -135,14 +135,15 @@ def find_excessive(results):
     """Adds the faults of processes that took far more than others do."""
     kinds = collections.defaultdict(list)
     for result in results:
-        for command, _, cpu, memory, _ in result["ended"]:
-            for base in ("", result["base"]):
-                kinds[command, base].append((cpu, memory))
+        for command, exit_code, cpu, memory, _ in result["ended"]:
+            if exit_code == 0:  # What is refused ends at once.
+                for base in ("", result["base"]):
+                    kinds[command, base].append((cpu, memory))
     for result in results:
         for command, _, cpu, memory, _ in result["ended"]:
             like = kinds[command, result["base"]]
             if len(like) < 10:
-                like = kinds[command, ""]
+                like = kinds[command, ""] or [(cpu, memory)]
             slow = TIMES_MEDIAN * statistics.median(c for c, _ in like)
             large = TIMES_MEDIAN * statistics.median(m for _, m in like)
             if cpu > max(slow, MIN_SLOW):
