@@ -21,18 +21,44 @@
 namespace colmap_ext {
 
 void ImproveFacets(RefinedMesh* state) {
-  RemeshedSurface improved =
-      ImproveAngles(state->mesh, FixedOf(state->fixed_sources));
-  const size_t num_crossing =
-      RepairSelfIntersections(&improved.mesh, kMaxRepairRounds,
-                              FixedOf(improved.fixed_sources))
-          .num_after;
-  if (num_crossing > state->report.num_self_intersections) {
-    return;
+  // Choices; 2 rings are what a flip and a step of a vertex change.
+  constexpr int kMaxTrials = 4;
+  constexpr int kRings = 2;
+  const FixedVertices fixed = FixedOf(state->fixed_sources);
+  FixedVertices is_left_alone = fixed;
+  for (int trial = 0; trial < kMaxTrials; ++trial) {
+    RemeshedSurface improved = ImproveAngles(state->mesh, is_left_alone);
+    for (uint32_t& source : improved.fixed_sources) {
+      source = source != kNone && IsFixed(fixed, source) ? source : kNone;
+    }
+    const size_t num_crossing =
+        RepairSelfIntersections(&improved.mesh, kMaxRepairRounds,
+                                FixedOf(improved.fixed_sources))
+            .num_after;
+    if (num_crossing <= state->report.num_self_intersections) {
+      state->report.num_self_intersections = num_crossing;
+      state->labels = state->labels.Remapped(improved.facet_sources);
+      if (fixed.empty()) {
+        improved.fixed_sources.clear();
+      }
+      BecomeRemeshed(std::move(improved), state);
+      return;
+    }
+    // The surroundings of what crosses are left as they are.
+    std::vector<uint32_t> crossing;
+    for (const FacetPair& pair : FindSelfIntersections(improved.mesh)) {
+      for (const uint32_t facet : pair) {
+        crossing.push_back(improved.facet_sources[facet]);
+      }
+    }
+    is_left_alone.resize(state->mesh.vertices.size(), 0);
+    for (const uint32_t facet :
+         Marked(MarkAround(state->mesh, crossing, kRings))) {
+      for (const uint32_t vertex : state->mesh.facets[facet]) {
+        is_left_alone[vertex] = 1;
+      }
+    }
   }
-  state->report.num_self_intersections = num_crossing;
-  state->labels = state->labels.Remapped(improved.facet_sources);
-  BecomeRemeshed(std::move(improved), state);
 }
 
 void CountSelfIntersections(const Progress& progress, RefinedMesh* state) {

@@ -207,7 +207,7 @@ RefinedMesh RefineFacetwise(const FacetwiseRefinementOptions& options,
                             const RefinementHooks& hooks);
 
 // Gives thin facets, which steps along the normals leave, a better shape,
-// unless that makes facets cross.
+// except where that makes facets cross.
 void ImproveFacets(RefinedMesh* state);
 
 // Counts self-intersections in the report.

@@ -82,36 +82,6 @@ void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
   mesh->FlipEdges(hard);
 }
 
-// Marks all facets at the vertices within some rings of edges around facets.
-// Goes through all of the mesh once a ring, and needs no adjacency.
-// \return [F] 1: it is one of these
-std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
-                                const std::vector<uint32_t>& facets,
-                                int num_rings) {
-  std::vector<uint8_t> is_reached(mesh.vertices.size(), 0);
-  for (const uint32_t vertex : VerticesOf(mesh, facets)) {
-    is_reached[vertex] = 1;
-  }
-  const auto mark = [&] {
-    std::vector<uint8_t> is_marked(mesh.facets.size());
-    tbb::parallel_for(size_t{0}, is_marked.size(), [&](size_t i) {
-      const auto& [a, b, c] = mesh.facets[i];
-      is_marked[i] = is_reached[a] | is_reached[b] | is_reached[c];
-    });
-    return is_marked;
-  };
-  std::vector<uint8_t> is_marked = mark();
-  for (int ring = 0; ring < num_rings; ++ring) {
-    for (size_t i = 0; i < is_marked.size(); ++i) {
-      for (const uint32_t vertex : mesh.facets[i]) {
-        is_reached[vertex] |= is_marked[i];
-      }
-    }
-    is_marked = mark();
-  }
-  return is_marked;
-}
-
 // Marks all facets whose boxes meet any of the given ones, too.
 void MarkWithin(const TriangleMesh& mesh,
                 const std::vector<Eigen::AlignedBox3f>& boxes,
@@ -272,6 +242,33 @@ class PatchRepair {
 };
 
 }  // namespace
+
+std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
+                                const std::vector<uint32_t>& facets,
+                                int num_rings) {
+  std::vector<uint8_t> is_reached(mesh.vertices.size(), 0);
+  for (const uint32_t vertex : VerticesOf(mesh, facets)) {
+    is_reached[vertex] = 1;
+  }
+  const auto mark = [&] {
+    std::vector<uint8_t> is_marked(mesh.facets.size());
+    tbb::parallel_for(size_t{0}, is_marked.size(), [&](size_t i) {
+      const auto& [a, b, c] = mesh.facets[i];
+      is_marked[i] = is_reached[a] | is_reached[b] | is_reached[c];
+    });
+    return is_marked;
+  };
+  std::vector<uint8_t> is_marked = mark();
+  for (int ring = 0; ring < num_rings; ++ring) {
+    for (size_t i = 0; i < is_marked.size(); ++i) {
+      for (const uint32_t vertex : mesh.facets[i]) {
+        is_reached[vertex] |= is_marked[i];
+      }
+    }
+    is_marked = mark();
+  }
+  return is_marked;
+}
 
 SelfIntersectionRepair RepairSelfIntersections(TriangleMesh* mesh,
                                                int max_rounds,

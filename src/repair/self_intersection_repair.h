@@ -44,4 +44,11 @@ SelfIntersectionRepair RepairSelfIntersections(
     TriangleMesh* mesh, int max_rounds = kMaxRepairRounds,
     const FixedVertices& fixed = {});
 
+// Marks all facets at the vertices within some rings of edges around facets.
+// Goes through all of the mesh once a ring, and needs no adjacency.
+// \return [F] 1: it is one of these
+std::vector<uint8_t> MarkAround(const TriangleMesh& mesh,
+                                const std::vector<uint32_t>& facets,
+                                int num_rings);
+
 }  // namespace colmap_ext

@@ -8,14 +8,17 @@
 #include "mesh/topology.h"
 #include "photometry/photometric_energy.h"
 #include "refine/facetwise_refinement.h"
+#include "repair/self_intersection_repair.h"
 #include "spatial/bvh.h"
 #include "spatial/self_intersections.h"
 #include "tests/cameras/camera_scene.h"
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
+#include "tests/mesh/shapes.h"
 #include "tests/random.h"
 #include "tests/raster/visible_facets.h"
+#include "tests/remesh/thin_facets.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::facetwise_refinement_test {
@@ -388,6 +391,22 @@ TEST_F(RefineFacetwiseTest, TrimsWhatNoViewSeesAndClosesIt) {
     EXPECT_EQ(refined.attributes.views.size(), num_vertices);
     EXPECT_EQ(refined.attributes.confidences.size(), num_vertices);
   }
+}
+
+// Two spheres, one just inside the other, whose needles can not be improved
+// everywhere without a crossing, and a third one far away.
+TEST(ImproveFacets, LeavesOnlyTheSurroundingsOfCrossingsAlone) {
+  Random random(3);
+  const TriangleMesh sphere = MakeThinFacets(MakeBumpySphere(0.1F), &random);
+  RefinedMesh refined;
+  refined.mesh =
+      Union(Union(sphere, Scaled(sphere, 0.999F)), Shifted(sphere, {5, 0, 0}));
+  ASSERT_EQ(RepairSelfIntersections(&refined.mesh).num_after, 0);
+  refined.attributes.views = Rows<uint32_t>(refined.mesh.vertices.size());
+  const double thin = ShareBelow(10, refined.mesh);
+  ImproveFacets(&refined);
+  EXPECT_TRUE(FindSelfIntersections(refined.mesh).empty());
+  EXPECT_LT(ShareBelow(10, refined.mesh), 0.2 * thin);
 }
 
 TEST(FinishRefinement, RefusesRegionsThatLeaveNothing) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,6 +10,7 @@
 #include "spatial/bvh.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"
+#include "tests/remesh/thin_facets.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::isotropic_remeshing_test {
@@ -64,18 +64,6 @@ TEST(RemeshEvenly, KeepsTheNumberOfFacetsAndCarriesAttributes) {
                 0.01);
     EXPECT_EQ(attributes.views[i].size(), 1);
   }
-}
-
-// [F] degrees
-std::vector<double> SmallestAngles(const TriangleMesh& mesh) {
-  std::vector<double> angles;
-  for (const Facet& facet : mesh.facets) {
-    angles.push_back(std::min({AngleVector(mesh, facet, 0).norm(),
-                               AngleVector(mesh, facet, 1).norm(),
-                               AngleVector(mesh, facet, 2).norm()}) *
-                     180 / M_PI);
-  }
-  return angles;
 }
 
 double Percentile(std::vector<double> values, double share) {
@@ -224,31 +212,11 @@ TriangleMesh MakeEven(const TriangleMesh& mesh) {
   return Remesh(mesh, kLength, 0.1F).mesh;
 }
 
-// Moves some vertices along an edge, nearly up to its other end: needles and
-// caps.
-TriangleMesh MakeThinFacets(TriangleMesh mesh, Random* random) {
-  std::set<uint32_t> used;
-  for (const auto& [a, b, c] : mesh.facets) {
-    if (random->Chance(0.02) && used.insert(a).second &&
-        used.insert(b).second && used.insert(c).second) {
-      mesh.vertices[a] = 0.1F * mesh.vertices[a] + 0.9F * mesh.vertices[b];
-    }
-  }
-  return mesh;
-}
-
 std::vector<TriangleMesh> ThinMeshes() {
   Random random(2);
   return {MakeThinFacets(MakeEven(MakeBumpySphere(0.1F)), &random),
           MakeThinFacets(MakeEven(MakeBumpyCap(0.1F)), &random),
           MakeThinFacets(MakeEven(MakeRoundTorus(0.1F)), &random)};
-}
-
-double ShareBelow(double angle, const TriangleMesh& mesh) {
-  const std::vector<double> angles = SmallestAngles(mesh);
-  const auto count = std::ranges::count_if(
-      angles, [&](double smallest) { return smallest < angle; });
-  return static_cast<double>(count) / static_cast<double>(angles.size());
 }
 
 // Facets that are well shaped keep their corners, unless a neighbor is not.
