@@ -71,14 +71,6 @@ bool IsOutside(const FrustumNormals& normals, const Eigen::Vector3d& center,
 
 }  // namespace
 
-void AddRange(const FacetRange& range, std::vector<FacetRange>* ranges) {
-  if (!ranges->empty() && ranges->back().end == range.first) {
-    ranges->back().end = range.end;
-  } else {
-    ranges->push_back(range);
-  }
-}
-
 FacetClusters::FacetClusters(const TriangleMesh& mesh)
     : num_facets_(mesh.facets.size()),
       boxes_((num_facets_ + kSize - 1) / kSize) {
@@ -111,7 +103,14 @@ FacetRange FacetClusters::FacetsOf(size_t cluster) const {
 
 std::vector<FacetRange> FacetClusters::InFrustum(const View& view) const {
   std::vector<FacetRange> ranges;
-  ForEachInFrustum(view, [&](size_t i) { AddRange(FacetsOf(i), &ranges); });
+  ForEachInFrustum(view, [&](size_t i) {
+    const FacetRange range = FacetsOf(i);
+    if (!ranges.empty() && ranges.back().end == range.first) {
+      ranges.back().end = range.end;
+    } else {
+      ranges.push_back(range);
+    }
+  });
   return ranges;
 }
 

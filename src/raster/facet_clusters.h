@@ -32,9 +32,6 @@ void ForEachFacet(std::span<const FacetRange> ranges,
   }
 }
 
-// Appends a range, or makes the last one longer where it adjoins.
-void AddRange(const FacetRange& range, std::vector<FacetRange>* ranges);
-
 // A rectangle of pixels, both ends included.
 struct PixelBox {
   int first_row = 0, last_row = -1;
@@ -62,7 +59,7 @@ class FacetClusters {
   // lie within a view's image and kImageMargin around it; ascending.
   std::vector<FacetRange> InFrustum(const View& view) const;
 
-  // Such a run in a view.
+  // A run of facets in a view.
   struct Seen {
     FacetRange facets;
     // The largest inverse depth of its box, 1 / scene unit; infinity if that
