@@ -3,9 +3,10 @@
 #   add_module(<name> [DEPENDS <module>...] [LIBS <target>...]
 #              [PRIVATE_LIBS <target>...] [WITHOUT <file>...])
 #
-# WITHOUT lists sources that are not compiled. Its files are included as "<name>/file.h". The include folder of a module
-# holds nothing but a link to that module, so including a module that is not
-# among DEPENDS (or their own dependencies) fails at build.
+# WITHOUT lists sources that are not compiled. The files of a module are
+# included as "<name>/file.h". Its include folder holds nothing but a link to
+# it, so including a module that is not among DEPENDS, or among what these
+# depend on, fails at build.
 function(add_module name)
   cmake_parse_arguments(MODULE "" "" "DEPENDS;LIBS;PRIVATE_LIBS;WITHOUT"
                         ${ARGN})

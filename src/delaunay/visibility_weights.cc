@@ -192,8 +192,9 @@ class Voter {
     }
   }
 
-  // Adds to the cell where a ray ends. Where that is beyond the hull, which a
-  // part of all vertices has another one of, it is all that may be the one.
+  // Adds to the cell where a ray ends. If that is outside the hull of a tile,
+  // which differs from the hull of the scene, it adds to each infinite cell
+  // that the ray may end in.
   void AddAtEnds(uint32_t weight, const VotingRay& ray, const RayPath& path,
                  uint32_t NodeCapacities::*terminal) {
     if (!options_.inner_place || !places_.empty() || !path.crossings.empty() ||
@@ -231,11 +232,10 @@ class Voter {
            RaySideExact(origin, target, first, second) > 0;
   }
 
-  // A path of arcs whose weights do not fall from the point outwards, to a
-  // terminal arc of the whole weight. As much flow as each arc takes leaves its
-  // reverse with the capacity, and the cells with what the next arc did not
-  // take.
-  // \param reverse_arc  of each arc
+  // Pushes flow along the ray at once. The weights of the arcs do not fall from
+  // the point outwards, and the last arc, to the terminal, has the whole
+  // weight. The flow of each arc becomes capacity of its reverse; what the next
+  // arc has more goes to the cell's terminal. \param reverse_arc  of each arc
   // \param terminal  source or sink
   void PushAlong(const RayPath& path, const VotingRay& ray,
                  uint32_t Crossing::*reverse_arc,

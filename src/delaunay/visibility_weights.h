@@ -83,9 +83,9 @@ struct Observations : Rows<Observation> {
   // before and behind it, and not for matter. Empty: there are no such
   // vertices.
   std::vector<uint8_t> is_end = {};
-  // World frame. Empty: row i is of vertex i. Otherwise it is of point i, which
-  // is no vertex, and near the point before. Beyond the cell that holds the
-  // point its rays vote as if it were a vertex, to the unit.
+  // World frame. Empty: row i is of vertex i. Otherwise row i is of point i,
+  // which is not a vertex and lies near point i - 1. Outside the cell that
+  // holds the point its rays vote exactly as if it were a vertex.
   std::vector<Eigen::Vector3f> points = {};
 
   bool IsEnd(size_t vertex) const {

@@ -28,8 +28,8 @@ struct FacetLabelingOptions {
   // docs/results.md.
   int final_pairs_per_facet = 18;
 
-  // Labels of each facet that the final iterations before these use: a third.
-  // Tuned likewise.
+  // Labels of each facet in the first half of the final iterations: a third of
+  // final_pairs_per_facet. Tuned on the same scenes.
   int FirstFinalPairs() const {
     return std::max(pairs_per_facet, (final_pairs_per_facet + 2) / 3);
   }

@@ -123,9 +123,8 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
 struct Surface {
   TriangleMesh mesh;
   VertexAttributes attributes;             // [V]
-  std::vector<Eigen::Vector3f> origins{};  // [V] or empty: on the surface that
-                                           // all began with, where the vertices
-                                           // come from
+  std::vector<Eigen::Vector3f> origins{};  // [V] or empty: where on the input
+                                           // surface each vertex comes from
   FixedSources fixed_sources{};            // [V] or empty
 
   // Takes a mesh that was made from this one. Its vertices get the attributes

@@ -59,8 +59,8 @@ class VisibilityBuffers {
 using DrawMesh = std::function<std::shared_ptr<const VisibilityBuffers>(
     const TriangleMesh&)>;
 
-// [F] the views that show each facet, ascending; of more than kMaxViewsOfFacet
-// those that show it largest.
+// [F] the views that show each facet, ascending. If more than kMaxViewsOfFacet
+// show it, only those that show it largest.
 using FacetVisibility = Rows<uint32_t>;
 
 // A choice: what a facet takes is then bounded, however many images there are.

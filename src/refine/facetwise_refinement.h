@@ -47,10 +47,9 @@ struct FacetwiseRefinementOptions {
   // without it, large facets are only subdivided.
   bool remeshing = true;
 
-  // The area that facets get before a level starts, in the second of the images
-  // that show them largest, px^2 of the level's images: edges of four pixels,
-  // a little less than a window. Without remeshing, what is larger is
-  // subdivided.
+  // The area that facets get before a level starts, px^2 of the level's images,
+  // in the image that shows the facet second largest: edges of four pixels, a
+  // little less than a window. Without remeshing, larger facets are subdivided.
   double max_face_area = 7;
 
   // Facets are refined where the images agree by this correlation or more in

@@ -220,7 +220,8 @@ class SafeMotion {
 
   MovedMesh Run(FacetTree* tree) {
     std::vector<uint32_t> facets = ShortenTurned(TurnedFacets());
-    // What is turned no more may still cross; what no more crosses may turn.
+    // Undoing turns can leave crossings, and undoing crossings can turn facets:
+    // repeat until there are neither.
     tree->Enclose(mesh_, moved_.mesh);
     facets = ShortenCrossing(FindSelfIntersections(moved_.mesh, *tree));
     while (!facets.empty()) {

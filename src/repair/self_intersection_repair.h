@@ -14,7 +14,7 @@ struct SelfIntersectionRepair {
   bool operator==(const SelfIntersectionRepair&) const = default;
 };
 
-// Of the repair, each in wider surroundings than the one before. A choice.
+// Each round works on wider surroundings than the one before. A choice.
 inline constexpr int kMaxRepairRounds = 8;
 
 // Removes self-intersections where local changes do.

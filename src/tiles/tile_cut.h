@@ -17,7 +17,8 @@
 
 namespace colmap_ext {
 
-// The plan's vertices of another numbering's; that at infinity is the same.
+// Translates vertex indices of a tile into the plan's. The vertex at infinity
+// keeps its index.
 inline std::array<uint32_t, 4> IdsOf(std::array<uint32_t, 4> vertices,
                                      const std::vector<uint32_t>& ids) {
   for (uint32_t& vertex : vertices) {
