@@ -13,7 +13,7 @@ namespace colmap_ext {
 // Starts COLMAP's logging (glog). To be called once, by main().
 void InitializeLogging(char** argv);
 
-// Ours, and COLMAP's: with the commits if known:
+// Our version and COLMAP's, with the commits where they are known:
 // "colmap_ext 1.0.0 (0123abc) with COLMAP 3.8 (Commit ...)".
 std::string Versions();
 

@@ -235,7 +235,8 @@ class Voter {
   // Pushes flow along the ray at once. The weights of the arcs do not fall from
   // the point outwards, and the last arc, to the terminal, has the whole
   // weight. The flow of each arc becomes capacity of its reverse; what the next
-  // arc has more goes to the cell's terminal. \param reverse_arc  of each arc
+  // arc has more goes to the cell's terminal.
+  // \param reverse_arc  of each arc
   // \param terminal  source or sink
   void PushAlong(const RayPath& path, const VotingRay& ray,
                  uint32_t Crossing::*reverse_arc,

@@ -6,7 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "base/indices.h"
 #include "base/rows.h"
+#include "mesh/adjacency.h"
 #include "mesh/clip_mesh.h"
 #include "mesh/confidences.h"
 #include "mesh/normals.h"
@@ -38,9 +40,6 @@ void ImproveFacets(RefinedMesh* state) {
     if (num_crossing <= state->report.num_self_intersections) {
       state->report.num_self_intersections = num_crossing;
       state->labels = state->labels.Remapped(improved.facet_sources);
-      if (fixed.empty()) {
-        improved.fixed_sources.clear();
-      }
       BecomeRemeshed(std::move(improved), state);
       return;
     }
@@ -52,11 +51,10 @@ void ImproveFacets(RefinedMesh* state) {
       }
     }
     is_left_alone.resize(state->mesh.vertices.size(), 0);
-    for (const uint32_t facet :
-         Marked(MarkAround(state->mesh, crossing, kRings))) {
-      for (const uint32_t vertex : state->mesh.facets[facet]) {
-        is_left_alone[vertex] = 1;
-      }
+    const std::vector<uint32_t> around =
+        Marked(MarkAround(state->mesh, crossing, kRings));
+    for (const uint32_t vertex : VerticesOf(state->mesh, around)) {
+      is_left_alone[vertex] = 1;
     }
   }
 }

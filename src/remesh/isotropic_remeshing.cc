@@ -240,6 +240,9 @@ void BecomeRemeshed(RemeshedSurface remeshed, Surface* surface) {
   }
   surface->mesh = std::move(remeshed.mesh);
   const FixedSources before = std::exchange(surface->fixed_sources, {});
+  if (before.empty()) {
+    return;
+  }
   for (const uint32_t vertex : remeshed.fixed_sources) {
     surface->fixed_sources.push_back(vertex != kNone ? before[vertex] : kNone);
   }

@@ -9,7 +9,7 @@ values of the options that the program lists (-h), valid and not, damages files,
 limits their size, or kills jobs and starts them again. A command may end with 0
 and files that are whole, meshes that are finite 2-manifolds, or with 1, one line
 of ERROR, and every earlier file as it was. Never by a signal, and it takes less
-than ten times the time and the memory of others of its kind.
+than ten times the time and the memory of others of its kind that end with 0.
 
 A run is drawn from the seed and its index alone: --only INDEX repeats it. Runs
 that find something are kept, with their command lines and the workspace before
