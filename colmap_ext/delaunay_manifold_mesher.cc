@@ -19,9 +19,9 @@
 #include "meshing/manifold_meshing.h"
 #include "photometry/image_pyramid.h"
 #include "scene/half_pixel.h"
-#include "workspace/find_workspace.h"
-#include "workspace/pictures.h"
+#include "workspace/read_pictures.h"
 #include "workspace/workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

@@ -23,8 +23,8 @@
 #include "mesh/topology.h"
 #include "pictures/pictures.h"
 #include "viewer/viewer_session.h"
-#include "workspace/find_workspace.h"
 #include "workspace/sparse_model.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

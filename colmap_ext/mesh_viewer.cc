@@ -23,7 +23,7 @@
 #include "viewer/scene_renderer.h"
 #include "viewer/shown_scene.h"
 #include "viewer/viewer_session.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

@@ -59,8 +59,8 @@ void Finish(const Plan& plan, const FilePlan& vertices,
     points.noises = std::move(read.noises);
   }
   points.is_end = std::move(read.observations.is_end);
-  SplitSurface(options, std::move(merged.extracted), std::move(points),
-               plan.views, result);
+  MakeSurfaceManifold(options, std::move(merged.extracted), std::move(points),
+                      plan.views, result);
 }
 
 void PrintTile(const TileCut& cut, const TileSeam& seam, ReportLog* log) {

@@ -8,8 +8,8 @@
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/jobs/plan.h"
 #include "tiles/plan_vertices.h"
-#include "tiles/surface_patches.h"
 #include "tiles/tile_cut.h"
+#include "tiles/tile_patches.h"
 
 namespace colmap_ext {
 

@@ -14,7 +14,7 @@
 #include "mesh/normals.h"
 #include "mesh/space_filling_curve.h"
 #include "spatial/facet_tree.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

@@ -14,7 +14,7 @@
 #include "mesh/clip_mesh.h"
 #include "mesh/normals.h"
 #include "mesh/topology.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

@@ -10,7 +10,7 @@
 #include "colmap_ext/jobs/job_file.h"
 #include "colmap_ext/options/refinement_options.h"
 #include "formats/read_ply.h"
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 #include "mesh/surface.h"
 #include "photometry/image_pyramid.h"
 #include "refine/facetwise_refinement.h"
@@ -19,7 +19,7 @@
 #include "scene/progress.h"
 #include "scene/region.h"
 #include "scene/view.h"
-#include "workspace/pictures.h"
+#include "workspace/read_pictures.h"
 #include "workspace/sparse_model.h"
 #include "workspace/workspace.h"
 

@@ -1,7 +1,7 @@
 #include "colmap_ext/options/meshing_options.h"
 
 #include "formats/read_numbers.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

@@ -18,10 +18,10 @@
 #include "mesh/topology.h"
 #include "meshing/manifold_meshing.h"
 #include "refine/facetwise_refinement.h"
-#include "repair/edit_borders.h"
+#include "repair/borders.h"
 #include "scene/half_pixel.h"
 #include "scene/region.h"
-#include "workspace/pictures.h"
+#include "workspace/read_pictures.h"
 #include "workspace/workspace.h"
 
 namespace colmap_ext {

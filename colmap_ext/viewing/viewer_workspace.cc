@@ -7,8 +7,8 @@
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "pictures/pictures.h"
-#include "workspace/find_workspace.h"
 #include "workspace/workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

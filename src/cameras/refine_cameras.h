@@ -8,7 +8,7 @@
 
 #include "cameras/camera_set.h"
 #include "cameras/surface_patches.h"
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
 #include "raster/visibility_buffers.h"

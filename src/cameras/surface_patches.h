@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "base/rows.h"
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "raster/visibility_buffers.h"

@@ -8,7 +8,7 @@
 #include "base/percentile.h"
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 
 namespace colmap_ext {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "mesh/confidences.h"
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 #include "remesh/isotropic_remeshing.h"
 
 namespace colmap_ext {
@@ -226,8 +226,9 @@ void FinishBorders(const BorderOptions& options, const std::vector<View>& views,
                    const Progress& progress, ManifoldMesh* result) {
   Report(progress, "Finishing the borders", 0);
   if (options.trim > 0 || options.close_holes != 0) {
-    const Provenance from = EditBorders(options, result->facet_confidences,
-                                        views, result, &result->report.borders);
+    const Provenance from =
+        TrimAndCloseHoles(options, result->facet_confidences, views, result,
+                          &result->report.borders);
     std::vector<float> facet_confidences;
     facet_confidences.reserve(from.facets.size());
     for (const uint32_t source : from.facets) {
@@ -272,9 +273,9 @@ std::vector<float> MeansOfSources(
   return means;
 }
 
-void SplitSurface(const ManifoldMeshingOptions& options,
-                  ExtractedSurface extracted, SurfacePoints points,
-                  const std::vector<View>& views, ManifoldMesh* result) {
+void MakeSurfaceManifold(const ManifoldMeshingOptions& options,
+                         ExtractedSurface extracted, SurfacePoints points,
+                         const std::vector<View>& views, ManifoldMesh* result) {
   FanSplit surface =
       SplitAndFilter(options, std::move(extracted), points, &result->report);
   if (surface.mesh.facets.empty()) {

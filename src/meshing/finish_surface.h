@@ -46,9 +46,9 @@ struct SurfacePoints {
 // sections 3.3, 3.6 and 3.7).
 // \param result  gets the mesh and what belongs to it, the report its counts
 // \throw std::invalid_argument if no facet is left
-void SplitSurface(const ManifoldMeshingOptions& options,
-                  ExtractedSurface extracted, SurfacePoints points,
-                  const std::vector<View>& views, ManifoldMesh* result);
+void MakeSurfaceManifold(const ManifoldMeshingOptions& options,
+                         ExtractedSurface extracted, SurfacePoints points,
+                         const std::vector<View>& views, ManifoldMesh* result);
 
 // The steps after that: borders, remeshing, self-intersections, the gate.
 // \throw std::invalid_argument if the trimming leaves no facet

@@ -169,10 +169,11 @@ ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
   Report(progress, "Extracting the surface", 0);
   ExtractedSurface extracted = ExtractSurface(thinned.tetrahedra, is_free);
   thinned.tetrahedra = {};
-  SplitSurface(options, std::move(extracted),
-               {std::move(points), std::move(thinned.vertex_points),
-                std::move(supports), std::move(noises), std::move(is_end)},
-               views, &result);
+  MakeSurfaceManifold(
+      options, std::move(extracted),
+      {std::move(points), std::move(thinned.vertex_points), std::move(supports),
+       std::move(noises), std::move(is_end)},
+      views, &result);
   return result;
 }
 

@@ -10,7 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/rows.h"
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "raster/facet_id_buffer.h"
 #include "raster/visibility_buffers.h"
 

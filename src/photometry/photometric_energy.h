@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "mesh/triangle_mesh.h"
 #include "photometry/image_pyramid.h"
 #include "raster/visibility_buffers.h"

@@ -82,7 +82,7 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
     CountSelfIntersections(progress, refined);
   } else {
     Report(progress, "Finishing the borders", 0);
-    const Provenance from = EditBorders(
+    const Provenance from = TrimAndCloseHoles(
         options.borders,
         MeanOfCorners(refined->mesh.facets, refined->attributes.confidences),
         refined->views, refined, &report.borders);
@@ -167,7 +167,7 @@ class Refinement {
     energy_->SetLevel(level);
     energy_->SetViews(state_.views);
     RemoveSelfIntersections(hooks_.progress, &state_);
-    RefineViews(state_.mesh);
+    UpdateCameras(state_.mesh);
     std::vector<View> views;
     for (const View& view : state_.views) {
       views.push_back(ViewAtLevel(view, level));
@@ -184,13 +184,13 @@ class Refinement {
                                options_.iterations));
       return AddStep(step);
     };
-    const auto move_cameras = [&](const TriangleMesh& mesh) {
-      return level == 0 && RefineViews(mesh);
+    const auto update_cameras = [&](const TriangleMesh& mesh) {
+      return level == 0 && UpdateCameras(mesh);
     };
     RefinedLevel refined =
         RefineLevel(options_,
-                    {level, state_.labels, views, state_.origins, move_cameras,
-                     FixedOf(state_.fixed_sources)},
+                    {level, state_.labels, views, state_.origins,
+                     update_cameras, FixedOf(state_.fixed_sources)},
                     state_.mesh, energy_, on_step);
     state_.mesh = std::move(refined.mesh);
     if (level == 0) {
@@ -308,7 +308,7 @@ class Refinement {
 
   // Refines the cameras, if that is to be, and passes them on.
   // \return whether any image moved by so much that the surface has to follow
-  bool RefineViews(const TriangleMesh& mesh) {
+  bool UpdateCameras(const TriangleMesh& mesh) {
     if (!are_cameras_refined_) {
       return false;
     }

@@ -11,11 +11,11 @@
 
 #include "cameras/refine_cameras.h"
 #include "labeling/facet_labeling.h"
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "mesh/surface.h"
 #include "photometry/image_pyramid.h"
 #include "photometry/photometric_energy.h"
-#include "repair/edit_borders.h"
+#include "repair/borders.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/region.h"

@@ -54,7 +54,7 @@ class LevelRefinement {
     SetTarget(FirstTarget(domain_, surface_.mesh,
                           kFirstWeight * options_.smoothness_weight));
     Iterate(options_.iterations);
-    FollowCameras();
+    UpdateCameras();
     FacetLabels labels = level_.labels.Masked(is_confirmed);
     if (level_.level == 0 && !refined_.is_stopped &&
         labels_.labels.values.size() < labels.labels.values.size()) {
@@ -229,11 +229,11 @@ class LevelRefinement {
   }
 
   // The cameras move, and the surface follows them.
-  void FollowCameras() {
-    if (refined_.is_stopped || !level_.move_cameras) {
+  void UpdateCameras() {
+    if (refined_.is_stopped || !level_.update_cameras) {
       return;
     }
-    const bool is_to_follow = level_.move_cameras(surface_.mesh);
+    const bool is_to_follow = level_.update_cameras(surface_.mesh);
     Draw();
     if (is_to_follow) {
       Iterate(options_.iterations);

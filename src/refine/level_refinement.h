@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "photometry/photometric_energy.h"
@@ -17,7 +17,7 @@ namespace colmap_ext {
 
 // Moves the cameras that the energy uses to fit a mesh; returns whether they
 // moved by so much that the surface has to follow.
-using MoveCameras = std::function<bool(const TriangleMesh& mesh)>;
+using CameraUpdate = std::function<bool(const TriangleMesh& mesh)>;
 
 // What a level is refined by.
 struct RefinementLevel {
@@ -25,8 +25,9 @@ struct RefinementLevel {
   const FacetLabels& labels;       // [F]
   const std::vector<View>& views;  // of the level's images' sizes
   const std::vector<Eigen::Vector3f>& origins;  // [V] see RefinedMesh
-  MoveCameras move_cameras = {};  // before the final iterations; may be empty
-  FixedVertices fixed = {};       // of the mesh
+  CameraUpdate update_cameras =
+      {};                    // before the final iterations; may be empty
+  FixedVertices fixed = {};  // of the mesh
 };
 
 struct RefinedLevel {

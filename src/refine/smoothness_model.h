@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "mesh/adjacency.h"
 #include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"

@@ -1,4 +1,4 @@
-#include "repair/edit_borders.h"
+#include "repair/borders.h"
 
 #include <algorithm>
 #include <array>

@@ -11,7 +11,7 @@
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
 
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 
 namespace colmap_ext {
 namespace {

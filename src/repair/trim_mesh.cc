@@ -1,4 +1,4 @@
-#include "repair/edit_borders.h"
+#include "repair/borders.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
 #include "mesh/confidences.h"
-#include "mesh/manifold_repair.h"
 #include "mesh/normals.h"
+#include "mesh/split_fans.h"
 
 namespace colmap_ext {
 namespace {

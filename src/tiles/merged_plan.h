@@ -11,7 +11,7 @@
 
 #include "base/indices.h"
 #include "base/lru_cache.h"
-#include "meshing/manifold_fixing.h"
+#include "meshing/fix_singular_vertices.h"
 #include "scene/progress.h"
 #include "tiles/plan_vertices.h"
 #include "tiles/tile_cut.h"

@@ -14,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "base/rows.h"
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "mesh/triangle_mesh.h"
 #include "scene/images.h"
 #include "scene/point_cloud.h"

@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "scene/images.h"
 #include "scene/view.h"
 #include "viewer/orbit_camera.h"

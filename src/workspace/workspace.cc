@@ -12,7 +12,7 @@
 
 #include "formats/picture_files.h"
 #include "formats/read_arrays.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {

@@ -6,7 +6,7 @@
 #include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
 #include "tests/workspace/sphere_workspace.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 #ifdef COLMAP_EXT_COLMAP_PROGRAM
 

@@ -7,7 +7,7 @@
 #include "tests/colmap_ext/run_shell.h"
 #include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext::command_test {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gl/egl_context.h"
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "photometry/photometric_energy.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/gl_test.h"

@@ -7,7 +7,7 @@
 
 #include "base/indices.h"
 #include "labeling/facet_labeling.h"
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "mesh/mesh_in_image.h"
 #include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"

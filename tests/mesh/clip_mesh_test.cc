@@ -10,9 +10,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "mesh/manifold_repair.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
+#include "mesh/split_fans.h"
 #include "mesh/topology.h"
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "mesh/adjacency.h"
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 #include "mesh/triangle_mesh.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/synthetic/isosurface.h"

@@ -13,7 +13,7 @@
 #include "base/indices.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
-#include "meshing/manifold_fixing.h"
+#include "meshing/fix_singular_vertices.h"
 #include "meshing/singular_vertices.h"
 #include "optim/min_cut.h"
 #include "spatial/predicates.h"

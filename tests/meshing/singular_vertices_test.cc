@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "meshing/manifold_fixing.h"
+#include "meshing/fix_singular_vertices.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/meshing/fixing_problem.h"
 #include "tests/threads.h"

@@ -1,4 +1,4 @@
-#include "meshing/manifold_fixing.h"
+#include "meshing/fix_singular_vertices.h"
 
 #include <algorithm>
 #include <map>
@@ -9,7 +9,7 @@
 
 #include "base/union_find.h"
 #include "mesh/adjacency.h"
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/mesh/shapes.h"

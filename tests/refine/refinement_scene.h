@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 #include "photometry/image_pyramid.h"
 #include "raster/facet_frames.h"
 #include "tests/random.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "delaunay/visibility_weights.h"
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"
 #include "tests/mesh/known_meshes.h"

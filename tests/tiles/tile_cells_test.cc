@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "spatial/facet_tree.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/random_vectors.h"

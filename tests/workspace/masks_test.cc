@@ -1,4 +1,4 @@
-#include "workspace/pictures.h"
+#include "workspace/read_pictures.h"
 
 #include "scene/view.h"
 #include "tests/formats/test_files.h"

@@ -6,7 +6,7 @@
 #include "tests/formats/test_files.h"
 #include "tests/texts.h"
 #include "tests/workspace/sphere_workspace.h"
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 namespace colmap_ext::workspace_test {
 

@@ -111,9 +111,9 @@ struct BorderReport {
 // \pre the mesh is manifold, options in their ranges
 // \throw std::invalid_argument if the trimming leaves nothing, unless it is
 //        optional.
-Provenance EditBorders(const BorderOptions& options,
-                       const std::vector<float>& facet_confidences,
-                       const std::vector<View>& views, Surface* surface,
-                       BorderReport* report);
+Provenance TrimAndCloseHoles(const BorderOptions& options,
+                             const std::vector<float>& facet_confidences,
+                             const std::vector<View>& views, Surface* surface,
+                             BorderReport* report);
 
 }  // namespace colmap_ext

@@ -1,4 +1,4 @@
-#include "tiles/surface_patches.h"
+#include "tiles/tile_patches.h"
 
 #include <algorithm>
 #include <set>

@@ -1,4 +1,4 @@
-#include "labeling/facet_labels.h"
+#include "labeling/view_pairs.h"
 
 #include <tbb/parallel_for.h>
 

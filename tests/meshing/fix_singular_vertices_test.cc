@@ -1,8 +1,8 @@
-#include "meshing/manifold_fixing.h"
+#include "meshing/fix_singular_vertices.h"
 
 #include <gtest/gtest.h>
 
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 #include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/meshing/fixing_problem.h"

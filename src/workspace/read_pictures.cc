@@ -1,4 +1,4 @@
-#include "workspace/pictures.h"
+#include "workspace/read_pictures.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,4 +1,4 @@
-#include "meshing/manifold_fixing.h"
+#include "meshing/fix_singular_vertices.h"
 
 #include <algorithm>
 #include <array>

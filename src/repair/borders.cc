@@ -1,4 +1,4 @@
-#include "repair/edit_borders.h"
+#include "repair/borders.h"
 
 #include <stdexcept>
 #include <utility>
@@ -117,10 +117,10 @@ void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
   }
 }
 
-Provenance EditBorders(const BorderOptions& options,
-                       const std::vector<float>& facet_confidences,
-                       const std::vector<View>& views, Surface* surface,
-                       BorderReport* report) {
+Provenance TrimAndCloseHoles(const BorderOptions& options,
+                             const std::vector<float>& facet_confidences,
+                             const std::vector<View>& views, Surface* surface,
+                             BorderReport* report) {
   Provenance from = IdentityOf(surface->mesh);
   if (options.trim > 0) {
     std::vector<float> gap_widths =

@@ -1,4 +1,4 @@
-#include "workspace/find_workspace.h"
+#include "workspace/workspace_paths.h"
 
 #include <algorithm>
 #include <system_error>

@@ -1,4 +1,4 @@
-#include "repair/edit_borders.h"
+#include "repair/borders.h"
 
 #include <algorithm>
 #include <span>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 #include "mesh/topology.h"
 #include "spatial/self_intersections.h"
 #include "tests/mesh/shapes.h"
@@ -34,8 +34,8 @@ class EditBordersTest : public testing::Test {
 
   Edited Edit(double trim, double close_holes) {
     Edited edited{{mesh_, attributes_}, {}, {}};
-    edited.from = EditBorders({trim, close_holes}, confidences_, {}, &edited,
-                              &edited.report);
+    edited.from = TrimAndCloseHoles({trim, close_holes}, confidences_, {},
+                                    &edited, &edited.report);
     return edited;
   }
 

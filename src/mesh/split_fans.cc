@@ -1,4 +1,4 @@
-#include "mesh/manifold_repair.h"
+#include "mesh/split_fans.h"
 
 #include <algorithm>
 #include <unordered_set>
