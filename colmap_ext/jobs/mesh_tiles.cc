@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iostream>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -39,28 +38,19 @@ MergedSurface Extract(const FilePlan& vertices, const FileParts& parts,
   return MergeSurface(changes);
 }
 
-// Makes the surface a mesh, as the mesher does without a plan.
-void Finish(const Plan& plan, const FilePlan& vertices,
-            const ManifoldMeshingOptions& options, MergedSurface merged,
-            const Progress& progress, ManifoldMesh* result) {
-  Report(progress, "Splitting vertices", 0);
-  std::vector<uint32_t> ids = std::move(merged.ids);
+// What the vertices of the surface stand for.
+// \param ids  MergedSurface
+SurfacePoints PointsOf(const FilePlan& vertices, bool is_smoothed,
+                       std::vector<uint32_t> ids) {
   // Centroids have no points.
   ids.erase(std::ranges::lower_bound(ids, vertices.Blocks().NumVertices()),
             ids.end());
   TileVertices read = vertices.ReadAttributes(ids);
-  std::iota(ids.begin(), ids.end(), 0);
-  SurfacePoints points;
-  points.cloud.colors = std::move(read.colors);
-  points.cloud.views = std::move(read.views);
-  points.vertex_points = std::move(ids);
-  points.supports = std::move(read.supports);
-  if (options.smoothing > 0) {
-    points.noises = std::move(read.noises);
+  if (!is_smoothed) {
+    read.noises.clear();
   }
-  points.is_end = std::move(read.observations.is_end);
-  MakeSurfaceManifold(options, std::move(merged.extracted), std::move(points),
-                      plan.views, result);
+  return {std::move(read.attributes), std::move(read.supports),
+          std::move(read.noises), std::move(read.observations.is_end)};
 }
 
 void PrintTile(const TileCut& cut, const TileSeam& seam, ReportLog* log) {
@@ -126,8 +116,12 @@ void MergeTiles(const MergerOptions& merger, Console* console) {
       Extract(vertices, parts, options, planner.seam_rings, progress, &report);
   ManifoldMesh mesh;
   mesh.report = report;
-  Finish(plan, vertices, options, std::move(merged), progress, &mesh);
-  FinishSurface(options, plan.views, progress, &mesh);
+  Report(progress, "Splitting vertices", 0);
+  SurfacePoints points =
+      PointsOf(vertices, options.smoothing > 0, std::move(merged.ids));
+  // As the mesher does without a plan.
+  FinishSurface(options, std::move(merged.extracted), std::move(points),
+                plan.views, progress, &mesh);
   Report(progress, "Writing the mesh", 0);
   AtomicFiles files;
   WriteMesh(merger.output_path, mesh.mesh, mesh.attributes, merger.transform,

@@ -140,7 +140,7 @@ void Write(const JobFile& file, const TileVertices& vertices) {
   const Observations& observations = vertices.observations;
   WriteJobFile(file, vertices.positions, observations.offsets,
                observations.values, observations.is_end, vertices.supports,
-               vertices.noises, vertices.colors, vertices.views);
+               vertices.noises, vertices.attributes.colors, vertices.attributes.views);
 }
 
 void Write(const JobFile& file, const PlanBlocks& blocks) {
@@ -225,10 +225,10 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
       read.supports.push_back(supports[vertex]);
       read.noises.push_back(noises[vertex]);
       if (!colors.empty()) {
-        read.colors.push_back(colors[vertex]);
+        read.attributes.colors.push_back(colors[vertex]);
       }
       read.observations.is_end.push_back(is_end[vertex]);
-      read.views.AddRow(std::span(views).subspan(
+      read.attributes.views.AddRow(std::span(views).subspan(
           offsets[vertex] - offsets[0], offsets[vertex + 1] - offsets[vertex]));
     }
   }

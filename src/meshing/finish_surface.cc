@@ -1,10 +1,9 @@
 #include "meshing/finish_surface.h"
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
+#include <map>
 #include <stdexcept>
-#include <unordered_map>
 #include <utility>
 
 #include "mesh/confidences.h"
@@ -14,137 +13,31 @@
 namespace colmap_ext {
 namespace {
 
-// The attributes of one vertex.
-struct Attributes {
-  Color color{0, 0, 0};
-  std::vector<uint32_t> views;
-};
-
-// The mean colour of two points, and the views of either.
-Attributes OfPoints(const PointCloud& cloud, uint32_t a, uint32_t b) {
-  Attributes attributes;
-  if (!cloud.colors.empty()) {
+// Appends the mean colour of some vertices, and the views that at least half of
+// them have.
+void AppendMean(const VertexAttributes& vertices, VertexAttributes* all) {
+  const size_t count = vertices.views.size();
+  if (!vertices.colors.empty()) {
+    Color& mean = all->colors.emplace_back();
     for (int k = 0; k < 3; ++k) {
-      attributes.color[k] = static_cast<uint8_t>(
-          (cloud.colors[a][k] + cloud.colors[b][k] + 1) / 2);
+      size_t sum = count / 2;
+      for (const Color& color : vertices.colors) {
+        sum += color[k];
+      }
+      mean[k] = static_cast<uint8_t>(sum / count);
     }
   }
-  const auto views_a = cloud.views[a];
-  const auto views_b = cloud.views[b];
-  std::set_union(views_a.begin(), views_a.end(), views_b.begin(), views_b.end(),
-                 std::back_inserter(attributes.views));
-  return attributes;
-}
-
-// The mean colour, and the views that at least half of the neighbors have.
-Attributes OfNeighbors(const std::vector<Attributes>& neighbors) {
-  Attributes attributes;
-  const size_t count = neighbors.size();
-  std::vector<uint32_t> views;
-  for (int k = 0; k < 3; ++k) {
-    size_t sum = count / 2;
-    for (const Attributes& neighbor : neighbors) {
-      sum += neighbor.color[k];
-    }
-    attributes.color[k] = static_cast<uint8_t>(sum / count);
-  }
-  for (const Attributes& neighbor : neighbors) {
-    Append(neighbor.views, &views);
-  }
+  std::vector<uint32_t> views = vertices.views.values;
   std::ranges::sort(views);
   for (auto first = views.begin(); first != views.end();) {
     const auto last = std::upper_bound(first, views.end(), *first);
     if (2 * static_cast<size_t>(last - first) >= count) {
-      attributes.views.push_back(*first);
+      all->views.values.push_back(*first);
     }
     first = last;
   }
-  return attributes;
+  all->views.EndRow();
 }
-
-// Gives attributes to all vertices; holds those alone that are inherited.
-class Inheritance {
- public:
-  Inheritance(const TriangleMesh& mesh, const PointCloud& cloud,
-              const std::vector<std::array<uint32_t, 2>>& points)
-      : mesh_(mesh), cloud_(cloud), points_(points) {
-    for (const Facet& facet : mesh.facets) {
-      for (int k = 0; k < 3; ++k) {
-        if (!IsOfPoints(facet[k])) {
-          neighbors_[facet[k]].push_back(facet[(k + 1) % 3]);
-        }
-      }
-    }
-    for (const auto& [vertex, neighbors] : neighbors_) {
-      unknown_.push_back(vertex);
-    }
-    std::ranges::sort(unknown_);
-  }
-
-  VertexAttributes Run() {
-    // From the known vertices inwards.
-    while (InheritOnce()) {
-    }
-    VertexAttributes result;
-    result.views.offsets.reserve(mesh_.vertices.size() + 1);
-    for (uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
-      const Attributes attributes = IsKnown(i) ? Of(i) : Attributes();
-      if (!cloud_.colors.empty()) {
-        result.colors.push_back(attributes.color);
-      }
-      result.views.AddRow(attributes.views);
-    }
-    return result;
-  }
-
- private:
-  bool IsOfPoints(uint32_t vertex) const {
-    const auto& [a, b] = points_[vertex];
-    return a != kNone && b != kNone;
-  }
-
-  bool IsKnown(uint32_t vertex) const {
-    return IsOfPoints(vertex) || inherited_.contains(vertex);
-  }
-
-  // \pre it is known
-  Attributes Of(uint32_t vertex) const {
-    return IsOfPoints(vertex)
-               ? OfPoints(cloud_, points_[vertex][0], points_[vertex][1])
-               : inherited_.at(vertex);
-  }
-
-  // A round: gives attributes to the vertices that have known neighbors.
-  // \return whether there were any
-  bool InheritOnce() {
-    std::vector<std::pair<uint32_t, Attributes>> found;
-    std::vector<Attributes> known;
-    for (const uint32_t vertex : unknown_) {
-      known.clear();
-      for (const uint32_t neighbor : neighbors_.at(vertex)) {
-        if (IsKnown(neighbor)) {
-          known.push_back(Of(neighbor));
-        }
-      }
-      if (!known.empty()) {
-        found.emplace_back(vertex, OfNeighbors(known));
-      }
-    }
-    for (auto& [vertex, attributes] : found) {
-      inherited_[vertex] = std::move(attributes);
-    }
-    std::erase_if(unknown_,
-                  [&](uint32_t vertex) { return inherited_.contains(vertex); });
-    return !found.empty();
-  }
-
-  const TriangleMesh& mesh_;
-  const PointCloud& cloud_;
-  const std::vector<std::array<uint32_t, 2>>& points_;
-  std::vector<uint32_t> unknown_;  // vertices, ascending
-  std::unordered_map<uint32_t, std::vector<uint32_t>> neighbors_;  // of those
-  std::unordered_map<uint32_t, Attributes> inherited_;
-};
 
 void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
   const auto is_at_end = [&](uint32_t vertex) {
@@ -203,22 +96,6 @@ FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
   return surface;
 }
 
-// The fused points that the surface's vertices come from.
-std::vector<std::array<uint32_t, 2>> PointsOf(
-    const std::vector<std::array<uint32_t, 2>>& vertices,
-    const std::vector<uint32_t>& vertex_points) {
-  const auto point = [&](uint32_t vertex) {
-    // Centroids of split cells come after the vertices that are points.
-    return vertex < vertex_points.size() ? vertex_points[vertex] : kNone;
-  };
-  std::vector<std::array<uint32_t, 2>> points;
-  points.reserve(vertices.size());
-  for (const auto& [a, b] : vertices) {
-    points.push_back({point(a), point(b)});
-  }
-  return points;
-}
-
 // Trims the mesh, closes its holes, and gives confidences to the vertices of
 // what comes out.
 // \param result  with facet_confidences
@@ -241,12 +118,97 @@ void FinishBorders(const BorderOptions& options, const std::vector<View>& views,
       VertexConfidences(result->mesh, result->facet_confidences);
 }
 
+// The manifold surface with the attributes and confidences of its points.
+void MakeManifold(const ManifoldMeshingOptions& options,
+                  ExtractedSurface extracted, SurfacePoints points,
+                  const std::vector<View>& views, ManifoldMesh* result) {
+  FanSplit surface =
+      SplitAndFilter(options, std::move(extracted), points, &result->report);
+  if (surface.mesh.facets.empty()) {
+    throw std::invalid_argument(
+        "the points and views enclose no surface: nothing to mesh");
+  }
+  const std::vector<float> supports =
+      MeansOfSources(points.supports, surface.from.vertices, 0);
+  result->mesh = std::move(surface.mesh);
+  result->attributes =
+      InheritAttributes(result->mesh, std::move(surface.from.vertices),
+                        std::move(points.attributes));
+  points = {};  // before more memory is needed
+  result->facet_confidences =
+      FacetConfidences(result->mesh, supports, result->attributes.views, views);
+}
+
 }  // namespace
 
+VertexAttributes AttributesOfPoints(
+    const PointCloud& cloud, const std::vector<uint32_t>& vertex_points) {
+  VertexAttributes attributes;
+  size_t num_views = 0;
+  for (const uint32_t point : vertex_points) {
+    num_views += cloud.views[point].size();
+  }
+  attributes.views.Reserve(vertex_points.size(), num_views);
+  for (const uint32_t point : vertex_points) {
+    attributes.views.AddRow(cloud.views[point]);
+    if (!cloud.colors.empty()) {
+      attributes.colors.push_back(cloud.colors[point]);
+    }
+  }
+  return attributes;
+}
+
 VertexAttributes InheritAttributes(
-    const TriangleMesh& mesh, const PointCloud& cloud,
-    const std::vector<std::array<uint32_t, 2>>& points) {
-  return Inheritance(mesh, cloud, points).Run();
+    const TriangleMesh& mesh, std::vector<std::array<uint32_t, 2>> sources,
+    VertexAttributes attributes) {
+  const auto next_row = [&] {
+    return static_cast<uint32_t>(attributes.views.size());
+  };
+  for (auto& [a, b] : sources) {
+    if (std::max(a, b) >= next_row()) {
+      a = b = kNone;
+    }
+  }
+  const auto is_known = [&](uint32_t vertex) {
+    return sources[vertex][0] != kNone;
+  };
+  std::map<uint32_t, std::vector<uint32_t>> neighbors;  // of unknown vertices
+  for (const Facet& facet : mesh.facets) {
+    for (int k = 0; k < 3; ++k) {
+      if (!is_known(facet[k])) {
+        neighbors[facet[k]].push_back(facet[(k + 1) % 3]);
+      }
+    }
+  }
+  // From the known vertices inwards: those found get new rows.
+  std::vector<std::array<uint32_t, 2>> known;
+  for (uint32_t first_row = kNone; first_row != next_row();) {
+    first_row = next_row();
+    std::vector<uint32_t> found;
+    for (const auto& [vertex, ring] : neighbors) {
+      known.clear();
+      for (const uint32_t neighbor : ring) {
+        if (is_known(neighbor)) {
+          known.push_back(sources[neighbor]);
+        }
+      }
+      if (!known.empty()) {
+        found.push_back(vertex);
+        AppendMean(InterpolateAttributes(attributes, known), &attributes);
+      }
+    }
+    for (uint32_t i = 0; i < found.size(); ++i) {
+      sources[found[i]].fill(first_row + i);
+      neighbors.erase(found[i]);
+    }
+  }
+  // The others have nothing.
+  for (auto& source : sources) {
+    std::ranges::replace(source, kNone, next_row());
+  }
+  attributes.views.EndRow();
+  attributes.colors.resize(attributes.colors.empty() ? 0 : next_row());
+  return InterpolateAttributes(attributes, sources);
 }
 
 std::vector<float> SupportOfVertices(
@@ -273,32 +235,12 @@ std::vector<float> MeansOfSources(
   return means;
 }
 
-void MakeSurfaceManifold(const ManifoldMeshingOptions& options,
-                         ExtractedSurface extracted, SurfacePoints points,
-                         const std::vector<View>& views, ManifoldMesh* result) {
-  FanSplit surface =
-      SplitAndFilter(options, std::move(extracted), points, &result->report);
-  if (surface.mesh.facets.empty()) {
-    throw std::invalid_argument(
-        "the points and views enclose no surface: nothing to mesh");
-  }
-  result->mesh = std::move(surface.mesh);
-  result->attributes =
-      InheritAttributes(result->mesh, points.cloud,
-                        PointsOf(surface.from.vertices, points.vertex_points));
-  const std::vector<float> supports =
-      MeansOfSources(points.supports, surface.from.vertices, 0);
-  // What has served goes before more memory is needed.
-  points = {};
-  surface = {};
-  result->facet_confidences =
-      FacetConfidences(result->mesh, supports, result->attributes.views, views);
-}
-
 void FinishSurface(const ManifoldMeshingOptions& options,
+                   ExtractedSurface extracted, SurfacePoints points,
                    const std::vector<View>& views, const Progress& progress,
                    ManifoldMesh* result) {
   ManifoldMeshingReport& report = result->report;
+  MakeManifold(options, std::move(extracted), std::move(points), views, result);
   FinishBorders(options.borders, views, progress, result);
   if (options.remeshing) {
     Report(progress, "Remeshing", 0);

@@ -31,42 +31,41 @@ std::vector<float> MeansOfSources(
     const std::vector<float>& values,
     const std::vector<std::array<uint32_t, 2>>& sources, float missing);
 
+// The colours and views of vertices: those of their own points.
+// \param vertex_points [V] the cloud's
+VertexAttributes AttributesOfPoints(const PointCloud& cloud,
+                                    const std::vector<uint32_t>& vertex_points);
+
 // What the vertices of a tetrahedralization stand for. Those beyond the arrays
 // are centroids of split cells.
 struct SurfacePoints {
-  PointCloud cloud;                     // may have no positions
-  std::vector<uint32_t> vertex_points;  // [V] the cloud's, or kNone
-  std::vector<float> supports;          // [V] SupportOfVertices()
-  std::vector<float> noises;            // [V] LocalNoise(); empty: not smoothed
-  std::vector<uint8_t> is_end;          // [V] MarkEnds()
+  VertexAttributes attributes;   // [V] AttributesOfPoints()
+  std::vector<float> supports;   // [V] SupportOfVertices()
+  std::vector<float> noises;     // [V] LocalNoise(); empty: not smoothed
+  std::vector<uint8_t> is_end;   // [V] MarkEnds()
 };
 
 // Makes a surface manifold, drops the facets that the options exclude, smooths
 // it, and adds the attributes and confidences of its points (docs/method.md,
-// sections 3.3, 3.6 and 3.7).
+// sections 3.3, 3.6 and 3.7). Then borders, remeshing, self-intersections, the
+// gate.
 // \param result  gets the mesh and what belongs to it, the report its counts
 // \throw std::invalid_argument if no facet is left
-void MakeSurfaceManifold(const ManifoldMeshingOptions& options,
-                         ExtractedSurface extracted, SurfacePoints points,
-                         const std::vector<View>& views, ManifoldMesh* result);
-
-// The steps after that: borders, remeshing, self-intersections, the gate.
-// \throw std::invalid_argument if the trimming leaves no facet
 // \throw std::logic_error where the mesh is not manifold
 void FinishSurface(const ManifoldMeshingOptions& options,
+                   ExtractedSurface extracted, SurfacePoints points,
                    const std::vector<View>& views, const Progress& progress,
                    ManifoldMesh* result);
 
-// Colours and views of a mesh's vertices from the fused points that they come
-// from: the mean colour of two points, and the views of either. A vertex that
-// comes from none inherits them from its neighbors: their mean colour, and the
-// views that at least half of them have. Neighbors that have none yet do not
-// count; vertices far from all points inherit in later rounds. Without colours
-// in the cloud there are none.
-// \param points [V] two points of each vertex, which may be the same, or
-//        kNone; the cloud's indices
+// Colours and views of a mesh's vertices from those that they come from: the
+// mean colour of two, and the views of either. A vertex that comes from none
+// inherits them from its neighbors: their mean colour, and the views that at
+// least half of them have. Neighbors that have none yet do not count; vertices
+// far from all others inherit in later rounds. Without colours there are none.
+// \param sources [V] two rows of the attributes for each vertex, which may be
+//        the same, or what is beyond them
 VertexAttributes InheritAttributes(
-    const TriangleMesh& mesh, const PointCloud& cloud,
-    const std::vector<std::array<uint32_t, 2>>& points);
+    const TriangleMesh& mesh, std::vector<std::array<uint32_t, 2>> sources,
+    VertexAttributes attributes);
 
 }  // namespace colmap_ext

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "meshing/finish_surface.h"
 #include "meshing/singular_vertices.h"
 
 namespace colmap_ext {
@@ -105,76 +106,44 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
   return report;
 }
 
-// The colours and views that vertices have from a cloud, without positions.
-// \param vertex_points [V] the cloud's, then the result's, or kNone
-PointCloud PointsOfVertices(const PointCloud& cloud,
-                            std::vector<uint32_t>* vertex_points) {
-  PointCloud points;
-  size_t num_views = 0;
-  for (const uint32_t point : *vertex_points) {
-    num_views += point != kNone ? cloud.views[point].size() : 0;
-  }
-  points.views.Reserve(vertex_points->size(), num_views);
-  if (!cloud.colors.empty()) {
-    points.colors.reserve(vertex_points->size());
-  }
-  for (uint32_t& point : *vertex_points) {
-    if (point == kNone) {
-      continue;
-    }
-    points.views.AddRow(cloud.views[point]);
-    if (!cloud.colors.empty()) {
-      points.colors.push_back(cloud.colors[point]);
-    }
-    point = static_cast<uint32_t>(points.views.size() - 1);
-  }
-  return points;
-}
-
-// The surface with the attributes and confidences of its points. What it is
-// made from is freed when it returns.
-ManifoldMesh MakeSurface(const ManifoldMeshingOptions& options,
-                         PointCloud cloud, const std::vector<View>& views,
-                         const Progress& progress, const RayEnds& ends) {
-  ManifoldMesh result;
-  ManifoldMeshingReport& report = result.report;
+// The surface between free space and matter. What else it is made from is freed
+// when it returns.
+// \param points  gets what the vertices stand for
+ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
+                            PointCloud cloud, const std::vector<View>& views,
+                            const Progress& progress, const RayEnds& ends,
+                            SurfacePoints* points,
+                            ManifoldMeshingReport* report) {
   WeightedCloud weighted =
-      Prepare(options, std::move(cloud), views, ends, &report);
+      Prepare(options, std::move(cloud), views, ends, report);
   ThinnedTetrahedralization thinned =
       Tetrahedralize(weighted.cloud, views,
                      {options.max_proj_dist, options.max_depth_dist}, progress);
-  report.num_duplicate_points = thinned.num_duplicate_points;
-  report.num_vertices = thinned.tetrahedra.points.size();
-  report.num_cells = thinned.tetrahedra.cells.size();
-  std::vector<uint8_t> is_end = MarkEnds(thinned, &weighted);
-  std::vector<float> supports = SupportOfVertices(
-      report.num_vertices, thinned.point_vertices, weighted.weights);
-  std::vector<float> noises;
+  report->num_duplicate_points = thinned.num_duplicate_points;
+  report->num_vertices = thinned.tetrahedra.points.size();
+  report->num_cells = thinned.tetrahedra.cells.size();
+  points->is_end = MarkEnds(thinned, &weighted);
+  points->supports = SupportOfVertices(
+      report->num_vertices, thinned.point_vertices, weighted.weights);
   if (options.smoothing > 0) {
     Report(progress, "Measuring the noise", 0);
-    noises = LocalNoise(
+    points->noises = LocalNoise(
         std::span(weighted.cloud.positions).first(weighted.num_points),
         thinned.tetrahedra.points);
   }
-  FlowCapacities graph =
-      MakeGraph(options, weighted, is_end, views, thinned, progress, &report);
+  FlowCapacities graph = MakeGraph(options, weighted, points->is_end, views,
+                                   thinned, progress, report);
   // The cut needs most memory: what is no longer needed is freed first.
-  std::vector<uint32_t>().swap(thinned.point_vertices);
-  PointCloud points = PointsOfVertices(weighted.cloud, &thinned.vertex_points);
+  Tetrahedralization tetrahedra = std::move(thinned.tetrahedra);
+  points->attributes =
+      AttributesOfPoints(weighted.cloud, thinned.vertex_points);
+  thinned = {};
   weighted = {};
-  std::vector<uint8_t> is_free =
-      CutGraph(thinned.tetrahedra, graph, progress, &report);
-  report.fixing = Fix(options, &thinned.tetrahedra, &graph, &is_free, progress);
+  std::vector<uint8_t> is_free = CutGraph(tetrahedra, graph, progress, report);
+  report->fixing = Fix(options, &tetrahedra, &graph, &is_free, progress);
   graph = {};
   Report(progress, "Extracting the surface", 0);
-  ExtractedSurface extracted = ExtractSurface(thinned.tetrahedra, is_free);
-  thinned.tetrahedra = {};
-  MakeSurfaceManifold(
-      options, std::move(extracted),
-      {std::move(points), std::move(thinned.vertex_points), std::move(supports),
-       std::move(noises), std::move(is_end)},
-      views, &result);
-  return result;
+  return ExtractSurface(tetrahedra, is_free);
 }
 
 }  // namespace
@@ -199,9 +168,12 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   if (cloud.views.values.empty()) {
     throw std::invalid_argument("no view sees any point: nothing to mesh");
   }
-  ManifoldMesh result =
-      MakeSurface(options, std::move(cloud), views, progress, ends);
-  FinishSurface(options, views, progress, &result);
+  ManifoldMesh result;
+  SurfacePoints points;
+  ExtractedSurface extracted = CutSurface(
+      options, std::move(cloud), views, progress, ends, &points, &result.report);
+  FinishSurface(options, std::move(extracted), std::move(points), views,
+                progress, &result);
   return result;
 }
 

@@ -159,12 +159,7 @@ TileVertices ThinTile(WeightedCloud weighted, const std::vector<View>& views,
   vertices.observations.is_end = is_end;
   vertices.supports =
       SupportOfVertices(num_vertices, thinned.point_vertices, weighted.weights);
-  for (const uint32_t point : thinned.vertex_points) {
-    if (!cloud.colors.empty()) {
-      vertices.colors.push_back(cloud.colors[point]);
-    }
-    vertices.views.AddRow(cloud.views[point]);
-  }
+  vertices.attributes = AttributesOfPoints(cloud, thinned.vertex_points);
   return vertices;
 }
 

@@ -11,6 +11,7 @@
 #include "base/rows.h"
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
+#include "mesh/surface.h"
 #include "meshing/ray_ends.h"
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
@@ -94,8 +95,7 @@ struct TileVertices {
                                            // with what are ends of rays
   std::vector<float> supports;             // [V] SupportOfVertices()
   std::vector<float> noises;               // [V] LocalNoise() of the points
-  std::vector<Color> colors;               // [V] or empty
-  Rows<uint32_t> views;                    // [V] of the vertex's own point
+  VertexAttributes attributes;             // [V] AttributesOfPoints()
   EdgeSample edges;
 };
 

@@ -7,12 +7,9 @@
 namespace colmap_ext::inherit_attributes_test {
 
 // Three points, seen by views {0, 1}, {1, 2} and {1}.
-PointCloud MakeCloud() {
-  PointCloud cloud;
-  cloud.positions.resize(3, {0, 0, 0});
-  cloud.colors = {{0, 10, 255}, {1, 20, 255}, {200, 30, 254}};
-  cloud.views = Rows<uint32_t>({0, 2, 4, 5}, {0, 1, 1, 2, 1});
-  return cloud;
+VertexAttributes MakePoints() {
+  return {{{0, 10, 255}, {1, 20, 255}, {200, 30, 254}},
+          Rows<uint32_t>({0, 2, 4, 5}, {0, 1, 1, 2, 1})};
 }
 
 using Points = std::vector<std::array<uint32_t, 2>>;
@@ -45,10 +42,10 @@ TriangleMesh MakeMesh(uint32_t num_vertices, std::vector<Facet> facets) {
 }
 
 TEST(InheritAttributes, OfThePointItselfOrTheMeanOfTwoAndTheViewsOfBoth) {
-  ExpectRows(InheritAttributes(MakeMesh(3, {{0, 1, 2}}), MakeCloud(),
-                               {{2, 2}, {0, 0}, {1, 1}}),
+  ExpectRows(InheritAttributes(MakeMesh(3, {{0, 1, 2}}),
+                               {{2, 2}, {0, 0}, {1, 1}}, MakePoints()),
              {kThird, kFirst, kSecond});
-  ExpectRows(InheritAttributes(MakeMesh(1, {}), MakeCloud(), {{0, 1}}),
+  ExpectRows(InheritAttributes(MakeMesh(1, {}), {{0, 1}}, MakePoints()),
              {{{1, 15, 255}, {0, 1, 2}}});
 }
 
@@ -56,31 +53,31 @@ TEST(InheritAttributes, OfThePointItselfOrTheMeanOfTwoAndTheViewsOfBoth) {
 TEST(InheritAttributes, FromNeighborsOfANeighborOrNoneOnAnIsland) {
   const TriangleMesh mesh = MakeMesh(4, {{3, 0, 1}, {3, 1, 2}, {3, 2, 0}});
   const Points points = {{0, 0}, {1, 1}, {2, 2}, {kNone, kNone}};
-  ExpectRows(InheritAttributes(mesh, MakeCloud(), points),
+  ExpectRows(InheritAttributes(mesh, points, MakePoints()),
              {kFirst, kSecond, kThird, {{67, 20, 255}, {1}}});
   const TriangleMesh fan =
       MakeMesh(5, {{4, 0, 1}, {4, 1, 2}, {4, 2, 3}, {4, 3, 0}});
   const Points twins = {{0, 0}, {0, 0}, {1, 1}, {1, 1}, {kNone, kNone}};
-  ExpectRows(InheritAttributes(fan, MakeCloud(), twins),
+  ExpectRows(InheritAttributes(fan, twins, MakePoints()),
              {kFirst, kFirst, kSecond, kSecond, {{1, 15, 255}, {0, 1, 2}}});
   // Vertex 3 knows vertex 0 and is known to vertex 4, which knows no other.
   const TriangleMesh chain = MakeMesh(6, {{0, 3, 4}, {3, 4, 5}});
   const Points known = {{0, 0},         {1, 1},     {2, 2},
                         {kNone, kNone}, {0, kNone}, {kNone, kNone}};
-  ExpectRows(InheritAttributes(chain, MakeCloud(), known),
+  ExpectRows(InheritAttributes(chain, known, MakePoints()),
              {kFirst, kSecond, kThird, kFirst, kFirst, kFirst});
   const TriangleMesh island = MakeMesh(3, {{0, 1, 2}});
   const Points unknown(3, {kNone, kNone});
   const Row none = {{0, 0, 0}, {}};
-  ExpectRows(InheritAttributes(island, MakeCloud(), unknown),
+  ExpectRows(InheritAttributes(island, unknown, MakePoints()),
              {none, none, none});
 }
 
 TEST(InheritAttributes, WithoutColours) {
-  PointCloud cloud = MakeCloud();
-  cloud.colors.clear();
+  VertexAttributes points = MakePoints();
+  points.colors.clear();
   const VertexAttributes attributes =
-      InheritAttributes(MakeMesh(2, {}), cloud, {{0, 0}, {2, 1}});
+      InheritAttributes(MakeMesh(2, {}), {{0, 0}, {2, 1}}, points);
   EXPECT_TRUE(attributes.colors.empty());
   EXPECT_EQ(attributes.views, Rows<uint32_t>({0, 2, 4}, {0, 1, 1, 2}));
 }
