@@ -118,7 +118,7 @@ Masked MaskWorkspace(const MesherOptions& options,
     const Region bounds = region ? Grow(*region, MarginOf(*region))
                                  : RegionOfCloud(workspace->cloud);
     for (uint32_t i = 0; i < views.size(); ++i) {
-      masked.ends.Add(BackgroundEnds(bounds, views[i], i, read_mask(i)));
+      Append(BackgroundEnds(bounds, views[i], i, read_mask(i)), &masked.ends);
     }
   }
   return masked;

@@ -156,8 +156,7 @@ WeightedCloud TilePoints::Take(size_t tile) {
   weighted.cloud = TakeMasked(tile);
   weighted.weights = ObservationWeights(options_.meshing, weighted.cloud);
   weighted.num_points = weighted.cloud.size();
-  AppendEnds(ends_[tile], &weighted);
-  ends_[tile] = {};
+  AppendEnds(std::exchange(ends_[tile], {}), &weighted);
   return weighted;
 }
 
@@ -189,11 +188,8 @@ Region TilePoints::BackgroundBounds() {
 
 void TilePoints::AddToTiles(const RayEnds& ends) {
   report_->num_ray_ends += ends.size();
-  for (size_t i = 0; i < ends.size(); ++i) {
-    RayEnds* to = &ends_[tree_.PartOf(ends.positions[i])];
-    to->positions.push_back(ends.positions[i]);
-    to->views.push_back(ends.views[i]);
-    to->weights.push_back(ends.weights[i]);
+  for (const RayEnd& end : ends) {
+    ends_[tree_.PartOf(end.position)].push_back(end);
   }
 }
 

@@ -21,16 +21,17 @@ WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
   std::vector<float> weights = ObservationWeights(options, cloud);
   WeightedCloud weighted{std::move(cloud), std::move(weights),
                          report->num_points};
-  RayEnds all_ends = ends;
+  RayEnds cropped;
   if (options.region) {
-    all_ends.Add(CropCloud(*options.region, views, &weighted));
+    cropped = CropCloud(*options.region, views, &weighted);
     report->num_outside_points = report->num_points - weighted.num_points;
     if (weighted.num_points == 0) {
       throw std::invalid_argument("no point lies in the region");
     }
   }
-  report->num_ray_ends = all_ends.size();
-  AppendEnds(all_ends, &weighted);
+  report->num_ray_ends = ends.size() + cropped.size();
+  AppendEnds(ends, &weighted);
+  AppendEnds(cropped, &weighted);
   return weighted;
 }
 
@@ -170,8 +171,9 @@ ManifoldMesh MeshManifold(const ManifoldMeshingOptions& options,
   }
   ManifoldMesh result;
   SurfacePoints points;
-  ExtractedSurface extracted = CutSurface(
-      options, std::move(cloud), views, progress, ends, &points, &result.report);
+  ExtractedSurface extracted =
+      CutSurface(options, std::move(cloud), views, progress, ends, &points,
+                 &result.report);
   FinishSurface(options, std::move(extracted), std::move(points), views,
                 progress, &result);
   return result;

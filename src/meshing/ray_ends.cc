@@ -26,12 +26,10 @@ bool IsMaskedAround(const GrayImage& mask, int row, int col) {
 
 RayEndCollector::RayEndCollector(const Region& region,
                                  const std::vector<View>& views)
-    : region_(region), grown_(Grow(region, MarginOf(region))), views_(views) {
-  for (const View& view : views) {
-    centers_.push_back(view.Center());
-  }
-  squares_.resize(views.size());
-}
+    : region_(region),
+      grown_(Grow(region, MarginOf(region))),
+      views_(views),
+      squares_(views.size()) {}
 
 void RayEndCollector::Add(const Eigen::Vector3f& point,
                           std::span<const uint32_t> views, float weight) {
@@ -42,11 +40,11 @@ void RayEndCollector::Add(const Eigen::Vector3f& point,
 
 void RayEndCollector::AddRay(uint32_t view_index, const Eigen::Vector3d& point,
                              float weight) {
-  const Eigen::Vector3d& center = centers_[view_index];
+  const View& view = views_[view_index];
+  const Eigen::Vector3d center = view.Center();
   if (PartInside(region_, center, point).IsEmpty()) {
     return;
   }
-  const View& view = views_[view_index];
   const Eigen::Vector3d in_camera = view.CamFromWorld(point);
   if (!(in_camera.z() > 0)) {
     return;
@@ -58,19 +56,12 @@ void RayEndCollector::AddRay(uint32_t view_index, const Eigen::Vector3d& point,
   const auto [it, is_new] =
       squares_[view_index].try_emplace(square, ends_.size());
   if (!is_new) {
-    ends_.weights[it->second] += weight;
+    ends_[it->second].weight += weight;
     return;
   }
   const double share = PartInside(grown_, center, point).second;
-  ends_.positions.push_back((center + share * (point - center)).cast<float>());
-  ends_.views.push_back(view_index);
-  ends_.weights.push_back(weight);
-}
-
-void RayEnds::Add(const RayEnds& others) {
-  Append(others.positions, &positions);
-  Append(others.views, &views);
-  Append(others.weights, &weights);
+  ends_.push_back(
+      {(center + share * (point - center)).cast<float>(), view_index, weight});
 }
 
 double MarginOf(const Region& region) {
@@ -84,17 +75,16 @@ RayEnds CropCloud(const Region& region, const std::vector<View>& views,
   const PointCloud& cloud = weighted->cloud;
   WeightedCloud kept;
   for (size_t i = 0; i < cloud.size(); ++i) {
-    const float weight = weighted->weights[i];
-    if (!collector.IsOutside(cloud.positions[i])) {
-      kept.cloud.positions.push_back(cloud.positions[i]);
-      kept.cloud.views.AddRow(cloud.views[i]);
-      kept.weights.push_back(weight);
-      if (!cloud.colors.empty()) {
-        kept.cloud.colors.push_back(cloud.colors[i]);
-      }
+    if (collector.IsOutside(cloud.positions[i])) {
+      collector.Add(cloud.positions[i], cloud.views[i], weighted->weights[i]);
       continue;
     }
-    collector.Add(cloud.positions[i], cloud.views[i], weight);
+    kept.cloud.positions.push_back(cloud.positions[i]);
+    kept.cloud.views.AddRow(cloud.views[i]);
+    kept.weights.push_back(weighted->weights[i]);
+    if (!cloud.colors.empty()) {
+      kept.cloud.colors.push_back(cloud.colors[i]);
+    }
   }
   kept.num_points = kept.cloud.size();
   *weighted = std::move(kept);
@@ -135,9 +125,8 @@ RayEnds BackgroundEnds(const Region& region, const View& view,
           RayDirection(view, col + 0.5, row + 0.5).cast<double>().normalized();
       const SegmentPart part = PartInside(region, center, center + way);
       if (!part.IsEmpty()) {
-        ends.positions.push_back((center + part.second * way).cast<float>());
-        ends.views.push_back(view_index);
-        ends.weights.push_back(1);
+        ends.push_back(
+            {(center + part.second * way).cast<float>(), view_index, 1});
       }
     }
   }
@@ -146,13 +135,13 @@ RayEnds BackgroundEnds(const Region& region, const View& view,
 
 void AppendEnds(const RayEnds& ends, WeightedCloud* weighted) {
   PointCloud& cloud = weighted->cloud;
-  Append(ends.positions, &cloud.positions);
-  Append(ends.weights, &weighted->weights);
-  if (!cloud.colors.empty()) {
-    cloud.colors.resize(cloud.positions.size());
+  for (const RayEnd& end : ends) {
+    cloud.positions.push_back(end.position);
+    cloud.views.AddRow(std::array{end.view});
+    weighted->weights.push_back(end.weight);
   }
-  for (const uint32_t view : ends.views) {
-    cloud.views.AddRow(std::array{view});
+  if (!cloud.colors.empty()) {
+    cloud.colors.resize(cloud.size());
   }
 }
 

@@ -18,17 +18,14 @@
 
 namespace colmap_ext {
 
-// The far ends of rays that meet no surface on their way, [N] each: what they
-// pass through is free space, and nothing is known of what lies at their ends.
-struct RayEnds {
-  std::vector<Eigen::Vector3f> positions;  // world frame
-  std::vector<uint32_t> views;             // that the rays come from
-  std::vector<float> weights;              // of their votes
-
-  size_t size() const { return positions.size(); }
-
-  void Add(const RayEnds& others);
+// The far end of a ray that meets no surface on its way: what it passes through
+// is free space, and nothing is known of what lies at its end.
+struct RayEnd {
+  Eigen::Vector3f position;  // world frame
+  uint32_t view;             // that the ray comes from
+  float weight;              // of its vote
 };
+using RayEnds = std::vector<RayEnd>;
 
 // Rays of a view that pass through the same square of so many pixels are one,
 // with the sum of their weights. A choice: half of the distance within which
@@ -70,7 +67,6 @@ class RayEndCollector {
   Region region_;
   Region grown_;
   const std::vector<View>& views_;
-  std::vector<Eigen::Vector3d> centers_;
   std::vector<std::map<std::pair<int, int>, size_t>> squares_;  // [views]
   RayEnds ends_;
 };

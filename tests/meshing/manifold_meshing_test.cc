@@ -195,9 +195,8 @@ TEST(MeshManifold, RaysBeyondCarve) {
     for (int i = 0; i < 50; ++i) {
       const Eigen::Vector3d through(0.02 * (i % 7 - 3), 0.02 * (i % 5 - 2),
                                     0.02 * (i % 3 - 1));
-      ends.positions.push_back((center + 2 * (through - center)).cast<float>());
-      ends.views.push_back(static_cast<uint32_t>(&view - scene.views.data()));
-      ends.weights.push_back(1000);
+      ends.push_back({(center + 2 * (through - center)).cast<float>(),
+                      static_cast<uint32_t>(&view - scene.views.data()), 1000});
     }
   }
   const ManifoldMesh carved =

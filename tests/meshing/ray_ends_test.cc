@@ -1,7 +1,6 @@
 #include "meshing/ray_ends.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -61,17 +60,20 @@ TEST_F(CropCloudTest, KeepsThePointsOfTheRegionAndItsMarginAndWeights) {
       expected += grown_.Contains(position) || !is_behind ? 0 : 0.5;
     }
   }
-  EXPECT_NEAR(std::accumulate(ends_.weights.begin(), ends_.weights.end(), 0.0),
-              expected, 1e-3);
+  double sum = 0;
+  for (const RayEnd& end : ends_) {
+    sum += end.weight;
+  }
+  EXPECT_NEAR(sum, expected, 1e-3);
 }
 
 // Each end lies on the border of the margin, on the far side as its view sees
 // it, and the ray to it passes through the region.
 TEST_F(CropCloudTest, RaysEndWhereTheyLeave) {
   ASSERT_GT(ends_.size(), 20u);
-  for (size_t i = 0; i < ends_.size(); ++i) {
-    const Eigen::Vector3d end = ends_.positions[i].cast<double>();
-    const Eigen::Vector3d center = views_[ends_.views[i]].Center();
+  for (const auto& [position, view, weight] : ends_) {
+    const Eigen::Vector3d end = position.cast<double>();
+    const Eigen::Vector3d center = views_[view].Center();
     EXPECT_NEAR(
         (grown_.FromCenter(end).cwiseAbs() - grown_.half_sizes).maxCoeff(), 0,
         1e-5);
@@ -91,10 +93,10 @@ TEST_F(CropCloudTest, AppendsEndsBehindThePoints) {
   ASSERT_EQ(weighted_.weights.size(), joined.size());
   for (size_t i = 0; i < ends_.size(); ++i) {
     const size_t place = num_points + i;
-    EXPECT_EQ(joined.positions[place], ends_.positions[i]);
-    EXPECT_EQ(weighted_.weights[place], ends_.weights[i]);
+    EXPECT_EQ(joined.positions[place], ends_[i].position);
+    EXPECT_EQ(weighted_.weights[place], ends_[i].weight);
     ASSERT_EQ(joined.views[place].size(), 1u);
-    EXPECT_EQ(joined.views[place][0], ends_.views[i]);
+    EXPECT_EQ(joined.views[place][0], ends_[i].view);
   }
 }
 
@@ -123,9 +125,9 @@ TEST(BackgroundEnds, AreWhereRaysOfMaskedPixelsLeave) {
   }
   const RayEnds ends = BackgroundEnds(region, view, 3, mask);
   ASSERT_GT(ends.size(), 20u);
-  for (size_t i = 0; i < ends.size(); ++i) {
-    EXPECT_EQ(ends.views[i], 3u);
-    const Eigen::Vector3d end = ends.positions[i].cast<double>();
+  for (const auto& [position, from_view, weight] : ends) {
+    EXPECT_EQ(from_view, 3u);
+    const Eigen::Vector3d end = position.cast<double>();
     EXPECT_LT(view.ImageFromCam(view.CamFromWorld(end)).x(),
               view.width / 2 - 2);
     EXPECT_NEAR(end.cwiseAbs().maxCoeff(), 1, 1e-5);
