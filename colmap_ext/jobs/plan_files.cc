@@ -140,7 +140,8 @@ void Write(const JobFile& file, const TileVertices& vertices) {
   const Observations& observations = vertices.observations;
   WriteJobFile(file, vertices.positions, observations.offsets,
                observations.values, observations.is_end, vertices.supports,
-               vertices.noises, vertices.attributes.colors, vertices.attributes.views);
+               vertices.noises, vertices.attributes.colors,
+               vertices.attributes.views);
 }
 
 void Write(const JobFile& file, const PlanBlocks& blocks) {

@@ -50,15 +50,6 @@ void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
   });
 }
 
-// Makes it manifold again.
-void SplitAgain(FanSplit* surface) {
-  FanSplit split = SplitFans(std::move(surface->mesh));
-  split.from = Compose(surface->from, std::move(split.from));
-  split.num_split_vertices += surface->num_split_vertices;
-  split.num_midpoints += surface->num_midpoints;
-  *surface = std::move(split);
-}
-
 // Makes a surface manifold, drops facets that have an end of rays as a corner
 // (there is no evidence of a surface) and those that the options exclude,
 // smooths it, and makes the remaining surface manifold again. Facets keep the
@@ -66,9 +57,10 @@ void SplitAgain(FanSplit* surface) {
 // of their use.
 // \param report  gets the counts of what is dropped, copied and split
 // \return its sources are vertices of the tetrahedralization
-FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
-                        ExtractedSurface extracted, const SurfacePoints& points,
-                        ManifoldMeshingReport* report) {
+DerivedMesh SplitAndFilter(const ManifoldMeshingOptions& options,
+                           ExtractedSurface extracted,
+                           const SurfacePoints& points,
+                           ManifoldMeshingReport* report) {
   FanSplit surface =
       SplitFans(std::move(extracted.mesh), std::move(extracted.partners));
   surface.from.facets = {};  // not kept in time
@@ -90,10 +82,12 @@ FanSplit SplitAndFilter(const ManifoldMeshingOptions& options,
   }
   report->small_components = DropSmallComponents(
       static_cast<size_t>(options.min_component_faces), &surface.mesh.facets);
-  SplitAgain(&surface);
-  report->num_split_vertices = surface.num_split_vertices;
-  report->num_midpoints = surface.num_midpoints;
-  return surface;
+  FanSplit split = SplitFans(std::move(surface.mesh));
+  split.from = Compose(surface.from, std::move(split.from));
+  report->num_split_vertices =
+      surface.num_split_vertices + split.num_split_vertices;
+  report->num_midpoints = surface.num_midpoints + split.num_midpoints;
+  return split;
 }
 
 // Trims the mesh, closes its holes, and gives confidences to the vertices of
@@ -122,7 +116,7 @@ void FinishBorders(const BorderOptions& options, const std::vector<View>& views,
 void MakeManifold(const ManifoldMeshingOptions& options,
                   ExtractedSurface extracted, SurfacePoints points,
                   const std::vector<View>& views, ManifoldMesh* result) {
-  FanSplit surface =
+  DerivedMesh surface =
       SplitAndFilter(options, std::move(extracted), points, &result->report);
   if (surface.mesh.facets.empty()) {
     throw std::invalid_argument(
@@ -158,9 +152,9 @@ VertexAttributes AttributesOfPoints(
   return attributes;
 }
 
-VertexAttributes InheritAttributes(
-    const TriangleMesh& mesh, std::vector<std::array<uint32_t, 2>> sources,
-    VertexAttributes attributes) {
+VertexAttributes InheritAttributes(const TriangleMesh& mesh,
+                                   std::vector<std::array<uint32_t, 2>> sources,
+                                   VertexAttributes attributes) {
   const auto next_row = [&] {
     return static_cast<uint32_t>(attributes.views.size());
   };

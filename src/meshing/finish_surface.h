@@ -39,10 +39,10 @@ VertexAttributes AttributesOfPoints(const PointCloud& cloud,
 // What the vertices of a tetrahedralization stand for. Those beyond the arrays
 // are centroids of split cells.
 struct SurfacePoints {
-  VertexAttributes attributes;   // [V] AttributesOfPoints()
-  std::vector<float> supports;   // [V] SupportOfVertices()
-  std::vector<float> noises;     // [V] LocalNoise(); empty: not smoothed
-  std::vector<uint8_t> is_end;   // [V] MarkEnds()
+  VertexAttributes attributes;  // [V] AttributesOfPoints()
+  std::vector<float> supports;  // [V] SupportOfVertices()
+  std::vector<float> noises;    // [V] LocalNoise(); empty: not smoothed
+  std::vector<uint8_t> is_end;  // [V] MarkEnds()
 };
 
 // Makes a surface manifold, drops the facets that the options exclude, smooths
@@ -64,8 +64,8 @@ void FinishSurface(const ManifoldMeshingOptions& options,
 // far from all others inherit in later rounds. Without colours there are none.
 // \param sources [V] two rows of the attributes for each vertex, which may be
 //        the same, or what is beyond them
-VertexAttributes InheritAttributes(
-    const TriangleMesh& mesh, std::vector<std::array<uint32_t, 2>> sources,
-    VertexAttributes attributes);
+VertexAttributes InheritAttributes(const TriangleMesh& mesh,
+                                   std::vector<std::array<uint32_t, 2>> sources,
+                                   VertexAttributes attributes);
 
 }  // namespace colmap_ext
