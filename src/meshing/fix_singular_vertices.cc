@@ -14,16 +14,6 @@
 namespace colmap_ext {
 namespace {
 
-// Gives the parts of a cell what they have of its capacities.
-void SplitCapacities(const std::array<uint32_t, 4>& parts,
-                     FlowCapacities* graph) {
-  const NodeCapacities whole = (*graph)[parts[0]];
-  graph->resize(graph->size() + 3);
-  for (int i = 0; i < 4; ++i) {
-    (*graph)[parts[i]] = PartOf(whole, i);
-  }
-}
-
 Eigen::Vector3f Centroid(const Tetrahedralization& tetrahedra, uint32_t cell) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
@@ -62,10 +52,8 @@ class Fixer {
         graph_(graph),
         is_free_(is_free),
         partial_(partial),
-        tracker_(
-            partial != nullptr
-                ? SingularVertexTracker(*tetrahedra, is_free, partial->singular)
-                : SingularVertexTracker(*tetrahedra, is_free)) {}
+        tracker_(*tetrahedra, is_free,
+                 partial != nullptr ? &partial->singular : nullptr) {}
 
   FixingReport Run(FixingRule rule) {
     report_.num_singular_raw = tracker_.Singular().size();
@@ -274,7 +262,11 @@ void SplitCell(uint32_t cell, Tetrahedralization* tetrahedra,
   tetrahedra->vertex_cells.push_back(cell);
   tetrahedra->cells.resize(first_new + 3);
   if (graph != nullptr) {
-    SplitCapacities(children, graph);
+    const NodeCapacities whole = (*graph)[cell];
+    graph->resize(first_new + 3);
+    for (int i = 0; i < 4; ++i) {
+      (*graph)[children[i]] = PartOf(whole, i);
+    }
   }
   is_free->resize(first_new + 3, (*is_free)[cell]);
   for (int i = 0; i < 4; ++i) {

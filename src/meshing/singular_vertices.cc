@@ -6,7 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "base/indices.h"
@@ -155,15 +154,11 @@ std::vector<uint32_t> SingularAmong(const Tetrahedralization& tetrahedra,
                                     const std::vector<uint8_t>& is_free,
                                     const std::vector<uint32_t>& vertices) {
   std::vector<uint8_t> is_singular(vertices.size());
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, vertices.size()),
-                    [&](const tbb::blocked_range<size_t>& range) {
-                      const CellLabels labels(is_free);
-                      StarGraph star;
-                      for (size_t i = range.begin(); i < range.end(); ++i) {
-                        MakeStarGraph(tetrahedra, vertices[i], &star);
-                        is_singular[i] = CountComponents(star, labels) > 2;
-                      }
-                    });
+  tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
+    thread_local StarGraph star;
+    MakeStarGraph(tetrahedra, vertices[i], &star);
+    is_singular[i] = CountComponents(star, CellLabels(is_free)) > 2;
+  });
   std::vector<uint32_t> singular = Marked(is_singular);
   for (uint32_t& i : singular) {
     i = vertices[i];
@@ -250,18 +245,14 @@ std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
 }
 
 SingularVertexTracker::SingularVertexTracker(
-    const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free)
-    : SingularVertexTracker(tetrahedra, is_free,
-                            SingularVertices(tetrahedra, *is_free)) {
-  num_examined_vertices_ = tetrahedra.points.size();
-}
-
-SingularVertexTracker::SingularVertexTracker(
     const Tetrahedralization& tetrahedra, std::vector<uint8_t>* is_free,
-    std::vector<uint32_t> singular)
+    const std::vector<uint32_t>* singular)
     : tetrahedra_(tetrahedra),
       is_free_(is_free),
-      singular_(std::move(singular)) {}
+      singular_(singular != nullptr ? *singular
+                                    : SingularVertices(tetrahedra, *is_free)),
+      num_examined_vertices_(singular != nullptr ? 0
+                                                 : tetrahedra.points.size()) {}
 
 const std::vector<uint32_t>& SingularVertexTracker::Singular() {
   std::vector<uint32_t> touched(is_touched_.begin(), is_touched_.end());

@@ -96,16 +96,12 @@ std::vector<uint32_t> SingularVertices(const Tetrahedralization& tetrahedra,
 // that the splitting makes no vertex singular and none regular.
 class SingularVertexTracker {
  public:
-  // Examines every vertex once.
   // \param is_free [C] labels of the cells, changed by Flip and UndoFlips
-  SingularVertexTracker(const Tetrahedralization& tetrahedra,
-                        std::vector<uint8_t>* is_free);
-
-  // Examines none.
-  // \param singular  all singular vertices, ascending
+  // \param singular  all singular vertices, ascending; nullptr: every vertex is
+  //        examined once
   SingularVertexTracker(const Tetrahedralization& tetrahedra,
                         std::vector<uint8_t>* is_free,
-                        std::vector<uint32_t> singular);
+                        const std::vector<uint32_t>* singular = nullptr);
 
   // The singular vertices, in ascending order. Examines the vertices of the
   // cells that have changed since the last call.
@@ -136,11 +132,11 @@ class SingularVertexTracker {
 
   const Tetrahedralization& tetrahedra_;
   std::vector<uint8_t>* is_free_;
-  std::vector<uint32_t>
-      singular_;  // ascending; before the touched ones changed
+  // Ascending; before the touched ones changed.
+  std::vector<uint32_t> singular_;
   std::unordered_set<uint32_t> is_touched_;  // finite vertices of flipped cells
   std::vector<uint32_t> flips_;              // cells
-  size_t num_examined_vertices_ = 0;
+  size_t num_examined_vertices_;
 };
 
 // What the flip of some cells, free space to matter and matter to free space,

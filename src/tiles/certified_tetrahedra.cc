@@ -56,9 +56,9 @@ class ConflictZone {
       const Eigen::Vector3d offset =
           CenterOfSphere(corner(0), corner(1), corner(2), corner(3));
       center_ = corner(0).cast<double>() + offset;
-      radius_squared_ = offset.squaredNorm();
-      slack_ = kRelativeSlack *
-               (std::sqrt(radius_squared_) + corner(0).cast<double>().norm());
+      const double radius = offset.norm();
+      reach_ =
+          radius + kRelativeSlack * (radius + corner(0).cast<double>().norm());
       return;
     }
     // The infinite vertex lies on the positive side of the facet.
@@ -80,8 +80,7 @@ class ConflictZone {
   bool MayTouch(const Eigen::AlignedBox3f& box) const {
     const auto wide = box.cast<double>();
     if (is_sphere_) {
-      const double reach = std::sqrt(radius_squared_) + slack_;
-      return wide.squaredExteriorDistance(center_) <= reach * reach;
+      return wide.squaredExteriorDistance(center_) <= reach_ * reach_;
     }
     if (!has_normal_) {
       return true;
@@ -97,8 +96,7 @@ class ConflictZone {
   double Depth(const Eigen::Vector3f& point) const {
     const Eigen::Vector3d offset = point.cast<double>() - center_;
     if (is_sphere_) {
-      const double reach = std::sqrt(radius_squared_) + slack_;
-      return reach - offset.norm();
+      return reach_ - offset.norm();
     }
     if (!has_normal_) {
       return 0;
@@ -112,8 +110,8 @@ class ConflictZone {
                                                       // corner of the facet
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();  // unit, of a half-space
   bool has_normal_ = false;  // else nothing is known of where the zone is
-  double radius_squared_ = 0;
-  double slack_ = 0;  // of distances, scene units
+  double reach_ = 0;         // of a sphere, from its centre, scene units
+  double slack_ = 0;         // of distances from a half-space, scene units
 };
 
 // Vertices of a block whose box is known.
@@ -219,7 +217,8 @@ class Certifier {
       const uint32_t count =
           NumFirst(size, block, blocks_.boxes[block], own_box_);
       for (uint32_t i = 0; i < count; ++i) {
-        AddVertex(block, static_cast<uint32_t>(uint64_t{i} * size / count));
+        complex_.points.push_back(
+            Load(block, static_cast<uint32_t>(uint64_t{i} * size / count)));
       }
     }
   }
@@ -229,25 +228,22 @@ class Certifier {
     for (uint32_t block = 0; block < blocks_.NumBlocks(); ++block) {
       for (uint32_t i = 0; i < SizeOf(block); ++i) {
         if (is_loaded_[block].empty() || is_loaded_[block][i] == 0) {
-          AddVertex(block, i);
+          complex_.points.push_back(Load(block, i));
         }
       }
     }
   }
 
-  // \param place  in the block
-  void AddVertex(uint32_t block, uint32_t place) {
-    MarkLoaded(block, place);
-    ids_.push_back(blocks_.begins[block] + place);
-    complex_.points.push_back(ReadBlock(block)->positions[place]);
-  }
-
-  void MarkLoaded(uint32_t block, uint32_t place) {
+  // \param place  of a vertex in the block
+  // \return its position
+  Eigen::Vector3f Load(uint32_t block, uint32_t place) {
     if (is_loaded_[block].empty()) {
       is_loaded_[block].assign(SizeOf(block), 0);
     }
     is_loaded_[block][place] = 1;
     ++num_loaded_[block];
+    ids_.push_back(blocks_.begins[block] + place);
+    return ReadBlock(block)->positions[place];
   }
 
   bool HasOwnVertex(uint32_t cell) const {
@@ -299,9 +295,7 @@ class Certifier {
     tbb::parallel_for(size_t{0}, cells.size(),
                       [&](size_t i) { missing[i] = FindInZone(cells[i]); });
     SortUnique(&missing);
-    if (!missing.empty() && missing.back() == kNone) {
-      missing.pop_back();
-    }
+    std::erase(missing, kNone);
     return missing;
   }
 
@@ -352,10 +346,7 @@ class Certifier {
     std::vector<Eigen::Vector3f> positions;
     for (const uint32_t id : missing) {
       const uint32_t block = blocks_.BlockOf(id);
-      MarkLoaded(block, id - blocks_.begins[block]);
-      positions.push_back(
-          ReadBlock(block)->positions[id - blocks_.begins[block]]);
-      ids_.push_back(id);
+      positions.push_back(Load(block, id - blocks_.begins[block]));
     }
     InsertMorePoints(positions, &complex_);
   }
