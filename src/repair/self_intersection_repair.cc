@@ -70,7 +70,7 @@ bool SmoothOrPushPairs(const std::vector<FacetPair>& pairs, int num_rings,
 
 void RunRound(int num_rings, size_t max_work, GuardedMesh* mesh) {
   std::vector<uint32_t> hard;  // facets of the clusters that are left
-  for (const auto& facets : mesh->Clusters()) {
+  for (const auto& [lowest, facets] : mesh->Clusters()) {
     if (mesh->Work() > max_work) {
       break;
     }
@@ -96,16 +96,6 @@ void MarkWithin(const TriangleMesh& mesh,
       });
 }
 
-// Some of the rounds, after copies were moved apart.
-struct Steps {
-  bool separates_copies;
-  int first_round;
-  int end_round;
-
-  // So many rings of vertices around the facets of a pair may move.
-  int MovedRings() const { return std::max(end_round - 1, 0); }
-};
-
 // Repairs a mesh patch by patch.
 class PatchRepair {
  public:
@@ -116,9 +106,9 @@ class PatchRepair {
   }
 
   SelfIntersectionRepair Run(int max_rounds) {
-    RunSteps({true, 0, std::min(1, max_rounds)});
+    RunRounds(0, std::min(1, max_rounds));
     if (max_rounds > 1) {
-      RunSteps({false, 1, max_rounds});
+      RunRounds(1, max_rounds);
     }
     return {num_before_, pairs_.size()};
   }
@@ -126,7 +116,8 @@ class PatchRepair {
  private:
   using Box = Eigen::AlignedBox3f;
 
-  void RunSteps(const Steps& steps) {
+  // Before the first of all rounds copies are moved apart.
+  void RunRounds(int first_round, int end_round) {
     if (pairs_.empty() || work_ > MaxWork()) {
       return;
     }
@@ -134,10 +125,15 @@ class PatchRepair {
     for (const FacetPair& pair : pairs_) {
       Append(pair, &crossing);
     }
+    // So many rings of vertices around the facets of a pair may move.
+    const int num_rings = std::max(end_round - 1, 0);
     const std::vector<uint8_t> is_around =
-        MarkAround(mesh_, crossing, steps.MovedRings() + 2);
-    std::vector<Box> boxes = ReachOf(crossing, steps.MovedRings());
-    while (!TryWithin(steps, is_around, &boxes)) {
+        MarkAround(mesh_, crossing, num_rings + 2);
+    std::vector<Box> boxes;  // where facets may move, and a little around
+    for (const uint32_t i : Marked(MarkAround(mesh_, crossing, num_rings))) {
+      boxes.push_back(Widened(BoxOf(mesh_, i)));
+    }
+    while (!TryWithin(first_round, end_round, is_around, &boxes)) {
     }
   }
 
@@ -145,29 +141,16 @@ class PatchRepair {
     return kMaxWork + kMaxWorkPerFacet * mesh_.facets.size();
   }
 
-  // Where facets that may move are, and a little around each.
-  std::vector<Box> ReachOf(const std::vector<uint32_t>& crossing,
-                           int num_rings) const {
-    std::vector<Box> boxes;
-    for (const uint32_t i : Marked(MarkAround(mesh_, crossing, num_rings))) {
-      boxes.push_back(Widened(BoxOf(mesh_, i)));
-    }
-    return boxes;
-  }
-
   // A choice: what goes farther takes another try.
-  static Box Widened(Box box) {
-    const float margin = 0.1F * box.diagonal().norm();
-    box.min().array() -= margin;
-    box.max().array() += margin;
-    return box;
+  static Box Widened(const Box& box) {
+    return GrowBox(box, 0.1F * box.diagonal().norm());
   }
 
-  // Does the steps to a patch with all facets that meet the boxes.
+  // Does the rounds on a patch with all facets that meet the boxes.
   // \param is_around  [F] facets that are of the patch wherever they are
   // \param boxes  gets those of facets that went out of them
   // \return whether there are none, and all is done
-  bool TryWithin(const Steps& steps, std::vector<uint8_t> is_around,
+  bool TryWithin(int first_round, int end_round, std::vector<uint8_t> is_around,
                  std::vector<Box>* boxes) {
     MarkWithin(mesh_, *boxes, &is_around);
     const MeshPart patch = TakePart(mesh_, Marked(is_around));
@@ -177,12 +160,11 @@ class PatchRepair {
     }
     GuardedMesh guarded(patch.mesh, std::move(fixed));
     const size_t max_work = MaxWork() - work_;
-    if (steps.separates_copies) {
+    if (first_round == 0) {
       SeparateCopies(&guarded, max_work);
     }
-    for (int round = steps.first_round;
-         round < steps.end_round && guarded.NumPairs() > 0 &&
-         guarded.Work() <= max_work;
+    for (int round = first_round; round < end_round && guarded.NumPairs() > 0 &&
+                                  guarded.Work() <= max_work;
          ++round) {
       RunRound(round, max_work, &guarded);
     }

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -16,6 +17,13 @@ namespace colmap_ext {
 // \pre its indices are in range
 Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, const Facet& facet);
 Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet);
+
+// The box with so much more on each side.
+template <typename Scalar>
+Eigen::AlignedBox<Scalar, 3> GrowBox(const Eigen::AlignedBox<Scalar, 3>& box,
+                                     std::type_identity_t<Scalar> margin) {
+  return {box.min().array() - margin, box.max().array() + margin};
+}
 
 // A balanced tree of bounding boxes over the facets of a mesh, to find facets
 // whose boxes meet. A heap: node i has the children 2 i + 1 and 2 i + 2; the

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scene/region.h"
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 namespace {
@@ -71,8 +72,7 @@ void RayMask::Mark(std::span<const Eigen::Vector3d> corners) {
     places.push_back(ToVoxels(corner));
     box.extend(places.back());
   }
-  box.min().array() -= kSlack;
-  box.max().array() += kSlack;
+  box = GrowBox(box, kSlack);
   Voxel first;
   int extent = 0;
   for (int i = 0; i < 3; ++i) {

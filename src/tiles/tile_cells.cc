@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <set>
-#include <span>
-#include <utility>
 
 #include "base/indices.h"
-#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 namespace {
@@ -52,44 +49,43 @@ size_t Split(const std::vector<Eigen::Vector3f>& points,
   return std::clamp(end, min_first, part.size() - min_second);
 }
 
-// What is to be split yet.
-struct Work {
-  std::span<uint32_t> points;
-  uint32_t first_part;
-  uint32_t num_parts;
-  uint32_t* place;  // of its node; nodes are reserved
-};
-
 }  // namespace
 
 SplitTree::SplitTree(const std::vector<Eigen::Vector3f>& points,
-                     const std::vector<float>& weights, size_t num_parts) {
+                     const std::vector<float>& weights, size_t num_parts)
+    : cells_(num_parts) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   std::vector<uint32_t> order = Iota(points.size());
-  nodes_.reserve(num_parts);
-  std::vector<Work> stack = {
-      {order, 0, static_cast<uint32_t>(num_parts), &root_}};
-  while (!stack.empty()) {
-    const Work work = stack.back();
-    stack.pop_back();
-    if (work.num_parts == 1) {
-      *work.place = kLeaf + work.first_part;
-      continue;
-    }
-    const uint32_t num_first = work.num_parts / 2;
-    const uint32_t num_second = work.num_parts - num_first;
-    const int axis = WidestAxis(points, work.points);
-    const size_t middle = Split(points, weights, axis,
-                                static_cast<double>(num_first) / work.num_parts,
-                                num_first, num_second, work.points);
-    *work.place = static_cast<uint32_t>(nodes_.size());
-    Node& node = nodes_.emplace_back();
-    node.axis = axis;
-    node.border = points[work.points[middle]][axis];
-    stack.push_back({work.points.first(middle), work.first_part, num_first,
-                     &node.children[0]});
-    stack.push_back({work.points.subspan(middle), work.first_part + num_first,
-                     num_second, &node.children[1]});
+  root_ = Build(points, weights, order, 0, static_cast<uint32_t>(num_parts),
+                {Eigen::Vector3f::Constant(-kInfinity),
+                 Eigen::Vector3f::Constant(kInfinity)});
+}
+
+uint32_t SplitTree::Build(const std::vector<Eigen::Vector3f>& points,
+                          const std::vector<float>& weights,
+                          std::span<uint32_t> part, uint32_t first_part,
+                          uint32_t num_parts, const Eigen::AlignedBox3f& box) {
+  if (num_parts == 1) {
+    cells_[first_part] = box;
+    return kLeaf + first_part;
   }
+  const uint32_t num_first = num_parts / 2;
+  const uint32_t num_second = num_parts - num_first;
+  const int axis = WidestAxis(points, part);
+  const size_t middle =
+      Split(points, weights, axis, static_cast<double>(num_first) / num_parts,
+            num_first, num_second, part);
+  Node node{axis, points[part[middle]][axis], {}};
+  Eigen::AlignedBox3f first = box;
+  Eigen::AlignedBox3f second = box;
+  first.max()[axis] = node.border;
+  second.min()[axis] = node.border;
+  node.children[0] =
+      Build(points, weights, part.first(middle), first_part, num_first, first);
+  node.children[1] = Build(points, weights, part.subspan(middle),
+                           first_part + num_first, num_second, second);
+  nodes_.push_back(node);
+  return static_cast<uint32_t>(nodes_.size() - 1);
 }
 
 uint32_t SplitTree::PartOf(const Eigen::Vector3f& point) const {
@@ -101,31 +97,6 @@ uint32_t SplitTree::PartOf(const Eigen::Vector3f& point) const {
   return at - kLeaf;
 }
 
-TileCells SplitTree::Cells() const {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  TileCells cells(nodes_.size() + 1);
-  std::vector<std::pair<uint32_t, Eigen::AlignedBox3f>> stack = {
-      {root_,
-       {Eigen::Vector3f::Constant(-kInfinity),
-        Eigen::Vector3f::Constant(kInfinity)}}};
-  while (!stack.empty()) {
-    const auto [index, box] = stack.back();
-    stack.pop_back();
-    if ((index & kLeaf) != 0) {
-      cells[index - kLeaf] = box;
-      continue;
-    }
-    const Node& node = nodes_[index];
-    Eigen::AlignedBox3f first = box;
-    Eigen::AlignedBox3f second = box;
-    first.max()[node.axis] = node.border;
-    second.min()[node.axis] = node.border;
-    stack.emplace_back(node.children[0], first);
-    stack.emplace_back(node.children[1], second);
-  }
-  return cells;
-}
-
 uint32_t CellOf(const TileCells& cells, const Eigen::Vector3f& point) {
   const auto contains = [&point](const Eigen::AlignedBox3f& cell) {
     return (cell.min().array() <= point.array()).all() &&
@@ -133,10 +104,6 @@ uint32_t CellOf(const TileCells& cells, const Eigen::Vector3f& point) {
   };
   const auto found = std::ranges::find_if(cells, contains);
   return static_cast<uint32_t>(found - cells.begin());
-}
-
-Eigen::AlignedBox3f GrowBox(const Eigen::AlignedBox3f& box, float margin) {
-  return {box.min().array() - margin, box.max().array() + margin};
 }
 
 std::vector<uint32_t> ColorTiles(const TileCells& cells,

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "mesh/triangle_mesh.h"
+#include "spatial/facet_tree.h"
 
 namespace colmap_ext {
 
@@ -28,24 +30,30 @@ class SplitTree {
   uint32_t PartOf(const Eigen::Vector3f& point) const;
 
   // [parts] the boxes of the parts, infinite outwards.
-  TileCells Cells() const;
+  const TileCells& Cells() const { return cells_; }
 
  private:
   struct Node {
-    int axis = 0;
-    float border = 0;      // coordinates below are in the first child
+    int axis;
+    float border;          // coordinates below are in the first child
     uint32_t children[2];  // nodes, or kLeaf + part
   };
   static constexpr uint32_t kLeaf = 1u << 31;
 
+  // Splits points into so many parts from first_part on, which share out a box.
+  // \return the node, or kLeaf + part
+  uint32_t Build(const std::vector<Eigen::Vector3f>& points,
+                 const std::vector<float>& weights, std::span<uint32_t> part,
+                 uint32_t first_part, uint32_t num_parts,
+                 const Eigen::AlignedBox3f& box);
+
   std::vector<Node> nodes_;
+  TileCells cells_;
   uint32_t root_ = kLeaf;
 };
 
 // The tile in whose cell a point lies.
 uint32_t CellOf(const TileCells& cells, const Eigen::Vector3f& point);
-
-Eigen::AlignedBox3f GrowBox(const Eigen::AlignedBox3f& box, float margin);
 
 // Gives tiles colours such that no facet's box comes near the cells of two
 // tiles of one colour: tiles of one colour can be worked on at once. Greedy, in

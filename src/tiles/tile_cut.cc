@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "spatial/facet_tree.h"
 #include "tiles/ray_mask.h"
 
 namespace colmap_ext {
@@ -64,6 +65,43 @@ std::vector<uint8_t> Band(NeighborView neighbors,
   return is_band;
 }
 
+// A node is certainly matter if it is matter even when all nodes beyond the
+// part are free space: then it is matter in the minimum cut of the whole graph,
+// too, as free space grows with free space around it [Gallo1989]. The opposite
+// test is of little use: the votes for free space come along the rays from the
+// cameras, which are beyond most parts.
+//
+// All other nodes of the part are not known within some rings of nodes around
+// those that are shared, and further inside have the label of the minimum cut
+// of the given graph, which continues beyond the part, but coarsely.
+//
+// \param graph   complete for the arcs from and to the nodes of the part
+// \param places  [N]
+// \param rings   -1: all nodes that are not certainly matter are unknown
+PartLabels LabelPart(NeighborView neighbors, const FlowCapacities& graph,
+                     const std::vector<CellPlace>& places, int rings) {
+  PartLabels labels;
+  labels.guesses = ComputeMinCut(neighbors, graph).on_source_side;
+  labels.known = labels.guesses;
+  if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
+    return labels;
+  }
+  const std::vector<uint8_t> most =
+      ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
+          .on_source_side;
+  const std::vector<uint8_t> is_band = Band(neighbors, places, rings);
+  for (size_t node = 0; node < places.size(); ++node) {
+    const bool is_sure = most[node] == 0;
+    if (places[node] == CellPlace::kBeyond ||
+        (!is_sure && is_band[node] != 0)) {
+      labels.known[node] = kNotKnown;
+    } else if (is_sure) {
+      labels.known[node] = kMatter;
+    }
+  }
+  return labels;
+}
+
 // Vertices of other tiles whose rays are walked at a time.
 constexpr size_t kBatchVertices = 1 << 16;
 
@@ -118,7 +156,8 @@ class RayFilter {
 
   // Whether any ray of a block may.
   bool MayPass(uint32_t block) const {
-    const Eigen::AlignedBox3d box = Grown(blocks_.boxes[block]);
+    const Eigen::AlignedBox3d box =
+        GrowBox(blocks_.boxes[block].cast<double>(), behind_);
     // Behind ends rays go on to the hull.
     return blocks_.have_ends[block] != 0 ||
            std::ranges::any_of(blocks_.views[block], [&](uint32_t view) {
@@ -152,12 +191,6 @@ class RayFilter {
       bounds.extend(box);
     }
     return bounds.cast<double>();
-  }
-
-  Eigen::AlignedBox3d Grown(const Eigen::AlignedBox3f& box) const {
-    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(behind_);
-    return {box.min().cast<double>() - margin,
-            box.max().cast<double>() + margin};
   }
 
   const PlanBlocks& blocks_;
@@ -298,30 +331,6 @@ UnknownCell UnknownOf(const TileCut& cut, uint32_t cell) {
 }
 
 }  // namespace
-
-PartLabels LabelPart(NeighborView neighbors, const FlowCapacities& graph,
-                     const std::vector<CellPlace>& places, int rings) {
-  PartLabels labels;
-  labels.guesses = ComputeMinCut(neighbors, graph).on_source_side;
-  labels.known = labels.guesses;
-  if (std::ranges::find(places, CellPlace::kBeyond) == places.end()) {
-    return labels;
-  }
-  const std::vector<uint8_t> most =
-      ComputeMinCut(neighbors, WithFreeSpaceBeyond(neighbors, graph, places))
-          .on_source_side;
-  const std::vector<uint8_t> is_band = Band(neighbors, places, rings);
-  for (size_t node = 0; node < places.size(); ++node) {
-    const bool is_sure = most[node] == 0;
-    if (places[node] == CellPlace::kBeyond ||
-        (!is_sure && is_band[node] != 0)) {
-      labels.known[node] = kNotKnown;
-    } else if (is_sure) {
-      labels.known[node] = kMatter;
-    }
-  }
-  return labels;
-}
 
 TileCut CutTile(const PlanVertices& plan, uint32_t tile,
                 const std::vector<Eigen::Vector3d>& centers,

@@ -80,22 +80,6 @@ struct PartLabels {
   std::vector<uint8_t> guesses;  // [N] of the minimum cut of the graph as it is
 };
 
-// A node is certainly matter if it is matter even when all nodes beyond the
-// part are free space: then it is matter in the minimum cut of the whole graph,
-// too, as free space grows with free space around it [Gallo1989]. The opposite
-// test is of little use: the votes for free space come along the rays from the
-// cameras, which are beyond most parts.
-//
-// All other nodes of the part are not known within some rings of nodes around
-// those that are shared, and further inside have the label of the minimum cut
-// of the given graph, which continues beyond the part, but coarsely.
-//
-// \param graph   complete for the arcs from and to the nodes of the part
-// \param places  [N]
-// \param rings   -1: all nodes that are not certainly matter are unknown
-PartLabels LabelPart(NeighborView neighbors, const FlowCapacities& graph,
-                     const std::vector<CellPlace>& places, int rings);
-
 // In place of a number of rings.
 inline constexpr int kAllAtOnce = -1;
 
