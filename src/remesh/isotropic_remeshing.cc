@@ -92,6 +92,9 @@ VertexAttributes CarryAttributes(const TriangleMesh& mesh,
                                  const VertexAttributes& attributes,
                                  const std::vector<SurfacePoint>& points) {
   VertexAttributes carried;
+  if (!attributes.confidences.empty()) {
+    carried.confidences = ValuesAt(points, mesh, attributes.confidences);
+  }
   for (const SurfacePoint& point : points) {
     const Facet& facet = mesh.facets[point.facet];
     std::vector<uint32_t> views;
@@ -108,10 +111,6 @@ VertexAttributes CarryAttributes(const TriangleMesh& mesh,
     }
     SortUnique(&views);
     carried.views.AddRow(views);
-    if (!attributes.confidences.empty()) {
-      carried.confidences.push_back(
-          ValueAt(point, mesh, attributes.confidences));
-    }
     if (!attributes.colors.empty()) {
       Color& rounded = carried.colors.emplace_back();
       for (int c = 0; c < 3; ++c) {

@@ -87,18 +87,7 @@ class Collapser {
     if (IsFixed(mesh_->fixed, edit.From(half)) || !edit.CanCollapse(half)) {
       return std::nullopt;
     }
-    return edit.IsBorderVertex(edit.To(half)) ? PlanAtBorder(half)
-                                              : PlanInside(half);
-  }
-
-  std::optional<CollapsePlan> PlanInside(uint32_t half) const {
-    const uint32_t from = mesh_->edit.From(half);
-    const uint32_t to = mesh_->edit.To(half);
-    std::array<std::optional<Place>, 3> places = {std::nullopt, PlaceOf(to)};
-    if (!IsFixed(mesh_->fixed, to)) {
-      places = {MiddlePlace(half), PlaceOf(to), PlaceOf(from)};
-    }
-    for (const std::optional<Place>& place : places) {
+    for (const std::optional<Place>& place : PlacesFor(half)) {
       if (place && MayCollapse(half, *place)) {
         return CollapsePlan{half, *place};
       }
@@ -106,19 +95,26 @@ class Collapser {
     return std::nullopt;
   }
 
-  std::optional<CollapsePlan> PlanAtBorder(uint32_t half) const {
+  // In the order in which they are tried.
+  std::array<std::optional<Place>, 3> PlacesFor(uint32_t half) const {
     const uint32_t from = mesh_->edit.From(half);
     const uint32_t to = mesh_->edit.To(half);
-    const bool is_border_edge = mesh_->edit.IsBorderVertex(from);
-    if ((!is_border_edge || IsStraight(from, to)) &&
-        MayCollapse(half, PlaceOf(to))) {
-      return CollapsePlan{half, PlaceOf(to)};
+    const bool is_to_fixed = IsFixed(mesh_->fixed, to);
+    std::array<std::optional<Place>, 3> places;
+    if (mesh_->edit.IsBorderVertex(to)) {
+      const bool is_border_edge = mesh_->edit.IsBorderVertex(from);
+      if (!is_border_edge || IsStraight(from, to)) {
+        places[0] = PlaceOf(to);
+      }
+      if (is_border_edge && !is_to_fixed && IsStraight(to, from)) {
+        places[1] = PlaceOf(from);
+      }
+    } else if (is_to_fixed) {
+      places[0] = PlaceOf(to);
+    } else {
+      places = {MiddlePlace(half), PlaceOf(to), PlaceOf(from)};
     }
-    if (is_border_edge && !IsFixed(mesh_->fixed, to) && IsStraight(to, from) &&
-        MayCollapse(half, PlaceOf(from))) {
-      return CollapsePlan{half, PlaceOf(from)};
-    }
-    return std::nullopt;
+    return places;
   }
 
   // The point of the reference next to the edge's middle.

@@ -50,24 +50,23 @@ Vector3f NormalOf(const TriangleMesh& mesh, uint32_t facet) {
   return AreaVector(mesh, mesh.facets[facet]).normalized();
 }
 
-// The facets at the vertices, with their normals.
-struct GuardedFacets {
-  std::vector<uint32_t> facets;   // ascending
-  std::vector<Vector3f> normals;  // unit; zero where there is no area
+// A facet at one of the vertices.
+struct GuardedFacet {
+  uint32_t facet;
+  Vector3f normal;  // unit; zero where there is no area
 };
 
-GuardedFacets FindGuarded(const std::vector<BorderVertex>& border,
-                          const TriangleMesh& mesh) {
+std::vector<GuardedFacet> FindGuarded(const std::vector<BorderVertex>& border,
+                                      const TriangleMesh& mesh) {
   std::vector<uint8_t> is_border(mesh.vertices.size(), 0);
   for (const BorderVertex& vertex : border) {
     is_border[vertex.vertex] = 1;
   }
-  GuardedFacets guarded;
+  std::vector<GuardedFacet> guarded;
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
     const auto& [a, b, c] = mesh.facets[i];
     if (is_border[a] + is_border[b] + is_border[c] > 0) {
-      guarded.facets.push_back(i);
-      guarded.normals.push_back(NormalOf(mesh, i));
+      guarded.push_back({i, NormalOf(mesh, i)});
     }
   }
   return guarded;
@@ -76,15 +75,14 @@ GuardedFacets FindGuarded(const std::vector<BorderVertex>& border,
 // Puts the corners of turned facets back.
 // \param positions [V] where no guarded facet is turned
 // \return whether any was put back
-bool PutBack(const GuardedFacets& guarded,
+bool PutBack(const std::vector<GuardedFacet>& guarded,
              const std::vector<Vector3f>& positions, TriangleMesh* mesh) {
   constexpr float kMinCosine = 0.5F;  // 60 degrees, as in docs/method.md, 6.4
   bool has_turned = false;
-  for (size_t i = 0; i < guarded.facets.size(); ++i) {
-    const Vector3f& normal = guarded.normals[i];
-    if (NormalOf(*mesh, guarded.facets[i]).dot(normal) <
+  for (const auto& [facet, normal] : guarded) {
+    if (NormalOf(*mesh, facet).dot(normal) <
         kMinCosine * normal.squaredNorm()) {
-      for (const uint32_t vertex : mesh->facets[guarded.facets[i]]) {
+      for (const uint32_t vertex : mesh->facets[facet]) {
         has_turned |= mesh->vertices[vertex] != positions[vertex];
         mesh->vertices[vertex] = positions[vertex];
       }
@@ -100,7 +98,7 @@ void SmoothBorders(const std::vector<uint8_t>& is_moved, TriangleMesh* mesh) {
   if (border.empty()) {
     return;
   }
-  const GuardedFacets guarded = FindGuarded(border, *mesh);
+  const std::vector<GuardedFacet> guarded = FindGuarded(border, *mesh);
   const std::vector<Vector3f> first_positions = mesh->vertices;
   for (int step = 0; step < kSteps; ++step) {
     const std::vector<Vector3f> positions = mesh->vertices;

@@ -87,11 +87,6 @@ std::vector<CgalMesh::Face_index> Fill(FillingKind kind,
   return faces;
 }
 
-Eigen::Vector3f ToEigen(const Kernel::Point_3& p) {
-  return {static_cast<float>(p.x()), static_cast<float>(p.y()),
-          static_cast<float>(p.z())};
-}
-
 // \param num_vertices  of the whole mesh
 LoopFilling ToFilling(const CgalMesh& cgal,
                       const std::vector<CgalMesh::Face_index>& faces,
@@ -111,7 +106,9 @@ LoopFilling ToFilling(const CgalMesh& cgal,
           vertex.idx(),
           static_cast<uint32_t>(num_vertices + filling.vertices.size()));
       if (is_new) {
-        filling.vertices.push_back(ToEigen(cgal.point(vertex)));
+        const Kernel::Point_3& p = cgal.point(vertex);
+        filling.vertices.push_back(
+            Eigen::Vector3d(p.x(), p.y(), p.z()).cast<float>());
       }
       facet[k++] = found->second;
     }

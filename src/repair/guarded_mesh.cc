@@ -14,12 +14,10 @@ namespace colmap_ext {
 
 void DropFixedPairs(const TriangleMesh& mesh, const FixedVertices& fixed,
                     std::vector<FacetPair>* pairs) {
-  if (!fixed.empty()) {
-    std::erase_if(*pairs, [&](const FacetPair& pair) {
-      return IsFixed(fixed, mesh.facets[pair[0]]) &&
-             IsFixed(fixed, mesh.facets[pair[1]]);
-    });
-  }
+  std::erase_if(*pairs, [&](const FacetPair& pair) {
+    return IsFixed(fixed, mesh.facets[pair[0]]) &&
+           IsFixed(fixed, mesh.facets[pair[1]]);
+  });
 }
 
 GuardedMesh::GuardedMesh(TriangleMesh mesh, FixedVertices fixed)
@@ -54,7 +52,7 @@ std::vector<FacetPair> GuardedMesh::PairsOf(
   return pairs;
 }
 
-std::vector<std::vector<uint32_t>> GuardedMesh::Clusters() const {
+std::map<uint32_t, std::vector<uint32_t>> GuardedMesh::Clusters() const {
   const std::vector<FacetPair> pairs = Pairs();
   std::vector<uint32_t> facets;
   for (const FacetPair& pair : pairs) {
@@ -71,15 +69,9 @@ std::vector<std::vector<uint32_t>> GuardedMesh::Clusters() const {
       groups.Join(i, facet_at.try_emplace(vertex, i).first->second);
     }
   }
-  std::vector<std::vector<uint32_t>> clusters;
-  std::unordered_map<uint32_t, size_t> cluster_of;  // by a group's root
+  std::map<uint32_t, std::vector<uint32_t>> clusters;
   for (uint32_t i = 0; i < facets.size(); ++i) {
-    const size_t cluster =
-        cluster_of.try_emplace(groups.Find(i), clusters.size()).first->second;
-    if (cluster == clusters.size()) {
-      clusters.emplace_back();
-    }
-    clusters[cluster].push_back(facets[i]);
+    clusters[facets[groups.Find(i)]].push_back(facets[i]);
   }
   return clusters;
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
@@ -48,10 +49,9 @@ class GuardedMesh {
   // Those that have one of the facets.
   std::vector<FacetPair> PairsOf(const std::vector<uint32_t>& facets) const;
 
-  // The facets of the pairs in groups, ascending in each, the group of the
-  // lowest facet first: facets belong together if they intersect or share a
-  // vertex.
-  std::vector<std::vector<uint32_t>> Clusters() const;
+  // The facets of the pairs in groups, ascending in each, by their lowest
+  // facets: facets belong together if they intersect or share a vertex.
+  std::map<uint32_t, std::vector<uint32_t>> Clusters() const;
 
   size_t NumPairs() const { return crossing_.size() / 2; }
 

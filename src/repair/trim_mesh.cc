@@ -68,12 +68,13 @@ bool IsReached(const std::vector<float>& distances, const Facet& facet) {
          distances[facet[2]] <= 1;
 }
 
-// [V] 1: a corner of one of the marked facets
+// [V] 1: a corner of one of the facets that have the mark
 std::vector<uint8_t> MarkCorners(const TriangleMesh& mesh,
-                                 const std::vector<uint8_t>& is_marked) {
+                                 const std::vector<uint8_t>& marks,
+                                 uint8_t mark = 1) {
   std::vector<uint8_t> is_corner(mesh.vertices.size(), 0);
-  for (size_t i = 0; i < is_marked.size(); ++i) {
-    if (is_marked[i] != 0) {
+  for (size_t i = 0; i < marks.size(); ++i) {
+    if (marks[i] == mark) {
       for (const uint32_t vertex : mesh.facets[i]) {
         is_corner[vertex] = 1;
       }
@@ -87,12 +88,8 @@ std::vector<uint8_t> MarkCorners(const TriangleMesh& mesh,
 std::vector<uint8_t> FindDropped(const LinkedMesh& surface,
                                  const std::vector<uint8_t>& is_low) {
   const std::vector<Facet>& facets = surface.mesh.facets;
-  std::vector<uint8_t> is_confident(is_low.size());
-  for (size_t i = 0; i < is_low.size(); ++i) {
-    is_confident[i] = is_low[i] == 0;
-  }
   std::vector<float> distances =
-      Distances(surface, MarkCorners(surface.mesh, is_confident));
+      Distances(surface, MarkCorners(surface.mesh, is_low, /*mark=*/0));
   std::vector<uint8_t> is_outside(is_low.size());
   for (size_t i = 0; i < is_low.size(); ++i) {
     is_outside[i] = is_low[i] != 0 && !IsReached(distances, facets[i]);
@@ -174,7 +171,7 @@ void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
       continue;
     }
     kept.facets.push_back(surface.mesh.facets[i]);
-    sources.push_back(trimmed->from.facets[i]);
+    sources.push_back(i);
     for (uint32_t half = 3 * i; half < 3 * i + 3; ++half) {
       const uint32_t partner = surface.partners[half];
       is_opened.push_back(partner != kNone && is_dropped[partner / 3] != 0);
@@ -189,36 +186,30 @@ void Drop(const LinkedMesh& surface, const std::vector<uint8_t>& is_dropped,
   trimmed->from = Compose(trimmed->from, std::move(split.from));
 }
 
-// \param is_low [F]
-// \return whether anything was dropped
-bool Trim(const LinkedMesh& surface, const std::vector<uint8_t>& is_low,
-          TrimmedMesh* trimmed) {
-  std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
-  TrimReport& report = trimmed->report;
-  report.num_facets = CountMarked(is_dropped);
-  report.num_kept_facets = CountMarked(is_low) - report.num_facets;
-  AddLeftovers(surface, &is_dropped, &report);
-  if (CountMarked(is_dropped) == 0) {
-    return false;
-  }
-  Drop(surface, is_dropped, trimmed);
-  return true;
-}
-
 }  // namespace
 
 TrimmedMesh TrimMesh(double min_confidence, TriangleMesh mesh,
                      const std::vector<float>& facet_confidences,
                      const std::vector<float>& gap_widths) {
-  TrimmedMesh trimmed{{{}, IdentityOf(mesh)}, {}};
+  Provenance from = IdentityOf(mesh);
+  TrimmedMesh trimmed{{std::move(mesh), std::move(from)}, {}};
+  if (!(min_confidence > 0)) {
+    return trimmed;
+  }
+  const LinkedMesh surface{trimmed.mesh, gap_widths,
+                           MakeVertexRings(trimmed.mesh),
+                           PairHalfEdges(trimmed.mesh.facets)};
   std::vector<uint8_t> is_low;
   for (const float confidence : facet_confidences) {
     is_low.push_back(confidence < min_confidence);
   }
-  if (!(min_confidence > 0) || !Trim({mesh, gap_widths, MakeVertexRings(mesh),
-                                      PairHalfEdges(mesh.facets)},
-                                     is_low, &trimmed)) {
-    trimmed.mesh = std::move(mesh);
+  std::vector<uint8_t> is_dropped = FindDropped(surface, is_low);
+  TrimReport& report = trimmed.report;
+  report.num_facets = CountMarked(is_dropped);
+  report.num_kept_facets = CountMarked(is_low) - report.num_facets;
+  AddLeftovers(surface, &is_dropped, &report);
+  if (CountMarked(is_dropped) > 0) {
+    Drop(surface, is_dropped, &trimmed);
   }
   return trimmed;
 }
