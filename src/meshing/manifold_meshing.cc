@@ -101,10 +101,8 @@ FixingReport Fix(const ManifoldMeshingOptions& options,
   if (options.preemptive_fixing) {
     return FixSingularVertices(options.fixing_rule, tetrahedra, graph, is_free);
   }
-  FixingReport report;
-  report.num_singular_raw = SingularVertices(*tetrahedra, *is_free).size();
-  report.num_singular_fixed = report.num_singular_raw;
-  return report;
+  const size_t num = SingularVertices(*tetrahedra, *is_free).size();
+  return {.num_singular_raw = num, .num_singular_fixed = num};
 }
 
 // The surface between free space and matter. What else it is made from is freed

@@ -28,19 +28,15 @@ struct BorderVertex {
 std::vector<BorderVertex> FindBorderVertices(
     const std::vector<uint8_t>& is_moved, const TriangleMesh& mesh) {
   std::vector<uint32_t> before(mesh.vertices.size(), kNone);
-  std::vector<uint32_t> after(mesh.vertices.size(), kNone);
-  for (uint32_t half = 0; half < is_moved.size(); ++half) {
-    if (is_moved[half] != 0) {
-      const uint32_t from = FromVertex(mesh.facets, half);
-      const uint32_t to = ToVertex(mesh.facets, half);
-      after[from] = to;
-      before[to] = from;
-    }
+  const std::vector<uint32_t> moved = Marked(is_moved);
+  for (const uint32_t half : moved) {
+    before[ToVertex(mesh.facets, half)] = FromVertex(mesh.facets, half);
   }
   std::vector<BorderVertex> found;
-  for (uint32_t i = 0; i < before.size(); ++i) {
-    if (before[i] != kNone && after[i] != kNone) {
-      found.push_back({i, before[i], after[i]});
+  for (const uint32_t half : moved) {
+    const uint32_t vertex = FromVertex(mesh.facets, half);
+    if (before[vertex] != kNone) {
+      found.push_back({vertex, before[vertex], ToVertex(mesh.facets, half)});
     }
   }
   return found;

@@ -164,8 +164,7 @@ struct PartnerFix {
   FacetKey facet;
   uint32_t from;
   uint32_t to;
-  bool has_partner;
-  FacetKey partner;
+  FacetKey partner;  // {} where there is none
 };
 
 // The part of a plan's surface that belongs to one tile: the facets whose first

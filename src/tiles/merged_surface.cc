@@ -75,11 +75,10 @@ void FixPartners(const std::vector<PartnerFix>& fixes, MergedSurface* merged) {
     }
     return kNone;
   };
-  for (const auto& [facet, from, to, has_partner, partner] : fixes) {
+  for (const auto& [facet, from, to, partner] : fixes) {
     const uint32_t half = half_edge_at(facet, from, to);
     if (half != kNone) {
-      merged->extracted.partners[half] =
-          has_partner ? half_edge_at(partner, to, from) : kNone;
+      merged->extracted.partners[half] = half_edge_at(partner, to, from);
     }
   }
 }
@@ -184,10 +183,9 @@ TileSurface SurfaceOf(const CellChanges& changes, uint32_t tile) {
     if (partner == simple[half] || changes.TileOf(std::min(from, to)) != tile) {
       continue;
     }
-    const bool has_partner = partner != kNone;
     surface.fixes.push_back(
-        {Sorted(facet_of(half / 3)), from, to, has_partner,
-         has_partner ? Sorted(facet_of(partner / 3)) : FacetKey{}});
+        {Sorted(facet_of(half / 3)), from, to,
+         partner != kNone ? Sorted(facet_of(partner / 3)) : FacetKey{}});
   }
   return surface;
 }
