@@ -140,7 +140,7 @@ ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
   weighted = {};
   std::vector<uint8_t> is_free = CutGraph(tetrahedra, graph, progress, report);
   report->fixing = Fix(options, &tetrahedra, &graph, &is_free, progress);
-  graph = {};
+  FlowCapacities().swap(graph);
   Report(progress, "Extracting the surface", 0);
   return ExtractSurface(tetrahedra, is_free);
 }
