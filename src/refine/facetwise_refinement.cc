@@ -362,9 +362,8 @@ class Refinement {
     }
     FacetLabeling labeling = LabelFacets(
         options, state_.mesh, state_.attributes, pairs_, visibility, views);
-    state_.report.labelings.push_back(
-        {level, pairs_.size(), labeling.num_unlabeled_facets,
-         labeling.initial_energy, labeling.final_energy, labeling.lower_bound});
+    labeling.level = level;
+    state_.report.labelings.push_back(labeling);
     state_.labels = std::move(labeling.labels);
   }
 
