@@ -81,11 +81,6 @@ struct WindowShift {
   Eigen::Matrix2d curvature;  // G^T G, Gauss-Newton's second one, 1 / px^2
 };
 
-// The largest relative difference of inverse depths within one surface, as
-// MaxRelativeDepth() has it, for a window of another radius.
-float MaxWindowDepth(const PhotometricOptions& options, const View& view_i,
-                     int radius);
-
 // The point on the displaced patch that its pixel shows.
 // \param frame  of its facet
 Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,

@@ -168,10 +168,7 @@ class Refinement {
     energy_->SetViews(state_.views);
     RemoveSelfIntersections(hooks_.progress, &state_);
     UpdateCameras(state_.mesh);
-    std::vector<View> views;
-    for (const View& view : state_.views) {
-      views.push_back(ViewAtLevel(view, level));
-    }
+    const std::vector<View> views = ViewsAtLevel(state_.views, level);
     Prepare(level, views);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
