@@ -11,7 +11,7 @@
 #include "base/indices.h"
 #include "base/mix_bits.h"
 #include "mesh/normals.h"
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
