@@ -146,8 +146,8 @@ struct CorrelationTile {
 inline constexpr float kMinVariance = 1e-2F;
 
 // The largest relative difference of inverse depths within one surface, over a
-// window of image i of some radius. Pixels beyond it are masked
-// (docs/method.md, section 5.4).
+// window of image i. Pixels beyond it are masked (docs/method.md, section 5.4).
+// \param radius  of the window, px
 float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i,
                        int radius);
 

@@ -73,9 +73,8 @@ inline constexpr double kVisibilityBorder = 3;  // px
 
 // Which views show the facets' centroids (docs/method.md, section 4.2): nothing
 // is drawn in front of the centroid, the facet faces the camera, and the
-// centroid is not at the image's border (kVisibilityBorder). Of a facet that is
-// drawn by a part (FindClippedFacets) the middle of what lies within the border
-// counts.
+// centroid is not at the image's border. Of a facet that is drawn by a part
+// (FindClippedFacets) the middle of what lies within the border counts.
 FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers);
 
 // The same of parts of the facets, as subdivision makes them: they are visible
