@@ -52,22 +52,16 @@ class ShiftCost : public ceres::CostFunction {
       residual +=
           by_intrinsics_[k] * Eigen::Map<const IntrinsicsStep>(blocks[3 + k]);
     }
-    if (jacobians == nullptr) {
-      return true;
-    }
-    const std::array poses = {&by_pose_i_, &by_pose_j_};
-    for (size_t k = 0; k < poses.size(); ++k) {
-      if (jacobians[k] != nullptr) {
-        Eigen::Map<RowMajor2x6>{jacobians[k]} = *poses[k];
+    const auto copy = [&]<typename Matrix>(const Matrix& by_block, size_t k) {
+      if (jacobians != nullptr && jacobians[k] != nullptr) {
+        Eigen::Map<Matrix>{jacobians[k]} = by_block;
       }
-    }
-    if (jacobians[2] != nullptr) {
-      Eigen::Map<Eigen::Vector2d>{jacobians[2]} = by_displacement_;
-    }
+    };
+    copy(by_pose_i_, 0);
+    copy(by_pose_j_, 1);
+    copy(by_displacement_, 2);
     for (size_t k = 0; k < num_intrinsics; ++k) {
-      if (jacobians[3 + k] != nullptr) {
-        Eigen::Map<RowMajor2x3>{jacobians[3 + k]} = by_intrinsics_[k];
-      }
+      copy(by_intrinsics_[k], 3 + k);
     }
     return true;
   }
@@ -125,15 +119,12 @@ class Problem {
       : evidence_(evidence),
         original_(original),
         estimate_(estimate),
-        num_views_(original.views.size()) {
-    for (const uint32_t camera : original.view_cameras) {
-      num_cameras_ = std::max(num_cameras_, size_t{camera} + 1);
-    }
-    const size_t num_patches = estimate->displacements.size();
-    first_point_ = num_patches;
-    first_pose_ = first_point_ + 3 * estimate->positions.size();
-    first_intrinsics_ = first_pose_ + 6 * num_views_;
-    variables_.assign(first_intrinsics_ + 3 * num_cameras_, 0);
+        num_views_(original.views.size()),
+        num_cameras_(size_t{1} + std::ranges::max(original.view_cameras)),
+        first_point_(estimate->displacements.size()),
+        first_pose_(first_point_ + 3 * estimate->positions.size()),
+        first_intrinsics_(first_pose_ + 6 * num_views_),
+        variables_(first_intrinsics_ + 3 * num_cameras_, 0) {
     std::ranges::copy(estimate->displacements, variables_.begin());
     for (size_t i = 0; i < estimate->positions.size(); ++i) {
       Eigen::Map<Eigen::Vector3d>{Point(i)} = estimate->positions[i];
@@ -171,9 +162,8 @@ class Problem {
       view = MoveView(view, Eigen::Map<const PoseStep>(Pose(i)),
                       Eigen::Map<const IntrinsicsStep>(Intrinsics(i)));
     }
-    for (size_t i = 0; i < estimate_->displacements.size(); ++i) {
-      estimate_->displacements[i] = variables_[i];
-    }
+    std::copy_n(variables_.begin(), first_point_,
+                estimate_->displacements.begin());
     for (size_t i = 0; i < estimate_->positions.size(); ++i) {
       estimate_->positions[i] = Eigen::Map<const Eigen::Vector3d>(Point(i));
     }
@@ -187,11 +177,6 @@ class Problem {
   double* Intrinsics(size_t view) {
     return &variables_[first_intrinsics_ + 3 * original_.view_cameras[view]];
   }
-
-  // Of the costs that it is shared by.
-  ceres::LossFunction* Robust() { return robust_.get(); }
-
-  void AddEliminated(double* block) { ordering_->AddElementToGroup(block, 0); }
 
   // (offset + block) / sigma, each row by its own.
   void AddPrior(const Eigen::VectorXd& offset, const Eigen::VectorXd& sigmas,
@@ -218,10 +203,9 @@ class Problem {
       problem_.AddResidualBlock(
           new ShiftCost(shift, *displacement,
                         static_cast<int>(blocks.size()) - 3),
-          Robust(), blocks);
-      if (is_added[shift.patch] == 0) {
-        is_added[shift.patch] = 1;
-        AddEliminated(displacement);
+          robust_.get(), blocks);
+      if (std::exchange(is_added[shift.patch], 1) == 0) {
+        ordering_->AddElementToGroup(displacement, 0);
         AddPrior(Eigen::VectorXd::Zero(1), sigma, displacement);
       }
     }
@@ -242,10 +226,10 @@ class Problem {
             new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 6, 3, 3>(
                 new ReprojectionCost(view, seen.pixel,
                                      evidence_.track_sigmas[seen.view])),
-            Robust(), Pose(seen.view), Intrinsics(seen.view), Point(i));
+            robust_.get(), Pose(seen.view), Intrinsics(seen.view), Point(i));
       }
       if (footprint > 0) {
-        AddEliminated(Point(i));
+        ordering_->AddElementToGroup(Point(i), 0);
         AddPrior(-tracks.positions[i],
                  Eigen::Vector3d::Constant(evidence_.priors.point * footprint),
                  Point(i));
@@ -275,11 +259,9 @@ class Problem {
     const CameraPriors& priors = evidence_.priors;
     std::vector<uint8_t> is_added(num_cameras_, 0);
     for (size_t i = 0; i < num_views_; ++i) {
-      const uint32_t camera = original_.view_cameras[i];
-      if (is_added[camera] != 0) {
+      if (std::exchange(is_added[original_.view_cameras[i]], 1) != 0) {
         continue;
       }
-      is_added[camera] = 1;
       const View& before = original_.views[i];
       const View& now = estimate_->cameras.views[i];
       double* block = Intrinsics(i);
@@ -306,15 +288,16 @@ class Problem {
   const CameraSet& original_;
   CameraEstimate* estimate_;
   size_t num_views_;
-  size_t num_cameras_ = 0;
+  size_t num_cameras_;
+  size_t first_point_;  // in variables_
+  size_t first_pose_;
+  size_t first_intrinsics_;
   // Displacements, points, pose steps, intrinsics steps. In one array, as Ceres
   // orders variables by their addresses, and sums by that order.
   std::vector<double> variables_;
-  size_t first_point_ = 0;
-  size_t first_pose_ = 0;
-  size_t first_intrinsics_ = 0;
   std::unique_ptr<ceres::LossFunction> robust_ =
       std::make_unique<ceres::CauchyLoss>(kRobustScale);
+  // Group 0 is eliminated.
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
       std::make_shared<ceres::ParameterBlockOrdering>();
   ceres::Problem problem_{ProblemOptions()};

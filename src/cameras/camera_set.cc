@@ -58,33 +58,14 @@ Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
   return matrix;
 }
 
-// Cauchy's loss: the weight of a squared residual in Gauss-Newton's equations.
-double RobustWeight(double squared) {
-  return 1 / (1 + squared / (kRobustScale * kRobustScale));
+// The derivative of View::ImageFromCam() by the point, px / scene unit.
+Eigen::Matrix<double, 2, 3> ProjectionJacobian(const View& view,
+                                               const Eigen::Vector3d& p) {
+  Eigen::Matrix<double, 2, 3> jacobian;
+  jacobian << view.fx / p.z(), 0, -view.fx * p.x() / (p.z() * p.z()),  //
+      0, view.fy / p.z(), -view.fy * p.y() / (p.z() * p.z());
+  return jacobian;
 }
-
-// Normal equations of a point's motion.
-struct PointEquations {
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  double footprint = 0;  // the largest, scene units
-
-  void Add(const View& view, const TrackObservation& seen, double sigma,
-           const Eigen::Vector3d& position) {
-    const Eigen::Vector3d p = view.CamFromWorld(position);
-    if (!(p.z() > 0)) {
-      return;
-    }
-    const Eigen::Matrix<double, 2, 3> by_point =
-        ProjectionJacobian(view, p) * (view.cam_from_world_rotation / sigma);
-    const Eigen::Vector2d residual =
-        (view.ImageFromCam(p) - seen.pixel) / sigma;
-    const double weight = RobustWeight(residual.squaredNorm());
-    matrix += weight * by_point.transpose() * by_point;
-    gradient += weight * by_point.transpose() * residual;
-    footprint = std::max(footprint, p.z() / view.fx);
-  }
-};
 
 }  // namespace
 
@@ -120,14 +101,6 @@ PoseStep StepBetween(const View& from, const View& to) {
   step.tail<3>() =
       to.cam_from_world_translation - turn * from.cam_from_world_translation;
   return step;
-}
-
-Eigen::Matrix<double, 2, 3> ProjectionJacobian(const View& view,
-                                               const Eigen::Vector3d& p) {
-  Eigen::Matrix<double, 2, 3> jacobian;
-  jacobian << view.fx / p.z(), 0, -view.fx * p.x() / (p.z() * p.z()),  //
-      0, view.fy / p.z(), -view.fy * p.y() / (p.z() * p.z());
-  return jacobian;
 }
 
 // In the frame of i the pixel's ray is q, z(q) = 1, and the point p = z q. As
@@ -222,13 +195,6 @@ View TransformView(const Similarity& similarity, const View& view) {
   return moved;
 }
 
-double ReprojectionError(const View& view, const TrackObservation& seen,
-                         const Eigen::Vector3d& position) {
-  const Eigen::Vector3d in_view = view.CamFromWorld(position);
-  return in_view.z() > 0 ? (view.ImageFromCam(in_view) - seen.pixel).norm()
-                         : HUGE_VAL;
-}
-
 SparseTracks ChooseTracks(const SparseTracks& tracks, size_t num_views,
                           size_t min_observations_per_view) {
   std::vector<size_t> order(tracks.positions.size());
@@ -263,19 +229,36 @@ std::vector<Eigen::Vector3d> LocateTracks(const SparseTracks& tracks,
   constexpr int kIterations = 10;
   std::vector<Eigen::Vector3d> positions = tracks.positions;
   tbb::parallel_for(size_t{0}, positions.size(), [&](size_t i) {
+    Eigen::Vector3d& position = positions[i];
     for (int iteration = 0; iteration < kIterations; ++iteration) {
-      PointEquations equations;
+      Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  // normal equations
+      Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+      double footprint = 0;  // the largest, scene units
       for (const TrackObservation& seen : tracks.observations[i]) {
-        equations.Add(views[seen.view], seen, sigmas[seen.view], positions[i]);
+        const View& view = views[seen.view];
+        const double sigma = sigmas[seen.view];
+        const Eigen::Vector3d p = view.CamFromWorld(position);
+        if (!(p.z() > 0)) {
+          continue;
+        }
+        const Eigen::Matrix<double, 2, 3> by_point =
+            ProjectionJacobian(view, p) *
+            (view.cam_from_world_rotation / sigma);
+        const Eigen::Vector2d residual =
+            (view.ImageFromCam(p) - seen.pixel) / sigma;
+        const double weight =  // of Cauchy's loss
+            1 / (1 + residual.squaredNorm() / (kRobustScale * kRobustScale));
+        matrix += weight * by_point.transpose() * by_point;
+        gradient += weight * by_point.transpose() * residual;
+        footprint = std::max(footprint, p.z() / view.fx);
       }
-      if (!(equations.footprint > 0)) {
+      if (!(footprint > 0)) {
         return;
       }
-      const double scale = point_sigma * equations.footprint;
-      equations.matrix.diagonal().array() += 1 / (scale * scale);
-      equations.gradient +=
-          (positions[i] - tracks.positions[i]) / (scale * scale);
-      positions[i] -= equations.matrix.ldlt().solve(equations.gradient);
+      const double scale = point_sigma * footprint;
+      matrix.diagonal().array() += 1 / (scale * scale);
+      gradient += (position - tracks.positions[i]) / (scale * scale);
+      position -= matrix.ldlt().solve(gradient);
     }
   });
   return positions;

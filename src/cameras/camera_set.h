@@ -47,23 +47,14 @@ View MoveView(const View& view, const PoseStep& pose,
 // The step that MoveView() goes from one pose to another.
 PoseStep StepBetween(const View& from, const View& to);
 
-// The derivative of View::ImageFromCam() by the point, px / scene unit.
-// \param p  camera frame
-// \pre p.z() > 0
-Eigen::Matrix<double, 2, 3> ProjectionJacobian(const View& view,
-                                               const Eigen::Vector3d& p);
-
 // Where image j shows the point of a plane that a fixed pixel of image i shows,
 // and how that changes (docs/method.md, section 7.7). All in px.
 struct ShiftJacobian {
-  using ByPose = Eigen::Matrix<double, 2, 6>;        // columns: PoseStep
-  using ByIntrinsics = Eigen::Matrix<double, 2, 3>;  // columns: IntrinsicsStep
-
   Eigen::Vector2d pixel_j;
-  ByPose by_pose_i;
-  ByPose by_pose_j;
-  ByIntrinsics by_intrinsics_i;
-  ByIntrinsics by_intrinsics_j;
+  Eigen::Matrix<double, 2, 6> by_pose_i;  // columns: PoseStep
+  Eigen::Matrix<double, 2, 6> by_pose_j;
+  Eigen::Matrix<double, 2, 3> by_intrinsics_i;  // columns: IntrinsicsStep
+  Eigen::Matrix<double, 2, 3> by_intrinsics_j;
   Eigen::Vector2d by_displacement;  // of the plane along its normal, px / scene
                                     // unit; the direction of the epipolar line
   Eigen::Matrix2d by_pixel_i;       // the warp from i to j
@@ -109,11 +100,6 @@ View TransformView(const Similarity& similarity, const View& view);
 // Standard deviations from which on a residual counts as an outlier: the scale
 // of Cauchy's loss (docs/method.md, section 7.7). A choice.
 inline constexpr double kRobustScale = 2;
-
-// Distance of an observation from the point's projection, px; infinite where
-// the point lies behind the camera.
-double ReprojectionError(const View& view, const TrackObservation& seen,
-                         const Eigen::Vector3d& position);
 
 // The longest tracks, until each view has so many observations or all of its
 // own.

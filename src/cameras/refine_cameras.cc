@@ -28,39 +28,6 @@ Eigen::Matrix2d Covariance(const PhotometricOptions& photometric,
          kTilt * kTilt * along * along.transpose();
 }
 
-std::vector<ShiftMeasurement> Measure(
-    const CameraRefinementOptions& options,
-    const PhotometricOptions& photometric, const DrawnScene& scene,
-    const std::vector<View>& views, const SurfacePatches& patches,
-    const std::vector<WindowShift>& compared) {
-  std::vector<ShiftMeasurement> measured;
-  for (size_t k = 0; k < patches.patches.size(); ++k) {
-    const SurfacePatch& patch = patches.patches[k];
-    const Eigen::Vector3d point =
-        PatchPoint(views[patch.view], scene.FrameOf(patch.facet), patch);
-    for (size_t l = 0; l < patches.partners[k].size(); ++l) {
-      const WindowShift& shift = compared[patches.partners.offsets[k] + l];
-      if (!shift.is_valid || shift.zncc < options.min_zncc ||
-          !(shift.curvature.determinant() > 0)) {
-        continue;
-      }
-      ShiftMeasurement measurement;
-      measurement.patch = static_cast<uint32_t>(k);
-      measurement.i = patch.view;
-      measurement.j = patches.partners[k][l];
-      measurement.jacobian = ComputeShiftJacobian(
-          views[patch.view], views[measurement.j], point, patch.normal);
-      measurement.jacobian.by_displacement *= patch.footprint;
-      measurement.shift = -shift.curvature.inverse() * shift.slope;
-      const Eigen::Matrix2d information =
-          Covariance(photometric, shift, measurement.jacobian).inverse();
-      measurement.whitening = information.llt().matrixU();
-      measured.push_back(measurement);
-    }
-  }
-  return measured;
-}
-
 // [views] Of each view's values; `otherwise` where there are fewer than
 // min_count.
 std::vector<double> Medians(std::vector<std::vector<double>> values,
@@ -71,33 +38,6 @@ std::vector<double> Medians(std::vector<std::vector<double>> values,
                                                  : Median(&of_view));
   }
   return medians;
-}
-
-// [views] The standard deviation of the observations in each view, px: that of
-// all views, or a larger one where they do not fit, so that the view can move.
-std::vector<double> TrackSigmas(const CameraEstimate& estimate,
-                                const SparseTracks& tracks, double* of_all) {
-  constexpr double kMinSigma = 0.2;  // px, of features at best
-  // Of two coordinates together: the median of Rayleigh's distribution.
-  constexpr double kSigmaOfMedianDistance = 1 / 1.1774;
-  std::vector<std::vector<double>> errors(estimate.cameras.views.size());
-  std::vector<double> all;
-  for (size_t i = 0; i < tracks.positions.size(); ++i) {
-    for (const TrackObservation& seen : tracks.observations[i]) {
-      const double error = ReprojectionError(estimate.cameras.views[seen.view],
-                                             seen, estimate.positions[i]);
-      errors[seen.view].push_back(error);
-      all.push_back(error);
-    }
-  }
-  *of_all = all.empty()
-                ? kMinSigma
-                : std::max(kMinSigma, kSigmaOfMedianDistance * Median(&all));
-  std::vector<double> sigmas = Medians(std::move(errors), 0);
-  for (double& sigma : sigmas) {
-    sigma = std::max(*of_all, kSigmaOfMedianDistance * sigma);
-  }
-  return sigmas;
 }
 
 class CameraRefinement {
@@ -118,7 +58,6 @@ class CameraRefinement {
                   std::vector<double>(patches_.patches.size(), 0),
                   tracks_.positions} {
     report_.level = input.images->Level();
-    report_.num_patches = patches_.patches.size();
     report_.views.resize(original.views.size());
   }
 
@@ -126,15 +65,17 @@ class CameraRefinement {
     const std::vector<View> start = estimate_.cameras.views;
     Iterate(options_.parts);
     std::vector<Eigen::Vector3d> positions =
-        LocateTracks(all_tracks_, estimate_.cameras.views,
-                     TrackSigmas(estimate_, tracks_, &report_.track_sigma),
+        LocateTracks(all_tracks_, estimate_.cameras.views, TrackSigmas(),
                      options_.priors.point);
-    if (options_.parts != RefinedParts::kNothing) {
-      RestoreGauge(&positions);
+    RestoreGauge(&positions);
+    const std::vector<double> motions = Motions(original_.views);
+    for (size_t i = 0; i < motions.size(); ++i) {
+      report_.views[i].motion = motions[i];
     }
-    FillMotions(start);
+    report_.total_motion = std::ranges::max(Motions(start)) /
+                           static_cast<double>(1 << report_.level);
     return {std::move(estimate_.cameras), std::move(positions),
-            std::move(estimate_.displacements), std::move(report_)};
+            std::move(report_)};
   }
 
   Misalignment FindMisalignment() {
@@ -168,9 +109,10 @@ class CameraRefinement {
     // Px of the level's images; a round that moves no image by more is the
     // last one.
     constexpr double kMinMotion = 0.01;
+    const double scale = 1.0 / (1 << report_.level);
     for (int round = 0; round < options_.max_rounds; ++round) {
-      const CameraEvidence evidence = Gather(parts, LevelViews());
-      const CameraSet before = estimate_.cameras;
+      const CameraEvidence evidence = Gather(parts);
+      const std::vector<View> before = estimate_.cameras.views;
       if (!SolveCameras(evidence, original_, &estimate_)) {
         break;
       }
@@ -178,47 +120,101 @@ class CameraRefinement {
       for (size_t k = 0; k < patches_.patches.size(); ++k) {
         patches_.patches[k].displacement = estimate_.displacements[k];
       }
-      if (FindLastMotions(before.views) < kMinMotion) {
+      const std::vector<double> motions = Motions(before);
+      for (size_t i = 0; i < motions.size(); ++i) {
+        report_.views[i].last_motion = scale * motions[i];
+      }
+      if (scale * std::ranges::max(motions) < kMinMotion) {
         break;
       }
     }
   }
 
-  std::vector<View> LevelViews() const {
-    std::vector<View> views;
-    for (const View& view : estimate_.cameras.views) {
-      views.push_back(ViewAtLevel(view, report_.level));
+  // The shifts of the windows that match.
+  std::vector<ShiftMeasurement> Measure(
+      const std::vector<View>& views,
+      const std::vector<WindowShift>& compared) const {
+    std::vector<ShiftMeasurement> measured;
+    for (size_t k = 0; k < patches_.patches.size(); ++k) {
+      const SurfacePatch& patch = patches_.patches[k];
+      const Eigen::Vector3d point =
+          PatchPoint(views[patch.view], scene_.FrameOf(patch.facet), patch);
+      for (size_t l = 0; l < patches_.partners[k].size(); ++l) {
+        const WindowShift& shift = compared[patches_.partners.offsets[k] + l];
+        if (!shift.is_valid || shift.zncc < options_.min_zncc ||
+            !(shift.curvature.determinant() > 0)) {
+          continue;
+        }
+        ShiftMeasurement measurement;
+        measurement.patch = static_cast<uint32_t>(k);
+        measurement.i = patch.view;
+        measurement.j = patches_.partners[k][l];
+        measurement.jacobian = ComputeShiftJacobian(
+            views[patch.view], views[measurement.j], point, patch.normal);
+        measurement.jacobian.by_displacement *= patch.footprint;
+        measurement.shift = -shift.curvature.inverse() * shift.slope;
+        const Eigen::Matrix2d information =
+            Covariance(photometric_, shift, measurement.jacobian).inverse();
+        measurement.whitening = information.llt().matrixU();
+        measured.push_back(measurement);
+      }
     }
-    return views;
+    return measured;
   }
 
-  CameraEvidence Gather(RefinedParts parts, const std::vector<View>& views) {
+  // [views] The standard deviation of the observations in each view, px: that
+  // of all views, or a larger one where they do not fit, so that the view can
+  // move. Points behind a camera are infinitely far off.
+  std::vector<double> TrackSigmas() {
+    constexpr double kMinSigma = 0.2;  // px, of features at best
+    // Of two coordinates together: the median of Rayleigh's distribution.
+    constexpr double kSigmaOfMedianDistance = 1 / 1.1774;
+    std::vector<std::vector<double>> errors(estimate_.cameras.views.size());
+    std::vector<double> all;
+    for (size_t i = 0; i < tracks_.positions.size(); ++i) {
+      for (const TrackObservation& seen : tracks_.observations[i]) {
+        const View& view = estimate_.cameras.views[seen.view];
+        const Eigen::Vector3d p = view.CamFromWorld(estimate_.positions[i]);
+        const double error =
+            p.z() > 0 ? (view.ImageFromCam(p) - seen.pixel).norm() : HUGE_VAL;
+        errors[seen.view].push_back(error);
+        all.push_back(error);
+      }
+    }
+    report_.track_sigma =
+        all.empty()
+            ? kMinSigma
+            : std::max(kMinSigma, kSigmaOfMedianDistance * Median(&all));
+    std::vector<double> sigmas = Medians(std::move(errors), 0);
+    for (double& sigma : sigmas) {
+      sigma = std::max(report_.track_sigma, kSigmaOfMedianDistance * sigma);
+    }
+    return sigmas;
+  }
+
+  CameraEvidence Gather(RefinedParts parts) {
+    const std::vector<View> views =
+        ViewsAtLevel(estimate_.cameras.views, report_.level);
     const std::vector<WindowShift> compared = ComparePatches(
         photometric_, options_.patches.radius, scene_, views, patches_);
-    CameraEvidence evidence{
-        Measure(options_, photometric_, scene_, views, patches_, compared),
-        tracks_,
-        {},
-        TrackSigmas(estimate_, tracks_, &report_.track_sigma),
-        {},
-        options_.priors,
-        parts == RefinedParts::kPosesIntrinsics};
-    FindDepths(views, &evidence);
+    CameraEvidence evidence{Measure(views, compared),
+                            tracks_,
+                            Depths(views),
+                            TrackSigmas(),
+                            {},
+                            options_.priors,
+                            parts == RefinedParts::kPosesIntrinsics};
     DropAstray(&evidence);
-    CountEvidence(parts, evidence);
-    for (const RefinedView& view : report_.views) {
-      evidence.is_skipped.push_back(view.is_skipped ? 1 : 0);
-    }
+    CountEvidence(parts, &evidence);
+    report_.num_windows = 0;
     double sum = 0;
-    size_t count = 0;
     for (const WindowShift& shift : compared) {
       if (shift.is_valid && shift.zncc >= options_.min_zncc) {
         sum += shift.zncc;
-        ++count;
+        ++report_.num_windows;
       }
     }
-    report_.num_windows = count;
-    report_.mean_zncc = count > 0 ? sum / count : 0;
+    report_.mean_zncc = sum / std::max(report_.num_windows, size_t{1});
     if (report_.num_rounds == 0) {
       report_.mean_zncc_before = report_.mean_zncc;
     }
@@ -240,8 +236,8 @@ class CameraRefinement {
     });
   }
 
-  // Medians over the patches and the points that they see.
-  void FindDepths(const std::vector<View>& views, CameraEvidence* evidence) {
+  // [views] Medians over the patches and the points that they see.
+  std::vector<double> Depths(const std::vector<View>& views) const {
     std::vector<std::vector<double>> depths(views.size());
     for (const SurfacePatch& patch : patches_.patches) {
       depths[patch.view].push_back(patch.footprint * views[patch.view].fx);
@@ -255,17 +251,18 @@ class CameraRefinement {
         }
       }
     }
-    evidence->depths = Medians(std::move(depths), 1);
+    return Medians(std::move(depths), 1);
   }
 
-  void CountEvidence(RefinedParts parts, const CameraEvidence& evidence) {
+  // Of each view; those with too little are skipped.
+  void CountEvidence(RefinedParts parts, CameraEvidence* evidence) {
     // A pose has 6 parameters; some times as many are needed to tell outliers.
     constexpr size_t kMinEvidence = 20;
     for (RefinedView& view : report_.views) {
       view.num_windows = 0;
       view.num_observations = 0;
     }
-    for (const ShiftMeasurement& shift : evidence.shifts) {
+    for (const ShiftMeasurement& shift : evidence->shifts) {
       ++report_.views[shift.i].num_windows;
       ++report_.views[shift.j].num_windows;
     }
@@ -275,19 +272,8 @@ class CameraRefinement {
     for (RefinedView& view : report_.views) {
       view.is_skipped = parts == RefinedParts::kNothing ||
                         view.num_windows + view.num_observations < kMinEvidence;
+      evidence->is_skipped.push_back(view.is_skipped ? 1 : 0);
     }
-  }
-
-  // \return the largest, px of the level
-  double FindLastMotions(const std::vector<View>& before) {
-    const double scale = 1.0 / (1 << report_.level);
-    const std::vector<double> motions = Motions(before);
-    double largest = 0;
-    for (size_t i = 0; i < motions.size(); ++i) {
-      report_.views[i].last_motion = scale * motions[i];
-      largest = std::max(largest, scale * motions[i]);
-    }
-    return largest;
   }
 
   // Aligns the world to the original points of the sparse model.
@@ -314,16 +300,6 @@ class CameraRefinement {
     }
   }
 
-  void FillMotions(const std::vector<View>& start) {
-    const std::vector<double> motions = Motions(original_.views);
-    for (size_t i = 0; i < motions.size(); ++i) {
-      report_.views[i].motion = motions[i];
-    }
-    const std::vector<double> total = Motions(start);
-    report_.total_motion = *std::ranges::max_element(total) /
-                           static_cast<double>(1 << report_.level);
-  }
-
   // [views] The median motion of the patches and points in each view, px of the
   // full-size image.
   std::vector<double> Motions(const std::vector<View>& before) const {
@@ -338,7 +314,7 @@ class CameraRefinement {
                                     .norm());
       }
     };
-    const std::vector<View> views = LevelViews();
+    const std::vector<View> views = ViewsAtLevel(after, report_.level);
     for (const SurfacePatch& patch : patches_.patches) {
       add(patch.view,
           PatchPoint(views[patch.view], scene_.FrameOf(patch.facet), patch));

@@ -103,7 +103,6 @@ struct RefinedView {
 struct CameraRefinementReport {
   int level = 0;
   int num_rounds = 0;
-  size_t num_patches = 0;
   size_t num_windows = 0;  // that match in the last round
   double mean_zncc = 0;    // of them
   double mean_zncc_before = 0;
@@ -115,9 +114,6 @@ struct CameraRefinementReport {
 struct RefinedCameras {
   CameraSet cameras;
   std::vector<Eigen::Vector3d> positions;  // [P] of the tracks
-  // [patches] By which the patches are off the surface, footprints; 0 where
-  // nothing matches.
-  std::vector<double> displacements;
   CameraRefinementReport report;
 };
 
@@ -144,8 +140,7 @@ struct CameraInput {
 // no motion of the surface along its normals would do that (docs/method.md,
 // section 7.7).
 //
-// With RefinedParts::kNothing only the patches and the points move.
-//
+// \pre options.parts is not kNothing
 // \param original  before all refinement: they hold the gauge.
 // \param cameras  as they are now.
 RefinedCameras RefineCameras(const CameraRefinementOptions& options,

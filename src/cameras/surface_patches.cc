@@ -90,13 +90,6 @@ std::optional<SurfacePatch> BestOfCell(const DrawnView& i, const Range& rows,
   return best;
 }
 
-int PatchesPerView(const PatchOptions& options, const DrawnScene& scene) {
-  const auto num_views = static_cast<int>(scene.buffers.Views().size());
-  return std::min(
-      options.max_patches_per_view,
-      std::max(options.min_patches_per_view, options.max_patches / num_views));
-}
-
 std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
                                         const PhotometricOptions& photometric,
                                         const DrawnScene& scene,
@@ -105,13 +98,17 @@ std::vector<SurfacePatch> PatchesOfView(const PatchOptions& options,
   const auto image = scene.images->Image(view);
   const View& camera = scene.buffers.Views()[view];
   const DrawnView i{camera, *image, *drawn};
-  const double cell = std::max(2.0 * options.radius + 1,
-                               std::sqrt(1.0 * camera.width * camera.height /
-                                         PatchesPerView(options, scene)));
+  const auto num_views = static_cast<int>(scene.buffers.Views().size());
+  const int max_patches = std::min(
+      options.max_patches_per_view,
+      std::max(options.min_patches_per_view, options.max_patches / num_views));
+  const double cell =
+      std::max(2.0 * options.radius + 1,
+               std::sqrt(1.0 * camera.width * camera.height / max_patches));
   const int num_rows = std::max(1, static_cast<int>(camera.height / cell));
   const int num_cols = std::max(1, static_cast<int>(camera.width / cell));
   const int margin = options.radius + 1;
-  const float max_depth = MaxWindowDepth(photometric, camera, options.radius);
+  const float max_depth = MaxRelativeDepth(photometric, camera, options.radius);
   std::vector<SurfacePatch> patches;
   for (int row = 0; row < num_rows; ++row) {
     for (int col = 0; col < num_cols; ++col) {
@@ -173,7 +170,6 @@ std::vector<std::vector<Seeing>> FindSeeing(
     const DrawnScene& scene, const std::vector<SurfacePatch>& patches,
     const View& view, std::span<const uint32_t> others, double border) {
   std::vector<Eigen::Vector3d> points;
-  points.reserve(patches.size());
   for (const SurfacePatch& patch : patches) {
     points.push_back(PatchPoint(view, scene.FrameOf(patch.facet), patch));
   }
@@ -217,8 +213,7 @@ SurfacePatches SelectPatches(const PatchOptions& options,
       add(second, first);
     }
   });
-  std::vector<std::vector<SurfacePatch>> patches(views.size());
-  std::vector<std::vector<std::vector<uint32_t>>> partners(views.size());
+  std::vector<SurfacePatches> by_view(views.size());
   ForEachInOrder(OrderByPartners(paired), [&](uint32_t view) {
     if (paired[view].empty()) {  // its picture may not be there
       return;
@@ -229,17 +224,17 @@ SurfacePatches SelectPatches(const PatchOptions& options,
         FindSeeing(scene, found, views[view], paired[view], options.radius + 1);
     for (size_t k = 0; k < found.size(); ++k) {
       if (!seeing[k].empty()) {
-        patches[view].push_back(found[k]);
-        partners[view].push_back(
+        by_view[view].patches.push_back(found[k]);
+        by_view[view].partners.AddRow(
             ChoosePartners(std::move(seeing[k]), options.max_partners));
       }
     }
   });
   SurfacePatches all;
-  for (size_t view = 0; view < views.size(); ++view) {
-    Append(patches[view], &all.patches);
-    for (const std::vector<uint32_t>& row : partners[view]) {
-      all.partners.AddRow(row);
+  for (const SurfacePatches& of_view : by_view) {
+    Append(of_view.patches, &all.patches);
+    for (size_t k = 0; k < of_view.partners.size(); ++k) {
+      all.partners.AddRow(of_view.partners[k]);
     }
   }
   return all;

@@ -10,7 +10,7 @@
 #include "photometry/image_pyramid.h"
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "raster/visibility_buffers.h"
 #include "scene/view.h"
 
@@ -80,11 +80,6 @@ struct WindowShift {
   Eigen::Vector2d slope;      // G^T r: the derivative of 1 - ZNCC, 1 / px
   Eigen::Matrix2d curvature;  // G^T G, Gauss-Newton's second one, 1 / px^2
 };
-
-// The largest relative difference of inverse depths within one surface, as
-// MaxRelativeDepth() has it, for a window of another radius.
-float MaxWindowDepth(const PhotometricOptions& options, const View& view_i,
-                     int radius);
 
 // The point on the displaced patch that its pixel shows.
 // \param frame  of its facet

@@ -19,10 +19,7 @@ class DisplacedWarp {
         j_(j),
         mesh_(mesh),
         offset_(patch.displacement * patch.footprint * patch.normal),
-        center_i_(i.view.Center()),
-        ray_from_pixel_i_(i.view.RayFromPixel()),
-        pixel_j_from_pixel_i_(j.view.PixelFromRay() * ray_from_pixel_i_),
-        epipole_(j.view.PixelFromRay() * (center_i_ - j.view.Center())) {}
+        pair_(i.view, j.view) {}
 
   // \return whether j sees what the pixel shows
   bool Sample(uint32_t facet, int row, int col, Interpolated* sample) {
@@ -32,7 +29,7 @@ class DisplacedWarp {
     const Eigen::Vector3d pixel(col + 0.5, row + 0.5, 1);
     const double inverse_depth = inverse_depth_.dot(pixel);
     const Eigen::Vector3d p =
-        pixel_j_from_pixel_i_ * pixel + epipole_ * inverse_depth;
+        pair_.pixel_j_from_pixel_i * pixel + pair_.epipole * inverse_depth;
     if (!is_facing_ || !(inverse_depth > 0) || !(p.z() > 0)) {
       return false;
     }
@@ -52,8 +49,8 @@ class DisplacedWarp {
     const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
     facet_ = facet;
     is_facing_ = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
-    inverse_depth_ = (ray_from_pixel_i_.transpose() * frame.normal) /
-                     frame.normal.dot(frame.corner + offset_ - center_i_);
+    inverse_depth_ = (pair_.ray_from_pixel_i.transpose() * frame.normal) /
+                     frame.normal.dot(frame.corner + offset_ - pair_.center_i);
     slope_ = PlaneSlope(j_.view, frame);
   }
 
@@ -61,10 +58,7 @@ class DisplacedWarp {
   const DrawnView& j_;
   const TriangleMesh& mesh_;
   Eigen::Vector3d offset_;  // of the patch, scene units
-  Eigen::Vector3d center_i_;
-  Eigen::Matrix3d ray_from_pixel_i_;
-  Eigen::Matrix3d pixel_j_from_pixel_i_;
-  Eigen::Vector3d epipole_;
+  PairGeometry pair_;
   // Of the facet.
   uint32_t facet_ = kNone;
   bool is_facing_ = false;
@@ -118,13 +112,6 @@ WindowShift Correlate(const WindowSums& sums) {
 
 }  // namespace
 
-float MaxWindowDepth(const PhotometricOptions& options, const View& view_i,
-                     int radius) {
-  PhotometricOptions window = options;
-  window.window_radius = radius;
-  return MaxRelativeDepth(window, view_i);
-}
-
 Eigen::Vector3d PatchPoint(const View& view, const FacetFrame& frame,
                            const SurfacePatch& patch) {
   const Eigen::Vector3d center = view.Center();
@@ -143,7 +130,8 @@ WindowShift CompareWindow(const PhotometricOptions& options, int radius,
   DisplacedWarp warp(i, j, mesh, patch);
   const float center =
       i.drawn.inverse_depths[i.drawn.Index(patch.row, patch.col)];
-  const float max_difference = MaxWindowDepth(options, i.view, radius) * center;
+  const float max_difference =
+      MaxRelativeDepth(options, i.view, radius) * center;
   // Correlation does not depend on means; without them less is lost to
   // rounding.
   const double mean = i.image.Row(patch.row)[patch.col];

@@ -127,6 +127,14 @@ void KeepErrors(GLenum source, GLenum type, GLuint /*id*/, GLenum /*severity*/,
   }
 }
 
+// \pre the current context is a debug context
+void EnableDebugOutput() {
+  glEnable(GL_DEBUG_OUTPUT);
+  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  glDebugMessageCallback(KeepErrors, nullptr);
+  pending_message.clear();
+}
+
 std::string ErrorName(GLenum error) {
   static const std::map<GLenum, const char*> names = {
       {GL_INVALID_ENUM, "invalid enumerant"},
@@ -204,11 +212,7 @@ EglContext::EglContext(int gpu_index) {
   }
 }
 
-EglContext::~EglContext() {
-  if (context_ != nullptr) {
-    eglDestroyContext(display_, context_);
-  }
-}
+EglContext::~EglContext() { eglDestroyContext(display_, context_); }
 
 EglContext::Scope EglContext::MakeCurrent() const {
   return Scope(display_, context_);
@@ -247,13 +251,6 @@ GlLimits FindGlLimits(const GlLimits& at_most, bool is_software) {
           std::min(at_most.max_loops, is_software ? kSoftwareLoops : SIZE_MAX)};
 }
 
-void EnableDebugOutput() {
-  glEnable(GL_DEBUG_OUTPUT);
-  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-  glDebugMessageCallback(KeepErrors, nullptr);
-  pending_message.clear();
-}
-
 void ThrowOnGlError(const char* where) {
   GLenum first = GL_NO_ERROR;
   for (GLenum error = glGetError(); error != GL_NO_ERROR;
@@ -263,12 +260,12 @@ void ThrowOnGlError(const char* where) {
       throw GlError(std::string(where) + ": the graphics card was reset");
     }
   }
-  const std::string message = std::exchange(pending_message, {});
+  std::string message = std::exchange(pending_message, {});
+  if (message.empty() && first != GL_NO_ERROR) {
+    message = ErrorName(first);
+  }
   if (!message.empty()) {
     throw GlError(std::string(where) + ": OpenGL: " + message);
-  }
-  if (first != GL_NO_ERROR) {
-    throw GlError(std::string(where) + ": OpenGL: " + ErrorName(first));
   }
 }
 

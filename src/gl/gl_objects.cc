@@ -11,10 +11,7 @@
 namespace colmap_ext {
 namespace {
 
-struct DeleteShader {
-  void operator()(GLuint name) const { glDeleteShader(name); }
-};
-using Shader = GlName<DeleteShader>;
+using Shader = GlName<Delete<&glDeleteShader>>;
 
 GLenum ShaderType(std::string_view name) {
   if (name.ends_with(".vert")) {

@@ -36,6 +36,12 @@ class GlName {
   GLuint name_ = 0;
 };
 
+// \tparam kDelete  a variable of epoxy's: glDeleteShader or glDeleteProgram.
+template <auto* kDelete>
+struct Delete {
+  void operator()(GLuint name) const { (*kDelete)(name); }
+};
+
 // \tparam kDelete  a variable of epoxy's: glDeleteBuffers and its like.
 template <auto* kDelete>
 struct DeleteOne {
@@ -153,10 +159,6 @@ class GlFramebuffer
 // \throw std::out_of_range if there is no such file.
 std::string_view ShaderSource(std::string_view name);
 
-struct DeleteProgram {
-  void operator()(GLuint name) const { glDeleteProgram(name); }
-};
-
 // Threads of a workgroup of the compute shaders that have one thread a facet,
 // or a word of facets; all shaders are compiled with it. A choice: a multiple
 // of the 32 or 64 threads that cards run at a time.
@@ -218,7 +220,7 @@ class Program {
   void FindUniforms();
   GLint Location(std::string_view uniform) const;
 
-  GlName<DeleteProgram> name_;
+  GlName<Delete<&glDeleteProgram>> name_;
   std::string title_;  // for messages
   std::map<std::string, GLint, std::less<>> locations_;
 };

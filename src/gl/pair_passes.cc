@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "photometry/pair_warp.h"
 #include "photometry/window_correlation.h"
 
 namespace colmap_ext {
@@ -28,8 +29,6 @@ enum StorageBinding : GLuint {
   kFacingI = 9,
   kFacingJ = 10,
 };
-
-constexpr size_t kSumBytes = 12 * sizeof(float);  // of a facet
 
 // Parts of buffers begin at multiples of so many numbers: 256 bytes, the most
 // that OpenGL 4.5 may ask for.
@@ -71,12 +70,6 @@ void CheckNumGroups(size_t num_groups) {
 
 }  // namespace
 
-PairPasses::Planes::Planes(int width, int height)
-    : warped(GL_RGBA32F, width, height),
-      windows(GL_RGBA32F, width, height),
-      energies(GL_RG32F, width, height),
-      derivatives(GL_RG32F, width, height) {}
-
 PairPasses::PairPasses(const PhotometricOptions& options,
                        const GlLimits& limits)
     : options_(options),
@@ -113,11 +106,15 @@ void PairPasses::Reserve(const View& view_i, size_t num_facets) {
   }
   if (!planes_ || planes_->warped.Width() < view_i.width ||
       planes_->warped.Height() < view_i.height) {
-    const int width = planes_ ? planes_->warped.Width() : 0;
-    const int height = planes_ ? planes_->warped.Height() : 0;
+    const int width =
+        std::max(planes_ ? planes_->warped.Width() : 0, view_i.width);
+    const int height =
+        std::max(planes_ ? planes_->warped.Height() : 0, view_i.height);
     planes_.reset();  // Before the others are made.
-    planes_.emplace(std::max(width, view_i.width),
-                    std::max(height, view_i.height));
+    planes_ = Planes{{GL_RGBA32F, width, height},
+                     {GL_RGBA32F, width, height},
+                     {GL_RG32F, width, height},
+                     {GL_RG32F, width, height}};
   }
 }
 
@@ -145,18 +142,15 @@ void PairPasses::FindTiles(const PairDirection& direction) {
 void PairPasses::Warp(const PairDirection& direction) {
   const View& i = direction.view_i;
   const View& j = direction.view_j;
-  const Eigen::Matrix3d ray_from_pixel = i.RayFromPixel();
-  const Eigen::Matrix3d pixel_j_from_ray = j.PixelFromRay();
-  const Eigen::Vector3d i_from_j = i.Center() - j.Center();
+  const PairGeometry pair(i, j);
   warp_.Set("num_tile_columns", NumTileColumns(i));
   warp_.Set("size_i", Size(i));
   warp_.Set("size_j", Size(j));
-  warp_.Set("center_i", i.Center());
-  warp_.Set("ray_from_pixel_i", ray_from_pixel);
-  warp_.Set("pixel_j_from_pixel_i",
-            Eigen::Matrix3d(pixel_j_from_ray * ray_from_pixel));
-  warp_.Set("epipole", Eigen::Vector3d(pixel_j_from_ray * i_from_j));
-  warp_.Set("i_from_j", i_from_j);
+  warp_.Set("center_i", pair.center_i);
+  warp_.Set("ray_from_pixel_i", pair.ray_from_pixel_i);
+  warp_.Set("pixel_j_from_pixel_i", pair.pixel_j_from_pixel_i);
+  warp_.Set("epipole", pair.epipole);
+  warp_.Set("i_from_j", Eigen::Vector3d(pair.center_i - j.Center()));
   warp_.Set("rotation_j",
             Eigen::Matrix3f(j.cam_from_world_rotation.cast<float>()));
   warp_.Set("focal_j", Eigen::Vector2f(j.fx, j.fy));
@@ -180,8 +174,9 @@ void PairPasses::SetWindows(const PairDirection& direction,
   program->Set("stamp", stamp_);
   program->Set("num_tile_columns", NumTileColumns(direction.view_i));
   program->Set("size_i", Size(direction.view_i));
-  program->Set("max_relative_depth",
-               MaxRelativeDepth(options_, direction.view_i));
+  program->Set(
+      "max_relative_depth",
+      MaxRelativeDepth(options_, direction.view_i, options_.window_radius));
   direction.textures_i.drawn.facets.BindToSampler(0);
   planes_->warped.BindToSampler(1);
 }
@@ -209,7 +204,7 @@ void PairPasses::Gather(const PairDirection& direction,
                         const PairBuffers& buffers) {
   const size_t num_facets = buffers.facets.NumBytes() / sizeof(Facet);
   const size_t per_part =
-      std::max(kAlignedNumbers, limits_.max_block / kSumBytes /
+      std::max(kAlignedNumbers, limits_.max_block / sizeof(FacetTerms) /
                                     kAlignedNumbers * kAlignedNumbers);
   const View& view = direction.view_i;
   const int rows_per_part = static_cast<int>(
@@ -229,8 +224,8 @@ void PairPasses::Gather(const PairDirection& direction,
                 FirstFacet(direction) + static_cast<unsigned int>(num_done));
     gather_.Set("num_facets", static_cast<unsigned int>(num_below - num_done));
     gather_.Set("first_sum", static_cast<unsigned int>(first));
-    buffers.sums.BindToStorage(kSums, first * kSumBytes,
-                               (end - first) * kSumBytes);
+    buffers.sums.BindToStorage(kSums, first * sizeof(FacetTerms),
+                               (end - first) * sizeof(FacetTerms));
     for (int row = 0; row < view.height; row += rows_per_part) {
       gather_.Set("first_row", row);
       gather_.Set("end_row", std::min(row + rows_per_part, view.height));

@@ -151,8 +151,6 @@ class PairPasses {
  private:
   // What the passes hand on, pixel by pixel of image i.
   struct Planes {
-    Planes(int width, int height);
-
     GlTexture warped;       // I_i, I_ij, inverse depth, motion
     GlTexture windows;      // see correlate.comp
     GlTexture energies;     // energy, weight

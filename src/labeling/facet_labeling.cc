@@ -162,7 +162,7 @@ class CandidatePairs {
   Rows<uint32_t> pairs_of_;  // [views] that each view is the first of
 };
 
-using Neighbors = std::vector<std::array<uint32_t, 3>>;
+using Neighbors = std::vector<std::array<uint32_t, 3>>;  // or kNone
 
 Neighbors FacetNeighbors(const std::vector<Facet>& facets) {
   const std::vector<uint32_t> partners = PairHalfEdges(facets);
@@ -175,29 +175,6 @@ Neighbors FacetNeighbors(const std::vector<Facet>& facets) {
       const auto end = neighbors[i].begin() + k;
       const bool is_new = std::find(neighbors[i].begin(), end, neighbor) == end;
       neighbors[i][k] = is_new ? neighbor : kNone;
-    }
-  }
-  return neighbors;
-}
-
-// The inverse permutation.
-std::vector<uint32_t> Inverse(const std::vector<uint32_t>& order) {
-  std::vector<uint32_t> inverse(order.size());
-  for (uint32_t i = 0; i < order.size(); ++i) {
-    inverse[order[i]] = i;
-  }
-  return inverse;
-}
-
-// Of facet order[i], in terms of nodes, for each i.
-Neighbors NodeNeighbors(const Neighbors& facet_neighbors,
-                        const std::vector<uint32_t>& order,
-                        const std::vector<uint32_t>& node_of_facet) {
-  Neighbors neighbors(order.size());
-  for (size_t i = 0; i < order.size(); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      const uint32_t facet = facet_neighbors[order[i]][k];
-      neighbors[i][k] = facet == kNone ? facet : node_of_facet[facet];
     }
   }
   return neighbors;
@@ -260,8 +237,17 @@ FacetField MakeField(const CandidatePairs& candidates,
   FacetField field;
   const Neighbors neighbors = FacetNeighbors(facets);
   const std::vector<uint32_t> order = SweepOrder(neighbors);
-  field.nodes = Inverse(order);
-  field.problem.neighbors = NodeNeighbors(neighbors, order, field.nodes);
+  field.nodes.resize(order.size());
+  for (uint32_t node = 0; node < order.size(); ++node) {
+    field.nodes[order[node]] = node;
+  }
+  field.problem.neighbors.reserve(order.size());
+  for (const uint32_t facet : order) {
+    auto& of_node = field.problem.neighbors.emplace_back(neighbors[facet]);
+    for (uint32_t& neighbor : of_node) {
+      neighbor = neighbor == kNone ? kNone : field.nodes[neighbor];
+    }
+  }
   field.problem.weight = options.potts_weight;
   const auto max_candidates =
       static_cast<size_t>(std::max({kMaxCandidates, options.pairs_per_facet,
@@ -279,12 +265,14 @@ FacetLabels AllLabels(const CandidatePairs& candidates,
 
 FacetLabels BestLabels(const std::vector<ViewPair>& pairs,
                        const FacetField& field,
-                       const std::vector<uint32_t>& choices, uint32_t count,
-                       uint32_t final_count) {
+                       const std::vector<uint32_t>& choices,
+                       const FacetLabelingOptions& options) {
   const PottsProblem& problem = field.problem;
   LabelSets sets = ChosenLabels(problem, choices);
-  sets = AddFurtherLabels(problem, sets, count);
-  sets = AddFurtherLabels(problem, sets, std::max(count, final_count));
+  sets = AddFurtherLabels(problem, sets, options.pairs_per_facet);
+  sets = AddFurtherLabels(
+      problem, sets,
+      std::max(options.pairs_per_facet, options.final_pairs_per_facet));
   FacetLabels labels;
   labels.pairs = pairs;
   labels.labels.Reserve(sets.size(), sets.values.size());
@@ -303,6 +291,7 @@ FacetLabeling LabelFacets(const FacetLabelingOptions& options,
                           const FacetVisibility& visibility,
                           const std::vector<View>& views) {
   FacetLabeling labeling;
+  labeling.num_pairs = pairs.size();
   const CandidatePairs candidates(mesh, attributes, pairs, visibility, views,
                                   options.pair_selection);
   if (options.pair_selection == PairSelection::kClassical) {
@@ -313,9 +302,7 @@ FacetLabeling LabelFacets(const FacetLabelingOptions& options,
     labeling.initial_energy = solution.initial_energy;
     labeling.final_energy = solution.energy;
     labeling.lower_bound = solution.lower_bound;
-    labeling.labels =
-        BestLabels(pairs, field, solution.choices, options.pairs_per_facet,
-                   options.final_pairs_per_facet);
+    labeling.labels = BestLabels(pairs, field, solution.choices, options);
   }
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     labeling.num_unlabeled_facets += labeling.labels.labels[i].empty() ? 1 : 0;

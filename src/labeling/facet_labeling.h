@@ -39,14 +39,19 @@ struct FacetLabelingOptions {
   double potts_weight = 2.1972245773362196;
 };
 
-struct FacetLabeling {
-  FacetLabels labels;
+struct LabelingReport {
+  int level = 0;                    // of the views' images
+  size_t num_pairs = 0;             // there are to choose from
   size_t num_unlabeled_facets = 0;  // that no pair sees
   // Of the first label of each facet, docs/method.md, section 4.4; 0 with
   // kClassical.
   double initial_energy = 0;  // of each facet's cheapest label
   double final_energy = 0;
   double lower_bound = 0;
+};
+
+struct FacetLabeling : LabelingReport {
+  FacetLabels labels;
 };
 
 // Gives every facet the pairs of views that see it best (docs/method.md,
@@ -59,6 +64,7 @@ struct FacetLabeling {
 // \param pairs  ascending.
 // \param visibility  [F] the views that see each facet.
 // \param views  of the images' sizes.
+// \return without the report's level
 // \pre options in their ranges
 FacetLabeling LabelFacets(const FacetLabelingOptions& options,
                           const TriangleMesh& mesh,

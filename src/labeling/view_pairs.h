@@ -72,13 +72,20 @@ struct FacetLabels {
     }
   }
 
-  // The same with at most the first `count` labels of each facet.
-  FacetLabels Truncated(size_t count) const {
+  // The same with at most the first count(facet) labels of each facet.
+  template <typename Count>
+  FacetLabels Shortened(const Count& count) const {
     FacetLabels first{pairs, {}, {}};
     for (size_t i = 0; i < NumFacets(); ++i) {
-      first.labels.AddRow(labels[i].first(std::min(labels[i].size(), count)));
+      first.labels.AddRow(
+          labels[i].first(std::min<size_t>(labels[i].size(), count(i))));
     }
     return first;
+  }
+
+  // The same with at most the first `count` labels of each facet.
+  FacetLabels Truncated(size_t count) const {
+    return Shortened([&](size_t) { return count; });
   }
 
   // Those of other facets that come from these.
@@ -96,13 +103,8 @@ struct FacetLabels {
   // The same without the labels of the other facets.
   // \param is_chosen [F]
   FacetLabels Masked(const std::vector<uint8_t>& is_chosen) const {
-    FacetLabels chosen{pairs, {}, {}};
-    chosen.labels.Reserve(NumFacets(), labels.values.size());
-    for (size_t i = 0; i < NumFacets(); ++i) {
-      chosen.labels.AddRow(
-          labels[i].first(is_chosen[i] != 0 ? labels[i].size() : 0));
-    }
-    return chosen;
+    return Shortened(
+        [&](size_t i) { return is_chosen[i] != 0 ? SIZE_MAX : 0; });
   }
 };
 

@@ -51,10 +51,13 @@ void ExpectSize(const GrayImage& image, const View& view) {
 
 }  // namespace
 
-View ViewAtLevel(const View& view, int level) {
+std::vector<View> ViewsAtLevel(std::vector<View> views, int level) {
   const int divisor = 1 << level;
-  return ResizeView(view, (view.width + divisor - 1) / divisor,
-                    (view.height + divisor - 1) / divisor);
+  for (View& view : views) {
+    view = ResizeView(view, (view.width + divisor - 1) / divisor,
+                      (view.height + divisor - 1) / divisor);
+  }
+  return views;
 }
 
 View ViewAtScale(const View& view, double scale) {
@@ -133,9 +136,7 @@ void ImagePyramid::SetLevel(int level) {
 
 void ImagePyramid::SetViews(std::vector<View> views) {
   views_ = std::move(views);
-  for (size_t i = 0; i < views_.size(); ++i) {
-    level_views_[i] = ViewAtLevel(views_[i], level_);
-  }
+  level_views_ = ViewsAtLevel(views_, level_);
 }
 
 std::shared_ptr<const GrayImage> ImagePyramid::FullImage(size_t view) {

@@ -10,8 +10,8 @@
 
 namespace colmap_ext {
 
-// The view of an image halved `level` times; sizes are rounded up.
-View ViewAtLevel(const View& view, int level);
+// The views of images halved `level` times; sizes are rounded up.
+std::vector<View> ViewsAtLevel(std::vector<View> views, int level);
 
 // The view of an image at a scale: 0.5 is half the width and height, rounded.
 View ViewAtScale(const View& view, double scale);

@@ -80,20 +80,20 @@ Interpolated Interpolate(const GrayImage& image, double u, double v) {
           Sum(by_col * slopes)};
 }
 
+PairGeometry::PairGeometry(const View& i, const View& j)
+    : center_i(i.Center()),
+      ray_from_pixel_i(i.RayFromPixel()),
+      pixel_j_from_pixel_i(j.PixelFromRay() * ray_from_pixel_i),
+      epipole(j.PixelFromRay() * (center_i - j.Center())) {}
+
 PairWarp::PairWarp(const DrawnView& i, const DrawnView& j,
                    const TriangleMesh& mesh)
-    : i_(i),
-      j_(j),
-      mesh_(mesh),
-      center_i_(i.view.Center()),
-      ray_from_pixel_i_(i.view.RayFromPixel()),
-      pixel_j_from_pixel_i_(j.view.PixelFromRay() * ray_from_pixel_i_),
-      epipole_(j.view.PixelFromRay() * (center_i_ - j.view.Center())) {}
+    : i_(i), j_(j), mesh_(mesh), pair_(i.view, j.view) {}
 
 PairWarp::Plane PairWarp::PlaneOf(uint32_t facet) const {
   const FacetFrame frame = ComputeFacetFrame(mesh_, mesh_.facets[facet]);
-  const Eigen::Vector3d from_corner = center_i_ - frame.corner;
-  const Eigen::Matrix3d pixel_from_ray = ray_from_pixel_i_.transpose();
+  const Eigen::Vector3d from_corner = pair_.center_i - frame.corner;
+  const Eigen::Matrix3d pixel_from_ray = pair_.ray_from_pixel_i.transpose();
   Plane plane;
   plane.facet = facet;
   plane.is_facing = i_.drawn.is_facing[facet] && j_.drawn.is_facing[facet];
@@ -150,8 +150,6 @@ void PairWarp::FindPlaces(int row, int first_col, int last_col,
   }
 }
 
-// Homogeneous pixel in j: p = M (u, v, 1) + e w (docs/method.md, section 5.2),
-// w the inverse depth, in units of the depth in i.
 void PairWarp::ComputePixel(const Row& row, int col, const Plane& plane,
                             CorrelationTile* tile,
                             TileGeometry* geometry) const {
@@ -160,8 +158,9 @@ void PairWarp::ComputePixel(const Row& row, int col, const Plane& plane,
     return form.x() * u_i + (form.y() * row.v + form.z());
   };
   const double inverse_depth = value_of(plane.inverse_depth);
-  const Eigen::Vector3d ray_in_j = pixel_j_from_pixel_i_.col(0) * u_i + row.p;
-  const Eigen::Vector3d p = ray_in_j + epipole_ * inverse_depth;
+  const Eigen::Vector3d ray_in_j =
+      pair_.pixel_j_from_pixel_i.col(0) * u_i + row.p;
+  const Eigen::Vector3d p = ray_in_j + pair_.epipole * inverse_depth;
   if (!plane.is_facing || !(inverse_depth > 0) || !(p.z() > 0)) {
     return;
   }
@@ -196,8 +195,9 @@ void PairWarp::ComputeRow(int row, int first_col, int last_col,
                           CorrelationTile* tile, TileGeometry* geometry) const {
   const int image_row = geometry->first_row + row;
   const double v = image_row + 0.5;
-  const Row of_row{
-      row, v, pixel_j_from_pixel_i_.col(1) * v + pixel_j_from_pixel_i_.col(2)};
+  const Row of_row{row, v,
+                   pair_.pixel_j_from_pixel_i.col(1) * v +
+                       pair_.pixel_j_from_pixel_i.col(2)};
   const uint8_t* grays = i_.image.Row(image_row) + geometry->first_col;
   const float* inverse_depths = i_.drawn.inverse_depths.data() +
                                 i_.drawn.Index(image_row, geometry->first_col);

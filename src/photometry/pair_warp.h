@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include "mesh/triangle_mesh.h"
-#include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
 #include "raster/facet_id_buffer.h"
 #include "scene/images.h"
@@ -33,6 +32,18 @@ struct DrawnView {
   const View& view;
   const GrayImage& image;
   const FacetIdBuffer& drawn;
+};
+
+// What a pixel (u, v, 1) of view i with the inverse depth w, in units of the
+// depth in i, is seen at in view j: M (u, v, 1) + e w, homogeneous
+// (docs/method.md, section 5.2).
+struct PairGeometry {
+  PairGeometry(const View& i, const View& j);
+
+  Eigen::Vector3d center_i;
+  Eigen::Matrix3d ray_from_pixel_i;      // (u, v, 1) -> world ray with z 1
+  Eigen::Matrix3d pixel_j_from_pixel_i;  // M: of points at infinity
+  Eigen::Vector3d epipole;               // e: of camera i in j
 };
 
 // Where the pixels of a tile lie on the surface.
@@ -99,11 +110,7 @@ class PairWarp {
   DrawnView i_;
   DrawnView j_;
   const TriangleMesh& mesh_;
-  Eigen::Vector3d center_i_;
-  Eigen::Matrix3d ray_from_pixel_i_;  // (u, v, 1) -> world ray with z 1
-  Eigen::Matrix3d
-      pixel_j_from_pixel_i_;  // M: of points at infinity, homogeneous
-  Eigen::Vector3d epipole_;   // e: of camera i in j, homogeneous
+  PairGeometry pair_;
 };
 
 }  // namespace colmap_ext

@@ -47,23 +47,6 @@ bool AreTooManyToKeep(const std::vector<View>& views) {
   return num_pixels > kMaxPixels;
 }
 
-// \param directions [views]
-std::vector<uint32_t> OrderViews(
-    const std::vector<View>& views,
-    const std::vector<std::vector<TiledDirection>>& directions) {
-  if (!AreTooManyToKeep(views)) {
-    return Iota(views.size());
-  }
-  Rows<uint32_t> partners;
-  for (const std::vector<TiledDirection>& row : directions) {
-    for (const TiledDirection& direction : row) {
-      partners.values.push_back(direction.j);
-    }
-    partners.EndRow();
-  }
-  return OrderByPartners(partners);
-}
-
 }  // namespace
 
 Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
@@ -179,8 +162,19 @@ std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
           DirectionsTo(static_cast<uint32_t>(view), *buffers.Get(view), labels);
     }
   });
+  std::vector<uint32_t> order = Iota(by_view.size());
+  if (AreTooManyToKeep(buffers.Views())) {
+    Rows<uint32_t> partners;
+    for (const std::vector<TiledDirection>& row : by_view) {
+      for (const TiledDirection& direction : row) {
+        partners.values.push_back(direction.j);
+      }
+      partners.EndRow();
+    }
+    order = OrderByPartners(partners);
+  }
   std::vector<TiledDirection> directions;
-  for (const uint32_t view : OrderViews(buffers.Views(), by_view)) {
+  for (const uint32_t view : order) {
     std::ranges::move(by_view[view], std::back_inserter(directions));
   }
   return directions;

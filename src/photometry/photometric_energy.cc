@@ -29,17 +29,6 @@ void Add(const FacetTerms& added, FacetTerms* terms) {
                          terms->curvatures.begin(), std::plus());
 }
 
-// \param phi  barycentric coordinates of the pixel on its facet.
-void AddDerivatives(const std::array<float, 3>& phi, float slope,
-                    float curvature, FacetTerms* sum) {
-  for (int k = 0, m = 0; k < 3; ++k) {
-    sum->slopes[k] += phi[k] * slope;
-    for (int l = k; l < 3; ++l, ++m) {
-      sum->curvatures[m] += phi[k] * phi[l] * curvature;
-    }
-  }
-}
-
 // Evaluates one direction of a pair at a time, i <- j. Holds scratch: each
 // thread has its own.
 class DirectionEvaluator {
@@ -59,7 +48,7 @@ class DirectionEvaluator {
     const PairWarp warp(i, j, mesh);
     constexpr int kMultiple = 8;  // see WindowRows
     const int radius = options_.window_radius;
-    const float max_relative_depth = MaxRelativeDepth(options_, i.view);
+    const float max_relative_depth = MaxRelativeDepth(options_, i.view, radius);
     std::vector<FacetTerms> sums(facets.size());
     for (const PixelBox& tile : tiles) {
       const int width = tile.last_col - tile.first_col + 1 + 2 * radius;
@@ -106,8 +95,15 @@ class DirectionEvaluator {
         sum.num_pixels += 1;
       }
       const float motion = geometry_.motion[at];
-      AddDerivatives(geometry_.barycentric[at], tile_.derivatives[at] * motion,
-                     tile_.curvatures[at] * motion * motion, &sum);
+      const float slope = tile_.derivatives[at] * motion;
+      const float curvature = tile_.curvatures[at] * motion * motion;
+      const std::array<float, 3>& phi = geometry_.barycentric[at];
+      for (int k = 0, m = 0; k < 3; ++k) {
+        sum.slopes[k] += phi[k] * slope;
+        for (int l = k; l < 3; ++l, ++m) {
+          sum.curvatures[m] += phi[k] * phi[l] * curvature;
+        }
+      }
     }
   }
 
@@ -224,30 +220,28 @@ PhotometricTerms CpuPhotometricEnergy::Evaluate(const TriangleMesh& mesh,
   PhotometricTerms terms{0, std::vector<FacetTerms>(mesh.facets.size())};
   using Result = std::pair<size_t, std::vector<FacetTerms>>;
   size_t next = 0;
-  tbb::parallel_pipeline(
-      kMaxWaiting * tbb::this_task_arena::max_concurrency(),
-      tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order,
-                                     [&](tbb::flow_control& control) {
-                                       if (next == work.directions.size()) {
-                                         control.stop();
-                                       }
-                                       return next++;
-                                     }) &
-          tbb::make_filter<size_t, Result>(
-              tbb::filter_mode::parallel,
-              [&](size_t i) {
-                return Result(i,
-                              EvaluateDirection(mesh, work, work.directions[i],
-                                                &evaluators.local()));
-              }) &
-          tbb::make_filter<Result, void>(
-              tbb::filter_mode::serial_in_order, [&](const Result& result) {
-                const auto& [i, sums] = result;
-                const auto facets = work.facets[work.directions[i].direction];
-                for (size_t k = 0; k < facets.size(); ++k) {
-                  Add(sums[k], &terms.facets[facets[k]]);
-                }
-              }));
+  const auto take = tbb::make_filter<void, size_t>(
+      tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+        if (next == work.directions.size()) {
+          control.stop();
+        }
+        return next++;
+      });
+  const auto evaluate = tbb::make_filter<size_t, Result>(
+      tbb::filter_mode::parallel, [&](size_t i) {
+        return Result(i, EvaluateDirection(mesh, work, work.directions[i],
+                                           &evaluators.local()));
+      });
+  const auto add = tbb::make_filter<Result, void>(
+      tbb::filter_mode::serial_in_order, [&](const Result& result) {
+        const auto& [i, sums] = result;
+        const auto facets = work.facets[work.directions[i].direction];
+        for (size_t k = 0; k < facets.size(); ++k) {
+          Add(sums[k], &terms.facets[facets[k]]);
+        }
+      });
+  tbb::parallel_pipeline(kMaxWaiting * tbb::this_task_arena::max_concurrency(),
+                         take & evaluate & add);
   for (const FacetTerms& facet : terms.facets) {
     terms.energy += facet.energy;
   }

@@ -6,14 +6,15 @@
 
 namespace colmap_ext {
 
-float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i) {
+float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i,
+                       int radius) {
   // Footprints of a pixel that depths of one surface may differ by for each
   // pixel between them: a slope of 76 degrees, at which a facet shows a quarter
   // of its area. What the masks do: docs/experiments.md, row "no occlusion
   // masks" (bunny).
   constexpr double kMaxSlope = 4;
   return options.occlusion_masking
-             ? static_cast<float>(kMaxSlope * options.window_radius /
+             ? static_cast<float>(kMaxSlope * radius /
                                   std::min(view_i.fx, view_i.fy))
              : std::numeric_limits<float>::max();
 }
@@ -83,8 +84,7 @@ void WindowCorrelation::SubtractMeans(const CorrelationTile& tile) {
 }
 
 // Tells which windows of a row a discontinuity runs through.
-void WindowCorrelation::FindBroken(float max_relative_depth,
-                                   const CorrelationTile& tile, int row) {
+void WindowCorrelation::FindBroken(const CorrelationTile& tile, int row) {
   const int width = tile.width;
   is_broken_.assign(width, 0);
   if (!options_.occlusion_masking) {
@@ -97,7 +97,7 @@ void WindowCorrelation::FindBroken(float max_relative_depth,
   for (int col = 0; col < width; ++col) {
     const float center = centers[col];
     is_broken_[col] = std::max(highest_[col] - center, center - lowest_[col]) >
-                      max_relative_depth * center;
+                      max_relative_depth_ * center;
   }
 }
 
@@ -124,8 +124,7 @@ void WindowCorrelation::CorrelateRow(int row, CorrelationTile* tile) {
 
 // Calls function(i) for the pixels of a window on the surface of its centre.
 template <typename Function>
-void WindowCorrelation::ForEachPixel(float max_relative_depth,
-                                     const CorrelationTile& tile, int row,
+void WindowCorrelation::ForEachPixel(const CorrelationTile& tile, int row,
                                      int col, const Function& function) const {
   const int radius = options_.window_radius;
   const float center = tile.inverse_depths[tile.Index(row, col)];
@@ -133,20 +132,20 @@ void WindowCorrelation::ForEachPixel(float max_relative_depth,
     for (int x = col - radius; x <= col + radius; ++x) {
       const size_t i = tile.Index(y, x);
       if (tile.is_valid[i] > 0 && std::abs(tile.inverse_depths[i] - center) <=
-                                      max_relative_depth * center) {
+                                      max_relative_depth_ * center) {
         function(i);
       }
     }
   }
 }
 
-void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
-                                              int col, CorrelationTile* tile) {
+void WindowCorrelation::CorrelateMaskedWindow(int row, int col,
+                                              CorrelationTile* tile) {
   RowSums& sums = masked_sums_;
   for (auto* sum : sums.All()) {
     sum->assign(1, 0);
   }
-  ForEachPixel(max_relative_depth, *tile, row, col, [&](size_t i) {
+  ForEachPixel(*tile, row, col, [&](size_t i) {
     sums.count[0] += 1;
     sums.image[0] += image_[i];
     sums.warped[0] += warped_[i];
@@ -166,7 +165,7 @@ void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
   if (!(tile->weights[center] > 0)) {
     return;
   }
-  ForEachPixel(max_relative_depth, *tile, row, col, [&](size_t i) {
+  ForEachPixel(*tile, row, col, [&](size_t i) {
     masked_derivatives_[i] +=
         by_image * image_[i] + by_warped * warped_[i] + constant;
     masked_curvatures_[i] += curvature;
@@ -175,14 +174,13 @@ void WindowCorrelation::CorrelateMaskedWindow(float max_relative_depth, int row,
 
 // The others that count, one by one: pixels across the discontinuity are left
 // out [Romanoni2019].
-void WindowCorrelation::CorrelateMasked(float max_relative_depth, int row,
-                                        CorrelationTile* tile) {
+void WindowCorrelation::CorrelateMasked(int row, CorrelationTile* tile) {
   const int radius = options_.window_radius;
   for (int col = radius; col < tile->width - radius; ++col) {
     const size_t center = tile->Index(row, col);
     if (is_broken_[col] != 0 && tile->is_center[center] != 0 &&
         tile->is_valid[center] > 0) {
-      CorrelateMaskedWindow(max_relative_depth, row, col, tile);
+      CorrelateMaskedWindow(row, col, tile);
     }
   }
 }
@@ -215,6 +213,7 @@ void WindowCorrelation::Compute(float max_relative_depth,
                                 CorrelationTile* tile) {
   const int radius = options_.window_radius;
   const int width = tile->width;
+  max_relative_depth_ = max_relative_depth;
   SubtractMeans(*tile);
   windows_.Assign(tile->Index(tile->height + 2 * radius, 0));
   masked_derivatives_.assign(tile->image.size(), 0);
@@ -226,9 +225,9 @@ void WindowCorrelation::Compute(float max_relative_depth,
   highest_.resize(width);
   row_.Assign(width);
   for (int row = radius; row < tile->height - radius; ++row) {
-    FindBroken(max_relative_depth, *tile, row);
+    FindBroken(*tile, row);
     CorrelateRow(row, tile);
-    CorrelateMasked(max_relative_depth, row, tile);
+    CorrelateMasked(row, tile);
   }
   for (int row = 0; row < tile->height; ++row) {
     GatherDerivatives(row, tile);

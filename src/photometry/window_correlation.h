@@ -147,7 +147,9 @@ inline constexpr float kMinVariance = 1e-2F;
 
 // The largest relative difference of inverse depths within one surface, over a
 // window of image i. Pixels beyond it are masked (docs/method.md, section 5.4).
-float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i);
+// \param radius  of the window, px
+float MaxRelativeDepth(const PhotometricOptions& options, const View& view_i,
+                       int radius);
 
 // Zero-normalised cross correlation of I_i and I_ij in the windows around the
 // centres, and its derivatives by I_ij (docs/method.md, sections 5.3 and 5.5).
@@ -169,20 +171,18 @@ class WindowCorrelation {
   };
 
   void SubtractMeans(const CorrelationTile& tile);
-  void FindBroken(float max_relative_depth, const CorrelationTile& tile,
-                  int row);
+  void FindBroken(const CorrelationTile& tile, int row);
   void CorrelateRow(int row, CorrelationTile* tile);
   template <typename Function>
-  void ForEachPixel(float max_relative_depth, const CorrelationTile& tile,
-                    int row, int col, const Function& function) const;
-  void CorrelateMasked(float max_relative_depth, int row,
-                       CorrelationTile* tile);
-  void CorrelateMaskedWindow(float max_relative_depth, int row, int col,
-                             CorrelationTile* tile);
+  void ForEachPixel(const CorrelationTile& tile, int row, int col,
+                    const Function& function) const;
+  void CorrelateMasked(int row, CorrelationTile* tile);
+  void CorrelateMaskedWindow(int row, int col, CorrelationTile* tile);
   void GatherDerivatives(int row, CorrelationTile* tile);
 
   PhotometricOptions options_;
   WindowRows rows_;
+  float max_relative_depth_ = 0;
 
   // Scratch, [height * width].
   std::vector<float> image_, warped_;  // without their means; 0 where invalid

@@ -34,17 +34,10 @@ INLINE float SumOf(const Term& term) {
   return Fold<kCount>(term, [](float a, float b) INLINE_BODY { return a + b; });
 }
 
-template <int kCount, typename Term>
-INLINE float LowestOf(const Term& term) {
-  return Fold<kCount>(
-      term, [](float a, float b) INLINE_BODY { return std::min(a, b); });
-}
-
-template <int kCount, typename Term>
-INLINE float HighestOf(const Term& term) {
-  return Fold<kCount>(
-      term, [](float a, float b) INLINE_BODY { return std::max(a, b); });
-}
+constexpr auto kMin = [](float a, float b)
+                          INLINE_BODY { return std::min(a, b); };
+constexpr auto kMax = [](float a, float b)
+                          INLINE_BODY { return std::max(a, b); };
 
 // Sums of the windows' columns, [6][stride].
 template <int kSide>
@@ -81,25 +74,15 @@ INLINE void SumAlongRow(int width, const float* __restrict columns,
 }
 
 // Calls body.operator()<2 radius + 1>().
-// \pre 1 <= radius <= 7
-template <typename Body>
+// \pre kRadius <= radius <= 7
+template <int kRadius = 1, typename Body>
 INLINE void WithSide(int radius, const Body& body) {
-  switch (radius) {
-    case 1:
-      return body.template operator()<3>();
-    case 2:
-      return body.template operator()<5>();
-    case 3:
-      return body.template operator()<7>();
-    case 4:
-      return body.template operator()<9>();
-    case 5:
-      return body.template operator()<11>();
-    case 6:
-      return body.template operator()<13>();
-    default:
-      return body.template operator()<15>();
+  if constexpr (kRadius < 7) {
+    if (radius != kRadius) {
+      return WithSide<kRadius + 1>(radius, body);
+    }
   }
+  body.template operator()<2 * kRadius + 1>();
 }
 
 // With N pixels, means I' and J', variances A and B, covariance C:
@@ -220,11 +203,11 @@ void WindowRows::Sum(int width, const float* values, float* sums) {
 void WindowRows::FindRange(int width, const float* values,
                            const float* is_valid, float* lowest,
                            float* highest) {
-  constexpr float kMax = std::numeric_limits<float>::max();
+  constexpr float kFar = std::numeric_limits<float>::max();
   const int stride = width + 2 * radius_;
-  float* low = Columns(2, width, kMax);
+  float* low = Columns(2, width, kFar);
   float* high = low + stride;
-  std::fill_n(high - radius_, stride, -kMax);
+  std::fill_n(high - radius_, stride, -kFar);
   const float* center = values + ptrdiff_t{radius_} * width;
   const auto find = [&]<int kSide>() INLINE_BODY {
     constexpr int kRadius = kSide / 2;
@@ -236,17 +219,16 @@ void WindowRows::FindRange(int width, const float* values,
           return is_valid[at] > 0 ? values[at] : otherwise;
         };
       };
-      low[i] = LowestOf<kSide>(valid(kMax));
-      high[i] = HighestOf<kSide>(valid(-kMax));
+      low[i] = Fold<kSide>(valid(kFar), kMin);
+      high[i] = Fold<kSide>(valid(-kFar), kMax);
     }
     INDEPENDENT
     for (int i = 0; i < width; ++i) {
-      lowest[i] = std::min(center[i], LowestOf<kSide>([&](int k) INLINE_BODY {
-                             return low[i - kRadius + k];
-                           }));
-      highest[i] = std::max(center[i], HighestOf<kSide>([&](int k) INLINE_BODY {
-                              return high[i - kRadius + k];
-                            }));
+      const auto beside = [&](const float* of_columns) INLINE_BODY {
+        return [=](int k) INLINE_BODY { return of_columns[i - kRadius + k]; };
+      };
+      lowest[i] = std::min(center[i], Fold<kSide>(beside(low), kMin));
+      highest[i] = std::max(center[i], Fold<kSide>(beside(high), kMax));
     }
   };
   RunAt(level_, [&]() INLINE_BODY { WithSide(radius_, find); });

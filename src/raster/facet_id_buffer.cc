@@ -7,17 +7,14 @@
 #include <tuple>
 #include <utility>
 
-#include <Eigen/Geometry>
-
 #include "mesh/mesh_in_image.h"
 
 namespace colmap_ext {
 namespace {
 
 // As many as graphics cards have (8 bits), 1 / px.
-constexpr int64_t kSubpixels = 256;
 constexpr int kSubpixelBits = 8;
-static_assert(kSubpixels == 1 << kSubpixelBits);
+constexpr int64_t kSubpixels = 1 << kSubpixelBits;
 
 // px. Then coordinates are 2^28 subpixels at most, and a facet's area and edge
 // functions, sums of products of two differences, 2^60.
@@ -54,7 +51,17 @@ class ProjectedVertices {
         mesh_(mesh),
         slots_(std::bit_ceil(std::min(mesh.vertices.size(), kMaxSlots))) {}
 
-  const Projected& operator[](uint32_t vertex) {
+  std::array<Projected, 3> CornersOf(const Facet& facet) {
+    return {Find(facet[0]), Find(facet[1]), Find(facet[2])};
+  }
+
+ private:
+  struct Slot {
+    uint32_t vertex = kNone;
+    Projected projected;
+  };
+
+  const Projected& Find(uint32_t vertex) {
     Slot& slot = slots_[vertex & (slots_.size() - 1)];
     if (slot.vertex != vertex) {
       slot.vertex = vertex;
@@ -63,12 +70,6 @@ class ProjectedVertices {
     }
     return slot.projected;
   }
-
- private:
-  struct Slot {
-    uint32_t vertex = kNone;
-    Projected projected;
-  };
 
   // 0.5 MB, what a core's cache holds; a choice.
   static constexpr size_t kMaxSlots = 1 << 14;
@@ -109,10 +110,8 @@ struct InverseDepth {
     value = a.inverse_depth +
             (col + 0.5 - a.u * (1.0 / kSubpixels)) * col_step +
             (row + 0.5 - a.v * (1.0 / kSubpixels)) * row_step;
-    const auto [low, high] =
+    std::tie(min, max) =
         std::minmax({a.inverse_depth, b.inverse_depth, c.inverse_depth});
-    min = low;
-    max = high;
   }
 
   // Rounding can leave the range of a facet that is seen from its edge.
@@ -210,15 +209,20 @@ void DrawClipped(const View& view, const TriangleMesh& mesh, uint32_t facet,
   std::vector<Projected> corners;
   for (const Eigen::Vector3d& corner :
        ClipToImage(view, mesh, mesh.facets[facet], box)) {
-    const Eigen::Vector2d pixel =
-        view.ImageFromCam(corner).cwiseMax(-kFar).cwiseMin(
-            kFar);  // by rounding
+    const Eigen::Vector2d pixel =  // rounding can leave the box
+        view.ImageFromCam(corner).cwiseMax(-kFar).cwiseMin(kFar);
     corners.push_back({std::llround(pixel.x() * kSubpixels),
                        std::llround(pixel.y() * kSubpixels), 1 / corner.z()});
   }
   for (size_t k = 2; k < corners.size(); ++k) {
     DrawFacet(facet, {corners[0], corners[k - 1], corners[k]}, buffer);
   }
+}
+
+// Whether a facet is drawn as a whole, as far as it lies in the image.
+bool IsWhole(const std::array<Projected, 3>& corners) {
+  const auto& [a, b, c] = corners;
+  return a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0;
 }
 
 // Whether a part of a facet may lie within the image and its margin.
@@ -232,14 +236,13 @@ bool MayReachImage(const std::array<Projected, 3>& corners,
          std::min({a.v, b.v, c.v}) <= buffer.height * kSubpixels + kMargin;
 }
 
-// Whether a facet with such corners, see Projected, is drawn by its part.
-bool IsClipped(double a, double b, double c) {
-  return !(a > 0 && b > 0 && c > 0) && (a != 0 || b != 0 || c != 0);
-}
-
-bool ReachesImage(const View& view, const TriangleMesh& mesh,
-                  const Facet& facet) {
-  return !ClipToImage(view, mesh, facet, ImageBox(view)).empty();
+// Whether a facet that is not drawn as a whole is drawn by its part.
+bool IsClipped(const View& view, const TriangleMesh& mesh, const Facet& facet,
+               const std::array<Projected, 3>& corners) {
+  const auto& [a, b, c] = corners;
+  return (a.inverse_depth != 0 || b.inverse_depth != 0 ||
+          c.inverse_depth != 0) &&
+         !ClipToImage(view, mesh, facet, ImageBox(view)).empty();
 }
 
 // How far off the farthest surface is in each square of pixels.
@@ -292,13 +295,6 @@ class FarthestSurface {
   std::vector<float> depths_;   // [squares] the smallest inverse depths
 };
 
-// Times a facet's inverse depth: beyond what IsNearest() takes for nearest, of
-// facets that face the camera.
-double HiddenFactor(const View& view, double min_cosine) {
-  const double footprint = 1 / std::min(view.fx, view.fy);  // at depth 1
-  return 1 + kNearestTolerance * (2 / min_cosine + 1) * footprint;
-}
-
 }  // namespace
 
 FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
@@ -314,22 +310,23 @@ FacetIdBuffer DrawFacets(const View& view, const TriangleMesh& mesh,
   const Eigen::Vector3d center = view.Center();
   const auto draw = [&](uint32_t i) {
     const Facet& facet = mesh.facets[i];
-    const std::array<Projected, 3> corners = {
-        vertices[facet[0]], vertices[facet[1]], vertices[facet[2]]};
-    const auto& [a, b, c] = corners;
-    if (a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0) {
+    const std::array<Projected, 3> corners = vertices.CornersOf(facet);
+    if (IsWhole(corners)) {
       if (MayReachImage(corners, buffer)) {
         DrawFacet(i, corners, &buffer);
         buffer.is_facing[i] = IsFacing(mesh, facet, center, min_cosine);
       }
-    } else if (IsClipped(a.inverse_depth, b.inverse_depth, c.inverse_depth) &&
-               ReachesImage(view, mesh, facet)) {
+    } else if (IsClipped(view, mesh, facet, corners)) {
       buffer.clipped.push_back(i);
     }
   };
   // Hidden are those behind what was drawn: looked for a few times only.
   constexpr size_t kRounds = 8;  // a choice
-  const double factor = HiddenFactor(view, min_cosine);
+  // Times a facet's inverse depth: beyond what IsNearest() takes for nearest,
+  // of facets that face the camera.
+  const double footprint = 1 / std::min(view.fx, view.fy);  // at depth 1
+  const double factor =
+      1 + kNearestTolerance * (2 / min_cosine + 1) * footprint;
   FarthestSurface farthest(buffer);
   const std::vector<FacetClusters::Seen> seen = clusters.NearestFirst(view);
   for (size_t round = 0; round < kRounds; ++round) {
@@ -374,10 +371,9 @@ std::vector<uint32_t> FindClippedFacets(const View& view,
   ProjectedVertices vertices(view, mesh);
   std::vector<uint32_t> clipped;
   ForEachFacet(ranges, [&](uint32_t i) {
-    const auto& [a, b, c] = mesh.facets[i];
-    if (IsClipped(vertices[a].inverse_depth, vertices[b].inverse_depth,
-                  vertices[c].inverse_depth) &&
-        ReachesImage(view, mesh, mesh.facets[i])) {
+    const Facet& facet = mesh.facets[i];
+    const std::array<Projected, 3> corners = vertices.CornersOf(facet);
+    if (!IsWhole(corners) && IsClipped(view, mesh, facet, corners)) {
       clipped.push_back(i);
     }
   });

@@ -36,25 +36,16 @@ struct FacetParts {
   }
 };
 
-// A view that facets may be visible in.
-struct SeeingView {
-  const View& view;
-  const FacetIdBuffer& drawn;
-  double min_cosine;
-  double border;  // px
-};
-
 // Whether a view shows a facet's centroid; of a facet that is drawn by a part,
 // the middle of what lies within the border.
 bool IsVisible(const FacetParts& parts, uint32_t index, bool is_clipped,
-               const SeeingView& seeing) {
-  const auto& [view, drawn, min_cosine, border] = seeing;
+               const View& view, const FacetIdBuffer& drawn) {
   const Facet& facet = parts.mesh.facets[index];
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double inverse_depth = 0;  // linear over the image; 0: not before the camera
   if (is_clipped) {
     const std::vector<Eigen::Vector3d> part =
-        ClipToImage(view, parts.mesh, facet, ImageBox(view, border));
+        ClipToImage(view, parts.mesh, facet, ImageBox(view, kVisibilityBorder));
     for (const Eigen::Vector3d& corner : part) {
       const auto size = static_cast<double>(part.size());
       pixel += view.ImageFromCam(corner) / size;
@@ -68,34 +59,30 @@ bool IsVisible(const FacetParts& parts, uint32_t index, bool is_clipped,
       inverse_depth = 1 / in_camera.z();
     }
   }
-  return inverse_depth > 0 && IsWithin(view, pixel, border) &&
+  return inverse_depth > 0 && IsWithin(view, pixel, kVisibilityBorder) &&
          IsNearest(view, drawn, parts.DrawnFacet(index),
                    PlaneSlope(view, ComputeFacetFrame(parts.mesh, facet)),
                    pixel.x(), pixel.y(), inverse_depth);
 }
 
 // The facets that a view shows, ascending.
-std::vector<uint32_t> FindVisible(const FacetParts& parts,
-                                  const SeeingView& seeing) {
-  const FacetIdBuffer& drawn = seeing.drawn;
+std::vector<uint32_t> FindVisible(const FacetParts& parts, const View& view,
+                                  const FacetIdBuffer& drawn,
+                                  double min_cosine) {
   const bool are_drawn = parts.drawn_facets == nullptr;
-  const Eigen::Vector3d center = seeing.view.Center();
+  const Eigen::Vector3d center = view.Center();
   std::vector<uint32_t> visible;
-  auto clipped = drawn.clipped.begin();
   for (const FacetRange& range : drawn.ranges) {
     const auto [first, end] = parts.PartsOf(range);
     for (uint32_t i = first; i < end; ++i) {
       const uint32_t drawn_facet = parts.DrawnFacet(i);
-      while (clipped != drawn.clipped.end() && *clipped < drawn_facet) {
-        ++clipped;
-      }
       const bool is_part =
-          clipped != drawn.clipped.end() && *clipped == drawn_facet;
-      const bool is_facing =
-          are_drawn ? drawn.is_facing[i]
-                    : IsFacing(parts.mesh, parts.mesh.facets[i], center,
-                               is_part ? 0 : seeing.min_cosine);
-      if (is_facing && IsVisible(parts, i, is_part, seeing)) {
+          std::ranges::binary_search(drawn.clipped, drawn_facet);
+      const bool is_facing = are_drawn
+                                 ? drawn.is_facing[i]
+                                 : IsFacing(parts.mesh, parts.mesh.facets[i],
+                                            center, is_part ? 0 : min_cosine);
+      if (is_facing && IsVisible(parts, i, is_part, view, drawn)) {
         visible.push_back(i);
       }
     }
@@ -172,7 +159,7 @@ void AddToRows(const TriangleMesh& mesh, const std::vector<View>& views,
 // Views are taken in groups, so that the lists of what each one shows take
 // little, however many views there are.
 FacetVisibility FindVisible(const VisibilityBuffers& buffers,
-                            const FacetParts& parts, double border) {
+                            const FacetParts& parts) {
   constexpr size_t kGroup = 64;  // a choice
   const std::vector<View>& views = buffers.Views();
   FacetVisibility rows(parts.mesh.facets.size());
@@ -181,8 +168,8 @@ FacetVisibility FindVisible(const VisibilityBuffers& buffers,
         std::min(kGroup, views.size() - first));
     tbb::parallel_for(size_t{0}, visible.size(), [&](size_t i) {
       const auto drawn = buffers.Get(first + i);
-      visible[i] = FindVisible(
-          parts, {views[first + i], *drawn, buffers.MinCosine(), border});
+      visible[i] =
+          FindVisible(parts, views[first + i], *drawn, buffers.MinCosine());
     });
     AddToRows(parts.mesh, views, visible, first, &rows);
   }
@@ -206,8 +193,7 @@ std::shared_ptr<const FacetIdBuffer> VisibilityBuffers::Get(size_t view) const {
   return drawn_.Get(view, Memory(view), [&] {
     auto buffer = std::make_shared<FacetIdBuffer>(
         DrawFacets(views_[view], mesh_, clusters_, min_cosine_));
-    const std::shared_ptr<const GrayImage> mask = mask_ ? mask_(view) : nullptr;
-    if (mask) {
+    if (const auto mask = mask_ ? mask_(view) : nullptr) {
       EraseMasked(*mask, buffer.get());
     }
     return std::shared_ptr<const FacetIdBuffer>(std::move(buffer));
@@ -217,11 +203,9 @@ std::shared_ptr<const FacetIdBuffer> VisibilityBuffers::Get(size_t view) const {
 void VisibilityBuffers::DrawAhead() const {
   size_t memory = 0;
   size_t num_views = 0;
-  for (; num_views < views_.size(); ++num_views) {
-    memory += Memory(num_views);
-    if (memory > max_memory_) {
-      break;
-    }
+  while (num_views < views_.size() &&
+         memory + Memory(num_views) <= max_memory_) {
+    memory += Memory(num_views++);
   }
   tbb::parallel_for(size_t{0}, num_views, [&](size_t view) { Get(view); });
 }
@@ -233,16 +217,14 @@ size_t VisibilityBuffers::Memory(size_t view) const {
          mesh_.facets.size() / 8;
 }
 
-FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers,
-                                  double border) {
-  return FindVisible(buffers, {buffers.Mesh(), nullptr}, border);
+FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers) {
+  return FindVisible(buffers, {buffers.Mesh(), nullptr});
 }
 
 FacetVisibility FindVisibleParts(const VisibilityBuffers& buffers,
                                  const TriangleMesh& parts,
-                                 const std::vector<uint32_t>& drawn_facets,
-                                 double border) {
-  return FindVisible(buffers, {parts, &drawn_facets}, border);
+                                 const std::vector<uint32_t>& drawn_facets) {
+  return FindVisible(buffers, {parts, &drawn_facets});
 }
 
 }  // namespace colmap_ext

@@ -66,17 +66,16 @@ using FacetVisibility = Rows<uint32_t>;
 // A choice: what a facet takes is then bounded, however many images there are.
 inline constexpr size_t kMaxViewsOfFacet = 24;
 
-// A window of radius 2 around a pixel, and the pixel beyond it that bicubic
-// sampling takes, lie within the image.
+// How far a facet's centroid has to keep from the image's border: a window of
+// radius 2 around it, and the pixel beyond it that bicubic sampling takes, lie
+// within the image.
 inline constexpr double kVisibilityBorder = 3;  // px
 
 // Which views show the facets' centroids (docs/method.md, section 4.2): nothing
 // is drawn in front of the centroid, the facet faces the camera, and the
 // centroid is not at the image's border. Of a facet that is drawn by a part
 // (FindClippedFacets) the middle of what lies within the border counts.
-// \param border  how far the centroid has to keep from the image's border, px.
-FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers,
-                                  double border = kVisibilityBorder);
+FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers);
 
 // The same of parts of the facets, as subdivision makes them: they are visible
 // where the drawn ones are, and nothing is drawn anew.
@@ -84,7 +83,6 @@ FacetVisibility FindVisibleFacets(const VisibilityBuffers& buffers,
 // \param drawn_facets [F of parts] the facet that each is a part of; ascending
 FacetVisibility FindVisibleParts(const VisibilityBuffers& buffers,
                                  const TriangleMesh& parts,
-                                 const std::vector<uint32_t>& drawn_facets,
-                                 double border = kVisibilityBorder);
+                                 const std::vector<uint32_t>& drawn_facets);
 
 }  // namespace colmap_ext

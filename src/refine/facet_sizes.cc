@@ -36,20 +36,16 @@ std::vector<float> RefinableAreas(const TriangleMesh& mesh,
 
 namespace {
 
-// Whether an edge of a facet is fixed.
-bool HasFixedEdge(const FixedVertices& fixed, const Facet& facet) {
-  return IsFixed(fixed, facet[0]) + IsFixed(fixed, facet[1]) +
-             IsFixed(fixed, facet[2]) >
-         1;
-}
-
-// [F] 1 where a facet covers more than max_area, else 0.
+// [F] 1 where a facet covers more than max_area and has no fixed edge, else 0.
 std::vector<uint8_t> FindLarge(double max_area, const TriangleMesh& mesh,
                                const std::vector<float>& areas,
                                const FixedVertices& fixed) {
   std::vector<uint8_t> is_large(areas.size(), 0);
   for (size_t i = 0; i < areas.size(); ++i) {
-    is_large[i] = areas[i] > max_area && !HasFixedEdge(fixed, mesh.facets[i]);
+    const auto num_fixed = std::ranges::count_if(
+        mesh.facets[i],
+        [&](uint32_t vertex) { return IsFixed(fixed, vertex); });
+    is_large[i] = areas[i] > max_area && num_fixed < 2;
   }
   return is_large;
 }
@@ -154,7 +150,7 @@ FacetVisibility SubdivideLargeFacets(double max_area, const DrawMesh& draw,
     const FixedVertices fixed = FixedOf(surface->fixed_sources);
     const std::vector<uint8_t> is_large =
         FindLarge(max_area, surface->mesh, areas, fixed);
-    if (std::count(is_large.begin(), is_large.end(), 1) == 0) {
+    if (std::ranges::find(is_large, 1) == is_large.end()) {
       break;
     }
     visibility = {};  // large where many images see each facet

@@ -168,10 +168,7 @@ class Refinement {
     energy_->SetViews(state_.views);
     RemoveSelfIntersections(hooks_.progress, &state_);
     UpdateCameras(state_.mesh);
-    std::vector<View> views;
-    for (const View& view : state_.views) {
-      views.push_back(ViewAtLevel(view, level));
-    }
+    const std::vector<View> views = ViewsAtLevel(state_.views, level);
     Prepare(level, views);
     const std::string stage = "Refining, level " + std::to_string(level);
     Report(hooks_.progress, stage, 0);
@@ -362,9 +359,8 @@ class Refinement {
     }
     FacetLabeling labeling = LabelFacets(
         options, state_.mesh, state_.attributes, pairs_, visibility, views);
-    state_.report.labelings.push_back(
-        {level, pairs_.size(), labeling.num_unlabeled_facets,
-         labeling.initial_energy, labeling.final_energy, labeling.lower_bound});
+    labeling.level = level;
+    state_.report.labelings.push_back(labeling);
     state_.labels = std::move(labeling.labels);
   }
 

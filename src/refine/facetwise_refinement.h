@@ -95,15 +95,6 @@ struct RefinementStep {
   size_t num_facets = 0;
 };
 
-struct LabelingReport {
-  int level = 0;
-  size_t num_pairs = 0;             // there are to choose from
-  size_t num_unlabeled_facets = 0;  // that no pair sees
-  double initial_energy = 0;        // see FacetLabeling
-  double final_energy = 0;
-  double lower_bound = 0;
-};
-
 struct RefinementReport {
   std::vector<RefinementStep> steps;
   std::vector<LabelingReport> labelings;        // one a level

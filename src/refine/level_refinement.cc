@@ -9,7 +9,6 @@
 #include "mesh/normals.h"
 #include "refine/refined_confidences.h"
 #include "refine/smoothness_model.h"
-#include "refine/thin_plate.h"
 #include "refine/vertex_motion.h"
 #include "spatial/facet_tree.h"
 
@@ -60,8 +59,10 @@ class LevelRefinement {
         labels_.labels.values.size() < labels.labels.values.size()) {
       Finish(std::move(labels));
     }
-    if (!is_all_confirmed) {
-      TakeOthers(is_confirmed, first_terms, &surface_.terms);
+    for (size_t i = 0; i < is_confirmed.size(); ++i) {
+      if (is_confirmed[i] == 0) {
+        surface_.terms.facets[i] = first_terms.facets[i];
+      }
     }
     refined_.mesh = std::move(surface_.mesh);
     refined_.terms = std::move(surface_.terms);
@@ -266,20 +267,6 @@ class LevelRefinement {
         PixelsOfVertices(surface_.mesh, surface_.terms, domain_.footprints);
     SetTarget(std::move(smoothness_.target));
     Iterate(num_iterations);
-  }
-
-  // Terms of the facets that are not chosen are those of `others`.
-  // \param is_chosen [F]
-  static void TakeOthers(const std::vector<uint8_t>& is_chosen,
-                         const PhotometricTerms& others,
-                         PhotometricTerms* terms) {
-    for (size_t i = 0; i < is_chosen.size(); ++i) {
-      if (is_chosen[i] == 0) {
-        terms->facets[i].energy = others.facets[i].energy;
-        terms->facets[i].weight = others.facets[i].weight;
-        terms->facets[i].num_pixels = others.facets[i].num_pixels;
-      }
-    }
   }
 
   const FacetwiseRefinementOptions& options_;

@@ -15,25 +15,23 @@
 
 namespace colmap_ext {
 
-// Moves the cameras that the energy uses to fit a mesh; returns whether they
-// moved by so much that the surface has to follow.
-using CameraUpdate = std::function<bool(const TriangleMesh& mesh)>;
-
 // What a level is refined by.
 struct RefinementLevel {
   int level = 0;                   // the images are 2^level times smaller
   const FacetLabels& labels;       // [F]
   const std::vector<View>& views;  // of the level's images' sizes
   const std::vector<Eigen::Vector3f>& origins;  // [V] see RefinedMesh
-  CameraUpdate update_cameras =
-      {};                    // before the final iterations; may be empty
+  // Called before the final iterations; may be empty. Moves the cameras that
+  // the energy uses to fit a mesh; returns whether they moved by so much that
+  // the surface has to follow.
+  std::function<bool(const TriangleMesh& mesh)> update_cameras = {};
   FixedVertices fixed = {};  // of the mesh
 };
 
 struct RefinedLevel {
   TriangleMesh mesh;
-  // [F] of the last step's surface; energies, weights and pixels of facets that
-  // are not confirmed (ConfirmedFacets()) are those of the first.
+  // [F] of the last step's surface; of the first for facets that are not
+  // confirmed (ConfirmedFacets()).
   PhotometricTerms terms;
   bool is_stopped = false;               // by on_step
   size_t num_shortened_steps = 0;        // of vertices, to turn no facet over
@@ -57,12 +55,12 @@ using OnLevelStep =
 // in the final iterations, which only the finest level has: progress needs many
 // iterations, but the remaining noise depends only on the last ones.
 //
-// At the finest level the visible surface is smoothed (refine/thin_plate.h).
+// At the finest level the visible surface is smoothed (ThinPlate).
 // Elsewhere, and at the coarser levels, only the motion of the level is
 // smoothed: coarse images can not distinguish fine relief from noise, and must
 // not flatten it; and facets that are not compared follow their surroundings.
 // After two iterations at the finest level the smoothness aims at the part of
-// the input's relief that the refined surface shows too (refine/thin_plate.h).
+// the input's relief that the refined surface shows too (ReliefShares()).
 // How much smoothness weighs there is taken from the surface
 // (refine/smoothness_model.h).
 //

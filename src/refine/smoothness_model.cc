@@ -15,69 +15,11 @@
 #include "refine/vertex_motion.h"
 
 namespace colmap_ext {
-
-void AverageOverSurroundings(const VertexRings& rings,
-                             std::vector<double>* values) {
-  // A round spreads a value by 6/7 edge^2, over two axes. Large enough that the
-  // noise of one vertex's evidence averages out over some ten others, small
-  // enough that a plastered wall and the cornice above it stay apart.
-  constexpr int kRounds = 10;
-  std::vector<double> means(values->size());
-  for (int round = 0; round < kRounds; ++round) {
-    tbb::parallel_for(size_t{0}, values->size(), [&](size_t i) {
-      const auto ring = rings.neighbors[i];
-      double sum = (*values)[i];
-      for (const uint32_t neighbor : ring) {
-        sum += (*values)[neighbor];
-      }
-      means[i] = sum / static_cast<double>(1 + ring.size());
-    });
-    values->swap(means);
-  }
-}
-
 namespace {
 
 double Sum(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
-
-}  // namespace
-
-double GlobalWeight(const SmoothnessEvidence& evidence) {
-  const double roughness = Sum(evidence.roughness);
-  return roughness > 0 ? std::max(Sum(evidence.determined), 0.0) / roughness
-                       : std::numeric_limits<double>::infinity();
-}
-
-std::vector<double> LocalWeights(const VertexRings& rings,
-                                 SmoothnessEvidence evidence, double weight) {
-  // The global weight counts as much as this share of the evidence that a
-  // vertex has on average.
-  constexpr double kPrior = 0.1;
-  // Of the global weight. Found by trial; tests/benchmarks/vary_constants.py
-  // tables what other values do.
-  constexpr double kMinFactor = 0.5;
-  constexpr double kMaxFactor = 16;
-  std::vector<double> weights(evidence.determined.size(), weight);
-  const auto num_residuals = static_cast<double>(
-      std::count_if(evidence.determined.begin(), evidence.determined.end(),
-                    [](double determined) { return determined != 0; }));
-  const double prior = kPrior * Sum(evidence.determined) / num_residuals;
-  if (!(prior > 0)) {
-    return weights;
-  }
-  AverageOverSurroundings(rings, &evidence.determined);
-  AverageOverSurroundings(rings, &evidence.roughness);
-  for (size_t i = 0; i < weights.size(); ++i) {
-    const double local = (std::max(evidence.determined[i], 0.0) + prior) /
-                         (evidence.roughness[i] + prior / weight);
-    weights[i] = std::clamp(local, kMinFactor * weight, kMaxFactor * weight);
-  }
-  return weights;
-}
-
-namespace {
 
 // Over the views of the best pairs around a vertex that it lies before; 0 if
 // there are none.
@@ -141,6 +83,59 @@ std::vector<double> Roughness(const SmoothnessDomain& domain,
 
 }  // namespace
 
+void AverageOverSurroundings(const VertexRings& rings,
+                             std::vector<double>* values) {
+  // A round spreads a value by 6/7 edge^2, over two axes. Large enough that the
+  // noise of one vertex's evidence averages out over some ten others, small
+  // enough that a plastered wall and the cornice above it stay apart.
+  constexpr int kRounds = 10;
+  std::vector<double> means(values->size());
+  for (int round = 0; round < kRounds; ++round) {
+    tbb::parallel_for(size_t{0}, values->size(), [&](size_t i) {
+      const auto ring = rings.neighbors[i];
+      double sum = (*values)[i];
+      for (const uint32_t neighbor : ring) {
+        sum += (*values)[neighbor];
+      }
+      means[i] = sum / static_cast<double>(1 + ring.size());
+    });
+    values->swap(means);
+  }
+}
+
+double GlobalWeight(const SmoothnessEvidence& evidence) {
+  const double roughness = Sum(evidence.roughness);
+  return roughness > 0 ? std::max(Sum(evidence.determined), 0.0) / roughness
+                       : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> LocalWeights(const VertexRings& rings,
+                                 SmoothnessEvidence evidence, double weight) {
+  // The global weight counts as much as this share of the evidence that a
+  // vertex has on average.
+  constexpr double kPrior = 0.1;
+  // Of the global weight. Found by trial; tests/benchmarks/vary_constants.py
+  // tables what other values do.
+  constexpr double kMinFactor = 0.5;
+  constexpr double kMaxFactor = 16;
+  std::vector<double> weights(evidence.determined.size(), weight);
+  const auto num_residuals = static_cast<double>(
+      std::count_if(evidence.determined.begin(), evidence.determined.end(),
+                    [](double determined) { return determined != 0; }));
+  const double prior = kPrior * Sum(evidence.determined) / num_residuals;
+  if (!(prior > 0)) {
+    return weights;
+  }
+  AverageOverSurroundings(rings, &evidence.determined);
+  AverageOverSurroundings(rings, &evidence.roughness);
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const double local = (std::max(evidence.determined[i], 0.0) + prior) /
+                         (evidence.roughness[i] + prior / weight);
+    weights[i] = std::clamp(local, kMinFactor * weight, kMaxFactor * weight);
+  }
+  return weights;
+}
+
 std::vector<float> VertexFootprints(const TriangleMesh& mesh,
                                     const VertexRings& rings,
                                     const FacetLabels& labels,
@@ -196,10 +191,9 @@ std::vector<float> PixelsOfVertices(const TriangleMesh& mesh,
 
 SmoothnessTarget FirstTarget(const SmoothnessDomain& domain,
                              const TriangleMesh& mesh, double weight) {
-  SmoothnessTarget target;
-  target.weight = weight;
-  target.weights.assign(mesh.vertices.size(), weight);
-  target.relief = Relief(mesh, domain.rings, domain.footprints);
+  SmoothnessTarget target{weight,
+                          std::vector<double>(mesh.vertices.size(), weight),
+                          Relief(mesh, domain.rings, domain.footprints)};
   if (!domain.trusted_relief.empty()) {
     for (size_t i = 0; i < target.relief.size(); ++i) {
       if (domain.is_seen[i] != 0) {

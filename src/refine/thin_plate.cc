@@ -1,4 +1,4 @@
-#include "refine/thin_plate.h"
+#include "refine/smoothness_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include <tbb/parallel_for.h>
 
 #include "mesh/normals.h"
-#include "refine/smoothness_model.h"
 
 namespace colmap_ext {
 namespace {
@@ -48,6 +47,17 @@ void AddVertex(const PlateSurface& surface, double weight, double relief,
       weight * (1 + surface.num_pixels[vertex]) * scale * scale;
 }
 
+// Of weight 1, each vertex for one pixel: its coefficient is the square of what
+// turns a residual into a curvature in 1 / px.
+ThinPlate UnitPlate(const TriangleMesh& mesh, const VertexRings& rings,
+                    const std::vector<float>& footprints) {
+  const size_t size = mesh.vertices.size();
+  return MakeThinPlate({mesh.vertices, VertexNormals(mesh, rings), rings,
+                        footprints, std::vector<float>(size, 0)},
+                       std::vector<double>(size, 1),
+                       std::vector<double>(size, 0));
+}
+
 }  // namespace
 
 double ThinPlate::Energy() const {
@@ -73,21 +83,6 @@ ThinPlate MakeThinPlate(const PlateSurface& surface,
   });
   return plate;
 }
-
-namespace {
-
-// Of weight 1, each vertex for one pixel: its coefficient is the square of what
-// turns a residual into a curvature in 1 / px.
-ThinPlate UnitPlate(const TriangleMesh& mesh, const VertexRings& rings,
-                    const std::vector<float>& footprints) {
-  const size_t size = mesh.vertices.size();
-  return MakeThinPlate({mesh.vertices, VertexNormals(mesh, rings), rings,
-                        footprints, std::vector<float>(size, 0)},
-                       std::vector<double>(size, 1),
-                       std::vector<double>(size, 0));
-}
-
-}  // namespace
 
 std::vector<double> Relief(const TriangleMesh& mesh, const VertexRings& rings,
                            const std::vector<float>& footprints) {

@@ -11,7 +11,7 @@
 #include "base/indices.h"
 #include "base/mix_bits.h"
 #include "mesh/normals.h"
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "spatial/self_intersections.h"
 
 namespace colmap_ext {
@@ -219,14 +219,14 @@ class SafeMotion {
   }
 
   MovedMesh Run(FacetTree* tree) {
-    std::vector<uint32_t> facets = ShortenTurned(TurnedFacets());
+    ShortenTurned(TurnedFacets());
     // Undoing turns can leave crossings, and undoing crossings can turn facets:
     // repeat until there are neither.
     tree->Enclose(mesh_, moved_.mesh);
-    facets = ShortenCrossing(FindSelfIntersections(moved_.mesh, *tree));
+    std::vector<uint32_t> facets =
+        ShortenCrossing(FindSelfIntersections(moved_.mesh, *tree));
     while (!facets.empty()) {
-      const std::vector<uint32_t> also = ShortenTurned(facets);
-      facets.insert(facets.end(), also.begin(), also.end());
+      Append(ShortenTurned(facets), &facets);
       SortUnique(&facets);
       facets =
           ShortenCrossing(FindSelfIntersections(moved_.mesh, *tree, facets));
@@ -280,7 +280,7 @@ class SafeMotion {
       if (facets.empty()) {
         return all;
       }
-      all.insert(all.end(), facets.begin(), facets.end());
+      Append(facets, &all);
     }
   }
 
@@ -290,7 +290,7 @@ class SafeMotion {
     std::vector<uint32_t> facets;
     for (const FacetPair& pair : pairs) {
       if (!DoesPairIntersect(mesh_, pair)) {
-        facets.insert(facets.end(), pair.begin(), pair.end());
+        Append(pair, &facets);
       }
     }
     return Shorten(facets);

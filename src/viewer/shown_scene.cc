@@ -299,7 +299,8 @@ FacetMatch MatchFacet(const TriangleMesh& mesh, uint32_t facet,
                                             tile.warped[k] + 0.5F, 0.F, 255.F))
                                       : 0);
   }
-  WindowCorrelation(options).Compute(MaxRelativeDepth(options, i.view), &tile);
+  WindowCorrelation(options).Compute(
+      MaxRelativeDepth(options, i.view, options.window_radius), &tile);
   const double energy =
       std::accumulate(tile.energies.begin(), tile.energies.end(), 0.0);
   const double weight =

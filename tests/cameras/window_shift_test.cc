@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "cameras/camera_set.h"
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "tests/cameras/camera_scene.h"
 
 namespace colmap_ext::window_shift_test {

@@ -188,7 +188,7 @@ TEST_F(GlPhotometricEnergyTest, AgreesWithTheProcessorInARoom) {
 TEST_F(GlPhotometricEnergyTest, ImagesMayBeOfSeveralSizes) {
   std::vector<View> views = scene_.Views();
   for (size_t i = 0; i < views.size(); i += 2) {
-    views[i] = ViewAtLevel(views[i], 1);
+    views[i] = ViewsAtLevel({views[i]}, 1)[0];
   }
   const auto images = std::make_shared<ImagePyramid>(
       views,

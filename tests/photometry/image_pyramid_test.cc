@@ -55,20 +55,20 @@ GrayImage AtLevel(const View& view, const GrayImage& image, int level) {
   return *pyramid.Image(0);
 }
 
-TEST(ViewAtLevel, HasHalfTheSizeRoundedUp) {
+TEST(ViewsAtLevel, HaveHalfTheSizeRoundedUp) {
   Random random(1);
   for (int trial = 0; trial < 50; ++trial) {
     const View view =
         ViewOfSize(random.Integer(1, 3000), random.Integer(1, 3000));
     View halved = view;
     for (int level = 0; level < 8; ++level) {
-      const View at_level = ViewAtLevel(view, level);
+      const View at_level = ViewsAtLevel({view}, level)[0];
       EXPECT_EQ(at_level.width, std::ceil(std::ldexp(view.width, -level)));
       EXPECT_EQ(at_level.height, std::ceil(std::ldexp(view.height, -level)));
       EXPECT_EQ(at_level.width, halved.width);
       EXPECT_EQ(at_level.height, halved.height);
       EXPECT_TRUE(at_level.PixelFromRay().isApprox(halved.PixelFromRay()));
-      halved = ViewAtLevel(halved, 1);
+      halved = ViewsAtLevel({halved}, 1)[0];
     }
   }
 }
@@ -79,7 +79,7 @@ TEST(ImagePyramid, LeavesConstantImagesConstant) {
     for (const uint8_t gray : {0, 1, 128, 255}) {
       const View view = ViewOfSize(width, height);
       for (const int level : {1, 2, 3}) {
-        const View at_level = ViewAtLevel(view, level);
+        const View at_level = ViewsAtLevel({view}, level)[0];
         const GrayImage image =
             AtLevel(view, ConstantImage(width, height, gray), level);
         EXPECT_EQ(image.width, at_level.width);
@@ -132,7 +132,7 @@ TEST(ImagePyramid, ShowsTheSameAtTheSamePlace) {
     const View view = ViewOfSize(width, height);
     const GrayImage image = SmoothImage(view);
     for (const int level : {1, 2}) {
-      const GrayImage expected = SmoothImage(ViewAtLevel(view, level));
+      const GrayImage expected = SmoothImage(ViewsAtLevel({view}, level)[0]);
       const GrayImage resized = AtLevel(view, image, level);
       ASSERT_EQ(resized.pixels.size(), expected.pixels.size());
       for (size_t i = 0; i < expected.pixels.size(); ++i) {

@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "photometry/photometric_energy.h"
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "raster/visibility_buffers.h"
 #include "tests/random.h"
 #include "tests/refine/refinement_scene.h"

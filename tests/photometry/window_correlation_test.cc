@@ -359,7 +359,7 @@ TEST(MaxRelativeDepth, IsThatOfSteepPlanes) {
   for (const int radius : {1, 2, 5}) {
     PhotometricOptions options;
     options.window_radius = radius;
-    const double limit = MaxRelativeDepth(options, view);
+    const double limit = MaxRelativeDepth(options, view, options.window_radius);
     for (const double degrees : {70.0, 75.5, 76.5, 80.0}) {
       const double slope = std::tan(degrees * std::numbers::pi / 180);
       // With z = 1 + slope x and u = fx x / z, 1 / z = 1 - slope u / fx.
@@ -367,7 +367,7 @@ TEST(MaxRelativeDepth, IsThatOfSteepPlanes) {
       EXPECT_EQ(difference < limit, degrees < 76) << degrees;
     }
     options.occlusion_masking = false;
-    EXPECT_EQ(MaxRelativeDepth(options, view),
+    EXPECT_EQ(MaxRelativeDepth(options, view, options.window_radius),
               std::numeric_limits<float>::max());
   }
 }

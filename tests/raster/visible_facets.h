@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "raster/visibility_buffers.h"
 #include "spatial/bvh.h"
 
@@ -12,10 +12,9 @@ namespace colmap_ext {
 
 inline FacetVisibility VisibleFacets(const TriangleMesh& mesh,
                                      const std::vector<View>& views,
-                                     double min_cosine = 0.1,
-                                     double border = kVisibilityBorder) {
-  return FindVisibleFacets(VisibilityBuffers(mesh, views, min_cosine, SIZE_MAX),
-                           border);
+                                     double min_cosine = 0.1) {
+  return FindVisibleFacets(
+      VisibilityBuffers(mesh, views, min_cosine, SIZE_MAX));
 }
 
 struct DepthRange {

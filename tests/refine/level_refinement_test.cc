@@ -11,8 +11,8 @@
 
 #include "mesh/adjacency.h"
 #include "mesh/normals.h"
-#include "raster/facet_frames.h"
-#include "refine/thin_plate.h"
+#include "raster/facet_id_buffer.h"
+#include "refine/smoothness_model.h"
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"

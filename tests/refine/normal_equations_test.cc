@@ -9,7 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "mesh/normals.h"
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 

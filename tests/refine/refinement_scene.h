@@ -11,7 +11,7 @@
 
 #include "labeling/view_pairs.h"
 #include "photometry/image_pyramid.h"
-#include "raster/facet_frames.h"
+#include "raster/facet_id_buffer.h"
 #include "tests/random.h"
 #include "tests/raster/room.h"
 #include "tests/synthetic/dense_scene.h"

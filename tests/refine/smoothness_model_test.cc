@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "mesh/normals.h"
-#include "refine/thin_plate.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/shapes.h"
 #include "tests/threads.h"

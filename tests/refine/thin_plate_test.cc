@@ -1,4 +1,4 @@
-#include "refine/thin_plate.h"
+#include "refine/smoothness_model.h"
 
 #include <algorithm>
 #include <cmath>
