@@ -104,9 +104,7 @@ void ProgressReporter::Finish() {
   line.resize(std::max(line.size(), shown_length_), ' ');
   stream_ << (is_terminal_ ? "\r" : "") << line << std::endl;
   shown_length_ = 0;
-  const auto same = std::ranges::find_if(
-      stage_times_,
-      [this](const StageTime& time) { return time.stage == stage_; });
+  const auto same = std::ranges::find(stage_times_, stage_, &StageTime::stage);
   if (same != stage_times_.end()) {
     same->seconds += seconds;
   } else {
