@@ -145,8 +145,7 @@ class Refiner {
     }
     WriteMesh(paths_.output, refined.mesh, refined.attributes,
               options_.scene.transform, files);
-    WriteFoundRegion(options_.scene.region, input_.region, paths_.output,
-                     files);
+    options_.scene.region.WriteFound(input_.region, paths_.output, files);
     WriteReport(refined.report, files);
     if (!options_.labels_path.empty()) {
       Report(progress_, "Drawing the labels", 0);
@@ -268,32 +267,21 @@ class Refiner {
 // Called before anything is read, so that an unwritable output fails early.
 void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
   const fs::path& output = paths.output;
-  std::vector<fs::path> outputs = {output, VisibilityPath(output),
-                                   StatePath(output)};
   if (options.refinement.cameras.parts != RefinedParts::kNothing) {
     std::error_code ignored;
     ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
                        ? paths.refined_sparse / "images.bin"
                        : paths.refined_sparse);
   }
-  if (options.scene.region.is_auto) {
-    outputs.push_back(RegionPath(output));
-  }
-  if (!options.report_path.empty()) {
-    outputs.insert(outputs.end(), {options.StepsPath(), options.PlotPath(),
-                                   options.PagePath()});
-  }
-  if (!options.labels_path.empty()) {
-    outputs.insert(outputs.end(),
-                   {options.labels_path, options.LabelsPicturePath()});
-  }
-  std::vector<fs::path> inputs =
-      WorkspaceInputs(paths.folder, paths.fused, options.sparse_path);
-  inputs.insert(
-      inputs.end(),
-      {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,
-       options.scene.transform_path, options.scene.region.text});
-  ExpectOutputs(outputs, inputs);
+  ExpectOutputs(
+      {output, VisibilityPath(output), StatePath(output),
+       options.scene.region.FoundPath(output), options.StepsPath(),
+       options.PlotPath(), options.PagePath(), options.labels_path,
+       options.LabelsPicturePath()},
+      WorkspaceInputs(
+          paths.folder, paths.fused, options.sparse_path,
+          {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,
+           options.scene.transform_path, options.scene.region.text}));
 }
 
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,

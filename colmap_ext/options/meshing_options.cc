@@ -1,7 +1,6 @@
 #include "colmap_ext/options/meshing_options.h"
 
 #include "formats/read_numbers.h"
-#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {
@@ -159,18 +158,12 @@ void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
   options->Add(
       "mask_background", &mesher->mask_background,
       "Masked pixels are background: everything along their rays is empty");
-  options->AddThreads("DelaunayManifoldMeshing", &mesher->num_threads);
+  options->AddThreads("DelaunayManifoldMeshing");
   options->SetGroup(OptionGroup::kAdvanced);
   AddFusedPathOption(&mesher->workspace.fused_path, options);
   AddSparsePathOption(&mesher->workspace.sparse_path, options);
   AddImageOrderOption(&mesher->workspace.image_order, options);
   options->SetGroup(OptionGroup::kBasic);
-}
-
-// Those of the method, DelaunayManifoldMeshing.*.
-void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher) {
-  AddPointOptions(options, mesher);
-  AddAblationOptions(options, mesher);
 }
 
 // A plan determines what is meshed.
@@ -187,12 +180,6 @@ void CheckPlan(const MesherOptions& options) {
 
 std::filesystem::path MesherOptions::InputPath() const {
   return workspace_path.empty() ? input_path : workspace_path;
-}
-
-std::filesystem::path MesherOptions::OutputPath(
-    const std::filesystem::path& dense_path) const {
-  return output_path.empty() ? dense_path / kMesherOutput
-                             : std::filesystem::path(output_path);
 }
 
 void MesherOptions::Finish() {
@@ -233,7 +220,8 @@ void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {
   AddPathOptions(options, mesher);
   AddMeshingInputOptions(options, mesher);
   AddTransformOption(&mesher->scene.transform_path, options);
-  AddMeshingOptions(options, mesher);
+  AddPointOptions(options, mesher);
+  AddAblationOptions(options, mesher);
   AddColmapAliases(options, mesher);
 }
 
@@ -276,7 +264,8 @@ void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner) {
                "borders; -1: re-solve everything undecided: identical to a "
                "single-machine run, more memory");
   options->SetGroup(OptionGroup::kBasic);
-  AddMeshingOptions(options, &planner->mesher);
+  AddPointOptions(options, &planner->mesher);
+  AddAblationOptions(options, &planner->mesher);
 }
 
 void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
@@ -292,7 +281,7 @@ void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
   options->Add("refined", &merger->is_refined,
                "Merge the tiles as facetwise_refiner has refined them");
   AddTransformOption(&merger->transform_path, options);
-  options->AddThreads("", &merger->num_threads);
+  options->AddThreads();
 }
 
 }  // namespace colmap_ext
