@@ -113,10 +113,8 @@ void EstimateJobs(const Surface& surface, const TileCells& cells,
   }
   for (size_t tile = 0; tile < cells.size(); ++tile) {
     std::vector<View> of_tile;
-    for (size_t view = 0; view < views.size(); ++view) {
-      if (is_seen_by[tile][view] != 0) {
-        of_tile.push_back(views[view]);
-      }
+    for (const uint32_t view : Marked(is_seen_by[tile])) {
+      of_tile.push_back(views[view]);
     }
     EstimateRefinement(of_tile, max_memory_gb, &(*tiles)[tile]);
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iostream>
 #include <set>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>

@@ -54,8 +54,7 @@ void SortViews(VertexAttributes* attributes) {
   EditRows(
       [](size_t, std::span<uint32_t> row) {
         std::ranges::sort(row);
-        return static_cast<size_t>(std::unique(row.begin(), row.end()) -
-                                   row.begin());
+        return row.size() - std::ranges::unique(row).size();
       },
       &attributes->views);
 }

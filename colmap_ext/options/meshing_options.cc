@@ -166,16 +166,6 @@ void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
   options->SetGroup(OptionGroup::kBasic);
 }
 
-// A plan determines what is meshed.
-void CheckPlan(const MesherOptions& options) {
-  RefuseIf(options.plan_path.empty() || options.tile < 0,
-           "--plan_path and --tile belong together");
-  RefuseIf(!options.InputPath().empty() || !options.output_path.empty() ||
-               !options.report_path.empty(),
-           "--plan_path determines what is meshed: omit --workspace_path, "
-           "--input_path, --output_path and --report_path");
-}
-
 }  // namespace
 
 std::filesystem::path MesherOptions::InputPath() const {
@@ -184,7 +174,12 @@ std::filesystem::path MesherOptions::InputPath() const {
 
 void MesherOptions::Finish() {
   if (!plan_path.empty() || tile >= 0) {
-    CheckPlan(*this);
+    RefuseIf(plan_path.empty() || tile < 0,
+             "--plan_path and --tile belong together");
+    RefuseIf(
+        !InputPath().empty() || !output_path.empty() || !report_path.empty(),
+        "--plan_path determines what is meshed: omit --workspace_path, "
+        "--input_path, --output_path and --report_path");
     return;
   }
   RefuseIf(workspace_path.empty() == input_path.empty(),

@@ -1,6 +1,5 @@
 #include "colmap_ext/options/command_options.h"
 
-#include <algorithm>
 #include <array>
 #include <fstream>
 #include <iterator>

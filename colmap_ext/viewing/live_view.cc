@@ -77,9 +77,7 @@ void RunWithViewer(const std::string& title, const std::string& folder,
   ViewerSession session(live.Inbox(), std::move(host), {});
   std::exception_ptr error;
   std::thread thread;
-  WindowOptions options;
-  options.title = title;
-  options.on_open = [&] {
+  const auto start = [&] {
     thread = std::thread([&] {
       try {
         work(&live);
@@ -93,7 +91,7 @@ void RunWithViewer(const std::string& title, const std::string& folder,
   };
   std::exception_ptr window_error;
   try {
-    RunViewerWindow(options, &session);
+    RunViewerWindow({.title = title, .on_open = start}, &session);
   } catch (...) {
     window_error = std::current_exception();
   }
