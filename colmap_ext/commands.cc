@@ -1,6 +1,6 @@
 #include "colmap_ext/commands.h"
 
-#include <cstdlib>
+#include <algorithm>
 #include <string>
 
 #include "colmap_ext/dense_meshing.h"
@@ -24,6 +24,7 @@ const std::vector<Command>& Commands() {
 
 namespace {
 
+// \pre the first argument is the name of a command
 int RunByName(const std::vector<std::string>& arguments) {
   std::string program = "colmap";
   std::vector<std::string> texts(arguments.begin() + 1, arguments.end());
@@ -31,12 +32,9 @@ int RunByName(const std::vector<std::string>& arguments) {
   for (std::string& text : texts) {
     argv.push_back(text.data());
   }
-  for (const Command& command : Commands()) {
-    if (arguments[0] == command.name) {
-      return command.run(static_cast<int>(argv.size()), argv.data());
-    }
-  }
-  return EXIT_FAILURE;
+  const auto command =
+      std::ranges::find(Commands(), arguments[0], &Command::name);
+  return command->run(static_cast<int>(argv.size()), argv.data());
 }
 
 }  // namespace

@@ -50,18 +50,16 @@ std::filesystem::path FindOutputPath(const MesherOptions& options) {
   if (options.workspace.input_type == InputType::kDense) {
     folder = FindDenseFolder(folder, options.workspace);
   }
-  const std::filesystem::path output = options.OutputPath(folder);
-  std::vector<std::filesystem::path> outputs = {output, VisibilityPath(output),
-                                                options.report_path};
-  if (options.scene.region.is_auto) {
-    outputs.push_back(RegionPath(output));
-  }
-  std::vector<std::filesystem::path> inputs = WorkspaceInputs(
-      folder, options.workspace.fused_path, options.workspace.sparse_path);
-  inputs.insert(inputs.end(),
-                {options.scene.mask_path, options.scene.transform_path,
-                 options.scene.region.text});
-  ExpectOutputs(outputs, inputs);
+  const std::filesystem::path output =
+      options.output_path.empty() ? folder / kMesherOutput
+                                  : std::filesystem::path(options.output_path);
+  ExpectOutputs(
+      {output, VisibilityPath(output), options.report_path,
+       options.scene.region.FoundPath(output)},
+      WorkspaceInputs(folder, options.workspace.fused_path,
+                      options.workspace.sparse_path,
+                      {options.scene.mask_path, options.scene.transform_path,
+                       options.scene.region.text}));
   return output;
 }
 
@@ -179,8 +177,7 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
   AtomicFiles files;
   WriteMesh(output_path, mesh.mesh, mesh.attributes, options.scene.transform,
             &files);
-  WriteFoundRegion(options.scene.region, input.meshing.region, output_path,
-                   &files);
+  options.scene.region.WriteFound(input.meshing.region, output_path, &files);
   PagePictures pictures;
   if (has_page) {
     Report(progress, "Drawing the report", 0);

@@ -50,15 +50,13 @@ void WriteLabels(const std::filesystem::path& path,
                  const RefinedMesh& refined, AtomicFiles* together) {
   constexpr int kWidth = 1024;  // px, of the picture
   constexpr int kHeight = 768;  // px
-  MeshLabels best;
+  MeshLabels best{refined.labels.BestLabels(), {}, {}};
   for (const ViewPair& pair : refined.labels.pairs) {
     best.names.push_back(refined.views[pair.first].name + " " +
                          refined.views[pair.second].name);
   }
-  for (size_t i = 0; i < refined.labels.NumFacets(); ++i) {
-    const auto row = refined.labels.labels[i];
-    best.labels.push_back(row.empty() ? -1 : static_cast<int32_t>(row[0]));
-    best.colors.push_back(LabelColor(best.labels.back()));
+  for (const int32_t label : best.labels) {
+    best.colors.push_back(LabelColor(label));
   }
   WriteLabeledMesh(path, refined.mesh, best, together);
   WriteText(picture_path,
@@ -88,7 +86,12 @@ class Refiner {
     }
     AtomicFiles files;
     Write(refined, &files);
-    const PagePictures pictures = Draw(refined);
+    PagePictures pictures;
+    if (HasReport()) {
+      Report(progress_, "Drawing the report", 0);
+      pictures =
+          DrawRefinement(before_, refined, paths_.folder / "images", decoder_);
+    }
     console_.reporter.Finish();
     Print(refined);
     WritePage(refined.report.steps, pictures, &files);
@@ -145,8 +148,7 @@ class Refiner {
     }
     WriteMesh(paths_.output, refined.mesh, refined.attributes,
               options_.scene.transform, files);
-    WriteFoundRegion(options_.scene.region, input_.region, paths_.output,
-                     files);
+    options_.scene.region.WriteFound(input_.region, paths_.output, files);
     WriteReport(refined.report, files);
     if (!options_.labels_path.empty()) {
       Report(progress_, "Drawing the labels", 0);
@@ -159,7 +161,7 @@ class Refiner {
   // and have only to get their names.
   void Commit(const RefinedMesh& refined, AtomicFiles* files) {
     files->Sync();
-    if (AreCamerasRefined(refined.report)) {
+    if (!refined.report.cameras.empty()) {
       WriteSparseModel(
           paths_.refined_sparse,
           WithRefinedCameras(
@@ -172,11 +174,6 @@ class Refiner {
     run_.RemoveFiles();
   }
 
-  // Whether other cameras than the input's belong to the mesh.
-  static bool AreCamerasRefined(const RefinementReport& report) {
-    return !report.cameras.empty();
-  }
-
   bool HasReport() const { return !options_.report_path.empty(); }
 
   void WriteReport(const RefinementReport& report, AtomicFiles* files) const {
@@ -184,14 +181,6 @@ class Refiner {
       WriteText(options_.StepsPath(), StepsCsv(report.steps), files);
       WriteText(options_.PlotPath(), StepsPlot(report.steps), files);
     }
-  }
-
-  PagePictures Draw(const RefinedMesh& refined) const {
-    if (!HasReport()) {
-      return {};
-    }
-    Report(progress_, "Drawing the report", 0);
-    return DrawRefinement(before_, refined, paths_.folder / "images", decoder_);
   }
 
   void WritePage(const std::vector<RefinementStep>& steps,
@@ -221,7 +210,7 @@ class Refiner {
     if (refined.report.misalignment) {
       PrintReport(*refined.report.misalignment, refined.views, log_);
     }
-    if (AreCamerasRefined(refined.report)) {
+    if (!refined.report.cameras.empty()) {
       PrintReport(refined.report.cameras.back(), refined.views, log_);
     } else {
       PrintSameCameras();
@@ -243,10 +232,11 @@ class Refiner {
   }
 
   void PrintFiles(const RefinementReport& report) const {
+    const bool has_cameras = !report.cameras.empty();
     std::cout << "\nWrote " << paths_.output.string()
-              << (AreCamerasRefined(report) ? ", " : " and ")
+              << (has_cameras ? ", " : " and ")
               << VisibilityPath(paths_.output).string();
-    if (AreCamerasRefined(report)) {
+    if (has_cameras) {
       std::cout << " and " << paths_.refined_sparse.string()
                 << ", which belong together";
     }
@@ -268,32 +258,21 @@ class Refiner {
 // Called before anything is read, so that an unwritable output fails early.
 void CheckOutputs(const RefinerOptions& options, const RefinementPaths& paths) {
   const fs::path& output = paths.output;
-  std::vector<fs::path> outputs = {output, VisibilityPath(output),
-                                   StatePath(output)};
   if (options.refinement.cameras.parts != RefinedParts::kNothing) {
     std::error_code ignored;
     ExpectWritable(fs::is_directory(paths.refined_sparse, ignored)
                        ? paths.refined_sparse / "images.bin"
                        : paths.refined_sparse);
   }
-  if (options.scene.region.is_auto) {
-    outputs.push_back(RegionPath(output));
-  }
-  if (!options.report_path.empty()) {
-    outputs.insert(outputs.end(), {options.StepsPath(), options.PlotPath(),
-                                   options.PagePath()});
-  }
-  if (!options.labels_path.empty()) {
-    outputs.insert(outputs.end(),
-                   {options.labels_path, options.LabelsPicturePath()});
-  }
-  std::vector<fs::path> inputs =
-      WorkspaceInputs(paths.folder, paths.fused, options.sparse_path);
-  inputs.insert(
-      inputs.end(),
-      {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,
-       options.scene.transform_path, options.scene.region.text});
-  ExpectOutputs(outputs, inputs);
+  ExpectOutputs(
+      {output, VisibilityPath(output), StatePath(output),
+       options.scene.region.FoundPath(output), options.StepsPath(),
+       options.PlotPath(), options.PagePath(), options.labels_path,
+       options.LabelsPicturePath()},
+      WorkspaceInputs(
+          paths.folder, paths.fused, options.sparse_path,
+          {paths.mesh, VisibilityPath(paths.mesh), options.scene.mask_path,
+           options.scene.transform_path, options.scene.region.text}));
 }
 
 void RefineInWindow(const RefinerOptions& options, const RefinementPaths& paths,

@@ -1,7 +1,6 @@
 // The stand-alone program: the same commands for an unpatched COLMAP.
 
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <iomanip>
 #include <iostream>
@@ -33,8 +32,7 @@ int ShowHelp() {
   return EXIT_SUCCESS;
 }
 
-int RunCommand(int argc, char** argv) {
-  const std::string name = argv[1];
+int RunCommand(const std::string& name, int argc, char** argv) {
   for (const colmap_ext::Command& command : colmap_ext::Commands()) {
     if (name == command.name) {
       argv[1] = argv[0];
@@ -48,24 +46,20 @@ int RunCommand(int argc, char** argv) {
   return EXIT_FAILURE;
 }
 
-bool WantsHelp(int argc, char** argv) {
-  return argc < 2 || std::strcmp(argv[1], "help") == 0 ||
-         std::strcmp(argv[1], "-h") == 0 || std::strcmp(argv[1], "--help") == 0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    if (WantsHelp(argc, argv)) {
+    const std::string name = argc < 2 ? "help" : argv[1];
+    if (name == "help" || name == "-h" || name == "--help") {
       return ShowHelp();
     }
-    if (std::strcmp(argv[1], "--version") == 0) {
+    if (name == "--version") {
       std::cout << colmap_ext::Versions() << std::endl;
       return EXIT_SUCCESS;
     }
     colmap_ext::InitializeLogging(argv);
-    return RunCommand(argc, argv);
+    return RunCommand(name, argc, argv);
   } catch (const std::exception& error) {
     std::cerr << "ERROR: " << error.what() << std::endl;
     return EXIT_FAILURE;

@@ -27,18 +27,15 @@ namespace fs = std::filesystem;
 
 // Before the work.
 void CheckOutputs(const EvaluatorOptions& options) {
-  std::vector<fs::path> inputs;
-  if (!options.workspace_path.empty()) {
-    inputs = WorkspaceInputs(options.workspace_path, {}, options.sparse_path);
-  }
-  inputs.insert(inputs.end(), {options.mesh_path, options.observability_mask,
-                               options.region.text});
+  std::vector<fs::path> inputs = {options.mesh_path, options.observability_mask,
+                                  options.region.text};
   if (!fs::is_directory(options.truth_path)) {
     inputs.emplace_back(options.truth_path);
   }
   ExpectOutputs(
       {options.json_path, options.error_mesh_path, options.picture_path},
-      inputs);
+      WorkspaceInputs(options.workspace_path, {}, options.sparse_path,
+                      std::move(inputs)));
 }
 
 // Of the workspace; empty without one.

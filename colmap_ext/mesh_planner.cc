@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <iostream>
-#include <string>
 
 #include <fmt/format.h>
 

@@ -139,13 +139,10 @@ void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
   for (const Screenshot& screenshot : screenshots) {
     outputs.push_back(screenshot.path);
   }
-  std::vector<std::filesystem::path> inputs;
-  if (!paths.folder.empty()) {
-    inputs = WorkspaceInputs(paths.folder, {}, options.sparse_path);
-  }
-  inputs.insert(inputs.end(), paths.meshes.begin(), paths.meshes.end());
+  std::vector<std::filesystem::path> inputs = paths.meshes;
   inputs.insert(inputs.end(), {options.labels_path, options.error_mesh_path});
-  ExpectOutputs(outputs, inputs);
+  ExpectOutputs(outputs, WorkspaceInputs(paths.folder, {}, options.sparse_path,
+                                         std::move(inputs)));
   const std::string renderer = DrawScreenshots(options, scene, screenshots);
   for (const Screenshot& screenshot : screenshots) {
     std::cout << "Wrote " << screenshot.path.string() << "\n";

@@ -13,7 +13,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -52,20 +51,10 @@ int Fail(std::string message) {
   return EXIT_FAILURE;
 }
 
-void PrintIgnored(const std::vector<std::string>& names) {
-  if (!names.empty()) {
-    std::cout << fmt::format(
-                     "NOTE: these options have no meaning here and are "
-                     "ignored: {}",
-                     fmt::join(names, ", "))
-              << std::endl;
-  }
-}
-
 }  // namespace
 
 int RunCommand(int argc, char** argv, const CommandOptions& command,
-               const CommandAdvice& advice, const std::function<void()>& finish,
+               const CommandAdvice& advice,
                const std::function<void(Console*)>& run) {
   try {
     const ParsedOptions parsed = ParseOptions(argc, argv, command);
@@ -77,9 +66,14 @@ int RunCommand(int argc, char** argv, const CommandOptions& command,
       std::cout << Versions() << std::endl;
       return EXIT_SUCCESS;
     }
-    PrintIgnored(parsed.ignored);
+    if (!parsed.ignored.empty()) {
+      std::cout << fmt::format(
+                       "NOTE: these options have no meaning here and are "
+                       "ignored: {}",
+                       fmt::join(parsed.ignored, ", "))
+                << std::endl;
+    }
     RestoreTermination();
-    finish();
     // The only place that limits the number of threads.
     std::optional<tbb::global_control> limit;
     if (command.NumThreads() > 0) {

@@ -20,13 +20,14 @@ struct CommandAdvice {
   std::map<Alternative, const char*> alternatives = {};
 };
 
-// Parses the options of a command, finishes them and runs it: any exception
-// becomes one line on the screen.
+// Parses the options of a command and runs it: any exception becomes one line
+// on the screen.
 // \return the exit status: 128 + its number if a signal interrupted it.
 int RunCommand(int argc, char** argv, const CommandOptions& command,
-               const CommandAdvice& advice, const std::function<void()>& finish,
+               const CommandAdvice& advice,
                const std::function<void(Console*)>& run);
 
+// The same; finishes the options before.
 // \param add  adds the command's options to its command line
 template <typename Options>
 int RunCommand(int argc, char** argv, void (*add)(CommandOptions*, Options*),
@@ -35,9 +36,10 @@ int RunCommand(int argc, char** argv, void (*add)(CommandOptions*, Options*),
   Options options;
   CommandOptions command;
   add(&command, &options);
-  return RunCommand(
-      argc, argv, command, advice, [&] { options.Finish(); },
-      [&](Console* console) { run(options, console); });
+  return RunCommand(argc, argv, command, advice, [&](Console* console) {
+    options.Finish();
+    run(options, console);
+  });
 }
 
 // Has memory of that size and above returned to the system when it is freed.

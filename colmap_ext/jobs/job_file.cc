@@ -63,8 +63,7 @@ uint64_t TailChecksum(std::vector<uint64_t> words, uint64_t num_bytes,
                       uint64_t num_sections) {
   words.push_back(num_bytes);
   words.push_back(num_sections);
-  return HashBytes({reinterpret_cast<const char*>(words.data()),
-                    words.size() * sizeof(uint64_t)});
+  return HashValues(words);
 }
 
 }  // namespace
@@ -169,7 +168,7 @@ void WriteSections(const JobFile& job_file,
   std::vector<uint64_t> checksums;
   uint64_t num_bytes = 0;
   const auto end_chunk = [&] {
-    checksums.push_back(HashBytes({chunk.data(), chunk.size()}));
+    checksums.push_back(HashValues(chunk));
     chunk.clear();
   };
   const auto write = [&](JobFileSection bytes) {

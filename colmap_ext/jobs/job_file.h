@@ -21,6 +21,14 @@ namespace colmap_ext {
 // \param hash  of the bytes before
 uint64_t HashBytes(std::string_view bytes, uint64_t hash = 0);
 
+// The same of values as they are in memory.
+template <typename T>
+uint64_t HashValues(const std::vector<T>& values, uint64_t hash = 0) {
+  return HashBytes(
+      {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)},
+      hash);
+}
+
 // The size of a file and a hash of its bytes, as "N bytes, hash H"; "none" if
 // it can not be read. Files of more than 16 MB are sampled at 64 places.
 std::string Fingerprint(const std::filesystem::path& path);

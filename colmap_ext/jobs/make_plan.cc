@@ -157,7 +157,6 @@ class Planner {
       half_pixel.scale = CalibratedScale(half_pixel.slope);
     }
     report_->half_pixel = half_pixel;
-    half_pixel_scale_ = half_pixel.scale;
   }
 
   // All points of some of many parts of space: as dense as the cloud.
@@ -238,7 +237,7 @@ class Planner {
           visit(FilterCloud(std::move(piece.cloud), std::move(piece.visibility),
                             sample_.views.size(), &ignored));
           Report(
-              progress_, kSharing,
+              progress_, "Sharing out the points",
               static_cast<double>(num_done) / static_cast<double>(num_points_));
         });
   }
@@ -257,14 +256,14 @@ class Planner {
 
   // Puts the half pixel right.
   void Correct(PointCloud* piece) const {
-    if (options_.mesher.half_pixel == HalfPixelCorrection::kOff) {
+    if (!report_->half_pixel) {
       return;
     }
     const std::vector<Eigen::Vector3f> offsets =
         HalfPixelOffsets(*piece, sample_.views, sample_.depth_map_scales);
     for (size_t point = 0; point < piece->size(); ++point) {
       piece->positions[point] +=
-          static_cast<float>(half_pixel_scale_) * offsets[point];
+          static_cast<float>(report_->half_pixel->scale) * offsets[point];
     }
   }
 
@@ -332,7 +331,6 @@ class Planner {
     planned.core_seconds = TileSeconds(planned.num_vertices);
   }
 
-  static constexpr char kSharing[] = "Sharing out the points";
   // Points of the sample that a tile has to have.
   static constexpr size_t kMinTileSample = 16;
 
@@ -343,7 +341,6 @@ class Planner {
   const FusedFiles files_;
   const size_t num_points_;
   size_t num_tiles_ = 1;
-  double half_pixel_scale_ = 0;
   Workspace sample_;
   ReadGrayImage read_mask_;  // or nothing
   Plan plan_;

@@ -126,8 +126,8 @@ void MergeTiles(const MergerOptions& merger, Console* console) {
   AtomicFiles files;
   WriteMesh(merger.output_path, mesh.mesh, mesh.attributes, merger.transform,
             &files);
-  WriteFoundRegion(planner.mesher.scene.region, plan.region, merger.output_path,
-                   &files);
+  planner.mesher.scene.region.WriteFound(plan.region, merger.output_path,
+                                         &files);
   files.Commit();
   console->reporter.Finish();
   ReportLog* const log = &console->log;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/indices.h"
 #include "tiles/tile_cut.h"
 
 namespace nlohmann {
@@ -257,17 +257,13 @@ void RefinementPlan::Identify(const Plan& plan) {
 }
 
 uint32_t RefinementPlan::NumColors() const {
-  uint32_t num_colors = 0;
-  for (const RefinementTile& tile : tiles) {
-    num_colors = std::max(num_colors, tile.color + 1);
-  }
-  return num_colors;
+  return std::ranges::max(tiles, {}, &RefinementTile::color).color + 1;
 }
 
 std::vector<uint32_t> RefinementPlan::TilesBefore(uint32_t color) const {
   std::vector<uint32_t> before;
   for (uint32_t other = 0; other < color; ++other) {
-    std::ranges::copy(TilesOf(other), std::back_inserter(before));
+    Append(TilesOf(other), &before);
   }
   return before;
 }

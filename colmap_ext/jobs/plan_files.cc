@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <span>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "base/indices.h"
+#include "mesh/adjacency.h"
 #include "spatial/facet_tree.h"
 
 namespace colmap_ext {
@@ -90,34 +90,21 @@ constexpr uint32_t kMaxGap = 256;
 // Appends vertices of a file to a part.
 void ReadVertices(const JobFileReader& file, uint32_t begin, uint32_t end,
                   SurfacePart* part) {
-  const auto append = [](const auto& from, auto* to) {
-    to->insert(to->end(), from.begin(), from.end());
-  };
   VertexAttributes& attributes = part->attributes;
-  append(file.Read<Eigen::Vector3f>(kSurfacePositions, begin, end),
+  Append(file.Read<Eigen::Vector3f>(kSurfacePositions, begin, end),
          &part->mesh.vertices);
-  append(file.ReadIfAny<Color>(kSurfaceColors, begin, end), &attributes.colors);
-  append(file.ReadIfAny<float>(kSurfaceConfidences, begin, end),
+  Append(file.ReadIfAny<Color>(kSurfaceColors, begin, end), &attributes.colors);
+  Append(file.ReadIfAny<float>(kSurfaceConfidences, begin, end),
          &attributes.confidences);
   const auto offsets = file.Read<uint64_t>(kSurfaceViewOffsets, begin, end + 1);
   const uint64_t first = attributes.views.values.size();
-  append(file.Read<uint32_t>(kSurfaceViews, offsets.front(), offsets.back()),
+  Append(file.Read<uint32_t>(kSurfaceViews, offsets.front(), offsets.back()),
          &attributes.views.values);
   for (uint32_t vertex = begin; vertex < end; ++vertex) {
     attributes.views.offsets.push_back(first + offsets[vertex - begin + 1] -
                                        offsets[0]);
     part->ids.push_back(BaseId(vertex));
   }
-}
-
-// The vertices that facets use, ascending.
-std::vector<uint32_t> VerticesOf(const std::vector<Facet>& facets) {
-  std::vector<uint32_t> vertices;
-  for (const Facet& facet : facets) {
-    vertices.insert(vertices.end(), facet.begin(), facet.end());
-  }
-  SortUnique(&vertices);
-  return vertices;
 }
 
 }  // namespace
@@ -312,7 +299,8 @@ SurfacePart FileSurface::ReadBlock(size_t block) const {
       std::min(first + kBlockFacets, file_.Count<Facet>(kSurfaceFacets));
   SurfacePart part;
   part.mesh.facets = file_.Read<Facet>(kSurfaceFacets, first, last);
-  const std::vector<uint32_t> vertices = VerticesOf(part.mesh.facets);
+  const std::vector<uint32_t> vertices =
+      VerticesOf(part.mesh, Iota(last - first));
   for (size_t i = 0; i < vertices.size();) {
     size_t end = i + 1;
     while (end < vertices.size() &&
@@ -324,9 +312,7 @@ SurfacePart FileSurface::ReadBlock(size_t block) const {
   }
   for (Facet& facet : part.mesh.facets) {
     for (uint32_t& vertex : facet) {
-      vertex = static_cast<uint32_t>(
-          std::ranges::lower_bound(part.ids, BaseId(vertex)) -
-          part.ids.begin());
+      vertex = IndexOf(part.ids, BaseId(vertex));
     }
     part.facet_ids.push_back(BaseId(first + part.facet_ids.size()));
   }

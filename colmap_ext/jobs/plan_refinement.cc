@@ -33,16 +33,6 @@ constexpr float kReach = 1.5F;
 constexpr VisibilityOwner kMergedMesh = {
     "mesh", "merge the tiles again by mesh_merger", std::nullopt};
 
-void ExpectPlansMesh(const fs::path& path, const Plan& plan,
-                     const Surface& surface) {
-  ExpectViews(surface, plan.views.size(), path, "plan", kMergedMesh);
-  const MeshReport report = Analyze(surface.mesh);
-  if (!report.IsManifold()) {
-    throw FileError(path, "not 2-manifold (" + report.Defects() +
-                              "): take the mesh that mesh_merger has written");
-  }
-}
-
 // Whether a mesh lies where the vertices of a plan do: most of it in the boxes
 // of its blocks.
 bool IsOfPlan(const PlanBlocks& blocks, const TriangleMesh& mesh) {
@@ -61,7 +51,11 @@ bool IsOfPlan(const PlanBlocks& blocks, const TriangleMesh& mesh) {
 
 Surface ReadMerged(const fs::path& path, const Plan& plan) {
   Surface surface = ReadSurface(path, true, kMergedMesh);
-  ExpectPlansMesh(path, plan, surface);
+  ExpectViews(surface, plan.views.size(), path, "plan", kMergedMesh);
+  if (const MeshReport report = Analyze(surface.mesh); !report.IsManifold()) {
+    throw FileError(path, "not 2-manifold (" + report.Defects() +
+                              "): take the mesh that mesh_merger has written");
+  }
   const VertexAttributes before = std::exchange(surface.attributes, {});
   for (const uint32_t vertex : SortAlongCurve(&surface.mesh)) {
     AddAttributes(before, vertex, &surface.attributes);
@@ -119,10 +113,8 @@ void EstimateJobs(const Surface& surface, const TileCells& cells,
   }
   for (size_t tile = 0; tile < cells.size(); ++tile) {
     std::vector<View> of_tile;
-    for (size_t view = 0; view < views.size(); ++view) {
-      if (is_seen_by[tile][view] != 0) {
-        of_tile.push_back(views[view]);
-      }
+    for (const uint32_t view : Marked(is_seen_by[tile])) {
+      of_tile.push_back(views[view]);
     }
     EstimateRefinement(of_tile, max_memory_gb, &(*tiles)[tile]);
   }

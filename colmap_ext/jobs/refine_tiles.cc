@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iostream>
 #include <set>
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -71,29 +70,20 @@ SurfacePart SplitPart(SurfacePart part) {
   return result;
 }
 
-// Rows of views by other numbers; those without one are left out.
-Rows<uint32_t> Renumber(const Rows<uint32_t>& rows,
-                        const std::vector<uint32_t>& numbers) {
-  Rows<uint32_t> renumbered;
+// Rows of the plan's views by their numbers among some of them, ascending;
+// others are left out.
+Rows<uint32_t> RowsAmong(const std::vector<uint32_t>& views,
+                         const Rows<uint32_t>& rows) {
+  Rows<uint32_t> among;
   for (size_t i = 0; i < rows.size(); ++i) {
     for (const uint32_t view : rows[i]) {
-      if (numbers[view] != kNone) {
-        renumbered.values.push_back(numbers[view]);
+      if (const uint32_t number = IndexOf(views, view); number != kNone) {
+        among.values.push_back(number);
       }
     }
-    renumbered.EndRow();
+    among.EndRow();
   }
-  return renumbered;
-}
-
-// [views of the plan] their numbers among these, or kNone.
-std::vector<uint32_t> NumbersOf(const std::vector<uint32_t>& views,
-                                size_t num_views) {
-  std::vector<uint32_t> numbers(num_views, kNone);
-  for (uint32_t i = 0; i < views.size(); ++i) {
-    numbers[views[i]] = i;
-  }
-  return numbers;
+  return among;
 }
 
 // \param views [out] that see the target
@@ -157,17 +147,10 @@ ReadGrayImage TileMasks(const TileJob& job, const std::vector<uint32_t>& views,
           views](size_t view) { return read(views[view]); };
 }
 
-template <typename T>
-uint64_t HashValues(const std::vector<T>& values, uint64_t hash) {
-  return HashBytes(
-      {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)},
-      hash);
-}
-
 // Of what the job starts from: lower colours may have been refined again, by
 // another backend.
 uint64_t HashOf(const SurfacePart& part) {
-  uint64_t hash = HashValues(part.ids, 0);
+  uint64_t hash = HashValues(part.ids);
   hash = HashValues(part.facet_ids, hash);
   hash = HashValues(part.mesh.vertices, hash);
   return HashValues(part.mesh.facets, hash);
@@ -190,8 +173,7 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
   }
   input.mesh = tile.part.mesh;
   input.attributes = tile.part.attributes;
-  input.attributes.views = Renumber(
-      tile.part.attributes.views, NumbersOf(tile.views, job.plan.views.size()));
+  input.attributes.views = RowsAmong(tile.views, tile.part.attributes.views);
   input.has_fused_points = false;
   input.is_part = true;
   for (uint32_t i = 0; i < input.mesh.vertices.size(); ++i) {
@@ -227,15 +209,6 @@ void PrintTile(const TileJob& job, const TileInput& tile, ReportLog* log) {
   Print("faces read", tile.part.mesh.facets.size(), log);
 }
 
-// A state that is damaged or of another run is ignored: the job starts from its
-// first level then.
-void ResumeIfPossible(ResumableRefinement* run, RefinementInput* input) {
-  try {
-    run->Resume(input);
-  } catch (const FileError&) {
-  }
-}
-
 // What the job makes of its tile.
 // \throw Interruption if it is stopped
 TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
@@ -248,7 +221,12 @@ TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
     return {};
   }
   run->inputs = tile.inputs;
-  ResumeIfPossible(run, &tile.input);
+  try {
+    run->Resume(&tile.input);
+  } catch (const FileError&) {
+    // A state that is damaged or of another run is ignored: the job starts from
+    // its first level then.
+  }
   RefinedMesh refined = run->Run(&tile.input);
   console->reporter.Finish();
   if (refined.report.is_stopped) {
@@ -260,7 +238,9 @@ TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
   }
   Print("self-intersections", refined.report.num_self_intersections,
         &console->log);
-  refined.attributes.views = Renumber(refined.attributes.views, tile.views);
+  for (uint32_t& view : refined.attributes.views.values) {
+    view = tile.views[view];
+  }
   return MakePatch(job.tile, tile.part, tile.fixed, refined.mesh,
                    refined.attributes, refined.fixed_sources);
 }

@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kFusedName = "fused.ply";
+constexpr const char* kRefinerOutput = "meshed-refined.ply";
 constexpr const char* kRefinedSparseName = "sparse-refined";
 
 constexpr VisibilityOwner kMesh = {
@@ -36,19 +37,16 @@ fs::path FindWorkspaceFolder(const RefinerOptions& options) {
   if (!options.fused_path.empty()) {
     files.push_back("stereo");  // a folder
   }
-  const std::vector<fs::path> found = FindFoldersWith(files, path);
-  ExpectOneFolder(found, path);
-  if (!found.empty()) {
-    return found[0];
-  }
-  if (options.input_path.empty() && options.fused_path.empty()) {
+  const fs::path found = FindFolderWith(files, path);
+  if (found.empty() && options.input_path.empty() &&
+      options.fused_path.empty()) {
     throw FileError(path,
                     fmt::format("no {} here nor in dense/ or dense/0/; run "
                                 "`colmap delaunay_manifold_mesher "
                                 "--workspace_path DIR` first",
                                 kMesherOutput));
   }
-  return path;
+  return found.empty() ? path : found;
 }
 
 // Sorts each row, and drops what it has twice.
@@ -56,8 +54,7 @@ void SortViews(VertexAttributes* attributes) {
   EditRows(
       [](size_t, std::span<uint32_t> row) {
         std::ranges::sort(row);
-        return static_cast<size_t>(std::unique(row.begin(), row.end()) -
-                                   row.begin());
+        return row.size() - std::ranges::unique(row).size();
       },
       &attributes->views);
 }
@@ -106,11 +103,10 @@ Workspace ReadCameras(const RefinerOptions& options,
                       const RefinementPaths& paths,
                       const PictureDecoder& decoder,
                       const RefinementInput& input) {
-  WorkspaceOptions rules;
-  rules.image_order = options.image_order;
-  rules.fused_path = options.fused_path;
-  rules.allow_other_sizes = true;
-  rules.sparse_path = options.sparse_path;
+  const WorkspaceOptions rules = {.fused_path = options.fused_path,
+                                  .image_order = options.image_order,
+                                  .sparse_path = options.sparse_path,
+                                  .allow_other_sizes = true};
   if (input.has_fused_points) {
     return ReadWorkspace(paths.folder, rules, decoder);
   }
@@ -254,13 +250,14 @@ void ExpectViews(const Surface& surface, size_t num_views, const fs::path& path,
 
 RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   const fs::path folder = FindWorkspaceFolder(options);
-  const RefinementPaths paths{
-      folder,
-      options.input_path.empty() ? folder / kMesherOutput
-                                 : fs::path(options.input_path),
-      options.fused_path.empty() ? folder / kFusedName
-                                 : fs::path(options.fused_path),
-      options.OutputPath(folder), folder / kRefinedSparseName};
+  const auto given_or = [&](const std::string& given, const char* name) {
+    return given.empty() ? folder / name : fs::path(given);
+  };
+  const RefinementPaths paths{folder,
+                              given_or(options.input_path, kMesherOutput),
+                              given_or(options.fused_path, kFusedName),
+                              given_or(options.output_path, kRefinerOutput),
+                              folder / kRefinedSparseName};
   if (!fs::exists(paths.mesh)) {
     throw FileError(paths.mesh,
                     options.input_path.empty()

@@ -1,7 +1,6 @@
 #include "colmap_ext/jobs/resumable_refinement.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -47,17 +46,11 @@ std::unique_ptr<PhotometricEnergy> MakeGl(const RefinerOptions& options,
                                   std::move(warn)});
 }
 
-// What computes the energy, and what to tell of it.
+// What computes the energy.
 struct RefinementBackend {
   std::unique_ptr<PhotometricEnergy> energy;
-  std::string description;  // and why it was taken, for Backend::kAuto
+  const char* reason = "";  // why it was taken, for Backend::kAuto
 };
-
-RefinementBackend Describe(std::unique_ptr<PhotometricEnergy> energy,
-                           const std::string& reason = "") {
-  const std::string description = energy->Description() + reason;
-  return {std::move(energy), description};
-}
 
 // By options.backend. Where the choice is free, OpenGL in software is not
 // taken: the processor is faster without it. Where the graphics card fails
@@ -74,7 +67,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
                                     options.MaxDrawingMemory());
   };
   if (options.backend == Backend::kCpu) {
-    return Describe(make_cpu());
+    return {make_cpu()};
   }
   const std::optional<bool> is_software = IsGlSoftware(options.gpu_index);
   if (options.backend == Backend::kGl) {
@@ -84,7 +77,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
           "--FacetwiseRefinement.backend cpu");
     }
     try {
-      return Describe(MakeGl(options, images, expected_facets, warn));
+      return {MakeGl(options, images, expected_facets, warn)};
     } catch (const NoGlError& error) {
       throw OptionError(std::string(error.what()) +
                         "; --FacetwiseRefinement.backend cpu needs none");
@@ -92,47 +85,46 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
   }
   if (is_software.has_value() && !*is_software) {
     try {
-      return Describe(MakeGl(options, images, expected_facets, warn));
+      return {MakeGl(options, images, expected_facets, warn)};
     } catch (const GlError& error) {
       warn(std::string("the graphics card can not be used (") + error.what() +
            "); the processor computes all");
     }
   }
-  return Describe(make_cpu(), !is_software   ? "; there is no OpenGL here"
-                              : *is_software ? "; OpenGL would be software here"
-                                             : "");
+  return {make_cpu(), !is_software   ? "; there is no OpenGL here"
+                      : *is_software ? "; OpenGL would be software here"
+                                     : ""};
 }
 
 JobFile StateFile(const fs::path& output) {
   return {StatePath(output), {"CESTATE1", "start anew, without --resume"}, 0};
 }
 
-// What is refined of a view: fx, fy, cx, cy, the rotation by columns, the
-// translation.
-using CameraNumbers = std::array<double, 16>;
+// What is refined of a view.
+struct Camera {
+  double fx, fy, cx, cy;
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d translation;
+};
+static_assert(sizeof(Camera) == 16 * sizeof(double));
 
-std::vector<CameraNumbers> CameraNumbersOf(const std::vector<View>& views) {
-  std::vector<CameraNumbers> all;
+std::vector<Camera> CamerasOf(const std::vector<View>& views) {
+  std::vector<Camera> cameras;
   for (const View& view : views) {
-    CameraNumbers& numbers =
-        all.emplace_back(CameraNumbers{view.fx, view.fy, view.cx, view.cy});
-    Eigen::Map<Eigen::Matrix3d>(numbers.data() + 4) =
-        view.cam_from_world_rotation;
-    Eigen::Map<Eigen::Vector3d>(numbers.data() + 13) =
-        view.cam_from_world_translation;
+    cameras.push_back({view.fx, view.fy, view.cx, view.cy,
+                       view.cam_from_world_rotation,
+                       view.cam_from_world_translation});
   }
-  return all;
+  return cameras;
 }
 
-void SetCameraNumbers(const CameraNumbers& numbers, View* view) {
-  view->fx = numbers[0];
-  view->fy = numbers[1];
-  view->cx = numbers[2];
-  view->cy = numbers[3];
-  view->cam_from_world_rotation =
-      Eigen::Map<const Eigen::Matrix3d>(&numbers[4]);
-  view->cam_from_world_translation =
-      Eigen::Map<const Eigen::Vector3d>(&numbers[13]);
+void SetCamera(const Camera& camera, View* view) {
+  view->fx = camera.fx;
+  view->fy = camera.fy;
+  view->cx = camera.cx;
+  view->cy = camera.cy;
+  view->cam_from_world_rotation = camera.rotation;
+  view->cam_from_world_translation = camera.translation;
 }
 
 // Names and values, each with a null character behind it.
@@ -177,7 +169,7 @@ void WriteState(const fs::path& output, const JobInputs& inputs, int level,
       StateFile(output), ValuesText(inputs.options), ValuesText(inputs.files),
       level, state.mesh.vertices, state.mesh.facets, attributes.colors,
       attributes.views, attributes.confidences, state.origins,
-      state.fixed_sources, CameraNumbersOf(state.views),
+      state.fixed_sources, CamerasOf(state.views),
       report.misalignment.has_value(), misalignment.by_cameras,
       misalignment.of_surface, misalignment.by_view, report.num_shortened_steps,
       report.num_unconverged_solutions, report.num_flipped_facets,
@@ -197,7 +189,7 @@ int ReadState(const fs::path& output, const JobInputs& inputs,
                                          state_file.kind.what_to_do);
   }
   int level = 0;
-  std::vector<CameraNumbers> cameras;
+  std::vector<Camera> cameras;
   bool has_misalignment = false;
   Misalignment misalignment;
   VertexAttributes& attributes = state->attributes;
@@ -214,7 +206,7 @@ int ReadState(const fs::path& output, const JobInputs& inputs,
     report.misalignment = std::move(misalignment);
   }
   for (size_t i = 0; i < state->views.size(); ++i) {
-    SetCameraNumbers(cameras.at(i), &state->views[i]);
+    SetCamera(cameras.at(i), &state->views[i]);
   }
   return level;
 }
@@ -255,7 +247,8 @@ RefinedMesh ResumableRefinement::Run(RefinementInput* input) {
                     console_.reporter.Finish();
                     PrintWarning(warning, &console_.log);
                   });
-  PrintText("computed by", backend.description, &console_.log);
+  PrintText("computed by", backend.energy->Description() + backend.reason,
+            &console_.log);
   std::cout << std::endl;
   const StopSignal stop_signal;
   RefinementHooks hooks;

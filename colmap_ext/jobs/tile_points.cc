@@ -14,10 +14,10 @@ constexpr size_t kMinBuffer = 16384;              // bytes
 
 // Of each point, before its views.
 struct Head {
-  float position[3];
-  uint32_t has_color;
-  uint32_t color;
+  Eigen::Vector3f position;
   uint32_t num_views;
+  bool has_color;
+  Color color;
 };
 
 }  // namespace
@@ -47,15 +47,10 @@ std::filesystem::path PointShares::PathOf(size_t tile) const {
 
 void PointShares::Add(size_t tile, const PointCloud& cloud, size_t point) {
   const auto views = cloud.views[point];
-  const Eigen::Vector3f& position = cloud.positions[point];
-  Head head = {{position.x(), position.y(), position.z()},
-               !cloud.colors.empty(),
-               0,
-               static_cast<uint32_t>(views.size())};
-  if (!cloud.colors.empty()) {
-    const Color& color = cloud.colors[point];
-    head.color = color[0] | color[1] << 8 | color[2] << 16;
-  }
+  const bool has_color = !cloud.colors.empty();
+  const Head head = {cloud.positions[point],
+                     static_cast<uint32_t>(views.size()), has_color,
+                     has_color ? cloud.colors[point] : Color()};
   std::string* buffer = &buffers_[tile];
   buffer->append(reinterpret_cast<const char*>(&head), sizeof(head));
   buffer->append(reinterpret_cast<const char*>(views.data()),
@@ -82,11 +77,9 @@ PointCloud PointShares::Take(size_t tile) {
   ByteReader reader(PathOf(tile));
   while (reader.Remaining() > 0) {
     const Head head = reader.Read<Head>("a point");
-    cloud.positions.emplace_back(head.position);
-    if (head.has_color != 0) {
-      cloud.colors.push_back({static_cast<uint8_t>(head.color),
-                              static_cast<uint8_t>(head.color >> 8),
-                              static_cast<uint8_t>(head.color >> 16)});
+    cloud.positions.push_back(head.position);
+    if (head.has_color) {
+      cloud.colors.push_back(head.color);
     }
     const size_t begin = cloud.views.values.size();
     cloud.views.values.resize(begin + head.num_views);

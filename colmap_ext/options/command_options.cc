@@ -4,7 +4,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <memory>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -20,12 +19,8 @@ std::string ToLower(std::string text) {
   return text;
 }
 
-bool Parse(const std::string& text, std::string* value) {
-  *value = text;
-  return true;
-}
-
-bool Parse(const std::string& text, std::filesystem::path* value) {
+template <typename Text>  // or path
+bool Parse(const std::string& text, Text* value) {
   *value = text;
   return true;
 }
@@ -67,10 +62,7 @@ bool ParseNumber(const std::string& text, const NumberRange& range,
   return true;
 }
 
-std::string TextOf(const std::string& value) { return value; }
-std::string TextOf(const std::filesystem::path& value) {
-  return value.string();
-}
+std::string TextOf(const std::string& value) { return value; }  // or path
 std::string TextOf(bool value) { return value ? "1" : "0"; }
 std::string TextOf(const std::vector<std::string>& value) {
   return fmt::format("{}", fmt::join(value, ","));
@@ -190,9 +182,8 @@ std::vector<double> ParseNumberList(const std::string& option,
   return *std::move(numbers);
 }
 
-void CommandOptions::AddThreads(const std::string& section, int* num_threads) {
-  num_threads_ = num_threads;
-  Add("num_threads", num_threads, kThreads,
+void CommandOptions::AddThreads(const std::string& section) {
+  Add("num_threads", num_threads_.get(), kThreads,
       "[threads] Number of threads; -1: all cores. The result does not "
       "depend on it");
   if (!section.empty()) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
@@ -152,10 +153,10 @@ class CommandOptions {
 
   // Adds "num_threads", and its alias SECTION.num_threads; without a section,
   // no alias.
-  void AddThreads(const std::string& section, int* num_threads);
+  void AddThreads(const std::string& section = "");
 
   // To be used at most; -1 for all.
-  int NumThreads() const { return num_threads_ ? *num_threads_ : -1; }
+  int NumThreads() const { return *num_threads_; }
 
   const std::string& Summary() const { return summary_; }
   const std::vector<Option>& Options() const { return options_; }
@@ -176,7 +177,7 @@ class CommandOptions {
   OptionGroup group_ = OptionGroup::kBasic;
   std::vector<Option> options_;
   std::vector<Alias> aliases_;
-  const int* num_threads_ = nullptr;
+  std::unique_ptr<int> num_threads_ = std::make_unique<int>(-1);
 };
 
 // Separates the values of a list in the text that Option::set takes.

@@ -86,7 +86,7 @@ void AddEvaluatorOptions(CommandOptions* options, EvaluatorOptions* evaluator) {
   options->Add(ours + "depth_thresholds", &evaluator->depth_thresholds,
                "[scene units] Errors below which a depth counts as correct. "
                "EPFL: 0.02,0.1 m");
-  options->AddThreads("MeshEvaluation", &evaluator->num_threads);
+  options->AddThreads("MeshEvaluation");
   options->SetGroup(OptionGroup::kAdvanced);
   options->Add("observability_mask", &evaluator->observability_mask,
                "Count samples of the mesh only where this NumPy array [X,Y,Z] "

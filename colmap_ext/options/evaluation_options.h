@@ -25,7 +25,6 @@ struct EvaluatorOptions {
   MeshEvaluationOptions evaluation;
   std::string depth_thresholds = "0.02,0.1";
   double error_scale = 0;  // end of the color scale, scene units; 0: automatic
-  int num_threads = -1;
 
   // Reads the numbers in the texts.
   // \throw OptionError if something is wrong with any of the options.

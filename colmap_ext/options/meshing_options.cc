@@ -1,7 +1,6 @@
 #include "colmap_ext/options/meshing_options.h"
 
 #include "formats/read_numbers.h"
-#include "workspace/workspace_paths.h"
 
 namespace colmap_ext {
 namespace {
@@ -159,28 +158,12 @@ void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
   options->Add(
       "mask_background", &mesher->mask_background,
       "Masked pixels are background: everything along their rays is empty");
-  options->AddThreads("DelaunayManifoldMeshing", &mesher->num_threads);
+  options->AddThreads("DelaunayManifoldMeshing");
   options->SetGroup(OptionGroup::kAdvanced);
   AddFusedPathOption(&mesher->workspace.fused_path, options);
   AddSparsePathOption(&mesher->workspace.sparse_path, options);
   AddImageOrderOption(&mesher->workspace.image_order, options);
   options->SetGroup(OptionGroup::kBasic);
-}
-
-// Those of the method, DelaunayManifoldMeshing.*.
-void AddMeshingOptions(CommandOptions* options, MesherOptions* mesher) {
-  AddPointOptions(options, mesher);
-  AddAblationOptions(options, mesher);
-}
-
-// A plan determines what is meshed.
-void CheckPlan(const MesherOptions& options) {
-  RefuseIf(options.plan_path.empty() || options.tile < 0,
-           "--plan_path and --tile belong together");
-  RefuseIf(!options.InputPath().empty() || !options.output_path.empty() ||
-               !options.report_path.empty(),
-           "--plan_path determines what is meshed: omit --workspace_path, "
-           "--input_path, --output_path and --report_path");
 }
 
 }  // namespace
@@ -189,15 +172,14 @@ std::filesystem::path MesherOptions::InputPath() const {
   return workspace_path.empty() ? input_path : workspace_path;
 }
 
-std::filesystem::path MesherOptions::OutputPath(
-    const std::filesystem::path& dense_path) const {
-  return output_path.empty() ? dense_path / kMesherOutput
-                             : std::filesystem::path(output_path);
-}
-
 void MesherOptions::Finish() {
   if (!plan_path.empty() || tile >= 0) {
-    CheckPlan(*this);
+    RefuseIf(plan_path.empty() || tile < 0,
+             "--plan_path and --tile belong together");
+    RefuseIf(
+        !InputPath().empty() || !output_path.empty() || !report_path.empty(),
+        "--plan_path determines what is meshed: omit --workspace_path, "
+        "--input_path, --output_path and --report_path");
     return;
   }
   RefuseIf(workspace_path.empty() == input_path.empty(),
@@ -233,7 +215,8 @@ void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {
   AddPathOptions(options, mesher);
   AddMeshingInputOptions(options, mesher);
   AddTransformOption(&mesher->scene.transform_path, options);
-  AddMeshingOptions(options, mesher);
+  AddPointOptions(options, mesher);
+  AddAblationOptions(options, mesher);
   AddColmapAliases(options, mesher);
 }
 
@@ -276,7 +259,8 @@ void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner) {
                "borders; -1: re-solve everything undecided: identical to a "
                "single-machine run, more memory");
   options->SetGroup(OptionGroup::kBasic);
-  AddMeshingOptions(options, &planner->mesher);
+  AddPointOptions(options, &planner->mesher);
+  AddAblationOptions(options, &planner->mesher);
 }
 
 void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
@@ -292,7 +276,7 @@ void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
   options->Add("refined", &merger->is_refined,
                "Merge the tiles as facetwise_refiner has refined them");
   AddTransformOption(&merger->transform_path, options);
-  options->AddThreads("", &merger->num_threads);
+  options->AddThreads();
 }
 
 }  // namespace colmap_ext

@@ -39,16 +39,13 @@ struct MesherOptions {
 
   HalfPixelCorrection half_pixel = HalfPixelCorrection::kAuto;
   double alpha_vis = 0;  // see ManifoldMeshingOptions; 0: kTracks
-  int num_threads = -1;  // -1 for all
 
   // Options of earlier versions, which Finish() converts.
   bool old_half_pixel_calibration = true;
   ObservationWeight old_alpha_kind = ObservationWeight::kTracks;
 
-  // Where to read, and where the mesh goes.
+  // Where to read.
   std::filesystem::path InputPath() const;
-  std::filesystem::path OutputPath(
-      const std::filesystem::path& dense_path) const;
 
   // Checks the options, and sets those that depend on others.
   // \throw OptionError if something is wrong with any of the options.
@@ -80,7 +77,6 @@ struct MergerOptions {
   bool is_refined = false;     // merge the refined tiles
   std::string transform_path;  // of the mesh that is written; empty: none
   std::optional<Eigen::Matrix4d> transform;  // the same, read by Finish()
-  int num_threads = -1;
 
   // \throw OptionError, or FileError if the transform cannot be read
   void Finish();

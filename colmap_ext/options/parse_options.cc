@@ -1,6 +1,5 @@
 #include "colmap_ext/options/command_options.h"
 
-#include <algorithm>
 #include <array>
 #include <fstream>
 #include <iterator>
@@ -225,19 +224,18 @@ void Apply(const CommandOptions& options, const std::vector<Texts>& sources) {
     std::ranges::copy_if(
         options.Aliases(), std::back_inserter(names),
         [&](const auto& alias) { return alias.option == option.name; });
-    const std::string* first = nullptr;  // of the names, among the arguments
-    for (const CommandOptions::Alias& alias : names) {
-      if (sources[0].contains(alias.name) && first != nullptr) {
-        throw OptionError(fmt::format("--{} and --{} are the same option",
-                                      alias.name, *first));
-      }
-      first = sources[0].contains(alias.name) ? &alias.name : first;
-    }
     for (const Texts& texts : sources) {
-      const auto given = std::ranges::find_if(
-          names, [&](const auto& alias) { return texts.contains(alias.name); });
+      const auto is_given = [&](const auto& alias) {
+        return texts.contains(alias.name);
+      };
+      const auto given = std::ranges::find_if(names, is_given);
       if (given == names.end()) {
         continue;
+      }
+      const auto other = std::find_if(given + 1, names.end(), is_given);
+      if (&texts == &sources[0] && other != names.end()) {
+        throw OptionError(fmt::format("--{} and --{} are the same option",
+                                      other->name, given->name));
       }
       const std::string& text = texts.at(given->name);
       if (!option.set(text)) {

@@ -5,14 +5,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRefinerOutput = "meshed-refined.ply";
-
 // A pixel takes one byte in an image, and eight where facets are drawn.
 constexpr double kImageShare = 1.0 / 9;
 
 // The least share of the memory that is left for drawings: some views and their
 // partners. Chosen by hand.
 constexpr double kMinDrawingShare = 0.25;
+
+// An empty path stays empty.
+fs::path WithExtension(const fs::path& path, const char* extension) {
+  return path.empty() ? path : fs::path(path).replace_extension(extension);
+}
 
 void CheckPaths(const RefinerOptions& options) {
   RefuseIf(options.workspace_path.empty(), "--workspace_path is required");
@@ -221,7 +224,7 @@ void AddRunOptions(CommandOptions* options, RefinerOptions* refiner) {
       "the processor");
   AddGpuIndexOption(&refiner->gpu_index, options);
   options->AddAlias(ours + "gpu_index", "gpu_index");
-  options->AddThreads("FacetwiseRefinement", &refiner->num_threads);
+  options->AddThreads("FacetwiseRefinement");
   options->Add("image_cache_gb", &refiner->image_cache_gb, kGigabytes,
                "[GB] Memory for cached images and depth buffers; those that do "
                "not fit are read and drawn again. The mesh, its visibility and "
@@ -266,25 +269,21 @@ void RefinerOptions::ChooseTrim(bool has_fused_points) {
                                            : 0;
 }
 
-fs::path RefinerOptions::OutputPath(const fs::path& folder) const {
-  return output_path.empty() ? folder / kRefinerOutput : fs::path(output_path);
-}
-
 fs::path RefinerOptions::StepsPath() const {
-  const fs::path path = report_path;
-  return path == PagePath() ? fs::path(path).replace_extension(".csv") : path;
+  return report_path == PagePath() ? WithExtension(report_path, ".csv")
+                                   : fs::path(report_path);
 }
 
 fs::path RefinerOptions::PlotPath() const {
-  return fs::path(report_path).replace_extension(".svg");
+  return WithExtension(report_path, ".svg");
 }
 
 fs::path RefinerOptions::PagePath() const {
-  return fs::path(report_path).replace_extension(".html");
+  return WithExtension(report_path, ".html");
 }
 
 fs::path RefinerOptions::LabelsPicturePath() const {
-  return fs::path(labels_path).replace_extension(".png");
+  return WithExtension(labels_path, ".png");
 }
 
 size_t RefinerOptions::MaxImageMemory() const {

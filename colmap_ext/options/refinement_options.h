@@ -47,7 +47,6 @@ struct RefinerOptions {
   double image_cache_gb = 4;
   bool skip_missing_images = false;
   int snapshot_interval = 0;  // iterations; 0: none
-  int num_threads = -1;
 
   // Checks the options, and sets those that depend on others.
   // \throw OptionError if something is wrong with any of the options.
@@ -60,8 +59,7 @@ struct RefinerOptions {
   // \param has_fused_points  whether the workspace has a fused.ply.
   void ChooseTrim(bool has_fused_points);
 
-  // Paths of written files
-  std::filesystem::path OutputPath(const std::filesystem::path& folder) const;
+  // Paths of written files; empty if the option is.
   std::filesystem::path StepsPath() const;  // CSV
   std::filesystem::path PlotPath() const;   // SVG
   std::filesystem::path PagePath() const;   // HTML

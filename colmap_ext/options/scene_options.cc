@@ -34,16 +34,16 @@ std::optional<Region> RegionOption::Resolve(
   return found;
 }
 
-std::filesystem::path RegionPath(const std::filesystem::path& mesh_path) {
-  return std::filesystem::path(mesh_path).replace_extension(".region.txt");
+std::filesystem::path RegionOption::FoundPath(
+    std::filesystem::path mesh_path) const {
+  return is_auto ? mesh_path.replace_extension(".region.txt") : "";
 }
 
-void WriteFoundRegion(const RegionOption& option,
-                      const std::optional<Region>& region,
-                      const std::filesystem::path& mesh_path,
-                      AtomicFiles* together) {
-  if (option.is_auto && region) {
-    WriteText(RegionPath(mesh_path), RegionText(*region), together);
+void RegionOption::WriteFound(const std::optional<Region>& found,
+                              const std::filesystem::path& mesh_path,
+                              AtomicFiles* together) const {
+  if (is_auto && found) {
+    WriteText(FoundPath(mesh_path), RegionText(*found), together);
   }
 }
 

@@ -34,18 +34,18 @@ struct RegionOption {
   std::optional<Region> Resolve(
       const std::vector<View>& views,
       const std::vector<Eigen::Vector3f>& sparse_points) const;
+
+  // Path of the file for a found region: "mesh.region.txt" for "mesh.ply"; for
+  // "auto" alone, else empty.
+  std::filesystem::path FoundPath(std::filesystem::path mesh_path) const;
+
+  // Writes a region that was found automatically, if the option requests that,
+  // beside the mesh and together with it.
+  // \throw FileError if it cannot be written.
+  void WriteFound(const std::optional<Region>& found,
+                  const std::filesystem::path& mesh_path,
+                  AtomicFiles* together) const;
 };
-
-// Path of the file for a found region: "mesh.region.txt" for "mesh.ply".
-std::filesystem::path RegionPath(const std::filesystem::path& mesh_path);
-
-// Writes a region that was found automatically, if the option requests that,
-// beside the mesh and together with it.
-// \throw FileError if it cannot be written.
-void WriteFoundRegion(const RegionOption& option,
-                      const std::optional<Region>& region,
-                      const std::filesystem::path& mesh_path,
-                      AtomicFiles* together);
 
 // Which part of a scene a mesh covers, and the frame that it is written in.
 struct SceneOptions {

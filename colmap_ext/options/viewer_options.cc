@@ -3,26 +3,6 @@
 #include <algorithm>
 
 namespace colmap_ext {
-namespace {
-
-void CheckScreenshot(const ViewerOptions& options) {
-  RefuseIf(options.screenshot_path.empty() &&
-               (!options.image_name.empty() || options.turntable > 0),
-           "--image_name and --turntable need --screenshot_path");
-  RefuseIf(!options.image_name.empty() && options.turntable > 0,
-           "--image_name and --turntable exclude each other");
-  RefuseIf(!options.screenshot_path.empty() && options.mesh_paths.size() > 1,
-           "--screenshot_path takes one --mesh_path");
-  RefuseIf(options.image_name.empty() && options.image_opacity > 0 &&
-               !options.screenshot_path.empty(),
-           "--image_opacity needs --image_name");
-  RefuseIf((!options.image_name.empty() || options.settings.cameras ||
-            options.settings.points) &&
-               options.workspace_path.empty(),
-           "--image_name, --cameras and --points need --workspace_path");
-}
-
-}  // namespace
 
 void ViewerOptions::Finish() {
   RefuseIf(workspace_path.empty() && mesh_paths.empty(),
@@ -34,7 +14,19 @@ void ViewerOptions::Finish() {
   const std::vector<double> center = ParseNumberList("center", center_words, 2);
   center_u = center[0];
   center_v = center[1];
-  CheckScreenshot(*this);
+  const bool has_window = screenshot_path.empty();
+  const bool has_image = !image_name.empty();
+  RefuseIf(has_window && (has_image || turntable > 0),
+           "--image_name and --turntable need --screenshot_path");
+  RefuseIf(has_image && turntable > 0,
+           "--image_name and --turntable exclude each other");
+  RefuseIf(!has_window && mesh_paths.size() > 1,
+           "--screenshot_path takes one --mesh_path");
+  RefuseIf(!has_window && !has_image && image_opacity > 0,
+           "--image_opacity needs --image_name");
+  RefuseIf((has_image || settings.cameras || settings.points) &&
+               workspace_path.empty(),
+           "--image_name, --cameras and --points need --workspace_path");
 }
 
 std::array<int, 2> ViewerOptions::FreeSize() const {

@@ -108,20 +108,6 @@ Json ToJson(const MeshReport& mesh) {
           {"num_non_manifold_edges", mesh.num_non_manifold_edges}};
 }
 
-void AddDistances(const MeshEvaluation& evaluation, Json* json) {
-  for (const char* name : {"max_distance", "spacing", "accuracy",
-                           "completeness", "average_score"}) {
-    (*json)[name] = nullptr;
-  }
-  if (const auto& distances = evaluation.distances) {
-    (*json)["max_distance"] = ToJson(distances->max_distance);
-    (*json)["spacing"] = ToJson(distances->spacing);
-    (*json)["accuracy"] = ToJson(distances->accuracy);
-    (*json)["completeness"] = ToJson(distances->completeness);
-    (*json)["average_score"] = ToJson(distances->AverageScore());
-  }
-}
-
 }  // namespace
 
 void PrintEvaluation(const EvaluatorOptions& options,
@@ -144,16 +130,21 @@ void PrintEvaluation(const EvaluatorOptions& options,
 
 std::string EvaluationJson(const EvaluatorOptions& options,
                            const MeshEvaluation& evaluation) {
-  Json json = {
+  const auto& distances = evaluation.distances;
+  const Json json = {
       {"mesh_path", options.mesh_path},
       {"truth_path", options.truth_path},
       {"workspace_path", options.workspace_path},
       {"stride", options.evaluation.stride},
       {"beyond", options.evaluation.drop_beyond ? "dropped" : "clipped"},
-      {"num_images", evaluation.num_views}};
-  AddDistances(evaluation, &json);
-  json["depths"] = evaluation.depths ? ToJson(*evaluation.depths) : Json();
-  json["topology"] = ToJson(evaluation.topology);
+      {"num_images", evaluation.num_views},
+      {"max_distance", distances ? ToJson(distances->max_distance) : Json()},
+      {"spacing", distances ? ToJson(distances->spacing) : Json()},
+      {"accuracy", distances ? ToJson(distances->accuracy) : Json()},
+      {"completeness", distances ? ToJson(distances->completeness) : Json()},
+      {"average_score", distances ? ToJson(distances->AverageScore()) : Json()},
+      {"depths", evaluation.depths ? ToJson(*evaluation.depths) : Json()},
+      {"topology", ToJson(evaluation.topology)}};
   // Names of files may be in any encoding.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

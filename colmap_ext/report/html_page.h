@@ -28,9 +28,9 @@ struct PageRun {
 // Pictures of one kind, from each of the cameras.
 struct PictureRow {
   std::string title;
-  std::string note;                  // how to read them; may be empty
-  bool has_scale = false;            // of ErrorColor() from 0 to 1
-  std::vector<ColorImage> pictures;  // [cameras], width 0 if there is none
+  std::string note{};                  // how to read them; may be empty
+  bool has_scale = false;              // of ErrorColor() from 0 to 1
+  std::vector<ColorImage> pictures{};  // [cameras], width 0 if there is none
 };
 
 struct PagePictures {
@@ -39,8 +39,8 @@ struct PagePictures {
 };
 
 // Draw the pictures of a page from up to three cameras that see much of the
-// mesh and are spread out; about 480 px wide or high. \param images_path  the
-// folder of the photographs; unreadable ones are left
+// mesh and are spread out; about 480 px wide or high.
+// \param images_path  the folder of the photographs; unreadable ones are left
 //        out
 
 // The photographs, the input mesh, and the refined mesh.

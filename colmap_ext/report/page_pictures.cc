@@ -17,19 +17,6 @@ constexpr int kLongSide = 480;      // px, of a picture
 constexpr int kPointSide = 2;       // px
 constexpr float kSoftShade = 0.5f;  // keeps the shape visible
 
-View PictureView(const View& view) {
-  return ViewAtScale(view, 1.0 * kLongSide / std::max(view.width, view.height));
-}
-
-std::vector<size_t> CountSeen(const Rows<uint32_t>& vertex_views,
-                              size_t num_views) {
-  std::vector<size_t> num_seen(num_views, 0);
-  for (const uint32_t view : vertex_views.values) {
-    ++num_seen[view];
-  }
-  return num_seen;
-}
-
 // Adds the pictures from one camera, each to one row.
 void AddPictures(std::vector<ColorImage> pictures, size_t first_row,
                  PagePictures* page) {
@@ -47,19 +34,8 @@ std::vector<Color> ConfidenceColors(const VertexAttributes& attributes,
   return colors;
 }
 
-std::vector<int32_t> BestLabels(const FacetLabels& labels, size_t num_facets) {
-  std::vector<int32_t> best(num_facets, -1);
-  for (size_t i = 0; i < labels.NumFacets(); ++i) {
-    if (!labels.labels[i].empty()) {
-      best[i] = static_cast<int32_t>(labels.labels[i][0]);
-    }
-  }
-  return best;
-}
-
 PictureRow ConfidenceRow() {
-  return {
-      "Confidence", "support of each vertex by points and images:", true, {}};
+  return {"Confidence", "support of each vertex by points and images:", true};
 }
 
 // The page with its photographs.
@@ -73,11 +49,16 @@ PagePictures StartPage(const std::vector<View>& views,
                        const std::vector<PictureRow>& rows,
                        std::vector<View>* cameras) {
   PagePictures page;
-  page.rows = {{"Photograph", "", false, {}}};
+  page.rows.push_back({"Photograph"});
   page.rows.insert(page.rows.end(), rows.begin(), rows.end());
-  for (const size_t index :
-       SpreadViews(views, CountSeen(vertex_views, views.size()), kNumCameras)) {
-    const View view = PictureView(views[index]);
+  std::vector<size_t> num_seen(views.size(), 0);
+  for (const uint32_t view : vertex_views.values) {
+    ++num_seen[view];
+  }
+  for (const size_t index : SpreadViews(views, num_seen, kNumCameras)) {
+    const View& full = views[index];
+    const View view =
+        ViewAtScale(full, 1.0 * kLongSide / std::max(full.width, full.height));
     const std::optional<ColorImage> photo =
         decoder.read_color(images_path / view.name);
     cameras->push_back(view);
@@ -97,18 +78,15 @@ PagePictures DrawRefinement(const TriangleMesh& before,
   std::vector<View> cameras;
   PagePictures page = StartPage(
       refined.views, refined.attributes.views, images_path, decoder,
-      {{"Before", "red: seen from behind", false, {}},
-       {"After", "", false, {}},
+      {{"Before", "red: seen from behind"},
+       {"After"},
        {"Labels",
-        "one color for each image pair, the best of each face; gray: none",
-        false,
-        {}},
+        "one color for each image pair, the best of each face; gray: none"},
        ConfidenceRow()},
       &cameras);
   const MeshRenderer before_renderer(before);
   const MeshRenderer renderer(refined.mesh);
-  const std::vector<int32_t> labels =
-      BestLabels(refined.labels, refined.mesh.facets.size());
+  const std::vector<int32_t> labels = refined.labels.BestLabels();
   const std::vector<Color> confidences =
       ConfidenceColors(refined.attributes, refined.mesh.vertices.size());
   const std::vector<FrontColor> colors = {
@@ -128,10 +106,10 @@ PagePictures DrawMeshing(const std::vector<View>& views,
   std::vector<View> cameras;
   PagePictures page =
       StartPage(views, mesh.attributes.views, images_path, decoder,
-                {{"Points", "that were read", false, {}},
-                 {"Mesh", "red: seen from behind", false, {}},
+                {{"Points", "that were read"},
+                 {"Mesh", "red: seen from behind"},
                  ConfidenceRow(),
-                 {"Vertex colors", "", false, {}}},
+                 {"Vertex colors"}},
                 &cameras);
   const MeshRenderer renderer(mesh.mesh);
   const std::vector<Color> confidences =

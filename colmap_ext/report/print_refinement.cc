@@ -1,11 +1,7 @@
 #include "colmap_ext/report/print_report.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -118,18 +114,11 @@ double PanelWidth(const Steps& steps) {
       2 * kPadding + kStepWidth * (static_cast<double>(steps.size()) - 1));
 }
 
-std::string Element(const std::string& name, double x, double y,
-                    const std::string& attributes, const std::string& text) {
-  const std::string start =
-      fmt::format("<{} x=\"{:.1f}\" y=\"{:.1f}\" {}", name, x, y, attributes);
-  return start +
-         (text.empty() ? "/>\n" : fmt::format(">{}</{}>\n", text, name));
-}
-
 std::string Text(double x, double y, const char* anchor,
                  const std::string& text) {
-  return Element("text", x, y, std::string("text-anchor=\"") + anchor + "\"",
-                 text);
+  return fmt::format(
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y,
+      anchor, text);
 }
 
 // The curve of one stage in a panel that starts at `left`.
@@ -157,11 +146,10 @@ std::string Panel(const Steps& steps, const Curve& curve, double left) {
   }
   const double right = left + width;
   const double below = kTop + kPanelHeight + 16;
-  return Element("rect", left, kTop,
-                 fmt::format("width=\"{:.1f}\" height=\"{:.1f}\"", width,
-                             kPanelHeight) +
-                     " fill=\"#f4f4f4\"",
-                 "") +
+  return fmt::format(
+             "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
+             "height=\"{:.1f}\" fill=\"#f4f4f4\"/>\n",
+             left, kTop, width, kPanelHeight) +
          "<polyline points=\"" + points +
          "\" fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"1.5\"/>\n" +
          "<g fill=\"#1f5fa8\">\n" + dots + "</g>\n" +

@@ -7,24 +7,18 @@ namespace {
 
 constexpr int kLabelWidth = 38;  // characters
 
-const char* MeaningOf(ImageOrderKind kind) {
+void PrintOrder(const VerifiedOrder& verified, ReportLog* log) {
+  // Of an ImageOrderKind, and of an OrderReason.
   constexpr const char* kMeanings[] = {
       "as in images.bin (COLMAP 3.8 - 3.10)", "by image_id (COLMAP 3.11)",
       "as in frames.bin (COLMAP 3.12+)", "by frame_id (COLMAP 3.12+)"};
-  return kMeanings[static_cast<int>(kind)];
-}
-
-const char* Describe(OrderReason reason) {
   constexpr const char* kReasons[] = {
       "--image_order", "the only one possible", "the only one that fits",
       "the best fit of the points", "the best fit of the colors"};
-  return kReasons[static_cast<int>(reason)];
-}
-
-void PrintOrder(const VerifiedOrder& verified, ReportLog* log) {
-  PrintText("image order of fused.ply.vis", MeaningOf(verified.order.kind),
+  PrintText("image order of fused.ply.vis",
+            kMeanings[static_cast<int>(verified.order.kind)], log);
+  PrintText("  determined by", kReasons[static_cast<int>(verified.reason)],
             log);
-  PrintText("  determined by", Describe(verified.reason), log);
   PrintText("  points inside their images",
             fmt::format("{:12.2f} %", 100 * verified.evidence.inside), log);
   PrintText("  ... and facing them",
@@ -181,15 +175,12 @@ void PrintReport(const std::optional<Region>& region, ReportLog* log) {
   if (!region) {
     return;
   }
-  const Eigen::Vector3d& center = region->center;
-  const Eigen::Vector3d size = 2 * region->half_sizes;
-  PrintText(
-      "region, center",
-      fmt::format("{:14.6g} {:.6g} {:.6g}", center.x(), center.y(), center.z()),
-      log);
-  PrintText("  size",
-            fmt::format("{:14.6g} {:.6g} {:.6g}", size.x(), size.y(), size.z()),
-            log);
+  const auto print = [&](const char* label, const Eigen::Vector3d& v) {
+    PrintText(label, fmt::format("{:14.6g} {:.6g} {:.6g}", v.x(), v.y(), v.z()),
+              log);
+  };
+  print("region, center", region->center);
+  print("  size", 2 * region->half_sizes);
 }
 
 void PrintReport(const ManifoldMeshingReport& report, ReportLog* log) {

@@ -20,6 +20,7 @@
 #include "refine/facetwise_refinement.h"
 #include "repair/borders.h"
 #include "scene/half_pixel.h"
+#include "scene/progress.h"
 #include "scene/region.h"
 #include "workspace/read_pictures.h"
 #include "workspace/workspace.h"
@@ -82,7 +83,9 @@ void PrintWarning(const std::string& what, ReportLog* log);
 // What a command shows: its progress, then its report.
 struct Console {
   ProgressReporter reporter{std::cout, isatty(STDOUT_FILENO) != 0};
-  Progress progress = reporter.AsProgress();
+  Progress progress = [this](std::string_view stage, double share) {
+    reporter.Update(stage, share);
+  };
   ReportLog log{&std::cout};
 
   // Ends the report with the times of the stages and the peak memory.

@@ -76,20 +76,20 @@ void ProgressReporter::Update(std::string_view stage, double share) {
     stage_ = stage;
     stage_start_ = last_shown_ = Clock::now();
     if (is_terminal_) {
-      Show(share);
+      Show();
     }
     return;
   }
   const double interval = is_terminal_ ? kTerminalInterval : kLogInterval;
   if (Seconds(Clock::now() - last_shown_) >= interval) {
-    Show(share);
+    Show();
   }
 }
 
 void ProgressReporter::Note(const std::string& text) {
   if (is_terminal_) {
     note_ = text;
-    Show(share_);
+    Show();
   } else {
     stream_ << text << std::endl;
   }
@@ -104,9 +104,7 @@ void ProgressReporter::Finish() {
   line.resize(std::max(line.size(), shown_length_), ' ');
   stream_ << (is_terminal_ ? "\r" : "") << line << std::endl;
   shown_length_ = 0;
-  const auto same = std::ranges::find_if(
-      stage_times_,
-      [this](const StageTime& time) { return time.stage == stage_; });
+  const auto same = std::ranges::find(stage_times_, stage_, &StageTime::stage);
   if (same != stage_times_.end()) {
     same->seconds += seconds;
   } else {
@@ -116,12 +114,12 @@ void ProgressReporter::Finish() {
   note_.clear();
 }
 
-void ProgressReporter::Show(double share) {
+void ProgressReporter::Show() {
   const Clock::time_point now = Clock::now();
   const double elapsed = Seconds(now - stage_start_);
-  std::string line = fmt::format("{} ... {:.0f} %", stage_, 100 * share);
-  if (share > 0.02 && elapsed > 2) {
-    line += ", " + FormatSeconds(elapsed * (1 - share) / share) + " left";
+  std::string line = fmt::format("{} ... {:.0f} %", stage_, 100 * share_);
+  if (share_ > 0.02 && elapsed > 2) {
+    line += ", " + FormatSeconds(elapsed * (1 - share_) / share_) + " left";
   }
   if (!note_.empty()) {
     line += ", " + note_;

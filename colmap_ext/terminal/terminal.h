@@ -8,8 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/progress.h"
-
 namespace colmap_ext {
 
 struct StageTime {
@@ -30,12 +28,6 @@ class ProgressReporter {
   // \param share  finished fraction of the stage, 0 ... 1.
   void Update(std::string_view stage, double share);
 
-  // Update() as a Progress, valid while this object exists.
-  Progress AsProgress() {
-    return
-        [this](std::string_view stage, double share) { Update(stage, share); };
-  }
-
   // Prints a note on the current stage: in the updated line on a terminal, on a
   // separate line in a log.
   void Note(const std::string& text);
@@ -50,7 +42,7 @@ class ProgressReporter {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void Show(double share);
+  void Show();
 
   std::ostream& stream_;
   bool is_terminal_;

@@ -56,25 +56,15 @@ void LiveView::Say(const std::string& status) {
 }
 
 void LiveView::WaitWhilePaused(const std::function<bool()>& should_stop) {
-  // A signal does not notify the condition variable.
-  constexpr std::chrono::milliseconds kWait(100);
-  std::unique_lock lock(mutex_);
+  constexpr std::chrono::milliseconds kWait(20);
   while (is_paused_ && !should_stop()) {
-    changed_.wait_for(lock, kWait);
+    std::this_thread::sleep_for(kWait);
   }
-}
-
-void LiveView::Pause(bool is_paused) {
-  {
-    const std::lock_guard lock(mutex_);
-    is_paused_ = is_paused;
-  }
-  changed_.notify_all();
 }
 
 void LiveView::Leave() {
   is_watched_ = false;
-  Pause(false);
+  is_paused_ = false;
 }
 
 void RunWithViewer(const std::string& title, const std::string& folder,
@@ -87,9 +77,7 @@ void RunWithViewer(const std::string& title, const std::string& folder,
   ViewerSession session(live.Inbox(), std::move(host), {});
   std::exception_ptr error;
   std::thread thread;
-  WindowOptions options;
-  options.title = title;
-  options.on_open = [&] {
+  const auto start = [&] {
     thread = std::thread([&] {
       try {
         work(&live);
@@ -103,7 +91,7 @@ void RunWithViewer(const std::string& title, const std::string& folder,
   };
   std::exception_ptr window_error;
   try {
-    RunViewerWindow(options, &session);
+    RunViewerWindow({.title = title, .on_open = start}, &session);
   } catch (...) {
     window_error = std::current_exception();
   }

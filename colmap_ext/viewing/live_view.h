@@ -1,9 +1,7 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -35,16 +33,14 @@ class LiveView {
   void WaitWhilePaused(const std::function<bool()>& should_stop);
 
   // Called by the viewer's thread.
-  void Pause(bool is_paused);
+  void Pause(bool is_paused) { is_paused_ = is_paused; }
   // Called when the window is closed.
   void Leave();
   SceneInbox* Inbox() { return &inbox_; }
 
  private:
   SceneInbox inbox_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool is_paused_ = false;
+  std::atomic<bool> is_paused_ = false;
   std::atomic<bool> is_watched_ = true;
 };
 

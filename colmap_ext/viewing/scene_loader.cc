@@ -69,21 +69,16 @@ void SceneLoader::LoadMesh(const std::filesystem::path& path,
   inbox_->Put(fmt::format("mesh {:06}", num_meshes_),
               [mesh](ShownScene* scene) { scene->meshes.push_back(mesh); });
   Note(notes);
-  AddStandIn(mesh);
-}
-
-void SceneLoader::AddStandIn(const std::shared_ptr<const ShownMesh>& mesh) {
   constexpr size_t kMaxFacets =
       150'000;  // one frame in 0.1 s or so by llvmpipe
-  if (mesh->mesh.facets.size() < 2 * kMaxFacets) {
-    return;
+  if (mesh->mesh.facets.size() >= 2 * kMaxFacets) {
+    auto coarse =
+        std::make_shared<const ShownMesh>(CoarseMesh(*mesh, kMaxFacets));
+    inbox_->Put(fmt::format("stand-in {:06}", num_meshes_),
+                [mesh, coarse](ShownScene* scene) {
+                  scene->stand_ins[mesh.get()] = coarse;
+                });
   }
-  auto coarse =
-      std::make_shared<const ShownMesh>(CoarseMesh(*mesh, kMaxFacets));
-  inbox_->Put(fmt::format("stand-in {:06}", num_meshes_),
-              [mesh, coarse](ShownScene* scene) {
-                scene->stand_ins[mesh.get()] = coarse;
-              });
 }
 
 void SceneLoader::LoadWorkspace(const ViewerOptions& options) {

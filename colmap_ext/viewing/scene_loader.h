@@ -74,7 +74,6 @@ class SceneLoader {
  private:
   void LoadMesh(const std::filesystem::path& path,
                 const ViewerOptions& options);
-  void AddStandIn(const std::shared_ptr<const ShownMesh>& mesh);
   void LoadWorkspace(const ViewerOptions& options);
   void LoadImage(size_t index, const View& view);
   void LoadThumbnails(const std::vector<View>& views);

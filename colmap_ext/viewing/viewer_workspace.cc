@@ -21,27 +21,21 @@ constexpr const char* kMeshNames[] = {"meshed-refined.ply", kMesherOutput,
                                       "meshed-poisson.ply"};
 
 fs::path FindFolder(const std::string& path) {
-  const std::vector<fs::path> found =
-      FindFoldersWith({"fused.ply", "stereo", kMesherOutput}, path);
-  ExpectOneFolder(found, path);
-  return found.empty() ? fs::path(path) : found[0];
-}
-
-WorkspaceOptions RulesOf(const ViewerOptions& options, InputType type) {
-  WorkspaceOptions rules;
-  rules.input_type = type;
-  rules.image_order = options.image_order;
-  rules.sparse_path = options.sparse_path;
-  rules.allow_other_sizes = true;
-  return rules;
+  const fs::path found =
+      FindFolderWith({"fused.ply", "stereo", kMesherOutput}, path);
+  return found.empty() ? fs::path(path) : found;
 }
 
 // What can not be read is noted.
 void Read(const ViewerOptions& options, InputType type, const fs::path& folder,
           const PictureDecoder& decoder, ShownScene* result) {
   try {
-    Workspace workspace =
-        ReadWorkspace(folder, RulesOf(options, type), decoder);
+    Workspace workspace = ReadWorkspace(folder,
+                                        {.input_type = type,
+                                         .image_order = options.image_order,
+                                         .sparse_path = options.sparse_path,
+                                         .allow_other_sizes = true},
+                                        decoder);
     result->views = std::move(workspace.views);
     result->points =
         std::make_shared<const PointCloud>(std::move(workspace.cloud));

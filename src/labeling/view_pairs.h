@@ -47,6 +47,16 @@ struct FacetLabels {
 
   size_t NumFacets() const { return labels.size(); }
 
+  // [F] the best label of each facet; -1: none.
+  std::vector<int32_t> BestLabels() const {
+    std::vector<int32_t> best;
+    for (size_t i = 0; i < NumFacets(); ++i) {
+      best.push_back(labels[i].empty() ? -1
+                                       : static_cast<int32_t>(labels[i][0]));
+    }
+    return best;
+  }
+
   // The largest number of labels that a facet has.
   size_t MaxLabelsOfFacet() const {
     size_t count = 0;

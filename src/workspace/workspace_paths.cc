@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "base/indices.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "workspace/sparse_model.h"
@@ -63,19 +65,14 @@ bool Replaces(const fs::path& output, const fs::path& input) {
 
 }  // namespace
 
-std::vector<fs::path> FindFoldersWith(const std::vector<std::string>& files,
-                                      const fs::path& path) {
+fs::path FindFolderWith(const std::vector<std::string>& files,
+                        const fs::path& path) {
   ExpectFolder(path);
   if (HasAny(files, path)) {
-    return {path};
+    return path;
   }
   std::vector<fs::path> found = SubfoldersWith(files, path);
-  const std::vector<fs::path> deeper = SubfoldersWith(files, path / "dense");
-  found.insert(found.end(), deeper.begin(), deeper.end());
-  return found;
-}
-
-void ExpectOneFolder(const std::vector<fs::path>& found, const fs::path& path) {
+  Append(SubfoldersWith(files, path / "dense"), &found);
   if (found.size() > 1) {
     std::string folders;
     for (const fs::path& folder : found) {
@@ -84,25 +81,23 @@ void ExpectOneFolder(const std::vector<fs::path>& found, const fs::path& path) {
     throw FileError(path, fmt::format("which workspace? There are {}: {}",
                                       found.size(), folders));
   }
+  return found.empty() ? fs::path() : found[0];
 }
 
 fs::path FindDenseFolder(const fs::path& path) {
-  const std::vector<fs::path> found = FindFoldersWith({"fused.ply"}, path);
+  const fs::path found = FindFolderWith({"fused.ply"}, path);
   if (found.empty()) {
     throw FileError(path,
                     "no fused.ply here nor in dense/ or dense/0/; run `colmap "
                     "stereo_fusion --workspace_path DIR --output_path "
                     "DIR/fused.ply` first");
   }
-  ExpectOneFolder(found, path);
-  return found[0];
+  return found;
 }
 
 fs::path FindUndistortedFolder(const fs::path& path) {
-  const std::vector<fs::path> found =
-      FindFoldersWith({"stereo", "fused.ply"}, path);
-  ExpectOneFolder(found, path);
-  return found.empty() ? path : found[0];
+  const fs::path found = FindFolderWith({"stereo", "fused.ply"}, path);
+  return found.empty() ? path : found;
 }
 
 fs::path FindSparseFolder(const fs::path& path) {
@@ -141,10 +136,15 @@ void ExpectOutputs(const std::vector<fs::path>& outputs,
 
 std::vector<fs::path> WorkspaceInputs(const fs::path& folder,
                                       const fs::path& fused,
-                                      const fs::path& sparse) {
+                                      const fs::path& sparse,
+                                      std::vector<fs::path> others) {
+  std::vector<fs::path> inputs = std::move(others);
+  if (folder.empty()) {
+    return inputs;
+  }
   const fs::path points = fused.empty() ? folder / "fused.ply" : fused;
-  std::vector<fs::path> inputs = {folder / "images", folder / "stereo", points,
-                                  points.string() + ".vis"};
+  inputs.insert(inputs.end(), {folder / "images", folder / "stereo", points,
+                               points.string() + ".vis"});
   // Meshes may lie beside a model.
   const fs::path start = sparse.empty() ? folder : sparse;
   for (const char* model : {"", "sparse", "0", "sparse/0"}) {

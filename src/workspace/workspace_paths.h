@@ -9,21 +9,16 @@ namespace colmap_ext {
 // What delaunay_manifold_mesher writes.
 inline constexpr const char* kMesherOutput = "meshed-delaunay-manifold.ply";
 
-// The folders that have one of the files: the given one, else all below it in
-// the layouts of automatic_reconstructor (WS/dense/0) and of hand-made
-// workspaces (WS/dense).
-// \throw FileError if the path is that of no folder.
-std::vector<std::filesystem::path> FindFoldersWith(
-    const std::vector<std::string>& files, const std::filesystem::path& path);
-
-// \throw FileError if there are several: it lists them.
-void ExpectOneFolder(const std::vector<std::filesystem::path>& found,
-                     const std::filesystem::path& path);
-
-// The folder that has fused.ply: the given one or, in the layouts of
+// The folder that has one of the files: the given one or, in the layouts of
 // automatic_reconstructor (WS/dense/0) and of hand-made workspaces (WS/dense),
-// the only one below it.
-// \throw FileError if there is none, or several: it lists them.
+// the only one below it; empty if none has.
+// \throw FileError if the path is that of no folder, or several have one: it
+//        lists them.
+std::filesystem::path FindFolderWith(const std::vector<std::string>& files,
+                                     const std::filesystem::path& path);
+
+// The folder that has fused.ply.
+// \throw FileError if there is none, or several.
 std::filesystem::path FindDenseFolder(const std::filesystem::path& path);
 
 // The same where the points lie elsewhere: the folder that has stereo/, as
@@ -44,10 +39,12 @@ std::filesystem::path FindSparseFolder(const std::filesystem::path& path);
 void ExpectOutputs(const std::vector<std::filesystem::path>& outputs,
                    const std::vector<std::filesystem::path>& inputs);
 
-// What commands read of a dense workspace.
+// What commands read of a dense workspace, and other files.
+// \param folder  of the workspace; empty: none
 // \param fused, sparse  the points and the cameras; empty: the workspace's
 std::vector<std::filesystem::path> WorkspaceInputs(
     const std::filesystem::path& folder, const std::filesystem::path& fused,
-    const std::filesystem::path& sparse);
+    const std::filesystem::path& sparse,
+    std::vector<std::filesystem::path> others = {});
 
 }  // namespace colmap_ext

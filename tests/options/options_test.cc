@@ -40,11 +40,12 @@ TEST(RegionOptionTest, IsAutoCornersOrAFile) {
   option.text = "auto";
   option.Finish();
   EXPECT_THROW(option.Resolve({}, {}), OptionError);
+  EXPECT_EQ(option.FoundPath("a/mesh.ply"), "a/mesh.region.txt");
   option.text = "0,0,0,1,2";
   ExpectRefused(&option, "--region");
   option.text = "no such file";
   ExpectRefused(&option, "no such file");
-  EXPECT_EQ(RegionPath("a/mesh.ply"), "a/mesh.region.txt");
+  EXPECT_EQ(option.FoundPath("a/mesh.ply"), "");
 }
 
 TEST(RefinerOptionsTest, SetsWhatDependsOnOtherOptions) {
