@@ -61,14 +61,16 @@ struct Rows {
 //        row keep their order.
 template <typename T, typename ForEach>
 Rows<T> GroupInRows(size_t num_rows, const ForEach& for_each) {
-  Rows<T> rows(num_rows);
-  for_each([&](size_t row, const T&) { ++rows.offsets[row + 1]; });
-  std::partial_sum(rows.offsets.begin(), rows.offsets.end(),
-                   rows.offsets.begin());
-  rows.values.resize(rows.offsets.back());
-  std::vector<uint64_t> ends(rows.offsets.begin(), rows.offsets.end() - 1);
-  for_each(
-      [&](size_t row, const T& value) { rows.values[ends[row]++] = value; });
+  Rows<T> rows(num_rows + 1);
+  std::vector<uint64_t>& offsets = rows.offsets;
+  for_each([&](size_t row, const T&) { ++offsets[row + 2]; });
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+  rows.values.resize(offsets.back());
+  // Where a row begins, which becomes its end as it is filled.
+  for_each([&](size_t row, const T& value) {
+    rows.values[offsets[row + 1]++] = value;
+  });
+  offsets.pop_back();
   return rows;
 }
 

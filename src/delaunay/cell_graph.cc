@@ -7,8 +7,6 @@
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
-#include "spatial/predicates.h"
-
 namespace colmap_ext {
 
 NeighborView NeighborsOf(const Tetrahedralization& tetrahedra) {
@@ -41,22 +39,13 @@ double CosFacetSphereAngle(const Tetrahedralization& tetrahedra,
     return 1;
   }
   const auto& cell = tetrahedra.cells[cell_index];
-  const auto& corners = kFacetCorners[facet];
-  const auto corner = [&](int k) -> Eigen::Vector3d {
-    return tetrahedra.PositionOf(cell.vertices[k]);
-  };
-  // From the lowest corner, so that rounding does not depend on their numbers.
-  const int first =
-      static_cast<int>(std::ranges::min_element(
-                           corners, IsLower,
-                           [&](int k) -> const auto& {
-                             return tetrahedra.points[cell.vertices[k]];
-                           }) -
-                       corners.begin());
-  const Eigen::Vector3d origin = corner(corners[first]);
-  const Eigen::Vector3d a = corner(corners[(first + 1) % 3]) - origin;
-  const Eigen::Vector3d b = corner(corners[(first + 2) % 3]) - origin;
-  const Eigen::Vector3d c = corner(facet) - origin;
+  const std::array<uint32_t, 3> corners =
+      FromLowest(tetrahedra, FacetVertices(cell, facet));
+  const Eigen::Vector3d origin = tetrahedra.PositionOf(corners[0]);
+  const Eigen::Vector3d a = tetrahedra.PositionOf(corners[1]) - origin;
+  const Eigen::Vector3d b = tetrahedra.PositionOf(corners[2]) - origin;
+  const Eigen::Vector3d c =
+      tetrahedra.PositionOf(cell.vertices[facet]) - origin;
   const Eigen::Vector3d normal = a.cross(b);  // into the cell
   // The sphere's centre relative to the origin is this vector over twelve times
   // the volume, which is positive: the cosine needs its direction alone.

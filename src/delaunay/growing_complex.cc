@@ -1,13 +1,13 @@
 #include "delaunay/growing_complex.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
+#include "base/rows.h"
 #include "spatial/predicates.h"
 
 namespace colmap_ext {
@@ -44,30 +44,20 @@ std::optional<std::array<uint32_t, 4>> FindSimplex(
 // \pre the corners of each cell are sorted, cells not in use have equal ones
 std::vector<uint32_t> Order(const std::vector<GrowingComplex::Cell>& cells,
                             size_t num_vertices) {
-  const auto is_used = [&](uint32_t cell) {
-    return cells[cell].vertices[0] != cells[cell].vertices[1];
-  };
-  const auto num_cells = static_cast<uint32_t>(cells.size());
-  std::vector<uint32_t> begins(num_vertices + 1, 0);
-  for (uint32_t cell = 0; cell < num_cells; ++cell) {
-    begins[cells[cell].vertices[0] + 1] += is_used(cell);
-  }
-  std::partial_sum(begins.begin(), begins.end(), begins.begin());
-  std::vector<uint32_t> order(begins.back());
-  for (uint32_t cell = 0; cell < num_cells; ++cell) {
-    if (is_used(cell)) {
-      order[begins[cells[cell].vertices[0]]++] = cell;
+  auto rows = GroupInRows<uint32_t>(num_vertices, [&](const auto& add) {
+    for (uint32_t cell = 0; cell < cells.size(); ++cell) {
+      const std::array<uint32_t, 4>& vertices = cells[cell].vertices;
+      if (vertices[0] != vertices[1]) {
+        add(vertices[0], cell);
+      }
     }
-  }
-  // Now a vertex's entry is its row's end.
-  tbb::parallel_for(size_t{0}, num_vertices, [&](size_t vertex) {
-    const uint32_t begin = vertex == 0 ? 0 : begins[vertex - 1];
-    std::sort(order.begin() + begin, order.begin() + begins[vertex],
-              [&](uint32_t a, uint32_t b) {
-                return cells[a].vertices < cells[b].vertices;
-              });
   });
-  return order;
+  tbb::parallel_for(size_t{0}, num_vertices, [&](size_t vertex) {
+    std::ranges::sort(
+        rows[vertex],
+        {}, [&](uint32_t cell) -> const auto& { return cells[cell].vertices; });
+  });
+  return std::move(rows.values);
 }
 
 // The cells of a complex in an order that depends on their vertices alone, the

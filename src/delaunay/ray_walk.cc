@@ -13,7 +13,8 @@
 namespace colmap_ext {
 namespace {
 
-using FacetPoints = std::array<Eigen::Vector3d, 3>;
+using Eigen::Vector3d;
+using FacetPoints = std::array<Vector3d, 3>;
 
 // The corners of a cell's facet i, see kFacetCorners.
 // \pre they are finite
@@ -26,61 +27,9 @@ FacetPoints PointsOfFacet(const Tetrahedralization& tetrahedra, uint32_t cell,
 
 // Whether a point lies on a facet's inner side: 1, in its plane: 0, or
 // outside: -1.
-int InnerSide(const FacetPoints& facet, const Eigen::Vector3d& point) {
+int InnerSide(const FacetPoints& facet, const Vector3d& point) {
   return Orientation(facet[0], facet[1], facet[2], point);
 }
-
-}  // namespace
-
-uint32_t Locate(const Tetrahedralization& tetrahedra,
-                const Eigen::Vector3d& point, uint32_t hint) {
-  uint32_t cell_index = hint;
-  uint32_t previous = kNone;
-  while (!tetrahedra.IsInfinite(cell_index)) {
-    const Tetrahedralization::Cell& cell = tetrahedra.cells[cell_index];
-    uint32_t next = kNone;
-    for (int i = 0; i < 4 && next == kNone; ++i) {
-      if (cell.neighbors[i] != previous &&
-          InnerSide(PointsOfFacet(tetrahedra, cell_index, i), point) < 0) {
-        next = cell.neighbors[i];
-      }
-    }
-    if (next == kNone) {
-      break;
-    }
-    previous = std::exchange(cell_index, next);
-  }
-  return cell_index;
-}
-
-uint32_t EnteredCell(const Tetrahedralization& tetrahedra, uint32_t cell_index,
-                     const Eigen::Vector3d& origin,
-                     const Eigen::Vector3d& target) {
-  for (int i = 0; i < 4 && !tetrahedra.IsInfinite(cell_index);) {
-    const FacetPoints facet = PointsOfFacet(tetrahedra, cell_index, i);
-    const bool leaves = InnerSide(facet, origin) == 0 &&
-                        RaySideExact(facet[0], target, facet[1], facet[2]) < 0;
-    if (leaves) {
-      cell_index = tetrahedra.cells[cell_index].neighbors[i];
-    }
-    i = leaves ? 0 : i + 1;
-  }
-  return cell_index;
-}
-
-bool IsStrictlyInside(const Tetrahedralization& tetrahedra, uint32_t cell_index,
-                      const Eigen::Vector3d& point) {
-  for (int i = 0; i < 4; ++i) {
-    if (InnerSide(PointsOfFacet(tetrahedra, cell_index, i), point) <= 0) {
-      return false;
-    }
-  }
-  return true;
-}
-
-namespace {
-
-using Cell = Tetrahedralization::Cell;
 
 // A ray on its way: the cell where it is, and the facet through which it
 // leaves.
@@ -96,12 +45,6 @@ class Walk {
         length_(direction_.norm()) {
     path_->crossings.clear();
     path_->end = kNone;
-    if (length_ > 0) {
-      // Right-handed: axis_x x axis_y is the direction.
-      direction_ /= length_;
-      axis_x_ = direction_.unitOrthogonal();
-      axis_y_ = direction_.cross(axis_x_);
-    }
   }
 
   // Finds the first cell.
@@ -110,6 +53,10 @@ class Walk {
     if (!(length_ > 0)) {
       return false;
     }
+    // Right-handed: axis_x x axis_y is the direction.
+    direction_ /= length_;
+    axis_x_ = direction_.unitOrthogonal();
+    axis_y_ = direction_.cross(axis_x_);
     const bool is_started = ray_->origin != kNone
                                 ? StartAtVertex(ray_->origin)
                                 : StartInCell(ray_->start_cell);
@@ -146,11 +93,11 @@ class Walk {
 
   // The second part: crosses the facet.
   void Enter() {
-    entry_ = tetrahedra_->FacetTo(next_, cell_);
+    const uint32_t entry = tetrahedra_->FacetTo(next_, cell_);
     path_->crossings.push_back(
-        {4 * cell_ + exit_, 4 * next_ + entry_, distance_});
+        {4 * cell_ + exit_, 4 * next_ + entry, distance_});
     cell_ = next_;
-    apex_ = tetrahedra_->cells[cell_].vertices[entry_];
+    apex_ = tetrahedra_->cells[cell_].vertices[entry];
     if (apex_ != kInfiniteVertex) {
       __builtin_prefetch(&tetrahedra_->points[apex_]);
     }
@@ -166,24 +113,27 @@ class Walk {
       path_->end = cell_;
       return false;
     }
-    const Eigen::Vector3d offset = Offset(apex_);
-    const double x = offset.dot(axis_x_);
-    const double y = offset.dot(axis_y_);
-    const double size = offset.lpNorm<1>();
-    const unsigned turns = TurnsTo(x, y, size);
+    const Across apex = AcrossRay(apex_);
+    const unsigned turns = TurnsTo(apex);
     // The exit is opposite to the corner whose successor's edge does not turn
     // and whose predecessor's does. All or none is no line in general position.
     constexpr std::array<uint8_t, 8> kLeftCorner = {0, 1, 2, 1, 0, 0, 2, 0};
     const unsigned left = kLeftCorner[turns];
     exit_ = tetrahedra_->IndexOf(cell_, corners_[left]);
     corners_[left] = apex_;
-    x_[left] = x;
-    y_[left] = y;
-    size_[left] = size;
+    across_[left] = apex;
     return true;
   }
 
  private:
+  // A corner's offset from the ray's origin: across the ray, and the sum of the
+  // absolute components.
+  struct Across {
+    double x;
+    double y;
+    double size;
+  };
+
   // Finds the facet through which the ray leaves the cell that it starts in.
   // \return false where it misses the hull
   bool StartInCell(uint32_t cell) {
@@ -191,12 +141,10 @@ class Walk {
     if (tetrahedra_->IsInfinite(cell)) {
       return StartBeyondHull();
     }
-    exit_ = 0;
-    SetExitCorners(tetrahedra_->cells[cell]);
+    SetExit(cell, 0);
     // A ray that enters the cell leaves it through one facet.
     while (FirstEdgePassedOutside() >= 0 && exit_ < 3) {
-      ++exit_;
-      SetExitCorners(tetrahedra_->cells[cell]);
+      SetExit(cell, exit_ + 1);
     }
     return true;
   }
@@ -207,33 +155,25 @@ class Walk {
     std::vector<uint32_t> queue(1, cell_);
     std::unordered_set<uint32_t> seen(queue.begin(), queue.end());
     for (size_t i = 0; i < queue.size(); ++i) {
-      const Cell& cell = tetrahedra_->cells[queue[i]];
-      exit_ = tetrahedra_->IndexOf(queue[i], kInfiniteVertex);
-      SetExitCorners(cell);
-      if (!SeesExit()) {
-        continue;
+      SetExit(queue[i], tetrahedra_->IndexOf(queue[i], kInfiniteVertex));
+      if (Orientation(Corner(0), Corner(1), Corner(2), origin_) >= 0) {
+        continue;  // The exit turns its inner side to the origin.
       }
       if (FirstEdgePassedOutside() < 0) {
         cell_ = queue[i];
         return ray_->end == kToHull || IsTargetBeyondExit();
       }
+      const auto& neighbors = tetrahedra_->cells[queue[i]].neighbors;
       for (uint32_t k = 0; k < 4; ++k) {
-        if (k != exit_ && seen.insert(cell.neighbors[k]).second) {
-          queue.push_back(cell.neighbors[k]);
+        if (k != exit_ && seen.insert(neighbors[k]).second) {
+          queue.push_back(neighbors[k]);
         }
       }
     }
     return false;
   }
 
-  Eigen::Vector3d Corner(int i) const {
-    return tetrahedra_->PositionOf(corners_[i]);
-  }
-
-  // Whether the exit of an infinite cell turns its outer side to the origin.
-  bool SeesExit() const {
-    return Orientation(Corner(0), Corner(1), Corner(2), origin_) < 0;
-  }
+  Vector3d Corner(int i) const { return tetrahedra_->PositionOf(corners_[i]); }
 
   // Whether the ray crosses the exit before it reaches the target.
   bool IsTargetBeyondExit() const {
@@ -245,15 +185,14 @@ class Walk {
   bool StartAtVertex(uint32_t vertex) {
     cell_ = tetrahedra_->vertex_cells[vertex];
     for (;;) {
-      const Cell& cell = tetrahedra_->cells[cell_];
-      exit_ = tetrahedra_->IndexOf(cell_, vertex);
-      SetExitCorners(cell);
+      SetExit(cell_, tetrahedra_->IndexOf(cell_, vertex));
       const int edge = FirstEdgePassedOutside();
       if (edge < 0) {
         return true;
       }
       const uint32_t opposite = corners_[(edge + 2) % 3];
-      cell_ = cell.neighbors[tetrahedra_->IndexOf(cell_, opposite)];
+      cell_ = tetrahedra_->cells[cell_]
+                  .neighbors[tetrahedra_->IndexOf(cell_, opposite)];
       if (tetrahedra_->IsInfinite(cell_)) {
         return false;
       }
@@ -261,19 +200,14 @@ class Walk {
   }
 
   // From the origin to the facet through which the ray leaves the cell, scene
-  // units. It starts at the lowest corner, so that rounding depends on the ray
-  // and the facet alone and not on the way there.
+  // units. Its rounding depends on the ray and the facet alone and not on the
+  // way there.
   double ExitDistance() const {
-    const auto position = [this](uint32_t v) -> const Eigen::Vector3f& {
-      return tetrahedra_->points[v];
-    };
-    const auto first = static_cast<size_t>(
-        std::ranges::min_element(corners_, IsLower, position) -
-        corners_.begin());
-    const Eigen::Vector3d a = Offset(corners_[first]);
-    const Eigen::Vector3d ab = Offset(corners_[(first + 1) % 3]) - a;
-    const Eigen::Vector3d ac = Offset(corners_[(first + 2) % 3]) - a;
-    const Eigen::Vector3d normal = ab.cross(ac);
+    const auto [first, second, third] = FromLowest(*tetrahedra_, corners_);
+    const Vector3d a = Offset(first);
+    const Vector3d ab = Offset(second) - a;
+    const Vector3d ac = Offset(third) - a;
+    const Vector3d normal = ab.cross(ac);
     const double slope = direction_.dot(normal);
     // Of a facet along the ray, or of hardly an area, rounding leaves little.
     constexpr double kMinSlope = 1e-6;
@@ -301,19 +235,20 @@ class Walk {
     return true;
   }
 
-  Eigen::Vector3d Offset(uint32_t vertex) const {
+  Vector3d Offset(uint32_t vertex) const {
     return tetrahedra_->PositionOf(vertex) - origin_;
   }
 
-  void SetExitCorners(const Cell& cell) {
-    const auto [a, c, b] = FacetVertices(cell, exit_);  // inward
-    corners_ = {a, b, c};
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d offset = Offset(corners_[i]);
-      x_[i] = offset.dot(axis_x_);
-      y_[i] = offset.dot(axis_y_);
-      size_[i] = offset.lpNorm<1>();
-    }
+  Across AcrossRay(uint32_t vertex) const {
+    const Vector3d offset = Offset(vertex);
+    return {offset.dot(axis_x_), offset.dot(axis_y_), offset.lpNorm<1>()};
+  }
+
+  void SetExit(uint32_t cell, uint32_t exit) {
+    exit_ = exit;
+    const auto [a, c, b] = FacetVertices(tetrahedra_->cells[cell], exit);
+    corners_ = {a, b, c};  // turned outward
+    across_ = {AcrossRay(a), AcrossRay(b), AcrossRay(c)};
   }
 
   // The edge of the exit facet (from corner i to i + 1) on whose outer side the
@@ -321,9 +256,11 @@ class Walk {
   int FirstEdgePassedOutside() const {
     for (int i = 0; i < 3; ++i) {
       const int k = (i + 1) % 3;
-      const double determinant = x_[i] * y_[k] - y_[i] * x_[k];
+      const Across& u = across_[i];
+      const Across& v = across_[k];
+      const double determinant = u.x * v.y - u.y * v.x;
       const bool is_sure =
-          std::abs(determinant) > kErrorBound * size_[i] * size_[k];
+          std::abs(determinant) > kErrorBound * u.size * v.size;
       if (is_sure ? determinant < 0 : !TurnsExactly(corners_[i], corners_[k])) {
         return i;
       }
@@ -334,15 +271,15 @@ class Walk {
   // Whether the directed edges from the three corners to the apex turn
   // counter-clockwise around the ray (RaySideExact), as bits. In floating point
   // it is the determinant of the offsets across the ray.
-  // \param x, y, size  of the apex
-  unsigned TurnsTo(double x, double y, double size) const {
-    const double d0 = x_[0] * y - y_[0] * x;
-    const double d1 = x_[1] * y - y_[1] * x;
-    const double d2 = x_[2] * y - y_[2] * x;
-    const double largest = std::max(std::max(size_[0], size_[1]), size_[2]);
+  unsigned TurnsTo(const Across& apex) const {
+    const auto& [a, b, c] = across_;
+    const double d0 = a.x * apex.y - a.y * apex.x;
+    const double d1 = b.x * apex.y - b.y * apex.x;
+    const double d2 = c.x * apex.y - c.y * apex.x;
+    const double largest = std::max(std::max(a.size, b.size), c.size);
     const double least =
         std::min(std::min(std::abs(d0), std::abs(d1)), std::abs(d2));
-    if (least > kErrorBound * size * largest) [[likely]] {
+    if (least > kErrorBound * apex.size * largest) [[likely]] {
       return static_cast<unsigned>(d0 > 0) |
              static_cast<unsigned>(d1 > 0) << 1 |
              static_cast<unsigned>(d2 > 0) << 2;
@@ -364,27 +301,23 @@ class Walk {
   static constexpr double kErrorBound = 40 * 0x1p-53;
 
   const Tetrahedralization* tetrahedra_;
-  Eigen::Vector3d origin_;
+  Vector3d origin_;
   const Ray* ray_;
   RayPath* path_;
-  Eigen::Vector3d direction_;  // unit
+  Vector3d direction_;  // unit
   double length_;
-  Eigen::Vector3d axis_x_;
-  Eigen::Vector3d axis_y_;
+  Vector3d axis_x_;
+  Vector3d axis_y_;
 
   uint32_t cell_ = kNone;
   uint32_t next_ = kNone;
-  uint32_t entry_ = 0;
   uint32_t exit_ = 0;
   uint32_t apex_ = kInfiniteVertex;  // the corner opposite to the entry
   bool is_near_ = true;
   float distance_ = 0;  // of the exit
-  // The corners of the exit, normal along the ray, and their offsets from the
-  // ray's origin: across the ray, and the sum of the absolute components.
+  // The corners of the exit, normal along the ray, and their offsets.
   std::array<uint32_t, 3> corners_;
-  std::array<double, 3> x_;
-  std::array<double, 3> y_;
-  std::array<double, 3> size_;
+  std::array<Across, 3> across_;
 };
 
 // How many rays take turns. Tuned on: fountain; by: 4, 8 and 16.
@@ -423,6 +356,44 @@ void WalkRays(const Tetrahedralization& tetrahedra, std::span<const Ray> rays,
       }
     }
   }
+}
+
+uint32_t Locate(const Tetrahedralization& tetrahedra, const Vector3d& point,
+                uint32_t hint) {
+  uint32_t cell_index = hint;
+  uint32_t previous = kNone;
+  for (int i = 0; i < 4 && !tetrahedra.IsInfinite(cell_index);) {
+    const uint32_t next = tetrahedra.cells[cell_index].neighbors[i];
+    const bool leaves =
+        next != previous &&
+        InnerSide(PointsOfFacet(tetrahedra, cell_index, i), point) < 0;
+    if (leaves) {
+      previous = std::exchange(cell_index, next);
+    }
+    i = leaves ? 0 : i + 1;
+  }
+  return cell_index;
+}
+
+uint32_t EnteredCell(const Tetrahedralization& tetrahedra, uint32_t cell_index,
+                     const Vector3d& origin, const Vector3d& target) {
+  for (int i = 0; i < 4 && !tetrahedra.IsInfinite(cell_index);) {
+    const FacetPoints facet = PointsOfFacet(tetrahedra, cell_index, i);
+    const bool leaves = InnerSide(facet, origin) == 0 &&
+                        RaySideExact(facet[0], target, facet[1], facet[2]) < 0;
+    if (leaves) {
+      cell_index = tetrahedra.cells[cell_index].neighbors[i];
+    }
+    i = leaves ? 0 : i + 1;
+  }
+  return cell_index;
+}
+
+bool IsStrictlyInside(const Tetrahedralization& tetrahedra, uint32_t cell_index,
+                      const Vector3d& point) {
+  return std::ranges::all_of(std::array{0, 1, 2, 3}, [&](int i) {
+    return InnerSide(PointsOfFacet(tetrahedra, cell_index, i), point) > 0;
+  });
 }
 
 }  // namespace colmap_ext

@@ -14,6 +14,7 @@
 #include "scene/point_cloud.h"
 #include "scene/progress.h"
 #include "scene/view.h"
+#include "spatial/predicates.h"
 
 namespace colmap_ext {
 
@@ -80,6 +81,18 @@ inline std::array<uint32_t, 3> FacetVertices(
     const Tetrahedralization::Cell& cell, size_t i) {
   const auto& [a, b, c] = kFacetCorners[i];
   return {cell.vertices[a], cell.vertices[b], cell.vertices[c]};
+}
+
+// A facet's vertices from the one at the lowest position on: so that rounding
+// does not depend on their numbers.
+inline std::array<uint32_t, 3> FromLowest(const Tetrahedralization& tetrahedra,
+                                          std::array<uint32_t, 3> facet) {
+  const auto position = [&](uint32_t vertex) -> const Eigen::Vector3f& {
+    return tetrahedra.points[vertex];
+  };
+  std::ranges::rotate(facet,
+                      std::ranges::min_element(facet, IsLower, position));
+  return facet;
 }
 
 // Sorts a cell's vertices, and what belongs to its corners with them, so that

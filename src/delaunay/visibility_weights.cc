@@ -247,7 +247,9 @@ class Voter {
     for (const Crossing& crossing : path.crossings) {
       uint32_t weight = whole;
       if (!is_end && crossing.distance < near_distance_) {
-        weight = SoftWeight(ray.alpha, crossing.distance);
+        const double distance = crossing.distance;
+        weight = ToCapacity(
+            ray.alpha * (1 - std::exp(distance * distance * normalization_)));
       }
       AddToArc(weight, crossing.*reverse_arc);
       if (weight > before) {  // Distances fall by a rounding at most.
@@ -258,11 +260,6 @@ class Voter {
     if (whole > before) {
       AddAtEnds(whole - before, ray, path, terminal);
     }
-  }
-
-  uint32_t SoftWeight(double alpha, double distance) const {
-    return ToCapacity(alpha *
-                      (1 - std::exp(distance * distance * normalization_)));
   }
 
   void AddToArc(uint32_t weight, uint32_t arc) {

@@ -4,7 +4,6 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
-#include <utility>
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
@@ -20,11 +19,6 @@ using Points = std::vector<Eigen::Vector3f>;
 // to DTU's 20 mm and 0.2 mm.
 constexpr double kMaxDistanceShare = 0.05;
 constexpr double kSpacingShare = 0.001;
-
-struct Samples {
-  Points mesh;
-  Points truth;
-};
 
 double Diagonal(const Points& points) {
   Eigen::AlignedBox3f box;
@@ -84,31 +78,32 @@ struct Evaluator {
   const TriangleMesh mesh;     // its finite part
   const TriangleMesh surface;  // the finite part of the truth
   MeshEvaluation evaluation{};
+  Points mesh_samples{};
+  Points truth_samples{};
   const Bvh mesh_tree{mesh};
   const Bvh truth_tree{surface};
 
   MeshEvaluation Run() {
     evaluation.num_views = views.size();
-    Samples samples;
     if (!views.empty()) {
-      CastViews(&samples);
+      CastViews();
     }
     if (!truth.depth_maps) {
-      MeasureDistances(std::move(samples));
+      MeasureDistances();
     }
     return evaluation;
   }
 
-  void CastViews(Samples* samples) {
+  void CastViews() {
     DepthErrors errors;
     errors.thresholds = options.depth_thresholds;
     for (size_t i = 0; i < views.size(); ++i) {
       Report(progress, "Casting rays",
              static_cast<double>(i) / static_cast<double>(views.size()));
-      CastView(i, samples, &errors);
+      CastView(i, &errors);
     }
     if (truth.IsPoints()) {
-      samples->truth = PointsInImages(surface.vertices, views);
+      truth_samples = PointsInImages(surface.vertices, views);
       return;
     }
     if (errors.num_depths == 0) {
@@ -119,7 +114,7 @@ struct Evaluator {
     evaluation.depths = errors;
   }
 
-  void CastView(size_t index, Samples* samples, DepthErrors* errors) {
+  void CastView(size_t index, DepthErrors* errors) {
     View view = views[index];
     DepthMap true_depths;
     if (truth.depth_maps) {
@@ -136,19 +131,19 @@ struct Evaluator {
     observability.RestrictDepths(view, &true_depths);
     const DepthMap depths = RenderDepths(mesh_tree, view, options.stride);
     if (truth.IsPoints()) {
-      Append(PointsWhere(depths, depths, view), &samples->mesh);
+      Append(PointsWhere(depths, depths, view), &mesh_samples);
       return;
     }
     AddDepthErrors(true_depths, depths, errors);
     if (!truth.depth_maps) {
-      Append(PointsWhere(depths, true_depths, view), &samples->mesh);
-      Append(PointsWhere(true_depths, true_depths, view), &samples->truth);
+      Append(PointsWhere(depths, true_depths, view), &mesh_samples);
+      Append(PointsWhere(true_depths, true_depths, view), &truth_samples);
     }
   }
 
-  void MeasureDistances(Samples samples) {
+  void MeasureDistances() {
     const double diagonal =
-        Diagonal(views.empty() ? surface.vertices : samples.truth);
+        Diagonal(views.empty() ? surface.vertices : truth_samples);
     SurfaceDistances result;
     result.spacing =
         options.spacing > 0 ? options.spacing : kSpacingShare * diagonal;
@@ -162,20 +157,20 @@ struct Evaluator {
     }
     Report(progress, "Measuring distances", 0);
     if (views.empty()) {
-      samples.mesh = SampleSurface(mesh, result.spacing);
-      samples.truth = truth.IsPoints() ? surface.vertices
+      mesh_samples = SampleSurface(mesh, result.spacing);
+      truth_samples = truth.IsPoints() ? surface.vertices
                                        : SampleSurface(surface, result.spacing);
     }
-    observability.RestrictMesh(&samples.mesh);
-    observability.RestrictTruth(&samples.truth);
-    DownsampleByVoxels(result.spacing, &samples.mesh);
-    DownsampleByVoxels(result.spacing, &samples.truth);
+    observability.RestrictMesh(&mesh_samples);
+    observability.RestrictTruth(&truth_samples);
+    DownsampleByVoxels(result.spacing, &mesh_samples);
+    DownsampleByVoxels(result.spacing, &truth_samples);
     const auto measure = [&](const Points& points, const Bvh& tree) {
       return Summarize(Distances(points, tree, result.max_distance),
                        result.max_distance, options.drop_beyond);
     };
-    result.accuracy = measure(samples.mesh, truth_tree);
-    result.completeness = measure(samples.truth, mesh_tree);
+    result.accuracy = measure(mesh_samples, truth_tree);
+    result.completeness = measure(truth_samples, mesh_tree);
     evaluation.distances = result;
   }
 };

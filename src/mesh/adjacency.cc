@@ -9,27 +9,20 @@
 
 namespace colmap_ext {
 
-CornerRows CornersByVertex(const std::vector<Facet>& facets) {
-  CornerRows rows;
+Rows<uint32_t> CornersByVertex(const std::vector<Facet>& facets) {
+  ExpectIndexable(3 * facets.size(), "half-edges");
+  uint32_t num_vertices = 0;
   for (const Facet& facet : facets) {
-    for (const uint32_t vertex : facet) {
-      if (vertex >= rows.ends.size()) {
-        rows.ends.resize(vertex + 1, 0);
+    num_vertices = std::max(num_vertices, std::ranges::max(facet) + 1);
+  }
+  return GroupInRows<uint32_t>(num_vertices, [&](const auto& add) {
+    uint32_t corner = 0;
+    for (const Facet& facet : facets) {
+      for (const uint32_t vertex : facet) {
+        add(vertex, corner++);
       }
-      ++rows.ends[vertex];
     }
-  }
-  // Where rows begin, which become ends as they are filled.
-  std::exclusive_scan(rows.ends.begin(), rows.ends.end(), rows.ends.begin(),
-                      uint32_t{0});
-  rows.corners.resize(ExpectIndexable(3 * facets.size(), "half-edges"));
-  uint32_t corner = 0;
-  for (const Facet& facet : facets) {
-    for (const uint32_t vertex : facet) {
-      rows.corners[rows.ends[vertex]++] = corner++;
-    }
-  }
-  return rows;
+  });
 }
 
 std::vector<uint32_t> PairHalfEdges(const std::vector<Facet>& facets) {
@@ -140,9 +133,7 @@ std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
 VertexRings MakeVertexRings(const TriangleMesh& mesh) {
   VertexRings rings;
   rings.is_border.assign(mesh.vertices.size(), 0);
-  CornerRows corners = CornersByVertex(mesh.facets);
-  rings.corners.values = std::move(corners.corners);
-  Append(corners.ends, &rings.corners.offsets);
+  rings.corners = CornersByVertex(mesh.facets);
   rings.corners.offsets.resize(mesh.vertices.size() + 1,
                                rings.corners.values.size());
   FillNeighbors(mesh.facets, &rings);

@@ -28,16 +28,11 @@ inline uint32_t NextHalfEdge(uint32_t half) {
   return half % 3 == 2 ? half - 2 : half + 1;
 }
 
-// All corners by their vertices. A corner is named by the half-edge that leaves
-// it.
-struct CornerRows {
-  std::vector<uint32_t> ends;     // [V] where the row of each vertex ends
-  std::vector<uint32_t> corners;  // [3 F] ascending in each row
-};
-
+// The corners at each vertex, ascending, up to the last vertex that facets use.
+// A corner is named by the half-edge that leaves it.
 // \throw std::invalid_argument if there are more half-edges than 32-bit indices
 //        can number.
-CornerRows CornersByVertex(const std::vector<Facet>& facets);
+Rows<uint32_t> CornersByVertex(const std::vector<Facet>& facets);
 
 // The half-edge before this one in its facet.
 inline uint32_t PreviousHalfEdge(uint32_t half) {
@@ -54,13 +49,11 @@ using HalfEdgeTo = std::pair<uint32_t, uint32_t>;
 // \throw std::invalid_argument as CornersByVertex() does.
 template <typename Function>
 void ForEachVertex(const std::vector<Facet>& facets, const Function& function) {
-  const CornerRows rows = CornersByVertex(facets);
+  const Rows<uint32_t> corners = CornersByVertex(facets);
   std::vector<HalfEdgeTo> halves;
-  uint32_t begin = 0;
-  for (uint32_t vertex = 0; vertex < rows.ends.size(); ++vertex) {
+  for (uint32_t vertex = 0; vertex < corners.size(); ++vertex) {
     halves.clear();
-    for (; begin < rows.ends[vertex]; ++begin) {
-      const uint32_t corner = rows.corners[begin];
+    for (const uint32_t corner : corners[vertex]) {
       const uint32_t before = PreviousHalfEdge(corner);
       halves.emplace_back(ToVertex(facets, corner), corner);
       halves.emplace_back(FromVertex(facets, before), before);

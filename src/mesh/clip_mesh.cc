@@ -13,31 +13,16 @@
 namespace colmap_ext {
 namespace {
 
-// A plane; inside is where normal . x <= offset.
-struct HalfSpace {
-  Eigen::Vector3d normal;  // unit
-  double offset = 0;       // scene units
-};
-
-std::array<HalfSpace, 6> HalfSpacesOf(const Region& region) {
-  std::array<HalfSpace, 6> sides;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d normal = region.region_from_world.row(axis);
-    const double middle = normal.dot(region.center);
-    sides[2 * axis] = {normal, middle + region.half_sizes[axis]};
-    sides[2 * axis + 1] = {-normal, region.half_sizes[axis] - middle};
-  }
-  return sides;
-}
-
-// Cuts a mesh along one plane.
+// Cuts a mesh along one plane; inside is where normal . x <= offset.
 class PlaneCut {
  public:
-  PlaneCut(const HalfSpace& side, double rounding, DerivedMesh* clipped)
+  // \param normal  unit
+  // \param offset, rounding  scene units
+  PlaneCut(const Eigen::Vector3d& normal, double offset, double rounding,
+           DerivedMesh* clipped)
       : clipped_(*clipped) {
     for (const Eigen::Vector3f& vertex : clipped_.mesh.vertices) {
-      const double beyond =
-          side.normal.dot(vertex.cast<double>()) - side.offset;
+      const double beyond = normal.dot(vertex.cast<double>()) - offset;
       beyond_.push_back(std::abs(beyond) <= rounding ? 0 : beyond);
     }
   }
@@ -123,8 +108,12 @@ std::optional<Provenance> ClipMesh(const Region& region, TriangleMesh* mesh) {
   DerivedMesh clipped{std::move(*mesh), {}};
   clipped.from = IdentityOf(clipped.mesh);
   bool is_clipped = false;
-  for (const HalfSpace& side : HalfSpacesOf(region)) {
-    is_clipped |= PlaneCut(side, rounding, &clipped).Run();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::Vector3d normal = sign * region.region_from_world.row(axis);
+      const double offset = normal.dot(region.center) + region.half_sizes[axis];
+      is_clipped |= PlaneCut(normal, offset, rounding, &clipped).Run();
+    }
   }
   if (is_clipped) {
     const auto sources = std::exchange(clipped.from.vertices, {});

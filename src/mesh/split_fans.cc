@@ -76,8 +76,8 @@ std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
 
 // Puts the facets in the order of those that they are parts of, and vertices in
 // the order in which the facets use them.
-void OrderByUse(FanSplit* split) {
-  const FanSplit old = std::exchange(*split, {});
+void OrderByUse(DerivedMesh* split) {
+  const DerivedMesh old = std::exchange(*split, {});
   std::vector<uint32_t> order = Iota(old.mesh.facets.size());
   std::ranges::stable_sort(
       order, {}, [&](uint32_t facet) { return old.from.facets[facet]; });
@@ -95,8 +95,6 @@ void OrderByUse(FanSplit* split) {
       vertex = number;
     }
   }
-  split->num_split_vertices = old.num_split_vertices;
-  split->num_midpoints = old.num_midpoints;
 }
 
 bool IsValid(const TriangleMesh& mesh, const Facet& facet) {

@@ -153,8 +153,7 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
     const Eigen::Vector3f& vertex = mesh.vertices[i];
     for (const uint32_t point :
          tree.Nearest(vertex, kNumNearest, kReach * lengths[i])) {
-      const auto row = points.views[point];
-      Append(row, &views[i]);
+      Append(points.views[point], &views[i]);
     }
     SortUnique(&views[i]);
     if (!points.colors.empty()) {

@@ -40,7 +40,7 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
     return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
   };
   const size_t size = right_hand_side.size();
-  LinearSolution solution{Vector(size, 0), true};
+  LinearSolution solution{Vector(size, 0)};
   Vector residual = std::move(right_hand_side);
   Vector preconditioned(size);
   Vector image(size);
@@ -48,15 +48,11 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
   Vector direction = preconditioned;
   double product = dot(residual, preconditioned);
   const double enough = options.tolerance * options.tolerance * product;
-  for (int iteration = 0; product > enough; ++iteration) {
-    if (iteration == options.max_iterations) {
-      solution.is_converged = false;
-      break;
-    }
+  for (int iteration = 0;
+       product > enough && iteration != options.max_iterations; ++iteration) {
     multiply(direction, &image);
     const double curvature = dot(direction, image);
     if (!(curvature > 0)) {
-      solution.is_converged = false;
       break;
     }
     const double step = product / curvature;
@@ -72,6 +68,7 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
       direction[i] = preconditioned[i] + ratio * direction[i];
     });
   }
+  solution.is_converged = !(product > enough);
   return solution;
 }
 

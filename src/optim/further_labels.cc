@@ -16,15 +16,11 @@ using PricedLabel = std::pair<double, uint32_t>;
 // How many of a node's neighbors have not got a label.
 int NumWithout(const PottsProblem& problem, const LabelSets& sets,
                uint32_t node, uint32_t label) {
-  int count = 0;
-  for (const uint32_t neighbor : problem.neighbors[node]) {
-    if (neighbor == kNone) {
-      continue;
-    }
-    const auto labels = sets[neighbor];
-    count += std::ranges::find(labels, label) == labels.end() ? 1 : 0;
-  }
-  return count;
+  return static_cast<int>(
+      std::ranges::count_if(problem.neighbors[node], [&](uint32_t neighbor) {
+        return neighbor != kNone &&
+               std::ranges::count(sets[neighbor], label) == 0;
+      }));
 }
 
 // Whether the node chooses in a round: a half of the nodes does, another one in

@@ -157,24 +157,17 @@ class BlockExpansion {
   FlowCapacities capacities_;
 };
 
-// \param first_size  of the first block, nodes; all others have kBlockSize
-std::vector<Block> Blocks(uint32_t num_nodes, uint32_t first_size) {
-  std::vector<Block> blocks;
-  uint32_t end = first_size;
-  for (uint32_t begin = 0; begin < num_nodes; begin = end, end += kBlockSize) {
-    blocks.push_back({begin, std::min(num_nodes, end)});
-  }
-  return blocks;
-}
-
 // Blocks of the same color have no edges between them: each has the least color
 // that no neighbor before it has.
+// \param first_size  of the first block, nodes; all others have kBlockSize
 std::vector<std::vector<Block>> ColorBlocks(const PottsProblem& problem,
                                             uint32_t first_size) {
   std::vector<std::vector<Block>> colors;
   std::vector<uint32_t> color_of;  // [blocks]
-  for (const Block& block :
-       Blocks(static_cast<uint32_t>(problem.NumNodes()), first_size)) {
+  const auto num_nodes = static_cast<uint32_t>(problem.NumNodes());
+  uint32_t end = first_size;
+  for (uint32_t begin = 0; begin < num_nodes; begin = end, end += kBlockSize) {
+    const Block block{begin, std::min(num_nodes, end)};
     std::vector<uint8_t> is_taken(colors.size() + 1, 0);
     for (uint32_t node = block.begin; node < block.end; ++node) {
       for (const uint32_t other : problem.neighbors[node]) {

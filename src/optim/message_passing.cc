@@ -15,18 +15,23 @@ namespace {
 
 using Neighbors = std::vector<std::array<uint32_t, 3>>;
 
+// Nodes of the same class are not neighbors: 4 * level + color. The level is
+// the number of edges from the first node of a connected part, the color the
+// least that no neighbor in the same level has got before; three neighbors take
+// three.
 struct Search {
-  std::vector<uint32_t> order;   // [N] nodes, one connected part after another
-  std::vector<uint32_t> levels;  // [N] edges from the part's first node
+  std::vector<uint32_t> order;    // [N] nodes, one connected part after another
+  std::vector<uint32_t> classes;  // [N]
 };
 
 Search BreadthFirst(const Neighbors& neighbors) {
   Search search;
   search.order.reserve(neighbors.size());
-  search.levels.assign(neighbors.size(), kNone);
+  search.classes.assign(neighbors.size(), kNone);
+  std::vector<uint32_t> levels(neighbors.size(), kNone);
   const auto reach = [&](uint32_t node, uint32_t level) {
-    if (node != kNone && search.levels[node] == kNone) {
-      search.levels[node] = level;
+    if (node != kNone && levels[node] == kNone) {
+      levels[node] = level;
       search.order.push_back(node);
     }
   };
@@ -35,31 +40,20 @@ Search BreadthFirst(const Neighbors& neighbors) {
     reach(seed, 0);
     for (; next < search.order.size(); ++next) {
       const uint32_t node = search.order[next];
+      uint32_t color = 4 * levels[node];
+      const auto is_taken = [&](uint32_t other) {
+        return other != kNone && search.classes[other] == color;
+      };
+      while (std::ranges::any_of(neighbors[node], is_taken)) {
+        ++color;
+      }
+      search.classes[node] = color;
       for (const uint32_t other : neighbors[node]) {
-        reach(other, search.levels[node] + 1);
+        reach(other, levels[node] + 1);
       }
     }
   }
   return search;
-}
-
-// Nodes of the same class are not neighbors: 4 * level + color, the least that
-// no neighbor in the same level has got before; three neighbors take three.
-std::vector<uint32_t> Classes(const Neighbors& neighbors,
-                              const Search& search) {
-  std::vector<uint32_t> classes(neighbors.size(), kNone);
-  for (const uint32_t node : search.order) {
-    uint32_t color = 4 * search.levels[node];
-    const auto& row = neighbors[node];
-    const auto is_taken = [&](uint32_t other) {
-      return other != kNone && classes[other] == color;
-    };
-    while (std::ranges::any_of(row, is_taken)) {
-      ++color;
-    }
-    classes[node] = color;
-  }
-  return classes;
 }
 
 // Runs of consecutive nodes of which none is another's neighbor: [R + 1] into
@@ -346,17 +340,16 @@ std::vector<uint32_t> CheapestLabels(const PottsProblem& problem) {
 
 std::vector<uint32_t> SweepOrder(const Neighbors& neighbors) {
   const Search search = BreadthFirst(neighbors);
-  const std::vector<uint32_t> classes = Classes(neighbors, search);
+  const std::vector<uint32_t>& classes = search.classes;
   const uint32_t num_classes =
-      classes.empty() ? 0 : *std::ranges::max_element(classes) + 1;
+      classes.empty() ? 0 : std::ranges::max(classes) + 1;
   // Nodes of a class stay in the search's order.
-  return GroupInRows<uint32_t>(num_classes,
-                               [&](const auto& add) {
-                                 for (const uint32_t node : search.order) {
-                                   add(classes[node], node);
-                                 }
-                               })
-      .values;
+  const auto add_all = [&](const auto& add) {
+    for (const uint32_t node : search.order) {
+      add(classes[node], node);
+    }
+  };
+  return GroupInRows<uint32_t>(num_classes, add_all).values;
 }
 
 double PottsEnergy(const PottsProblem& problem,

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -22,9 +23,8 @@ struct alignas(32) FlowNode {
   std::array<int32_t, 4> residual;  // of the arcs to the neighbors
   int32_t terminal;                 // > 0: from the source, < 0: to the sink
   uint32_t next_active;             // itself: last in the queue; kNone: not in
-  uint32_t stamp;
-  uint16_t
-      distance;     // to the terminal, at the time `stamp`; UINT16_MAX: or more
+  uint32_t stamp;                   // the time of the distance
+  uint16_t distance;                // to the terminal; UINT16_MAX: or more
   uint8_t mirrors;  // which arc of each neighbor leads back, two bits each
   uint8_t parent : 7;
   bool in_sink_tree : 1;
@@ -38,10 +38,10 @@ struct FlowNetwork {
   std::vector<FlowNode> nodes;
 };
 
-// A region that is solved.
+// What was done in a region that is solved.
 struct Solved {
   int64_t flow = 0;
-  uint32_t time = 0;
+  uint32_t time = 0;  // not before any at which a node got its distance
 };
 
 // A distance as a node holds it. Those beyond count as one: distances choose
@@ -55,49 +55,41 @@ uint16_t Near(uint32_t distance) {
 // region around it starts from the resulting flow and trees.
 class RegionSolver {
  public:
-  // \param start_time  later than all times at which the nodes got distances
+  // \param start  its time is later than all at which nodes got distances
   RegionSolver(FlowNetwork* network, uint32_t begin, uint32_t end,
-               uint32_t start_time)
+               const Solved& start)
       : neighbors_(network->neighbors),
         nodes_(network->nodes.data()),
         begin_(begin),
         size_(end - begin),
-        time_(start_time) {}
+        solved_(start) {}
 
-  // In a region where nothing flows yet, all that the terminals reach.
-  void ActivateTerminals() {
-    for (uint32_t i = begin_; i < begin_ + size_; ++i) {
-      if (nodes_[i].terminal != 0) {
-        Activate(i);
-      }
-    }
-  }
-
-  // In a region of two that are solved, the nodes in trees with arcs from one
-  // to the other.
-  // \param middle  the first node of the second one
-  void ActivateAcross(uint32_t middle) {
+  // Makes the nodes in trees active; of a region of two that are solved those
+  // with arcs from one to the other.
+  // \param middle  the first node of the second one; the first of all: there
+  //        are no two
+  void ActivateTrees(uint32_t middle) {
     for (uint32_t i = begin_; i < begin_ + size_; ++i) {
       if (nodes_[i].parent != kNoParent &&
-          std::ranges::any_of(neighbors_[i], [&](uint32_t other) {
-            return IsInside(other) && (other < middle) != (i < middle);
-          })) {
+          (middle == begin_ ||
+           std::ranges::any_of(neighbors_[i], [&](uint32_t other) {
+             return IsInside(other) && (other < middle) != (i < middle);
+           }))) {
         Activate(i);
       }
     }
   }
 
-  void Run() {
+  // \return from the start on
+  Solved Run() {
     while (first_active_ != kNone) {
       const uint32_t node = first_active_;
       if (nodes_[node].parent == kNoParent || !Grow(node)) {
         PopActive();
       }
     }
+    return solved_;
   }
-
-  int64_t flow() const { return flow_; }
-  uint32_t time() const { return time_; }
 
  private:
   bool IsInside(uint32_t node) const { return node - begin_ < size_; }
@@ -107,7 +99,7 @@ class RegionSolver {
       return;
     }
     nodes_[index].next_active = index;
-    if (last_active_ == kNone) {
+    if (first_active_ == kNone) {
       first_active_ = index;
     } else {
       nodes_[last_active_].next_active = index;
@@ -116,14 +108,9 @@ class RegionSolver {
   }
 
   void PopActive() {
-    FlowNode& node = nodes_[first_active_];
-    const bool is_last = node.next_active == first_active_;
-    const uint32_t next = is_last ? kNone : node.next_active;
-    node.next_active = kNone;
-    first_active_ = next;
-    if (is_last) {
-      last_active_ = kNone;
-    }
+    const uint32_t next =
+        std::exchange(nodes_[first_active_].next_active, kNone);
+    first_active_ = next != first_active_ ? next : kNone;
   }
 
   // The residual capacity between a node and its neighbor k in the direction in
@@ -183,15 +170,14 @@ class RegionSolver {
   // of the source's tree to one of the sink's.
   void Augment(uint32_t from, int arc) {
     const uint32_t to = neighbors_[from][arc];
-    int32_t amount = nodes_[from].residual[arc];
-    amount = std::min(amount, Bottleneck(from));
-    amount = std::min(amount, Bottleneck(to));
+    const int32_t amount = std::min(
+        {nodes_[from].residual[arc], Bottleneck(from), Bottleneck(to)});
     nodes_[from].residual[arc] -= amount;
     nodes_[to].residual[nodes_[from].Mirror(arc)] += amount;
     Push(from, amount);
     Push(to, amount);
-    flow_ += amount;
-    ++time_;
+    solved_.flow += amount;
+    ++solved_.time;
     for (size_t i = 0; i < orphans_.size(); ++i) {
       FindParent(orphans_[i]);
     }
@@ -262,7 +248,7 @@ class RegionSolver {
     }
     if (nearest != kNone) {
       node.distance = Near(nearest + 1);
-      node.stamp = time_;
+      node.stamp = solved_.time;
       return;
     }
     node.parent = kNoParent;
@@ -286,28 +272,24 @@ class RegionSolver {
   uint32_t DistanceToTerminal(uint32_t index) {
     uint32_t distance = 0;
     uint32_t at = index;
-    for (;;) {
-      const FlowNode& node = nodes_[at];
-      if (node.stamp == time_) {
-        distance += node.distance;
-        break;
-      }
-      if (node.parent == kTerminalParent) {
-        ++distance;
-        nodes_[at].stamp = time_;
-        nodes_[at].distance = 1;
-        break;
-      }
+    while (nodes_[at].stamp != solved_.time) {
+      FlowNode& node = nodes_[at];
       if (node.parent == kOrphanParent) {
         return kNone;
       }
-      ++distance;
-      at = neighbors_[at][node.parent];
+      if (node.parent == kTerminalParent) {
+        node.stamp = solved_.time;
+        node.distance = 1;
+      } else {
+        ++distance;
+        at = neighbors_[at][node.parent];
+      }
     }
+    distance += nodes_[at].distance;
     uint32_t remaining = distance;
-    for (at = index; nodes_[at].stamp != time_;
+    for (at = index; nodes_[at].stamp != solved_.time;
          at = neighbors_[at][nodes_[at].parent]) {
-      nodes_[at].stamp = time_;
+      nodes_[at].stamp = solved_.time;
       nodes_[at].distance = Near(remaining--);
     }
     return distance;
@@ -320,8 +302,7 @@ class RegionSolver {
   std::vector<uint32_t> orphans_;
   uint32_t first_active_ = kNone;
   uint32_t last_active_ = kNone;
-  uint32_t time_;
-  int64_t flow_ = 0;
+  Solved solved_;
 };
 
 // Solves both halves of a region in parallel, and then continues from the
@@ -331,21 +312,20 @@ Solved SolveRegion(uint32_t begin, uint32_t end, FlowNetwork* network) {
   // So large that few paths lead from region to region.
   constexpr uint32_t kMinRegion = 1 << 16;
   if (end - begin < 2 * kMinRegion) {
-    RegionSolver solver(network, begin, end, 0);
-    solver.ActivateTerminals();
-    solver.Run();
-    return {solver.flow(), solver.time()};
+    RegionSolver solver(network, begin, end, {});
+    solver.ActivateTrees(begin);
+    return solver.Run();
   }
   const uint32_t middle = begin + (end - begin) / 2;
   Solved first;
   Solved second;
   tbb::parallel_invoke([&] { first = SolveRegion(begin, middle, network); },
                        [&] { second = SolveRegion(middle, end, network); });
-  RegionSolver solver(network, begin, end,
-                      std::max(first.time, second.time) + 1);
-  solver.ActivateAcross(middle);
-  solver.Run();
-  return {first.flow + second.flow + solver.flow(), solver.time()};
+  RegionSolver solver(
+      network, begin, end,
+      {first.flow + second.flow, std::max(first.time, second.time) + 1});
+  solver.ActivateTrees(middle);
+  return solver.Run();
 }
 
 int32_t Clamp(uint32_t capacity) {

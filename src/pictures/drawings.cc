@@ -66,10 +66,7 @@ Color ErrorColor(double error, double scale) {
 }
 
 double ErrorScale(std::vector<double> errors) {
-  if (errors.empty()) {
-    return 1;
-  }
-  const double most = Percentile(95, &errors);
+  const double most = errors.empty() ? 0 : Percentile(95, &errors);
   if (!(most > 0)) {
     return 1;
   }

@@ -12,15 +12,21 @@
 namespace colmap_ext {
 
 // Pixel (row, col) has its centre at (u, v) = (col + 0.5, row + 0.5), see View.
-struct GrayImage {
-  int width = 0;                // px
-  int height = 0;               // px
-  std::vector<uint8_t> pixels;  // [height * width], rows from the top
+template <typename Pixel>
+struct Image {
+  int width = 0;              // px
+  int height = 0;             // px
+  std::vector<Pixel> pixels;  // [height * width], rows from the top
 
-  const uint8_t* Row(int row) const {
+  const Pixel* Row(int row) const {
     return pixels.data() + static_cast<size_t>(row) * width;
   }
+
+  const Pixel& At(int row, int col) const { return Row(row)[col]; }
 };
+
+using GrayImage = Image<uint8_t>;
+using ColorImage = Image<Color>;
 
 // Whether a grey value may stand for a brighter or darker one. What such pixels
 // show is no texture.
@@ -28,17 +34,6 @@ inline bool IsSaturated(uint8_t gray) { return gray == 0 || gray == 255; }
 
 // Reads the image of a view, in the size that the view has.
 using ReadGrayImage = std::function<GrayImage(size_t view)>;
-
-// Pixel (row, col) has its centre at (u, v) = (col + 0.5, row + 0.5), see View.
-struct ColorImage {
-  int width = 0;              // px
-  int height = 0;             // px
-  std::vector<Color> pixels;  // [height * width], rows from the top
-
-  const Color& At(int row, int col) const {
-    return pixels[static_cast<size_t>(row) * width + col];
-  }
-};
 
 // Depths along the z axis of a view, of all pixels or of every `stride`-th
 // pixel of every `stride`-th row, starting in the middle of the first `stride`.

@@ -38,9 +38,8 @@ std::vector<uint32_t> CountViews(const std::vector<View>& views,
   std::vector<uint32_t> counts(points.size(), 0);
   for (const View& view : views) {
     const std::vector<float> depths = DepthsInImage(view, points);
-    std::vector<float> in_image;
-    std::ranges::copy_if(depths, std::back_inserter(in_image),
-                         [](float depth) { return depth > 0; });
+    std::vector<float> in_image = depths;
+    std::erase(in_image, 0);
     if (in_image.empty()) {
       continue;
     }

@@ -54,6 +54,13 @@ struct View {
   }
 };
 
+// Whether a pixel keeps a distance from the image's border, px.
+inline bool IsWithin(const View& view, const Eigen::Vector2d& pixel,
+                     double border) {
+  return pixel.x() >= border && pixel.y() >= border &&
+         pixel.x() < view.width - border && pixel.y() < view.height - border;
+}
+
 // The image point that a point of the world is seen at; nothing if it is behind
 // the camera or outside of the image.
 inline std::optional<Eigen::Vector2d> PixelInImage(
@@ -63,11 +70,7 @@ inline std::optional<Eigen::Vector2d> PixelInImage(
     return std::nullopt;
   }
   const Eigen::Vector2d pixel = view.ImageFromCam(in_camera);
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < view.width &&
-        pixel.y() < view.height)) {
-    return std::nullopt;
-  }
-  return pixel;
+  return IsWithin(view, pixel, 0) ? std::optional(pixel) : std::nullopt;
 }
 
 // Direction in the world frame of the ray through an image point, with a z of 1
@@ -102,12 +105,5 @@ inline View ResizeView(const View& view, int width, int height) {
 View LookAtView(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
                 const Eigen::Vector3d& up, int width, int height,
                 double focal_length);
-
-// Whether a pixel keeps a distance from the image's border, px.
-inline bool IsWithin(const View& view, const Eigen::Vector2d& pixel,
-                     double border) {
-  return pixel.x() >= border && pixel.y() >= border &&
-         pixel.x() < view.width - border && pixel.y() < view.height - border;
-}
 
 }  // namespace colmap_ext

@@ -35,8 +35,7 @@ FacetTree::FacetTree(const TriangleMesh& mesh)
   }
 }
 
-FacetTree::FacetTree(const TriangleMesh& mesh,
-                     const std::vector<uint32_t>& facets)
+FacetTree::FacetTree(const TriangleMesh& mesh, std::span<const uint32_t> facets)
     : facets_(Iota(facets.size())), boxes_(facets.size()) {
   const size_t num_leaves =
       std::bit_ceil((facets.size() + kFacetsPerLeaf - 1) / kFacetsPerLeaf);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -40,7 +41,7 @@ class FacetTree {
 
   // A tree of some of the facets, to be searched only.
   // \param facets  indices, each once
-  FacetTree(const TriangleMesh& mesh, const std::vector<uint32_t>& facets);
+  FacetTree(const TriangleMesh& mesh, std::span<const uint32_t> facets);
 
   // Sets the boxes to those of the facets at two sets of positions, and of all
   // positions on the straight ways between them.

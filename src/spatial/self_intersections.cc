@@ -1,13 +1,13 @@
 #include "spatial/self_intersections.h"
 
 #include <algorithm>
-#include <utility>
+#include <span>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include "base/indices.h"
+#include "base/rows.h"
 #include "mesh/space_filling_curve.h"
 #include "spatial/predicates.h"
 
@@ -27,7 +27,7 @@ class PairFinder {
   }
 
   // Pairs of a facet of a tree and another.
-  void AddWith(const FacetTree& tree, const std::vector<uint32_t>& facets) {
+  void AddWith(const FacetTree& tree, std::span<const uint32_t> facets) {
     tbb::parallel_for(size_t{0}, facets.size(), [&](size_t i) {
       tree.ForEachNear(BoxOf(mesh_, facets[i]),
                        [&](uint32_t other) { Add(facets[i], other); });
@@ -63,31 +63,20 @@ class PairFinder {
   tbb::enumerable_thread_specific<std::vector<FacetPair>> found_;
 };
 
-// All facets in parts, those of each near each other.
-std::vector<std::vector<uint32_t>> PartsOf(const TriangleMesh& mesh,
-                                           size_t max_facets) {
-  std::vector<std::pair<uint32_t, uint32_t>> order;  // place of a facet's
-                                                     // first vertex, facet
-  order.reserve(mesh.facets.size());
-  {
-    std::vector<uint32_t> places(mesh.vertices.size());
-    uint32_t place = 0;
-    for (const uint32_t vertex : OrderAlongCurve(mesh.vertices)) {
-      places[vertex] = place++;
-    }
-    for (const Facet& facet : mesh.facets) {
-      order.emplace_back(places[facet[0]], static_cast<uint32_t>(order.size()));
-    }
+// The facets in the order of their first vertices along a curve: those that are
+// close in it lie near each other.
+std::vector<uint32_t> OrderFacets(const TriangleMesh& mesh) {
+  std::vector<uint32_t> places(mesh.vertices.size());
+  uint32_t place = 0;
+  for (const uint32_t vertex : OrderAlongCurve(mesh.vertices)) {
+    places[vertex] = place++;
   }
-  tbb::parallel_sort(order.begin(), order.end());
-  std::vector<std::vector<uint32_t>> parts;
-  for (const auto& [first_place, facet] : order) {
-    if (parts.empty() || parts.back().size() == max_facets) {
-      parts.emplace_back().reserve(max_facets);
+  const auto add_all = [&](const auto& add) {
+    for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
+      add(places[mesh.facets[facet][0]], facet);
     }
-    parts.back().push_back(facet);
-  }
-  return parts;
+  };
+  return GroupInRows<uint32_t>(places.size(), add_all).values;
 }
 
 // The corners of a facet that are no corners of another one.
@@ -157,7 +146,11 @@ bool DoesPairIntersect(const TriangleMesh& mesh, const FacetPair& pair) {
 
 std::vector<FacetPair> FindSelfIntersections(const TriangleMesh& mesh,
                                              size_t max_part_facets) {
-  const auto parts = PartsOf(mesh, max_part_facets);
+  const std::vector<uint32_t> order = OrderFacets(mesh);
+  std::vector<std::span<const uint32_t>> parts;
+  for (size_t i = 0; i < order.size(); i += max_part_facets) {
+    parts.emplace_back(&order[i], std::min(max_part_facets, order.size() - i));
+  }
   std::vector<Eigen::AlignedBox3f> boxes(parts.size());
   tbb::parallel_for(size_t{0}, parts.size(), [&](size_t i) {
     for (const uint32_t facet : parts[i]) {
