@@ -243,8 +243,7 @@ std::vector<uint32_t> ViewsOfFacet(const ShownMesh& mesh, uint32_t facet) {
   std::vector<uint32_t> views;
   for (const uint32_t vertex : mesh.mesh.facets[facet]) {
     if (vertex < mesh.views.size()) {
-      const auto row = mesh.views[vertex];
-      views.insert(views.end(), row.begin(), row.end());
+      Append(mesh.views[vertex], &views);
     }
   }
   SortUnique(&views);
