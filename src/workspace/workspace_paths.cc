@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/indices.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "workspace/sparse_model.h"
@@ -70,8 +71,7 @@ std::vector<fs::path> FindFoldersWith(const std::vector<std::string>& files,
     return {path};
   }
   std::vector<fs::path> found = SubfoldersWith(files, path);
-  const std::vector<fs::path> deeper = SubfoldersWith(files, path / "dense");
-  found.insert(found.end(), deeper.begin(), deeper.end());
+  Append(SubfoldersWith(files, path / "dense"), &found);
   return found;
 }
 
