@@ -135,8 +135,7 @@ inline RayPath PathOf(const Tetrahedralization& tetrahedra, const Ray& ray) {
 // Any of its points.
 inline Eigen::Vector3d AnyPoint(const Tetrahedralization& tetrahedra,
                                 Random* random) {
-  return tetrahedra.PositionOf(
-      random->Below(static_cast<uint32_t>(tetrahedra.points.size())));
+  return tetrahedra.PositionOf(random->Below(tetrahedra.points.size()));
 }
 
 // Random observations of all vertices, and cameras.

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext::ray_walk_test {
@@ -142,9 +141,7 @@ struct GenericRayWalk : testing::Test {
     return RandomPoints(1, range, &random_).front().cast<double>();
   }
 
-  uint32_t RandomOrigin() {
-    return random_.Below(static_cast<uint32_t>(tetrahedra_.points.size()));
-  }
+  uint32_t RandomOrigin() { return random_.Below(tetrahedra_.points.size()); }
 
   Random random_{1};
   const Tetrahedralization tetrahedra_ =

@@ -11,9 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "delaunay/growing_complex.h"
-#include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
-#include "tests/random.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::tetrahedralization_test {

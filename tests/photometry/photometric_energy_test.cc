@@ -11,7 +11,6 @@
 #include "photometry/photometric_energy.h"
 #include "raster/facet_frames.h"
 #include "raster/visibility_buffers.h"
-#include "tests/random.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext::photometric_energy_test {
@@ -391,10 +390,8 @@ TEST_F(CpuPhotometricEnergyTest, FacetsAreNotSeenInMaskedPixels) {
       continue;
     }
     ++num_seen;
-    const auto& [a, b, c] = mesh.facets[i];
-    const Eigen::Vector3f centroid =
-        (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3;
-    EXPECT_GE(view.ImageFromCam(view.CamFromWorld(centroid.cast<double>())).y(),
+    const Vector3d centroid = CentroidOf(mesh, mesh.facets[i]).cast<double>();
+    EXPECT_GE(view.ImageFromCam(view.CamFromWorld(centroid)).y(),
               view.height / 2);
   }
   EXPECT_GT(num_seen, 10u);

@@ -7,7 +7,6 @@
 #include "mesh/normals.h"
 #include "refine/thin_plate.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::smoothness_model_test {

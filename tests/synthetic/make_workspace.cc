@@ -9,7 +9,6 @@
 #include <string>
 
 #include "colmap_ext/options/command_options.h"
-#include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
 
 namespace {
