@@ -120,9 +120,7 @@ inline PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points) {
 // Of all points.
 inline Tetrahedralization DelaunayOf(
     const std::vector<Eigen::Vector3f>& points) {
-  ThinningOptions options;
-  options.max_proj_dist = 0;
-  return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
+  return Tetrahedralize(CloudOf(points), {}, {.max_proj_dist = 0}).tetrahedra;
 }
 
 // The way of one ray.

@@ -17,9 +17,7 @@ constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 using Corners = std::array<uint32_t, 3>;
 
 Corners CornersOf(const Tetrahedralization& tetrahedra, uint32_t arc) {
-  Corners corners = FacetVertices(tetrahedra.cells[arc / 4], arc % 4);
-  std::ranges::sort(corners);
-  return corners;
+  return FacetOf(tetrahedra.cells[arc / 4], static_cast<int>(arc % 4));
 }
 
 // What holds for every walk.
@@ -249,9 +247,8 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
   for (const auto& [name, points] : EvenDifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
-    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
     for (int trial = 0; trial < 400; ++trial) {
-      const uint32_t origin = random.Below(num_points);
+      const uint32_t origin = random.Below(tetrahedra.points.size());
       const Eigen::Vector3d a = AnyPoint(tetrahedra, &random);
       const Eigen::Vector3d b = AnyPoint(tetrahedra, &random);
       Eigen::Vector3d target = a;  // another vertex
@@ -308,10 +305,8 @@ TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
   for (const auto& [name, points] : sets) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
-    const auto num_cells = static_cast<uint32_t>(tetrahedra.cells.size());
-    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
     for (int trial = 0; trial < 500; ++trial) {
-      const uint32_t cell = random.Below(num_cells);
+      const uint32_t cell = random.Below(tetrahedra.cells.size());
       if (tetrahedra.IsInfinite(cell)) {
         continue;
       }
@@ -326,7 +321,7 @@ TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
       if (!IsStrictlyInside(tetrahedra, cell, target)) {
         continue;
       }
-      const uint32_t vertex = random.Below(num_points);
+      const uint32_t vertex = random.Below(tetrahedra.points.size());
       ASSERT_EQ(Locate(tetrahedra, target, tetrahedra.vertex_cells[vertex]),
                 cell);
       ASSERT_EQ(PathOf(tetrahedra, {vertex, target, cell}).end, cell);
@@ -339,16 +334,15 @@ TEST(Locate, FindsACellThatHoldsThePoint) {
   for (const auto& [name, points] : EvenDifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
-    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
     for (int trial = 0; trial < 400; ++trial) {
       const Eigen::Vector3d a = AnyPoint(tetrahedra, &random);
       const Eigen::Vector3d b = AnyPoint(tetrahedra, &random);
       const Eigen::Vector3d position =
           random.Chance(0.5) ? (0.5 * (a + b)).eval() : (2 * a - b).eval();
       const IntVector point = position.cast<int64_t>();
+      const uint32_t vertex = random.Below(tetrahedra.points.size());
       const uint32_t cell =
-          Locate(tetrahedra, position,
-                 tetrahedra.vertex_cells[random.Below(num_points)]);
+          Locate(tetrahedra, position, tetrahedra.vertex_cells[vertex]);
       ASSERT_TRUE(Holds(tetrahedra, cell, point));
       if (tetrahedra.IsInfinite(cell)) {
         // Beyond the hull, not on it.

@@ -128,14 +128,10 @@ void CpuPhotometricEnergyTest::ExpectGradient(
 TEST_F(CpuPhotometricEnergyTest, GradientIsThatOfFiniteDifferences) {
   ExpectGradient({}, {{0, 1}});
   ExpectGradient({}, {{0, 1}, {0, 7}, {1, 2}});
-  PhotometricOptions papers;
-  papers.residual_floor = 1000;
-  ExpectGradient(papers, {{0, 1}});
+  ExpectGradient({.residual_floor = 1000}, {{0, 1}});  // as in the paper
   for (const int radius : {1, 3}) {
-    PhotometricOptions options;
-    options.window_radius = radius;
-    options.occlusion_masking = radius == 1;
-    ExpectGradient(options, {{1, 2}});
+    ExpectGradient({.window_radius = radius, .occlusion_masking = radius == 1},
+                   {{1, 2}});
   }
 }
 
