@@ -15,25 +15,31 @@ class Random {
   explicit Random(uint64_t seed) : engine_(seed) {}
 
   // Uniform in 0 ... n - 1.
-  uint32_t Below(uint32_t n) {
+  // \pre n fits in 32 bits
+  uint32_t Below(size_t n) {
     return static_cast<uint32_t>((engine_() >> 32) * n >> 32);
   }
 
   // Uniform in first ... last.
   int Integer(int first, int last) {
     return first +
-           static_cast<int>(Below(static_cast<uint32_t>(last - first + 1)));
+           static_cast<int>(Below(static_cast<size_t>(last - first + 1)));
   }
 
   // Uniform in [0, 1).
   double Unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+
+  // Uniform in [low, high).
+  float Between(float low, float high) {
+    return low + (high - low) * static_cast<float>(Unit());
+  }
 
   bool Chance(double probability) { return Unit() < probability; }
 
   template <typename T>
   void Shuffle(std::vector<T>* values) {
     for (size_t i = values->size(); i > 1; --i) {
-      std::swap((*values)[i - 1], (*values)[Below(static_cast<uint32_t>(i))]);
+      std::swap((*values)[i - 1], (*values)[Below(i)]);
     }
   }
 

@@ -50,9 +50,9 @@ class Planner {
     }
     fs::remove(PlanPath(plan_.folder));
     Report(progress_, "Sampling the points", 0);
-    sample_ = ReadSampledWorkspace(options_.mesher.InputPath(),
-                                   options_.mesher.workspace, decoder_,
-                                   kMaxSamplePoints);
+    WorkspaceOptions sampled = options_.mesher.workspace;
+    sampled.max_points = kMaxSamplePoints;
+    sample_ = ReadWorkspace(options_.mesher.InputPath(), sampled, decoder_);
     report_->workspace = sample_.report;
     plan_.views = sample_.views;
     CalibrateHalfPixel();

@@ -71,14 +71,11 @@ std::string_view FindValue(std::string_view header, std::string_view key) {
 
 // One byte each.
 bool IsByteType(std::string_view type) {
-  if (type.empty() || type[0] != '\'') {
+  if (!type.starts_with('\'')) {
     return false;
   }
   type.remove_prefix(1);
-  if (!type.empty() &&
-      std::string_view("|<>=").find(type[0]) != std::string_view::npos) {
-    type.remove_prefix(1);
-  }
+  type.remove_prefix(type.find_first_of("|<>=") == 0 ? 1 : 0);
   return type.starts_with("u1'") || type.starts_with("i1'") ||
          type.starts_with("b1'") || type.starts_with("?'");
 }

@@ -14,15 +14,17 @@
 namespace colmap_ext {
 namespace {
 
-constexpr size_t kNumCorners = 6;
-constexpr size_t kNumOriented = 15;
-
 Eigen::Vector3d VectorAt(std::span<const double> numbers, size_t first) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
 
-std::optional<Region> BetweenCorners(const Eigen::Vector3d& a,
-                                     const Eigen::Vector3d& b) {
+// Nothing unless there are six numbers.
+std::optional<Region> BetweenCorners(std::span<const double> numbers) {
+  if (numbers.size() != 6) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d a = VectorAt(numbers, 0);
+  const Eigen::Vector3d b = VectorAt(numbers, 3);
   if (!((a - b).cwiseAbs().minCoeff() > 0)) {
     return std::nullopt;
   }
@@ -48,9 +50,6 @@ std::optional<Region> Oriented(std::span<const double> numbers) {
   return Region{svd.matrixU() * svd.matrixV().transpose(), VectorAt(numbers, 9),
                 half_sizes};
 }
-
-constexpr size_t kNumMatrix = 16;
-constexpr size_t kNumSimilarity = 8;
 
 Eigen::Matrix4d FromSimilarity(const std::vector<double>& numbers) {
   const Eigen::Quaterniond rotation(numbers[1], numbers[2], numbers[3],
@@ -122,12 +121,8 @@ std::vector<double> ReadNumbers(const std::filesystem::path& path) {
 
 Region ReadRegion(const std::filesystem::path& path) {
   const std::vector<double> numbers = ReadNumbers(path);
-  std::optional<Region> region;
-  if (numbers.size() == kNumCorners) {
-    region = BetweenCorners(VectorAt(numbers, 0), VectorAt(numbers, 3));
-  } else if (numbers.size() == kNumOriented) {
-    region = Oriented(numbers);
-  }
+  const std::optional<Region> region =
+      numbers.size() == 15 ? Oriented(numbers) : BetweenCorners(numbers);
   if (!region) {
     throw FileError(
         path,
@@ -155,19 +150,16 @@ std::string RegionText(const Region& region) {
 
 std::optional<Region> ParseCorners(std::string_view text) {
   const std::optional<std::vector<double>> numbers = ParseNumbers(text);
-  if (!numbers || numbers->size() != kNumCorners) {
-    return std::nullopt;
-  }
-  return BetweenCorners(VectorAt(*numbers, 0), VectorAt(*numbers, 3));
+  return numbers ? BetweenCorners(*numbers) : std::nullopt;
 }
 
 Eigen::Matrix4d ReadTransform(const std::filesystem::path& path) {
   const std::vector<double> numbers = ReadNumbers(path);
   Eigen::Matrix4d transform = Eigen::Matrix4d::Zero();
-  if (numbers.size() == kNumMatrix) {
+  if (numbers.size() == 16) {
     transform = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(
         numbers.data());
-  } else if (numbers.size() == kNumSimilarity) {
+  } else if (numbers.size() == 8) {
     transform = FromSimilarity(numbers);
   }
   if (!IsSimilarity(transform)) {

@@ -1,6 +1,5 @@
 #include "viewer/scene_renderer.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 

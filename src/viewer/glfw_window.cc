@@ -1,5 +1,7 @@
 #include "viewer/glfw_window.h"
 
+#include <map>
+
 #include <imgui.h>
 
 namespace colmap_ext {
@@ -13,22 +15,12 @@ std::string LastGlfwError() {
 
 // The session's code of a GLFW key; letters and signs are the same.
 int SessionKey(int key) {
-  switch (key) {
-    case GLFW_KEY_ESCAPE:
-      return kKeyEscape;
-    case GLFW_KEY_TAB:
-      return kKeyTab;
-    case GLFW_KEY_LEFT:
-      return kKeyLeft;
-    case GLFW_KEY_RIGHT:
-      return kKeyRight;
-    case GLFW_KEY_KP_ADD:
-      return '+';
-    case GLFW_KEY_KP_SUBTRACT:
-      return '-';
-    default:
-      return key < kKeyEscape ? key : 0;
-  }
+  static const std::map<int, int> keys = {
+      {GLFW_KEY_ESCAPE, kKeyEscape}, {GLFW_KEY_TAB, kKeyTab},
+      {GLFW_KEY_LEFT, kKeyLeft},     {GLFW_KEY_RIGHT, kKeyRight},
+      {GLFW_KEY_KP_ADD, '+'},        {GLFW_KEY_KP_SUBTRACT, '-'}};
+  const auto found = keys.find(key);
+  return found != keys.end() ? found->second : key < kKeyEscape ? key : 0;
 }
 
 WindowInput* InputOf(GLFWwindow* window) {

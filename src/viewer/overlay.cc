@@ -116,7 +116,7 @@ void Overlay::DrawHelp() {
     for (const auto& [name, help] : kMouseActions) {
       row(name, help);
     }
-    for (const KeyAction& action : KeyActions()) {
+    for (const KeyAction& action : ViewerSession::KeyActions()) {
       row(action.name, action.help);
     }
     ImGui::EndTable();

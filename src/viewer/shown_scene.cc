@@ -8,6 +8,7 @@
 #include "base/indices.h"
 #include "base/mix_bits.h"
 #include "mesh/normals.h"
+#include "mesh/surface.h"
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
@@ -214,28 +215,21 @@ ShownMesh CoarseMesh(const ShownMesh& mesh, size_t max_facets) {
       FirstInCube(mesh.mesh, side > 0 ? side : 1);
   ShownMesh coarse;
   coarse.name = mesh.name;
-  std::vector<uint32_t> new_index(firsts.size(), kNone);
+  coarse.mesh.vertices = mesh.mesh.vertices;
   for (uint32_t i = 0; i < mesh.mesh.facets.size(); ++i) {
-    Facet facet;
-    for (int k = 0; k < 3; ++k) {
-      facet[k] = firsts[mesh.mesh.facets[i][k]];
+    const auto& [a, b, c] = mesh.mesh.facets[i];
+    const Facet facet = {firsts[a], firsts[b], firsts[c]};
+    if (!RepeatsVertex(facet)) {
+      coarse.mesh.facets.push_back(facet);
+      Keep(mesh.labels, i, &coarse.labels);
     }
-    if (RepeatsVertex(facet)) {
-      continue;
-    }
-    for (uint32_t& vertex : facet) {
-      if (new_index[vertex] == kNone) {
-        new_index[vertex] = static_cast<uint32_t>(coarse.mesh.vertices.size());
-        coarse.mesh.vertices.push_back(mesh.mesh.vertices[vertex]);
-        Keep(mesh.colors, vertex, &coarse.colors);
-        Keep(mesh.error_colors, vertex, &coarse.error_colors);
-        Keep(mesh.confidences, vertex, &coarse.confidences);
-      }
-      vertex = new_index[vertex];
-    }
-    coarse.mesh.facets.push_back(facet);
-    Keep(mesh.labels, i, &coarse.labels);
   }
+  for (const uint32_t vertex : DropUnusedVertices(&coarse.mesh)) {
+    Keep(mesh.colors, vertex, &coarse.colors);
+    Keep(mesh.error_colors, vertex, &coarse.error_colors);
+    Keep(mesh.confidences, vertex, &coarse.confidences);
+  }
+  coarse.mesh.vertices.shrink_to_fit();
   return coarse;
 }
 
@@ -243,8 +237,7 @@ std::vector<uint32_t> ViewsOfFacet(const ShownMesh& mesh, uint32_t facet) {
   std::vector<uint32_t> views;
   for (const uint32_t vertex : mesh.mesh.facets[facet]) {
     if (vertex < mesh.views.size()) {
-      const auto row = mesh.views[vertex];
-      views.insert(views.end(), row.begin(), row.end());
+      Append(mesh.views[vertex], &views);
     }
   }
   SortUnique(&views);

@@ -1,9 +1,10 @@
 #include "viewer/viewer_session.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <fmt/format.h>
+
+#include "base/indices.h"
 
 namespace colmap_ext {
 namespace {
@@ -14,10 +15,9 @@ constexpr double kFlightTime = 0.4;  // seconds; chosen by hand
 double Ease(double share) { return share * share * (3 - 2 * share); }
 
 // Views in the order of the names of their images.
-std::vector<size_t> ByName(const std::vector<View>& views) {
-  std::vector<size_t> order(views.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::ranges::stable_sort(order, {}, [&](size_t view) -> const std::string& {
+std::vector<uint32_t> ByName(const std::vector<View>& views) {
+  std::vector<uint32_t> order = Iota(views.size());
+  std::ranges::stable_sort(order, {}, [&](uint32_t view) -> const std::string& {
     return views[view].name;
   });
   return order;
@@ -154,7 +154,7 @@ void ViewerSession::StepView(int step) {
     message_ = "there are no cameras";
     return;
   }
-  const std::vector<size_t> order = ByName(scene_.views);
+  const std::vector<uint32_t> order = ByName(scene_.views);
   int place = step > 0 ? -1 : 0;  // of the one before the first
   if (at_view_) {
     place =
@@ -220,99 +220,95 @@ std::vector<std::string> ViewerSession::Lines() const {
       lines.push_back(line);
     }
   }
-  lines.insert(lines.end(), scene_.notes.begin(), scene_.notes.end());
+  Append(scene_.notes, &lines);
   return lines;
 }
 
-// The actions; they have access to the session's members.
-struct ViewerActions {
-  using Session = ViewerSession;
+void ViewerSession::ChangeOpacity(double change) {
+  double& opacity = settings_.image_opacity;
+  opacity = std::clamp(opacity + change, 0.0, 1.0);
+}
 
-  static void Opacity(Session* session, double change) {
-    double& opacity = session->settings_.image_opacity;
-    opacity = std::clamp(opacity + change, 0.0, 1.0);
+void ViewerSession::NextMesh() {
+  if (!scene_.meshes.empty()) {
+    settings_.mesh = (settings_.mesh + 1) % scene_.meshes.size();
+    settings_.picked.reset();
+    picked_.reset();
   }
+}
 
-  static void NextMesh(Session* session) {
-    const size_t count = session->scene_.meshes.size();
-    if (count > 0) {
-      session->settings_.mesh = (session->settings_.mesh + 1) % count;
-      session->settings_.picked.reset();
-      session->picked_.reset();
-    }
+void ViewerSession::Reset() {
+  LeaveView();
+  if (first_camera_) {
+    FlyTo(*first_camera_);
   }
+}
 
-  static void Reset(Session* session) {
-    session->LeaveView();
-    if (session->first_camera_) {
-      session->FlyTo(*session->first_camera_);
-    }
+void ViewerSession::Pause() {
+  if (!host_.pause) {
+    message_ = "there is no refinement to pause";
+    return;
   }
+  is_paused_ = !is_paused_;
+  host_.pause(is_paused_);
+  message_ = is_paused_ ? "paused; T continues" : "";
+}
 
-  static void Pause(Session* session) {
-    if (!session->host_.pause) {
-      session->message_ = "there is no refinement to pause";
-      return;
-    }
-    session->is_paused_ = !session->is_paused_;
-    session->host_.pause(session->is_paused_);
-    session->message_ = session->is_paused_ ? "paused; T continues" : "";
-  }
-
-  static std::vector<KeyAction> All() {
-    constexpr double kStep = 0.1;  // of the opacity
-    std::vector<KeyAction> all;
-    const auto add = [&all](std::vector<int> keys, const char* name,
-                            const char* help, const auto& act) {
-      all.push_back({std::move(keys), name, help, act});
-    };
-    const auto add_mode = [&](int key, MeshMode mode, const char* help) {
-      static constexpr const char* kNames[] = {"1", "2", "3", "4", "5", "6"};
-      add({key}, kNames[key - '1'], help,
-          [mode](Session* session) { session->settings_.mode = mode; });
-    };
-    const auto add_toggle = [&](const char* name, bool DrawSettings::*setting,
-                                const char* help) {
-      add({name[0]}, name, help, [setting](Session* session) {
-        session->settings_.*setting = !(session->settings_.*setting);
-      });
-    };
-    add_mode('1', MeshMode::kShaded, "shaded");
-    add_mode('2', MeshMode::kColor, "colors of the vertices");
-    add_mode('3', MeshMode::kNormals, "normals");
-    add_mode('4', MeshMode::kLabels, "labels: the image pair of each face");
-    add_mode('5', MeshMode::kErrors, "errors");
-    add_mode('6', MeshMode::kConfidence, "confidence");
-    add_toggle("W", &DrawSettings::wireframe, "wireframe");
-    add_toggle("B", &DrawSettings::backfaces, "mark back sides of faces");
-    add_toggle("P", &DrawSettings::points, "points");
-    add_toggle("C", &DrawSettings::cameras, "cameras with their images");
-    add({kKeyRight, ']'}, "Right ]", "next camera",
-        [](Session* session) { session->StepView(1); });
-    add({kKeyLeft, '['}, "Left [", "previous camera",
-        [](Session* session) { session->StepView(-1); });
-    add({'G'}, "G", "the camera's image over the mesh",
-        [](Session* session) { session->SetImage(!session->settings_.image); });
-    add({'+', '='}, "+", "increase its opacity",
-        [](Session* session) { Opacity(session, kStep); });
-    add({'-'}, "-", "decrease its opacity",
-        [](Session* session) { Opacity(session, -kStep); });
-    add({kKeyTab}, "Tab", "next mesh", &NextMesh);
-    add({'R'}, "R", "first view", &Reset);
-    add({'S'}, "S", "save a picture",
-        [](Session* session) { session->wants_screenshot_ = true; });
-    add({'T'}, "T", "pause or continue the refinement", &Pause);
-    add({'H'}, "H", "this help", [](Session* session) {
-      session->is_help_shown_ = !session->is_help_shown_;
+std::vector<KeyAction> ViewerSession::MakeKeyActions() {
+  constexpr double kStep = 0.1;  // of the opacity
+  std::vector<KeyAction> all;
+  const auto add = [&all](std::vector<int> keys, const char* name,
+                          const char* help, const auto& act) {
+    all.push_back({std::move(keys), name, help, act});
+  };
+  const auto add_mode = [&](int key, MeshMode mode, const char* help) {
+    static constexpr const char* kNames[] = {"1", "2", "3", "4", "5", "6"};
+    add({key}, kNames[key - '1'], help,
+        [mode](ViewerSession* session) { session->settings_.mode = mode; });
+  };
+  const auto add_toggle = [&](const char* name, bool DrawSettings::*setting,
+                              const char* help) {
+    add({name[0]}, name, help, [setting](ViewerSession* session) {
+      session->settings_.*setting = !(session->settings_.*setting);
     });
-    add({kKeyEscape}, "Esc", "close",
-        [](Session* session) { session->is_closed_ = true; });
-    return all;
-  }
-};
+  };
+  add_mode('1', MeshMode::kShaded, "shaded");
+  add_mode('2', MeshMode::kColor, "colors of the vertices");
+  add_mode('3', MeshMode::kNormals, "normals");
+  add_mode('4', MeshMode::kLabels, "labels: the image pair of each face");
+  add_mode('5', MeshMode::kErrors, "errors");
+  add_mode('6', MeshMode::kConfidence, "confidence");
+  add_toggle("W", &DrawSettings::wireframe, "wireframe");
+  add_toggle("B", &DrawSettings::backfaces, "mark back sides of faces");
+  add_toggle("P", &DrawSettings::points, "points");
+  add_toggle("C", &DrawSettings::cameras, "cameras with their images");
+  add({kKeyRight, ']'}, "Right ]", "next camera",
+      [](ViewerSession* session) { session->StepView(1); });
+  add({kKeyLeft, '['}, "Left [", "previous camera",
+      [](ViewerSession* session) { session->StepView(-1); });
+  add({'G'}, "G", "the camera's image over the mesh",
+      [](ViewerSession* session) {
+        session->SetImage(!session->settings_.image);
+      });
+  add({'+', '='}, "+", "increase its opacity",
+      [](ViewerSession* session) { session->ChangeOpacity(kStep); });
+  add({'-'}, "-", "decrease its opacity",
+      [](ViewerSession* session) { session->ChangeOpacity(-kStep); });
+  add({kKeyTab}, "Tab", "next mesh", &ViewerSession::NextMesh);
+  add({'R'}, "R", "first view", &ViewerSession::Reset);
+  add({'S'}, "S", "save a picture",
+      [](ViewerSession* session) { session->wants_screenshot_ = true; });
+  add({'T'}, "T", "pause or continue the refinement", &ViewerSession::Pause);
+  add({'H'}, "H", "this help", [](ViewerSession* session) {
+    session->is_help_shown_ = !session->is_help_shown_;
+  });
+  add({kKeyEscape}, "Esc", "close",
+      [](ViewerSession* session) { session->is_closed_ = true; });
+  return all;
+}
 
-const std::vector<KeyAction>& KeyActions() {
-  static const std::vector<KeyAction> actions = ViewerActions::All();
+const std::vector<KeyAction>& ViewerSession::KeyActions() {
+  static const std::vector<KeyAction> actions = MakeKeyActions();
   return actions;
 }
 

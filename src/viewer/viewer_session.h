@@ -42,6 +42,15 @@ enum ViewerKey : int { kKeyEscape = 256, kKeyTab, kKeyLeft, kKeyRight };
 
 enum class DragKind { kRotate, kPan };
 
+class ViewerSession;
+
+struct KeyAction {
+  std::vector<int> keys;
+  const char* name;  // of the keys, in the help
+  const char* help;
+  std::function<void(ViewerSession*)> act;
+};
+
 // The state of the viewer, changed by keys and mouse: all but its window.
 class ViewerSession {
  public:
@@ -64,6 +73,8 @@ class ViewerSession {
 
   void SetSize(int width, int height);  // of the picture, px
   void Press(int key);
+  // In the order of the help.
+  static const std::vector<KeyAction>& KeyActions();
   void Drag(DragKind kind, const Eigen::Vector2d& from,
             const Eigen::Vector2d& to);
   void Scroll(double steps);
@@ -87,8 +98,6 @@ class ViewerSession {
   void SavePicture(const ColorImage& picture);
 
  private:
-  friend struct ViewerActions;
-
   struct Flight {
     OrbitCamera from;
     OrbitCamera to;
@@ -102,6 +111,13 @@ class ViewerSession {
   void SetImage(bool is_shown);
   void LeaveView();
   std::string CameraLine() const;
+
+  // Actions of keys.
+  void ChangeOpacity(double change);
+  void NextMesh();
+  void Reset();
+  void Pause();
+  static std::vector<KeyAction> MakeKeyActions();
 
   SceneInbox* inbox_;
   ViewerHost host_;
@@ -123,15 +139,6 @@ class ViewerSession {
   bool is_closed_ = false;
   bool wants_screenshot_ = false;
 };
-
-// Actions of keys, in the order of the help.
-struct KeyAction {
-  std::vector<int> keys;
-  const char* name;  // of the keys, in the help
-  const char* help;
-  std::function<void(ViewerSession*)> act;
-};
-const std::vector<KeyAction>& KeyActions();
 
 // Names and effects of the mouse's buttons, for the help.
 inline constexpr std::pair<const char*, const char*> kMouseActions[] = {

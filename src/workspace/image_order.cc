@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -275,27 +276,16 @@ std::optional<size_t> FindOrderByPositions(
 // Orders that differ only in images which see no point are the same to us.
 void KeepOnePerUse(const Visibility& visibility,
                    std::vector<ImageOrder>* orders) {
-  std::vector<bool> is_used((*orders)[0].images.size(), false);
-  for (const uint32_t index : visibility.values) {
-    if (index < is_used.size()) {
-      is_used[index] = true;
-    }
-  }
-  const auto same_use = [&is_used](const ImageOrder& a, const ImageOrder& b) {
-    for (size_t i = 0; i < std::min(a.images.size(), b.images.size()); ++i) {
-      if (i < is_used.size() && is_used[i] && a.images[i] != b.images[i]) {
-        return false;
+  std::set<std::vector<size_t>> uses;
+  std::erase_if(*orders, [&](const ImageOrder& order) {
+    std::vector<size_t> use(order.images.size(), SIZE_MAX);
+    for (const uint32_t index : visibility.values) {
+      if (index < use.size()) {
+        use[index] = order.images[index];
       }
     }
-    return a.images.size() == b.images.size();
-  };
-  for (size_t i = 0; i < orders->size(); ++i) {
-    for (size_t j = orders->size() - 1; j > i; --j) {
-      if (same_use((*orders)[i], (*orders)[j])) {
-        orders->erase(orders->begin() + static_cast<std::ptrdiff_t>(j));
-      }
-    }
-  }
+    return !uses.insert(std::move(use)).second;
+  });
 }
 
 // The orders that are to be tried.

@@ -79,7 +79,7 @@ void DropMasked(const std::vector<uint8_t>& is_masked, MaskReport* report,
           }
         }
         report->num_masked_observations += row.size() - size;
-        report->num_masked_points += size == 0 ? 1 : 0;
+        report->num_masked_points += size == 0;
         return size > 0 ? std::optional(size) : std::nullopt;
       },
       cloud);
@@ -221,8 +221,7 @@ void RemoveUnusable(const std::filesystem::path& images_path,
   };
   EditRows(
       [&](size_t, std::span<uint32_t> row) {
-        const auto end = std::remove_if(row.begin(), row.end(), is_unusable);
-        return static_cast<size_t>(end - row.begin());
+        return row.size() - std::ranges::remove_if(row, is_unusable).size();
       },
       &points->views);
 }

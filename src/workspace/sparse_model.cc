@@ -37,12 +37,10 @@ constexpr CameraModelInfo kCameraModels[] = {
 };
 
 bool HasFiles(const std::filesystem::path& folder, const char* extension) {
-  for (const char* name : {"cameras", "images", "points3D"}) {
-    if (!std::filesystem::exists(folder / (std::string(name) + extension))) {
-      return false;
-    }
-  }
-  return true;
+  const std::string names[] = {"cameras", "images", "points3D"};
+  return std::ranges::all_of(names, [&](const std::string& name) {
+    return std::filesystem::exists(folder / (name + extension));
+  });
 }
 
 void CheckCameras(const SparseModel& model,
@@ -192,14 +190,6 @@ void WriteFrames(const SparseModel& model, AtomicFile* file) {
   }
 }
 
-void MakeFolder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder, error)) {
-    throw FileError(folder, "the folder can not be made");
-  }
-}
-
 void WriteFiles(const std::filesystem::path& folder, const SparseModel& model) {
   AtomicFiles files;
   WriteCameras(model, files.Add(folder / "cameras.bin"));
@@ -220,12 +210,9 @@ const CameraModelInfo* FindCameraModel(int model_id) {
 }
 
 const CameraModelInfo* FindCameraModel(const std::string& name) {
-  for (const CameraModelInfo& info : kCameraModels) {
-    if (name == info.name) {
-      return &info;
-    }
-  }
-  return nullptr;
+  const auto* found =
+      std::ranges::find(kCameraModels, name, &CameraModelInfo::name);
+  return found != std::end(kCameraModels) ? found : nullptr;
 }
 
 SparseCamera MakeSparseCamera(const CameraModelInfo& info, uint64_t width,
@@ -296,9 +283,13 @@ bool HasOneImageFrames(const SparseModel& model) {
 
 void WriteSparseModel(const std::filesystem::path& folder,
                       const SparseModel& model) {
+  std::error_code error;
   std::error_code ignored;
   const bool is_new = !std::filesystem::exists(folder, ignored);
-  MakeFolder(folder);
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder, ignored)) {
+    throw FileError(folder, "the folder can not be made");
+  }
   try {
     WriteFiles(folder, model);
   } catch (...) {

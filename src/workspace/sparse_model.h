@@ -38,6 +38,8 @@ inline constexpr uint64_t kNoSparsePoint = UINT64_MAX;
 struct SparseObservation {
   Eigen::Vector2d pixel;  // px of the camera, centre of the first pixel at 0.5
   uint64_t point_id = kNoSparsePoint;  // of the 3D point that it shows
+
+  bool operator==(const SparseObservation&) const = default;
 };
 
 struct SparseImage {

@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,6 +15,8 @@
 
 namespace colmap_ext {
 namespace {
+
+namespace fs = std::filesystem;
 
 View MakeView(const SparseImage& image, const SparseCamera& camera) {
   View view;
@@ -40,7 +41,7 @@ bool HasAspectOf(const View& view, const PictureSize& size) {
 }
 
 // From the header of a PNG or JPEG file, else by decoding the whole picture.
-std::optional<PictureSize> FindPictureSize(const std::filesystem::path& path,
+std::optional<PictureSize> FindPictureSize(const fs::path& path,
                                            const PictureDecoder& decoder) {
   std::optional<PictureSize> size = ReadPictureSize(path);
   if (!size) {
@@ -56,13 +57,13 @@ std::optional<PictureSize> FindPictureSize(const std::filesystem::path& path,
 
 // Scales the view to its picture.
 // \return what is wrong with the picture
-std::string FitToPicture(const std::filesystem::path& path,
-                         const ViewRules& rules, const PictureDecoder& decoder,
-                         View* view, Views* result) {
+std::string FitToPicture(const fs::path& path, const ViewRules& rules,
+                         const PictureDecoder& decoder, View* view,
+                         Views* result) {
   const std::optional<PictureSize> size = FindPictureSize(path, decoder);
   if (!size) {
     ++result->num_missing_images;
-    return std::filesystem::exists(path) ? "can not be read" : "no such file";
+    return fs::exists(path) ? "can not be read" : "no such file";
   }
   if (size->width == view->width && size->height == view->height) {
     return "";
@@ -83,9 +84,8 @@ std::string FitToPicture(const std::filesystem::path& path,
   return "";
 }
 
-double ReadDepthMapScale(const std::filesystem::path& dense_path,
-                         const View& view) {
-  const std::filesystem::path path =
+double ReadDepthMapScale(const fs::path& dense_path, const View& view) {
+  const fs::path path =
       FindDepthMap(dense_path / "stereo" / "depth_maps", view.name);
   if (path.empty()) {
     return 1;
@@ -93,8 +93,6 @@ double ReadDepthMapScale(const std::filesystem::path& dense_path,
   ByteReader reader(path);
   return 1.0 * ReadDepthMapHeader(&reader).width / view.width;
 }
-
-namespace fs = std::filesystem;
 
 // More than this share of the points with image indices out of range, and the
 // .vis belongs to another model.
@@ -107,6 +105,17 @@ void Reorder(const std::vector<size_t>& order, std::vector<T>* values) {
     reordered.push_back((*values)[index]);
   }
   *values = std::move(reordered);
+}
+
+// How many points list an image index that is not below num_images.
+size_t CountOutOfRange(const Visibility& visibility, size_t num_images) {
+  size_t count = 0;
+  for (size_t i = 0; i < visibility.size(); ++i) {
+    count += std::ranges::any_of(visibility[i], [num_images](uint32_t index) {
+      return index >= num_images;
+    });
+  }
+  return count;
 }
 
 void ExpectIndicesInRange(const Visibility& visibility, size_t num_images,
@@ -131,20 +140,6 @@ void ExpectFinitePoints(const std::vector<Eigen::Vector3f>& points,
   }
 }
 
-void ExpectSeen(const SeenCloud& seen) {
-  if (seen.visibility.values.empty()) {
-    throw FileError(seen.path, "no points that any image sees");
-  }
-}
-
-SeenCloud ReadFusedCloud(const FusedFiles& files) {
-  SeenCloud seen{{ReadPlyCloud(files.path), {}}, files};
-  seen.visibility =
-      ReadVisibility(files.visibility_path, seen.cloud.positions.size());
-  ExpectSeen(seen);
-  return seen;
-}
-
 void AppendPoint(const CloudPiece& from, size_t point, SeenCloud* to) {
   to->cloud.positions.push_back(from.cloud.positions[point]);
   if (!from.cloud.normals.empty()) {
@@ -156,24 +151,37 @@ void AppendPoint(const CloudPiece& from, size_t point, SeenCloud* to) {
   to->visibility.AddRow(from.visibility[point]);
 }
 
-SeenCloud SampleFusedCloud(const FusedFiles& files, size_t max_points) {
+void SampleFusedCloud(const FusedFiles& files, size_t max_points,
+                      SeenCloud* seen) {
   constexpr size_t kPiecePoints = 1 << 18;
   const size_t num_points = CountPlyVertices(files.path);
   const size_t stride =
       std::max<size_t>(1, (num_points + max_points - 1) / max_points);
-  SeenCloud seen{{}, files};
   size_t first = 0;  // of the piece
   StreamCloud(files.path, files.visibility_path, kPiecePoints,
               [&](const CloudPiece& piece) {
                 const size_t size = piece.cloud.positions.size();
                 for (size_t i = 0; i < size; ++i) {
                   if ((first + i) % stride == 0) {
-                    AppendPoint(piece, i, &seen);
+                    AppendPoint(piece, i, seen);
                   }
                 }
                 first += size;
               });
-  ExpectSeen(seen);
+}
+
+SeenCloud ReadFusedCloud(const FusedFiles& files, size_t max_points) {
+  SeenCloud seen{{}, files};
+  if (max_points < SIZE_MAX) {
+    SampleFusedCloud(files, max_points, &seen);
+  } else {
+    seen.cloud = ReadPlyCloud(files.path);
+    seen.visibility =
+        ReadVisibility(files.visibility_path, seen.cloud.positions.size());
+  }
+  if (seen.visibility.values.empty()) {
+    throw FileError(seen.path, "no points that any image sees");
+  }
   return seen;
 }
 
@@ -256,9 +264,8 @@ Workspace Assemble(const fs::path& folder, const WorkspaceOptions& options,
 
 }  // namespace
 
-Views ReadViews(const std::filesystem::path& dense_path,
-                const SparseModel& model, const ViewRules& rules,
-                const PictureDecoder& decoder) {
+Views ReadViews(const fs::path& dense_path, const SparseModel& model,
+                const ViewRules& rules, const PictureDecoder& decoder) {
   Views result;
   for (const SparseImage& image : model.images) {
     const SparseCamera& camera = model.cameras.at(image.camera_id);
@@ -285,16 +292,6 @@ Views ReadViews(const std::filesystem::path& dense_path,
     result.views.push_back(std::move(view));
   }
   return result;
-}
-
-size_t CountOutOfRange(const Visibility& visibility, size_t num_images) {
-  size_t count = 0;
-  for (size_t i = 0; i < visibility.size(); ++i) {
-    count += std::ranges::any_of(visibility[i], [num_images](uint32_t index) {
-      return index >= num_images;
-    });
-  }
-  return count;
 }
 
 PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
@@ -335,7 +332,7 @@ Workspace ReadWorkspace(const fs::path& path, const WorkspaceOptions& options,
                         const PictureDecoder& decoder) {
   if (options.input_type == InputType::kDense) {
     return Assemble(FindDenseFolder(path, options), options, decoder, [&] {
-      return ReadFusedCloud(FindFusedFiles(path, options));
+      return ReadFusedCloud(FindFusedFiles(path, options), options.max_points);
     });
   }
   return Assemble(path, options, decoder, nullptr);
@@ -347,15 +344,6 @@ FusedFiles FindFusedFiles(const fs::path& path,
                              ? FindDenseFolder(path, options) / "fused.ply"
                              : options.fused_path;
   return {fused, fused.string() + ".vis"};
-}
-
-Workspace ReadSampledWorkspace(const fs::path& path,
-                               const WorkspaceOptions& options,
-                               const PictureDecoder& decoder,
-                               size_t max_points) {
-  const FusedFiles files = FindFusedFiles(path, options);
-  return Assemble(FindDenseFolder(path, options), options, decoder,
-                  [&] { return SampleFusedCloud(files, max_points); });
 }
 
 Workspace ReadMeshWorkspace(const fs::path& folder,

@@ -49,9 +49,6 @@ void EditPoints(const Edit& edit, PointCloud* cloud) {
   cloud->colors.resize(cloud->colors.empty() ? 0 : num_kept);
 }
 
-// How many points list an image index that is not below num_images.
-size_t CountOutOfRange(const Visibility& visibility, size_t num_images);
-
 // The points that can be meshed: finite, and seen by some image. Image indices
 // that are out of range or repeated are dropped, the rest sorted.
 PointCloud FilterCloud(PlyCloud cloud, Visibility visibility, size_t num_images,
@@ -101,6 +98,11 @@ struct WorkspaceOptions {
   // The fused points, with their .vis beside them; empty: fused.ply in the
   // workspace.
   std::filesystem::path fused_path = {};
+
+  // Where there are more fused points, a sample of them is read, every so many,
+  // without ever holding more; 2 or more. Views, sparse points and the order of
+  // the images are those of all.
+  size_t max_points = SIZE_MAX;
 
   // How fused.ply.vis counts the images; nothing: it is found out.
   std::optional<ImageOrderKind> image_order = std::nullopt;
@@ -154,14 +156,6 @@ struct FusedFiles {
 // \throw FileError as FindDenseFolder()
 FusedFiles FindFusedFiles(const std::filesystem::path& path,
                           const WorkspaceOptions& options);
-
-// The same of a sample of the fused points, every so many, without ever holding
-// more: views, sparse points and the order of the images are those of all.
-// \param max_points  2 or more; where there are no more all are there
-Workspace ReadSampledWorkspace(const std::filesystem::path& path,
-                               const WorkspaceOptions& options,
-                               const PictureDecoder& decoder,
-                               size_t max_points);
 
 // A cloud, which images see each point, and the files that both are of.
 struct SeenCloud : CloudPiece, FusedFiles {};

@@ -26,13 +26,17 @@ struct Cache : LruCache<const size_t> {
   std::vector<int> num_loads = {0, 0, 0};
 };
 
-TEST(LruCache, LoadsOnceWhereThereIsRoom) {
+TEST(LruCache, LoadsOnceWhereThereIsRoomAndAgainAfterClear) {
   Cache cache(3 * kSize);
   for (const size_t key : {0, 1, 2, 1, 0, 2, 2}) {
     EXPECT_EQ(*cache.Load(key), key);
   }
   EXPECT_EQ(cache.num_loads, std::vector({1, 1, 1}));
   EXPECT_EQ(cache.NumBytes(), 3 * kSize);
+  cache.Clear();
+  EXPECT_EQ(cache.NumBytes(), 0u);
+  cache.Load(0);
+  EXPECT_EQ(cache.num_loads[0], 2);
 }
 
 TEST(LruCache, DropsWhatWasNotUsedForTheLongestTime) {
@@ -86,15 +90,6 @@ TEST(LruCache, ALowerBoundDropsAtOnce) {
   cache.Load(1);
   cache.Load(2);
   EXPECT_EQ(cache.num_loads, std::vector({1, 1, 1}));
-}
-
-TEST(LruCache, LoadsAgainAfterClear) {
-  Cache cache(kSize);
-  cache.Load(0);
-  cache.Clear();
-  EXPECT_EQ(cache.NumBytes(), 0u);
-  cache.Load(0);
-  EXPECT_EQ(cache.num_loads[0], 2);
 }
 
 TEST(LruCache, FailuresLeaveNothingBehind) {

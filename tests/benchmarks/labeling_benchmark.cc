@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "labeling/facet_labeling.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/peak_memory.h"
 
 namespace colmap_ext {
@@ -28,38 +29,19 @@ Eigen::Vector3d SpiralPoint(int i, int count) {
 
 TriangleMesh Sphere(uint32_t rings) {
   const uint32_t sectors = 2 * rings;
-  TriangleMesh mesh;
-  for (uint32_t i = 0; i <= rings; ++i) {
-    for (uint32_t k = 0; k < sectors; ++k) {
-      const double polar = M_PI * (i + 0.5) / (rings + 1);
-      const double angle = 2 * M_PI * k / sectors;
-      mesh.vertices.emplace_back(std::sin(polar) * std::cos(angle),
-                                 std::sin(polar) * std::sin(angle),
-                                 std::cos(polar));
-    }
-  }
-  for (uint32_t i = 0; i < rings; ++i) {
-    for (uint32_t k = 0; k < sectors; ++k) {
-      const uint32_t a = i * sectors + k;
-      const uint32_t b = i * sectors + (k + 1) % sectors;
-      mesh.facets.push_back({a, a + sectors, b});
-      mesh.facets.push_back({b, a + sectors, b + sectors});
-    }
-  }
-  return mesh;
+  return Moved(MakeSheet(rings, sectors, false, true), [&](const auto& p) {
+    const double polar = M_PI * (rings - p.y() + 0.5) / (rings + 1);
+    const double angle = 2 * M_PI * p.x() / sectors;
+    return Eigen::Vector3f(std::sin(polar) * std::cos(angle),
+                           std::sin(polar) * std::sin(angle), std::cos(polar));
+  });
 }
 
 struct LabeledSphere {
   LabeledSphere() : mesh(Sphere(500)) {  // a million facets
     for (int i = 0; i < kNumViews; ++i) {
-      View view;
-      const Eigen::Vector3d center = 4 * SpiralPoint(i, kNumViews);
-      view.cam_from_world_rotation =
-          Eigen::Quaterniond::FromTwoVectors(-center, Eigen::Vector3d::UnitZ())
-              .toRotationMatrix();
-      view.cam_from_world_translation = -view.cam_from_world_rotation * center;
-      view.fx = view.fy = 1000;
-      views.push_back(view);
+      views.push_back(LookAtView(4 * SpiralPoint(i, kNumViews), {0, 0, 0},
+                                 {0, 0, 1}, 0, 0, 1000));
     }
     FindPairs();
     // What looks less than 73 degrees away from a camera is seen by it.
@@ -68,10 +50,8 @@ struct LabeledSphere {
       AddViews(vertex.cast<double>(), &attributes.views.values);
       attributes.views.EndRow();
     }
-    for (const auto& [a, b, c] : mesh.facets) {
-      AddViews((mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c])
-                   .cast<double>()
-                   .normalized(),
+    for (const Facet& facet : mesh.facets) {
+      AddViews(CentroidOf(mesh, facet).cast<double>().normalized(),
                &visibility.values);
       visibility.EndRow();
     }

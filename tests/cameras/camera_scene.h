@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "cameras/refine_cameras.h"
-#include "tests/random.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext {

@@ -13,7 +13,6 @@
 
 #include "cameras/camera_set.h"
 #include "tests/cameras/camera_scene.h"
-#include "tests/random.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::refine_cameras_test {

@@ -5,7 +5,6 @@
 #include "formats/picture_files.h"
 #include "formats/read_ply.h"
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/workspace_paths.h"
 

@@ -6,8 +6,7 @@
 #include "formats/read_ply.h"
 #include "formats/write_mesh.h"
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/formats/test_files.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext::mesh_evaluator_test {

@@ -1,8 +1,6 @@
 // mesh_viewer as a person uses it: pictures without a display, and a window on
 // a display of its own, with keys and mouse.
 
-#include <cstdlib>
-
 #include <fmt/format.h>
 
 #include "colmap_ext/colmap_compat.h"

@@ -9,7 +9,6 @@
 #include "formats/write_mesh.h"
 #include "mesh/topology.h"
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/formats/test_files.h"
 #include "tests/synthetic/write_workspace.h"
 
 namespace colmap_ext {

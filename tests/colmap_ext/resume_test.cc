@@ -3,7 +3,6 @@
 #include <sys/wait.h>
 
 #include <csignal>
-#include <utility>
 
 #include "tests/colmap_ext/refiner_fixture.h"
 

@@ -19,9 +19,7 @@
 #include "colmap_ext/report/html_page.h"
 #include "formats/picture_files.h"
 #include "scene/view.h"
-#include "tests/formats/test_files.h"
 #include "tests/report/well_formed.h"
-#include "tests/texts.h"
 
 namespace colmap_ext {
 

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext::scripts_test {

@@ -11,7 +11,6 @@
 #include "formats/picture_files.h"
 #include "tests/colmap_ext/refiner_fixture.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext::tiled_refinement_test {
 

@@ -12,7 +12,6 @@
 #include "mesh/topology.h"
 #include "scene/point_tree.h"
 #include "tests/colmap_ext/run_shell.h"
-#include "tests/formats/test_files.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/workspace/sphere_workspace.h"
 

@@ -120,9 +120,7 @@ inline PointCloud CloudOf(const std::vector<Eigen::Vector3f>& points) {
 // Of all points.
 inline Tetrahedralization DelaunayOf(
     const std::vector<Eigen::Vector3f>& points) {
-  ThinningOptions options;
-  options.max_proj_dist = 0;
-  return Tetrahedralize(CloudOf(points), {}, options).tetrahedra;
+  return Tetrahedralize(CloudOf(points), {}, {.max_proj_dist = 0}).tetrahedra;
 }
 
 // The way of one ray.
@@ -135,8 +133,7 @@ inline RayPath PathOf(const Tetrahedralization& tetrahedra, const Ray& ray) {
 // Any of its points.
 inline Eigen::Vector3d AnyPoint(const Tetrahedralization& tetrahedra,
                                 Random* random) {
-  return tetrahedra.PositionOf(
-      random->Below(static_cast<uint32_t>(tetrahedra.points.size())));
+  return tetrahedra.PositionOf(random->Below(tetrahedra.points.size()));
 }
 
 // Random observations of all vertices, and cameras.

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
 
 namespace colmap_ext::ray_walk_test {
@@ -18,9 +17,7 @@ constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 using Corners = std::array<uint32_t, 3>;
 
 Corners CornersOf(const Tetrahedralization& tetrahedra, uint32_t arc) {
-  Corners corners = FacetVertices(tetrahedra.cells[arc / 4], arc % 4);
-  std::ranges::sort(corners);
-  return corners;
+  return FacetOf(tetrahedra.cells[arc / 4], static_cast<int>(arc % 4));
 }
 
 // What holds for every walk.
@@ -142,9 +139,7 @@ struct GenericRayWalk : testing::Test {
     return RandomPoints(1, range, &random_).front().cast<double>();
   }
 
-  uint32_t RandomOrigin() {
-    return random_.Below(static_cast<uint32_t>(tetrahedra_.points.size()));
-  }
+  uint32_t RandomOrigin() { return random_.Below(tetrahedra_.points.size()); }
 
   Random random_{1};
   const Tetrahedralization tetrahedra_ =
@@ -252,9 +247,8 @@ TEST(DegenerateRayWalk, EndsWhereTheTargetIs) {
   for (const auto& [name, points] : EvenDifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
-    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
     for (int trial = 0; trial < 400; ++trial) {
-      const uint32_t origin = random.Below(num_points);
+      const uint32_t origin = random.Below(tetrahedra.points.size());
       const Eigen::Vector3d a = AnyPoint(tetrahedra, &random);
       const Eigen::Vector3d b = AnyPoint(tetrahedra, &random);
       Eigen::Vector3d target = a;  // another vertex
@@ -311,10 +305,8 @@ TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
   for (const auto& [name, points] : sets) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
-    const auto num_cells = static_cast<uint32_t>(tetrahedra.cells.size());
-    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
     for (int trial = 0; trial < 500; ++trial) {
-      const uint32_t cell = random.Below(num_cells);
+      const uint32_t cell = random.Below(tetrahedra.cells.size());
       if (tetrahedra.IsInfinite(cell)) {
         continue;
       }
@@ -329,7 +321,7 @@ TEST(DegenerateRayWalk, FindsTheCellThatHoldsTheTarget) {
       if (!IsStrictlyInside(tetrahedra, cell, target)) {
         continue;
       }
-      const uint32_t vertex = random.Below(num_points);
+      const uint32_t vertex = random.Below(tetrahedra.points.size());
       ASSERT_EQ(Locate(tetrahedra, target, tetrahedra.vertex_cells[vertex]),
                 cell);
       ASSERT_EQ(PathOf(tetrahedra, {vertex, target, cell}).end, cell);
@@ -342,16 +334,15 @@ TEST(Locate, FindsACellThatHoldsThePoint) {
   for (const auto& [name, points] : EvenDifficultPoints()) {
     SCOPED_TRACE(name);
     const Tetrahedralization tetrahedra = DelaunayOf(points);
-    const auto num_points = static_cast<uint32_t>(tetrahedra.points.size());
     for (int trial = 0; trial < 400; ++trial) {
       const Eigen::Vector3d a = AnyPoint(tetrahedra, &random);
       const Eigen::Vector3d b = AnyPoint(tetrahedra, &random);
       const Eigen::Vector3d position =
           random.Chance(0.5) ? (0.5 * (a + b)).eval() : (2 * a - b).eval();
       const IntVector point = position.cast<int64_t>();
+      const uint32_t vertex = random.Below(tetrahedra.points.size());
       const uint32_t cell =
-          Locate(tetrahedra, position,
-                 tetrahedra.vertex_cells[random.Below(num_points)]);
+          Locate(tetrahedra, position, tetrahedra.vertex_cells[vertex]);
       ASSERT_TRUE(Holds(tetrahedra, cell, point));
       if (tetrahedra.IsInfinite(cell)) {
         // Beyond the hull, not on it.

@@ -11,17 +11,13 @@
 #include <gtest/gtest.h>
 
 #include "delaunay/growing_complex.h"
-#include "tests/delaunay/exact.h"
 #include "tests/delaunay/random_complex.h"
-#include "tests/random.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::tetrahedralization_test {
 
 ThinnedTetrahedralization KeepAll(const std::vector<Eigen::Vector3f>& points) {
-  ThinningOptions options;
-  options.max_proj_dist = 0;
-  return Tetrahedralize(CloudOf(points), {}, options);
+  return Tetrahedralize(CloudOf(points), {}, {.max_proj_dist = 0});
 }
 
 TEST(Tetrahedralization, IsAClosedDelaunayComplexWithAConvexHull) {
@@ -102,9 +98,7 @@ TEST(Tetrahedralization, RefusesWhatSpansNoVolume) {
         std::vector<Eigen::Vector3f>{
             {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}}}) {
     for (const double max_proj_dist : {0.0, 20.0}) {
-      ThinningOptions options;
-      options.max_proj_dist = max_proj_dist;
-      EXPECT_THROW(Tetrahedralize(CloudOf(points), {}, options),
+      EXPECT_THROW(Tetrahedralize(CloudOf(points), {}, {max_proj_dist}),
                    std::invalid_argument);
     }
   }
@@ -312,9 +306,7 @@ struct Begun {
   }
 
   void GiveBack(PointInserter& inserter) {
-    complex.free_cells.insert(complex.free_cells.end(),
-                              inserter.free_cells().begin(),
-                              inserter.free_cells().end());
+    Append(inserter.free_cells(), &complex.free_cells);
     inserter.free_cells().clear();
   }
 

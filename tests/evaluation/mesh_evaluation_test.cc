@@ -239,15 +239,12 @@ TEST(SampleSurface, IsNowhereFartherThanTheSpacing) {
   constexpr double kSpacing = 0.05;
   Random random(2);
   for (int i = 0; i < 50; ++i) {
-    TriangleMesh mesh;
-    for (int k = 0; k < 3; ++k) {
-      mesh.vertices.push_back(RandomPoint(&random));
-    }
+    TriangleMesh mesh =
+        MakeTriangles(1, [&](uint32_t, int) { return RandomPoint(&random); });
     if (i % 5 == 0) {  // a sliver
       mesh.vertices[2] = 0.3f * mesh.vertices[0] + 0.7f * mesh.vertices[1] +
                          1e-4f * mesh.vertices[2];
     }
-    mesh.facets = {{0, 1, 2}};
     const Bvh bvh(mesh);
     const std::vector<Vector3f> samples = SampleSurface(mesh, kSpacing);
     for (const Vector3f& sample : samples) {

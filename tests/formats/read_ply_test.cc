@@ -214,9 +214,7 @@ TEST_F(ReadPlyMeshTest, ReadsWhatIsWritten) {
        {std::vector<Color>{}, std::vector<Color>(4, {1, 2, 3})}) {
     WriteColoredMesh(path_, mesh_, colors);
     EXPECT_EQ(List(folder_.Path()), "mesh.ply");
-    const TriangleMesh mesh = ReadPlyMesh(path_);
-    EXPECT_EQ(mesh.vertices, mesh_.vertices);
-    EXPECT_EQ(mesh.facets, mesh_.facets);
+    EXPECT_EQ(ReadPlyMesh(path_), mesh_);
     EXPECT_EQ(ReadColoredPlyMesh(path_).colors, colors);
   }
   ExpectEveryTruncationRefused(path_, 0, [this] { ReadPlyMesh(path_); });
@@ -231,8 +229,7 @@ TEST_F(ReadPlyMeshTest, SkipsOtherPropertiesAndElements) {
                        "property list uchar float texcoord\nend_header\n"
                        "0 0 0 0\n1 0 0 1 7\n0 1 0 2 7 8\n0 0 1 0\n0.5\n"
                        "9 3 0 2 1 2 0.5 0.5\n9 3 0 1 3 0\n"));
-  EXPECT_EQ(mesh.vertices, mesh_.vertices);
-  EXPECT_EQ(mesh.facets, mesh_.facets);
+  EXPECT_EQ(mesh, mesh_);
 }
 
 TEST_F(ReadPlyMeshTest, ClampsConfidencesAndReadsPointsAsAMeshWithoutFacets) {

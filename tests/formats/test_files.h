@@ -19,6 +19,7 @@
 #include <gtest/gtest.h>
 
 #include "formats/errors.h"
+#include "tests/texts.h"
 
 namespace colmap_ext {
 
@@ -102,27 +103,10 @@ void Append(T value, std::string* bytes) {
   bytes->append(raw, sizeof(T));
 }
 
-// The message of the FileError that the function throws; a failure if it throws
-// anything else or nothing.
-template <typename Function>
-std::string FileErrorOf(Function function) {
-  try {
-    function();
-    ADD_FAILURE() << "no error";
-  } catch (const FileError& error) {
-    return error.what();
-  } catch (const std::exception& error) {
-    ADD_FAILURE() << "another error: " << error.what();
-  }
-  return "";
-}
-
 // Expects that the function throws a FileError whose message has the text.
 template <typename Function>
 void ExpectFileError(const std::string& text, Function function) {
-  const std::string error = FileErrorOf(function);
-  EXPECT_NE(error.find(text), std::string::npos)
-      << "expected: " << text << "\nfound: " << error;
+  EXPECT_TRUE(Has(MessageOf<FileError>(function), text));
 }
 
 // Runs the function in a process of its own, which exits with 7 if that throws

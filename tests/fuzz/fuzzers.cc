@@ -16,7 +16,6 @@
 #include "formats/read_arrays.h"
 #include "formats/read_numbers.h"
 #include "formats/read_ply.h"
-#include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/image_order.h"
 #include "workspace/workspace.h"

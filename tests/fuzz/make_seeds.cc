@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "formats/write_mesh.h"
-#include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext {

@@ -55,26 +55,18 @@ TEST_F(GlCamerasTest, EachViewIsDrawnOnceAPass) {
   CameraSet cameras = DisturbedCameras();
   CameraRefinementOptions options;
   options.parts = RefinedParts::kPoses;
+  const PhotometricOptions photometric;
+  const auto input = [&] {
+    return CameraInput{photometric, scene.tracks, *energy->Visibility(mesh),
+                       scene.pairs, drawn.images.get()};
+  };
   energy->SetLevel(1);
-  MeasureMisalignment({},
-                      {{},
-                       scene.tracks,
-                       *energy->Visibility(mesh),
-                       scene.pairs,
-                       drawn.images.get()},
-                      cameras);
+  MeasureMisalignment({}, input(), cameras);
   EXPECT_TRUE(drawn.AreAll(1));
   EXPECT_EQ(energy->Visibility(mesh), energy->Visibility(mesh));
   for (const int pass : {2, 3}) {
     energy->SetViews(cameras.views);
-    cameras = RefineCameras(options,
-                            {{},
-                             scene.tracks,
-                             *energy->Visibility(mesh),
-                             scene.pairs,
-                             drawn.images.get()},
-                            cameras, cameras)
-                  .cameras;
+    cameras = RefineCameras(options, input(), cameras, cameras).cameras;
     EXPECT_TRUE(drawn.AreAll(pass));
   }
 }

@@ -1,6 +1,5 @@
 #include "gl/gl_photometric_energy.h"
 
-#include <array>
 #include <cmath>
 #include <memory>
 #include <thread>
@@ -12,7 +11,6 @@
 #include "raster/facet_id_buffer.h"
 #include "tests/gl/gl_test.h"
 #include "tests/gl/terms_difference.h"
-#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/refine/refinement_scene.h"
 

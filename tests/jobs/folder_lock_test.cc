@@ -7,7 +7,6 @@
 #include <cerrno>
 
 #include "tests/formats/test_files.h"
-#include "tests/texts.h"
 
 namespace {
 
@@ -32,8 +31,8 @@ TEST(FolderLock, KeepsOthersFromPlanning) {
   {
     const FolderLock lock(folder.Path());
     EXPECT_TRUE(lock.IsLocked());
-    EXPECT_TRUE(Has(FileErrorOf([&] { FolderLock{folder.Path()}; }),
-                    "another planner is at work"));
+    ExpectFileError("another planner is at work",
+                    [&] { FolderLock{folder.Path()}; });
   }
   EXPECT_TRUE(FolderLock(folder.Path()).IsLocked());
 }
@@ -45,8 +44,7 @@ TEST(FolderLock, IsNoneWhereTheFileSystemHasNone) {
     EXPECT_FALSE(FolderLock(folder.Path()).IsLocked()) << error;
   }
   flock_error = 0;
-  EXPECT_TRUE(
-      Has(FileErrorOf([&] { FolderLock{folder.Path() / "none"}; }), "written"));
+  ExpectFileError("written", [&] { FolderLock{folder.Path() / "none"}; });
 }
 
 }  // namespace

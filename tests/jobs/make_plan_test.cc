@@ -13,7 +13,6 @@
 #include "colmap_ext/jobs/plan.h"
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/refinement_input.h"
-#include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext::make_plan_test {

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "tests/formats/test_files.h"
-#include "tests/texts.h"
 
 namespace colmap_ext::refinement_state_test {
 
@@ -18,9 +17,7 @@ struct RefinementStateTest : testing::Test {
   RefinementStateTest() {
     state_.mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 1e-30F}}, {{0, 1, 2}}};
     state_.attributes.colors = {{1, 2, 3}, {4, 5, 6}, {7, 8, 255}};
-    state_.attributes.views.AddRow(std::vector<uint32_t>{0, 1});
-    state_.attributes.views.AddRow(std::vector<uint32_t>{});
-    state_.attributes.views.AddRow(std::vector<uint32_t>{1});
+    state_.attributes.views = Rows<uint32_t>({0, 2, 2, 3}, {0, 1, 1});
     state_.origins = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
     state_.fixed_sources = {7, kNone, 9};
     state_.views.resize(2);
@@ -93,15 +90,15 @@ TEST_F(RefinementStateTest, IsReadBackAsItWas) {
 TEST_F(RefinementStateTest, NamesWhatDiffersAndRefusesDamagedFiles) {
   Write(state_);
   inputs_.options["levels"] = "2";
-  EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "levels was '3' and is '2'"));
+  ExpectFileError("levels was '3' and is '2'", [&] { Read(); });
   const std::string bytes = ReadFile(StatePath(output_));
   for (size_t at = 0; at < bytes.size(); ++at) {
     std::string other = bytes;
     other[at] = static_cast<char>(other[at] ^ 4);
-    WriteFile(StatePath(output_), other);
-    EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "start anew")) << at;
-    WriteFile(StatePath(output_), bytes.substr(0, at));
-    EXPECT_TRUE(Has(FileErrorOf([&] { Read(); }), "start anew")) << at;
+    for (const std::string& damaged : {other, bytes.substr(0, at)}) {
+      WriteFile(StatePath(output_), damaged);
+      ExpectFileError("start anew", [&] { Read(); });
+    }
   }
 }
 
@@ -109,7 +106,7 @@ TEST_F(RefinementStateTest, RefusesOlderVersionsInOneLine) {
   WriteFile(StatePath(output_),
             "{\n \"format\": \"colmap_ext facetwise_refiner resume\",\n "
             "\"version\": 6\n}\n");
-  EXPECT_EQ(FileErrorOf([&] { Read(); }),
+  EXPECT_EQ(MessageOf<FileError>([&] { Read(); }),
             StatePath(output_).string() +
                 ": of another version of the program: start anew, without "
                 "--resume");

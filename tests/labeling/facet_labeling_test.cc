@@ -9,8 +9,6 @@
 #include "labeling/facet_labeling.h"
 #include "labeling/view_pairs.h"
 #include "mesh/mesh_in_image.h"
-#include "tests/raster/room.h"
-#include "tests/raster/visible_facets.h"
 #include "tests/refine/refinement_scene.h"
 #include "tests/threads.h"
 

@@ -16,7 +16,6 @@
 #include "mesh/topology.h"
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 
 namespace colmap_ext::clip_mesh_test {
 
@@ -295,10 +294,7 @@ TEST(Footprints, AreThoseOfTheNearestViews) {
   const View view{"", 0, 0, 2, 2};  // at the origin, along z
   View near = view;
   near.cam_from_world_translation = {0, 0, -2};
-  Rows<uint32_t> vertex_views;
-  vertex_views.AddRow(std::vector<uint32_t>{0, 1});
-  vertex_views.AddRow(std::vector<uint32_t>{0});
-  vertex_views.EndRow();
+  const Rows<uint32_t> vertex_views({0, 2, 3, 3}, {0, 1, 0});
   EXPECT_EQ(Footprints(mesh, vertex_views, {view, near}),
             (std::vector<float>{1, 4, 2}));
   EXPECT_EQ(MedianFootprint(mesh, vertex_views, {view, near}), 2);

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "mesh/adjacency.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::editable_mesh_test {
@@ -82,8 +82,7 @@ TEST(EditableMesh, StaysManifoldUnderRandomOperations) {
     size_t num_collapses = 0;
     size_t num_flips = 0;
     for (int i = 0; i < 300; ++i) {
-      const uint32_t half =
-          random.Below(static_cast<uint32_t>(edit.NumHalfEdges()));
+      const uint32_t half = random.Below(edit.NumHalfEdges());
       if (edit.IsRemovedFacet(half / 3)) {
         continue;
       }

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/random_vectors.h"
 
 namespace colmap_ext::space_filling_curve_test {
@@ -94,14 +94,7 @@ TEST(SortAlongCurve, KeepsTheMeshAndBringsNeighborsTogether) {
   for (size_t i = 0; i < order.size(); ++i) {
     EXPECT_EQ(mesh.vertices[i], before.vertices[order[i]]);
   }
-  std::vector<Facet> facets;
-  for (const auto& [a, b, c] : mesh.facets) {
-    facets.push_back({order[a], order[b], order[c]});
-  }
-  std::vector<Facet> expected = before.facets;
-  std::ranges::sort(facets);
-  std::ranges::sort(expected);
-  EXPECT_EQ(facets, expected);
+  EXPECT_EQ(TrianglesOf(mesh), TrianglesOf(before));
   const auto spread = [](const TriangleMesh& any) {
     double sum = 0;
     for (const Facet& facet : any.facets) {

@@ -8,9 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "mesh/adjacency.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
-#include "tests/random.h"
 
 namespace colmap_ext::manifold_repair_test {
 

@@ -11,7 +11,6 @@
 #include "scene/view.h"
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 #include "tests/random_vectors.h"
 #include "tests/threads.h"
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "mesh/split_fans.h"
-#include "tests/delaunay/random_complex.h"
 #include "tests/mesh/manifold_links.h"
 #include "tests/meshing/fixing_problem.h"
 #include "tests/threads.h"
@@ -58,7 +57,7 @@ TEST_P(FixSingularVerticesTest, IsWhatExaminingAllVerticesAfterEachPassGives) {
         &random);
     Problem expected = problem;
     const FixingReport report = problem.Fix(GetParam());
-    const FixingReport reference = expected.FixAsReference(GetParam());
+    const FixingReport reference = ReferenceFixing(&expected).Run(GetParam());
     ASSERT_EQ(report.num_singular_raw, reference.num_singular_raw);
     ASSERT_EQ(report.num_singular_fixed, reference.num_singular_fixed);
     ASSERT_EQ(report.num_relabeled_cells, reference.num_relabeled_cells);
@@ -85,7 +84,8 @@ TEST_P(FixSingularVerticesTest, ExaminesVerticesInProportionToTheSingularOnes) {
     const size_t bound = num_vertices + 100 * report.num_singular_raw;
     EXPECT_GE(report.num_examined_vertices, num_vertices);
     EXPECT_LE(report.num_examined_vertices, bound);
-    EXPECT_GT(copy.FixAsReference(GetParam()).num_examined_vertices, bound);
+    EXPECT_GT(ReferenceFixing(&copy).Run(GetParam()).num_examined_vertices,
+              bound);
     EXPECT_EQ(problem.labels, copy.labels);
   }
 }

@@ -18,7 +18,6 @@
 #include "optim/min_cut.h"
 #include "spatial/predicates.h"
 #include "tests/delaunay/random_complex.h"
-#include "tests/random.h"
 
 namespace colmap_ext {
 
@@ -51,11 +50,6 @@ struct FixingProblem {
     return FixSingularVertices(rule, &tetrahedra, &graph, &labels, partial);
   }
 
-  // What FixSingularVertices does, written down without regard for time: after
-  // every pass all vertices are examined again, labels are copied to be put
-  // back.
-  FixingReport FixAsReference(FixingRule rule);
-
   // Fails where the arrays do not agree with each other.
   void ExpectConsistent() const {
     ASSERT_EQ(DefectOf(tetrahedra, false), "");
@@ -66,6 +60,8 @@ struct FixingProblem {
   bool operator==(const FixingProblem&) const = default;
 };
 
+// What FixSingularVertices does, written down without regard for time: after
+// every pass all vertices are examined again, labels are copied to be put back.
 class ReferenceFixing {
  public:
   explicit ReferenceFixing(FixingProblem* problem)
@@ -272,10 +268,6 @@ class ReferenceFixing {
   FixingReport report_;
 };
 
-inline FixingReport FixingProblem::FixAsReference(FixingRule rule) {
-  return ReferenceFixing(this).Run(rule);
-}
-
 inline FixingProblem RandomProblem(const std::vector<Eigen::Vector3f>& points,
                                    Random* random) {
   FixingProblem problem;
@@ -302,9 +294,7 @@ inline FixingProblem LargeProblemWithFewSingularVertices(int num_pairs,
   }
   std::vector<uint32_t> cells;
   for (int pair = 0; pair < num_pairs; ++pair) {
-    const uint32_t vertex =
-        random->Below(static_cast<uint32_t>(tetrahedra.points.size()));
-    IncidentCells(tetrahedra, vertex, &cells);
+    IncidentCells(tetrahedra, random->Below(tetrahedra.points.size()), &cells);
     for (const uint32_t cell : {cells.front(), cells.back()}) {
       problem.labels[cell] = !problem.labels[cell];
     }

@@ -12,10 +12,9 @@
 #include "scene/view.h"
 #include "spatial/self_intersections.h"
 #include "tests/delaunay/random_complex.h"
+#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
-#include "tests/random_vectors.h"
 #include "tests/texts.h"
 #include "tests/threads.h"
 
@@ -76,9 +75,7 @@ struct SphereScene {
     for (Eigen::Vector3f& position : cloud.positions) {
       position *= factor;
     }
-    for (View& view : views) {
-      view.cam_from_world_translation *= factor;
-    }
+    views = Scaled(views, factor);
   }
 
   PointCloud cloud;
@@ -113,11 +110,6 @@ std::vector<ManifoldMeshingOptions> Variants() {
   variants[5].min_component_faces = 20;
   variants[6].weak_surfaces = true;
   return variants;
-}
-
-Eigen::Vector3f CentroidOf(const TriangleMesh& mesh, const Facet& facet) {
-  const auto& [a, b, c] = facet;
-  return (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3;
 }
 
 TEST(MeshManifold, OfASphereIsOneSphere) {

@@ -10,17 +10,12 @@
 
 #include "mesh/adjacency.h"
 #include "spatial/self_intersections.h"
-#include "tests/mesh/shapes.h"
-#include "tests/random.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::noise_smoothing_test {
 
 using Eigen::Vector3f;
-
-float Uniform(float low, float high, Random* random) {
-  return low + (high - low) * static_cast<float>(random->Unit());
-}
 
 std::vector<Vector3f> Shaken(std::vector<Vector3f> points, double sigma) {
   std::mt19937 generator(7);
@@ -38,8 +33,8 @@ std::vector<Vector3f> SaddlePoints(size_t count) {
   Random random(3);
   std::vector<Vector3f> points;
   for (size_t i = 0; i < count; ++i) {
-    const float x = Uniform(-1, 1, &random);
-    const float y = Uniform(-1, 1, &random);
+    const float x = random.Between(-1, 1);
+    const float y = random.Between(-1, 1);
     points.emplace_back(x, y, 0.3f * x * x - 0.5f * x * y - 0.2f * y * y);
   }
   return points;
@@ -211,7 +206,7 @@ TEST(SmoothByNoise, MovesNothingFarOrThroughOthers) {
   const auto size = static_cast<uint32_t>(mesh.vertices.size());
   const std::vector<Facet> facets = mesh.facets;
   for (uint32_t i = 0; i < size; ++i) {
-    mesh.vertices[i].z() = Uniform(-0.02f, 0.02f, &random);
+    mesh.vertices[i].z() = random.Between(-0.02f, 0.02f);
     mesh.vertices.push_back(mesh.vertices[i] + Vector3f(0, 0, 1e-3f));
   }
   for (const Facet& facet : facets) {
@@ -221,7 +216,7 @@ TEST(SmoothByNoise, MovesNothingFarOrThroughOthers) {
   const std::vector<Vector3f> before = mesh.vertices;
   std::vector<float> noises;
   for (uint32_t i = 0; i < 2 * size; ++i) {
-    noises.push_back(Uniform(0, 0.05f, &random));
+    noises.push_back(random.Between(0, 0.05f));
   }
   const SmoothingReport report = SmoothByNoise(noises, 1, &mesh);
   EXPECT_GT(report.num_kept, 0u);

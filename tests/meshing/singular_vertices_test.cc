@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "meshing/fix_singular_vertices.h"
-#include "tests/delaunay/random_complex.h"
 #include "tests/meshing/fixing_problem.h"
 #include "tests/threads.h"
 
@@ -116,7 +115,7 @@ TEST(SingularVertexTracker, FollowsFlipsSplitsAndUndoneFlips) {
     std::vector<uint8_t> labels = problem.labels;
     size_t num_flips = 0;
     const auto random_cell = [&] {
-      return random.Below(static_cast<uint32_t>(problem.labels.size()));
+      return random.Below(problem.labels.size());
     };
     for (int step = 0; step < 60; ++step) {
       const uint32_t kind = random.Below(8);

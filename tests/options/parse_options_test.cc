@@ -13,7 +13,6 @@
 #include "colmap_ext/options/refinement_options.h"
 #include "colmap_ext/options/viewer_options.h"
 #include "tests/formats/test_files.h"
-#include "tests/texts.h"
 
 namespace colmap_ext::parse_options_test {
 

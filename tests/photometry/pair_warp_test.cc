@@ -6,10 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "spatial/bvh.h"
-#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
-#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::pair_warp_test {
@@ -42,6 +39,16 @@ struct WarpScene {
 
   FacetFrame Frame(uint32_t facet) const {
     return ComputeFacetFrame(mesh, mesh.facets[facet]);
+  }
+
+  // The point on a facet's plane that pixel (row, col) of view i shows.
+  Vector3d PointAt(int i, uint32_t facet, int row, int col) const {
+    const FacetFrame frame = Frame(facet);
+    const Vector3d eye = views[i].Center();
+    const Vector3d ray =
+        views[i].RayFromPixel() * Vector3d(col + 0.5, row + 0.5, 1);
+    return eye +
+           frame.normal.dot(frame.corner - eye) / frame.normal.dot(ray) * ray;
   }
 
   TriangleMesh mesh;
@@ -106,14 +113,6 @@ Vector2d SeenAt(const View& view, const Vector3d& point) {
   return view.ImageFromCam(view.CamFromWorld(point));
 }
 
-// The point on a facet's plane that pixel (row, col) of a view shows.
-Vector3d PointAt(const View& view, const FacetFrame& frame, int row, int col) {
-  const Vector3d ray = view.RayFromPixel() * Vector3d(col + 0.5, row + 0.5, 1);
-  const double depth =
-      frame.normal.dot(frame.corner - view.Center()) / frame.normal.dot(ray);
-  return view.Center() + depth * ray;
-}
-
 TEST(PairWarp, FindsWhereOnTheirFacetsPixelsLie) {
   const WarpScene scene = MakeScene();
   const Warped warped = Compute(scene, 0, 1);
@@ -126,8 +125,7 @@ TEST(PairWarp, FindsWhereOnTheirFacetsPixelsLie) {
     }
     ++num_compared;
     const Vector3d expected =
-        Barycentric(scene.Frame(facet),
-                    PointAt(scene.views[0], scene.Frame(facet), row, col));
+        Barycentric(scene.Frame(facet), scene.PointAt(0, facet, row, col));
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(warped.geometry.barycentric[at][k], expected[k], 1e-6);
       EXPECT_GT(warped.geometry.barycentric[at][k], -0.02);
@@ -155,8 +153,7 @@ TEST(PairWarp, OfTheTrueSurfaceShowsTheSame) {
       EXPECT_EQ(warped.tile.image[at], scene.images[i].pixels[at]);
       EXPECT_EQ(warped.tile.inverse_depths[at],
                 scene.drawn[i].inverse_depths[at]);
-      const Vector3d point =
-          PointAt(scene.views[i], scene.Frame(facet), row, col);
+      const Vector3d point = scene.PointAt(i, facet, row, col);
       const double depth = view_j.CamFromWorld(point).z();
       const DepthRange around =
           DepthsAround(bvh, view_j, SeenAt(view_j, point), 2.5);
@@ -186,8 +183,7 @@ TEST(PairWarp, IsValidWhereBothViewsSeeTheFacet) {
         EXPECT_FALSE(is_valid);
         return;
       }
-      const Vector3d point =
-          PointAt(scene.views[i], scene.Frame(facet), row, col);
+      const Vector3d point = scene.PointAt(i, facet, row, col);
       const Vector2d pixel = SeenAt(scene.views[j], point);
       if (!(pixel.minCoeff() >= 0.5 &&
             pixel.x() <= scene.views[j].width - 0.5 &&

@@ -11,7 +11,6 @@
 #include "photometry/photometric_energy.h"
 #include "raster/facet_id_buffer.h"
 #include "raster/visibility_buffers.h"
-#include "tests/random.h"
 #include "tests/refine/refinement_scene.h"
 
 namespace colmap_ext::photometric_energy_test {
@@ -129,14 +128,10 @@ void CpuPhotometricEnergyTest::ExpectGradient(
 TEST_F(CpuPhotometricEnergyTest, GradientIsThatOfFiniteDifferences) {
   ExpectGradient({}, {{0, 1}});
   ExpectGradient({}, {{0, 1}, {0, 7}, {1, 2}});
-  PhotometricOptions papers;
-  papers.residual_floor = 1000;
-  ExpectGradient(papers, {{0, 1}});
+  ExpectGradient({.residual_floor = 1000}, {{0, 1}});  // as in the paper
   for (const int radius : {1, 3}) {
-    PhotometricOptions options;
-    options.window_radius = radius;
-    options.occlusion_masking = radius == 1;
-    ExpectGradient(options, {{1, 2}});
+    ExpectGradient({.window_radius = radius, .occlusion_masking = radius == 1},
+                   {{1, 2}});
   }
 }
 
@@ -391,10 +386,8 @@ TEST_F(CpuPhotometricEnergyTest, FacetsAreNotSeenInMaskedPixels) {
       continue;
     }
     ++num_seen;
-    const auto& [a, b, c] = mesh.facets[i];
-    const Eigen::Vector3f centroid =
-        (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3;
-    EXPECT_GE(view.ImageFromCam(view.CamFromWorld(centroid.cast<double>())).y(),
+    const Vector3d centroid = CentroidOf(mesh, mesh.facets[i]).cast<double>();
+    EXPECT_GE(view.ImageFromCam(view.CamFromWorld(centroid)).y(),
               view.height / 2);
   }
   EXPECT_GT(num_seen, 10u);

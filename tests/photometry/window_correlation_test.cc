@@ -45,6 +45,12 @@ CorrelationTile RaggedTile(int width, int height, int radius, Random* random) {
   return tile;
 }
 
+struct Case {
+  PhotometricOptions options;
+  float max_relative_depth = std::numeric_limits<float>::max();
+  CorrelationTile tile;
+};
+
 // From the definitions, in double.
 struct DirectWindow {
   std::vector<size_t> pixels;
@@ -55,17 +61,17 @@ struct DirectWindow {
   double energy = 0;
 };
 
-DirectWindow Correlate(const PhotometricOptions& options,
-                       double max_relative_depth, const CorrelationTile& tile,
-                       const std::vector<double>& warped, int row, int col) {
-  const int radius = options.window_radius;
+DirectWindow Correlate(const Case& ragged, const std::vector<double>& warped,
+                       int row, int col) {
+  const CorrelationTile& tile = ragged.tile;
+  const int radius = ragged.options.window_radius;
   const double depth = tile.inverse_depths[tile.Index(row, col)];
   DirectWindow window;
   for (int y = row - radius; y <= row + radius; ++y) {
     for (int x = col - radius; x <= col + radius; ++x) {
       const size_t i = tile.Index(y, x);
       if (tile.is_valid[i] > 0 && std::abs(tile.inverse_depths[i] - depth) <=
-                                      max_relative_depth * depth) {
+                                      ragged.max_relative_depth * depth) {
         window.pixels.push_back(i);
       }
     }
@@ -90,9 +96,9 @@ DirectWindow Correlate(const PhotometricOptions& options,
   }
   const double smaller = std::min(window.a, window.b);
   if (smaller > kMinVariance) {
-    const double s = 1 + options.residual_floor;
+    const double s = 1 + ragged.options.residual_floor;
     window.zncc = covariance / std::sqrt(window.a * window.b);
-    window.weight = smaller / (smaller + options.noise_variance);
+    window.weight = smaller / (smaller + ragged.options.noise_variance);
     window.energy = window.weight * s * std::log(1 - window.zncc / s);
   }
   return window;
@@ -100,38 +106,27 @@ DirectWindow Correlate(const PhotometricOptions& options,
 
 // Calls function(i, window) for all windows that count.
 template <typename Function>
-void ForEachWindow(const PhotometricOptions& options, double max_relative_depth,
-                   const CorrelationTile& tile,
-                   const std::vector<double>& warped,
+void ForEachWindow(const Case& ragged, const std::vector<double>& warped,
                    const Function& function) {
-  ForEachPixel(tile, [&](int row, int col) {
-    const size_t i = tile.Index(row, col);
-    if (tile.is_center[i] != 0 && tile.is_valid[i] > 0) {
-      function(i,
-               Correlate(options, max_relative_depth, tile, warped, row, col));
+  ForEachPixel(ragged.tile, [&](int row, int col) {
+    const size_t i = ragged.tile.Index(row, col);
+    if (ragged.tile.is_center[i] != 0 && ragged.tile.is_valid[i] > 0) {
+      function(i, Correlate(ragged, warped, row, col));
     }
   });
 }
 
-double DirectEnergy(const PhotometricOptions& options,
-                    double max_relative_depth, const CorrelationTile& tile,
-                    const std::vector<double>& warped) {
+double DirectEnergy(const Case& ragged, const std::vector<double>& warped) {
   double energy = 0;
-  ForEachWindow(
-      options, max_relative_depth, tile, warped,
-      [&](size_t, const DirectWindow& window) { energy += window.energy; });
+  ForEachWindow(ragged, warped, [&](size_t, const DirectWindow& window) {
+    energy += window.energy;
+  });
   return energy;
 }
 
 double Sum(const std::vector<float>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
-
-struct Case {
-  PhotometricOptions options;
-  float max_relative_depth = std::numeric_limits<float>::max();
-  CorrelationTile tile;
-};
 
 // Ragged tiles with all sizes of windows, with and without masks.
 std::vector<Case> RaggedCases() {
@@ -161,8 +156,7 @@ TEST(WindowCorrelation, AgreesWithADirectComputation) {
     std::vector<double> energies(tile.image.size(), 0);
     std::vector<double> curvatures(tile.image.size(), 0);
     const double s = 1 + ragged.options.residual_floor;
-    ForEachWindow(ragged.options, ragged.max_relative_depth, tile,
-                  {tile.warped.begin(), tile.warped.end()},
+    ForEachWindow(ragged, {tile.warped.begin(), tile.warped.end()},
                   [&](size_t center, const DirectWindow& window) {
                     weights[center] = window.weight;
                     energies[center] = window.energy;
@@ -219,11 +213,9 @@ TEST(WindowCorrelation, DerivativesAreThoseOfFiniteDifferences) {
     for (size_t i = 0; i < warped.size(); ++i) {
       const double value = warped[i];
       warped[i] = value + kStep;
-      const double above =
-          DirectEnergy(ragged.options, ragged.max_relative_depth, tile, warped);
+      const double above = DirectEnergy(ragged, warped);
       warped[i] = value - kStep;
-      const double below =
-          DirectEnergy(ragged.options, ragged.max_relative_depth, tile, warped);
+      const double below = DirectEnergy(ragged, warped);
       warped[i] = value;
       EXPECT_NEAR(tile.derivatives[i], (above - below) / (2 * kStep),
                   1e-3 * largest);

@@ -6,10 +6,8 @@
 
 #include "base/indices.h"
 #include "raster/facet_id_buffer.h"
-#include "tests/look_at.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/random_vectors.h"
-#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::facet_clusters_test {
@@ -169,8 +167,7 @@ TEST(FindVisibleParts, AreVisibleWhereTheDrawnSurfaceIs) {
   for (uint32_t i = 0; i < mesh.facets.size(); ++i) {
     const auto& [a, b, c] = mesh.facets[i];
     const auto middle = static_cast<uint32_t>(parts.vertices.size());
-    parts.vertices.push_back(
-        (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3);
+    parts.vertices.push_back(CentroidOf(mesh, mesh.facets[i]));
     for (const Facet& part :
          {Facet{a, b, middle}, Facet{b, c, middle}, Facet{c, a, middle}}) {
       parts.facets.push_back(part);

@@ -1,7 +1,6 @@
 #include "raster/facet_id_buffer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <tuple>
@@ -11,13 +10,8 @@
 #include <Eigen/LU>
 
 #include "spatial/bvh.h"
-#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 #include "tests/peak_memory.h"
-#include "tests/random.h"
-#include "tests/raster/pixels.h"
-#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::facet_id_buffer_test {
@@ -175,7 +169,7 @@ TEST(DrawFacets, LetsTheFirstOfEqualFacetsWin) {
   Random random(3);
   TriangleMesh mesh = RandomTriangles(10, &random);
   const FacetIdBuffer expected = DrawFacets(StraightView(), mesh, 0.1);
-  mesh.facets.insert(mesh.facets.end(), mesh.facets.begin(), mesh.facets.end());
+  Append(std::vector(mesh.facets), &mesh.facets);
   EXPECT_EQ(DrawFacets(StraightView(), mesh, 0.1).facets, expected.facets);
 }
 
@@ -335,7 +329,7 @@ TEST(IsNearest, SeesWhatNothingLiesInFrontOf) {
   int num_visible = 0;
   int num_hidden = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    const auto facet = random.Below(static_cast<uint32_t>(mesh.facets.size()));
+    const uint32_t facet = random.Below(mesh.facets.size());
     const double a = random.Unit();
     const double b = (1 - a) * random.Unit();
     const auto [first, second, third] =

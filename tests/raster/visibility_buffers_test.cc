@@ -9,10 +9,7 @@
 
 #include "raster/facet_id_buffer.h"
 #include "spatial/bvh.h"
-#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
-#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 #include "tests/threads.h"
 
@@ -34,8 +31,7 @@ std::vector<View> ViewsAround(double distance) {
 }
 
 Vector3d Centroid(const TriangleMesh& mesh, size_t facet) {
-  const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[facet]);
-  return (a + b + c) / 3;
+  return CentroidOf(mesh, mesh.facets[facet]).cast<double>();
 }
 
 bool IsSeen(const FacetVisibility& visibility, size_t facet, uint32_t view) {

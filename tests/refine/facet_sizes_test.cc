@@ -9,10 +9,8 @@
 #include <Eigen/Geometry>
 
 #include "mesh/mesh_in_image.h"
-#include "tests/look_at.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
-#include "tests/raster/room.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::facet_sizes_test {
@@ -55,15 +53,18 @@ VertexAttributes MakeAttributes(size_t num_vertices) {
   return attributes;
 }
 
-Surface Subdivide(double max_area, const TriangleMesh& mesh,
-                  const std::vector<View>& views) {
-  Surface result{mesh, MakeAttributes(mesh.vertices.size())};
-  const auto draw = [&](const TriangleMesh& drawn) {
+auto DrawBy(const std::vector<View>& views) {
+  return [views](const TriangleMesh& drawn) {
     return std::make_shared<const VisibilityBuffers>(drawn, views, kMinCosine,
                                                      SIZE_MAX);
   };
+}
+
+Surface Subdivide(double max_area, const TriangleMesh& mesh,
+                  const std::vector<View>& views) {
+  Surface result{mesh, MakeAttributes(mesh.vertices.size())};
   const FacetVisibility visibility =
-      SubdivideLargeFacets(max_area, draw, &result);
+      SubdivideLargeFacets(max_area, DrawBy(views), &result);
   EXPECT_EQ(visibility, VisibleFacets(result.mesh, views, kMinCosine));
   return result;
 }
@@ -162,11 +163,7 @@ Remeshed Remesh(double area, const TriangleMesh& mesh) {
     origin += kShift;
     result.attributes.views.AddRow(std::vector<uint32_t>{0, 1});
   }
-  const auto draw = [](const TriangleMesh& drawn) {
-    return std::make_shared<const VisibilityBuffers>(drawn, FineViews(),
-                                                     kMinCosine, SIZE_MAX);
-  };
-  result.visibility = RemeshForImages(area, draw, &result);
+  result.visibility = RemeshForImages(area, DrawBy(FineViews()), &result);
   return result;
 }
 

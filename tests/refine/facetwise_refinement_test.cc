@@ -12,13 +12,9 @@
 #include "spatial/bvh.h"
 #include "spatial/self_intersections.h"
 #include "tests/cameras/camera_scene.h"
-#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
-#include "tests/random.h"
-#include "tests/raster/visible_facets.h"
-#include "tests/remesh/thin_facets.h"
+#include "tests/remesh/remeshed.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::facetwise_refinement_test {
@@ -82,9 +78,7 @@ double MedianError(const TriangleMesh& mesh) {
   std::vector<double> errors;
   for (size_t i = 0; i < mesh.facets.size(); ++i) {
     if (visibility[i].size() >= 2) {
-      const auto [a, b, c] = mesh.facets[i];
-      errors.push_back(truth.Distance(
-          (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3, 1));
+      errors.push_back(truth.Distance(CentroidOf(mesh, mesh.facets[i]), 1));
     }
   }
   return Median(&errors) / Scene().scene.dense.scene.footprint;
@@ -99,23 +93,9 @@ TEST_F(RefineFacetwiseTest, LeavesFixedVerticesAndFacetsAsTheyAre) {
   start.fixed_sources = SourcesOf(fixed, mesh_.vertices.size());
   start.is_part = true;
   const RefinedMesh refined = Refine(start);
-  const FixedSources& sources = refined.fixed_sources;
-  ASSERT_EQ(sources.size(), refined.mesh.vertices.size());
-  size_t num_found = 0;
-  for (size_t i = 0; i < sources.size(); ++i) {
-    if (sources[i] != kNone) {
-      EXPECT_EQ(mesh_.vertices[sources[i]], refined.mesh.vertices[i]);
-      ++num_found;
-    }
-  }
-  EXPECT_EQ(num_found, std::ranges::count(fixed, 1));
-  const auto count = [](const TriangleMesh& of, const FixedVertices& by) {
-    return std::ranges::count_if(
-        of.facets, [&](const Facet& facet) { return IsFixed(by, facet); });
-  };
-  EXPECT_GE(count(refined.mesh, FixedOf(sources)), count(mesh_, fixed));
+  ExpectFixed(mesh_, fixed, refined.mesh, refined.fixed_sources);
   EXPECT_TRUE(Analyze(refined.mesh).IsManifold());
-  const FixedVertices fixed_after = FixedOf(sources);
+  const FixedVertices fixed_after = FixedOf(refined.fixed_sources);
   for (size_t i = 0; i < refined.mesh.facets.size(); ++i) {
     EXPECT_TRUE(!IsFixed(fixed_after, refined.mesh.facets[i]) ||
                 refined.labels.labels[i].empty());
@@ -240,9 +220,7 @@ TEST_F(RefineFacetwiseTest, KeepsTheTopology) {
 TEST_F(RefineFacetwiseTest, MakesNoSelfIntersections) {
   Random random(1);
   for (int i = 0; i < 20; ++i) {  // spikes
-    const uint32_t vertex =
-        random.Below(static_cast<uint32_t>(mesh_.vertices.size()));
-    mesh_.vertices[vertex] *= 0.7f;
+    mesh_.vertices[random.Below(mesh_.vertices.size())] *= 0.7f;
   }
   const size_t num_before = FindSelfIntersections(mesh_).size();
   EXPECT_GT(num_before, 0u);

@@ -13,11 +13,8 @@
 #include "mesh/normals.h"
 #include "raster/facet_id_buffer.h"
 #include "refine/smoothness_model.h"
-#include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 #include "tests/refine/refinement_scene.h"
-#include "tests/synthetic/noise.h"
 
 namespace colmap_ext::level_refinement_test {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -10,7 +9,7 @@
 
 #include "mesh/normals.h"
 #include "raster/facet_id_buffer.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::normal_equations_test {

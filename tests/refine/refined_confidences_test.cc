@@ -1,6 +1,5 @@
 #include "refine/refined_confidences.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -8,8 +7,6 @@
 
 #include "tests/look_at.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
-#include "tests/random.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::refined_confidences_test {

@@ -13,7 +13,7 @@
 #include "photometry/image_pyramid.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/random.h"
-#include "tests/raster/room.h"
+#include "tests/raster/visible_facets.h"
 #include "tests/synthetic/dense_scene.h"
 
 namespace colmap_ext {

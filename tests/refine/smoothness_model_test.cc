@@ -6,7 +6,6 @@
 
 #include "mesh/normals.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::smoothness_model_test {
@@ -31,9 +30,7 @@ struct Scene {
     domain.rings = MakeVertexRings(surface.mesh);
     surface.normals = VertexNormals(surface.mesh, domain.rings);
     const size_t num_facets = surface.mesh.facets.size();
-    FacetTerms terms;
-    terms.curvatures = {2, 1, 1, 2, 1, 2};
-    surface.terms.facets.assign(num_facets, terms);
+    surface.terms.facets.assign(num_facets, {.curvatures = {2, 1, 1, 2, 1, 2}});
     const size_t size = surface.mesh.vertices.size();
     domain.footprints.assign(size, kFootprint);
     domain.num_pixels.assign(size, 5);

@@ -11,7 +11,6 @@
 
 #include "mesh/normals.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 
 namespace colmap_ext::thin_plate_test {
 
@@ -243,9 +242,7 @@ constexpr float kFootprint = 0.5F;
 // A sheet z = height(x, y) of kSize x kSize vertices, one scene unit apart.
 template <typename Height>
 TriangleMesh Sheet(Height height) {
-  return Moved(MakeSheet(kSize - 1, kSize - 1), [&](const Vector3f& at) {
-    return Vector3f(at.x(), at.y(), height(at.x(), at.y()));
-  });
+  return MakeHeightField(kSize - 1, height);
 }
 
 std::vector<double> TrustedReliefOf(const TriangleMesh& mesh,

@@ -10,7 +10,6 @@
 #include "mesh/normals.h"
 #include "spatial/self_intersections.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::vertex_motion_test {

@@ -1,10 +1,8 @@
 // What stays stays: positions, edges and facets between fixed vertices.
 
-#include <algorithm>
 #include <array>
 #include <numeric>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,9 +10,9 @@
 #include "mesh/subdivision.h"
 #include "remesh/anchored_mesh.h"
 #include "remesh/isotropic_remeshing.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
-#include "tests/random.h"
+#include "tests/remesh/remeshed.h"
 
 namespace colmap_ext::fixed_vertices_test {
 
@@ -25,45 +23,6 @@ FixedVertices Half(const TriangleMesh& mesh) {
     fixed.push_back(vertex.x() + 0.3F * vertex.y() > 0.1F ? 1 : 0);
   }
   return fixed;
-}
-
-Facet Turned(Facet facet) {
-  std::rotate(facet.begin(), std::ranges::min_element(facet), facet.end());
-  return facet;
-}
-
-// The facets all of whose corners come from fixed vertices, by these.
-std::set<Facet> FixedFacets(const TriangleMesh& mesh,
-                            const std::vector<uint32_t>& sources) {
-  std::set<Facet> facets;
-  for (const Facet& facet : mesh.facets) {
-    const Facet old = {sources[facet[0]], sources[facet[1]], sources[facet[2]]};
-    if (std::ranges::find(old, kNone) == old.end()) {
-      facets.insert(Turned(old));
-    }
-  }
-  return facets;
-}
-
-void ExpectFixed(const TriangleMesh& before, const FixedVertices& fixed,
-                 const TriangleMesh& after,
-                 const std::vector<uint32_t>& sources) {
-  ASSERT_EQ(sources.size(), after.vertices.size());
-  std::set<uint32_t> found;
-  for (size_t i = 0; i < sources.size(); ++i) {
-    if (sources[i] != kNone) {
-      EXPECT_TRUE(IsFixed(fixed, sources[i]));
-      EXPECT_EQ(before.vertices[sources[i]], after.vertices[i]);
-      EXPECT_TRUE(found.insert(sources[i]).second);
-    }
-  }
-  EXPECT_EQ(static_cast<size_t>(std::ranges::count(fixed, 1)), found.size());
-  const std::set<Facet> facets = FixedFacets(after, sources);
-  for (const Facet& facet : before.facets) {
-    if (IsFixed(fixed, facet)) {
-      EXPECT_TRUE(facets.contains(Turned(facet)));
-    }
-  }
 }
 
 TEST(FixedVertices, StayWhenASurfaceIsRemeshed) {

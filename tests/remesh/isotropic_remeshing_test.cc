@@ -8,9 +8,9 @@
 
 #include "mesh/normals.h"
 #include "spatial/bvh.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
-#include "tests/remesh/thin_facets.h"
+#include "tests/remesh/remeshed.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::isotropic_remeshing_test {

@@ -10,7 +10,7 @@
 #include "mesh/split_fans.h"
 #include "mesh/topology.h"
 #include "spatial/self_intersections.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::edit_borders_test {
@@ -183,8 +183,7 @@ TriangleMesh SquareWithout(const Eigen::AlignedBox2f& box) {
   Random random(1);
   TriangleMesh mesh = MakeJitteredSquare(40, &random);
   std::erase_if(mesh.facets, [&](const Facet& facet) {
-    const auto [a, b, c] = CornersOf(mesh, facet);
-    return box.contains(((a + b + c) / 3).head<2>());
+    return box.contains(CentroidOf(mesh, facet).head<2>());
   });
   return SplitFans(mesh).mesh;
 }

@@ -9,8 +9,8 @@
 
 #include "repair/guarded_mesh.h"
 #include "spatial/self_intersections.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
-#include "tests/mesh/shapes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::self_intersection_repair_test {
@@ -61,14 +61,6 @@ Repaired ExpectRepaired(TriangleMesh mesh) {
   return repair;
 }
 
-// A sheet of quads of sides of 1, whose vertices lie at a height.
-template <typename Height>
-TriangleMesh Sheet(const Height& height, uint32_t num_quads = 20) {
-  return Moved(MakeSheet(num_quads, num_quads), [&](const Vector3f& p) {
-    return Vector3f(p.x(), p.y(), height(p.x(), p.y()));
-  });
-}
-
 TEST(RepairSelfIntersections, LeavesMeshesWithoutThemAsTheyAre) {
   Random random(1);
   for (const TriangleMesh& mesh :
@@ -83,14 +75,12 @@ TEST(RepairSelfIntersections, LeavesMeshesWithoutThemAsTheyAre) {
 
 TEST(RepairSelfIntersections, DrawsASpikeBackThroughASheet) {
   for (const int width : {0, 1, 2}) {
-    ExpectRepaired(Union(Sheet([&](float x, float y) {
-                           return std::max(std::abs(x - 10),
-                                           std::abs(y - 10)) <=
-                                          static_cast<float>(width)
-                                      ? 2.f
-                                      : 0.f;
-                         }),
-                         Shifted(kFlat, {0, 0, 1})));
+    const auto spike = [&](float x, float y) {
+      const float distance = std::max(std::abs(x - 10), std::abs(y - 10));
+      return distance <= static_cast<float>(width) ? 2.f : 0.f;
+    };
+    ExpectRepaired(
+        Union(MakeHeightField(20, spike), Shifted(kFlat, {0, 0, 1})));
   }
 }
 
@@ -99,16 +89,18 @@ TEST(RepairSelfIntersections, PartsSheetsThatBulgeThroughEachOther) {
     return std::exp(-0.1f * ((x - 10) * (x - 10) + (y - 10) * (y - 10)));
   };
   for (const float overlap : {0.05f, 0.1f, 0.3f}) {
-    ExpectRepaired(Union(
-        Sheet([&](float x, float y) { return bump(x, y) + overlap; }),
-        Sheet([&](float x, float y) { return 2 - bump(x + 0.3f, y + 0.2f); })));
+    ExpectRepaired(Union(Shifted(MakeHeightField(20, bump), {0, 0, overlap}),
+                         MakeHeightField(20, [&](float x, float y) {
+                           return 2 - bump(x + 0.3f, y + 0.2f);
+                         })));
   }
 }
 
 TEST(RepairSelfIntersections, PartsSheetsThatTouch) {
   // At a vertex, along the quads around it, and where two vertices meet.
   ExpectRepaired(Union(
-      Sheet([](float x, float y) { return x == 10 && y == 10 ? 1.f : 0.f; }),
+      MakeHeightField(
+          20, [](float x, float y) { return x == 10 && y == 10 ? 1.f : 0.f; }),
       Shifted(kFlat, {0, 0, 1})));
   // Both in one plane, each on the matter's side of the other.
   ExpectRepaired(Union(kFlat, Moved(kFlat, [](const Vector3f& p) -> Vector3f {
@@ -204,12 +196,12 @@ TriangleMesh CrossingSheets(Random* random) {
   const auto other_height = [&](float x, float y) {
     return height(x, y) - (random->Chance(0.05) ? 0.2f : 0.0f);
   };
-  TriangleMesh mesh = Union(Sheet(height, 12),
-                            Shifted(Sheet(other_height, 12), {0.3f, 0, 0.31f}));
+  TriangleMesh mesh =
+      Union(MakeHeightField(12, height),
+            Shifted(MakeHeightField(12, other_height), {0.3f, 0, 0.31f}));
   for (int i = 0; i < 4; ++i) {
-    const auto a = random->Below(static_cast<uint32_t>(mesh.vertices.size()));
-    const auto b = random->Below(static_cast<uint32_t>(mesh.vertices.size()));
-    mesh.vertices[a] = mesh.vertices[b];
+    const uint32_t a = random->Below(mesh.vertices.size());
+    mesh.vertices[a] = mesh.vertices[random->Below(mesh.vertices.size())];
   }
   return mesh;
 }

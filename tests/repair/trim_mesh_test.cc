@@ -9,41 +9,38 @@
 #include "mesh/normals.h"
 #include "mesh/topology.h"
 #include "spatial/self_intersections.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::trim_mesh_test {
 
 float Height(const TriangleMesh& mesh, const Facet& facet) {
-  const auto [a, b, c] = CornersOf(mesh, facet);
-  return (a.z() + b.z() + c.z()) / 3;
+  return CentroidOf(mesh, facet).z();
 }
 
-// [F] 1 where is_sure(facet) holds, else 0.
+// [F] 1 where is_sure(centroid) holds, else 0.
 template <typename IsSure>
 std::vector<float> SureWhere(const TriangleMesh& mesh, const IsSure& is_sure) {
   std::vector<float> confidences;
   for (const Facet& facet : mesh.facets) {
-    confidences.push_back(is_sure(facet) ? 1.0f : 0.0f);
+    confidences.push_back(is_sure(CentroidOf(mesh, facet)) ? 1.0f : 0.0f);
   }
   return confidences;
 }
 
 std::vector<float> SureBelow(const TriangleMesh& mesh, float height) {
-  return SureWhere(
-      mesh, [&](const Facet& facet) { return Height(mesh, facet) < height; });
+  return SureWhere(mesh, [&](const auto& p) { return p.z() < height; });
 }
 
-// Whether a facet is near the upper end of the z axis.
-bool IsOnTop(const TriangleMesh& mesh, const Facet& facet, float radius) {
-  const Eigen::Vector3f& corner = mesh.vertices[facet[0]];
-  return corner.z() > 0 && corner.head<2>().norm() < radius;
+// Whether a point is near the upper end of the z axis.
+bool IsOnTop(const Eigen::Vector3f& point, float radius) {
+  return point.z() > 0 && point.head<2>().norm() < radius;
 }
 
 std::vector<float> RandomConfidences(const TriangleMesh& mesh, double share_low,
                                      Random* random) {
   return SureWhere(mesh,
-                   [&](const Facet&) { return !random->Chance(share_low); });
+                   [&](const auto&) { return !random->Chance(share_low); });
 }
 
 // Trims a mesh and checks what holds for every mesh.
@@ -118,9 +115,8 @@ TEST(TrimMesh, KeepsSpecksWithinGoodSurface) {
 TEST(TrimMesh, KeepsGapsUpToTwiceTheWidth) {
   const TriangleMesh mesh = MakeBumpySphere(0.05f);
   for (const float radius : {0.15f, 0.3f}) {
-    const std::vector<float> confidences = SureWhere(
-        mesh,
-        [&](const Facet& facet) { return !IsOnTop(mesh, facet, radius); });
+    const std::vector<float> confidences =
+        SureWhere(mesh, [&](const auto& p) { return !IsOnTop(p, radius); });
     EXPECT_EQ(Trim(mesh, confidences, 1.5f * radius).mesh, mesh);
     size_t num_facets = 0;
     for (const float gap_width : {0.0f, 0.2f * radius, 0.6f * radius}) {
@@ -134,17 +130,16 @@ TEST(TrimMesh, KeepsGapsUpToTwiceTheWidth) {
 
 TEST(TrimMesh, KeepsStripsThatConnectWhatIsConfident) {
   const TriangleMesh mesh = MakeBumpySphere(0.05f);
-  const std::vector<float> confidences = SureWhere(
-      mesh,
-      [&](const Facet& facet) { return std::abs(Height(mesh, facet)) > 0.1f; });
+  const std::vector<float> confidences =
+      SureWhere(mesh, [](const auto& p) { return std::abs(p.z()) > 0.1f; });
   EXPECT_EQ(Trim(mesh, confidences, 0.2f).mesh, mesh);
   EXPECT_EQ(Analyze(Trim(mesh, confidences, 0.05f).mesh).num_components, 2);
 }
 
 TEST(TrimMesh, AddsNothingAlongTheBorder) {
   const TriangleMesh mesh = MakeBumpyCap(0.05f);  // ends at -0.3
-  const std::vector<float> confidences = SureWhere(
-      mesh, [&](const Facet& facet) { return Height(mesh, facet) > -0.2f; });
+  const std::vector<float> confidences =
+      SureWhere(mesh, [](const auto& p) { return p.z() > -0.2f; });
   const TrimmedMesh trimmed = Trim(mesh, confidences, 0.3f);
   for (const Facet& facet : trimmed.mesh.facets) {
     EXPECT_GT(Height(trimmed.mesh, facet), -0.23);
@@ -154,13 +149,9 @@ TEST(TrimMesh, AddsNothingAlongTheBorder) {
 
 TEST(TrimMesh, DropsIslandsWithinAMembrane) {
   const TriangleMesh mesh = MakeBumpySphere(0.1f);
-  const TrimmedMesh trimmed = Trim(
-      mesh,
-      SureWhere(mesh,
-                [&](const Facet& facet) {
-                  return Height(mesh, facet) < 0 || IsOnTop(mesh, facet, 0.15f);
-                }),
-      0.2f);
+  const std::vector<float> confidences = SureWhere(
+      mesh, [](const auto& p) { return p.z() < 0 || IsOnTop(p, 0.15f); });
+  const TrimmedMesh trimmed = Trim(mesh, confidences, 0.2f);
   EXPECT_GT(trimmed.report.num_leftovers, 0);
   for (const Facet& facet : trimmed.mesh.facets) {
     EXPECT_LT(Height(trimmed.mesh, facet), 0.1);
@@ -169,11 +160,9 @@ TEST(TrimMesh, DropsIslandsWithinAMembrane) {
 
 TEST(TrimMesh, KeepsPiecesThatAreMoreThanBorder) {
   const TriangleMesh mesh = MakeBumpySphere(0.05f);
-  const TrimmedMesh trimmed =
-      Trim(mesh, SureWhere(mesh, [&](const Facet& facet) {
-             const float height = Height(mesh, facet);
-             return height < 0 || height > 0.5f;
-           }));
+  const std::vector<float> confidences =
+      SureWhere(mesh, [](const auto& p) { return p.z() < 0 || p.z() > 0.5f; });
+  const TrimmedMesh trimmed = Trim(mesh, confidences);
   EXPECT_EQ(Analyze(trimmed.mesh).num_components, 2);
 }
 

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/report/well_formed.h"
-#include "tests/texts.h"
 
 namespace colmap_ext::html_page_test {
 
@@ -206,8 +205,7 @@ TEST(DrawRefinementTest, DrawsBeforeAfterLabelsAndConfidence) {
   refined.views = square.views;
   refined.attributes.confidences.assign(4, 1);
   refined.labels.pairs = {{0, 1}};
-  refined.labels.labels.AddRow(std::vector<uint32_t>{0});
-  refined.labels.labels.EndRow();
+  refined.labels.labels = Rows<uint32_t>({0, 1, 1}, {0});
   TriangleMesh before = square.mesh;
   std::swap(before.facets[0][0], before.facets[0][1]);
   std::swap(before.facets[1][0], before.facets[1][1]);

@@ -48,7 +48,7 @@ TEST(View, ImagesScaleWithTheFocalLengths) {
   EXPECT_DOUBLE_EQ(pixel.y(), 600 * -0.05 + 410);
 }
 
-TEST(View, RaysGoFromTheCenterThroughWhatIsSeenThere) {
+TEST(View, RaysGoFromTheCenterThroughWhatIsSeenThereAndBack) {
   Random random(3);
   for (int i = 0; i < 50; ++i) {
     const View view = RandomView(&random);
@@ -60,17 +60,10 @@ TEST(View, RaysGoFromTheCenterThroughWhatIsSeenThere) {
     EXPECT_LT(
         (RayDirection(view, pixel.x(), pixel.y()).cast<double>() - ray).norm(),
         1e-5);
-  }
-}
-
-TEST(View, PixelsOfDirectionsAreThoseOfPointsAlongThem) {
-  Random random(4);
-  for (int i = 0; i < 50; ++i) {
-    const View view = RandomView(&random);
-    const Vector3d point = PointBefore(view, 1 + random.Unit(), &random);
-    const Vector2d pixel =
-        (view.PixelFromRay() * (point - view.Center())).hnormalized();
-    EXPECT_LT((pixel - Project(view, point)).norm(), 1e-9);
+    EXPECT_LT(
+        ((view.PixelFromRay() * (point - view.Center())).hnormalized() - pixel)
+            .norm(),
+        1e-9);
     EXPECT_TRUE((view.PixelFromRay() * view.RayFromPixel()).isIdentity(1e-12));
   }
 }
@@ -90,16 +83,11 @@ TEST(ResizeView, KeepsWhatIsSeenAtEachPlaceOfTheImage) {
                   .norm(),
               1e-12);
     EXPECT_EQ(resized.Center(), view.Center());
+    const View same = ResizeView(view, view.width, view.height);
+    EXPECT_EQ(same.width, view.width);
+    EXPECT_EQ(same.height, view.height);
+    EXPECT_EQ(same.PixelFromRay(), view.PixelFromRay());
   }
-}
-
-TEST(ResizeView, ToTheSameSizeChangesNothing) {
-  Random random(6);
-  const View view = RandomView(&random);
-  const View same = ResizeView(view, view.width, view.height);
-  EXPECT_EQ(same.width, view.width);
-  EXPECT_EQ(same.height, view.height);
-  EXPECT_EQ(same.PixelFromRay(), view.PixelFromRay());
 }
 
 TEST(GrayImage, HasItsRowsOneAfterTheOther) {
@@ -149,32 +137,26 @@ void AddPoint(const Eigen::Vector3f& position,
   cloud->views.AddRow(views);
 }
 
-TEST(HalfPixelOffsets, OfOneView) {
-  PointCloud cloud;
-  AddPoint({1, 2, 4}, {0}, &cloud);
-  const std::vector<View> views = {MakeView(100, 200)};
-  // 4 / 100 and 4 / 200 are a pixel's width and height there.
-  EXPECT_TRUE(HalfPixelOffsets(cloud, views)[0].isApprox(
-      Eigen::Vector3f(0.02f, 0.01f, 0)));
-  // Depth maps of half the size have pixels of twice the size.
-  EXPECT_TRUE(HalfPixelOffsets(cloud, views, {0.5})[0].isApprox(
-      Eigen::Vector3f(0.04f, 0.02f, 0)));
-}
-
 TEST(HalfPixelOffsets, AreTheMeanOverTheViews) {
   PointCloud cloud;
   AddPoint({0, 0, 4}, {0, 1}, &cloud);
   AddPoint({0, 0, 4}, {1}, &cloud);
   AddPoint({0, 0, 4}, {}, &cloud);
+  AddPoint({1, 2, 4}, {0}, &cloud);
   std::vector<View> views = {MakeView(100, 200), MakeView(50, 50)};
   // From the right: its right is the world's z, its down the world's y.
   views[1].cam_from_world_rotation << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   views[1].cam_from_world_translation = {0, 0, 10};
   const auto offsets = HalfPixelOffsets(cloud, views);
-  ASSERT_EQ(offsets.size(), 3u);
+  ASSERT_EQ(offsets.size(), 4u);
   EXPECT_TRUE(offsets[1].isApprox(Eigen::Vector3f(0, 0.1f, 0.1f)));
   EXPECT_TRUE(offsets[0].isApprox(Eigen::Vector3f(0.01f, 0.055f, 0.05f)));
   EXPECT_TRUE(offsets[2].isZero());
+  // 4 / 100 and 4 / 200 are a pixel's width and height there.
+  EXPECT_TRUE(offsets[3].isApprox(Eigen::Vector3f(0.02f, 0.01f, 0)));
+  // Depth maps of half the size have pixels of twice the size.
+  EXPECT_TRUE(HalfPixelOffsets(cloud, views, {0.5, 1})[3].isApprox(
+      Eigen::Vector3f(0.04f, 0.02f, 0)));
 }
 
 TEST(HalfPixelOffsets, MoveThePointByHalfAPixelInItsView) {

@@ -8,8 +8,7 @@
 #include <Eigen/QR>
 
 #include "mesh/normals.h"
-#include "tests/mesh/shapes.h"
-#include "tests/synthetic/noise.h"
+#include "tests/mesh/known_meshes.h"
 
 namespace colmap_ext::bvh_test {
 
@@ -248,7 +247,7 @@ TEST(NearestPointOfFacet, IsTheNearestOfManyAndOfASegmentOnIt) {
   Random random(1);
   const TriangleMesh mesh = MakeBumpySphere(0.5F);
   for (int i = 0; i < 300; ++i) {
-    const auto facet = random.Below(static_cast<uint32_t>(mesh.facets.size()));
+    const uint32_t facet = random.Below(mesh.facets.size());
     const Vector3f point = PointAround(&random);
     const SurfacePoint nearest = NearestPointOfFacet(mesh, facet, point);
     EXPECT_EQ(nearest.facet, facet);

@@ -10,7 +10,7 @@
 
 #include "spatial/facet_tree.h"
 #include "tests/delaunay/exact.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 
 namespace colmap_ext::self_intersections_test {

@@ -58,11 +58,6 @@ std::vector<View> Moved(std::vector<View> views, const std::string& prefix,
   return views;
 }
 
-template <typename T>
-void Append(const std::vector<T>& from, std::vector<T>* to) {
-  to->insert(to->end(), from.begin(), from.end());
-}
-
 void AddPoints(const FusedPoints& points, const Eigen::Vector3f& offset,
                uint32_t first_view, FusedPoints* row) {
   for (size_t i = 0; i < points.cloud.size(); ++i) {

@@ -132,6 +132,8 @@ struct SparseOptions {
 struct Feature {
   uint32_t view;
   Eigen::Vector2d position;  // pixel coordinates in COLMAP's convention
+
+  bool operator==(const Feature&) const = default;
 };
 
 struct SparsePoint {
@@ -139,6 +141,8 @@ struct SparsePoint {
   Color color{};               // black where there are no images
   double error = 0;            // mean reprojection error, px
   std::vector<Feature> track;  // one for each view, three or more
+
+  bool operator==(const SparsePoint&) const = default;
 };
 
 // Points of the true surface with tracks of features, as structure from motion

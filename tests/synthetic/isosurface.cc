@@ -189,7 +189,7 @@ TriangleMesh March(const Lattice& lattice) {
   std::vector<EdgeKey> keys;
   for (const auto& layer : layers) {
     for (const EdgeTriangle& triangle : layer) {
-      keys.insert(keys.end(), triangle.begin(), triangle.end());
+      Append(triangle, &keys);
     }
   }
   std::vector<EdgeKey> vertices = keys;
@@ -207,19 +207,6 @@ TriangleMesh March(const Lattice& lattice) {
     }
   });
   return mesh;
-}
-
-// [V] whether a vertex has an edge with only one facet.
-std::vector<char> BorderVertices(const TriangleMesh& mesh) {
-  const std::vector<uint32_t> twins = PairHalfEdges(mesh.facets);
-  std::vector<char> is_border(mesh.vertices.size(), false);
-  for (uint32_t half = 0; half < twins.size(); ++half) {
-    if (twins[half] == kNone) {
-      is_border[FromVertex(mesh.facets, half)] = true;
-      is_border[ToVertex(mesh.facets, half)] = true;
-    }
-  }
-  return is_border;
 }
 
 Eigen::Vector3f Gradient(const Solid& solid, const Eigen::Vector3f& point,
@@ -245,7 +232,7 @@ Eigen::Vector3f Clamp(const Eigen::Vector3f& vector, float length) {
 // \param cell_size  limits the step of a vertex in one round, scene units
 void SpreadVertices(const Solid& solid, float cell_size, int num_rounds,
                     TriangleMesh* mesh) {
-  const std::vector<char> is_border = BorderVertices(*mesh);
+  const std::vector<uint8_t> is_border = MakeVertexRings(*mesh).is_border;
   const size_t num_vertices = mesh->vertices.size();
   for (int round = 0; round < num_rounds; ++round) {
     std::vector<Eigen::Vector3f> sums(num_vertices, Eigen::Vector3f::Zero());

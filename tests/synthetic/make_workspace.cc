@@ -9,7 +9,6 @@
 #include <string>
 
 #include "colmap_ext/options/command_options.h"
-#include "tests/synthetic/dense_scene.h"
 #include "tests/synthetic/write_workspace.h"
 
 namespace {
@@ -37,7 +36,7 @@ void AddSceneOptions(SceneOptions* scene, CommandOptions* options) {
                "Maximum between images, as a share");
   options->Add("cell_size", &scene->cell_size, {0.5, 100},
                "[px] Of the true surface's lattice");
-  options->AddThreads("", &scene->num_threads);
+  options->AddThreads();
 }
 
 void AddPointOptions(DenseSceneOptions* scene, CommandOptions* options) {
@@ -118,6 +117,7 @@ int main(int argc, char** argv) {
     if (output_path.empty()) {
       throw std::invalid_argument("output_path is missing");
     }
+    options.scene.num_threads = command.NumThreads();
     options.scene.seed = seed;
     const auto start = std::chrono::steady_clock::now();
     const DenseScene scene = MakeDenseScene(options);

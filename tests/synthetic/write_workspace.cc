@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numeric>
 #include <sstream>
 
 #include <tbb/parallel_for.h>
@@ -114,11 +113,9 @@ void WriteNormals(const fs::path& path, const DepthMap& map, const View& view) {
 
 // 1 ... n in an order of the seed's.
 std::vector<uint32_t> ImageIds(size_t num_images, uint64_t seed) {
-  std::vector<uint32_t> ids(num_images);
-  std::iota(ids.begin(), ids.end(), 1);
-  std::sort(ids.begin(), ids.end(), [seed](uint32_t a, uint32_t b) {
-    return Hash(seed, 40, a) < Hash(seed, 40, b);
-  });
+  std::vector<uint32_t> ids = Iota(num_images, 1);
+  std::ranges::sort(ids, {},
+                    [seed](uint32_t id) { return Hash(seed, 40, id); });
   return ids;
 }
 

@@ -1,14 +1,18 @@
 #include "tests/synthetic/dense_scene.h"
-#include "tests/raster/pixels.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "base/percentile.h"
+#include "mesh/topology.h"
 #include "scene/half_pixel.h"
+#include "tests/mesh/known_meshes.h"
+#include "tests/raster/pixels.h"
+#include "tests/synthetic/scene.h"
 
 namespace colmap_ext::synthetic::dense_scene_test {
 
@@ -76,16 +80,6 @@ double Slope(const std::vector<float>& x, const std::vector<float>& y) {
   return xy / xx;
 }
 
-bool AreEqual(const std::vector<SparsePoint>& a,
-              const std::vector<SparsePoint>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const SparsePoint& p, const SparsePoint& q) {
-                      return p.position == q.position && p.color == q.color &&
-                             p.error == q.error &&
-                             p.track.size() == q.track.size();
-                    });
-}
-
 TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
   for (const char* shape : {"statue", "wall", "grid"}) {
     DenseSceneOptions options = Small(shape);
@@ -97,8 +91,7 @@ TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
     const DenseScene a = MakeDenseScene(options);
     options.scene.num_threads = 3;
     const DenseScene b = MakeDenseScene(options);
-    EXPECT_EQ(a.scene.surface.vertices, b.scene.surface.vertices);
-    EXPECT_EQ(a.scene.surface.facets, b.scene.surface.facets);
+    EXPECT_EQ(a.scene.surface, b.scene.surface);
     EXPECT_EQ(a.scene.irradiance, b.scene.irradiance);
     for (size_t i = 0; i < a.images.size(); ++i) {
       EXPECT_EQ(a.images[i].pixels, b.images[i].pixels);
@@ -110,7 +103,7 @@ TEST(MakeDenseScene, SameSeedSameBytesWhateverTheThreads) {
     EXPECT_EQ(a.fused.cloud.positions, b.fused.cloud.positions);
     EXPECT_EQ(a.fused.cloud.colors, b.fused.cloud.colors);
     EXPECT_EQ(a.fused.cloud.views, b.fused.cloud.views);
-    EXPECT_TRUE(AreEqual(a.sparse_points, b.sparse_points));
+    EXPECT_TRUE(a.sparse_points == b.sparse_points);
     options.scene.seed = 2;
     const DenseScene c = MakeDenseScene(options);
     EXPECT_NE(a.fused.cloud.positions, c.fused.cloud.positions);
@@ -290,6 +283,78 @@ TEST(MakeDenseScene, HighlightsMoveWithTheEye) {
   EXPECT_FLOAT_EQ(Highlight(scene, {0, 0, 0}, normal, {5, 0, 5}), 0.5f);
   EXPECT_LT(Highlight(scene, {0, 0, 0}, normal, {0, 0, 5}), 0.1f);
   EXPECT_EQ(Highlight(scene, {2, 0, 0}, normal, {7, 0, 5}), 0);
+}
+
+using Eigen::Vector3f;
+
+TEST(MeshSolid, BallIsASphere) {
+  Solid ball;
+  ball.box = {Vector3f(-1, -1, -1), Vector3f(1, 1, 1)};
+  ball.shape = [](const Vector3f& p) { return p.norm() - 0.7f; };
+  ball.detail = [](const Vector3f&) { return 0.0f; };
+  const TriangleMesh mesh = MeshSolid(ball, 0.06f);
+  const MeshReport report = Analyze(mesh);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_EQ(report.num_border_edges, 0);
+  EXPECT_EQ(report.euler, 2);
+  for (const Vector3f& vertex : mesh.vertices) {
+    EXPECT_NEAR(vertex.norm(), 0.7f, 1e-3f);
+  }
+  EXPECT_NEAR(Volume(mesh), 4 / 3.0 * std::numbers::pi * 0.343, 0.01);
+}
+
+TEST(MeshSolid, NoiseIsManifold) {
+  for (uint32_t seed = 0; seed < 5; ++seed) {
+    Solid solid;
+    solid.box = {Vector3f(-1, -1, -1), Vector3f(1, 1, 1)};
+    solid.shape = [seed](const Vector3f& p) {
+      return 0.3f * ValueNoise(3 * p, seed);
+    };
+    solid.max_detail = 0.1f;
+    solid.detail = [seed](const Vector3f& p) {
+      return 0.1f * ValueNoise(20 * p, seed + 1);
+    };
+    const MeshReport report = Analyze(MeshSolid(solid, 0.1f));
+    EXPECT_GT(report.num_facets, 100);
+    EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  }
+}
+
+SceneOptions OfOneImage(const std::string& shape) {
+  SceneOptions options;
+  options.shape = shape;
+  options.num_images = 1;
+  options.width = 120;
+  options.height = 90;
+  options.cell_size = 2.5;
+  return options;
+}
+
+// The surface is manifold, and in one piece with one border.
+MeshReport ExpectOnePiece(const SceneOptions& options) {
+  const MeshReport report = Analyze(MakeScene(options).surface);
+  EXPECT_TRUE(report.IsManifold()) << report.Defects();
+  EXPECT_EQ(report.num_components, 1);
+  EXPECT_EQ(report.num_border_loops, 1);
+  return report;
+}
+
+TEST(MakeScene, StatueHasOneHandleAndTheWallIsOnePieceWithABorder) {
+  EXPECT_EQ(ExpectOnePiece(OfOneImage("statue")).genus, 1);
+  ExpectOnePiece(OfOneImage("wall"));
+}
+
+TEST(MakeScene, GridIsOnePieceWithAHandleForEachLoopOfItsRods) {
+  SceneOptions options = OfOneImage("grid");
+  options.thickness = 3;  // as the cells are large
+  options.cell_size = 2;
+  // Six meshes of the lattice; four posts, the first of which closes none; the
+  // gable.
+  EXPECT_EQ(ExpectOnePiece(options).genus, 6 + 3 + 1);
+}
+
+TEST(MakeScene, RefusesOtherShapes) {
+  EXPECT_THROW(MakeScene(OfOneImage("teapot")), std::invalid_argument);
 }
 
 }  // namespace colmap_ext::synthetic::dense_scene_test

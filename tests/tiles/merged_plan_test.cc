@@ -12,7 +12,7 @@
 #include "mesh/topology.h"
 #include "meshing/singular_vertices.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/tiles/memory_plan.h"
+#include "tests/tiles/scene_plans.h"
 #include "tiles/patch_cells.h"
 
 namespace colmap_ext::merged_plan_test {

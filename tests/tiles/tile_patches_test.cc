@@ -9,7 +9,7 @@
 
 #include "mesh/topology.h"
 #include "spatial/facet_tree.h"
-#include "tests/mesh/shapes.h"
+#include "tests/mesh/known_meshes.h"
 #include "tiles/tile_cells.h"
 
 namespace colmap_ext::surface_patches_test {
@@ -161,8 +161,7 @@ TEST(MakePatch, OfNoChangeMakesTheSameSurface) {
                                part.mesh, part.attributes, {});
   EXPECT_EQ(store.patches[0].removed.size(), mesh.facets.size());
   const SurfacePart again = GatherSurface(store, {0}, &AcceptAll);
-  EXPECT_EQ(again.mesh.vertices, part.mesh.vertices);
-  EXPECT_EQ(again.mesh.facets, part.mesh.facets);
+  EXPECT_EQ(again.mesh, part.mesh);
 }
 
 }  // namespace colmap_ext::surface_patches_test

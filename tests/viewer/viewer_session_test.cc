@@ -126,7 +126,7 @@ TEST_F(ViewerSessionTest, PausesOnlyWhatCanBePaused) {
 
 TEST_F(ViewerSessionTest, EveryKeyHasOneActionAndDoesNoHarmWithoutAScene) {
   std::set<int> keys;
-  for (const KeyAction& action : KeyActions()) {
+  for (const KeyAction& action : ViewerSession::KeyActions()) {
     EXPECT_NE(std::string(action.help), "");
     for (const int key : action.keys) {
       EXPECT_TRUE(keys.insert(key).second) << action.name;

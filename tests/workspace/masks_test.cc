@@ -1,7 +1,6 @@
 #include "workspace/read_pictures.h"
 
 #include "scene/view.h"
-#include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 
 namespace colmap_ext::masks_test {
@@ -9,18 +8,13 @@ namespace colmap_ext::masks_test {
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 
-std::string Pgm(int width, int height, const std::string& pixels) {
-  return "P5\n" + std::to_string(width) + " " + std::to_string(height) +
-         "\n255\n" + pixels;
-}
-
 // The left half is masked.
 std::string HalfMask() {
-  std::string pixels;
+  std::string mask = "P5\n40 30\n255\n";
   for (int i = 0; i < kWidth * kHeight; ++i) {
-    pixels += static_cast<char>(i % kWidth < kWidth / 2 ? 0 : 7);
+    mask += static_cast<char>(i % kWidth < kWidth / 2 ? 0 : 7);
   }
-  return Pgm(kWidth, kHeight, pixels);
+  return mask;
 }
 
 struct MasksTest : FolderTest {
@@ -76,8 +70,7 @@ TEST_F(MasksTest, AreReadAtTheSizeOfTheirImages) {
   EXPECT_EQ(mask.Row(3)[kWidth / 2 - 1], 0);
   EXPECT_EQ(mask.Row(3)[kWidth / 2], 255);
   EXPECT_TRUE(read(1).pixels.empty());
-  for (const std::string& damaged :
-       {Pgm(2, 1, "ab"), std::string("no picture")}) {
+  for (const char* damaged : {"P5\n2 1\n255\nab", "no picture"}) {
     WriteFile(masks_ / "a" / "1.jpg.png", damaged);
     ExpectFileError("1.jpg.png", [&] { read(0); });
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <sstream>
 
-#include "tests/formats/test_files.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/image_order.h"
 #include "workspace/workspace.h"
@@ -198,13 +197,7 @@ void ExpectSame(const SparseModel& a, const SparseModel& b) {
         b.images[i].cam_from_world_rotation, 1e-15));
     EXPECT_EQ(a.images[i].cam_from_world_translation,
               b.images[i].cam_from_world_translation);
-    ASSERT_EQ(a.images[i].observations.size(), b.images[i].observations.size());
-    for (size_t k = 0; k < a.images[i].observations.size(); ++k) {
-      EXPECT_EQ(a.images[i].observations[k].pixel,
-                b.images[i].observations[k].pixel);
-      EXPECT_EQ(a.images[i].observations[k].point_id,
-                b.images[i].observations[k].point_id);
-    }
+    EXPECT_EQ(a.images[i].observations, b.images[i].observations);
   }
   EXPECT_EQ(a.point_ids, b.point_ids);
   EXPECT_EQ(a.exact_positions, b.exact_positions);

@@ -3,8 +3,6 @@
 #include <limits>
 #include <random>
 
-#include "tests/formats/test_files.h"
-#include "tests/texts.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/workspace_paths.h"
 
