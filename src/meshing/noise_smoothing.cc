@@ -12,6 +12,7 @@
 
 #include "base/rows.h"
 #include "mesh/adjacency.h"
+#include "mesh/normals.h"
 #include "optim/conjugate_gradients.h"
 #include "scene/point_tree.h"
 #include "spatial/self_intersections.h"
@@ -28,22 +29,27 @@ constexpr size_t kNumNearest = 32;
 constexpr int kNumCoefficients = 6;
 using Coefficients = Eigen::Matrix<double, kNumCoefficients, 1>;
 
-// The deviation of the umbrella vectors, in mean lengths of edges. Tuned by the
-// accuracy of bunny and the roughness of the walls of south: .03 is smoother
-// and less exact, .05 the opposite.
-constexpr double kRelief = 0.04;
+// The deviation of the umbrella vectors, in mean lengths of edges: the first
+// round has the largest one, further ones what the surface has around a vertex.
+// Tuned by the accuracy of bunny and of statue and wall with noise, and by the
+// roughness of the walls of south.
+constexpr double kMaxRelief = 0.08;
+constexpr double kMinRelief = 0.004;
+
+// Rounds over the ring of neighbors that average the relief. A choice.
+constexpr int kReliefRounds = 5;
 
 // The noise lies within these bounds, in mean lengths of edges, which bounds
 // the condition of the equations. A choice.
 constexpr double kMinNoise = 1e-3;
 constexpr double kMaxNoise = 1;
 
-// Spikes have long edges, which allow for larger umbrella vectors: the second
-// round has the lengths that the first one leaves.
-constexpr int kRounds = 2;
+// Each round has the relief and the lengths of edges that the last one leaves.
+// A choice: walls are calm after six, and nothing else changes after four.
+constexpr int kRounds = 6;
 
 // Of putting back; what still intersects is left to the repair. A choice.
-constexpr int kPutBackRounds = 4;
+constexpr int kPutBackRounds = 8;
 
 // Far below the noise. A choice.
 constexpr SolverOptions kSolver{.tolerance = 1e-3, .max_iterations = 200};
@@ -102,12 +108,12 @@ float NoiseAt(const Vector3f& place, std::span<const Vector3f> points,
 
 // The neighbors that a vertex is compared with, and the reverse.
 struct Umbrellas {
+  VertexRings rings;
   Rows<uint32_t> neighbors;  // [V] those along the border at the border
   Rows<uint32_t> users;      // [V] whose neighbor it is
 };
 
 Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
-  VertexRings rings = MakeVertexRings(mesh);
   const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
   Rows<uint32_t> at_border =
       GroupInRows<uint32_t>(mesh.vertices.size(), [&](const auto& add) {
@@ -120,7 +126,8 @@ Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
           }
         }
       });
-  Umbrellas umbrellas;
+  Umbrellas umbrellas{MakeVertexRings(mesh), {}, {}};
+  const VertexRings& rings = umbrellas.rings;
   umbrellas.neighbors.Reserve(mesh.vertices.size(),
                               rings.neighbors.values.size());
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -240,11 +247,53 @@ class Smoother {
   std::vector<double> smoothness_;
 };
 
+// [V] The relief of a surface, in mean lengths of edges: the root mean square
+// of the umbrella vectors around a vertex, of their normal parts within the
+// surface. Not bounded.
+std::vector<double> MeasureRelief(const Umbrellas& umbrellas,
+                                  const TriangleMesh& mesh) {
+  const size_t size = mesh.vertices.size();
+  const std::vector<double> lengths =
+      MeanLengths(umbrellas.neighbors, mesh.vertices);
+  const std::vector<Vector3f> normals = VertexNormals(mesh, umbrellas.rings);
+  std::vector<double> squares(size, 0);
+  tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+    const auto ring = umbrellas.neighbors[i];
+    if (lengths[i] > 0) {
+      Vector3f sum = Vector3f::Zero();
+      for (const uint32_t neighbor : ring) {
+        sum += mesh.vertices[neighbor] - mesh.vertices[i];
+      }
+      const double height =
+          umbrellas.rings.is_border[i] != 0 ? sum.norm() : sum.dot(normals[i]);
+      const double relief =
+          height / (static_cast<double>(ring.size()) * lengths[i]);
+      squares[i] = relief * relief;
+    }
+  });
+  std::vector<double> means(size);
+  for (int round = 0; round < kReliefRounds; ++round) {
+    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
+      double sum = squares[i];
+      for (const uint32_t neighbor : umbrellas.neighbors[i]) {
+        sum += squares[neighbor];
+      }
+      means[i] = sum / static_cast<double>(1 + umbrellas.neighbors[i].size());
+    });
+    squares.swap(means);
+  }
+  std::ranges::transform(squares, squares.begin(),
+                         [](double square) { return std::sqrt(square); });
+  return squares;
+}
+
 // Where the vertices go, for the lengths of edges that the mesh has.
 // \param positions [V] the measured ones
+// \param reliefs [V] deviations of the umbrella vectors, in lengths of edges
 std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
                                const std::vector<Vector3f>& positions,
-                               const std::vector<float>& noises, double relief,
+                               const std::vector<float>& noises,
+                               const std::vector<double>& reliefs,
                                const TriangleMesh& mesh) {
   const size_t size = positions.size();
   const std::vector<double> lengths =
@@ -256,7 +305,8 @@ std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
       const double noise = std::clamp<double>(noises[i], kMinNoise * lengths[i],
                                               kMaxNoise * lengths[i]);
       data[i] = 1 / (noise * noise);
-      smoothness[i] = 1 / (relief * lengths[i] * relief * lengths[i]);
+      const double deviation = reliefs[i] * lengths[i];
+      smoothness[i] = 1 / (deviation * deviation);
     }
   }
   const std::vector<double> motions =
@@ -291,9 +341,16 @@ SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
                               TriangleMesh* mesh) {
   const Umbrellas umbrellas = MakeUmbrellas(*mesh);
   const std::vector<Vector3f> positions = mesh->vertices;
+  std::vector<double> reliefs(positions.size(), kMaxRelief / strength);
   for (int round = 0; round < kRounds; ++round) {
-    mesh->vertices =
-        Smoothed(umbrellas, positions, noises, kRelief / strength, *mesh);
+    if (round > 0) {
+      reliefs = MeasureRelief(umbrellas, *mesh);
+      for (double& relief : reliefs) {
+        relief =
+            std::clamp(relief / strength, kMinRelief, kMaxRelief / strength);
+      }
+    }
+    mesh->vertices = Smoothed(umbrellas, positions, noises, reliefs, *mesh);
   }
   SmoothingReport report;
   for (int round = 0; round < kPutBackRounds; ++round) {

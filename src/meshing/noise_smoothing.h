@@ -25,18 +25,20 @@ struct SmoothingReport {
 
 // Moves the vertices p of a mesh to the x that minimize
 //
-//   sum_v |x_v - p_v|^2 / s_v^2 + sum_v |m_v(x) - x_v|^2 / (c e_v)^2
+//   sum_v |x_v - p_v|^2 / s_v^2 + sum_v |m_v(x) - x_v|^2 / (c_v e_v)^2
 //
 // with the noise s_v of the vertex, the mean m_v of its neighbors, and the mean
 // length e_v of its edges: the most likely surface, where measurements have
 // noise and the umbrella vectors m - x of a surface have a normal distribution
-// with a deviation of c times the edges' lengths. What the points know exactly
-// stays, spikes of the noise go. A vertex at a border has its neighbors on the
-// border, so that borders keep their shape. No vertex moves farther than e_v;
-// corners of facets that would intersect go back to where they were.
+// with a deviation of c_v times the edges' lengths. c_v is what the surface
+// itself has around the vertex, estimated in turn with x: walls get calm, and
+// edges and relief stay. What the points know exactly stays, spikes of the
+// noise go. A vertex at a border has its neighbors on the border, so that
+// borders keep their shape. No vertex moves farther than e_v; corners of facets
+// that would intersect go back to where they were.
 //
 // \param noises [V] scene units; infinity: the position is not a measurement
-// \param strength  divides c; positive, higher is smoother
+// \param strength  divides the bounds of c_v; positive, higher is smoother
 // \pre no edge has more than two facets
 SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
                               TriangleMesh* mesh);

@@ -49,8 +49,11 @@ TEST_P(EndToEnd, TheMeshIsTheScenesSurface) {
   PointCloud& cloud = dense.fused.cloud;
   ManifoldMeshingOptions options;
   options.max_proj_dist = 2;
+  // The smoothing alone is off by as much on such small images.
+  ManifoldMeshingOptions unsmoothed = options;
+  unsmoothed.smoothing = 0;
   const TriangleMesh shifted =
-      MeshManifold(options, cloud, dense.scene.views).mesh;
+      MeshManifold(unsmoothed, cloud, dense.scene.views).mesh;
   const auto offsets = HalfPixelOffsets(cloud, dense.scene.views);
   for (size_t i = 0; i < cloud.size(); ++i) {
     cloud.positions[i] += offsets[i];
@@ -63,7 +66,10 @@ TEST_P(EndToEnd, TheMeshIsTheScenesSurface) {
             result.report.fixing.num_singular_raw);
   const double error = MedianError(dense.scene, result.mesh);
   EXPECT_LT(error, 0.5);
-  EXPECT_LT(error, 0.9 * MedianError(dense.scene, shifted));
+  const TriangleMesh exact =
+      MeshManifold(unsmoothed, cloud, dense.scene.views).mesh;
+  EXPECT_LT(MedianError(dense.scene, exact),
+            0.9 * MedianError(dense.scene, shifted));
   RecordProperty("median_error_in_pixels", std::to_string(error));
 }
 
