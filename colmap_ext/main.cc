@@ -8,6 +8,7 @@
 
 #include "colmap_ext/colmap_compat.h"
 #include "colmap_ext/commands.h"
+#include "colmap_ext/terminal/terminal.h"
 
 namespace {
 
@@ -50,6 +51,7 @@ int RunCommand(const std::string& name, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    colmap_ext::ProgramName() = "colmap_ext";
     const std::string name = argc < 2 ? "help" : argv[1];
     if (name == "help" || name == "-h" || name == "--help") {
       return ShowHelp();

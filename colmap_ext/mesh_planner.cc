@@ -9,6 +9,7 @@
 #include "colmap_ext/jobs/mesh_tiles.h"
 #include "colmap_ext/options/meshing_options.h"
 #include "colmap_ext/run_command.h"
+#include "colmap_ext/terminal/terminal.h"
 
 namespace colmap_ext {
 namespace {
@@ -42,12 +43,13 @@ void PrintPlan(const Plan& plan, ReportLog* log) {
       "  sbatch --dependency=afterok:... --mem={3}M "
       "scripts/slurm/merge.sbatch {0} MESH.ply\n"
       "On one machine:\n"
-      "  seq 0 {1} | xargs -P 2 -I T colmap delaunay_manifold_mesher "
-      "--plan_path {0} --tile T\n  colmap mesh_merger --plan_path {0} "
+      "  seq 0 {1} | xargs -P 2 -I T {4} delaunay_manifold_mesher "
+      "--plan_path {0} --tile T\n  {4} mesh_merger --plan_path {0} "
       "--output_path "
       "MESH.ply\n",
-      plan.folder.string(), last, static_cast<int>(1126 * memory) + 1,
-      static_cast<int>(1126 * plan.merger_memory_gb) + 1);
+      fmt::format("'{}'", plan.folder.string()), last,
+      static_cast<int>(1126 * memory) + 1,
+      static_cast<int>(1126 * plan.merger_memory_gb) + 1, ProgramName());
 }
 
 void MakeAndPrint(const PlannerOptions& options, Console* console) {

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "colmap_ext/jobs/plan_files.h"
+#include "colmap_ext/terminal/terminal.h"
 #include "formats/write_mesh.h"
 #include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
@@ -188,20 +189,20 @@ void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
 }
 
 void PrintCommands(const RefinementPlan& plan) {
-  const std::string folder = plan.folder.string();
+  const std::string folder = fmt::format("'{}'", plan.folder.string());
   std::cout << "\nOn Slurm, all at once:\n"
                "  scripts/slurm/refine_tiles "
             << folder << " REFINED.ply\nOn one machine, colour after colour:\n";
   for (uint32_t color = 0; color < plan.NumColors(); ++color) {
     std::cout << fmt::format(
-        "  echo {} | xargs -n 1 -P 2 colmap facetwise_refiner --plan_path {} "
+        "  echo {} | xargs -n 1 -P 2 {} facetwise_refiner --plan_path {} "
         "--tile\n",
-        fmt::join(plan.TilesOf(color), " "), folder);
+        fmt::join(plan.TilesOf(color), " "), ProgramName(), folder);
   }
   std::cout << fmt::format(
-      "  colmap mesh_merger --plan_path {} --refined 1 --output_path "
+      "  {} mesh_merger --plan_path {} --refined 1 --output_path "
       "REFINED.ply\n",
-      folder);
+      ProgramName(), folder);
 }
 
 void PrintPlan(const RefinementPlan& plan, ReportLog* log) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "colmap_ext/terminal/terminal.h"
 #include "formats/read_numbers.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
@@ -42,9 +43,9 @@ fs::path FindWorkspaceFolder(const RefinerOptions& options) {
       options.fused_path.empty()) {
     throw FileError(path,
                     fmt::format("no {} here nor in dense/ or dense/0/; run "
-                                "`colmap delaunay_manifold_mesher "
+                                "`{} delaunay_manifold_mesher "
                                 "--workspace_path DIR` first",
-                                kMesherOutput));
+                                kMesherOutput, ProgramName()));
   }
   return found.empty() ? path : found;
 }
@@ -261,8 +262,10 @@ RefinementPaths FindRefinementPaths(const RefinerOptions& options) {
   if (!fs::exists(paths.mesh)) {
     throw FileError(paths.mesh,
                     options.input_path.empty()
-                        ? "no such file; run `colmap delaunay_manifold_mesher` "
-                          "first, or name a mesh by --input_path"
+                        ? fmt::format("no such file; run `{} "
+                                      "delaunay_manifold_mesher` first, or "
+                                      "name a mesh by --input_path",
+                                      ProgramName())
                         : "no such file");
   }
   if (!options.fused_path.empty() && !fs::exists(paths.fused)) {

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "colmap_ext/terminal/terminal.h"
+
 namespace colmap_ext {
 namespace {
 
@@ -320,10 +322,24 @@ ParsedOptions ParseOptions(int argc, const char* const* argv,
   return parsed;
 }
 
+namespace {
+
+// With the running program in the examples of commands.
+std::string NamingProgram(std::string text) {
+  constexpr std::string_view kExample = "\n  colmap ";
+  for (size_t found = text.find(kExample); found != std::string::npos;
+       found = text.find(kExample, found + 1)) {
+    text.replace(found, kExample.size(), "\n  " + ProgramName() + " ");
+  }
+  return text;
+}
+
+}  // namespace
+
 void PrintHelp(const CommandOptions& options, const std::string& versions,
                std::ostream& stream) {
   stream << versions << "\n\n"
-         << options.Summary() << "\n"
+         << NamingProgram(options.Summary()) << "\n"
          << "Options are given as --name VALUE, or as lines name=VALUE of a "
             "project file;\nthe command line has priority.\n\n";
   PrintOption("-h, --help", "List the options", stream);

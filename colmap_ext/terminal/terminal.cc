@@ -59,6 +59,11 @@ extern "C" void RememberSignal(int signal) {
 
 }  // namespace
 
+std::string& ProgramName() {
+  static std::string name = "colmap";
+  return name;
+}
+
 ProgressReporter::ProgressReporter(std::ostream& stream, bool is_terminal)
     : stream_(stream), is_terminal_(is_terminal) {}
 

@@ -58,6 +58,9 @@ class ProgressReporter {
 // Peak memory of this process, bytes.
 size_t PeakMemory();
 
+// The running program in the commands that it prints: "colmap", unless changed.
+std::string& ProgramName();
+
 // A signal that ended the work before it was done.
 class Interruption : public std::runtime_error {
  public:

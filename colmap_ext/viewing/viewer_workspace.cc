@@ -4,6 +4,9 @@
 #include <array>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "colmap_ext/terminal/terminal.h"
 #include "formats/write_mesh.h"
 #include "mesh/clip_mesh.h"
 #include "pictures/pictures.h"
@@ -178,9 +181,11 @@ ViewerPaths FindViewerPaths(const ViewerOptions& options) {
   }
   if (meshes.empty()) {
     throw FileError(paths.folder,
-                    "no meshed-*.ply here nor in dense/ or dense/0/; run "
-                    "`colmap delaunay_manifold_mesher --workspace_path DIR` "
-                    "first, or name a mesh by --mesh_path");
+                    fmt::format("no meshed-*.ply here nor in dense/ or "
+                                "dense/0/; run `{} delaunay_manifold_mesher "
+                                "--workspace_path DIR` first, or name a mesh "
+                                "by --mesh_path",
+                                ProgramName()));
   }
   for (const fs::path& mesh : meshes) {
     if (!fs::exists(mesh)) {

@@ -33,7 +33,7 @@ using Coefficients = Eigen::Matrix<double, kNumCoefficients, 1>;
 // round has the largest one, further ones what the surface has around a vertex.
 // Tuned by the accuracy of bunny and of statue and wall with noise, and by the
 // roughness of the walls of south.
-constexpr double kMaxRelief = 0.08;
+constexpr double kMaxRelief = 0.05;
 constexpr double kMinRelief = 0.004;
 
 // Rounds over the ring of neighbors that average the relief. A choice.
@@ -51,8 +51,9 @@ constexpr int kRounds = 6;
 // Of putting back; what still intersects is left to the repair. A choice.
 constexpr int kPutBackRounds = 8;
 
-// Far below the noise. A choice.
-constexpr SolverOptions kSolver{.tolerance = 1e-3, .max_iterations = 200};
+// Each round continues where the last one ended, so that the errors of all but
+// the last do not count. A choice.
+constexpr SolverOptions kSolver{.tolerance = 0.03, .max_iterations = 200};
 
 // The noise by the quadric z = q(x, y) over the plane that fits the points.
 float NoiseAt(const Vector3f& place, std::span<const Vector3f> points,
@@ -171,17 +172,19 @@ class Smoother {
         data_(std::move(data)),
         smoothness_(std::move(smoothness)) {}
 
-  // The displacements that minimize the sum of both terms.
-  Values Minimize(const std::vector<Vector3f>& positions) const {
-    Values values;
-    values.reserve(3 * positions.size());
-    for (const Vector3f& position : positions) {
-      Append(position, &values);
+  // The motions of the vertices that minimize the sum of both terms.
+  // \param positions [V] the measured ones
+  Values Minimize(const std::vector<Vector3f>& positions,
+                  const std::vector<Vector3f>& vertices) const {
+    Values values(3 * vertices.size());
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      At(&values, i) = vertices[i].cast<double>();
     }
     Values descent(values.size());
     Multiply(values, 0, &descent);
-    for (double& value : descent) {
-      value = -value;
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      At(&descent, i) = data_[i] * (positions[i] - vertices[i]).cast<double>() -
+                        At(descent, i);
     }
     const Values diagonal = Diagonal();
     return SolveByConjugateGradients(
@@ -311,10 +314,11 @@ std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
   }
   const std::vector<double> motions =
       Smoother(umbrellas, std::move(data), std::move(smoothness))
-          .Minimize(positions);
+          .Minimize(positions, mesh.vertices);
   std::vector<Vector3f> smoothed(positions);
   for (size_t i = 0; i < size; ++i) {
-    const Eigen::Map<const Vector3d> motion(&motions[3 * i]);
+    const Vector3d motion = (mesh.vertices[i] - positions[i]).cast<double>() +
+                            Eigen::Map<const Vector3d>(&motions[3 * i]);
     const double share = std::min(1.0, lengths[i] / motion.norm());
     if (share > 0) {
       smoothed[i] += (share * motion).cast<float>();

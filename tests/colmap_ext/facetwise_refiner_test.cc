@@ -382,9 +382,9 @@ TEST_F(FacetwiseRefinerTest, RefusesFilesThatAreMissingOrDoNotFit) {
                    {});
   expect_refused("far.ply", "too large for 32-bit floats");
   fs::remove(path_ / kInput);
-  ExpectRefused("", "run `colmap delaunay_manifold_mesher`");
+  ExpectRefused("", "delaunay_manifold_mesher` first");
   fs::remove(path_ / "fused.ply");
-  ExpectRefused("", "run `colmap delaunay_manifold_mesher");
+  ExpectRefused("", "delaunay_manifold_mesher --workspace_path");
 }
 
 TEST_F(FacetwiseRefinerTest, OnAFullDiskAllFilesStayAsTheyWere) {

@@ -103,7 +103,7 @@ Reliefs ExpectedReliefs(const TriangleMesh& mesh, double strength) {
     reliefs = means;
   }
   for (double& relief : reliefs) {
-    relief = std::clamp(std::sqrt(relief) / strength, 0.004, 0.08 / strength);
+    relief = std::clamp(std::sqrt(relief) / strength, 0.004, 0.05 / strength);
   }
   return reliefs;
 }
@@ -156,7 +156,7 @@ TEST(SmoothByNoise, IsTheMinimum) {
     SmoothByNoise(std::vector<float>(mesh.vertices.size(), kNoise), strength,
                   &mesh);
     TriangleMesh expected = measured;
-    Reliefs reliefs(measured.vertices.size(), 0.08 / strength);
+    Reliefs reliefs(measured.vertices.size(), 0.05 / strength);
     for (int round = 0; round < 6; ++round) {
       expected.vertices =
           ExpectedRound(measured, expected.vertices, kNoise, reliefs);
