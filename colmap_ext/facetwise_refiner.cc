@@ -137,7 +137,7 @@ class Refiner {
     throw Interruption(run_.Signal(), "the mesh refined up to " +
                                           LevelName(level) + " is " +
                                           run_.LevelMeshPath(level).string() +
-                                          "; --resume 1 goes on from it");
+                                          "; --resume 1 continues from it");
   }
 
   void Write(const RefinedMesh& refined, AtomicFiles* files) {
@@ -202,7 +202,7 @@ class Refiner {
     if (refined.report.is_skipped) {
       PrintWarning(
           fmt::format("the camera poses are too inaccurate ({:.2f} px): the "
-                      "mesh was not refined, and is written as it is. {}",
+                      "mesh was not refined, and is written unchanged. {}",
                       refined.report.misalignment->by_cameras,
                       HowToAlign(input_)),
           log_);
@@ -222,7 +222,7 @@ class Refiner {
   void PrintSameCameras() {
     std::error_code ignored;
     const fs::path& sparse = input_.workspace.sparse_path;
-    PrintText("cameras", "as they were, " + sparse.string(), log_);
+    PrintText("cameras", "unchanged, " + sparse.string(), log_);
     if (fs::exists(paths_.refined_sparse, ignored) &&
         !fs::equivalent(paths_.refined_sparse, sparse, ignored)) {
       PrintWarning(paths_.refined_sparse.string() +

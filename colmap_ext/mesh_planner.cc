@@ -62,7 +62,7 @@ void MakeAndPrint(const PlannerOptions& options, Console* console) {
     PrintWarning(kNoLocks, log);
   }
   if (report.is_kept) {
-    std::cout << "This plan is there already: nothing to do" << std::endl;
+    std::cout << "This plan exists already: nothing to do" << std::endl;
   } else {
     PrintReport(report.workspace, plan.views.size(), report.half_pixel, log);
     PrintReport(report.masks, log);

@@ -35,7 +35,7 @@ void RestoreTermination() {
 std::string HowTo(std::optional<Alternative> alternative,
                   const CommandAdvice& advice) {
   std::map<Alternative, const char*> all = {
-      {Alternative::kSayImageOrder, "; say it with --image_order"},
+      {Alternative::kSayImageOrder, "; give it by --image_order"},
       {Alternative::kOtherImageOrder, "; choose another --image_order"}};
   all.insert(advice.alternatives.begin(), advice.alternatives.end());
   const auto it = alternative ? all.find(*alternative) : all.end();

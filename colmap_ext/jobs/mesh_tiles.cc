@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 struct MergeReport : ManifoldMeshingReport {
   size_t num_cut_cells = 0;  // at the seams
-  // Arcs between cells of two tiles that tell them differently (CutSeams).
+  // Arcs between cells on which two tiles differ (CutSeams).
   size_t num_contradictions = 0;
 };
 
@@ -134,8 +134,7 @@ void MergeTiles(const MergerOptions& merger, Console* console) {
   PrintHeading("Tiles", log);
   Print("tiles", plan.tiles.size(), log);
   Print("cells cut at the seams", report.num_cut_cells, log);
-  PrintIfAny("arcs that two tiles tell differently", report.num_contradictions,
-             log);
+  PrintIfAny("arcs on which two tiles differ", report.num_contradictions, log);
   PrintReport(mesh.report, log);
 }
 

@@ -192,7 +192,7 @@ void PrintCommands(const RefinementPlan& plan) {
   const std::string folder = fmt::format("'{}'", plan.folder.string());
   std::cout << "\nOn Slurm, all at once:\n"
                "  scripts/slurm/refine_tiles "
-            << folder << " REFINED.ply\nOn one machine, colour after colour:\n";
+            << folder << " REFINED.ply\nOn one machine, color after color:\n";
   for (uint32_t color = 0; color < plan.NumColors(); ++color) {
     std::cout << fmt::format(
         "  echo {} | xargs -n 1 -P 2 {} facetwise_refiner --plan_path {} "
@@ -216,7 +216,7 @@ void PrintPlan(const RefinementPlan& plan, ReportLog* log) {
   }
   PrintHeading("Refinement in tiles", log);
   Print("tiles", plan.tiles.size(), log);
-  Print("colours", plan.NumColors(), log);
+  Print("colors", plan.NumColors(), log);
   PrintText("memory, largest tile", fmt::format("{:.1f} GB", memory), log);
   PrintText("  and each thread", fmt::format("{:.2f} GB", of_thread), log);
   PrintText("time, all tiles",
@@ -268,7 +268,7 @@ void ExpectRefined(const RefinementPlan& plan,
     if (!patch.Exists()) {
       throw FileError(
           patch.path,
-          fmt::format("tile {} of colour {} is not refined: run "
+          fmt::format("tile {} of color {} is not refined: run "
                       "facetwise_refiner --plan_path {} --tile {} first",
                       tile, plan.tiles[tile].color, plan.folder.string(),
                       tile));

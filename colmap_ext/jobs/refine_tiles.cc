@@ -203,7 +203,7 @@ TileInput ReadTileInput(const TileJob& job, const RefinerOptions& options,
 
 void PrintTile(const TileJob& job, const TileInput& tile, ReportLog* log) {
   PrintHeading("Tile", log);
-  Print("colour", job.Color(job.tile), log);
+  Print("color", job.Color(job.tile), log);
   Print("images read", tile.views.size(), log);
   PrintReport(tile.input.masks, log);
   Print("faces read", tile.part.mesh.facets.size(), log);
@@ -230,11 +230,11 @@ TilePatch MakeTile(const TileJob& job, const RefinerOptions& options,
   RefinedMesh refined = run->Run(&tile.input);
   console->reporter.Finish();
   if (refined.report.is_stopped) {
-    throw Interruption(run->Signal(), run->Level() > 0
-                                          ? "the tile is refined up to " +
-                                                LevelName(run->Level()) +
-                                                "; the next job goes on from it"
-                                          : "the tile is not refined");
+    throw Interruption(run->Signal(),
+                       run->Level() > 0 ? "the tile is refined up to " +
+                                              LevelName(run->Level()) +
+                                              "; the next job continues from it"
+                                        : "the tile is not refined");
   }
   Print("self-intersections", refined.report.num_self_intersections,
         &console->log);

@@ -55,7 +55,8 @@ void SortViews(VertexAttributes* attributes) {
   EditRows(
       [](size_t, std::span<uint32_t> row) {
         std::ranges::sort(row);
-        return row.size() - std::ranges::unique(row).size();
+        return static_cast<size_t>(std::unique(row.begin(), row.end()) -
+                                   row.begin());
       },
       &attributes->views);
 }

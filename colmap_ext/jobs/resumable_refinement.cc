@@ -97,7 +97,7 @@ RefinementBackend MakeBackend(const RefinerOptions& options,
 }
 
 JobFile StateFile(const fs::path& output) {
-  return {StatePath(output), {"CESTATE1", "start anew, without --resume"}, 0};
+  return {StatePath(output), {"CESTATE1", "start without --resume"}, 0};
 }
 
 // What is refined of a view.
@@ -232,7 +232,7 @@ void ResumableRefinement::Resume(RefinementInput* input) {
   earlier_ = std::move(state.report);
   Surface& surface = *input;
   surface = std::move(state);
-  PrintText("goes on after",
+  PrintText("continues after",
             LevelName(level_) + ", by " + StatePath(output_).string(),
             &console_.log);
 }

@@ -44,8 +44,8 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                       {"high", [] {}},
                       {"extreme", [=] { meshing->max_proj_dist = 10; }}},
                      2,
-                     "Preset of max_proj_dist, which has priority where it is "
-                     "given: 40, 28, 20, 10 px");
+                     "Preset: max_proj_dist of 40, 28, 20 or 10 px. A "
+                     "max_proj_dist that is given has priority");
   options->Add(ours + "max_proj_dist", &meshing->max_proj_dist, kNotNegative,
                "[px] Merge points closer than this in an image; higher is "
                "coarser and faster. 0: keep every point");
@@ -68,7 +68,8 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
   options->Add(ours + "max_side_length_factor",
                &meshing->max_side_length_factor, kNotNegative,
                "Remove faces whose longest side is longer than this times the "
-               "percentile of all sides; 0: keep all");
+               "max_side_length_percentile of all faces' longest sides; 0: "
+               "keep all");
   options->Add(ours + "remeshing", &meshing->remeshing,
                "Remesh the final surface into well-shaped faces, for meshes "
                "that are not refined");
@@ -155,9 +156,9 @@ void AddMeshingInputOptions(CommandOptions* options, MesherOptions* mesher) {
   AddRegionOption("Mesh only inside", &mesher->scene.region, kWrittenAutoRegion,
                   options);
   AddMaskOption(&mesher->scene.mask_path, options);
-  options->Add(
-      "mask_background", &mesher->mask_background,
-      "Masked pixels are background: everything along their rays is empty");
+  options->Add("mask_background", &mesher->mask_background,
+               "Treat masked pixels as background: everything along their rays "
+               "is empty");
   options->AddThreads("DelaunayManifoldMeshing");
   options->SetGroup(OptionGroup::kAdvanced);
   AddFusedPathOption(&mesher->workspace.fused_path, options);
@@ -274,7 +275,7 @@ void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
   options->Add("output_path", &merger->output_path,
                "Mesh to write, PLY, with its .vis; required");
   options->Add("refined", &merger->is_refined,
-               "Merge the tiles as facetwise_refiner has refined them");
+               "Merge the tiles that facetwise_refiner has refined");
   AddTransformOption(&merger->transform_path, options);
   options->AddThreads();
 }

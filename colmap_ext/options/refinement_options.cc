@@ -113,8 +113,8 @@ void AddBasicOptions(CommandOptions* options, RefinerOptions* refiner) {
           refinement->labeling.final_pairs_per_facet = 54;
         }}},
       2,
-      "Preset of image_scale, max_face_area and final_pairs_per_face; what is "
-      "given besides has priority. low takes less than half of the time of "
+      "Preset of image_scale, max_face_area and final_pairs_per_face; options "
+      "that are given have priority. low takes less than half of the time of "
       "high");
   options->Add(ours + "image_scale", &refiner->image_scale, {0.05, 1},
                "Scale of the images that are compared: 0.5 is half the width "

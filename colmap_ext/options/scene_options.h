@@ -60,7 +60,8 @@ struct SceneOptions {
 };
 
 inline constexpr const char* kWrittenAutoRegion =
-    "; auto: the part that most images look at, written to OUTPUT.region.txt";
+    "; auto: the part that most images look at, written beside the mesh: "
+    "MESH.region.txt";
 
 // Add options that several commands have.
 // \param effect  of the region: "Mesh only inside".

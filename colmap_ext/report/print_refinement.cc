@@ -14,7 +14,7 @@ void PrintRepair(const ManifoldRepair& repair, ReportLog* log) {
              log);
   PrintIfAny("  faces dropped, repeat a vertex", repair.num_degenerate_facets,
              log);
-  PrintIfAny("  faces dropped, there twice", repair.num_duplicate_facets, log);
+  PrintIfAny("  duplicate faces dropped", repair.num_duplicate_facets, log);
   PrintIfAny("  vertices dropped, of no face", repair.num_unused_vertices, log);
   Print("  vertices split off", repair.num_split_vertices, log);
   PrintIfAny("  edges split", repair.num_midpoints, log);

@@ -41,7 +41,7 @@ void PrintCells(const ManifoldMeshingReport& report, ReportLog* log) {
   if (report.num_sharp_rays > 0) {
     Print("  strengthened", report.num_sharp_rays, log);
   }
-  Print("facets crossed", report.rays.num_steps, log);
+  Print("cell faces crossed", report.rays.num_steps, log);
   Print("maximum flow", report.flow, log);
   Print("minimum cut", report.cut, log);
 }
@@ -51,7 +51,7 @@ void PrintFixing(const ManifoldMeshingReport& report, ReportLog* log) {
   Print("of the cut", report.fixing.num_singular_raw, log);
   Print("after fixing", report.fixing.num_singular_fixed, log);
   Print("after the split", report.mesh.num_singular_vertices, log);
-  Print("cells relabelled", report.fixing.num_relabeled_cells, log);
+  Print("cells relabeled", report.fixing.num_relabeled_cells, log);
   Print("cells split", report.fixing.num_split_cells, log);
   Print("vertices split off", report.num_split_vertices, log);
   PrintIfAny("edges split", report.num_midpoints, log);
@@ -119,16 +119,15 @@ void PrintReport(const WorkspaceReport& report, size_t num_images,
   PrintText("folder", report.path.string(), log);
   PrintText("sparse model", report.sparse_path.string(), log);
   Print("images", num_images, log);
-  PrintIfAny("  not there, camera's size taken", report.num_missing_images,
-             log);
+  PrintIfAny("  missing, their camera's size is used",
+             report.num_missing_images, log);
   PrintIfAny("  scaled, other than their camera", report.num_rescaled_images,
              log);
   Print("sparse points", report.num_sparse_points, log);
   Print("points read", report.points.num_points, log);
   Print("  dropped, not finite", report.points.num_not_finite, log);
   Print("  dropped, seen by no image", report.points.num_without_views, log);
-  PrintIfAny("  list images that are not there", report.points.num_out_of_range,
-             log);
+  PrintIfAny("  list missing images", report.points.num_out_of_range, log);
   PrintIfAny("  list an image twice", report.points.num_with_repeats, log);
   if (report.is_order_verified) {
     PrintOrder(report.order, log);

@@ -17,14 +17,14 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     region: Optional[Union[StrPath, Sequence[float]]] = None
     """Mesh only inside this region: two opposite corners x0,y0,z0,x1,y1,z1 of a box, or
     a file, such as that of stereo_fusion --bbox_path (docs/tuning.md); auto: the part
-    that most images look at, written to OUTPUT.region.txt."""
+    that most images look at, written beside the mesh: MESH.region.txt."""
 
     mask_path: Optional[StrPath] = None
     """Folder of image masks, PNG: image.jpg.png for image.jpg. Pixels of value 0 are
     ignored."""
 
     mask_background: bool = False
-    """Masked pixels are background: everything along their rays is empty."""
+    """Treat masked pixels as background: everything along their rays is empty."""
 
     num_threads: Annotated[int, Range(1, 1024, also=-1)] = -1
     """[threads] Number of threads; -1: all cores. The result does not depend on it."""
@@ -34,12 +34,12 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     double then."""
 
     quality: Literal["low", "medium", "high", "extreme"] = "high"
-    """Preset of max_proj_dist, which has priority where it is given: 40, 28, 20, 10
-    px."""
+    """Preset: max_proj_dist of 40, 28, 20 or 10 px. A max_proj_dist that is given has
+    priority."""
 
-    max_proj_dist: Optional[Annotated[float, Range(0, 1000000)]] = None
+    max_proj_dist: Annotated[float, Range(0, 1000000)] = 20.0
     """[px] Merge points closer than this in an image; higher is coarser and faster. 0:
-    keep every point. None: as quality says; 20 for high."""
+    keep every point."""
 
     quality_regularization: Annotated[float, Range(0, 10000)] = 1.0
     """Weight of the surface quality; higher is smoother."""
@@ -60,8 +60,8 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     """[faces] Remove components with fewer faces."""
 
     max_side_length_factor: Annotated[float, Range(0, 1000000)] = 25.0
-    """Remove faces whose longest side is longer than this times the percentile of all
-    sides; 0: keep all."""
+    """Remove faces whose longest side is longer than this times the
+    max_side_length_percentile of all faces' longest sides; 0: keep all."""
 
     remeshing: bool = False
     """Remesh the final surface into well-shaped faces, for meshes that are not
@@ -141,8 +141,8 @@ class FacetwiseRefinementOptions(BaseOptions):
     region: Optional[Union[StrPath, Sequence[float]]] = None
     """Refine only inside, and remove the mesh outside of this region: two opposite
     corners x0,y0,z0,x1,y1,z1 of a box, or a file, such as that of stereo_fusion
-    --bbox_path (docs/tuning.md); auto: the part that most images look at, written to
-    OUTPUT.region.txt."""
+    --bbox_path (docs/tuning.md); auto: the part that most images look at, written
+    beside the mesh: MESH.region.txt."""
 
     mask_path: Optional[StrPath] = None
     """Folder of image masks, PNG: image.jpg.png for image.jpg. Pixels of value 0 are
@@ -167,8 +167,8 @@ class FacetwiseRefinementOptions(BaseOptions):
     and drawn again. The mesh, its visibility and labels come on top."""
 
     quality: Literal["low", "medium", "high", "extreme"] = "high"
-    """Preset of image_scale, max_face_area and final_pairs_per_face; what is given
-    besides has priority. low takes less than half of the time of high."""
+    """Preset of image_scale, max_face_area and final_pairs_per_face; options that are
+    given have priority. low takes less than half of the time of high."""
 
     image_scale: Optional[Annotated[float, Range(0.05, 1)]] = None
     """Scale of the images that are compared: 0.5 is half the width and height, and a

@@ -319,8 +319,8 @@ VerifiedOrder TakeBest(const OrderQuestion& question,
   }
   if (!best) {
     throw FileError(question.visibility_path,
-                    fmt::format("it can not be told in which order it counts "
-                                "the images ({} of the points lie inside their "
+                    fmt::format("the order in which it numbers the images is "
+                                "ambiguous ({} of the points lie inside their "
                                 "images)",
                                 Describe(passing)),
                     Alternative::kSayImageOrder);

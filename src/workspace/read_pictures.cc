@@ -221,7 +221,8 @@ void RemoveUnusable(const std::filesystem::path& images_path,
   };
   EditRows(
       [&](size_t, std::span<uint32_t> row) {
-        return row.size() - std::ranges::remove_if(row, is_unusable).size();
+        return static_cast<size_t>(
+            std::remove_if(row.begin(), row.end(), is_unusable) - row.begin());
       },
       &points->views);
 }

@@ -229,12 +229,12 @@ def compare_rules(args, workspaces, folder):
                        if int(raw) else "-")
             rows.append([workspace.name, rule, raw, fixed, avoided,
                          counted(report, "after the split"),
-                         counted(report, "cells relabelled"),
+                         counted(report, "cells relabeled"),
                          counted(report, "cells split"),
                          topology(args, output)[0]])
     print_table("Singular vertices (the paper's Table II)",
                 ["", "rule", "of the cut", "after fixing", "avoided",
-                 "after the split", "cells relabelled", "cells split",
+                 "after the split", "cells relabeled", "cells split",
                  "written, by an independent check"], rows)
 
 

@@ -55,7 +55,7 @@ TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
   WriteFile(state, state_bytes);
   EXPECT_TRUE(Has(
       Succeed(Refine(" --resume 1" + Option("report_path", "steps.csv"))).out,
-      "goes on after"));
+      "continues after"));
   EXPECT_TRUE(BytesOf(output) == mesh);
   EXPECT_FALSE(fs::exists(state));
   EXPECT_FALSE(fs::exists(level_mesh));
@@ -77,7 +77,8 @@ TEST_F(ResumeTest, GoesOnWithTheCamerasAsTheyWereRefined) {
   fs::remove_all(path_ / "sparse-refined");
   InterruptAtTheSecondLevel(poses);
   EXPECT_FALSE(fs::exists(path_ / "sparse-refined" / "images.bin"));
-  EXPECT_TRUE(Has(Succeed(Refine(poses + " --resume 1")).out, "goes on after"));
+  EXPECT_TRUE(
+      Has(Succeed(Refine(poses + " --resume 1")).out, "continues after"));
   EXPECT_TRUE(results() == expected);
 }
 

@@ -227,7 +227,7 @@ TEST_F(TiledRefinementTest, GoesOnAfterTheLastCompleteLevel) {
   EXPECT_TRUE(
       WIFSIGNALED(InterruptTile(tile, "full size, iteration 1", SIGKILL)));
   EXPECT_FALSE(fs::exists(PatchPath(tile)));
-  EXPECT_TRUE(Has(RefineAgain(tile), "goes on after"));
+  EXPECT_TRUE(Has(RefineAgain(tile), "continues after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   EXPECT_EQ(List(plan_), files);
 }
@@ -238,7 +238,7 @@ TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
   InterruptTile(tile, "full size, iteration 0", SIGKILL);
   const std::string of_this_run = ReadFile(state);
   WriteFile(state, of_this_run.substr(0, of_this_run.size() / 2));
-  EXPECT_FALSE(Has(RefineAgain(tile), "goes on after"));
+  EXPECT_FALSE(Has(RefineAgain(tile), "continues after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
   const int other = TilesOf(0).at(0);
   fs::remove(PatchPath(other));
@@ -248,7 +248,7 @@ TEST_F(TiledRefinementTest, GoesOnFromNothingElse) {
   RefineAgain(other);
   fs::remove(PatchPath(tile));
   WriteFile(state, of_another);
-  EXPECT_FALSE(Has(RefineAgain(tile), "goes on after"));
+  EXPECT_FALSE(Has(RefineAgain(tile), "continues after"));
   EXPECT_TRUE(ReadFile(PatchPath(tile)) == undisturbed);
 }
 

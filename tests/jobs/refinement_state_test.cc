@@ -97,7 +97,7 @@ TEST_F(RefinementStateTest, NamesWhatDiffersAndRefusesDamagedFiles) {
     other[at] = static_cast<char>(other[at] ^ 4);
     for (const std::string& damaged : {other, bytes.substr(0, at)}) {
       WriteFile(StatePath(output_), damaged);
-      ExpectFileError("start anew", [&] { Read(); });
+      ExpectFileError("start without", [&] { Read(); });
     }
   }
 }
@@ -108,7 +108,7 @@ TEST_F(RefinementStateTest, RefusesOlderVersionsInOneLine) {
             "\"version\": 6\n}\n");
   EXPECT_EQ(MessageOf<FileError>([&] { Read(); }),
             StatePath(output_).string() +
-                ": of another version of the program: start anew, without "
+                ": of another version of the program: start without "
                 "--resume");
 }
 

@@ -139,7 +139,8 @@ inline std::multiset<std::array<std::array<float, 3>, 3>> TrianglesOf(
       const Eigen::Vector3f& p = mesh.vertices[facet[k]];
       triangle[k] = {p.x(), p.y(), p.z()};
     }
-    std::ranges::rotate(triangle, std::ranges::min_element(triangle));
+    std::rotate(triangle.begin(), std::ranges::min_element(triangle),
+                triangle.end());
     triangles.insert(triangle);
   }
   return triangles;
