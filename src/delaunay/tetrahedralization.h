@@ -90,8 +90,8 @@ inline std::array<uint32_t, 3> FromLowest(const Tetrahedralization& tetrahedra,
   const auto position = [&](uint32_t vertex) -> const Eigen::Vector3f& {
     return tetrahedra.points[vertex];
   };
-  std::rotate(facet.begin(),
-              std::ranges::min_element(facet, IsLower, position), facet.end());
+  std::rotate(facet.begin(), std::ranges::min_element(facet, IsLower, position),
+              facet.end());
   return facet;
 }
 
