@@ -77,18 +77,6 @@ GlTexture ImageTexture(const ColorImage& image) {
 
 ImagePass::ImagePass() : program_({"viewer_image.vert", "viewer_image.frag"}) {}
 
-const GlTexture& ImagePass::Upload(
-    const std::shared_ptr<const ColorImage>& image) {
-  std::erase_if(uploaded_,
-                [](const auto& entry) { return entry.second.image.expired(); });
-  const auto found = uploaded_.find(image.get());
-  if (found != uploaded_.end()) {
-    return found->second.texture;
-  }
-  return uploaded_.emplace(image.get(), Uploaded{image, ImageTexture(*image)})
-      .first->second.texture;
-}
-
 void ImagePass::Draw(const std::shared_ptr<const ColorImage>& image,
                      const View& view, double depth, double opacity,
                      const PictureProjection& projection) {
@@ -98,7 +86,7 @@ void ImagePass::Draw(const std::shared_ptr<const ColorImage>& image,
     corners.emplace_back((corner - eye).cast<float>());
   }
   corners_.Assign(corners);
-  Upload(image).BindToSampler(0);
+  textures_.Get(image, [&] { return ImageTexture(*image); }).BindToSampler(0);
   SetProjection(projection, &program_);
   program_.Set("opacity", static_cast<float>(opacity));
   program_.Use();
@@ -164,24 +152,15 @@ MeshPass::MeshPass()
   AddAttribute(vertex_array_, 0, 3, GL_FLOAT, GL_FALSE);
 }
 
-MeshPass::Uploaded& MeshPass::Upload(
-    const std::shared_ptr<const ShownMesh>& mesh) {
-  std::erase_if(uploaded_,
-                [](const auto& entry) { return entry.second.mesh.expired(); });
-  const auto [place, is_new] = uploaded_.try_emplace(mesh.get());
-  Uploaded& uploaded = place->second;
-  if (is_new) {
-    uploaded.mesh = mesh;
-    uploaded.vertices.Assign(mesh->mesh.vertices);
-    uploaded.facets.Assign(mesh->mesh.facets);
-  }
-  return uploaded;
-}
-
 void MeshPass::Draw(const std::shared_ptr<const ShownMesh>& mesh,
                     const DrawSettings& settings,
                     const PictureProjection& projection, float line_width) {
-  Uploaded& uploaded = Upload(mesh);
+  Uploaded& uploaded = uploads_.Get(mesh, [&] {
+    Uploaded made;
+    made.vertices.Assign(mesh->mesh.vertices);
+    made.facets.Assign(mesh->mesh.facets);
+    return made;
+  });
   const auto [place, is_new] = uploaded.colors.try_emplace(settings.mode);
   Uploaded::Colors& colors = place->second;
   if (is_new) {
