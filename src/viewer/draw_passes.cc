@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pictures/pictures.h"
 #include "viewer/orbit_camera.h"
 
 namespace colmap_ext {
@@ -52,13 +53,6 @@ ShaderConstants ColorConstants() {
           {"kVertices", static_cast<int>(ColorsOf::kVertices)},
           {"kFacets", static_cast<int>(ColorsOf::kFacets)},
           {"kNormals", static_cast<int>(ColorsOf::kNormals)}};
-}
-
-// Direction to the light, above and to the left of the camera, world frame.
-Eigen::Vector3f Sun(const View& view) {
-  return (view.cam_from_world_rotation.transpose() *
-          Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
-      .cast<float>();
 }
 
 }  // namespace
@@ -171,7 +165,7 @@ void MeshPass::Draw(const std::shared_ptr<const ShownMesh>& mesh,
   }
   SetProjection(projection, &program_);
   SetEye(projection, &program_);
-  program_.Set("sun", Sun(projection.view));
+  program_.Set("sun", SunDirection(projection.view));
   program_.Set("color_of", colors.of);
   program_.Set("shading", colors.shading);
   program_.Set("wireframe", settings.wireframe ? 1 : 0);
