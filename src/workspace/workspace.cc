@@ -200,7 +200,6 @@ void OrderImages(const SparseModel& model, const WorkspaceOptions& options,
   Reorder(order, &workspace->camera_scales);
   Reorder(order, &workspace->depth_map_scales);
   Reorder(order, &workspace->picture_errors);
-  seen.cloud.normals = {};
   workspace->cloud =
       FilterCloud(std::move(seen.cloud), std::move(seen.visibility),
                   order.size(), &workspace->report.points);
