@@ -3,8 +3,10 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <numbers>
+#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,12 +65,6 @@ ShownScene ReadScene(const ViewerOptions& options, const ViewerPaths& paths,
   return scene;
 }
 
-// A requested picture.
-struct Screenshot {
-  std::filesystem::path path;
-  View view;
-};
-
 // The requested part of a view.
 View Crop(const ViewerOptions& options, const View& view) {
   const int width = options.width > 0 ? options.width : view.width;
@@ -81,10 +77,12 @@ View Crop(const ViewerOptions& options, const View& view) {
                   height);
 }
 
-// The cameras of the requested pictures, in their order.
+// The cameras of the requested pictures, by the pictures' paths.
+using Screenshots = std::map<std::filesystem::path, View>;
+
 // \throw OptionError if there is no such camera.
-std::vector<Screenshot> PlanScreenshots(const ViewerOptions& options,
-                                        const ShownScene& scene) {
+Screenshots PlanScreenshots(const ViewerOptions& options,
+                            const ShownScene& scene) {
   const std::filesystem::path path = options.screenshot_path;
   if (!options.image_name.empty()) {
     return {
@@ -100,12 +98,10 @@ std::vector<Screenshot> PlanScreenshots(const ViewerOptions& options,
     return {{path, picture()}};
   }
   const Eigen::Vector3d axis = Upwards(scene.views, picture());
-  std::vector<Screenshot> screenshots;
+  Screenshots screenshots;
   for (int i = 0; i < options.turntable; ++i) {
-    screenshots.push_back(
-        {std::filesystem::path(path).replace_extension(
-             fmt::format(".{:03}{}", i, path.extension().string())),
-         picture()});
+    screenshots[std::filesystem::path(path).replace_extension(
+        fmt::format(".{:03}{}", i, path.extension().string()))] = picture();
     camera.Turn(2 * std::numbers::pi / options.turntable, axis);
   }
   return screenshots;
@@ -116,7 +112,7 @@ std::vector<Screenshot> PlanScreenshots(const ViewerOptions& options,
 // \throw GlError if there is no OpenGL 4.5, or it fails.
 std::string DrawScreenshots(const ViewerOptions& options,
                             const ShownScene& scene,
-                            const std::vector<Screenshot>& screenshots) {
+                            const Screenshots& screenshots) {
   const EglContext context(options.gpu_index);
   const EglContext::Scope scope = context.MakeCurrent();
   SceneRenderer renderer;
@@ -125,27 +121,25 @@ std::string DrawScreenshots(const ViewerOptions& options,
     settings.image = FindView(scene.views, options.image_name);
     settings.image_opacity = options.image_opacity;
   }
-  for (const Screenshot& screenshot : screenshots) {
-    renderer.Draw(scene, screenshot.view, settings);
-    WritePng(screenshot.path, renderer.Read());
+  for (const auto& [path, view] : screenshots) {
+    renderer.Draw(scene, view, settings);
+    WritePng(path, renderer.Read());
   }
   return context.RendererName();
 }
 
 void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
   const ShownScene scene = ReadScene(options, paths, ColmapPictureDecoder());
-  const std::vector<Screenshot> screenshots = PlanScreenshots(options, scene);
-  std::vector<std::filesystem::path> outputs;
-  for (const Screenshot& screenshot : screenshots) {
-    outputs.push_back(screenshot.path);
-  }
+  const Screenshots screenshots = PlanScreenshots(options, scene);
+  const auto outputs = std::views::keys(screenshots);
   std::vector<std::filesystem::path> inputs = paths.meshes;
   inputs.insert(inputs.end(), {options.labels_path, options.error_mesh_path});
-  ExpectOutputs(outputs, WorkspaceInputs(paths.folder, {}, options.sparse_path,
-                                         std::move(inputs)));
+  ExpectOutputs(std::vector(outputs.begin(), outputs.end()),
+                WorkspaceInputs(paths.folder, {}, options.sparse_path,
+                                std::move(inputs)));
   const std::string renderer = DrawScreenshots(options, scene, screenshots);
-  for (const Screenshot& screenshot : screenshots) {
-    std::cout << "Wrote " << screenshot.path.string() << "\n";
+  for (const std::filesystem::path& path : outputs) {
+    std::cout << "Wrote " << path.string() << "\n";
   }
   std::cout << "Drawn by " << renderer << std::endl;
 }

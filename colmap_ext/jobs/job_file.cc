@@ -110,12 +110,6 @@ std::string Fingerprint(const fs::path& path) {
   return fmt::format("{} bytes, hash {:016x}", size, hash);
 }
 
-void JobInputs::AddOptions(const CommandOptions& command) {
-  for (const CommandOptions::Option& option : command.Options()) {
-    options[option.name] = option.text();
-  }
-}
-
 void JobInputs::AddFiles(
     const std::vector<std::pair<std::string, fs::path>>& named) {
   std::vector<std::string> fingerprints(named.size());

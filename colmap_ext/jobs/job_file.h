@@ -41,7 +41,15 @@ struct JobInputs {
   Values options;  // as they are typed, by name
   Values files;    // fingerprints, by name or path
 
-  void AddOptions(const CommandOptions& command);
+  // \param add  adds the options of a command to the former
+  template <typename T>
+  void AddOptions(void (*add)(CommandOptions*, T*), T values) {
+    CommandOptions command;
+    add(&command, &values);
+    for (const CommandOptions::Option& option : command.Options()) {
+      options[option.name] = option.text();
+    }
+  }
 
   // Computes the fingerprints in parallel.
   void AddFiles(

@@ -83,10 +83,8 @@ class Planner {
     if (!masks.empty()) {  // jobs may run elsewhere
       masks = fs::absolute(masks).string();
     }
-    CommandOptions command;
-    AddPlannerOptions(&command, &typed);
     JobInputs& inputs = plan_.inputs;
-    inputs.AddOptions(command);
+    inputs.AddOptions(&AddPlannerOptions, typed);
     for (const char* name : {"workspace_path", "output_path", "fused_path",
                              "sparse_path", "max_memory_gb", "num_threads"}) {
       inputs.options.erase(name);

@@ -49,7 +49,74 @@ struct adl_serializer<Eigen::AlignedBox3f> {
 }  // namespace nlohmann
 
 namespace colmap_ext {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(View, name, width, height, fx, fy, cx, cy,
+                                   cam_from_world_rotation,
+                                   cam_from_world_translation)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Region, region_from_world, center,
+                                   half_sizes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JobInputs, options, files)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlannedTile, num_points, num_vertices,
+                                   num_rays, memory_gb, core_seconds, cell)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RefinementTile, color, margin, pixels,
+                                   memory_gb, thread_gb, core_seconds)
+
 namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int kVersion = 6;  // of both files
+
+constexpr char kPlanAgain[] = "run mesh_planner";
+constexpr char kPlanRefinementAgain[] =
+    "run facetwise_refiner --plan_path PLAN --input_path MESH";
+
+std::string ChecksumOf(const Json& json) {
+  return fmt::format("{:016x}", HashBytes(json.dump()));
+}
+
+void WriteJson(const fs::path& path, Json json) {
+  json["version"] = kVersion;
+  json["checksum"] = ChecksumOf(json);
+  WriteText(path, json.dump(1) + "\n");
+}
+
+// Reads what WriteJson() wrote, and makes something of it.
+template <typename Make>
+auto ReadJson(const fs::path& path, const std::string& what_to_do,
+              const Make& make) {
+  std::error_code error;
+  std::ifstream file(path);
+  if (!fs::is_regular_file(path, error) || !file) {
+    throw FileError(path,
+                    (fs::exists(path, error) ? "not a file: " : "not there: ") +
+                        what_to_do);
+  }
+  try {
+    Json json = Json::parse(file);
+    if (json.at("version") != kVersion) {
+      throw FileError(
+          path, fmt::format("has the version {}, not {}: {}",
+                            json.at("version").dump(), kVersion, what_to_do));
+    }
+    const std::string checksum = json.at("checksum");
+    json.erase("checksum");
+    if (checksum == ChecksumOf(json)) {
+      return make(json);
+    }
+  } catch (const Json::exception&) {
+  }
+  throw FileError(path, "damaged or edited: " + what_to_do);
+}
+
+void ExpectSameFile(const fs::path& path, const std::string& fingerprint,
+                    const std::string& what_to_do) {
+  const std::string now = Fingerprint(path);
+  if (now != "none" && now != fingerprint) {
+    throw FileError(path, "has changed since " + what_to_do);
+  }
+}
 
 // Of a tile within others, its own vertices and those of others that its job
 // holds, which lie along the borders.
@@ -154,76 +221,6 @@ void EstimateRefinement(const std::vector<View>& views, double max_memory_gb,
       (kGbPerSum * share + kGbPerPlace) * num_facets;
   tile->core_seconds = kSecondsPerPixel * tile->pixels;
 }
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(View, name, width, height, fx, fy, cx, cy,
-                                   cam_from_world_rotation,
-                                   cam_from_world_translation)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Region, region_from_world, center,
-                                   half_sizes)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JobInputs, options, files)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PlannedTile, num_points, num_vertices,
-                                   num_rays, memory_gb, core_seconds, cell)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RefinementTile, color, margin, pixels,
-                                   memory_gb, thread_gb, core_seconds)
-
-namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
-constexpr int kVersion = 6;  // of both files
-
-constexpr char kPlanAgain[] = "run mesh_planner";
-constexpr char kPlanRefinementAgain[] =
-    "run facetwise_refiner --plan_path PLAN --input_path MESH";
-
-std::string ChecksumOf(const Json& json) {
-  return fmt::format("{:016x}", HashBytes(json.dump()));
-}
-
-void WriteJson(const fs::path& path, Json json) {
-  json["version"] = kVersion;
-  json["checksum"] = ChecksumOf(json);
-  WriteText(path, json.dump(1) + "\n");
-}
-
-// Reads what WriteJson() wrote, and makes something of it.
-template <typename Make>
-auto ReadJson(const fs::path& path, const std::string& what_to_do,
-              const Make& make) {
-  std::error_code error;
-  std::ifstream file(path);
-  if (!fs::is_regular_file(path, error) || !file) {
-    throw FileError(path,
-                    (fs::exists(path, error) ? "not a file: " : "not there: ") +
-                        what_to_do);
-  }
-  try {
-    Json json = Json::parse(file);
-    if (json.at("version") != kVersion) {
-      throw FileError(
-          path, fmt::format("has the version {}, not {}: {}",
-                            json.at("version").dump(), kVersion, what_to_do));
-    }
-    const std::string checksum = json.at("checksum");
-    json.erase("checksum");
-    if (checksum == ChecksumOf(json)) {
-      return make(json);
-    }
-  } catch (const Json::exception&) {
-  }
-  throw FileError(path, "damaged or edited: " + what_to_do);
-}
-
-void ExpectSameFile(const fs::path& path, const std::string& fingerprint,
-                    const std::string& what_to_do) {
-  const std::string now = Fingerprint(path);
-  if (now != "none" && now != fingerprint) {
-    throw FileError(path, "has changed since " + what_to_do);
-  }
-}
-
-}  // namespace
 
 void Plan::Identify() { identity = inputs.Hash(kVersion); }
 

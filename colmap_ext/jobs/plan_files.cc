@@ -212,9 +212,7 @@ TileVertices FilePlan::ReadAttributes(const std::vector<uint32_t>& ids) const {
       const uint32_t vertex = *it - first - begin;
       read.supports.push_back(supports[vertex]);
       read.noises.push_back(noises[vertex]);
-      if (!colors.empty()) {
-        read.attributes.colors.push_back(colors[vertex]);
-      }
+      AppendIfAny(colors, vertex, &read.attributes.colors);
       read.observations.is_end.push_back(is_end[vertex]);
       read.attributes.views.AddRow(std::span(views).subspan(
           offsets[vertex] - offsets[0], offsets[vertex + 1] - offsets[vertex]));

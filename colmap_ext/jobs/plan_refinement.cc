@@ -153,10 +153,7 @@ void Identify(const fs::path& mesh_path, const RefinerOptions& options,
     }
   }
   refinement->inputs.AddFiles(inputs);
-  RefinerOptions typed = options;
-  CommandOptions command;
-  AddResultOptions(&command, &typed);
-  refinement->inputs.AddOptions(command);
+  refinement->inputs.AddOptions(&AddResultOptions, options);
   refinement->Identify(plan);
 }
 

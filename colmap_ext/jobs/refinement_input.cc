@@ -346,10 +346,7 @@ RefinementInput ReadRefinementInput(const RefinerOptions& options,
 JobInputs RunInputs(const RefinerOptions& options, const RefinementPaths& paths,
                     const RefinementInput& input) {
   JobInputs inputs;
-  RefinerOptions typed = options;
-  CommandOptions command;
-  AddResultOptions(&command, &typed);
-  inputs.AddOptions(command);
+  inputs.AddOptions(&AddResultOptions, options);
   inputs.options["image_order"] = NameOf(input.workspace.order.order.kind);
   inputs.options["region"] = input.region ? RegionText(*input.region) : "";
   std::vector<std::pair<std::string, fs::path>> files = {
@@ -385,12 +382,12 @@ SparseModel WithRefinedCameras(SparseModel model,
     image.cam_from_world_translation = view.cam_from_world_translation;
     if (has_intrinsics) {
       SparseCamera& camera = model.cameras.at(image.camera_id);
-      const double scale_x = static_cast<double>(camera.width) / view.width;
-      const double scale_y = static_cast<double>(camera.height) / view.height;
-      camera.fx = view.fx * scale_x;
-      camera.fy = view.fy * scale_y;
-      camera.cx = view.cx * scale_x;
-      camera.cy = view.cy * scale_y;
+      const View full = ResizeView(view, static_cast<int>(camera.width),
+                                   static_cast<int>(camera.height));
+      camera.fx = full.fx;
+      camera.fy = full.fy;
+      camera.cx = full.cx;
+      camera.cy = full.cy;
     }
   }
   for (size_t i = 0; i < positions.size(); ++i) {

@@ -303,6 +303,16 @@ void PrintGroup(const CommandOptions& options, OptionGroup group,
   }
 }
 
+// With the running program in the examples of commands.
+std::string NamingProgram(std::string text) {
+  constexpr std::string_view kExample = "\n  colmap ";
+  for (size_t found = text.find(kExample); found != std::string::npos;
+       found = text.find(kExample, found + 1)) {
+    text.replace(found, kExample.size(), "\n  " + ProgramName() + " ");
+  }
+  return text;
+}
+
 }  // namespace
 
 ParsedOptions ParseOptions(int argc, const char* const* argv,
@@ -321,20 +331,6 @@ ParsedOptions ParseOptions(int argc, const char* const* argv,
   Apply(options, sources);
   return parsed;
 }
-
-namespace {
-
-// With the running program in the examples of commands.
-std::string NamingProgram(std::string text) {
-  constexpr std::string_view kExample = "\n  colmap ";
-  for (size_t found = text.find(kExample); found != std::string::npos;
-       found = text.find(kExample, found + 1)) {
-    text.replace(found, kExample.size(), "\n  " + ProgramName() + " ");
-  }
-  return text;
-}
-
-}  // namespace
 
 void PrintHelp(const CommandOptions& options, const std::string& versions,
                std::ostream& stream) {

@@ -43,20 +43,11 @@ size_t CharacterLength(std::string_view text) {
 }
 
 std::string_view EscapeCharacter(std::string_view character) {
-  switch (character[0]) {
-    case '&':
-      return "&amp;";
-    case '<':
-      return "&lt;";
-    case '>':
-      return "&gt;";
-    case '"':
-      return "&quot;";
-    case '\'':
-      return "&#39;";
-    default:
-      return character;
-  }
+  constexpr std::string_view kSpecial = "&<>\"'";
+  constexpr const char* kEscaped[] = {"&amp;", "&lt;", "&gt;", "&quot;",
+                                      "&#39;"};
+  const size_t place = kSpecial.find(character[0]);
+  return place < kSpecial.size() ? kEscaped[place] : character;
 }
 
 // The style of all pages, for dark and light, narrow and wide windows.

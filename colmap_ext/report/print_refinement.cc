@@ -1,5 +1,6 @@
 #include "colmap_ext/report/print_report.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 

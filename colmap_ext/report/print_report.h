@@ -2,13 +2,14 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "colmap_ext/jobs/refinement_input.h"
 #include "colmap_ext/options/command_options.h"
@@ -62,13 +63,7 @@ void PrintNumber(const std::string& label, double number, ReportLog* log,
 
 void Print(const std::string& label, std::integral auto number,
            ReportLog* log) {
-  constexpr size_t kNumberWidth = 14;  // characters
-  const std::string digits = std::to_string(number);
-  PrintText(
-      label,
-      std::string(kNumberWidth - std::min(kNumberWidth, digits.size()), ' ') +
-          digits,
-      log);
+  PrintText(label, fmt::format("{:14}", number), log);
 }
 
 void PrintIfAny(const std::string& label, std::integral auto number,

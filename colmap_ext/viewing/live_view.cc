@@ -14,13 +14,7 @@ namespace {
 std::shared_ptr<const ShownMesh> ToShown(const std::string& name,
                                          const TriangleMesh& mesh,
                                          const VertexAttributes& attributes) {
-  auto shown = std::make_shared<ShownMesh>();
-  shown->name = name;
-  shown->mesh = mesh;
-  shown->colors = attributes.colors;
-  shown->views = attributes.views;
-  shown->confidences = attributes.confidences;
-  return shown;
+  return std::make_shared<const ShownMesh>(ShownMesh{attributes, name, mesh});
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "colmap_ext/viewing/scene_loader.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,12 +21,6 @@ namespace fs = std::filesystem;
 constexpr const char* kMeshNames[] = {"meshed-refined.ply", kMesherOutput,
                                       "meshed-delaunay.ply",
                                       "meshed-poisson.ply"};
-
-fs::path FindFolder(const std::string& path) {
-  const fs::path found =
-      FindFolderWith({"fused.ply", "stereo", kMesherOutput}, path);
-  return found.empty() ? fs::path(path) : found;
-}
 
 // What can not be read is noted.
 void Read(const ViewerOptions& options, InputType type, const fs::path& folder,
@@ -99,25 +92,6 @@ void AddErrors(const std::filesystem::path& path, ShownMesh* shown,
   shown->error_colors = std::move(colored.colors);
 }
 
-void AddVisibility(const std::filesystem::path& path, ShownMesh* shown,
-                   std::vector<std::string>* notes) {
-  try {
-    shown->views = ReadVisibility(path, shown->mesh.vertices.size());
-  } catch (const FileError& error) {
-    notes->push_back(error.what());
-  }
-}
-
-template <typename T>
-std::vector<T> ValuesAt(const std::vector<std::array<uint32_t, 2>>& sources,
-                        const std::vector<T>& values) {
-  std::vector<T> at;
-  for (size_t i = 0; i < sources.size() && !values.empty(); ++i) {
-    at.push_back(values[sources[i][0]]);
-  }
-  return at;
-}
-
 // Of points without facets.
 Provenance ClipCloud(const Region& region, TriangleMesh* cloud) {
   Provenance from;
@@ -141,23 +115,16 @@ void Crop(const Region& region, ShownMesh* shown) {
   if (!from) {
     return;
   }
-  shown->colors = ValuesAt(from->vertices, shown->colors);
-  shown->error_colors = ValuesAt(from->vertices, shown->error_colors);
-  shown->confidences = ValuesAt(from->vertices, shown->confidences);
-  if (shown->views.size() > 0) {
-    Rows<uint32_t> views;
-    for (const auto& source : from->vertices) {
-      views.AddRow(shown->views[source[0]]);
-    }
-    shown->views = std::move(views);
+  const auto before = std::exchange<VertexAttributes>(*shown, {});
+  const auto error_colors = std::exchange(shown->error_colors, {});
+  for (const auto& source : from->vertices) {
+    AddAttributes(before, source[0], shown);
+    AppendIfAny(error_colors, source[0], &shown->error_colors);
   }
-  std::vector<int32_t> labels;
+  const auto labels = std::exchange(shown->labels, {});
   for (const uint32_t source : from->facets) {
-    if (source < shown->labels.size()) {
-      labels.push_back(shown->labels[source]);
-    }
+    AppendIfAny(labels, source, &shown->labels);
   }
-  shown->labels = std::move(labels);
 }
 
 }  // namespace
@@ -165,7 +132,9 @@ void Crop(const Region& region, ShownMesh* shown) {
 ViewerPaths FindViewerPaths(const ViewerOptions& options) {
   ViewerPaths paths;
   if (!options.workspace_path.empty()) {
-    paths.folder = FindFolder(options.workspace_path);
+    const fs::path found = FindFolderWith(
+        {"fused.ply", "stereo", kMesherOutput}, options.workspace_path);
+    paths.folder = found.empty() ? fs::path(options.workspace_path) : found;
   }
   std::vector<fs::path>& meshes = paths.meshes;
   meshes.assign(options.mesh_paths.begin(), options.mesh_paths.end());
@@ -226,11 +195,9 @@ std::shared_ptr<const ColorImage> ReadShownImage(
 ShownMesh ReadShownMesh(const fs::path& path, const ViewerOptions& options,
                         std::vector<std::string>* notes) {
   ColoredMesh read = ReadColoredPlyMesh(path);
-  ShownMesh shown;
-  shown.name = path.filename().string();
-  shown.mesh = std::move(read.mesh);
-  shown.colors = std::move(read.colors);
-  shown.confidences = std::move(read.confidences);
+  ShownMesh shown{{std::move(read.colors), {}, std::move(read.confidences)},
+                  path.filename().string(),
+                  std::move(read.mesh)};
   shown.labels = std::move(read.labels);
   shown.label_names = std::move(read.label_names);
   DropInfinite(path, &shown.mesh);
@@ -246,7 +213,11 @@ ShownMesh ReadShownMesh(const fs::path& path, const ViewerOptions& options,
     AddErrors(options.error_mesh_path, &shown, notes);
   }
   if (const fs::path visibility = VisibilityPath(path); exists(visibility)) {
-    AddVisibility(visibility, &shown, notes);
+    try {
+      shown.views = ReadVisibility(visibility, shown.mesh.vertices.size());
+    } catch (const FileError& error) {
+      notes->push_back(error.what());
+    }
   }
   if (options.region.region) {
     Crop(*options.region.region, &shown);

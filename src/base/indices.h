@@ -43,6 +43,15 @@ void Append(const Range& values, std::vector<T>* all) {
   all->insert(all->end(), std::begin(values), std::end(values));
 }
 
+// Appends the value at an index to others, if there are values.
+template <typename T>
+void AppendIfAny(const std::vector<T>& values, size_t index,
+                 std::vector<T>* all) {
+  if (!values.empty()) {
+    all->push_back(values[index]);
+  }
+}
+
 // Sorts values and drops those that repeat another one.
 template <typename T>
 void SortUnique(std::vector<T>* values) {

@@ -28,27 +28,6 @@ uint32_t LargestSupport(const std::vector<uint32_t>& free_support,
   return largest;
 }
 
-// [observations]
-std::vector<SupportJump> MeasureJumps(
-    const Tetrahedralization& tetrahedra, const Observations& observations,
-    const std::vector<Eigen::Vector3d>& centers,
-    const std::vector<uint32_t>& free_support,
-    const VisibilityWeightOptions& options) {
-  std::vector<SupportJump> jumps(observations.values.size());
-  tbb::parallel_for(size_t{0}, observations.size(), [&](size_t vertex) {
-    if (observations.IsEnd(vertex)) {
-      return;
-    }
-    for (uint64_t k = observations.offsets[vertex];
-         k < observations.offsets[vertex + 1]; ++k) {
-      jumps[k] =
-          MeasureJump(tetrahedra, free_support, static_cast<uint32_t>(vertex),
-                      centers[observations.values[k].view], options);
-    }
-  });
-  return jumps;
-}
-
 }  // namespace
 
 SupportJump MeasureJump(const Tetrahedralization& tetrahedra,
@@ -79,8 +58,16 @@ size_t AddWeakSurfaceWeights(const Tetrahedralization& tetrahedra,
                              const std::vector<uint32_t>& free_support,
                              const VisibilityWeightOptions& options,
                              FlowCapacities* graph) {
-  const std::vector<SupportJump> jumps =
-      MeasureJumps(tetrahedra, observations, centers, free_support, options);
+  std::vector<SupportJump> jumps(observations.values.size());
+  const auto num_vertices = static_cast<uint32_t>(observations.size());
+  tbb::parallel_for(uint32_t{0}, num_vertices, [&](uint32_t vertex) {
+    const uint64_t end = observations.offsets[vertex + 1];
+    for (uint64_t k = observations.offsets[vertex];
+         k < end && !observations.IsEnd(vertex); ++k) {
+      jumps[k] = MeasureJump(tetrahedra, free_support, vertex,
+                             centers[observations.values[k].view], options);
+    }
+  });
   std::vector<double> fronts;  // of the rays that are not lost
   for (const SupportJump& jump : jumps) {
     if (jump.end_cell != kNone) {

@@ -116,6 +116,15 @@ void Surface::Become(DerivedMesh derived) {
   mesh = std::move(derived.mesh);
 }
 
+void AddAttributes(const VertexAttributes& from, size_t vertex,
+                   VertexAttributes* to) {
+  if (from.views.size() > 0) {
+    to->views.AddRow(from.views[vertex]);
+  }
+  AppendIfAny(from.colors, vertex, &to->colors);
+  AppendIfAny(from.confidences, vertex, &to->confidences);
+}
+
 VertexAttributes InterpolateAttributes(
     const VertexAttributes& attributes,
     const std::vector<std::array<uint32_t, 2>>& sources) {

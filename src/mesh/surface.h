@@ -100,6 +100,10 @@ struct VertexAttributes {
                                      // surface there is known; 0 is unseen
 };
 
+// Appends what belongs to a vertex.
+void AddAttributes(const VertexAttributes& from, size_t vertex,
+                   VertexAttributes* to);
+
 // Returns the attributes of new vertices, each the midpoint of two old ones or
 // twice the same old one: mean colours, rounded up, the views of either, and
 // mean confidences.

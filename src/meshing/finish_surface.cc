@@ -145,9 +145,7 @@ VertexAttributes AttributesOfPoints(
   attributes.views.Reserve(vertex_points.size(), num_views);
   for (const uint32_t point : vertex_points) {
     attributes.views.AddRow(cloud.views[point]);
-    if (!cloud.colors.empty()) {
-      attributes.colors.push_back(cloud.colors[point]);
-    }
+    AppendIfAny(cloud.colors, point, &attributes.colors);
   }
   return attributes;
 }

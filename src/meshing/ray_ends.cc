@@ -82,9 +82,7 @@ RayEnds CropCloud(const Region& region, const std::vector<View>& views,
     kept.cloud.positions.push_back(cloud.positions[i]);
     kept.cloud.views.AddRow(cloud.views[i]);
     kept.weights.push_back(weighted->weights[i]);
-    if (!cloud.colors.empty()) {
-      kept.cloud.colors.push_back(cloud.colors[i]);
-    }
+    AppendIfAny(cloud.colors, i, &kept.cloud.colors);
   }
   kept.num_points = kept.cloud.size();
   *weighted = std::move(kept);

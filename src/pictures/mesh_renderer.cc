@@ -100,10 +100,7 @@ class RayCaster {
   const Bvh& bvh_;
   const View& view_;
   const Vector3f eye_ = view_.Center().cast<float>();
-  // Unit, towards the light, which is above and to the left of the camera.
-  const Vector3f sun_ = (view_.cam_from_world_rotation.transpose() *
-                         Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
-                            .cast<float>();
+  const Vector3f sun_ = SunDirection(view_);
 };
 
 // Chosen by eye.
@@ -142,6 +139,12 @@ Eigen::Matrix3d PrincipalAxes(const std::vector<Vector3f>& points,
 }
 
 }  // namespace
+
+Vector3f SunDirection(const View& view) {
+  return (view.cam_from_world_rotation.transpose() *
+          Vector3d(-0.5, -0.6, -0.7).normalized())
+      .cast<float>();
+}
 
 std::vector<ColorImage> MeshRenderer::Draw(
     const View& view, const std::vector<FrontColor>& colors) const {

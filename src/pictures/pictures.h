@@ -23,6 +23,9 @@ struct FrontHit {
   float light;            // reflected by a white surface, 0 ... 1
 };
 
+// Unit direction to the light, above and left of the camera, world frame.
+Eigen::Vector3f SunDirection(const View& view);
+
 // Red, green and blue of a hit, 0 ... 1. Called by several threads at a time.
 using FrontColor = std::function<Eigen::Vector3f(const FrontHit& hit)>;
 

@@ -23,38 +23,6 @@ constexpr size_t kMaxSparsePoints = 20000;
 // Fewer say nothing. A choice.
 constexpr size_t kMinSparsePoints = 30;
 
-// Fused points around a sparse one.
-struct Surroundings {
-  Eigen::Vector3d mean;
-  Eigen::Vector3d normal;  // unit, of the plane of least squares
-  Eigen::Vector3d offset;  // mean of the half pixel's offsets
-  double radius_squared;   // of a disk that the points would fill evenly
-};
-
-Surroundings Summarize(const PointCloud& cloud,
-                       const std::vector<Eigen::Vector3f>& offsets,
-                       const std::vector<uint32_t>& points) {
-  const auto count = static_cast<double>(points.size());
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-  for (const uint32_t point : points) {
-    mean += cloud.positions[point].cast<double>();
-    offset += offsets[point].cast<double>();
-  }
-  mean /= count;
-  offset /= count;
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const uint32_t point : points) {
-    const Eigen::Vector3d d = cloud.positions[point].cast<double>() - mean;
-    scatter += d * d.transpose();
-  }
-  const Eigen::Vector3d normal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter)
-          .eigenvectors()
-          .col(0);
-  return {mean, normal, offset, 2 * scatter.trace() / count};
-}
-
 // A sparse point's distance from the fused surface along its normal, and the
 // distance that the half pixel predicts there. Scene units.
 struct Sample {
@@ -75,16 +43,31 @@ std::optional<Sample> SampleAt(const PointTree& tree, const PointCloud& cloud,
   if (neighbors.size() < kNumNeighbors) {  // too far, or not finite
     return std::nullopt;
   }
-  const Surroundings surroundings = Summarize(cloud, offsets, neighbors);
-  const Eigen::Vector3d& normal = surroundings.normal;
-  const Eigen::Vector3d away = sparse_point.cast<double>() - surroundings.mean;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (const uint32_t point : neighbors) {
+    mean += cloud.positions[point].cast<double>() / kNumNeighbors;
+    offset += offsets[point].cast<double>() / kNumNeighbors;
+  }
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const uint32_t point : neighbors) {
+    const Eigen::Vector3d d = cloud.positions[point].cast<double>() - mean;
+    scatter += d * d.transpose();
+  }
+  const Eigen::Vector3d normal =  // of the plane of least squares
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter)
+          .eigenvectors()
+          .col(0);
+  // Of a disk that the neighbors would fill evenly.
+  const double radius_squared = 2 * scatter.trace() / kNumNeighbors;
+  const Eigen::Vector3d away = sparse_point.cast<double>() - mean;
   const double observed = normal.dot(away);
   const double beside_squared = (away - observed * normal).squaredNorm();
-  if (beside_squared > surroundings.radius_squared ||
-      std::abs(observed) > kMaxOffsets * surroundings.offset.norm()) {
+  if (beside_squared > radius_squared ||
+      std::abs(observed) > kMaxOffsets * offset.norm()) {
     return std::nullopt;
   }
-  return Sample{normal.dot(surroundings.offset), observed};
+  return Sample{normal.dot(offset), observed};
 }
 
 // Leaves out sparse points that lie farther from the fused surface than three

@@ -94,8 +94,7 @@ class SeamWindow {
   void AddArcs(uint32_t node) {
     const auto seam = labels_.Seam(nodes_[node].tile);
     const UnknownCell& cell = seam->unknown[nodes_[node].place];
-    graph_[node].source = std::min(cell.source, kMaxCapacity);
-    graph_[node].sink = std::min(cell.sink, kMaxCapacity);
+    graph_[node] = {.source = cell.source, .sink = cell.sink};
     for (int i = 0; i < 4; ++i) {
       const SeamCell& other = across_[node][i];
       const uint32_t other_node = NodeOf(other);

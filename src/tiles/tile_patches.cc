@@ -64,17 +64,6 @@ Facet Turned(Facet facet) {
 
 }  // namespace
 
-void AddAttributes(const VertexAttributes& from, size_t vertex,
-                   VertexAttributes* to) {
-  to->views.AddRow(from.views[vertex]);
-  if (!from.colors.empty()) {
-    to->colors.push_back(from.colors[vertex]);
-  }
-  if (!from.confidences.empty()) {
-    to->confidences.push_back(from.confidences[vertex]);
-  }
-}
-
 SurfacePart GatherSurface(const SurfaceStore& store,
                           const std::vector<uint32_t>& patches,
                           const AcceptBox& accept) {

@@ -83,8 +83,4 @@ TilePatch MakePatch(uint32_t tile, const SurfacePart& before,
                     const VertexAttributes& attributes,
                     const std::vector<uint32_t>& sources);
 
-// Copies what belongs to a vertex.
-void AddAttributes(const VertexAttributes& from, size_t vertex,
-                   VertexAttributes* to);
-
 }  // namespace colmap_ext

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pictures/pictures.h"
 #include "viewer/orbit_camera.h"
 
 namespace colmap_ext {
@@ -54,13 +55,6 @@ ShaderConstants ColorConstants() {
           {"kNormals", static_cast<int>(ColorsOf::kNormals)}};
 }
 
-// Direction to the light, above and to the left of the camera, world frame.
-Eigen::Vector3f Sun(const View& view) {
-  return (view.cam_from_world_rotation.transpose() *
-          Eigen::Vector3d(-0.5, -0.6, -0.7).normalized())
-      .cast<float>();
-}
-
 }  // namespace
 
 GlTexture ImageTexture(const ColorImage& image) {
@@ -77,18 +71,6 @@ GlTexture ImageTexture(const ColorImage& image) {
 
 ImagePass::ImagePass() : program_({"viewer_image.vert", "viewer_image.frag"}) {}
 
-const GlTexture& ImagePass::Upload(
-    const std::shared_ptr<const ColorImage>& image) {
-  std::erase_if(uploaded_,
-                [](const auto& entry) { return entry.second.image.expired(); });
-  const auto found = uploaded_.find(image.get());
-  if (found != uploaded_.end()) {
-    return found->second.texture;
-  }
-  return uploaded_.emplace(image.get(), Uploaded{image, ImageTexture(*image)})
-      .first->second.texture;
-}
-
 void ImagePass::Draw(const std::shared_ptr<const ColorImage>& image,
                      const View& view, double depth, double opacity,
                      const PictureProjection& projection) {
@@ -98,7 +80,7 @@ void ImagePass::Draw(const std::shared_ptr<const ColorImage>& image,
     corners.emplace_back((corner - eye).cast<float>());
   }
   corners_.Assign(corners);
-  Upload(image).BindToSampler(0);
+  textures_.Get(image, [&] { return ImageTexture(*image); }).BindToSampler(0);
   SetProjection(projection, &program_);
   program_.Set("opacity", static_cast<float>(opacity));
   program_.Use();
@@ -164,24 +146,15 @@ MeshPass::MeshPass()
   AddAttribute(vertex_array_, 0, 3, GL_FLOAT, GL_FALSE);
 }
 
-MeshPass::Uploaded& MeshPass::Upload(
-    const std::shared_ptr<const ShownMesh>& mesh) {
-  std::erase_if(uploaded_,
-                [](const auto& entry) { return entry.second.mesh.expired(); });
-  const auto [place, is_new] = uploaded_.try_emplace(mesh.get());
-  Uploaded& uploaded = place->second;
-  if (is_new) {
-    uploaded.mesh = mesh;
-    uploaded.vertices.Assign(mesh->mesh.vertices);
-    uploaded.facets.Assign(mesh->mesh.facets);
-  }
-  return uploaded;
-}
-
 void MeshPass::Draw(const std::shared_ptr<const ShownMesh>& mesh,
                     const DrawSettings& settings,
                     const PictureProjection& projection, float line_width) {
-  Uploaded& uploaded = Upload(mesh);
+  Uploaded& uploaded = uploads_.Get(mesh, [&] {
+    Uploaded made;
+    made.vertices.Assign(mesh->mesh.vertices);
+    made.facets.Assign(mesh->mesh.facets);
+    return made;
+  });
   const auto [place, is_new] = uploaded.colors.try_emplace(settings.mode);
   Uploaded::Colors& colors = place->second;
   if (is_new) {
@@ -192,7 +165,7 @@ void MeshPass::Draw(const std::shared_ptr<const ShownMesh>& mesh,
   }
   SetProjection(projection, &program_);
   SetEye(projection, &program_);
-  program_.Set("sun", Sun(projection.view));
+  program_.Set("sun", SunDirection(projection.view));
   program_.Set("color_of", colors.of);
   program_.Set("shading", colors.shading);
   program_.Set("wireframe", settings.wireframe ? 1 : 0);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,6 +27,29 @@ struct PictureProjection {
 // A picture as a texture with linear interpolation.
 GlTexture ImageTexture(const ColorImage& image);
 
+// What of shared objects is on the graphics card, by their addresses.
+template <typename Object, typename Uploaded>
+class Uploads {
+ public:
+  // Uploads an object at its first use, and drops those that no longer exist.
+  // \param upload  returns what is uploaded
+  template <typename Upload>
+  Uploaded& Get(const std::shared_ptr<const Object>& object,
+                const Upload& upload) {
+    std::erase_if(
+        all_, [](const auto& entry) { return entry.second.first.expired(); });
+    auto place = all_.find(object.get());
+    if (place == all_.end()) {
+      place = all_.try_emplace(object.get(), object, upload()).first;
+    }
+    return place->second.second;
+  }
+
+ private:
+  std::map<const Object*, std::pair<std::weak_ptr<const Object>, Uploaded>>
+      all_;
+};
+
 // Draws images on planes in front of their cameras. From its own camera, an
 // image covers exactly the scene that it shows.
 class ImagePass {
@@ -39,17 +63,10 @@ class ImagePass {
             double depth, double opacity, const PictureProjection& projection);
 
  private:
-  struct Uploaded {
-    std::weak_ptr<const ColorImage> image;
-    GlTexture texture;
-  };
-
-  const GlTexture& Upload(const std::shared_ptr<const ColorImage>& image);
-
   Program program_;
   GlVertexArray vertex_array_;
   GlBuffer corners_;  // [4][3] float, from the eye on, world frame
-  std::map<const ColorImage*, Uploaded> uploaded_;
+  Uploads<ColorImage, GlTexture> textures_;
 };
 
 // Draws points as discs; uploads them at first use.
@@ -104,7 +121,6 @@ class MeshPass {
 
  private:
   struct Uploaded {
-    std::weak_ptr<const ShownMesh> mesh;
     GlBuffer vertices;  // [V][3] float
     GlBuffer facets;    // [F][3] uint
     struct Colors {
@@ -115,12 +131,9 @@ class MeshPass {
     std::map<MeshMode, Colors> colors;
   };
 
-  // Drops the meshes that no longer exist.
-  Uploaded& Upload(const std::shared_ptr<const ShownMesh>& mesh);
-
   Program program_;
   GlVertexArray vertex_array_;
-  std::map<const ShownMesh*, Uploaded> uploaded_;
+  Uploads<ShownMesh, Uploaded> uploads_;
 };
 
 // Draws scenes by OpenGL into its own pictures. Its context has to be current

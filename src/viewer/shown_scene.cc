@@ -8,7 +8,6 @@
 #include "base/indices.h"
 #include "base/mix_bits.h"
 #include "mesh/normals.h"
-#include "mesh/surface.h"
 #include "photometry/pair_warp.h"
 #include "photometry/photometric_energy.h"
 #include "photometry/window_correlation.h"
@@ -56,13 +55,6 @@ std::vector<uint32_t> FirstInCube(const TriangleMesh& mesh, double side) {
     firsts.push_back(first_of_cube.try_emplace(key, i).first->second);
   }
   return firsts;
-}
-
-template <typename T>
-void Keep(const std::vector<T>& values, uint32_t index, std::vector<T>* kept) {
-  if (!values.empty()) {
-    kept->push_back(values[index]);
-  }
 }
 
 // Side lengths [px] of the patch shown and of the area searched. Chosen by
@@ -221,13 +213,12 @@ ShownMesh CoarseMesh(const ShownMesh& mesh, size_t max_facets) {
     const Facet facet = {firsts[a], firsts[b], firsts[c]};
     if (!RepeatsVertex(facet)) {
       coarse.mesh.facets.push_back(facet);
-      Keep(mesh.labels, i, &coarse.labels);
+      AppendIfAny(mesh.labels, i, &coarse.labels);
     }
   }
   for (const uint32_t vertex : DropUnusedVertices(&coarse.mesh)) {
-    Keep(mesh.colors, vertex, &coarse.colors);
-    Keep(mesh.error_colors, vertex, &coarse.error_colors);
-    Keep(mesh.confidences, vertex, &coarse.confidences);
+    AddAttributes(mesh, vertex, &coarse);
+    AppendIfAny(mesh.error_colors, vertex, &coarse.error_colors);
   }
   coarse.mesh.vertices.shrink_to_fit();
   return coarse;

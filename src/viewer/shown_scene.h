@@ -13,8 +13,8 @@
 
 #include <Eigen/Core>
 
-#include "base/rows.h"
 #include "labeling/view_pairs.h"
+#include "mesh/surface.h"
 #include "mesh/triangle_mesh.h"
 #include "scene/images.h"
 #include "scene/point_cloud.h"
@@ -33,17 +33,13 @@ struct FacetMatch {
 
 // A mesh, or a point cloud (a mesh without facets), with its data. Not changed
 // once it is shown.
-struct ShownMesh {
+struct ShownMesh : VertexAttributes {  // maybe without views
   std::string name;
   TriangleMesh mesh;
-  std::vector<Color> colors;             // [V] or empty
-  std::vector<Color> error_colors;       // [V] or empty, of its errors
-  std::vector<float> confidences;        // [V] in [0, 1] or empty
-  std::vector<int32_t> labels;           // [F] or empty; -1: none
-  std::vector<std::string> label_names;  // "IMAGE IMAGE" of each label
-  Rows<uint32_t> views;                  // [V] or no rows; indices of the
-                                         // scene's views that see each vertex
-  Eigen::Vector3d front = {0, 0, 0};     // of a cloud: the sum of its normals
+  std::vector<Color> error_colors{};       // [V] or empty, of its errors
+  std::vector<int32_t> labels{};           // [F] or empty; -1: none
+  std::vector<std::string> label_names{};  // "IMAGE IMAGE" of each label
+  Eigen::Vector3d front = {0, 0, 0};       // of a cloud: the sum of its normals
 };
 
 // All that can be drawn. Large parts are shared and identified by address.

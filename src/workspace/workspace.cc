@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/indices.h"
 #include "formats/picture_files.h"
 #include "formats/read_arrays.h"
 #include "workspace/workspace_paths.h"
@@ -142,12 +143,8 @@ void ExpectFinitePoints(const std::vector<Eigen::Vector3f>& points,
 
 void AppendPoint(const CloudPiece& from, size_t point, SeenCloud* to) {
   to->cloud.positions.push_back(from.cloud.positions[point]);
-  if (!from.cloud.normals.empty()) {
-    to->cloud.normals.push_back(from.cloud.normals[point]);
-  }
-  if (!from.cloud.colors.empty()) {
-    to->cloud.colors.push_back(from.cloud.colors[point]);
-  }
+  AppendIfAny(from.cloud.normals, point, &to->cloud.normals);
+  AppendIfAny(from.cloud.colors, point, &to->cloud.colors);
   to->visibility.AddRow(from.visibility[point]);
 }
 
@@ -203,7 +200,6 @@ void OrderImages(const SparseModel& model, const WorkspaceOptions& options,
   Reorder(order, &workspace->camera_scales);
   Reorder(order, &workspace->depth_map_scales);
   Reorder(order, &workspace->picture_errors);
-  seen.cloud.normals = {};
   workspace->cloud =
       FilterCloud(std::move(seen.cloud), std::move(seen.visibility),
                   order.size(), &workspace->report.points);
