@@ -11,7 +11,7 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 
-namespace colmap_ext::manifold_repair_test {
+namespace colmap_ext::split_fans_test {
 
 size_t CountUsed(const TriangleMesh& mesh) {
   std::set<uint32_t> used;
@@ -215,4 +215,4 @@ TEST(ManifoldRepairTest, MakesAnythingManifold) {
   }
 }
 
-}  // namespace colmap_ext::manifold_repair_test
+}  // namespace colmap_ext::split_fans_test

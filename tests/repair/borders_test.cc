@@ -13,7 +13,7 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext::edit_borders_test {
+namespace colmap_ext::borders_test {
 
 class EditBordersTest : public testing::Test {
  protected:
@@ -249,4 +249,4 @@ TEST(CloseHoles, IsTheSameAtAnyNumberOfThreads) {
   });
 }
 
-}  // namespace colmap_ext::edit_borders_test
+}  // namespace colmap_ext::borders_test

@@ -12,7 +12,7 @@
 #include "tests/mesh/known_meshes.h"
 #include "tiles/tile_cells.h"
 
-namespace colmap_ext::surface_patches_test {
+namespace colmap_ext::tile_patches_test {
 
 // A surface in memory, in blocks of ten facets.
 class MemorySurface : public SurfaceStore {
@@ -164,4 +164,4 @@ TEST(MakePatch, OfNoChangeMakesTheSameSurface) {
   EXPECT_EQ(again.mesh, part.mesh);
 }
 
-}  // namespace colmap_ext::surface_patches_test
+}  // namespace colmap_ext::tile_patches_test
