@@ -143,7 +143,7 @@ TEST_F(MeshViewerTest, TurntableDrawsAllAround) {
   EXPECT_FALSE(fs::exists(folder_.Path() / "t.003.png"));
 }
 
-TEST_F(MeshViewerTest, RefusesWhatMakesNoSense) {
+TEST_F(MeshViewerTest, RefusesWhatMakesNoSenseOrNeedsADisplay) {
   const std::string shot = " --screenshot_path shot.png ";
   ExpectRefusal(View(""), "--workspace_path or --mesh_path is required");
   ExpectRefusal(View(Workspace() + shot + "--image_name none.png"),
@@ -152,9 +152,6 @@ TEST_F(MeshViewerTest, RefusesWhatMakesNoSense) {
   ExpectRefusal(View(Workspace() + " --turntable 3"), "need --screenshot_path");
   ExpectRefusal(View(Workspace() + " --screenshot_path no/shot.png"),
                 "no/shot.png");
-}
-
-TEST_F(MeshViewerTest, WithoutADisplayItNamesTheWayWithoutOne) {
   ExpectRefusal(RunShell("env -u DISPLAY -u WAYLAND_DISPLAY " +
                          CommandLine("mesh_viewer" + Workspace())),
                 "--screenshot_path FILE.png draws without one");
