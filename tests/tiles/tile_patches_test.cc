@@ -10,7 +10,6 @@
 #include "mesh/topology.h"
 #include "spatial/facet_tree.h"
 #include "tests/mesh/known_meshes.h"
-#include "tiles/tile_cells.h"
 
 namespace colmap_ext::tile_patches_test {
 
