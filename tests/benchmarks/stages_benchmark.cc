@@ -8,7 +8,6 @@
 #include "delaunay/tetrahedralization.h"
 #include "delaunay/visibility_weights.h"
 #include "meshing/manifold_meshing.h"
-#include "meshing/singular_vertices.h"
 #include "optim/min_cut.h"
 #include "tests/synthetic/dense_scene.h"
 

@@ -41,17 +41,14 @@ struct CommandTest : testing::TestWithParam<std::string> {
   std::string prefix_;  // of the command line
 };
 
-TEST_P(CommandTest, ListsItselfInTheHelp) {
+// docs/option_tables compares the options.
+TEST_P(CommandTest, ExplainsItselfAndItsOptions) {
   for (const char* arguments : {"", "help", "-h"}) {
     EXPECT_TRUE(HasAll(
         Succeed(RunProgram(arguments)).out,
         {"delaunay_manifold_mesher", "facetwise_refiner", "mesh_evaluator"}));
   }
   EXPECT_EQ(RunProgram("no_such_command").exit_code, 1);
-}
-
-// docs/option_tables compares the options.
-TEST_P(CommandTest, ExplainsItsOptions) {
   for (const char* arguments : {"-h", "--help"}) {
     EXPECT_TRUE(HasAll(Succeed(Run(arguments)).out,
                        {"--workspace_path", "--project_path",
@@ -201,27 +198,20 @@ TEST_P(CommandTest, RefusesBadOptions) {
   ExpectRefused(" '--no\n\033such' 1", "--no??such");
 }
 
-TEST_P(CommandTest, RefusesMissingFiles) {
+TEST_P(CommandTest, RefusesMissingFilesAndLoopsOfLinks) {
   fs::remove_all(path_);
   ExpectRefused("", "no such folder");
   fs::create_directory(path_);
   ExpectRefused("", "stereo_fusion");
   for (const char* name : {"fused.ply", "fused.ply.vis", "sparse/images.bin",
                            "sparse/cameras.bin", "sparse/points3D.bin"}) {
-    sphere_.Write(path_);
-    fs::remove(path_ / name);
-    ExpectRefused("", path_.string());
-  }
-}
-
-TEST_P(CommandTest, RefusesLoopsOfLinks) {
-  for (const char* name : {"fused.ply", "fused.ply.vis", "sparse/images.bin"}) {
     fs::remove_all(path_);
     sphere_.Write(path_);
-    fs::remove(path_ / name);
-    fs::create_symlink(fs::path(name).filename(), path_ / name);
-    ExpectRefused(
-        "", std::string("ERROR: ") + (path_ / name).string() + ": Too many");
+    const fs::path file = path_ / name;
+    fs::remove(file);
+    ExpectRefused("", path_.string());
+    fs::create_symlink(file.filename(), file);
+    ExpectRefused("", "ERROR: " + file.string() + ": Too many");
   }
 }
 

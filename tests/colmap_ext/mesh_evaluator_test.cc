@@ -127,12 +127,9 @@ TEST_F(MeshEvaluatorTest, DrawsTheErrors) {
               sphere_.images[2].view.name));
 }
 
-TEST_F(MeshEvaluatorTest, RestrictsToARegion) {
+TEST_F(MeshEvaluatorTest, RestrictsToARegionOrAMaskAndAPlane) {
   ExpectHalfOfTheSamples(" --region=-2,-2,0,2,2,2");
   ExpectRefusal(Run(Basics() + " --region auto"), "--workspace_path");
-}
-
-TEST_F(MeshEvaluatorTest, RestrictsToMaskAndPlane) {
   std::string header =
       "{'descr': '|u1', 'fortran_order': False, 'shape': (2, 1, 1), }\n";
   std::string mask("\x93NUMPY\x01\x00", 8);

@@ -65,7 +65,7 @@ struct MeshViewerTest : RefinerFixture {
   }
 };
 
-TEST_F(MeshViewerTest, EachModeIsAnotherPicture) {
+TEST_F(MeshViewerTest, EachModeIsAnotherPictureOrSaysWhatItMisses) {
   const ColorImage shaded = Screenshot("");
   EXPECT_EQ(shaded.width, 1024);
   EXPECT_EQ(shaded.height, 768);
@@ -74,6 +74,10 @@ TEST_F(MeshViewerTest, EachModeIsAnotherPicture) {
         "--points 1", "--cameras 1", "--zoom 2"}) {
     EXPECT_GT(MeanDifference(Screenshot(option), shaded), 0.05) << option;
   }
+  const Outcome outcome =
+      Succeed(View(Workspace() + " --mode labels --screenshot_path shot.png"));
+  EXPECT_TRUE(
+      Has(outcome.out, "has no labels; facetwise_refiner --labels_path"));
 }
 
 // Half of the scene, in the same view.
@@ -96,13 +100,6 @@ TEST_F(MeshViewerTest, ShowsARegion) {
   }
   ExpectRefusal(View(Workspace() + " --screenshot_path a.png --region auto"),
                 ".region.txt");
-}
-
-TEST_F(MeshViewerTest, SaysWhatAModeMisses) {
-  const Outcome outcome =
-      Succeed(View(Workspace() + " --mode labels --screenshot_path shot.png"));
-  EXPECT_TRUE(
-      Has(outcome.out, "has no labels; facetwise_refiner --labels_path"));
 }
 
 TEST_F(MeshViewerTest, TakesMeshesAndCloudsWithoutAWorkspace) {
@@ -143,7 +140,7 @@ TEST_F(MeshViewerTest, TurntableDrawsAllAround) {
   EXPECT_FALSE(fs::exists(folder_.Path() / "t.003.png"));
 }
 
-TEST_F(MeshViewerTest, RefusesWhatMakesNoSense) {
+TEST_F(MeshViewerTest, RefusesWhatMakesNoSenseOrNeedsADisplay) {
   const std::string shot = " --screenshot_path shot.png ";
   ExpectRefusal(View(""), "--workspace_path or --mesh_path is required");
   ExpectRefusal(View(Workspace() + shot + "--image_name none.png"),
@@ -152,9 +149,6 @@ TEST_F(MeshViewerTest, RefusesWhatMakesNoSense) {
   ExpectRefusal(View(Workspace() + " --turntable 3"), "need --screenshot_path");
   ExpectRefusal(View(Workspace() + " --screenshot_path no/shot.png"),
                 "no/shot.png");
-}
-
-TEST_F(MeshViewerTest, WithoutADisplayItNamesTheWayWithoutOne) {
   ExpectRefusal(RunShell("env -u DISPLAY -u WAYLAND_DISPLAY " +
                          CommandLine("mesh_viewer" + Workspace())),
                 "--screenshot_path FILE.png draws without one");

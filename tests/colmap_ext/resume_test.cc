@@ -24,12 +24,6 @@ struct ResumeTest : RefinerFixture {
     ASSERT_TRUE(WIFEXITED(status));
     ASSERT_EQ(WEXITSTATUS(status), 130) << ErrorOutput();
   }
-
-  // As Interrupt() makes it.
-  std::string ListWithEarlierOutput() const {
-    WriteFile(path_ / kOutput, kEarlierOutput);
-    return List(path_);
-  }
 };
 
 TEST_F(ResumeTest, GoesOnAfterAnInterruption) {
@@ -100,17 +94,15 @@ TEST_F(ResumeTest, StartsWhereThereIsNothingToGoOnFrom) {
 }
 
 TEST_F(ResumeTest, WritesNothingBeforeTheFirstLevelIsComplete) {
-  const std::string before = ListWithEarlierOutput();
-  const int status = Interrupt(" @levels 1", "iteration 0", {SIGTERM});
+  WriteFile(path_ / kOutput, kEarlierOutput);
+  const std::string before = List(path_);
+  int status = Interrupt(" @levels 1", "iteration 0", {SIGTERM});
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 143);
   EXPECT_TRUE(Has(ErrorOutput(), "nothing was written"));
   EXPECT_EQ(List(path_), before);
-}
-
-TEST_F(ResumeTest, EndsAtOnceAtTheSecondSignal) {
-  const std::string before = ListWithEarlierOutput();
-  const int status = Interrupt(" @levels 1", "iteration 0", {SIGINT, SIGTERM});
+  // The second signal ends it at once.
+  status = Interrupt(" @levels 1", "iteration 0", {SIGINT, SIGTERM});
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(List(path_), before);
 }

@@ -103,40 +103,42 @@ struct SparseModelAgreementTest : testing::Test {
   SparseModelAgreementTest() {
     sphere_.points.resize(20);
     sphere_.point_images.assign(20, {0, 2});
-    const std::filesystem::path old = folder_.Path() / "old";
+    const fs::path old = folder_.Path() / "old";
     sphere_.WriteModel(old, ".bin");
-    std::filesystem::create_directory(binary_);
+    fs::create_directory(binary_);
     synthetic::ConvertModel(old.string(), binary_.string());
+    model_ = ReadSparseModel(binary_);
+    views_ = synthetic::ReadViews(binary_.string());
   }
 
   SphereWorkspace sphere_;
   TemporaryFolder folder_;
   // As this COLMAP writes it: with rigs and frames from 3.12 on.
-  std::filesystem::path binary_ = folder_.Path() / "binary";
+  fs::path binary_ = folder_.Path() / "binary";
+  SparseModel model_;
+  std::vector<View> views_;
 };
 
 // What COLMAP itself writes and reads is what we read.
 TEST_F(SparseModelAgreementTest, ReadsWhatThisColmapWrites) {
-  const SparseModel model = ReadSparseModel(binary_);
-  const std::vector<View> views = synthetic::ReadViews(binary_.string());
-  ASSERT_EQ(model.images.size(), views.size());
-  for (const View& view : views) {
+  ASSERT_EQ(model_.images.size(), views_.size());
+  for (const View& view : views_) {
     const auto image = std::ranges::find_if(
-        model.images,
+        model_.images,
         [&](const SparseImage& other) { return other.name == view.name; });
-    ASSERT_NE(image, model.images.end()) << view.name;
+    ASSERT_NE(image, model_.images.end()) << view.name;
     EXPECT_TRUE(image->cam_from_world_rotation.toRotationMatrix().isApprox(
         view.cam_from_world_rotation));
     EXPECT_TRUE(image->cam_from_world_translation.isApprox(
         view.cam_from_world_translation));
-    const SparseCamera& camera = model.cameras.at(image->camera_id);
+    const SparseCamera& camera = model_.cameras.at(image->camera_id);
     EXPECT_EQ(camera.fx, view.fx);
     EXPECT_EQ(camera.cy, view.cy);
     EXPECT_EQ(camera.width, view.width);
   }
-  EXPECT_EQ(model.point_positions.size(), 2);  // of 20, in the sphere's model
-  const bool has_frames = std::filesystem::exists(binary_ / "frames.bin");
-  EXPECT_EQ(model.frames.size(), has_frames ? views.size() : 0);
+  EXPECT_EQ(model_.point_positions.size(), 2);  // of 20, in the sphere's model
+  const bool has_frames = fs::exists(binary_ / "frames.bin");
+  EXPECT_EQ(model_.frames.size(), has_frames ? views_.size() : 0);
 #if COLMAP_EXT_COLMAP_VERSION >= 31200
   EXPECT_TRUE(has_frames);
 #endif
@@ -152,21 +154,19 @@ TEST_F(SparseModelAgreementTest, KnowsTheImageOrderOfThisColmap) {
 #else
   constexpr ImageOrderKind kKind = ImageOrderKind::kFile;
 #endif
-  const SparseModel model = ReadSparseModel(binary_);
-  const std::vector<View> views = synthetic::ReadViews(binary_.string());
-  const std::vector<ImageOrder> orders = CandidateImageOrders(model);
+  const std::vector<ImageOrder> orders = CandidateImageOrders(model_);
   const auto order = std::ranges::find_if(
       orders, [](const ImageOrder& other) { return other.kind == kKind; });
   ASSERT_NE(order, orders.end());
-  ASSERT_EQ(order->images.size(), views.size());
-  for (size_t i = 0; i < views.size(); ++i) {
-    EXPECT_EQ(model.images[order->images[i]].name, views[i].name);
+  ASSERT_EQ(order->images.size(), views_.size());
+  for (size_t i = 0; i < views_.size(); ++i) {
+    EXPECT_EQ(model_.images[order->images[i]].name, views_[i].name);
   }
 }
 
 TEST(ColmapPictureDecoder, ReadsPicturesInGrey) {
   const TemporaryFolder folder;
-  const std::filesystem::path path = folder.Path();
+  const fs::path path = folder.Path();
   const PictureDecoder decoder = ColmapPictureDecoder();
   WriteFile(path / "gray.pgm", std::string("P5\n3 2\n255\n\x01\x02\x03"
                                            "\x04\x05\x06"));

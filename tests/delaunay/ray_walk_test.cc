@@ -416,15 +416,10 @@ TEST(IsStrictlyInside, IsFalseOnTheFacets) {
   const uint32_t cell = tetrahedra.vertex_cells[0];
   EXPECT_TRUE(IsStrictlyInside(tetrahedra, cell, {1, 1, 1}));
   EXPECT_TRUE(IsStrictlyInside(tetrahedra, cell, {1e-300, 1, 1}));
-  for (const Eigen::Vector3d& point :
-       std::vector<Eigen::Vector3d>{{0, 1, 1},
-                                    {2, 1, 1},
-                                    {0, 0, 0},
-                                    {0, 0, 2},
-                                    {2, 2, 0},
-                                    {-1, 1, 1},
-                                    {2, 2, 1},
-                                    {1, 1, 2.0000000000000004}}) {
+  const std::vector<Eigen::Vector3d> outside = {
+      {0, 1, 1}, {2, 1, 1},  {0, 0, 0}, {0, 0, 2},
+      {2, 2, 0}, {-1, 1, 1}, {2, 2, 1}, {1, 1, 2.0000000000000004}};
+  for (const Eigen::Vector3d& point : outside) {
     EXPECT_FALSE(IsStrictlyInside(tetrahedra, cell, point));
   }
 }

@@ -8,7 +8,6 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "mesh/mesh_in_image.h"
 #include "mesh/normals.h"
@@ -212,21 +211,14 @@ TriangleMesh RandomTriangle(Random* random) {
   });
 }
 
-bool IsMet(const View& view, const TriangleMesh& mesh, const Vector2d& pixel) {
-  const auto [a, b, c] = CornersOf<double>(mesh, mesh.facets[0]);
-  Eigen::Matrix3d matrix;
-  matrix << b - a, c - a, -(view.RayFromPixel() * pixel.homogeneous());
-  const Vector3d x = matrix.inverse() * (view.Center() - a);
-  return x[0] >= 0 && x[1] >= 0 && x[0] + x[1] <= 1 && x[2] > 0;
-}
-
 // px^2, of the image
 double AreaByRays(const View& view, const TriangleMesh& mesh) {
   constexpr int kRays = 4;  // a pixel, along u and v
   double area = 0;
   for (int i = 0; i < kRays * view.width; ++i) {
     for (int j = 0; j < kRays * view.height; ++j) {
-      area += IsMet(view, mesh, Vector2d(i + 0.5, j + 0.5) / kRays) ? 1 : 0;
+      const Vector2d pixel = Vector2d(i + 0.5, j + 0.5) / kRays;
+      area += InverseDepthAt(view, mesh, 0, pixel) > 0 ? 1 : 0;
     }
   }
   return area / (kRays * kRays);

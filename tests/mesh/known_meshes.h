@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include "mesh/adjacency.h"
 #include "mesh/split_fans.h"
 #include "mesh/triangle_mesh.h"
 #include "tests/random.h"

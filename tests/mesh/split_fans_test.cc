@@ -3,23 +3,17 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <set>
 
 #include <gtest/gtest.h>
 
 #include "mesh/adjacency.h"
+#include "mesh/surface.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"
 
-namespace colmap_ext::manifold_repair_test {
+namespace colmap_ext::split_fans_test {
 
-size_t CountUsed(const TriangleMesh& mesh) {
-  std::set<uint32_t> used;
-  for (const Facet& facet : mesh.facets) {
-    used.insert(facet.begin(), facet.end());
-  }
-  return used.size();
-}
+size_t CountUsed(TriangleMesh mesh) { return DropUnusedVertices(&mesh).size(); }
 
 // Pairs half-edges of opposite directions at random, some not at all, where
 // any number of facets shares an edge.
@@ -215,4 +209,4 @@ TEST(ManifoldRepairTest, MakesAnythingManifold) {
   }
 }
 
-}  // namespace colmap_ext::manifold_repair_test
+}  // namespace colmap_ext::split_fans_test

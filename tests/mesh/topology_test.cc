@@ -120,63 +120,57 @@ uint32_t AddVertex(TriangleMesh* mesh) {
   return static_cast<uint32_t>(mesh->vertices.size() - 1);
 }
 
-class PlantedDefect : public testing::TestWithParam<Planted> {};
-
-TEST_P(PlantedDefect, IsCaught) {
-  const Planted& planted = GetParam();
-  TriangleMesh mesh = MakeTorus();
-  ASSERT_TRUE(Analyze(mesh).IsManifold());
-  planted.plant(&mesh);
-  const MeshReport report = Analyze(mesh);
-  EXPECT_EQ(report.*planted.defect.count, planted.expected);
-  EXPECT_FALSE(report.IsManifold());
-  EXPECT_TRUE(Has(report.Defects(), std::to_string(planted.expected) + " " +
-                                        planted.defect.words));
-  EXPECT_FALSE(HasManifoldLinks(mesh));
+TEST(Topology, CatchesPlantedDefects) {
+  const std::vector<Planted> all = {
+      {"NotANumber", kNonFinite, 1,
+       [](TriangleMesh* mesh) { mesh->vertices[3].y() = NAN; }},
+      {"Infinite", kNonFinite, 1,
+       [](TriangleMesh* mesh) { mesh->vertices[3].y() = -INFINITY; }},
+      {"Unreferenced", kUnreferenced, 2,
+       [](TriangleMesh* mesh) {
+         AddVertex(mesh);
+         AddVertex(mesh);
+       }},
+      {"IndexOutOfRange", kInvalid, 1,
+       [](TriangleMesh* mesh) { mesh->facets[5][1] = 5 * 7; }},
+      {"LargestIndex", kInvalid, 1,
+       [](TriangleMesh* mesh) { mesh->facets[5][2] = UINT32_MAX; }},
+      {"Degenerate", kDegenerate, 1,
+       [](TriangleMesh* mesh) { mesh->facets[5][2] = mesh->facets[5][0]; }},
+      {"DegenerateAdded", kDegenerate, 2,
+       [](TriangleMesh* mesh) {
+         mesh->facets.push_back({3, 4, 4});
+         mesh->facets.push_back({3, 3, 3});
+       }},
+      {"Duplicate", kDuplicate, 1,
+       [](TriangleMesh* mesh) {
+         const auto [a, b, c] = mesh->facets[7];
+         mesh->facets.push_back({b, c, a});
+       }},
+      {"ThirdFacetAtAnEdge", kNonManifold, 1,
+       [](TriangleMesh* mesh) {
+         const auto [a, b, c] = mesh->facets[7];
+         mesh->facets.push_back({a, b, AddVertex(mesh)});
+       }},
+      {"Misoriented", kMisoriented, 3,
+       [](TriangleMesh* mesh) {
+         std::swap(mesh->facets[7][0], mesh->facets[7][1]);
+       }},
+      {"PinchedVertex", kSingular, 1,
+       [](TriangleMesh* mesh) { MergeVertices(34, 16, mesh); }}};
+  for (const Planted& planted : all) {
+    SCOPED_TRACE(planted.name);
+    TriangleMesh mesh = MakeTorus();
+    ASSERT_TRUE(Analyze(mesh).IsManifold());
+    planted.plant(&mesh);
+    const MeshReport report = Analyze(mesh);
+    EXPECT_EQ(report.*planted.defect.count, planted.expected);
+    EXPECT_FALSE(report.IsManifold());
+    EXPECT_TRUE(Has(report.Defects(), std::to_string(planted.expected) + " " +
+                                          planted.defect.words));
+    EXPECT_FALSE(HasManifoldLinks(mesh));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Topology, PlantedDefect,
-    testing::Values(
-        Planted{"NotANumber", kNonFinite, 1,
-                [](TriangleMesh* mesh) { mesh->vertices[3].y() = NAN; }},
-        Planted{"Infinite", kNonFinite, 1,
-                [](TriangleMesh* mesh) { mesh->vertices[3].y() = -INFINITY; }},
-        Planted{"Unreferenced", kUnreferenced, 2,
-                [](TriangleMesh* mesh) {
-                  AddVertex(mesh);
-                  AddVertex(mesh);
-                }},
-        Planted{"IndexOutOfRange", kInvalid, 1,
-                [](TriangleMesh* mesh) { mesh->facets[5][1] = 5 * 7; }},
-        Planted{"LargestIndex", kInvalid, 1,
-                [](TriangleMesh* mesh) { mesh->facets[5][2] = UINT32_MAX; }},
-        Planted{"Degenerate", kDegenerate, 1,
-                [](TriangleMesh* mesh) {
-                  mesh->facets[5][2] = mesh->facets[5][0];
-                }},
-        Planted{"DegenerateAdded", kDegenerate, 2,
-                [](TriangleMesh* mesh) {
-                  mesh->facets.push_back({3, 4, 4});
-                  mesh->facets.push_back({3, 3, 3});
-                }},
-        Planted{"Duplicate", kDuplicate, 1,
-                [](TriangleMesh* mesh) {
-                  const auto [a, b, c] = mesh->facets[7];
-                  mesh->facets.push_back({b, c, a});
-                }},
-        Planted{"ThirdFacetAtAnEdge", kNonManifold, 1,
-                [](TriangleMesh* mesh) {
-                  const auto [a, b, c] = mesh->facets[7];
-                  mesh->facets.push_back({a, b, AddVertex(mesh)});
-                }},
-        Planted{"Misoriented", kMisoriented, 3,
-                [](TriangleMesh* mesh) {
-                  std::swap(mesh->facets[7][0], mesh->facets[7][1]);
-                }},
-        Planted{"PinchedVertex", kSingular, 1,
-                [](TriangleMesh* mesh) { MergeVertices(34, 16, mesh); }}),
-    [](const auto& planted) { return std::string(planted.param.name); });
 
 // Facets of a vertex that share another vertex, again and again.
 size_t CountFans(const TriangleMesh& mesh, uint32_t vertex) {

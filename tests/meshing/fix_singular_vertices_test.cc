@@ -7,7 +7,7 @@
 #include "tests/meshing/fixing_problem.h"
 #include "tests/threads.h"
 
-namespace colmap_ext::manifold_fixing_test {
+namespace colmap_ext::fix_singular_vertices_test {
 
 using Problem = FixingProblem;
 
@@ -187,4 +187,4 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(rule.param == FixingRule::kPaper ? "Paper" : "Energy");
     });
 
-}  // namespace colmap_ext::manifold_fixing_test
+}  // namespace colmap_ext::fix_singular_vertices_test

@@ -217,10 +217,6 @@ LabelSets Choose(const PottsProblem& problem) {
   return ChosenLabels(problem, SolvePotts(problem).choices);
 }
 
-bool Contains(std::span<const uint32_t> labels, uint32_t label) {
-  return std::ranges::find(labels, label) != labels.end();
-}
-
 std::set<uint32_t> SetOf(std::span<const uint32_t> labels) {
   return {labels.begin(), labels.end()};
 }
@@ -234,7 +230,7 @@ double Cost(const PottsProblem& problem, const LabelSets& sets) {
     for (const uint32_t label : sets[node] | std::views::drop(1)) {
       sum += problem.Costs(node)[std::ranges::find(own, label) - own.begin()];
       for (const uint32_t other : problem.neighbors[node]) {
-        if (other != kNone && !Contains(sets[other], label)) {
+        if (other != kNone && std::ranges::count(sets[other], label) == 0) {
           sum += problem.weight / 3;
         }
       }

@@ -110,7 +110,7 @@ Squares ExpectedSquares(const FacetIdBuffer& drawn, const FacetLabels& labels,
   return squares;
 }
 
-TEST(FindTiles, AreTheSmallestRectanglesInEachSquare) {
+TEST(FindTiles, AreTheSmallestRectanglesInEachSquareThatHasAny) {
   Random random(3);
   for (const auto& [width, height] :
        {std::pair(1, 1), {kTileSize, kTileSize}, {101, 70}, {33, 95}}) {
@@ -143,10 +143,6 @@ TEST(FindTiles, AreTheSmallestRectanglesInEachSquare) {
       }
     }
   }
-}
-
-TEST(FindTiles, AreNoneWhereNothingIsDrawn) {
-  Random random(4);
   const FacetLabels labels = RandomLabels(5, &random);
   for (const auto& tiles :
        FindTiles(RandomBuffer(64, 64, 0, &random), 0, labels)) {

@@ -7,7 +7,6 @@
 #include "base/indices.h"
 #include "raster/facet_id_buffer.h"
 #include "tests/mesh/known_meshes.h"
-#include "tests/random_vectors.h"
 #include "tests/raster/visible_facets.h"
 
 namespace colmap_ext::facet_clusters_test {

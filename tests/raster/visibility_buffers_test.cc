@@ -207,7 +207,7 @@ TEST(VisibilityBuffers, AreKeptWhereThereIsRoom) {
   EXPECT_TRUE(second.expired());
 }
 
-TEST(FacetFrames, HaveUnitNormalsToFreeSpace) {
+TEST(FacetFrames, HaveUnitNormalsToFreeSpaceAndBarycentricCoordinates) {
   Random random(1);
   const TriangleMesh mesh = RandomSoup(20, 60, true, &random);
   const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
@@ -223,14 +223,8 @@ TEST(FacetFrames, HaveUnitNormalsToFreeSpace) {
   const FacetFrame up =
       ComputeFacetFrame({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}}, {0, 1, 2});
   EXPECT_EQ(up.normal, Vector3d::UnitZ());
-}
-
-// Points are sums of the corners by their barycentric coordinates; what lies
-// off the plane has those of its foot.
-TEST(FacetFrames, TellBarycentricCoordinates) {
-  Random random(2);
-  const TriangleMesh mesh = RandomSoup(20, 60, true, &random);
-  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
+  // Points are sums of the corners by their barycentric coordinates; what lies
+  // off the plane has those of its foot.
   for (size_t i = 0; i < frames.size(); ++i) {
     const auto corners = CornersOf<double>(mesh, mesh.facets[i]);
     for (int k = 0; k < 3; ++k) {

@@ -141,17 +141,17 @@ TEST_F(PointConfidencesTest, IsTheSameAtAnyNumberOfThreads) {
   ExpectSameForAnyThreads([&] { return Confidences(); });
 }
 
-// What windows of the same correlation and texture give on each facet.
-PhotometricTerms MakeTerms(const TriangleMesh& mesh, double correlation,
-                           float texture, float num_pixels = 10) {
-  const float weight = texture * num_pixels;
-  return {0, std::vector<FacetTerms>(
-                 mesh.facets.size(),
-                 {weight * EnergyOf(correlation), weight, num_pixels})};
-}
-
 const TriangleMesh kMesh = MakeTorus();
 const std::vector<float> kHalf(kMesh.vertices.size(), 0.5f);
+
+// What windows of the same correlation and texture give on each facet.
+PhotometricTerms MakeTerms(double correlation, float texture,
+                           float num_pixels = 10) {
+  const float weight = texture * num_pixels;
+  return {0, std::vector<FacetTerms>(
+                 kMesh.facets.size(),
+                 {weight * EnergyOf(correlation), weight, num_pixels})};
+}
 
 void ExpectAll(const std::vector<float>& confidences, double value) {
   ASSERT_EQ(confidences.size(), kMesh.vertices.size());
@@ -167,28 +167,27 @@ std::vector<float> Confidences(const PhotometricTerms& terms,
 
 TEST(RefinedConfidences, IsTheCorrelationWhereThereIsTexture) {
   for (const double correlation : {0.6, 0.8, 0.99}) {
-    ExpectAll(Confidences(MakeTerms(kMesh, correlation, 1), kHalf),
-              correlation);
+    ExpectAll(Confidences(MakeTerms(correlation, 1), kHalf), correlation);
   }
 }
 
 TEST(RefinedConfidences, StaysWhereOnlyPointsConfirm) {
-  ExpectAll(Confidences(MakeTerms(kMesh, 0.3, 1), kHalf), 0.5);
-  ExpectAll(Confidences(MakeTerms(kMesh, -0.5, 1), kHalf), 0.5);
-  ExpectAll(Confidences(MakeTerms(kMesh, -0.5, 1), {}), 0);
+  ExpectAll(Confidences(MakeTerms(0.3, 1), kHalf), 0.5);
+  ExpectAll(Confidences(MakeTerms(-0.5, 1), kHalf), 0.5);
+  ExpectAll(Confidences(MakeTerms(-0.5, 1), {}), 0);
 }
 
 TEST(RefinedConfidences, IsTheInputsWhereThereIsNoTextureOrNothingIsSeen) {
-  ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 0), kHalf), 0.5);
-  ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 0.25), kHalf), 0.6);
-  ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 1, 0), kHalf), 0.5);
-  ExpectAll(Confidences(MakeTerms(kMesh, 0.9, 1, 0), {}), 0);
+  ExpectAll(Confidences(MakeTerms(0.9, 0), kHalf), 0.5);
+  ExpectAll(Confidences(MakeTerms(0.9, 0.25), kHalf), 0.6);
+  ExpectAll(Confidences(MakeTerms(0.9, 1, 0), kHalf), 0.5);
+  ExpectAll(Confidences(MakeTerms(0.9, 1, 0), {}), 0);
 }
 
 TEST(RefinedConfidences, LiesWithinItsRange) {
-  ExpectAll(Confidences(MakeTerms(kMesh, 1.04, 1), kHalf), 1);
+  ExpectAll(Confidences(MakeTerms(1.04, 1), kHalf), 1);
   Random random(1);
-  PhotometricTerms terms = MakeTerms(kMesh, 0, 1);
+  PhotometricTerms terms = MakeTerms(0, 1);
   for (size_t i = 0; i < kMesh.facets.size(); ++i) {
     terms.facets[i].energy = static_cast<float>(100 * (random.Unit() - 0.8));
     terms.facets[i].weight = static_cast<float>(10.01 * random.Unit());

@@ -53,24 +53,19 @@ TriangleMesh Sheet(float height) {
   return Shifted(MakeSheet(20, 20), {0, 0, height});
 }
 
-// Two sheets, the upper one to go down, the lower one up, by the given distance
-// in the middle and less towards two sides.
-std::pair<MovedMesh, TriangleMesh> PushSheets(float gap, double distance) {
-  // Shifted so that no vertices meet vertices.
-  const TriangleMesh mesh =
-      Union(Sheet(0), Shifted(MakeSheet(20, 20), {0.3f, 0.2f, gap}));
-  std::vector<double> motion;
-  for (const Vector3f& vertex : mesh.vertices) {
-    const double share = 1 - 0.1 * std::abs(vertex.x() - 10);
-    motion.push_back((vertex.z() == 0 ? distance : -distance) * share);
-  }
-  const std::vector<Vector3f> normals(mesh.vertices.size(), Vector3f::UnitZ());
-  return {Move(mesh, normals, motion), mesh};
-}
-
+// Two sheets, the upper one to go down, the lower one up, by a distance in the
+// middle and less towards two sides.
 TEST(MoveSafely, KeepsSheetsApart) {
+  // Shifted so that no vertices meet vertices.
+  const TriangleMesh mesh = Union(Sheet(0), Shifted(Sheet(1), {0.3f, 0.2f, 0}));
+  const std::vector<Vector3f> normals(mesh.vertices.size(), Vector3f::UnitZ());
   for (const double distance : {0.4, 0.6, 3.0}) {
-    const auto [moved, mesh] = PushSheets(1, distance);
+    std::vector<double> motion;
+    for (const Vector3f& vertex : mesh.vertices) {
+      const double share = 1 - 0.1 * std::abs(vertex.x() - 10);
+      motion.push_back((vertex.z() == 0 ? distance : -distance) * share);
+    }
+    const MovedMesh moved = Move(mesh, normals, motion);
     ExpectSafe(mesh, moved);
     EXPECT_TRUE(FindSelfIntersections(moved.mesh).empty());
     EXPECT_EQ(std::ranges::count(moved.is_shortened, 1) > 0, distance > 0.5);

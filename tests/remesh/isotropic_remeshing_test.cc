@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "mesh/normals.h"
 #include "spatial/bvh.h"
 #include "tests/mesh/known_meshes.h"
 #include "tests/mesh/manifold_links.h"

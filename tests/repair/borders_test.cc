@@ -13,7 +13,7 @@
 #include "tests/mesh/known_meshes.h"
 #include "tests/threads.h"
 
-namespace colmap_ext::edit_borders_test {
+namespace colmap_ext::borders_test {
 
 class EditBordersTest : public testing::Test {
  protected:
@@ -100,16 +100,6 @@ TriangleMesh HoledSphere(const std::vector<Eigen::Vector3f>& centers,
 const std::vector<Eigen::Vector3f> kSixSides = {
     {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
 
-VertexAttributes MakeAttributes(const TriangleMesh& mesh) {
-  VertexAttributes attributes;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    attributes.colors.push_back({10, static_cast<uint8_t>(100 + i % 3), 200});
-    attributes.confidences.push_back(0.5f);
-    attributes.views.AddRow(std::vector<uint32_t>{1, 2});
-  }
-  return attributes;
-}
-
 struct Closed : Surface {
   HoleReport report;
 };
@@ -117,7 +107,13 @@ struct Closed : Surface {
 // What was there stays; what is new is known to be.
 Closed Close(double max_width, const TriangleMesh& mesh,
              float footprint = 0.01f) {
-  Closed closed{{mesh, MakeAttributes(mesh), mesh.vertices}, {}};
+  Closed closed{{mesh, {}, mesh.vertices}, {}};
+  VertexAttributes& attributes = closed.attributes;
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    attributes.colors.push_back({10, static_cast<uint8_t>(100 + i % 3), 200});
+    attributes.confidences.push_back(0.5f);
+    attributes.views.AddRow(std::vector<uint32_t>{1, 2});
+  }
   closed.report = CloseHoles(
       max_width, std::vector<float>(mesh.vertices.size(), footprint), &closed);
   EXPECT_EQ(closed.origins, closed.mesh.vertices);
@@ -131,7 +127,6 @@ Closed Close(double max_width, const TriangleMesh& mesh,
       mesh.vertices, std::span(closed.mesh.vertices).first(num_vertices)));
   EXPECT_TRUE(std::ranges::equal(
       mesh.facets, std::span(closed.mesh.facets).first(num_facets)));
-  const VertexAttributes& attributes = closed.attributes;
   EXPECT_EQ(attributes.colors.size(), closed.mesh.vertices.size());
   EXPECT_EQ(attributes.confidences.size(), closed.mesh.vertices.size());
   EXPECT_EQ(attributes.views.size(), closed.mesh.vertices.size());
@@ -201,17 +196,16 @@ TEST(CloseHoles, LongSlitsAreAsWideAsTheyAreAcross) {
   EXPECT_EQ(Close(80, hole).report.num_closed, 1);
 }
 
-TEST(CloseHoles, LeavesTheOuterBorder) {
+TEST(CloseHoles, LeavesOuterBordersAndClosedMeshes) {
   const TriangleMesh strip =
       SquareWithout({Eigen::Vector2f(0, 0.2f), Eigen::Vector2f(1, 1)});
   for (const double max_width : {40.0, 1000.0}) {
     EXPECT_EQ(Close(max_width, strip).report.num_loops, 0);
   }
-}
-
-TEST(CloseHoles, LeavesClosedMeshesAsTheyAre) {
-  const TriangleMesh mesh = MakeRoundTorus(0.2f);
-  EXPECT_EQ(Close(kAllLoops, mesh).mesh.facets, mesh.facets);
+  const TriangleMesh torus = MakeRoundTorus(0.2f);
+  EXPECT_EQ(Close(kAllLoops, torus).mesh.facets, torus.facets);
+  const TriangleMesh facet = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  EXPECT_EQ(Close(kAllLoops, facet).report.num_loops, 1);
 }
 
 TEST(CloseHoles, GoesWithoutColoursAndConfidences) {
@@ -221,12 +215,6 @@ TEST(CloseHoles, GoesWithoutColoursAndConfidences) {
   EXPECT_TRUE(closed.attributes.colors.empty());
   EXPECT_TRUE(closed.attributes.confidences.empty());
   EXPECT_EQ(closed.attributes.views.size(), closed.mesh.vertices.size());
-}
-
-TEST(CloseHoles, LeavesTheLoopOfASingleFacet) {
-  const TriangleMesh mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  const Closed closed = Close(kAllLoops, mesh);
-  EXPECT_EQ(closed.report.num_loops, 1);
 }
 
 TEST(CloseHoles, StaysManifoldWhateverItGets) {
@@ -249,4 +237,4 @@ TEST(CloseHoles, IsTheSameAtAnyNumberOfThreads) {
   });
 }
 
-}  // namespace colmap_ext::edit_borders_test
+}  // namespace colmap_ext::borders_test

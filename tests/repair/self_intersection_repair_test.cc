@@ -130,10 +130,7 @@ TEST(RepairSelfIntersections, MovesCopiesApart) {
   const Repaired repair = ExpectRepaired(MakeTipToTip());
   EXPECT_EQ(repair.num_moved_vertices, 1u);
   EXPECT_LT(repair.max_motion, 1e-5);
-}
-
-// Two cubes that share a vertex, or an edge and so two copies.
-TEST(RepairSelfIntersections, MovesCopiesOfAnEdgeApart) {
+  // Two cubes that share a vertex, or an edge and so two copies.
   for (const float height : {1.0f, 0.0f}) {
     EXPECT_LT(
         ExpectRepaired(Union(MakeCube(), Shifted(MakeCube(), {1, 1, height})))
@@ -146,14 +143,12 @@ TEST(RepairSelfIntersections, MovesCopiesOfAnEdgeApart) {
 TEST(SeparateCopies, SpendsNoMoreThanAllowed) {
   constexpr uint32_t kNumFacets = 100;
   constexpr size_t kWorkOfOne = 20'000;  // ways, steps, and pairs for each
-  TriangleMesh star;
   Random random(1);
-  for (uint32_t i = 0; i < 3 * kNumFacets; i += 3) {
-    star.vertices.emplace_back(0, 0, 0);
-    star.vertices.emplace_back(RandomPoint(&random).array() - 0.5f);
-    star.vertices.emplace_back(RandomPoint(&random).array() - 0.5f);
-    star.facets.push_back({i, i + 1, i + 2});
-  }
+  const TriangleMesh star =
+      MakeTriangles(kNumFacets, [&](uint32_t, int k) -> Vector3f {
+        return k == 0 ? Vector3f(0, 0, 0)
+                      : Vector3f(RandomPoint(&random).array() - 0.5f);
+      });
   for (const size_t max_work : {size_t{0}, size_t{1'000}, size_t{10'000}}) {
     GuardedMesh mesh(star);
     const size_t num_before = mesh.NumPairs();

@@ -285,8 +285,6 @@ TEST(MakeDenseScene, HighlightsMoveWithTheEye) {
   EXPECT_EQ(Highlight(scene, {2, 0, 0}, normal, {7, 0, 5}), 0);
 }
 
-using Eigen::Vector3f;
-
 TEST(MeshSolid, BallIsASphere) {
   Solid ball;
   ball.box = {Vector3f(-1, -1, -1), Vector3f(1, 1, 1)};

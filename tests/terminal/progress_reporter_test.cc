@@ -10,15 +10,17 @@
 
 namespace colmap_ext::progress_reporter_test {
 
-TEST(ProgressReporterTest, WritesALineAStageIntoALog) {
+TEST(ProgressReporterTest, WritesALineAStageIntoALogAndAddsUpStages) {
   std::ostringstream stream;
   ProgressReporter reporter(stream, false);
   reporter.Update("First", 0);
   reporter.Update("First", 0.5);
   reporter.Update("Second", 0);
+  reporter.Update("First", 0);
   reporter.Finish();
   reporter.Finish();
-  EXPECT_EQ(stream.str(), "First ... 0.0 s\nSecond ... 0.0 s\n");
+  EXPECT_EQ(stream.str(),
+            "First ... 0.0 s\nSecond ... 0.0 s\nFirst ... 0.0 s\n");
   ASSERT_EQ(reporter.StageTimes().size(), 2);
   EXPECT_EQ(reporter.StageTimes()[1].stage, "Second");
 }
@@ -46,16 +48,6 @@ TEST(ProgressReporterTest, NotesHowItGoes) {
     reporter.Update("Second", 0);
     EXPECT_FALSE(Has(stream.str(), "Second ... 0 %, energy"));
   }
-}
-
-TEST(ProgressReporterTest, AddsUpStagesThatComeAgain) {
-  std::ostringstream stream;
-  ProgressReporter reporter(stream, false);
-  for (const char* stage : {"First", "Second", "First"}) {
-    reporter.Update(stage, 0);
-  }
-  reporter.Finish();
-  EXPECT_EQ(reporter.StageTimes().size(), 2);
 }
 
 TEST(ProgressReporterTest, KnowsThePeakOfMemory) {

@@ -18,6 +18,7 @@
 
 namespace colmap_ext::tile_cells_test {
 
+using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 // In a flat box.
@@ -31,7 +32,7 @@ std::vector<Vector3f> FlatPoints(size_t count, Random* random) {
   return points;
 }
 
-TEST(SplitTree, PartsAreOfAboutEqualWeight) {
+TEST(SplitTree, PartsAreOfAboutEqualWeightAndHoldAllPlaces) {
   Random random(1);
   const std::vector<Vector3f> points = RandomPoints(20000, 100000, &random);
   std::vector<float> weights;
@@ -50,14 +51,8 @@ TEST(SplitTree, PartsAreOfAboutEqualWeight) {
     const double mean = total / static_cast<double>(num_parts);
     EXPECT_GT(std::ranges::min(sums), 0.98 * mean);
     EXPECT_LT(std::ranges::max(sums), 1.02 * mean);
+    EXPECT_LT(tree.PartOf({1e9f, -1e9f, 0}), num_parts);  // far from all points
   }
-}
-
-TEST(SplitTree, KnowsPlacesThatNoPointIsAt) {
-  Random random(2);
-  const std::vector<Vector3f> points = RandomPoints(100, 10, &random);
-  const SplitTree tree(points, std::vector<float>(points.size(), 1), 8);
-  EXPECT_LT(tree.PartOf({1e6f, -1e6f, 0}), 8u);
 }
 
 TEST(TileCells, AreThePartsOfTheTree) {
@@ -215,8 +210,6 @@ TEST(CutTile, VotesAreThoseOfAllPointsOfALattice) {
   }
 }
 
-using Eigen::Vector3d;
-
 // The cells at some vertices and those beside them, each by its sorted corners.
 std::set<CellKey> StarCells(const Tetrahedralization& tetrahedra,
                             const std::vector<uint32_t>& ids, uint32_t begin,
@@ -241,7 +234,7 @@ std::set<CellKey> StarCells(const Tetrahedralization& tetrahedra,
 void ExpectStarsOfAll(const MemoryPlan& plan) {
   const Tetrahedralization all = DelaunayOf(plan.positions());
   std::vector<uint32_t> ids;  // the plan's
-  for (const Eigen::Vector3f& point : all.points) {
+  for (const Vector3f& point : all.points) {
     ids.push_back(static_cast<uint32_t>(
         std::ranges::find(plan.positions(), point) - plan.positions().begin()));
   }
@@ -256,10 +249,10 @@ void ExpectStarsOfAll(const MemoryPlan& plan) {
   }
 }
 
-std::vector<Eigen::Vector3f> OnSphere(uint64_t seed) {
+std::vector<Vector3f> OnSphere(uint64_t seed) {
   Random random(seed);
-  std::vector<Eigen::Vector3f> points(8000);
-  for (Eigen::Vector3f& point : points) {
+  std::vector<Vector3f> points(8000);
+  for (Vector3f& point : points) {
     point = RandomNormal(&random).cast<float>();
   }
   return points;
@@ -272,6 +265,15 @@ TEST(CertifyTile, StarsAreThoseOfAllPoints) {
   }
   // Every cell within spans from one side to the other.
   ExpectStarsOfAll(PlanOf(OnSphere(2), 4));
+  // A tile and all that is around it in a plane.
+  std::vector<Vector3f> points;
+  for (int i = 0; i < 4000; ++i) {
+    points.push_back(RandomPoint(&random).cwiseProduct(Vector3f(1, 1, 0)));
+  }
+  for (int i = 0; i < 20; ++i) {
+    points.push_back(RandomPoint(&random) + Vector3f(50, 0, 0));
+  }
+  ExpectStarsOfAll(PlanOf(points, 4));
 }
 
 TEST(CertifyTile, StarsOfDifficultPoints) {
@@ -283,22 +285,6 @@ TEST(CertifyTile, StarsOfDifficultPoints) {
       }
     }
   }
-}
-
-// A tile and all that is around it in a plane.
-TEST(CertifyTile, StarsOfAPlane) {
-  Random random(4);
-  std::vector<Eigen::Vector3f> points;
-  for (int i = 0; i < 4000; ++i) {
-    points.emplace_back(static_cast<float>(random.Unit()),
-                        static_cast<float>(random.Unit()), 0.0f);
-  }
-  for (int i = 0; i < 20; ++i) {
-    points.emplace_back(static_cast<float>(50 + random.Unit()),
-                        static_cast<float>(random.Unit()),
-                        static_cast<float>(random.Unit()));
-  }
-  ExpectStarsOfAll(PlanOf(points, 4));
 }
 
 TEST(CertifyTile, DoesNotDependOnThreads) {

@@ -10,9 +10,8 @@
 #include "mesh/topology.h"
 #include "spatial/facet_tree.h"
 #include "tests/mesh/known_meshes.h"
-#include "tiles/tile_cells.h"
 
-namespace colmap_ext::surface_patches_test {
+namespace colmap_ext::tile_patches_test {
 
 // A surface in memory, in blocks of ten facets.
 class MemorySurface : public SurfaceStore {
@@ -164,4 +163,4 @@ TEST(MakePatch, OfNoChangeMakesTheSameSurface) {
   EXPECT_EQ(again.mesh, part.mesh);
 }
 
-}  // namespace colmap_ext::surface_patches_test
+}  // namespace colmap_ext::tile_patches_test

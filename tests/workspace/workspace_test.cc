@@ -188,7 +188,7 @@ TEST_F(WorkspaceTest, DropsFewIndicesOutOfRangeAndRefusesMany) {
   ExpectRefused("beyond the 6 of sparse/");
 }
 
-TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePointsOrAny) {
+TEST_F(WorkspaceTest, RefusesToGoWithoutFinitePointsOrAnyOrImages) {
   for (Eigen::Vector3f& point : sphere_.points) {
     point.x() = std::numeric_limits<float>::quiet_NaN();
   }
@@ -199,12 +199,7 @@ TEST_F(WorkspaceTest, RefusesCloudsWithoutFinitePointsOrAny) {
   sphere_.point_images.clear();
   sphere_.Write(path_);
   ExpectRefused("no points");
-}
-
-TEST_F(WorkspaceTest, RefusesModelsWithoutImages) {
   sphere_.images.clear();
-  sphere_.points.clear();
-  sphere_.point_images.clear();
   sphere_.vis_order.clear();
   sphere_.Write(path_);
   ExpectRefused("no images");
