@@ -173,9 +173,8 @@ std::shared_ptr<const RefinableCameras> MakeRefinableCameras(
       }
       const SparseCamera& camera = model.cameras.at(image.camera_id);
       const View& view = input.views[it->second];
-      const Eigen::Vector2d scale(
-          view.width / static_cast<double>(camera.width),
-          view.height / static_cast<double>(camera.height));
+      const Eigen::Vector2d scale(1.0 * view.width / camera.width,
+                                  1.0 * view.height / camera.height);
       const Eigen::Vector2d& pixel =
           image.observations[model.track_observations[k]].pixel;
       if (pixel.allFinite()) {
