@@ -44,7 +44,7 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                       {"high", [] {}},
                       {"extreme", [=] { meshing->max_proj_dist = 10; }}},
                      2,
-                     "Preset: max_proj_dist of 40, 28, 20 or 10 px. A "
+                     "Preset of max_proj_dist: 40, 28, 20 or 10 px. A "
                      "max_proj_dist that is given has priority");
   options->Add(ours + "max_proj_dist", &meshing->max_proj_dist, kNotNegative,
                "[px] Merge points closer than this in an image; higher is "

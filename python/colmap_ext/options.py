@@ -34,12 +34,12 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     double then."""
 
     quality: Literal["low", "medium", "high", "extreme"] = "high"
-    """Preset: max_proj_dist of 40, 28, 20 or 10 px. A max_proj_dist that is given has
+    """Preset of max_proj_dist: 40, 28, 20 or 10 px. A max_proj_dist that is given has
     priority."""
 
-    max_proj_dist: Annotated[float, Range(0, 1000000)] = 20.0
+    max_proj_dist: Optional[Annotated[float, Range(0, 1000000)]] = None
     """[px] Merge points closer than this in an image; higher is coarser and faster. 0:
-    keep every point."""
+    keep every point. None: as quality says; 20 for high."""
 
     quality_regularization: Annotated[float, Range(0, 10000)] = 1.0
     """Weight of the surface quality; higher is smoother."""

@@ -269,7 +269,7 @@ TEST_F(TiledRefinementTest, JobsTakeNoMoreMemoryThanIsPlanned) {
   }
 }
 
-// Three statues in a row, of which the outer ones share a colour.
+// Three statues in a row, of which the outer ones share a color.
 TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   fs::remove_all(path_);
   WriteWorkspace(synthetic::MakeSceneRow(MakeStatue(), 3, {20, 0, 0}), 1,
@@ -286,7 +286,7 @@ TEST_F(TiledRefinementTest, TilesOfAColourDoNotDependOnEachOther) {
   const int second = TilesOf(0)[1];
   EXPECT_TRUE(
       WIFSIGNALED(InterruptTile(first, "full size, iteration 0", SIGKILL)));
-  ExpectRefusal(Run(Plan() + Tile(TilesOf(1)[0])), "of colour 0 is not");
+  ExpectRefusal(Run(Plan() + Tile(TilesOf(1)[0])), "of color 0 is not");
   const std::string command = CommandOf(Plan());
   Succeed(RunShell("{ " + command + Tile(second) + " & " + command +
                    Tile(first) + " && wait $!; }"));
@@ -330,7 +330,7 @@ TEST_F(TiledRefinementTest, SaysWhatIsMissing) {
   ExpectRefusal(Run(Plan() + Tile(7)), "has no tile 7");
   const std::vector<int> second = TilesOf(1);
   ASSERT_FALSE(second.empty());
-  ExpectRefusal(Run(Plan() + Tile(second[0])), "of colour 0 is not refined");
+  ExpectRefusal(Run(Plan() + Tile(second[0])), "of color 0 is not refined");
   EXPECT_FALSE(fs::exists(refined_));
 }
 
