@@ -31,8 +31,9 @@ using Coefficients = Eigen::Matrix<double, kNumCoefficients, 1>;
 
 // The deviation of the umbrella vectors, in mean lengths of edges: the first
 // round has the largest one, further ones what the surface has around a vertex.
-// Tuned by the accuracy of bunny and of statue and wall with noise, and by the
-// roughness of the walls of south.
+// Tuned by the accuracy of bunny, statue and wall, and by the roughness of the
+// walls of south: a larger maximum is more exact, but hedges hide more of what
+// is behind them.
 constexpr double kMaxRelief = 0.05;
 constexpr double kMinRelief = 0.004;
 
