@@ -47,8 +47,7 @@ void PrintPlan(const Plan& plan, ReportLog* log) {
       "--plan_path {0} --tile T\n  {4} mesh_merger --plan_path {0} "
       "--output_path "
       "MESH.ply\n",
-      fmt::format("'{}'", plan.folder.string()), last,
-      static_cast<int>(1126 * memory) + 1,
+      InShell(plan.folder), last, static_cast<int>(1126 * memory) + 1,
       static_cast<int>(1126 * plan.merger_memory_gb) + 1, ProgramName());
 }
 

@@ -186,7 +186,7 @@ void WriteRefinementPlan(const RefinerOptions& options, const Plan& plan,
 }
 
 void PrintCommands(const RefinementPlan& plan) {
-  const std::string folder = fmt::format("'{}'", plan.folder.string());
+  const std::string folder = InShell(plan.folder);
   std::cout << "\nOn Slurm, all at once:\n"
                "  scripts/slurm/refine_tiles "
             << folder << " REFINED.ply\nOn one machine, color after color:\n";
@@ -267,7 +267,7 @@ void ExpectRefined(const RefinementPlan& plan,
           patch.path,
           fmt::format("tile {} of color {} is not refined: run "
                       "facetwise_refiner --plan_path {} --tile {} first",
-                      tile, plan.tiles[tile].color, plan.folder.string(),
+                      tile, plan.tiles[tile].color, InShell(plan.folder),
                       tile));
     }
   }

@@ -100,7 +100,7 @@ JobFile StateFile(const fs::path& output) {
   return {StatePath(output), {"CESTATE1", "start without --resume"}, 0};
 }
 
-// What is refined of a view.
+// The parameters of a view that the refinement changes.
 struct Camera {
   double fx, fy, cx, cy;
   Eigen::Matrix3d rotation;

@@ -93,8 +93,12 @@ class CommandOptions {
     bool* is_used;       // set if the value is given by this name; or nullptr
   };
 
-  // \param summary  what the command does, and an example.
-  void SetSummary(std::string summary) { summary_ = std::move(summary); }
+  // \param summary  what the command does
+  // \param examples  of calls, without the program
+  void SetSummary(std::string summary, std::vector<std::string> examples = {}) {
+    summary_ = std::move(summary);
+    examples_ = std::move(examples);
+  }
 
   // Options are added to this group from now on.
   void SetGroup(OptionGroup group) { group_ = group; }
@@ -159,6 +163,7 @@ class CommandOptions {
   int NumThreads() const { return *num_threads_; }
 
   const std::string& Summary() const { return summary_; }
+  const std::vector<std::string>& Examples() const { return examples_; }
   const std::vector<Option>& Options() const { return options_; }
   const std::vector<Alias>& Aliases() const { return aliases_; }
 
@@ -174,6 +179,7 @@ class CommandOptions {
                  const std::string& help);
 
   std::string summary_;
+  std::vector<std::string> examples_;
   OptionGroup group_ = OptionGroup::kBasic;
   std::vector<Option> options_;
   std::vector<Alias> aliases_;

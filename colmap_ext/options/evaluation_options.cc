@@ -48,8 +48,8 @@ Observability EvaluatorOptions::ReadObservability() const {
 void AddEvaluatorOptions(CommandOptions* options, EvaluatorOptions* evaluator) {
   options->SetSummary(
       "Measures the accuracy, completeness and topology of a mesh against "
-      "ground truth.\n\n"
-      "  colmap mesh_evaluator --mesh_path MESH.ply --truth_path TRUTH.ply\n");
+      "ground truth.",
+      {"mesh_evaluator --mesh_path MESH.ply --truth_path TRUTH.ply"});
   MeshEvaluationOptions* const evaluation = &evaluator->evaluation;
   const std::string ours = "MeshEvaluation.";
   options->Add("mesh_path", &evaluator->mesh_path, "Mesh, PLY; required");

@@ -44,6 +44,7 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
                       {"high", [] {}},
                       {"extreme", [=] { meshing->max_proj_dist = 10; }}},
                      2,
+                     // scripts/option_tables looks for "Preset of".
                      "Preset of max_proj_dist: 40, 28, 20 or 10 px. A "
                      "max_proj_dist that is given has priority");
   options->Add(ours + "max_proj_dist", &meshing->max_proj_dist, kNotNegative,
@@ -211,8 +212,8 @@ void MesherOptions::Finish() {
 void AddMesherOptions(CommandOptions* options, MesherOptions* mesher) {
   options->SetSummary(
       "Makes a 2-manifold triangle mesh of the fused points of a dense "
-      "workspace, by\na Delaunay triangulation and a minimum cut.\n\n"
-      "  colmap delaunay_manifold_mesher --workspace_path DIR\n");
+      "workspace, by\na Delaunay triangulation and a minimum cut.",
+      {"delaunay_manifold_mesher --workspace_path DIR"});
   AddPathOptions(options, mesher);
   AddMeshingInputOptions(options, mesher);
   AddTransformOption(&mesher->scene.transform_path, options);
@@ -240,8 +241,8 @@ void MergerOptions::Finish() {
 void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner) {
   options->SetSummary(
       "Splits a scene into tiles that delaunay_manifold_mesher meshes as "
-      "independent\njobs, and prints the commands for Slurm or xargs.\n\n"
-      "  colmap mesh_planner --workspace_path DIR --output_path PLAN\n");
+      "independent\njobs, and prints the commands for Slurm or xargs.",
+      {"mesh_planner --workspace_path DIR --output_path PLAN"});
   options->Add("workspace_path", &planner->mesher.workspace_path,
                "Dense workspace, as for delaunay_manifold_mesher; required");
   options->Add("output_path", &planner->output_path,
@@ -266,8 +267,8 @@ void AddPlannerOptions(CommandOptions* options, PlannerOptions* planner) {
 
 void AddMergerOptions(CommandOptions* options, MergerOptions* merger) {
   options->SetSummary(
-      "Joins the tiles of a plan into one seamless 2-manifold mesh.\n\n"
-      "  colmap mesh_merger --plan_path PLAN --output_path MESH.ply\n");
+      "Joins the tiles of a plan into one seamless 2-manifold mesh.",
+      {"mesh_merger --plan_path PLAN --output_path MESH.ply"});
   options->Add(
       "plan_path", &merger->plan_path,
       "Plan folder of mesh_planner, all of whose tiles are done; required");

@@ -303,16 +303,6 @@ void PrintGroup(const CommandOptions& options, OptionGroup group,
   }
 }
 
-// With the running program in the examples of commands.
-std::string NamingProgram(std::string text) {
-  constexpr std::string_view kExample = "\n  colmap ";
-  for (size_t found = text.find(kExample); found != std::string::npos;
-       found = text.find(kExample, found + 1)) {
-    text.replace(found, kExample.size(), "\n  " + ProgramName() + " ");
-  }
-  return text;
-}
-
 }  // namespace
 
 ParsedOptions ParseOptions(int argc, const char* const* argv,
@@ -334,8 +324,11 @@ ParsedOptions ParseOptions(int argc, const char* const* argv,
 
 void PrintHelp(const CommandOptions& options, const std::string& versions,
                std::ostream& stream) {
-  stream << versions << "\n\n"
-         << NamingProgram(options.Summary()) << "\n"
+  stream << versions << "\n\n" << options.Summary() << "\n\n";
+  for (const std::string& example : options.Examples()) {
+    stream << "  " << ProgramName() << " " << example << "\n";
+  }
+  stream << (options.Examples().empty() ? "" : "\n")
          << "Options are given as --name VALUE, or as lines name=VALUE of a "
             "project file;\nthe command line has priority.\n\n";
   PrintOption("-h, --help", "List the options", stream);

@@ -308,8 +308,8 @@ void AddResultOptions(CommandOptions* options, RefinerOptions* refiner) {
 void AddRefinerOptions(CommandOptions* options, RefinerOptions* refiner) {
   options->SetSummary(
       "Refines a mesh by the images of its workspace: moves the vertices so "
-      "that the\nimages agree when projected onto the surface.\n\n"
-      "  colmap facetwise_refiner --workspace_path DIR\n");
+      "that the\nimages agree when projected onto the surface.",
+      {"facetwise_refiner --workspace_path DIR"});
   AddPathOptions(options, refiner);
   AddRegionOption("Refine only inside, and remove the mesh outside of",
                   &refiner->scene.region, kWrittenAutoRegion, options);

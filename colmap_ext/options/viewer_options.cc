@@ -37,9 +37,9 @@ std::array<int, 2> ViewerOptions::FreeSize() const {
 void AddViewerOptions(CommandOptions* options, ViewerOptions* viewer) {
   options->SetSummary(
       "Shows meshes, points and cameras in a window, or draws pictures of "
-      "them.\n\n"
-      "  colmap mesh_viewer --workspace_path DIR\n"
-      "  colmap mesh_viewer --mesh_path MESH.ply --screenshot_path FILE.png\n");
+      "them.",
+      {"mesh_viewer --workspace_path DIR",
+       "mesh_viewer --mesh_path MESH.ply --screenshot_path FILE.png"});
   DrawSettings* const settings = &viewer->settings;
   options->Add("workspace_path", &viewer->workspace_path,
                "Dense workspace with meshes, points, cameras and images");

@@ -64,6 +64,14 @@ std::string& ProgramName() {
   return name;
 }
 
+std::string InShell(const std::filesystem::path& path) {
+  std::string word = "'";
+  for (const char c : path.string()) {
+    word += c == '\'' ? "'\\''" : std::string(1, c);
+  }
+  return word + "'";
+}
+
 ProgressReporter::ProgressReporter(std::ostream& stream, bool is_terminal)
     : stream_(stream), is_terminal_(is_terminal) {}
 

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <iosfwd>
 #include <stdexcept>
 #include <string>
@@ -60,6 +61,9 @@ size_t PeakMemory();
 
 // The running program in the commands that it prints: "colmap", unless changed.
 std::string& ProgramName();
+
+// A path as a word of such a command, whatever characters it has.
+std::string InShell(const std::filesystem::path& path);
 
 // A signal that ended the work before it was done.
 class Interruption : public std::runtime_error {

@@ -98,46 +98,52 @@ void FollowRepresentatives(const std::vector<uint32_t>& representatives,
   }
 }
 
-// Whether no cell around the edge between two vertices of a cell has a lower
-// index.
+// Pairs of corners.
+constexpr std::array<std::array<int, 2>, 6> kEdges = {
+    {{{0, 1}}, {{0, 2}}, {{0, 3}}, {{1, 2}}, {{1, 3}}, {{2, 3}}}};
+
+// Whether no cell around the edge has a lower index.
 bool IsLowestCellOfEdge(const Tetrahedralization& tetrahedra, uint32_t first,
-                        uint32_t u, uint32_t v) {
-  const auto& vertices = tetrahedra.cells[first].vertices;
-  int back = 0;
-  while (vertices[back] == u || vertices[back] == v) {
-    ++back;
-  }
-  uint32_t previous = tetrahedra.cells[first].neighbors[back];
-  if (previous < first) {
-    return false;
-  }
+                        int from, int to) {
+  const auto& start = tetrahedra.cells[first].vertices;
+  const uint32_t u = start[from];
+  const uint32_t v = start[to];
   uint32_t index = first;
-  do {
-    // The corner that is not on the edge and not opposite to the cell before.
-    const uint32_t exit = 6 - tetrahedra.IndexOf(index, u) -
-                          tetrahedra.IndexOf(index, v) -
-                          tetrahedra.FacetTo(index, previous);
-    previous = std::exchange(index, tetrahedra.cells[index].neighbors[exit]);
-  } while (index > first);
-  return index == first;
+  // The other two corners: the walk leaves through the facet opposite to one,
+  // and comes back through the other's.
+  int leave = 0;
+  while (leave == from || leave == to) ++leave;
+  const int back = 6 - from - to - leave;
+  if (tetrahedra.cells[first].neighbors[back] < first) return false;
+  for (;;) {
+    const uint32_t next = tetrahedra.cells[index].neighbors[leave];
+    if (next == first) return true;
+    if (next < first) return false;
+    // The next one to leave opposite to is neither on the edge nor new.
+    const int entered = tetrahedra.FacetTo(next, index);
+    const auto& vertices = tetrahedra.cells[next].vertices;
+    leave = 0;
+    while (leave == entered || vertices[leave] == u || vertices[leave] == v) {
+      ++leave;
+    }
+    index = next;
+  }
 }
 
 // Appends the lengths of the finite edges whose lowest cell is this one.
 void AppendLengths(const Tetrahedralization& tetrahedra,
                    const std::vector<uint8_t>& is_left_out, uint32_t cell,
                    std::vector<float>* lengths) {
-  const auto& vertices = tetrahedra.cells[cell].vertices;
+  const auto& v = tetrahedra.cells[cell].vertices;
   const auto counts = [&](uint32_t vertex) {
     return vertex != kInfiniteVertex &&
            (is_left_out.empty() || is_left_out[vertex] == 0);
   };
-  for (const uint32_t u : vertices) {
-    for (const uint32_t v : vertices) {
-      if (u < v && counts(u) && counts(v) &&
-          IsLowestCellOfEdge(tetrahedra, cell, u, v)) {
-        lengths->push_back(
-            (tetrahedra.points[u] - tetrahedra.points[v]).norm());
-      }
+  for (const auto& [i, j] : kEdges) {
+    if (counts(v[i]) && counts(v[j]) &&
+        IsLowestCellOfEdge(tetrahedra, cell, i, j)) {
+      lengths->push_back(
+          (tetrahedra.points[v[i]] - tetrahedra.points[v[j]]).norm());
     }
   }
 }

@@ -83,8 +83,8 @@ inline std::array<uint32_t, 3> FacetVertices(
   return {cell.vertices[a], cell.vertices[b], cell.vertices[c]};
 }
 
-// A facet's vertices from the one at the lowest position on: so that rounding
-// does not depend on their numbers.
+// A facet's vertices, rotated so that the one at the lowest position is first:
+// rounding then does not depend on how they are numbered.
 inline std::array<uint32_t, 3> FromLowest(const Tetrahedralization& tetrahedra,
                                           std::array<uint32_t, 3> facet) {
   const auto position = [&](uint32_t vertex) -> const Eigen::Vector3f& {

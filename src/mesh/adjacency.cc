@@ -120,6 +120,22 @@ std::vector<uint32_t> VertexRings::VerticesAround(
   return vertices;
 }
 
+void AverageOverNeighbors(const Rows<uint32_t>& neighbors, int num_rounds,
+                          std::vector<double>* values) {
+  std::vector<double> means(values->size());
+  for (int round = 0; round < num_rounds; ++round) {
+    tbb::parallel_for(size_t{0}, values->size(), [&](size_t i) {
+      const auto ring = neighbors[i];
+      double sum = (*values)[i];
+      for (const uint32_t neighbor : ring) {
+        sum += (*values)[neighbor];
+      }
+      means[i] = sum / static_cast<double>(1 + ring.size());
+    });
+    values->swap(means);
+  }
+}
+
 std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
                                  const std::vector<uint32_t>& facets) {
   std::vector<uint32_t> vertices;

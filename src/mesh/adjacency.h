@@ -118,6 +118,13 @@ struct VertexRings {
                                        int num_rings) const;
 };
 
+// Diffusion on a mesh: so many times in turn each vertex's value becomes the
+// mean of the vertex and its neighbors.
+// \param neighbors [V]
+// \param values [V]
+void AverageOverNeighbors(const Rows<uint32_t>& neighbors, int num_rounds,
+                          std::vector<double>* values);
+
 // The vertices of some facets, ascending.
 std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
                                  const std::vector<uint32_t>& facets);

@@ -100,7 +100,7 @@ struct VertexAttributes {
                                      // surface there is known; 0 is unseen
 };
 
-// Appends what belongs to a vertex.
+// Appends the attributes of a vertex.
 void AddAttributes(const VertexAttributes& from, size_t vertex,
                    VertexAttributes* to);
 

@@ -47,8 +47,8 @@ struct SurfacePoints {
 
 // Makes a surface manifold, drops the facets that the options exclude, smooths
 // it, and adds the attributes and confidences of its points (docs/method.md,
-// sections 3.3, 3.6 and 3.7). Then borders, remeshing, self-intersections, the
-// gate.
+// sections 3.3, 3.6 and 3.7). Then trims it, closes its holes, remeshes it,
+// repairs self-intersections, and checks that it is manifold.
 // \param result  gets the mesh and what belongs to it, the report its counts
 // \throw std::invalid_argument if no facet is left
 // \throw std::logic_error where the mesh is not manifold

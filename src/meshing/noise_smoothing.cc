@@ -252,13 +252,13 @@ class Smoother {
 };
 
 // [V] The relief of a surface, in mean lengths of edges: the root mean square
-// of the umbrella vectors around a vertex, of their normal parts within the
-// surface. Not bounded.
+// of the umbrella vectors around each vertex; away from the border only their
+// components along the normal count. Not bounded.
+// \param lengths  MeanLengths() of the mesh
 std::vector<double> MeasureRelief(const Umbrellas& umbrellas,
+                                  const std::vector<double>& lengths,
                                   const TriangleMesh& mesh) {
   const size_t size = mesh.vertices.size();
-  const std::vector<double> lengths =
-      MeanLengths(umbrellas.neighbors, mesh.vertices);
   const std::vector<Vector3f> normals = VertexNormals(mesh, umbrellas.rings);
   std::vector<double> squares(size, 0);
   tbb::parallel_for(size_t{0}, size, [&](size_t i) {
@@ -275,17 +275,7 @@ std::vector<double> MeasureRelief(const Umbrellas& umbrellas,
       squares[i] = relief * relief;
     }
   });
-  std::vector<double> means(size);
-  for (int round = 0; round < kReliefRounds; ++round) {
-    tbb::parallel_for(size_t{0}, size, [&](size_t i) {
-      double sum = squares[i];
-      for (const uint32_t neighbor : umbrellas.neighbors[i]) {
-        sum += squares[neighbor];
-      }
-      means[i] = sum / static_cast<double>(1 + umbrellas.neighbors[i].size());
-    });
-    squares.swap(means);
-  }
+  AverageOverNeighbors(umbrellas.neighbors, kReliefRounds, &squares);
   std::ranges::transform(squares, squares.begin(),
                          [](double square) { return std::sqrt(square); });
   return squares;
@@ -294,14 +284,14 @@ std::vector<double> MeasureRelief(const Umbrellas& umbrellas,
 // Where the vertices go, for the lengths of edges that the mesh has.
 // \param positions [V] the measured ones
 // \param reliefs [V] deviations of the umbrella vectors, in lengths of edges
+// \param lengths  MeanLengths() of the mesh
 std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
                                const std::vector<Vector3f>& positions,
                                const std::vector<float>& noises,
                                const std::vector<double>& reliefs,
+                               const std::vector<double>& lengths,
                                const TriangleMesh& mesh) {
   const size_t size = positions.size();
-  const std::vector<double> lengths =
-      MeanLengths(umbrellas.neighbors, mesh.vertices);
   std::vector<double> data(size, 1);
   std::vector<double> smoothness(size, 0);
   for (size_t i = 0; i < size; ++i) {
@@ -348,14 +338,17 @@ SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
   const std::vector<Vector3f> positions = mesh->vertices;
   std::vector<double> reliefs(positions.size(), kMaxRelief / strength);
   for (int round = 0; round < kRounds; ++round) {
+    const std::vector<double> lengths =
+        MeanLengths(umbrellas.neighbors, mesh->vertices);
     if (round > 0) {
-      reliefs = MeasureRelief(umbrellas, *mesh);
+      reliefs = MeasureRelief(umbrellas, lengths, *mesh);
       for (double& relief : reliefs) {
         relief =
             std::clamp(relief / strength, kMinRelief, kMaxRelief / strength);
       }
     }
-    mesh->vertices = Smoothed(umbrellas, positions, noises, reliefs, *mesh);
+    mesh->vertices =
+        Smoothed(umbrellas, positions, noises, reliefs, lengths, *mesh);
   }
   SmoothingReport report;
   for (int round = 0; round < kPutBackRounds; ++round) {

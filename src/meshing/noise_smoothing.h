@@ -31,7 +31,7 @@ struct SmoothingReport {
 // length e_v of its edges: the most likely surface, where measurements have
 // noise and the umbrella vectors m - x of a surface have a normal distribution
 // with a deviation of c_v times the edges' lengths. c_v is what the surface
-// itself has around the vertex, estimated in turn with x: walls get calm, and
+// itself has around the vertex, estimated in turn with x: walls get smooth, and
 // edges and relief stay. What the points know exactly stays, spikes of the
 // noise go. A vertex at a border has its neighbors on the border, so that
 // borders keep their shape. No vertex moves farther than e_v; corners of facets

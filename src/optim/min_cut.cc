@@ -38,7 +38,7 @@ struct FlowNetwork {
   std::vector<FlowNode> nodes;
 };
 
-// What was done in a region that is solved.
+// The flow through a region that is solved, and its last time stamp.
 struct Solved {
   int64_t flow = 0;
   uint32_t time = 0;  // not before any at which a node got its distance

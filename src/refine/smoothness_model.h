@@ -12,9 +12,8 @@
 
 namespace colmap_ext {
 
-// Diffusion on the mesh: ten times in turn each vertex's value becomes the mean
-// of the vertex and its neighbors. On a regular mesh that is a
-// Gaussian of about two edges' standard deviation on each axis.
+// Ten rounds of AverageOverNeighbors(). On a regular mesh that is a Gaussian of
+// about two edges' standard deviation on each axis.
 // \param values  [V]
 void AverageOverSurroundings(const VertexRings& rings,
                              std::vector<double>* values);

@@ -116,7 +116,7 @@ class PatchRepair {
  private:
   using Box = Eigen::AlignedBox3f;
 
-  // Before the first of all rounds copies are moved apart.
+  // Copies of a vertex move apart before round 0.
   void RunRounds(int first_round, int end_round) {
     if (pairs_.empty() || work_ > MaxWork()) {
       return;
@@ -125,7 +125,7 @@ class PatchRepair {
     for (const FacetPair& pair : pairs_) {
       Append(pair, &crossing);
     }
-    // So many rings of vertices around the facets of a pair may move.
+    // Rings of vertices around the facets of a pair that may move.
     const int num_rings = std::max(end_round - 1, 0);
     const std::vector<uint8_t> is_around =
         MarkAround(mesh_, crossing, num_rings + 2);

@@ -19,7 +19,7 @@ namespace colmap_ext {
 Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, const Facet& facet);
 Eigen::AlignedBox3f BoxOf(const TriangleMesh& mesh, uint32_t facet);
 
-// The box with so much more on each side.
+// The box, larger by a margin on each side.
 template <typename Scalar>
 Eigen::AlignedBox<Scalar, 3> GrowBox(const Eigen::AlignedBox<Scalar, 3>& box,
                                      std::type_identity_t<Scalar> margin) {

@@ -27,7 +27,7 @@ struct PictureProjection {
 // A picture as a texture with linear interpolation.
 GlTexture ImageTexture(const ColorImage& image);
 
-// What of shared objects is on the graphics card, by their addresses.
+// What the graphics card holds of shared objects, by their addresses.
 template <typename Object, typename Uploaded>
 class Uploads {
  public:

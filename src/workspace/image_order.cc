@@ -276,11 +276,20 @@ std::optional<size_t> FindOrderByPositions(
 // Orders that differ only in images which see no point are the same to us.
 void KeepOnePerUse(const Visibility& visibility,
                    std::vector<ImageOrder>* orders) {
+  std::vector<bool> is_used;
+  for (const ImageOrder& order : *orders) {
+    is_used.resize(std::max(is_used.size(), order.images.size()), false);
+  }
+  for (const uint32_t index : visibility.values) {
+    if (index < is_used.size()) {
+      is_used[index] = true;
+    }
+  }
   std::set<std::vector<size_t>> uses;
   std::erase_if(*orders, [&](const ImageOrder& order) {
     std::vector<size_t> use(order.images.size(), SIZE_MAX);
-    for (const uint32_t index : visibility.values) {
-      if (index < use.size()) {
+    for (size_t index = 0; index < use.size(); ++index) {
+      if (is_used[index]) {
         use[index] = order.images[index];
       }
     }

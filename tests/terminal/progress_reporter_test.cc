@@ -54,4 +54,9 @@ TEST(ProgressReporterTest, KnowsThePeakOfMemory) {
   EXPECT_GT(PeakMemory(), size_t{1} << 20);
 }
 
+TEST(InShell, IsOneWordForAnyPath) {
+  EXPECT_EQ(InShell("a plan"), "'a plan'");
+  EXPECT_EQ(InShell("an $other's"), "'an $other'\\''s'");
+}
+
 }  // namespace colmap_ext::progress_reporter_test
