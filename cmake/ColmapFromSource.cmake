@@ -160,11 +160,35 @@ get_directory_property(colmap_includes DIRECTORY ${colmap_copy}
 target_compile_definitions(colmap_ext_colmap INTERFACE ${colmap_definitions})
 target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
                            ${colmap_includes})
-# From 3.9 on COLMAP is many libraries, so that the commands need not wait for
-# all of them.
-set(colmap_pictures colmap)
+# The commands need not wait for all of COLMAP. From 3.9 on it is many libraries;
+# 3.8 is one of 130 files, of which these read pictures and become another.
 if(TARGET colmap_sensor AND TARGET colmap_util)
   set(colmap_pictures colmap_sensor colmap_util)
+else()
+  set(colmap_pictures colmap_pictures)
+  set(sources base/camera_database util/bitmap util/camera_specs util/logging
+              util/misc util/string util/version)
+  list(TRANSFORM sources PREPEND ${colmap_copy}/src/)
+  list(TRANSFORM sources APPEND .cc)
+  add_library(colmap_pictures STATIC EXCLUDE_FROM_ALL ${sources})
+  target_compile_features(colmap_pictures PRIVATE cxx_std_14)
+  target_compile_definitions(colmap_pictures PRIVATE ${colmap_definitions})
+  target_include_directories(colmap_pictures SYSTEM PRIVATE ${colmap_includes})
+  get_directory_property(colmap_external DIRECTORY ${colmap_copy}
+                         DEFINITION COLMAP_EXTERNAL_LIBRARIES)
+  target_link_libraries(colmap_pictures PUBLIC vlfeat ${colmap_external})
+  get_target_property(colmap_sources colmap SOURCES)
+  list(REMOVE_ITEM colmap_sources ${sources})
+  set_target_properties(colmap PROPERTIES SOURCES "${colmap_sources}")
+  target_link_libraries(colmap colmap_pictures)
+  # In batches as our own sources, but for those that take gigabytes, and two
+  # that COLMAP's program has too.
+  file(GLOB alone ${colmap_copy}/src/estimators/*.cc)
+  list(APPEND alone ${colmap_copy}/src/optim/bundle_adjustment.cc
+       ${colmap_copy}/src/exe/feature.cc ${colmap_copy}/src/exe/sfm.cc)
+  set_source_files_properties(${alone} TARGET_DIRECTORY colmap
+                              PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_target_properties(colmap PROPERTIES UNITY_BUILD ${COLMAP_EXT_UNITY_BUILD})
 endif()
 target_link_libraries(colmap_ext_colmap INTERFACE
                       ${colmap_pictures} CGAL::CGAL

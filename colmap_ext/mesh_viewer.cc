@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <numbers>
-#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -131,12 +130,14 @@ std::string DrawScreenshots(const ViewerOptions& options,
 void TakeScreenshots(const ViewerOptions& options, const ViewerPaths& paths) {
   const ShownScene scene = ReadScene(options, paths, ColmapPictureDecoder());
   const Screenshots screenshots = PlanScreenshots(options, scene);
-  const auto outputs = std::views::keys(screenshots);
+  std::vector<std::filesystem::path> outputs;
+  for (const auto& [path, view] : screenshots) {
+    outputs.push_back(path);
+  }
   std::vector<std::filesystem::path> inputs = paths.meshes;
   inputs.insert(inputs.end(), {options.labels_path, options.error_mesh_path});
-  ExpectOutputs(std::vector(outputs.begin(), outputs.end()),
-                WorkspaceInputs(paths.folder, {}, options.sparse_path,
-                                std::move(inputs)));
+  ExpectOutputs(outputs, WorkspaceInputs(paths.folder, {}, options.sparse_path,
+                                         std::move(inputs)));
   const std::string renderer = DrawScreenshots(options, scene, screenshots);
   for (const std::filesystem::path& path : outputs) {
     std::cout << "Wrote " << path.string() << "\n";

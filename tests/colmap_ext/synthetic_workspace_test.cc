@@ -1,16 +1,32 @@
-// The synthetic workspaces, read back and meshed as a user's are.
+// The synthetic workspaces, read back, by COLMAP too, and meshed as a user's
+// are.
 
 #include <algorithm>
 #include <filesystem>
 #include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
+
+#if __has_include(<colmap/scene/reconstruction.h>)
+#include <colmap/mvs/depth_map.h>
+#include <colmap/mvs/normal_map.h>
+#include <colmap/scene/reconstruction.h>
+#include <colmap/util/ply.h>
+#else
+#include "base/pose.h"
+#include "base/reconstruction.h"
+#include "mvs/depth_map.h"
+#include "mvs/normal_map.h"
+#include "util/ply.h"
+#endif
 
 #include "colmap_ext/colmap_compat.h"
 #include "formats/picture_files.h"
 #include "formats/read_ply.h"
 #include "tests/colmap_ext/run_shell.h"
+#include "tests/raster/pixels.h"
 #include "tests/synthetic/write_workspace.h"
 #include "tests/workspace/sphere_workspace.h"
 #include "workspace/image_order.h"
@@ -20,6 +36,72 @@
 namespace colmap_ext::synthetic_workspace_test {
 
 namespace fs = std::filesystem;
+
+template <typename Image>
+void SetPose(const Image& image, View* view) {
+  if constexpr (requires { image.CamFromWorld(); }) {
+    const Eigen::Matrix3x4d cam_from_world = image.CamFromWorld().ToMatrix();
+    view->cam_from_world_rotation = cam_from_world.leftCols<3>();
+    view->cam_from_world_translation = cam_from_world.col(3);
+  } else {
+    view->cam_from_world_rotation = image.RotationMatrix();
+    view->cam_from_world_translation = image.Tvec();
+  }
+}
+
+template <typename Camera>
+void SetSize(const Camera& camera, View* view) {
+  if constexpr (requires { camera.Width(); }) {
+    view->width = camera.Width();
+    view->height = camera.Height();
+  } else {
+    view->width = camera.width;
+    view->height = camera.height;
+  }
+}
+
+// The positions, colors and features of the points by their ids.
+using Point = std::tuple<Eigen::Vector3d, Color,
+                         std::vector<std::pair<uint32_t, Eigen::Vector2d>>>;
+std::map<uint64_t, Point> PointsOf(const SparseModel& model) {
+  const std::map<uint32_t, size_t> images = ImageIndices(model);
+  std::map<uint64_t, Point> points;
+  for (size_t i = 0; i < model.point_ids.size(); ++i) {
+    auto& [position, color, track] = points[model.point_ids[i]];
+    position = model.exact_positions[i];
+    color = model.point_colors[i];
+    for (size_t k = model.track_image_ids.offsets[i];
+         k < model.track_image_ids.offsets[i + 1]; ++k) {
+      const uint32_t image_id = model.track_image_ids.values[k];
+      const SparseObservation& seen =
+          model.images[images.at(image_id)]
+              .observations[model.track_observations[k]];
+      EXPECT_EQ(seen.point_id, model.point_ids[i]);
+      track.emplace_back(image_id, seen.pixel);
+    }
+  }
+  return points;
+}
+
+// The cameras of a sparse model, in COLMAP's order.
+std::vector<View> ViewsOf(const colmap::Reconstruction& model) {
+  std::vector<View> views;
+  for (const auto image_id : model.RegImageIds()) {
+    const auto& image = model.Image(image_id);
+    const auto& camera = model.Camera(image.CameraId());
+    const Eigen::Matrix3d calibration = camera.CalibrationMatrix();
+    View view;
+    view.name = image.Name();
+    view.fx = calibration(0, 0);
+    view.fy = calibration(1, 1);
+    view.cx = calibration(0, 2);
+    view.cy = calibration(1, 2);
+    SetSize(camera, &view);
+    SetPose(image, &view);
+    views.push_back(view);
+  }
+  return views;
+}
 
 synthetic::DenseScene MakeSmallScene(const std::string& shape) {
   synthetic::DenseSceneOptions options;
@@ -72,20 +154,68 @@ TEST_P(SyntheticWorkspaceTest, IsReadAsItWasMade) {
   }
 }
 
-// COLMAP's form: the size as text, then the depths row by row.
-TEST_P(SyntheticWorkspaceTest, HasDepthMapsInTheFormOfColmap) {
-  for (size_t i = 0; i < scene_.scene.views.size(); ++i) {
-    const fs::path name = fs::path("depth_maps") /
-                          (scene_.scene.views[i].name + ".geometric.bin");
-    for (const auto& [folder, depths] :
-         {std::pair("truth", scene_.visible[i].depths),
-          std::pair("stereo", scene_.depth_maps[i].depths)}) {
-      std::string expected = "120&90&1&";
-      for (const float depth : depths) {
-        Append(depth, &expected);
-      }
-      EXPECT_EQ(ReadFile(path_ / folder / name), expected);
-    }
+// COLMAP reads the same, and writes what we read.
+TEST_P(SyntheticWorkspaceTest, HasTheSparseModelForColmap) {
+  colmap::Reconstruction model;
+  model.Read((path_ / "sparse").string());
+  std::vector<View> views = ViewsOf(model);
+  std::ranges::sort(views, {}, &View::name);
+  ASSERT_EQ(views.size(), scene_.model_views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    const View& view = scene_.model_views[i];
+    EXPECT_EQ(views[i].name, view.name);
+    EXPECT_TRUE(views[i].cam_from_world_rotation.isApprox(
+        view.cam_from_world_rotation, 1e-12));
+    EXPECT_EQ(views[i].cam_from_world_translation,
+              view.cam_from_world_translation);
+    EXPECT_EQ(views[i].fx, view.fx);
+    EXPECT_EQ(views[i].cy, view.cy);
+    EXPECT_EQ(views[i].width, view.width);
+  }
+  const fs::path copy = folder_.Path() / "copy";
+  fs::create_directory(copy);
+  model.WriteBinary(copy.string());
+  const std::map<uint64_t, Point> points =
+      PointsOf(ReadSparseModel(copy, SparseDetail::kAll));
+  EXPECT_TRUE(points ==
+              PointsOf(ReadSparseModel(path_ / "sparse", SparseDetail::kAll)));
+  ASSERT_EQ(points.size(), scene_.sparse_points.size());
+  EXPECT_EQ(std::get<0>(points.at(1)), scene_.sparse_points[0].position);
+}
+
+TEST_P(SyntheticWorkspaceTest, HasTheFusedPointsForColmap) {
+  const std::vector<colmap::PlyPoint> points =
+      colmap::ReadPly((path_ / "fused.ply").string());
+  const PointCloud& cloud = scene_.fused.cloud;
+  ASSERT_EQ(points.size(), cloud.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const colmap::PlyPoint& p = points[i];
+    EXPECT_EQ(Eigen::Vector3f(p.x, p.y, p.z), cloud.positions[i]);
+    EXPECT_EQ(Eigen::Vector3f(p.nx, p.ny, p.nz), scene_.fused.normals[i]);
+    EXPECT_EQ((Color{p.r, p.g, p.b}), cloud.colors[i]);
+  }
+}
+
+TEST_P(SyntheticWorkspaceTest, HasTheDepthAndNormalMapsForColmap) {
+  for (size_t i = 0; i < scene_.depth_maps.size(); ++i) {
+    const View& view = scene_.scene.views[i];
+    const std::string name = view.name + ".geometric.bin";
+    const synthetic::DepthMap& map = scene_.depth_maps[i];
+    colmap::mvs::DepthMap depths(0, 0, 0, 0);
+    depths.Read((path_ / "stereo" / "depth_maps" / name).string());
+    EXPECT_EQ(depths.GetWidth(), map.width);
+    EXPECT_EQ(depths.GetData(), map.depths);
+    depths.Read((path_ / "truth" / "depth_maps" / name).string());
+    EXPECT_EQ(depths.GetData(), scene_.visible[i].depths);
+    colmap::mvs::NormalMap normals;
+    normals.Read((path_ / "stereo" / "normal_maps" / name).string());
+    ASSERT_EQ(normals.GetHeight(), map.height);
+    ForEachPixel(map, [&](int row, int col) {
+      Eigen::Vector3f normal;
+      normals.GetSlice(row, col, normal.data());
+      EXPECT_TRUE(normal.isApprox(view.cam_from_world_rotation.cast<float>() *
+                                  map.normals[map.Index(row, col)]));
+    });
   }
 }
 
@@ -106,9 +236,13 @@ struct SparseModelAgreementTest : testing::Test {
     const fs::path old = folder_.Path() / "old";
     sphere_.WriteModel(old, ".bin");
     fs::create_directory(binary_);
-    synthetic::ConvertModel(old.string(), binary_.string());
+    colmap::Reconstruction model;
+    model.Read(old.string());
+    model.WriteBinary(binary_.string());
     model_ = ReadSparseModel(binary_);
-    views_ = synthetic::ReadViews(binary_.string());
+    colmap::Reconstruction written;
+    written.ReadBinary(binary_.string());
+    views_ = ViewsOf(written);
   }
 
   SphereWorkspace sphere_;

@@ -1,6 +1,6 @@
 // Usage: make_seeds FOLDER
 //
-// Writes sound files to FOLDER/<fuzzer>/, from which the fuzzers start.
+// Writes sound files to FOLDER/<reader>/, from which the fuzzer starts.
 
 #include <cstdint>
 #include <cstdlib>

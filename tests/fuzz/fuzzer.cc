@@ -1,11 +1,11 @@
-// The fuzzers of the readers of files. The readers may refuse a file by a
-// FileError; whatever else happens is a fault. FUZZED names the reader that a
-// program fuzzes.
+// Fuzzes the reader of files that the environment variable FUZZED names. The
+// readers may refuse a file by a FileError; whatever else happens is a fault.
 
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <map>
@@ -128,7 +128,8 @@ const std::map<std::string, Fuzz> kFuzzers = {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t num_bytes) {
   static colmap_ext::MemoryFile file;
-  static const colmap_ext::Fuzz& fuzz = colmap_ext::kFuzzers.at(FUZZED);
+  static const colmap_ext::Fuzz& fuzz =
+      colmap_ext::kFuzzers.at(std::getenv("FUZZED"));
   const std::string_view text(reinterpret_cast<const char*>(bytes), num_bytes);
   file.Set(text);
   try {
