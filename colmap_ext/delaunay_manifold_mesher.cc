@@ -169,9 +169,9 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
   console->reporter.Finish();
   PrintInput(options, input, log);
   const std::vector<View> views = MeshingViews(options, input.workspace);
-  PointCloud& cloud = input.workspace.cloud;
+  const PointCloud shown = has_page ? input.workspace.cloud : PointCloud();
   const ManifoldMesh mesh =
-      MeshManifold(input.meshing, has_page ? cloud : std::move(cloud), views,
+      MeshManifold(input.meshing, std::move(input.workspace.cloud), views,
                    progress, input.masked.ends);
   Report(progress, "Writing the mesh", 0);
   AtomicFiles files;
@@ -181,7 +181,7 @@ void MeshWorkspace(const MesherOptions& options, Console* console) {
   PagePictures pictures;
   if (has_page) {
     Report(progress, "Drawing the report", 0);
-    pictures = DrawMeshing(input.workspace.views, cloud, mesh,
+    pictures = DrawMeshing(input.workspace.views, shown, mesh,
                            input.workspace.report.path / "images",
                            ColmapPictureDecoder());
   }
