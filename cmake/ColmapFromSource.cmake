@@ -162,9 +162,10 @@ target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
                            ${colmap_includes})
 # The commands need not wait for all of COLMAP. From 3.9 on it is many libraries;
 # 3.8 is one of 130 files, of which these read pictures and become another.
+set(colmap_pictures colmap)
 if(TARGET colmap_sensor AND TARGET colmap_util)
   set(colmap_pictures colmap_sensor colmap_util)
-else()
+elseif(EXISTS ${colmap_copy}/src/util/bitmap.cc)
   set(colmap_pictures colmap_pictures)
   set(sources base/camera_database util/bitmap util/camera_specs util/logging
               util/misc util/string util/version)
@@ -182,13 +183,15 @@ else()
   set_target_properties(colmap PROPERTIES SOURCES "${colmap_sources}")
   target_link_libraries(colmap colmap_pictures)
   # In batches as our own sources, but for those that take gigabytes, and two
-  # that COLMAP's program has too.
-  file(GLOB alone ${colmap_copy}/src/estimators/*.cc)
-  list(APPEND alone ${colmap_copy}/src/optim/bundle_adjustment.cc
-       ${colmap_copy}/src/exe/feature.cc ${colmap_copy}/src/exe/sfm.cc)
-  set_source_files_properties(${alone} TARGET_DIRECTORY colmap
-                              PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  set_target_properties(colmap PROPERTIES UNITY_BUILD ${COLMAP_EXT_UNITY_BUILD})
+  # that COLMAP's program has too. With CUDA or Qt this is not tested.
+  if(COLMAP_EXT_UNITY_BUILD AND NOT CUDA_ENABLED AND NOT GUI_ENABLED)
+    file(GLOB alone ${colmap_copy}/src/estimators/*.cc)
+    list(APPEND alone ${colmap_copy}/src/optim/bundle_adjustment.cc
+         ${colmap_copy}/src/exe/feature.cc ${colmap_copy}/src/exe/sfm.cc)
+    set_source_files_properties(${alone} TARGET_DIRECTORY colmap
+                                PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    set_target_properties(colmap PROPERTIES UNITY_BUILD ON)
+  endif()
 endif()
 target_link_libraries(colmap_ext_colmap INTERFACE
                       ${colmap_pictures} CGAL::CGAL
