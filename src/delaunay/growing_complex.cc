@@ -1,6 +1,7 @@
 #include "delaunay/growing_complex.h"
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -44,13 +45,9 @@ std::optional<std::array<uint32_t, 4>> FindSimplex(
 // \pre the corners of each cell are sorted, cells not in use have equal ones
 std::vector<uint32_t> Order(const std::vector<GrowingComplex::Cell>& cells,
                             size_t num_vertices) {
-  auto rows = GroupInRows<uint32_t>(num_vertices, [&](const auto& add) {
-    for (uint32_t cell = 0; cell < cells.size(); ++cell) {
-      const std::array<uint32_t, 4>& vertices = cells[cell].vertices;
-      if (vertices[0] != vertices[1]) {
-        add(vertices[0], cell);
-      }
-    }
+  auto rows = NumbersInRows(num_vertices, cells.size(), [&](uint32_t cell) {
+    const std::array<uint32_t, 4>& vertices = cells[cell].vertices;
+    return vertices[0] != vertices[1] ? vertices[0] : kNone;
   });
   tbb::parallel_for(size_t{0}, num_vertices, [&](size_t vertex) {
     std::ranges::sort(
@@ -93,14 +90,19 @@ std::vector<Tetrahedralization::Cell> TakeSortedCells(GrowingComplex* complex) {
 // The first finite cell of each vertex.
 std::vector<uint32_t> FirstCells(const Tetrahedralization& tetrahedra) {
   std::vector<uint32_t> first(tetrahedra.points.size(), kNone);
-  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
+  tbb::parallel_for(size_t{0}, tetrahedra.cells.size(), [&](size_t i) {
+    const auto cell = static_cast<uint32_t>(i);
     if (tetrahedra.IsInfinite(cell)) {
-      continue;
+      return;
     }
     for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
-      first[vertex] = std::min(first[vertex], cell);
+      std::atomic_ref<uint32_t> least(first[vertex]);
+      uint32_t before = least.load(std::memory_order_relaxed);
+      while (cell < before && !least.compare_exchange_weak(
+                                  before, cell, std::memory_order_relaxed)) {
+      }
     }
-  }
+  });
   return first;
 }
 

@@ -19,10 +19,13 @@ constexpr size_t kCellsPerPoint = 7;
 
 // Spare cells of an inserter, for the current insertion and for vertices with
 // more cells than usual.
-constexpr size_t kSpareCells = 4096;
+constexpr size_t kSpareCells = 1024;
 
 // Points of a part that are worth a thread.
 constexpr size_t kMinPartPoints = 2048;
+
+// Of a round, where points are left out; a choice.
+constexpr int kMaxParts = 64;
 
 using Points = std::span<const uint32_t>;
 
@@ -33,10 +36,10 @@ class InsertionProgress {
       : num_points_(num_points), progress_(progress) {}
 
   // To be called for each point of a thread: every so many are reported.
-  // \param num_inserted  by the thread
-  void Count(size_t num_inserted) {
+  // \param num_done  by the thread
+  void Count(size_t num_done) {
     constexpr size_t kStep = 16384;
-    if (num_inserted % kStep == 0) {
+    if (num_done % kStep == 0) {
       const std::lock_guard lock(mutex_);
       SetDone(num_done_ + kStep);
     }
@@ -71,21 +74,23 @@ void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
   from->resize(kept);
 }
 
-void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
-                Part* part) {
-  size_t num_inserted = 0;
+void InsertPart(const GrowingComplex& complex, const LeaveOut& leave_out,
+                InsertionProgress* progress, Part* part) {
+  size_t num_done = 0;
   uint32_t hint = part->inserter.FindOwnCell();
   for (const uint32_t point : part->points) {
     if (complex.vertex_cells[point] != kNone) {
       continue;
     }
-    const uint32_t cell =
-        hint != kNone ? part->inserter.Locate(point, hint) : kNone;
-    const uint32_t inserted =
-        cell != kNone ? part->inserter.Insert(point, cell) : kNone;
-    if (inserted != kNone) {
-      hint = inserted;
-      progress->Count(++num_inserted);
+    uint32_t cell = hint != kNone ? part->inserter.Locate(point, hint) : kNone;
+    const bool is_left_out =
+        cell != kNone && leave_out && leave_out(complex, point, cell);
+    if (cell != kNone && !is_left_out) {
+      cell = part->inserter.Insert(point, cell);
+    }
+    if (cell != kNone) {
+      hint = cell;
+      progress->Count(++num_done);
     } else {
       part->left_over.push_back(point);
     }
@@ -94,13 +99,18 @@ void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
 
 // \param borders  of the parts: ascending, from 0 to the number of points
 // \return the points that could not be inserted, ascending
+// \param share  of the points that are expected to be inserted
 std::vector<uint32_t> InsertInParts(Points points,
                                     const std::vector<uint32_t>& borders,
+                                    const LeaveOut& leave_out, double share,
                                     InsertionProgress* progress,
                                     GrowingComplex* complex) {
   const size_t num_parts = borders.size() - 1;
-  const size_t num_cells =
-      kCellsPerPoint * points.size() + kSpareCells * num_parts;
+  const auto cells_for = [share](size_t num_points) {
+    return kSpareCells + static_cast<size_t>(share * kCellsPerPoint *
+                                             static_cast<double>(num_points));
+  };
+  const size_t num_cells = cells_for(points.size()) + kSpareCells * num_parts;
   if (complex->free_cells.size() < num_cells) {
     AddFreeCells(num_cells - complex->free_cells.size(), complex);
   }
@@ -111,11 +121,11 @@ std::vector<uint32_t> InsertInParts(Points points,
     parts.push_back({PointInserter(borders[i], borders[i + 1], complex),
                      Points(begin, end),
                      {}});
-    MoveCells(kCellsPerPoint * parts[i].points.size() + kSpareCells,
-              &complex->free_cells, &parts[i].inserter.free_cells());
+    MoveCells(cells_for(parts[i].points.size()), &complex->free_cells,
+              &parts[i].inserter.free_cells());
   }
   tbb::parallel_for(size_t{0}, num_parts, [&](size_t i) {
-    InsertPart(*complex, progress, &parts[i]);
+    InsertPart(*complex, leave_out, progress, &parts[i]);
   });
   std::vector<uint32_t> left_over;
   for (Part& part : parts) {
@@ -143,15 +153,19 @@ std::vector<uint32_t> Borders(size_t num_points, size_t num_parts,
   return borders;
 }
 
-void InsertSerially(Points points, GrowingComplex* complex) {
+void InsertSerially(Points points, const LeaveOut& leave_out,
+                    GrowingComplex* complex) {
   const auto num_points = static_cast<uint32_t>(complex->points.size());
   PointInserter inserter(0, num_points, complex);
   inserter.free_cells().swap(complex->free_cells);
   uint32_t hint = inserter.FindOwnCell();
   for (const uint32_t point : points) {
-    if (complex->vertex_cells[point] == kNone) {
-      hint =
-          InsertPoint(point, inserter.Locate(point, hint), &inserter, complex);
+    if (complex->vertex_cells[point] != kNone) {
+      continue;
+    }
+    hint = inserter.Locate(point, hint);
+    if (!leave_out || !leave_out(*complex, point, hint)) {
+      hint = InsertPoint(point, hint, &inserter, complex);
     }
   }
   inserter.free_cells().swap(complex->free_cells);
@@ -159,20 +173,24 @@ void InsertSerially(Points points, GrowingComplex* complex) {
 
 // What lies at a border of the parts is tried again in parts with other
 // borders, before it is inserted by one thread.
-void InsertRound(Points points, InsertionProgress* progress,
-                 GrowingComplex* complex) {
+// \param share  of the points that are expected to be inserted
+void InsertRound(Points points, const LeaveOut& leave_out, double share,
+                 InsertionProgress* progress, GrowingComplex* complex) {
+  // Which points are left out depends on the parts: they must not depend on
+  // the threads then.
+  const int max_parts =
+      leave_out ? kMaxParts : tbb::this_task_arena::max_concurrency();
   std::vector<uint32_t> left_over(points.begin(), points.end());
   for (const double shift : {0.0, 0.5}) {
     const size_t num_parts =
-        std::min<size_t>(tbb::this_task_arena::max_concurrency(),
-                         left_over.size() / kMinPartPoints);
+        std::min<size_t>(max_parts, left_over.size() / kMinPartPoints);
     if (num_parts > 1) {
       left_over = InsertInParts(
           left_over, Borders(complex->points.size(), num_parts, shift),
-          progress, complex);
+          leave_out, share, progress, complex);
     }
   }
-  InsertSerially(left_over, complex);
+  InsertSerially(left_over, leave_out, complex);
 }
 
 }  // namespace
@@ -224,14 +242,22 @@ uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
   }
 }
 
-void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
-                  GrowingComplex* complex) {
-  complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
+void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
+                  const Progress& progress, GrowingComplex* complex) {
+  if (!leave_out) {
+    complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
+  }
   StartComplex(order, complex);
   InsertionProgress inserted(order.size(), progress);
+  double share = 1;  // of a round; of the next one as a rule less
   for (auto begin = order.begin(); begin != order.end();) {
     const auto end = std::is_sorted_until(begin, order.end());
-    InsertRound(Points(begin, end), &inserted, complex);
+    InsertRound(Points(begin, end), leave_out, share, &inserted, complex);
+    const auto num_inserted = std::count_if(begin, end, [&](uint32_t point) {
+      return complex->vertex_cells[point] != kNone;
+    });
+    share =
+        static_cast<double>(num_inserted) / static_cast<double>(end - begin);
     begin = end;
     inserted.SetDone(static_cast<size_t>(begin - order.begin()));
   }
@@ -243,7 +269,7 @@ void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
       Iota(positions.size(), static_cast<uint32_t>(complex->points.size()));
   Append(positions, &complex->points);
   complex->vertex_cells.resize(complex->points.size(), kNone);
-  InsertSerially(added, complex);
+  InsertSerially(added, {}, complex);
 }
 
 }  // namespace colmap_ext
