@@ -132,14 +132,13 @@ Rows<T> JoinRows(std::vector<Rows<T>> parts) {
 
 // Makes rows in parallel.
 // \param append  append(row, &values) appends the values of a row to others
-// \param grain  rows a task
 template <typename T, typename AppendRow>
-Rows<T> MakeRows(size_t num_rows, const AppendRow& append,
-                 size_t grain = 4096) {
-  std::vector<Rows<T>> parts((num_rows + grain - 1) / grain);
+Rows<T> MakeRows(size_t num_rows, const AppendRow& append) {
+  constexpr size_t kGrain = 4096;  // rows a task; a choice
+  std::vector<Rows<T>> parts((num_rows + kGrain - 1) / kGrain);
   tbb::parallel_for(size_t{0}, parts.size(), [&](size_t k) {
-    const size_t end = std::min(num_rows, (k + 1) * grain);
-    for (size_t row = k * grain; row < end; ++row) {
+    const size_t end = std::min(num_rows, (k + 1) * kGrain);
+    for (size_t row = k * kGrain; row < end; ++row) {
       append(row, &parts[k].values);
       parts[k].EndRow();
     }

@@ -1,7 +1,6 @@
 #include "delaunay/growing_complex.h"
 
 #include <algorithm>
-#include <atomic>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -90,19 +89,14 @@ std::vector<Tetrahedralization::Cell> TakeSortedCells(GrowingComplex* complex) {
 // The first finite cell of each vertex.
 std::vector<uint32_t> FirstCells(const Tetrahedralization& tetrahedra) {
   std::vector<uint32_t> first(tetrahedra.points.size(), kNone);
-  tbb::parallel_for(size_t{0}, tetrahedra.cells.size(), [&](size_t i) {
-    const auto cell = static_cast<uint32_t>(i);
+  for (uint32_t cell = 0; cell < tetrahedra.cells.size(); ++cell) {
     if (tetrahedra.IsInfinite(cell)) {
-      return;
+      continue;
     }
     for (const uint32_t vertex : tetrahedra.cells[cell].vertices) {
-      std::atomic_ref<uint32_t> least(first[vertex]);
-      uint32_t before = least.load(std::memory_order_relaxed);
-      while (cell < before && !least.compare_exchange_weak(
-                                  before, cell, std::memory_order_relaxed)) {
-      }
+      first[vertex] = std::min(first[vertex], cell);
     }
-  });
+  }
   return first;
 }
 

@@ -150,12 +150,12 @@ uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
                      GrowingComplex* complex);
 
 // Whether a point is left out, by the complex so far and the cell in it that
-// holds the point. Called for several points at a time, for each once.
+// holds the point.
 using LeaveOut =
     std::function<bool(const GrowingComplex&, uint32_t point, uint32_t cell)>;
 
-// Inserts points into an empty complex, in parallel. The result does not depend
-// on the number of threads.
+// Inserts points into an empty complex, in parallel unless some are left out.
+// The result does not depend on the number of threads.
 // \param order  InsertionOrder()
 // \param leave_out  nothing: all are inserted
 // \throw std::invalid_argument where the points span no volume or are too many

@@ -19,13 +19,10 @@ constexpr size_t kCellsPerPoint = 7;
 
 // Spare cells of an inserter, for the current insertion and for vertices with
 // more cells than usual.
-constexpr size_t kSpareCells = 1024;
+constexpr size_t kSpareCells = 4096;
 
 // Points of a part that are worth a thread.
 constexpr size_t kMinPartPoints = 2048;
-
-// Of a round, where points are left out; a choice.
-constexpr int kMaxParts = 64;
 
 using Points = std::span<const uint32_t>;
 
@@ -36,10 +33,10 @@ class InsertionProgress {
       : num_points_(num_points), progress_(progress) {}
 
   // To be called for each point of a thread: every so many are reported.
-  // \param num_done  by the thread
-  void Count(size_t num_done) {
+  // \param num_inserted  by the thread
+  void Count(size_t num_inserted) {
     constexpr size_t kStep = 16384;
-    if (num_done % kStep == 0) {
+    if (num_inserted % kStep == 0) {
       const std::lock_guard lock(mutex_);
       SetDone(num_done_ + kStep);
     }
@@ -74,23 +71,21 @@ void MoveCells(size_t num_cells, std::vector<uint32_t>* from,
   from->resize(kept);
 }
 
-void InsertPart(const GrowingComplex& complex, const LeaveOut& leave_out,
-                InsertionProgress* progress, Part* part) {
-  size_t num_done = 0;
+void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
+                Part* part) {
+  size_t num_inserted = 0;
   uint32_t hint = part->inserter.FindOwnCell();
   for (const uint32_t point : part->points) {
     if (complex.vertex_cells[point] != kNone) {
       continue;
     }
-    uint32_t cell = hint != kNone ? part->inserter.Locate(point, hint) : kNone;
-    const bool is_left_out =
-        cell != kNone && leave_out && leave_out(complex, point, cell);
-    if (cell != kNone && !is_left_out) {
-      cell = part->inserter.Insert(point, cell);
-    }
-    if (cell != kNone) {
-      hint = cell;
-      progress->Count(++num_done);
+    const uint32_t cell =
+        hint != kNone ? part->inserter.Locate(point, hint) : kNone;
+    const uint32_t inserted =
+        cell != kNone ? part->inserter.Insert(point, cell) : kNone;
+    if (inserted != kNone) {
+      hint = inserted;
+      progress->Count(++num_inserted);
     } else {
       part->left_over.push_back(point);
     }
@@ -99,18 +94,13 @@ void InsertPart(const GrowingComplex& complex, const LeaveOut& leave_out,
 
 // \param borders  of the parts: ascending, from 0 to the number of points
 // \return the points that could not be inserted, ascending
-// \param share  of the points that are expected to be inserted
 std::vector<uint32_t> InsertInParts(Points points,
                                     const std::vector<uint32_t>& borders,
-                                    const LeaveOut& leave_out, double share,
                                     InsertionProgress* progress,
                                     GrowingComplex* complex) {
   const size_t num_parts = borders.size() - 1;
-  const auto cells_for = [share](size_t num_points) {
-    return kSpareCells + static_cast<size_t>(share * kCellsPerPoint *
-                                             static_cast<double>(num_points));
-  };
-  const size_t num_cells = cells_for(points.size()) + kSpareCells * num_parts;
+  const size_t num_cells =
+      kCellsPerPoint * points.size() + kSpareCells * num_parts;
   if (complex->free_cells.size() < num_cells) {
     AddFreeCells(num_cells - complex->free_cells.size(), complex);
   }
@@ -121,11 +111,11 @@ std::vector<uint32_t> InsertInParts(Points points,
     parts.push_back({PointInserter(borders[i], borders[i + 1], complex),
                      Points(begin, end),
                      {}});
-    MoveCells(cells_for(parts[i].points.size()), &complex->free_cells,
-              &parts[i].inserter.free_cells());
+    MoveCells(kCellsPerPoint * parts[i].points.size() + kSpareCells,
+              &complex->free_cells, &parts[i].inserter.free_cells());
   }
   tbb::parallel_for(size_t{0}, num_parts, [&](size_t i) {
-    InsertPart(*complex, leave_out, progress, &parts[i]);
+    InsertPart(*complex, progress, &parts[i]);
   });
   std::vector<uint32_t> left_over;
   for (Part& part : parts) {
@@ -172,22 +162,19 @@ void InsertSerially(Points points, const LeaveOut& leave_out,
 }
 
 // What lies at a border of the parts is tried again in parts with other
-// borders, before it is inserted by one thread.
-// \param share  of the points that are expected to be inserted
-void InsertRound(Points points, const LeaveOut& leave_out, double share,
+// borders, before it is inserted by one thread; all by one where points are
+// left out, which depends on the order.
+void InsertRound(Points points, const LeaveOut& leave_out,
                  InsertionProgress* progress, GrowingComplex* complex) {
-  // Which points are left out depends on the parts: they must not depend on
-  // the threads then.
-  const int max_parts =
-      leave_out ? kMaxParts : tbb::this_task_arena::max_concurrency();
   std::vector<uint32_t> left_over(points.begin(), points.end());
   for (const double shift : {0.0, 0.5}) {
     const size_t num_parts =
-        std::min<size_t>(max_parts, left_over.size() / kMinPartPoints);
-    if (num_parts > 1) {
+        std::min<size_t>(tbb::this_task_arena::max_concurrency(),
+                         left_over.size() / kMinPartPoints);
+    if (num_parts > 1 && !leave_out) {
       left_over = InsertInParts(
           left_over, Borders(complex->points.size(), num_parts, shift),
-          leave_out, share, progress, complex);
+          progress, complex);
     }
   }
   InsertSerially(left_over, leave_out, complex);
@@ -244,20 +231,13 @@ uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
 
 void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
                   const Progress& progress, GrowingComplex* complex) {
-  if (!leave_out) {
-    complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
-  }
+  complex->cells.reserve(
+      leave_out ? 0 : kCellsPerPoint * order.size() + kSpareCells);
   StartComplex(order, complex);
   InsertionProgress inserted(order.size(), progress);
-  double share = 1;  // of a round; of the next one as a rule less
   for (auto begin = order.begin(); begin != order.end();) {
     const auto end = std::is_sorted_until(begin, order.end());
-    InsertRound(Points(begin, end), leave_out, share, &inserted, complex);
-    const auto num_inserted = std::count_if(begin, end, [&](uint32_t point) {
-      return complex->vertex_cells[point] != kNone;
-    });
-    share =
-        static_cast<double>(num_inserted) / static_cast<double>(end - begin);
+    InsertRound(Points(begin, end), leave_out, &inserted, complex);
     begin = end;
     inserted.SetDone(static_cast<size_t>(begin - order.begin()));
   }

@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "base/percentile.h"
 #include "delaunay/growing_complex.h"
 

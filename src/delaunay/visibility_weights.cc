@@ -311,10 +311,7 @@ Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
       }
     }
   };
-  Observations observations;
-  static_cast<Rows<Observation>&>(observations) =
-      MakeRows<Observation>(num_vertices, append);
-  return observations;
+  return {MakeRows<Observation>(num_vertices, append)};
 }
 
 RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,

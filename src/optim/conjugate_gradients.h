@@ -40,9 +40,8 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
                                          const Precondition& precondition) {
   using Vector = std::vector<double>;
   const auto dot = [](const Vector& a, const Vector& b) {
-    constexpr size_t kGrain = 8192;  // a choice
     return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<size_t>(0, a.size(), kGrain), 0.0,
+        tbb::blocked_range<size_t>(0, a.size(), 8192), 0.0,
         [&](const tbb::blocked_range<size_t>& range, double sum) {
           return std::inner_product(&a[range.begin()], &a[0] + range.end(),
                                     &b[range.begin()], sum);

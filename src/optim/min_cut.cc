@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdlib>
-#include <functional>
 #include <limits>
 #include <utility>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
 
 #include "base/indices.h"
 
@@ -382,28 +379,21 @@ MinCut ComputeMinCut(NeighborView neighbors, const FlowCapacities& capacities) {
 
 int64_t CutValue(NeighborView neighbors, const FlowCapacities& capacities,
                  const std::vector<uint8_t>& on_source_side) {
-  const auto of_node = [&](size_t i) {
+  int64_t value = 0;
+  for (size_t i = 0; i < capacities.size(); ++i) {
     if (!on_source_side[i]) {
-      return int64_t{Clamp(capacities[i].source)};
+      value += Clamp(capacities[i].source);
+      continue;
     }
-    int64_t value = Clamp(capacities[i].sink);
+    value += Clamp(capacities[i].sink);
     for (int k = 0; k < 4; ++k) {
       const uint32_t other = neighbors[i][k];
       if (other != kNone && !on_source_side[other]) {
         value += Clamp(capacities[i].arcs[k]);
       }
     }
-    return value;
-  };
-  return tbb::parallel_reduce(
-      tbb::blocked_range<size_t>(0, capacities.size()), int64_t{0},
-      [&](const tbb::blocked_range<size_t>& range, int64_t sum) {
-        for (size_t i = range.begin(); i < range.end(); ++i) {
-          sum += of_node(i);
-        }
-        return sum;
-      },
-      std::plus<>());
+  }
+  return value;
 }
 
 }  // namespace colmap_ext

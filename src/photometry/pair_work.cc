@@ -90,10 +90,8 @@ std::vector<std::vector<PixelBox>> FindTiles(
     const FacetLabels& labels) {
   const size_t num_cols = (drawn.width + kTileSize - 1) / kTileSize;
   // [directions][num_cols] the tiles of a row of squares.
-  std::vector<std::vector<PixelBox>> squares(directions.size());
-  for (std::vector<PixelBox>& of_direction : squares) {
-    of_direction.resize(num_cols);
-  }
+  std::vector<std::vector<PixelBox>> squares(directions.size(),
+                                             std::vector<PixelBox>(num_cols));
   std::vector<std::vector<PixelBox>> tiles(squares.size());
   for (int row = 0; row < drawn.height; ++row) {
     for (int col = 0; col < drawn.width; ++col) {

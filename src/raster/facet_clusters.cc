@@ -73,8 +73,7 @@ bool IsOutside(const FrustumNormals& normals, const Eigen::Vector3d& center,
 
 FacetClusters::FacetClusters(const TriangleMesh& mesh)
     : num_facets_(mesh.facets.size()),
-      boxes_((num_facets_ + kSize - 1) / kSize),
-      group_boxes_((boxes_.size() + kGroup - 1) / kGroup) {
+      boxes_((num_facets_ + kSize - 1) / kSize) {
   tbb::parallel_for(size_t{0}, boxes_.size(), [&](size_t i) {
     const size_t end = std::min(num_facets_, (i + 1) * kSize);
     for (size_t facet = i * kSize; facet < end; ++facet) {
@@ -83,9 +82,6 @@ FacetClusters::FacetClusters(const TriangleMesh& mesh)
       }
     }
   });
-  for (size_t i = 0; i < boxes_.size(); ++i) {
-    group_boxes_[i / kGroup].extend(boxes_[i]);
-  }
 }
 
 template <typename Function>
@@ -93,15 +89,9 @@ void FacetClusters::ForEachInFrustum(const View& view,
                                      const Function& function) const {
   const FrustumNormals normals = NormalsOf(view);
   const Eigen::Vector3d center = view.Center();
-  for (size_t group = 0; group < group_boxes_.size(); ++group) {
-    if (IsOutside(normals, center, group_boxes_[group])) {
-      continue;
-    }
-    const size_t end = std::min(boxes_.size(), (group + 1) * kGroup);
-    for (size_t i = group * kGroup; i < end; ++i) {
-      if (!IsOutside(normals, center, boxes_[i])) {
-        function(i);
-      }
+  for (size_t i = 0; i < boxes_.size(); ++i) {
+    if (!IsOutside(normals, center, boxes_[i])) {
+      function(i);
     }
   }
 }

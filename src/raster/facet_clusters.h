@@ -52,8 +52,6 @@ class FacetClusters {
  public:
   // A choice: one box for so many facets costs nothing beside them.
   static constexpr size_t kSize = 128;
-  // Runs of which a view first tests the common box; a choice.
-  static constexpr size_t kGroup = 64;
 
   explicit FacetClusters(const TriangleMesh& mesh);
 
@@ -81,8 +79,7 @@ class FacetClusters {
   FacetRange FacetsOf(size_t cluster) const;
 
   size_t num_facets_;
-  std::vector<Eigen::AlignedBox3f> boxes_;        // [F / kSize, rounded up]
-  std::vector<Eigen::AlignedBox3f> group_boxes_;  // [boxes / kGroup, up too]
+  std::vector<Eigen::AlignedBox3f> boxes_;  // [F / kSize, rounded up]
 };
 
 }  // namespace colmap_ext

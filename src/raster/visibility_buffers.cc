@@ -111,62 +111,54 @@ size_t KeepLargest(const TriangleMesh& mesh, const std::vector<View>& views,
   return kMaxViewsOfFacet;
 }
 
-// Facets of a mesh that follow each other, and the views that show each.
-struct VisibleRun {
-  static constexpr size_t kSize = 1 << 14;  // facets; a choice
-
-  size_t first = 0;
-  FacetVisibility rows;
-};
-
-// Adds views that show facets of a run.
+// Adds views that show facets to the rows of a run of facets.
 // \param visible  the facets that each view shows, ascending
 // \param first_view  of `visible`; above those in the rows
 void AddToRun(const TriangleMesh& mesh, const std::vector<View>& views,
               const std::vector<std::vector<uint32_t>>& visible,
-              size_t first_view, VisibleRun* run) {
-  const size_t num_facets = run->rows.size();
+              size_t first_view, size_t first_facet, FacetVisibility* run) {
+  const size_t num_facets = run->size();
   std::vector<std::span<const uint32_t>> shown;
   size_t num_shown = 0;
   for (const std::vector<uint32_t>& facets : visible) {
-    const auto begin = std::ranges::lower_bound(facets, run->first);
+    const auto begin = std::ranges::lower_bound(facets, first_facet);
     const auto end =
-        std::lower_bound(begin, facets.end(), run->first + num_facets);
+        std::lower_bound(begin, facets.end(), first_facet + num_facets);
     num_shown += shown.emplace_back(begin, end).size();
   }
   if (num_shown == 0) {
     return;
   }
-  run->rows = GroupInRows<uint32_t>(num_facets, [&](const auto& add) {
+  *run = GroupInRows<uint32_t>(num_facets, [&](const auto& add) {
     for (size_t facet = 0; facet < num_facets; ++facet) {
-      for (const uint32_t view : run->rows[facet]) {
+      for (const uint32_t view : (*run)[facet]) {
         add(facet, view);
       }
     }
     for (size_t i = 0; i < shown.size(); ++i) {
       for (const uint32_t facet : shown[i]) {
-        add(facet - run->first, static_cast<uint32_t>(first_view + i));
+        add(facet - first_facet, static_cast<uint32_t>(first_view + i));
       }
     }
   });
   EditRows(
       [&](size_t i, std::span<uint32_t> row) {
-        return std::optional(KeepLargest(mesh, views, run->first + i, row));
+        return std::optional(KeepLargest(mesh, views, first_facet + i, row));
       },
-      &run->rows);
+      run);
 }
 
 // Views are taken in groups, so that the lists of what each one shows take
 // little, however many views there are. A group costs what it shows.
 FacetVisibility FindVisible(const VisibilityBuffers& buffers,
                             const FacetParts& parts) {
-  constexpr size_t kGroup = 64;  // a choice
+  constexpr size_t kGroup = 64;     // a choice
+  constexpr size_t kRun = 1 << 14;  // facets a task; a choice
   const std::vector<View>& views = buffers.Views();
   const size_t num_facets = parts.mesh.facets.size();
-  std::vector<VisibleRun> runs;
-  for (size_t first = 0; first < num_facets; first += VisibleRun::kSize) {
-    runs.push_back({first, FacetVisibility(std::min(VisibleRun::kSize,
-                                                    num_facets - first))});
+  std::vector<FacetVisibility> runs;
+  for (size_t first = 0; first < num_facets; first += kRun) {
+    runs.emplace_back(std::min(kRun, num_facets - first));
   }
   for (size_t first = 0; first < views.size(); first += kGroup) {
     std::vector<std::vector<uint32_t>> visible(
@@ -177,14 +169,10 @@ FacetVisibility FindVisible(const VisibilityBuffers& buffers,
           FindVisible(parts, views[first + i], *drawn, buffers.MinCosine());
     });
     tbb::parallel_for(size_t{0}, runs.size(), [&](size_t k) {
-      AddToRun(parts.mesh, views, visible, first, &runs[k]);
+      AddToRun(parts.mesh, views, visible, first, k * kRun, &runs[k]);
     });
   }
-  std::vector<FacetVisibility> rows;
-  for (VisibleRun& run : runs) {
-    rows.push_back(std::move(run.rows));
-  }
-  return JoinRows(std::move(rows));
+  return JoinRows(std::move(runs));
 }
 
 }  // namespace

@@ -195,13 +195,13 @@ TEST(EdgeLengthPercentile, CountsEveryFiniteEdgeOnceAndIsZeroWithoutAny) {
 // Points on a wavy sheet, before two views that see each of them, some of them
 // one, or none.
 struct SeenSheet {
-  explicit SeenSheet(int num_points = 4000) {
+  SeenSheet() {
     for (const double x : {0, 1}) {
       views.push_back({"", 1000, 1000, 1000, 1000, 500, 500});
       views.back().cam_from_world_translation = {x, 0, 10};
     }
     Random random(3);
-    for (int i = 0; i < num_points; ++i) {
+    for (int i = 0; i < 4000; ++i) {
       const double x = 6 * random.Unit() - 3;
       const double y = 6 * random.Unit() - 3;
       cloud.positions.push_back(
@@ -265,9 +265,9 @@ TEST(Thinning, LargerDistancesKeepFewerPoints) {
   EXPECT_LT(num_kept(40, 0.05), num_kept(40, 0.005));
 }
 
-// And Delaunay of what is kept. So many points that a round has several parts.
+// And Delaunay of what is kept.
 TEST(Thinning, IsTheSameEveryTime) {
-  const SeenSheet sheet(30000);
+  const SeenSheet sheet;
   ExpectSameForAnyThreads([&] {
     auto thinned = Tetrahedralize(sheet.cloud, sheet.views, {20, 0.05});
     return std::tuple(std::move(thinned.tetrahedra),
