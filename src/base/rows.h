@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -8,6 +10,10 @@
 #include <span>
 #include <utility>
 #include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "base/indices.h"
 
 namespace colmap_ext {
 
@@ -72,6 +78,72 @@ Rows<T> GroupInRows(size_t num_rows, const ForEach& for_each) {
   });
   offsets.pop_back();
   return rows;
+}
+
+// Rows of the numbers 0 ... num_values - 1, ascending, made in parallel.
+// \param row_of  of a number; kNone: it is left out
+template <typename RowOf>
+Rows<uint32_t> NumbersInRows(size_t num_rows, size_t num_values,
+                             const RowOf& row_of) {
+  Rows<uint32_t> rows(num_rows);
+  std::vector<uint64_t>& offsets = rows.offsets;
+  const auto for_each = [&](const auto& add) {
+    tbb::parallel_for(size_t{0}, num_values, [&](size_t i) {
+      const uint32_t row = row_of(static_cast<uint32_t>(i));
+      if (row != kNone) {
+        add(std::atomic_ref(offsets[row]), static_cast<uint32_t>(i));
+      }
+    });
+  };
+  for_each([](auto offset, uint32_t) {
+    offset.fetch_add(1, std::memory_order_relaxed);
+  });
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+  rows.values.resize(offsets.back());
+  // Where a row ends, which becomes its begin as it is filled.
+  for_each([&](auto offset, uint32_t value) {
+    rows.values[offset.fetch_sub(1, std::memory_order_relaxed) - 1] = value;
+  });
+  tbb::parallel_for(size_t{0}, num_rows,
+                    [&](size_t row) { std::ranges::sort(rows[row]); });
+  return rows;
+}
+
+// One row after the other of some rows, and so on.
+template <typename T>
+Rows<T> JoinRows(std::vector<Rows<T>> parts) {
+  std::vector<std::array<size_t, 2>> begins{{0, 0}};  // rows, values
+  for (const Rows<T>& part : parts) {
+    const auto [row, value] = begins.back();
+    begins.push_back({row + part.size(), value + part.values.size()});
+  }
+  Rows<T> all(begins.back()[0]);
+  all.values.resize(begins.back()[1]);
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t k) {
+    const auto [row, value] = begins[k];
+    for (size_t i = 1; i <= parts[k].size(); ++i) {
+      all.offsets[row + i] = value + parts[k].offsets[i];
+    }
+    std::ranges::copy(parts[k].values, all.values.data() + value);
+    parts[k] = {};
+  });
+  return all;
+}
+
+// Makes rows in parallel.
+// \param append  append(row, &values) appends the values of a row to others
+template <typename T, typename AppendRow>
+Rows<T> MakeRows(size_t num_rows, const AppendRow& append) {
+  constexpr size_t kGrain = 4096;  // rows a task; a choice
+  std::vector<Rows<T>> parts((num_rows + kGrain - 1) / kGrain);
+  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t k) {
+    const size_t end = std::min(num_rows, (k + 1) * kGrain);
+    for (size_t row = k * kGrain; row < end; ++row) {
+      append(row, &parts[k].values);
+      parts[k].EndRow();
+    }
+  });
+  return JoinRows(std::move(parts));
 }
 
 // Shortens or drops rows in place.

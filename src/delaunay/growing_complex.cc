@@ -44,13 +44,9 @@ std::optional<std::array<uint32_t, 4>> FindSimplex(
 // \pre the corners of each cell are sorted, cells not in use have equal ones
 std::vector<uint32_t> Order(const std::vector<GrowingComplex::Cell>& cells,
                             size_t num_vertices) {
-  auto rows = GroupInRows<uint32_t>(num_vertices, [&](const auto& add) {
-    for (uint32_t cell = 0; cell < cells.size(); ++cell) {
-      const std::array<uint32_t, 4>& vertices = cells[cell].vertices;
-      if (vertices[0] != vertices[1]) {
-        add(vertices[0], cell);
-      }
-    }
+  auto rows = NumbersInRows(num_vertices, cells.size(), [&](uint32_t cell) {
+    const std::array<uint32_t, 4>& vertices = cells[cell].vertices;
+    return vertices[0] != vertices[1] ? vertices[0] : kNone;
   });
   tbb::parallel_for(size_t{0}, num_vertices, [&](size_t vertex) {
     std::ranges::sort(

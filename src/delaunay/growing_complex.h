@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -148,13 +149,19 @@ std::vector<uint32_t> InsertionOrder(size_t num_points);
 uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
                      GrowingComplex* complex);
 
-// Inserts all points into an empty complex, in parallel. The result does not
-// depend on the number of threads.
+// Whether a point is left out, by the complex so far and the cell in it that
+// holds the point.
+using LeaveOut =
+    std::function<bool(const GrowingComplex&, uint32_t point, uint32_t cell)>;
+
+// Inserts points into an empty complex, in parallel unless some are left out.
+// The result does not depend on the number of threads.
 // \param order  InsertionOrder()
+// \param leave_out  nothing: all are inserted
 // \throw std::invalid_argument where the points span no volume or are too many
 //        for 32-bit cell indices
-void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
-                  GrowingComplex* complex);
+void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
+                  const Progress& progress, GrowingComplex* complex);
 
 // Appends points to a complex and inserts them, one after the other: fast where
 // neighbors in the list are neighbors in space.

@@ -143,36 +143,41 @@ std::vector<uint32_t> Borders(size_t num_points, size_t num_parts,
   return borders;
 }
 
-void InsertSerially(Points points, GrowingComplex* complex) {
+void InsertSerially(Points points, const LeaveOut& leave_out,
+                    GrowingComplex* complex) {
   const auto num_points = static_cast<uint32_t>(complex->points.size());
   PointInserter inserter(0, num_points, complex);
   inserter.free_cells().swap(complex->free_cells);
   uint32_t hint = inserter.FindOwnCell();
   for (const uint32_t point : points) {
-    if (complex->vertex_cells[point] == kNone) {
-      hint =
-          InsertPoint(point, inserter.Locate(point, hint), &inserter, complex);
+    if (complex->vertex_cells[point] != kNone) {
+      continue;
+    }
+    hint = inserter.Locate(point, hint);
+    if (!leave_out || !leave_out(*complex, point, hint)) {
+      hint = InsertPoint(point, hint, &inserter, complex);
     }
   }
   inserter.free_cells().swap(complex->free_cells);
 }
 
 // What lies at a border of the parts is tried again in parts with other
-// borders, before it is inserted by one thread.
-void InsertRound(Points points, InsertionProgress* progress,
-                 GrowingComplex* complex) {
+// borders, before it is inserted by one thread; all by one where points are
+// left out, which depends on the order.
+void InsertRound(Points points, const LeaveOut& leave_out,
+                 InsertionProgress* progress, GrowingComplex* complex) {
   std::vector<uint32_t> left_over(points.begin(), points.end());
   for (const double shift : {0.0, 0.5}) {
     const size_t num_parts =
         std::min<size_t>(tbb::this_task_arena::max_concurrency(),
                          left_over.size() / kMinPartPoints);
-    if (num_parts > 1) {
+    if (num_parts > 1 && !leave_out) {
       left_over = InsertInParts(
           left_over, Borders(complex->points.size(), num_parts, shift),
           progress, complex);
     }
   }
-  InsertSerially(left_over, complex);
+  InsertSerially(left_over, leave_out, complex);
 }
 
 }  // namespace
@@ -224,14 +229,15 @@ uint32_t InsertPoint(uint32_t point, uint32_t cell, PointInserter* inserter,
   }
 }
 
-void InsertPoints(const std::vector<uint32_t>& order, const Progress& progress,
-                  GrowingComplex* complex) {
-  complex->cells.reserve(kCellsPerPoint * order.size() + kSpareCells);
+void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
+                  const Progress& progress, GrowingComplex* complex) {
+  complex->cells.reserve(
+      leave_out ? 0 : kCellsPerPoint * order.size() + kSpareCells);
   StartComplex(order, complex);
   InsertionProgress inserted(order.size(), progress);
   for (auto begin = order.begin(); begin != order.end();) {
     const auto end = std::is_sorted_until(begin, order.end());
-    InsertRound(Points(begin, end), &inserted, complex);
+    InsertRound(Points(begin, end), leave_out, &inserted, complex);
     begin = end;
     inserted.SetDone(static_cast<size_t>(begin - order.begin()));
   }
@@ -243,7 +249,7 @@ void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
       Iota(positions.size(), static_cast<uint32_t>(complex->points.size()));
   Append(positions, &complex->points);
   complex->vertex_cells.resize(complex->points.size(), kNone);
-  InsertSerially(added, complex);
+  InsertSerially(added, {}, complex);
 }
 
 }  // namespace colmap_ext

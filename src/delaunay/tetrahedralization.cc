@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "base/percentile.h"
 #include "delaunay/growing_complex.h"
 
@@ -38,51 +36,6 @@ uint32_t NearestCorner(const PointCloud& cloud, uint32_t point,
   return *std::ranges::min_element(corners, {}, [&](uint32_t corner) {
     return (cloud.positions[corner] - cloud.positions[point]).squaredNorm();
   });
-}
-
-// Inserts points one after the other into an empty complex, without the
-// redundant ones.
-// \param points  [complex points] of the cloud, along the curve
-// \param order   of insertion, indices into points
-// \param representatives [P] of redundant points are set to the point of the
-//        nearest vertex of the cell that they fall into
-// \throw std::invalid_argument as InsertPoints()
-void InsertThinned(const PointCloud& cloud, const std::vector<View>& views,
-                   const ThinningOptions& options,
-                   const std::vector<uint32_t>& points,
-                   const std::vector<uint32_t>& order,
-                   std::vector<uint32_t>* representatives,
-                   const Progress& progress, GrowingComplex* complex) {
-  const std::array<uint32_t, 4> simplex = StartComplex(order, complex);
-  PointInserter inserter(0, static_cast<uint32_t>(points.size()), complex);
-  // Before the points span a volume there is no cell to fall into.
-  bool spans_volume = false;
-  uint32_t hint = 0;
-  for (size_t i = 0; i < order.size(); ++i) {
-    if (i % 65536 == 0) {
-      Report(progress, kTriangulatingStage,
-             static_cast<double>(i) / static_cast<double>(order.size()));
-    }
-    const uint32_t point = order[i];
-    if (complex->vertex_cells[point] != kNone) {
-      spans_volume = spans_volume || point == simplex[3];
-      continue;
-    }
-    const uint32_t cell = inserter.Locate(point, hint);
-    if (spans_volume && InfiniteCorner(complex->cells[cell]) == 4) {
-      std::array<uint32_t, 4> corners;
-      std::ranges::transform(complex->cells[cell].vertices, corners.begin(),
-                             [&](uint32_t vertex) { return points[vertex]; });
-      if (IsRedundant(cloud, views, options, points[point], corners)) {
-        (*representatives)[points[point]] =
-            NearestCorner(cloud, points[point], corners);
-        hint = cell;
-        continue;
-      }
-    }
-    hint = InsertPoint(point, cell, &inserter, complex);
-  }
-  complex->free_cells = std::move(inserter.free_cells());
 }
 
 // Gives points without a vertex the vertex of their representative, or of its
@@ -192,14 +145,26 @@ ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,
   for (const uint32_t point : points) {
     complex.points.push_back(cloud.positions[point]);
   }
-  std::vector<uint32_t> order = InsertionOrder(points.size());
-  if (options.max_proj_dist > 0) {
-    InsertThinned(cloud, views, options, points, order, &representatives,
-                  progress, &complex);
-  } else {
-    InsertPoints(order, progress, &complex);
-  }
-  std::vector<uint32_t>().swap(order);
+  // Redundant points are left out; they are represented by the nearest vertex
+  // of the cell that they fall into.
+  const auto leave_out = [&](const GrowingComplex& so_far, uint32_t point,
+                             uint32_t cell) {
+    if (InfiniteCorner(so_far.cells[cell]) != 4) {
+      return false;
+    }
+    std::array<uint32_t, 4> corners;
+    std::ranges::transform(so_far.cells[cell].vertices, corners.begin(),
+                           [&](uint32_t vertex) { return points[vertex]; });
+    if (!IsRedundant(cloud, views, options, points[point], corners)) {
+      return false;
+    }
+    representatives[points[point]] =
+        NearestCorner(cloud, points[point], corners);
+    return true;
+  };
+  InsertPoints(InsertionOrder(points.size()),
+               options.max_proj_dist > 0 ? LeaveOut(leave_out) : LeaveOut(),
+               progress, &complex);
   ThinnedTetrahedralization result;
   result.num_duplicate_points = cloud.size() - points.size();
   result.point_vertices.assign(cloud.size(), kNone);
@@ -218,22 +183,12 @@ ThinnedTetrahedralization Tetrahedralize(const PointCloud& cloud,
 
 std::vector<float> EdgeLengths(const Tetrahedralization& tetrahedra,
                                const std::vector<uint8_t>& is_left_out) {
-  constexpr size_t kBlock = 1 << 14;  // cells: 512 kB, fits a core's cache
-  const size_t num_cells = tetrahedra.cells.size();
-  std::vector<std::vector<float>> lengths((num_cells + kBlock - 1) / kBlock);
-  tbb::parallel_for(size_t{0}, lengths.size(), [&](size_t block) {
-    const size_t end = std::min(num_cells, (block + 1) * kBlock);
-    for (size_t cell = block * kBlock; cell < end; ++cell) {
-      AppendLengths(tetrahedra, is_left_out, static_cast<uint32_t>(cell),
-                    &lengths[block]);
-    }
-  });
-  std::vector<float> all;
-  for (std::vector<float>& block : lengths) {
-    Append(block, &all);
-    std::vector<float>().swap(block);
-  }
-  return all;
+  return MakeRows<float>(tetrahedra.cells.size(),
+                         [&](size_t cell, std::vector<float>* lengths) {
+                           AppendLengths(tetrahedra, is_left_out,
+                                         static_cast<uint32_t>(cell), lengths);
+                         })
+      .values;
 }
 
 float EdgeLengthPercentile(const Tetrahedralization& tetrahedra, double percent,

@@ -292,15 +292,11 @@ class Voter {
 Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
                              const std::vector<uint32_t>& point_vertices,
                              const std::vector<float>& point_alphas) {
-  const auto points = GroupInRows<uint32_t>(num_vertices, [&](const auto& add) {
-    for (uint32_t point = 0; point < cloud.size(); ++point) {
-      add(point_vertices[point], point);
-    }
-  });
-  Observations observations;
-  std::vector<Observation> row;
-  for (size_t vertex = 0; vertex < num_vertices; ++vertex) {
-    row.clear();
+  const Rows<uint32_t> points =
+      NumbersInRows(num_vertices, cloud.size(),
+                    [&](uint32_t point) { return point_vertices[point]; });
+  const auto append = [&](size_t vertex, std::vector<Observation>* all) {
+    std::vector<Observation> row;
     for (const uint32_t point : points[vertex]) {
       for (const uint32_t view : cloud.views[point]) {
         row.push_back({view, point_alphas[point]});
@@ -309,14 +305,13 @@ Observations ObserveVertices(const PointCloud& cloud, size_t num_vertices,
     std::ranges::sort(row);
     for (size_t i = 0; i < row.size(); ++i) {
       if (i > 0 && row[i].view == row[i - 1].view) {
-        observations.values.back().alpha += row[i].alpha;
+        all->back().alpha += row[i].alpha;
       } else {
-        observations.values.push_back(row[i]);
+        all->push_back(row[i]);
       }
     }
-    observations.EndRow();
-  }
-  return observations;
+  };
+  return {MakeRows<Observation>(num_vertices, append)};
 }
 
 RayReport AddVisibilityWeights(const Tetrahedralization& tetrahedra,

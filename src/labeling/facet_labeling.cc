@@ -61,11 +61,8 @@ class CandidatePairs {
         attributes_(attributes),
         pairs_(pairs),
         visibility_(visibility),
-        pairs_of_(GroupInRows<uint32_t>(views.size(), [&](const auto& add) {
-          for (uint32_t i = 0; i < pairs.size(); ++i) {
-            add(pairs[i].first, i);
-          }
-        })) {}
+        pairs_of_(NumbersInRows(views.size(), pairs.size(),
+                                [&](uint32_t i) { return pairs[i].first; })) {}
 
   // Ascending labels. Costs are -log(O_f / |nu_f|). If no pair occurs in nu_f,
   // or with kClassical, all pairs that see the facet, of cost 0.

@@ -7,6 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "base/indices.h"
 #include "base/rows.h"
 #include "mesh/triangle_mesh.h"
@@ -45,21 +48,33 @@ using HalfEdgeTo = std::pair<uint32_t, uint32_t>;
 // Calls function(vertex, half_edges) for each vertex up to the last that facets
 // use: its half-edges, leaving and entering, by the other vertex, then by their
 // number.
+// \tparam kInParallel  else for one vertex after the other
 // \pre no facet repeats a vertex
 // \throw std::invalid_argument as CornersByVertex() does.
-template <typename Function>
+template <bool kInParallel = false, typename Function>
 void ForEachVertex(const std::vector<Facet>& facets, const Function& function) {
   const Rows<uint32_t> corners = CornersByVertex(facets);
-  std::vector<HalfEdgeTo> halves;
-  for (uint32_t vertex = 0; vertex < corners.size(); ++vertex) {
-    halves.clear();
-    for (const uint32_t corner : corners[vertex]) {
-      const uint32_t before = PreviousHalfEdge(corner);
-      halves.emplace_back(ToVertex(facets, corner), corner);
-      halves.emplace_back(FromVertex(facets, before), before);
+  const auto visit = [&](const tbb::blocked_range<uint32_t>& vertices) {
+    std::vector<HalfEdgeTo> halves;
+    for (uint32_t vertex = vertices.begin(); vertex < vertices.end();
+         ++vertex) {
+      halves.clear();
+      for (const uint32_t corner : corners[vertex]) {
+        const uint32_t before = PreviousHalfEdge(corner);
+        halves.emplace_back(ToVertex(facets, corner), corner);
+        halves.emplace_back(FromVertex(facets, before), before);
+      }
+      std::ranges::sort(halves);
+      function(vertex, halves);
     }
-    std::ranges::sort(halves);
-    function(vertex, halves);
+  };
+  constexpr size_t kGrain = 1024;  // vertices a task; a choice
+  const tbb::blocked_range<uint32_t> all(
+      0, static_cast<uint32_t>(corners.size()), kGrain);
+  if constexpr (kInParallel) {
+    tbb::parallel_for(all, visit);
+  } else {
+    visit(all);
   }
 }
 
@@ -80,16 +95,16 @@ void ForEachNeighbor(const std::vector<HalfEdgeTo>& halves,
 // Calls function(first, last) for each edge, in the order of its lower, then of
 // its higher vertex: it->second of the iterators are its half-edges, ascending.
 // \pre as above
-template <typename Function>
+template <bool kInParallel = false, typename Function>
 void ForEachEdge(const std::vector<Facet>& facets, const Function& function) {
-  ForEachVertex(facets,
-                [&](uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
-                  ForEachNeighbor(halves, [&](auto first, auto last) {
-                    if (first->first > vertex) {
-                      function(first, last);
-                    }
-                  });
-                });
+  ForEachVertex<kInParallel>(
+      facets, [&](uint32_t vertex, const std::vector<HalfEdgeTo>& halves) {
+        ForEachNeighbor(halves, [&](auto first, auto last) {
+          if (first->first > vertex) {
+            function(first, last);
+          }
+        });
+      });
 }
 
 // Returns [3 F] the partner of each half-edge: the other one of its edge, where

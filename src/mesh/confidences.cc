@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "mesh/adjacency.h"
 #include "mesh/normals.h"
 
 namespace colmap_ext {
@@ -92,30 +93,32 @@ std::vector<float> FacetConfidences(const TriangleMesh& mesh,
   });
   const double usual = UsualDensity(densities);
   std::vector<float> confidences(densities.size(), 0);
-  for (size_t i = 0; i < densities.size() && usual > 0; ++i) {
+  tbb::parallel_for(size_t{0}, usual > 0 ? densities.size() : 0, [&](size_t i) {
     confidences[i] =
         static_cast<float>(-std::expm1(-kUsual * densities[i].density / usual));
-  }
+  });
   return confidences;
 }
 
 std::vector<float> VertexConfidences(
     const TriangleMesh& mesh, const std::vector<float>& facet_confidences) {
-  std::vector<double> sums(mesh.vertices.size(), 0);
-  std::vector<double> angles(mesh.vertices.size(), 0);
-  for (size_t i = 0; i < mesh.facets.size(); ++i) {
-    for (uint32_t k = 0; k < 3; ++k) {
-      const double angle = AngleVector(mesh, mesh.facets[i], k).norm();
-      sums[mesh.facets[i][k]] += angle * facet_confidences[i];
-      angles[mesh.facets[i][k]] += angle;
-    }
-  }
+  const Rows<uint32_t> corners = CornersByVertex(mesh.facets);
   std::vector<float> confidences(mesh.vertices.size(), 0);
-  for (size_t i = 0; i < confidences.size(); ++i) {
-    if (angles[i] > 0) {
-      confidences[i] = static_cast<float>(std::min(sums[i] / angles[i], 1.0));
+  tbb::parallel_for(size_t{0}, corners.size(), [&](size_t vertex) {
+    double sum = 0;
+    double sum_of_angles = 0;
+    for (const uint32_t corner : corners[vertex]) {
+      const uint32_t facet = corner / 3;
+      const double angle =
+          AngleVector(mesh, mesh.facets[facet], corner % 3).norm();
+      sum += angle * facet_confidences[facet];
+      sum_of_angles += angle;
     }
-  }
+    if (sum_of_angles > 0) {
+      confidences[vertex] =
+          static_cast<float>(std::min(sum / sum_of_angles, 1.0));
+    }
+  });
   return confidences;
 }
 

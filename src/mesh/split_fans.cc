@@ -1,6 +1,7 @@
 #include "mesh/split_fans.h"
 
 #include <algorithm>
+#include <tuple>
 #include <unordered_set>
 #include <utility>
 
@@ -56,8 +57,8 @@ void CopyVerticesPerFan(const std::vector<uint32_t>& partners,
 // Half-edges, one a sheet, of edges that other sheets share.
 std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
                                    const std::vector<uint32_t>& partners) {
-  std::vector<uint32_t> shared;
-  ForEachEdge(facets, [&](auto first, auto last) {
+  std::vector<uint8_t> is_shared(partners.size(), 0);
+  ForEachEdge</*kInParallel=*/true>(facets, [&](auto first, auto last) {
     if (last - first == 1 ||
         (last - first == 2 && FromVertex(facets, first->second) !=
                                   FromVertex(facets, (first + 1)->second))) {
@@ -66,10 +67,14 @@ std::vector<uint32_t> SharedSheets(const std::vector<Facet>& facets,
     const uint32_t kept = first->second;
     for (auto half = first + 1; half != last; ++half) {
       const uint32_t partner = partners[half->second];
-      if (partner != kept && (partner == kNone || half->second < partner)) {
-        shared.push_back(half->second);
-      }
+      is_shared[half->second] =
+          partner != kept && (partner == kNone || half->second < partner);
     }
+  });
+  std::vector<uint32_t> shared = Marked(is_shared);
+  std::ranges::sort(shared, {}, [&](uint32_t half) {  // by edges
+    return std::tuple(
+        std::minmax({FromVertex(facets, half), ToVertex(facets, half)}), half);
   });
   return shared;
 }

@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
 #include "base/indices.h"
 #include "mesh/adjacency.h"
 #include "scene/point_tree.h"
@@ -129,11 +127,13 @@ VertexAttributes InterpolateAttributes(
     const VertexAttributes& attributes,
     const std::vector<std::array<uint32_t, 2>>& sources) {
   VertexAttributes interpolated;
-  interpolated.views.offsets.reserve(sources.size() + 1);
+  interpolated.views = MakeRows<uint32_t>(
+      sources.size(), [&](size_t i, std::vector<uint32_t>* views) {
+        const auto& [a, b] = sources[i];
+        std::ranges::set_union(attributes.views[a], attributes.views[b],
+                               std::back_inserter(*views));
+      });
   for (const auto& [a, b] : sources) {
-    std::ranges::set_union(attributes.views[a], attributes.views[b],
-                           std::back_inserter(interpolated.views.values));
-    interpolated.views.EndRow();
     if (!attributes.colors.empty()) {
       Color color;
       for (int k = 0; k < 3; ++k) {
@@ -155,25 +155,24 @@ VertexAttributes NearestAttributes(const TriangleMesh& mesh,
   const PointTree tree(points.positions);
   const std::vector<float> lengths = MeanEdgeLengths(mesh);
   const size_t num_vertices = mesh.vertices.size();
-  std::vector<std::vector<uint32_t>> views(num_vertices);
   VertexAttributes attributes;
   attributes.colors.resize(points.colors.empty() ? 0 : num_vertices);
-  tbb::parallel_for(size_t{0}, num_vertices, [&](size_t i) {
+  const auto append = [&](size_t i, std::vector<uint32_t>* all) {
     const Eigen::Vector3f& vertex = mesh.vertices[i];
+    std::vector<uint32_t> views;
     for (const uint32_t point :
          tree.Nearest(vertex, kNumNearest, kReach * lengths[i])) {
-      Append(points.views[point], &views[i]);
+      Append(points.views[point], &views);
     }
-    SortUnique(&views[i]);
+    SortUnique(&views);
+    Append(views, all);
     if (!points.colors.empty()) {
       constexpr float kAnywhere = std::numeric_limits<float>::infinity();
       attributes.colors[i] =
           points.colors[tree.Nearest(vertex, 1, kAnywhere)[0]];
     }
-  });
-  for (const std::vector<uint32_t>& row : views) {
-    attributes.views.AddRow(row);
-  }
+  };
+  attributes.views = MakeRows<uint32_t>(num_vertices, append);
   return attributes;
 }
 

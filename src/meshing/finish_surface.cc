@@ -138,13 +138,11 @@ void MakeManifold(const ManifoldMeshingOptions& options,
 VertexAttributes AttributesOfPoints(
     const PointCloud& cloud, const std::vector<uint32_t>& vertex_points) {
   VertexAttributes attributes;
-  size_t num_views = 0;
+  attributes.views = MakeRows<uint32_t>(
+      vertex_points.size(), [&](size_t i, std::vector<uint32_t>* views) {
+        Append(cloud.views[vertex_points[i]], views);
+      });
   for (const uint32_t point : vertex_points) {
-    num_views += cloud.views[point].size();
-  }
-  attributes.views.Reserve(vertex_points.size(), num_views);
-  for (const uint32_t point : vertex_points) {
-    attributes.views.AddRow(cloud.views[point]);
     AppendIfAny(cloud.colors, point, &attributes.colors);
   }
   return attributes;

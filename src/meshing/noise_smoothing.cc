@@ -178,22 +178,23 @@ class Smoother {
   Values Minimize(const std::vector<Vector3f>& positions,
                   const std::vector<Vector3f>& vertices) const {
     Values values(3 * vertices.size());
-    for (size_t i = 0; i < vertices.size(); ++i) {
+    tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
       At(&values, i) = vertices[i].cast<double>();
-    }
+    });
     Values descent(values.size());
     Multiply(values, 0, &descent);
-    for (size_t i = 0; i < vertices.size(); ++i) {
+    tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
       At(&descent, i) = data_[i] * (positions[i] - vertices[i]).cast<double>() -
                         At(descent, i);
-    }
+    });
     const Values diagonal = Diagonal();
     return SolveByConjugateGradients(
                kSolver, std::move(descent),
                [&](const Values& in, Values* out) { Multiply(in, 1, out); },
                [&](const Values& in, Values* out) {
-                 std::ranges::transform(in, diagonal, out->begin(),
-                                        std::divides());
+                 tbb::parallel_for(size_t{0}, in.size(), [&](size_t i) {
+                   (*out)[i] = in[i] / diagonal[i];
+                 });
                })
         .values;
   }
@@ -294,7 +295,7 @@ std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
   const size_t size = positions.size();
   std::vector<double> data(size, 1);
   std::vector<double> smoothness(size, 0);
-  for (size_t i = 0; i < size; ++i) {
+  tbb::parallel_for(size_t{0}, size, [&](size_t i) {
     if (lengths[i] > 0) {
       const double noise = std::clamp<double>(noises[i], kMinNoise * lengths[i],
                                               kMaxNoise * lengths[i]);
@@ -302,19 +303,19 @@ std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
       const double deviation = reliefs[i] * lengths[i];
       smoothness[i] = 1 / (deviation * deviation);
     }
-  }
+  });
   const std::vector<double> motions =
       Smoother(umbrellas, std::move(data), std::move(smoothness))
           .Minimize(positions, mesh.vertices);
   std::vector<Vector3f> smoothed(positions);
-  for (size_t i = 0; i < size; ++i) {
+  tbb::parallel_for(size_t{0}, size, [&](size_t i) {
     const Vector3d motion = (mesh.vertices[i] - positions[i]).cast<double>() +
                             Eigen::Map<const Vector3d>(&motions[3 * i]);
     const double share = std::min(1.0, lengths[i] / motion.norm());
     if (share > 0) {
       smoothed[i] += (share * motion).cast<float>();
     }
-  }
+  });
   return smoothed;
 }
 

@@ -11,21 +11,18 @@ namespace {
 // ascending order.
 std::vector<uint32_t> SurfaceArcs(const Tetrahedralization& tetrahedra,
                                   const std::vector<uint8_t>& is_free) {
-  std::vector<uint32_t> arcs;
-  for (uint32_t index = 0; index < tetrahedra.cells.size(); ++index) {
-    if (is_free[index]) {
-      continue;
-    }
+  const auto append = [&](size_t cell_index, std::vector<uint32_t>* arcs) {
+    const auto index = static_cast<uint32_t>(cell_index);
     const auto& cell = tetrahedra.cells[index];
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < 4 && !is_free[index]; ++i) {
       const bool is_finite =
           !tetrahedra.IsInfinite(index) || cell.vertices[i] == kInfiniteVertex;
       if (is_finite && is_free[cell.neighbors[i]]) {
-        arcs.push_back(4 * index + i);
+        arcs->push_back(4 * index + i);
       }
     }
-  }
-  return arcs;
+  };
+  return MakeRows<uint32_t>(tetrahedra.cells.size(), append).values;
 }
 
 // Turns through matter around the edge of a surface facet that lies opposite to

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 namespace colmap_ext {
 
@@ -37,7 +40,13 @@ LinearSolution SolveByConjugateGradients(const SolverOptions& options,
                                          const Precondition& precondition) {
   using Vector = std::vector<double>;
   const auto dot = [](const Vector& a, const Vector& b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<size_t>(0, a.size(), 8192), 0.0,
+        [&](const tbb::blocked_range<size_t>& range, double sum) {
+          return std::inner_product(&a[range.begin()], &a[0] + range.end(),
+                                    &b[range.begin()], sum);
+        },
+        std::plus<>());
   };
   const size_t size = right_hand_side.size();
   LinearSolution solution{Vector(size, 0)};

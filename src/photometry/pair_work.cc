@@ -22,15 +22,16 @@ void Extend(int row, int col, PixelBox* tile) {
 }
 
 std::vector<TiledDirection> DirectionsTo(uint32_t view,
+                                         std::span<const uint32_t> of_view,
                                          const FacetIdBuffer& drawn,
                                          const FacetLabels& labels) {
   std::vector<TiledDirection> directions;
-  std::vector<std::vector<PixelBox>> tiles = FindTiles(drawn, view, labels);
-  for (uint32_t i = 0; i < tiles.size(); ++i) {
-    if (!tiles[i].empty()) {
-      const auto [first, second] = labels.pairs[i / 2];
-      directions.push_back(
-          {i, view, first == view ? second : first, std::move(tiles[i])});
+  std::vector<std::vector<PixelBox>> tiles = FindTiles(drawn, of_view, labels);
+  for (size_t k = 0; k < tiles.size(); ++k) {
+    if (!tiles[k].empty()) {
+      const auto [first, second] = labels.pairs[of_view[k] / 2];
+      directions.push_back({of_view[k], view, first == view ? second : first,
+                            std::move(tiles[k])});
     }
   }
   return directions;
@@ -58,6 +59,16 @@ Rows<uint32_t> GroupByDirection(const FacetLabels& labels) {
   });
 }
 
+Rows<uint32_t> DirectionsOfViews(const std::vector<ViewPair>& pairs,
+                                 size_t num_views) {
+  return GroupInRows<uint32_t>(num_views, [&](const auto& add) {
+    for (uint32_t i = 0; i < pairs.size(); ++i) {
+      add(pairs[i].first, 2 * i);
+      add(pairs[i].second, 2 * i + 1);
+    }
+  });
+}
+
 void FacetPlaces::Set(std::span<const uint32_t> facets) {
   for (uint32_t k = 0; k < facets.size(); ++k) {
     Word& word = words_[facets[k] / 64];
@@ -74,20 +85,13 @@ void FacetPlaces::Clear(std::span<const uint32_t> facets) {
   }
 }
 
-std::vector<std::vector<PixelBox>> FindTiles(const FacetIdBuffer& drawn,
-                                             uint32_t view,
-                                             const FacetLabels& labels) {
+std::vector<std::vector<PixelBox>> FindTiles(
+    const FacetIdBuffer& drawn, std::span<const uint32_t> directions,
+    const FacetLabels& labels) {
   const size_t num_cols = (drawn.width + kTileSize - 1) / kTileSize;
-  std::vector<uint32_t> directions;  // of the view
-  // [2 L][num_cols] the tiles of a row of squares, of the view's directions.
-  std::vector<std::vector<PixelBox>> squares(2 * labels.pairs.size());
-  for (uint32_t i = 0; i < squares.size(); ++i) {
-    const auto [first, second] = labels.pairs[i / 2];
-    if ((i % 2 == 0 ? first : second) == view) {
-      directions.push_back(i);
-      squares[i].resize(num_cols);
-    }
-  }
+  // [directions][num_cols] the tiles of a row of squares.
+  std::vector<std::vector<PixelBox>> squares(directions.size(),
+                                             std::vector<PixelBox>(num_cols));
   std::vector<std::vector<PixelBox>> tiles(squares.size());
   for (int row = 0; row < drawn.height; ++row) {
     for (int col = 0; col < drawn.width; ++col) {
@@ -96,16 +100,17 @@ std::vector<std::vector<PixelBox>> FindTiles(const FacetIdBuffer& drawn,
         continue;
       }
       labels.ForEachDirection(facet, [&](uint32_t direction) {
-        if (!squares[direction].empty()) {
-          Extend(row, col, &squares[direction][col / kTileSize]);
+        const auto at = std::ranges::lower_bound(directions, direction);
+        if (at != directions.end() && *at == direction) {
+          Extend(row, col, &squares[at - directions.begin()][col / kTileSize]);
         }
       });
     }
     if ((row + 1) % kTileSize == 0 || row + 1 == drawn.height) {
-      for (const uint32_t direction : directions) {
-        for (PixelBox& tile : squares[direction]) {
+      for (size_t k = 0; k < squares.size(); ++k) {
+        for (PixelBox& tile : squares[k]) {
           if (!tile.IsEmpty()) {
-            tiles[direction].push_back(std::exchange(tile, {}));
+            tiles[k].push_back(std::exchange(tile, {}));
           }
         }
       }
@@ -151,15 +156,12 @@ std::vector<uint32_t> OrderByPartners(const Rows<uint32_t>& partners) {
 
 std::vector<TiledDirection> FindDirections(const VisibilityBuffers& buffers,
                                            const FacetLabels& labels) {
-  std::vector<uint8_t> is_used(buffers.Views().size(), 0);
-  for (const ViewPair& pair : labels.pairs) {
-    is_used[pair.first] = is_used[pair.second] = 1;
-  }
-  std::vector<std::vector<TiledDirection>> by_view(is_used.size());
+  const auto of_views = DirectionsOfViews(labels.pairs, buffers.Views().size());
+  std::vector<std::vector<TiledDirection>> by_view(of_views.size());
   tbb::parallel_for(size_t{0}, by_view.size(), [&](size_t view) {
-    if (is_used[view] != 0) {
-      by_view[view] =
-          DirectionsTo(static_cast<uint32_t>(view), *buffers.Get(view), labels);
+    if (!of_views[view].empty()) {
+      by_view[view] = DirectionsTo(static_cast<uint32_t>(view), of_views[view],
+                                   *buffers.Get(view), labels);
     }
   });
   std::vector<uint32_t> order = Iota(by_view.size());

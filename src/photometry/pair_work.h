@@ -53,12 +53,17 @@ class FacetPlaces {
 // floats, is 0.3 MB. Results depend on it by rounding only.
 inline constexpr int kTileSize = 48;
 
-// [2 L] the pixels of a view that show facets compared there in each direction:
-// in each square of kTileSize^2 pixels that has any, the smallest rectangle
-// around them, row by row. Empty for directions of other views.
-std::vector<std::vector<PixelBox>> FindTiles(const FacetIdBuffer& drawn,
-                                             uint32_t view,
-                                             const FacetLabels& labels);
+// [views] the directions in which each view is compared, ascending.
+Rows<uint32_t> DirectionsOfViews(const std::vector<ViewPair>& pairs,
+                                 size_t num_views);
+
+// [directions] the pixels of a view that show facets compared in each of its
+// directions: in each square of kTileSize^2 pixels that has any, the smallest
+// rectangle around them, row by row.
+// \param directions  of the view, ascending.
+std::vector<std::vector<PixelBox>> FindTiles(
+    const FacetIdBuffer& drawn, std::span<const uint32_t> directions,
+    const FacetLabels& labels);
 
 // An order of the views in which each one and most of its partners were used
 // shortly before, as few of many views fit into memory at a time. Greedy: next

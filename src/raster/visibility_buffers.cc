@@ -111,58 +111,55 @@ size_t KeepLargest(const TriangleMesh& mesh, const std::vector<View>& views,
   return kMaxViewsOfFacet;
 }
 
-// Adds views that show facets to the rows of the facets.
+// Adds views that show facets to the rows of a run of facets.
 // \param visible  the facets that each view shows, ascending
 // \param first_view  of `visible`; above those in the rows
-void AddToRows(const TriangleMesh& mesh, const std::vector<View>& views,
-               const std::vector<std::vector<uint32_t>>& visible,
-               size_t first_view, FacetVisibility* rows) {
-  constexpr size_t kGrain = 1 << 14;  // facets a task; a choice
-  std::vector<FacetVisibility> parts((mesh.facets.size() + kGrain - 1) /
-                                     kGrain);
-  tbb::parallel_for(size_t{0}, parts.size(), [&](size_t k) {
-    const size_t begin = k * kGrain;
-    const size_t end = std::min(begin + kGrain, mesh.facets.size());
-    parts[k] = GroupInRows<uint32_t>(end - begin, [&](const auto& add) {
-      for (size_t facet = begin; facet < end; ++facet) {
-        for (const uint32_t view : (*rows)[facet]) {
-          add(facet - begin, view);
-        }
-      }
-      for (size_t i = 0; i < visible.size(); ++i) {
-        for (auto facet = std::ranges::lower_bound(visible[i], begin);
-             facet != visible[i].end() && *facet < end; ++facet) {
-          add(*facet - begin, static_cast<uint32_t>(first_view + i));
-        }
-      }
-    });
-    EditRows(
-        [&](size_t i, std::span<uint32_t> row) {
-          return std::optional(KeepLargest(mesh, views, begin + i, row));
-        },
-        &parts[k]);
-  });
-  size_t num_values = 0;
-  for (const FacetVisibility& part : parts) {
-    num_values += part.values.size();
+void AddToRun(const TriangleMesh& mesh, const std::vector<View>& views,
+              const std::vector<std::vector<uint32_t>>& visible,
+              size_t first_view, size_t first_facet, FacetVisibility* run) {
+  const size_t num_facets = run->size();
+  std::vector<std::span<const uint32_t>> shown;
+  size_t num_shown = 0;
+  for (const std::vector<uint32_t>& facets : visible) {
+    const auto begin = std::ranges::lower_bound(facets, first_facet);
+    const auto end =
+        std::lower_bound(begin, facets.end(), first_facet + num_facets);
+    num_shown += shown.emplace_back(begin, end).size();
   }
-  *rows = {};
-  rows->Reserve(mesh.facets.size(), num_values);
-  for (FacetVisibility& part : parts) {
-    for (size_t i = 0; i < part.size(); ++i) {
-      rows->AddRow(part[i]);
+  if (num_shown == 0) {
+    return;
+  }
+  *run = GroupInRows<uint32_t>(num_facets, [&](const auto& add) {
+    for (size_t facet = 0; facet < num_facets; ++facet) {
+      for (const uint32_t view : (*run)[facet]) {
+        add(facet, view);
+      }
     }
-    part = {};
-  }
+    for (size_t i = 0; i < shown.size(); ++i) {
+      for (const uint32_t facet : shown[i]) {
+        add(facet - first_facet, static_cast<uint32_t>(first_view + i));
+      }
+    }
+  });
+  EditRows(
+      [&](size_t i, std::span<uint32_t> row) {
+        return std::optional(KeepLargest(mesh, views, first_facet + i, row));
+      },
+      run);
 }
 
 // Views are taken in groups, so that the lists of what each one shows take
-// little, however many views there are.
+// little, however many views there are. A group costs what it shows.
 FacetVisibility FindVisible(const VisibilityBuffers& buffers,
                             const FacetParts& parts) {
-  constexpr size_t kGroup = 64;  // a choice
+  constexpr size_t kGroup = 64;     // a choice
+  constexpr size_t kRun = 1 << 14;  // facets a task; a choice
   const std::vector<View>& views = buffers.Views();
-  FacetVisibility rows(parts.mesh.facets.size());
+  const size_t num_facets = parts.mesh.facets.size();
+  std::vector<FacetVisibility> runs;
+  for (size_t first = 0; first < num_facets; first += kRun) {
+    runs.emplace_back(std::min(kRun, num_facets - first));
+  }
   for (size_t first = 0; first < views.size(); first += kGroup) {
     std::vector<std::vector<uint32_t>> visible(
         std::min(kGroup, views.size() - first));
@@ -171,9 +168,11 @@ FacetVisibility FindVisible(const VisibilityBuffers& buffers,
       visible[i] =
           FindVisible(parts, views[first + i], *drawn, buffers.MinCosine());
     });
-    AddToRows(parts.mesh, views, visible, first, &rows);
+    tbb::parallel_for(size_t{0}, runs.size(), [&](size_t k) {
+      AddToRun(parts.mesh, views, visible, first, k * kRun, &runs[k]);
+    });
   }
-  return rows;
+  return JoinRows(std::move(runs));
 }
 
 }  // namespace

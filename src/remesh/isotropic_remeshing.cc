@@ -28,20 +28,17 @@ std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
     const auto count = static_cast<float>(rings.neighbors[vertex].size());
     return count > 0 ? sum / count : 0;
   };
-  for (size_t i = 0; i < lengths.size(); ++i) {
+  tbb::parallel_for(size_t{0}, lengths.size(), [&](size_t i) {
     lengths[i] = mean_around(i, [&](uint32_t neighbor) {
       return (mesh.vertices[neighbor] - mesh.vertices[i]).norm();
     });
-  }
+  });
   for (int k = 0; k < kSmoothings; ++k) {
     const std::vector<float> before = lengths;
-    for (size_t i = 0; i < lengths.size(); ++i) {
-      lengths[i] = (before[i] + mean_around(i,
-                                            [&](uint32_t neighbor) {
-                                              return before[neighbor];
-                                            })) /
-                   2;
-    }
+    const auto length = [&](uint32_t vertex) { return before[vertex]; };
+    tbb::parallel_for(size_t{0}, lengths.size(), [&](size_t i) {
+      lengths[i] = (before[i] + mean_around(i, length)) / 2;
+    });
   }
   return lengths;
 }

@@ -71,12 +71,10 @@ std::vector<uint32_t> OrderFacets(const TriangleMesh& mesh) {
   for (const uint32_t vertex : OrderAlongCurve(mesh.vertices)) {
     places[vertex] = place++;
   }
-  const auto add_all = [&](const auto& add) {
-    for (uint32_t facet = 0; facet < mesh.facets.size(); ++facet) {
-      add(places[mesh.facets[facet][0]], facet);
-    }
-  };
-  return GroupInRows<uint32_t>(places.size(), add_all).values;
+  return NumbersInRows(
+             places.size(), mesh.facets.size(),
+             [&](uint32_t facet) { return places[mesh.facets[facet][0]]; })
+      .values;
 }
 
 // The corners of a facet that are no corners of another one.

@@ -9,8 +9,9 @@
 
 --points  the mesher on 1/8, 1/4 and 1/2 of a workspace's points, on all, and on
           2 x 2 and 4 x 4 copies of it side by side, each with its own images
---survey  the refiner on 1 to 8 x 8 copies of a rendered wall side by side, each
-          seen by 12 images of its own, and from the side by its neighbors'
+--survey  both commands on 1, 2 x 2, 4 x 4 and 8 x 8 copies of a rendered wall
+          side by side, each seen by 12 images of its own, and from the side by
+          its neighbors'; --sides N leaves those out that are larger
 --copies  makes a workspace of SIDE x SIDE copies, and nothing else
 --images  the refiner on a rendered statue seen by 6, 12, 24 and 48 images
 --pairs   the same with 48 images, where each has 2 to 16 partners
@@ -19,15 +20,19 @@
 --threads both commands with one and two threads; the serial seconds that follow
           from the two, and by Amdahl's law the times with 8 and 32 cores
 
-A stage's exponent is that of the power law through its times (least squares of
-logarithms); stages that never take 0.1 s have none.
+Times are CPU seconds of one thread, and of --threads wall seconds. The memory
+of a stage is its peak. An exponent is that of the power law through the values
+(least squares of logarithms); stages that never take 0.1 s have none.
 """
 
 import argparse
 import math
+import os
 import pathlib
 import re
 import struct
+import subprocess
+import sys
 import tempfile
 
 from compare_meshers import checked, print_table
@@ -155,11 +160,11 @@ def write_tiles(workspace, cloud, folder, side):
     (folder / "sparse" / "points3D.bin").write_bytes(struct.pack("<Q", 0))
 
 
-def exponent(factors, values):
+def exponent(factors, values, least=MIN_TIME):
     """Of the power law through the values, or None."""
     pairs = [(math.log(f), math.log(v)) for f, v in zip(factors, values)
-             if v > MIN_TIME]
-    if len(pairs) < 3 or max(values) < 2 * MIN_TIME:
+             if v > least]
+    if len(pairs) < 3 or max(values) < 2 * least:
         return None
     mean_x = sum(x for x, _ in pairs) / len(pairs)
     mean_y = sum(y for _, y in pairs) / len(pairs)
@@ -167,48 +172,79 @@ def exponent(factors, values):
             / sum((x - mean_x) ** 2 for x, _ in pairs))
 
 
+def staged(command):
+    """Runs a command; returns its output, and the CPU seconds and peak MB of
+    each stage, in their order. The command ends a stage by a line."""
+    command = [str(word) for word in command]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True)
+    proc = pathlib.Path("/proc") / str(process.pid)
+    tick = os.sysconf("SC_CLK_TCK")
+    output, cpu, peak, before = "", {}, {}, 0
+    for line in process.stdout:
+        output += line
+        stage = re.match(r"(\S.*) \.\.\. [\d.]+ (s|min \d+ s)\s*$", line)
+        if not stage:
+            continue
+        words = (proc / "stat").read_text().rsplit(")", 1)[1].split()
+        now = (int(words[11]) + int(words[12])) / tick
+        name = stage.group(1)
+        cpu[name] = cpu.get(name, 0) + now - before
+        before = now
+        memory = re.search(r"VmHWM:\s+(\d+)", (proc / "status").read_text())
+        peak[name] = max(peak.get(name, 0), int(memory.group(1)) / 1024)
+        (proc / "clear_refs").write_text("5")  # the peak is the present memory
+    if process.wait() != 0:
+        sys.exit(f"{' '.join(command)} failed:\n{output}")
+    return {"output": output, "cpu": cpu, "peak": peak}
+
+
 def times(output):
-    """Seconds of each stage, in the order of the report."""
+    """Wall seconds of each stage, in the order of the report."""
     return {name: float(seconds) for name, seconds in
             re.findall(r"^\s\s(\S.*?)\s+([\d.]+) s$", output, re.MULTILINE)}
 
 
-def count_of(output, name, unit=""):
-    found = re.findall(rf"^\s*{name}\s+(\d+){unit}$", output, re.MULTILINE)
+def count_of(output, name):
+    found = re.findall(rf"^\s*{name}\s+(\d+)$", output, re.MULTILINE)
     return int(found[-1]) if found else 0
 
 
 def table(title, heads, factors, results, count):
-    """results: what run() returns; count: the report's line that is counted."""
-    columns = [times(result["output"]) for result in results]
-    stages = {stage: None for column in columns for stage in column}
+    """results: what staged() returns; count: the report's line that is
+    counted."""
+    stages = {stage: None for result in results for stage in result["cpu"]}
+    all_cpu = [sum(result["cpu"].values()) for result in results]
+    all_peaks = [max(result["peak"].values()) for result in results]
 
-    def row(name, values, digits):
-        power = exponent(factors, values)
+    def row(name, values, digits, power):
         return [name, *(f"{value:.{digits}f}" for value in values),
                 "" if power is None else f"{power:.2f}"]
-    rows = [row(count, [count_of(result["output"], count)
-                        for result in results], 0)]
-    rows += [row(stage, [column.get(stage, 0) for column in columns], 2)
+
+    def cells(name, cpu, peaks):
+        seconds, megabytes = exponent(factors, cpu), exponent(factors, peaks, 1)
+        return [name, *(f"{s:.2f}, {m:.0f}" for s, m in zip(cpu, peaks)),
+                "" if seconds is None else f"{seconds:.2f}, {megabytes:.2f}"]
+    counts = [count_of(result["output"], count) for result in results]
+    rows = [row(count, counts, 0, exponent(factors, counts))]
+    rows += [cells(stage, [result["cpu"].get(stage, 0) for result in results],
+                   [result["peak"].get(stage, 0) for result in results])
              for stage in stages]
-    rows.append(row("CPU s", [result["cpu"] for result in results], 1))
-    peaks = [count_of(result["output"], "peak memory", " MB")
-             for result in results]
-    rows.append(["peak MB", *(f"{peak:.0f}" for peak in peaks), ""])
-    print_table(title, ["", *map(str, heads), "exponent"], rows)
+    rows.append(cells("all", all_cpu, all_peaks))
+    print_table(title, ["CPU s, peak MB", *map(str, heads), "exponents"], rows)
 
 
-def mesh(args, workspace, options=()):
-    return checked([args.program, "delaunay_manifold_mesher",
-                    "--workspace_path", workspace, *options])
+def mesh(args, workspace, options=("--num_threads", 1)):
+    return staged([args.program, "delaunay_manifold_mesher",
+                   "--workspace_path", workspace, *options])
 
 
-def refine(args, workspace, options=()):
-    words = [f"--FacetwiseRefinement.{word}" if i % 2 == 0 else word
-             for i, word in enumerate(("backend", "cpu", "refine_cameras",
-                                       "none", *options))]
-    return checked([args.program, "facetwise_refiner", "--workspace_path",
-                    workspace, *words])
+def refine(args, workspace, **options):
+    options = {"backend": "cpu", "refine_cameras": "none"} | options
+    return staged([args.program, "facetwise_refiner", "--workspace_path",
+                   workspace, "--num_threads", 1,
+                   *(word for name, value in options.items() for word in
+                     (f"--FacetwiseRefinement.{name}", value))])
 
 
 def render(args, folder, images, width, scene="statue"):
@@ -233,47 +269,49 @@ def measure_points(args, folder):
         results.append(mesh(args, workspace))
     vertices = [count_of(result["output"], "vertices, after thinning")
                 for result in results]
-    table(f"{args.points.name}: the mesher by its points, s; exponents by the"
+    table(f"{args.points.name}: the mesher by its points; exponents by the"
           " vertices", sizes, vertices, results, "vertices, after thinning")
 
 
 def measure_survey(args, folder):
     wall = render(args, folder / "survey", 12, 320, "wall")
     cloud = Cloud(wall)
-    sides = [1, 2, 4, 8]
-    results = []
+    sides = [side for side in (1, 2, 4, 8) if side <= args.sides]
+    meshed, refined = [], []
     for side in sides:
         workspace = folder / f"survey-{side}"
         write_tiles(wall, cloud, workspace, side)
-        mesh(args, workspace)
-        results.append(refine(args, workspace, ["iterations", 2]))
+        meshed.append(mesh(args, workspace))
+        refined.append(refine(args, workspace, iterations=2,
+                              refine_cameras="poses"))
     copies = [side * side for side in sides]
-    table("wall, 12 images of 320 x 240: the refiner by its copies, s", copies,
-          copies, results, "faces")
+    table("wall, 12 images of 320 x 240: the mesher by its copies", copies,
+          copies, meshed, "vertices, after thinning")
+    table("wall, 12 images of 320 x 240: the refiner by its copies", copies,
+          copies, refined, "faces")
 
 
 def measure_images(args, folder):
     counts = [6, 12, 24, 48]
     results = [refine(args, render(args, folder / f"images-{count}", count,
                                    320)) for count in counts]
-    table("statue, 320 x 240: the refiner by its images, s", counts, counts,
+    table("statue, 320 x 240: the refiner by its images", counts, counts,
           results, "faces")
 
 
 def measure_pairs(args, folder):
     counts = [2, 4, 8, 16]
     workspace = render(args, folder / "pairs", 48, 320)
-    results = [refine(args, workspace, ["pairs_per_image", count])
+    results = [refine(args, workspace, pairs_per_image=count)
                for count in counts]
-    table("statue, 48 images of 320 x 240: the refiner by the partners of each,"
-          " s", counts, counts, results, "faces")
+    table("statue, 48 images of 320 x 240: the refiner by the partners of each", counts, counts, results, "faces")
 
 
 def measure_pixels(args, folder):
     widths = [160, 320, 640, 1280]
     results = [refine(args, render(args, folder / f"pixels-{width}", 12,
                                    width)) for width in widths]
-    table("statue, 12 images: the refiner by its pixels, s",
+    table("statue, 12 images: the refiner by its pixels",
           [f"{width} x {width * 3 // 4}" for width in widths],
           [width * width for width in widths], results, "faces")
 
@@ -281,9 +319,9 @@ def measure_pixels(args, folder):
 def measure_faces(args, folder):
     areas = [28, 14, 7, 3.5]
     workspace = render(args, folder / "faces", 12, 640)
-    results = [refine(args, workspace, ["max_face_area", area])
+    results = [refine(args, workspace, max_face_area=area)
                for area in areas]
-    table("statue, 12 images of 640 x 480: the refiner by its faces, s",
+    table("statue, 12 images of 640 x 480: the refiner by its faces",
           [f"{area} px²" for area in areas],
           [count_of(result["output"], "faces") for result in results], results,
           "faces")
@@ -301,7 +339,11 @@ def measure_threads(args, folder):
                         workspace, "--FacetwiseRefinement.backend", "cpu",
                         "--num_threads", count])
     for name, run_with in (("mesher", run_mesher), ("refiner", run_refiner)):
-        one, two = (times(run_with(count)["output"]) for count in (1, 2))
+        # The least of some runs, since other processes only add to them.
+        one, two = ({stage: min(run[stage] for run in runs) for stage in runs[0]}
+                    for runs in ([times(run_with(count)["output"])
+                                  for _ in range(args.repeats)]
+                                 for count in (1, 2)))
         rows = []
         for stage, seconds in one.items():
             if stage == "all":
@@ -312,6 +354,7 @@ def measure_threads(args, folder):
                            for cores in (8, 32))])
         rows.append(["all", *(sum(row[k] for row in rows)
                               for k in range(1, 6))])
+        rows.append(["share", *(row / rows[-1][1] for row in rows[-1][1:])])
         print_table(f"{args.threads.name}: the {name} by its threads, s",
                     ["", "1 thread", "2 threads", "serial", "8 cores",
                      "32 cores"],
@@ -328,6 +371,8 @@ def main():
     parser.add_argument("--threads", type=pathlib.Path, metavar="WORKSPACE")
     parser.add_argument("--copies", nargs=3,
                         metavar=("WORKSPACE", "SIDE", "FOLDER"))
+    parser.add_argument("--sides", type=int, default=8)
+    parser.add_argument("--repeats", type=int, default=1)
     for name in ("survey", "images", "pairs", "pixels", "faces"):
         parser.add_argument(f"--{name}", action="store_true")
     args = parser.parse_args()

@@ -118,17 +118,17 @@ TEST(FindTiles, AreTheSmallestRectanglesInEachSquareThatHasAny) {
     const FacetLabels labels = RandomLabels(num_facets, &random);
     const FacetIdBuffer drawn =
         RandomBuffer(width, height, num_facets, &random);
+    const auto of_views = DirectionsOfViews(labels.pairs, kNumViews);
+    EXPECT_EQ(of_views.values.size(), 2 * labels.pairs.size());
     for (uint32_t view = 0; view < kNumViews; ++view) {
-      const auto tiles = FindTiles(drawn, view, labels);
-      ASSERT_EQ(tiles.size(), 2 * labels.pairs.size());
-      for (uint32_t direction = 0; direction < tiles.size(); ++direction) {
+      const auto tiles = FindTiles(drawn, of_views[view], labels);
+      ASSERT_EQ(tiles.size(), of_views[view].size());
+      for (size_t k = 0; k < tiles.size(); ++k) {
+        const uint32_t direction = of_views[view][k];
         const auto [first, second] = labels.pairs[direction / 2];
-        if ((direction % 2 == 0 ? first : second) != view) {
-          EXPECT_TRUE(tiles[direction].empty());
-          continue;
-        }
+        EXPECT_EQ(direction % 2 == 0 ? first : second, view);
         Squares squares;
-        for (const PixelBox& tile : tiles[direction]) {
+        for (const PixelBox& tile : tiles[k]) {
           EXPECT_EQ(tile.first_row / kTileSize, tile.last_row / kTileSize);
           EXPECT_EQ(tile.first_col / kTileSize, tile.last_col / kTileSize);
           EXPECT_TRUE(
@@ -145,7 +145,8 @@ TEST(FindTiles, AreTheSmallestRectanglesInEachSquareThatHasAny) {
   }
   const FacetLabels labels = RandomLabels(5, &random);
   for (const auto& tiles :
-       FindTiles(RandomBuffer(64, 64, 0, &random), 0, labels)) {
+       FindTiles(RandomBuffer(64, 64, 0, &random),
+                 DirectionsOfViews(labels.pairs, kNumViews)[0], labels)) {
     EXPECT_TRUE(tiles.empty());
   }
 }
