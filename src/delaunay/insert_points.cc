@@ -144,12 +144,14 @@ std::vector<uint32_t> Borders(size_t num_points, size_t num_parts,
 }
 
 void InsertSerially(Points points, const LeaveOut& leave_out,
-                    GrowingComplex* complex) {
+                    InsertionProgress* progress, GrowingComplex* complex) {
   const auto num_points = static_cast<uint32_t>(complex->points.size());
   PointInserter inserter(0, num_points, complex);
   inserter.free_cells().swap(complex->free_cells);
   uint32_t hint = inserter.FindOwnCell();
+  size_t num_done = 0;
   for (const uint32_t point : points) {
+    progress->Count(++num_done);
     if (complex->vertex_cells[point] != kNone) {
       continue;
     }
@@ -177,7 +179,7 @@ void InsertRound(Points points, const LeaveOut& leave_out,
           progress, complex);
     }
   }
-  InsertSerially(left_over, leave_out, complex);
+  InsertSerially(left_over, leave_out, progress, complex);
 }
 
 }  // namespace
@@ -249,7 +251,9 @@ void InsertMorePoints(std::span<const Eigen::Vector3f> positions,
       Iota(positions.size(), static_cast<uint32_t>(complex->points.size()));
   Append(positions, &complex->points);
   complex->vertex_cells.resize(complex->points.size(), kNone);
-  InsertSerially(added, {}, complex);
+  const Progress silent;
+  InsertionProgress inserted(added.size(), silent);
+  InsertSerially(added, {}, &inserted, complex);
 }
 
 }  // namespace colmap_ext
