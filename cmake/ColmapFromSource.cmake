@@ -161,7 +161,7 @@ target_compile_definitions(colmap_ext_colmap INTERFACE ${colmap_definitions})
 target_include_directories(colmap_ext_colmap SYSTEM INTERFACE
                            ${colmap_includes})
 # The commands need not wait for all of COLMAP. From 3.9 on it is many libraries;
-# 3.8 is one of 130 files, of which these read pictures and become another.
+# 3.8 is one, of 130 files; the seven that read pictures become another.
 set(colmap_pictures colmap)
 if(TARGET colmap_sensor AND TARGET colmap_util)
   set(colmap_pictures colmap_sensor colmap_util)

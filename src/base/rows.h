@@ -100,7 +100,7 @@ Rows<uint32_t> NumbersInRows(size_t num_rows, size_t num_values,
   });
   std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
   rows.values.resize(offsets.back());
-  // Where a row ends, which becomes its begin as it is filled.
+  // Each offset is the end of its row, and its begin once the row is filled.
   for_each([&](auto offset, uint32_t value) {
     rows.values[offset.fetch_sub(1, std::memory_order_relaxed) - 1] = value;
   });
@@ -109,7 +109,7 @@ Rows<uint32_t> NumbersInRows(size_t num_rows, size_t num_values,
   return rows;
 }
 
-// One row after the other of some rows, and so on.
+// Concatenates rows.
 template <typename T>
 Rows<T> JoinRows(std::vector<Rows<T>> parts) {
   std::vector<std::array<size_t, 2>> begins{{0, 0}};  // rows, values

@@ -164,8 +164,8 @@ void InsertSerially(Points points, const LeaveOut& leave_out,
 }
 
 // What lies at a border of the parts is tried again in parts with other
-// borders, before it is inserted by one thread; all by one where points are
-// left out, which depends on the order.
+// borders, before it is inserted by one thread. Where points may be left out,
+// one thread inserts all: what is left out depends on the order.
 void InsertRound(Points points, const LeaveOut& leave_out,
                  InsertionProgress* progress, GrowingComplex* complex) {
   std::vector<uint32_t> left_over(points.begin(), points.end());
