@@ -67,6 +67,8 @@ void MakeAndPrint(const PlannerOptions& options, Console* console) {
     PrintReport(report.masks, log);
     PrintReport(plan.region, log);
     PrintIfAny("points outside of the region", report.num_outside_points, log);
+    PrintIfAny("points of weaker layers of walls", report.num_weaker_points,
+               log);
     PrintIfAny("rays beyond", report.num_ray_ends, log);
   }
   PrintPlan(plan, log);

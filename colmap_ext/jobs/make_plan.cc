@@ -9,6 +9,7 @@
 
 #include "colmap_ext/jobs/plan_files.h"
 #include "colmap_ext/jobs/tile_points.h"
+#include "meshing/wall_layers.h"
 #include "tiles/plan_vertices.h"
 #include "workspace/workspace_paths.h"
 
@@ -284,12 +285,17 @@ class Planner {
         }
       }
       std::vector<TileVertices> thinned(clouds.size());
+      std::vector<size_t> num_weaker(clouds.size(), 0);
       tbb::parallel_for(size_t{0}, clouds.size(), [&](size_t i) {
+        if (meshing.drop_weaker_layers) {
+          num_weaker[i] = DropWeakerLayers(sample_.views, &clouds[i]);
+        }
         thinned[i] = ThinTile(std::move(clouds[i]), sample_.views,
                               {meshing.max_proj_dist, meshing.max_depth_dist});
         clouds[i] = {};
       });
       for (size_t i = 0; i < thinned.size(); ++i) {
+        report_->num_weaker_points += num_weaker[i];
         Write(begin + i, thinned[i], &blocks);
         edges.push_back(std::move(thinned[i].edges));
         thinned[i] = {};

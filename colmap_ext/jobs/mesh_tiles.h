@@ -20,6 +20,7 @@ struct PlanReport {
   std::optional<HalfPixelReport> half_pixel;
   std::optional<MaskReport> masks;
   size_t num_outside_points = 0;  // beyond the region's margin
+  size_t num_weaker_points = 0;   // ManifoldMeshingReport
   size_t num_ray_ends = 0;        // of a region and of masked pixels
 };
 

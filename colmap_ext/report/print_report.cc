@@ -30,6 +30,7 @@ void PrintCells(const ManifoldMeshingReport& report, ReportLog* log) {
   Print("points in", report.num_points, log);
   Print("  at the place of another", report.num_duplicate_points, log);
   PrintIfAny("  outside of the region", report.num_outside_points, log);
+  PrintIfAny("  of weaker layers of walls", report.num_weaker_points, log);
   PrintIfAny("rays beyond", report.num_ray_ends, log);
   Print("observations", report.num_observations, log);
   Print("vertices, after thinning", report.num_vertices, log);

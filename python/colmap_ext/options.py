@@ -89,6 +89,10 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
     max_depth_dist: Annotated[float, Range(0, 1)] = 0.05
     """Merge points only if their depths differ by less than this fraction."""
 
+    drop_weaker_layers: bool = True
+    """Where groups of images disagree and a wall is there twice, drop the points of the
+    layer that fewer images see; 0: keep both."""
+
     visibility_sigma: Annotated[float, Range(1e-06, 1000000)] = 3.0
     """[images] Images at which a point counts as well supported; higher values
     down-weight points seen by few images."""

@@ -60,6 +60,7 @@ void DropFacetsAtEnds(const std::vector<uint8_t>& is_end, FanSplit* surface) {
 DerivedMesh SplitAndFilter(const ManifoldMeshingOptions& options,
                            ExtractedSurface extracted,
                            const SurfacePoints& points,
+                           const std::vector<View>& views,
                            ManifoldMeshingReport* report) {
   FanSplit surface =
       SplitFans(std::move(extracted.mesh), std::move(extracted.partners));
@@ -71,8 +72,12 @@ DerivedMesh SplitAndFilter(const ManifoldMeshingOptions& options,
   if (!points.noises.empty()) {
     // Centroids of split cells are not measured.
     constexpr float kUnknown = std::numeric_limits<float>::infinity();
+    std::vector<Eigen::Vector3f> centers;
+    for (const View& view : views) {
+      centers.emplace_back(view.Center().cast<float>());
+    }
     report->smoothing = SmoothByNoise(
-        MeansOfSources(points.noises, surface.from.vertices, kUnknown),
+        centers, MeansOfSources(points.noises, surface.from.vertices, kUnknown),
         options.smoothing, &surface.mesh);
   }
   if (options.region) {
@@ -116,8 +121,8 @@ void FinishBorders(const BorderOptions& options, const std::vector<View>& views,
 void MakeManifold(const ManifoldMeshingOptions& options,
                   ExtractedSurface extracted, SurfacePoints points,
                   const std::vector<View>& views, ManifoldMesh* result) {
-  DerivedMesh surface =
-      SplitAndFilter(options, std::move(extracted), points, &result->report);
+  DerivedMesh surface = SplitAndFilter(options, std::move(extracted), points,
+                                       views, &result->report);
   if (surface.mesh.facets.empty()) {
     throw std::invalid_argument(
         "the points and views enclose no surface: nothing to mesh");

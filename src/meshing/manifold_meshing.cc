@@ -8,6 +8,7 @@
 
 #include "meshing/finish_surface.h"
 #include "meshing/singular_vertices.h"
+#include "meshing/wall_layers.h"
 
 namespace colmap_ext {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 // The points that vote, and the ends of rays.
 WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
                       const std::vector<View>& views, const RayEnds& ends,
-                      ManifoldMeshingReport* report) {
+                      const Progress& progress, ManifoldMeshingReport* report) {
   report->num_points = cloud.size();
   report->num_observations = cloud.views.values.size();
   std::vector<float> weights = ObservationWeights(options, cloud);
@@ -28,6 +29,10 @@ WeightedCloud Prepare(const ManifoldMeshingOptions& options, PointCloud cloud,
     if (weighted.num_points == 0) {
       throw std::invalid_argument("no point lies in the region");
     }
+  }
+  if (options.drop_weaker_layers) {
+    Report(progress, "Looking for double walls", 0);
+    report->num_weaker_points = DropWeakerLayers(views, &weighted);
   }
   report->num_ray_ends = ends.size() + cropped.size();
   AppendEnds(ends, &weighted);
@@ -114,7 +119,7 @@ ExtractedSurface CutSurface(const ManifoldMeshingOptions& options,
                             SurfacePoints* points,
                             ManifoldMeshingReport* report) {
   WeightedCloud weighted =
-      Prepare(options, std::move(cloud), views, ends, report);
+      Prepare(options, std::move(cloud), views, ends, progress, report);
   ThinnedTetrahedralization thinned =
       Tetrahedralize(weighted.cloud, views,
                      {options.max_proj_dist, options.max_depth_dist}, progress);

@@ -37,6 +37,9 @@ struct ManifoldMeshingOptions {
   // ... and within this share of its depth. In [0, 1]. COLMAP's default.
   double max_depth_dist = 0.05;
 
+  // Drop the points of walls that are there twice (DropWeakerLayers).
+  bool drop_weaker_layers = true;
+
   ObservationWeight alpha_kind = ObservationWeight::kTracks;
 
   // How many images have to see a point for a weight of 1 - exp(-1/2) where
@@ -100,6 +103,7 @@ struct ManifoldMeshingOptions {
 struct ManifoldMeshingReport {
   size_t num_points = 0;            // that came in
   size_t num_outside_points = 0;    // of them outside of the region
+  size_t num_weaker_points = 0;     // dropped, of walls that are there twice
   size_t num_ray_ends = 0;          // of rays that meet no surface
   size_t num_observations = 0;      // of them by the views
   size_t num_duplicate_points = 0;  // at the very position of another

@@ -282,11 +282,41 @@ std::vector<double> MeasureRelief(const Umbrellas& umbrellas,
   return squares;
 }
 
+// [V] How far the vertices of a facet may move for it not to pass over the
+// nearest place: not as far as the place is from the sphere around the facet's
+// centroid that holds its corners.
+std::vector<float> MotionLimits(const std::vector<Vector3f>& places,
+                                const TriangleMesh& mesh) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const PointTree tree(places);
+  std::vector<float> distances(mesh.facets.size(), kInfinity);
+  tbb::parallel_for(size_t{0}, mesh.facets.size(), [&](size_t i) {
+    const auto& [a, b, c] = CornersOf(mesh, mesh.facets[i]);
+    const Vector3f centroid = (a + b + c) / 3;
+    const float radius = std::sqrt(
+        std::max({(a - centroid).squaredNorm(), (b - centroid).squaredNorm(),
+                  (c - centroid).squaredNorm()}));
+    for (const uint32_t nearest : tree.Nearest(centroid, 1, kInfinity)) {
+      distances[i] =
+          std::max(0.0f, (places[nearest] - centroid).norm() - radius);
+    }
+  });
+  std::vector<float> limits(mesh.vertices.size(), kInfinity);
+  for (size_t i = 0; i < mesh.facets.size(); ++i) {
+    for (const uint32_t vertex : mesh.facets[i]) {
+      limits[vertex] = std::min(limits[vertex], distances[i]);
+    }
+  }
+  return limits;
+}
+
 // Where the vertices go, for the lengths of edges that the mesh has.
+// \param limits [V] of their motions
 // \param positions [V] the measured ones
 // \param reliefs [V] deviations of the umbrella vectors, in lengths of edges
 // \param lengths  MeanLengths() of the mesh
 std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
+                               const std::vector<float>& limits,
                                const std::vector<Vector3f>& positions,
                                const std::vector<float>& noises,
                                const std::vector<double>& reliefs,
@@ -311,7 +341,8 @@ std::vector<Vector3f> Smoothed(const Umbrellas& umbrellas,
   tbb::parallel_for(size_t{0}, size, [&](size_t i) {
     const Vector3d motion = (mesh.vertices[i] - positions[i]).cast<double>() +
                             Eigen::Map<const Vector3d>(&motions[3 * i]);
-    const double share = std::min(1.0, lengths[i] / motion.norm());
+    const double limit = std::min<double>(limits[i], lengths[i]);
+    const double share = std::min(1.0, limit / motion.norm());
     if (share > 0) {
       smoothed[i] += (share * motion).cast<float>();
     }
@@ -333,9 +364,11 @@ std::vector<float> LocalNoise(std::span<const Vector3f> points,
   return noises;
 }
 
-SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
+SmoothingReport SmoothByNoise(const std::vector<Vector3f>& centers,
+                              const std::vector<float>& noises, double strength,
                               TriangleMesh* mesh) {
   const Umbrellas umbrellas = MakeUmbrellas(*mesh);
+  const std::vector<float> limits = MotionLimits(centers, *mesh);
   const std::vector<Vector3f> positions = mesh->vertices;
   std::vector<double> reliefs(positions.size(), kMaxRelief / strength);
   for (int round = 0; round < kRounds; ++round) {
@@ -349,7 +382,7 @@ SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
       }
     }
     mesh->vertices =
-        Smoothed(umbrellas, positions, noises, reliefs, lengths, *mesh);
+        Smoothed(umbrellas, limits, positions, noises, reliefs, lengths, *mesh);
   }
   SmoothingReport report;
   for (int round = 0; round < kPutBackRounds; ++round) {

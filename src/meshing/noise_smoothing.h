@@ -34,13 +34,16 @@ struct SmoothingReport {
 // itself has around the vertex, estimated in turn with x: walls get smooth, and
 // edges and relief stay. What the points know exactly stays, spikes of the
 // noise go. A vertex at a border has its neighbors on the border, so that
-// borders keep their shape. No vertex moves farther than e_v; corners of facets
-// that would intersect go back to where they were.
+// borders keep their shape. No vertex moves farther than e_v, nor so far that a
+// facet of it could pass over the centre of a camera; corners of facets that
+// would intersect go back to where they were.
 //
+// \param centers  of the cameras, which are in free space
 // \param noises [V] scene units; infinity: the position is not a measurement
 // \param strength  divides the bounds of c_v; positive, higher is smoother
 // \pre no edge has more than two facets
-SmoothingReport SmoothByNoise(const std::vector<float>& noises, double strength,
+SmoothingReport SmoothByNoise(const std::vector<Eigen::Vector3f>& centers,
+                              const std::vector<float>& noises, double strength,
                               TriangleMesh* mesh);
 
 }  // namespace colmap_ext

@@ -69,23 +69,34 @@ double MarginOf(const Region& region) {
   return kShare * 2 * region.half_sizes.norm();
 }
 
+void DropPoints(const std::vector<uint8_t>& is_dropped,
+                WeightedCloud* weighted) {
+  const PointCloud& cloud = weighted->cloud;
+  WeightedCloud kept;
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    if (is_dropped[i] == 0) {
+      kept.cloud.positions.push_back(cloud.positions[i]);
+      kept.cloud.views.AddRow(cloud.views[i]);
+      kept.weights.push_back(weighted->weights[i]);
+      AppendIfAny(cloud.colors, i, &kept.cloud.colors);
+    }
+  }
+  kept.num_points = weighted->num_points - (cloud.size() - kept.cloud.size());
+  *weighted = std::move(kept);
+}
+
 RayEnds CropCloud(const Region& region, const std::vector<View>& views,
                   WeightedCloud* weighted) {
   RayEndCollector collector(region, views);
   const PointCloud& cloud = weighted->cloud;
-  WeightedCloud kept;
+  std::vector<uint8_t> is_dropped(cloud.size(), 0);
   for (size_t i = 0; i < cloud.size(); ++i) {
     if (collector.IsOutside(cloud.positions[i])) {
       collector.Add(cloud.positions[i], cloud.views[i], weighted->weights[i]);
-      continue;
+      is_dropped[i] = 1;
     }
-    kept.cloud.positions.push_back(cloud.positions[i]);
-    kept.cloud.views.AddRow(cloud.views[i]);
-    kept.weights.push_back(weighted->weights[i]);
-    AppendIfAny(cloud.colors, i, &kept.cloud.colors);
   }
-  kept.num_points = kept.cloud.size();
-  *weighted = std::move(kept);
+  DropPoints(is_dropped, weighted);
   return collector.Take();
 }
 

@@ -71,6 +71,11 @@ class RayEndCollector {
   RayEnds ends_;
 };
 
+// Drops some of the points.
+// \param is_dropped [P] ends of rays are not dropped
+void DropPoints(const std::vector<uint8_t>& is_dropped,
+                WeightedCloud* weighted);
+
 // Drops the points that lie further from a region than its margin.
 // \param weighted  without ends.
 // \return the ends of their rays

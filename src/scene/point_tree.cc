@@ -104,6 +104,23 @@ class NearestPoints {
                                                    // of each, ascending
 };
 
+// All points nearer than a distance.
+struct PointsWithin {
+  using DistanceType = float;
+
+  float distance_squared;
+  std::vector<uint32_t> found;
+
+  bool full() const { return true; }
+  float worstDist() const { return distance_squared; }
+  bool addPoint(float squared, uint32_t index) {
+    if (squared < distance_squared) {
+      found.push_back(index);
+    }
+    return true;
+  }
+};
+
 }  // namespace
 
 struct PointTree::Index {
@@ -127,6 +144,16 @@ std::vector<uint32_t> PointTree::Nearest(const Eigen::Vector3f& place,
   NearestPoints nearest(count, max_distance * max_distance);
   index_->tree.findNeighbors(nearest, place.data(), nanoflann::SearchParams());
   return nearest.Indices();
+}
+
+std::vector<uint32_t> PointTree::Within(const Eigen::Vector3f& place,
+                                        float distance) const {
+  PointsWithin within{distance * distance, {}};
+  if (index_ != nullptr) {
+    index_->tree.findNeighbors(within, place.data(),
+                               nanoflann::SearchParams());
+  }
+  return std::move(within.found);
 }
 
 }  // namespace colmap_ext

@@ -92,7 +92,8 @@ struct TilingTest : testing::Test {
       });
       return faces;
     };
-    const std::string keep_all = options + " @max_proj_dist 0 @smoothing 0 ";
+    const std::string keep_all =
+        options + " @max_proj_dist 0 @drop_weaker_layers 0 @smoothing 0 ";
     MakeAll(1, keep_all);
     const auto whole = faces_that_count();
     const auto vertices = VerticesOf(mesh_);

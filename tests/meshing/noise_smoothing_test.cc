@@ -153,8 +153,8 @@ TEST(SmoothByNoise, IsTheMinimum) {
   constexpr float kNoise = 0.02f;
   for (const double strength : {1.0, 3.0}) {
     mesh = measured;
-    SmoothByNoise(std::vector<float>(mesh.vertices.size(), kNoise), strength,
-                  &mesh);
+    SmoothByNoise({}, std::vector<float>(mesh.vertices.size(), kNoise),
+                  strength, &mesh);
     TriangleMesh expected = measured;
     Reliefs reliefs(measured.vertices.size(), 0.05 / strength);
     for (int round = 0; round < 6; ++round) {
@@ -186,7 +186,7 @@ TEST(SmoothByNoise, MakesNoisyPlanesCalmAndKeepsWhatIsExact) {
   const auto smoothed = [&](float noise, double strength) {
     TriangleMesh mesh = noisy;
     const SmoothingReport report = SmoothByNoise(
-        std::vector<float>(mesh.vertices.size(), noise), strength, &mesh);
+        {}, std::vector<float>(mesh.vertices.size(), noise), strength, &mesh);
     EXPECT_GT(report.num_moved, 0u);
     return Roughness(mesh);
   };
@@ -206,7 +206,7 @@ TEST(SmoothByNoise, KeepsEdges) {
     vertex.z() = roof(vertex);
   }
   mesh.vertices = Shaken(mesh.vertices, 0.003);
-  SmoothByNoise(std::vector<float>(mesh.vertices.size(), 0.003f), 1, &mesh);
+  SmoothByNoise({}, std::vector<float>(mesh.vertices.size(), 0.003f), 1, &mesh);
   double at_ridge = 0;
   double on_planes = 0;
   for (const Vector3f& vertex : mesh.vertices) {
@@ -232,8 +232,32 @@ TEST(SmoothByNoise, PutsUnmeasuredVerticesBetweenTheirNeighbors) {
       mesh.vertices.begin());
   noises[spike] = std::numeric_limits<float>::infinity();
   mesh.vertices[spike].z() = 0.08f;
-  SmoothByNoise(noises, 1, &mesh);
+  SmoothByNoise({}, noises, 1, &mesh);
   EXPECT_LT(std::abs(mesh.vertices[spike].z()), 0.02f);
+}
+
+// A spike of one vertex is flattened, unless a camera stands under it.
+TEST(SmoothByNoise, DoesNotPassOverCameras) {
+  Random random(3);
+  TriangleMesh mesh = MakeJitteredSquare(9, &random);
+  const auto spike = static_cast<size_t>(
+      std::ranges::min_element(
+          mesh.vertices, {},
+          [](const Vector3f& vertex) {
+            return (vertex - Vector3f(0.5f, 0.5f, 0)).norm();
+          }) -
+      mesh.vertices.begin());
+  mesh.vertices[spike].z() = 0.08f;
+  const Vector3f below = mesh.vertices[spike] - Vector3f(0, 0, 0.03f);
+  const std::vector<float> noises(mesh.vertices.size(), 0.1f);
+  const auto height = [&](const std::vector<Vector3f>& centers) {
+    TriangleMesh smoothed = mesh;
+    SmoothByNoise(centers, noises, 1, &smoothed);
+    return smoothed.vertices[spike].z();
+  };
+  EXPECT_LT(height({}), below.z());
+  EXPECT_GT(height({below}), below.z());
+  EXPECT_EQ(height({below + Vector3f(0, 0, 9)}), height({}));
 }
 
 TEST(SmoothByNoise, KeepsStraightBorders) {
@@ -241,7 +265,7 @@ TEST(SmoothByNoise, KeepsStraightBorders) {
   TriangleMesh mesh = MakeJitteredSquare(10, &random);
   const std::vector<Vector3f> before = mesh.vertices;
   const std::vector<uint32_t> partners = PairHalfEdges(mesh.facets);
-  SmoothByNoise(std::vector<float>(before.size(), 0.005f), 1, &mesh);
+  SmoothByNoise({}, std::vector<float>(before.size(), 0.005f), 1, &mesh);
   size_t num_checked = 0;
   for (uint32_t half = 0; half < partners.size(); ++half) {
     const uint32_t vertex = FromVertex(mesh.facets, half);
@@ -280,7 +304,7 @@ TEST(SmoothByNoise, MovesNothingFarOrThroughOthers) {
   for (uint32_t i = 0; i < 2 * size; ++i) {
     noises.push_back(random.Between(0, 0.05f));
   }
-  const SmoothingReport report = SmoothByNoise(noises, 1, &mesh);
+  const SmoothingReport report = SmoothByNoise({}, noises, 1, &mesh);
   EXPECT_GT(report.num_kept, 0u);
   EXPECT_TRUE(FindSelfIntersections(mesh).empty());
   for (size_t i = 0; i < before.size(); ++i) {
@@ -293,7 +317,7 @@ TEST(SmoothByNoise, DoesNotDependOnThreads) {
   mesh.vertices = Shaken(mesh.vertices, 0.01);
   const auto smooth = [&] {
     TriangleMesh smoothed = mesh;
-    SmoothByNoise(LocalNoise(mesh.vertices, mesh.vertices), 1, &smoothed);
+    SmoothByNoise({}, LocalNoise(mesh.vertices, mesh.vertices), 1, &smoothed);
     return smoothed.vertices;
   };
   ExpectSameForAnyThreads(smooth);
