@@ -27,9 +27,9 @@ FixedVertices Half(const TriangleMesh& mesh) {
 
 TEST(FixedVertices, StayWhenASurfaceIsRemeshed) {
   for (const TriangleMesh& mesh :
-       {MakeBumpySphere(0.1F), MakeBumpyCap(0.1F), MakeRoundTorus(0.1F)}) {
+       {MakeBumpySphere(0.2F), MakeBumpyCap(0.15F), MakeRoundTorus(0.15F)}) {
     const FixedVertices fixed = Half(mesh);
-    for (const float length : {0.05F, 0.1F, 0.3F}) {
+    for (const float length : {0.1F, 0.15F, 0.4F}) {
       const std::vector<float> lengths(mesh.vertices.size(), length);
       const std::vector<float> tolerances(mesh.vertices.size(), length / 10);
       const RemeshedSurface result =

@@ -101,7 +101,7 @@ RemeshedSurface Remesh(const TriangleMesh& mesh, float length,
 TEST(RemeshIsotropically, ShapesFacetsAndKeepsTheSurface) {
   for (const TriangleMesh& mesh :
        {MakeBumpySphere(0.1F), MakeBumpyCap(0.1F), MakeRoundTorus(0.1F)}) {
-    for (const float length : {0.05F, 0.1F, 0.16F}) {
+    for (const float length : {0.07F, 0.1F, 0.16F}) {
       const RemeshedSurface result = Remesh(mesh, length, 0.1F);
       const std::vector<double> angles = SmallestAngles(result.mesh);
       EXPECT_GT(Percentile(angles, 0.5), 42) << length;
