@@ -83,8 +83,8 @@ void AddPointOptions(CommandOptions* options, MesherOptions* mesher) {
       "Merge points only if their depths differ by less than this fraction");
   options->Add(
       ours + "drop_weaker_layers", &meshing->drop_weaker_layers,
-      "Where groups of images disagree and a wall is there twice, drop "
-      "the points of the layer that fewer images see; 0: keep both");
+      "Where groups of images disagree and a wall is there twice, drop the "
+      "points of the weaker layer; 0: keep both");
   options->Add(ours + "visibility_sigma", &meshing->visibility_sigma, kPositive,
                "[images] Images at which a point counts as well supported; "
                "higher values down-weight points seen by few images");

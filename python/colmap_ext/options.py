@@ -91,7 +91,7 @@ class DelaunayManifoldMeshingOptions(BaseOptions):
 
     drop_weaker_layers: bool = True
     """Where groups of images disagree and a wall is there twice, drop the points of the
-    layer that fewer images see; 0: keep both."""
+    weaker layer; 0: keep both."""
 
     visibility_sigma: Annotated[float, Range(1e-06, 1000000)] = 3.0
     """[images] Images at which a point counts as well supported; higher values

@@ -1,6 +1,8 @@
 #include "meshing/wall_layers.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -111,45 +113,68 @@ struct Heights {
   float Explained() const { return sum * sum / count; }
 };
 
-// Mean heights of two layers; the weaker one has fewer observations.
-struct Layers {
-  float stronger = 0;
-  float weaker = 0;
+// What an image sees of a part.
+struct Image {
+  uint32_t view = 0;
+  Heights heights;
+
+  float Mean() const { return heights.Mean(); }
 };
 
-// The two layers in which images see a part, or nothing if they agree.
-// \param images  the heights that each sees
-std::optional<Layers> SplitImages(std::vector<Heights> images) {
+// The images of a part in two groups, each of which sees a layer.
+struct Groups {
+  std::vector<Image> images;       // ascending by their mean heights
+  size_t num_lower = 0;            // the first of them
+  std::array<Heights, 2> heights;  // of the lower and the upper group
+
+  size_t GroupOf(size_t image) const { return image < num_lower ? 0 : 1; }
+
+  // \param trust [views] in an observation
+  size_t Stronger(const std::vector<float>& trust) const {
+    std::array<float, 2> strengths{};
+    for (size_t i = 0; i < images.size(); ++i) {
+      strengths[GroupOf(i)] += trust[images[i].view] * images[i].heights.count;
+    }
+    return strengths[0] >= strengths[1] ? 0 : 1;
+  }
+
+  // The group whose layer is nearer to the height zero.
+  size_t Nearest() const {
+    return std::abs(heights[0].Mean()) <= std::abs(heights[1].Mean()) ? 0 : 1;
+  }
+};
+
+// Splits the images of a part where that explains most; nothing if they agree.
+std::optional<Groups> SplitImages(std::vector<Image> images) {
   Heights all;
   float between = 0;
-  for (const Heights& image : images) {
-    all += image;
-    between += image.Explained();
+  for (const Image& image : images) {
+    all += image.heights;
+    between += image.heights.Explained();
   }
   if (!(between - all.Explained() >
         kDisagreement * (all.squares - all.Explained()))) {
     return std::nullopt;
   }
-  // The split that explains most, of the images in the order of their heights.
-  std::ranges::sort(images, {}, &Heights::Mean);
-  Layers layers;
+  std::ranges::sort(images, {}, &Image::Mean);
+  Groups groups;
   float most = 0;
-  Heights below;
+  Heights lower;
   for (size_t i = 0; i + 1 < images.size(); ++i) {
-    below += images[i];
-    const Heights above{all.count - below.count, all.sum - below.sum};
-    const float explained = below.Explained() + above.Explained();
+    lower += images[i].heights;
+    const Heights upper{all.count - lower.count, all.sum - lower.sum};
+    const float explained = lower.Explained() + upper.Explained();
     if (explained > most) {
       most = explained;
-      layers = below.count < above.count
-                   ? Layers{.stronger = above.Mean(), .weaker = below.Mean()}
-                   : Layers{.stronger = below.Mean(), .weaker = above.Mean()};
+      groups.num_lower = i + 1;
+      groups.heights = {lower, upper};
     }
   }
-  if (!(std::abs(layers.stronger - layers.weaker) > kMinGap)) {
+  if (!(groups.heights[1].Mean() - groups.heights[0].Mean() > kMinGap)) {
     return std::nullopt;
   }
-  return layers;
+  groups.images = std::move(images);
+  return groups;
 }
 
 // Finds walls that are there twice.
@@ -168,9 +193,15 @@ class LayerFinder {
 
   // [P] 1: the point is of a weaker layer. Empty: none is.
   std::vector<uint8_t> FindWeaker() const {
-    std::vector<uint8_t> is_weaker(places_.points.size(), 0);
-    tbb::parallel_for(size_t{0}, is_weaker.size(),
-                      [&](size_t i) { is_weaker[i] = IsWeaker(i) ? 1 : 0; });
+    std::vector<uint8_t> is_split(places_.points.size(), 0);
+    const std::vector<float> trust = MeasureTrust(&is_split);
+    std::vector<uint8_t> is_weaker(is_split.size(), 0);
+    tbb::parallel_for(size_t{0}, is_split.size(), [&](size_t i) {
+      if (is_split[i] != 0) {
+        const std::optional<Groups> groups = GroupsAt(i);
+        is_weaker[i] = groups->Nearest() != groups->Stronger(trust) ? 1 : 0;
+      }
+    });
     if (std::ranges::count(is_weaker, 1) == 0) {
       return {};
     }
@@ -184,14 +215,44 @@ class LayerFinder {
   }
 
  private:
-  // Whether a place is nearer to the layer of fewer observations.
-  bool IsWeaker(size_t i) const {
+  // [views] The logarithms of the odds that an observation is of the stronger
+  // group, as far as the numbers of observations tell. Walls that the same
+  // images see so keep the same layer.
+  // \param is_split [places] set where there are groups
+  std::vector<float> MeasureTrust(std::vector<uint8_t>* is_split) const {
+    const std::vector<float> same(centers_.size(), 1);
+    // [views] observations that are not, and are, of the stronger group
+    std::vector<std::array<uint64_t, 2>> counts(centers_.size());
+    tbb::parallel_for(size_t{0}, is_split->size(), [&](size_t i) {
+      const std::optional<Groups> groups = GroupsAt(i);
+      if (!groups) {
+        return;
+      }
+      (*is_split)[i] = 1;
+      const size_t stronger = groups->Stronger(same);
+      for (size_t k = 0; k < groups->images.size(); ++k) {
+        const auto& [view, heights] = groups->images[k];
+        std::atomic_ref(counts[view][groups->GroupOf(k) == stronger ? 1 : 0])
+            .fetch_add(static_cast<uint64_t>(heights.count),
+                       std::memory_order_relaxed);
+      }
+    });
+    std::vector<float> trust;
+    for (const auto& [weaker, stronger] : counts) {
+      trust.push_back(std::log(static_cast<float>(1 + stronger) /
+                               static_cast<float>(1 + weaker)));
+    }
+    return trust;
+  }
+
+  // The groups of images of the part around a place, with heights over it.
+  std::optional<Groups> GroupsAt(size_t i) const {
     const Vector3f& position = places_.positions[i];
     const float footprint = Footprint(i);
     const std::vector<uint32_t> near =
         tree_.Within(position, kRadius * footprint);
     if (near.size() < kMinPlaces) {
-      return false;
+      return std::nullopt;
     }
     std::vector<uint32_t> part;
     std::vector<Vector3f> offsets;  // px
@@ -200,18 +261,13 @@ class LayerFinder {
       offsets.emplace_back((places_.positions[near[k]] - position) / footprint);
     }
     const std::optional<Vector3f> normal = NormalOf(offsets);
-    if (!normal) {
-      return false;
-    }
-    const std::optional<Layers> layers =
-        SplitImages(ImagesOf(part, offsets, *normal));
-    return layers && std::abs(layers->weaker) < std::abs(layers->stronger);
+    return normal ? SplitImages(ImagesOf(part, offsets, *normal))
+                  : std::nullopt;
   }
 
-  // The heights of a part that each of its images sees.
-  std::vector<Heights> ImagesOf(const std::vector<uint32_t>& part,
-                                const std::vector<Vector3f>& offsets,
-                                const Vector3f& normal) const {
+  std::vector<Image> ImagesOf(const std::vector<uint32_t>& part,
+                              const std::vector<Vector3f>& offsets,
+                              const Vector3f& normal) const {
     std::vector<Heights>& of_views = heights_.local();
     of_views.resize(centers_.size());
     std::vector<uint32_t> views;
@@ -224,9 +280,9 @@ class LayerFinder {
         of_views[view].Add(height);
       }
     }
-    std::vector<Heights> images;
+    std::vector<Image> images;
     for (const uint32_t view : views) {
-      images.push_back(std::exchange(of_views[view], {}));
+      images.push_back({view, std::exchange(of_views[view], {})});
     }
     return images;
   }

@@ -12,8 +12,9 @@ namespace colmap_ext {
 // disagree, the fused points hold a wall in two layers some pixels apart, and a
 // surface that is cut between them jumps from one to the other. On a flat part
 // of a wall the mean heights of the points that each image sees tell the groups
-// apart, and the points of the group with fewer observations go. Noise and
-// relief, which all images see alike, stay (docs/method.md, section 1.3).
+// apart, and the points of the group go whose images are mostly in the
+// minority, there and elsewhere. Noise and relief, which all images see alike,
+// stay (docs/method.md, section 1.3).
 //
 // Does not depend on the number of threads.
 //

@@ -150,8 +150,7 @@ std::vector<uint32_t> PointTree::Within(const Eigen::Vector3f& place,
                                         float distance) const {
   PointsWithin within{distance * distance, {}};
   if (index_ != nullptr) {
-    index_->tree.findNeighbors(within, place.data(),
-                               nanoflann::SearchParams());
+    index_->tree.findNeighbors(within, place.data(), nanoflann::SearchParams());
   }
   return std::move(within.found);
 }

@@ -107,6 +107,24 @@ TEST(DropWeakerLayers, KeepsTheLayerThatMoreImagesSee) {
   }
 }
 
+// Images that are mostly in the majority are trusted where they are not.
+TEST(DropWeakerLayers, KeepsTheSameLayerOfAWall) {
+  const auto layers = [](double, double, int group) { return 9.0 * group; };
+  WeightedCloud wall = MakeWall(layers, {4, 2}, 0.7);
+  const WeightedCloud other = MakeWall(layers, {3, 4}, 0.7);
+  for (size_t i = 0; i < other.cloud.size(); ++i) {
+    // A strip along one side.
+    if (other.cloud.positions[i].x() > 40 * kPixel) {
+      wall.cloud.positions.push_back(other.cloud.positions[i]);
+      wall.cloud.views.AddRow(other.cloud.views[i]);
+      wall.weights.push_back(1);
+    }
+  }
+  wall.num_points = wall.cloud.size();
+  DropWeakerLayers(MakeViews(), &wall);
+  EXPECT_LT(ShareBehind(wall, 4.5), 0.05);
+}
+
 TEST(DropWeakerLayers, KeepsEndsOfRays) {
   WeightedCloud wall = MakeWall(
       [](double, double, int group) { return 9.0 * group; }, {4, 3}, 0.7);
