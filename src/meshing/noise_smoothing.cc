@@ -291,7 +291,7 @@ std::vector<float> MotionLimits(const std::vector<Vector3f>& places,
   const PointTree tree(places);
   std::vector<float> distances(mesh.facets.size(), kInfinity);
   tbb::parallel_for(size_t{0}, mesh.facets.size(), [&](size_t i) {
-    const auto& [a, b, c] = CornersOf(mesh, mesh.facets[i]);
+    const auto [a, b, c] = CornersOf(mesh, mesh.facets[i]);
     const Vector3f centroid = (a + b + c) / 3;
     const float radius = std::sqrt(
         std::max({(a - centroid).squaredNorm(), (b - centroid).squaredNorm(),

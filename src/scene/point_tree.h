@@ -26,8 +26,8 @@ class PointTree {
   std::vector<uint32_t> Nearest(const Eigen::Vector3f& place, size_t count,
                                 float max_distance) const;
 
-  // Returns the points that are nearer to a place than a distance, in an order
-  // that depends on the points alone.
+  // Returns the points that are nearer to a place than a distance, up to
+  // rounding, in an order that depends on the points and the place alone.
   std::vector<uint32_t> Within(const Eigen::Vector3f& place,
                                float distance) const;
 

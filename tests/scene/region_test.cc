@@ -156,6 +156,30 @@ TEST(PointTreeTest, FindsWhatIsNearest) {
   }
 }
 
+TEST(PointTreeTest, FindsWhatIsWithinADistance) {
+  Random random(4);
+  std::vector<Eigen::Vector3f> points(3000);
+  for (Eigen::Vector3f& point : points) {
+    point = RandomPoint(&random);
+  }
+  const PointTree tree(points);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3f place = RandomPoint(&random);
+    for (const float distance : {0.0f, 0.1f, 0.5f, 9.0f}) {
+      std::vector<uint32_t> found = tree.Within(place, distance);
+      std::ranges::sort(found);
+      std::vector<uint32_t> expected;
+      for (uint32_t k = 0; k < points.size(); ++k) {
+        if ((points[k] - place).norm() < distance) {
+          expected.push_back(k);
+        }
+      }
+      EXPECT_EQ(found, expected);
+    }
+  }
+  EXPECT_TRUE(PointTree({}).Within(Eigen::Vector3f::Zero(), 1).empty());
+}
+
 TEST(PointTreeTest, TakesTheLowerIndexOfPointsAsFar) {
   Random random(2);
   std::vector<Eigen::Vector3f> points;
