@@ -261,15 +261,24 @@ class LayerFinder {
       offsets.emplace_back((places_.positions[near[k]] - position) / footprint);
     }
     const std::optional<Vector3f> normal = NormalOf(offsets);
-    return normal ? SplitImages(ImagesOf(part, offsets, *normal))
+    return normal ? SplitImages(ImagesOf(i, part, offsets, *normal))
                   : std::nullopt;
   }
 
-  std::vector<Image> ImagesOf(const std::vector<uint32_t>& part,
+  // Of the images on the same side of a wall as those that see a place: what
+  // the others see is the back of a thin wall.
+  std::vector<Image> ImagesOf(size_t place, const std::vector<uint32_t>& part,
                               const std::vector<Vector3f>& offsets,
                               const Vector3f& normal) const {
     std::vector<Heights>& of_views = heights_.local();
     of_views.resize(centers_.size());
+    const Vector3f& position = places_.positions[place];
+    const auto is_above = [&](uint32_t view) {
+      return (centers_[view] - position).dot(normal) > 0;
+    };
+    const auto seen_by = cloud_.views[places_.points[place]];
+    const bool is_seen_from_above =
+        2 * std::ranges::count_if(seen_by, is_above) >= std::ssize(seen_by);
     std::vector<uint32_t> views;
     for (size_t k = 0; k < part.size(); ++k) {
       const float height = offsets[k].dot(normal);
@@ -282,7 +291,10 @@ class LayerFinder {
     }
     std::vector<Image> images;
     for (const uint32_t view : views) {
-      images.push_back({view, std::exchange(of_views[view], {})});
+      const Heights heights = std::exchange(of_views[view], {});
+      if (is_above(view) == is_seen_from_above) {
+        images.push_back({view, heights});
+      }
     }
     return images;
   }

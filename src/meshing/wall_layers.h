@@ -14,7 +14,7 @@ namespace colmap_ext {
 // of a wall the mean heights of the points that each image sees tell the groups
 // apart, and the points of the group go whose images are mostly in the
 // minority, there and elsewhere. Noise and relief, which all images see alike,
-// stay (docs/method.md, section 1.3).
+// and both sides of a thin wall stay (docs/method.md, section 1.3).
 //
 // Does not depend on the number of threads.
 //

@@ -23,11 +23,13 @@ constexpr double kPixel = 0.01;   // on the wall
 
 // Eight cameras side by side that look at a wall around the origin. Even ones
 // are of one group of images, odd ones of the other.
-std::vector<View> MakeViews() {
+// \param are_odd_behind  those of the other group are on the other side
+std::vector<View> MakeViews(bool are_odd_behind = false) {
   std::vector<View> views;
   for (int i = 0; i < 8; ++i) {
-    views.push_back(LookAtView({i - 3.5, 0.3 * (i % 3), -kDistance},
-                               Vector3d::Zero(), -Vector3d::UnitY(), 1000, 1000,
+    const double z = are_odd_behind && i % 2 == 1 ? kDistance : -kDistance;
+    views.push_back(LookAtView({i - 3.5, 0.3 * (i % 3), z}, Vector3d::Zero(),
+                               -Vector3d::UnitY(), 1000, 1000,
                                kDistance / kPixel));
   }
   return views;
@@ -162,6 +164,12 @@ TEST(DropWeakerLayers, KeepsWhatIsThereOnce) {
     return 80 * random.Unit() - 40;
   };
   EXPECT_LT(DroppedShare(crown, 0), 0.001);
+}
+
+TEST(DropWeakerLayers, KeepsBothSidesOfThinWalls) {
+  WeightedCloud wall = MakeWall(
+      [](double, double, int group) { return 9.0 * group; }, {4, 3}, 0.7);
+  EXPECT_EQ(DropWeakerLayers(MakeViews(true), &wall), 0u);
 }
 
 TEST(DropWeakerLayers, TakesFewPointsAndNoPoints) {
