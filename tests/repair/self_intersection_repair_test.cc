@@ -168,8 +168,8 @@ TEST(RepairSelfIntersections, NeverMakesMore) {
     TriangleMesh mesh = MakeRandomManifold(&random);
     Repair(&mesh);
   }
-  for (const float noise : {0.02f, 0.06f}) {
-    TriangleMesh mesh = WithNoise(MakeBumpySphere(0.05f), noise, &random);
+  for (const float noise : {0.04f, 0.12f}) {
+    TriangleMesh mesh = WithNoise(MakeBumpySphere(0.1f), noise, &random);
     Repair(&mesh);
   }
 }
@@ -177,7 +177,7 @@ TEST(RepairSelfIntersections, NeverMakesMore) {
 // Noise turns facets over and lets them cross; most of it is repaired.
 TEST(RepairSelfIntersections, RepairsMostOfANoisySurface) {
   Random random(3);
-  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.05f, 0), 0.03f, &random);
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.07f, 0), 0.042f, &random);
   const Repaired repair = Repair(&mesh);
   EXPECT_GT(repair.num_before, 50u);
   EXPECT_LE(20 * repair.num_after, repair.num_before);
@@ -229,7 +229,7 @@ TEST(RepairSelfIntersections, IsThatOfThePartThatCrosses) {
 
 TEST(RepairSelfIntersections, IsTheSameForAnyNumberOfThreads) {
   Random random(4);
-  const TriangleMesh mesh = WithNoise(MakeRoundTorus(0.05f), 0.03f, &random);
+  const TriangleMesh mesh = WithNoise(MakeRoundTorus(0.08f), 0.048f, &random);
   ExpectSameForAnyThreads([&] {
     TriangleMesh repaired = mesh;
     EXPECT_GT(Repair(&repaired).num_moved_vertices, 0u);
