@@ -23,6 +23,8 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
 // Of the points that a quadric is fitted to. A choice: five times as many as
 // it has coefficients.
 constexpr size_t kNumNearest = 32;
@@ -282,12 +284,10 @@ std::vector<double> MeasureRelief(const Umbrellas& umbrellas,
   return squares;
 }
 
-// [V] How far the vertices of a facet may move for it not to pass over the
-// nearest place: not as far as the place is from the sphere around the facet's
-// centroid that holds its corners.
+// [V] How far a vertex may move so that none of its facets passes over a place:
+// by the distance of the place from the sphere that holds the facet's corners.
 std::vector<float> MotionLimits(const std::vector<Vector3f>& places,
                                 const TriangleMesh& mesh) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const PointTree tree(places);
   std::vector<float> distances(mesh.facets.size(), kInfinity);
   tbb::parallel_for(size_t{0}, mesh.facets.size(), [&](size_t i) {
@@ -358,8 +358,7 @@ std::vector<float> LocalNoise(std::span<const Vector3f> points,
   std::vector<float> noises(places.size());
   tbb::parallel_for(size_t{0}, places.size(), [&](size_t i) {
     noises[i] = NoiseAt(places[i], points,
-                        tree.Nearest(places[i], kNumNearest,
-                                     std::numeric_limits<float>::infinity()));
+                        tree.Nearest(places[i], kNumNearest, kInfinity));
   });
   return noises;
 }

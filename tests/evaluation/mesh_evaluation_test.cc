@@ -54,7 +54,7 @@ void ExpectAll(const DistanceStatistics& statistics, double distance) {
 }
 
 TEST(EvaluateMesh, OfAShiftedPlaneIsTheShift) {
-  for (const float shift : {0.0f, -0.03f}) {
+  for (const float shift : {0.0f, 0.01f, -0.03f}) {
     const MeshEvaluation evaluation = Evaluate(Square(shift, 7), Square(0), {});
     ASSERT_TRUE(evaluation.distances);
     ExpectAll(evaluation.distances->accuracy, std::abs(shift));

@@ -219,17 +219,20 @@ TEST(SmoothByNoise, KeepsEdges) {
   EXPECT_LT(on_planes, 0.006);
 }
 
+// Of a MakeJitteredSquare().
+size_t MiddleVertex(const TriangleMesh& square) {
+  const auto middle =
+      std::ranges::min_element(square.vertices, {}, [](const Vector3f& vertex) {
+        return (vertex - Vector3f(0.5f, 0.5f, 0)).norm();
+      });
+  return static_cast<size_t>(middle - square.vertices.begin());
+}
+
 TEST(SmoothByNoise, PutsUnmeasuredVerticesBetweenTheirNeighbors) {
   Random random(3);
   TriangleMesh mesh = MakeJitteredSquare(9, &random);
   std::vector<float> noises(mesh.vertices.size(), 0);
-  const auto spike = static_cast<size_t>(
-      std::ranges::min_element(
-          mesh.vertices, {},
-          [](const Vector3f& vertex) {
-            return (vertex - Vector3f(0.5f, 0.5f, 0)).norm();
-          }) -
-      mesh.vertices.begin());
+  const size_t spike = MiddleVertex(mesh);
   noises[spike] = std::numeric_limits<float>::infinity();
   mesh.vertices[spike].z() = 0.08f;
   SmoothByNoise({}, noises, 1, &mesh);
@@ -240,13 +243,7 @@ TEST(SmoothByNoise, PutsUnmeasuredVerticesBetweenTheirNeighbors) {
 TEST(SmoothByNoise, DoesNotPassOverCameras) {
   Random random(3);
   TriangleMesh mesh = MakeJitteredSquare(9, &random);
-  const auto spike = static_cast<size_t>(
-      std::ranges::min_element(
-          mesh.vertices, {},
-          [](const Vector3f& vertex) {
-            return (vertex - Vector3f(0.5f, 0.5f, 0)).norm();
-          }) -
-      mesh.vertices.begin());
+  const size_t spike = MiddleVertex(mesh);
   mesh.vertices[spike].z() = 0.08f;
   const Vector3f below = mesh.vertices[spike] - Vector3f(0, 0, 0.03f);
   const std::vector<float> noises(mesh.vertices.size(), 0.1f);
