@@ -1,313 +1,279 @@
-#include "cameras/refine_cameras.h"
-
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <memory>
+#include <optional>
 #include <utility>
+#include <vector>
 
-#include <ceres/ceres.h>
-#include <ceres/normal_prior.h>
-#include <ceres/rotation.h>
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+
+#include "base/indices.h"
+#include "cameras/camera_residuals.h"
+#include "cameras/landmarks.h"
+#include "cameras/refine_cameras.h"
 
 namespace colmap_ext {
 namespace {
 
-using RowMajor2x6 = Eigen::Matrix<double, 2, 6, Eigen::RowMajor>;
-using RowMajor2x3 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
+// The priors of the cameras' steps: normal distributions of each number.
+struct CameraPriorTerms {
+  Eigen::VectorXd means;
+  Eigen::VectorXd informations;  // inverse variances; infinite: stays
 
-// W (J x - shift): blocks pose i, pose j, displacement, and the intrinsics of
-// one camera or of two.
-class ShiftCost : public ceres::CostFunction {
- public:
-  ShiftCost(const ShiftMeasurement& measured, double displacement,
-            int num_intrinsics)
-      : by_pose_i_(measured.whitening * measured.jacobian.by_pose_i),
-        by_pose_j_(measured.whitening * measured.jacobian.by_pose_j),
-        by_displacement_(measured.whitening *
-                         measured.jacobian.by_displacement),
-        constant_(-measured.whitening * measured.shift -
-                  by_displacement_ * displacement) {
-    set_num_residuals(2);
-    *mutable_parameter_block_sizes() = {6, 6, 1};
-    by_intrinsics_[0] = measured.whitening * measured.jacobian.by_intrinsics_i;
-    by_intrinsics_[1] = measured.whitening * measured.jacobian.by_intrinsics_j;
-    if (num_intrinsics == 1) {
-      by_intrinsics_[0] += by_intrinsics_[1];
-    }
-    for (int k = 0; k < num_intrinsics; ++k) {
-      mutable_parameter_block_sizes()->push_back(3);
-    }
-  }
-
-  bool Evaluate(double const* const* blocks, double* residuals,
-                double** jacobians) const override {
-    const size_t num_intrinsics = parameter_block_sizes().size() - 3;
-    Eigen::Map<Eigen::Vector2d> residual(residuals);
-    residual = constant_ + by_pose_i_ * Eigen::Map<const PoseStep>(blocks[0]) +
-               by_pose_j_ * Eigen::Map<const PoseStep>(blocks[1]) +
-               by_displacement_ * blocks[2][0];
-    for (size_t k = 0; k < num_intrinsics; ++k) {
-      residual +=
-          by_intrinsics_[k] * Eigen::Map<const IntrinsicsStep>(blocks[3 + k]);
-    }
-    const auto copy = [&]<typename Matrix>(const Matrix& by_block, size_t k) {
-      if (jacobians != nullptr && jacobians[k] != nullptr) {
-        Eigen::Map<Matrix>{jacobians[k]} = by_block;
+  CameraPriorTerms(const CameraEvidence& evidence, const CameraSet& original,
+                   const CameraSet& start, const CameraSteps& steps)
+      : means(Eigen::VectorXd::Zero(steps.values.size())),
+        informations(Eigen::VectorXd::Constant(steps.values.size(), HUGE_VAL)) {
+    const CameraPriors& priors = evidence.priors;
+    for (size_t i = 0; i < start.views.size(); ++i) {
+      const View& before = original.views[i];
+      const View& now = start.views[i];
+      ViewStep moved;
+      moved << StepBetween(before, now), std::log(now.fx / before.fx),
+          (now.cx - before.cx) / before.fx, (now.cy - before.cy) / before.fy;
+      const double angle = priors.pose / now.fx;
+      ViewStep sigmas;
+      sigmas << Eigen::Vector3d::Constant(angle),
+          Eigen::Vector3d::Constant(angle * evidence.depths[i]),
+          priors.focal_length, priors.principal_point, priors.principal_point;
+      const auto indices = steps.Indices(i);
+      for (int k = 0; k < kViewDim; ++k) {
+        if (k < 6 ? evidence.is_skipped[i] == 0 : evidence.refine_intrinsics) {
+          means[indices[k]] = -moved[k];
+          informations[indices[k]] = 1 / (sigmas[k] * sigmas[k]);
+        }
       }
-    };
-    copy(by_pose_i_, 0);
-    copy(by_pose_j_, 1);
-    copy(by_displacement_, 2);
-    for (size_t k = 0; k < num_intrinsics; ++k) {
-      copy(by_intrinsics_[k], 3 + k);
     }
-    return true;
   }
 
- private:
-  RowMajor2x6 by_pose_i_;
-  RowMajor2x6 by_pose_j_;
-  Eigen::Vector2d by_displacement_;
-  std::array<RowMajor2x3, 2> by_intrinsics_;
-  Eigen::Vector2d constant_;
-};
-
-// (projection - observation) / sigma: blocks pose step, intrinsics step, point.
-class ReprojectionCost {
- public:
-  ReprojectionCost(const View& view, Eigen::Vector2d pixel, double sigma)
-      : view_(view), pixel_(std::move(pixel)), sigma_(sigma) {}
-
-  template <typename T>
-  bool operator()(const T* pose, const T* intrinsics, const T* point,
-                  T* residual) const {
-    const Eigen::Matrix<T, 3, 1> in_view =
-        view_.cam_from_world_rotation.template cast<T>() *
-            Eigen::Map<const Eigen::Matrix<T, 3, 1>>(point) +
-        view_.cam_from_world_translation.template cast<T>();
-    T moved[3];
-    ceres::AngleAxisRotatePoint(pose, in_view.data(), moved);
-    for (int k = 0; k < 3; ++k) {
-      moved[k] += pose[3 + k];
-    }
-    if (!(moved[2] > T(0))) {
-      return false;
-    }
-    const T scale = exp(intrinsics[0]) / moved[2];
-    residual[0] = (view_.fx * (scale * moved[0] + intrinsics[1]) + view_.cx -
-                   pixel_.x()) /
-                  sigma_;
-    residual[1] = (view_.fy * (scale * moved[1] + intrinsics[2]) + view_.cy -
-                   pixel_.y()) /
-                  sigma_;
-    return true;
+  bool IsFixed(Eigen::Index index) const {
+    return informations[index] == HUGE_VAL;
   }
 
- private:
-  const View& view_;
-  Eigen::Vector2d pixel_;
-  double sigma_;
+  double Cost(const CameraSteps& steps) const {
+    double sum = 0;
+    for (Eigen::Index k = 0; k < means.size(); ++k) {
+      const double distance = steps.values[k] - means[k];
+      sum += IsFixed(k) ? 0 : 0.5 * informations[k] * distance * distance;
+    }
+    return sum;
+  }
 };
 
-// A problem and its variables. The views, which costs refer to, have to stay.
+// Levenberg and Marquardt's method.
 class Problem {
  public:
   Problem(const CameraEvidence& evidence, const CameraSet& original,
-          CameraEstimate* estimate)
-      : evidence_(evidence),
-        original_(original),
-        estimate_(estimate),
-        num_views_(original.views.size()),
-        num_cameras_(size_t{1} + std::ranges::max(original.view_cameras)),
-        first_point_(estimate->displacements.size()),
-        first_pose_(first_point_ + 3 * estimate->positions.size()),
-        first_intrinsics_(first_pose_ + 6 * num_views_),
-        variables_(first_intrinsics_ + 3 * num_cameras_, 0) {
-    std::ranges::copy(estimate->displacements, variables_.begin());
-    for (size_t i = 0; i < estimate->positions.size(); ++i) {
-      Eigen::Map<Eigen::Vector3d>{Point(i)} = estimate->positions[i];
-    }
+          const CameraEstimate& start)
+      : num_views_(start.cameras.views.size()),
+        steps_(original.view_cameras),
+        priors_(evidence, original, start.cameras, steps_),
+        patches_(PatchShifts(evidence, start.displacements), steps_, num_views_,
+                 AsLandmarks(start.displacements)),
+        points_(
+            TrackProjections(evidence, start.cameras.views, start.positions),
+            steps_, num_views_, start.positions) {
+    system_.columns = MakeRows<uint32_t>(
+        num_views_, [&](size_t view, std::vector<uint32_t>* columns) {
+          std::vector<uint32_t> neighbors{static_cast<uint32_t>(view)};
+          patches_.AppendNeighbors(static_cast<uint32_t>(view), &neighbors);
+          points_.AppendNeighbors(static_cast<uint32_t>(view), &neighbors);
+          SortUnique(&neighbors);
+          Append(neighbors, columns);
+        });
   }
 
+  // \return whether the cost is a number
   bool Solve() {
-    AddShifts();
-    AddTracks();
-    AddCameras();
-    ceres::Solver::Options options;
-    // From so many views on the reduced system is sparse as a rule.
-    constexpr size_t kMaxDense = 300;
-    // Eigen's solvers run on one thread. SuiteSparse's sums have an order that
-    // depends on the threads of the BLAS.
-    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-    const bool is_dense =
-        num_views_ <= kMaxDense ||
-        !ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE);
-    options.linear_solver_type =
-        is_dense ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
-    options.linear_solver_ordering = ordering_;
-    options.num_threads = 1;
-    options.max_num_iterations = 12;
-    // The windows are compared anew after each solution; a choice.
-    options.function_tolerance = 1e-3;
-    options.logging_type = ceres::SILENT;
-    ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem_, &summary);
-    if (!summary.IsSolutionUsable()) {
+    constexpr int kMaxIterations = 12;
+    // Of the cost: the windows are compared anew after each solution; a choice.
+    constexpr double kMinGain = 1e-3;
+    constexpr double kDampingFactor = 10;
+    double cost = Cost(steps_, false);
+    if (!std::isfinite(cost)) {
       return false;
     }
-    for (size_t i = 0; i < num_views_; ++i) {
-      View& view = estimate_->cameras.views[i];
-      view = MoveView(view, Eigen::Map<const PoseStep>(Pose(i)),
-                      Eigen::Map<const IntrinsicsStep>(Intrinsics(i)));
-    }
-    std::copy_n(variables_.begin(), first_point_,
-                estimate_->displacements.begin());
-    for (size_t i = 0; i < estimate_->positions.size(); ++i) {
-      estimate_->positions[i] = Eigen::Map<const Eigen::Vector3d>(Point(i));
+    double damping = 1e-4;
+    bool is_linearized = false;
+    for (int i = 0; i < kMaxIterations; ++i) {
+      if (!std::exchange(is_linearized, true)) {
+        patches_.Linearize(steps_);
+        points_.Linearize(steps_);
+      }
+      const std::optional<CameraSteps> steps = FindSteps(damping);
+      const double gain = steps ? cost - Cost(*steps, true) : -HUGE_VAL;
+      if (!(gain > 0)) {
+        damping *= kDampingFactor;
+        continue;
+      }
+      steps_.values = steps->values;
+      patches_.Move();
+      points_.Move();
+      is_linearized = false;
+      cost -= gain;
+      if (gain < kMinGain * cost) {
+        break;
+      }
+      damping /= kDampingFactor;
     }
     return true;
   }
 
+  void Store(CameraEstimate* estimate) const {
+    for (size_t i = 0; i < num_views_; ++i) {
+      View& view = estimate->cameras.views[i];
+      const ViewStep step = steps_[i];
+      view = MoveView(view, step.head<6>(), step.tail<3>());
+    }
+    for (size_t i = 0; i < patches_.At().size(); ++i) {
+      estimate->displacements[i] = patches_.At()[i][0];
+    }
+    estimate->positions = points_.At();
+  }
+
  private:
-  double* Displacement(size_t patch) { return &variables_[patch]; }
-  double* Point(size_t point) { return &variables_[first_point_ + 3 * point]; }
-  double* Pose(size_t view) { return &variables_[first_pose_ + 6 * view]; }
-  double* Intrinsics(size_t view) {
-    return &variables_[first_intrinsics_ + 3 * original_.view_cameras[view]];
+  static std::vector<PatchShifts::Landmark> AsLandmarks(
+      const std::vector<double>& displacements) {
+    std::vector<PatchShifts::Landmark> landmarks;
+    for (const double displacement : displacements) {
+      landmarks.emplace_back(displacement);
+    }
+    return landmarks;
   }
 
-  // (offset + block) / sigma, each row by its own.
-  void AddPrior(const Eigen::VectorXd& offset, const Eigen::VectorXd& sigmas,
-                double* block) {
-    problem_.AddResidualBlock(
-        new ceres::NormalPrior(sigmas.cwiseInverse().asDiagonal(), -offset),
-        nullptr, block);
+  double Cost(const CameraSteps& steps, bool moves) const {
+    return priors_.Cost(steps) + patches_.Cost(steps, moves) +
+           points_.Cost(steps, moves);
   }
 
-  void AddShifts() {
-    std::vector<uint8_t> is_added(estimate_->displacements.size(), 0);
-    const Eigen::VectorXd sigma =
-        Eigen::VectorXd::Constant(1, evidence_.priors.displacement);
-    for (const ShiftMeasurement& shift : evidence_.shifts) {
-      double* displacement = Displacement(shift.patch);
-      std::vector<double*> blocks = {Pose(shift.i), Pose(shift.j),
-                                     displacement};
-      if (evidence_.refine_intrinsics) {
-        blocks.push_back(Intrinsics(shift.i));
-        if (Intrinsics(shift.j) != Intrinsics(shift.i)) {
-          blocks.push_back(Intrinsics(shift.j));
+  // The cameras' steps; the landmarks get theirs.
+  // \return nothing if the equations can not be solved
+  std::optional<CameraSteps> FindSteps(double damping) {
+    system_.blocks.assign(system_.columns.values.size(), ViewBlock::Zero());
+    system_.slopes.assign(num_views_, ViewStep::Zero());
+    patches_.AddTo(steps_, damping, &system_);
+    points_.AddTo(steps_, damping, &system_);
+    Eigen::VectorXd slopes = Eigen::VectorXd::Zero(steps_.values.size());
+    for (size_t i = 0; i < num_views_; ++i) {
+      const auto indices = steps_.Indices(i);
+      for (int k = 0; k < kViewDim; ++k) {
+        slopes[indices[k]] += system_.slopes[i][k];
+      }
+    }
+    Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(slopes.size());
+    ForEachEntry([&](Eigen::Index row, Eigen::Index col, double value) {
+      diagonal[row] += row == col ? value : 0;
+    });
+    for (Eigen::Index k = 0; k < slopes.size(); ++k) {
+      if (priors_.IsFixed(k)) {
+        slopes[k] = 0;
+        diagonal[k] = 1;
+      } else {
+        slopes[k] +=
+            priors_.informations[k] * (steps_.values[k] - priors_.means[k]);
+        diagonal[k] += priors_.informations[k];
+      }
+    }
+    const Eigen::VectorXd solution =
+        -SolveDamped((1 + damping) * diagonal, slopes);
+    if (!solution.allFinite()) {
+      return std::nullopt;
+    }
+    CameraSteps change = steps_;
+    change.values = solution;
+    patches_.FindSteps(change);
+    points_.FindSteps(change);
+    change.values += steps_.values;
+    return change;
+  }
+
+  // Calls function(row, column, value) for the lower triangle of the cameras'
+  // matrix, without its priors and what stays; values of one place are to be
+  // summed.
+  template <typename Function>
+  void ForEachEntry(const Function& function) const {
+    for (size_t i = 0; i < num_views_; ++i) {
+      const auto rows = steps_.Indices(i);
+      for (uint64_t k = system_.columns.offsets[i];
+           k < system_.columns.offsets[i + 1]; ++k) {
+        const size_t j = system_.columns.values[k];
+        AddBlock(rows, steps_.Indices(j), system_.blocks[k], function);
+        if (i != j) {
+          AddBlock(steps_.Indices(j), rows, system_.blocks[k].transpose(),
+                   function);
         }
       }
-      problem_.AddResidualBlock(
-          new ShiftCost(shift, *displacement,
-                        static_cast<int>(blocks.size()) - 3),
-          robust_.get(), blocks);
-      if (std::exchange(is_added[shift.patch], 1) == 0) {
-        ordering_->AddElementToGroup(displacement, 0);
-        AddPrior(Eigen::VectorXd::Zero(1), sigma, displacement);
-      }
     }
   }
 
-  void AddTracks() {
-    const SparseTracks& tracks = evidence_.tracks;
-    for (size_t i = 0; i < tracks.positions.size(); ++i) {
-      double footprint = 0;
-      for (const TrackObservation& seen : tracks.observations[i]) {
-        const View& view = estimate_->cameras.views[seen.view];
-        const double depth = view.CamFromWorld(estimate_->positions[i]).z();
-        if (!(depth > 0)) {
-          continue;
+  template <typename Function>
+  void AddBlock(const std::array<Eigen::Index, kViewDim>& rows,
+                const std::array<Eigen::Index, kViewDim>& cols,
+                const ViewBlock& block, const Function& function) const {
+    for (int r = 0; r < kViewDim; ++r) {
+      for (int c = 0; c < kViewDim; ++c) {
+        if (rows[r] >= cols[c] && !priors_.IsFixed(rows[r]) &&
+            !priors_.IsFixed(cols[c])) {
+          function(rows[r], cols[c], block(r, c));
         }
-        footprint = std::max(footprint, depth / view.fx);
-        problem_.AddResidualBlock(
-            new ceres::AutoDiffCostFunction<ReprojectionCost, 2, 6, 3, 3>(
-                new ReprojectionCost(view, seen.pixel,
-                                     evidence_.track_sigmas[seen.view])),
-            robust_.get(), Pose(seen.view), Intrinsics(seen.view), Point(i));
-      }
-      if (footprint > 0) {
-        ordering_->AddElementToGroup(Point(i), 0);
-        AddPrior(-tracks.positions[i],
-                 Eigen::Vector3d::Constant(evidence_.priors.point * footprint),
-                 Point(i));
       }
     }
   }
 
-  void AddCameras() {
-    const CameraPriors& priors = evidence_.priors;
-    for (size_t i = 0; i < num_views_; ++i) {
-      const View& view = estimate_->cameras.views[i];
-      PoseStep sigmas;
-      sigmas << Eigen::Vector3d::Constant(priors.pose / view.fx),
-          Eigen::Vector3d::Constant(priors.pose * evidence_.depths[i] /
-                                    view.fx);
-      double* pose = Pose(i);
-      AddPrior(StepBetween(original_.views[i], view), sigmas, pose);
-      ordering_->AddElementToGroup(pose, 1);
-      if (evidence_.is_skipped[i] != 0) {
-        problem_.SetParameterBlockConstant(pose);
-      }
+  // The cameras' matrix, with another diagonal, solved for a right side. NaN
+  // where that fails.
+  Eigen::VectorXd SolveDamped(const Eigen::VectorXd& diagonal,
+                              const Eigen::VectorXd& right) const {
+    // From so many views on the reduced system is sparse as a rule.
+    constexpr size_t kMaxDense = 300;
+    const Eigen::Index size = right.size();
+    const Eigen::VectorXd failure =
+        Eigen::VectorXd::Constant(size, std::nan(""));
+    if (num_views_ <= kMaxDense) {
+      Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(size, size);
+      ForEachEntry([&](Eigen::Index row, Eigen::Index col, double value) {
+        matrix(row, col) += value;
+      });
+      matrix.diagonal() = diagonal;
+      const Eigen::LLT<Eigen::MatrixXd> factors(matrix);
+      return factors.info() == Eigen::Success ? factors.solve(right).eval()
+                                              : failure;
     }
-    AddIntrinsics();
-  }
-
-  void AddIntrinsics() {
-    const CameraPriors& priors = evidence_.priors;
-    std::vector<uint8_t> is_added(num_cameras_, 0);
-    for (size_t i = 0; i < num_views_; ++i) {
-      if (std::exchange(is_added[original_.view_cameras[i]], 1) != 0) {
-        continue;
+    std::vector<Eigen::Triplet<double>> triplets;
+    ForEachEntry([&](Eigen::Index row, Eigen::Index col, double value) {
+      if (row != col) {
+        triplets.emplace_back(row, col, value);
       }
-      const View& before = original_.views[i];
-      const View& now = estimate_->cameras.views[i];
-      double* block = Intrinsics(i);
-      AddPrior(Eigen::Vector3d(std::log(now.fx / before.fx),
-                               (now.cx - before.cx) / before.fx,
-                               (now.cy - before.cy) / before.fy),
-               Eigen::Vector3d(priors.focal_length, priors.principal_point,
-                               priors.principal_point),
-               block);
-      ordering_->AddElementToGroup(block, 1);
-      if (!evidence_.refine_intrinsics) {
-        problem_.SetParameterBlockConstant(block);
-      }
+    });
+    for (Eigen::Index k = 0; k < size; ++k) {
+      triplets.emplace_back(k, k, diagonal[k]);
     }
+    Eigen::SparseMatrix<double> matrix(size, size);
+    matrix.setFromTriplets(triplets.begin(), triplets.end());
+    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factors(matrix);
+    return factors.info() == Eigen::Success ? factors.solve(right).eval()
+                                            : failure;
   }
 
-  static ceres::Problem::Options ProblemOptions() {
-    ceres::Problem::Options options;
-    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    return options;
-  }
-
-  const CameraEvidence& evidence_;
-  const CameraSet& original_;
-  CameraEstimate* estimate_;
   size_t num_views_;
-  size_t num_cameras_;
-  size_t first_point_;  // in variables_
-  size_t first_pose_;
-  size_t first_intrinsics_;
-  // Displacements, points, pose steps, intrinsics steps. In one array, as Ceres
-  // orders variables by their addresses, and sums by that order.
-  std::vector<double> variables_;
-  std::unique_ptr<ceres::LossFunction> robust_ =
-      std::make_unique<ceres::CauchyLoss>(kRobustScale);
-  // Group 0 is eliminated.
-  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
-      std::make_shared<ceres::ParameterBlockOrdering>();
-  ceres::Problem problem_{ProblemOptions()};
+  CameraSteps steps_;
+  CameraPriorTerms priors_;
+  Landmarks<PatchShifts> patches_;
+  Landmarks<TrackProjections> points_;
+  ReducedSystem system_;
 };
 
 }  // namespace
 
 bool SolveCameras(const CameraEvidence& evidence, const CameraSet& original,
                   CameraEstimate* estimate) {
-  return Problem(evidence, original, estimate).Solve();
+  Problem problem(evidence, original, *estimate);
+  if (!problem.Solve()) {
+    return false;
+  }
+  problem.Store(estimate);
+  return true;
 }
 
 }  // namespace colmap_ext

@@ -30,20 +30,37 @@ struct FacetTextures {
   GlBuffer facing;        // [F] bits, see facing.comp
 };
 
+// A corner of a triangle of the part of a facet in and around an image.
+struct ClippedCorner {
+  float u, v;  // px, multiples of 1/256
+  float inverse_depth;
+  uint32_t facet;
+};
+
+// What there is to draw of a mesh into a view.
+struct FacetsInView {
+  std::vector<FacetRange> ranges;  // begin at multiples of 32
+  // Three a triangle, of those that facet_ids.vert leaves out.
+  std::vector<ClippedCorner> clipped;
+  float depth_scale = 1;  // see FacetTextures
+};
+
+// Does not need OpenGL.
+// \param ranges  of the facets that are drawn, see DrawFacets().
+FacetsInView FindFacetsInView(const View& view, const TriangleMesh& mesh,
+                              std::vector<FacetRange> ranges);
+
 // Draws a mesh into views, as DrawFacets() of raster/facet_id_buffer.h does.
 class FacetDrawer {
  public:
   // \param min_cosine  see DrawFacets().
   explicit FacetDrawer(double min_cosine);
 
-  // \param ranges  of the facets that are drawn, see DrawFacets(). They begin
-  //        at multiples of 32.
-  // \param vertices, facets  the arrays of `mesh`.
+  // \param vertices, facets  the arrays of the mesh.
   // \param mask  whose pixels of 0 show nothing, see EraseMasked(); or null.
-  void Draw(const View& view, const TriangleMesh& mesh,
-            std::span<const FacetRange> ranges, const GlBuffer& vertices,
-            const GlBuffer& facets, FacetTextures* textures,
-            const GrayImage* mask = nullptr);
+  void Draw(const View& view, const FacetsInView& in_view,
+            const GlBuffer& vertices, const GlBuffer& facets,
+            FacetTextures* textures, const GrayImage* mask = nullptr);
 
  private:
   void BeginImages(const View& view, FacetTextures* textures);
@@ -51,12 +68,11 @@ class FacetDrawer {
   void DrawImages(const View& view, std::span<const FacetRange> ranges,
                   const GlBuffer& vertices, const GlBuffer& facets,
                   FacetTextures* textures);
-  // Triangles, each of three of `corners`.
-  void DrawClipped(const View& view, size_t num_corners,
-                   const GlBuffer& corners, const FacetTextures& textures);
-  void FindFacing(const View& view, size_t num_facets,
-                  std::span<const FacetRange> ranges, const GlBuffer& vertices,
-                  const GlBuffer& facets, FacetTextures* textures);
+  void DrawClipped(const View& view, const std::vector<ClippedCorner>& clipped,
+                   const FacetTextures& textures);
+  void FindFacing(const View& view, std::span<const FacetRange> ranges,
+                  const GlBuffer& vertices, const GlBuffer& facets,
+                  FacetTextures* textures);
 
   double min_cosine_;
   Program mask_;
@@ -91,7 +107,10 @@ class ViewTextureCache {
                    size_t max_memory);
 
   // Drops all views; their size has changed.
-  void Clear() { views_.Clear(); }
+  void Clear() {
+    views_.Clear();
+    in_views_.clear();
+  }
 
   // \param max_memory  as of the constructor.
   void SetMaxMemory(size_t max_memory) { views_.SetMaxBytes(max_memory); }
@@ -105,11 +124,14 @@ class ViewTextureCache {
   std::shared_ptr<const ViewTextures> Get(size_t view);
 
  private:
+  void FindInViews();
+
   std::shared_ptr<ImagePyramid> images_;
   FacetDrawer drawer_;
   std::shared_ptr<const TriangleMesh> mesh_;
-  std::optional<FacetClusters> clusters_;  // of the mesh
-  uint64_t num_meshes_ = 0;                // the number of the mesh at hand
+  // [views] of the mesh, found for all at a time, in parallel; empty: not yet
+  std::vector<FacetsInView> in_views_;
+  uint64_t num_meshes_ = 0;  // the number of the mesh at hand
   GlBuffer vertices_;
   GlBuffer facets_;
   LruCache<ViewTextures> views_;

@@ -6,7 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include <tbb/parallel_for.h>
+
 #include "mesh/mesh_in_image.h"
+#include "raster/facet_clusters.h"
 
 namespace colmap_ext {
 namespace {
@@ -27,17 +30,10 @@ double MaxInverseDepth(const View& view, const TriangleMesh& mesh,
   return max;
 }
 
-// Of a triangle of the part of a facet in and around the image.
-struct ClippedCorner {
-  float u, v;  // px, multiples of 1/256
-  float inverse_depth;
-  uint32_t facet;
-};
-
-// Three a triangle, of the facets that facet_ids.vert leaves out. Over much
-// more of the image's plane the values of a card's floats change too much. Over
-// less, edges would be cut that other facets have whole: their ends are moved
-// to other subpixels, and pixels fall between the facets.
+// See FacetsInView. Over much more of the image's plane the values of a card's
+// floats change too much. Over less, edges would be cut that other facets have
+// whole: their ends are moved to other subpixels, and pixels fall between the
+// facets.
 std::vector<ClippedCorner> ClipFacets(const View& view,
                                       const TriangleMesh& mesh,
                                       std::span<const FacetRange> ranges) {
@@ -77,6 +73,19 @@ void SetProjection(const View& view, Program* program) {
 
 }  // namespace
 
+FacetsInView FindFacetsInView(const View& view, const TriangleMesh& mesh,
+                              std::vector<FacetRange> ranges) {
+  FacetsInView in_view{std::move(ranges), {}, 1};
+  in_view.clipped = ClipFacets(view, mesh, in_view.ranges);
+  double max_inverse_depth = MaxInverseDepth(view, mesh, in_view.ranges);
+  for (const ClippedCorner& corner : in_view.clipped) {
+    max_inverse_depth =
+        std::max<double>(max_inverse_depth, corner.inverse_depth);
+  }
+  in_view.depth_scale = static_cast<float>(DepthScale(max_inverse_depth));
+  return in_view;
+}
+
 FacetTextures::FacetTextures(int width, int height)
     : facets(GL_R32UI, width, height),
       depths(GL_DEPTH_COMPONENT32F, width, height) {}
@@ -101,27 +110,18 @@ FacetDrawer::FacetDrawer(double min_cosine)
   glVertexArrayAttribBinding(array, kFacet, 0);
 }
 
-void FacetDrawer::Draw(const View& view, const TriangleMesh& mesh,
-                       std::span<const FacetRange> ranges,
+void FacetDrawer::Draw(const View& view, const FacetsInView& in_view,
                        const GlBuffer& vertices, const GlBuffer& facets,
                        FacetTextures* textures, const GrayImage* mask) {
-  const std::vector<ClippedCorner> clipped = ClipFacets(view, mesh, ranges);
-  double max_inverse_depth = MaxInverseDepth(view, mesh, ranges);
-  for (const ClippedCorner& corner : clipped) {
-    max_inverse_depth =
-        std::max<double>(max_inverse_depth, corner.inverse_depth);
-  }
-  textures->depth_scale = static_cast<float>(DepthScale(max_inverse_depth));
+  textures->depth_scale = in_view.depth_scale;
   BeginImages(view, textures);
   if (mask != nullptr) {
     DrawMask(*mask);
   }
-  DrawImages(view, ranges, vertices, facets, textures);
-  GlBuffer corners;
-  corners.Assign(clipped);
-  DrawClipped(view, clipped.size(), corners, *textures);
+  DrawImages(view, in_view.ranges, vertices, facets, textures);
+  DrawClipped(view, in_view.clipped, *textures);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  FindFacing(view, mesh.facets.size(), ranges, vertices, facets, textures);
+  FindFacing(view, in_view.ranges, vertices, facets, textures);
 }
 
 void FacetDrawer::BeginImages(const View& view, FacetTextures* textures) {
@@ -173,22 +173,25 @@ void FacetDrawer::DrawImages(const View& view,
   }
 }
 
-void FacetDrawer::DrawClipped(const View& view, size_t num_corners,
-                              const GlBuffer& corners,
+void FacetDrawer::DrawClipped(const View& view,
+                              const std::vector<ClippedCorner>& clipped,
                               const FacetTextures& textures) {
+  GlBuffer corners;
+  corners.Assign(clipped);
   clipped_.Set("size", Eigen::Vector2f(view.width, view.height));
   clipped_.Set("depth_scale", textures.depth_scale);
   clipped_.Use();
   glVertexArrayVertexBuffer(clipped_array_.Name(), 0, corners.Name(), 0,
                             sizeof(ClippedCorner));
   glBindVertexArray(clipped_array_.Name());
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(num_corners));
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(clipped.size()));
 }
 
-void FacetDrawer::FindFacing(const View& view, size_t num_facets,
+void FacetDrawer::FindFacing(const View& view,
                              std::span<const FacetRange> ranges,
                              const GlBuffer& vertices, const GlBuffer& facets,
                              FacetTextures* textures) {
+  const size_t num_facets = facets.NumBytes() / sizeof(Facet);
   textures->facing.Resize((num_facets + 31) / 32 * sizeof(uint32_t));
   textures->facing.SetZero();
   vertices.BindToStorage(0);
@@ -220,10 +223,23 @@ ViewTextureCache::ViewTextureCache(std::shared_ptr<ImagePyramid> images,
 
 void ViewTextureCache::SetMesh(std::shared_ptr<const TriangleMesh> mesh) {
   mesh_ = std::move(mesh);
-  clusters_.emplace(*mesh_);
+  in_views_.clear();
   ++num_meshes_;
   vertices_.Assign(mesh_->vertices);
   facets_.Assign(mesh_->facets);
+}
+
+void ViewTextureCache::FindInViews() {
+  if (!in_views_.empty()) {
+    return;
+  }
+  const std::vector<View>& views = images_->Views();
+  const FacetClusters clusters(*mesh_);
+  in_views_.resize(views.size());
+  tbb::parallel_for(size_t{0}, views.size(), [&](size_t view) {
+    in_views_[view] =
+        FindFacetsInView(views[view], *mesh_, clusters.InFrustum(views[view]));
+  });
 }
 
 std::shared_ptr<const ViewTextures> ViewTextureCache::Get(size_t view) {
@@ -234,8 +250,9 @@ std::shared_ptr<const ViewTextures> ViewTextureCache::Get(size_t view) {
                                               size.height);
       });
   if (textures->drawn_mesh != num_meshes_) {
-    drawer_.Draw(size, *mesh_, clusters_->InFrustum(size), vertices_, facets_,
-                 &textures->drawn, images_->Mask(view).get());
+    FindInViews();
+    drawer_.Draw(size, in_views_[view], vertices_, facets_, &textures->drawn,
+                 images_->Mask(view).get());
     textures->drawn_mesh = num_meshes_;
   }
   return textures;

@@ -106,4 +106,16 @@ VertexRings MakeVertexRings(const TriangleMesh& mesh) {
   return rings;
 }
 
+std::vector<double> MeanLengths(const Rows<uint32_t>& neighbors,
+                                const std::vector<Eigen::Vector3f>& vertices) {
+  std::vector<double> lengths(vertices.size(), 0);
+  tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
+    for (const uint32_t neighbor : neighbors[i]) {
+      lengths[i] += (vertices[neighbor] - vertices[i]).norm();
+    }
+    lengths[i] /= std::max<double>(1, static_cast<double>(neighbors[i].size()));
+  });
+  return lengths;
+}
+
 }  // namespace colmap_ext

@@ -148,6 +148,11 @@ std::vector<uint32_t> VerticesOf(const TriangleMesh& mesh,
 // \pre facet indices are in range, no facet repeats a vertex
 VertexRings MakeVertexRings(const TriangleMesh& mesh);
 
+// [V] The mean distance of each vertex from its neighbors, scene units; 0 where
+// it has none.
+std::vector<double> MeanLengths(const Rows<uint32_t>& neighbors,
+                                const std::vector<Eigen::Vector3f>& vertices);
+
 // Lowers the values of vertices so that none exceeds the value of a neighbor
 // plus the cost of the edge from there [Dijkstra1959].
 // \param max  larger values are neither handed on nor assigned

@@ -15,28 +15,7 @@ namespace {
 // Both are choices: around a vertex there are several points, and not all of
 // them have all views.
 constexpr size_t kNumNearest = 4;  // points
-constexpr float kReach = 3;        // mean lengths of the vertex's edges
-
-// [V] scene units; edges inside of the mesh count twice.
-std::vector<float> MeanEdgeLengths(const TriangleMesh& mesh) {
-  std::vector<float> sums(mesh.vertices.size(), 0);
-  std::vector<float> counts(mesh.vertices.size(), 0);
-  for (const Facet& facet : mesh.facets) {
-    for (int k = 0; k < 3; ++k) {
-      const uint32_t from = facet[k];
-      const uint32_t to = facet[(k + 1) % 3];
-      const float length = (mesh.vertices[to] - mesh.vertices[from]).norm();
-      for (const uint32_t vertex : {from, to}) {
-        sums[vertex] += length;
-        counts[vertex] += 1;
-      }
-    }
-  }
-  for (size_t i = 0; i < sums.size(); ++i) {
-    sums[i] /= std::max(counts[i], 1.0f);
-  }
-  return sums;
-}
+constexpr double kReach = 3;       // mean lengths of the vertex's edges
 
 }  // namespace
 
@@ -153,7 +132,8 @@ VertexAttributes InterpolateAttributes(
 VertexAttributes NearestAttributes(const TriangleMesh& mesh,
                                    const PointCloud& points) {
   const PointTree tree(points.positions);
-  const std::vector<float> lengths = MeanEdgeLengths(mesh);
+  const std::vector<double> lengths =
+      MeanLengths(MakeVertexRings(mesh).neighbors, mesh.vertices);
   const size_t num_vertices = mesh.vertices.size();
   VertexAttributes attributes;
   attributes.colors.resize(points.colors.empty() ? 0 : num_vertices);

@@ -149,19 +149,6 @@ Umbrellas MakeUmbrellas(const TriangleMesh& mesh) {
   return umbrellas;
 }
 
-// [V] scene units; 0 where a vertex has none
-std::vector<double> MeanLengths(const Rows<uint32_t>& neighbors,
-                                const std::vector<Vector3f>& vertices) {
-  std::vector<double> lengths(vertices.size(), 0);
-  tbb::parallel_for(size_t{0}, vertices.size(), [&](size_t i) {
-    for (const uint32_t neighbor : neighbors[i]) {
-      lengths[i] += (vertices[neighbor] - vertices[i]).norm();
-    }
-    lengths[i] /= std::max<double>(1, static_cast<double>(neighbors[i].size()));
-  });
-  return lengths;
-}
-
 // The normal equations of the displacements. Vectors have 3 V elements.
 class Smoother {
  public:

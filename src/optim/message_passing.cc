@@ -16,13 +16,16 @@ namespace {
 using Neighbors = std::vector<std::array<uint32_t, 3>>;
 
 // Nodes of the same class are not neighbors: 4 * level + color. The level is
-// the number of edges from the first node of a connected part, the color the
-// least that no neighbor in the same level has got before; three neighbors take
-// three.
+// the number of edges from the nearest seed, the color the least that no
+// neighbor in the same level has got before; three neighbors take three.
 struct Search {
-  std::vector<uint32_t> order;    // [N] nodes, one connected part after another
+  std::vector<uint32_t> order;    // [N] nodes, those around the seeds first
   std::vector<uint32_t> classes;  // [N]
 };
+
+// Nodes for each seed of a search. With fewer, classes are larger, so that more
+// threads have work, and messages run less far.
+constexpr uint32_t kSeedSpacing = 2048;
 
 Search BreadthFirst(const Neighbors& neighbors) {
   Search search;
@@ -35,9 +38,12 @@ Search BreadthFirst(const Neighbors& neighbors) {
       search.order.push_back(node);
     }
   };
+  for (uint32_t seed = 0; seed < neighbors.size(); seed += kSeedSpacing) {
+    reach(seed, 0);
+  }
   size_t next = 0;
   for (uint32_t seed = 0; seed < neighbors.size(); ++seed) {
-    reach(seed, 0);
+    reach(seed, 0);  // of a part that none of the others has reached
     for (; next < search.order.size(); ++next) {
       const uint32_t node = search.order[next];
       uint32_t color = 4 * levels[node];

@@ -68,9 +68,9 @@ double PottsEnergy(const PottsProblem& problem,
 // time and memory follow the sum of the nodes' labels. Capacities are integers:
 // the energy can rise by a rounding.
 //
-// A round is done in each block of consecutive nodes while the others stay,
-// those without edges between them in parallel; large problems have a second
-// round, in blocks shifted by half of one.
+// A round is done in each block, the nodes nearest to one of some seeds, while
+// the others stay, blocks without edges between them in parallel; large
+// problems have a second round, in blocks around other seeds.
 //
 // \param choices [N] see PottsSolution
 // \return new choices
@@ -78,10 +78,11 @@ std::vector<uint32_t> ExpandLabels(const PottsProblem& problem,
                                    std::vector<uint32_t> choices);
 
 // An order to visit a graph's nodes in, each after what its neighbors before it
-// have left: by their distance from the first node, so that paths of growing
-// order run through the whole graph. Nodes of the same distance are sorted so
-// that long runs of the order have no neighbors among them, and can be visited
-// at the same time; parts that are not connected run side by side.
+// have left: by their distance from the nearest of some seeds, one for each
+// 2,048 nodes, so that paths of growing order run far through the graph. Nodes
+// of the same distance are sorted so that long runs of the order have no
+// neighbors among them, and can be visited at the same time; parts that are not
+// connected run side by side.
 //
 // \param neighbors  [N] symmetric; kNone: none.
 // \return  [N] nodes.

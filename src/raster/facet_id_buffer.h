@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include <tbb/parallel_for.h>
 #include <Eigen/Geometry>
 
 #include "mesh/triangle_mesh.h"
@@ -91,15 +90,6 @@ inline FacetFrame ComputeFacetFrame(const TriangleMesh& mesh,
   }
   const Eigen::Vector3d normal = cross / area;
   return {normal, a, edge_2.cross(normal) / area, normal.cross(edge_1) / area};
-}
-
-// [F] of all facets.
-inline std::vector<FacetFrame> ComputeFacetFrames(const TriangleMesh& mesh) {
-  std::vector<FacetFrame> frames(mesh.facets.size());
-  tbb::parallel_for(size_t{0}, frames.size(), [&](size_t i) {
-    frames[i] = ComputeFacetFrame(mesh, mesh.facets[i]);
-  });
-  return frames;
 }
 
 // By how much the inverse depth of a facet's plane changes in a view, at most,

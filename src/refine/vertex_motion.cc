@@ -56,7 +56,6 @@ void NormalEquations::AddPhotometric() {
   gradient_.assign(size, 0);
   photometric_diagonal_.assign(size, 0);
   photometric_.assign(rings.neighbors.values.size(), 0);
-  const std::vector<FacetFrame> frames = ComputeFacetFrames(mesh);
   tbb::parallel_for(size_t{0}, size, [&](size_t vertex) {
     const auto ring = rings.neighbors[vertex];
     const size_t row = rings.neighbors.offsets[vertex];
@@ -65,7 +64,8 @@ void NormalEquations::AddPhotometric() {
       const uint32_t facet = corner / 3;
       const int k = static_cast<int>(corner % 3);
       // How far the facet moves along its normal as its corners do.
-      const Eigen::Vector3d& facet_normal = frames[facet].normal;
+      const Eigen::Vector3d facet_normal =
+          ComputeFacetFrame(mesh, mesh.facets[facet]).normal;
       const FacetTerms& terms = surface_.terms.facets[facet];
       const double along = facet_normal.dot(normal);
       gradient_[vertex] += terms.slopes[k] * along;

@@ -17,8 +17,9 @@
 --pairs   the same with 48 images, where each has 2 to 16 partners
 --pixels  the same with 12 images of 1/4 to 4 times the pixels
 --faces   the same with faces of 28 to 3.5 pixels
---threads both commands with one and two threads; the serial seconds that follow
-          from the two, and by Amdahl's law the times with 8 and 32 cores
+--threads both commands by the number of threads (--thread_counts; the refiner
+          on --backend); from the first and the last follow, by Amdahl's law, the
+          times with 8 and 32 cores and the serial part
 
 Times are CPU seconds of one thread, and of --threads wall seconds. The memory
 of a stage is its peak. An exponent is that of the power law through the values
@@ -304,7 +305,8 @@ def measure_pairs(args, folder):
     workspace = render(args, folder / "pairs", 48, 320)
     results = [refine(args, workspace, pairs_per_image=count)
                for count in counts]
-    table("statue, 48 images of 320 x 240: the refiner by the partners of each", counts, counts, results, "faces")
+    table("statue, 48 images of 320 x 240: the refiner by the partners of each",
+          counts, counts, results, "faces")
 
 
 def measure_pixels(args, folder):
@@ -327,6 +329,15 @@ def measure_faces(args, folder):
           "faces")
 
 
+def amdahl(counts, seconds, cores):
+    """Wall seconds with so many cores, by those with the first and the last
+    of the counts."""
+    ratio = counts[-1] / counts[0]
+    serial = (ratio * seconds[-1] - seconds[0]) / (ratio - 1)
+    serial = min(max(serial, 0), seconds[0])
+    return serial + (seconds[0] - serial) * counts[0] / cores
+
+
 def measure_threads(args, folder):
     workspace = folder / "threads"
     write_part(args.threads, Cloud(args.threads), workspace, 1)
@@ -336,28 +347,28 @@ def measure_threads(args, folder):
 
     def run_refiner(count):
         return checked([args.program, "facetwise_refiner", "--workspace_path",
-                        workspace, "--FacetwiseRefinement.backend", "cpu",
-                        "--num_threads", count])
+                        workspace, "--FacetwiseRefinement.backend",
+                        args.backend, "--num_threads", count])
+    counts = args.thread_counts
     for name, run_with in (("mesher", run_mesher), ("refiner", run_refiner)):
         # The least of some runs, since other processes only add to them.
-        one, two = ({stage: min(run[stage] for run in runs) for stage in runs[0]}
-                    for runs in ([times(run_with(count)["output"])
-                                  for _ in range(args.repeats)]
-                                 for count in (1, 2)))
+        by_count = []
+        for count in counts:
+            runs = [times(run_with(count)["output"])
+                    for _ in range(args.repeats)]
+            by_count.append({stage: min(run[stage] for run in runs)
+                             for stage in runs[0]})
         rows = []
-        for stage, seconds in one.items():
-            if stage == "all":
-                continue
-            serial = min(seconds, max(0, 2 * two[stage] - seconds))
-            rows.append([stage, seconds, two[stage], serial,
-                         *(serial + (seconds - serial) / cores
-                           for cores in (8, 32))])
-        rows.append(["all", *(sum(row[k] for row in rows)
-                              for k in range(1, 6))])
-        rows.append(["share", *(row / rows[-1][1] for row in rows[-1][1:])])
+        for stage in by_count[0]:
+            if stage != "all":
+                seconds = [result.get(stage, 0) for result in by_count]
+                rows.append([stage, *seconds, *(
+                    amdahl(counts, seconds, cores)
+                    for cores in (8, 32, math.inf))])
+        rows.append(["all", *map(sum, list(zip(*rows))[1:])])
+        rows.append(["share", *(value / rows[-1][1] for value in rows[-1][1:])])
         print_table(f"{args.threads.name}: the {name} by its threads, s",
-                    ["", "1 thread", "2 threads", "serial", "8 cores",
-                     "32 cores"],
+                    ["", *map(str, counts), "8 cores", "32 cores", "serial"],
                     [[row[0], *(f"{value:.2f}" for value in row[1:])]
                      for row in rows])
 
@@ -373,6 +384,8 @@ def main():
                         metavar=("WORKSPACE", "SIDE", "FOLDER"))
     parser.add_argument("--sides", type=int, default=8)
     parser.add_argument("--repeats", type=int, default=1)
+    parser.add_argument("--thread_counts", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--backend", default="cpu")
     for name in ("survey", "images", "pairs", "pixels", "faces"):
         parser.add_argument(f"--{name}", action="store_true")
     args = parser.parse_args()

@@ -181,11 +181,18 @@ void LoseContext() {
 }
 
 TEST_F(GlLimitsTest, ProcessorTakesOverWhereTheCardFails) {
-  for (void (*harm)() : {RunOutOfMemory, LoseContext}) {
+  struct Harm {
+    const char* name;
+    void (*harm)();
+  };
+  for (const auto& [name, harm] : {Harm{"out of memory", RunOutOfMemory},
+                                   Harm{"context lost", LoseContext}}) {
+    SCOPED_TRACE(name);
     HarmfulImages harmful;
-    WarningEnergy failing({.max_memory = 0}, harmful.images);
+    WarningEnergy failing({}, harmful.images);
     EXPECT_TRUE(IsByCard(DrawAndEvaluate(failing.energy.get())));
     harmful.harm = harm;
+    failing.energy->SetLevel(0);  // so that the images are read anew
     const PhotometricTerms first = failing.energy->Evaluate(Mesh(), Labels());
     EXPECT_TRUE(IsByCard(first) || IsByProcessor(first));
     EXPECT_TRUE(IsByProcessor(failing.energy->Evaluate(Mesh(), Labels())));

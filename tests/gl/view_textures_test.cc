@@ -34,8 +34,9 @@ Drawn Draw(const View& view, const TriangleMesh& mesh) {
   facets.Assign(mesh.facets);
   FacetDrawer drawer(0.1);
   FacetTextures textures(view.width, view.height);
-  drawer.Draw(view, mesh, FacetClusters(mesh).InFrustum(view), vertices, facets,
-              &textures);
+  drawer.Draw(view,
+              FindFacetsInView(view, mesh, FacetClusters(mesh).InFrustum(view)),
+              vertices, facets, &textures);
   Drawn drawn = {
       textures.facets.Read<uint32_t>(GL_RED_INTEGER, GL_UNSIGNED_INT),
       textures.depths.Read<float>(GL_DEPTH_COMPONENT, GL_FLOAT)};

@@ -89,19 +89,20 @@ PointCloud RandomPoints(Random* random) {
   return points;
 }
 
-// Three mean lengths of a vertex's edges, an edge counting as often as it has
-// facets; 0 without edges.
+// Three mean lengths of a vertex's edges; 0 without edges.
 double Reach(const TriangleMesh& mesh, uint32_t vertex) {
-  double sum = 0;
-  double count = 0;
+  std::set<uint32_t> others;
   for (const Facet& facet : mesh.facets) {
-    const bool is_at = std::ranges::count(facet, vertex) > 0;
-    for (const uint32_t other : facet) {
-      sum += is_at * (mesh.vertices[other] - mesh.vertices[vertex]).norm();
-      count += is_at && other != vertex;
+    if (std::ranges::count(facet, vertex) > 0) {
+      others.insert(facet.begin(), facet.end());
     }
   }
-  return count > 0 ? 3 * sum / count : 0;
+  others.erase(vertex);
+  double sum = 0;
+  for (const uint32_t other : others) {
+    sum += (mesh.vertices[other] - mesh.vertices[vertex]).norm();
+  }
+  return others.empty() ? 0 : 3 * sum / static_cast<double>(others.size());
 }
 
 TEST(NearestAttributesTest, AgreesWithASearchThroughAll) {

@@ -109,4 +109,13 @@ inline GrayImage RoomImage(const View& view) {
   });
 }
 
+// [F] of all facets.
+inline std::vector<FacetFrame> ComputeFacetFrames(const TriangleMesh& mesh) {
+  std::vector<FacetFrame> frames;
+  for (const Facet& facet : mesh.facets) {
+    frames.push_back(ComputeFacetFrame(mesh, facet));
+  }
+  return frames;
+}
+
 }  // namespace colmap_ext
