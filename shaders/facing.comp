@@ -11,7 +11,7 @@ layout(local_size_x = kGroupSize) in;
 layout(std430, binding = 0) readonly buffer Vertices { float vertices[]; };
 layout(std430, binding = 1) readonly buffer Facets { uint facets[]; };
 
-// One bit a facet, the lowest bits first; one thread for each number.
+// One bit a facet, the lowest bits first; one thread for each facet.
 layout(std430, binding = 2) writeonly buffer Facing { uint facing[]; };
 
 uniform uint first_facet;  // a multiple of 32
@@ -47,15 +47,20 @@ bool IsFacing(uint facet) {
          (is_whole ? min_cosine : 0) * sqrt(dot(normal, normal) * dot(to_camera, to_camera));
 }
 
+shared uint group_bits[kGroupSize / 32];
+
 void main() {
-  uint first = first_facet + 32 * ThreadIndex();
-  uint bits = 0;
-  for (uint bit = 0; bit < 32 && first + bit < end_facet; ++bit) {
-    if (IsFacing(first + bit)) {
-      bits |= 1u << bit;
-    }
+  uint thread = gl_LocalInvocationIndex;
+  if (thread % 32 == 0) {
+    group_bits[thread / 32] = 0;
   }
-  if (first < end_facet) {
-    facing[first / 32] = bits;
+  barrier();
+  uint facet = first_facet + ThreadIndex();
+  if (facet < end_facet && IsFacing(facet)) {
+    atomicOr(group_bits[thread / 32], 1u << facet % 32);
+  }
+  barrier();
+  if (facet < end_facet && thread % 32 == 0) {
+    facing[facet / 32] = group_bits[thread / 32];
   }
 }

@@ -203,7 +203,7 @@ void FacetDrawer::FindFacing(const View& view,
   for (const auto& [first, end] : ranges) {
     facing_.Set("first_facet", first);
     facing_.Set("end_facet", end);
-    Dispatch(facing_, (end - first + 31) / 32);
+    Dispatch(facing_, end - first);
   }
 }
 
