@@ -69,11 +69,9 @@ class Problem {
       : num_views_(start.cameras.views.size()),
         steps_(original.view_cameras),
         priors_(evidence, original, start.cameras, steps_),
-        patches_(PatchShifts(evidence, start.displacements), steps_, num_views_,
-                 AsLandmarks(start.displacements)),
-        points_(
-            TrackProjections(evidence, start.cameras.views, start.positions),
-            steps_, num_views_, start.positions) {
+        patches_({evidence, start.displacements}, steps_, num_views_),
+        points_({evidence, start.cameras.views, start.positions}, steps_,
+                num_views_) {
     system_.columns = MakeRows<uint32_t>(
         num_views_, [&](size_t view, std::vector<uint32_t>* columns) {
           std::vector<uint32_t> neighbors{static_cast<uint32_t>(view)};
@@ -133,15 +131,6 @@ class Problem {
   }
 
  private:
-  static std::vector<PatchShifts::Landmark> AsLandmarks(
-      const std::vector<double>& displacements) {
-    std::vector<PatchShifts::Landmark> landmarks;
-    for (const double displacement : displacements) {
-      landmarks.emplace_back(displacement);
-    }
-    return landmarks;
-  }
-
   double Cost(const CameraSteps& steps, bool moves) const {
     return priors_.Cost(steps) + patches_.Cost(steps, moves) +
            points_.Cost(steps, moves);
@@ -156,10 +145,7 @@ class Problem {
     points_.AddTo(steps_, damping, &system_);
     Eigen::VectorXd slopes = Eigen::VectorXd::Zero(steps_.values.size());
     for (size_t i = 0; i < num_views_; ++i) {
-      const auto indices = steps_.Indices(i);
-      for (int k = 0; k < kViewDim; ++k) {
-        slopes[indices[k]] += system_.slopes[i][k];
-      }
+      slopes(steps_.Indices(i)) += system_.slopes[i];
     }
     Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(slopes.size());
     ForEachEntry([&](Eigen::Index row, Eigen::Index col, double value) {

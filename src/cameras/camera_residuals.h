@@ -33,14 +33,7 @@ class CameraSteps {
   // Where the numbers of a view are in `values`.
   std::array<Eigen::Index, kViewDim> Indices(size_t view) const;
 
-  ViewStep operator[](size_t view) const {
-    ViewStep step;
-    int k = 0;
-    for (const Eigen::Index index : Indices(view)) {
-      step[k++] = values[index];
-    }
-    return step;
-  }
+  ViewStep operator[](size_t view) const { return values(Indices(view)); }
 
  private:
   const std::vector<uint32_t>& view_cameras_;
@@ -80,7 +73,7 @@ class PatchShifts {
   PatchShifts(const CameraEvidence& evidence,
               const std::vector<double>& displacements);
 
-  size_t NumLandmarks() const { return start_.size(); }
+  std::vector<Landmark> Start() const { return {start_.begin(), start_.end()}; }
 
   Prior<1> PriorOf(size_t /*patch*/) const {
     return {Landmark(0.0), evidence_.priors.displacement};
@@ -120,7 +113,7 @@ class TrackProjections {
                    const std::vector<Eigen::Vector3d>& positions)
       : evidence_(evidence), views_(views), start_(positions) {}
 
-  size_t NumLandmarks() const { return start_.size(); }
+  const std::vector<Landmark>& Start() const { return start_; }
 
   // A point that no camera has before it stays.
   Prior<3> PriorOf(size_t point) const;

@@ -47,10 +47,9 @@ class Landmarks {
   static constexpr int kDim = Residuals::kDim;
   using Landmark = typename Residuals::Landmark;
 
-  Landmarks(Residuals residuals, const CameraSteps& steps, size_t num_views,
-            std::vector<Landmark> start)
-      : residuals_(std::move(residuals)), at_(std::move(start)) {
-    const size_t count = residuals_.NumLandmarks();
+  Landmarks(Residuals residuals, const CameraSteps& steps, size_t num_views)
+      : residuals_(std::move(residuals)), at_(residuals_.Start()) {
+    const size_t count = at_.size();
     views_ = MakeRows<uint32_t>(count, [&](size_t l,
                                            std::vector<uint32_t>* views) {
       std::vector<uint32_t> of_landmark;

@@ -197,7 +197,7 @@ GLint Program::Location(std::string_view uniform) const {
   return found->second;
 }
 
-void Dispatch(const Program& program, size_t size) {
+void DispatchWithoutBarrier(const Program& program, size_t size) {
   // As many as OpenGL 4.5 is sure to have room for in the first dimension.
   constexpr GLuint kMaxGroups = 65535;
   const auto num_groups =
@@ -206,8 +206,12 @@ void Dispatch(const Program& program, size_t size) {
   program.Use();
   if (num_groups > 0) {
     glDispatchCompute(columns, (num_groups + columns - 1) / columns, 1);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
   }
+}
+
+void Dispatch(const Program& program, size_t size) {
+  DispatchWithoutBarrier(program, size);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
 void DispatchIndirect(const Program& program, const GlBuffer& num_groups) {

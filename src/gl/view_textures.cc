@@ -203,8 +203,9 @@ void FacetDrawer::FindFacing(const View& view,
   for (const auto& [first, end] : ranges) {
     facing_.Set("first_facet", first);
     facing_.Set("end_facet", end);
-    Dispatch(facing_, end - first);
+    DispatchWithoutBarrier(facing_, end - first);
   }
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
 ViewTextures::ViewTextures(const GrayImage& gray_image, int width, int height)
