@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "base/percentile.h"
+#include "base/rows.h"
 
 namespace colmap_ext {
 namespace {
@@ -134,8 +135,7 @@ class CameraRefinement {
   std::vector<ShiftMeasurement> Measure(
       const std::vector<View>& views,
       const std::vector<WindowShift>& compared) const {
-    std::vector<ShiftMeasurement> measured;
-    for (size_t k = 0; k < patches_.patches.size(); ++k) {
+    const auto append = [&](size_t k, std::vector<ShiftMeasurement>* measured) {
       const SurfacePatch& patch = patches_.patches[k];
       const Eigen::Vector3d point =
           PatchPoint(views[patch.view], scene_.FrameOf(patch.facet), patch);
@@ -145,7 +145,7 @@ class CameraRefinement {
             !(shift.curvature.determinant() > 0)) {
           continue;
         }
-        ShiftMeasurement measurement;
+        ShiftMeasurement& measurement = measured->emplace_back();
         measurement.patch = static_cast<uint32_t>(k);
         measurement.i = patch.view;
         measurement.j = patches_.partners[k][l];
@@ -156,10 +156,9 @@ class CameraRefinement {
         const Eigen::Matrix2d information =
             Covariance(photometric_, shift, measurement.jacobian).inverse();
         measurement.whitening = information.llt().matrixU();
-        measured.push_back(measurement);
       }
-    }
-    return measured;
+    };
+    return MakeRows<ShiftMeasurement>(patches_.patches.size(), append).values;
   }
 
   // [views] The standard deviation of the observations in each view, px: that

@@ -60,11 +60,10 @@ struct CameraEstimate {
 //   the squared distances of the tracks' points from their observations,
 //   and the priors,
 // over poses, intrinsics, displacements and points, the last two eliminated
-// (Schur complement) [Triggs1999], by Levenberg and Marquardt's method in
-// Ceres, on one thread: sums have one order.
+// (Schur complement) [Triggs1999], by Levenberg and Marquardt's method.
 // \param original  the priors' cameras
 // \param estimate  the start, and the result
-// \return whether Ceres came to a usable solution
+// \return whether there is a result: not where the cost is no finite number
 bool SolveCameras(const CameraEvidence& evidence, const CameraSet& original,
                   CameraEstimate* estimate);
 
