@@ -67,7 +67,7 @@ class Problem {
   Problem(const CameraEvidence& evidence, const CameraSet& original,
           const CameraEstimate& start)
       : num_views_(start.cameras.views.size()),
-        steps_(original.view_cameras),
+        steps_{original.view_cameras},
         priors_(evidence, original, start.cameras, steps_),
         patches_({evidence, start.displacements}, steps_, num_views_),
         points_({evidence, start.cameras.views, start.positions}, steps_,

@@ -12,7 +12,7 @@ namespace colmap_ext {
 std::array<Eigen::Index, kViewDim> CameraSteps::Indices(size_t view) const {
   std::array<Eigen::Index, kViewDim> indices{};
   const size_t intrinsics =
-      6 * view_cameras_.size() + size_t{3} * view_cameras_[view];
+      6 * view_cameras.size() + size_t{3} * view_cameras[view];
   for (size_t k = 0; k < kViewDim; ++k) {
     indices[k] =
         static_cast<Eigen::Index>(k < 6 ? 6 * view + k : intrinsics + k - 6);

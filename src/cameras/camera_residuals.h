@@ -22,24 +22,16 @@ using ViewBlock = Eigen::Matrix<double, kViewDim, kViewDim>;
 
 // Steps of all poses, six numbers a view, and then of all cameras' intrinsics,
 // three a camera.
-class CameraSteps {
- public:
-  explicit CameraSteps(const std::vector<uint32_t>& view_cameras)
-      : view_cameras_(view_cameras),
-        values(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(
-            6 * view_cameras.size() +
-            3 * (size_t{1} + std::ranges::max(view_cameras))))) {}
+struct CameraSteps {
+  const std::vector<uint32_t>& view_cameras;  // see CameraSet
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(
+      6 * view_cameras.size() +
+      3 * (size_t{1} + std::ranges::max(view_cameras))));
 
   // Where the numbers of a view are in `values`.
   std::array<Eigen::Index, kViewDim> Indices(size_t view) const;
 
   ViewStep operator[](size_t view) const { return values(Indices(view)); }
-
- private:
-  const std::vector<uint32_t>& view_cameras_;
-
- public:
-  Eigen::VectorXd values;
 };
 
 // Two whitened differences and their derivatives: by the steps of one view or

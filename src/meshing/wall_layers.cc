@@ -16,7 +16,6 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/mix_bits.h"
-#include "mesh/mesh_in_image.h"
 #include "scene/point_tree.h"
 
 namespace colmap_ext {
@@ -182,13 +181,13 @@ std::optional<Groups> SplitImages(std::vector<Image> images) {
 class LayerFinder {
  public:
   LayerFinder(const std::vector<View>& views, const WeightedCloud& weighted)
-      : views_(views),
-        cloud_(weighted.cloud),
+      : cloud_(weighted.cloud),
         num_points_(weighted.num_points),
         places_(SamplePlaces(weighted)),
         tree_(places_.positions) {
     for (const View& view : views) {
       centers_.emplace_back(view.Center().cast<float>());
+      focal_lengths_.push_back(static_cast<float>(std::max(view.fx, view.fy)));
     }
   }
 
@@ -249,11 +248,7 @@ class LayerFinder {
   // The groups of images of the part around a place, with heights over it.
   std::optional<Groups> GroupsAt(size_t i) const {
     const Vector3f& position = places_.positions[i];
-    const auto footprint = static_cast<float>(
-        NearestFootprint(position, cloud_.views[places_.points[i]], views_));
-    if (!std::isfinite(footprint)) {
-      return std::nullopt;
-    }
+    const float footprint = Footprint(i);
     const std::vector<uint32_t> near =
         tree_.Within(position, kRadius * footprint);
     if (near.size() < kMinPlaces) {
@@ -304,12 +299,23 @@ class LayerFinder {
     return images;
   }
 
-  const std::vector<View>& views_;
+  // Of the view that sees a place closest, scene units.
+  float Footprint(size_t i) const {
+    float footprint = std::numeric_limits<float>::infinity();
+    for (const uint32_t view : cloud_.views[places_.points[i]]) {
+      footprint =
+          std::min(footprint, (centers_[view] - places_.positions[i]).norm() /
+                                  focal_lengths_[view]);
+    }
+    return footprint;
+  }
+
   const PointCloud& cloud_;
   const size_t num_points_;  // that are no ends of rays
   const Places places_;
   const PointTree tree_;
-  std::vector<Vector3f> centers_;  // [views]
+  std::vector<Vector3f> centers_;     // [views]
+  std::vector<float> focal_lengths_;  // [views] px
   // Scratch, [views]; without observations between uses.
   mutable tbb::enumerable_thread_specific<std::vector<Heights>> heights_;
 };
