@@ -246,8 +246,7 @@ std::vector<Eigen::Vector3d> LocateTracks(const SparseTracks& tracks,
             (view.cam_from_world_rotation / sigma);
         const Eigen::Vector2d residual =
             (view.ImageFromCam(p) - seen.pixel) / sigma;
-        const double weight =  // of Cauchy's loss
-            1 / (1 + residual.squaredNorm() / (kRobustScale * kRobustScale));
+        const double weight = RobustWeight(residual.squaredNorm());
         matrix += weight * by_point.transpose() * by_point;
         gradient += weight * by_point.transpose() * residual;
         footprint = std::max(footprint, p.z() / view.fx);

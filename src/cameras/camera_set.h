@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -100,6 +101,15 @@ View TransformView(const Similarity& similarity, const View& view);
 // Standard deviations from which on a residual counts as an outlier: the scale
 // of Cauchy's loss (docs/method.md, section 7.7). A choice.
 inline constexpr double kRobustScale = 2;
+
+// Cauchy's loss, and the weight that its derivative gives a squared residual.
+inline double RobustLoss(double squared) {
+  constexpr double kScale = kRobustScale * kRobustScale;
+  return kScale * std::log1p(squared / kScale);
+}
+inline double RobustWeight(double squared) {
+  return 1 / (1 + squared / (kRobustScale * kRobustScale));
+}
 
 // The longest tracks, until each view has so many observations or all of its
 // own.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -19,15 +18,6 @@
 #include "cameras/camera_residuals.h"
 
 namespace colmap_ext {
-
-// Cauchy's loss, and the weight that its derivative gives a squared residual.
-inline double RobustLoss(double squared) {
-  constexpr double kScale = kRobustScale * kRobustScale;
-  return kScale * std::log1p(squared / kScale);
-}
-inline double RobustWeight(double squared) {
-  return 1 / (1 + squared / (kRobustScale * kRobustScale));
-}
 
 // The cameras' normal equations after the landmarks are eliminated: for each
 // view a row of blocks, of the views from itself on that share a landmark with

@@ -232,6 +232,7 @@ void Dispatch(const Program& program, size_t size);
 // The same, for several runs that do not read what the others write: what does
 // has to come after a glMemoryBarrier().
 void DispatchWithoutBarrier(const Program& program, size_t size);
+
 // Runs as many workgroups as three numbers at the start of a buffer say.
 void DispatchIndirect(const Program& program, const GlBuffer& num_groups);
 
