@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 // Points that are held to find the order of the images, to share out the
 // others, and to calibrate the half pixel.
-constexpr size_t kMaxSamplePoints = 1 << 20;
+constexpr size_t kMaxPlannedPoints = 1 << 20;
 constexpr size_t kPiecePoints = 1 << 18;
 
 // Of max_memory_gb, for masks that are kept. A choice.
@@ -52,7 +52,7 @@ class Planner {
     fs::remove(PlanPath(plan_.folder));
     Report(progress_, "Sampling the points", 0);
     WorkspaceOptions sampled = options_.mesher.workspace;
-    sampled.max_points = kMaxSamplePoints;
+    sampled.max_points = kMaxPlannedPoints;
     sample_ = ReadWorkspace(options_.mesher.InputPath(), sampled, decoder_);
     report_->workspace = sample_.report;
     plan_.views = sample_.views;
@@ -148,7 +148,7 @@ class Planner {
     HalfPixelReport half_pixel;
     if (options_.mesher.half_pixel == HalfPixelCorrection::kAuto) {
       const PointCloud dense =
-          num_points_ <= kMaxSamplePoints ? sample_.cloud : ReadDenseSample();
+          num_points_ <= kMaxPlannedPoints ? sample_.cloud : ReadDenseSample();
       half_pixel.slope = RegressHalfPixel(
           dense,
           HalfPixelOffsets(dense, sample_.views, sample_.depth_map_scales),
@@ -165,7 +165,7 @@ class Planner {
         std::min(num_points_ / kPartPoints, sample_.cloud.size() / 16);
     const SplitTree parts = SplitSample(num_parts);
     const size_t stride =
-        (num_points_ + kMaxSamplePoints - 1) / kMaxSamplePoints;
+        (num_points_ + kMaxPlannedPoints - 1) / kMaxPlannedPoints;
     PointCloud dense;
     ForEachPiece([&](const PointCloud& piece) {
       for (size_t point = 0; point < piece.size(); ++point) {

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Warn = std::function<void(const std::string& warning)>;
+using WarnFunction = std::function<void(const std::string& warning)>;
 
 // Whether OpenGL would be software; nothing if there is none.
 std::optional<bool> IsGlSoftware(int gpu_index) {
@@ -31,7 +31,8 @@ std::optional<bool> IsGlSoftware(int gpu_index) {
 
 std::unique_ptr<PhotometricEnergy> MakeGl(const RefinerOptions& options,
                                           std::shared_ptr<ImagePyramid> images,
-                                          size_t expected_facets, Warn warn) {
+                                          size_t expected_facets,
+                                          WarnFunction warn) {
   // Both directions of the first labels, one of the final ones.
   const FacetLabelingOptions& labeling = options.refinement.labeling;
   const int num_directions =
@@ -61,7 +62,8 @@ struct RefinementBackend {
 // \throw OptionError if OpenGL is asked for, and is not to be had.
 RefinementBackend MakeBackend(const RefinerOptions& options,
                               std::shared_ptr<ImagePyramid> images,
-                              size_t expected_facets, const Warn& warn) {
+                              size_t expected_facets,
+                              const WarnFunction& warn) {
   const auto make_cpu = [&] {
     return MakeCpuPhotometricEnergy(options.refinement.photometric, images,
                                     options.MaxDrawingMemory());

@@ -36,17 +36,16 @@ Similarity AlignWeighted(const std::vector<Eigen::Vector3d>& from,
     covariance += weights[i] * (to[i] - mean_to) * centered.transpose();
     variance += weights[i] * centered.squaredNorm();
   }
-  // Of dynamic size: GCC 12 warns of the fixed one's members.
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
+  const Eigen::JacobiSVD<Eigen::Matrix3d, Eigen::NoQRPreconditioner> svd(
       covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d u = svd.matrixU();
-  const Eigen::Matrix3d v = svd.matrixV();
-  const Eigen::Vector3d values = svd.singularValues();
+  const Eigen::Matrix3d& u = svd.matrixU();
+  const Eigen::Matrix3d& v = svd.matrixV();
   const Eigen::Vector3d signs(1, 1,
                               u.determinant() * v.determinant() < 0 ? -1 : 1);
   Similarity similarity;
   similarity.rotation = u * signs.asDiagonal() * v.transpose();
-  similarity.scale = values.dot(signs) / variance;
+  similarity.scale =
+      similarity.rotation.cwiseProduct(covariance).sum() / variance;
   similarity.translation =
       mean_to - similarity.scale * (similarity.rotation * mean_from);
   return similarity;

@@ -24,7 +24,7 @@ constexpr size_t kSpareCells = 4096;
 // Points of a part that are worth a thread.
 constexpr size_t kMinPartPoints = 2048;
 
-using Points = std::span<const uint32_t>;
+using PointIndices = std::span<const uint32_t>;
 
 // Reports how many of all points are inserted, by threads at once.
 class InsertionProgress {
@@ -59,7 +59,7 @@ class InsertionProgress {
 // A range of vertices, and what of a round lies in it, ascending.
 struct Part {
   PointInserter inserter;
-  Points points;
+  PointIndices points;
   std::vector<uint32_t> left_over;  // points that it could not insert
 };
 
@@ -94,7 +94,7 @@ void InsertPart(const GrowingComplex& complex, InsertionProgress* progress,
 
 // \param borders  of the parts: ascending, from 0 to the number of points
 // \return the points that could not be inserted, ascending
-std::vector<uint32_t> InsertInParts(Points points,
+std::vector<uint32_t> InsertInParts(PointIndices points,
                                     const std::vector<uint32_t>& borders,
                                     InsertionProgress* progress,
                                     GrowingComplex* complex) {
@@ -109,7 +109,7 @@ std::vector<uint32_t> InsertInParts(Points points,
     const auto begin = std::ranges::lower_bound(points, borders[i]);
     const auto end = std::ranges::lower_bound(points, borders[i + 1]);
     parts.push_back({PointInserter(borders[i], borders[i + 1], complex),
-                     Points(begin, end),
+                     PointIndices(begin, end),
                      {}});
     MoveCells(kCellsPerPoint * parts[i].points.size() + kSpareCells,
               &complex->free_cells, &parts[i].inserter.free_cells());
@@ -143,7 +143,7 @@ std::vector<uint32_t> Borders(size_t num_points, size_t num_parts,
   return borders;
 }
 
-void InsertSerially(Points points, const LeaveOut& leave_out,
+void InsertSerially(PointIndices points, const LeaveOut& leave_out,
                     InsertionProgress* progress, GrowingComplex* complex) {
   const auto num_points = static_cast<uint32_t>(complex->points.size());
   PointInserter inserter(0, num_points, complex);
@@ -166,7 +166,7 @@ void InsertSerially(Points points, const LeaveOut& leave_out,
 // What lies at a border of the parts is tried again in parts with other
 // borders, before it is inserted by one thread. Where points may be left out,
 // one thread inserts all: what is left out depends on the order.
-void InsertRound(Points points, const LeaveOut& leave_out,
+void InsertRound(PointIndices points, const LeaveOut& leave_out,
                  InsertionProgress* progress, GrowingComplex* complex) {
   std::vector<uint32_t> left_over(points.begin(), points.end());
   for (const double shift : {0.0, 0.5}) {
@@ -239,7 +239,7 @@ void InsertPoints(const std::vector<uint32_t>& order, const LeaveOut& leave_out,
   InsertionProgress inserted(order.size(), progress);
   for (auto begin = order.begin(); begin != order.end();) {
     const auto end = std::is_sorted_until(begin, order.end());
-    InsertRound(Points(begin, end), leave_out, &inserted, complex);
+    InsertRound(PointIndices(begin, end), leave_out, &inserted, complex);
     begin = end;
     inserted.SetDone(static_cast<size_t>(begin - order.begin()));
   }

@@ -25,10 +25,10 @@ bool IsDepth(float depth) { return std::isfinite(depth) && depth > 0; }
 
 using Eigen::Vector3d;
 
-using Triangle = std::array<Vector3d, 3>;
+using Corners = std::array<Vector3d, 3>;
 
 // \param side  is set to the longest: it goes from that corner to the next.
-double LongestSide(const Triangle& triangle, int* side) {
+double LongestSide(const Corners& triangle, int* side) {
   double longest = -1;
   for (int i = 0; i < 3; ++i) {
     const double length = (triangle[(i + 1) % 3] - triangle[i]).norm();
@@ -42,21 +42,21 @@ double LongestSide(const Triangle& triangle, int* side) {
 
 // Approximate number of samples of a facet: its area over the squared spacing,
 // but at least one per spacing along its longest side.
-double EstimateCount(const Triangle& triangle, double spacing) {
+double EstimateCount(const Corners& triangle, double spacing) {
   int side = 0;
   const double area =
       (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).norm() / 2;
   return area / (spacing * spacing) + LongestSide(triangle, &side) / spacing;
 }
 
-void SampleTriangle(const Triangle& whole, double spacing,
-                    std::vector<Triangle>* stack,
+void SampleTriangle(const Corners& whole, double spacing,
+                    std::vector<Corners>* stack,
                     std::vector<Eigen::Vector3f>* samples) {
   // A corner is at most two thirds of the longest side from the centroid.
   const double max_side = 1.5 * spacing;
   stack->assign(1, whole);
   while (!stack->empty()) {
-    const Triangle triangle = stack->back();
+    const Corners triangle = stack->back();
     stack->pop_back();
     int side = 0;
     if (LongestSide(triangle, &side) <= max_side) {
@@ -194,7 +194,7 @@ std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
                                            double spacing) {
   constexpr double kMaxSamples = 1e9;  // 12 GB
   double num_samples = 0;
-  std::vector<Triangle> triangles;
+  std::vector<Corners> triangles;
   triangles.reserve(mesh.facets.size());
   for (const Facet& facet : mesh.facets) {
     triangles.push_back(CornersOf<double>(mesh, facet));
@@ -205,8 +205,8 @@ std::vector<Eigen::Vector3f> SampleSurface(const TriangleMesh& mesh,
         "the spacing of the samples is too small for the size of the mesh");
   }
   std::vector<Eigen::Vector3f> samples;
-  std::vector<Triangle> stack;
-  for (const Triangle& triangle : triangles) {
+  std::vector<Corners> stack;
+  for (const Corners& triangle : triangles) {
     SampleTriangle(triangle, spacing, &stack, &samples);
   }
   return samples;

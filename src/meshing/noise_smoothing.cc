@@ -49,7 +49,7 @@ constexpr double kMaxNoise = 1;
 
 // Each round has the relief and the lengths of edges that the last one leaves.
 // A choice: walls are calm after six, and nothing else changes after four.
-constexpr int kRounds = 6;
+constexpr int kSmoothingRounds = 6;
 
 // Of putting back; what still intersects is left to the repair. A choice.
 constexpr int kPutBackRounds = 8;
@@ -357,7 +357,7 @@ SmoothingReport SmoothByNoise(const std::vector<Vector3f>& centers,
   const std::vector<float> limits = MotionLimits(centers, *mesh);
   const std::vector<Vector3f> positions = mesh->vertices;
   std::vector<double> reliefs(positions.size(), kMaxRelief / strength);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSmoothingRounds; ++round) {
     const std::vector<double> lengths =
         MeanLengths(umbrellas.neighbors, mesh->vertices);
     if (round > 0) {

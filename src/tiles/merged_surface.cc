@@ -27,13 +27,13 @@ std::vector<uint32_t> NumberVertices(std::vector<Facet>* facets) {
   return ids;
 }
 
-using FacetPlaces = std::unordered_map<FacetKey, uint32_t, KeyHash>;
+using PlacesByKey = std::unordered_map<FacetKey, uint32_t, KeyHash>;
 
 // Where the facets of the fixes are, by the plan's vertices; kNone: nowhere.
-FacetPlaces FindPlaces(const std::vector<PartnerFix>& fixes,
+PlacesByKey FindPlaces(const std::vector<PartnerFix>& fixes,
                        const std::vector<uint32_t>& ids,
                        const std::vector<Facet>& facets) {
-  FacetPlaces places;
+  PlacesByKey places;
   std::vector<uint8_t> is_asked_for(ids.size(), 0);
   for (const PartnerFix& fix : fixes) {
     for (const FacetKey& facet : {fix.facet, fix.partner}) {
@@ -61,7 +61,7 @@ FacetPlaces FindPlaces(const std::vector<PartnerFix>& fixes,
 void FixPartners(const std::vector<PartnerFix>& fixes, MergedSurface* merged) {
   const std::vector<uint32_t>& ids = merged->ids;
   const std::vector<Facet>& facets = merged->extracted.mesh.facets;
-  const FacetPlaces places = FindPlaces(fixes, ids, facets);
+  const PlacesByKey places = FindPlaces(fixes, ids, facets);
   // kNone of a facet that is not there.
   const auto half_edge_at = [&](const FacetKey& facet, uint32_t from,
                                 uint32_t to) {

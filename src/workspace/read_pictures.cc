@@ -47,16 +47,15 @@ bool IsMasked(const GrayImage& mask, const View& view,
              0;
 }
 
-// An observation: a place in the values of the cloud's views, and its point.
-struct Observation {
+// A place in the values of the cloud's views, and its point.
+struct PointPlace {
   uint64_t place;
   uint32_t point;
 };
 
 // [views]
-Rows<Observation> ObservationsByView(const PointCloud& cloud,
-                                     size_t num_views) {
-  return GroupInRows<Observation>(num_views, [&cloud](const auto& add) {
+Rows<PointPlace> ObservationsByView(const PointCloud& cloud, size_t num_views) {
+  return GroupInRows<PointPlace>(num_views, [&cloud](const auto& add) {
     for (uint32_t point = 0; point < cloud.size(); ++point) {
       for (uint64_t place = cloud.views.offsets[point];
            place < cloud.views.offsets[point + 1]; ++place) {
@@ -149,7 +148,7 @@ ReadGrayImage KeepMasks(const ReadGrayImage& read_mask,
 
 MaskReport MaskCloud(const ReadGrayImage& read_mask,
                      const std::vector<View>& views, PointCloud* cloud) {
-  const Rows<Observation> by_view = ObservationsByView(*cloud, views.size());
+  const Rows<PointPlace> by_view = ObservationsByView(*cloud, views.size());
   std::vector<uint8_t> is_masked(cloud->views.values.size(), 0);
   std::atomic<size_t> num_masks = 0;
   tbb::parallel_for(size_t{0}, views.size(), [&](size_t view) {
