@@ -95,6 +95,16 @@ DerivedMesh SplitAndFilter(const ManifoldMeshingOptions& options,
   return split;
 }
 
+// Confidences of a mesh's facets after a change; those of new ones are 0.
+void Inherit(const Provenance& from, std::vector<float>* facet_confidences) {
+  std::vector<float> inherited;
+  inherited.reserve(from.facets.size());
+  for (const uint32_t source : from.facets) {
+    inherited.push_back(source == kNone ? 0.0f : (*facet_confidences)[source]);
+  }
+  facet_confidences->swap(inherited);
+}
+
 // Trims the mesh, closes its holes, and gives confidences to the vertices of
 // what comes out.
 // \param result  with facet_confidences
@@ -102,16 +112,9 @@ void FinishBorders(const BorderOptions& options, const std::vector<View>& views,
                    const Progress& progress, ManifoldMesh* result) {
   Report(progress, "Finishing the borders", 0);
   if (options.trim > 0 || options.close_holes != 0) {
-    const Provenance from =
-        TrimAndCloseHoles(options, result->facet_confidences, views, result,
-                          &result->report.borders);
-    std::vector<float> facet_confidences;
-    facet_confidences.reserve(from.facets.size());
-    for (const uint32_t source : from.facets) {
-      facet_confidences.push_back(
-          source == kNone ? 0.0f : result->facet_confidences[source]);
-    }
-    result->facet_confidences = std::move(facet_confidences);
+    Inherit(TrimAndCloseHoles(options, result->facet_confidences, views, result,
+                              &result->report.borders),
+            &result->facet_confidences);
   }
   result->attributes.confidences =
       VertexConfidences(result->mesh, result->facet_confidences);
@@ -245,6 +248,11 @@ void FinishSurface(const ManifoldMeshingOptions& options,
   }
   Report(progress, "Repairing self-intersections", 0);
   report.self_intersections = RepairSelfIntersections(&result->mesh);
+  if (report.self_intersections.num_after > 0) {
+    Inherit(ReplaceIntersecting(result), &result->facet_confidences);
+    report.self_intersections.num_after =
+        FindSelfIntersections(result->mesh).size();
+  }
   Report(progress, "Checking the mesh", 0);
   report.mesh = Analyze(result->mesh);
   if (!report.mesh.IsManifold()) {

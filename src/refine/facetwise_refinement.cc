@@ -91,6 +91,15 @@ void FinishRefinement(const FacetwiseRefinementOptions& options,
   }
   bool have_changed =
       report.borders.trim.num_facets > 0 || report.borders.holes.num_closed > 0;
+  if (!report.is_skipped && report.num_self_intersections > 0) {
+    const Provenance from = ReplaceIntersecting(refined);
+    refined->labels = refined->labels.Remapped(from.facets);
+    const size_t num_before = report.num_self_intersections;
+    CountSelfIntersections(progress, refined);
+    report.num_removed_self_intersections +=
+        num_before - report.num_self_intersections;
+    have_changed = true;
+  }
   if (options.region) {
     if (const auto from = CutOff(*options.region, refined)) {
       refined->labels = refined->labels.Remapped(from->facets);

@@ -73,6 +73,10 @@ struct HoleReport {
 HoleReport CloseHoles(double max_width, std::span<const float> footprints,
                       Surface* surface);
 
+// Closes the border loops of these vertices alone, as CloseHoles(), where
+// facets intersect no others. \param is_new [V]
+HoleReport CloseNewHoles(const std::vector<uint8_t>& is_new, Surface* surface);
+
 // Smooths borders along themselves: a vertex where two of the given half-edges
 // meet, and no other border, moves halfway to the middle of its two neighbors
 // on the border, thirty times in turn. A vertex does not move if a facet would

@@ -319,4 +319,13 @@ HoleReport CloseHoles(double max_width, std::span<const float> footprints,
                              .Close(std::move(loops));
 }
 
+HoleReport CloseNewHoles(const std::vector<uint8_t>& is_new, Surface* surface) {
+  std::vector<BorderLoop> loops = FindLoops(surface->mesh);
+  std::erase_if(loops, [&](const BorderLoop& loop) {
+    return !std::ranges::all_of(
+        loop, [&](uint32_t vertex) { return is_new[vertex] != 0; });
+  });
+  return HoleCloser(false, surface).Close(std::move(loops));
+}
+
 }  // namespace colmap_ext

@@ -44,6 +44,15 @@ SelfIntersectionRepair RepairSelfIntersections(
     TriangleMesh* mesh, int max_rounds = kMaxRepairRounds,
     const FixedVertices& fixed = {});
 
+// Replaces facets that still intersect, and all at their vertices: drops them
+// and closes the holes that this opens. Where a filling would intersect or not
+// be manifold, more is replaced, a ring or two of it; where that does not help
+// either, a hole stays. Facets at fixed vertices stay as they are. Mind that a
+// mesh with many such pairs is left alone.
+// \return what the surface comes from, see TrimAndCloseHoles()
+// \pre the mesh is manifold
+Provenance ReplaceIntersecting(Surface* surface);
+
 // Marks all facets at the vertices within some rings of edges around facets.
 // Goes through all of the mesh once a ring, and needs no adjacency.
 // \return [F] 1: it is one of these

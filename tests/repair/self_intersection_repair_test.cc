@@ -227,6 +227,53 @@ TEST(RepairSelfIntersections, IsThatOfThePartThatCrosses) {
   EXPECT_GT(num_flips, 0u);
 }
 
+Surface MakeSurface(TriangleMesh mesh) {
+  Surface surface{std::move(mesh), {}};
+  const size_t num_vertices = surface.mesh.vertices.size();
+  surface.attributes.views = Rows<uint32_t>(num_vertices);
+  surface.attributes.confidences.assign(num_vertices, 1);
+  return surface;
+}
+
+// A bumpy sphere remains one: closed, of the same genus.
+TEST(ReplaceIntersecting, ClosesWhatItOpens) {
+  Random random(3);
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.07f, 0), 0.042f, &random);
+  ASSERT_GT(RepairSelfIntersections(&mesh).num_after, 0u);
+  Surface surface = MakeSurface(mesh);
+  const Provenance from = ReplaceIntersecting(&surface);
+  EXPECT_EQ(FindSelfIntersections(surface.mesh).size(), 0u);
+  EXPECT_TRUE(Analyze(surface.mesh).IsManifold());
+  EXPECT_EQ(Analyze(surface.mesh).num_border_edges, 0u);
+  ExpectSameTopology(mesh, surface.mesh);
+  ASSERT_EQ(from.facets.size(), surface.mesh.facets.size());
+  ASSERT_EQ(from.vertices.size(), surface.mesh.vertices.size());
+  size_t num_new = 0;
+  for (size_t i = 0; i < from.vertices.size(); ++i) {
+    const uint32_t source = from.vertices[i][0];
+    num_new += source == kNone ? 1 : 0;
+    EXPECT_EQ(surface.attributes.confidences[i], source == kNone ? 0 : 1);
+    if (source != kNone) {
+      EXPECT_EQ(surface.mesh.vertices[i], mesh.vertices[source]);
+    }
+  }
+  EXPECT_GT(num_new, 0u);
+}
+
+TEST(ReplaceIntersecting, LeavesFixedFacetsAndSoundMeshes) {
+  Random random(3);
+  TriangleMesh mesh = WithNoise(MakeBumpySphere(0.07f, 0), 0.042f, &random);
+  RepairSelfIntersections(&mesh);
+  Surface fixed = MakeSurface(mesh);
+  fixed.fixed_sources =
+      SourcesOf(FixedVertices(mesh.vertices.size(), 1), mesh.vertices.size());
+  EXPECT_EQ(ReplaceIntersecting(&fixed), IdentityOf(mesh));
+  EXPECT_EQ(fixed.mesh, mesh);
+  Surface flat = MakeSurface(kFlat);
+  EXPECT_EQ(ReplaceIntersecting(&flat), IdentityOf(kFlat));
+  EXPECT_EQ(flat.mesh, kFlat);
+}
+
 TEST(RepairSelfIntersections, IsTheSameForAnyNumberOfThreads) {
   Random random(4);
   const TriangleMesh mesh = WithNoise(MakeRoundTorus(0.08f), 0.048f, &random);

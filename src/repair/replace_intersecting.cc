@@ -1,0 +1,80 @@
+#include <utility>
+#include <vector>
+
+#include "mesh/adjacency.h"
+#include "mesh/split_fans.h"
+#include "repair/borders.h"
+#include "repair/guarded_mesh.h"
+#include "repair/self_intersection_repair.h"
+#include "spatial/self_intersections.h"
+
+namespace colmap_ext {
+namespace {
+
+// Choices: more pairs are surfaces that run through each other; what two rings
+// around a pair do not help is left open.
+constexpr size_t kMaxReplacedPairs = 256;
+constexpr int kMaxReplacedRings = 2;
+
+// \return the holes that are left
+size_t Replace(const std::vector<uint32_t>& facets, int num_rings,
+               const std::vector<uint8_t>& was_border, Surface* surface,
+               Provenance* from) {
+  const FixedVertices fixed = FixedOf(surface->fixed_sources);
+  const std::vector<uint8_t> is_dropped =
+      MarkAround(surface->mesh, facets, num_rings);
+  TriangleMesh kept{surface->mesh.vertices, {}};
+  from->facets.clear();
+  for (uint32_t i = 0; i < is_dropped.size(); ++i) {
+    const Facet& facet = surface->mesh.facets[i];
+    if (is_dropped[i] == 0 || IsFixed(fixed, facet[0]) ||
+        IsFixed(fixed, facet[1]) || IsFixed(fixed, facet[2])) {
+      kept.facets.push_back(facet);
+      from->facets.push_back(i);
+    }
+  }
+  FanSplit split = SplitFans(std::move(kept));
+  *from = Compose(*from, split.from);
+  std::vector<uint8_t> is_new;
+  for (const auto& [vertex, same] : split.from.vertices) {
+    is_new.push_back(was_border[vertex] == 0 ? 1 : 0);
+  }
+  surface->Become(std::move(split));
+  const HoleReport report = CloseNewHoles(is_new, surface);
+  from->vertices.resize(surface->mesh.vertices.size(), {kNone, kNone});
+  from->facets.resize(surface->mesh.facets.size(), kNone);
+  return report.NumLeft();
+}
+
+}  // namespace
+
+Provenance ReplaceIntersecting(Surface* surface) {
+  Provenance from = IdentityOf(surface->mesh);
+  std::vector<FacetPair> pairs = FindSelfIntersections(surface->mesh);
+  DropFixedPairs(surface->mesh, FixedOf(surface->fixed_sources), &pairs);
+  if (pairs.empty() || pairs.size() > kMaxReplacedPairs) {
+    return from;
+  }
+  std::vector<uint32_t> facets;
+  for (const FacetPair& pair : pairs) {
+    Append(pair, &facets);
+  }
+  const std::vector<uint8_t> was_border =
+      MakeVertexRings(surface->mesh).is_border;
+  std::pair<Surface, Provenance> best;
+  for (int num_rings = 0; num_rings <= kMaxReplacedRings; ++num_rings) {
+    std::pair<Surface, Provenance> replaced(*surface, from);
+    const size_t num_holes = Replace(facets, num_rings, was_border,
+                                     &replaced.first, &replaced.second);
+    if (num_rings == 0 || num_holes == 0) {
+      best = std::move(replaced);
+    }
+    if (num_holes == 0) {
+      break;
+    }
+  }
+  *surface = std::move(best.first);
+  return std::move(best.second);
+}
+
+}  // namespace colmap_ext
